@@ -1,0 +1,1 @@
+"""The bridge's side of a device: configure it, command it, hear it."""

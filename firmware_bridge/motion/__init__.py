@@ -1,0 +1,1 @@
+"""Kinematics, ramps and odometry: numbers in, numbers out."""

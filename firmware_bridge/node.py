@@ -1,0 +1,47 @@
+"""The one seam: a node is told what arrived and when; it says what leaves and when to wake it.
+
+A node refuses to know who carries its packets: the virtual world, a real port, a recorder or a test.
+"""
+
+from dataclasses import dataclass
+from typing import Final, Protocol
+
+from firmware_bridge.units import NEVER, Nanoseconds
+
+CAN: Final = "can"
+SERIAL: Final = "serial"
+OPERATOR: Final = "operator"
+
+
+@dataclass(frozen=True, slots=True)
+class Packet:
+    """One CAN frame, one chunk of serial bytes, or one datagram.
+
+    `address` is the CAN identifier with the flags of `firmware_bridge.wire.can`; 0 on links without one.
+    A remote frame carries as many zero bytes as its length code says.
+    """
+
+    link: str
+    address: int
+    payload: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Reaction:
+    """What leaves now, in this order, and the next instant at which the node wants to be woken.
+
+    `wake_at` replaces every earlier wish of the node; `NEVER` asks for none.
+    """
+
+    sent: tuple[Packet, ...] = ()
+    wake_at: Nanoseconds = NEVER
+
+
+class Node(Protocol):
+    """Anything that sits on a link: a drive, the bridge, an operator, a recorder around one of them."""
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        """Take one packet that has wholly arrived at `now`."""
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        """Act on the time: the first call starts the node; later ones come at its `wake_at`, or earlier."""

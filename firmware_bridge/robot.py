@@ -1,0 +1,291 @@
+"""One robot, one file: geometry, limits, bus and axes, read by the bridge and by the emulators alike.
+
+A robot file is TOML. A wrong key or value is refused with the file's name and the key's path; nothing is
+guessed, and nothing is ignored.
+"""
+
+import math
+import tomllib
+from collections.abc import Iterable
+from enum import StrEnum
+from importlib import resources
+from pathlib import Path
+from typing import Annotated, Self
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from firmware_bridge.units import QUADCOUNTS_PER_LINE, STANDARD_GRAVITY
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+NodeId = Annotated[int, Field(ge=1, le=127)]
+Unsigned16 = Annotated[int, Field(ge=0, le=0xFFFF)]
+Signed16 = Annotated[int, Field(ge=-0x8000, le=0x7FFF)]
+Unsigned32 = Annotated[int, Field(ge=0, le=0xFFFF_FFFF)]
+
+
+class RobotFileError(Exception):
+    """A robot file that cannot be used: which file, which key, what is wrong with it."""
+
+    def __init__(self, file: str, key: str, problem: str) -> None:
+        super().__init__(file, key, problem)
+        self.file = file
+        self.key = key
+        self.problem = problem
+
+    def __str__(self) -> str:
+        """Say it in one line."""
+        return f"{self.file}: {self.key}: {self.problem}" if self.key else f"{self.file}: {self.problem}"
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, str_strip_whitespace=True)
+
+
+class Role(StrEnum):
+    """What an axis moves."""
+
+    LEFT_WHEEL = "left_wheel"
+    RIGHT_WHEEL = "right_wheel"
+    STEERING = "steering"
+    LIFT = "lift"
+
+
+class Mode(StrEnum):
+    """How a drive is commanded (CiA 402 modes of operation 3 and 1)."""
+
+    VELOCITY = "velocity"
+    POSITION = "position"
+
+
+class Bus(_Table):
+    """The CAN bus and its time-outs."""
+
+    bit_rate: Annotated[int, Field(ge=10_000, le=1_000_000)]
+    cycle_ms: Annotated[int, Field(ge=5, le=1000)]
+    bridge_node: NodeId
+    bridge_heartbeat_ms: Annotated[int, Field(ge=10, le=10_000)]
+    bridge_silent_ms: Annotated[int, Field(ge=10, le=10_000)]
+    drive_heartbeat_ms: Annotated[int, Field(ge=10, le=10_000)]
+    drive_silent_ms: Annotated[int, Field(ge=10, le=10_000)]
+
+    @model_validator(mode="after")
+    def _silence_is_longer_than_the_beat(self) -> Self:
+        if self.bridge_silent_ms <= self.bridge_heartbeat_ms:
+            raise ValueError("bridge_silent_ms must be longer than bridge_heartbeat_ms")
+        if self.drive_silent_ms <= max(self.drive_heartbeat_ms, self.cycle_ms):
+            raise ValueError("drive_silent_ms must be longer than drive_heartbeat_ms and cycle_ms")
+        return self
+
+
+class Base(_Table):
+    """Davis-steered platform, lengths in metres (thesis 2.4, Tab. 3.1)."""
+
+    wheel_radius_m: Positive
+    rear_track_m: Positive
+    wheelbase_m: Positive
+    kingpin_distance_m: Positive
+    davis_h_m: Positive
+    pinion_diameter_m: Positive
+    half_support_width_m: Positive
+    centre_of_gravity_height_m: Positive
+
+    @property
+    def davis_b_m(self) -> float:
+        """Half the tie rod's offset, from 2 b / h = a_k / w (2.12)."""
+        return self.davis_h_m * self.kingpin_distance_m / (2.0 * self.wheelbase_m)
+
+
+class Lift(_Table):
+    """Scissor lift on a screw (thesis 2.5): N stages of equal links, driven along the base."""
+
+    stages: Annotated[int, Field(ge=1, le=20)]
+    link_length_m: Positive
+    collapsed_angle_deg: Annotated[float, Field(gt=0, lt=90)]
+    extended_angle_deg: Annotated[float, Field(gt=0, lt=90)]
+    screw_pitch_m: Positive
+
+    @model_validator(mode="after")
+    def _extends_upwards(self) -> Self:
+        if self.extended_angle_deg <= self.collapsed_angle_deg:
+            raise ValueError("extended_angle_deg must be larger than collapsed_angle_deg")
+        return self
+
+
+class Limits(_Table):
+    """What the interlocks hold, whatever the operator wishes (thesis 2.3.1, 4.2.1)."""
+
+    speed_mps: Positive
+    acceleration_g: Positive
+    steer_angle_deg: Annotated[float, Field(gt=0, lt=90)]
+    turn_radius_m: Positive
+    lift_retracted_m: NonNegative
+    lift_rate_mps: Positive
+
+    @property
+    def acceleration_mps2(self) -> float:
+        """The acceleration limit in m/s2."""
+        return self.acceleration_g * STANDARD_GRAVITY
+
+
+class OperatorLink(_Table):
+    """The operator's link: how long silence is allowed, and the identity on MAVLink."""
+
+    silent_ms: Annotated[int, Field(ge=50, le=10_000)]
+    system_id: Annotated[int, Field(ge=1, le=255)]
+    component_id: Annotated[int, Field(ge=1, le=255)]
+
+
+class Gains(_Table):
+    """Regulator gains as the drive's raw integers (EPOS2 objects 0x60F6, 0x60F9, 0x60FB)."""
+
+    current_p: Signed16
+    current_i: Signed16
+    velocity_p: Signed16
+    velocity_i: Signed16
+    velocity_feedforward: Unsigned16 = 0
+    acceleration_feedforward: Unsigned16 = 0
+    position_p: Signed16
+    position_i: Signed16
+    position_d: Signed16
+    position_velocity_feedforward: Unsigned16 = 0
+    position_acceleration_feedforward: Unsigned16 = 0
+
+
+class Profile(_Table):
+    """Motion profile in the drive's units: rpm and rpm/s at the motor, quadcounts."""
+
+    velocity_rpm: Unsigned32
+    acceleration_rpm_s: Unsigned32
+    deceleration_rpm_s: Unsigned32
+    quick_stop_rpm_s: Unsigned32
+    max_velocity_rpm: Annotated[int, Field(ge=0, le=25_000)]
+    max_following_error_qc: Unsigned32
+
+
+class Axis(_Table):
+    """One drive and what hangs on its shaft."""
+
+    name: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$")]
+    title: str
+    role: Annotated[Role, Field(strict=False)]
+    node: NodeId
+    mode: Annotated[Mode, Field(strict=False)]
+    device: str
+    product_code: Unsigned32
+    motor: str
+    gear_ratio: Positive
+    encoder_lines: Annotated[int, Field(ge=16, le=2_500_000)]
+    direction: Annotated[int, Field(ge=-1, le=1)]
+    motor_type: Unsigned16
+    continuous_current_ma: Unsigned16
+    peak_current_ma: Unsigned16
+    thermal_time_constant_100ms: Annotated[int, Field(ge=1, le=5400)]
+    profile: Profile
+    gains: Gains
+
+    @model_validator(mode="after")
+    def _makes_sense(self) -> Self:
+        if self.direction == 0:
+            raise ValueError("direction must be 1 or -1")
+        if self.peak_current_ma < self.continuous_current_ma:
+            raise ValueError("peak_current_ma must not be below continuous_current_ma")
+        return self
+
+    @property
+    def quadcounts_per_turn(self) -> int:
+        """Quadcounts in one turn of the motor's shaft."""
+        return QUADCOUNTS_PER_LINE * self.encoder_lines
+
+    @property
+    def quadcounts_per_radian(self) -> float:
+        """Quadcounts in one radian behind the gear; its sign is the axis's direction."""
+        return self.direction * self.quadcounts_per_turn * self.gear_ratio / (2.0 * math.pi)
+
+
+class PlantFile(_Table):
+    """The simulated robot: which FMU, and parameters that differ from its defaults."""
+
+    fmu: str
+    parameters: dict[str, float] = Field(default_factory=dict)
+
+
+class Robot(_Table):
+    """A whole robot file, checked."""
+
+    name: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$")]
+    title: str
+    source: str
+    bus: Bus
+    base: Base
+    lift: Lift
+    limits: Limits
+    operator: OperatorLink
+    plant: PlantFile
+    axes: Annotated[tuple[Axis, ...], Field(min_length=1, strict=False)]
+
+    @model_validator(mode="after")
+    def _axes_are_distinct(self) -> Self:
+        for key in ("name", "node", "role"):
+            seen: dict[object, str] = {}
+            for axis in self.axes:
+                value = getattr(axis, key)
+                if value in seen:
+                    raise ValueError(f"{key} {value} is taken by two axes, '{seen[value]}' and '{axis.name}'")
+                seen[value] = axis.name
+        if self.bus.bridge_node in {axis.node for axis in self.axes}:
+            raise ValueError(f"bridge_node {self.bus.bridge_node} is the node of an axis, too")
+        return self
+
+    def axis(self, role: Role) -> Axis:
+        """Return the axis with this role; KeyError where the robot has none."""
+        for axis in self.axes:
+            if axis.role is role:
+                return axis
+        raise KeyError(role)
+
+
+def parse(text: str, file: str) -> Robot:
+    """Read a robot from TOML text; `file` names it in a RobotFileError."""
+    try:
+        table = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise RobotFileError(file, "", f"not valid TOML: {error}") from error
+    try:
+        return Robot.model_validate(table)
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = _path(first["loc"])
+        problem = first["msg"].removeprefix("Value error, ")
+        given = "" if isinstance(first["input"], dict | list) else f", but it is {first['input']!r}"
+        raise RobotFileError(file, key, f"{problem}{given}") from error
+
+
+def load(path: Path) -> Robot:
+    """Read a robot file; RobotFileError where it is missing, unreadable or wrong."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise RobotFileError(str(path), "", f"cannot be read: {error}") from error
+    return parse(text, str(path))
+
+
+def find(name: str) -> Robot:
+    """Read the robot of this name from the package, or from a path that ends in .toml."""
+    if name.endswith(".toml"):
+        return load(Path(name))
+    for path in shipped():
+        if path.stem == name:
+            return load(path)
+    known = ", ".join(path.stem for path in shipped())
+    raise RobotFileError(name, "", f"no such robot; there are: {known}. A path to a .toml file works, too")
+
+
+def shipped() -> list[Path]:
+    """Return the paths of the robot files in the package, sorted by name."""
+    folder = resources.files("firmware_bridge") / "robots"
+    return sorted(Path(str(entry)) for entry in folder.iterdir() if entry.name.endswith(".toml"))
+
+
+def _path(location: Iterable[int | str]) -> str:
+    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location).lstrip(".")

@@ -1,0 +1,1 @@
+"""One robot, one file."""

@@ -1,0 +1,1 @@
+"""What may move: the snapshot, the interlocks, the gate and the guard."""

@@ -1,0 +1,1 @@
+"""The operator's side: MAVLink bytes to intent, snapshot to telemetry."""

@@ -1,0 +1,1 @@
+"""From equations to an FMU: C code, model description, shell, archive."""

@@ -1,0 +1,1 @@
+"""RARS: equations, parameters and reference trajectory of the four-drive platform."""
