@@ -203,6 +203,16 @@ class Axis(_Table):
         return self.direction * self.quadcounts_per_turn * self.gear_ratio / (2.0 * math.pi)
 
 
+class Battery(_Table):
+    """How the battery is measured: an analogue input of one drive, behind a divider."""
+
+    axis: str
+    analogue_input: Annotated[int, Field(ge=1, le=2)]
+    divider: Positive
+    nominal_v: Positive
+    low_v: Positive
+
+
 class PlantFile(_Table):
     """The simulated robot: which FMU, and parameters that differ from its defaults."""
 
@@ -221,6 +231,7 @@ class Robot(_Table):
     lift: Lift
     limits: Limits
     operator: OperatorLink
+    battery: Battery
     plant: PlantFile
     axes: Annotated[tuple[Axis, ...], Field(min_length=1, strict=False)]
 
@@ -233,6 +244,8 @@ class Robot(_Table):
                 if value in seen:
                     raise ValueError(f"{key} {value} is taken by two axes, '{seen[value]}' and '{axis.name}'")
                 seen[value] = axis.name
+        if self.battery.axis not in {axis.name for axis in self.axes}:
+            raise ValueError(f"battery.axis '{self.battery.axis}' is not an axis")
         if self.bus.bridge_node in {axis.node for axis in self.axes}:
             raise ValueError(f"bridge_node {self.bus.bridge_node} is the node of an axis, too")
         return self

@@ -1,0 +1,121 @@
+"""CiA 402 as the EPOS2 speaks it: states with their statusword patterns, controlword commands, modes.
+
+Sources: EPOS Firmware Specification, sections on the state machine and the controlword (by analogy for the
+EPOS2), names as in maxon's command library.
+"""
+
+from dataclasses import dataclass
+from enum import Enum, IntEnum, IntFlag
+from typing import Final
+
+
+class State(Enum):
+    """A state and its statusword with the bits that identify it: 14, 8 and 6 to 0."""
+
+    START = 0x0000
+    NOT_READY_TO_SWITCH_ON = 0x0100
+    SWITCH_ON_DISABLED = 0x0140
+    READY_TO_SWITCH_ON = 0x0121
+    SWITCHED_ON = 0x0123
+    REFRESH = 0x4123
+    MEASURE_INIT = 0x4133
+    OPERATION_ENABLED = 0x0137
+    QUICK_STOP_ACTIVE = 0x0117
+    FAULT_REACTION_DISABLED = 0x010F
+    FAULT_REACTION_ENABLED = 0x011F
+    FAULT = 0x0108
+
+    @property
+    def title(self) -> str:
+        """The state in words."""
+        return self.name.lower().replace("_", " ")
+
+
+STATE_BITS: Final = 0x417F
+"""The statusword bits that tell the state; 9 to 13 and 15 say other things, 7 nothing."""
+
+_STATE_BY_PATTERN: Final = {state.value: state for state in State}
+
+
+def state_of(statusword: int) -> State | None:
+    """Return the state that a statusword tells; None for a pattern that is no state."""
+    return _STATE_BY_PATTERN.get(statusword & STATE_BITS)
+
+
+class Status(IntFlag):
+    """Statusword bits beside the state."""
+
+    REMOTE = 1 << 9
+    TARGET_REACHED = 1 << 10
+    INTERNAL_LIMIT = 1 << 11
+    SETPOINT_ACKNOWLEDGED = 1 << 12
+    """Profile position mode."""
+    SPEED_IS_ZERO = 1 << 12
+    """Profile velocity mode."""
+    FOLLOWING_ERROR = 1 << 13
+    REFERENCED = 1 << 15
+
+
+class Control(IntFlag):
+    """Controlword bits."""
+
+    SWITCH_ON = 1 << 0
+    ENABLE_VOLTAGE = 1 << 1
+    NO_QUICK_STOP = 1 << 2
+    ENABLE_OPERATION = 1 << 3
+    NEW_SETPOINT = 1 << 4
+    CHANGE_IMMEDIATELY = 1 << 5
+    RELATIVE = 1 << 6
+    FAULT_RESET = 1 << 7
+    HALT = 1 << 8
+
+
+class Command(Enum):
+    """What a controlword asks for. Checked in the order of `COMMANDS`; fault reset is an edge of its own."""
+
+    DISABLE_VOLTAGE = "disable voltage"
+    QUICK_STOP = "quick stop"
+    SHUTDOWN = "shutdown"
+    DISABLE_OPERATION = "switch on / disable operation"
+    ENABLE_OPERATION = "enable operation"
+
+
+@dataclass(frozen=True, slots=True)
+class ControlPattern:
+    """Bits that must be as in `value` where `mask` is set."""
+
+    command: Command
+    mask: int
+    value: int
+
+
+COMMANDS: Final = (
+    ControlPattern(Command.DISABLE_VOLTAGE, 0b0000_0010, 0b0000_0000),
+    ControlPattern(Command.QUICK_STOP, 0b0000_0110, 0b0000_0010),
+    ControlPattern(Command.SHUTDOWN, 0b0000_0111, 0b0000_0110),
+    ControlPattern(Command.DISABLE_OPERATION, 0b0000_1111, 0b0000_0111),
+    ControlPattern(Command.ENABLE_OPERATION, 0b0000_1111, 0b0000_1111),
+)
+
+
+def command_of(controlword: int) -> Command:
+    """Return the command of a controlword; the patterns cover every value."""
+    for pattern in COMMANDS:
+        if controlword & pattern.mask == pattern.value:
+            return pattern.command
+    raise AssertionError(controlword)
+
+
+class Mode(IntEnum):
+    """Modes of operation, 0x6060."""
+
+    INTERPOLATED_POSITION = 7
+    HOMING = 6
+    PROFILE_VELOCITY = 3
+    PROFILE_POSITION = 1
+    POSITION = -1
+    VELOCITY = -2
+    CURRENT = -3
+    DIAGNOSTIC = -4
+    MASTER_ENCODER = -5
+    STEP_DIRECTION = -6
