@@ -4,7 +4,7 @@ A node refuses to know who carries its packets: the virtual world, a real port, 
 """
 
 from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import Final, Protocol, runtime_checkable
 
 from firmware_bridge.units import NEVER, Nanoseconds
 
@@ -45,3 +45,11 @@ class Node(Protocol):
 
     def wake(self, now: Nanoseconds) -> Reaction:
         """Act on the time: the first call starts the node; later ones come at its `wake_at`, or earlier."""
+
+
+@runtime_checkable
+class Stoppable(Protocol):
+    """A node that can be asked to end in good order: bring to rest what moves, then let go of it."""
+
+    def stop(self, now: Nanoseconds) -> Reaction:
+        """Begin to end. Done when a reaction, this one or a later one, has a `wake_at` of `NEVER`."""

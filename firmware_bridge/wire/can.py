@@ -1,5 +1,9 @@
-"""A CAN frame's address word: identifier and flags as SocketCAN packs them."""
+"""A CAN frame: its address word as SocketCAN packs it, its length on the bus, its rank in arbitration.
 
+The length is exact, CRC-15 and stuff bits included (ISO 11898-1; Bosch CAN 2.0, part B, sections 3 and 5).
+"""
+
+from functools import lru_cache
 from typing import Final
 
 EXTENDED: Final = 1 << 31
@@ -16,3 +20,105 @@ MAX_PAYLOAD: Final = 8
 def identifier(address: int) -> int:
     """Return the 11-bit or 29-bit identifier without its flags."""
     return address & (EXTENDED_MASK if address & EXTENDED else STANDARD_MASK)
+
+
+INTERFRAME_BITS: Final = 3
+"""The intermission between two frames; not part of `frame_bits`."""
+
+_CRC_POLYNOMIAL: Final = 0x4599
+_CRC_BITS: Final = 15
+_TAIL_BITS: Final = 10
+"""After the CRC, never stuffed: CRC delimiter, acknowledge slot and delimiter, 7 bits end of frame."""
+_RUN: Final = 5
+"""After this many equal bits the sender inserts one of the other kind."""
+
+
+def _crc_table() -> tuple[int, ...]:
+    table = []
+    for first in range(256):
+        crc = first << 7
+        for _ in range(8):
+            crc = (crc << 1) ^ (_CRC_POLYNOMIAL if crc & 0x4000 else 0)
+        table.append(crc & 0x7FFF)
+    return tuple(table)
+
+
+def _stuff_table() -> tuple[int, ...]:
+    """Return, for (state, byte), the stuff bits shifted by 12 and the next state shifted by 8.
+
+    A state is the last bit on the bus and how many of its kind came in a row, stuff bits included.
+    """
+    table = []
+    for state in range(2 * _RUN):
+        for byte in range(256):
+            last, run = divmod(state, _RUN)
+            run += 1
+            stuffed = 0
+            for position in range(7, -1, -1):
+                bit = byte >> position & 1
+                run = run + 1 if bit == last else 1
+                last = bit
+                if run == _RUN:
+                    stuffed += 1
+                    last, run = 1 - bit, 1
+            table.append(stuffed << 12 | (last * _RUN + run - 1) << 8)
+    return tuple(table)
+
+
+_CRC_TABLE: Final = _crc_table()
+_STUFF_TABLE: Final = _stuff_table()
+
+
+def crc15(bits: int, count: int) -> int:
+    """Return the frame check sequence of the lowest `count` bits of `bits`, the first bit being the highest.
+
+    Zeros in front change nothing, because the register starts at zero; that is what makes whole bytes of it.
+    """
+    crc = 0
+    for byte in bits.to_bytes((count + 7) >> 3, "big"):
+        crc = ((crc << 8) & 0x7FFF) ^ _CRC_TABLE[(crc >> 7) ^ byte]
+    return crc
+
+
+@lru_cache(maxsize=8192)
+def frame_bits(address: int, payload: bytes) -> int:
+    """Return the bits from start of frame to end of frame, stuff bits included; ValueError for no such frame.
+
+    Stuffing reaches from start of frame to the last bit of the CRC. The interframe space is not included.
+    """
+    length = len(payload)
+    if length > MAX_PAYLOAD or address & ERROR:
+        raise ValueError(f"{address:08X} with {length} bytes is not a frame on a CAN bus")
+    remote = 1 if address & REMOTE else 0
+    if address & EXTENDED:
+        base = address >> 18 & STANDARD_MASK
+        head = base << 20 | 3 << 18 | address & 0x3FFFF
+        bits = (head << 1 | remote) << 6 | length
+        count = 39
+    else:
+        bits = ((address & STANDARD_MASK) << 1 | remote) << 6 | length
+        count = 19
+    if not remote:
+        bits = bits << 8 * length | int.from_bytes(payload, "big")
+        count += 8 * length
+    stuffable = bits << _CRC_BITS | crc15(bits, count)
+    count += _CRC_BITS
+    # Whole bytes again: alternating bits in front, a one last, leave the run of the start bit at one.
+    padding = -count % 8
+    state = stuffed = 0
+    for byte in ((0x55 & (1 << padding) - 1) << count | stuffable).to_bytes((count + padding) >> 3, "big"):
+        entry = _STUFF_TABLE[state | byte]
+        state = entry & 0xF00
+        stuffed += entry >> 12
+    return count + stuffed + _TAIL_BITS
+
+
+def arbitration_rank(address: int) -> int:
+    """Return the bits that decide arbitration as one number: the lowest one wins the bus.
+
+    The 11 base bits, then RTR or SRR, then the identifier extension bit, the other 18 bits and their RTR.
+    """
+    remote = 1 if address & REMOTE else 0
+    if address & EXTENDED:
+        return (address >> 18 & STANDARD_MASK) << 21 | 3 << 19 | (address & 0x3FFFF) << 1 | remote
+    return (address & STANDARD_MASK) << 21 | remote << 20

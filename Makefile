@@ -1,0 +1,60 @@
+# One command for each thing that a newcomer or a machine wants. `make demo` and `make test` set up by themselves.
+#
+# PYTHON chooses the interpreter (3.11 or later), OUT where the demo writes, JOBS how many test processes run.
+
+PYTHON ?= $(shell for it in python3 python3.11 python3.12 python3.13 python3.14; do \
+	$$it -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo $$it; break; }; done)
+OUT ?= out
+JOBS ?= 2
+MISSIONS := line circles interlocks
+
+BIN := .venv/bin
+READY := .venv/.ready
+BRIDGE := $(BIN)/firmware-bridge
+
+.DEFAULT_GOAL := help
+.PHONY: help setup demo test check bench clean
+
+help: ## list these commands
+	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' Makefile
+
+setup: $(READY) ## make .venv with the program and everything that its tests need
+
+$(READY): pyproject.toml
+	@[ -n "$(PYTHON)" ] || { echo "setup: no Python 3.11 or later found; install one, or name it: make PYTHON=python3.11 ..." >&2; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+		{ echo "setup: $(PYTHON) is not Python 3.11 or later; name another one: make PYTHON=python3.11 ..." >&2; exit 1; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || \
+		{ echo "setup: $(PYTHON) has no venv module; on Debian or Ubuntu: apt-get install python3-venv" >&2; exit 1; }
+	@command -v "$${CC:-cc}" >/dev/null || command -v gcc >/dev/null || command -v clang >/dev/null || \
+		{ echo "setup: no C compiler found (the plants are built from C); on Debian or Ubuntu: apt-get install gcc libc6-dev" >&2; exit 1; }
+	@echo "setup: making .venv with $(PYTHON); this takes a minute or two, once"
+	@[ -x $(BIN)/python ] || $(PYTHON) -m venv .venv
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade 'pip>=25.1'
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable . --group dev
+	@touch $@
+
+demo: $(READY) ## drive the shipped missions in virtual time; results in out/
+	@begun=$$(date +%s); \
+	for mission in $(MISSIONS); do \
+		$(BRIDGE) bench rars --mission $$mission --out $(OUT)/rars-$$mission || exit $$?; \
+	done; \
+	echo "demo: $(MISSIONS) driven in $$(( $$(date +%s) - begun )) s; tables, plots and recordings are in $(OUT)/rars-*/"
+
+test: $(READY) ## run every test that this machine's kernel allows
+	@begun=$$(date +%s); \
+	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal -q; status=$$?; \
+	echo "test: $$(( $$(date +%s) - begun )) s"; exit $$status
+
+check: $(READY) ## lint, format, types, import contracts, documents in step
+	@$(BIN)/ruff check .
+	@$(BIN)/ruff format --check .
+	@$(BIN)/mypy
+	@$(BIN)/lint-imports
+	@$(BIN)/python -m pytest -q -p no:xdist hil_tests/architecture
+
+bench: $(READY) ## measure the real-time factor and where the time goes
+	@$(BIN)/python benchmarks/realtime.py
+
+clean: ## remove what was built and measured; .venv stays
+	rm -rf build dist out .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

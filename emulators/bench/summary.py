@@ -1,0 +1,143 @@
+"""One run in numbers: what the plant did, what the bridge believed, what held, and what the bus carried."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Final, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from emulators.bench.records import SAMPLE_EVERY, HoldRecord, Sample
+from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
+
+ACCELERATION_WINDOW: Final[Nanoseconds] = 50 * MILLISECOND
+"""Acceleration is averaged over one cycle of the set-points: a motor's ripple does not move the platform."""
+
+Floats: TypeAlias = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """How a run was asked for, and what its wires and clocks say of it."""
+
+    robot: str
+    mission: str
+    seed: int
+    simulated: Nanoseconds
+    wall_s: float
+    frames: int
+    bus_load_percent: float
+    trace_sha256: str
+
+
+@dataclass(frozen=True, slots=True)
+class Held:
+    """One hold, in seconds from the start of the run."""
+
+    name: str
+    reason: str
+    began_s: float
+    ended_s: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """What `summary.json` holds; the names of the fields are its keys."""
+
+    robot: str
+    mission: str
+    seed: int
+    simulated_s: float
+    wall_s: float
+    realtime_factor: float
+    max_speed_mps: float
+    max_acceleration_mps2: float
+    """Largest change of the forward speed over 50 ms, emergency stops included."""
+    max_lateral_acceleration_mps2: float
+    """Largest speed times yaw rate."""
+    path_length_m: float
+    odometry_error_m: float
+    """Distance between the bridge's pose and the plant's at the end of the run."""
+    max_odometry_error_m: float
+    """The largest such distance; while the robot moves it holds up to one cycle's travel of pure delay."""
+    max_current_a: float
+    frames: int
+    bus_load_percent: float
+    trace_sha256: str
+    holds: tuple[Held, ...]
+
+
+def summarise(run: Run, samples: Sequence[Sample], holds: Sequence[HoldRecord]) -> Summary:
+    """Turn a run's rows into its numbers; a run without rows has not moved."""
+    speed = _column([row.speed_mps for row in samples])
+    lateral = speed * _column([row.yaw_rate_rad_s for row in samples])
+    steps = np.hypot(np.diff([row.x_m for row in samples]), np.diff([row.y_m for row in samples]))
+    errors = odometry_errors(samples)
+    currents = _column([current for row in samples for current in row.currents_a])
+    simulated_s = to_seconds(run.simulated)
+    return Summary(
+        robot=run.robot,
+        mission=run.mission,
+        seed=run.seed,
+        simulated_s=simulated_s,
+        wall_s=round(run.wall_s, 3),
+        realtime_factor=round(simulated_s / run.wall_s, 2) if run.wall_s > 0.0 else 0.0,
+        max_speed_mps=_largest(speed),
+        max_acceleration_mps2=_largest(mean_acceleration(speed)),
+        max_lateral_acceleration_mps2=_largest(lateral),
+        path_length_m=float(steps.sum()),
+        odometry_error_m=float(errors[-1]) if errors.size else 0.0,
+        max_odometry_error_m=_largest(errors),
+        max_current_a=_largest(currents),
+        frames=run.frames,
+        bus_load_percent=round(run.bus_load_percent, 3),
+        trace_sha256=run.trace_sha256,
+        holds=tuple(
+            Held(
+                name=hold.name,
+                reason=hold.reason,
+                began_s=to_seconds(hold.began),
+                ended_s=None if hold.ended is None else to_seconds(hold.ended),
+            )
+            for hold in holds
+        ),
+    )
+
+
+def mean_acceleration(speed_mps: Floats) -> Floats:
+    """Return the forward acceleration in m/s2, averaged over each window of 50 ms of rows 10 ms apart."""
+    window = ACCELERATION_WINDOW // SAMPLE_EVERY
+    return (speed_mps[window:] - speed_mps[:-window]) / to_seconds(ACCELERATION_WINDOW)
+
+
+def odometry_errors(samples: Sequence[Sample]) -> Floats:
+    """Return the distance in metres between the bridge's pose and the plant's, row by row.
+
+    The bridge counts from where it began, the plant from its own origin: the first row makes them agree.
+    """
+    if not samples:
+        return _column([])
+    first = samples[0]
+    turn = first.heading_rad - first.odometry_heading_rad
+    believed = _column([row.odometry_x_m - first.odometry_x_m for row in samples]) + 1j * _column(
+        [row.odometry_y_m - first.odometry_y_m for row in samples]
+    )
+    true = _column([row.x_m - first.x_m for row in samples]) + 1j * _column(
+        [row.y_m - first.y_m for row in samples]
+    )
+    apart: Floats = np.abs(true - believed * np.exp(1j * turn))
+    return apart
+
+
+def as_json(summary: Summary) -> str:
+    """Write a summary as JSON, one key a line, ending in a new line."""
+    return json.dumps(asdict(summary), indent=2, ensure_ascii=False) + "\n"
+
+
+def _column(values: Sequence[float]) -> Floats:
+    return np.array(values, dtype=np.float64)
+
+
+def _largest(values: Floats) -> float:
+    return float(np.abs(values).max()) if values.size else 0.0

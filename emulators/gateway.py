@@ -1,0 +1,93 @@
+"""Several emulated devices and their physics as one node, so that the runner can carry them on a real bus.
+
+Between its members packets are exchanged at once; the real bus carries them to everybody else.
+"""
+
+from collections import deque
+from collections.abc import Mapping
+
+from emulators.world import Physics
+from firmware_bridge.node import Node, Packet, Reaction
+from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
+
+
+class _Member:
+    """A node in the cluster, when it wants to be woken, and from when on it is cut off."""
+
+    __slots__ = ("name", "node", "silent_from", "wake_at")
+
+    def __init__(self, name: str, node: Node) -> None:
+        self.name = name
+        self.node = node
+        self.wake_at: Nanoseconds = 0
+        self.silent_from: Nanoseconds = NEVER
+
+
+class Cluster:
+    """One node made of many. The physics is moved on at every call, and at least once in `poll`."""
+
+    def __init__(
+        self, members: Mapping[str, Node], physics: Physics | None = None, poll: Nanoseconds = MILLISECOND
+    ) -> None:
+        self._members = {name: _Member(name, node) for name, node in members.items()}
+        self._physics = physics
+        self._poll = poll
+        self._outbox: list[Packet] = []
+        self._between: deque[tuple[_Member, Packet]] = deque()
+
+    def silence(self, name: str, from_time: Nanoseconds) -> None:
+        """Cut a member off the bus from an instant on; it lives on. KeyError for a name that is not there."""
+        self._members[name].silent_from = from_time
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        """Move the physics to now and give the packet to every member."""
+        self._advance(now)
+        for member in self._members.values():
+            if now < member.silent_from:
+                self._take(member, member.node.receive(packet, now), now)
+        return self._reaction(now)
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        """Move the physics to now and wake the members that are due."""
+        self._advance(now)
+        for member in self._members.values():
+            if member.wake_at <= now:
+                member.wake_at = NEVER
+                self._take(member, member.node.wake(now), now)
+        return self._reaction(now)
+
+    def _advance(self, now: Nanoseconds) -> None:
+        if self._physics is None:
+            return
+        while True:
+            reached, names = self._physics.advance(now)
+            if not names:
+                return
+            for name in names:
+                member = self._members[name]
+                self._take(member, member.node.wake(reached), reached)
+            self._exchange(reached)
+
+    def _take(self, member: _Member, reaction: Reaction, now: Nanoseconds) -> None:
+        member.wake_at = reaction.wake_at
+        if reaction.sent and now < member.silent_from:
+            self._outbox.extend(reaction.sent)
+            self._between.extend((member, packet) for packet in reaction.sent)
+
+    def _exchange(self, now: Nanoseconds) -> None:
+        """Let the members hear one another, until nobody has anything to add."""
+        between = self._between
+        while between:
+            sender, packet = between.popleft()
+            for member in self._members.values():
+                if member is not sender and now < member.silent_from:
+                    self._take(member, member.node.receive(packet, now), now)
+
+    def _reaction(self, now: Nanoseconds) -> Reaction:
+        self._exchange(now)
+        wake_at = min((member.wake_at for member in self._members.values()), default=NEVER)
+        if self._physics is not None:
+            wake_at = min(wake_at, now + self._poll)
+        sent = tuple(self._outbox)
+        self._outbox.clear()
+        return Reaction(sent, wake_at)

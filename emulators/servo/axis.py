@@ -1,0 +1,223 @@
+"""One servo axis as a flat record of whole numbers: what a regulator needs to know between two ticks.
+
+It refuses to know objects, states and the bus. Every value fits 64 bits, so that a kernel in C can keep the
+same record and give the same results.
+"""
+
+from typing import Final
+
+from firmware_bridge.units import MICROSECOND, Nanoseconds
+
+TICK: Final[Nanoseconds] = 100 * MICROSECOND
+"""Sampling of the current loop, 10 kHz (EPOS2 Application Notes, p. 120)."""
+TICKS_PER_MILLISECOND: Final = 10
+"""The velocity and position loops and the profile run at 1 kHz (EPOS2 Application Notes, p. 121, 136)."""
+
+OFF: Final = -1
+"""A supervision that is switched off (0xFFFFFFFF in the objects)."""
+
+# What drives the current demand.
+IDLE: Final = 0
+CURRENT: Final = 1
+VELOCITY: Final = 2
+POSITION: Final = 3
+
+# What drives the demands of the velocity and position regulators.
+DIRECT: Final = 0
+RAMP: Final = 1
+MOVE: Final = 2
+
+# What an axis tells; a change of one of these is an event.
+PROFILE_DONE: Final = 1 << 0
+TARGET_REACHED: Final = 1 << 1
+AT_REST: Final = 1 << 2
+CURRENT_LIMITED: Final = 1 << 3
+FOLLOWING_ERROR: Final = 1 << 4
+OVER_CURRENT: Final = 1 << 5
+UNDER_VOLTAGE: Final = 1 << 6
+OVER_VOLTAGE: Final = 1 << 7
+
+LARGEST_SPEED: Final = 1 << 29
+"""25 000 rpm, the fastest that any object allows, lies below this many velocity units."""
+FASTEST_RPM: Final = 25_000
+FOREVER: Final = 1 << 62
+
+
+class ServoAxis:
+    """The state of one axis. Positions and velocities of the demand carry `fraction` binary places.
+
+    Velocity unit: 2^-fraction qc per ms. Acceleration unit: velocity unit per ms. Currents in mA, voltages
+    in mV. Gains are multipliers in binary fixed point: see `emulators.servo.scaling`.
+    """
+
+    __slots__ = (
+        # Fixed: the names, and the encoder that is mounted, in quadcounts per turn of the shaft.
+        "name",
+        "node",
+        "encoder_resolution",
+        # The surroundings, sampled from the plant every ms.
+        "supply_mv",
+        "analogue_1_mv",
+        "analogue_2_mv",
+        # Scaling and gains, derived from the objects.
+        "resolution",
+        "fraction",
+        "current_p",
+        "current_i",
+        "velocity_p",
+        "velocity_i",
+        "velocity_speed_forward",
+        "velocity_acceleration_forward",
+        "position_p",
+        "position_i",
+        "position_d",
+        "position_filter",
+        "position_speed_forward",
+        "position_acceleration_forward",
+        # Limits and supervision, derived from the objects.
+        "continuous_ma",
+        "peak_ma",
+        "thermal_full",
+        "speed_limit",
+        "following_limit_qc",
+        "position_window_qc",
+        "position_window_ms",
+        "velocity_window",
+        "velocity_window_ms",
+        "rest_window",
+        "rest_ms",
+        "voltage_percent",
+        "over_current_ma",
+        "under_voltage_mv",
+        "over_voltage_mv",
+        # Commands.
+        "powered",
+        "regulator",
+        "profile",
+        "current_setting_ma",
+        "target_velocity",
+        "target_position",
+        "cruise",
+        "acceleration",
+        "deceleration",
+        "stopping_distance",
+        "call",
+        # State.
+        "now",
+        "flags",
+        "encoder",
+        "position",
+        "step",
+        "velocity_average",
+        "current_ma",
+        "current_average",
+        "current_demand_ma",
+        "current_limit_ma",
+        "current_integral",
+        "voltage_mv",
+        "back_emf",
+        "velocity_demand",
+        "acceleration_demand",
+        "position_demand",
+        "velocity_integral",
+        "position_integral",
+        "derivative",
+        "thermal",
+        "window_ms",
+        "still_ms",
+    )
+
+    def __init__(
+        self,
+        name: str,
+        encoder_resolution: int,
+        node: str = "",
+        *,
+        supply_mv: int = 24_000,
+        back_emf: int = 0,
+    ) -> None:
+        """Take the mounted encoder in qc per turn, and the node to wake (the name where it is empty).
+
+        `back_emf` in 2^-24 V s/rad speeds up an open winding's first instants; it is learnt where it is 0.
+        """
+        self.name: Final = name
+        self.node: Final = node or name
+        self.encoder_resolution: Final = encoder_resolution
+        self.supply_mv = supply_mv
+        self.analogue_1_mv = 0
+        self.analogue_2_mv = 0
+        self.back_emf = back_emf
+        # ASSUME: 90 % of the supply reaches the winding; the rest is the bridge and its dead time.
+        self.voltage_percent = 90
+        # ASSUME: the hardware cuts off above 1.5 times the 70/10's largest output current of 25 A.
+        self.over_current_ma = 37_500
+        # ASSUME: supply range 11 V to 70 V, from the type's name and its sisters.
+        self.under_voltage_mv = 10_000
+        self.over_voltage_mv = 75_000
+        self._unscaled()
+        self.encoder = 0
+        self.now: Nanoseconds = 0
+        self.restart()
+
+    def _unscaled(self) -> None:
+        self.resolution = self.encoder_resolution
+        self.fraction = 0
+        self.current_p = self.current_i = 0
+        self.velocity_p = self.velocity_i = 0
+        self.velocity_speed_forward = self.velocity_acceleration_forward = 0
+        self.position_p = self.position_i = self.position_d = self.position_filter = 0
+        self.position_speed_forward = self.position_acceleration_forward = 0
+        self.continuous_ma = self.peak_ma = 0
+        self.thermal_full = FOREVER
+        self.speed_limit = 0
+        self.following_limit_qc = OFF
+        self.position_window_qc = self.velocity_window = OFF
+        self.position_window_ms = self.velocity_window_ms = 0
+        self.rest_window = self.rest_ms = 0
+
+    def restart(self) -> None:
+        """Begin as after power-on: power off, position 0 at the present angle (ASSUME: counter cleared)."""
+        self.powered = 0
+        self.profile = DIRECT
+        self.regulator = IDLE
+        self.current_setting_ma = 0
+        self.target_velocity = self.target_position = 0
+        self.cruise = self.acceleration = self.deceleration = 1
+        self.stopping_distance = 0
+        self.call = 0
+        self.flags = AT_REST
+        self.position = 0
+        self.step = self.velocity_average = 0
+        self.current_ma = self.current_average = 0
+        self.current_demand_ma = self.current_limit_ma = 0
+        self.current_integral = self.voltage_mv = 0
+        self.thermal = self.window_ms = self.still_ms = 0
+        self.clear_demand()
+
+    def clear_demand(self) -> None:
+        """Let the demands follow the shaft, with empty integrators: where a regulator starts from."""
+        self.position_demand = self.position << self.fraction
+        self.velocity_demand = self.velocity_average
+        self.acceleration_demand = 0
+        self.velocity_integral = self.position_integral = self.derivative = 0
+
+    def switch_on(self) -> None:
+        """Close the power stage with no current demanded; the regulator starts at the winding's voltage."""
+        self.powered = 1
+        self.regulator = IDLE
+        self.profile = DIRECT
+        self.current_demand_ma = 0
+        self.current_integral = self.voltage_mv << 8
+        self.clear_demand()
+
+    def switch_off(self) -> None:
+        """Open the winding."""
+        self.powered = 0
+        self.regulator = IDLE
+        self.profile = DIRECT
+        self.current_demand_ma = 0
+        self.current_integral = 0
+        self.flags &= ~(PROFILE_DONE | TARGET_REACHED | FOLLOWING_ERROR)
+        self.clear_demand()
+
+

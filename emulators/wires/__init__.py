@@ -1,0 +1,8 @@
+"""Wires of the virtual world: a CAN bus, a serial line, a datagram link, each in its own exact time."""
+
+from emulators.wires.can import CanWire
+from emulators.wires.datagram import DatagramWire
+from emulators.wires.ends import Observer
+from emulators.wires.serial import Inbox, SerialWire
+
+__all__ = ["CanWire", "DatagramWire", "Inbox", "Observer", "SerialWire"]

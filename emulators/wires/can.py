@@ -1,0 +1,133 @@
+"""A CAN bus: one frame at a time, exact stuffed length, arbitration by identifier, interframe space, load.
+
+It refuses to know bit errors: a frame whose sender is cut off under way is destroyed, all others arrive.
+Every node has one queue, first in first out; the heads of the queues arbitrate.
+"""
+
+from collections import deque
+from typing import Final
+
+from emulators.wires.ends import End, Ends, Observer
+from emulators.world import Station, World, WorldError
+from firmware_bridge.node import Packet
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+from firmware_bridge.wire.can import INTERFRAME_BITS, arbitration_rank, frame_bits
+
+WINDOW: Final = 100 * MILLISECOND
+"""The peak load is the highest that any window of this length has seen."""
+
+
+class _Controller(End):
+    """A station's CAN controller: what it wants to send, with the length in bits."""
+
+    __slots__ = ("queue",)
+
+    def __init__(self, station: Station, link: str) -> None:
+        super().__init__(station, link)
+        self.queue: deque[tuple[Packet, int]] = deque()
+
+
+class CanWire:
+    """A CAN bus at `bit_rate` bits a second, which must divide a second into whole nanoseconds."""
+
+    def __init__(self, bit_rate: int, name: str = "can") -> None:
+        if bit_rate <= 0 or SECOND % bit_rate:
+            raise WorldError(f"CAN bit rate {bit_rate}: a bit must last a whole number of nanoseconds")
+        self.name = name
+        self.bit_time: Nanoseconds = SECOND // bit_rate
+        self.frames = 0
+        self.bits = 0
+        """Bits of all frames from start to end of frame, without the spaces between them."""
+        self.destroyed = 0
+        self.clashes = 0
+        """How often two nodes began one identifier at once; a real bus answers that with a bit error."""
+        self._ends = Ends(name)
+        self._controllers: dict[Station, _Controller] = {}
+        self._idle_from: Nanoseconds = 0
+        self._busy = False
+        self._recent: deque[tuple[Nanoseconds, Nanoseconds]] = deque()
+        self._recent_time: Nanoseconds = 0
+        self._peak_time: Nanoseconds = 0
+
+    def join(self, world: World, station: Station, link: str) -> None:
+        """Connect a station, which calls this wire `link`."""
+        controller = _Controller(station, link)
+        self._ends.join(world, controller)
+        self._controllers[station] = controller
+
+    def leave(self, station: Station) -> None:
+        """Disconnect a station; a frame that it is sending is destroyed."""
+        self._ends.leave(station)
+        del self._controllers[station]
+
+    def observe(self, observer: Observer) -> None:
+        """Call `observer` for every frame that has wholly arrived."""
+        self._ends.observers.append(observer)
+
+    def carry(self, sender: Station, packet: Packet) -> None:
+        """Queue a frame; ValueError for what is no frame."""
+        self._controllers[sender].queue.append((packet, frame_bits(packet.address, packet.payload)))
+        if not self._busy:
+            # Not at once: others may begin at this very instant, and then the identifier decides.
+            self._busy = True
+            world = self._ends.world
+            world.call_at(max(world.now, self._idle_from), self._arbitrate)
+
+    def load_percent(self) -> float:
+        """Return the part of the time so far in which the bus was taken, interframe spaces included."""
+        now = self._ends.world.now
+        return 100.0 * self._taken(self.bits, self.frames) / now if now else 0.0
+
+    def peak_percent(self) -> float:
+        """Return the load in the busiest window; a frame counts where it ends."""
+        return min(100.0, 100.0 * self._peak_time / WINDOW)
+
+    def _taken(self, bits: int, frames: int) -> Nanoseconds:
+        return (bits + INTERFRAME_BITS * frames) * self.bit_time
+
+    def _arbitrate(self, _: object) -> None:
+        world = self._ends.world
+        winner: _Controller | None = None
+        best = 0
+        for controller in self._controllers.values():
+            queue = controller.queue
+            if queue and world.now >= controller.station.silent_from:
+                queue.clear()
+            if not queue:
+                continue
+            rank = arbitration_rank(queue[0][0].address)
+            if winner is None or rank < best:
+                winner, best = controller, rank
+            elif rank == best:
+                self.clashes += 1
+        if winner is None:
+            self._busy = False
+            return
+        bits = winner.queue[0][1]
+        world.call_at(world.now + bits * self.bit_time, self._finish, winner)
+
+    def _finish(self, controller: _Controller) -> None:
+        world = self._ends.world
+        now = world.now
+        packet, bits = controller.queue.popleft()
+        self._idle_from = now + INTERFRAME_BITS * self.bit_time
+        self.frames += 1
+        self.bits += bits
+        self._measure(now, self._taken(bits, 1))
+        if controller.gone or now >= controller.station.silent_from:
+            self.destroyed += 1
+        else:
+            self._ends.hand_over(controller.station, packet)
+        for other in self._controllers.values():
+            if other.queue:
+                world.call_at(self._idle_from, self._arbitrate)
+                return
+        self._busy = False
+
+    def _measure(self, now: Nanoseconds, taken: Nanoseconds) -> None:
+        recent = self._recent
+        recent.append((now, taken))
+        self._recent_time += taken
+        while recent[0][0] <= now - WINDOW:
+            self._recent_time -= recent.popleft()[1]
+        self._peak_time = max(self._peak_time, self._recent_time)

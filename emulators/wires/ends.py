@@ -1,0 +1,67 @@
+"""What all wires share: the stations at their ends, the observers, and the trace of what was carried."""
+
+from collections.abc import Callable
+from typing import TypeAlias
+
+from emulators.world import Station, World, WorldError
+from firmware_bridge.node import Packet
+from firmware_bridge.units import Nanoseconds
+
+Observer: TypeAlias = Callable[[Nanoseconds, str, Packet], None]
+"""Called with the instant, the sender's name and the packet, when the packet has wholly arrived."""
+
+
+class End:
+    """A station at the end of a wire, which it calls `link`."""
+
+    __slots__ = ("gone", "link", "station")
+
+    def __init__(self, station: Station, link: str) -> None:
+        self.station = station
+        self.link = link
+        self.gone = False
+
+
+class Ends:
+    """The ends of one wire in the order in which they joined; everybody hears everybody else."""
+
+    def __init__(self, wire: str) -> None:
+        self.wire = wire
+        self.all: list[End] = []
+        self.observers: list[Observer] = []
+        self._world: World | None = None
+
+    @property
+    def world(self) -> World:
+        """The world that this wire is in; WorldError before anybody has joined."""
+        if self._world is None:
+            raise WorldError(f"nobody is on wire '{self.wire}' yet")
+        return self._world
+
+    def join(self, world: World, end: End) -> None:
+        """Add an end."""
+        if self._world is not None and self._world is not world:
+            raise WorldError(f"wire '{self.wire}' is in another world already")
+        self._world = world
+        self.all.append(end)
+
+    def leave(self, station: Station) -> None:
+        """Remove the end of a station."""
+        for end in self.all:
+            end.gone = end.gone or end.station is station
+        self.all = [end for end in self.all if not end.gone]
+
+    def hand_over(self, sender: Station, packet: Packet) -> None:
+        """Give a packet that has wholly arrived to observers, trace and everybody but its sender."""
+        world = self.world
+        for observer in self.observers:
+            observer(world.now, sender.name, packet)
+        world.note(self.wire, sender.name, packet)
+        for end in self.all:
+            station = end.station
+            if station is not sender:
+                link = end.link
+                world.deliver(
+                    station,
+                    packet if packet.link == link else Packet(link, packet.address, packet.payload),
+                )

@@ -1,0 +1,140 @@
+"""A serial line between two ends, both ways at once: real byte times, receive buffers of real size.
+
+It refuses to know parity and framing errors. A byte is ten bits: start, eight data bits, stop.
+"""
+
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final
+
+from emulators.wires.ends import End, Ends, Observer
+from emulators.world import Station, World, WorldError
+from firmware_bridge.node import Packet
+from firmware_bridge.units import SECOND, Nanoseconds
+
+BITS_PER_BYTE: Final = 10
+_ENDS: Final = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Inbox:
+    """A receive buffer that its owner empties only at multiples of `read_every`, as a main loop does."""
+
+    buffer_bytes: int
+    read_every: Nanoseconds
+
+
+class _Uart(End):
+    """One end: what it still sends, and what waits in its receive buffer until it is read."""
+
+    __slots__ = ("begun_at", "buffer", "overruns", "queue", "reading", "sending", "since")
+
+    def __init__(self, station: Station, link: str) -> None:
+        super().__init__(station, link)
+        self.queue: deque[int] = deque()
+        self.sending = False
+        self.begun_at: Nanoseconds = 0
+        self.since = 0
+        self.buffer = bytearray()
+        self.overruns = 0
+        self.reading = False
+
+
+class SerialWire:
+    """A line at `baud` bits a second.
+
+    A station with an inbox, by its name, loses what does not fit into it between two reads. To any other
+    station each byte is handed over when its stop bit has passed.
+    """
+
+    def __init__(
+        self, baud: int, inboxes: Mapping[str, Inbox] = MappingProxyType({}), name: str = "serial"
+    ) -> None:
+        if baud <= 0:
+            raise WorldError(f"line '{name}': {baud} baud")
+        for owner, inbox in inboxes.items():
+            if inbox.buffer_bytes <= 0 or inbox.read_every <= 0:
+                raise WorldError(f"line '{name}': the inbox of '{owner}' needs a size and a time above zero")
+        self.name = name
+        self.baud = baud
+        self._inboxes = dict(inboxes)
+        self._ends = Ends(name)
+        self._uarts: dict[Station, _Uart] = {}
+
+    def join(self, world: World, station: Station, link: str) -> None:
+        """Connect a station, which calls this wire `link`; WorldError for a third one."""
+        if len(self._uarts) == _ENDS:
+            raise WorldError(f"line '{self.name}' has two ends, and '{station.name}' would be a third")
+        uart = _Uart(station, link)
+        self._ends.join(world, uart)
+        self._uarts[station] = uart
+
+    def leave(self, station: Station) -> None:
+        """Disconnect a station; what it has not sent yet is lost."""
+        self._ends.leave(station)
+        self._uarts.pop(station).queue.clear()
+
+    def observe(self, observer: Observer) -> None:
+        """Call `observer` for every chunk that is handed over."""
+        self._ends.observers.append(observer)
+
+    def overruns(self, name: str) -> int:
+        """Return how many bytes for the station of this name found its buffer full."""
+        return sum(uart.overruns for uart in self._uarts.values() if uart.station.name == name)
+
+    def carry(self, sender: Station, packet: Packet) -> None:
+        """Queue bytes behind those that are still being sent."""
+        uart = self._uarts[sender]
+        uart.queue.extend(packet.payload)
+        if uart.queue and not uart.sending:
+            uart.sending = True
+            uart.begun_at = self._ends.world.now
+            uart.since = 0
+            self._plan(uart)
+
+    def _plan(self, uart: _Uart) -> None:
+        # From the start of the burst, so that fractions of a nanosecond do not add up.
+        uart.since += 1
+        end = uart.begun_at + uart.since * BITS_PER_BYTE * SECOND // self.baud
+        self._ends.world.call_at(end, self._arrive, uart)
+
+    def _arrive(self, uart: _Uart) -> None:
+        if not uart.queue:
+            uart.sending = False
+            return
+        byte = uart.queue.popleft()
+        if self._ends.world.now < uart.station.silent_from:
+            for other in self._uarts.values():
+                if other is not uart:
+                    self._store(uart, other, byte)
+        if uart.queue:
+            self._plan(uart)
+        else:
+            uart.sending = False
+
+    def _store(self, sender: _Uart, receiver: _Uart, byte: int) -> None:
+        inbox = self._inboxes.get(receiver.station.name)
+        if inbox is None:
+            self._hand_over(sender, bytes((byte,)))
+            return
+        if len(receiver.buffer) == inbox.buffer_bytes:
+            receiver.overruns += 1
+            return
+        receiver.buffer.append(byte)
+        if not receiver.reading:
+            receiver.reading = True
+            world = self._ends.world
+            next_read = -(-world.now // inbox.read_every) * inbox.read_every
+            world.call_at(next_read, self._read, (sender, receiver))
+
+    def _read(self, pair: tuple[_Uart, _Uart]) -> None:
+        sender, receiver = pair
+        chunk = bytes(receiver.buffer)
+        receiver.buffer.clear()
+        receiver.reading = False
+        self._hand_over(sender, chunk)
+
+    def _hand_over(self, sender: _Uart, chunk: bytes) -> None:
+        self._ends.hand_over(sender.station, Packet(sender.link, 0, chunk))

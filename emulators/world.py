@@ -1,0 +1,200 @@
+"""The virtual world: one thread, one integer clock, nodes on wires, and the physics between two events.
+
+It refuses to know what a node or a wire is made of, and it never looks at a real clock. Events at the same
+instant happen in the order in which they were asked for, so two runs are the same byte for byte.
+"""
+
+import hashlib
+from collections.abc import Callable, Mapping
+from heapq import heappop, heappush
+from typing import Any, Final, Protocol
+
+from firmware_bridge.node import Node, Packet, Reaction
+from firmware_bridge.units import NEVER, Nanoseconds
+
+LIVELOCK: Final = 100_000
+"""So many events at one instant are a mistake of a node that asks to be woken at once, for ever."""
+
+
+class WorldError(Exception):
+    """A world that is wired wrongly, or a node that lets no time pass."""
+
+
+class Physics(Protocol):
+    """What moves between two events: servo loops and the plant."""
+
+    def advance(self, until: Nanoseconds) -> tuple[Nanoseconds, tuple[str, ...]]:
+        """Move on to `until`, or to the first event before it; return the instant and the nodes to wake then.
+
+        With nobody to wake, everything up to `until` has been done. Each event is reported once.
+        """
+
+
+class Wire(Protocol):
+    """Carries packets between the stations on it, in its own time."""
+
+    name: str
+
+    def join(self, world: "World", station: "Station", link: str) -> None:
+        """Connect a station, which calls this wire `link`."""
+
+    def leave(self, station: "Station") -> None:
+        """Disconnect a station; what it has not wholly sent is lost."""
+
+    def carry(self, sender: "Station", packet: Packet) -> None:
+        """Take a packet for transmission from now on."""
+
+
+class Station:
+    """A node at its place in the world."""
+
+    __slots__ = ("links", "name", "node", "receive", "silent_from", "wake", "wake_at")
+
+    def __init__(self, name: str, node: Node, links: Mapping[str, Wire]) -> None:
+        self.name = name
+        self.node = node
+        self.links = dict(links)
+        self.receive = node.receive
+        self.wake = node.wake
+        self.wake_at: Nanoseconds = NEVER
+        self.silent_from: Nanoseconds = NEVER
+
+
+class World:
+    """Nodes, wires and physics in virtual time. Times in nanoseconds from the start of the run."""
+
+    def __init__(self, physics: Physics | None = None) -> None:
+        self.now: Nanoseconds = 0
+        self.events = 0
+        self._physics = physics
+        self._moved_to: Nanoseconds = -1
+        self._crowd = 0
+        self._stations: dict[str, Station] = {}
+        self._gone: dict[str, Nanoseconds] = {}
+        self._heap: list[tuple[Nanoseconds, int, Callable[[Any], None], Any]] = []
+        self._sequence = 0
+        self._trace = hashlib.sha256()
+
+    def attach(self, name: str, node: Node, links: Mapping[str, Wire]) -> Station:
+        """Put a node on its wires, by the names that it has for them; it is first woken now."""
+        if name in self._stations:
+            raise WorldError(f"there is a node '{name}' already")
+        station = Station(name, node, links)
+        for link, wire in station.links.items():
+            wire.join(self, station, link)
+        self._stations[name] = station
+        self._gone.pop(name, None)
+        self._wish(station, self.now)
+        return station
+
+    def detach(self, name: str) -> None:
+        """Take a node out for good, now: it neither hears, nor sends, nor is woken."""
+        station = self._station(name)
+        del self._stations[name]
+        self._gone[name] = self.now
+        station.wake_at = NEVER
+        station.silent_from = self.now
+        for wire in station.links.values():
+            wire.leave(station)
+
+    def silence(self, name: str, from_time: Nanoseconds) -> None:
+        """Cut a node off its wires from an instant on. It lives on and may notice; `NEVER` mends the cut."""
+        self._station(name).silent_from = from_time
+
+    def run(self, until: Nanoseconds) -> None:
+        """Let everything happen up to and including `until`; WorldError where time stands still."""
+        if until < self.now:
+            raise WorldError(f"cannot run back from {self.now} ns to {until} ns")
+        heap = self._heap
+        while True:
+            due = heap[0][0] if heap else NEVER
+            at = min(due, until)
+            if at > self._moved_to and self._physics is not None and self._woken_by_physics(at):
+                continue
+            if due > until:
+                break
+            self._step_to(at)
+            _, _, call, argument = heappop(heap)
+            call(argument)
+            self.events += 1
+        self.now = until
+
+    def call_at(self, at: Nanoseconds, call: Callable[[Any], None], argument: object = None) -> None:
+        """Call a wire back at an instant that is not in the past."""
+        self._sequence += 1
+        heappush(self._heap, (at, self._sequence, call, argument))
+
+    def deliver(self, station: Station, packet: Packet) -> None:
+        """Hand a packet to a station now, and take what it sends in answer."""
+        if self.now < station.silent_from:
+            self._take(station, station.receive(packet, self.now))
+
+    def note(self, wire: str, sender: str, packet: Packet) -> None:
+        """Add one carried packet to the trace.
+
+        Its canonical form is a line of ASCII: instant in ns, wire, sender, address as eight hexadecimal
+        digits, payload as hexadecimal digits, parted by single spaces and ended by a line feed. A packet is
+        one line, however many stations hear it.
+        """
+        line = f"{self.now} {wire} {sender} {packet.address:08X} {packet.payload.hex()}\n"
+        self._trace.update(line.encode())
+
+    @property
+    def trace_sha256(self) -> str:
+        """The SHA-256 of every packet carried so far, in order, in the form that `note` tells."""
+        return self._trace.hexdigest()
+
+    def _station(self, name: str) -> Station:
+        if name not in self._stations:
+            raise WorldError(f"there is no node '{name}'; there are: {', '.join(self._stations) or 'none'}")
+        return self._stations[name]
+
+    def _step_to(self, at: Nanoseconds) -> None:
+        if at != self.now:
+            self.now = at
+            self._crowd = 0
+            return
+        self._crowd += 1
+        if self._crowd > LIVELOCK:
+            raise WorldError(
+                f"time stands still at {at} ns: a node or the physics wants to be woken for ever"
+            )
+
+    def _woken_by_physics(self, at: Nanoseconds) -> bool:
+        """Move the physics towards `at`; whether it woke somebody on the way, so that the plan may be new."""
+        physics = self._physics
+        if physics is None:
+            return False
+        reached, names = physics.advance(at)
+        if not names:
+            self._moved_to = at
+            return False
+        self._step_to(reached)
+        for name in names:
+            station = self._stations.get(name)
+            if station is not None:
+                self._take(station, station.wake(reached))
+            elif name not in self._gone:
+                raise WorldError(f"the physics wakes '{name}', and there is no such node")
+        return True
+
+    def _take(self, station: Station, reaction: Reaction) -> None:
+        if reaction.sent and self.now < station.silent_from:
+            for packet in reaction.sent:
+                wire = station.links.get(packet.link)
+                if wire is None:
+                    raise WorldError(f"node '{station.name}' sends on '{packet.link}', where it has no wire")
+                wire.carry(station, packet)
+        if reaction.wake_at != station.wake_at:
+            self._wish(station, reaction.wake_at)
+
+    def _wish(self, station: Station, wake_at: Nanoseconds) -> None:
+        at = max(wake_at, self.now)
+        station.wake_at = at
+        if at != NEVER:
+            self.call_at(at, self._wake, station)
+
+    def _wake(self, station: Station) -> None:
+        if station.wake_at == self.now:
+            station.wake_at = NEVER
+            self._take(station, station.wake(self.now))

@@ -1,0 +1,194 @@
+"""SDO client of one node: one transfer in flight, a time-out, a bounded number of attempts.
+
+It refuses to know what an object means, and who carries its frames: bytes in, bytes out, time as an argument.
+
+Source: CiA 301 v4.02, service data object. Uploads of any length; downloads of up to four bytes, more than
+any object that the bridge writes.
+"""
+
+from dataclasses import dataclass
+from typing import Final, TypeAlias
+
+from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
+from firmware_bridge.wire import sdo
+from firmware_bridge.wire.abort import AbortCode, meaning_of
+from firmware_bridge.wire.epos2.address import Address
+
+TIMEOUT: Final[Nanoseconds] = 200 * MILLISECOND
+"""For one answer; the drive itself needs less than a millisecond (EPOS2 Application Notes, p. 168)."""
+ATTEMPTS: Final = 2
+LARGEST_UPLOAD: Final = 1024
+"""Bytes; more than any object that an EPOS2 has, the data recorder aside."""
+
+
+@dataclass(frozen=True, slots=True)
+class Transfer:
+    """One object to read, or to write when `raw` (1 to 4 bytes) is given."""
+
+    address: Address
+    raw: bytes | None = None
+    attempts: int = ATTEMPTS
+
+    def __str__(self) -> str:
+        """Say it for people."""
+        return f"SDO {'upload' if self.raw is None else 'download'} {self.address}"
+
+
+class SdoError(Exception):
+    """A transfer that did not succeed; `transfer` is the one."""
+
+    def __init__(self, transfer: Transfer, problem: str) -> None:
+        super().__init__(transfer, problem)
+        self.transfer = transfer
+        self.problem = problem
+
+    def __str__(self) -> str:
+        """Say it in one line, without the node's number: its owner knows the name."""
+        return self.problem
+
+
+class SdoTimeoutError(SdoError):
+    """The node did not answer."""
+
+    def __init__(self, transfer: Transfer, waited: Nanoseconds) -> None:
+        super().__init__(transfer, f"no answer to {transfer} within {waited // MILLISECOND} ms")
+
+
+class SdoRefusedError(SdoError):
+    """The node answered with an abort."""
+
+    def __init__(self, transfer: Transfer, code: int) -> None:
+        super().__init__(transfer, f"{transfer} was refused with {meaning_of(code)}")
+        self.code = code
+
+
+class SdoProtocolError(SdoError):
+    """The node's answer breaks the protocol."""
+
+    def __init__(self, transfer: Transfer, what: str) -> None:
+        super().__init__(transfer, f"the answer to {transfer} breaks the protocol: {what}")
+
+
+Outcome: TypeAlias = bytes | SdoError
+"""What was read (empty after a download), or why not."""
+
+
+class SdoClient:
+    """The transfers of one node, one after the other."""
+
+    __slots__ = ("_attempts_left", "_gathered", "_outcome", "_timeout", "_toggle", "_transfer", "wake_at")
+
+    def __init__(self, timeout: Nanoseconds = TIMEOUT) -> None:
+        self._timeout = timeout
+        self._transfer: Transfer | None = None
+        self._outcome: Outcome | None = None
+        self._attempts_left = 0
+        self._gathered: bytearray | None = None
+        self._toggle = False
+        self.wake_at: Nanoseconds = NEVER
+        """When the answer is late; `NEVER` while nothing is in flight."""
+
+    @property
+    def busy(self) -> bool:
+        """Whether a transfer is in flight."""
+        return self._transfer is not None
+
+    def start(self, transfer: Transfer, now: Nanoseconds) -> tuple[bytes, ...]:
+        """Begin a transfer and return what to send; ValueError while another is in flight."""
+        if self._transfer is not None:
+            raise ValueError(f"{transfer} while {self._transfer} is in flight")
+        if transfer.raw is not None and not 0 < len(transfer.raw) <= sdo.EXPEDITED:
+            raise ValueError(f"{transfer} with {len(transfer.raw)} bytes; 1 to {sdo.EXPEDITED} are possible")
+        self._transfer = transfer
+        self._outcome = None
+        self._attempts_left = transfer.attempts
+        return self._ask(transfer, now)
+
+    def take(self) -> Outcome | None:
+        """Return the outcome of the transfer that just ended, once; None while there is none."""
+        outcome, self._outcome = self._outcome, None
+        return outcome
+
+    def hear(self, payload: bytes, now: Nanoseconds) -> tuple[bytes, ...]:
+        """Take one frame of the node's server and return what to send.
+
+        Answers to other objects are late ones of a transfer that was given up; they are ignored.
+        """
+        transfer = self._transfer
+        if transfer is None:
+            return ()
+        match sdo.decode_response(payload):
+            case sdo.Abort(address, code) if address in (transfer.address, sdo.NOWHERE):
+                return self._end(SdoRefusedError(transfer, code))
+            case sdo.DownloadResponse(address) if transfer.raw is not None and address == transfer.address:
+                return self._end(b"")
+            case sdo.UploadResponse(address, raw, size) if (
+                transfer.raw is None and address == transfer.address
+            ):
+                return self._begun(transfer, raw, size, now)
+            case sdo.Segment() as segment if self._gathered is not None:
+                return self._gather(transfer, self._gathered, segment, now)
+        return ()
+
+    def wake(self, now: Nanoseconds) -> tuple[bytes, ...]:
+        """Give up a late answer: try again, or end with `SdoTimeoutError`."""
+        transfer = self._transfer
+        if transfer is None or now < self.wake_at:
+            return ()
+        abort = sdo.encode_abort(transfer.address, AbortCode.TIMEOUT)
+        if self._attempts_left:
+            return (abort, *self._ask(transfer, now))
+        self._end(SdoTimeoutError(transfer, transfer.attempts * self._timeout))
+        return (abort,)
+
+    def cancel(self) -> None:
+        """Forget the transfer in flight; a late answer will be ignored."""
+        self._end(b"")
+        self._outcome = None
+
+    def _ask(self, transfer: Transfer, now: Nanoseconds) -> tuple[bytes, ...]:
+        self._attempts_left -= 1
+        self._gathered = None
+        self.wake_at = now + self._timeout
+        if transfer.raw is None:
+            return (sdo.encode_upload(transfer.address),)
+        return (sdo.encode_download(transfer.address, transfer.raw),)
+
+    def _begun(
+        self, transfer: Transfer, raw: bytes | None, size: int | None, now: Nanoseconds
+    ) -> tuple[bytes, ...]:
+        if raw is not None:
+            return self._end(raw)
+        if size is not None and size > LARGEST_UPLOAD:
+            return self._break(transfer, AbortCode.OUT_OF_MEMORY, f"{size} bytes are announced")
+        self._gathered = bytearray()
+        self._toggle = False
+        self.wake_at = now + self._timeout
+        return (sdo.encode_upload_segment(toggle=False),)
+
+    def _gather(
+        self, transfer: Transfer, gathered: bytearray, segment: sdo.Segment, now: Nanoseconds
+    ) -> tuple[bytes, ...]:
+        if segment.toggle is not self._toggle:
+            return self._break(transfer, AbortCode.TOGGLE, "the toggle bit did not alternate")
+        gathered += segment.raw
+        if len(gathered) > LARGEST_UPLOAD:
+            return self._break(
+                transfer, AbortCode.OUT_OF_MEMORY, f"it does not end after {len(gathered)} bytes"
+            )
+        if segment.last:
+            return self._end(bytes(gathered))
+        self._toggle = not self._toggle
+        self.wake_at = now + self._timeout
+        return (sdo.encode_upload_segment(toggle=self._toggle),)
+
+    def _break(self, transfer: Transfer, code: AbortCode, what: str) -> tuple[bytes, ...]:
+        self._end(SdoProtocolError(transfer, what))
+        return (sdo.encode_abort(transfer.address, code),)
+
+    def _end(self, outcome: Outcome) -> tuple[bytes, ...]:
+        self._transfer = None
+        self._outcome = outcome
+        self._gathered = None
+        self.wake_at = NEVER
+        return ()

@@ -1,0 +1,63 @@
+"""The base speed's way to its target: never more acceleration than the robot stands.
+
+Two bounds hold at once (thesis 2.3.1 for the limit): the vector sum of the acceleration along the path and
+the centripetal one, V^2/R; and the rim acceleration of the faster rear wheel, which is 1 + m/R times that of
+the base. The part that a moving steering adds to the wheels, V m d(1/R)/dt, is bounded by the drives' own
+profile acceleration alone.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Final, Self
+
+from firmware_bridge.robot import Robot
+from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
+
+MARGIN: Final = 0.93
+"""Share of the limit that set-points use; the rest is for what a drive's regulators overshoot at a corner
+of the profile. It belongs to regulators, not to a robot, so it is not in the robot file."""
+
+BRAKING_SHARE: Final = 0.5
+"""Share of the limit that braking may always use. If a turn tightens until V^2/R alone takes the whole
+limit, a robot that may not brake would be the greater danger."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ramp:
+    """Bounds of one robot."""
+
+    limit_mps2: float
+    half_track_m: float
+    longest_step: Nanoseconds
+    """A late cycle counts as no more than this: a gap must not become a jump."""
+
+    @classmethod
+    def of(cls, robot: Robot) -> Self:
+        """Take the bounds from a robot file."""
+        return cls(
+            MARGIN * robot.limits.acceleration_mps2,
+            robot.base.rear_track_m / 2.0,
+            robot.bus.cycle_ms * MILLISECOND,
+        )
+
+    def step(self, speed_mps: float, target_mps: float, bend_per_m: float, elapsed: Nanoseconds) -> float:
+        """Return the next demanded base speed in m/s, `elapsed` after `speed_mps`.
+
+        `bend_per_m` is the curvature of the turn actually steered; its sign does not matter.
+        """
+        bend = abs(bend_per_m)
+        target = self._clipped(target_mps, bend)
+        seconds = to_seconds(min(elapsed, self.longest_step))
+        reach = self.limit_mps2 * seconds
+        nearest = min(max(target, speed_mps - reach), speed_mps + reach)
+        fastest = max(abs(speed_mps), abs(nearest))
+        along = math.sqrt(max(self.limit_mps2**2 - (fastest**2 * bend) ** 2, 0.0))
+        if abs(nearest) < abs(speed_mps):
+            along = max(along, BRAKING_SHARE * self.limit_mps2)
+        change = min(along, self.limit_mps2 / (1.0 + self.half_track_m * bend)) * seconds
+        return min(max(target, speed_mps - change), speed_mps + change)
+
+    def _clipped(self, target_mps: float, bend: float) -> float:
+        # Above this speed the centripetal acceleration alone would pass the limit.
+        top = math.sqrt(self.limit_mps2 / bend) if bend else math.inf
+        return min(max(target_mps, -top), top)

@@ -1,0 +1,149 @@
+"""Recordings at the seam: candump's log for CAN, .tlog for MAVLink, and a node that is watched.
+
+It refuses to open files: it turns packets into text or bytes and back. Instants count from the start of the
+run; in a file they count from `EPOCH`, or from the real time at which the run started.
+"""
+
+import re
+from collections.abc import Callable, Iterator
+from enum import Enum
+from typing import Final, TypeAlias
+
+from firmware_bridge.node import CAN, Node, Packet, Reaction, Stoppable
+from firmware_bridge.units import MICROSECOND, SECOND, Nanoseconds
+from firmware_bridge.wire.can import ERROR, EXTENDED, EXTENDED_MASK, MAX_PAYLOAD, REMOTE, STANDARD_MASK
+
+EPOCH: Final[Nanoseconds] = 1_577_836_800 * SECOND
+"""Virtual runs start on 1 January 2020, 00:00 UTC, in nanoseconds of Unix time."""
+
+MAVLINK_1: Final = 0xFE
+MAVLINK_2: Final = 0xFD
+_MAVLINK_1_EXTRA: Final = 8
+_MAVLINK_2_EXTRA: Final = 12
+_MAVLINK_2_SIGNED: Final = 0x01
+_SIGNATURE: Final = 13
+_STAMP: Final = 8
+
+_CANDUMP: Final = re.compile(
+    r"\((?P<seconds>\d+)\.(?P<fraction>\d{6}|\d{9})\) +(?P<channel>\S+) +"
+    r"(?P<id>[0-9A-Fa-f]{8}|[0-9A-Fa-f]{3})#(?:(?P<remote>[Rr])(?P<length>[0-8]?)|(?P<bytes>[0-9A-Fa-f]*))"
+    r"(?: +[TR])?\s*"
+)
+
+
+class RecordingError(Exception):
+    """A line or a record that cannot be read: which, and what was expected."""
+
+
+class Direction(Enum):
+    """Which way a packet passed the seam, seen from the node."""
+
+    HEARD = "heard"
+    SENT = "sent"
+
+
+Listener: TypeAlias = Callable[[Nanoseconds, Direction, Packet], None]
+
+
+class Recorded:
+    """A node around a node that tells a listener of every packet in and out; it changes nothing."""
+
+    def __init__(self, node: Node, listener: Listener) -> None:
+        self.node = node
+        self._listener = listener
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        """Note the packet, pass it on, and note what the node sends."""
+        self._listener(now, Direction.HEARD, packet)
+        return self._noted(self.node.receive(packet, now), now)
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        """Wake the node and note what it sends."""
+        return self._noted(self.node.wake(now), now)
+
+    def stop(self, now: Nanoseconds) -> Reaction:
+        """Stop the node, where it can be stopped, and note what it sends; otherwise it is done at once."""
+        return self._noted(self.node.stop(now), now) if isinstance(self.node, Stoppable) else Reaction()
+
+    def _noted(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
+        for packet in reaction.sent:
+            self._listener(now, Direction.SENT, packet)
+        return reaction
+
+
+def candump_line(at: Nanoseconds, packet: Packet, channel: str = "vcan0", epoch: Nanoseconds = EPOCH) -> str:
+    """Return a frame as `candump -l` logs it, without the line's end; instants are cut to microseconds."""
+    seconds, rest = divmod(epoch + at, SECOND)
+    address = packet.address
+    if address & ERROR:
+        name = f"{address & (ERROR | EXTENDED_MASK):08X}"
+    elif address & EXTENDED:
+        name = f"{address & EXTENDED_MASK:08X}"
+    else:
+        name = f"{address & STANDARD_MASK:03X}"
+    length = len(packet.payload)
+    content = f"R{length or ''}" if address & REMOTE else packet.payload.hex().upper()
+    return f"({seconds:010d}.{rest // MICROSECOND:06d}) {channel} {name}#{content}"
+
+
+def parse_candump(line: str, epoch: Nanoseconds = EPOCH) -> tuple[Nanoseconds, str, Packet]:
+    """Return instant, channel and frame of a line of candump's log; RecordingError for any other line."""
+    match = _CANDUMP.fullmatch(line)
+    if match is None or len(match["bytes"] or "") % 2 or len(match["bytes"] or "") > 2 * MAX_PAYLOAD:
+        raise RecordingError(f"not a line of a candump log, like '(12.345678) can0 123#DEADBEEF': {line!r}")
+    at = int(match["seconds"]) * SECOND + int(match["fraction"].ljust(9, "0")) - epoch
+    address = int(match["id"], 16)
+    if len(match["id"]) > 3 and not address & ERROR:  # noqa: PLR2004 - 3 digits are 11 bits, 8 are 29
+        address |= EXTENDED
+    if match["remote"]:
+        return at, match["channel"], Packet(CAN, address | REMOTE, bytes(int(match["length"] or 0)))
+    return at, match["channel"], Packet(CAN, address, bytes.fromhex(match["bytes"]))
+
+
+def tlog_records(at: Nanoseconds, datagram: bytes, epoch: Nanoseconds = EPOCH) -> bytes:
+    """Return a datagram as telemetry log records.
+
+    A record is Unix time in microseconds, 8 bytes big-endian, and one message. Each message of a datagram is
+    a record of its own, because a reader expects a time before each. Bytes that are no MAVLink message cannot
+    stand in such a log and are left out.
+    """
+    stamp = ((epoch + at) // MICROSECOND).to_bytes(_STAMP, "big")
+    return b"".join(stamp + message for message in mavlink_messages(datagram))
+
+
+def parse_tlog(log: bytes, epoch: Nanoseconds = EPOCH) -> Iterator[tuple[Nanoseconds, bytes]]:
+    """Yield instant and message of each record; RecordingError where the log is broken or cut off."""
+    start = 0
+    while start < len(log):
+        end = _message_end(log, start + _STAMP)
+        if end is None:
+            raise RecordingError(f"no whole MAVLink message at byte {start + _STAMP} of a telemetry log")
+        at = int.from_bytes(log[start : start + _STAMP], "big") * MICROSECOND - epoch
+        yield at, log[start + _STAMP : end]
+        start = end
+
+
+def mavlink_messages(datagram: bytes) -> Iterator[bytes]:
+    """Yield the MAVLink messages in a datagram by their lengths; checksums are not looked at."""
+    start = 0
+    while start < len(datagram):
+        end = _message_end(datagram, start)
+        if end is None:
+            start += 1
+        else:
+            yield datagram[start:end]
+            start = end
+
+
+def _message_end(log: bytes, start: int) -> int | None:
+    """Return where the message that starts here ends; None if none starts or it is cut off."""
+    head = log[start : start + 3]
+    if len(head) < 3:  # noqa: PLR2004 - magic, length, flags
+        return None
+    if head[0] == MAVLINK_1:
+        end = start + _MAVLINK_1_EXTRA + head[1]
+    elif head[0] == MAVLINK_2:
+        end = start + _MAVLINK_2_EXTRA + head[1] + (_SIGNATURE if head[2] & _MAVLINK_2_SIGNED else 0)
+    else:
+        return None
+    return end if end <= len(log) else None

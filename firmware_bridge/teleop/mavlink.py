@@ -1,0 +1,127 @@
+"""MAVLink 2 frames in and out of datagrams, with pymavlink's message classes; it knows no robot and no socket.
+
+Each datagram stands alone: pymavlink's own stream parser keeps the tail of a broken datagram and swallows the
+next one with it, so datagrams are cut into frames here (framing: mavlink.io, "Packet Serialization").
+The dialect is `common`: it has every message that the bridge speaks and loads faster than `all`.
+"""
+
+import re
+from collections.abc import Container
+from dataclasses import dataclass
+from typing import Any, Final, TypeAlias
+
+from pymavlink.dialects.v20 import common as dialect
+
+Message: TypeAlias = Any
+"""One of pymavlink's message objects, which carry no types."""
+
+ANYONE: Final = 0
+"""A target that means everybody, for systems and for components."""
+
+# pymavlink reads MAV_IGNORE_CRC from the environment. A robot obeys no frame with a wrong checksum.
+dialect.MAVLINK_IGNORE_CRC = 0
+
+_START: Final = re.compile(rb"[\xfd\xfe]")
+_MAVLINK_2: Final = 0xFD
+_MAVLINK_1: Final = 0xFE
+_MAVLINK_2_OVERHEAD: Final = 12
+_MAVLINK_1_OVERHEAD: Final = 8
+_SIGNED: Final = 0x01
+_SIGNATURE_LENGTH: Final = 13
+
+
+@dataclass(slots=True)
+class Counters:
+    """What arrived: good frames, runs of bytes that are no frame, and frames of messages nobody knows here."""
+
+    frames: int = 0
+    corrupt: int = 0
+    unknown: int = 0
+
+
+class Codec:
+    """One end of a link, under one system and component number, with its own sequence."""
+
+    __slots__ = ("_mavlink", "component", "counters", "system")
+
+    def __init__(self, system: int, component: int) -> None:
+        self.system = system
+        self.component = component
+        self.counters = Counters()
+        self._mavlink = dialect.MAVLink(None, srcSystem=system, srcComponent=component)
+
+    def encode(self, message: Message) -> bytes:
+        """Return the message as one frame, with the next sequence number."""
+        frame: bytes = message.pack(self._mavlink)
+        self._mavlink.seq = (self._mavlink.seq + 1) & 0xFF
+        return frame
+
+    def decode(self, datagram: bytes, wanted: Container[int] | None = None) -> list[Message]:
+        """Return the messages of a datagram in their order; anything else is counted and skipped.
+
+        With `wanted`, only messages with these numbers are unpacked and returned. Signatures are not checked.
+        """
+        found: list[Message] = []
+        counters = self.counters
+        at = 0
+        in_step = True
+        while at < len(datagram):
+            size, number = _frame_at(datagram, at)
+            message = self._unpack(datagram[at : at + size], number, wanted) if size else None
+            if message is None:
+                if in_step:
+                    counters.corrupt += 1
+                    in_step = False
+                start = _START.search(datagram, at + 1)
+                at = start.start() if start else len(datagram)
+                continue
+            in_step = True
+            at += size
+            if message is not _SKIPPED:
+                found.append(message)
+        return found
+
+    def _unpack(self, frame: bytes, number: int, wanted: Container[int] | None) -> Message | None:
+        if number not in dialect.mavlink_map:
+            self.counters.unknown += 1  # its checksum needs the definition that we lack
+            return _SKIPPED
+        if wanted is not None and number not in wanted:
+            self.counters.frames += 1
+            return _SKIPPED
+        try:
+            message = self._mavlink.decode(bytearray(frame))
+        except dialect.MAVError:
+            return None
+        self.counters.frames += 1
+        return message
+
+
+_SKIPPED: Final = object()
+
+
+def _frame_at(datagram: bytes, at: int) -> tuple[int, int]:
+    """Return a frame's length and message number; (0, 0) where no whole frame can begin."""
+    left = len(datagram) - at
+    if datagram[at] == _MAVLINK_2 and left >= _MAVLINK_2_OVERHEAD:
+        flags = datagram[at + 2]
+        size = _MAVLINK_2_OVERHEAD + datagram[at + 1] + (_SIGNATURE_LENGTH if flags & _SIGNED else 0)
+        if flags & ~_SIGNED == 0 and size <= left:
+            return size, int.from_bytes(datagram[at + 7 : at + 10], "little")
+    elif datagram[at] == _MAVLINK_1 and left >= _MAVLINK_1_OVERHEAD:
+        size = _MAVLINK_1_OVERHEAD + datagram[at + 1]
+        if size <= left:
+            return size, datagram[at + 5]
+    return 0, 0
+
+
+def concerns(message: Message, system: int, component: int) -> bool:
+    """Tell whether a message is for this system and component: by name, to everybody, or without a target."""
+    target = getattr(message, "target_system", getattr(message, "target", ANYONE))
+    part = getattr(message, "target_component", ANYONE)
+    return target in (ANYONE, system) and part in (ANYONE, component)
+
+
+def text_of(field: bytes | str) -> str:
+    """Return a text field up to its first NUL; what is not ASCII is shown as a question mark."""
+    raw = field.encode("latin-1", "replace") if isinstance(field, str) else field
+    return raw.split(b"\0", 1)[0].decode("ascii", "replace").replace("\ufffd", "?")

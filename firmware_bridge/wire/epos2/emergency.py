@@ -1,0 +1,130 @@
+"""The EPOS2's emergency codes: register bit, reaction, way back, cause.
+
+Sources: EPOS Firmware Specification, chapter on error handling (causes and reactions, by analogy); the same
+code list for the EPOS2 in maxon's command library up to FF0D; EPOS2 firmware notes for FF0F to FF12;
+0x3220 with register 0x04 is recorded from an EPOS2.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+from types import MappingProxyType
+from typing import Final
+
+from firmware_bridge.wire.epos2.rows import FIRMWARE_SPECIFICATION, LIBRARY, Provenance
+
+NO_ERROR: Final = 0x0000
+"""Code of the message that says: all errors are gone."""
+UNDER_VOLTAGE: Final = 0x3220
+OVER_VOLTAGE: Final = 0x3210
+OVER_CURRENT: Final = 0x2310
+SOFTWARE_PARAMETER: Final = 0x6320
+CAN_PASSIVE: Final = 0x8120
+CONNECTION_LOST: Final = 0x8130
+COB_ID_COLLISION: Final = 0x8150
+PDO_TOO_SHORT: Final = 0x8210
+FOLLOWING_ERROR_TOO_LARGE: Final = 0x8611
+POSITION_LIMIT: Final = 0xFF09
+
+
+class FaultReaction(Enum):
+    """What the drive does with the motor when the error appears."""
+
+    NONE = "none"
+    DISABLE = "power stage off at once"
+    QUICK_STOP = "ramp down with 0x6085, then power stage off"
+
+
+class Recovery(Enum):
+    """What lets the drive leave the fault once the cause is gone."""
+
+    FAULT_RESET = "controlword bit 7, rising edge"
+    RESET_COMMUNICATION = "network management: reset communication"
+    RESET_NODE = "network management: reset node"
+
+
+class RegisterBit:
+    """Bits of the error register 0x1001."""
+
+    GENERIC: Final = 1 << 0
+    CURRENT: Final = 1 << 1
+    VOLTAGE: Final = 1 << 2
+    TEMPERATURE: Final = 1 << 3
+    COMMUNICATION: Final = 1 << 4
+    PROFILE: Final = 1 << 5
+    MANUFACTURER: Final = 1 << 7
+
+
+@dataclass(frozen=True, slots=True)
+class Emergency:
+    """One error that the drive can report."""
+
+    code: int
+    register: int
+    """Bits of 0x1001 that are set while the error stands."""
+    reaction: FaultReaction
+    cause: str
+    recovery: Recovery = Recovery.FAULT_RESET
+    provenance: Provenance = Provenance.BY_ANALOGY
+    source: str = FIRMWARE_SPECIFICATION
+
+
+_NONE = FaultReaction.NONE
+_DISABLE = FaultReaction.DISABLE
+_STOP = FaultReaction.QUICK_STOP
+_COMMUNICATION = RegisterBit.COMMUNICATION
+_PROFILE = RegisterBit.PROFILE
+_MAKER = RegisterBit.MANUFACTURER
+_ASSUMED = Provenance.ASSUMED
+_NOTES = "EPOS2 firmware specification, error chapter, as quoted by users"
+
+_ROWS: Final = (
+    Emergency(0x1000, RegisterBit.GENERIC, _DISABLE, "generic error"),
+    Emergency(0x2310, RegisterBit.CURRENT, _DISABLE, "over-current"),
+    Emergency(0x3210, RegisterBit.VOLTAGE, _DISABLE, "over-voltage"),
+    Emergency(
+        0x3220,
+        RegisterBit.VOLTAGE,
+        _DISABLE,
+        "under-voltage",
+        provenance=Provenance.PROVEN,
+        source="recorded at loss of power (code and register); reaction by analogy",
+    ),
+    Emergency(0x4210, RegisterBit.TEMPERATURE, _DISABLE, "over-temperature"),
+    Emergency(0x5113, RegisterBit.VOLTAGE, _DISABLE, "5 V supply too low"),
+    Emergency(
+        0x5114, RegisterBit.VOLTAGE, _DISABLE, "supply of the output stage too low", provenance=_ASSUMED
+    ),
+    Emergency(0x6100, _PROFILE, _DISABLE, "internal software error"),
+    Emergency(0x6320, _PROFILE, _DISABLE, "software parameters contradict each other"),
+    Emergency(0x7320, _PROFILE, _DISABLE, "position sensor: position no longer valid"),
+    Emergency(0x8110, _COMMUNICATION, _STOP, "CAN overrun: object lost"),
+    Emergency(0x8111, _COMMUNICATION, _STOP, "CAN overrun"),
+    Emergency(0x8120, _COMMUNICATION, _STOP, "CAN error passive", Recovery.RESET_COMMUNICATION),
+    Emergency(0x8130, _COMMUNICATION, _STOP, "heartbeat or node guarding failed; reaction chosen by 0x6007"),
+    Emergency(0x8150, _COMMUNICATION, _NONE, "somebody else sends with the drive's own COB-ID"),
+    Emergency(0x81FD, _COMMUNICATION, _STOP, "CAN bus off"),
+    Emergency(0x81FE, _COMMUNICATION, _STOP, "CAN receive queue overrun"),
+    Emergency(0x81FF, _COMMUNICATION, _STOP, "CAN transmit queue overrun"),
+    Emergency(0x8210, _COMMUNICATION, _STOP, "receive PDO shorter than its mapping"),
+    Emergency(0x8611, _PROFILE, _STOP, "following error larger than 0x6065"),
+    Emergency(0xFF01, _MAKER, _DISABLE, "hall sensor"),
+    Emergency(0xFF02, _MAKER, _DISABLE, "encoder index missing or spurious"),
+    Emergency(0xFF03, _MAKER, _DISABLE, "encoder resolution does not fit"),
+    Emergency(0xFF04, _MAKER, _DISABLE, "hall sensor not found", Recovery.RESET_NODE),
+    Emergency(0xFF06, _MAKER, _STOP, "negative limit switch"),
+    Emergency(0xFF07, _MAKER, _STOP, "positive limit switch"),
+    Emergency(0xFF08, _MAKER, _STOP, "hall angle not detected"),
+    Emergency(0xFF09, _MAKER, _STOP, "position beyond the software limits 0x607D"),
+    Emergency(0xFF0A, _MAKER, _DISABLE, "position sensor breach"),
+    Emergency(0xFF0B, _PROFILE, _DISABLE, "system overloaded"),
+    Emergency(0xFF0C, _PROFILE, _STOP, "interpolated position mode", provenance=_ASSUMED, source=LIBRARY),
+    Emergency(0xFF0D, _PROFILE, _DISABLE, "identification for tuning", provenance=_ASSUMED, source=LIBRARY),
+    Emergency(0xFF0F, _PROFILE, _DISABLE, "gear scaling factor", provenance=_ASSUMED, source=_NOTES),
+    Emergency(0xFF10, _PROFILE, _DISABLE, "controller gain", provenance=_ASSUMED, source=_NOTES),
+    Emergency(0xFF11, _PROFILE, _DISABLE, "main sensor direction", provenance=_ASSUMED, source=_NOTES),
+    Emergency(0xFF12, _PROFILE, _DISABLE, "auxiliary sensor direction", provenance=_ASSUMED, source=_NOTES),
+)
+
+EMERGENCIES: Final[Mapping[int, Emergency]] = MappingProxyType({row.code: row for row in _ROWS})
+"""Every error by its code."""

@@ -1,0 +1,85 @@
+"""PDO contents: the mapping entry's 32 bits, and values packed side by side.
+
+It refuses to know which objects may be mapped; the object table does.
+"""
+
+import struct
+from dataclasses import dataclass
+from typing import Final
+
+from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.rows import DataType
+
+MAX_ENTRIES: Final = 8
+MAX_BITS: Final = 64
+
+_STRUCT_CODE: Final = {
+    DataType.INTEGER8: "b",
+    DataType.INTEGER16: "h",
+    DataType.INTEGER32: "i",
+    DataType.UNSIGNED8: "B",
+    DataType.UNSIGNED16: "H",
+    DataType.UNSIGNED32: "I",
+    DataType.UNSIGNED64: "Q",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class MappingEntry:
+    """One line of a PDO mapping: an object and its length in bits, as in 0x60400010."""
+
+    address: Address
+    bits: int
+
+    def encode(self) -> int:
+        """Return the 32 bits that are written to 0x1600 or 0x1A00."""
+        return self.address.index << 16 | self.address.subindex << 8 | self.bits
+
+    @classmethod
+    def decode(cls, word: int) -> "MappingEntry":
+        """Return the entry that 32 bits tell; every word is one."""
+        return cls(Address(word >> 16, word >> 8 & 0xFF), word & 0xFF)
+
+
+class Layout:
+    """The fields of one PDO, made once so that packing costs no parsing."""
+
+    __slots__ = ("_fields", "_struct", "addresses", "size", "types")
+
+    def __init__(self, *fields: tuple[Address, DataType]) -> None:
+        """Lay the fields out in order, low byte first; ValueError when they fit no CAN frame."""
+        self.addresses = tuple(address for address, _ in fields)
+        self.types = tuple(kind for _, kind in fields)
+        unpackable = [kind.name for kind in self.types if kind not in _STRUCT_CODE]
+        if unpackable:
+            raise ValueError(f"a PDO carries numbers only, not {', '.join(unpackable)}")
+        self.size = sum(kind.size for kind in self.types)
+        """Bytes of the payload."""
+        if self.size * 8 > MAX_BITS:
+            raise ValueError(f"{self.size * 8} bits in a PDO of at most {MAX_BITS}")
+        self._struct = struct.Struct("<" + "".join(_STRUCT_CODE[kind] for kind in self.types))
+        shift = 0
+        masks = []
+        for kind in self.types:
+            masks.append(((1 << kind.bits) - 1, shift))
+            shift += kind.bits
+        self._fields = tuple(masks)
+
+    def entries(self) -> tuple[MappingEntry, ...]:
+        """Return the mapping entries that make a device use this layout."""
+        return tuple(
+            MappingEntry(address, kind.bits) for address, kind in zip(self.addresses, self.types, strict=True)
+        )
+
+    def pack(self, *values: int) -> bytes:
+        """Return the payload; a number that does not fit its field wraps as in a register."""
+        word = 0
+        for value, (mask, shift) in zip(values, self._fields, strict=True):
+            word |= (value & mask) << shift
+        return word.to_bytes(self.size, "little")
+
+    def unpack(self, payload: bytes) -> tuple[int, ...]:
+        """Return the values; bytes beyond the layout are ignored, ValueError when some are missing."""
+        if len(payload) < self.size:
+            raise ValueError(f"a PDO of {len(payload)} bytes where {self.size} are mapped")
+        return self._struct.unpack_from(payload)

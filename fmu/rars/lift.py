@@ -1,0 +1,66 @@
+"""Scissor lift on its screw, [R] 2.5: height, lifting force, friction in the thread, end stops."""
+
+import sympy as sp
+
+from fmu.export.model import Expression
+from fmu.rars.shaft import HALF, P, Shaft, positive_part
+
+
+class Lift:
+    """N stages of links of length l_s, one end drawn along the base by a screw; angle 0 is collapsed."""
+
+    def __init__(self, motor: Shaft) -> None:
+        self.motor = motor
+        self.ratio = P["screw_pitch"] / (2 * sp.pi * motor.gear)  # m of nut for 1 rad of motor
+        link, stages = P["lift_link_length"], P["lift_stages"]
+        self.travel = self.ratio * motor.angle
+        self.speed = self.ratio * motor.speed
+        self.base = link * sp.cos(P["lift_collapsed_angle"]) - self.travel  # x of (2.16)
+        self.rise = sp.sqrt(link**2 - self.base**2)  # y of (2.16)
+        self.height = stages * (self.rise - link * sp.sin(P["lift_collapsed_angle"]))
+        self.gain = stages * self.base / self.rise  # dh/dx = N / tan(theta)
+        self.mass = P["lift_mass"] + P["lift_payload"]
+        self.load = self.mass * P["gravity"] * self.gain  # F = W N / tan(theta) (2.17)
+        longest = link * (sp.cos(P["lift_collapsed_angle"]) - sp.cos(P["lift_extended_angle"]))
+        self.pressed_low = positive_part(-self.travel - P["lift_clearance"])
+        self.pressed_high = positive_part(self.travel - longest - P["lift_clearance"])
+        self._thread = P["screw_friction"] / sp.cos(P["thread_angle"])  # mu sec(alpha)
+
+    def friction_start(self) -> Expression:
+        """Return the bristle's state that holds the load at rest; -1 where the screw is not self-locking."""
+        balance = -P["screw_pitch"] / (sp.pi * self._thread * P["screw_diameter"])
+        return (balance - 1 + sp.Abs(balance + 1)) * HALF
+
+    def screw_torque(self) -> Expression:
+        """Return the torque on the screw: (2.18) at friction +1, its lowering form at -1, sticking between."""
+        diameter, pitch = P["screw_diameter"], P["screw_pitch"]
+        thread = self._thread * self.motor.friction
+        slope = (pitch + sp.pi * thread * diameter) / (sp.pi * diameter - thread * pitch)
+        return self.load * diameter / 2 * slope
+
+    def acceleration(self) -> Expression:
+        """Return the motor's acceleration; friction comes from the static load (ASSUME)."""
+        motor = self.motor
+        bend = -P["lift_stages"] * P["lift_link_length"] ** 2 / self.rise**3  # d2h/dx2
+        convection = self.mass * self.gain * bend * self.speed**2
+        damping = P["lift_stop_damping"] * self.speed
+        stop = P["lift_stop_stiffness"] * (
+            self.pressed_high * (1 + damping) - self.pressed_low * (1 - damping)
+        )
+        dry = motor.coulomb * motor.friction
+        torque = (
+            motor.free_torque
+            - dry
+            - self.screw_torque() / motor.gear
+            - self.ratio * (convection + stop)
+        )
+        return torque / (motor.inertia + self.ratio**2 * self.mass * self.gain**2)
+
+    def energy(self) -> Expression:
+        """Return the energy of load, stops and thread (to first order) in J."""
+        kinetic = HALF * self.mass * (self.gain * self.speed) ** 2
+        weight = self.mass * P["gravity"] * self.height
+        pressed = HALF * P["lift_stop_stiffness"] * (self.pressed_low**2 + self.pressed_high**2)
+        level = self.load * self._thread * P["screw_diameter"] / (2 * self.motor.gear)
+        bristle = HALF * level * P["presliding"] * self.motor.friction**2
+        return kinetic + weight + pressed + bristle

@@ -1,0 +1,176 @@
+"""RARS in numbers: every parameter with unit, source and remark; conflicting sources as named sets.
+
+[R] is A. P. Das, "Design and control of a tele-operated mobile platform", PhD thesis, IIT Delhi, 2018.
+ASSUME marks what the thesis leaves out.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Final
+
+from fmu.export.model import Parameter
+
+_BATTERY_VOLTAGE: Final = 24.0
+
+
+def _motor(
+    axis: str,
+    source: str,
+    *,
+    resistance: float,
+    inductance: float,
+    torque_constant: float,
+    rotor_inertia: float,
+    no_load_current: float,
+) -> tuple[Parameter, ...]:
+    """Return one motor's rows; half of the no-load torque is dry friction, half viscous (ASSUME)."""
+    no_load_torque = torque_constant * no_load_current
+    no_load_speed = (_BATTERY_VOLTAGE - resistance * no_load_current) / torque_constant
+    friction = f"half of the no-load current {no_load_current} A at 24 V; {source}"
+    return (
+        Parameter(f"resistance_{axis}", resistance, "Ohm", "winding resistance", source),
+        Parameter(f"inductance_{axis}", inductance, "H", "winding inductance", source),
+        Parameter(f"torque_constant_{axis}", torque_constant, "N.m/A", "torque constant", source),
+        Parameter(f"rotor_inertia_{axis}", rotor_inertia, "kg.m2", "rotor inertia", source),
+        Parameter(f"coulomb_{axis}", 0.5 * no_load_torque, "N.m", "dry friction of the motor", friction),
+        Parameter(
+            f"viscous_{axis}",
+            0.5 * no_load_torque / no_load_speed,
+            "N.m.s/rad",
+            "viscous friction of the motor",
+            friction,
+        ),
+    )
+
+
+def _wheel_motor(axis: str) -> tuple[Parameter, ...]:
+    return _motor(
+        axis,
+        "ASSUME, catalogue of maxon RE50 200 W 24 V (370354); agrees with 5680 rpm of [R] 2.3.2",
+        resistance=0.103,
+        inductance=0.072e-3,
+        torque_constant=38.5e-3,
+        rotor_inertia=536e-7,
+        no_load_current=0.236,
+    )
+
+
+MOTORS: Final[tuple[Parameter, ...]] = (
+    *_wheel_motor("left"),
+    *_wheel_motor("right"),
+    *_motor(
+        "steer",
+        "ASSUME, catalogue of maxon RE25 20 W 24 V, unchecked",
+        resistance=2.32,
+        inductance=0.238e-3,
+        torque_constant=23.4e-3,
+        rotor_inertia=10.5e-7,
+        no_load_current=0.037,
+    ),
+    *_motor(
+        "lift",
+        "ASSUME, order of magnitude of maxon RE20 10 W",
+        resistance=9.0,
+        inductance=0.6e-3,
+        torque_constant=25e-3,
+        rotor_inertia=4e-7,
+        no_load_current=0.02,
+    ),
+    Parameter("gear_left", 26.0, "1", "gear ratio, left rear wheel", "[R] 2.3.2"),
+    Parameter("gear_right", 26.0, "1", "gear ratio, right rear wheel", "[R] 2.3.2"),
+    Parameter("gear_steer", 159.0, "1", "gear ratio to the pinion", "[R] 2.4.2"),
+    Parameter("gear_lift", 25.0, "1", "gear ratio to the screw", "[R] 2.5"),
+    Parameter("presliding", 0.05, "rad", "shaft angle over which dry friction builds up", "ASSUME, 16 quadcounts"),
+)
+
+PLATFORM: Final[tuple[Parameter, ...]] = (
+    Parameter("gravity", 9.81, "m/s2", "standard gravity", "used throughout [R]"),
+    Parameter("slope", 0.0, "rad", "ramp, uphill along x of the world", "[R] (3.44)"),
+    Parameter("wheel_radius", 0.050, "m", "rear wheel's radius r", "[R] Tab. 3.1"),
+    Parameter("rear_track", 0.400, "m", "rear wheel to wheel l", "[R] Tab. 3.1; (3.78) implies 0.210"),
+    Parameter("wheelbase", 0.515, "m", "rear axle to front axle w", "[R] 2.4.1"),
+    Parameter("centre_offset", 0.220, "m", "rear axle to centre of mass a", "[R] Tab. 3.1"),
+    Parameter("platform_mass", 70.0, "kg", "platform without rear wheels", "[R] Tab. 3.1"),
+    Parameter(
+        "yaw_inertia",
+        0.53,
+        "kg.m2",
+        "platform about its centre of mass, vertical axis",
+        "[R] Tab. 3.1, element (3,3), implausible for 70 kg; (3.78) implies 3.2",
+    ),
+    Parameter("wheel_mass", 0.300, "kg", "one rear wheel", "[R] Tab. 3.1; Tab. 3.2 has 0.35, (3.78) implies 0.5"),
+    Parameter("wheel_spin_inertia", 465e-6, "kg.m2", "rear wheel about its axle I_w", "[R] Tab. 3.1, re-ordered"),
+    Parameter("wheel_yaw_inertia", 242e-6, "kg.m2", "rear wheel about the vertical H", "[R] Tab. 3.1"),
+    Parameter("floor_friction", 0.3, "1", "peak of the front tyres' adhesion", "[R] 3.4.5"),
+    Parameter("slip_speed", 0.01, "m/s", "speed below which slip angles fade", "ASSUME"),
+    Parameter("battery_emf", _BATTERY_VOLTAGE, "V", "battery's open-circuit voltage", "ASSUME"),
+    Parameter("battery_resistance", 0.050, "Ohm", "battery's inner resistance", "ASSUME"),
+)
+
+STEERING: Final[tuple[Parameter, ...]] = (
+    Parameter("kingpin_distance", 0.210, "m", "front kingpin to kingpin a_k", "[R] 2.4.1; App. C has 0.190"),
+    Parameter("davis_h", 0.030, "m", "Davis linkage h", "[R] App. C, optimum; (2.15) implies 0.060"),
+    Parameter("pinion_diameter", 0.030, "m", "pitch circle of the pinion D_p", "[R] 4.2; 2.4.2 has 0.040"),
+    Parameter("tie_rod_mass", 0.200, "kg", "tie rod m_10", "[R] Tab. 3.2"),
+    Parameter("link_mass", 0.080, "kg", "steering link m_l", "[R] Tab. 3.2"),
+    Parameter("link_centre", 0.018, "m", "kingpin to the link's centre r_o", "[R] Tab. 3.2"),
+    Parameter("link_inertia", 60834e-9, "kg.m2", "steering link I_zz", "[R] Tab. 3.2 read as g mm2"),
+    Parameter("front_wheel_mass", 0.350, "kg", "front wheel m_w", "[R] Tab. 3.2"),
+    Parameter("kingpin_offset", 0.05, "m", "kingpin to wheel centre l_3", "ASSUME, stands in Fig. 3.22 only"),
+    Parameter("tyre_torque", 0.4, "N.m", "resistance to steering of one wheel T_s", "[R] (2.14)"),
+    Parameter("rack_travel", 0.042, "m", "rack's end stop either side", "ASSUME, 61.6 degrees"),
+    Parameter("rack_stop_stiffness", 1e7, "N/m", "rack's end stop", "ASSUME"),
+    Parameter("rack_stop_damping", 10.0, "s/m", "rack's end stop, part of its force per speed", "ASSUME"),
+)
+
+LIFT: Final[tuple[Parameter, ...]] = (
+    Parameter("lift_stages", 6.0, "1", "scissor stages N", "[R] 2.5"),
+    Parameter("lift_link_length", 0.300, "m", "scissor link l_s", "ASSUME, fits 156 mm and 1.27 m of [R] 2.5"),
+    Parameter("lift_collapsed_angle", math.radians(5.0), "rad", "link angle collapsed", "[R] 2.5"),
+    Parameter("lift_extended_angle", math.radians(45.0), "rad", "link angle extended", "[R] 2.5"),
+    Parameter("screw_pitch", 0.0015, "m", "screw pitch p", "[R] 2.5"),
+    Parameter("screw_diameter", 0.010, "m", "mean diameter d_m", "[R] 2.5; 15 mm beside (2.18)"),
+    Parameter("screw_friction", 0.10, "1", "friction in the thread mu", "ASSUME, greased; self-locking above 0.046"),
+    Parameter("thread_angle", math.radians(15.0), "rad", "half flank angle alpha", "ASSUME, trapezoidal thread"),
+    Parameter("lift_mass", 1.0, "kg", "lifted platform", "ASSUME, what the 10 W motor lifts from 5 degrees"),
+    Parameter("lift_payload", 0.0, "kg", "load on the lifted platform", "ASSUME; [R] 2.5 has 8"),
+    Parameter("lift_clearance", 5e-5, "m", "nut travel from either end position to its stop", "ASSUME"),
+    Parameter("lift_stop_stiffness", 1e8, "N/m", "lift's end stops, at the nut", "ASSUME"),
+    Parameter("lift_stop_damping", 100.0, "s/m", "lift's end stops, part of their force per speed", "ASSUME"),
+)
+
+PARAMETERS: Final[tuple[Parameter, ...]] = MOTORS + PLATFORM + STEERING + LIFT
+
+SETS: Final[Mapping[str, Mapping[str, float]]] = {
+    "A": {},
+    "B": {
+        "rear_track": 0.210,
+        "wheel_mass": 0.5,
+        "yaw_inertia": 3.2,
+        "wheel_yaw_inertia": 2.5e-4,
+        "wheel_spin_inertia": 4.6395e-4,
+    },
+    "A_plausible_yaw": {"yaw_inertia": 3.2},
+}
+"""Named start values where [R] contradicts itself: A is Tab. 3.1 (the defaults), B the set that the numbers
+printed in (3.78) follow from, A_plausible_yaw is A with the yaw inertia of B."""
+
+ROBOT_FILE: Final[Mapping[str, tuple[str, float]]] = {
+    "base.wheel_radius_m": ("wheel_radius", 1.0),
+    "base.rear_track_m": ("rear_track", 1.0),
+    "base.wheelbase_m": ("wheelbase", 1.0),
+    "base.kingpin_distance_m": ("kingpin_distance", 1.0),
+    "base.davis_h_m": ("davis_h", 1.0),
+    "base.pinion_diameter_m": ("pinion_diameter", 1.0),
+    "axes.left_wheel.gear_ratio": ("gear_left", 1.0),
+    "axes.right_wheel.gear_ratio": ("gear_right", 1.0),
+    "axes.steering.gear_ratio": ("gear_steer", 1.0),
+    "axes.lift.gear_ratio": ("gear_lift", 1.0),
+    "lift.stages": ("lift_stages", 1.0),
+    "lift.link_length_m": ("lift_link_length", 1.0),
+    "lift.collapsed_angle_deg": ("lift_collapsed_angle", math.pi / 180.0),
+    "lift.extended_angle_deg": ("lift_extended_angle", math.pi / 180.0),
+    "lift.screw_pitch_m": ("screw_pitch", 1.0),
+    "battery.nominal_v": ("battery_emf", 1.0),
+}
+"""Key of a robot file (axes by their role) -> FMU parameter and the factor into its unit."""

@@ -1,0 +1,72 @@
+"""Davis steering: rack, both wheel angles and the rack's dynamics, [R] 2.4, 3.5 and 4.2."""
+
+import sympy as sp
+
+from fmu.export.model import Expression
+from fmu.rars.shaft import HALF, P, Shaft, positive_part
+
+
+class Steering:
+    """The rack on its motor; positive to the left. Numbers in brackets are equations of [R]."""
+
+    def __init__(self, motor: Shaft) -> None:
+        self.motor = motor
+        self.ratio = P["pinion_diameter"] / (2 * motor.gear)  # m of rack for 1 rad of motor (4.8)
+        self.rack = self.ratio * motor.angle
+        self.speed = self.ratio * motor.speed
+        h = P["davis_h"]
+        self.b = h * P["kingpin_distance"] / (2 * P["wheelbase"])  # (2.12)
+        self.across = self.rack * h
+        self.along = h**2 + self.b**2
+        # (3.96): how far the right and the left wheel turn with the rack, rad/m.
+        self.rate_right = h / (h**2 + (self.b + self.rack) ** 2)
+        self.rate_left = h / (h**2 + (self.b - self.rack) ** 2)
+        self.pressed_left = positive_part(self.rack - P["rack_travel"])
+        self.pressed_right = positive_part(-self.rack - P["rack_travel"])
+
+    def direction(self, side: int) -> tuple[Expression, Expression]:
+        """Return sine and cosine, times one length, of the left (+1) or right (-1) wheel's angle (4.6)."""
+        return self.across, self.along - side * self.b * self.rack
+
+    def angle(self, side: int) -> Expression:
+        """Return the left (+1) or right (-1) wheel's angle in rad, positive to the left."""
+        across, along = self.direction(side)
+        return sp.atan(across / along)
+
+    def inner_angle(self) -> Expression:
+        """Return the inner wheel's angle, whichever it is: (4.6) with x = sign(theta) f(|theta|)."""
+        return sp.atan(self.across / (self.along - self.b * sp.Abs(self.rack)))
+
+    def tyre_level(self) -> Expression:
+        """Return the tyres' resistance at the motor: T_s f(x); the printed T_s / h is its value near x = 0."""
+        return self.ratio * P["tyre_torque"] * (self.rate_right + self.rate_left)
+
+    def acceleration(self) -> Expression:
+        """Return the motor's acceleration by (3.97) and (3.98), both corrected."""
+        h, motor = P["davis_h"], self.motor
+        # (3.97) corrected: every term of the bracket is an inertia about the kingpin.
+        # (3.98) corrected: factor 1, because the part -dL/dx had been dropped, and f' means df/dx.
+        slope_right = -2 * (self.b + self.rack) * self.rate_right**2 / h
+        slope_left = 2 * (self.b - self.rack) * self.rate_left**2 / h
+        convection = self._wheel_inertia() * (self.rate_right * slope_right + self.rate_left * slope_left)
+        damping = P["rack_stop_damping"] * self.speed
+        stop = P["rack_stop_stiffness"] * (
+            self.pressed_left * (1 + damping) - self.pressed_right * (1 - damping)
+        )
+        dry = (motor.coulomb + self.tyre_level()) * motor.friction
+        torque = motor.free_torque - dry - self.ratio * (convection * self.speed**2 + stop)
+        return torque / (motor.inertia + self.ratio**2 * self._mass())
+
+    def energy(self) -> Expression:
+        """Return the energy of rack, stops and tyres in J; the motor's own is the shaft's."""
+        pressed = P["rack_stop_stiffness"] * (self.pressed_left**2 + self.pressed_right**2)
+        bristle = self.tyre_level() * P["presliding"] * self.motor.friction**2
+        return HALF * (self._mass() * self.speed**2 + pressed + bristle)
+
+    def _wheel_inertia(self) -> Expression:
+        """J of (3.97) in kg m2."""
+        arm, offset = P["link_centre"], P["kingpin_offset"]
+        return P["link_mass"] * arm**2 + P["link_inertia"] + offset**2 * P["front_wheel_mass"]
+
+    def _mass(self) -> Expression:
+        return P["tie_rod_mass"] + self._wheel_inertia() * (self.rate_right**2 + self.rate_left**2)

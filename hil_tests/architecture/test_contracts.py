@@ -1,0 +1,72 @@
+"""Contracts that import-linter cannot say: the standard library only, no test code in products, file sizes."""
+
+import ast
+import sys
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PACKAGES = ("firmware_bridge", "emulators", "fmu")
+LONGEST_FILE = 300
+
+
+def sources(*folders: str) -> list[Path]:
+    return sorted(path for folder in folders for path in (ROOT / folder).rglob("*.py"))
+
+
+def imports(path: Path) -> Iterator[str]:
+    for statement in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(statement, ast.Import):
+            yield from (alias.name for alias in statement.names)
+        elif isinstance(statement, ast.ImportFrom):
+            assert statement.level == 0, f"{path}: a relative import hides its layer"
+            yield statement.module or ""
+
+
+def name(path: Path) -> str:
+    return str(path.relative_to(ROOT))
+
+
+@pytest.mark.parametrize("path", sources("firmware_bridge/wire"), ids=name)
+def test_the_words_on_the_wire_need_the_standard_library_only(path: Path) -> None:
+    own = ("firmware_bridge.wire", "firmware_bridge.node", "firmware_bridge.units")
+    strange = [
+        module
+        for module in imports(path)
+        if module.split(".")[0] not in sys.stdlib_module_names and not module.startswith(own)
+    ]
+    assert not strange
+
+
+@pytest.mark.parametrize("path", sources(*PACKAGES), ids=name)
+def test_the_product_does_not_know_its_tests(path: Path) -> None:
+    assert not [module for module in imports(path) if module.split(".")[0] in {"hil_tests", "pytest"}]
+
+
+@pytest.mark.parametrize("path", sources(*PACKAGES), ids=name)
+def test_every_module_says_what_it_is_for(path: Path) -> None:
+    said = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8")))
+    assert said
+    assert said.splitlines()[0].endswith(".")
+
+
+@pytest.mark.parametrize("path", sources(*PACKAGES, "hil_tests", "benchmarks"), ids=name)
+def test_a_file_that_outgrows_its_page_is_two_files(path: Path) -> None:
+    assert len(path.read_text(encoding="utf-8").splitlines()) <= LONGEST_FILE
+
+
+def test_one_place_sleeps_and_one_module_reads_a_clock() -> None:
+    allowed = {"firmware_bridge/shell", "emulators/cli.py"}
+    readers = {name(path) for path in sources(*PACKAGES) if "time" in imports(path)}
+    assert {path for path in readers if not path.startswith(tuple(allowed))} == set()
+
+
+def test_every_package_has_its_place_in_the_contracts() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    contracts = {contract["id"]: contract for contract in project["tool"]["importlinter"]["contracts"]}
+    assert contracts["bridge"]["exhaustive"]
+    assert contracts["emulators"]["exhaustive"]
+    assert set(project["tool"]["importlinter"]["root_packages"]) == set(PACKAGES)
