@@ -30,8 +30,8 @@ $(READY): pyproject.toml
 		{ echo "setup: no C compiler found (the plants are built from C); on Debian or Ubuntu: apt-get install gcc libc6-dev" >&2; exit 1; }
 	@echo "setup: making .venv with $(PYTHON); this takes a minute or two, once"
 	@[ -x $(BIN)/python ] || $(PYTHON) -m venv .venv
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade 'pip>=25.1'
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable . --group dev
+	@$(BIN)/python -m pip install --quiet --quiet --disable-pip-version-check --upgrade 'pip>=25.1'
+	@$(BIN)/python -m pip install --quiet --quiet --disable-pip-version-check --editable . --group dev
 	@touch $@
 
 demo: $(READY) ## drive the shipped missions in virtual time; results in out/

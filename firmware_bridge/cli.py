@@ -133,9 +133,16 @@ def _print_version(*, asked: bool) -> None:
 
 
 def attach_commands() -> None:
-    """Attach the commands of every installed package that has some, in the order of their names."""
+    """Attach the commands of every installed package that has some, in the order of their names.
+
+    A package that cannot be imported must not keep the bridge from running: it is named and left out.
+    """
     for entry in sorted(metadata.entry_points(group=COMMAND_GROUP), key=lambda entry: entry.name):
-        attach: Attach = entry.load()
+        try:
+            attach: Attach = entry.load()
+        except ImportError as error:
+            typer.echo(f"firmware-bridge: the commands of '{entry.name}' are left out: {error}", err=True)
+            continue
         attach(program)
 
 

@@ -220,7 +220,8 @@ def _holds(figure: Figure, _robot: Robot, samples: Sequence[Sample], holds: Sequ
     axes.set_yticks(range(len(names) + 1), [name.replace("_", " ") for name in names] + ["(armed)"])
     axes.set_ylim(len(names) + 0.6, -0.6)
     axes.grid(visible=False, axis="y")
-    axes.set(title="Which interlock held, and when", xlabel="time [s]", xlim=(0.0, end))
+    axes.set(title="Which interlock held, and when", xlabel="time [s]")
+    _finish_time(axes, _times(samples))
 
 
 def _times(samples: Sequence[Sample]) -> list[float]:

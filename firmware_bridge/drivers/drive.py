@@ -44,7 +44,7 @@ Demand: TypeAlias = Speed | Position | Stop
 
 
 class Task(Enum):
-    """A step of the drive's way to power and back; the bridge takes all drives through one before the next."""
+    """A step of the drive's way to power and back; all drives take one before any takes the next."""
 
     FIND = "find"
     """Make the drive listen, and wait until it answers."""
@@ -101,7 +101,7 @@ class Heard:
 
 
 class Drive(Protocol):
-    """One drive; every method returns what to send."""
+    """One drive; what a method returns is to be sent."""
 
     @property
     def axis(self) -> Axis:
@@ -136,7 +136,7 @@ class Drive(Protocol):
     def release(self) -> tuple[Packet, ...]:
         """End a set-point's handshake, where the drive has one; due half a cycle after `command`."""
 
-    def synchronised(self, now: Nanoseconds) -> tuple[Packet, ...]:
+    def synchronised(self, now: Nanoseconds) -> None:
         """Learn that a SYNC leaves now: the next sample was taken then."""
 
     def measure(self, analogue_input: int, now: Nanoseconds) -> tuple[Packet, ...]:

@@ -1,6 +1,5 @@
 """One EPOS2's frames to what it told. Frames that make no sense are ignored: a bus is a public place."""
 
-from collections.abc import Callable, Mapping
 from typing import Final
 
 from firmware_bridge.drivers.drive import Heard
@@ -19,13 +18,15 @@ _COUNTER_HALF: Final = 1 << 31
 class Ear:
     """Fills a `Heard` from the frames of one drive."""
 
-    __slots__ = ("_quadcounts_per_radian", "_readers", "_synchronised_at", "heard")
+    __slots__ = ("_quadcounts_per_radian", "_readers", "_synchronised_at", "heard", "knows_mapping")
 
     def __init__(self, axis: Axis) -> None:
         self.heard = Heard()
+        self.knows_mapping = False
+        """Process data counts only once this bridge has said what it carries."""
         self._quadcounts_per_radian = axis.quadcounts_per_radian
         self._synchronised_at: Nanoseconds = NEVER_HEARD
-        self._readers: Mapping[int, Callable[[bytes, Nanoseconds], None]] = {
+        self._readers = {
             STATUS_COB_ID: self._status,
             SAMPLE_COB_ID: self._sample,
             canopen.EMERGENCY: self._emergency,
@@ -43,12 +44,12 @@ class Ear:
             reader(payload, now)
 
     def _status(self, payload: bytes, _now: Nanoseconds) -> None:
-        if len(payload) >= STATUS.size:
+        if self.knows_mapping and len(payload) >= STATUS.size:
             (statusword,) = STATUS.unpack(payload)
             self._state(statusword)
 
     def _sample(self, payload: bytes, now: Nanoseconds) -> None:
-        if len(payload) < SAMPLE.size:
+        if not self.knows_mapping or len(payload) < SAMPLE.size:
             return
         heard = self.heard
         statusword, position, current = SAMPLE.unpack(payload)
@@ -84,6 +85,7 @@ class Ear:
             heard.state = None
         if state is NmtState.BOOT_UP:
             heard.restarted = True
+            self.knows_mapping = False
             # The counter starts from zero again: no speed from before to after.
             heard.sampled_at = NEVER_HEARD
             heard.speed_rad_s = 0.0

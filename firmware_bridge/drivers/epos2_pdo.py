@@ -1,7 +1,7 @@
 """Which process data the bridge and one EPOS2 exchange; the same for every robot.
 
 A drive hears one set-point frame, tells its statusword when it changes, and answers each SYNC with its
-statusword, position and current, all sampled at that SYNC. The other PDOs are off: they would only load the bus.
+statusword, position and current, all sampled at that SYNC. The other PDOs are off.
 """
 
 from dataclasses import dataclass

@@ -1,8 +1,8 @@
 """Demands to one EPOS2's set-point frames: controlword and target, the handshake of positions included.
 
 It refuses to know whether a demand is wise, and when frames are sent. Controlwords: EPOS Firmware
-Specification, profile velocity and profile position mode; halt and quick stop as maxon's library and the EPOS2
-Application Notes write them.
+Specification, profile velocity and profile position mode; halt as maxon's command library writes it, quick stop
+as the EPOS2 Application Notes do.
 """
 
 from typing import Final, Protocol
@@ -109,7 +109,7 @@ class PositionSetPoint:
         """Return the frame for a demand; a speed counts as rest."""
         if demand is Stop.POWER_OFF:
             return self.word(DISABLE_VOLTAGE)
-        if demand is Stop.QUICK_STOP or self._heard.state is not State.OPERATION_ENABLED:
+        if demand is Stop.QUICK_STOP or self._stopped():
             return self.word(QUICK_STOP)
         if isinstance(demand, Position):
             return self._go(self._clipped(demand.quadcounts))
@@ -118,7 +118,10 @@ class PositionSetPoint:
 
     def release(self) -> Packet | None:
         """Return the frame that ends the handshake of a new position; None where none is open."""
-        return self._frame(ENABLE) if self._bit_is_set else None
+        if not self._bit_is_set:
+            return None
+        # In a drive that stopped by itself since, 0x000F would put the power on again.
+        return self.demand(Stop.QUICK_STOP) if self._stopped() else self._frame(ENABLE)
 
     def _go(self, target_qc: int) -> Packet:
         if self._bit_is_set:
@@ -129,6 +132,9 @@ class PositionSetPoint:
         self._target_qc = target_qc
         self._under_way = True
         return self._frame(NEW_POSITION)
+
+    def _stopped(self) -> bool:
+        return self._heard.state is not State.OPERATION_ENABLED
 
     def _clipped(self, position_qc: int) -> int:
         return position_qc if self._travel is None else self._travel.clip(position_qc)

@@ -1,11 +1,11 @@
 """One message from a station and everything that is answered to it: a row for each message that is heard."""
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Final, TypeAlias
 
 from firmware_bridge.intent import EmergencyStop, Request, ResetOdometry, Verdict
+from firmware_bridge.motion.lift import highest
 from firmware_bridge.teleop import setpoints
 from firmware_bridge.teleop.commands import Order, Result, obey
 from firmware_bridge.teleop.mavlink import Message, dialect
@@ -37,7 +37,7 @@ class Conversation:
         return self.session.snapshot is not None and self.session.snapshot.armed
 
     def request(self, request: Request) -> Verdict:
-        """Ask the bridge. A target for the lift does not outlive a change of state: it would act unasked later."""
+        """Ask the bridge; a lift target does not outlive a change of state, it would act unasked later."""
         verdict = self.decide(request)
         session = self.session
         if not verdict.accepted:
@@ -61,7 +61,7 @@ class Conversation:
 
     def lift_to(self, share: float) -> None:
         """Send the platform to a share of its travel, 0 to 1."""
-        height = share * setpoints.lift_travel_m(self.session.robot.lift)
+        height = share * highest(self.session.robot.lift)
         self.session.intent = replace(self.session.intent, lift_m=height, lift_rate_mps=0.0)
 
     def send(self, number: int) -> bool:

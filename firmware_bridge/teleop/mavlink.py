@@ -1,4 +1,4 @@
-"""MAVLink 2 frames in and out of datagrams, with pymavlink's message classes; it knows no robot and no socket.
+"""MAVLink 2 frames in and out of datagrams, with pymavlink's message classes; knows no robot, no socket.
 
 Each datagram stands alone: pymavlink's own stream parser keeps the tail of a broken datagram and swallows the
 next one with it, so datagrams are cut into frames here (framing: mavlink.io, "Packet Serialization").
@@ -10,10 +10,13 @@ from collections.abc import Container
 from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
-from pymavlink.dialects.v20 import common as dialect
+from pymavlink.dialects.v20 import common
+
+dialect: Final[Any] = common
+"""pymavlink's constants and message classes, which carry no types."""
 
 Message: TypeAlias = Any
-"""One of pymavlink's message objects, which carry no types."""
+"""One of pymavlink's message objects."""
 
 ANYONE: Final = 0
 """A target that means everybody, for systems and for components."""
@@ -32,7 +35,7 @@ _SIGNATURE_LENGTH: Final = 13
 
 @dataclass(slots=True)
 class Counters:
-    """What arrived: good frames, runs of bytes that are no frame, and frames of messages nobody knows here."""
+    """What arrived: good frames, runs of bytes that are no frame, and frames of unknown messages."""
 
     frames: int = 0
     corrupt: int = 0

@@ -1,8 +1,8 @@
 """The operator's side of the bridge, whole: datagrams to intent and answers, snapshots to telemetry.
 
 It opens no socket, reads no clock and judges nothing: requests go to the bridge through `decide`, limits are
-the interlocks'. Every station that speaks to us is obeyed, the newest word counts; an echo of our own words and
-messages for other systems are left alone.
+the interlocks'. Every station that speaks to us is obeyed and the newest word counts; an echo of our own
+words and messages for other systems are left alone.
 """
 
 from typing import Final
@@ -13,12 +13,20 @@ from firmware_bridge.safety.snapshot import Hold, Snapshot
 from firmware_bridge.teleop.conversation import HEARD, Conversation, Decide
 from firmware_bridge.teleop.mavlink import Codec, Counters, Message, concerns
 from firmware_bridge.teleop.parameters import PARAMETERS, Store
+from firmware_bridge.teleop.schedule import Schedule
 from firmware_bridge.teleop.session import LISTING_GAP, Dropped, Peer, Session
-from firmware_bridge.teleop.telemetry import Schedule
 from firmware_bridge.teleop.texts import Severity
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 
-_SEVERITY: Final[dict[str, Severity]] = {}
+SEVERITIES: Final = {
+    "not armed": Severity.NOTICE,
+    "emergency stop": Severity.CRITICAL,
+    "drive silent": Severity.CRITICAL,
+    "drive fault": Severity.CRITICAL,
+    "steer angle unknown": Severity.ERROR,
+    "lift height unknown": Severity.ERROR,
+}
+"""How loud a hold is; a name's part behind a colon tells the axis. All others are warnings."""
 
 
 class Operator:
@@ -100,7 +108,9 @@ class Operator:
         for name, hold in current.items():
             if name not in self._holds:
                 remedy = f"; {hold.remedy}" if hold.remedy else ""
-                messages += say(_SEVERITY.get(name, Severity.WARNING), f"{hold.reason}{remedy}")
+                messages += say(
+                    SEVERITIES.get(name.split(":")[0], Severity.WARNING), f"{hold.reason}{remedy}"
+                )
         self._holds = current
         return messages
 

@@ -1,4 +1,4 @@
-"""What the bridge remembers of its operators between two datagrams, and the scene that telemetry is made of."""
+"""What the bridge remembers of its operators between two datagrams, and the scene for its telemetry."""
 
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
@@ -8,7 +8,8 @@ from firmware_bridge.robot import Robot
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.teleop.mavlink import Codec, Message, dialect
 from firmware_bridge.teleop.parameters import PARAMETERS, Store
-from firmware_bridge.teleop.telemetry import STREAMS, Scene, Schedule, tell
+from firmware_bridge.teleop.schedule import Schedule
+from firmware_bridge.teleop.telemetry import STREAMS, Scene, tell
 from firmware_bridge.teleop.texts import Speaker
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 
@@ -117,7 +118,7 @@ class Session:
         )
 
     def messages(self, number: int) -> tuple[Message, ...] | None:
-        """Return what a station gets that asks for a message once; None where the bridge has no such message."""
+        """Return a message for a station that asks for it once; None where the bridge has no such message."""
         if number == dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION:
             return (_version(),)
         if self.snapshot is None or all(stream.number != number for stream in STREAMS):
@@ -126,7 +127,7 @@ class Session:
 
     def _status(self, snapshot: Snapshot) -> int:
         silent = snapshot.now - self.intent.heard_at > self.robot.operator.silent_ms * MILLISECOND
-        rows = (
+        rows: tuple[tuple[bool, int], ...] = (
             (self.terminated, dialect.MAV_STATE_FLIGHT_TERMINATION),
             (snapshot.emergency_stopped, dialect.MAV_STATE_EMERGENCY),
             (any(drive.fault for drive in snapshot.drives), dialect.MAV_STATE_CRITICAL),
@@ -134,7 +135,8 @@ class Session:
             (not snapshot.armed, dialect.MAV_STATE_STANDBY),
             (silent, dialect.MAV_STATE_CRITICAL),
         )
-        return next((state for holds, state in rows if holds), dialect.MAV_STATE_ACTIVE)
+        active: int = dialect.MAV_STATE_ACTIVE
+        return next((state for holds, state in rows if holds), active)
 
 
 def _version() -> Message:

@@ -3,16 +3,18 @@
 What is not a number, or beyond all sense, is refused here with a reason; what is merely too much is left to
 the interlocks, which say so. MAVLink counts yaw and `r` clockwise, the robot counter-clockwise.
 
-MANUAL_CONTROL: `x` is the speed, full stick the robot's limit; `r` (or `y` where `r` is unused) the steering,
-full stick the largest angle; `z` is the lift's rate, and counts only while button 3 is held: stations rest `z`
-at 0 or at 500, and neither may move the platform. Buttons: 0 detector, 1 headlamp, 2 emergency stop, 3 lift.
+MANUAL_CONTROL: `x` is the speed, full stick the robot's limit; `r` (or `y` where `r` is unused) the
+steering, full stick the largest angle; `z` is the lift's rate, and counts only while button 3 is held:
+stations rest `z` at 0 or at 500, and neither may move the platform. Buttons: 0 detector, 1 headlamp,
+2 emergency stop, 3 lift.
 """
 
 import math
 from dataclasses import dataclass
 from typing import Final
 
-from firmware_bridge.robot import Base, Lift, Robot
+from firmware_bridge.motion.davis import steer_from_curvature
+from firmware_bridge.robot import Base, Robot
 from firmware_bridge.teleop.mavlink import Message, dialect
 
 FULL_STICK: Final = 1000
@@ -99,31 +101,17 @@ def of_target(message: Message, robot: Robot) -> Setpoint | Unusable:
         return Unusable("not finite", f"{name}: a velocity that is no finite number")
     if message.vy != 0.0 or climb != 0.0:
         return Unusable("sideways", f"{name}: this robot moves forward and backward only")
-    limits = robot.limits
-    if abs(message.vx) > _ABSURD * limits.speed_mps:
-        return Unusable("absurd", f"{name}: {message.vx:.3g} m/s")
-    if abs(yaw_rate) > _ABSURD * limits.speed_mps / limits.turn_radius_m:
-        return Unusable("absurd", f"{name}: {yaw_rate:.3g} rad/s")
+    fastest = _ABSURD * robot.limits.speed_mps
+    if abs(message.vx) > fastest or abs(yaw_rate) > fastest / robot.limits.turn_radius_m:
+        return Unusable("absurd", f"{name}: {message.vx:.3g} m/s, {yaw_rate:.3g} rad/s left")
     return Setpoint(message.vx, 0.0 if mask & _NO_YAW_RATE else steer_for(message.vx, yaw_rate, robot.base))
 
 
 def steer_for(speed_mps: float, yaw_rate_rad_s: float, base: Base) -> float | None:
-    """Return the inner front wheel's angle for a speed and a yaw rate, left positive; None at standstill.
-
-    From R = a_k / 2 + w cot(theta) (thesis 2.13) with R = |v / W|; beyond a right angle where the turn is
-    tighter than half the kingpin distance.
-    """
+    """Return the inner front wheel's angle for a speed and a yaw rate, left positive; None at standstill."""
     if abs(speed_mps) < STANDSTILL_MPS:
         return None
-    turn = yaw_rate_rad_s / speed_mps
-    inner = math.atan2(base.wheelbase_m * abs(turn), 1.0 - base.kingpin_distance_m / 2.0 * abs(turn))
-    return math.copysign(inner, turn)
-
-
-def lift_travel_m(lift: Lift) -> float:
-    """Return how far the platform rises from collapsed to extended: N l (sin extended - sin collapsed) (2.16)."""
-    low, high = math.radians(lift.collapsed_angle_deg), math.radians(lift.extended_angle_deg)
-    return lift.stages * lift.link_length_m * (math.sin(high) - math.sin(low))
+    return steer_from_curvature(base, yaw_rate_rad_s / speed_mps)
 
 
 def _share(axis: int, dead_band: int = 0) -> float:

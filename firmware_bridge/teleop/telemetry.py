@@ -1,4 +1,4 @@
-"""What the operator is told and how often: one row for each message, and the schedule that keeps the rates.
+"""What the operator is told and how often: one row for each message.
 
 The robot counts left, up and counter-clockwise positive; MAVLink's NED and FRD frames count right, down and
 clockwise: y, yaw and yaw rate change their sign here, and only here.
@@ -12,7 +12,7 @@ from typing import Final, TypeAlias
 from firmware_bridge.robot import Axis, Robot, Role
 from firmware_bridge.safety.snapshot import DriveSnapshot, Snapshot
 from firmware_bridge.teleop.mavlink import Message, dialect
-from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 UNKNOWN_U16: Final = 0xFFFF
 UNKNOWN: Final = -1
@@ -227,48 +227,6 @@ STREAMS: Final = (
         dialect.MAVLINK_MSG_ID_BATTERY_STATUS, 2 * SECOND, _battery, "voltage, sum of the motors' currents"
     ),
 )
-
-
-class Schedule:
-    """Which streams are due; each keeps to a grid of its period, so that a late report shifts no later one."""
-
-    __slots__ = ("_due", "_early", "_periods")
-
-    def __init__(self, cycle: Nanoseconds) -> None:
-        self._early = (
-            cycle // 4
-        )  # reports come once a cycle and jitter: rather a little early than a cycle late
-        self._periods = [stream.period for stream in STREAMS]
-        self._due: list[Nanoseconds] = [0] * len(STREAMS)
-
-    @property
-    def next_due(self) -> Nanoseconds:
-        """The instant at which the next message is due."""
-        return min(self._due)
-
-    def due(self, now: Nanoseconds) -> list[Stream]:
-        """Return the streams that are due now, and plan them anew."""
-        reached = now + self._early
-        ready: list[Stream] = []
-        for index, due in enumerate(self._due):
-            if due <= reached:
-                ready.append(STREAMS[index])
-                following = due + self._periods[index]
-                self._due[index] = following if following > now else now + self._periods[index]
-        return ready
-
-    def period(self, number: int) -> Nanoseconds | None:
-        """Return a message's shortest period; `NEVER` where it is switched off, None where it is no stream."""
-        return min(
-            (p for s, p in zip(STREAMS, self._periods, strict=True) if s.number == number), default=None
-        )
-
-    def change(self, number: int, period: Nanoseconds | None, now: Nanoseconds) -> None:
-        """Give every stream of this message a new period; `NEVER` switches it off, None restores the default."""
-        for index, stream in enumerate(STREAMS):
-            if stream.number == number:
-                self._periods[index] = stream.period if period is None else period
-                self._due[index] = NEVER if period == NEVER else now
 
 
 def tell(number: int, scene: Scene) -> tuple[Message, ...]:

@@ -1,6 +1,6 @@
 """Why an SDO transfer is refused: the abort codes, and the exception that carries one.
 
-Sources: CiA 301 v4.02; codes 0x0F00FFxx from maxon's command library. The serial protocols use the same codes.
+Sources: CiA 301 v4.02; 0x0F00FFxx from maxon's command library. The serial protocols use the same codes.
 """
 
 from enum import IntEnum

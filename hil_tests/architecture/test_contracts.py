@@ -1,4 +1,4 @@
-"""Contracts that import-linter cannot say: the standard library only, no test code in products, file sizes."""
+"""Contracts that import-linter cannot say: the wire's imports, no test code in the product, file sizes."""
 
 import ast
 import sys

@@ -139,3 +139,50 @@ class ObjectRow:
         if isinstance(self.default, bytes):
             return self.default
         return self.default + node_id if self.node_added else self.default
+
+
+def row(
+    index: int,
+    subindex: int,
+    name: str,
+    kind: DataType,
+    access: Access,
+    default: int | None = None,
+    *,
+    low: int | None = None,
+    high: int | None = None,
+    unit: str = "",
+    mapped: bool = False,
+    read: int | bytes | None = None,
+    node: bool = False,
+    note: str = "",
+) -> ObjectRow:
+    """Make a row of the EDS. Its default: the EDS's, else the value `read` from a real device, else 0."""
+    if default is not None:
+        value, origin, trust = default, EDS, Provenance.PROVEN
+    elif read is not None:
+        value, origin, trust = read, DEVICE, Provenance.PROVEN
+    else:
+        value, origin, trust = 0, ASSUMPTION, Provenance.ASSUMED
+    if kind.size == 0 and isinstance(value, int):
+        value = b""
+    return ObjectRow(
+        address=Address(index, subindex),
+        name=name,
+        type=kind,
+        access=access,
+        mappable=mapped,
+        default=value,
+        minimum=low,
+        maximum=high,
+        unit=unit,
+        node_added=node,
+        default_source=origin,
+        default_provenance=trust,
+        note=note,
+    )
+
+
+def count(index: int, entries: int, access: Access = Access.RO, name: str = "Number of Entries") -> ObjectRow:
+    """Make the row of sub-index 0: how many entries, or the largest sub-index."""
+    return row(index, 0, name, DataType.UNSIGNED8, access, entries)

@@ -7,6 +7,11 @@
 
 #include <math.h>
 
+#define FB_HALF_PI 1.5707963267948966
+#define FB_HALF_PI_HIGH 1.5707963267341256
+#define FB_HALF_PI_MIDDLE 6.077100506303966e-11
+#define FB_HALF_PI_LOW 2.0222662487959506e-21
+
 static inline double fb_square(double x) { return x * x; }
 static inline double fb_cube(double x) { return x * x * x; }
 static inline double fb_fourth(double x) { return fb_square(fb_square(x)); }
@@ -60,3 +65,31 @@ static inline double fb_cosine(double x) {
   double value = (quarter & 1) ? fb_sine_core(rest) : fb_cosine_core(rest);
   return (quarter == 1 || quarter == 2) ? -value : value;
 }
+
+/* Chebyshev fit of (atan(t) / t - 1) / t2 for |t| up to tan(pi/8), error 3e-17; larger arguments by
+   atan(x) = pi/4 + atan((x - 1) / (x + 1)) and atan(x) = pi/2 - atan(1 / x). */
+static inline double fb_arc_tangent(double x) {
+  double size = fabs(x);
+  int inverse = size > 1.0;
+  double t = inverse ? 1.0 / size : size;
+  int upper = t > 0.41421356237309503;
+  if (upper) t = (t - 1.0) / (t + 1.0);
+  double z = t * t;
+  double r = -0.01917688711906226;
+  r = r * z + 0.03923165829558719;
+  r = r * z - 0.0508544973794026;
+  r = r * z + 0.0585814891280221;
+  r = r * z - 0.06664511447381948;
+  r = r * z + 0.07692183190826087;
+  r = r * z - 0.09090904578123903;
+  r = r * z + 0.11111111015256361;
+  r = r * z - 0.14285714284666542;
+  r = r * z + 0.1999999999999552;
+  r = r * z - 0.3333333333333333;
+  double value = t + t * z * r;
+  if (upper) value += 0.5 * FB_HALF_PI;
+  if (inverse) value = FB_HALF_PI - value;
+  return x < 0.0 ? -value : value;
+}
+
+#endif

@@ -1,0 +1,84 @@
+"""What the operator did and was told, in order; and the odometry as it reached him."""
+
+import math
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from firmware_bridge.teleop.mavlink import Message
+from firmware_bridge.units import Nanoseconds
+
+
+class Kind(StrEnum):
+    """What an entry is about."""
+
+    STEP = "step"
+    """The mission's step of this title began."""
+    TOLD = "told"
+    """A STATUSTEXT."""
+    ANSWERED = "answered"
+    """A COMMAND_ACK."""
+    UNANSWERED = "unanswered"
+    """A command that was given up."""
+    STATUS = "status"
+    """Armed or disarmed, as the robot's heartbeat says."""
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One line of the diary."""
+
+    at: Nanoseconds
+    kind: Kind
+    text: str
+    severity: int | None = None
+    """MAV_SEVERITY of a text."""
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """One ODOMETRY, turned back into the robot's words: left and counter-clockwise positive."""
+
+    heard_at: Nanoseconds
+    measured_at: Nanoseconds
+    x_m: float
+    y_m: float
+    heading_rad: float
+    speed_mps: float
+    yaw_rate_rad_s: float
+
+
+def place_of(message: Message, now: Nanoseconds) -> Place:
+    """Read an ODOMETRY message."""
+    w, _, _, z = message.q
+    return Place(
+        heard_at=now,
+        measured_at=message.time_usec * 1000,
+        x_m=message.x,
+        y_m=-message.y,
+        heading_rad=-2.0 * math.atan2(z, w),
+        speed_mps=message.vx,
+        yaw_rate_rad_s=-message.yawspeed,
+    )
+
+
+@dataclass(slots=True)
+class Diary:
+    """Everything that one operator remembers of a run."""
+
+    entries: list[Entry] = field(default_factory=list)
+    odometry: list[Place] = field(default_factory=list)
+    values: dict[str, float] = field(default_factory=dict)
+    """The newest of each named value and parameter."""
+    parameters: dict[str, float] = field(default_factory=dict)
+    armed: bool | None = None
+    """None before the robot's first heartbeat."""
+    status: int = 0
+    """MAV_STATE."""
+
+    def note(self, at: Nanoseconds, kind: Kind, text: str, severity: int | None = None) -> None:
+        """Add a line."""
+        self.entries.append(Entry(at, kind, text, severity))
+
+    def texts(self, kind: Kind) -> list[str]:
+        """Return the texts of one kind, in order."""
+        return [entry.text for entry in self.entries if entry.kind is kind]

@@ -1,0 +1,221 @@
+"""A ground station that drives a mission and keeps a diary of what the robot answers; a Node on link "operator".
+
+It speaks MAVLink as a stranger would: signs, scales and retries are written here anew, not taken from the
+bridge, so that a mistake there is not repeated here.
+"""
+
+import math
+from typing import Final
+
+import numpy as np
+
+from emulators.bench import orders
+from emulators.bench.diary import Diary, Kind, place_of
+from emulators.bench.hand import Ramp, Tremor
+from emulators.bench.mission import Button, Input, Mission, Step, steer_of_radius
+from emulators.bench.orders import Pending
+from emulators.bench.strays import command, datagram, velocity
+from firmware_bridge.node import OPERATOR, Packet, Reaction
+from firmware_bridge.robot import Robot
+from firmware_bridge.teleop.mavlink import Codec, Message, dialect, text_of
+from firmware_bridge.teleop.texts import Listener
+from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds, from_seconds
+
+SYSTEM: Final = 255
+COMPONENT: Final = dialect.MAV_COMP_ID_MISSIONPLANNER
+PRESS: Final[Nanoseconds] = 120 * MILLISECOND
+"""How long a tapped button is down: at least two messages."""
+_FULL: Final = 1000
+_UNUSED: Final = 0x7FFF
+_BUTTONS: Final = {Button.DETECTOR: 1, Button.HEADLAMP: 2, Button.EMERGENCY_STOP: 4}
+_LIFT_ENABLE: Final = 8
+
+
+class ScriptedOperator:
+    """One operator and his ground station, system 255; `diary` tells what became of the mission."""
+
+    __slots__ = (
+        "_beat_due", "_buttons", "_codec", "_greeted", "_input", "_lift_rate", "_listener", "_mission", "_pending",
+        "_period", "_released_at", "_robot", "_send_due", "_silent_until", "_speed", "_steer", "_step",
+        "_tremors", "diary",
+    )  # fmt: skip
+
+    def __init__(self, robot: Robot, mission: Mission, generator: np.random.Generator) -> None:
+        """Take the mission in hand; `generator` is drawn from only where the mission has a tremor."""
+        self.diary = Diary()
+        self._robot = robot
+        self._mission = mission
+        self._codec = Codec(SYSTEM, COMPONENT)
+        self._listener = Listener()
+        self._period = SECOND // mission.send_hz
+        self._input = mission.input
+        self._speed = Ramp()
+        self._steer = Ramp()
+        self._lift_rate = 0.0
+        self._tremors = tuple(Tremor(mission.noise.stick, self._period, generator) for _ in range(2))
+        self._buttons = 0
+        self._released_at: Nanoseconds = NEVER
+        self._pending: list[Pending] = []
+        self._step = 0
+        self._silent_until: Nanoseconds = 0
+        self._beat_due: Nanoseconds = 0
+        self._send_due: Nanoseconds = 0
+        self._greeted = False
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        """Read telemetry and answers; a command that must be repeated is repeated in time."""
+        for message in self._codec.decode(packet.payload, _HEARD):
+            if message.get_srcSystem() == self._robot.operator.system_id:
+                _HEARD[message.get_msgId()](self, message, now)
+        return Reaction((), self._wake_at())
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        """Take the steps that are due, then send what is due."""
+        sent: list[bytes] = []
+        steps = self._mission.step
+        while self._step < len(steps) and from_seconds(steps[self._step].at_s) <= now:
+            sent += self._take(steps[self._step], now)
+            self._step += 1
+        if now >= self._released_at:
+            self._buttons = 0
+            self._released_at = NEVER
+        sent += self._due(now)
+        if now < self._silent_until:
+            sent.clear()
+        return Reaction(tuple(Packet(OPERATOR, 0, payload) for payload in sent), self._wake_at())
+
+    def _wake_at(self) -> Nanoseconds:
+        steps = self._mission.step
+        step_at = from_seconds(steps[self._step].at_s) if self._step < len(steps) else NEVER
+        command_at = min((pending.due for pending in self._pending), default=NEVER)
+        return min(step_at, self._beat_due, self._send_due, command_at, self._released_at)
+
+    def _take(self, step: Step, now: Nanoseconds) -> list[bytes]:
+        self.diary.note(now, Kind.STEP, step.title)
+        self._input = step.input or self._input
+        if step.speed_mps is not None:
+            self._speed.go(step.speed_mps, step.ramp_mps2, now)
+        if step.steer_deg is not None:
+            self._steer.go(math.radians(step.steer_deg), None, now)
+        if step.radius_m is not None:
+            self._steer.go(steer_of_radius(self._robot, step.radius_m), None, now)
+        if step.lift_rate_mps is not None:
+            self._lift_rate = step.lift_rate_mps
+        if step.press is not None:
+            self._buttons = _BUTTONS[step.press]
+            self._released_at = now + PRESS
+        if step.silent_s is not None:
+            self._silent_until = now + from_seconds(step.silent_s)
+        for pending in orders.of_step(step, self._robot, now):
+            self._pending = [old for old in self._pending if old.number != pending.number]
+            self._pending.append(pending)
+        if step.stray is None:
+            return []
+        link = self._robot.operator
+        return [datagram(step.stray, self._codec, link.system_id, link.component_id)]
+
+    def _due(self, now: Nanoseconds) -> list[bytes]:
+        messages: list[Message] = []
+        if now >= self._beat_due:
+            self._beat_due += SECOND
+            station, none = dialect.MAV_TYPE_GCS, dialect.MAV_AUTOPILOT_INVALID
+            messages.append(dialect.MAVLink_heartbeat_message(station, none, 0, 0, dialect.MAV_STATE_ACTIVE, 3))
+        messages += self._insisted(now)
+        if now >= self._send_due:
+            self._send_due += self._period
+            messages.append(self._motion(now))
+        return [self._codec.encode(message) for message in messages]
+
+    def _insisted(self, now: Nanoseconds) -> list[Message]:
+        link = self._robot.operator
+        messages: list[Message] = []
+        if now < self._silent_until:
+            for pending in self._pending:
+                pending.due = max(pending.due, self._silent_until)
+            return messages
+        for pending in [one for one in self._pending if one.due <= now]:
+            if pending.tries == orders.MOST_TRIES:
+                self._pending.remove(pending)
+                self.diary.note(now, Kind.UNANSWERED, pending.title)
+            else:
+                messages.append(pending.message(link.system_id, link.component_id, now))
+        return messages
+
+    def _motion(self, now: Nanoseconds) -> Message:
+        speed, steer = self._speed.at(now), self._steer.at(now)
+        speed_tremor, steer_tremor = (tremor.step() for tremor in self._tremors)
+        limits, link = self._robot.limits, self._robot.operator
+        full_lock = math.radians(limits.steer_angle_deg)
+        if speed != 0.0:  # a foot that is off the pedal does not tremble
+            speed += speed_tremor * limits.speed_mps
+            steer += steer_tremor * full_lock
+        if self._input is Input.TWIST:
+            yaw_rate = -speed * self._curvature(steer)
+            return velocity(link.system_id, link.component_id, speed, yaw_rate)
+        rate = self._lift_rate / limits.lift_rate_mps
+        buttons = self._buttons | (_LIFT_ENABLE if rate else 0)
+        return dialect.MAVLink_manual_control_message(
+            link.system_id,
+            _axis(speed / limits.speed_mps),
+            _UNUSED,
+            _axis(rate),
+            _axis(-steer / full_lock),
+            buttons,
+        )
+
+    def _curvature(self, steer_rad: float) -> float:
+        if steer_rad == 0.0:
+            return 0.0
+        base = self._robot.base
+        radius = base.kingpin_distance_m / 2.0 + base.wheelbase_m / math.tan(abs(steer_rad))
+        return math.copysign(1.0 / radius, steer_rad)
+
+    def _heartbeat(self, message: Message, now: Nanoseconds) -> None:
+        armed = bool(message.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED)
+        if armed != self.diary.armed:
+            self.diary.note(now, Kind.STATUS, "armed" if armed else "disarmed")
+        self.diary.armed = armed
+        self.diary.status = message.system_status
+
+    def _acknowledged(self, message: Message, now: Nanoseconds) -> None:
+        if message.target_system not in (0, SYSTEM):
+            return
+        waiting = [pending for pending in self._pending if pending.number == message.command]
+        again = message.result == dialect.MAV_RESULT_TEMPORARILY_REJECTED
+        for pending in waiting:
+            if not (again and pending.try_anew(now)):
+                self._pending.remove(pending)
+        if again and waiting and waiting[0].rejections > 1:
+            return
+        title = waiting[0].title if waiting else f"command {message.command}"
+        result = orders.RESULTS.get(message.result, f"result {message.result}")
+        self.diary.note(now, Kind.ANSWERED, f"{title}: {result}")
+
+    def _told(self, message: Message, now: Nanoseconds) -> None:
+        for heard in self._listener.hear(message):
+            self.diary.note(now, Kind.TOLD, heard.text, heard.severity)
+
+    def _located(self, message: Message, now: Nanoseconds) -> None:
+        self.diary.odometry.append(place_of(message, now))
+
+    def _valued(self, message: Message, _: Nanoseconds) -> None:
+        self.diary.values[text_of(message.name)] = message.value
+
+    def _parametrised(self, message: Message, _: Nanoseconds) -> None:
+        self.diary.parameters[text_of(message.param_id)] = message.param_value
+
+
+def _axis(share: float) -> int:
+    return max(-_FULL, min(round(_FULL * share), _FULL))
+
+
+# A row for each message that is read; all others are left packed.
+_HEARD: Final = {
+    dialect.MAVLINK_MSG_ID_HEARTBEAT: ScriptedOperator._heartbeat,
+    dialect.MAVLINK_MSG_ID_COMMAND_ACK: ScriptedOperator._acknowledged,
+    dialect.MAVLINK_MSG_ID_STATUSTEXT: ScriptedOperator._told,
+    dialect.MAVLINK_MSG_ID_ODOMETRY: ScriptedOperator._located,
+    dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT: ScriptedOperator._valued,
+    dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT: ScriptedOperator._valued,
+    dialect.MAVLINK_MSG_ID_PARAM_VALUE: ScriptedOperator._parametrised,
+}

@@ -1,0 +1,158 @@
+"""The simulation's commands, which it attaches to the bridge's program: `bench` and `emulate`."""
+
+from pathlib import Path
+from typing import Annotated, Final
+
+import typer
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from emulators.bench import mission as missions
+from emulators.bench.mission import MissionFileError
+from emulators.bench.report import show
+from emulators.gateway import Cluster
+from emulators.rig import devices
+from emulators.run import Order, drive
+from firmware_bridge.cli import (
+    BitRateOption,
+    ChannelOption,
+    DurationOption,
+    InterfaceOption,
+    RobotArgument,
+    carry,
+    find_robot,
+    one_message,
+    refuse,
+    terminal,
+)
+from firmware_bridge.node import CAN
+from firmware_bridge.robot import Robot
+from firmware_bridge.shell.ports import open_can
+from firmware_bridge.units import NEVER, Nanoseconds, from_seconds, to_seconds
+from fmu.errors import PlantError
+
+RESULTS: Final = Path("out")
+
+PlantOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--plant",
+        metavar="FMU",
+        help="Another plant: an FMU (FMI 2.0 or 3.0, co-simulation) with the same variable names.",
+        show_default=False,
+    ),
+]
+
+
+def attach(program: typer.Typer) -> None:
+    """Add the commands to the program."""
+    program.command()(bench)
+    program.command()(emulate)
+
+
+def bench(
+    robot: RobotArgument,
+    mission: Annotated[
+        str, typer.Option("--mission", "-m", metavar="NAME|FILE", help="A shipped mission, or a mission file (.toml).")
+    ] = "circles",
+    seed: Annotated[int, typer.Option("--seed", "-s", min=0, help="Chooses the noise; one seed, one run.")] = 0,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", "-o", metavar="DIR", help="Where the results go.", show_default="out/ROBOT-MISSION"),
+    ] = None,
+    plant: PlantOption = None,
+) -> None:
+    """Drive a mission in virtual time: bridge, CAN bus, drives and plant, all in this process.
+
+    Leaves `summary.json`, `can.log` (candump's format), `operator.tlog` and plots in the results' folder.
+
+    Shipped missions: `line`, `circles`, `interlocks`.
+
+    Examples:
+
+    `firmware-bridge bench rars --mission line`
+
+    `firmware-bridge bench rars --mission my_mission.toml --seed 7 --out results`
+    """
+    machine = find_robot(robot)
+    with one_message(MissionFileError, PlantError, OSError):
+        script = missions.find(mission, machine)
+        name = Path(mission).stem
+        folder = out or RESULTS / f"{machine.name}-{name}"
+        order = Order(machine, name, script, seed, folder, plant)
+        with _bar() as bar:
+            task = bar.add_task(f"{machine.name}, {name}", total=order.duration)
+            summary = drive(order, lambda now: bar.update(task, completed=now))
+    show(terminal(), summary, machine.limits)
+    typer.echo(f"results: {folder}/")
+
+
+def emulate(
+    robot: RobotArgument,
+    interface: InterfaceOption = None,
+    channel: ChannelOption = None,
+    bit_rate: BitRateOption = None,
+    plant: PlantOption = None,
+    silence: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NODE@SECONDS", help="Cut a drive off the bus at this time; may be repeated."),
+    ] = None,
+    duration: DurationOption = None,
+) -> None:
+    """Put the robot's emulated drives and its plant on a real CAN bus, in real time.
+
+    Ends on Ctrl-C. On a machine without CAN hardware, make a virtual bus first:
+    `sudo modprobe vcan && sudo ip link add dev vcan0 type vcan && sudo ip link set vcan0 up`
+
+    Examples:
+
+    `firmware-bridge emulate rars -i socketcan -c vcan0`
+
+    `firmware-bridge emulate rars -i socketcan -c vcan0 --silence 3@10` lets the steering fall silent after 10 s.
+    """
+    machine = find_robot(robot)
+    cuts = [_cut(machine, text) for text in silence or ()]
+    with one_message(PlantError):
+        drives, physics = devices(machine, plant)
+    cluster = Cluster(drives, physics)
+    for name, at in cuts:
+        cluster.silence(name, at)
+        typer.echo(f"'{name}' falls silent after {to_seconds(at):g} s")
+    until = NEVER if duration is None else from_seconds(duration)
+    rate = machine.bus.bit_rate
+    nodes = ", ".join(f"{axis.node} {axis.title}" for axis in machine.axes)
+    carry(
+        cluster,
+        {CAN: lambda: open_can(interface, channel, bit_rate, default_bit_rate=rate)},
+        until,
+        f"{machine.name} is on the bus: {nodes}",
+    )
+
+
+def _cut(robot: Robot, text: str) -> tuple[str, Nanoseconds]:
+    """Read NODE@SECONDS, where the node may be a number or the name of an axis."""
+    node, _, seconds = text.partition("@")
+    for axis in robot.axes:
+        if node in {str(axis.node), axis.name}:
+            try:
+                at = from_seconds(float(seconds))
+            except (ValueError, OverflowError):
+                refuse(f"--silence {text}: say NODE@SECONDS, as {axis.node}@10")
+            return axis.name, at
+    known = ", ".join(f"{axis.node} ({axis.name})" for axis in robot.axes)
+    refuse(f"--silence {text}: {robot.name} has no node '{node}'; it has {known}")
+
+
+def _bar() -> Progress:
+    """Return a progress bar that shows on a terminal only."""
+    console = terminal(stderr=True)
+    return Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.percentage:>3.0f} %"),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+        console=console,
+        disable=not console.is_terminal,
+        transient=True,
+    )

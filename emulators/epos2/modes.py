@@ -1,0 +1,268 @@
+"""What the shaft does in each mode of operation, once the drive is enabled.
+
+Profile position, profile velocity, position, velocity and current mode. In the other modes that an EPOS2
+lists (homing, interpolated position, diagnostic, master encoder, step/direction) the drive shows the mode and
+holds its position, as a real one does before its start signal; the start signal is not heeded yet.
+Source: EPOS Firmware Specification, chapters of the modes (by analogy); profiles in `emulators.servo.profile`.
+"""
+
+from typing import Final
+
+from emulators.epos2.store import ObjectStore
+from emulators.servo.axis import (
+    CURRENT,
+    DIRECT,
+    IDLE,
+    MOVE,
+    POSITION,
+    PROFILE_DONE,
+    RAMP,
+    TARGET_REACHED,
+    VELOCITY,
+    ServoAxis,
+)
+from emulators.servo.profile import stopping_distance
+from emulators.servo.scaling import POSITION_I_PLACES, VELOCITY_PLACES, acceleration_units, speed_units
+from firmware_bridge.wire.cia402 import Control, Mode
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.address import Address
+
+LOWEST: Final = -(1 << 31)
+HIGHEST: Final = (1 << 31) - 1
+
+
+class Motion:
+    """Commands one axis in the mode that is set. Every method but `setpoint_taken` needs power."""
+
+    def __init__(self, store: ObjectStore, axis: ServoAxis) -> None:
+        self._store = store
+        self._axis = axis
+        self.mode = int(Mode.PROFILE_POSITION)
+        self.halted = False
+        self.acknowledged = False
+        """Bit 12 of profile position mode: the set-point was taken and bit 4 is still up."""
+        self._waiting: tuple[int, bool] | None = None
+        """The set-point after the present one: target (qc) and whether it is relative."""
+
+    def forget(self) -> None:
+        """Drop what was going on: the power stage is off, or a stop has cut in."""
+        self.halted = False
+        self.acknowledged = False
+        self._waiting = None
+
+    @property
+    def arrived(self) -> bool:
+        """Bit 10: the target is reached, or the halt has come to its end."""
+        flags = self._axis.flags
+        if self.halted:
+            return bool(flags & PROFILE_DONE) and self._axis.velocity_demand == 0
+        return bool(flags & TARGET_REACHED) and self._waiting is None
+
+    @property
+    def stopped(self) -> bool:
+        """A braking ramp has come to its end."""
+        axis = self._axis
+        if axis.profile != RAMP or axis.regulator == IDLE:
+            return True
+        return axis.velocity_demand == 0 and axis.target_velocity == 0
+
+    def begin(self, controlword: int) -> None:
+        """Start from standstill or from where the shaft is: the drive has become enabled."""
+        self.forget()
+        self.halted = bool(controlword & Control.HALT)
+        if self.mode == Mode.PROFILE_VELOCITY:
+            self._regulate_velocity()
+            self.velocity_target(self._store.get(at.TARGET_VELOCITY))
+        elif not self._direct():
+            self._regulate_position()
+            self.brake(self._store.get(at.PROFILE_DECELERATION))
+
+    def change(self, mode: int, *, enabled: bool) -> None:
+        """Take a mode over; under way, the shaft is first brought to rest with 0x6084 (ASSUME)."""
+        if mode == self.mode:
+            return
+        self.mode = mode
+        if not enabled:
+            return
+        self.forget()
+        if mode == Mode.PROFILE_VELOCITY:
+            self._regulate_velocity()
+        elif self._direct():
+            return
+        else:
+            self._regulate_position()
+        self.brake(self._store.get(at.PROFILE_DECELERATION))
+
+    def controls(self, controlword: int, before: int) -> bool:
+        """Heed halt and the mode's own bits while enabled; say whether a set-point awaits `take_setpoint`."""
+        halt = bool(controlword & Control.HALT)
+        profiled = self.mode in (Mode.PROFILE_POSITION, Mode.PROFILE_VELOCITY)
+        if halt != self.halted and profiled:
+            self.halted = halt
+            if halt:
+                self._halt()
+            elif self.mode == Mode.PROFILE_POSITION:
+                self._resume()
+        if self.mode == Mode.PROFILE_VELOCITY:
+            self.velocity_target(self._store.get(at.TARGET_VELOCITY))
+            return False
+        if not controlword & Control.NEW_SETPOINT:
+            self.acknowledged = False
+            return False
+        rising = not before & Control.NEW_SETPOINT
+        return self.mode == Mode.PROFILE_POSITION and rising
+
+    # Profile velocity mode
+
+    def velocity_target(self, rpm: int) -> None:
+        """Ramp to a velocity within 0x607F and 0x6410:4; in a halt the ramp goes to 0."""
+        axis = self._axis
+        if self.mode != Mode.PROFILE_VELOCITY:
+            return
+        limit = self._fastest()
+        wish = 0 if self.halted else max(-limit, min(limit, speed_units(axis, rpm)))
+        if wish != axis.target_velocity or axis.profile != RAMP:
+            axis.flags &= ~(PROFILE_DONE | TARGET_REACHED)
+            axis.window_ms = 0
+        axis.target_velocity = wish
+        axis.profile = RAMP
+        axis.acceleration = self._acceleration(at.PROFILE_ACCELERATION)
+        axis.deceleration = self._acceleration(at.PROFILE_DECELERATION)
+
+    # Profile position mode
+
+    def take_setpoint(self, controlword: int) -> bool | None:
+        """Take the target position: True when started or kept for later, None when there is no room yet.
+
+        False tells that the target lies outside the software position limits 0x607D.
+        """
+        relative = bool(controlword & Control.RELATIVE)
+        target = self._store.get(at.TARGET_POSITION)
+        busy = self.halted or not self._axis.flags & PROFILE_DONE
+        if busy and not controlword & Control.CHANGE_IMMEDIATELY:
+            if self._waiting is not None and not self.halted:
+                return None
+            self._waiting = (target, relative)
+            self.acknowledged = True
+            return self._allowed(target) or relative
+        self._waiting = None
+        if self.halted:
+            self._waiting = (target, relative)
+            self.acknowledged = True
+            return self._allowed(target) or relative
+        self.acknowledged = True
+        return self._start(target, relative=relative)
+
+    def follow_up(self) -> bool:
+        """Start the waiting set-point once the present one is done; False when it is outside the limits."""
+        if self._waiting is None or self.halted or not self._axis.flags & PROFILE_DONE:
+            return True
+        target, relative = self._waiting
+        self._waiting = None
+        return self._start(target, relative=relative)
+
+    def _start(self, target: int, *, relative: bool) -> bool:
+        axis = self._axis
+        if relative:
+            target += (axis.position_demand + (1 << axis.fraction >> 1)) >> axis.fraction
+        if not self._allowed(target) or not LOWEST <= target <= HIGHEST:
+            return False
+        axis.target_position = target << axis.fraction
+        self._resume()
+        return True
+
+    def _resume(self) -> None:
+        """Go on to the target position, with the waiting set-point instead where a halt kept one."""
+        axis = self._axis
+        axis.cruise = min(speed_units(axis, self._store.get(at.PROFILE_VELOCITY)), self._fastest())
+        axis.acceleration = self._acceleration(at.PROFILE_ACCELERATION)
+        axis.deceleration = self._acceleration(at.PROFILE_DECELERATION)
+        axis.stopping_distance = stopping_distance(axis.cruise, axis.deceleration)
+        axis.profile = MOVE
+        axis.window_ms = 0
+        axis.flags &= ~(PROFILE_DONE | TARGET_REACHED)
+
+    def _allowed(self, target: int) -> bool:
+        low, high = self._store.get(at.MIN_POSITION_LIMIT), self._store.get(at.MAX_POSITION_LIMIT)
+        return (low == LOWEST or target >= low) and (high == HIGHEST or target <= high)
+
+    # Braking
+
+    def brake(self, rpm_per_second: int) -> None:
+        """Ramp the present demand to standstill, then hold: position where it was regulated, else velocity."""
+        axis = self._axis
+        if axis.regulator in (IDLE, CURRENT):
+            axis.clear_demand()
+            self._regulate_velocity()
+        elif axis.profile == DIRECT and axis.regulator == POSITION:
+            axis.velocity_demand = axis.velocity_average
+        axis.profile = RAMP
+        axis.target_velocity = 0
+        axis.acceleration = axis.deceleration = acceleration_units(axis, rpm_per_second)
+        axis.window_ms = 0
+        axis.flags &= ~(PROFILE_DONE | TARGET_REACHED)
+
+    def _halt(self) -> None:
+        self.brake(self._store.get(at.PROFILE_DECELERATION))
+
+    # Direct modes
+
+    def setting(self, address: Address, value: int) -> None:
+        """Take a new set value of position, velocity or current mode."""
+        axis = self._axis
+        if address == at.POSITION_MODE_SETTING and self.mode == Mode.POSITION:
+            low, high = self._store.get(at.MIN_POSITION_LIMIT), self._store.get(at.MAX_POSITION_LIMIT)
+            axis.position_demand = axis.target_position = max(low, min(high, value)) << axis.fraction
+            axis.velocity_demand = 0
+        elif address == at.VELOCITY_MODE_SETTING and self.mode == Mode.VELOCITY:
+            limit = axis.speed_limit
+            axis.velocity_demand = max(-limit, min(limit, speed_units(axis, value)))
+            axis.target_velocity = axis.velocity_demand
+        elif address == at.CURRENT_MODE_SETTING and self.mode == Mode.CURRENT:
+            axis.current_setting_ma = value
+
+    def _direct(self) -> bool:
+        """Start position, velocity or current mode with the value that its object holds."""
+        if self.mode == Mode.POSITION:
+            self._regulate_position()
+            address = at.POSITION_MODE_SETTING
+        elif self.mode == Mode.VELOCITY:
+            self._regulate_velocity()
+            address = at.VELOCITY_MODE_SETTING
+        elif self.mode == Mode.CURRENT:
+            self._axis.regulator = CURRENT
+            self._axis.velocity_demand = 0
+            address = at.CURRENT_MODE_SETTING
+        else:
+            return False
+        self._axis.profile = DIRECT
+        self.setting(address, self._store.get(address))
+        return True
+
+    # Regulators, handed over without a jump of the current
+
+    def _regulate_velocity(self) -> None:
+        axis = self._axis
+        if axis.regulator == POSITION:
+            axis.velocity_integral = axis.position_integral >> (POSITION_I_PLACES - VELOCITY_PLACES)
+        elif axis.regulator != VELOCITY:
+            axis.velocity_integral = axis.current_demand_ma << VELOCITY_PLACES
+            axis.velocity_demand = axis.velocity_average
+        axis.regulator = VELOCITY
+
+    def _regulate_position(self) -> None:
+        axis = self._axis
+        if axis.regulator != POSITION:
+            axis.position_demand = axis.position << axis.fraction
+            integral = axis.velocity_integral if axis.regulator == VELOCITY else axis.current_demand_ma << VELOCITY_PLACES
+            axis.position_integral = integral << (POSITION_I_PLACES - VELOCITY_PLACES)
+            axis.derivative = 0
+            if axis.regulator != VELOCITY:
+                axis.velocity_demand = axis.velocity_average
+        axis.regulator = POSITION
+
+    def _fastest(self) -> int:
+        return min(speed_units(self._axis, self._store.get(at.MAX_PROFILE_VELOCITY)), self._axis.speed_limit)
+
+    def _acceleration(self, address: Address) -> int:
+        return acceleration_units(self._axis, self._store.get(address))

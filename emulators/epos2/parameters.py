@@ -1,0 +1,107 @@
+"""Which objects shape the servo axis, which report from it, and which rest while the power stage is on.
+
+It refuses to know what the values do: `emulators.servo.scaling` does.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+from emulators.servo.axis import POSITION, ServoAxis
+from emulators.servo.scaling import Settings, raw_speed_rpm, speed_rpm
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.address import Address
+
+STANDSTILL_WINDOW: Final = Address(0x2101, 1)
+STANDSTILL_TIME: Final = Address(0x2101, 2)
+SENSOR_POLARITY: Final = Address(0x2210, 4)
+MISCELLANEOUS: Final = Address(0x2008)
+SENSOR_RESOLUTION: Final = Address(0x202C, 1)
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """An object and the setting that follows it."""
+
+    address: Address
+    setting: str
+
+
+PARAMETERS: Final = (
+    Parameter(at.ENCODER_PULSES, "encoder_pulses"),
+    Parameter(at.CURRENT_P, "current_p"),
+    Parameter(at.CURRENT_I, "current_i"),
+    Parameter(at.VELOCITY_P, "velocity_p"),
+    Parameter(at.VELOCITY_I, "velocity_i"),
+    Parameter(at.VELOCITY_FEEDFORWARD, "velocity_speed_forward"),
+    Parameter(at.VELOCITY_ACCELERATION_FEEDFORWARD, "velocity_acceleration_forward"),
+    Parameter(at.POSITION_P, "position_p"),
+    Parameter(at.POSITION_I, "position_i"),
+    Parameter(at.POSITION_D, "position_d"),
+    Parameter(at.POSITION_VELOCITY_FEEDFORWARD, "position_speed_forward"),
+    Parameter(at.POSITION_ACCELERATION_FEEDFORWARD, "position_acceleration_forward"),
+    Parameter(at.CONTINUOUS_CURRENT_LIMIT, "continuous_current"),
+    Parameter(at.OUTPUT_CURRENT_LIMIT, "peak_current"),
+    Parameter(at.THERMAL_TIME_CONSTANT, "thermal_time"),
+    Parameter(at.MAX_MOTOR_SPEED, "max_speed"),
+    Parameter(at.MAX_FOLLOWING_ERROR, "following_error"),
+    Parameter(at.POSITION_WINDOW, "position_window"),
+    Parameter(at.POSITION_WINDOW_TIME, "position_window_time"),
+    Parameter(at.VELOCITY_WINDOW, "velocity_window"),
+    Parameter(at.VELOCITY_WINDOW_TIME, "velocity_window_time"),
+    Parameter(STANDSTILL_WINDOW, "standstill_window"),
+    Parameter(STANDSTILL_TIME, "standstill_time"),
+)
+
+ONLY_WITHOUT_POWER: Final = (
+    at.ENCODER_PULSES,
+    at.SENSOR_TYPE,
+    SENSOR_POLARITY,
+    at.MOTOR_TYPE,
+    MISCELLANEOUS,
+)
+"""Refused with 0x08000022 while the power stage is on (EPOS Firmware Specification, by analogy)."""
+
+
+def _signed_16(value: int) -> int:
+    return max(-0x8000, min(0x7FFF, value))
+
+
+def following_error(axis: ServoAxis) -> int:
+    """Return demand minus actual position in qc; 0 where no position is regulated."""
+    return position_demand(axis) - axis.position if axis.regulator == POSITION else 0
+
+
+def position_demand(axis: ServoAxis) -> int:
+    """Return the position demand in qc; it follows the shaft where no position is regulated."""
+    if axis.regulator != POSITION:
+        return axis.position
+    return (axis.position_demand + (1 << axis.fraction >> 1)) >> axis.fraction
+
+
+def velocity_demand(axis: ServoAxis) -> int:
+    """Return the velocity demand in rpm; 0 where none is regulated."""
+    return speed_rpm(axis, axis.velocity_demand) if axis.powered else 0
+
+
+ACTUAL_VALUES: Final[tuple[tuple[Address, Callable[[ServoAxis], int]], ...]] = (
+    (at.ENCODER_COUNTER, lambda axis: axis.encoder & 0xFFFF_FFFF),
+    (at.CURRENT_AVERAGED, lambda axis: _signed_16(axis.current_average >> 16)),
+    (at.VELOCITY_AVERAGED, lambda axis: speed_rpm(axis, axis.velocity_average)),
+    (SENSOR_RESOLUTION, lambda axis: axis.resolution),
+    (at.CURRENT_DEMAND, lambda axis: _signed_16(axis.current_demand_ma)),
+    (at.ANALOGUE_INPUT_1, lambda axis: _signed_16(axis.analogue_1_mv)),
+    (at.ANALOGUE_INPUT_2, lambda axis: _signed_16(axis.analogue_2_mv)),
+    (at.FOLLOWING_ERROR, lambda axis: _signed_16(following_error(axis))),
+    (at.POSITION_DEMAND, position_demand),
+    (at.POSITION_ACTUAL, lambda axis: axis.position),
+    (at.VELOCITY_DEMAND, velocity_demand),
+    (at.VELOCITY_ACTUAL, raw_speed_rpm),
+    (at.CURRENT_ACTUAL, lambda axis: _signed_16(axis.current_ma)),
+)
+"""Objects that are read from the axis."""
+
+
+def setting_names() -> frozenset[str]:
+    """Return the settings' names, for the check that each has its object."""
+    return frozenset(Settings.__slots__)

@@ -1,0 +1,91 @@
+"""Drives a mission on the rig, and writes everything that a run leaves behind into one folder."""
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, TypeAlias
+
+from emulators.bench.mission import Mission
+from emulators.bench.operator import MissionOperator
+from emulators.bench.plots import draw
+from emulators.bench.summary import Run, Summary, as_json, summarise
+from emulators.rig import Rig, build
+from firmware_bridge.node import Packet
+from firmware_bridge.recording import candump_line, tlog_records
+from firmware_bridge.robot import Robot
+from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
+
+SLICE: Final[Nanoseconds] = 250 * MILLISECOND
+"""So much simulated time between two looks at the progress bar."""
+
+Progress: TypeAlias = Callable[[Nanoseconds], None]
+"""Told how far the run is."""
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """What is to be driven, and where the results go."""
+
+    robot: Robot
+    mission_name: str
+    mission: Mission
+    seed: int
+    folder: Path
+    plant: Path | None = None
+
+    @property
+    def duration(self) -> Nanoseconds:
+        """Simulated time of the run."""
+        return from_seconds(self.mission.duration_s)
+
+
+def drive(order: Order, progress: Progress) -> Summary:
+    """Drive a mission and leave summary, recordings and pictures in the folder.
+
+    PlantError where the plant cannot be used; OSError where the folder cannot be written.
+    """
+    order.folder.mkdir(parents=True, exist_ok=True)
+    operator = MissionOperator(order.mission, order.robot, order.seed)
+    rig = build(order.robot, operator, plant_path=order.plant, seed=order.seed)
+    begun = time.perf_counter()
+    with _recorded(rig, order.folder):
+        until = 0
+        while until < order.duration:
+            until = min(until + SLICE, order.duration)
+            rig.run(until)
+            progress(until)
+    wall_s = time.perf_counter() - begun
+    rig.finish()
+    run = Run(
+        robot=order.robot.name,
+        mission=order.mission_name,
+        seed=order.seed,
+        simulated=order.duration,
+        wall_s=wall_s,
+        frames=rig.can_wire.frames,
+        bus_load_percent=rig.can_wire.load_percent(),
+        trace_sha256=rig.world.trace_sha256,
+    )
+    summary = summarise(run, rig.samples, rig.holds)
+    (order.folder / "summary.json").write_text(as_json(summary), encoding="utf-8")
+    title = f"{order.robot.name} · {order.mission_name} · seed {order.seed}"
+    draw(order.folder, title, order.robot, rig.samples, rig.holds)
+    return summary
+
+
+@contextmanager
+def _recorded(rig: Rig, folder: Path) -> Iterator[None]:
+    """Write what the wires carry while this is open: `can.log` and `operator.tlog`."""
+    with (folder / "can.log").open("w", encoding="ascii") as frames, (folder / "operator.tlog").open("wb") as words:
+
+        def note_frame(now: Nanoseconds, _sender: str, packet: Packet) -> None:
+            frames.write(candump_line(now, packet) + "\n")
+
+        def note_datagram(now: Nanoseconds, _sender: str, packet: Packet) -> None:
+            words.write(tlog_records(now, packet.payload))
+
+        rig.can_wire.observe(note_frame)
+        rig.operator_wire.observe(note_datagram)
+        yield

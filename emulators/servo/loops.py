@@ -1,0 +1,226 @@
+"""What an axis does every millisecond: count, average, profile, regulate, supervise.
+
+Whole numbers only, shifts instead of divisions by powers of two, each product within 63 bits: the same lines
+in C give the same results. The current loop runs ten times as often and is in `emulators.servo.bank`.
+"""
+
+from emulators.servo.axis import (
+    AT_REST,
+    CURRENT,
+    CURRENT_LIMITED,
+    FOLLOWING_ERROR,
+    IDLE,
+    MOVE,
+    OVER_CURRENT,
+    OVER_VOLTAGE,
+    POSITION,
+    PROFILE_DONE,
+    RAMP,
+    TARGET_REACHED,
+    UNDER_VOLTAGE,
+    VELOCITY,
+    ServoAxis,
+)
+from emulators.servo.profile import move, ramp
+from emulators.servo.scaling import (
+    ACCELERATION_FORWARD_PLACES,
+    FILTER_PLACES,
+    POSITION_D_PLACES,
+    POSITION_I_PLACES,
+    POSITION_P_PLACES,
+    SPEED_FORWARD_PLACES,
+    VELOCITY_PLACES,
+)
+
+AVERAGE: int = 5
+"""Low-pass of the averaged values: alpha = 2^-5 per sample (EPOS Firmware Specification)."""
+WRAP: int = 1 << 32
+HALF: int = 1 << 31
+WIDEST_SPEED: int = 1 << 30
+"""Velocity errors saturate here, at more than twice 25 000 rpm."""
+WIDEST_WAY: int = 1 << 36
+"""Position errors saturate here, at some 60 turns: far past every current limit."""
+
+
+def millisecond(axis: ServoAxis, encoder: int) -> bool:
+    """Take the encoder's count (qc of the mounted encoder), run one ms, and say whether a flag changed."""
+    step = encoder - axis.encoder
+    axis.encoder = encoder
+    axis.step = step
+    axis.position = ((axis.position + step + HALF) & (WRAP - 1)) - HALF
+    axis.velocity_average += ((step << axis.fraction) - axis.velocity_average) >> AVERAGE
+    before = axis.flags
+    flags = before & CURRENT_LIMITED
+    current = axis.current_ma
+    if current > axis.over_current_ma or -current > axis.over_current_ma:
+        flags |= OVER_CURRENT
+    if axis.supply_mv < axis.under_voltage_mv:
+        flags |= UNDER_VOLTAGE
+    elif axis.supply_mv > axis.over_voltage_mv:
+        flags |= OVER_VOLTAGE
+    flags = budget(axis, flags)
+    if axis.powered:
+        regulator = axis.regulator
+        flags |= profile_step(axis)
+        if regulator == VELOCITY:
+            velocity(axis)
+        elif regulator == POSITION:
+            flags |= position(axis)
+        elif regulator == CURRENT:
+            current_mode(axis)
+        else:
+            axis.current_demand_ma = 0
+        if regulator != IDLE:
+            flags |= arrival(axis, flags)
+    flags |= rest(axis)
+    axis.flags = flags
+    if axis.call:
+        axis.call = 0
+        return True
+    return flags != before
+
+
+def budget(axis: ServoAxis, flags: int) -> int:
+    """I2t: spend the square of the current above the continuous one; when spent, allow no more than that.
+
+    ASSUME: the output current limit is allowed again when half of the budget has been regained.
+    """
+    thermal = axis.thermal + axis.current_ma * axis.current_ma - axis.continuous_ma * axis.continuous_ma
+    full = axis.thermal_full
+    if thermal >= full:
+        thermal = full
+        flags |= CURRENT_LIMITED
+    elif thermal <= full >> 1:
+        flags &= ~CURRENT_LIMITED
+        thermal = max(thermal, 0)
+    axis.thermal = thermal
+    axis.current_limit_ma = axis.continuous_ma if flags & CURRENT_LIMITED else axis.peak_ma
+    return flags
+
+
+def profile_step(axis: ServoAxis) -> int:
+    """Step the profile, if one runs; the flag tells that its demand has arrived."""
+    if axis.profile == RAMP:
+        return PROFILE_DONE if ramp(axis) else 0
+    if axis.profile == MOVE:
+        return PROFILE_DONE if move(axis) else 0
+    axis.acceleration_demand = 0
+    return PROFILE_DONE
+
+
+def velocity(axis: ServoAxis) -> None:
+    """Velocity PI with feed-forward; the integrator holds while the output is limited (ASSUME)."""
+    demand = axis.velocity_demand
+    error = demand - (axis.step << axis.fraction)
+    if error > WIDEST_SPEED:
+        error = WIDEST_SPEED
+    elif error < -WIDEST_SPEED:
+        error = -WIDEST_SPEED
+    integral = axis.velocity_integral + axis.velocity_i * error
+    wish = (axis.velocity_p * error + integral) >> VELOCITY_PLACES
+    wish += (axis.velocity_speed_forward * demand) >> SPEED_FORWARD_PLACES
+    wish += (axis.velocity_acceleration_forward * axis.acceleration_demand) >> ACCELERATION_FORWARD_PLACES
+    limit = axis.current_limit_ma
+    if wish > limit:
+        wish = limit
+        if axis.velocity_i * error < 0:
+            axis.velocity_integral = integral
+    elif wish < -limit:
+        wish = -limit
+        if axis.velocity_i * error > 0:
+            axis.velocity_integral = integral
+    else:
+        axis.velocity_integral = integral
+    axis.current_demand_ma = wish
+
+
+def position(axis: ServoAxis) -> int:
+    """Position PID with feed-forward; the derivative is filtered and acts on the difference of velocities."""
+    demand = axis.velocity_demand
+    fraction = axis.fraction
+    error = axis.position_demand - (axis.position << fraction)
+    away = error >> fraction
+    limit = axis.following_limit_qc
+    flags = FOLLOWING_ERROR if limit >= 0 and (away > limit or -away > limit) else 0
+    if error > WIDEST_WAY:
+        error = WIDEST_WAY
+    elif error < -WIDEST_WAY:
+        error = -WIDEST_WAY
+    difference = demand - (axis.step << fraction)
+    if difference > WIDEST_SPEED:
+        difference = WIDEST_SPEED
+    elif difference < -WIDEST_SPEED:
+        difference = -WIDEST_SPEED
+    derivative = axis.derivative
+    derivative += ((difference - derivative) * axis.position_filter) >> FILTER_PLACES
+    axis.derivative = derivative
+    integral = axis.position_integral + axis.position_i * error
+    wish = (axis.position_p * error) >> POSITION_P_PLACES
+    wish += integral >> POSITION_I_PLACES
+    wish += (axis.position_d * derivative) >> POSITION_D_PLACES
+    wish += (axis.position_speed_forward * demand) >> SPEED_FORWARD_PLACES
+    wish += (axis.position_acceleration_forward * axis.acceleration_demand) >> ACCELERATION_FORWARD_PLACES
+    limit = axis.current_limit_ma
+    if wish > limit:
+        wish = limit
+        if axis.position_i * error < 0:
+            axis.position_integral = integral
+    elif wish < -limit:
+        wish = -limit
+        if axis.position_i * error > 0:
+            axis.position_integral = integral
+    else:
+        axis.position_integral = integral
+    axis.current_demand_ma = wish
+    return flags
+
+
+def current_mode(axis: ServoAxis) -> None:
+    """Demand the current that was set, within the limits; none that drives past the largest motor speed."""
+    wish = axis.current_setting_ma
+    limit = axis.current_limit_ma
+    if wish > limit:
+        wish = limit
+    elif wish < -limit:
+        wish = -limit
+    speed = axis.velocity_average
+    if (wish > 0 and speed > axis.speed_limit) or (wish < 0 and -speed > axis.speed_limit):
+        wish = 0
+    axis.current_demand_ma = wish
+
+
+def arrival(axis: ServoAxis, flags: int) -> int:
+    """Tell whether the target is reached: by the window where there is one, else when the profile ends."""
+    if axis.regulator == POSITION:
+        window = axis.position_window_qc
+        needed = axis.position_window_ms
+        away = (axis.target_position - (axis.position << axis.fraction)) >> axis.fraction
+    else:
+        window = axis.velocity_window
+        needed = axis.velocity_window_ms
+        away = axis.target_velocity - (axis.step << axis.fraction)
+    if window < 0 or axis.profile != (MOVE if axis.regulator == POSITION else RAMP):
+        return TARGET_REACHED if flags & PROFILE_DONE else 0
+    if away > window or -away > window:
+        axis.window_ms = 0
+        return 0
+    if axis.window_ms < needed:
+        axis.window_ms += 1
+        return 0
+    return TARGET_REACHED
+
+
+def rest(axis: ServoAxis) -> int:
+    """Tell whether the shaft rests: the averaged speed within the standstill window, and no speed demanded.
+
+    ASSUME: window and time of the standstill supervision (0x2101) serve for the status bit "speed = 0", too.
+    """
+    speed = axis.velocity_average
+    window = axis.rest_window
+    if speed > window or -speed > window or axis.velocity_demand != 0 and axis.powered:
+        axis.still_ms = 0
+        return 0
+    if axis.still_ms < axis.rest_ms:
+        axis.still_ms += 1
+        return 0
+    return AT_REST

@@ -1,0 +1,96 @@
+"""A plant without an FMU: DC motors with a rigid load each, solved exactly from tick to tick.
+
+Linear between ticks (voltage and friction torque constant), so the step is one 3x3 matrix per motor. It
+serves tests of the regulators and single drives; robots come as FMUs.
+"""
+
+from array import array
+from dataclasses import dataclass
+from math import copysign
+from typing import Final
+
+from emulators.servo.axis import TICK
+from firmware_bridge.units import Nanoseconds, to_seconds
+
+_TERMS: Final = 24
+_HALVINGS: Final = 6
+
+
+@dataclass(frozen=True, slots=True)
+class DcMotor:
+    """Winding and load at the shaft: Ohm, H, N m/A, kg m2, N m, N m s/rad."""
+
+    resistance: float
+    inductance: float
+    torque_constant: float
+    inertia: float
+    friction: float = 0.0
+    damping: float = 0.0
+
+
+class DcMotors:
+    """Motors side by side. Inputs: voltages; outputs: currents, angles, speeds, each in the motors' order."""
+
+    def __init__(self, motors: tuple[DcMotor, ...], step: Nanoseconds = TICK) -> None:
+        count = len(motors)
+        self.inputs = array("d", [0.0] * count)
+        self.outputs = array("d", [0.0] * (3 * count))
+        self.load = [0.0] * count
+        """External torque at each shaft, N m, positive with the motor."""
+        self.steps_done = 0
+        self._motors = motors
+        self._solutions = [_solution(motor, to_seconds(step)) for motor in motors]
+
+    def step(self) -> None:
+        """Advance one tick with the voltages in `inputs`."""
+        count = len(self._motors)
+        for k, motor in enumerate(self._motors):
+            current, angle, speed = self.outputs[k], self.outputs[count + k], self.outputs[2 * count + k]
+            drive = motor.torque_constant * current + self.load[k]
+            if speed == 0.0:
+                stuck = abs(drive) <= motor.friction
+                torque = -drive if stuck else self.load[k] - copysign(motor.friction, drive)
+                torque = -motor.torque_constant * current if stuck else torque
+            else:
+                stuck = False
+                torque = self.load[k] - copysign(motor.friction, speed)
+            row_i, row_w, row_a = self._solutions[k]
+            state = (current, speed, self.inputs[k], torque)
+            after = _dot(row_w, state)
+            if stuck or (motor.friction > 0.0 and after * speed < 0.0):
+                after = 0.0
+            self.outputs[k] = _dot(row_i, state)
+            self.outputs[count + k] = angle if stuck else angle + _dot(row_a, state)
+            self.outputs[2 * count + k] = after
+        self.steps_done += 1
+
+
+def _dot(row: tuple[float, ...], state: tuple[float, ...]) -> float:
+    return row[0] * state[0] + row[1] * state[1] + row[2] * state[2] + row[3] * state[3]
+
+
+def _solution(motor: DcMotor, step: float) -> list[tuple[float, ...]]:
+    """Return rows for current, speed and turned angle over (current, speed, voltage, torque)."""
+    winding, inertia = 1.0 / motor.inductance, 1.0 / motor.inertia
+    # State: current, speed, angle, voltage (constant), torque (constant).
+    rates = [
+        [-motor.resistance * winding, -motor.torque_constant * winding, 0.0, winding, 0.0],
+        [motor.torque_constant * inertia, -motor.damping * inertia, 0.0, 0.0, inertia],
+        [0.0, 1.0, 0.0, 0.0, 0.0],
+        [0.0] * 5,
+        [0.0] * 5,
+    ]
+    part = step / 2**_HALVINGS
+    total = [[float(i == j) for j in range(5)] for i in range(5)]
+    term = total
+    for order in range(1, _TERMS):
+        term = _product(term, [[value * part / order for value in row] for row in rates])
+        total = [[a + b for a, b in zip(x, y, strict=True)] for x, y in zip(total, term, strict=True)]
+    for _ in range(_HALVINGS):
+        total = _product(total, total)
+    return [tuple(total[row][column] for column in (0, 1, 3, 4)) for row in (0, 1, 2)]
+
+
+def _product(left: list[list[float]], right: list[list[float]]) -> list[list[float]]:
+    columns = list(zip(*right, strict=True))
+    return [[sum(a * b for a, b in zip(row, column, strict=True)) for column in columns] for row in left]

@@ -1,0 +1,177 @@
+"""Build a plant's FMU once and keep it: equations, C compiler, archive, cache.
+
+Several processes may build at once: each builds aside and moves the result into place.
+"""
+
+import hashlib
+import importlib
+import importlib.util
+import os
+import platform
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping, Sequence
+from importlib import metadata
+from pathlib import Path
+from typing import Final
+from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
+
+from fmu.errors import PlantError
+
+FLAGS: Final = ("-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-fvisibility=hidden", "-Wall", "-Wextra")
+"""Contraction into fused multiply-adds would make the result depend on compiler and CPU."""
+
+_HERE: Final = Path(__file__).parent
+_COMPILERS: Final = ("cc", "gcc", "clang")
+_SHELLS: Final[Mapping[int, tuple[str, ...]]] = {
+    2: ("core.c", "fmi2.c", "fmi2_absent.c", "model.c"),
+    3: ("core.c", "fmi3.c", "fmi3_absent.c", "model.c"),
+}
+_EPOCH: Final = (1980, 1, 1, 0, 0, 0)
+
+
+def ensure(model: str = "rars", fmi: int = 3) -> Path:
+    """Return the FMU of this model for FMI 2.0 or 3.0, built when it is not in the cache."""
+    compiler = find_compiler()
+    key = _key(model, fmi, compiler)
+    target = _cache() / f"{model}-fmi{fmi}-{key[:16]}.fmu"
+    if not target.exists():
+        build(model, fmi, target, compiler=compiler)
+    return target
+
+
+def build(
+    model: str, fmi: int, target: Path, *, compiler: str | None = None, flags: Sequence[str] = FLAGS
+) -> None:
+    """Write the FMU to `target`, replacing it at once; PlantError where it cannot be built."""
+    if fmi not in _SHELLS:
+        raise PlantError(f"FMI {fmi} is not offered: 2 or 3")
+    equations = _equations(model)
+    compiler = compiler or find_compiler()
+    # SymPy is imported here: a plant from the cache does not pay for it.
+    code = importlib.import_module("fmu.export.code")
+    description = importlib.import_module("fmu.export.description")
+    plant = equations.model()
+    token = f"{{{_token(model)}}}"
+    files = {name: (_HERE / "export" / "c" / name).read_text(encoding="utf-8") for name in _SHELLS[fmi][:-1]}
+    files |= {name: (_HERE / "export" / "c" / name).read_text(encoding="utf-8") for name in ("core.h", "elementary.h")}
+    files |= code.generate(plant, token)
+    files |= _headers(fmi)
+    entries: dict[str, bytes] = {f"sources/{name}": text.encode() for name, text in files.items()}
+    if fmi == 2:  # noqa: PLR2004 - the version
+        xml = description.fmi2(plant, token, list(_SHELLS[fmi]))
+    else:
+        xml = description.fmi3(plant, token)
+        entries["sources/buildDescription.xml"] = description.fmi3_build(plant, list(_SHELLS[fmi])).encode()
+    entries["modelDescription.xml"] = xml.encode()
+    entries[_binary_path(plant.name, fmi)] = _compiled(files, _SHELLS[fmi], compiler, flags)
+    _write(target, entries)
+
+
+def find_compiler() -> str:
+    """Return the path of a C compiler: $CC, else the first of cc, gcc, clang."""
+    chosen = os.environ.get("CC")
+    for name in (chosen,) if chosen else _COMPILERS:
+        path = shutil.which(name)
+        if path:
+            return path
+    if chosen:
+        raise PlantError(f"the C compiler $CC = {chosen} was not found: correct it, or unset CC")
+    raise PlantError(
+        f"no C compiler found (tried {', '.join(_COMPILERS)}): install one, e.g. Debian's gcc"
+    )
+
+
+def _equations(model: str):  # type: ignore[no-untyped-def]
+    if model not in models():
+        raise PlantError(f"there is no plant model '{model}'; there are: {', '.join(models())}")
+    return importlib.import_module(f"fmu.{model}.equations")
+
+
+def models() -> list[str]:
+    """Return the names of the model folders."""
+    return sorted(path.parent.name for path in _HERE.glob("*/equations.py"))
+
+
+def _cache() -> Path:
+    root = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    return Path(root) / "firmware-bridge" / "fmu"
+
+
+def _sources(model: str) -> list[Path]:
+    folders = (_HERE / "export", _HERE / model)
+    found = [path for folder in folders for path in folder.rglob("*") if path.suffix in {".py", ".c", ".h"}]
+    return [*sorted(found), _HERE / "interface.py"]
+
+
+def _token(model: str) -> str:
+    digest = hashlib.sha256()
+    for path in _sources(model):
+        digest.update(path.relative_to(_HERE).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()[:32]
+
+
+def _key(model: str, fmi: int, compiler: str) -> str:
+    version = subprocess.run([compiler, "--version"], capture_output=True, check=False).stdout
+    digest = hashlib.sha256(version)
+    libraries = [f"{name} {metadata.version(name)}" for name in ("sympy", "fmpy")]
+    for part in (_token(model), str(fmi), compiler, *FLAGS, *libraries, platform.machine(), sys.platform):
+        digest.update(part.encode() + b"\0")
+    return digest.hexdigest()
+
+
+def _headers(fmi: int) -> dict[str, str]:
+    """Return FMI's C headers from the installed FMPy, without importing it."""
+    spec = importlib.util.find_spec("fmpy")
+    if spec is None or not spec.submodule_search_locations:
+        raise PlantError("FMPy is not installed, and FMI's C headers come with it: pip install fmpy")
+    folder = Path(spec.submodule_search_locations[0]) / "c-code"
+    found = sorted(folder.glob(f"fmi{fmi}*.h"))
+    if not found:
+        raise PlantError(f"the installed FMPy has no headers of FMI {fmi} in {folder}: install fmpy>=0.3.22")
+    return {path.name: path.read_text(encoding="utf-8") for path in found}
+
+
+def _compiled(files: Mapping[str, str], units: Sequence[str], compiler: str, flags: Sequence[str]) -> bytes:
+    with tempfile.TemporaryDirectory(prefix="firmware-bridge-build-") as name:
+        folder = Path(name)
+        for file, text in files.items():
+            (folder / file).write_text(text, encoding="utf-8")
+        # Relative names, so that no path of this machine gets into the binary.
+        command = [compiler, *flags, "-shared", "-s", "-o", "plant.so", *units, "-lm"]
+        run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+        if run.returncode:
+            raise PlantError(f"{' '.join(command)} failed:\n{run.stderr.strip()}")
+        return (folder / "plant.so").read_bytes()
+
+
+def _binary_path(identifier: str, fmi: int) -> str:
+    system, suffix = {"darwin": ("darwin", ".dylib"), "win32": ("windows", ".dll")}.get(
+        sys.platform, ("linux", ".so")
+    )
+    machine = platform.machine().lower()
+    architecture = {"amd64": "x86_64", "arm64": "aarch64"}.get(machine, machine)
+    if fmi == 2:  # noqa: PLR2004 - the version
+        short = {"windows": "win"}.get(system, system)
+        return f"binaries/{short}64/{identifier}{suffix}"
+    return f"binaries/{architecture}-{system}/{identifier}{suffix}"
+
+
+def _write(target: Path, entries: Mapping[str, bytes]) -> None:
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.stem}-", suffix=".part")
+    except OSError as error:
+        raise PlantError(f"{target.parent}: cannot keep the FMU here: {error}; set XDG_CACHE_HOME") from error
+    aside = Path(name)
+    try:
+        with os.fdopen(handle, "wb") as stream, ZipFile(stream, "w", ZIP_DEFLATED) as archive:
+            for path in sorted(entries):
+                archive.writestr(ZipInfo(path, _EPOCH), entries[path], ZIP_DEFLATED)
+        aside.chmod(0o644)
+        aside.replace(target)
+    except BaseException:
+        aside.unlink(missing_ok=True)
+        raise

@@ -1,0 +1,172 @@
+"""Load any co-simulation FMU and step it: names become value references once, on load.
+
+The only module that imports FMPy, which unzips, validates and instantiates; each step is then three native
+calls on prepared arrays. It knows variables and units, not what they move.
+"""
+
+import ctypes
+import shutil
+import tempfile
+import weakref
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from types import MappingProxyType, TracebackType
+from typing import Any, Final, Self
+from zipfile import BadZipFile, ZipFile
+
+import fmpy
+from fmpy import fmi1, fmi2, fmi3
+from fmpy.model_description import read_model_description
+
+from fmu.errors import PlantError
+from fmu.interface import UNITS
+from fmu.references import References
+
+__all__ = ["FmuPlant", "PlantError"]
+
+_WARNING: Final = 1
+_NANOSECOND: Final = 1e-9
+_STATUS: Final = ("ok", "warning", "discard", "error", "fatal", "pending")
+_NOTHING: Final[Mapping[str, float]] = MappingProxyType({})
+
+
+class FmuPlant:
+    """A plant in step with a master of fixed step; time is the step's index times the step.
+
+    Write `inputs` before `step()`, read `outputs` after it; both are in the order of the names given.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        inputs: Sequence[str],
+        outputs: Sequence[str],
+        parameters: Mapping[str, float] = _NOTHING,
+        step: int = 100_000,
+        *,
+        units: Mapping[str, str] = UNITS,
+    ) -> None:
+        """Unzip, validate, instantiate, set `parameters` (SI), initialise; `step` in ns.
+
+        `units` tells what the named variables must be in; an FMU without units is taken at its word.
+        Raises PlantError, naming the file and what is wrong with it.
+        """
+        self.path = path
+        self.steps_done = 0
+        self._messages: deque[str] = deque(maxlen=8)
+        description = _described(path)
+        self._references = References(str(path), description)
+        input_references = self._references.find(inputs, ("input",), units)
+        output_references = self._references.find(outputs, ("output", "local"), units)
+        set_references = self._references.settable(parameters)
+        self._fmu, self._finish = _loaded(self, path, description, self._messages)
+        try:
+            self._initialise(description, set_references, list(parameters.values()))
+        except Exception as error:
+            self.close()
+            raise PlantError(self._reason("cannot be initialised", error)) from error
+        self._step_s = step * _NANOSECOND
+        self._step_ns = step
+        self.inputs = (ctypes.c_double * len(inputs))()
+        self.outputs = (ctypes.c_double * len(outputs))()
+        self._bind(description.fmiVersion, input_references, output_references)
+        try:
+            self._check(self._get(*self._get_arguments), "reading the outputs")
+        except PlantError:
+            self.close()
+            raise
+
+    def step(self) -> None:
+        """Take one communication step: inputs in, plant forward, outputs out."""
+        self._time.value = self.steps_done * self._step_ns * _NANOSECOND
+        if self._set(*self._set_arguments) > _WARNING:
+            self._fail("setting the inputs")
+        if self._do_step(*self._step_arguments) > _WARNING:
+            self._fail("doStep")
+        self.steps_done += 1
+        if self._get(*self._get_arguments) > _WARNING:
+            self._fail("reading the outputs")
+
+    def read(self, name: str) -> float:
+        """Return any variable's value now; slow."""
+        reference, kind = self._references.any(name)
+        self._open()
+        getter = getattr(self._fmu, f"get{kind}", None)
+        if getter is None or kind == "String":
+            raise PlantError(f"{self.path}: '{name}' is of type {kind}, not a number")
+        try:
+            return float(getter([reference])[0])
+        except Exception as error:
+            raise PlantError(self._reason(f"'{name}' cannot be read", error)) from error
+
+    def close(self) -> None:
+        """Free the instance, unload the library, delete the unzipped files; harmless twice."""
+        self._finish()
+        self._set = self._do_step = self._get = _closed
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _initialise(self, description: Any, references: list[int], values: list[float]) -> None:
+        plant = self._fmu
+        if description.fmiVersion.startswith("2"):
+            plant.setupExperiment(startTime=0.0)
+            if references:
+                plant.setReal(references, values)
+            plant.enterInitializationMode()
+        else:
+            if references:
+                plant.setFloat64(references, values)
+            plant.enterInitializationMode(startTime=0.0)
+        plant.exitInitializationMode()
+
+    def _bind(self, version: str, inputs: list[int], outputs: list[int]) -> None:
+        """Prepare the three calls of a step: functions without conversions, arguments made once."""
+        library, instance = self._fmu.dll, ctypes.c_void_p(_address(self._fmu.component))
+        in_references = (ctypes.c_uint32 * len(inputs))(*inputs)
+        out_references = (ctypes.c_uint32 * len(outputs))(*outputs)
+        in_count, out_count = ctypes.c_size_t(len(inputs)), ctypes.c_size_t(len(outputs))
+        self._time = ctypes.c_double(0.0)
+        length = ctypes.c_double(self._step_s)
+        set_arguments: tuple[Any, ...] = (instance, in_references, in_count, self.inputs)
+        get_arguments: tuple[Any, ...] = (instance, out_references, out_count, self.outputs)
+        step_arguments: tuple[Any, ...]
+        if version.startswith("2"):
+            names = ("fmi2SetReal", "fmi2DoStep", "fmi2GetReal")
+            step_arguments = (instance, self._time, length, ctypes.c_int(1))
+        else:
+            names = ("fmi3SetFloat64", "fmi3DoStep", "fmi3GetFloat64")
+            flags = [ctypes.c_bool() for _ in range(3)]
+            # The references keep the three flags and the last time alive.
+            told = (*(ctypes.byref(flag) for flag in flags), ctypes.byref(ctypes.c_double()))
+            step_arguments = (instance, self._time, length, ctypes.c_bool(True), *told)  # noqa: FBT003 - C
+            set_arguments = (*set_arguments, in_count)
+            get_arguments = (*get_arguments, out_count)
+        # Looked up anew: FMPy's own function objects convert and check each argument.
+        self._set, self._do_step, self._get = (_function(library, name) for name in names)
+        self._set_arguments, self._step_arguments = set_arguments, step_arguments
+        self._get_arguments = get_arguments
+
+    def _open(self) -> None:
+        if not self._finish.alive:
+            raise PlantError(f"{self.path}: the plant is closed")
+
+    def _check(self, status: int, action: str) -> None:
+        if status > _WARNING:
+            self._fail(action, status)
+
+    def _fail(self, action: str, status: int | None = None) -> None:
+        self._open()
+        at = self.steps_done * self._step_ns * _NANOSECOND
+        said = f": {self._messages[-1]}" if self._messages else ""
+        word = f" ({_STATUS[status]})" if status is not None and status < len(_STATUS) else ""
+        raise PlantError(f"{self.path}: {action} failed at {at:.4f} s{word}{said}")
+
+    def _reason(self, problem: str, error: Exception) -> str:
+        return f"{self.path}: the FMU {problem}: {self._messages[-1] if self._messages else error}"

@@ -1,0 +1,70 @@
+"""The pictures: one PNG each, the same bytes for the same rows, whatever the run was like."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+from emulators.bench.plots import PICTURES, draw
+from emulators.bench.records import SAMPLE_EVERY, HoldRecord, Sample
+from firmware_bridge import robot as robot_file
+from firmware_bridge.units import SECOND, to_seconds
+
+RARS = robot_file.find("rars")
+PNG = b"\x89PNG\r\n\x1a\n"
+
+
+def row(index: int, speed: float) -> Sample:
+    at = index * SAMPLE_EVERY
+    angle = speed * to_seconds(at)
+    return Sample(
+        at=at,
+        x_m=math.sin(angle),
+        y_m=1.0 - math.cos(angle),
+        heading_rad=angle,
+        speed_mps=speed,
+        yaw_rate_rad_s=speed,
+        steer_rad=0.5,
+        lift_m=0.01,
+        currents_a=(1.0, 1.1, 0.1, 9.0),
+        motor_speeds_rad_s=(1.0, 1.0, 0.0, 0.0),
+        demanded_speed_mps=speed,
+        armed=index > 10,
+        odometry_x_m=math.sin(angle),
+        odometry_y_m=1.0 - math.cos(angle),
+        odometry_heading_rad=angle,
+    )
+
+
+HOLDS = [
+    HoldRecord("not armed", "the robot is not armed", 0, SECOND // 10),
+    HoldRecord("operator silent", "a very long reason " * 20, SECOND),
+]
+
+
+def test_the_same_rows_give_the_same_bytes(tmp_path: Path) -> None:
+    rows = [row(index, 0.3) for index in range(200)]
+    written = []
+    for name in ("first", "second"):
+        folder = tmp_path / name
+        folder.mkdir()
+        written.append([path.read_bytes() for path in draw(folder, "rars", RARS, rows, HOLDS)])
+    assert len(written[0]) == len(PICTURES) == 4
+    assert all(picture.startswith(PNG) for picture in written[0])
+    assert written[0] == written[1]
+
+
+@pytest.mark.parametrize(
+    ("count", "speed", "holds"),
+    [(1, 0.0, []), (2, 0.0, HOLDS), (300, -0.4, []), (300, 0.0, HOLDS)],
+    ids=["one row", "two rows", "backwards", "at rest"],
+)
+def test_short_and_dull_runs_are_drawn_without_complaint(
+    tmp_path: Path, count: int, speed: float, holds: list[HoldRecord]
+) -> None:
+    rows = [row(index, speed) for index in range(count)]
+    assert len(draw(tmp_path, "rars", RARS, rows, holds)) == len(PICTURES)
+
+
+def test_a_run_without_rows_has_no_pictures(tmp_path: Path) -> None:
+    assert draw(tmp_path, "rars", RARS, [], []) == []

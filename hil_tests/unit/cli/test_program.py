@@ -1,0 +1,94 @@
+"""The program as a user meets it: help, version, the robots, and one clear message for each mistake."""
+
+import re
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from firmware_bridge import robot as robot_file
+from firmware_bridge.cli import attach_commands, program
+
+attach_commands()
+
+
+def run(*words: str) -> tuple[int, str, str]:
+    result = CliRunner().invoke(program, list(words), env={"COLUMNS": "200", "TERM": "dumb", "NO_COLOR": "1"})
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    return result.exit_code, result.stdout, result.stderr
+
+
+def rars_with(folder: Path, old: str, new: str) -> str:
+    """Write the robot file of RARS with one change, and return its path."""
+    (path,) = [path for path in robot_file.shipped() if path.stem == "rars"]
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    changed = folder / "changed.toml"
+    changed.write_text(text.replace(old, new, 1), encoding="utf-8")
+    return str(changed)
+
+
+def test_help_names_every_command_with_an_example() -> None:
+    status, out, _ = run("--help")
+    assert status == 0
+    for command in ("bench", "drive", "emulate", "robots"):
+        assert re.search(rf"^│ {command} ", out, flags=re.MULTILINE), out
+    assert "bench rars --mission circles" in out
+
+
+@pytest.mark.parametrize("command", ["bench", "drive", "emulate", "robots"])
+def test_each_command_explains_itself_with_an_example(command: str) -> None:
+    status, out, _ = run(command, "--help")
+    assert status == 0
+    assert f"firmware-bridge {command}" in out
+
+
+def test_version() -> None:
+    status, out, _ = run("--version")
+    assert status == 0
+    assert re.fullmatch(r"firmware-bridge \d+\.\d+\.\d+\n", out)
+
+
+def test_robots_lists_each_axis_with_its_node() -> None:
+    status, out, err = run("robots")
+    assert (status, err) == (0, "")
+    for row in ("1 left rear wheel", "2 right rear wheel", "3 steering", "4 scissor lift"):
+        assert row in out
+
+
+def test_robots_checks_the_files_that_it_is_given(tmp_path: Path) -> None:
+    status, out, err = run("robots", rars_with(tmp_path, "node = 2", "node = 1"))
+    assert status == 2
+    assert "wrong" in out
+    assert "node 1 is taken by two axes, 'left' and 'right'" in err
+    assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("[bus]", "[bus", "not valid TOML"),
+        ("node = 2", "node = 1", "node 1 is taken by two axes, 'left' and 'right'"),
+        ("wheel_radius_m", "wheel_radius", "base.wheel_radius"),
+        ("cycle_ms = 50", "cycle_ms = 0", "bus.cycle_ms"),
+    ],
+)
+@pytest.mark.parametrize("command", ["bench", "drive", "emulate"])
+def test_a_wrong_robot_file_is_refused_by_file_and_key(
+    tmp_path: Path, command: str, old: str, new: str, message: str
+) -> None:
+    path = rars_with(tmp_path, old, new)
+    status, _, err = run(command, path)
+    assert status == 2
+    assert err.count("\n") == 1
+    assert path in err
+    assert message in err
+
+
+@pytest.mark.parametrize("command", ["bench", "drive", "emulate"])
+def test_an_unknown_robot_is_answered_with_those_that_there_are(command: str) -> None:
+    assert run(command, "r2d2") == (
+        2,
+        "",
+        "firmware-bridge: r2d2: no such robot; there are: rars. A path to a .toml file works, too\n",
+    )
