@@ -1,5 +1,6 @@
 """The simulation's commands, which it attaches to the bridge's program: `bench` and `emulate`."""
 
+import re
 from pathlib import Path
 from typing import Annotated, Final
 
@@ -12,25 +13,33 @@ from emulators.bench.report import show
 from emulators.gateway import Cluster
 from emulators.rig import devices
 from emulators.run import Order, drive
-from firmware_bridge.cli import (
+from firmware_bridge.cli.console import find_robot, one_message, refusal, terminal
+from firmware_bridge.cli.options import (
     BitRateOption,
     ChannelOption,
     DurationOption,
     InterfaceOption,
     RobotArgument,
-    carry,
-    find_robot,
-    one_message,
-    refuse,
-    terminal,
+    until,
 )
+from firmware_bridge.cli.real_time import carry
 from firmware_bridge.node import CAN
 from firmware_bridge.robot import Robot
 from firmware_bridge.shell.ports import open_can
-from firmware_bridge.units import NEVER, Nanoseconds, from_seconds, to_seconds
+from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
 from fmu.errors import PlantError
 
 RESULTS: Final = Path("out")
+BENCH_EXAMPLES: Final = """Examples:
+
+`firmware-bridge bench rars --mission line`
+
+`firmware-bridge bench rars --mission my_mission.toml --seed 7 --out results`"""
+EMULATE_EXAMPLES: Final = """Examples:
+
+`firmware-bridge emulate rars -i socketcan -c vcan0`
+
+`firmware-bridge emulate rars -i socketcan -c vcan0 --silence 3@10` silences the steering after 10 s."""
 
 PlantOption = Annotated[
     Path | None,
@@ -45,19 +54,27 @@ PlantOption = Annotated[
 
 def attach(program: typer.Typer) -> None:
     """Add the commands to the program."""
-    program.command()(bench)
-    program.command()(emulate)
+    program.command(epilog=BENCH_EXAMPLES)(bench)
+    program.command(epilog=EMULATE_EXAMPLES)(emulate)
 
 
 def bench(
     robot: RobotArgument,
+    *,
     mission: Annotated[
-        str, typer.Option("--mission", "-m", metavar="NAME|FILE", help="A shipped mission, or a mission file (.toml).")
+        str,
+        typer.Option(
+            "--mission", "-m", metavar="NAME|FILE", help="A shipped mission, or a mission file (.toml)."
+        ),
     ] = "circles",
-    seed: Annotated[int, typer.Option("--seed", "-s", min=0, help="Chooses the noise; one seed, one run.")] = 0,
+    seed: Annotated[
+        int, typer.Option("--seed", "-s", min=0, help="Chooses the noise; one seed, one run.")
+    ] = 0,
     out: Annotated[
         Path | None,
-        typer.Option("--out", "-o", metavar="DIR", help="Where the results go.", show_default="out/ROBOT-MISSION"),
+        typer.Option(
+            "--out", "-o", metavar="DIR", help="Where the results go.", show_default="out/ROBOT-MISSION"
+        ),
     ] = None,
     plant: PlantOption = None,
 ) -> None:
@@ -66,12 +83,6 @@ def bench(
     Leaves `summary.json`, `can.log` (candump's format), `operator.tlog` and plots in the results' folder.
 
     Shipped missions: `line`, `circles`, `interlocks`.
-
-    Examples:
-
-    `firmware-bridge bench rars --mission line`
-
-    `firmware-bridge bench rars --mission my_mission.toml --seed 7 --out results`
     """
     machine = find_robot(robot)
     with one_message(MissionFileError, PlantError, OSError):
@@ -88,6 +99,7 @@ def bench(
 
 def emulate(
     robot: RobotArgument,
+    *,
     interface: InterfaceOption = None,
     channel: ChannelOption = None,
     bit_rate: BitRateOption = None,
@@ -102,28 +114,21 @@ def emulate(
 
     Ends on Ctrl-C. On a machine without CAN hardware, make a virtual bus first:
     `sudo modprobe vcan && sudo ip link add dev vcan0 type vcan && sudo ip link set vcan0 up`
-
-    Examples:
-
-    `firmware-bridge emulate rars -i socketcan -c vcan0`
-
-    `firmware-bridge emulate rars -i socketcan -c vcan0 --silence 3@10` lets the steering fall silent after 10 s.
     """
     machine = find_robot(robot)
     cuts = [_cut(machine, text) for text in silence or ()]
     with one_message(PlantError):
-        drives, physics = devices(machine, plant)
-    cluster = Cluster(drives, physics)
+        emulated = devices(machine, plant)
+    cluster = Cluster(emulated.drives, emulated.bank)
     for name, at in cuts:
         cluster.silence(name, at)
         typer.echo(f"'{name}' falls silent after {to_seconds(at):g} s")
-    until = NEVER if duration is None else from_seconds(duration)
     rate = machine.bus.bit_rate
     nodes = ", ".join(f"{axis.node} {axis.title}" for axis in machine.axes)
     carry(
         cluster,
         {CAN: lambda: open_can(interface, channel, bit_rate, default_bit_rate=rate)},
-        until,
+        until(duration),
         f"{machine.name} is on the bus: {nodes}",
     )
 
@@ -133,13 +138,11 @@ def _cut(robot: Robot, text: str) -> tuple[str, Nanoseconds]:
     node, _, seconds = text.partition("@")
     for axis in robot.axes:
         if node in {str(axis.node), axis.name}:
-            try:
-                at = from_seconds(float(seconds))
-            except (ValueError, OverflowError):
-                refuse(f"--silence {text}: say NODE@SECONDS, as {axis.node}@10")
-            return axis.name, at
+            if not re.fullmatch(r"\d+(\.\d+)?", seconds):
+                raise refusal(f"--silence {text}: say NODE@SECONDS, as {axis.node}@10")
+            return axis.name, from_seconds(float(seconds))
     known = ", ".join(f"{axis.node} ({axis.name})" for axis in robot.axes)
-    refuse(f"--silence {text}: {robot.name} has no node '{node}'; it has {known}")
+    raise refusal(f"--silence {text}: {robot.name} has no node '{node}'; it has {known}")
 
 
 def _bar() -> Progress:

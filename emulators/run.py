@@ -78,7 +78,10 @@ def drive(order: Order, progress: Progress) -> Summary:
 @contextmanager
 def _recorded(rig: Rig, folder: Path) -> Iterator[None]:
     """Write what the wires carry while this is open: `can.log` and `operator.tlog`."""
-    with (folder / "can.log").open("w", encoding="ascii") as frames, (folder / "operator.tlog").open("wb") as words:
+    with (
+        (folder / "can.log").open("w", encoding="ascii") as frames,
+        (folder / "operator.tlog").open("wb") as words,
+    ):
 
         def note_frame(now: Nanoseconds, _sender: str, packet: Packet) -> None:
             frames.write(candump_line(now, packet) + "\n")

@@ -15,12 +15,13 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from importlib import metadata
 from pathlib import Path
+from types import ModuleType
 from typing import Final
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 from fmu.errors import PlantError
 
-FLAGS: Final = ("-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-fvisibility=hidden", "-Wall", "-Wextra")
+FLAGS: Final = ("-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-fvisibility=hidden")
 """Contraction into fused multiply-adds would make the result depend on compiler and CPU."""
 
 _HERE: Final = Path(__file__).parent
@@ -55,8 +56,8 @@ def build(
     description = importlib.import_module("fmu.export.description")
     plant = equations.model()
     token = f"{{{_token(model)}}}"
-    files = {name: (_HERE / "export" / "c" / name).read_text(encoding="utf-8") for name in _SHELLS[fmi][:-1]}
-    files |= {name: (_HERE / "export" / "c" / name).read_text(encoding="utf-8") for name in ("core.h", "elementary.h")}
+    written = ("core.h", "elementary.h", *(name for name in _SHELLS[fmi] if name != "model.c"))
+    files = {name: (_HERE / "export" / "c" / name).read_text(encoding="utf-8") for name in written}
     files |= code.generate(plant, token)
     files |= _headers(fmi)
     entries: dict[str, bytes] = {f"sources/{name}": text.encode() for name, text in files.items()}
@@ -79,12 +80,10 @@ def find_compiler() -> str:
             return path
     if chosen:
         raise PlantError(f"the C compiler $CC = {chosen} was not found: correct it, or unset CC")
-    raise PlantError(
-        f"no C compiler found (tried {', '.join(_COMPILERS)}): install one, e.g. Debian's gcc"
-    )
+    raise PlantError(f"no C compiler found (tried {', '.join(_COMPILERS)}): install one, e.g. Debian's gcc")
 
 
-def _equations(model: str):  # type: ignore[no-untyped-def]
+def _equations(model: str) -> ModuleType:
     if model not in models():
         raise PlantError(f"there is no plant model '{model}'; there are: {', '.join(models())}")
     return importlib.import_module(f"fmu.{model}.equations")
@@ -114,7 +113,8 @@ def _token(model: str) -> str:
 
 
 def _key(model: str, fmi: int, compiler: str) -> str:
-    version = subprocess.run([compiler, "--version"], capture_output=True, check=False).stdout
+    # The compiler is the user's own choice.
+    version = subprocess.run([compiler, "--version"], capture_output=True, check=False).stdout  # noqa: S603
     digest = hashlib.sha256(version)
     libraries = [f"{name} {metadata.version(name)}" for name in ("sympy", "fmpy")]
     for part in (_token(model), str(fmi), compiler, *FLAGS, *libraries, platform.machine(), sys.platform):
@@ -141,7 +141,7 @@ def _compiled(files: Mapping[str, str], units: Sequence[str], compiler: str, fla
             (folder / file).write_text(text, encoding="utf-8")
         # Relative names, so that no path of this machine gets into the binary.
         command = [compiler, *flags, "-shared", "-s", "-o", "plant.so", *units, "-lm"]
-        run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+        run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)  # noqa: S603
         if run.returncode:
             raise PlantError(f"{' '.join(command)} failed:\n{run.stderr.strip()}")
         return (folder / "plant.so").read_bytes()
@@ -169,7 +169,9 @@ def _write(target: Path, entries: Mapping[str, bytes]) -> None:
     try:
         with os.fdopen(handle, "wb") as stream, ZipFile(stream, "w", ZIP_DEFLATED) as archive:
             for path in sorted(entries):
-                archive.writestr(ZipInfo(path, _EPOCH), entries[path], ZIP_DEFLATED)
+                entry = ZipInfo(path, _EPOCH)
+                entry.external_attr = 0o644 << 16
+                archive.writestr(entry, entries[path], ZIP_DEFLATED)
         aside.chmod(0o644)
         aside.replace(target)
     except BaseException:

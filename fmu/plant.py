@@ -16,7 +16,7 @@ from typing import Any, Final, Self
 from zipfile import BadZipFile, ZipFile
 
 import fmpy
-from fmpy import fmi1, fmi2, fmi3
+from fmpy import fmi2, fmi3
 from fmpy.model_description import read_model_description
 
 from fmu.errors import PlantError
@@ -26,7 +26,7 @@ from fmu.references import References
 __all__ = ["FmuPlant", "PlantError"]
 
 _WARNING: Final = 1
-_NANOSECOND: Final = 1e-9
+_SECOND_NS: Final = 1e9
 _STATUS: Final = ("ok", "warning", "discard", "error", "fatal", "pending")
 _NOTHING: Final[Mapping[str, float]] = MappingProxyType({})
 
@@ -66,7 +66,7 @@ class FmuPlant:
         except Exception as error:
             self.close()
             raise PlantError(self._reason("cannot be initialised", error)) from error
-        self._step_s = step * _NANOSECOND
+        self._step_s = step / _SECOND_NS
         self._step_ns = step
         self.inputs = (ctypes.c_double * len(inputs))()
         self.outputs = (ctypes.c_double * len(outputs))()
@@ -79,7 +79,7 @@ class FmuPlant:
 
     def step(self) -> None:
         """Take one communication step: inputs in, plant forward, outputs out."""
-        self._time.value = self.steps_done * self._step_ns * _NANOSECOND
+        self._time.value = self.steps_done * self._step_ns / _SECOND_NS
         if self._set(*self._set_arguments) > _WARNING:
             self._fail("setting the inputs")
         if self._do_step(*self._step_arguments) > _WARNING:
@@ -163,10 +163,115 @@ class FmuPlant:
 
     def _fail(self, action: str, status: int | None = None) -> None:
         self._open()
-        at = self.steps_done * self._step_ns * _NANOSECOND
+        at = self.steps_done * self._step_ns / _SECOND_NS
         said = f": {self._messages[-1]}" if self._messages else ""
         word = f" ({_STATUS[status]})" if status is not None and status < len(_STATUS) else ""
         raise PlantError(f"{self.path}: {action} failed at {at:.4f} s{word}{said}")
 
     def _reason(self, problem: str, error: Exception) -> str:
         return f"{self.path}: the FMU {problem}: {self._messages[-1] if self._messages else error}"
+
+
+def _closed(*_: Any) -> int:
+    return len(_STATUS)
+
+
+def _described(path: Path) -> Any:
+    """Return FMPy's model description after all of its checks."""
+    if not path.is_file():
+        raise PlantError(f"{path}: there is no such file; give the path of an FMU")
+    try:
+        with ZipFile(path) as archive:
+            names = archive.namelist()
+    except (BadZipFile, OSError) as error:
+        raise PlantError(f"{path}: not an FMU: {error}") from error
+    if "modelDescription.xml" not in names:
+        raise PlantError(f"{path}: not an FMU: it holds no modelDescription.xml")
+    try:
+        description = read_model_description(str(path))
+    except Exception as error:
+        raise PlantError(f"{path}: its modelDescription.xml is not valid: {error}") from error
+    version = description.fmiVersion
+    if not version.startswith(("2.0", "3.0")):
+        raise PlantError(f"{path}: FMI {version} is not supported: 2.0 or 3.0")
+    if description.coSimulation is None:
+        raise PlantError(f"{path}: the FMU offers no co-simulation; export it with its solver")
+    folder = f"binaries/{fmpy.platform if version.startswith('2') else fmpy.platform_tuple}/"
+    if not any(name.startswith(folder) for name in names):
+        held = sorted({name.split("/")[1] for name in names if name.startswith("binaries/") and "." in name})
+        raise PlantError(
+            f"{path}: no binary for this machine ({folder}); it holds: {', '.join(held) or 'none'}"
+        )
+    return description
+
+
+def _loaded(
+    owner: object, path: Path, description: Any, messages: deque[str]
+) -> tuple[Any, "weakref.finalize[..., Any]"]:
+    """Unzip, load and instantiate; return FMPy's instance and what undoes all of it, once."""
+    folder = tempfile.mkdtemp(prefix="firmware-bridge-plant-")
+    try:
+        fmpy.extract(str(path), folder)
+        second = description.fmiVersion.startswith("2")
+        kind = fmi2.FMU2Slave if second else fmi3.FMU3Slave
+        plant = kind(
+            guid=description.guid,
+            unzipDirectory=folder,
+            modelIdentifier=description.coSimulation.modelIdentifier,
+            instanceName=description.modelName,
+            requireFunctions=False,
+        )
+    except Exception as error:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise PlantError(f"{path}: the FMU cannot be loaded: {error}") from error
+    try:
+        if second:
+            plant.instantiate(loggingOn=True, callbacks=_callbacks(messages))
+        else:
+            plant.instantiate(loggingOn=True, logMessage=_listener3(messages))
+    except Exception as error:
+        plant.freeLibrary()
+        shutil.rmtree(folder, ignore_errors=True)
+        said = messages[-1] if messages else error
+        raise PlantError(f"{path}: the FMU cannot be instantiated: {said}") from error
+    return plant, weakref.finalize(owner, _release, plant, folder)
+
+
+def _release(plant: Any, folder: str) -> None:
+    # Freeing an instance is allowed in every state; fmi*Terminate is not, and adds nothing here.
+    plant.freeInstance()
+    shutil.rmtree(folder, ignore_errors=True)
+
+
+def _listener3(messages: deque[str]) -> Callable[[Any, int, bytes, bytes], None]:
+    def listen(_environment: Any, status: int, _category: bytes, message: bytes) -> None:
+        if status >= _WARNING:
+            messages.append(message.decode(errors="replace"))
+
+    return listen
+
+
+def _callbacks(messages: deque[str]) -> Any:
+    def listen(_environment: Any, _name: bytes, status: int, _category: bytes, message: bytes) -> None:
+        if status >= _WARNING:
+            messages.append(message.decode(errors="replace"))
+
+    callbacks = fmi2.fmi2CallbackFunctions()
+    callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(listen)
+    callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
+    callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
+    proxy = getattr(fmi2, "addLoggerProxy", None)
+    if proxy is not None:
+        # FMI 2.0 messages are printf formats: FMPy's native proxy fills them in.
+        proxy(ctypes.byref(callbacks))
+    return callbacks
+
+
+def _address(component: Any) -> int:
+    return int(getattr(component, "value", component))
+
+
+def _function(library: ctypes.CDLL, name: str) -> Any:
+    function = library[name]
+    function.restype = ctypes.c_int
+    return function

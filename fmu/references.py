@@ -34,9 +34,8 @@ class References:
         for name in names:
             variable = self._variable(name, "parameter")
             if variable.causality not in {"parameter", "structuralParameter"} and variable.initial != "exact":
-                raise PlantError(
-                    f"{self._file}: '{name}' cannot be set as a parameter, it is a computed {variable.causality}"
-                )
+                kind = variable.causality
+                raise PlantError(f"{self._file}: '{name}' is no parameter, but a computed {kind} value")
             found.append(self._checked_type(name, variable))
         return found
 

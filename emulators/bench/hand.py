@@ -12,7 +12,7 @@ TREMOR_TIME_S: Final = 0.2
 
 
 class Ramp:
-    """A value that goes to its target at once or at a slope; computed from its last change, never summed up."""
+    """A value that goes to its target at once or at a slope; computed from its last change, not summed."""
 
     __slots__ = ("_since", "_slope", "_start", "target")
 

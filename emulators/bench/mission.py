@@ -1,11 +1,12 @@
 """A mission: what an operator does over time, from a TOML file that an engineer writes in five minutes.
 
-A wrong key or value is refused with the file's name and the key's path. Whether the robot allows what a mission
-asks is nobody's business here: missions exist to ask for too much.
+A wrong key or value is refused with the file's name and the key's path. Whether the robot allows what a
+mission asks is nobody's business here: missions exist to ask for too much.
 """
 
 import math
 import tomllib
+from difflib import get_close_matches
 from enum import StrEnum
 from importlib import resources
 from itertools import pairwise
@@ -13,6 +14,7 @@ from pathlib import Path
 from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic_core import ErrorDetails
 
 from emulators.bench.strays import Stray
 from firmware_bridge.robot import Robot
@@ -50,7 +52,7 @@ class Input(StrEnum):
     STICK = "stick"
     """MANUAL_CONTROL: speed and steering as shares of the robot's limits; cannot ask for more than those."""
     TWIST = "twist"
-    """SET_POSITION_TARGET_LOCAL_NED: speed and yaw rate; can ask for anything, but steers only while it drives."""
+    """SET_POSITION_TARGET_LOCAL_NED: speed and yaw rate; asks for anything, steers only while it drives."""
 
 
 class Button(StrEnum):
@@ -136,9 +138,13 @@ class Mission(_Table):
     def _steps_are_in_order(self) -> Self:
         for earlier, later in pairwise(self.step):
             if later.at_s < earlier.at_s:
-                raise ValueError(f"step '{later.title}' at {later.at_s:g} s stands behind one at {earlier.at_s:g} s")
+                raise ValueError(
+                    f"step '{later.title}' at {later.at_s:g} s stands behind one at {earlier.at_s:g} s"
+                )
         if self.step[-1].at_s >= self.duration_s:
-            raise ValueError(f"step '{self.step[-1].title}' is not before the end, duration_s = {self.duration_s:g}")
+            raise ValueError(
+                f"step '{self.step[-1].title}' is not before the end, duration_s = {self.duration_s:g}"
+            )
         return self
 
 
@@ -152,9 +158,7 @@ def parse(text: str, file: str, robot: Robot) -> Mission:
         mission = Mission.model_validate(table)
     except ValidationError as error:
         first = error.errors()[0]
-        problem = first["msg"].removeprefix("Value error, ")
-        given = "" if isinstance(first["input"], dict | list) else f", but it is {first['input']!r}"
-        raise MissionFileError(file, _path(first["loc"]), f"{problem}{given}") from error
+        raise MissionFileError(file, _path(first["loc"]), _problem(first)) from error
     _fit(mission, robot, file)
     return mission
 
@@ -176,7 +180,9 @@ def find(name: str, robot: Robot) -> Mission:
         if path.stem == name:
             return load(path, robot)
     known = ", ".join(path.stem for path in shipped())
-    raise MissionFileError(name, "", f"no such mission; there are: {known}. A path to a .toml file works, too")
+    raise MissionFileError(
+        name, "", f"no such mission; there are: {known}. A path to a .toml file works, too"
+    )
 
 
 def shipped() -> list[Path]:
@@ -209,10 +215,23 @@ def _fit(mission: Mission, robot: Robot, file: str) -> None:
             "lift_rate_mps": abs(step.lift_rate_mps or 0.0) > limits.lift_rate_mps + _TOLERANCE,
         }
         wrong = beyond if held is Input.STICK else stick_only
-        problem = "is beyond full stick; input = 'twist' can say it" if held is Input.STICK else "needs the stick"
+        problem = (
+            "is beyond full stick; input = 'twist' can say it" if held is Input.STICK else "needs the stick"
+        )
         for key, is_wrong in wrong.items():
             if is_wrong:
                 raise MissionFileError(file, f"step[{index}].{key}", f"'{step.title}' {problem}")
+
+
+def _problem(error: ErrorDetails) -> str:
+    location = error["loc"]
+    if error["type"] == "extra_forbidden":
+        inner = {"step": list(Step.model_fields), "noise": list(Noise.model_fields)}
+        known = inner[str(location[0])] if len(location) > 1 else list(Mission.model_fields)
+        near = get_close_matches(str(location[-1]), known, n=1)
+        return f"no such key; perhaps {near[0]}?" if near else f"no such key; there are: {', '.join(known)}"
+    problem = error["msg"].removeprefix("Value error, ")
+    return problem if isinstance(error["input"], dict | list) else f"{problem}, but it is {error['input']!r}"
 
 
 def _path(location: tuple[int | str, ...]) -> str:

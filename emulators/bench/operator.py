@@ -1,11 +1,12 @@
-"""A ground station that drives a mission and keeps a diary of what the robot answers; a Node on link "operator".
+"""A ground station that drives a mission and keeps a diary of what the robot answers: a Node.
 
 It speaks MAVLink as a stranger would: signs, scales and retries are written here anew, not taken from the
 bridge, so that a mistake there is not repeated here.
 """
 
 import math
-from typing import Final
+from collections.abc import Callable
+from typing import Final, TypeAlias
 
 import numpy as np
 
@@ -13,8 +14,7 @@ from emulators.bench import orders
 from emulators.bench.diary import Diary, Kind, place_of
 from emulators.bench.hand import Ramp, Tremor
 from emulators.bench.mission import Button, Input, Mission, Step, steer_of_radius
-from emulators.bench.orders import Pending
-from emulators.bench.strays import command, datagram, velocity
+from emulators.bench.strays import datagram, velocity
 from firmware_bridge.node import OPERATOR, Packet, Reaction
 from firmware_bridge.robot import Robot
 from firmware_bridge.teleop.mavlink import Codec, Message, dialect, text_of
@@ -30,14 +30,16 @@ _UNUSED: Final = 0x7FFF
 _BUTTONS: Final = {Button.DETECTOR: 1, Button.HEADLAMP: 2, Button.EMERGENCY_STOP: 4}
 _LIFT_ENABLE: Final = 8
 
+Reader: TypeAlias = Callable[[Message, Nanoseconds], None]
+
 
 class ScriptedOperator:
     """One operator and his ground station, system 255; `diary` tells what became of the mission."""
 
     __slots__ = (
-        "_beat_due", "_buttons", "_codec", "_greeted", "_input", "_lift_rate", "_listener", "_mission", "_pending",
-        "_period", "_released_at", "_robot", "_send_due", "_silent_until", "_speed", "_steer", "_step",
-        "_tremors", "diary",
+        "_beat_due", "_buttons", "_codec", "_greetings", "_heard", "_input", "_lift_rate", "_listener",
+        "_mission", "_pending", "_period", "_released_at", "_robot", "_send_due", "_silent_until", "_speed",
+        "_steer", "_step", "_tremors", "diary",
     )  # fmt: skip
 
     def __init__(self, robot: Robot, mission: Mission, generator: np.random.Generator) -> None:
@@ -55,18 +57,27 @@ class ScriptedOperator:
         self._tremors = tuple(Tremor(mission.noise.stick, self._period, generator) for _ in range(2))
         self._buttons = 0
         self._released_at: Nanoseconds = NEVER
-        self._pending: list[Pending] = []
+        self._pending: list[orders.Pending] = []
         self._step = 0
         self._silent_until: Nanoseconds = 0
         self._beat_due: Nanoseconds = 0
         self._send_due: Nanoseconds = 0
-        self._greeted = False
+        self._greetings: list[Message] = []
+        self._heard: Final[dict[int, Reader]] = {
+            dialect.MAVLINK_MSG_ID_HEARTBEAT: self._heartbeat,
+            dialect.MAVLINK_MSG_ID_COMMAND_ACK: self._acknowledged,
+            dialect.MAVLINK_MSG_ID_STATUSTEXT: self._told,
+            dialect.MAVLINK_MSG_ID_ODOMETRY: self._located,
+            dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT: self._valued,
+            dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT: self._valued,
+            dialect.MAVLINK_MSG_ID_PARAM_VALUE: self._parametrised,
+        }  # all other messages are left packed
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Read telemetry and answers; a command that must be repeated is repeated in time."""
-        for message in self._codec.decode(packet.payload, _HEARD):
+        for message in self._codec.decode(packet.payload, self._heard):
             if message.get_srcSystem() == self._robot.operator.system_id:
-                _HEARD[message.get_msgId()](self, message, now)
+                self._heard[message.get_msgId()](message, now)
         return Reaction((), self._wake_at())
 
     def wake(self, now: Nanoseconds) -> Reaction:
@@ -92,6 +103,18 @@ class ScriptedOperator:
 
     def _take(self, step: Step, now: Nanoseconds) -> list[bytes]:
         self.diary.note(now, Kind.STEP, step.title)
+        self._move_hand(step, now)
+        if step.silent_s is not None:
+            self._silent_until = now + from_seconds(step.silent_s)
+        for pending in orders.of_step(step, self._robot, now):
+            self._pending = [old for old in self._pending if old.number != pending.number]
+            self._pending.append(pending)
+        if step.stray is None:
+            return []
+        link = self._robot.operator
+        return [datagram(step.stray, self._codec, link.system_id, link.component_id)]
+
+    def _move_hand(self, step: Step, now: Nanoseconds) -> None:
         self._input = step.input or self._input
         if step.speed_mps is not None:
             self._speed.go(step.speed_mps, step.ramp_mps2, now)
@@ -104,22 +127,17 @@ class ScriptedOperator:
         if step.press is not None:
             self._buttons = _BUTTONS[step.press]
             self._released_at = now + PRESS
-        if step.silent_s is not None:
-            self._silent_until = now + from_seconds(step.silent_s)
-        for pending in orders.of_step(step, self._robot, now):
-            self._pending = [old for old in self._pending if old.number != pending.number]
-            self._pending.append(pending)
-        if step.stray is None:
-            return []
-        link = self._robot.operator
-        return [datagram(step.stray, self._codec, link.system_id, link.component_id)]
 
     def _due(self, now: Nanoseconds) -> list[bytes]:
         messages: list[Message] = []
         if now >= self._beat_due:
             self._beat_due += SECOND
             station, none = dialect.MAV_TYPE_GCS, dialect.MAV_AUTOPILOT_INVALID
-            messages.append(dialect.MAVLink_heartbeat_message(station, none, 0, 0, dialect.MAV_STATE_ACTIVE, 3))
+            messages.append(
+                dialect.MAVLink_heartbeat_message(station, none, 0, 0, dialect.MAV_STATE_ACTIVE, 3)
+            )
+        messages += self._greetings
+        self._greetings.clear()
         messages += self._insisted(now)
         if now >= self._send_due:
             self._send_due += self._period
@@ -172,6 +190,11 @@ class ScriptedOperator:
 
     def _heartbeat(self, message: Message, now: Nanoseconds) -> None:
         armed = bool(message.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED)
+        if self.diary.armed is None:
+            link = self._robot.operator
+            self._greetings.append(
+                dialect.MAVLink_param_request_list_message(link.system_id, link.component_id)
+            )
         if armed != self.diary.armed:
             self.diary.note(now, Kind.STATUS, "armed" if armed else "disarmed")
         self.diary.armed = armed
@@ -207,15 +230,3 @@ class ScriptedOperator:
 
 def _axis(share: float) -> int:
     return max(-_FULL, min(round(_FULL * share), _FULL))
-
-
-# A row for each message that is read; all others are left packed.
-_HEARD: Final = {
-    dialect.MAVLINK_MSG_ID_HEARTBEAT: ScriptedOperator._heartbeat,
-    dialect.MAVLINK_MSG_ID_COMMAND_ACK: ScriptedOperator._acknowledged,
-    dialect.MAVLINK_MSG_ID_STATUSTEXT: ScriptedOperator._told,
-    dialect.MAVLINK_MSG_ID_ODOMETRY: ScriptedOperator._located,
-    dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT: ScriptedOperator._valued,
-    dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT: ScriptedOperator._valued,
-    dialect.MAVLINK_MSG_ID_PARAM_VALUE: ScriptedOperator._parametrised,
-}

@@ -90,4 +90,6 @@ def of_step(step: Step, robot: Robot, now: Nanoseconds) -> Iterator[Pending]:
     for row in ROWS:
         value = getattr(step, row.key)
         if value is not None:
-            yield Pending(row.key.removesuffix("_m").replace("_", " "), row.number, row.params(value, robot), now)
+            yield Pending(
+                row.key.removesuffix("_m").replace("_", " "), row.number, row.params(value, robot), now
+            )

@@ -36,7 +36,9 @@ class Stray(StrEnum):
     """A parameter that would raise the speed limit."""
 
 
-def velocity(system: int, component: int, vx: float, yaw_rate: float = 0.0, *, vy: float = 0.0, frame: int = 8) -> Message:
+def velocity(
+    system: int, component: int, vx: float, yaw_rate: float = 0.0, *, vy: float = 0.0, frame: int = 8
+) -> Message:
     """Return a SET_POSITION_TARGET_LOCAL_NED that asks for a velocity and a yaw rate, mask 1511; SI, NED."""
     mask = 1511
     rest = (0.0,) * 4
@@ -51,32 +53,28 @@ def command(system: int, component: int, number: int, *params: float, confirmati
     return dialect.MAVLink_command_long_message(system, component, number, confirmation, *seven)
 
 
-def _corrupt(codec: Codec, system: int, component: int) -> bytes:
-    frame = bytearray(codec.encode(velocity(system, component, 0.5)))
-    frame[20] ^= 0x10
+def datagram(stray: Stray, codec: Codec, system: int, component: int) -> bytes:
+    """Return the datagram, addressed to this robot where its kind has an address."""
+    if stray is Stray.GARBAGE:
+        return b"\xfd\xff\x00\x00\xfe\x08 this is no MAVLink \x00\xfd\xfd\xfe"
+    frame = bytearray(codec.encode(_MESSAGES[stray](system, component)))
+    if stray is Stray.CORRUPT:
+        frame[_WRONG_AT] ^= 0x10
     return bytes(frame)
 
 
-_DATAGRAMS: Final[dict[Stray, Callable[[Codec, int, int], bytes]]] = {
-    Stray.GARBAGE: lambda codec, s, c: b"\xfd\xff\x00\x00\xfe\x08 this is no MAVLink \x00\xfd\xfd\xfe",
-    Stray.CORRUPT: _corrupt,
-    Stray.NOT_A_NUMBER: lambda codec, s, c: codec.encode(velocity(s, c, math.nan)),
-    Stray.ABSURD: lambda codec, s, c: codec.encode(velocity(s, c, 100.0)),
-    Stray.SIDEWAYS: lambda codec, s, c: codec.encode(velocity(s, c, 0.2, vy=0.2)),
-    Stray.MAP_FRAME: lambda codec, s, c: codec.encode(velocity(s, c, 0.2, frame=dialect.MAV_FRAME_LOCAL_NED)),
-    Stray.OTHER_ROBOT: lambda codec, s, c: codec.encode(velocity(_ANOTHER_SYSTEM, c, 0.5)),
-    Stray.UNKNOWN_COMMAND: lambda codec, s, c: codec.encode(
-        command(s, c, dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH)
-    ),
-    Stray.FORCED_ARM: lambda codec, s, c: codec.encode(
-        command(s, c, dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1.0, _FORCE)
-    ),
-    Stray.RAISED_LIMIT: lambda codec, s, c: codec.encode(
-        dialect.MAVLink_param_set_message(s, c, b"SPD_MAX", 5.0, dialect.MAV_PARAM_TYPE_REAL32)
+_WRONG_AT: Final = 20
+
+_MESSAGES: Final[dict[Stray, Callable[[int, int], Message]]] = {
+    Stray.CORRUPT: lambda s, c: velocity(s, c, 0.5),
+    Stray.NOT_A_NUMBER: lambda s, c: velocity(s, c, math.nan),
+    Stray.ABSURD: lambda s, c: velocity(s, c, 100.0),
+    Stray.SIDEWAYS: lambda s, c: velocity(s, c, 0.2, vy=0.2),
+    Stray.MAP_FRAME: lambda s, c: velocity(s, c, 0.2, frame=dialect.MAV_FRAME_LOCAL_NED),
+    Stray.OTHER_ROBOT: lambda _, c: velocity(_ANOTHER_SYSTEM, c, 0.5),
+    Stray.UNKNOWN_COMMAND: lambda s, c: command(s, c, dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH),
+    Stray.FORCED_ARM: lambda s, c: command(s, c, dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1.0, _FORCE),
+    Stray.RAISED_LIMIT: lambda s, c: dialect.MAVLink_param_set_message(
+        s, c, b"SPD_MAX", 5.0, dialect.MAV_PARAM_TYPE_REAL32
     ),
 }
-
-
-def datagram(stray: Stray, codec: Codec, system: int, component: int) -> bytes:
-    """Return the datagram, addressed to this robot where its kind has an address."""
-    return _DATAGRAMS[stray](codec, system, component)

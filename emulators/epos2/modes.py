@@ -43,12 +43,16 @@ class Motion:
         """Bit 12 of profile position mode: the set-point was taken and bit 4 is still up."""
         self._waiting: tuple[int, bool] | None = None
         """The set-point after the present one: target (qc) and whether it is relative."""
+        self._interrupted = False
+        self.out_of_limits = False
+        """A target lay outside the software position limits 0x607D; cleared by who heeds it."""
 
     def forget(self) -> None:
         """Drop what was going on: the power stage is off, or a stop has cut in."""
         self.halted = False
         self.acknowledged = False
         self._waiting = None
+        self._interrupted = False
 
     @property
     def arrived(self) -> bool:
@@ -102,7 +106,7 @@ class Motion:
             if halt:
                 self._halt()
             elif self.mode == Mode.PROFILE_POSITION:
-                self._resume()
+                self._release()
         if self.mode == Mode.PROFILE_VELOCITY:
             self.velocity_target(self._store.get(at.TARGET_VELOCITY))
             return False
@@ -122,8 +126,7 @@ class Motion:
         limit = self._fastest()
         wish = 0 if self.halted else max(-limit, min(limit, speed_units(axis, rpm)))
         if wish != axis.target_velocity or axis.profile != RAMP:
-            axis.flags &= ~(PROFILE_DONE | TARGET_REACHED)
-            axis.window_ms = 0
+            self._under_way(there=wish == axis.velocity_demand)
         axis.target_velocity = wish
         axis.profile = RAMP
         axis.acceleration = self._acceleration(at.PROFILE_ACCELERATION)
@@ -131,62 +134,65 @@ class Motion:
 
     # Profile position mode
 
-    def take_setpoint(self, controlword: int) -> bool | None:
-        """Take the target position: True when started or kept for later, None when there is no room yet.
+    def take_setpoint(self, controlword: int) -> bool:
+        """Take the target position: start it, or keep it until the present one is done; False: no room yet.
 
-        False tells that the target lies outside the software position limits 0x607D.
+        In a halt the new set-point takes the place of the interrupted one, and starts when the halt ends.
         """
-        relative = bool(controlword & Control.RELATIVE)
-        target = self._store.get(at.TARGET_POSITION)
-        busy = self.halted or not self._axis.flags & PROFILE_DONE
-        if busy and not controlword & Control.CHANGE_IMMEDIATELY:
-            if self._waiting is not None and not self.halted:
-                return None
-            self._waiting = (target, relative)
-            self.acknowledged = True
-            return self._allowed(target) or relative
-        self._waiting = None
+        setpoint = self._store.get(at.TARGET_POSITION), bool(controlword & Control.RELATIVE)
+        at_once = bool(controlword & Control.CHANGE_IMMEDIATELY)
         if self.halted:
-            self._waiting = (target, relative)
-            self.acknowledged = True
-            return self._allowed(target) or relative
+            self._waiting = setpoint
+        elif at_once or self._axis.flags & PROFILE_DONE:
+            self._waiting = None
+            self._start(*setpoint)
+        elif self._waiting is None:
+            self._waiting = setpoint
+        else:
+            return False
         self.acknowledged = True
-        return self._start(target, relative=relative)
+        return True
 
-    def follow_up(self) -> bool:
-        """Start the waiting set-point once the present one is done; False when it is outside the limits."""
-        if self._waiting is None or self.halted or not self._axis.flags & PROFILE_DONE:
-            return True
-        target, relative = self._waiting
-        self._waiting = None
-        return self._start(target, relative=relative)
+    def follow_up(self) -> None:
+        """Start the waiting set-point once the present one is done."""
+        if self._waiting is not None and not self.halted and self._axis.flags & PROFILE_DONE:
+            setpoint, self._waiting = self._waiting, None
+            self._start(*setpoint)
 
-    def _start(self, target: int, *, relative: bool) -> bool:
+    def _start(self, target: int, relative: bool) -> None:  # noqa: FBT001 - the pair that waits, unpacked
         axis = self._axis
         if relative:
             target += (axis.position_demand + (1 << axis.fraction >> 1)) >> axis.fraction
-        if not self._allowed(target) or not LOWEST <= target <= HIGHEST:
-            return False
+        low, high = self._store.get(at.MIN_POSITION_LIMIT), self._store.get(at.MAX_POSITION_LIMIT)
+        if not max(low, LOWEST) <= target <= min(high, HIGHEST):
+            self.out_of_limits = True
+            return
         axis.target_position = target << axis.fraction
-        self._resume()
-        return True
+        self._go_on()
 
-    def _resume(self) -> None:
-        """Go on to the target position, with the waiting set-point instead where a halt kept one."""
+    def _go_on(self) -> None:
         axis = self._axis
         axis.cruise = min(speed_units(axis, self._store.get(at.PROFILE_VELOCITY)), self._fastest())
         axis.acceleration = self._acceleration(at.PROFILE_ACCELERATION)
         axis.deceleration = self._acceleration(at.PROFILE_DECELERATION)
         axis.stopping_distance = stopping_distance(axis.cruise, axis.deceleration)
         axis.profile = MOVE
-        axis.window_ms = 0
-        axis.flags &= ~(PROFILE_DONE | TARGET_REACHED)
+        self._under_way(there=False)
 
-    def _allowed(self, target: int) -> bool:
-        low, high = self._store.get(at.MIN_POSITION_LIMIT), self._store.get(at.MAX_POSITION_LIMIT)
-        return (low == LOWEST or target >= low) and (high == HIGHEST or target <= high)
+    # Halt and other braking
 
-    # Braking
+    def _halt(self) -> None:
+        axis = self._axis
+        self._interrupted = axis.profile == MOVE and not axis.flags & PROFILE_DONE
+        self.brake(self._store.get(at.PROFILE_DECELERATION))
+
+    def _release(self) -> None:
+        """End a halt: go on with what it interrupted, or with the set-point that came meanwhile."""
+        if self._waiting is not None:
+            setpoint, self._waiting = self._waiting, None
+            self._start(*setpoint)
+        elif self._interrupted:
+            self._go_on()
 
     def brake(self, rpm_per_second: int) -> None:
         """Ramp the present demand to standstill, then hold: position where it was regulated, else velocity."""
@@ -195,15 +201,20 @@ class Motion:
             axis.clear_demand()
             self._regulate_velocity()
         elif axis.profile == DIRECT and axis.regulator == POSITION:
-            axis.velocity_demand = axis.velocity_average
+            axis.velocity_demand = axis.shaft_speed()
         axis.profile = RAMP
         axis.target_velocity = 0
         axis.acceleration = axis.deceleration = acceleration_units(axis, rpm_per_second)
-        axis.window_ms = 0
-        axis.flags &= ~(PROFILE_DONE | TARGET_REACHED)
+        self._under_way(there=axis.velocity_demand == 0)
 
-    def _halt(self) -> None:
-        self.brake(self._store.get(at.PROFILE_DECELERATION))
+    def _under_way(self, *, there: bool) -> None:
+        """Let the arrival be judged anew; what is there already does not wait for the next ms."""
+        axis = self._axis
+        axis.window_ms = 0
+        if there:
+            axis.flags |= PROFILE_DONE | TARGET_REACHED
+        else:
+            axis.flags &= ~(PROFILE_DONE | TARGET_REACHED)
 
     # Direct modes
 
@@ -247,18 +258,19 @@ class Motion:
             axis.velocity_integral = axis.position_integral >> (POSITION_I_PLACES - VELOCITY_PLACES)
         elif axis.regulator != VELOCITY:
             axis.velocity_integral = axis.current_demand_ma << VELOCITY_PLACES
-            axis.velocity_demand = axis.velocity_average
+            axis.velocity_demand = axis.shaft_speed()
         axis.regulator = VELOCITY
 
     def _regulate_position(self) -> None:
         axis = self._axis
         if axis.regulator != POSITION:
             axis.position_demand = axis.position << axis.fraction
-            integral = axis.velocity_integral if axis.regulator == VELOCITY else axis.current_demand_ma << VELOCITY_PLACES
-            axis.position_integral = integral << (POSITION_I_PLACES - VELOCITY_PLACES)
+            if axis.regulator == VELOCITY:
+                axis.position_integral = axis.velocity_integral << (POSITION_I_PLACES - VELOCITY_PLACES)
+            else:
+                axis.position_integral = axis.current_demand_ma << POSITION_I_PLACES
+                axis.velocity_demand = axis.shaft_speed()
             axis.derivative = 0
-            if axis.regulator != VELOCITY:
-                axis.velocity_demand = axis.velocity_average
         axis.regulator = POSITION
 
     def _fastest(self) -> int:

@@ -83,6 +83,7 @@ TRANSITIONS: Final = (
     Transition(10, State.SWITCHED_ON, _DISABLE, State.SWITCH_ON_DISABLED),
     Transition(11, State.OPERATION_ENABLED, _QUICK, State.QUICK_STOP_ACTIVE),
     Transition(12, State.QUICK_STOP_ACTIVE, _DISABLE, State.SWITCH_ON_DISABLED, _OFF),
+    Transition(13, State.START, Happening.FAULT, State.FAULT_REACTION_DISABLED, _OFF),
     Transition(13, State.NOT_READY_TO_SWITCH_ON, Happening.FAULT, State.FAULT_REACTION_DISABLED, _OFF),
     Transition(13, State.SWITCH_ON_DISABLED, Happening.FAULT, State.FAULT_REACTION_DISABLED, _OFF),
     Transition(13, State.READY_TO_SWITCH_ON, Happening.FAULT, State.FAULT_REACTION_DISABLED, _OFF),

@@ -197,9 +197,13 @@ class ServoAxis:
     def clear_demand(self) -> None:
         """Let the demands follow the shaft, with empty integrators: where a regulator starts from."""
         self.position_demand = self.position << self.fraction
-        self.velocity_demand = self.velocity_average
+        self.velocity_demand = self.shaft_speed()
         self.acceleration_demand = 0
         self.velocity_integral = self.position_integral = self.derivative = 0
+
+    def shaft_speed(self) -> int:
+        """Return the averaged speed; rounding leaves that of a resting shaft a little below 0."""
+        return 0 if self.flags & AT_REST else self.velocity_average
 
     def switch_on(self) -> None:
         """Close the power stage with no current demanded; the regulator starts at the winding's voltage."""
@@ -219,5 +223,3 @@ class ServoAxis:
         self.current_integral = 0
         self.flags &= ~(PROFILE_DONE | TARGET_REACHED | FOLLOWING_ERROR)
         self.clear_demand()
-
-

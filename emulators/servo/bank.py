@@ -97,7 +97,9 @@ class ServoBank:
         except (ValueError, OverflowError) as error:
             # A float that is not finite has no whole part.
             instant = to_seconds(self.now)
-            raise ServoError(f"the plant's outputs are not finite at {instant:.4f} s: check the plant") from error
+            raise ServoError(
+                f"the plant's outputs are not finite at {instant:.4f} s: check the plant"
+            ) from error
         for axis in self.axes:
             axis.now = self.now
         return (self.now, woken) if woken else (until, ())

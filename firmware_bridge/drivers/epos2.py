@@ -9,7 +9,7 @@ from firmware_bridge.drivers.epos2_heard import Ear
 from firmware_bridge.drivers.epos2_setpoint import set_point
 from firmware_bridge.drivers.epos2_setup import Travel
 from firmware_bridge.drivers.script import Performer, Script
-from firmware_bridge.drivers.sdo_client import Transfer
+from firmware_bridge.drivers.sdo_client import SdoError, Transfer
 from firmware_bridge.node import Packet
 from firmware_bridge.robot import Axis, Bus
 from firmware_bridge.units import Nanoseconds
@@ -170,5 +170,9 @@ class Epos2:
 
     def _measured(self) -> None:
         outcome = self._performer.take()
-        if isinstance(outcome, bytes) and len(outcome) == _ANALOGUE.size:
+        if outcome is None:
+            return
+        if isinstance(outcome, SdoError) or len(outcome) != _ANALOGUE.size:
+            self.heard.analogue_mv = None
+        else:
             self.heard.analogue_mv = _ANALOGUE.decode(outcome)

@@ -1,8 +1,8 @@
 """Demands to one EPOS2's set-point frames: controlword and target, the handshake of positions included.
 
 It refuses to know whether a demand is wise, and when frames are sent. Controlwords: EPOS Firmware
-Specification, profile velocity and profile position mode; halt as maxon's command library writes it, quick stop
-as the EPOS2 Application Notes do.
+Specification, profile velocity and profile position mode; halt as maxon's command library writes it, quick
+stop as the EPOS2 Application Notes do.
 """
 
 from typing import Final, Protocol

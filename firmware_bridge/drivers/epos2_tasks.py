@@ -1,10 +1,10 @@
 """The tasks of one EPOS2 as scripts: each yields what it needs next, and is sent what came.
 
-A script reads top to bottom like the procedure in the manual; `firmware_bridge.drivers.script` carries it over
-bus and time. It refuses to know either.
+A script reads top to bottom like the procedure in the manual; `firmware_bridge.drivers.script` carries it
+over bus and time. It refuses to know either.
 """
 
-from collections.abc import Generator
+from collections.abc import Generator, Mapping
 from typing import Final
 
 from firmware_bridge.drivers import epos2_setup as setup
@@ -52,7 +52,7 @@ POWERED: Final = (
 )
 """States in which the motor may have torque."""
 
-TOWARDS_ENABLED: Final = {
+TOWARDS_ENABLED: Final[Mapping[State | None, int]] = {
     State.SWITCH_ON_DISABLED: SHUTDOWN,
     State.READY_TO_SWITCH_ON: SWITCH_ON,
     State.SWITCHED_ON: ENABLE,
@@ -115,21 +115,12 @@ def enable(axis: Axis, ear: Ear, set_point: SetPoint) -> Script:
             if resets == FAULT_RESETS:
                 raise StartupError(axis, f"the fault came back after {resets} resets{_fault(ear)}")
             resets += 1
-            heard.fault = 0
             yield set_point.word(DISABLE_VOLTAGE)
             yield _pause(POLL)
-            controlword = int(FAULT_RESET)
-            yield set_point.word(controlword)
-        elif state in TOWARDS_ENABLED:
-            controlword = int(TOWARDS_ENABLED[state])
-            yield set_point.word(controlword)
+            yield from _turn(axis, ear, set_point, FAULT_RESET)
+            heard.fault = 0
         else:
-            controlword = None
-        yield Until(
-            lambda left=state: heard.state is not left,
-            STATE_WITHIN,
-            lambda left=state, word=controlword: StartupError(axis, _stuck(ear, left, word)),
-        )
+            yield from _turn(axis, ear, set_point, TOWARDS_ENABLED.get(state))
     heard.fault = 0
 
 
@@ -161,7 +152,7 @@ def _expected(axis: Axis, row: Row, attempts: int = 2) -> Script:
 
 
 def _come_to_rest(axis: Axis) -> Script:
-    """Stop a drive that an earlier run left with power on; what it forbids otherwise is to be written next."""
+    """Stop a drive that an earlier run left with power on: with power it refuses part of the set-up."""
     if state_of((yield from _read(axis, at.STATUSWORD, DataType.UNSIGNED16))) in POWERED:
         yield from _write(axis, QUICK_STOP)
         for _ in range(STANDSTILL_WITHIN // POLL):
@@ -201,6 +192,18 @@ def _nmt(axis: Axis, command: NmtCommand) -> Packet:
 
 def _pause(duration: Nanoseconds) -> Until:
     return Until(lambda: False, duration)
+
+
+def _turn(axis: Axis, ear: Ear, set_point: SetPoint, controlword: int | None) -> Script:
+    """Send a controlword, or none, and wait until the drive leaves its present state."""
+    state = ear.heard.state
+    if controlword is not None:
+        yield set_point.word(controlword)
+    yield Until(
+        lambda: ear.heard.state is not state,
+        STATE_WITHIN,
+        lambda: StartupError(axis, _stuck(ear, state, controlword)),
+    )
 
 
 def _stuck(ear: Ear, state: State | None, controlword: int | None) -> str:

@@ -64,7 +64,7 @@ class Performer:
         self.stop()
         self.failure = None
         self._script = script
-        return self._advance(b"", now)
+        return self._advance(None, now)
 
     def stop(self, failure: StartupError | None = None) -> None:
         """Forget script and transfer; `failure` says why where there is a reason."""
@@ -107,14 +107,14 @@ class Performer:
         self.stop(self._until.otherwise())
         return ()
 
-    def _advance(self, came: bytes | SdoError, now: Nanoseconds) -> Sent:
-        """Give the script what came, and send what it yields, until it has to wait or ends."""
+    def _advance(self, came: bytes | SdoError | None, now: Nanoseconds) -> Sent:
+        """Give the script what came, None to start it; send what it yields until it has to wait, or ends."""
         sent: Sent = ()
         script = self._script
         while script is not None:
             self._until, self._until_at = None, NEVER
             try:
-                step = script.throw(came) if isinstance(came, SdoError) else script.send(came)
+                step = _next_step(script, came)
             except StopIteration:
                 self._script = None
                 break
@@ -133,3 +133,9 @@ class Performer:
 
     def _asked(self, payloads: tuple[bytes, ...]) -> Sent:
         return tuple(Packet(CAN, canopen.SDO_REQUEST + self._node, payload) for payload in payloads)
+
+
+def _next_step(script: Script, came: bytes | SdoError | None) -> Step:
+    if came is None:
+        return next(script)
+    return script.throw(came) if isinstance(came, SdoError) else script.send(came)

@@ -124,15 +124,17 @@ def generate(model: Model, token: str) -> dict[str, str]:
     readings = [hoister.hoist(output.expression) for output in model.outputs]
     starts = [hoister.hoist(sp.sympify(state.start)) for state in model.states]
     constants = list(hoister.constants)
-    names: dict[Expression, Expression] = {}
-    for array, rows in (("p", model.parameters), ("u", model.inputs), ("s", model.states)):
-        names |= {_real(row.name): sp.Symbol(f"{array}[{i}]", real=True) for i, row in enumerate(rows)}
-    names |= {symbol: sp.Symbol(f"k[{i}]", real=True) for i, symbol in enumerate(hoister.constants.values())}
+    names = _places("p", [row.name for row in model.parameters]) | _places(
+        "u", [row.name for row in model.inputs]
+    )
+    names |= _places("s", [state.name for state in model.states])
+    names |= _places("k", [symbol.name for symbol in hoister.constants.values()])
     # The shell's reset writes zeros; derived starts follow the parameters.
     derived = [i for i, start in enumerate(starts) if start.free_symbols]
     if any(starts[i] != 0 for i in range(len(starts)) if i not in derived):
-        raise UnsupportedError("a state's start must be 0 or follow from parameters")
-    variables = ["time", *(row.name for rows in (model.inputs, model.parameters, model.outputs) for row in rows)]
+        raise UnsupportedError("a state's start must be 0 or an expression in parameters and states")
+    variables = ["time", *(row.name for row in model.inputs), *(row.name for row in model.parameters)]
+    variables += [output.name for output in model.outputs]
     sizes = {
         "FB_INPUTS": len(model.inputs),
         "FB_PARAMETERS": len(model.parameters),
@@ -148,7 +150,9 @@ def generate(model: Model, token: str) -> dict[str, str]:
         f"/* {model.description}. Written from the equations; do not edit. */\n",
         '#include "core.h"\n#include "elementary.h"\n',
         _table("char *const", "fb_names[FB_VARIABLES]", [f'"{name}"' for name in variables]),
-        _table("double", "fb_parameter_starts[FB_PARAMETERS]", [repr(float(p.start)) for p in model.parameters]),
+        _table(
+            "double", "fb_parameter_starts[FB_PARAMETERS]", [repr(float(r.start)) for r in model.parameters]
+        ),
         _table("char *const", "fb_state_names[FB_STATES]", [f'"{state.name}"' for state in model.states]),
         _table("int", "fb_state_of_reading[FB_READINGS]", [str(i) for i in settable_states(model)]),
         _function("fb_constants(const double *restrict p, double *restrict k)", "k", constants, names),
@@ -175,6 +179,10 @@ def settable_states(model: Model) -> list[int]:
         position.get(output.expression.name, -1) if output.expression.is_Symbol else -1
         for output in model.outputs
     ]
+
+
+def _places(array: str, names: Sequence[str]) -> dict[Expression, Expression]:
+    return {_real(name): _real(f"{array}[{i}]") for i, name in enumerate(names)}
 
 
 def _real(name: str) -> Expression:

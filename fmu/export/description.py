@@ -33,7 +33,11 @@ def variables(model: Model) -> list[Variable]:
     ]
 
     def add(
-        row: tuple[str, str, str], causality: str, variability: str, start: float | None, nominal: float | None
+        row: tuple[str, str, str],
+        causality: str,
+        variability: str,
+        start: float | None,
+        nominal: float | None,
     ) -> None:
         initial = None if causality == "input" else "calculated" if start is None else "exact"
         rows.append(Variable(len(rows), *row, causality, variability, initial, start, nominal))

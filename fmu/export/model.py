@@ -34,7 +34,10 @@ class Input:
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """One first-order equation: `start` and `rate` are expressions; the unit is that of the state."""
+    """One first-order equation; the unit is that of the state.
+
+    `start` is 0, which a user may change before the run, or an expression in parameters and such states.
+    """
 
     name: str
     unit: str

@@ -61,14 +61,14 @@ def model() -> Model:
     ]
     inner = (
         *(
-            Output(f"friction_{s.axis}", "1", f"dry friction's part of its level, {s.axis}", s.friction, local=True)
+            _inner(f"friction_{s.axis}", "1", f"dry friction over its level, {s.axis}", s.friction, 1.0)
             for s in shafts
         ),
-        Output("slip_left", "rad", "left front wheel's slip angle", platform.slip_angle(LEFT), 0.1, local=True),
-        Output("slip_right", "rad", "right front wheel's slip angle", platform.slip_angle(RIGHT), 0.1, local=True),
-        Output("force_left", "N", "left front tyre's side force", platform.side_force(LEFT), 10.0, local=True),
-        Output("force_right", "N", "right front tyre's side force", platform.side_force(RIGHT), 10.0, local=True),
-        Output("energy", "J", "energy stored in the whole robot", energy, 10.0, local=True),
+        _inner("slip_left", "rad", "left front wheel's slip angle", platform.slip_angle(LEFT), 0.1),
+        _inner("slip_right", "rad", "right front wheel's slip angle", platform.slip_angle(RIGHT), 0.1),
+        _inner("force_left", "N", "left front tyre's side force", platform.side_force(LEFT), 10.0),
+        _inner("force_right", "N", "right front tyre's side force", platform.side_force(RIGHT), 10.0),
+        _inner("energy", "J", "energy stored in the whole robot", energy, 10.0),
     )
     return Model(
         name="rars",
@@ -82,6 +82,10 @@ def model() -> Model:
         outputs=(*outputs, *inner),
         inner_step=50e-6,
     )
+
+
+def _inner(name: str, unit: str, description: str, expression: Expression, nominal: float) -> Output:
+    return Output(name, unit, description, expression, nominal, local=True)
 
 
 def _battery(shafts: tuple[Shaft, ...]) -> Expression:

@@ -27,12 +27,19 @@ class Lift:
         self._thread = P["screw_friction"] / sp.cos(P["thread_angle"])  # mu sec(alpha)
 
     def friction_start(self) -> Expression:
-        """Return the bristle's state that holds the load at rest; -1 where the screw is not self-locking."""
-        balance = -P["screw_pitch"] / (sp.pi * self._thread * P["screw_diameter"])
+        """Return the bristle's state that holds the load at rest; -1 where the screw does not lock itself.
+
+        The root of coulomb s + screw_torque(s) / gear = 0, in the form that bears coulomb = 0.
+        """
+        diameter, pitch, dry = P["screw_diameter"], P["screw_pitch"], self.motor.coulomb
+        force = self.load * diameter / (2 * self.motor.gear)
+        half = HALF * sp.pi * diameter * (dry + force * self._thread)
+        root = sp.sqrt(half**2 + dry * self._thread * pitch * force * pitch)
+        balance = -force * pitch / (half + root)
         return (balance - 1 + sp.Abs(balance + 1)) * HALF
 
     def screw_torque(self) -> Expression:
-        """Return the torque on the screw: (2.18) at friction +1, its lowering form at -1, sticking between."""
+        """Return the torque on the screw: (2.18) at friction +1, lowering at -1, sticking between."""
         diameter, pitch = P["screw_diameter"], P["screw_pitch"]
         thread = self._thread * self.motor.friction
         slope = (pitch + sp.pi * thread * diameter) / (sp.pi * diameter - thread * pitch)
@@ -48,12 +55,7 @@ class Lift:
             self.pressed_high * (1 + damping) - self.pressed_low * (1 - damping)
         )
         dry = motor.coulomb * motor.friction
-        torque = (
-            motor.free_torque
-            - dry
-            - self.screw_torque() / motor.gear
-            - self.ratio * (convection + stop)
-        )
+        torque = motor.free_torque - dry - self.screw_torque() / motor.gear - self.ratio * (convection + stop)
         return torque / (motor.inertia + self.ratio**2 * self.mass * self.gain**2)
 
     def energy(self) -> Expression:

@@ -80,7 +80,9 @@ MOTORS: Final[tuple[Parameter, ...]] = (
     Parameter("gear_right", 26.0, "1", "gear ratio, right rear wheel", "[R] 2.3.2"),
     Parameter("gear_steer", 159.0, "1", "gear ratio to the pinion", "[R] 2.4.2"),
     Parameter("gear_lift", 25.0, "1", "gear ratio to the screw", "[R] 2.5"),
-    Parameter("presliding", 0.05, "rad", "shaft angle over which dry friction builds up", "ASSUME, 16 quadcounts"),
+    Parameter(
+        "presliding", 0.05, "rad", "shaft angle over which dry friction builds up", "ASSUME, 16 counts"
+    ),
 )
 
 PLATFORM: Final[tuple[Parameter, ...]] = (
@@ -98,8 +100,10 @@ PLATFORM: Final[tuple[Parameter, ...]] = (
         "platform about its centre of mass, vertical axis",
         "[R] Tab. 3.1, element (3,3), implausible for 70 kg; (3.78) implies 3.2",
     ),
-    Parameter("wheel_mass", 0.300, "kg", "one rear wheel", "[R] Tab. 3.1; Tab. 3.2 has 0.35, (3.78) implies 0.5"),
-    Parameter("wheel_spin_inertia", 465e-6, "kg.m2", "rear wheel about its axle I_w", "[R] Tab. 3.1, re-ordered"),
+    Parameter("wheel_mass", 0.300, "kg", "one rear wheel", "[R] Tab. 3.1; 0.35 in Tab. 3.2, 0.5 by (3.78)"),
+    Parameter(
+        "wheel_spin_inertia", 465e-6, "kg.m2", "rear wheel about its axle I_w", "[R] Tab. 3.1, largest"
+    ),
     Parameter("wheel_yaw_inertia", 242e-6, "kg.m2", "rear wheel about the vertical H", "[R] Tab. 3.1"),
     Parameter("floor_friction", 0.3, "1", "peak of the front tyres' adhesion", "[R] 3.4.5"),
     Parameter("slip_speed", 0.01, "m/s", "speed below which slip angles fade", "ASSUME"),
@@ -125,13 +129,13 @@ STEERING: Final[tuple[Parameter, ...]] = (
 
 LIFT: Final[tuple[Parameter, ...]] = (
     Parameter("lift_stages", 6.0, "1", "scissor stages N", "[R] 2.5"),
-    Parameter("lift_link_length", 0.300, "m", "scissor link l_s", "ASSUME, fits 156 mm and 1.27 m of [R] 2.5"),
+    Parameter("lift_link_length", 0.300, "m", "scissor link l_s", "ASSUME, fits the heights of [R] 2.5"),
     Parameter("lift_collapsed_angle", math.radians(5.0), "rad", "link angle collapsed", "[R] 2.5"),
     Parameter("lift_extended_angle", math.radians(45.0), "rad", "link angle extended", "[R] 2.5"),
     Parameter("screw_pitch", 0.0015, "m", "screw pitch p", "[R] 2.5"),
     Parameter("screw_diameter", 0.010, "m", "mean diameter d_m", "[R] 2.5; 15 mm beside (2.18)"),
-    Parameter("screw_friction", 0.10, "1", "friction in the thread mu", "ASSUME, greased; self-locking above 0.046"),
-    Parameter("thread_angle", math.radians(15.0), "rad", "half flank angle alpha", "ASSUME, trapezoidal thread"),
+    Parameter("screw_friction", 0.10, "1", "thread friction mu", "ASSUME, greased; locks itself above 0.046"),
+    Parameter("thread_angle", math.radians(15.0), "rad", "half flank angle alpha", "ASSUME, trapezoidal"),
     Parameter("lift_mass", 1.0, "kg", "lifted platform", "ASSUME, what the 10 W motor lifts from 5 degrees"),
     Parameter("lift_payload", 0.0, "kg", "load on the lifted platform", "ASSUME; [R] 2.5 has 8"),
     Parameter("lift_clearance", 5e-5, "m", "nut travel from either end position to its stop", "ASSUME"),

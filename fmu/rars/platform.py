@@ -1,4 +1,4 @@
-"""The rolling platform: rear wheels without slip, front wheels that push the axle sideways, [R] 3.3 and 3.4."""
+"""The platform: rear wheels roll without slip, front wheels push the axle sideways, [R] 3.3 and 3.4."""
 
 import sympy as sp
 
@@ -10,7 +10,7 @@ LEFT, RIGHT = 1, -1
 
 
 class Platform:
-    """Two coupled equations in v, the speed of the rear axle's middle, and W, the yaw rate (left positive)."""
+    """Two coupled equations in v, the speed of the rear axle's middle, and W, the yaw rate to the left."""
 
     def __init__(self, left: Shaft, right: Shaft, steering: Steering) -> None:
         self.left, self.right, self.steering = left, right, steering
@@ -37,7 +37,7 @@ class Platform:
         return sp.atan(sideways / sp.sqrt(rolling**2 + P["slip_speed"] ** 2))
 
     def side_force(self, side: int) -> Expression:
-        """Return a front tyre's force in N along its axle: (3.83) corrected, constant beyond 1 rad (ASSUME)."""
+        """Return a front tyre's force in N along its axle: (3.83) corrected, flat beyond 1 rad (ASSUME)."""
         load = P["platform_mass"] * P["gravity"] * P["centre_offset"] / P["wheelbase"] * HALF
         slip = self.slip_angle(side)
         # Odd and piecewise linear: peak at 0.15, 0.66 of it from 1 on.

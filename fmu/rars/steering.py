@@ -38,7 +38,7 @@ class Steering:
         return sp.atan(self.across / (self.along - self.b * sp.Abs(self.rack)))
 
     def tyre_level(self) -> Expression:
-        """Return the tyres' resistance at the motor: T_s f(x); the printed T_s / h is its value near x = 0."""
+        """Return the tyres' resistance at the motor: T_s f(x), of which the printed T_s / h is the middle."""
         return self.ratio * P["tyre_torque"] * (self.rate_right + self.rate_left)
 
     def acceleration(self) -> Expression:

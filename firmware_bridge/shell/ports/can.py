@@ -2,6 +2,7 @@
 
 import configparser
 import contextlib
+import logging
 import socket
 import threading
 from collections import deque
@@ -15,6 +16,9 @@ from firmware_bridge.shell.ports.port import BURST, LostPort, Port, PortError
 from firmware_bridge.shell.ports.socketcan import SocketCanPort
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire.can import EXTENDED, REMOTE, identifier
+
+# Without a handler its loggers would say on stderr what its exceptions say again.
+can.log.addHandler(logging.NullHandler())
 
 _SEND_S: Final = 0.02
 _LISTEN_S: Final = 0.1
@@ -38,7 +42,7 @@ def open_can(
     name = f"CAN interface {interface} channel {channel}"
     if interface != "socketcan":
         return PythonCanPort(name, config)
-    if not channel:
+    if channel in {None, ""}:
         raise PortError(f"cannot open {name}: say which channel, for example can0")
     return SocketCanPort(str(channel), int(config["bitrate"]))
 
@@ -49,10 +53,10 @@ def _configuration(interface: str | None, channel: str | None, bit_rate: int | N
         found = can.util.load_config(config={key: value for key, value in given.items() if value is not None})
     except (can.CanError, ValueError, TypeError, configparser.Error) as error:
         known = ", ".join(sorted(can.VALID_INTERFACES))
-        what = (
-            f"CAN interface {interface}" if interface else "a CAN interface from python-can's configuration"
-        )
-        raise PortError(f"cannot open {what}: {error}. The interfaces are: {known}") from error
+        what = f"cannot open CAN interface {interface}"
+        if interface is None:
+            what = "cannot open a CAN interface: none is given, nor one of use in python-can's configuration"
+        raise PortError(f"{what}: {error}. The interfaces are: {known}") from error
     return dict(found)
 
 
@@ -194,6 +198,6 @@ def _frame(message: can.Message) -> tuple[int, bytes]:
 
 def _why(error: BaseException) -> str:
     text = " ".join(str(error).split()) or type(error).__name__
-    if isinstance(error, can.CanInterfaceNotImplementedError | ImportError):
+    if isinstance(error, can.CanInterfaceNotImplementedError | ImportError | NameError):
         return f"{text}. Install the driver, or the library, that python-can asks for with this interface"
     return text

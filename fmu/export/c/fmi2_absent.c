@@ -12,7 +12,7 @@ static fmi2Status absent(fmi2Component component, const char *function, size_t c
 }
 
 #define ABSENT(name, ...)                                                      \
-  fmi2Status name(fmi2Component component, ##__VA_ARGS__) { return absent(component, #name, 1); }
+  fmi2Status name(fmi2Component component, __VA_ARGS__) { return absent(component, #name, 1); }
 
 #define TYPE(type)                                                             \
   fmi2Status fmi2Get##type(fmi2Component component, REFERENCES, fmi2##type values[]) {       \
@@ -32,7 +32,7 @@ ABSENT(fmi2GetDirectionalDerivative, REFERENCES, const fmi2ValueReference knowns
        const fmi2Real seed[], fmi2Real sensitivity[])
 ABSENT(fmi2SetRealInputDerivatives, REFERENCES, const fmi2Integer order[], const fmi2Real value[])
 ABSENT(fmi2GetRealOutputDerivatives, REFERENCES, const fmi2Integer order[], fmi2Real value[])
-ABSENT(fmi2CancelStep)
+fmi2Status fmi2CancelStep(fmi2Component component) { return absent(component, "fmi2CancelStep", 1); }
 ABSENT(fmi2GetStatus, const fmi2StatusKind kind, fmi2Status *value)
 ABSENT(fmi2GetRealStatus, const fmi2StatusKind kind, fmi2Real *value)
 ABSENT(fmi2GetIntegerStatus, const fmi2StatusKind kind, fmi2Integer *value)

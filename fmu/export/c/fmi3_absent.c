@@ -12,7 +12,9 @@ static fmi3Status absent(fmi3Instance instance, const char *function, size_t cou
 }
 
 #define ABSENT(name, ...)                                                      \
-  fmi3Status name(fmi3Instance instance, ##__VA_ARGS__) { return absent(instance, #name, 1); }
+  fmi3Status name(fmi3Instance instance, __VA_ARGS__) { return absent(instance, #name, 1); }
+#define ABSENT_MODE(name)                                                      \
+  fmi3Status name(fmi3Instance instance) { return absent(instance, #name, 1); }
 
 #define TYPE(type)                                                             \
   fmi3Status fmi3Get##type(fmi3Instance instance, REFERENCES, fmi3##type values[], size_t n) {       \
@@ -47,8 +49,8 @@ ABSENT(fmi3GetDirectionalDerivative, REFERENCES, const fmi3ValueReference knowns
        const fmi3Float64 seed[], size_t seeds, fmi3Float64 sensitivity[], size_t n)
 ABSENT(fmi3GetAdjointDerivative, REFERENCES, const fmi3ValueReference knowns[], size_t known,
        const fmi3Float64 seed[], size_t seeds, fmi3Float64 sensitivity[], size_t n)
-ABSENT(fmi3EnterConfigurationMode)
-ABSENT(fmi3ExitConfigurationMode)
+ABSENT_MODE(fmi3EnterConfigurationMode)
+ABSENT_MODE(fmi3ExitConfigurationMode)
 ABSENT(fmi3GetIntervalDecimal, REFERENCES, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[])
 ABSENT(fmi3GetIntervalFraction, REFERENCES, fmi3UInt64 counters[], fmi3UInt64 resolutions[],
        fmi3IntervalQualifier qualifiers[])
@@ -58,12 +60,12 @@ ABSENT(fmi3SetIntervalDecimal, REFERENCES, const fmi3Float64 intervals[])
 ABSENT(fmi3SetIntervalFraction, REFERENCES, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
 ABSENT(fmi3SetShiftDecimal, REFERENCES, const fmi3Float64 shifts[])
 ABSENT(fmi3SetShiftFraction, REFERENCES, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
-ABSENT(fmi3EnterEventMode)
-ABSENT(fmi3EnterStepMode)
-ABSENT(fmi3EvaluateDiscreteStates)
+ABSENT_MODE(fmi3EnterEventMode)
+ABSENT_MODE(fmi3EnterStepMode)
+ABSENT_MODE(fmi3EvaluateDiscreteStates)
 ABSENT(fmi3UpdateDiscreteStates, fmi3Boolean *update, fmi3Boolean *terminate, fmi3Boolean *nominals,
        fmi3Boolean *values, fmi3Boolean *defined, fmi3Float64 *next)
-ABSENT(fmi3EnterContinuousTimeMode)
+ABSENT_MODE(fmi3EnterContinuousTimeMode)
 ABSENT(fmi3CompletedIntegratorStep, fmi3Boolean no_rollback, fmi3Boolean *event, fmi3Boolean *terminate)
 ABSENT(fmi3SetTime, fmi3Float64 time)
 ABSENT(fmi3SetContinuousStates, const fmi3Float64 states[], size_t n)

@@ -1,0 +1,223 @@
+"""The power machine at work: one controlword after the other, ramps before power goes, faults and their reset.
+
+The rules are rows in `emulators.epos2.power`; here is their order in time. It refuses to know objects other
+than the option codes and decelerations that its ramps need.
+"""
+
+from collections.abc import Callable
+
+from emulators.epos2.modes import Motion
+from emulators.epos2.power import BY_TRIGGER, TIMED, Delays, Happening, Ramp, Stage, Transition, Trigger
+from emulators.epos2.store import ObjectStore
+from emulators.epos2.supervision import WATCHED, WATCHES, Reaction, reaction_to
+from emulators.servo.axis import ServoAxis
+from firmware_bridge.units import NEVER, Nanoseconds
+from firmware_bridge.wire.cia402 import Control, State, command_of
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2 import emergency
+from firmware_bridge.wire.epos2.emergency import EMERGENCIES, Recovery
+
+
+class PowerMachine:
+    """The state of one drive, and what moves it."""
+
+    def __init__(
+        self,
+        store: ObjectStore,
+        axis: ServoAxis,
+        motion: Motion,
+        report: Callable[[int], None],
+        delays: Delays,
+    ) -> None:
+        self._store = store
+        self._axis = axis
+        self._motion = motion
+        self._report = report
+        self._delays = delays
+        self.state = State.START
+        self.due: Nanoseconds = NEVER
+        self.errors: tuple[int, ...] = ()
+        """Codes that stand since the last fault reset, in their order."""
+        self._controlword = 0
+        self._delayed: int | None = None
+        """A controlword that waits until the present command is completed."""
+        self._completing: Transition | None = None
+        """A transition whose slow-down ramp runs."""
+        self._latching = False
+        """A rising edge of bit 4 whose target is taken when the whole write has arrived."""
+
+    @property
+    def free(self) -> bool:
+        """Enabled, and not on the way out: the modes may move the shaft."""
+        return self.state is State.OPERATION_ENABLED and self._completing is None
+
+    def restart(self) -> None:
+        """Transition 19: begin as after power-on."""
+        self._controlword = 0
+        self._delayed = self._completing = None
+        self._latching = False
+        self.errors = ()
+        self._enter(State.START)
+        self.advance()
+
+    # Controlword
+
+    def command(self, word: int) -> None:
+        """Take a controlword. While a command is being completed the latest one waits."""
+        before, self._controlword = self._controlword, word
+        if self.state is State.FAULT:
+            if word & ~before & Control.FAULT_RESET:
+                self._reset_fault()
+        elif (
+            self._completing is not None or self.state in TIMED or self.state is State.FAULT_REACTION_ENABLED
+        ):
+            self._delayed = word
+        else:
+            self._obey(word, before)
+
+    def drop_setpoint(self) -> None:
+        """Forget a rising edge of bit 4 that has not been heeded."""
+        self._latching = False
+
+    def take_setpoint(self) -> None:
+        """Heed a rising edge of bit 4 with the target that the object holds by now."""
+        if not self.free:
+            return
+        if self._latching and self._motion.take_setpoint(self._controlword):
+            self._latching = False
+        self._motion.follow_up()
+        self._check_limits()
+
+    def _obey(self, word: int, before: int) -> None:
+        """Carry out a controlword's command, then its mode bits; with bit 7 up it holds neither."""
+        if word & Control.FAULT_RESET:
+            return
+        was_free = self.free
+        self._go(command_of(word))
+        self.advance()
+        if was_free and self.free:
+            if self._motion.controls(word, before):
+                self._latching = True
+                # The target may follow in the same PDO: it is taken at the next refresh, in 1 ms at most.
+                self._axis.call = 1
+            elif not word & Control.NEW_SETPOINT:
+                self._latching = False
+            self._check_limits()
+
+    # Transitions
+
+    def _go(self, trigger: Trigger) -> None:
+        row = BY_TRIGGER.get((self.state, trigger))
+        if row is None:
+            return
+        if row.ramp is not Ramp.NONE and self._slows_down(row.ramp):
+            self._completing = row
+            self._motion.brake(self._store.get(at.PROFILE_DECELERATION))
+            return
+        self._complete(row)
+        if row.goes_on:
+            self._go(trigger)
+
+    def _slows_down(self, ramp: Ramp) -> bool:
+        option = at.SHUTDOWN_OPTION if ramp is Ramp.SHUTDOWN else at.DISABLE_OPTION
+        return self._store.get(option) == 1
+
+    def _complete(self, row: Transition) -> None:
+        self._completing = None
+        if row.stage is Stage.ON:
+            self._axis.switch_on()
+        elif row.stage is Stage.OFF and self._axis.powered:
+            self._axis.switch_off()
+            self._motion.forget()
+            self._latching = False
+        self._enter(row.target)
+
+    def _enter(self, state: State) -> None:
+        self.state = state
+        self.due = NEVER
+        if state in TIMED:
+            self.due = self._axis.now + self._delays.of(state, self._store.get(at.MOTOR_TYPE))
+        elif state is State.OPERATION_ENABLED:
+            self._motion.begin(self._controlword)
+        elif state is State.QUICK_STOP_ACTIVE:
+            self._stop(at.QUICK_STOP_DECELERATION)
+
+    def _stop(self, deceleration: at.Address) -> None:
+        self._motion.forget()
+        self._latching = False
+        self._motion.brake(self._store.get(deceleration))
+
+    def advance(self) -> None:
+        """Complete what is due: timed states, slow-down ramps, fault reactions; then the waiting command."""
+        while self._complete_one():
+            pass
+
+    def _complete_one(self) -> bool:
+        if self.state in TIMED:
+            if self._axis.now < self.due:
+                return False
+            self._go(TIMED[self.state])
+        elif self._completing is not None:
+            if not self._motion.stopped:
+                return False
+            self._complete(self._completing)
+        elif self.state is State.FAULT_REACTION_ENABLED:
+            if not self._motion.stopped:
+                return False
+            self._delayed = None
+            self._go(Happening.REACTED)
+        elif self._delayed is not None and self.state is not State.FAULT:
+            word, self._delayed = self._delayed, None
+            self._obey(word, word)
+        else:
+            return False
+        return True
+
+    # Faults
+
+    def supervise(self) -> None:
+        """Turn what the axis found into faults; each is told once until it is reset."""
+        flags = self._axis.flags
+        if flags & WATCHED:
+            for watch in WATCHES:
+                if flags & watch.flag and watch.code not in self.errors:
+                    self.fail(watch.code)
+
+    def fail(self, code: int, reaction: Reaction | None = None) -> None:
+        """Report an error and bring the motor to rest; without a reaction given, as the table says."""
+        self._report(code)
+        if reaction is None:
+            reaction = reaction_to(code, self._store.get(at.FAULT_REACTION_OPTION))
+        if reaction is Reaction.NONE:
+            return
+        if code not in self.errors:
+            self.errors = (*self.errors, code)
+        self._completing = None
+        self._delayed = None
+        self._go(Happening.FAULT)
+        if self.state is State.FAULT_REACTION_ENABLED:
+            if reaction is Reaction.DISABLE:
+                self._go(Happening.REACTED)
+            else:
+                slow = reaction is Reaction.SLOW_DOWN
+                self._stop(at.PROFILE_DECELERATION if slow else at.QUICK_STOP_DECELERATION)
+        self.advance()
+
+    def cured_by_communication_reset(self) -> None:
+        """Let go of the errors that only the network's reset cures."""
+        self.errors = tuple(
+            code for code in self.errors if EMERGENCIES[code].recovery is not Recovery.RESET_COMMUNICATION
+        )
+
+    def _check_limits(self) -> None:
+        if self._motion.out_of_limits:
+            self._motion.out_of_limits = False
+            self.fail(emergency.POSITION_LIMIT)
+
+    def _reset_fault(self) -> None:
+        rows = (EMERGENCIES.get(code) for code in self.errors)
+        curable = all(row is None or row.recovery is Recovery.FAULT_RESET for row in rows)
+        if curable and not self._axis.flags & WATCHED:
+            self.errors = ()
+            self._go(Happening.FAULT_RESET)
+            self._report(emergency.NO_ERROR)

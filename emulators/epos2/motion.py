@@ -1,0 +1,176 @@
+"""Motion control of one drive: the objects on one side, the servo axis on the other, CiA 402 between them.
+
+It refuses to know frames and protocols: writes reach it through the store, and it says "report this error".
+"""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Final
+
+from emulators.epos2.machine import PowerMachine
+from emulators.epos2.modes import Motion
+from emulators.epos2.parameters import ACTUAL_VALUES, ONLY_WITHOUT_POWER, PARAMETERS, Parameter
+from emulators.epos2.power import Delays
+from emulators.epos2.store import ObjectStore
+from emulators.epos2.supervision import ABORT_OPTIONS
+from emulators.servo.axis import AT_REST, CURRENT_LIMITED, ServoAxis
+from emulators.servo.scaling import Settings, configure
+from firmware_bridge.units import Nanoseconds
+from firmware_bridge.wire.abort import AbortCode, SdoAbort
+from firmware_bridge.wire.cia402 import Mode, State, Status
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2 import emergency
+from firmware_bridge.wire.epos2.address import Address
+
+MODES: Final = frozenset(int(mode) for mode in Mode)
+TRAPEZOID: Final = 0
+_STAGE_ON: Final = 1 << 4
+
+
+class MotionControl:
+    """One drive's state machine, modes and supervision."""
+
+    def __init__(
+        self,
+        store: ObjectStore,
+        axis: ServoAxis,
+        report: Callable[[int], None],
+        delays: Delays | None = None,
+    ) -> None:
+        """Hook into the store. `report` takes emergency codes, and NO_ERROR when a fault was reset."""
+        self._store = store
+        self._axis = axis
+        self._motion = Motion(store, axis)
+        self._machine = PowerMachine(store, axis, self._motion, report, delays or Delays())
+        self._settings = Settings()
+        self._operational = False
+        self._hook()
+        self.reset()
+
+    @property
+    def state(self) -> State:
+        """The state of the power machine."""
+        return self._machine.state
+
+    def nmt_changed(self, operational: bool) -> None:  # noqa: FBT001 - one fact, and the method names it
+        """Follow the network state: statusword bit 9. ASSUME: leaving Operational stops no motion."""
+        self._operational = operational
+        self._publish()
+
+    def connection_lost(self) -> None:
+        """Heartbeat or guarding failed: report it, and react as 0x6007 says."""
+        option = self._store.get(at.ABORT_CONNECTION_OPTION)
+        self._machine.fail(emergency.CONNECTION_LOST, ABORT_OPTIONS.get(option))
+        self._publish()
+
+    def communication_fault(self, code: int) -> None:
+        """Report an error that the bus side found, and react as the emergency table says."""
+        self._machine.fail(code)
+        self._publish()
+
+    def communication_reset(self) -> None:
+        """Network command reset communication: errors that only this cures are gone."""
+        self._machine.cured_by_communication_reset()
+
+    def refresh(self, now: Nanoseconds) -> None:
+        """Take in what the axis found, what the time brought, and what a whole PDO has written."""
+        self._axis.now = max(self._axis.now, now)
+        self._machine.supervise()
+        self._machine.advance()
+        self._machine.take_setpoint()
+        self._publish()
+
+    def wake_at(self) -> Nanoseconds:
+        """Return when `refresh` is needed next even if the axis raises no event."""
+        return self._machine.due
+
+    def reset(self) -> None:
+        """Begin as after power-on, with the store's present values (transition 19)."""
+        self._axis.restart()
+        for row in PARAMETERS:
+            setattr(self._settings, row.setting, self._store.get(row.address))
+        configure(self._axis, self._settings)
+        self._motion.forget()
+        self._motion.mode = self._store.get(at.MODE)
+        self._store.set(at.MODE_DISPLAY, self._motion.mode)
+        self._machine.restart()
+        self._publish()
+
+    # Objects
+
+    def _hook(self) -> None:
+        store = self._store
+        for address, value in ACTUAL_VALUES:
+            store.on_read(address, partial(value, self._axis))
+        shaping = {row.address for row in PARAMETERS}
+        for row in PARAMETERS:
+            store.on_write(row.address, partial(self._take_parameter, row))
+        for address in ONLY_WITHOUT_POWER:
+            if address not in shaping:
+                store.on_write(address, partial(self._refuse_with_power, address))
+        store.on_write(at.CONTROLWORD, self._take_controlword)
+        store.on_write(at.MODE, self._take_mode)
+        store.on_write(at.MOTION_PROFILE_TYPE, self._take_profile_type)
+        store.on_write(at.TARGET_VELOCITY, self._take_velocity)
+        for address in (at.POSITION_MODE_SETTING, at.VELOCITY_MODE_SETTING, at.CURRENT_MODE_SETTING):
+            store.on_write(address, partial(self._take_setting, address))
+
+    def _take_parameter(self, row: Parameter, value: int) -> None:
+        if row.address in ONLY_WITHOUT_POWER:
+            self._refuse_with_power(row.address, value)
+        setattr(self._settings, row.setting, value)
+        configure(self._axis, self._settings)
+
+    def _refuse_with_power(self, address: Address, _value: int) -> None:
+        if self._axis.powered:
+            raise SdoAbort(AbortCode.DEVICE_STATE, address)
+
+    def _take_profile_type(self, value: int) -> None:
+        # The sin2 profile is not built: a value without effect would be worse than a refusal.
+        if value != TRAPEZOID:
+            raise SdoAbort(AbortCode.RANGE, at.MOTION_PROFILE_TYPE)
+
+    def _take_controlword(self, word: int) -> None:
+        self._machine.command(word)
+        self._publish()
+
+    def _take_mode(self, mode: int) -> None:
+        if mode not in MODES:
+            raise SdoAbort(AbortCode.RANGE, at.MODE)
+        self._machine.drop_setpoint()
+        self._motion.change(mode, enabled=self._machine.free)
+        self._store.set(at.MODE_DISPLAY, mode)
+        self._publish()
+
+    def _take_velocity(self, rpm: int) -> None:
+        if self._machine.free:
+            self._motion.velocity_target(rpm)
+            self._publish()
+
+    def _take_setting(self, address: Address, value: int) -> None:
+        if self._machine.free:
+            self._motion.setting(address, value)
+
+    # Statusword
+
+    def _publish(self) -> None:
+        word = self._machine.state.value
+        flags = self._axis.flags
+        # Recorded: bit 10 is 1 while the drive is disabled.
+        if not word & _STAGE_ON or self._motion.arrived:
+            word |= Status.TARGET_REACHED
+        if self._operational:
+            word |= Status.REMOTE
+        if flags & CURRENT_LIMITED:
+            word |= Status.INTERNAL_LIMIT
+        self._store.set(at.STATUSWORD, word | self._mode_bits(flags))
+
+    def _mode_bits(self, flags: int) -> int:
+        """Bits 12 and 13, which each mode gives its own meaning."""
+        if self._motion.mode == Mode.PROFILE_VELOCITY:
+            return int(Status.SPEED_IS_ZERO) if flags & AT_REST else 0
+        failed = emergency.FOLLOWING_ERROR_TOO_LARGE in self._machine.errors
+        bits = int(Status.FOLLOWING_ERROR) if failed else 0
+        if self._motion.mode == Mode.PROFILE_POSITION and self._motion.acknowledged:
+            bits |= Status.SETPOINT_ACKNOWLEDGED
+        return bits

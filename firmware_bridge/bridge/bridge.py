@@ -1,0 +1,231 @@
+"""The bridge as one node: when things happen. What happens in a cycle is `firmware_bridge.bridge.pipeline`'s.
+
+A cycle: SYNC; when all drives have answered it, or 10 ms later, the pipeline runs and its set-points leave;
+half a cycle after the SYNC the handshakes of new positions end. An exception passes through to whoever
+carries the node; `stop` then brings the drives to rest by a path that asks neither interlocks nor operator.
+"""
+
+from collections import deque
+from enum import Enum
+from typing import Final
+
+from firmware_bridge.bridge.fleet_of import fleet_of
+from firmware_bridge.bridge.permission import Permission
+from firmware_bridge.bridge.pipeline import Pipeline
+from firmware_bridge.drivers.drive import BRING_UP, Task
+from firmware_bridge.intent import EmergencyStop, Request, Verdict
+from firmware_bridge.node import CAN, OPERATOR, Packet, Reaction
+from firmware_bridge.robot import Robot
+from firmware_bridge.safety.snapshot import Hold
+from firmware_bridge.teleop.operator import Operator
+from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
+from firmware_bridge.wire import canopen
+from firmware_bridge.wire.canopen import NmtState
+
+ANSWERS_WITHIN: Final[Nanoseconds] = 10 * MILLISECOND
+"""The drives answer a SYNC within a millisecond; later ones are not waited for."""
+REST_WITHIN: Final[Nanoseconds] = 3 * SECOND
+"""The longest way to rest at an orderly end; then the power goes off all the same."""
+BATTERY_PERIOD: Final[Nanoseconds] = SECOND
+
+
+class Phase(Enum):
+    """Where the bridge is in its life."""
+
+    STARTING = "starting"
+    RUNNING = "running"
+    FAILED = "failed"
+    """Start-up failed: the drives are without power, the operator is told why."""
+    STOPPING = "stopping"
+    """The robot ramps to rest."""
+    LEAVING = "leaving"
+    """Power goes off, and the drives' watch over the bridge ends."""
+    FINISHED = "finished"
+
+
+class Bridge:
+    """Between the links "can" and "operator"; a `firmware_bridge.node.Node`."""
+
+    def __init__(self, robot: Robot) -> None:
+        bus = robot.bus
+        self._robot = robot
+        self._cycle: Final[Nanoseconds] = bus.cycle_ms * MILLISECOND
+        self._beat: Final[Nanoseconds] = bus.bridge_heartbeat_ms * MILLISECOND
+        self._outbox: list[Packet] = []
+        self._fleet = fleet_of(robot)
+        self._operator = Operator(robot)
+        self._permission = Permission(robot, self._fleet, self._outbox)
+        self._pipeline = Pipeline(robot, self._fleet, self._operator, self._permission)
+        self._tasks = deque(BRING_UP)
+        self._task: Task | None = None
+        self._cycle_at: Nanoseconds | None = None
+        """None before the first wake."""
+        self._beat_at: Nanoseconds = 0
+        self._battery_at: Nanoseconds = 0
+        self._synchronised_at: Nanoseconds = 0
+        self._collect_until: Nanoseconds = NEVER
+        self._release_at: Nanoseconds = NEVER
+        self._rest_until: Nanoseconds = NEVER
+        self._began_at: Nanoseconds = 0
+        self.phase = Phase.STARTING
+        self.failure: str | None = None
+        """Why start-up failed, one line for each drive; None where it did not."""
+
+    @property
+    def finished(self) -> bool:
+        """Whether the orderly end is over and the node may be let go."""
+        return self.phase is Phase.FINISHED
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        """Take a CAN frame or an operator's datagram."""
+        if packet.link == CAN:
+            self._outbox += self._fleet.hear(packet, now)
+        elif packet.link == OPERATOR and self.phase in (Phase.STARTING, Phase.RUNNING, Phase.FAILED):
+            self._hear_operator(packet.payload, now)
+        return self._reaction(now)
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        """Act on the time; the first call starts the bridge."""
+        if self.phase is not Phase.FINISHED:
+            if self._cycle_at is None:
+                self._cycle_at = self._beat_at = self._battery_at = self._began_at = now
+            self._outbox += self._fleet.wake(now)
+            self._keep_time(now, self._cycle_at)
+        return self._reaction(now)
+
+    def stop(self, now: Nanoseconds) -> Reaction:
+        """Begin the orderly end: ramp to rest, power off, leave; done when `finished`."""
+        if self.phase is Phase.RUNNING:
+            self._permission.armed = False
+            self._rest_until = now + REST_WITHIN
+            self.phase = Phase.STOPPING
+        elif self._cycle_at is None:
+            self.phase = Phase.FINISHED
+        elif self.phase in (Phase.STARTING, Phase.FAILED):
+            self._leave(now)
+        return self._reaction(now)
+
+    def _keep_time(self, now: Nanoseconds, cycle_at: Nanoseconds) -> None:
+        if now >= cycle_at:
+            # A late wake skips the cycles that it missed: two in a row would be worse than one too few.
+            self._cycle_at = cycle_at + ((now - cycle_at) // self._cycle + 1) * self._cycle
+            self._begin_cycle(now)
+        if now >= self._beat_at:
+            self._beat_at += ((now - self._beat_at) // self._beat + 1) * self._beat
+            beat = canopen.encode_heartbeat(NmtState.OPERATIONAL)
+            node = self._robot.bus.bridge_node
+            self._outbox.append(Packet(CAN, canopen.ERROR_CONTROL + node, beat))
+        if now >= self._release_at:
+            self._release_at = NEVER
+            self._outbox += self._fleet.release()
+        late = now >= self._collect_until
+        if late:
+            self._collect_until = NEVER
+        if late or now >= self._gate_deadline():
+            self._run(now)
+
+    def _begin_cycle(self, now: Nanoseconds) -> None:
+        if self._task in (Task.START, Task.ENABLE):
+            self._outbox.append(Packet(CAN, canopen.SYNC, b""))
+            self._synchronised_at = now
+            self._fleet.synchronised(now)
+        if self.phase is Phase.RUNNING:
+            self._collect_until = now + ANSWERS_WITHIN
+            self._release_at = now + self._cycle // 2
+            self._measure_battery(now)
+        elif self.phase is Phase.STOPPING:
+            self._come_to_rest(now)
+        elif self.phase in (Phase.STARTING, Phase.FAILED):
+            self._tell(self._pipeline.told((self._waiting(),), now))
+
+    def _reaction(self, now: Nanoseconds) -> Reaction:
+        """Carry on what the newest packet or instant made possible, and hand out what is to be sent."""
+        if self.phase is Phase.STARTING and self._cycle_at is not None and not self._fleet.busy:
+            self._start_up(now)
+        elif self._collect_until != NEVER and self._fleet.sampled(self._synchronised_at):
+            self._collect_until = NEVER
+            self._run(now)
+        elif self.phase is Phase.LEAVING and not self._fleet.busy:
+            self.phase = Phase.FINISHED
+        sent = tuple(self._outbox)
+        self._outbox.clear()
+        return Reaction(sent, self._wake_at())
+
+    def _wake_at(self) -> Nanoseconds:
+        if self.phase is Phase.FINISHED or self._cycle_at is None:
+            return NEVER
+        return min(
+            self._cycle_at,
+            self._beat_at,
+            self._collect_until,
+            self._release_at,
+            self._gate_deadline(),
+            self._fleet.wake_at,
+        )
+
+    def _gate_deadline(self) -> Nanoseconds:
+        return self._pipeline.gate_deadline if self.phase is Phase.RUNNING else NEVER
+
+    def _run(self, now: Nanoseconds) -> None:
+        """Run the pipeline once, for the samples of this cycle or at a deadline in between."""
+        demanded, told = self._pipeline.run(now)
+        self._outbox += demanded
+        self._tell(told)
+
+    def _start_up(self, now: Nanoseconds) -> None:
+        """Take all drives to the next task; where one failed, switch all of them off and say so."""
+        failures = self._fleet.failures
+        if failures:
+            self.failure = "; ".join(failures)
+            self.phase = Phase.FAILED
+            self._outbox += self._fleet.begin((Task.LEAVE,), now)
+        elif self._tasks:
+            self._task = self._tasks.popleft()
+            self._outbox += self._fleet.begin((self._task,), now)
+        else:
+            self.phase = Phase.RUNNING
+
+    def _come_to_rest(self, now: Nanoseconds) -> None:
+        demanded, rests = self._pipeline.come_to_rest(now)
+        self._outbox += demanded
+        if rests or now >= self._rest_until:
+            self._leave(now)
+
+    def _leave(self, now: Nanoseconds) -> None:
+        self.phase = Phase.LEAVING
+        self._collect_until = self._release_at = NEVER
+        self._outbox += self._fleet.begin((Task.LEAVE,), now)
+
+    def _hear_operator(self, datagram: bytes, now: Nanoseconds) -> None:
+        stopped = self._permission.emergency_stopped
+        self._tell(self._operator.hear(datagram, now, lambda request: self._decide(request, now)))
+        if self.phase is Phase.RUNNING and self._permission.emergency_stopped and not stopped:
+            self._run(now)
+
+    def _decide(self, request: Request, now: Nanoseconds) -> Verdict:
+        if self.phase is Phase.RUNNING or isinstance(request, EmergencyStop):
+            return self._pipeline.decide(request, now)
+        hold = self._waiting()
+        return Verdict(accepted=False, reason=hold.reason, temporary=self.phase is Phase.STARTING)
+
+    def _waiting(self) -> Hold:
+        """Say why nothing moves before the drives are ready, or after they failed."""
+        if self.failure is not None:
+            return Hold(
+                "start-up failed", self.failure, "correct it and start the bridge again", self._began_at
+            )
+        waiting = [drive.axis.title for drive in self._fleet.drives if drive.busy]
+        step = "" if self._task is None else f" ({self._task.value}: {', '.join(waiting)})"
+        return Hold("starting", f"the drives are being set up{step}", "wait", self._began_at)
+
+    def _measure_battery(self, now: Nanoseconds) -> None:
+        if now < self._battery_at:
+            return
+        self._battery_at = now + BATTERY_PERIOD
+        battery = self._robot.battery
+        for drive in self._fleet.drives:
+            if drive.axis.name == battery.axis:
+                self._outbox += drive.measure(battery.analogue_input, now)
+
+    def _tell(self, datagrams: tuple[bytes, ...]) -> None:
+        self._outbox += [Packet(OPERATOR, 0, datagram) for datagram in datagrams]

@@ -1,0 +1,45 @@
+"""Arguments and options that more than one command takes, so that they are spelt and explained once."""
+
+from typing import Annotated
+
+import typer
+
+from firmware_bridge.cli.console import one_message
+from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
+
+RobotArgument = Annotated[
+    str,
+    typer.Argument(metavar="ROBOT", help="A robot that `robots` lists, or the path of a robot file (.toml)."),
+]
+InterfaceOption = Annotated[
+    str | None,
+    typer.Option(
+        "--interface",
+        "-i",
+        help="python-can's name for the kind of bus: socketcan, slcan, pcan ... Without it, python-can's own "
+        "configuration file decides.",
+        show_default=False,
+    ),
+]
+ChannelOption = Annotated[
+    str | None,
+    typer.Option("--channel", "-c", help="The bus: can0, vcan0, /dev/ttyACM0 ...", show_default=False),
+]
+BitRateOption = Annotated[
+    int | None,
+    typer.Option(
+        "--bitrate", "-b", min=10_000, max=1_000_000, help="Bits a second.", show_default="the robot's"
+    ),
+]
+DurationOption = Annotated[
+    float | None,
+    typer.Option(
+        min=0.0, metavar="SECONDS", help="Stop in good order after this time.", show_default="until Ctrl-C"
+    ),
+]
+
+
+def until(duration_s: float | None) -> Nanoseconds:
+    """Return the instant at which a run of this duration ends."""
+    with one_message(ValueError, OverflowError):
+        return NEVER if duration_s is None else from_seconds(duration_s)
