@@ -3,8 +3,8 @@
 The same drives and the same plant go onto a real bus through `devices`.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from pathlib import Path
 from typing import Final
 
@@ -21,13 +21,18 @@ from firmware_bridge.bridge import Bridge
 from firmware_bridge.node import CAN, OPERATOR, Node
 from firmware_bridge.robot import Robot
 from firmware_bridge.safety.guard import Guarded
-from firmware_bridge.safety.guard_rules import rules_for
-from firmware_bridge.units import Nanoseconds, from_seconds
+from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 from fmu.build import ensure
 from fmu.plant import FmuPlant
+from fmu.rars.parameters import ROBOT_FILE
 
 BODY: Final = ("battery_voltage", "x", "y", "heading", "speed", "yaw_rate", "steer", "lift_height")
 """Outputs of the plant beside those of its axes, in this order."""
+LINK_STREAM: Final = 1
+"""Which stream of random numbers the operator's link draws from, beside the run's seed."""
+QUIET: Final = Noise()
+BRIDGE: Final = "bridge"
+OPERATOR_STATION: Final = "operator"
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,72 +47,128 @@ class Devices:
 def devices(robot: Robot, plant_path: Path | None = None) -> Devices:
     """Build a robot's drives above its plant; PlantError where the plant cannot be used.
 
-    Geometry that the robot file and the plant both name is set from the robot file, so that they agree.
+    Geometry that both know is set from the robot file into our own plant, so that they agree; a plant of the
+    user's is taken as it is, with the parameters that the robot file lists for it.
     """
     names = [axis.name for axis in robot.axes]
     outputs = plant_outputs(names)
-    plant = FmuPlant(
-        plant_path or ensure(robot.plant.fmu),
-        plant_inputs(names),
-        (*outputs, *BODY),
-        plant_parameters(robot) if plant_path is None else robot.plant.parameters,
-    )
+    if plant_path is None:
+        path, parameters = ensure(robot.plant.fmu), plant_parameters(robot)
+    else:
+        path, parameters = plant_path, robot.plant.parameters
+    plant = FmuPlant(path, plant_inputs(names), (*outputs, *BODY), parameters)
     axes = [ServoAxis(axis.name, axis.quadcounts_per_turn) for axis in robot.axes]
-    bank = ServoBank(
-        plant, axes, supply=len(outputs), analogue=(robot.battery.axis, robot.battery.divider)
-    )
-    drives = {
-        axis.name: Epos2(axis.node, servo) for axis, servo in zip(robot.axes, axes, strict=True)
-    }
+    bank = ServoBank(plant, axes, supply=len(outputs), analogue=(robot.battery.axis, robot.battery.divider))
+    drives = {axis.name: Epos2(axis.node, servo) for axis, servo in zip(robot.axes, axes, strict=True)}
     return Devices(drives, bank, plant)
 
 
 def plant_parameters(robot: Robot) -> dict[str, float]:
-    """Return the plant's parameters that the robot file knows, in SI units, under the plant's names."""
-    base, lift = robot.base, robot.lift
-    geometry = {
-        "wheel_radius": base.wheel_radius_m,
-        "rear_track": base.rear_track_m,
-        "wheelbase": base.wheelbase_m,
-        "kingpin_distance": base.kingpin_distance_m,
-        "davis_h": base.davis_h_m,
-        "pinion_diameter": base.pinion_diameter_m,
-        "lift_stages": float(lift.stages),
-        "lift_link_length": lift.link_length_m,
-        "lift_collapsed_angle": math.radians(lift.collapsed_angle_deg),
-        "lift_extended_angle": math.radians(lift.extended_angle_deg),
-        "screw_pitch": lift.screw_pitch_m,
-        "battery_emf": robot.battery.nominal_v,
-    }
-    gears = {f"gear_{axis.name}": axis.gear_ratio for axis in robot.axes}
-    return geometry | gears | robot.plant.parameters
+    """Return the plant's parameters that the robot file knows, under the plant's names and in its units."""
+    found: dict[str, float] = {}
+    by_role = {axis.role.value: axis for axis in robot.axes}
+    for key, (name, factor) in ROBOT_FILE.items():
+        table, *rest = key.split(".")
+        owner = by_role[rest.pop(0)] if table == "axes" else getattr(robot, table)
+        found[name] = factor * float(attrgetter(*rest)(owner))
+    return found | robot.plant.parameters
 
 
 class Rig:
-    """A robot on the bench. `run` moves time on; what happened stands in `samples` and `holds`."""
+    """A robot on the bench: `run` moves time on; what happened stands in `samples` and `holds`.
+
+    The operator's link delays, jitters and loses as `noise` says, by the run's seed.
+    """
 
     def __init__(
-        self, robot: Robot, operator: Node, *, plant_path: Path | None = None, seed: int = 0, noise: Noise = QUIET
+        self,
+        robot: Robot,
+        operator: Node,
+        *,
+        plant_path: Path | None = None,
+        seed: int = 0,
+        noise: Noise = QUIET,
     ) -> None:
-        self.robot = robot
-        self.operator = operator
-        self.devices = devices(robot, plant_path)
-        self.plant = self.devices.plant
-        self.bridge = Bridge(robot)
-        self.guard = Guarded(self.bridge, rules_for(robot))
-        self.can_wire = CanWire(robot.bus.bit_rate)
-        self.operator_wire = DatagramWire(
-            from_seconds(noise.delay_ms / 1000.0),
-            from_seconds(noise.jitter_ms / 1000.0),
+        self.robot: Final = robot
+        self.devices: Final = devices(robot, plant_path)
+        self.bridge: Final = Bridge(robot)
+        self.guard: Final = Guarded(self.bridge, robot)
+        self.can_wire: Final = CanWire(robot.bus.bit_rate)
+        self.operator_wire: Final = DatagramWire(
+            round(noise.delay_ms * MILLISECOND),
+            round(noise.jitter_ms * MILLISECOND),
             noise.loss,
             np.random.default_rng([seed, LINK_STREAM]),
         )
-        self.world = World(self.devices.bank)
+        self.world: Final = World(self.devices.bank)
         for name, drive in self.devices.drives.items():
             self.world.attach(name, drive, {CAN: self.can_wire})
-        self.world.attach("bridge", self.guard, {CAN: self.can_wire, OPERATOR: self.operator_wire})
-        self.world.attach("operator", operator, {OPERATOR: self.operator_wire})
-        self.samples: list[Sample] = []
-        self.holds: list[HoldRecord] = []
-        self._held: dict[str, HoldRecord] = {}
+        self.world.attach(BRIDGE, self.guard, {CAN: self.can_wire, OPERATOR: self.operator_wire})
+        self.world.attach(OPERATOR_STATION, operator, {OPERATOR: self.operator_wire})
+        self.samples: Final[list[Sample]] = []
+        self.holds: Final[list[HoldRecord]] = []
         self._next_sample: Nanoseconds = 0
+        self._body = len(plant_outputs([axis.name for axis in robot.axes]))
+
+    def run(self, until: Nanoseconds) -> None:
+        """Let everything happen up to `until`, and take a sample every 10 ms."""
+        while self._next_sample <= until:
+            self.world.run(self._next_sample)
+            self._sample(self._next_sample)
+            self._next_sample += SAMPLE_EVERY
+        self.world.run(until)
+
+    def runs(self, seconds: float) -> None:
+        """Run on for some seconds."""
+        self.run(self.world.now + from_seconds(seconds))
+
+    def finish(self) -> None:
+        """Let go of the plant."""
+        self.devices.plant.close()
+
+    def _sample(self, now: Nanoseconds) -> None:
+        count = len(self.robot.axes)
+        values = self.devices.plant.outputs[:]
+        _, x, y, heading, speed, yaw_rate, steer, lift = values[self._body :]
+        seen = self.bridge.seen
+        pose = seen.pose
+        self.samples.append(
+            Sample(
+                at=now,
+                x_m=x,
+                y_m=y,
+                heading_rad=heading,
+                speed_mps=speed,
+                yaw_rate_rad_s=yaw_rate,
+                steer_rad=steer,
+                lift_m=lift,
+                currents_a=tuple(values[:count]),
+                motor_speeds_rad_s=tuple(values[2 * count : 3 * count]),
+                demanded_speed_mps=seen.demanded_speed_mps,
+                armed=seen.armed,
+                odometry_x_m=pose.x_m,
+                odometry_y_m=pose.y_m,
+                odometry_heading_rad=pose.heading_rad,
+            )
+        )
+        self._note_holds(now)
+
+    def _note_holds(self, now: Nanoseconds) -> None:
+        """Keep the holds from beginning to end; one shorter than a sample may pass unseen."""
+        standing = {hold.name: hold for hold in self.bridge.holds}
+        for index, record in enumerate(self.holds):
+            if record.ended is None:
+                hold = standing.pop(record.name, None)
+                if hold is None or hold.since != record.began:
+                    self.holds[index] = HoldRecord(record.name, record.reason, record.began, now)
+                    if hold is not None:
+                        standing[hold.name] = hold
+        for hold in standing.values():
+            self.holds.append(HoldRecord(hold.name, hold.reason, hold.since))
+
+
+def build(
+    robot: Robot, operator: Node, *, plant_path: Path | None = None, seed: int = 0, noise: Noise = QUIET
+) -> Rig:
+    """Put a robot on the bench."""
+    return Rig(robot, operator, plant_path=plant_path, seed=seed, noise=noise)

@@ -260,10 +260,8 @@ def _callbacks(messages: deque[str]) -> Any:
     callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(listen)
     callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
     callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
-    proxy = getattr(fmi2, "addLoggerProxy", None)
-    if proxy is not None:
-        # FMI 2.0 messages are printf formats: FMPy's native proxy fills them in.
-        proxy(ctypes.byref(callbacks))
+    # FMPy's proxy, which would fill in printf arguments, keeps one logger for the whole process, and calls
+    # it after it is gone: messages are taken as they are.
     return callbacks
 
 

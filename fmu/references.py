@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Final
 
 from fmu.errors import PlantError
-from fmu.export.model import UNITS as SI
+from fmu.export.units import UNITS as SI
 
 _REAL: Final = frozenset({"Real", "Float64"})
 _BASES: Final = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")

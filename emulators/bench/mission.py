@@ -71,6 +71,7 @@ class Noise(_Table):
     delay_ms: NonNegative = 0.0
     """Of the link, one way."""
     jitter_ms: NonNegative = 0.0
+    """Up to this much more, evenly spread."""
     loss: Share = 0.0
     """Share of the datagrams that never arrive."""
 

@@ -1,10 +1,11 @@
-"""The power machine at work: one controlword after the other, ramps before power goes, faults and their reset.
+"""The power machine at work: one controlword after the other, ramps before power goes, faults, resets.
 
 The rules are rows in `emulators.epos2.power`; here is their order in time. It refuses to know objects other
 than the option codes and decelerations that its ramps need.
 """
 
 from collections.abc import Callable
+from typing import Final
 
 from emulators.epos2.modes import Motion
 from emulators.epos2.power import BY_TRIGGER, TIMED, Delays, Happening, Ramp, Stage, Transition, Trigger
@@ -16,6 +17,10 @@ from firmware_bridge.wire.cia402 import Control, State, command_of
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2 import emergency
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES, Recovery
+
+_TRANSIENT: Final = frozenset({*TIMED, State.FAULT_REACTION_ENABLED})
+"""States that complete a command or a reaction; a controlword waits for their end."""
+_WAITING: Final = _TRANSIENT | {State.FAULT}
 
 
 class PowerMachine:
@@ -153,20 +158,14 @@ class PowerMachine:
             pass
 
     def _complete_one(self) -> bool:
-        if self.state in TIMED:
-            if self._axis.now < self.due:
-                return False
+        if self.state in TIMED and self._axis.now >= self.due:
             self._go(TIMED[self.state])
-        elif self._completing is not None:
-            if not self._motion.stopped:
-                return False
+        elif self._completing is not None and self._motion.stopped:
             self._complete(self._completing)
-        elif self.state is State.FAULT_REACTION_ENABLED:
-            if not self._motion.stopped:
-                return False
+        elif self.state is State.FAULT_REACTION_ENABLED and self._motion.stopped:
             self._delayed = None
             self._go(Happening.REACTED)
-        elif self._delayed is not None and self.state is not State.FAULT:
+        elif self._delayed is not None and self._completing is None and self.state not in _WAITING:
             word, self._delayed = self._delayed, None
             self._obey(word, word)
         else:

@@ -3,7 +3,7 @@
 Profile position, profile velocity, position, velocity and current mode. In the other modes that an EPOS2
 lists (homing, interpolated position, diagnostic, master encoder, step/direction) the drive shows the mode and
 holds its position, as a real one does before its start signal; the start signal is not heeded yet.
-Source: EPOS Firmware Specification, chapters of the modes (by analogy); profiles in `emulators.servo.profile`.
+Source: EPOS Firmware Specification, chapters of the modes (by analogy).
 """
 
 from typing import Final
@@ -163,7 +163,7 @@ class Motion:
         axis = self._axis
         if relative:
             target += (axis.position_demand + (1 << axis.fraction >> 1)) >> axis.fraction
-        low, high = self._store.get(at.MIN_POSITION_LIMIT), self._store.get(at.MAX_POSITION_LIMIT)
+        low, high = self._limits()
         if not max(low, LOWEST) <= target <= min(high, HIGHEST):
             self.out_of_limits = True
             return
@@ -195,7 +195,7 @@ class Motion:
             self._go_on()
 
     def brake(self, rpm_per_second: int) -> None:
-        """Ramp the present demand to standstill, then hold: position where it was regulated, else velocity."""
+        """Ramp the present demand to standstill, then hold the position if it was regulated, else no speed."""
         axis = self._axis
         if axis.regulator in (IDLE, CURRENT):
             axis.clear_demand()
@@ -222,7 +222,7 @@ class Motion:
         """Take a new set value of position, velocity or current mode."""
         axis = self._axis
         if address == at.POSITION_MODE_SETTING and self.mode == Mode.POSITION:
-            low, high = self._store.get(at.MIN_POSITION_LIMIT), self._store.get(at.MAX_POSITION_LIMIT)
+            low, high = self._limits()
             axis.position_demand = axis.target_position = max(low, min(high, value)) << axis.fraction
             axis.velocity_demand = 0
         elif address == at.VELOCITY_MODE_SETTING and self.mode == Mode.VELOCITY:
@@ -272,6 +272,9 @@ class Motion:
                 axis.velocity_demand = axis.shaft_speed()
             axis.derivative = 0
         axis.regulator = POSITION
+
+    def _limits(self) -> tuple[int, int]:
+        return self._store.get(at.MIN_POSITION_LIMIT), self._store.get(at.MAX_POSITION_LIMIT)
 
     def _fastest(self) -> int:
         return min(speed_units(self._axis, self._store.get(at.MAX_PROFILE_VELOCITY)), self._axis.speed_limit)

@@ -37,7 +37,7 @@ class MotionControl:
         report: Callable[[int], None],
         delays: Delays | None = None,
     ) -> None:
-        """Hook into the store. `report` takes emergency codes, and NO_ERROR when a fault was reset."""
+        """Set hooks in the store; `report` takes emergency codes, and NO_ERROR when a fault was reset."""
         self._store = store
         self._axis = axis
         self._motion = Motion(store, axis)

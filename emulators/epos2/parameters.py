@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from emulators.servo.axis import POSITION, ServoAxis
-from emulators.servo.scaling import Settings, raw_speed_rpm, speed_rpm
+from emulators.servo.scaling import raw_speed_rpm, speed_rpm
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 
@@ -86,7 +86,7 @@ def velocity_demand(axis: ServoAxis) -> int:
 
 ACTUAL_VALUES: Final[tuple[tuple[Address, Callable[[ServoAxis], int]], ...]] = (
     (at.ENCODER_COUNTER, lambda axis: axis.encoder & 0xFFFF_FFFF),
-    (at.CURRENT_AVERAGED, lambda axis: _signed_16(axis.current_average >> 16)),
+    (at.CURRENT_AVERAGED, lambda axis: _signed_16((axis.current_average + 0x8000) >> 16)),
     (at.VELOCITY_AVERAGED, lambda axis: speed_rpm(axis, axis.velocity_average)),
     (SENSOR_RESOLUTION, lambda axis: axis.resolution),
     (at.CURRENT_DEMAND, lambda axis: _signed_16(axis.current_demand_ma)),
@@ -100,8 +100,3 @@ ACTUAL_VALUES: Final[tuple[tuple[Address, Callable[[ServoAxis], int]], ...]] = (
     (at.CURRENT_ACTUAL, lambda axis: _signed_16(axis.current_ma)),
 )
 """Objects that are read from the axis."""
-
-
-def setting_names() -> frozenset[str]:
-    """Return the settings' names, for the check that each has its object."""
-    return frozenset(Settings.__slots__)

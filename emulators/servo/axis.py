@@ -41,6 +41,7 @@ LARGEST_SPEED: Final = 1 << 29
 """25 000 rpm, the fastest that any object allows, lies below this many velocity units."""
 FASTEST_RPM: Final = 25_000
 FOREVER: Final = 1 << 62
+LONGEST_REST_MS: Final = 0xFFFF
 
 
 class ServoAxis:
@@ -50,7 +51,7 @@ class ServoAxis:
     in mV. Gains are multipliers in binary fixed point: see `emulators.servo.scaling`.
     """
 
-    __slots__ = (
+    __slots__ = (  # noqa: RUF023 - in the order of meaning, which is the order of the record in C
         # Fixed: the names, and the encoder that is mounted, in quadcounts per turn of the shaft.
         "name",
         "node",
@@ -191,7 +192,8 @@ class ServoAxis:
         self.current_ma = self.current_average = 0
         self.current_demand_ma = self.current_limit_ma = 0
         self.current_integral = self.voltage_mv = 0
-        self.thermal = self.window_ms = self.still_ms = 0
+        self.thermal = self.window_ms = 0
+        self.still_ms = LONGEST_REST_MS
         self.clear_demand()
 
     def clear_demand(self) -> None:

@@ -50,15 +50,7 @@ def millisecond(axis: ServoAxis, encoder: int) -> bool:
     axis.position = ((axis.position + step + HALF) & (WRAP - 1)) - HALF
     axis.velocity_average += ((step << axis.fraction) - axis.velocity_average) >> AVERAGE
     before = axis.flags
-    flags = before & CURRENT_LIMITED
-    current = axis.current_ma
-    if current > axis.over_current_ma or -current > axis.over_current_ma:
-        flags |= OVER_CURRENT
-    if axis.supply_mv < axis.under_voltage_mv:
-        flags |= UNDER_VOLTAGE
-    elif axis.supply_mv > axis.over_voltage_mv:
-        flags |= OVER_VOLTAGE
-    flags = budget(axis, flags)
+    flags = budget(axis, before & CURRENT_LIMITED) | electrical(axis)
     if axis.powered:
         regulator = axis.regulator
         flags |= profile_step(axis)
@@ -78,6 +70,26 @@ def millisecond(axis: ServoAxis, encoder: int) -> bool:
         axis.call = 0
         return True
     return flags != before
+
+
+def electrical(axis: ServoAxis) -> int:
+    """Tell currents and supply voltages that the hardware does not stand."""
+    flags = 0
+    current = axis.current_ma
+    if current > axis.over_current_ma or -current > axis.over_current_ma:
+        flags = OVER_CURRENT
+    if axis.supply_mv < axis.under_voltage_mv:
+        flags |= UNDER_VOLTAGE
+    elif axis.supply_mv > axis.over_voltage_mv:
+        flags |= OVER_VOLTAGE
+    return flags
+
+
+def within(value: int, widest: int) -> int:
+    """Saturate a value at either side."""
+    if value > widest:
+        return widest
+    return max(value, -widest)
 
 
 def budget(axis: ServoAxis, flags: int) -> int:
@@ -111,27 +123,15 @@ def profile_step(axis: ServoAxis) -> int:
 def velocity(axis: ServoAxis) -> None:
     """Velocity PI with feed-forward; the integrator holds while the output is limited (ASSUME)."""
     demand = axis.velocity_demand
-    error = demand - (axis.step << axis.fraction)
-    if error > WIDEST_SPEED:
-        error = WIDEST_SPEED
-    elif error < -WIDEST_SPEED:
-        error = -WIDEST_SPEED
+    error = within(demand - (axis.step << axis.fraction), WIDEST_SPEED)
     integral = axis.velocity_integral + axis.velocity_i * error
     wish = (axis.velocity_p * error + integral) >> VELOCITY_PLACES
     wish += (axis.velocity_speed_forward * demand) >> SPEED_FORWARD_PLACES
     wish += (axis.velocity_acceleration_forward * axis.acceleration_demand) >> ACCELERATION_FORWARD_PLACES
-    limit = axis.current_limit_ma
-    if wish > limit:
-        wish = limit
-        if axis.velocity_i * error < 0:
-            axis.velocity_integral = integral
-    elif wish < -limit:
-        wish = -limit
-        if axis.velocity_i * error > 0:
-            axis.velocity_integral = integral
-    else:
+    bounded = within(wish, axis.current_limit_ma)
+    if bounded == wish or (integral > axis.velocity_integral) != (wish > 0):
         axis.velocity_integral = integral
-    axis.current_demand_ma = wish
+    axis.current_demand_ma = bounded
 
 
 def position(axis: ServoAxis) -> int:
@@ -142,15 +142,8 @@ def position(axis: ServoAxis) -> int:
     away = error >> fraction
     limit = axis.following_limit_qc
     flags = FOLLOWING_ERROR if limit >= 0 and (away > limit or -away > limit) else 0
-    if error > WIDEST_WAY:
-        error = WIDEST_WAY
-    elif error < -WIDEST_WAY:
-        error = -WIDEST_WAY
-    difference = demand - (axis.step << fraction)
-    if difference > WIDEST_SPEED:
-        difference = WIDEST_SPEED
-    elif difference < -WIDEST_SPEED:
-        difference = -WIDEST_SPEED
+    error = within(error, WIDEST_WAY)
+    difference = within(demand - (axis.step << fraction), WIDEST_SPEED)
     derivative = axis.derivative
     derivative += ((difference - derivative) * axis.position_filter) >> FILTER_PLACES
     axis.derivative = derivative
@@ -160,29 +153,16 @@ def position(axis: ServoAxis) -> int:
     wish += (axis.position_d * derivative) >> POSITION_D_PLACES
     wish += (axis.position_speed_forward * demand) >> SPEED_FORWARD_PLACES
     wish += (axis.position_acceleration_forward * axis.acceleration_demand) >> ACCELERATION_FORWARD_PLACES
-    limit = axis.current_limit_ma
-    if wish > limit:
-        wish = limit
-        if axis.position_i * error < 0:
-            axis.position_integral = integral
-    elif wish < -limit:
-        wish = -limit
-        if axis.position_i * error > 0:
-            axis.position_integral = integral
-    else:
+    bounded = within(wish, axis.current_limit_ma)
+    if bounded == wish or (integral > axis.position_integral) != (wish > 0):
         axis.position_integral = integral
-    axis.current_demand_ma = wish
+    axis.current_demand_ma = bounded
     return flags
 
 
 def current_mode(axis: ServoAxis) -> None:
     """Demand the current that was set, within the limits; none that drives past the largest motor speed."""
-    wish = axis.current_setting_ma
-    limit = axis.current_limit_ma
-    if wish > limit:
-        wish = limit
-    elif wish < -limit:
-        wish = -limit
+    wish = within(axis.current_setting_ma, axis.current_limit_ma)
     speed = axis.velocity_average
     if (wish > 0 and speed > axis.speed_limit) or (wish < 0 and -speed > axis.speed_limit):
         wish = 0
@@ -217,7 +197,7 @@ def rest(axis: ServoAxis) -> int:
     """
     speed = axis.velocity_average
     window = axis.rest_window
-    if speed > window or -speed > window or axis.velocity_demand != 0 and axis.powered:
+    if speed > window or -speed > window or (axis.velocity_demand != 0 and axis.powered):
         axis.still_ms = 0
         return 0
     if axis.still_ms < axis.rest_ms:

@@ -114,7 +114,7 @@ class CanWire:
         self.frames += 1
         self.bits += bits
         self._measure(now, self._taken(bits, 1))
-        if controller.gone or now >= controller.station.silent_from:
+        if now >= controller.station.silent_from:  # cut off, or detached, under way
             self.destroyed += 1
         else:
             self._ends.hand_over(controller.station, packet)

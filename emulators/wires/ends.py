@@ -14,12 +14,11 @@ Observer: TypeAlias = Callable[[Nanoseconds, str, Packet], None]
 class End:
     """A station at the end of a wire, which it calls `link`."""
 
-    __slots__ = ("gone", "link", "station")
+    __slots__ = ("link", "station")
 
     def __init__(self, station: Station, link: str) -> None:
         self.station = station
         self.link = link
-        self.gone = False
 
 
 class Ends:
@@ -47,9 +46,7 @@ class Ends:
 
     def leave(self, station: Station) -> None:
         """Remove the end of a station."""
-        for end in self.all:
-            end.gone = end.gone or end.station is station
-        self.all = [end for end in self.all if not end.gone]
+        self.all = [end for end in self.all if end.station is not station]
 
     def hand_over(self, sender: Station, packet: Packet) -> None:
         """Give a packet that has wholly arrived to observers, trace and everybody but its sender."""

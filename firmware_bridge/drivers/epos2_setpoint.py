@@ -5,6 +5,7 @@ Specification, profile velocity and profile position mode; halt as maxon's comma
 stop as the EPOS2 Application Notes do.
 """
 
+import math
 from typing import Final, Protocol
 
 from firmware_bridge.drivers.drive import Demand, Heard, Position, Speed, Stop
@@ -65,14 +66,14 @@ class VelocitySetPoint:
         return self._frame(controlword, 0)
 
     def demand(self, demand: Demand) -> Packet:
-        """Return the frame for a demand; a position counts as rest."""
+        """Return the frame for a demand; a position, or what is no finite speed, counts as rest."""
         if demand is Stop.POWER_OFF:
             return self._frame(DISABLE_VOLTAGE, 0)
         if demand is Stop.QUICK_STOP or self._heard.state is not State.OPERATION_ENABLED:
             return self._frame(QUICK_STOP, 0)
-        if isinstance(demand, Speed):
-            rpm = round(demand.rad_s * self._rpm_per_rad_s)
-            return self._frame(ENABLE, min(max(rpm, -self._highest_rpm), self._highest_rpm))
+        if isinstance(demand, Speed) and math.isfinite(demand.rad_s):
+            rpm = demand.rad_s * self._rpm_per_rad_s
+            return self._frame(ENABLE, round(min(max(rpm, -self._highest_rpm), self._highest_rpm)))
         return self._frame(ENABLE, 0)
 
     def release(self) -> None:

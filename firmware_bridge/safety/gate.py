@@ -7,7 +7,7 @@ its clear time; the first clear look starts that time, and a trip in between sta
 
 import math
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Any, Final
 
 from firmware_bridge.intent import NEVER_HEARD, Intent
 from firmware_bridge.motion import davis
@@ -91,7 +91,7 @@ class Gate:
             wish = replace(wish, speed_mps=0.0, steer_rad=self._held_steer(seen))
         else:
             self._steer_rad = wish.steer_rad
-            clips += self._acceleration(seen, wish.speed_mps)
+        clips += self._acceleration(seen, wish.speed_mps, stopped=stopped)
         wanted = _lift_wanted(wish, seen.lift_m)
         refused = self._lift_refusal(replace(view, speed_let_go_mps=wish.speed_mps), wanted=wanted)
         lifting = not lift and not refused
@@ -121,7 +121,7 @@ class Gate:
         base: list[Hold] = []
         lift: list[Hold] = []
         for row in STOPS:
-            reason = row.judge(view, self._memory.holds(row.name))
+            reason = row.judge(replace(view, holding=self._memory.holds(row.name)))
             hold = self._memory.look(row.name, reason, row.remedy, row.clear_after, view.seen.now)
             if hold is not None:
                 base.append(hold)
@@ -147,38 +147,39 @@ class Gate:
     def _clipped(self, seen: Snapshot, *, stopped: bool) -> tuple[Intent, tuple[Hold, ...]]:
         """Return the wish within all limits; while stopped it is not the limits that hold it back."""
         wish = seen.intent
-        holds = []
+        holds: list[Hold] = []
         for row in LIMITS:
             value = getattr(wish, row.field)
             reason = None
             if value is not None:
                 allowed, reason = row.clip(value, self._robot, seen)
-                wish = replace(wish, **{row.field: allowed})
-            hold = self._limit_hold(row.name, None if stopped else reason, row.remedy, seen.now)
-            holds += hold
+                change: dict[str, Any] = {row.field: allowed}
+                wish = replace(wish, **change)
+            holds += self._limit_hold(row.name, None if stopped else reason, row.remedy, seen.now)
         return wish, tuple(holds)
 
-    def _acceleration(self, seen: Snapshot, speed_mps: float) -> tuple[Hold, ...]:
-        demanded, now = seen.demanded_speed_mps, seen.now
+    def _acceleration(self, seen: Snapshot, speed_mps: float, *, stopped: bool) -> tuple[Hold, ...]:
+        reason = None if stopped else self._haste(seen, speed_mps)
+        return self._limit_hold(limits.ACCELERATION_LIMIT, reason, limits.ACCELERATION_REMEDY, seen.now)
+
+    def _haste(self, seen: Snapshot, speed_mps: float) -> str | None:
+        demanded = seen.demanded_speed_mps
         bend = davis.curvature(self._robot.base, seen.steer_rad or 0.0)
         step = self._ramp.step(demanded, speed_mps, bend, self._ramp.longest_step)
-        reason = None
-        if abs(speed_mps - step) > SPEED_TOLERANCE_MPS:
-            reason = (
-                f"asked to go from {demanded:.2f} to {speed_mps:.2f} m/s at once, "
-                f"limit {self._robot.limits.acceleration_mps2:.2f} m/s2"
-            )
-        return self._limit_hold(limits.ACCELERATION_LIMIT, reason, limits.ACCELERATION_REMEDY, now)
+        if abs(speed_mps - step) <= SPEED_TOLERANCE_MPS:
+            return None
+        return (
+            f"asked to go from {demanded:.2f} to {speed_mps:.2f} m/s at once, "
+            f"limit {self._robot.limits.acceleration_mps2:.2f} m/s2"
+        )
 
-    def _limit_hold(
-        self, name: str, reason: str | None, remedy: str, now: Nanoseconds
-    ) -> tuple[Hold, ...]:
+    def _limit_hold(self, name: str, reason: str | None, remedy: str, now: Nanoseconds) -> tuple[Hold, ...]:
         hold = self._memory.look(name, reason, remedy, limits.CLEARS_AFTER, now)
         return () if hold is None else (hold,)
 
     def _lift_refusal(self, view: View, *, wanted: bool) -> tuple[Hold, ...]:
         row = LIFT_REFUSED
-        reason = row.judge(view, self._memory.holds(row.name)) if wanted else None
+        reason = row.judge(replace(view, holding=self._memory.holds(row.name))) if wanted else None
         hold = self._memory.look(row.name, reason, row.remedy, row.clear_after, view.seen.now)
         return () if hold is None else (hold,)
 

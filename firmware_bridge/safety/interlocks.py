@@ -5,8 +5,8 @@ at which it lets go may lie below the one at which it trips. It keeps no state: 
 instants in the snapshot, and `firmware_bridge.safety.gate` keeps the clear times. What is not a number or not
 known never counts as safe: comparisons are written so that a NaN trips.
 
-Sources: A. P. Das, PhD thesis, IIT Delhi, 2018, 2.3.1 and 4.2.1 for speed, acceleration, tipping, lift and turn;
-the times are choices of this project.
+Sources: A. P. Das, PhD thesis, IIT Delhi, 2018, 2.3.1 and 4.2.1 for speed, acceleration, tipping, lift and
+turn; the times are choices of this project.
 """
 
 import math
@@ -21,7 +21,7 @@ from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 from firmware_bridge.wire.cia402 import State
 
 LINK_CLEARS_AFTER: Final[Nanoseconds] = 200 * MILLISECOND
-"""A silent operator or drive is back when it has been heard for this long: four cycles, not one stray packet."""
+"""A silent operator or drive is back when it has been heard for this long: four cycles, no stray packet."""
 LIFT_CLEARS_AFTER: Final[Nanoseconds] = 200 * MILLISECOND
 """Longer than a set-point takes to become a measured speed, so that lift and wheels never overlap."""
 RETRACTED_SHARE: Final = 0.8
@@ -44,11 +44,13 @@ class View:
     seen: Snapshot
     lift_let_go: bool
     """The gate's ruling before this one let the lift move."""
+    holding: bool = False
+    """The interlock that looks holds already."""
     speed_let_go_mps: float = 0.0
     """The base speed of this ruling."""
 
 
-Judge: TypeAlias = Callable[[View, bool], str | None]
+Judge: TypeAlias = Callable[[View], str | None]
 DriveJudge: TypeAlias = Callable[[Robot, Axis, DriveSnapshot, Nanoseconds], str | None]
 
 
@@ -83,15 +85,15 @@ def drive_silent_after(robot: Robot) -> Nanoseconds:
     return robot.bus.drive_silent_ms * MILLISECOND
 
 
-def _emergency_stop(view: View, _holding: bool) -> str | None:
+def _emergency_stop(view: View) -> str | None:
     return "the emergency stop is latched" if view.seen.emergency_stopped else None
 
 
-def _not_armed(view: View, _holding: bool) -> str | None:
+def _not_armed(view: View) -> str | None:
     return None if view.seen.armed else "the robot is not armed"
 
 
-def _operator_silent(view: View, _holding: bool) -> str | None:
+def _operator_silent(view: View) -> str | None:
     limit = operator_silent_after(view.robot)
     heard_at = view.seen.intent.heard_at
     if heard_at == NEVER_HEARD:
@@ -102,7 +104,7 @@ def _operator_silent(view: View, _holding: bool) -> str | None:
     return f"no motion command for {to_seconds(silence):.2f} s, limit {to_seconds(limit):.2f} s"
 
 
-def _wish_unusable(view: View, _holding: bool) -> str | None:
+def _wish_unusable(view: View) -> str | None:
     wish = view.seen.intent
     height = 0.0 if wish.lift_m is None else wish.lift_m
     for title, value in (
@@ -116,25 +118,25 @@ def _wish_unusable(view: View, _holding: bool) -> str | None:
     return None
 
 
-def _steer_unknown(view: View, _holding: bool) -> str | None:
+def _steer_unknown(view: View) -> str | None:
     return "the actual steer angle is not known" if _unknown(view.seen.steer_rad) else None
 
 
-def _lift_unknown(view: View, _holding: bool) -> str | None:
+def _lift_unknown(view: View) -> str | None:
     return "the actual lift height is not known" if _unknown(view.seen.lift_m) else None
 
 
-def _lift_extended(view: View, holding: bool) -> str | None:
+def _lift_extended(view: View) -> str | None:
     height, limit = view.seen.lift_m, view.robot.limits.lift_retracted_m
-    if height is None or height <= (RETRACTED_SHARE * limit if holding else limit):
+    if height is None or height <= (RETRACTED_SHARE * limit if view.holding else limit):
         return None
     return f"the lift stands at {1000.0 * height:.0f} mm, retracted is below {1000.0 * limit:.0f} mm"
 
 
-def _lift_moves(view: View, holding: bool) -> str | None:
+def _lift_moves(view: View) -> str | None:
     if view.lift_let_go:
         return "the lift has been told to move"
-    limit = LIFT_RESTS_RAD_S if holding else LIFT_MOVES_RAD_S
+    limit = LIFT_RESTS_RAD_S if view.holding else LIFT_MOVES_RAD_S
     axis = view.robot.axis(Role.LIFT)
     for drive in view.seen.drives:
         if drive.axis == axis.name and not abs(drive.speed_rad_s) <= limit:
@@ -150,7 +152,13 @@ STOPS: Final = (
     Interlock("steer angle unknown", _steer_unknown, "wait for the steering drive's position"),
     Interlock("lift height unknown", _lift_unknown, "wait for the lift drive's position"),
     Interlock("lift extended", _lift_extended, "retract the lift", lift_is_free=True),
-    Interlock("lift moving", _lift_moves, "let the lift come to rest", LIFT_CLEARS_AFTER, lift_is_free=True),
+    Interlock(
+        "lift moving",
+        _lift_moves,
+        "let the lift come to rest at the height asked for",
+        LIFT_CLEARS_AFTER,
+        lift_is_free=True,
+    ),
 )
 """Whole-robot interlocks that make the demand 0, in the order in which they are reported."""
 
@@ -189,9 +197,9 @@ DRIVE_STOPS: Final = (
 """Interlocks of each drive that make the demand 0."""
 
 
-def _base_drives(view: View, holding: bool) -> str | None:
+def _base_drives(view: View) -> str | None:
     speed = view.seen.speed_mps
-    if not abs(speed) <= (BASE_RESTS_MPS if holding else BASE_MOVES_MPS):
+    if not abs(speed) <= (BASE_RESTS_MPS if view.holding else BASE_MOVES_MPS):
         return f"the robot drives with {speed:.2f} m/s"
     if view.seen.demanded_speed_mps != 0.0:
         return f"the robot is told to drive with {view.seen.demanded_speed_mps:.2f} m/s"
@@ -201,7 +209,7 @@ def _base_drives(view: View, holding: bool) -> str | None:
 
 
 LIFT_REFUSED: Final = Interlock(
-    "lift refused", _base_drives, "stop the robot before the lift moves", LIFT_CLEARS_AFTER, lift_is_free=False
+    "lift refused", _base_drives, "stop the robot before the lift moves", LIFT_CLEARS_AFTER
 )
 """The one interlock that holds the lift alone; judged while a lift motion is wished."""
 

@@ -8,7 +8,7 @@ from firmware_bridge.intent import EmergencyStop, Request, ResetOdometry, Verdic
 from firmware_bridge.motion.lift import highest
 from firmware_bridge.teleop import setpoints
 from firmware_bridge.teleop.commands import Order, Result, obey
-from firmware_bridge.teleop.mavlink import Message, dialect
+from firmware_bridge.teleop.mavlink import Message, dialect, text_of
 from firmware_bridge.teleop.session import REMEMBERED, Answered, Peer, Session
 from firmware_bridge.teleop.setpoints import Setpoint, Unusable
 from firmware_bridge.teleop.texts import Severity
@@ -198,9 +198,9 @@ def _parameter_set(talk: Conversation) -> None:
 
 
 def _parameter_error(talk: Conversation, index: int) -> None:
-    name = talk.message.param_id.encode() if isinstance(talk.message.param_id, str) else talk.message.param_id
+    name = text_of(talk.message.param_id).encode("ascii")
     unknown = dialect.MAV_PARAM_ERROR_DOES_NOT_EXIST
-    talk.replies.append(dialect.MAVLink_param_error_message(*talk.peer, name[:16], index, unknown))
+    talk.replies.append(dialect.MAVLink_param_error_message(*talk.peer, name, index, unknown))
 
 
 def _mission_list(talk: Conversation) -> None:

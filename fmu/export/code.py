@@ -15,6 +15,8 @@ _FUNCTIONS: Mapping[str, str] = {
     "cos": "fb_cosine",
     "atan": "fb_arc_tangent",
     "Abs": "fabs",
+    "positive_part": "fb_positive_part",
+    "clamped": "fb_clamped",
 }
 _POWERS: Mapping[int, str] = {2: "fb_square", 3: "fb_cube", 4: "fb_fourth"}
 
@@ -37,7 +39,7 @@ def c_text(expression: Expression) -> str:
         return _power(expression.base, expression.exp)
     name = type(expression).__name__
     if name in _FUNCTIONS:
-        return f"{_FUNCTIONS[name]}({c_text(expression.args[0])})"
+        return f"{_FUNCTIONS[name]}({', '.join(c_text(part) for part in expression.args)})"
     raise UnsupportedError(f"no C for {name} in {expression}")
 
 

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from xml.sax.saxutils import quoteattr
 
 from fmu.export.code import settable_states
-from fmu.export.model import UNITS, Model
+from fmu.export.model import Model
+from fmu.export.units import UNITS
 
 _GENERATOR = "firmware-bridge"
 _STEP = "1e-4"

@@ -6,6 +6,7 @@
 import sympy as sp
 
 from fmu import interface
+from fmu.export.functions import positive_part
 from fmu.export.model import Expression, Input, Model, Output
 from fmu.rars.lift import Lift
 from fmu.rars.parameters import PARAMETERS
@@ -93,4 +94,4 @@ def _battery(shafts: tuple[Shaft, ...]) -> Expression:
     power = sum((shaft.voltage * shaft.current for shaft in shafts), sp.S.Zero)
     emf = P["battery_emf"]
     root = emf**2 - 4 * P["battery_resistance"] * power
-    return (emf + sp.sqrt((root + sp.Abs(root)) * HALF)) * HALF
+    return (emf + sp.sqrt(positive_part(root))) * HALF

@@ -2,8 +2,9 @@
 
 import sympy as sp
 
+from fmu.export.functions import positive_part
 from fmu.export.model import Expression
-from fmu.rars.shaft import HALF, P, Shaft, positive_part
+from fmu.rars.shaft import HALF, P, Shaft
 
 
 class Lift:
@@ -36,7 +37,7 @@ class Lift:
         half = HALF * sp.pi * diameter * (dry + force * self._thread)
         root = sp.sqrt(half**2 + dry * self._thread * pitch * force * pitch)
         balance = -force * pitch / (half + root)
-        return (balance - 1 + sp.Abs(balance + 1)) * HALF
+        return positive_part(balance + 1) - 1
 
     def screw_torque(self) -> Expression:
         """Return the torque on the screw: (2.18) at friction +1, lowering at -1, sticking between."""

@@ -2,6 +2,7 @@
 
 import sympy as sp
 
+from fmu.export.functions import clamped
 from fmu.export.model import Expression, State
 from fmu.rars.shaft import HALF, P, Shaft, symbol
 from fmu.rars.steering import Steering
@@ -42,8 +43,8 @@ class Platform:
         slip = self.slip_angle(side)
         # Odd and piecewise linear: peak at 0.15, 0.66 of it from 1 on.
         fall = sp.Rational(34, 85)
-        near = (sp.Rational(20, 3) + fall) * _clamped(slip, sp.Rational(3, 20))
-        return -load * P["floor_friction"] * (near - fall * _clamped(slip, sp.S.One))
+        near = (sp.Rational(20, 3) + fall) * clamped(slip, sp.Rational(3, 20))
+        return -load * P["floor_friction"] * (near - fall * clamped(slip, sp.S.One))
 
     def accelerations(self) -> tuple[Expression, Expression]:
         """Return the wheel motors' accelerations, left and right.
@@ -120,7 +121,3 @@ class Platform:
         rolling = hub * cosine + swing * sine
         sideways = swing * cosine - hub * sine
         return rolling, sideways, -sine, P["wheelbase"] * cosine + lateral * sine
-
-
-def _clamped(value: Expression, bound: Expression) -> Expression:
-    return (sp.Abs(value + bound) - sp.Abs(value - bound)) * HALF

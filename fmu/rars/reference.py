@@ -33,7 +33,8 @@ def rows(path: Path) -> list[list[float]]:
     table: list[list[float]] = []
     with FmuPlant(path, list(INPUTS), list(OUTPUTS)) as plant:
         for until, *voltages in VOLTAGES:
-            plant.inputs[:] = voltages
+            for i, voltage in enumerate(voltages):
+                plant.inputs[i] = voltage
             while plant.steps_done < round(until * 10_000):
                 if plant.steps_done % STEPS_A_ROW == 0:
                     table.append([plant.steps_done / 10_000, *plant.outputs])

@@ -16,11 +16,6 @@ def symbol(name: str) -> Expression:
     return sp.Symbol(name, real=True)
 
 
-def positive_part(value: Expression) -> Expression:
-    """Return the value where it is positive, else zero, without a branch."""
-    return (value + sp.Abs(value)) * HALF
-
-
 class Shaft:
     """A brushed DC motor; the part that it drives closes its equation of motion.
 

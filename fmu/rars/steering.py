@@ -2,8 +2,9 @@
 
 import sympy as sp
 
+from fmu.export.functions import positive_part
 from fmu.export.model import Expression
-from fmu.rars.shaft import HALF, P, Shaft, positive_part
+from fmu.rars.shaft import HALF, P, Shaft
 
 
 class Steering:

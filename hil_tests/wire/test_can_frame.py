@@ -8,6 +8,7 @@ from firmware_bridge.wire.can import (
     ERROR,
     EXTENDED,
     EXTENDED_MASK,
+    INTERFRAME_BITS,
     REMOTE,
     STANDARD_MASK,
     arbitration_rank,
@@ -60,16 +61,17 @@ addresses = st.one_of(
     st.integers(0, STANDARD_MASK),
     st.integers(0, EXTENDED_MASK).map(lambda number: number | EXTENDED),
 )
+remotes = st.sampled_from([0, REMOTE])
 few_edges = st.sampled_from([0x00, 0xFF, 0xF0, 0x0F, 0x07, 0x83])
 payloads = st.lists(st.one_of(few_edges, st.integers(0, 255)), max_size=8).map(bytes)
 
 
 @settings(max_examples=2000, deadline=None)
-@given(addresses, st.booleans(), payloads)
+@given(addresses, remotes, payloads)
 def test_every_frame_is_as_long_as_the_second_computation_says(
-    address: int, remote: bool, payload: bytes
+    address: int, remote: int, payload: bytes
 ) -> None:
-    address |= REMOTE if remote else 0
+    address |= remote
     assert frame_bits(address, payload) == expected_bits(address, payload)
 
 
@@ -84,25 +86,34 @@ def test_a_frame_stays_between_the_bounds_of_the_literature(address: int, payloa
 
 
 @pytest.mark.parametrize(
-    ("address", "payload", "bits"),
+    ("address", "payload", "with_space"),
     [
-        pytest.param(0x080, "", 48, id="SYNC: 44 bits and 4 stuff bits"),
-        pytest.param(0x555, "", 45, id="alternating identifier: the zeros of the control field stay"),
-        pytest.param(0x701, "00", 58, id="boot-up of node 1"),
-        pytest.param(0x602, "4000100000000000", 125, id="SDO read of 0x1000, EPOS2 Application Notes p. 11-164"),
+        pytest.param(0x080, "", 51, id="SYNC"),
+        pytest.param(0x555, "", 48, id="alternating identifier"),
+        pytest.param(0x701, "00", 59, id="boot-up of node 1"),
+        pytest.param(
+            0x602, "4000100000000000", 124, id="SDO read of 0x1000, EPOS2 Application Notes p. 11-164"
+        ),
         pytest.param(0x582, "4300100092010200", 121, id="its answer 0x00020192, same page"),
-        pytest.param(0x000, "8101", 65, id="NMT reset node 1"),
-        pytest.param(0x000 | REMOTE, "0000000000000000", 53, id="a remote frame has no data"),
-        pytest.param(0 | EXTENDED, "0000000000000000", 154, id="29 bits of zero, 8 bytes of zero"),
+        pytest.param(0x000, "8101", 69, id="NMT reset node 1"),
+        pytest.param(0x000 | EXTENDED, "0000000000000000", 150, id="29 bits of zero, 8 bytes of zero"),
+        pytest.param(0x000 | EXTENDED | REMOTE, "", 73, id="remote frame with 29 bits of zero"),
+        pytest.param(0x100, "FFFFFFFFFFFFFFFF", 126, id="8 bytes of ones"),
+        pytest.param(0x07F, "0000000000000000", 127, id="8 bytes of zeros"),
     ],
 )
-def test_known_frames(address: int, payload: str, bits: int) -> None:
-    assert frame_bits(address, bytes.fromhex(payload)) == bits
-    assert expected_bits(address, bytes.fromhex(payload)) == bits
+def test_known_frames(address: int, payload: str, with_space: int) -> None:
+    # Lengths as measured by `canbusload -e` of can-utils 2020.11 on vcan, interframe space included.
+    assert frame_bits(address, bytes.fromhex(payload)) + INTERFRAME_BITS == with_space
+
+
+def test_a_remote_frame_has_a_length_code_but_no_bytes() -> None:
+    assert frame_bits(0x123 | REMOTE, bytes(8)) == frame_bits(0x123 | REMOTE, b"\xff" * 8)
+    assert frame_bits(0x123 | REMOTE, bytes(8)) < frame_bits(0x123, bytes(1))
 
 
 def test_the_check_sequence_has_the_published_check_value() -> None:
-    # CRC-15/CAN of the ASCII digits 123456789 in the catalogue of parametrised CRC algorithms (G. Cook): 059E.
+    # CRC-15/CAN of the ASCII digits 123456789: 059E (G. Cook, catalogue of parametrised CRC algorithms).
     assert crc15(int.from_bytes(b"123456789", "big"), 72) == 0x059E
 
 
@@ -112,10 +123,10 @@ def test_what_is_no_frame_has_no_length(address: int, length: int) -> None:
         frame_bits(address, bytes(length))
 
 
-@given(addresses, st.booleans(), addresses, st.booleans())
-def test_arbitration_is_won_by_the_first_dominant_bit(one: int, remote: bool, two: int, other: bool) -> None:
-    one |= REMOTE if remote else 0
-    two |= REMOTE if other else 0
+@given(addresses, remotes, addresses, remotes)
+def test_arbitration_is_won_by_the_first_dominant_bit(one: int, remote: int, two: int, other: int) -> None:
+    one |= remote
+    two |= other
     # To the end of the arbitration field, and for a standard frame its extension bit, too.
     one_bits, two_bits = (fields(address, b"")[: 33 if address & EXTENDED else 14] for address in (one, two))
     for first, second in zip(one_bits, two_bits, strict=False):

@@ -44,16 +44,16 @@ _TRANSMIT_FLAGS: Final = (COB_ID_NO_REMOTE, *[COB_ID_INVALID | COB_ID_NO_REMOTE]
 
 def _parameter(index: int, title: str, cob_id: int, entries: int) -> Iterator[ObjectRow]:
     yield count(index, entries, name=f"{title} Parameter: Largest Sub-Index")
-    yield row(index, 1, f"COB-ID of {title}", DataType.UNSIGNED32, _RW, cob_id, node=True)
-    yield row(index, 2, f"Transmission Type of {title}", DataType.UNSIGNED8, _RW, ON_CHANGE)
+    yield row(index, 1, f"COB-ID of {title}", DataType.UNSIGNED32, _RW, default=cob_id, node=True)
+    yield row(index, 2, f"Transmission Type of {title}", DataType.UNSIGNED8, _RW, default=ON_CHANGE)
 
 
 def _mapping(index: int, title: str, mapped: tuple[int, ...]) -> Iterator[ObjectRow]:
     name = f"Number of Objects Mapped in {title}"
-    yield row(index, 0, name, DataType.UNSIGNED8, _RW, len(mapped), low=0, high=MAX_ENTRIES)
+    yield row(index, 0, name, DataType.UNSIGNED8, _RW, default=len(mapped), low=0, high=MAX_ENTRIES)
     padded = mapped + (0,) * (MAX_ENTRIES - len(mapped))
     for place, word in enumerate(padded, start=1):
-        yield row(index, place, f"Mapped Object {place} in {title}", DataType.UNSIGNED32, _RW, word)
+        yield row(index, place, f"Mapped Object {place} in {title}", DataType.UNSIGNED32, _RW, default=word)
 
 
 def _rows() -> Iterator[ObjectRow]:
@@ -66,7 +66,7 @@ def _rows() -> Iterator[ObjectRow]:
         index = TRANSMIT_PARAMETER + number
         yield from _parameter(index, title, TRANSMIT_PDO[number] | _TRANSMIT_FLAGS[number], entries=3)
         inhibit = f"Inhibit Time of {title}"
-        yield row(index, 3, inhibit, DataType.UNSIGNED16, _RW, INHIBIT, unit="100 us")
+        yield row(index, 3, inhibit, DataType.UNSIGNED16, _RW, default=INHIBIT, unit="100 us")
         yield from _mapping(TRANSMIT_MAPPING + number, title, _TRANSMIT_DEFAULTS[number])
 
 

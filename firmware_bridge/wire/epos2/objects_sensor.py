@@ -1,6 +1,6 @@
 """Objects of the maker on sensors, gear, outer set-points and tuning, 0x2210 to 0x2FFF.
 
-Source: maxon EDS for the EPOS2 70/10, software 2126h; `read` is the value in a real 70/10 where the EDS has none.
+Source: maxon EDS for the EPOS2 70/10, software 2126h; `read` is the value in a real device where it has none.
 """
 
 from typing import Final
@@ -27,14 +27,14 @@ SENSORS: Final[tuple[ObjectRow, ...]] = (
         "Pulse Number Incremental Encoder 1",
         _U32,
         _RW,
-        500,
+        default=500,
         low=16,
         high=2500000,
         unit="pulses/turn",
     ),
-    row(0x2210, 2, "Position Sensor Type", _U16, _RW, 1),
-    row(0x2210, 3, "Absolute Position Offset", _U16, _RW, 0),
-    row(0x2210, 4, "Position Sensor Polarity", _U16, _RW, 0x0000),
+    row(0x2210, 2, "Position Sensor Type", _U16, _RW, default=1),
+    row(0x2210, 3, "Absolute Position Offset", _U16, _RW, default=0),
+    row(0x2210, 4, "Position Sensor Polarity", _U16, _RW, default=0x0000),
     count(0x2211, 4, name="SSI Encoder Configuration: Number of Entries"),
     row(0x2211, 1, "SSI Encoder Data Rate", _U16, _RW, read=0x01F4, unit="kbit/s"),
     row(0x2211, 2, "SSI Encoder Number of Data Bits", _U16, _RW, read=0x0C0D),
@@ -68,7 +68,7 @@ SENSORS: Final[tuple[ObjectRow, ...]] = (
     ),
     row(0x2213, 2, "Sinus Incremental Encoder 2 Actual Position", _I32, _RO),
     row(0x2213, 3, "Sinus Incremental Encoder 2 Actual Angle", _U16, _RO),
-    row(0x2220, 0, "Controller Structure", _U16, _RW, 0),
+    row(0x2220, 0, "Controller Structure", _U16, _RW, default=0),
     count(0x2230, 3, name="Gear Configuration: Number of Entries"),
     row(0x2230, 1, "Gear Ratio Numerator", _U32, _RW, read=0x00000000),
     row(0x2230, 2, "Gear Ratio Denominator", _U16, _RW, read=0x0001),
@@ -78,9 +78,9 @@ SENSORS: Final[tuple[ObjectRow, ...]] = (
     row(0x2240, 2, "SSI Encoder Zero Position Reference", _I32, _RO, read=0x00000000),
     count(0x2300, 5, name="Digital Position Input: Number of Entries"),
     row(0x2300, 1, "Digital Position Desired Value", _I32, _RO, unit="qc"),
-    row(0x2300, 2, "Digital Position Scaling Numerator", _U16, _RW, 1),
-    row(0x2300, 3, "Digital Position Scaling Denominator", _U16, _RW, 1),
-    row(0x2300, 4, "Digital Position Polarity", _U8, _RW, 0),
+    row(0x2300, 2, "Digital Position Scaling Numerator", _U16, _RW, default=1),
+    row(0x2300, 3, "Digital Position Scaling Denominator", _U16, _RW, default=1),
+    row(0x2300, 4, "Digital Position Polarity", _U8, _RW, default=0),
     row(0x2300, 5, "Digital Position Offset", _I32, _RW, read=0, unit="qc"),
     count(0x2301, 4, name="Analog Current Setpoint Configuration: Number of Entries"),
     row(0x2301, 1, "Analog Current Setpoint Scaling", _I16, _RW, read=0x0000),
@@ -119,7 +119,7 @@ SENSORS: Final[tuple[ObjectRow, ...]] = (
     row(0x2411, 2, "Inductivity", _U16, _RO),
     row(0x2411, 3, "Frequency", _U16, _RO),
     count(0x2FFF, 6, name="Internal Firmware Download: Number of Entries"),
-    row(0x2FFF, 1, "Download Start", _U32, _WO, 0),
+    row(0x2FFF, 1, "Download Start", _U32, _WO, default=0),
     row(0x2FFF, 2, "Download Number of SubSections", _U16, _RW),
     row(0x2FFF, 3, "Download Code SubSection", _DOMAIN, _WO),
     row(0x2FFF, 4, "Download Boot Code Version", _U16, _RO, read=0x2DB6),

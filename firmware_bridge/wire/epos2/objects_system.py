@@ -1,6 +1,6 @@
 """Objects of the maker on the device itself: versions, lines, recorder, inner values, 0x2000 to 0x202E.
 
-Source: maxon EDS for the EPOS2 70/10, software 2126h; `read` is the value in a real 70/10 where the EDS has none.
+Source: maxon EDS for the EPOS2 70/10, software 2126h; `read` is the value in a real device where it has none.
 """
 
 from typing import Final
@@ -26,7 +26,7 @@ SYSTEM: Final[tuple[ObjectRow, ...]] = (
         "Node ID",
         _U8,
         _RW,
-        0x00,
+        default=0x00,
         node=True,
         note="effective after save and reset, while the DIP switch is 0",
     ),
@@ -64,10 +64,10 @@ SYSTEM: Final[tuple[ObjectRow, ...]] = (
     row(0x2009, 0, "Dip Switch State", _U16, _RO),
     row(0x200A, 0, "CAN Bitrate Display", _U16, _RO),
     count(0x200C, 4, _CONST, name="Custom persistent memory: Number of Entries"),
-    row(0x200C, 1, "Custom persistent memory 1", _U32, _RW, 0x00000000),
-    row(0x200C, 2, "Custom persistent memory 2", _U32, _RW, 0x00000000),
-    row(0x200C, 3, "Custom persistent memory 3", _U32, _RW, 0x00000000),
-    row(0x200C, 4, "Custom persistent memory 4", _U32, _RW, 0x00000000),
+    row(0x200C, 1, "Custom persistent memory 1", _U32, _RW, default=0x00000000),
+    row(0x200C, 2, "Custom persistent memory 2", _U32, _RW, default=0x00000000),
+    row(0x200C, 3, "Custom persistent memory 3", _U32, _RW, default=0x00000000),
+    row(0x200C, 4, "Custom persistent memory 4", _U32, _RW, default=0x00000000),
     row(0x2010, 0, "DataRecorder Control", _U16, _RW),
     row(0x2011, 0, "DataRecorder Configuration", _U16, _RW, read=0x0003),
     row(0x2012, 0, "DataRecorder Sampling Period", _U16, _RW, read=0x000A, unit="100 us"),
@@ -93,7 +93,7 @@ SYSTEM: Final[tuple[ObjectRow, ...]] = (
     row(0x2022, 0, "Hall Sensor Pattern", _U16, _RO, mapped=True),
     row(0x2023, 0, "Actual Rotor Angle", _U16, _RW),
     row(0x2024, 0, "System State", _U16, _RO),
-    row(0x2025, 0, "Reserved", _U32, _WO, 0),
+    row(0x2025, 0, "Reserved", _U32, _WO, default=0),
     count(0x2026, 2, name="Internal Object ProcessMemory: Number of Entries"),
     row(0x2026, 1, "MemoryAddress", _U32, _RW),
     row(0x2026, 2, "MemoryValue", _U16, _RW),

@@ -147,8 +147,8 @@ def row(
     name: str,
     kind: DataType,
     access: Access,
-    default: int | None = None,
     *,
+    default: int | None = None,
     low: int | None = None,
     high: int | None = None,
     unit: str = "",
@@ -158,6 +158,7 @@ def row(
     note: str = "",
 ) -> ObjectRow:
     """Make a row of the EDS. Its default: the EDS's, else the value `read` from a real device, else 0."""
+    value: int | bytes
     if default is not None:
         value, origin, trust = default, EDS, Provenance.PROVEN
     elif read is not None:
@@ -185,4 +186,4 @@ def row(
 
 def count(index: int, entries: int, access: Access = Access.RO, name: str = "Number of Entries") -> ObjectRow:
     """Make the row of sub-index 0: how many entries, or the largest sub-index."""
-    return row(index, 0, name, DataType.UNSIGNED8, access, entries)
+    return row(index, 0, name, DataType.UNSIGNED8, access, default=entries)

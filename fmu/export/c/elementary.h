@@ -14,6 +14,8 @@
 
 static inline double fb_square(double x) { return x * x; }
 static inline double fb_cube(double x) { return x * x * x; }
+static inline double fb_positive_part(double x) { return x > 0.0 ? x : 0.0; }
+static inline double fb_clamped(double x, double bound) { return x > bound ? bound : x < -bound ? -bound : x; }
 static inline double fb_fourth(double x) { return fb_square(fb_square(x)); }
 
 /* Taylor series on -pi/4..pi/4; the first neglected terms are below 1e-19 and 3e-18. */

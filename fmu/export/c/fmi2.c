@@ -16,8 +16,16 @@ static fmi2Status status(bool good) { return good ? fmi2OK : fmi2Error; }
 
 void fb_log_error(void *environment, const void *logger, const char *name, const char *message) {
   const fmi2CallbackFunctions *functions = logger;
-  if (functions && functions->logger)
-    functions->logger(environment, name, fmi2Error, "logStatusError", "%s", message);
+  char format[512];
+  size_t n = 0;
+  if (!functions || !functions->logger) return;
+  /* The message is a printf format to the importer, but many pass it on as it is: whole, % doubled. */
+  for (; *message && n < sizeof format - 2; message++) {
+    if (*message == '%') format[n++] = '%';
+    format[n++] = *message;
+  }
+  format[n] = '\0';
+  functions->logger(environment, name ? name : "", fmi2Error, "logStatusError", format);
 }
 
 const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }

@@ -1,6 +1,6 @@
 """The bridge on a bus with four paper drives, and a ground station in the test's hand."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,17 +11,17 @@ from emulators.wires.datagram import DatagramWire
 from emulators.world import World
 from firmware_bridge import robot as robots
 from firmware_bridge.bridge import Bridge, Phase
-from firmware_bridge.drivers import epos2_setup as setup
 from firmware_bridge.node import CAN, OPERATOR, Packet, Reaction
 from firmware_bridge.robot import Axis, Mode, Robot
+from firmware_bridge.safety.guard import Guarded
+from firmware_bridge.safety.guard_rules import rules_for
 from firmware_bridge.teleop.mavlink import Codec, dialect, text_of
-from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
-from firmware_bridge.wire import canopen, sdo
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+from firmware_bridge.wire import sdo
 from firmware_bridge.wire.abort import AbortCode
 from firmware_bridge.wire.canopen import NmtCommand, NmtState
 from firmware_bridge.wire.cia402 import Command, Control, State, command_of
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.address import Address
 
 REMOTE = 1 << 9
 STEPS = {
@@ -47,20 +47,21 @@ class PaperDrive:
 
     def __init__(self, axis: Axis) -> None:
         self.axis = axis
-        self.memory: dict[Address, bytes] = {
+        self.memory: dict[at.Address, bytes] = {
             at.DEVICE_TYPE: bytes.fromhex("92010200"),
             at.VENDOR_ID: bytes.fromhex("FB000000"),
             at.PRODUCT_CODE: bytes.fromhex("00002064"),
             at.VELOCITY_AVERAGED: bytes(4),
             at.ANALOGUE_INPUT_1: (4100).to_bytes(2, "little"),
         }
-        self.written: list[tuple[Address, bytes]] = []
-        self.refuses: dict[Address, AbortCode] = {}
-        self.forgets: set[Address] = set()
+        self.written: list[tuple[at.Address, bytes]] = []
+        self.refuses: dict[at.Address, AbortCode] = {}
+        self.forgets: set[at.Address] = set()
         self.state = State.SWITCH_ON_DISABLED
         self.nmt = NmtState.PRE_OPERATIONAL
         self.silent = False
         self.stuck_in: set[State] = set()
+        self.jammed = False
         self.words: list[tuple[Nanoseconds, int, int]] = []
         """Each set-point: when, controlword, target."""
         self.rpm = 0
@@ -142,7 +143,7 @@ class PaperDrive:
         moves = self.state is State.OPERATION_ENABLED
         if self.axis.mode is Mode.VELOCITY:
             self.rpm = target if moves else 0
-        elif moves and edge:
+        elif moves and edge and not self.jammed:
             self.position = float(target)
         return [(0x180 + self.axis.node, self._status())] if self.state is not before else []
 
@@ -197,11 +198,12 @@ class Bench:
     def __post_init__(self) -> None:
         bus, air = CanWire(self.robot.bus.bit_rate), DatagramWire()
         bus.observe(lambda now, sender, packet: self.frames.append((now, sender, packet)))
-        self.world.attach("bridge", self.bridge, {CAN: bus, OPERATOR: air})
-        for name, drive in self.drives.items():
-            self.world.attach(name, drive, {CAN: bus})
+        self.guard = Guarded(self.bridge, rules_for(self.robot))
+        self.at_bridge = self.world.attach("bridge", self.guard, {CAN: bus, OPERATOR: air})
+        self.places = {
+            name: self.world.attach(name, drive, {CAN: bus}) for name, drive in self.drives.items()
+        }
         self.at_station = self.world.attach("station", self.station, {OPERATOR: air})
-        self.places = {name: self.world._stations[name] for name in (*self.drives, "bridge")}  # noqa: SLF001 - the world has no other way to inject
         self.bus, self.air = bus, air
 
     @property
@@ -213,27 +215,29 @@ class Bench:
         until = self.now + round(seconds * SECOND)
         while self.now < until:
             if self.talks:
-                self.says(
-                    dialect.MAVLink_manual_control_message(
-                        target=1, x=round(self.speed / 0.5 * 1000), y=0, z=500, r=round(-self.steer / 60.0 * 1000), buttons=0
-                    )
-                )
+                x, r = round(self.speed / 0.5 * 1000), round(-self.steer / 60.0 * 1000)
+                self.says(dialect.MAVLink_manual_control_message(1, x, 0, 500, r, 0))
             self.world.run(min(self.now + 50 * MILLISECOND, until))
 
     def starts(self) -> None:
         self.runs(1.5)
         assert self.bridge.phase is Phase.RUNNING
 
+    def stops(self) -> None:
+        """Ask for the orderly end."""
+        for packet in self.guard.stop(self.now).sent:
+            self.bus.carry(self.at_bridge, packet)
+
     def arms(self) -> int:
         return self.commands(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1.0)
 
     def commands(self, command: int, *params: float) -> int:
         """Send a command; return the MAV_RESULT."""
-        self.station.heard.clear()
+        before = len(self.station.heard)
         padded = (*params, *(0.0,) * (7 - len(params)))
         self.says(dialect.MAVLink_command_long_message(1, 1, command, 0, *padded))
         self.world.run(self.now + MILLISECOND)
-        for message in self.station.heard:
+        for message in self.station.heard[before:]:
             if message.get_type() == "COMMAND_ACK":
                 return int(message.result)
         raise AssertionError("no COMMAND_ACK")
@@ -249,15 +253,25 @@ class Bench:
 
     def told(self) -> str:
         """All texts that the station has heard, joined."""
-        return "".join(text_of(message.text) for message in self.station.heard if message.get_type() == "STATUSTEXT")
+        texts = [message.text for message in self.station.heard if message.get_type() == "STATUSTEXT"]
+        return "".join(map(text_of, texts))
 
-    def sent(self, address: int) -> list[tuple[Nanoseconds, bytes]]:
-        """What the bridge sent with this identifier, by the end of each frame."""
+    def sent(self, address: int, since: Nanoseconds = 0) -> list[tuple[Nanoseconds, str]]:
+        """What the bridge sent with this identifier, by the end of each frame, in hexadecimal."""
         return [
-            (now, packet.payload)
+            (now, packet.payload.hex(" "))
             for now, sender, packet in self.frames
-            if sender == "bridge" and packet.address == address
+            if sender == "bridge" and packet.address == address and now >= since
         ]
+
+    def words(self, name: str, since: Nanoseconds) -> list[tuple[int, int]]:
+        """Controlword and target of each set-point that a drive has heard."""
+        return [(word, target) for now, word, target in self.drives[name].words if now >= since]
+
+
+def joined() -> Bench:
+    robot = robots.find("rars")
+    return Bench(robot, Bridge(robot), {axis.name: PaperDrive(axis) for axis in robot.axes})
 
 
 @pytest.fixture
@@ -266,5 +280,14 @@ def robot() -> Robot:
 
 
 @pytest.fixture
-def bench(robot: Robot) -> Bench:
-    return Bench(robot, Bridge(robot), {axis.name: PaperDrive(axis) for axis in robot.axes})
+def bench() -> Iterator[Bench]:
+    """Four drives, a bridge behind its guard, a station; the guard must have had nothing to refuse."""
+    bench = joined()
+    yield bench
+    assert [refusal.reason for refusal in bench.guard.refusals] == []
+
+
+@pytest.fixture(scope="session")
+def new_bench() -> Callable[[], Bench]:
+    """For tests that need one for each example."""
+    return joined

@@ -87,7 +87,7 @@ class Bench:
         return self.say(dialect.MAVLink_command_long_message(*target, command, confirmation, *seven))
 
     def stick(
-        self, x: int = 0, y: int = 0x7FFF, z: int = 0, r: int = 0, buttons: int = 0, target: int = 1
+        self, *, x: int = 0, y: int = 0x7FFF, z: int = 0, r: int = 0, buttons: int = 0, target: int = 1
     ) -> list[Any]:
         return self.say(dialect.MAVLink_manual_control_message(target, x, y, z, r, buttons))
 

@@ -14,13 +14,13 @@ def test_up_to_fifty_characters_are_one_message_without_a_number() -> None:
     for length in (1, 49, 50):
         [message] = Speaker().say(Severity.WARNING, "x" * length)
         assert (message.severity, message.id, message.chunk_seq) == (4, 0, 0)
-        assert message.text == b"x" * length
+        assert message.text == "x" * length
 
 
 def test_fifty_one_characters_are_two_messages_with_one_number() -> None:
     first, second = Speaker().say(Severity.CRITICAL, "x" * 51)
     assert (first.id, first.chunk_seq, len(first.text)) == (1, 0, 50)
-    assert (second.id, second.chunk_seq, second.text) == (1, 1, b"x")
+    assert (second.id, second.chunk_seq, second.text) == (1, 1, "x")
 
 
 def test_each_long_text_has_another_number_that_is_never_zero() -> None:

@@ -1,0 +1,161 @@
+"""The object store of one drive: every object's value behind the checks that a bus client meets.
+
+Two doors: `read` and `write` for clients, with the table's access, size and range; `get` and `set` for the
+drive itself. It refuses to know what a value does; whoever does hangs a hook on it.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from types import MappingProxyType
+from typing import Final
+
+from firmware_bridge.wire.abort import AbortCode, SdoAbort
+from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.objects import INDEXES, OBJECTS
+from firmware_bridge.wire.epos2.rows import ObjectRow
+
+LARGEST_DOMAIN: Final = 4096
+"""Bytes that a domain takes (ASSUME: no limit is documented)."""
+
+
+class Cell:
+    """One object: its row, its value, and what hangs on it."""
+
+    __slots__ = ("_high", "_low", "_sinks", "_source", "row", "value")
+
+    def __init__(self, row: ObjectRow) -> None:
+        self.row = row
+        self.value: int = 0
+        self._low, self._high = row.bounds
+        self._source: Callable[[], int] | None = None
+        self._sinks: tuple[Callable[[int], None], ...] = ()
+
+    def source(self, source: Callable[[], int]) -> None:
+        """Take the value from somewhere else whenever a client reads."""
+        self._source = source
+
+    def sink(self, sink: Callable[[int], None]) -> None:
+        """Show each written value to `sink` before it is stored."""
+        self._sinks = (*self._sinks, sink)
+
+    def live(self) -> int:
+        """Return the value as a client sees it now."""
+        source = self._source
+        return self.value if source is None else source()
+
+    def accept(self, value: int) -> None:
+        """Take a client's value: range, hooks, then the store."""
+        if value < self._low:
+            raise SdoAbort(AbortCode.TOO_LOW, self.row.address)
+        if value > self._high:
+            raise SdoAbort(AbortCode.TOO_HIGH, self.row.address)
+        for sink in self._sinks:
+            sink(value)
+        self.value = value
+
+
+class ObjectStore:
+    """All objects of one drive."""
+
+    def __init__(
+        self, node_id: int = 1, differing: Mapping[Address, int | bytes] = MappingProxyType({})
+    ) -> None:
+        """Fill the store with the defaults of the drive `node_id`; `differing` replaces some of them."""
+        self.node_id = node_id
+        self._differing = dict(differing)
+        unknown = [str(address) for address in self._differing if address not in OBJECTS]
+        if unknown:
+            raise ValueError(f"no such object: {', '.join(unknown)}")
+        self._cells = {row.address: Cell(row) for row in OBJECTS.values() if row.type.size}
+        self._texts: dict[Address, bytes] = {}
+        for row in OBJECTS.values():
+            default = self.default(row.address)
+            if isinstance(default, bytes):
+                self._texts[row.address] = default
+            else:
+                self._cells[row.address].value = default
+
+    # As a bus client
+
+    def read(self, address: Address) -> bytes:
+        """Return an object's bytes, low byte first; SdoAbort when it does not exist or is write-only."""
+        row = self.row(address)
+        if not row.access.readable:
+            raise SdoAbort(AbortCode.WRITE_ONLY, address)
+        cell = self._cells.get(address)
+        return self._texts[address] if cell is None else row.type.encode(cell.live())
+
+    def write(self, address: Address, raw: bytes) -> None:
+        """Give an object a value; SdoAbort by existence, access, size, range, or a hook's objection."""
+        self.check_writable(address, len(raw))
+        cell = self._cells.get(address)
+        if cell is None:
+            self._texts[address] = bytes(raw)
+        else:
+            cell.accept(cell.row.type.decode(raw))
+
+    def check_writable(self, address: Address, size: int | None) -> None:
+        """Refuse a write that is to come; `size` in bytes is None where the client has not told it."""
+        row = self.row(address)
+        if not row.access.writable:
+            raise SdoAbort(AbortCode.READ_ONLY, address)
+        if size is None:
+            return
+        if row.type.size == 0:
+            if size > LARGEST_DOMAIN:
+                raise SdoAbort(AbortCode.OUT_OF_MEMORY, address)
+        elif size > row.type.size:
+            raise SdoAbort(AbortCode.TOO_LONG, address)
+        elif size < row.type.size:
+            raise SdoAbort(AbortCode.TOO_SHORT, address)
+
+    def row(self, address: Address) -> ObjectRow:
+        """Return an object's row; SdoAbort when there is none."""
+        row = OBJECTS.get(address)
+        if row is None:
+            missing = AbortCode.NO_SUBINDEX if address.index in INDEXES else AbortCode.NO_OBJECT
+            raise SdoAbort(missing, address)
+        return row
+
+    # Inside the drive
+
+    def get(self, address: Address) -> int:
+        """Return the stored value of a number, whatever its access."""
+        return self._cells[address].value
+
+    def set(self, address: Address, value: int) -> None:
+        """Store a number without checks and hooks."""
+        self._cells[address].value = value
+
+    def live(self, address: Address) -> int:
+        """Return a number as a client would read it now."""
+        return self._cells[address].live()
+
+    def cell(self, address: Address) -> Cell:
+        """Return the cell of a number, for those who come back often."""
+        return self._cells[address]
+
+    def on_read(self, address: Address, source: Callable[[], int]) -> None:
+        """Let clients read what `source` gives; a number too large for the type wraps."""
+        self._cells[address].source(source)
+
+    def on_write(self, address: Address, sink: Callable[[int], None]) -> None:
+        """Show clients' values to `sink` after the checks, before they are stored; it may raise SdoAbort."""
+        self._cells[address].sink(sink)
+
+    # Defaults
+
+    def default(self, address: Address) -> int | bytes:
+        """Return an object's default in this drive."""
+        given = self._differing.get(address)
+        return OBJECTS[address].default_for(self.node_id) if given is None else given
+
+    def numbers(self) -> Iterator[tuple[ObjectRow, int]]:
+        """Give every object that holds a number, with its stored value, in the order of the addresses."""
+        for cell in self._cells.values():
+            yield cell.row, cell.value
+
+    def load_default(self, address: Address) -> None:
+        """Bring a number back to its default without hooks."""
+        default = self.default(address)
+        if isinstance(default, int):
+            self._cells[address].value = default

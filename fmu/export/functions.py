@@ -1,0 +1,11 @@
+"""Functions that equations may use besides SymPy's own: exact where a sum of absolute values would round."""
+
+from typing import Final
+
+import sympy as sp
+
+positive_part: Final = sp.Function("positive_part", real=True)
+"""positive_part(x): x where it is positive, else exactly 0."""
+
+clamped: Final = sp.Function("clamped", real=True)
+"""clamped(x, b): x within -b..b, else the nearer bound."""

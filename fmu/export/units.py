@@ -1,0 +1,46 @@
+"""The units that models may use, by their SI exponents."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A unit by its SI exponents (FMI 2.0.4 section 2.2.2, FMI 3.0.2 section 2.4.3)."""
+
+    kg: int = 0
+    m: int = 0
+    s: int = 0
+    A: int = 0
+    rad: int = 0
+
+    def exponents(self) -> dict[str, int]:
+        """Return the exponents that are not zero."""
+        every = {"kg": self.kg, "m": self.m, "s": self.s, "A": self.A, "rad": self.rad}
+        return {base: power for base, power in every.items() if power}
+
+
+UNITS: Final[Mapping[str, Unit]] = {
+    "1": Unit(),
+    "s": Unit(s=1),
+    "m": Unit(m=1),
+    "m/s": Unit(m=1, s=-1),
+    "m/s2": Unit(m=1, s=-2),
+    "s/m": Unit(m=-1, s=1),
+    "rad": Unit(rad=1),
+    "rad/s": Unit(rad=1, s=-1),
+    "kg": Unit(kg=1),
+    "kg.m2": Unit(kg=1, m=2),
+    "N": Unit(kg=1, m=1, s=-2),
+    "N/m": Unit(kg=1, s=-2),
+    "N.m": Unit(kg=1, m=2, s=-2),
+    "N.m.s/rad": Unit(kg=1, m=2, s=-1, rad=-1),
+    "N.m/A": Unit(kg=1, m=2, s=-2, A=-1),
+    "J": Unit(kg=1, m=2, s=-2),
+    "A": Unit(A=1),
+    "V": Unit(kg=1, m=2, s=-3, A=-1),
+    "Ohm": Unit(kg=1, m=2, s=-3, A=-2),
+    "H": Unit(kg=1, m=2, s=-2, A=-2),
+}
+"""Units that models may use."""

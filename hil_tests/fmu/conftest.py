@@ -1,0 +1,56 @@
+"""Plants for the tests of this folder: built once, closed after each test."""
+
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from types import MappingProxyType
+
+import pytest
+
+from fmu.build import ensure
+from fmu.interface import INPUTS, OUTPUTS
+from fmu.plant import FmuPlant
+
+NOTHING: Mapping[str, float] = MappingProxyType({})
+
+
+class Bench:
+    """A plant with all of its outputs by name."""
+
+    def __init__(self, plant: FmuPlant) -> None:
+        self.plant = plant
+
+    def runs(self, seconds: float, **voltages: float) -> dict[str, float]:
+        """Hold the voltages (others 0) for this time; return the outputs."""
+        for i, name in enumerate(INPUTS):
+            self.plant.inputs[i] = voltages.get(name.removeprefix("voltage_"), 0.0)
+        for _ in range(round(seconds * 10_000)):
+            self.plant.step()
+        return self.now()
+
+    def now(self) -> dict[str, float]:
+        return dict(zip(OUTPUTS, self.plant.outputs, strict=True))
+
+    def energy(self) -> float:
+        return self.plant.read("energy")
+
+
+PlantMaker = Callable[..., Bench]
+
+
+@pytest.fixture(scope="session")
+def fmu_file() -> dict[int, Path]:
+    return {2: ensure("rars", 2), 3: ensure("rars", 3)}
+
+
+@pytest.fixture
+def bench(fmu_file: dict[int, Path]) -> Iterator[PlantMaker]:
+    opened: list[FmuPlant] = []
+
+    def make(parameters: Mapping[str, float] = NOTHING, *, fmi: int = 3, step: int = 100_000) -> Bench:
+        plant = FmuPlant(fmu_file[fmi], list(INPUTS), list(OUTPUTS), parameters, step)
+        opened.append(plant)
+        return Bench(plant)
+
+    yield make
+    for plant in opened:
+        plant.close()

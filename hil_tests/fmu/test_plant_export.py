@@ -1,0 +1,235 @@
+"""The FMU as a file: valid, described, reproducible, with the sources that rebuild the same bits."""
+
+import ctypes
+import hashlib
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+from importlib import resources
+from pathlib import Path
+from typing import Any
+from zipfile import ZIP_DEFLATED, ZipFile
+
+import mpmath  # type: ignore[import-untyped]
+import numpy as np
+import pytest
+from fmpy.model_description import read_model_description
+from fmpy.validation import validate_fmu
+
+from fmu import build
+from fmu.errors import PlantError
+from fmu.interface import INPUTS, OUTPUTS
+from fmu.plant import FmuPlant
+from fmu.rars import reference
+from fmu.rars.parameters import PARAMETERS, ROBOT_FILE, SETS
+
+
+def run(command: list[str], **options: Any) -> None:
+    subprocess.run(command, check=True, **options)  # noqa: S603 - this Python, or a compiler
+
+
+COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_fmpys_checker_finds_nothing(fmu_file: dict[int, Path], fmi: int) -> None:
+    assert validate_fmu(str(fmu_file[fmi])) == []
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_description_carries_units_and_nominal_values(fmu_file: dict[int, Path], fmi: int) -> None:
+    description = read_model_description(str(fmu_file[fmi]))
+    assert description.coSimulation.canBeInstantiatedOnlyOncePerProcess is False
+    assert description.coSimulation.canGetAndSetFMUstate
+    variables = {variable.name: variable for variable in description.modelVariables}
+    for name, unit in INPUTS.items():
+        assert (variables[name].causality, variables[name].unit) == ("input", unit)
+    for name, unit in OUTPUTS.items():
+        assert (variables[name].causality, variables[name].unit) == ("output", unit)
+        assert float(variables[name].nominal) > 0
+    for row in PARAMETERS:
+        variable = variables[row.name]
+        assert (variable.causality, variable.unit, float(variable.start)) == (
+            "parameter",
+            row.unit,
+            row.start,
+        )
+        assert row.source in variable.description
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_building_twice_gives_the_same_bytes(fmu_file: dict[int, Path], tmp_path: Path, fmi: int) -> None:
+    # In a new process with another hash seed, since sets are where order gets lost.
+    script = "import sys, pathlib, fmu.build; "
+    script += "fmu.build.build('rars', int(sys.argv[1]), pathlib.Path(sys.argv[2]))"
+    again = tmp_path / "again.fmu"
+    run(
+        [sys.executable, "-c", script, str(fmi), str(again)],
+        env=os.environ | {"PYTHONHASHSEED": "12345"},
+    )
+    assert again.read_bytes() == fmu_file[fmi].read_bytes()
+
+
+def rebuilt(original: Path, target: Path, folder: Path, compiler: str, flags: list[str]) -> Path:
+    """Compile the sources that the FMU brings along, and exchange its binary."""
+    with ZipFile(original) as archive:
+        archive.extractall(folder)
+        binary = next(name for name in archive.namelist() if name.startswith("binaries/"))
+    units = re.findall(r'SourceFile name="([^"]+)"', (folder / "sources/buildDescription.xml").read_text())
+    command = [compiler, "-std=c99", "-fPIC", "-shared", *flags, "-o", str(folder / binary), *units, "-lm"]
+    run(command, cwd=folder / "sources")
+    with ZipFile(target, "w", ZIP_DEFLATED) as archive:
+        for path in sorted(folder.rglob("*")):
+            if path.is_file():
+                archive.write(path, path.relative_to(folder).as_posix())
+    return target
+
+
+def trace(path: Path) -> str:
+    """Hash of all output bits over 0.3 s of wild voltages."""
+    generator = np.random.default_rng(7)
+    digest = hashlib.sha256()
+    with FmuPlant(path, list(INPUTS), list(OUTPUTS), {"angle_lift": 40.0, "heading": 3.0}) as plant:
+        for step in range(3000):
+            if step % 50 == 0:
+                for i, voltage in enumerate(generator.uniform(-24.0, 24.0, 4)):
+                    plant.inputs[i] = float(voltage)
+            plant.step()
+            digest.update(bytes(plant.outputs))
+    return digest.hexdigest()
+
+
+def test_fmi_2_and_3_agree_bit_for_bit(fmu_file: dict[int, Path]) -> None:
+    assert trace(fmu_file[2]) == trace(fmu_file[3])
+
+
+@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("flags", ["-O0", "-O1", "-O2", "-O3", "-O3 -march=native"])
+def test_every_compiler_gives_the_same_bits(
+    fmu_file: dict[int, Path], tmp_path: Path, compiler: str, flags: str
+) -> None:
+    options = [*flags.split(), "-ffp-contract=off", "-Wall", "-Wextra", "-Wno-unused-parameter", "-Werror"]
+    other = rebuilt(fmu_file[3], tmp_path / "other.fmu", tmp_path / "unzipped", compiler, options)
+    assert trace(other) == trace(fmu_file[3])
+
+
+def test_the_reference_trajectory_still_holds(fmu_file: dict[int, Path]) -> None:
+    written = np.loadtxt(reference.FILE, delimiter=",", skiprows=1)
+    assert reference.FILE.read_text(encoding="utf-8").splitlines()[0].split(",") == ["time", *OUTPUTS]
+    assert np.array(reference.rows(fmu_file[3])) == pytest.approx(written, rel=1e-7, abs=1e-9)
+
+
+def test_own_sine_cosine_and_arc_tangent(tmp_path: Path) -> None:
+    source = Path(build.__file__).parent / "export" / "c" / "elementary.h"
+    wrapper = f'#include "{source}"\n' + "".join(
+        f"double {name}(double x) {{ return fb_{name}(x); }}\n" for name in ("sine", "cosine", "arc_tangent")
+    )
+    (tmp_path / "own.c").write_text(wrapper)
+    command = [
+        build.find_compiler(),
+        "-O2",
+        "-ffp-contract=off",
+        "-shared",
+        "-fPIC",
+        "-o",
+        "own.so",
+        "own.c",
+        "-lm",
+    ]
+    run(command, cwd=tmp_path)
+    library = ctypes.CDLL(str(tmp_path / "own.so"))
+    generator = np.random.default_rng(1)
+    angles = [*generator.uniform(-4, 4, 400), *generator.uniform(-1e6, 1e6, 400), 0.0, 1e6, -1e6]
+    angles += [k * np.pi / 4 + d for k in range(-9, 10) for d in (-1e-9, 0.0, 1e-9)]
+    slopes = [*generator.uniform(-3, 3, 400), *10.0 ** generator.uniform(-20, 20, 400), 0.0, 1.0, -1.0]
+    for name, exact, arguments in (
+        ("sine", mpmath.sin, angles),
+        ("cosine", mpmath.cos, angles),
+        ("arc_tangent", mpmath.atan, slopes),
+    ):
+        own = getattr(library, name)
+        own.restype, own.argtypes = ctypes.c_double, [ctypes.c_double]
+        for x in arguments:
+            value = exact(mpmath.mpf(float(x)))
+            assert abs(own(float(x)) - value) <= 1.5e-16 + 2.3e-16 * abs(value), (name, x)
+
+
+def test_the_generated_c_calls_no_library_but_sqrt_and_fabs(fmu_file: dict[int, Path]) -> None:
+    with ZipFile(fmu_file[3]) as archive:
+        called = set(re.findall(r"(\w+)\(", archive.read("sources/model.c").decode()))
+    ours = {name for name in called if name.startswith("fb_")}
+    assert called - ours == {"sqrt", "fabs"}
+
+
+def test_robot_file_and_plant_agree_on_the_geometry() -> None:
+    robot: dict[str, Any] = tomllib.loads(
+        (resources.files("firmware_bridge") / "robots" / "rars.toml").read_text()
+    )
+    robot["axes"] = {axis["role"]: axis for axis in robot["axes"]}
+    starts = {row.name: row.start for row in PARAMETERS}
+    for key, (name, factor) in ROBOT_FILE.items():
+        value: Any = robot
+        for part in key.split("."):
+            value = value[part]
+        assert value * factor == pytest.approx(starts[name]), key
+
+
+def test_parameters_are_complete() -> None:
+    names = [row.name for row in PARAMETERS]
+    assert len(set(names)) == len(names)
+    for overrides in SETS.values():
+        assert set(overrides) <= set(names)
+    for row in PARAMETERS:
+        assert "ASSUME" in row.source or "[R]" in row.source
+
+
+def test_set_b_gives_the_numbers_of_equation_3_78() -> None:
+    # A, B, D, E of (3.77) with set B, as the thesis prints them in (3.78).
+    p = {row.name: row.start for row in PARAMETERS} | dict(SETS["B"])
+    l2 = p["rear_track"] ** 2
+    a, mass, yaw = p["centre_offset"], p["platform_mass"], p["yaw_inertia"]
+    inertia = yaw / l2 + mass * (a * a / l2 + 0.25) + 2 * p["wheel_yaw_inertia"] / l2 + p["wheel_mass"]
+    coupling = a * mass / p["rear_track"]
+    assert inertia == pytest.approx(167.4, abs=0.5)
+    assert coupling == pytest.approx(73.3, abs=0.1)
+
+
+def test_two_processes_may_build_at_once(tmp_path: Path) -> None:
+    command = [sys.executable, "-c", "from fmu.build import ensure; print(ensure('rars', 3))"]
+    environment = os.environ | {"XDG_CACHE_HOME": str(tmp_path)}
+    both = [
+        subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True)  # noqa: S603 - this Python
+        for _ in range(2)
+    ]
+    paths = {process.communicate()[0] for process in both}
+    assert [process.returncode for process in both] == [0, 0]
+    assert len(paths) == 1
+    assert [path.name for path in (tmp_path / "firmware-bridge" / "fmu").iterdir()] == [
+        Path(paths.pop().strip()).name
+    ]
+
+
+def test_no_compiler_is_one_clear_error(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(PlantError, match=r"no C compiler found \(tried cc, gcc, clang\): install one"):
+        build.ensure("rars", 3)
+
+
+def test_unknown_model_and_version_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(PlantError, match="no plant model 'mars'; there are: rars"):
+        build.build("mars", 3, tmp_path / "x.fmu")
+    with pytest.raises(PlantError, match="FMI 1 is not offered"):
+        build.build("rars", 1, tmp_path / "x.fmu")
+
+
+def test_a_compiler_that_fails_says_why(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("CC", "false")
+    with pytest.raises(PlantError, match="failed"):
+        build.build("rars", 3, tmp_path / "x.fmu")
+    monkeypatch.setenv("CC", "no-such-compiler")
+    with pytest.raises(PlantError, match="no-such-compiler was not found"):
+        build.build("rars", 3, tmp_path / "x.fmu")

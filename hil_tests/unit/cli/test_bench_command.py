@@ -1,0 +1,85 @@
+"""`bench` from the command line to the last file, on a mission of two seconds."""
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from firmware_bridge.cli import attach_commands, program
+from firmware_bridge.recording import parse_candump, parse_tlog
+
+attach_commands()
+
+MISSION = """
+title = "start, arm, and ask for a crawl"
+duration_s = 2.0
+
+[noise]
+jitter_ms = 5.0
+
+[[step]]
+at_s = 0.2
+title = "arm"
+arm = true
+
+[[step]]
+at_s = 1.0
+title = "crawl"
+speed_mps = 0.05
+"""
+
+
+def bench(folder: Path, seed: int = 0) -> str:
+    mission = folder.parent / "crawl.toml"
+    mission.write_text(MISSION, encoding="utf-8")
+    words = ["bench", "rars", "--mission", str(mission), "--seed", str(seed), "--out", str(folder)]
+    result = CliRunner().invoke(program, words, env={"COLUMNS": "150"})
+    assert result.exit_code == 0, result.output
+    return result.stdout
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("bench")
+    (folder / "said").write_text(bench(folder / "first"), encoding="utf-8")
+    bench(folder / "second")
+    bench(folder / "other", seed=1)
+    return folder
+
+
+def test_the_table_says_where_the_results_are(results: Path) -> None:
+    said = (results / "said").read_text(encoding="utf-8")
+    assert str(results / "first") in said.replace("\n", "")
+    for word in ("real-time factor", "largest speed", "odometry error", "bus load"):
+        assert word in said
+
+
+def test_the_summary_is_of_this_run(results: Path) -> None:
+    summary = json.loads((results / "first/summary.json").read_text(encoding="utf-8"))
+    assert (summary["robot"], summary["mission"], summary["seed"]) == ("rars", "crawl", 0)
+    assert summary["simulated_s"] == 2.0
+    assert summary["frames"] > 0
+    assert len(summary["trace_sha256"]) == 64
+
+
+def test_the_bus_is_recorded_frame_by_frame(results: Path) -> None:
+    lines = (results / "first/can.log").read_text(encoding="ascii").splitlines()
+    summary = json.loads((results / "first/summary.json").read_text(encoding="utf-8"))
+    instants = [parse_candump(line)[0] for line in lines]
+    assert len(lines) == summary["frames"]
+    assert instants == sorted(instants)
+    assert 0 <= instants[0] <= instants[-1] <= 2_000_000_000
+
+
+def test_the_operators_link_is_recorded_message_by_message(results: Path) -> None:
+    messages = list(parse_tlog((results / "first/operator.tlog").read_bytes()))
+    assert len(messages) > 40
+
+
+def test_one_seed_gives_the_same_bytes_and_another_seed_others(results: Path) -> None:
+    first, second, other = (results / name for name in ("first", "second", "other"))
+    for name in ("can.log", "operator.tlog", "currents.png", "holds.png"):
+        assert (first / name).read_bytes() == (second / name).read_bytes(), name
+    traces = [json.loads((it / "summary.json").read_text())["trace_sha256"] for it in (first, second, other)]
+    assert traces[0] == traces[1] != traces[2]

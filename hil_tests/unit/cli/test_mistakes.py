@@ -1,0 +1,109 @@
+"""Each mistake at the command line is answered with one message that says what, where and what to do."""
+
+import socket
+from collections.abc import Iterator
+from pathlib import Path
+from zipfile import ZipFile
+
+import pytest
+from typer.testing import CliRunner
+
+from firmware_bridge.cli import attach_commands, program
+from fmu.build import ensure
+
+attach_commands()
+
+
+def refused(*words: str) -> str:
+    """Run the program, which must refuse with exit status 2 and one line; return that line."""
+    result = CliRunner().invoke(program, list(words))
+    assert isinstance(result.exception, SystemExit), result.exception
+    assert result.exit_code == 2
+    (line,) = result.stderr.splitlines()
+    assert line.startswith("firmware-bridge: ")
+    assert "Traceback" not in result.output
+    return line
+
+
+@pytest.fixture
+def port_in_use() -> Iterator[str]:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
+        taken.bind(("127.0.0.1", 0))
+        yield f"udpin:127.0.0.1:{taken.getsockname()[1]}"
+
+
+def test_an_unknown_mission_is_answered_with_those_that_there_are() -> None:
+    line = refused("bench", "rars", "--mission", "moonwalk")
+    for mission in ("circles", "interlocks", "line"):
+        assert mission in line
+
+
+def test_a_mission_file_that_is_not_there_is_named() -> None:
+    assert "nowhere.toml" in refused("bench", "rars", "--mission", "nowhere.toml")
+
+
+def test_a_results_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
+    taken = tmp_path / "taken"
+    taken.write_text("a file, no folder")
+    assert str(taken) in refused("bench", "rars", "--mission", "line", "--out", str(taken))
+
+
+@pytest.mark.parametrize("command", ["bench", "emulate"])
+def test_a_plant_that_is_not_there_is_named(command: str, tmp_path: Path) -> None:
+    assert "nowhere.fmu" in refused(command, "rars", "--plant", "nowhere.fmu", *out_of(command, tmp_path))
+
+
+@pytest.mark.parametrize("command", ["bench", "emulate"])
+def test_a_plant_that_is_no_fmu_is_named(command: str, tmp_path: Path) -> None:
+    strange = tmp_path / "strange.fmu"
+    strange.write_text("not an archive")
+    assert str(strange) in refused(command, "rars", "--plant", str(strange), *out_of(command, tmp_path))
+
+
+@pytest.mark.parametrize("command", ["bench", "emulate"])
+def test_a_plant_that_lacks_a_variable_is_refused_by_its_name(command: str, tmp_path: Path) -> None:
+    lacking = tmp_path / "lacking.fmu"
+    with ZipFile(ensure("rars")) as whole, ZipFile(lacking, "w") as partial:
+        for name in whole.namelist():
+            content = whole.read(name)
+            if name == "modelDescription.xml":
+                assert b'"voltage_steer"' in content
+                content = content.replace(b'"voltage_steer"', b'"voltage_strange"')
+            partial.writestr(name, content)
+    line = refused(command, "rars", "--plant", str(lacking), *out_of(command, tmp_path))
+    assert str(lacking) in line
+    assert "voltage_steer" in line
+
+
+@pytest.mark.parametrize("command", ["drive", "emulate"])
+def test_a_bus_that_is_not_there_is_named(command: str) -> None:
+    assert "nosuchcan0" in refused(command, "rars", "-i", "socketcan", "-c", "nosuchcan0")
+
+
+@pytest.mark.parametrize("command", ["drive", "emulate"])
+def test_an_unknown_interface_is_answered_with_those_that_there_are(command: str) -> None:
+    line = refused(command, "rars", "-i", "smoke", "-c", "0")
+    assert "smoke" in line
+    assert "socketcan" in line
+
+
+def test_a_port_in_use_is_named(port_in_use: str) -> None:
+    line = refused("drive", "rars", "-i", "virtual", "-c", "mistakes", "--mavlink", port_in_use)
+    assert port_in_use in line
+    assert "in use" in line
+
+
+def test_an_operator_link_that_makes_no_sense_shows_one_that_does() -> None:
+    line = refused("drive", "rars", "-i", "virtual", "-c", "mistakes", "--mavlink", "tcp:14550")
+    assert "udpin:127.0.0.1:14550" in line
+
+
+@pytest.mark.parametrize("cut", ["9@1", "3", "3@", "3@soon", "3@-1", "@1", "3@nan"])
+def test_a_cut_that_makes_no_sense_shows_one_that_does(cut: str) -> None:
+    line = refused("emulate", "rars", "-i", "virtual", "-c", "mistakes", "--silence", cut)
+    assert f"--silence {cut}" in line
+    assert "NODE@SECONDS" in line or "3 (steer)" in line
+
+
+def out_of(command: str, folder: Path) -> list[str]:
+    return ["--out", str(folder / "out")] if command == "bench" else ["-i", "virtual", "-c", "mistakes"]
