@@ -9,13 +9,17 @@ import time
 from collections.abc import Callable
 from typing import Final
 
+import numpy as np
+
 from emulators.bench import mission
-from emulators.bench.operator import MissionOperator
+from emulators.bench.operator import ScriptedOperator
 from emulators.rig import Rig, build
+from emulators.run import HAND_STREAM
 from firmware_bridge.robot import find
 from firmware_bridge.units import from_seconds
 
 MISSION: Final = "circles"
+SEED: Final = 0
 LEAST_FACTOR: Final = 3.0
 
 
@@ -42,8 +46,9 @@ class StopWatch:
 def rig() -> Rig:
     """Build the robot with its operator, at the start of the mission."""
     robot = find("rars")
-    operator = MissionOperator(mission.find(MISSION, robot), robot, seed=0)
-    return build(robot, operator, plant_path=None, seed=0)
+    script = mission.find(MISSION, robot)
+    operator = ScriptedOperator(robot, script, np.random.default_rng([SEED, HAND_STREAM]))
+    return build(robot, operator, seed=SEED, noise=script.noise)
 
 
 def wall_seconds(rig: Rig, simulated_s: float) -> float:
@@ -63,8 +68,9 @@ def main(simulated_s: float) -> int:
     watched = rig()
     plant, physics = StopWatch(), StopWatch()
     bank = watched.devices.bank
-    vars(watched.plant)["step"] = plant.around(watched.plant.step)
-    vars(bank)["advance"] = physics.around(bank.advance)
+    fmu = watched.devices.plant
+    fmu.__dict__["step"] = plant.around(fmu.step)
+    bank.__dict__["advance"] = physics.around(bank.advance)
     total = wall_seconds(watched, simulated_s)
     watched.finish()
 

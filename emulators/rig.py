@@ -21,6 +21,7 @@ from firmware_bridge.bridge import Bridge
 from firmware_bridge.node import CAN, OPERATOR, Node
 from firmware_bridge.robot import Robot
 from firmware_bridge.safety.guard import Guarded
+from firmware_bridge.safety.guard_rules import rules_for
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 from fmu.build import ensure
 from fmu.plant import FmuPlant
@@ -92,7 +93,7 @@ class Rig:
         self.robot: Final = robot
         self.devices: Final = devices(robot, plant_path)
         self.bridge: Final = Bridge(robot)
-        self.guard: Final = Guarded(self.bridge, robot)
+        self.guard: Final = Guarded(self.bridge, rules_for(robot))
         self.can_wire: Final = CanWire(robot.bus.bit_rate)
         self.operator_wire: Final = DatagramWire(
             round(noise.delay_ms * MILLISECOND),

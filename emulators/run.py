@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, TypeAlias
 
+import numpy as np
+
 from emulators.bench.mission import Mission
-from emulators.bench.operator import MissionOperator
+from emulators.bench.operator import ScriptedOperator
 from emulators.bench.plots import draw
 from emulators.bench.summary import Run, Summary, as_json, summarise
 from emulators.rig import Rig, build
@@ -17,6 +19,8 @@ from firmware_bridge.recording import candump_line, tlog_records
 from firmware_bridge.robot import Robot
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 
+HAND_STREAM: Final = 0
+"""The operator's hand draws from this stream of the seed; the link has one of its own."""
 SLICE: Final[Nanoseconds] = 250 * MILLISECOND
 """So much simulated time between two looks at the progress bar."""
 
@@ -47,8 +51,9 @@ def drive(order: Order, progress: Progress) -> Summary:
     PlantError where the plant cannot be used; OSError where the folder cannot be written.
     """
     order.folder.mkdir(parents=True, exist_ok=True)
-    operator = MissionOperator(order.mission, order.robot, order.seed)
-    rig = build(order.robot, operator, plant_path=order.plant, seed=order.seed)
+    hand = np.random.default_rng([order.seed, HAND_STREAM])
+    operator = ScriptedOperator(order.robot, order.mission, hand)
+    rig = build(order.robot, operator, plant_path=order.plant, seed=order.seed, noise=order.mission.noise)
     begun = time.perf_counter()
     with _recorded(rig, order.folder):
         until = 0

@@ -15,11 +15,13 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from importlib import metadata
 from pathlib import Path
-from types import ModuleType
-from typing import Final
+from typing import TYPE_CHECKING, Final
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 from fmu.errors import PlantError
+
+if TYPE_CHECKING:
+    from fmu.export.model import Model
 
 FLAGS: Final = ("-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-fvisibility=hidden")
 """Contraction into fused multiply-adds would make the result depend on compiler and CPU."""
@@ -43,31 +45,30 @@ def ensure(model: str = "rars", fmi: int = 3) -> Path:
     return target
 
 
-def build(
-    model: str, fmi: int, target: Path, *, compiler: str | None = None, flags: Sequence[str] = FLAGS
-) -> None:
-    """Write the FMU to `target`, replacing it at once; PlantError where it cannot be built."""
+def build(model: str, fmi: int, target: Path, *, compiler: str | None = None) -> None:
+    """Write the FMU of this model folder to `target`, replacing it at once."""
+    if model not in models():
+        raise PlantError(f"there is no plant model '{model}'; there are: {', '.join(models())}")
+    # Imported here, for SymPy comes with it: a plant from the cache does not pay for it.
+    equations = importlib.import_module(f"fmu.{model}.equations")
+    export(equations.model(), fmi, target, token=f"{{{_token(model)}}}", compiler=compiler)
+
+
+def export(plant: "Model", fmi: int, target: Path, *, token: str, compiler: str | None = None) -> None:
+    """Write any model as an FMU; `token` tells its versions apart. PlantError where it cannot be built."""
     if fmi not in _SHELLS:
         raise PlantError(f"FMI {fmi} is not offered: 2 or 3")
-    equations = _equations(model)
-    compiler = compiler or find_compiler()
-    # SymPy is imported here: a plant from the cache does not pay for it.
     code = importlib.import_module("fmu.export.code")
     description = importlib.import_module("fmu.export.description")
-    plant = equations.model()
-    token = f"{{{_token(model)}}}"
-    written = ("core.h", "elementary.h", *(name for name in _SHELLS[fmi] if name != "model.c"))
+    units = _SHELLS[fmi]
+    written = ("core.h", "elementary.h", *(name for name in units if name != "model.c"))
     files = {name: (_HERE / "export" / "c" / name).read_text(encoding="utf-8") for name in written}
-    files |= code.generate(plant, token)
-    files |= _headers(fmi)
-    entries: dict[str, bytes] = {f"sources/{name}": text.encode() for name, text in files.items()}
-    if fmi == 2:  # noqa: PLR2004 - the version
-        xml = description.fmi2(plant, token, list(_SHELLS[fmi]))
-    else:
-        xml = description.fmi3(plant, token)
-        entries["sources/buildDescription.xml"] = description.fmi3_build(plant, list(_SHELLS[fmi])).encode()
-    entries["modelDescription.xml"] = xml.encode()
-    entries[_binary_path(plant.name, fmi)] = _compiled(files, _SHELLS[fmi], compiler, flags)
+    files |= code.generate(plant, token) | _headers(fmi)
+    entries = {f"sources/{name}": text.encode() for name, text in files.items()}
+    entries["modelDescription.xml"] = description.DESCRIPTIONS[fmi](plant, token, units).encode()
+    if fmi > 2:  # noqa: PLR2004 - since FMI 3.0 the sources have a description of their own
+        entries["sources/buildDescription.xml"] = description.fmi3_build(plant, units).encode()
+    entries[_binary_path(plant.name, fmi)] = _compiled(files, units, compiler or find_compiler())
     _write(target, entries)
 
 
@@ -81,12 +82,6 @@ def find_compiler() -> str:
     if chosen:
         raise PlantError(f"the C compiler $CC = {chosen} was not found: correct it, or unset CC")
     raise PlantError(f"no C compiler found (tried {', '.join(_COMPILERS)}): install one, e.g. Debian's gcc")
-
-
-def _equations(model: str) -> ModuleType:
-    if model not in models():
-        raise PlantError(f"there is no plant model '{model}'; there are: {', '.join(models())}")
-    return importlib.import_module(f"fmu.{model}.equations")
 
 
 def models() -> list[str]:
@@ -134,13 +129,13 @@ def _headers(fmi: int) -> dict[str, str]:
     return {path.name: path.read_text(encoding="utf-8") for path in found}
 
 
-def _compiled(files: Mapping[str, str], units: Sequence[str], compiler: str, flags: Sequence[str]) -> bytes:
+def _compiled(files: Mapping[str, str], units: Sequence[str], compiler: str) -> bytes:
     with tempfile.TemporaryDirectory(prefix="firmware-bridge-build-") as name:
         folder = Path(name)
         for file, text in files.items():
             (folder / file).write_text(text, encoding="utf-8")
         # Relative names, so that no path of this machine gets into the binary.
-        command = [compiler, *flags, "-shared", "-s", "-o", "plant.so", *units, "-lm"]
+        command = [compiler, *FLAGS, "-shared", "-s", "-o", "plant.so", *units, "-lm"]
         run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)  # noqa: S603
         if run.returncode:
             raise PlantError(f"{' '.join(command)} failed:\n{run.stderr.strip()}")

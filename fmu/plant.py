@@ -4,7 +4,6 @@ The only module that imports FMPy, which unzips, validates and instantiates; eac
 calls on prepared arrays. It knows variables and units, not what they move.
 """
 
-import ctypes
 import shutil
 import tempfile
 import weakref
@@ -12,22 +11,21 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType, TracebackType
-from typing import Any, Final, Self
+from typing import Any, Final, NoReturn, Self
 from zipfile import BadZipFile, ZipFile
 
 import fmpy
 from fmpy import fmi2, fmi3
 from fmpy.model_description import read_model_description
 
+from fmu.calls import OK_OR_WARNING, STATUS, prepare
 from fmu.errors import PlantError
 from fmu.interface import UNITS
 from fmu.references import References
 
 __all__ = ["FmuPlant", "PlantError"]
 
-_WARNING: Final = 1
 _SECOND_NS: Final = 1e9
-_STATUS: Final = ("ok", "warning", "discard", "error", "fatal", "pending")
 _NOTHING: Final[Mapping[str, float]] = MappingProxyType({})
 
 
@@ -66,27 +64,31 @@ class FmuPlant:
         except Exception as error:
             self.close()
             raise PlantError(self._reason("cannot be initialised", error)) from error
-        self._step_s = step / _SECOND_NS
         self._step_ns = step
-        self.inputs = (ctypes.c_double * len(inputs))()
-        self.outputs = (ctypes.c_double * len(outputs))()
-        self._bind(description.fmiVersion, input_references, output_references)
-        try:
-            self._check(self._get(*self._get_arguments), "reading the outputs")
-        except PlantError:
+        version = int(description.fmiVersion[0])
+        component = int(getattr(self._fmu.component, "value", self._fmu.component))
+        calls = prepare(
+            self._fmu.dll, component, version, input_references, output_references, step=step / _SECOND_NS
+        )
+        self.inputs, self.outputs, self._time = calls.inputs, calls.outputs, calls.time
+        self._write, self._write_arguments = calls.write, calls.write_arguments
+        self._forward, self._forward_arguments = calls.step, calls.step_arguments
+        self._read, self._read_arguments = calls.read, calls.read_arguments
+        if self._read(*self._read_arguments) > OK_OR_WARNING:
+            reason = self._reason("cannot be read", PlantError("no reason given"))
             self.close()
-            raise
+            raise PlantError(reason)
 
     def step(self) -> None:
         """Take one communication step: inputs in, plant forward, outputs out."""
         self._time.value = self.steps_done * self._step_ns / _SECOND_NS
-        if self._set(*self._set_arguments) > _WARNING:
-            self._fail("setting the inputs")
-        if self._do_step(*self._step_arguments) > _WARNING:
-            self._fail("doStep")
+        if (status := self._write(*self._write_arguments)) > OK_OR_WARNING:
+            self._fail("setting the inputs", status)
+        if (status := self._forward(*self._forward_arguments)) > OK_OR_WARNING:
+            self._fail("doStep", status)
         self.steps_done += 1
-        if self._get(*self._get_arguments) > _WARNING:
-            self._fail("reading the outputs")
+        if (status := self._read(*self._read_arguments)) > OK_OR_WARNING:
+            self._fail("reading the outputs", status)
 
     def read(self, name: str) -> float:
         """Return any variable's value now; slow."""
@@ -103,7 +105,7 @@ class FmuPlant:
     def close(self) -> None:
         """Free the instance, unload the library, delete the unzipped files; harmless twice."""
         self._finish()
-        self._set = self._do_step = self._get = _closed
+        self._write = self._forward = self._read = _closed
 
     def __enter__(self) -> Self:
         return self
@@ -126,54 +128,23 @@ class FmuPlant:
             plant.enterInitializationMode(startTime=0.0)
         plant.exitInitializationMode()
 
-    def _bind(self, version: str, inputs: list[int], outputs: list[int]) -> None:
-        """Prepare the three calls of a step: functions without conversions, arguments made once."""
-        library, instance = self._fmu.dll, ctypes.c_void_p(_address(self._fmu.component))
-        in_references = (ctypes.c_uint32 * len(inputs))(*inputs)
-        out_references = (ctypes.c_uint32 * len(outputs))(*outputs)
-        in_count, out_count = ctypes.c_size_t(len(inputs)), ctypes.c_size_t(len(outputs))
-        self._time = ctypes.c_double(0.0)
-        length = ctypes.c_double(self._step_s)
-        set_arguments: tuple[Any, ...] = (instance, in_references, in_count, self.inputs)
-        get_arguments: tuple[Any, ...] = (instance, out_references, out_count, self.outputs)
-        step_arguments: tuple[Any, ...]
-        if version.startswith("2"):
-            names = ("fmi2SetReal", "fmi2DoStep", "fmi2GetReal")
-            step_arguments = (instance, self._time, length, ctypes.c_int(1))
-        else:
-            names = ("fmi3SetFloat64", "fmi3DoStep", "fmi3GetFloat64")
-            flags = [ctypes.c_bool() for _ in range(3)]
-            # The references keep the three flags and the last time alive.
-            told = (*(ctypes.byref(flag) for flag in flags), ctypes.byref(ctypes.c_double()))
-            step_arguments = (instance, self._time, length, ctypes.c_bool(True), *told)  # noqa: FBT003 - C
-            set_arguments = (*set_arguments, in_count)
-            get_arguments = (*get_arguments, out_count)
-        # Looked up anew: FMPy's own function objects convert and check each argument.
-        self._set, self._do_step, self._get = (_function(library, name) for name in names)
-        self._set_arguments, self._step_arguments = set_arguments, step_arguments
-        self._get_arguments = get_arguments
-
     def _open(self) -> None:
         if not self._finish.alive:
             raise PlantError(f"{self.path}: the plant is closed")
 
-    def _check(self, status: int, action: str) -> None:
-        if status > _WARNING:
-            self._fail(action, status)
-
-    def _fail(self, action: str, status: int | None = None) -> None:
+    def _fail(self, action: str, status: int) -> NoReturn:
         self._open()
         at = self.steps_done * self._step_ns / _SECOND_NS
-        said = f": {self._messages[-1]}" if self._messages else ""
-        word = f" ({_STATUS[status]})" if status is not None and status < len(_STATUS) else ""
-        raise PlantError(f"{self.path}: {action} failed at {at:.4f} s{word}{said}")
+        word = STATUS[status] if status < len(STATUS) else f"status {status}"
+        said = self._messages[-1] if self._messages else "the FMU gives no reason"
+        raise PlantError(f"{self.path}: {action} failed at {at:.4f} s ({word}): {said}")
 
     def _reason(self, problem: str, error: Exception) -> str:
         return f"{self.path}: the FMU {problem}: {self._messages[-1] if self._messages else error}"
 
 
 def _closed(*_: Any) -> int:
-    return len(_STATUS)
+    return len(STATUS)
 
 
 def _described(path: Path) -> Any:
@@ -245,7 +216,7 @@ def _release(plant: Any, folder: str) -> None:
 
 def _listener3(messages: deque[str]) -> Callable[[Any, int, bytes, bytes], None]:
     def listen(_environment: Any, status: int, _category: bytes, message: bytes) -> None:
-        if status >= _WARNING:
+        if status >= OK_OR_WARNING:
             messages.append(message.decode(errors="replace"))
 
     return listen
@@ -253,7 +224,7 @@ def _listener3(messages: deque[str]) -> Callable[[Any, int, bytes, bytes], None]
 
 def _callbacks(messages: deque[str]) -> Any:
     def listen(_environment: Any, _name: bytes, status: int, _category: bytes, message: bytes) -> None:
-        if status >= _WARNING:
+        if status >= OK_OR_WARNING:
             messages.append(message.decode(errors="replace"))
 
     callbacks = fmi2.fmi2CallbackFunctions()
@@ -263,13 +234,3 @@ def _callbacks(messages: deque[str]) -> Any:
     # FMPy's proxy, which would fill in printf arguments, keeps one logger for the whole process, and calls
     # it after it is gone: messages are taken as they are.
     return callbacks
-
-
-def _address(component: Any) -> int:
-    return int(getattr(component, "value", component))
-
-
-def _function(library: ctypes.CDLL, name: str) -> Any:
-    function = library[name]
-    function.restype = ctypes.c_int
-    return function

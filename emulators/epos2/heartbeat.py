@@ -1,8 +1,8 @@
 """Error control: heartbeat producer, two heartbeat consumers, node guarding.
 
-Sources: CiA 301 v4.02, error control; EPOS2 Application Notes, p. 158; EPOS Firmware Specification
-(by analogy). Where they are silent: the first heartbeat leaves as soon as the period is written; a boot-up message is no
-heartbeat; a watch that ended in silence begins anew with the next heartbeat.
+Sources: CiA 301 v4.02, error control; EPOS2 Application Notes, p. 158; EPOS Firmware Specification, by
+analogy. Where they are silent: the first heartbeat leaves as soon as the period is written; a boot-up
+message is no heartbeat; a watch that ended in silence begins anew with the next heartbeat.
 """
 
 from functools import partial
@@ -131,6 +131,11 @@ class ErrorControl:
         self.guard.begin()
         for consumer, address in zip(self.consumers, CONSUMERS, strict=True):
             consumer.configure(store.get(address))
+
+    def rest(self) -> None:
+        """Fall silent until the next boot-up."""
+        for each in (self.producer, self.guard, *self.consumers):
+            each.due = NEVER
 
     @property
     def due(self) -> Nanoseconds:

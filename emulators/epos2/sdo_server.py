@@ -1,7 +1,7 @@
 """The drive's SDO server: expedited and segmented transfers onto the object store; each request is answered.
 
 Source: CiA 301 v4.02, service data object. Block transfer does not exist in the device (ASSUME: nothing in
-the EDS or in maxon's library) and gets 0x05040001, as every unknown command does. Where the standard is silent:
+the EDS or in maxon's library) and gets 0x05040001, as each unknown command does. Where it is silent:
 
 * Short frames are read as far as they go. One that ends before its sub-index is an unknown command (missing
   address bytes count as 0); missing data bytes are 0x06070013. Public scripts send downloads with 6 bytes.
@@ -12,12 +12,14 @@ the EDS or in maxon's library) and gets 0x05040001, as every unknown command doe
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Final
+from typing import TypeAlias
 
 from emulators.epos2.store import LARGEST_DOMAIN, ObjectStore
 from firmware_bridge.wire import sdo
 from firmware_bridge.wire.abort import AbortCode, SdoAbort
 from firmware_bridge.wire.epos2.address import Address
+
+_Answers: TypeAlias = Mapping[type[sdo.Request], Callable[..., bytes]]
 
 
 @dataclass(slots=True)
@@ -41,7 +43,7 @@ class SdoServer:
     def __init__(self, store: ObjectStore) -> None:
         self._store = store
         self._transfer: _Upload | _Download | None = None
-        self._answers: Final[Mapping[type[sdo.Request], Callable[..., bytes]]] = {
+        self._answers: _Answers = {
             sdo.UploadRequest: self._start_upload,
             sdo.DownloadRequest: self._start_download,
             sdo.UploadSegmentRequest: self._next_segment,

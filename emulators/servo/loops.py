@@ -121,7 +121,11 @@ def profile_step(axis: ServoAxis) -> int:
 
 
 def velocity(axis: ServoAxis) -> None:
-    """Velocity PI with feed-forward; the integrator holds while the output is limited (ASSUME)."""
+    """Velocity PI with feed-forward.
+
+    Anti-windup (ASSUME): the integrator stays within the current limit, and holds while the output is
+    limited unless it leads back.
+    """
     demand = axis.velocity_demand
     error = within(demand - (axis.step << axis.fraction), WIDEST_SPEED)
     integral = axis.velocity_integral + axis.velocity_i * error
@@ -130,7 +134,7 @@ def velocity(axis: ServoAxis) -> None:
     wish += (axis.velocity_acceleration_forward * axis.acceleration_demand) >> ACCELERATION_FORWARD_PLACES
     bounded = within(wish, axis.current_limit_ma)
     if bounded == wish or (integral > axis.velocity_integral) != (wish > 0):
-        axis.velocity_integral = integral
+        axis.velocity_integral = within(integral, axis.current_limit_ma << VELOCITY_PLACES)
     axis.current_demand_ma = bounded
 
 
@@ -155,7 +159,7 @@ def position(axis: ServoAxis) -> int:
     wish += (axis.position_acceleration_forward * axis.acceleration_demand) >> ACCELERATION_FORWARD_PLACES
     bounded = within(wish, axis.current_limit_ma)
     if bounded == wish or (integral > axis.position_integral) != (wish > 0):
-        axis.position_integral = integral
+        axis.position_integral = within(integral, axis.current_limit_ma << POSITION_I_PLACES)
     axis.current_demand_ma = bounded
     return flags
 

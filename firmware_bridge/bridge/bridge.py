@@ -16,7 +16,7 @@ from firmware_bridge.drivers.drive import BRING_UP, Task
 from firmware_bridge.intent import EmergencyStop, Request, Verdict
 from firmware_bridge.node import CAN, OPERATOR, Packet, Reaction
 from firmware_bridge.robot import Robot
-from firmware_bridge.safety.snapshot import Hold
+from firmware_bridge.safety.snapshot import Hold, Snapshot
 from firmware_bridge.teleop.operator import Operator
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire import canopen
@@ -76,6 +76,16 @@ class Bridge:
         """Whether the orderly end is over and the node may be let go."""
         return self.phase is Phase.FINISHED
 
+    @property
+    def seen(self) -> Snapshot:
+        """What the bridge knew when it last reported."""
+        return self._pipeline.seen
+
+    @property
+    def holds(self) -> tuple[Hold, ...]:
+        """What held the robot back then."""
+        return self._pipeline.holds
+
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Take a CAN frame or an operator's datagram."""
         if packet.link == CAN:
@@ -97,6 +107,7 @@ class Bridge:
         """Begin the orderly end: ramp to rest, power off, leave; done when `finished`."""
         if self.phase is Phase.RUNNING:
             self._permission.armed = False
+            self._collect_until = NEVER
             self._rest_until = now + REST_WITHIN
             self.phase = Phase.STOPPING
         elif self._cycle_at is None:

@@ -43,6 +43,8 @@ class Pipeline:
         "_ran_at",
         "_robot",
         "gate_deadline",
+        "holds",
+        "seen",
     )
 
     def __init__(self, robot: Robot, fleet: Fleet, operator: Operator, permission: Permission) -> None:
@@ -60,6 +62,10 @@ class Pipeline:
         self._ran_at: Nanoseconds | None = None
         self.gate_deadline: Nanoseconds = NEVER
         """When a silence will trip an interlock if nothing is heard."""
+        self.seen: Snapshot = self.known(0)
+        """What the newest cycle knew and did."""
+        self.holds: tuple[Hold, ...] = ()
+        """What held in the newest cycle."""
 
     def run(self, now: Nanoseconds) -> tuple[tuple[Packet, ...], tuple[bytes, ...]]:
         """Do one cycle; return what goes to the drives and what to the operator."""
@@ -71,8 +77,9 @@ class Pipeline:
         self._demanded_mps = self._twist(known, ruling.speed_mps, elapsed)
         sent = self._fleet.command(self._demands(known, ruling, elapsed))
         self._count()
-        told = replace(known, pose=self._odometry.pose, demanded_speed_mps=self._demanded_mps)
-        return sent, self._operator.report(told, ruling.holds, now)
+        self.seen = replace(known, pose=self._odometry.pose, demanded_speed_mps=self._demanded_mps)
+        self.holds = ruling.holds
+        return sent, self._operator.report(self.seen, self.holds, now)
 
     def come_to_rest(self, now: Nanoseconds) -> tuple[tuple[Packet, ...], bool]:
         """Ramp down without asking anybody; return what goes to the drives, and whether the robot stands."""
@@ -110,7 +117,8 @@ class Pipeline:
 
     def told(self, holds: tuple[Hold, ...], now: Nanoseconds) -> tuple[bytes, ...]:
         """Report without judging: before the drives are ready, and after they failed."""
-        return self._operator.report(self.known(now), holds, now)
+        self.seen, self.holds = self.known(now), holds
+        return self._operator.report(self.seen, self.holds, now)
 
     def _twist(self, known: Snapshot, target_mps: float, elapsed: Nanoseconds) -> float:
         """Return the base speed to demand now, on the ramp to the target in the turn actually steered."""

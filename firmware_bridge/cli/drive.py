@@ -1,6 +1,6 @@
 """`drive`: the bridge on a real bus, telling the user what it does."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Annotated, Final, TypeAlias
 
 import typer
@@ -19,6 +19,7 @@ from firmware_bridge.cli.real_time import carry
 from firmware_bridge.node import CAN, OPERATOR, Node, Packet, Reaction, Stoppable
 from firmware_bridge.safety.guard import Guarded
 from firmware_bridge.safety.guard_rules import rules_for
+from firmware_bridge.safety.snapshot import Hold
 from firmware_bridge.shell.ports import UdpPort, open_can
 from firmware_bridge.units import Nanoseconds, to_seconds
 
@@ -45,9 +46,9 @@ class Narrated:
         self._bridge = bridge
         self._node = node
         self._tell = tell
-        self._step = ""
+        self._phase: Phase | None = None
         self._armed = False
-        self._holds: dict[str, str] = {}
+        self._holds: tuple[Hold, ...] = ()
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Pass the packet on, and tell what has changed."""
@@ -72,22 +73,25 @@ class Narrated:
 
     def _told(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
         bridge = self._bridge
-        if bridge.step != self._step:
-            self._step = bridge.step
-            self._say(self._step, now)
-        if bridge.armed != self._armed:
-            self._armed = bridge.armed
+        if bridge.phase is not self._phase:
+            self._phase = bridge.phase
+            self._say(self._phase.value, now)
+        if bridge.seen.armed != self._armed:
+            self._armed = bridge.seen.armed
             self._say("armed" if self._armed else "disarmed", now)
-        holds = {hold.name: f"{hold.reason} ({hold.remedy})" for hold in bridge.holds}
-        if holds.keys() != self._holds.keys():
-            for name in self._holds:
-                if name not in holds:
-                    self._say(f"lets go: {name}", now)
-            for name, reason in holds.items():
-                if name not in self._holds:
-                    self._say(f"holds: {name}: {reason}", now)
-            self._holds = holds
+        if bridge.holds != self._holds:
+            self._tell_holds({hold.name: hold for hold in bridge.holds}, now)
+            self._holds = bridge.holds
         return reaction
+
+    def _tell_holds(self, standing: Mapping[str, Hold], now: Nanoseconds) -> None:
+        known = {hold.name: hold.reason for hold in self._holds}
+        for name in known:
+            if name not in standing:
+                self._say(f"lets go: {name}", now)
+        for name, hold in standing.items():
+            if known.get(name) != hold.reason:
+                self._say(f"holds: {name}: {hold.reason} ({hold.remedy})", now)
 
     def _say(self, text: str, now: Nanoseconds) -> None:
         self._tell(f"{to_seconds(now):9.3f} s  {text}")

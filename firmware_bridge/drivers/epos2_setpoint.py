@@ -17,14 +17,14 @@ from firmware_bridge.units import RPM_PER_RAD_S
 from firmware_bridge.wire.cia402 import Control, State
 
 DISABLE_VOLTAGE: Final = 0x0000
-SHUTDOWN: Final = Control.NO_QUICK_STOP | Control.ENABLE_VOLTAGE
-SWITCH_ON: Final = SHUTDOWN | Control.SWITCH_ON
-ENABLE: Final = SWITCH_ON | Control.ENABLE_OPERATION
-HALT: Final = ENABLE | Control.HALT
-NEW_POSITION: Final = ENABLE | Control.NEW_SETPOINT | Control.CHANGE_IMMEDIATELY
-QUICK_STOP: Final = ENABLE & ~Control.NO_QUICK_STOP
+SHUTDOWN: Final = int(Control.NO_QUICK_STOP | Control.ENABLE_VOLTAGE)
+SWITCH_ON: Final = int(SHUTDOWN | Control.SWITCH_ON)
+ENABLE: Final = int(SWITCH_ON | Control.ENABLE_OPERATION)
+HALT: Final = int(ENABLE | Control.HALT)
+NEW_POSITION: Final = int(ENABLE | Control.NEW_SETPOINT | Control.CHANGE_IMMEDIATELY)
+QUICK_STOP: Final = int(ENABLE & ~Control.NO_QUICK_STOP)
 """0x000B. Without power it asks for nothing that moves: it is the word for a drive that is not enabled."""
-FAULT_RESET: Final = Control.FAULT_RESET
+FAULT_RESET: Final = int(Control.FAULT_RESET)
 
 SMALLEST_MOVE_QC: Final = 2
 """A target that changed by less is not sent again: it is the rounding of the steering's arithmetic."""
@@ -141,5 +141,5 @@ class PositionSetPoint:
         return position_qc if self._travel is None else self._travel.clip(position_qc)
 
     def _frame(self, controlword: int) -> Packet:
-        self._bit_is_set = bool(controlword & Control.NEW_SETPOINT)
+        self._bit_is_set = controlword == NEW_POSITION
         return Packet(CAN, self._cob_id, SET_POINT[Mode.POSITION].pack(controlword, self._target_qc))

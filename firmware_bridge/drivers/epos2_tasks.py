@@ -42,6 +42,8 @@ STANDSTILL_WITHIN: Final[Nanoseconds] = 3 * SECOND
 STANDSTILL_RPM: Final = 5
 """At the motor; the averaged velocity of a resting shaft shows one or two."""
 FAULT_RESETS: Final = 2
+NEWEST_ERROR: Final = at.Address(at.ERROR_HISTORY_COUNT.index, 1)
+"""The code is its low word (EPOS Firmware Specification)."""
 
 POWERED: Final = (
     State.REFRESH,
@@ -115,6 +117,7 @@ def enable(axis: Axis, ear: Ear, set_point: SetPoint) -> Script:
             if resets == FAULT_RESETS:
                 raise StartupError(axis, f"the fault came back after {resets} resets{_fault(ear)}")
             resets += 1
+            yield from _ask_for_fault(ear)
             yield set_point.word(DISABLE_VOLTAGE)
             yield _pause(POLL)
             yield from _turn(axis, ear, set_point, FAULT_RESET)
@@ -192,6 +195,17 @@ def _nmt(axis: Axis, command: NmtCommand) -> Packet:
 
 def _pause(duration: Nanoseconds) -> Until:
     return Until(lambda: False, duration)
+
+
+def _ask_for_fault(ear: Ear) -> Script:
+    """Learn the code of a fault from before this bridge listened; without an answer it stays unknown."""
+    if ear.heard.fault:
+        return
+    try:
+        raw = yield Transfer(NEWEST_ERROR)
+    except SdoError:
+        return
+    ear.heard.fault = int.from_bytes(raw[:2], "little")
 
 
 def _turn(axis: Axis, ear: Ear, set_point: SetPoint, controlword: int | None) -> Script:

@@ -1,7 +1,8 @@
 """modelDescription.xml for FMI 2.0 and 3.0, written from the model's tables."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Final
 from xml.sax.saxutils import quoteattr
 
 from fmu.export.code import settable_states
@@ -79,7 +80,7 @@ def _logging() -> Iterator[str]:
     yield "  </LogCategories>"
 
 
-def fmi2(model: Model, token: str, sources: list[str]) -> str:
+def fmi2(model: Model, token: str, sources: Sequence[str]) -> str:
     """Return the FMI 2.0 description; `sources` are the C files of sources/."""
     rows = variables(model)
     head = _attributes(
@@ -117,14 +118,16 @@ def fmi2(model: Model, token: str, sources: list[str]) -> str:
         lines.append(f"    <ScalarVariable{outer}><Real{inner}/></ScalarVariable>")
     lines += ["  </ModelVariables>", "  <ModelStructure>", "    <Outputs>"]
     lines += [f'      <Unknown index="{row.reference + 1}"/>' for row in rows if row.causality == "output"]
-    lines += ["    </Outputs>", "    <InitialUnknowns>"]
-    lines += [f'      <Unknown index="{row.reference + 1}"/>' for row in _initial_unknowns(rows)]
-    lines += ["    </InitialUnknowns>", "  </ModelStructure>", "</fmiModelDescription>", ""]
+    lines.append("    </Outputs>")
+    unknowns = [f'      <Unknown index="{row.reference + 1}"/>' for row in _initial_unknowns(rows)]
+    if unknowns:
+        lines += ["    <InitialUnknowns>", *unknowns, "    </InitialUnknowns>"]
+    lines += ["  </ModelStructure>", "</fmiModelDescription>", ""]
     return "\n".join(lines)
 
 
-def fmi3(model: Model, token: str) -> str:
-    """Return the FMI 3.0 description."""
+def fmi3(model: Model, token: str, _sources: Sequence[str]) -> str:
+    """Return the FMI 3.0 description; its sources are described by `fmi3_build`."""
     rows = variables(model)
     head = _attributes(
         fmiVersion="3.0",
@@ -165,7 +168,7 @@ def fmi3(model: Model, token: str) -> str:
     return "\n".join(lines)
 
 
-def fmi3_build(model: Model, sources: list[str]) -> str:
+def fmi3_build(model: Model, sources: Sequence[str]) -> str:
     """Return sources/buildDescription.xml of FMI 3.0."""
     files = "".join(f'      <SourceFile name="{name}"/>\n' for name in sources)
     return (
@@ -174,6 +177,10 @@ def fmi3_build(model: Model, sources: list[str]) -> str:
         f'    <SourceFileSet language="C99" compilerOptions="-O2 -ffp-contract=off">\n{files}'
         '    </SourceFileSet>\n    <Library name="m"/>\n  </BuildConfiguration>\n</fmiBuildDescription>\n'
     )
+
+
+DESCRIPTIONS: Final[Mapping[int, Callable[[Model, str, Sequence[str]], str]]] = {2: fmi2, 3: fmi3}
+"""The writer for each version of FMI."""
 
 
 def _initial_unknowns(rows: list[Variable]) -> list[Variable]:

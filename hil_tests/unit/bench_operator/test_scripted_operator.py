@@ -329,6 +329,17 @@ def test_values_and_parameters_are_read() -> None:
     assert len(diary.parameters) == 18
 
 
+def test_an_answer_to_another_station_is_not_ours() -> None:
+    joined = join(mission("1.0 arm = true"))
+    robot = Codec(1, 1)
+    joined.robotlike.deaf = True
+    joined.run(1.1)
+    other = robot.encode(dialect.MAVLink_command_ack_message(400, 0, 0, 0, 254, 190))
+    joined.driver.receive(Packet(OPERATOR, 0, other), joined.now)
+    joined.run(2.0)
+    assert len(joined.messages("COMMAND_LONG")) == 3
+
+
 def test_another_system_is_not_our_robot() -> None:
     joined = join(mission("1.0 arm = true"))
     stranger = Codec(7, 1).encode(dialect.MAVLink_statustext_message(2, b"boo"))
@@ -358,6 +369,7 @@ def test_the_hand_trembles_only_while_it_drives_and_by_the_seed() -> None:
     assert sticks(1) != sticks(2)
     still, moving = sticks(1)[:20], sticks(1)[20:]
     assert set(still) == {(0, 0)}
+    assert abs(np.corrcoef([x for x, _ in moving], [r for _, r in moving])[0, 1]) < 0.5
     assert np.mean([x for x, _ in moving]) == pytest.approx(600, abs=5)
     assert np.std([x for x, _ in moving]) == pytest.approx(10, rel=0.35)
     assert np.std([r for _, r in moving]) == pytest.approx(10, rel=0.35)

@@ -24,6 +24,7 @@ from firmware_bridge.wire.cia402 import Command, Control, State, command_of
 from firmware_bridge.wire.epos2 import address as at
 
 REMOTE = 1 << 9
+LIFT_BUTTON = 8
 STEPS = {
     (State.SWITCH_ON_DISABLED, Command.SHUTDOWN): State.READY_TO_SWITCH_ON,
     (State.READY_TO_SWITCH_ON, Command.DISABLE_OPERATION): State.SWITCHED_ON,
@@ -181,6 +182,27 @@ class Station:
         return Reaction()
 
 
+class Carrier:
+    """Does what the shell does: an exception in the node is followed by `stop`."""
+
+    def __init__(self, node: Guarded) -> None:
+        self.node = node
+        self.failed: Exception | None = None
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        return self._carried(lambda: self.node.receive(packet, now), now)
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        return self._carried(lambda: self.node.wake(now), now)
+
+    def _carried(self, act: Callable[[], Reaction], now: Nanoseconds) -> Reaction:
+        try:
+            return act()
+        except ZeroDivisionError as failed:
+            self.failed = failed
+            return self.node.stop(now)
+
+
 @dataclass
 class Bench:
     """Everything joined in virtual time."""
@@ -193,13 +215,16 @@ class Bench:
     frames: list[tuple[Nanoseconds, str, Packet]] = field(default_factory=list)
     speed: float = 0.0
     steer: float = 0.0
+    lift: float | None = None
+    """The lift's stick, -1 to 1, with its button held; None lets both go."""
     talks: bool = True
 
     def __post_init__(self) -> None:
         bus, air = CanWire(self.robot.bus.bit_rate), DatagramWire()
         bus.observe(lambda now, sender, packet: self.frames.append((now, sender, packet)))
         self.guard = Guarded(self.bridge, rules_for(self.robot))
-        self.at_bridge = self.world.attach("bridge", self.guard, {CAN: bus, OPERATOR: air})
+        self.carrier = Carrier(self.guard)
+        self.at_bridge = self.world.attach("bridge", self.carrier, {CAN: bus, OPERATOR: air})
         self.places = {
             name: self.world.attach(name, drive, {CAN: bus}) for name, drive in self.drives.items()
         }
@@ -216,7 +241,8 @@ class Bench:
         while self.now < until:
             if self.talks:
                 x, r = round(self.speed / 0.5 * 1000), round(-self.steer / 60.0 * 1000)
-                self.says(dialect.MAVLink_manual_control_message(1, x, 0, 500, r, 0))
+                z, buttons = (500, 0) if self.lift is None else (round(self.lift * 1000), LIFT_BUTTON)
+                self.says(dialect.MAVLink_manual_control_message(1, x, 0, z, r, buttons))
             self.world.run(min(self.now + 50 * MILLISECOND, until))
 
     def starts(self) -> None:
@@ -270,8 +296,13 @@ class Bench:
 
 
 def joined() -> Bench:
+    return joined_with(Bridge(robots.find("rars")))
+
+
+def joined_with(bridge: Bridge) -> Bench:
+    """Join a bridge of the test's own to four drives and a station."""
     robot = robots.find("rars")
-    return Bench(robot, Bridge(robot), {axis.name: PaperDrive(axis) for axis in robot.axes})
+    return Bench(robot, bridge, {axis.name: PaperDrive(axis) for axis in robot.axes})
 
 
 @pytest.fixture
@@ -285,6 +316,12 @@ def bench() -> Iterator[Bench]:
     bench = joined()
     yield bench
     assert [refusal.reason for refusal in bench.guard.refusals] == []
+
+
+@pytest.fixture(scope="session")
+def bench_with() -> Callable[[Bridge], Bench]:
+    """For tests that bring their own bridge."""
+    return joined_with
 
 
 @pytest.fixture(scope="session")

@@ -1,24 +1,25 @@
-"""Running: the cycle's order and times, the set-points, and what the operator's requests do."""
+"""Running: the cycle's order and times, the set-points, the lift, and the orderly end."""
 
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import pytest
 
-from firmware_bridge.bridge import Phase
+from firmware_bridge.bridge import Bridge, Phase
+from firmware_bridge.motion.lift import lift_quadcounts
+from firmware_bridge.robot import Robot, Role
 from firmware_bridge.teleop.mavlink import dialect
-from firmware_bridge.units import MILLISECOND, SECOND
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from hil_tests.unit.bridge.conftest import Bench
 
-ACCEPTED, TEMPORARILY_REJECTED, DENIED = 0, 1, 2
+ACCEPTED = 0
 ARM = dialect.MAV_CMD_COMPONENT_ARM_DISARM
-SAFETY_SWITCH = dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE
-FORCE = 21196.0
-STOP, CLEAR = 0.0, 1.0
 METRES_PER_QC = 0.05 * 2.0 * 3.141592653589793 / 26.0 / 2000.0
 RPM_AT_03 = 1490
 """0.3 m/s: 6 rad/s at the wheel, times 26, is 1490 rpm at the motor."""
@@ -112,7 +113,7 @@ def test_not_armed_the_steering_is_told_to_halt_where_it_was(bench: "Bench") -> 
 
 def test_a_silent_operator_trips_at_half_a_second_sharp(armed: "Bench") -> None:
     driving(armed)
-    heard_at = armed.bridge._pipeline.known(armed.now).intent.heard_at  # noqa: SLF001 - the instant itself
+    heard_at = armed.bridge.seen.intent.heard_at
     armed.talks = False
     armed.runs(0.6)
     slower = next(now for now, word, rpm in armed.drives["left"].words if now > heard_at and rpm < RPM_AT_03)
@@ -132,7 +133,7 @@ def test_odometry_counts_what_the_wheels_rolled(armed: "Bench") -> None:
     driving(armed)
     armed.speed = 0.0
     armed.runs(0.5)
-    pose = armed.bridge._pipeline.known(armed.now).pose  # noqa: SLF001 - before telemetry rounds it
+    pose = armed.bridge.seen.pose
     assert pose.x_m == pytest.approx(armed.drives["left"].position * METRES_PER_QC, abs=1e-4)
     assert pose.y_m == pytest.approx(0.0, abs=1e-4)
 
@@ -153,138 +154,6 @@ def test_a_battery_that_cannot_be_read_blocks_nothing(armed: "Bench") -> None:
     armed.runs(3)
     told = [m.voltages[0] for m in armed.station.heard if m.get_type() == "BATTERY_STATUS"]
     assert told[-1] == 0xFFFF
-
-
-def test_arming_while_the_stick_is_deflected_is_denied(bench: "Bench") -> None:
-    bench.starts()
-    bench.speed = 0.2
-    bench.runs(0.1)
-    assert bench.arms() == DENIED
-    assert "the stick asks for 0.20 m/s" in bench.told()
-
-
-def test_arming_without_motion_commands_is_refused_by_name(bench: "Bench") -> None:
-    bench.talks = False
-    bench.starts()
-    assert bench.arms() == TEMPORARILY_REJECTED
-    assert "arm: no motion command has come yet" in bench.told()
-
-
-def test_disarming_while_driving_is_refused(armed: "Bench") -> None:
-    driving(armed)
-    assert armed.commands(ARM, 0.0) == TEMPORARILY_REJECTED
-    armed.runs(0.2)
-    assert armed.drives["left"].rpm == RPM_AT_03
-
-
-def test_disarming_at_rest_keeps_power_on_and_holds_still(armed: "Bench") -> None:
-    assert armed.commands(ARM, 0.0) == ACCEPTED
-    begin = armed.now
-    armed.speed = 0.3
-    armed.runs(0.5)
-    assert set(armed.words("left", begin)) == {(0x000F, 0)}
-
-
-def test_a_forced_disarm_takes_the_power_off_at_once(armed: "Bench") -> None:
-    driving(armed)
-    begin = armed.now
-    assert armed.commands(ARM, 0.0, FORCE) == ACCEPTED
-    assert armed.now - begin <= MILLISECOND
-    assert {drive.state for drive in armed.drives.values()} == {State.SWITCH_ON_DISABLED}
-    after = armed.now
-    armed.runs(0.5)
-    assert {word for name in armed.drives for word, _ in armed.words(name, after)} == {0x0000}
-
-
-def test_after_a_forced_disarm_arming_enables_again_and_is_asked_for_twice(armed: "Bench") -> None:
-    armed.commands(ARM, 0.0, FORCE)
-    armed.runs(0.2)
-    assert armed.arms() == TEMPORARILY_REJECTED
-    assert "enabling drive 1 (left rear wheel)" in armed.told()
-    armed.runs(0.5)
-    assert {drive.state for drive in armed.drives.values()} == {State.OPERATION_ENABLED}
-    assert armed.arms() == ACCEPTED
-
-
-def test_an_emergency_stop_ramps_down_then_latches_a_quick_stop(armed: "Bench") -> None:
-    driving(armed)
-    begin = armed.now
-    assert armed.commands(SAFETY_SWITCH, STOP) == ACCEPTED
-    armed.runs(1)
-    words = armed.words("left", begin)
-    ramp = [rpm for word, rpm in words if word == 0x000F]
-    assert ramp == sorted(ramp, reverse=True)
-    assert max(earlier - later for earlier, later in pairwise([RPM_AT_03, *ramp])) <= 351
-    assert words[-1] == (0x000B, 0)
-    assert {drive.state for drive in armed.drives.values()} == {State.QUICK_STOP_ACTIVE}
-
-
-def test_an_emergency_stop_is_left_by_clearing_and_arming(armed: "Bench") -> None:
-    armed.commands(SAFETY_SWITCH, STOP)
-    armed.runs(0.2)
-    assert armed.arms() == DENIED
-    assert "the emergency stop is latched" in armed.told()
-    assert armed.commands(SAFETY_SWITCH, CLEAR) == ACCEPTED
-    armed.runs(0.2)
-    assert armed.drives["left"].state is State.QUICK_STOP_ACTIVE
-    assert armed.arms() == TEMPORARILY_REJECTED
-    armed.runs(0.2)
-    assert armed.arms() == ACCEPTED
-    driving(armed)
-    assert armed.drives["left"].rpm == RPM_AT_03
-
-
-def test_a_final_emergency_stop_cannot_be_cleared(armed: "Bench") -> None:
-    armed.commands(dialect.MAV_CMD_DO_FLIGHTTERMINATION, 1.0)
-    armed.runs(0.2)
-    assert armed.commands(SAFETY_SWITCH, CLEAR) == DENIED
-    assert armed.arms() == DENIED
-
-
-def test_a_fault_stops_the_others_and_takes_the_leave_away(armed: "Bench") -> None:
-    driving(armed)
-    armed.inject("steer", armed.drives["steer"].fails(0x8611))
-    armed.runs(1)
-    assert armed.drives["left"].rpm == armed.drives["right"].rpm == 0
-    assert "node 3 (steering) reports fault 0x8611" in armed.told()
-    armed.speed = 0.0
-    armed.runs(0.1)
-    assert armed.arms() == TEMPORARILY_REJECTED
-    armed.runs(0.5)
-    assert armed.drives["steer"].state is State.OPERATION_ENABLED
-    begin = armed.now
-    armed.speed = 0.3
-    armed.runs(0.3)
-    assert set(armed.words("left", begin)) == {(0x000F, 0)}, "motion needs a new arm"
-    armed.speed = 0.0
-    armed.runs(0.1)
-    assert armed.arms() == ACCEPTED
-
-
-def test_a_faulted_drive_is_never_told_to_move(armed: "Bench") -> None:
-    driving(armed)
-    armed.inject("left", armed.drives["left"].fails(0x2310))
-    begin = armed.now
-    armed.runs(0.5)
-    assert set(armed.words("left", begin)) == {(0x000B, 0)}
-
-
-def test_a_silent_drive_stops_the_robot_and_is_named(armed: "Bench") -> None:
-    driving(armed)
-    armed.drives["lift"].silent = True
-    armed.runs(0.8)
-    assert armed.drives["left"].rpm == 0
-    assert "node 4 (scissor lift)" in armed.told()
-
-
-def test_a_drive_that_restarted_is_set_up_again_when_armed(armed: "Bench") -> None:
-    armed.inject("right", armed.drives["right"].boots())
-    armed.runs(0.5)
-    assert armed.arms() == TEMPORARILY_REJECTED
-    armed.runs(1)
-    assert armed.drives["right"].memory[at.CONSUMER_HEARTBEAT_1] == bytes.fromhex("c8006400")
-    assert armed.drives["right"].state is State.OPERATION_ENABLED
-    assert armed.arms() == ACCEPTED
 
 
 def test_the_orderly_end_stops_disables_and_leaves(armed: "Bench") -> None:
@@ -327,3 +196,93 @@ def test_a_late_wake_skips_cycles_instead_of_running_them_in_a_row(armed: "Bench
     reaction = armed.bridge.wake(late)
     assert [packet.address for packet in reaction.sent].count(0x080) == 1
     assert late < reaction.wake_at <= late + 50 * MILLISECOND
+
+
+class FailsWhenTold(Bridge):
+    """A bridge with a fault of its own in the pipeline."""
+
+    fails = False
+
+    def _run(self, now: Nanoseconds) -> None:
+        if self.fails:
+            raise ZeroDivisionError
+        super()._run(now)
+
+
+def test_an_exception_in_the_pipeline_ends_in_the_same_orderly_stop(
+    bench_with: "Callable[[Bridge], Bench]", robot: Robot
+) -> None:
+    bridge = FailsWhenTold(robot)
+    bench = bench_with(bridge)
+    bench.starts()
+    bench.arms()
+    driving(bench)
+    begin = bench.now
+    bridge.fails = True
+    bench.runs(1.5)
+    assert isinstance(bench.carrier.failed, ZeroDivisionError)
+    assert bridge.finished
+    ramp = [rpm for word, rpm in bench.words("left", begin) if word == 0x000F]
+    assert max(earlier - later for earlier, later in pairwise([RPM_AT_03, *ramp])) <= 351
+    assert {drive.state for drive in bench.drives.values()} == {State.SWITCH_ON_DISABLED}
+
+
+def lift_height(bench: "Bench") -> float:
+    height = bench.bridge.seen.lift_m
+    assert height is not None
+    return height
+
+
+def test_the_lift_follows_its_stick_at_the_rate_and_rests_when_it_is_let_go(armed: "Bench") -> None:
+    armed.lift = 1.0
+    armed.runs(2)
+    risen = lift_height(armed)
+    assert risen == pytest.approx(2 * 0.10, abs=0.02)
+    armed.lift = None
+    armed.runs(0.1)
+    begin = armed.now
+    stood = lift_height(armed)
+    armed.runs(0.5)
+    assert {word for word, _ in armed.words("lift", begin)} == {0x010F}
+    assert lift_height(armed) == stood == pytest.approx(risen, abs=0.01)
+
+
+def test_the_lift_goes_to_a_height_no_faster_than_its_rate_and_arrives(armed: "Bench") -> None:
+    assert armed.commands(dialect.MAV_CMD_DO_SET_ACTUATOR, -0.8) == ACCEPTED
+    armed.runs(0.5)
+    assert lift_height(armed) < 0.06
+    armed.runs(1.5)
+    # A tenth of 1116 mm: 6 x 300 mm x (sin 45 - sin 5).
+    assert lift_height(armed) == pytest.approx(0.1116, abs=0.001)
+
+
+def test_a_lift_that_cannot_follow_is_not_left_behind(armed: "Bench") -> None:
+    armed.drives["lift"].jammed = True
+    armed.lift = 1.0
+    armed.runs(3)
+    target = armed.drives["lift"].words[-1][2]
+    # 30 mm above collapsed are 0.3 s at 0.10 m/s.
+    assert lift_quadcounts(armed.robot.lift, armed.robot.axis(Role.LIFT), 0.030) == pytest.approx(
+        target, abs=2
+    )
+
+
+def test_with_the_lift_extended_the_robot_can_be_armed_but_not_driven(armed: "Bench") -> None:
+    armed.lift = 1.0
+    armed.runs(1)
+    armed.lift = None
+    armed.runs(0.5)
+    armed.commands(ARM, 0.0)
+    assert armed.arms() == ACCEPTED
+    begin = armed.now
+    driving(armed)
+    assert {target for _, target in armed.words("left", begin)} == {0}
+    assert "the lift stands at" in armed.told()
+
+
+def test_telemetry_reaches_the_station(armed: "Bench") -> None:
+    driving(armed)
+    armed.station.heard.clear()
+    armed.runs(1)
+    (odometry, *_) = [m for m in armed.station.heard if m.get_type() == "ODOMETRY"]
+    assert odometry.vx == pytest.approx(0.3, abs=0.001)

@@ -240,3 +240,15 @@ def test_a_bridge_that_never_woke_ends_at_once(robot: Robot) -> None:
     bridge = Bridge(robot)
     assert bridge.stop(0).sent == ()
     assert bridge.finished
+
+
+def test_a_fault_that_cannot_be_reset_is_named_with_its_cause(bench: "Bench") -> None:
+    drive = bench.drives["steer"]
+    drive.state = State.FAULT
+    drive.stuck_in.add(State.FAULT)
+    drive.memory[Address(0x1003, 1)] = bytes.fromhex("20810000")
+    bench.runs(3)
+    assert bench.bridge.failure == (
+        "drive 3 (steering): it stayed in 'fault' for 1000 ms after controlword 0x0080 "
+        "(expected 'operation enabled', statusword 0x0308); fault 0x8120, CAN error passive"
+    )

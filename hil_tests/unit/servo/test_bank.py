@@ -67,7 +67,7 @@ def test_whole_ticks_run_and_time_passes_without_events() -> None:
 def test_an_event_ends_the_advance_at_its_tick_and_names_the_node() -> None:
     bank, plant, axes = bank_of(2)
     bank.advance(60 * MILLISECOND)
-    drive(axes[1], 660)
+    drive(axes[1], 659)
     seen = []
     now = bank.now
     while now < 400 * MILLISECOND:

@@ -171,7 +171,7 @@ def test_without_a_window_the_target_is_reached_with_the_end_of_the_profile() ->
 def test_rest_is_told_after_its_time_and_taken_back_at_once() -> None:
     axis = ServoAxis("one", 2000)
     configure(axis, Settings(standstill_window=30, standstill_time=50))
-    axis.flags = 0
+    axis.flags = axis.still_ms = 0
     for _ in range(50):
         assert not millisecond(axis, 0)
     assert millisecond(axis, 0)

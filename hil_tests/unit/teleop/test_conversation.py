@@ -47,8 +47,10 @@ EXCHANGES = {
         "FD 0A 00 00 00 01 01 4D 00 00 90 01 00 00 00 00 00 00 FF BE 6A 53",
     ),
     "60 mm/s and 0.1 rad/s": (
-        f"FD 35 00 00 00 FF BE 54 00 00 E8 03 00 00 {zeros(12)} 8F C2 75 3D {zeros(24)}"
-        " CD CC CC 3D E7 05 01 01 08 2C 0A",
+        (
+            f"FD 35 00 00 00 FF BE 54 00 00 E8 03 00 00 {zeros(12)} 8F C2 75 3D"
+            f"{zeros(24)} CD CC CC 3D E7 05 01 01 08 2C 0A"
+        ),
         "",
     ),
     "half speed, a quarter left": (
@@ -133,6 +135,15 @@ def test_an_overtaken_set_point_is_forgotten(bench: Bench) -> None:
     assert bench.operator.dropped.overtaken == 1
     bench.send(early)
     assert bench.operator.dropped.overtaken == 2
+
+
+def test_a_datagram_that_arrives_twice_is_one_sign_of_life(bench: Bench) -> None:
+    twice = bench.station.encode(dialect.MAVLink_manual_control_message(1, 100, 0, 0, 0, 0))
+    bench.send(twice)
+    bench.now += 20 * MILLISECOND
+    bench.send(twice)
+    assert bench.operator.intent.heard_at == 0
+    assert bench.operator.dropped.overtaken == 1
 
 
 def test_a_station_that_starts_anew_is_heard_after_a_quarter_of_a_second(bench: Bench) -> None:

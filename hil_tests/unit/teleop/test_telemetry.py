@@ -70,9 +70,8 @@ def test_a_report_that_jitters_keeps_the_rates(make_bench: Callable[[], Bench], 
     bench = make_bench()
     counts: Counter[str] = Counter()
     for cycle in range(200):
-        bench.now = (
-            cycle * 50 * MILLISECOND + 1_234_567 + (cycle % 2) * jitter_ms * MILLISECOND - 50 * MILLISECOND
-        )
+        late_ms = jitter_ms if cycle % 2 == 0 else 0
+        bench.now = 3 * SECOND + cycle * CYCLE + late_ms * MILLISECOND + 1_234_567 - CYCLE
         counts.update(one.get_type() for one in bench.report())
     assert counts["ODOMETRY"] == 200
     assert counts["HEARTBEAT"] == 10

@@ -1,6 +1,6 @@
 """STATUSTEXT: cut, numbered, and put together again."""
 
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from firmware_bridge.teleop.mavlink import Codec
@@ -31,6 +31,9 @@ def test_each_long_text_has_another_number_that_is_never_zero() -> None:
 
 
 @given(st.text(max_size=400))
+@example("x" * 50)
+@example("x" * 100)
+@example("")
 def test_only_the_last_chunk_is_short_and_none_is_empty(text: str) -> None:
     cuts = chunks(text)
     assert all(len(cut) == 50 for cut in cuts[:-1])

@@ -1,0 +1,275 @@
+"""One emulated EPOS2 on a CAN bus: the node that ties services, objects and motion control together.
+
+Source: CiA 301 v4.02 for the services. It refuses to know how a motor moves (`emulators.epos2.motion` does)
+and who carries its frames. It ignores every frame that no service of its number takes in the present state:
+extended identifiers, error reports, remote requests to identifiers that have none.
+"""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Final, Protocol, TypeAlias
+
+from emulators.epos2 import rules
+from emulators.epos2.clock import HighResolutionClock
+from emulators.epos2.emergency import EmergencyProducer
+from emulators.epos2.heartbeat import ErrorControl
+from emulators.epos2.memory import Memory
+from emulators.epos2.motion import MotionControl
+from emulators.epos2.nmt import SERVICES, TARGETS, Service, command_for
+from emulators.epos2.pdo import ReceivePdo, TransmitPdo
+from emulators.epos2.process_data import ProcessData
+from emulators.epos2.profile import EPOS2_70_10, DeviceProfile
+from emulators.epos2.sdo_server import SdoServer
+from emulators.epos2.store import ObjectStore
+from emulators.servo.axis import ServoAxis
+from firmware_bridge.node import CAN, Packet, Reaction
+from firmware_bridge.units import NEVER, Nanoseconds
+from firmware_bridge.wire import canopen
+from firmware_bridge.wire.can import REMOTE
+from firmware_bridge.wire.canopen import FIRST_NODE, LAST_NODE, NmtCommand, NmtState
+from firmware_bridge.wire.epos2 import emergency
+
+
+class Motion(Protocol):
+    """What the node needs of motion control."""
+
+    def nmt_changed(self, operational: bool) -> None:  # noqa: FBT001 - as MotionControl has it
+        """Follow the network state."""
+
+    def connection_lost(self) -> None:
+        """Report and react to a lost heartbeat or guarding."""
+
+    def communication_fault(self, code: int) -> None:
+        """Report and react to an error that the bus side found."""
+
+    def communication_reset(self) -> None:
+        """Let go of the errors that reset communication cures."""
+
+    def refresh(self, now: Nanoseconds) -> None:
+        """Bring statusword and actual values up to date."""
+
+    def wake_at(self) -> Nanoseconds:
+        """Return when to refresh next, whatever happens."""
+
+    def reset(self) -> None:
+        """Begin as after power-on."""
+
+
+MotionFactory: TypeAlias = Callable[[ObjectStore, ServoAxis, Callable[[int], None]], Motion]
+_Heard: TypeAlias = Callable[[bytes], None]
+
+
+class Epos2:
+    """One drive. `node_id` is what its DIP switch says."""
+
+    def __init__(
+        self,
+        node_id: int,
+        axis: ServoAxis,
+        profile: DeviceProfile = EPOS2_70_10,
+        motion: MotionFactory = MotionControl,
+    ) -> None:
+        if not FIRST_NODE <= node_id <= LAST_NODE:
+            raise ValueError(f"a node number lies between {FIRST_NODE} and {LAST_NODE}, not at {node_id}")
+        self.node_id: Final = node_id
+        self.profile: Final = profile
+        self.nmt_state = NmtState.BOOT_UP
+        self.store: Final = ObjectStore(node_id, profile.differing(node_id))
+        self._now: Nanoseconds = 0
+        self._boot_due: Nanoseconds = NEVER
+        self._powered = False
+        self._sent: list[Packet] = []
+        self._answers: list[tuple[Nanoseconds, bytes]] = []
+        rules.keep(self.store)
+        self._emergency = EmergencyProducer(self.store, tells_cured=profile.tells_cured)
+        self._sdo = SdoServer(self.store)
+        self._clock = HighResolutionClock(self.store)
+        self._errors = ErrorControl(self.store, toggles=profile.heartbeat_toggles)
+        self._memory = Memory(self.store, profile, self._restored)
+        self._pdo = ProcessData(self.store, profile, lambda: self.nmt_state)
+        self.motion: Final = motion(self.store, axis, self._report)
+        self._routes: dict[int, _Heard] = {}
+        self._idle = Reaction()
+
+    # The seam
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        """Take one frame of the bus."""
+        if not self._powered:
+            return self.wake(now)
+        heard = self._routes.get(packet.address)
+        if heard is None:
+            return self._idle
+        self._now = now
+        self.motion.refresh(now)
+        heard(packet.payload)
+        return self._settle()
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        """Do what is due; the first call switches the drive on."""
+        self._now = now
+        self.motion.refresh(now)
+        if not self._powered:
+            self._powered = True
+            self._boot(NmtCommand.RESET_NODE)
+        if self._boot_due <= now:
+            self._come_up()
+        self._watch()
+        return self._settle()
+
+    def _settle(self) -> Reaction:
+        """Send what is due or has changed, and say when to come back."""
+        now, errors, pdo = self._now, self._errors, self._pdo
+        while self._answers and self._answers[0][0] <= now:
+            self._send(canopen.SDO_RESPONSE + self.node_id, self._answers.pop(0)[1])
+        if errors.producer.due <= now:
+            self._send(canopen.ERROR_CONTROL + self.node_id, errors.producer.produce(self.nmt_state, now))
+        if pdo.renew():
+            self._route()
+        if self.nmt_state is NmtState.OPERATIONAL:
+            for address, payload in pdo.changes(now):
+                self._send(address, payload)
+        wake_at = min(self._boot_due, errors.due, pdo.due, self.motion.wake_at())
+        if self._answers:
+            wake_at = min(wake_at, self._answers[0][0])
+        self._idle = Reaction((), wake_at)
+        if not self._sent:
+            return self._idle
+        sent = tuple(self._sent)
+        self._sent.clear()
+        return Reaction(sent, wake_at)
+
+    def _send(self, address: int, payload: bytes) -> None:
+        self._sent.append(Packet(CAN, address, payload))
+
+    # Network management
+
+    def _boot(self, command: NmtCommand) -> None:
+        """Power-on and both resets: silence until the boot-up message."""
+        self._errors.rest()
+        self._enter(NmtState.BOOT_UP)
+        if command is NmtCommand.RESET_NODE:
+            self._memory.load()
+            self._emergency.reset()
+            self.motion.reset()
+        else:
+            self._memory.load_communication()
+            self._emergency.communication_reset()
+            self.motion.communication_reset()
+        self._pdo.touch_all()
+        self._boot_due = self._now + self.profile.boot_time
+        if self._boot_due <= self._now:
+            self._come_up()
+
+    def _come_up(self) -> None:
+        self._boot_due = NEVER
+        self._send(canopen.ERROR_CONTROL + self.node_id, canopen.encode_heartbeat(NmtState.BOOT_UP))
+        self._errors.begin(self._now)
+        self._enter(NmtState.PRE_OPERATIONAL)
+
+    def _enter(self, state: NmtState) -> None:
+        before, self.nmt_state = self.nmt_state, state
+        if Service.SDO not in SERVICES[state]:
+            self._sdo.reset()
+            self._answers.clear()
+        if before is not state:
+            if state is NmtState.OPERATIONAL:
+                self._pdo.begin()
+            else:
+                self._pdo.rest()
+        self.motion.nmt_changed(state is NmtState.OPERATIONAL)
+        self._route()
+
+    def _route(self) -> None:
+        """Say which identifiers count in this state, and who hears them."""
+        services, node = SERVICES[self.nmt_state], self.node_id
+        routes: dict[int, _Heard] = {}
+        if Service.PDO in services:
+            for sent in self._pdo.transmit:
+                routes[sent.address] = self._hear_collision
+                if sent.answers_remote:
+                    routes[sent.address | REMOTE] = partial(self._hear_request, sent)
+            valid = self._pdo.receive
+            for pdo in valid:
+                sharing = tuple(other for other in valid if other.address == pdo.address)
+                routes[pdo.address] = partial(self._hear_pdo, sharing)
+        if Service.ERROR_CONTROL in services:
+            routes[canopen.NMT] = self._hear_command
+            routes[canopen.ERROR_CONTROL + node | REMOTE] = self._hear_guarding
+            for watched in sorted(self._errors.watched):
+                routes[canopen.ERROR_CONTROL + watched] = partial(self._hear_heartbeat, watched)
+        if Service.SYNC in services:
+            routes[canopen.SYNC] = self._hear_sync
+        if Service.SDO in services:
+            routes[canopen.SDO_REQUEST + node] = self._hear_sdo
+        self._routes = routes
+
+    def _hear_command(self, payload: bytes) -> None:
+        command = command_for(self.node_id, payload)
+        if command is None:
+            return
+        state = TARGETS.get(command)
+        if state is None:
+            self._boot(command)
+        else:
+            self._enter(state)
+
+    def _restored(self) -> None:
+        """Every parameter has its default again: all services begin anew with them."""
+        self.motion.reset()
+        self._errors.begin(self._now)
+        self._pdo.touch_all()
+
+    # Service and process data
+
+    def _hear_sdo(self, payload: bytes) -> None:
+        answer = self._sdo.answer(payload)
+        if answer is not None:
+            self._answers.append((self._now + self.profile.sdo_latency, answer))
+        self.motion.refresh(self._now)
+        # A new heartbeat to watch is a new identifier.
+        self._route()
+
+    def _hear_pdo(self, sharing: tuple[ReceivePdo, ...], payload: bytes) -> None:
+        for pdo in sharing:
+            if len(payload) < pdo.size:
+                self.motion.communication_fault(emergency.PDO_TOO_SHORT)
+            else:
+                pdo.take(payload)
+        self.motion.refresh(self._now)
+
+    def _hear_sync(self, _payload: bytes) -> None:
+        self._clock.latch(self._now)
+        if self.nmt_state is NmtState.OPERATIONAL:
+            for address, payload in self._pdo.sync():
+                self._send(address, payload)
+            self.motion.refresh(self._now)
+
+    def _hear_request(self, pdo: TransmitPdo, _payload: bytes) -> None:
+        # The answer has the PDO's own length whatever the request says (recorded from an EPOS2).
+        self._send(pdo.address, pdo.requested())
+
+    def _hear_collision(self, _payload: bytes) -> None:
+        self.motion.communication_fault(emergency.COB_ID_COLLISION)
+
+    # Error control
+
+    def _watch(self) -> None:
+        if self._errors.lost(self._now):
+            self.motion.connection_lost()
+
+    def _hear_heartbeat(self, node: int, payload: bytes) -> None:
+        self._errors.hear(node, payload, self._now)
+
+    def _hear_guarding(self, _payload: bytes) -> None:
+        if not self._errors.producer.active:
+            answer = self._errors.guard.answer(self.nmt_state, self._now)
+            self._send(canopen.ERROR_CONTROL + self.node_id, answer)
+
+    def _report(self, code: int) -> None:
+        """Note an error of motion control, or with code 0 the end of all, and tell the bus."""
+        message = self._emergency.message(code)
+        address = self._emergency.cob_id
+        allowed = Service.EMERGENCY in SERVICES[self.nmt_state]
+        if message is not None and address is not None and allowed:
+            self._send(address, message)

@@ -1,0 +1,367 @@
+"""Every stop interlock at both edges of its threshold and its clear time, with and without looks between."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, Final, TypeAlias
+
+import pytest
+
+from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.robot import Robot
+from firmware_bridge.safety.gate import Gate, Ruling
+from firmware_bridge.safety.interlocks import DRIVE_STOPS, STOPS
+from firmware_bridge.safety.snapshot import Hold, Snapshot
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+from firmware_bridge.wire.cia402 import State
+
+Well: TypeAlias = Callable[..., Snapshot]
+START: Final = 100 * SECOND
+NAN: Final = math.nan
+AXES: Final = ("left", "right", "steer", "lift")
+TITLES: Final = {
+    "left": "node 1 (left rear wheel)",
+    "right": "node 2 (right rear wheel)",
+    "steer": "node 3 (steering)",
+    "lift": "node 4 (scissor lift)",
+}
+
+
+def above(value: float) -> float:
+    return math.nextafter(value, math.inf)
+
+
+def below(value: float) -> float:
+    return math.nextafter(value, -math.inf)
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One way to trip one interlock, just beyond its threshold, and the nearest way that does not."""
+
+    hold: str
+    trips: dict[str, Any]
+    spares: dict[str, Any]
+    reason: str
+    clear_after: Nanoseconds = 0
+    lift_is_free: bool = False
+    also: tuple[str, ...] = ()
+    """Other holds that come with it."""
+
+
+def intent(**fields: Any) -> dict[str, Any]:
+    return {"intent": fields}
+
+
+def drive(name: str, **fields: Any) -> dict[str, Any]:
+    return {"drives": {name: fields}}
+
+
+OPERATOR_LIMIT: Final = 500 * MILLISECOND
+DRIVE_LIMIT: Final = 250 * MILLISECOND
+LINK: Final = 200 * MILLISECOND
+
+CASES: Final = (
+    Case("emergency stop", {"emergency_stopped": True}, {}, "the emergency stop is latched"),
+    Case("not armed", {"armed": False}, {}, "the robot is not armed"),
+    Case(
+        "operator silent",
+        intent(heard_at=START - OPERATOR_LIMIT),
+        intent(heard_at=START - OPERATOR_LIMIT + 1),
+        "no motion command for 0.50 s, limit 0.50 s",
+        LINK,
+    ),
+    Case("operator silent", intent(heard_at=NEVER_HEARD), {}, "no motion command has come yet", LINK),
+    Case("wish unusable", intent(speed_mps=NAN), {}, "the speed asked for is nan"),
+    Case("wish unusable", intent(speed_mps=math.inf), {}, "the speed asked for is inf"),
+    Case("wish unusable", intent(steer_rad=NAN), {}, "the steer angle asked for is nan"),
+    Case("wish unusable", intent(steer_rad=-math.inf), {}, "the steer angle asked for is -inf"),
+    Case("wish unusable", intent(lift_m=NAN), {}, "the lift height asked for is nan"),
+    Case("wish unusable", intent(lift_rate_mps=NAN), {}, "the lift rate asked for is nan"),
+    Case("steer angle unknown", {"steer_rad": None}, {}, "the actual steer angle is not known"),
+    Case("steer angle unknown", {"steer_rad": NAN}, {}, "the actual steer angle is not known"),
+    Case("lift height unknown", {"lift_m": None}, {}, "the actual lift height is not known"),
+    Case(
+        "lift height unknown",
+        {"lift_m": NAN},
+        {},
+        "the actual lift height is not known",
+        also=("lift extended",),
+    ),
+    Case(
+        "lift extended",
+        {"lift_m": above(0.005)},
+        {"lift_m": 0.005},
+        "the lift stands at 5 mm, retracted is below 5 mm",
+        lift_is_free=True,
+    ),
+    *(
+        Case(
+            "lift moving",
+            drive("lift", speed_rad_s=sign * above(0.10)),
+            drive("lift", speed_rad_s=sign * 0.10),
+            f"the lift's screw turns with {sign * 0.10:.2f} rad/s",
+            LINK,
+            lift_is_free=True,
+        )
+        for sign in (1, -1)
+    ),
+    Case(
+        "lift moving",
+        drive("lift", speed_rad_s=NAN),
+        drive("left", speed_rad_s=9.0),
+        "the lift's screw turns with nan rad/s",
+        LINK,
+        lift_is_free=True,
+    ),
+    *(
+        Case(
+            f"drive silent: {name}",
+            drive(name, heard_at=START - DRIVE_LIMIT),
+            drive(name, heard_at=START - DRIVE_LIMIT + 1),
+            f"{TITLES[name]} silent for 0.25 s, limit 0.25 s",
+            LINK,
+        )
+        for name in AXES
+    ),
+    *(
+        Case(
+            f"drive silent: {name}",
+            drive(name, heard_at=NEVER_HEARD, state=None),
+            {},
+            f"{TITLES[name]} has never been heard",
+            LINK,
+        )
+        for name in AXES
+    ),
+    *(
+        Case(
+            f"drive fault: {name}",
+            drive(name, fault=0x8611),
+            drive(name, fault=0),
+            f"{TITLES[name]} reports fault 0x8611",
+        )
+        for name in AXES
+    ),
+    *(
+        Case(f"drive fault: {name}", drive(name, fault=1), {}, f"{TITLES[name]} reports fault 0x0001")
+        for name in AXES
+    ),
+    *(
+        Case(
+            f"drive fault: {name}",
+            drive(name, state=state),
+            {},
+            f"{TITLES[name]} is in fault, code unknown",
+        )
+        for name in AXES
+        for state in (State.FAULT, State.FAULT_REACTION_DISABLED, State.FAULT_REACTION_ENABLED)
+    ),
+    *(
+        Case(
+            f"drive not enabled: {name}",
+            drive(name, state=state),
+            {},
+            f"{TITLES[name]} is not enabled: {state.title if state else 'state unknown'}",
+        )
+        for name in AXES
+        for state in (
+            None,
+            State.START,
+            State.NOT_READY_TO_SWITCH_ON,
+            State.SWITCH_ON_DISABLED,
+            State.READY_TO_SWITCH_ON,
+            State.SWITCHED_ON,
+            State.REFRESH,
+            State.MEASURE_INIT,
+            State.QUICK_STOP_ACTIVE,
+        )
+    ),
+)
+
+each = pytest.mark.parametrize("case", CASES, ids=[f"{case.hold}-{n}" for n, case in enumerate(CASES)])
+with_or_without_a_look = pytest.mark.parametrize(
+    "between", [(), (1,), (1, 2, 3)], ids=["none", "one", "three"]
+)
+
+
+def names(ruling: Ruling) -> tuple[str, ...]:
+    return tuple(hold.name for hold in ruling.holds)
+
+
+def tripped(well: Well, case: Case, now: Nanoseconds = START, **changes: Any) -> Snapshot:
+    """Make the case's snapshot at another instant; silences move along."""
+    snapshot = well(START, **(case.trips | changes))
+    return _shifted(snapshot, now - START)
+
+
+def _shifted(snapshot: Snapshot, by: Nanoseconds) -> Snapshot:
+    def later(at: Nanoseconds) -> Nanoseconds:
+        return at if at == NEVER_HEARD else at + by
+
+    return replace(
+        snapshot,
+        now=snapshot.now + by,
+        intent=replace(snapshot.intent, heard_at=later(snapshot.intent.heard_at)),
+        drives=tuple(replace(one, heard_at=later(one.heard_at)) for one in snapshot.drives),
+    )
+
+
+def test_every_interlock_in_the_tables_has_a_case() -> None:
+    kinds = {case.hold.split(":")[0] for case in CASES}
+    assert kinds == {row.name for row in STOPS} | {row.name for row in DRIVE_STOPS}
+    assert len({row.name for row in (*STOPS, *DRIVE_STOPS)}) == len(STOPS) + len(DRIVE_STOPS)
+
+
+def test_a_robot_that_is_well_holds_nothing_from_the_first_look_on(robot: Robot, well: Well) -> None:
+    gate = Gate(robot)
+    for now in (0, 1, START):
+        ruling = gate.rule(well(now))
+        assert ruling.holds == ()
+        assert not ruling.stopped
+        assert ruling.lifting
+
+
+@each
+@with_or_without_a_look
+def test_just_below_its_threshold_it_lets_the_robot_drive(
+    robot: Robot, well: Well, case: Case, between: tuple[int, ...]
+) -> None:
+    gate = Gate(robot)
+    for n in between:
+        gate.rule(well(START - 10 + n))
+    ruling = gate.rule(well(START, **case.spares))
+    assert names(ruling) == ()
+    assert not ruling.stopped
+
+
+@each
+@with_or_without_a_look
+def test_at_its_threshold_it_stops_the_robot_and_says_why(
+    robot: Robot, well: Well, case: Case, between: tuple[int, ...]
+) -> None:
+    gate = Gate(robot)
+    for n in between:
+        gate.rule(well(START - 10 + n))
+    wish = {"speed_mps": 0.3, "steer_rad": 0.1, "lift_rate_mps": 0.0} | case.trips.get("intent", {})
+    ruling = gate.rule(tripped(well, case, intent=wish, demanded_speed_mps=0.3))
+    assert set(names(ruling)) == {case.hold, *case.also}
+    hold = next(hold for hold in ruling.holds if hold.name == case.hold)
+    assert hold == Hold(case.hold, case.reason, hold.remedy, START)
+    assert hold.remedy
+    assert ruling.stopped
+    assert ruling.speed_mps == 0.0
+    assert ruling.lifting is case.lift_is_free
+
+
+@each
+def test_it_holds_on_from_when_it_began(robot: Robot, well: Well, case: Case) -> None:
+    gate = Gate(robot)
+    first = gate.rule(tripped(well, case)).holds
+    for n in range(1, 4):
+        assert gate.rule(tripped(well, case, START + n * SECOND)).holds == first
+
+
+@each
+@with_or_without_a_look
+def test_it_lets_go_when_it_was_clear_for_its_clear_time(
+    robot: Robot, well: Well, case: Case, between: tuple[int, ...]
+) -> None:
+    gate = Gate(robot)
+    gate.rule(tripped(well, case))
+    clear_at = START + SECOND
+    ends_at = clear_at + case.clear_after
+    for now in (clear_at, *(clear_at + n for n in between), ends_at - 1):
+        if clear_at <= now < ends_at:
+            assert case.hold in names(gate.rule(well(now)))
+    assert names(gate.rule(well(ends_at))) == ()
+
+
+@each
+def test_the_first_clear_look_starts_the_clear_time_however_late_it_comes(
+    robot: Robot, well: Well, case: Case
+) -> None:
+    gate = Gate(robot)
+    gate.rule(tripped(well, case))
+    late = START + 60 * SECOND
+    assert (case.hold in names(gate.rule(well(late)))) == (case.clear_after > 0)
+    assert names(gate.rule(well(late + case.clear_after))) == ()
+
+
+@each
+def test_a_trip_in_between_starts_the_clear_time_anew(robot: Robot, well: Well, case: Case) -> None:
+    gate = Gate(robot)
+    began = gate.rule(tripped(well, case)).holds
+    gate.rule(well(START + SECOND))
+    again = START + SECOND + case.clear_after // 2
+    assert gate.rule(tripped(well, case, again)).holds == (
+        began if case.clear_after else tuple(_at(hold, again) for hold in began)
+    )
+    clear_at = again + 1
+    if case.clear_after:
+        assert case.hold in names(gate.rule(well(clear_at)))
+        assert case.hold in names(gate.rule(well(clear_at + case.clear_after - 1)))
+    assert names(gate.rule(well(clear_at + case.clear_after))) == ()
+
+
+@each
+def test_it_trips_again_at_once_after_it_has_let_go(robot: Robot, well: Well, case: Case) -> None:
+    gate = Gate(robot)
+    for round_trip in range(3):
+        start = START + round_trip * 10 * SECOND
+        ruling = gate.rule(tripped(well, case, start))
+        assert case.hold in names(ruling)
+        assert {hold.since for hold in ruling.holds} == {start}
+        gate.rule(well(start + SECOND))
+        assert names(gate.rule(well(start + SECOND + case.clear_after))) == ()
+
+
+def _at(hold: Hold, now: Nanoseconds) -> Hold:
+    return Hold(hold.name, hold.reason, hold.remedy, now)
+
+
+def test_an_extended_lift_counts_as_retracted_only_well_below_the_threshold(robot: Robot, well: Well) -> None:
+    gate = Gate(robot)
+    assert gate.rule(well(START, lift_m=0.5)).holds[0].reason == (
+        "the lift stands at 500 mm, retracted is below 5 mm"
+    )
+    assert names(gate.rule(well(START + 1, lift_m=0.005))) == ("lift extended",)
+    assert names(gate.rule(well(START + 2, lift_m=above(0.8 * 0.005)))) == ("lift extended",)
+    assert names(gate.rule(well(START + 3, lift_m=0.8 * 0.005))) == ()
+    assert names(gate.rule(well(START + 4, lift_m=0.005))) == ()
+
+
+def test_a_lift_comes_to_rest_only_well_below_its_threshold(robot: Robot, well: Well) -> None:
+    gate = Gate(robot)
+    gate.rule(well(START, **drive("lift", speed_rad_s=1.0)))
+    resting = above(0.05)
+    assert names(gate.rule(well(START + SECOND, **drive("lift", speed_rad_s=resting)))) == ("lift moving",)
+    assert names(gate.rule(well(START + 2 * SECOND, **drive("lift", speed_rad_s=-0.05)))) == ("lift moving",)
+    ruling = gate.rule(well(START + 2 * SECOND + LINK, **drive("lift", speed_rad_s=0.05)))
+    assert names(ruling) == ()
+
+
+def test_a_drive_that_is_missing_from_the_snapshot_was_never_heard(robot: Robot, well: Well) -> None:
+    snapshot = well(START)
+    ruling = Gate(robot).rule(replace(snapshot, drives=snapshot.drives[1:]))
+    assert [hold.reason for hold in ruling.holds] == ["node 1 (left rear wheel) has never been heard"]
+
+
+def test_holds_come_in_the_order_of_the_tables(robot: Robot, well: Well) -> None:
+    ruling = Gate(robot).rule(
+        well(
+            START,
+            armed=False,
+            emergency_stopped=True,
+            lift_m=0.5,
+            drives={"right": {"fault": 0x2310, "heard_at": NEVER_HEARD}, "left": {"fault": 0x2310}},
+        )
+    )
+    assert names(ruling) == (
+        "emergency stop",
+        "not armed",
+        "lift extended",
+        "drive fault: left",
+        "drive silent: right",
+        "drive fault: right",
+    )

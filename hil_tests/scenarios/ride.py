@@ -1,0 +1,90 @@
+"""A ride: a short mission on the whole bench, written inside a test, and what became of it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from emulators.bench.mission import Input, Mission, Noise, Step
+from emulators.bench.operator import ScriptedOperator
+from emulators.bench.records import Sample
+from emulators.bench.summary import mean_acceleration
+from emulators.rig import Rig, build
+from firmware_bridge.robot import Robot, find
+from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
+
+READY_S: Final = 3.0
+"""By then the drives are set up, and the operator may arm."""
+ARMED: Final = Step(at_s=READY_S, title="arm", arm=True)
+
+
+@dataclass(slots=True)
+class Ride:
+    """A rig, and short ways to ask what happened on it."""
+
+    rig: Rig
+    operator: ScriptedOperator
+
+    def runs(self, seconds: float) -> None:
+        self.rig.runs(seconds)
+
+    def runs_until(self, second: float) -> None:
+        self.rig.run(from_seconds(second))
+
+    @property
+    def now(self) -> Sample:
+        return self.rig.samples[-1]
+
+    @property
+    def holding(self) -> set[str]:
+        return {hold.name for hold in self.rig.holds if hold.ended is None}
+
+    def held(self, name: str) -> list[str]:
+        """The reasons of all holds whose name begins so, over and standing ones."""
+        return [hold.reason for hold in self.rig.holds if hold.name.startswith(name)]
+
+    def held_between(self, began: float, ended: float) -> set[str]:
+        """Names of holds that began in this time, in seconds."""
+        return {h.name for h in self.rig.holds if from_seconds(began) <= h.began <= from_seconds(ended)}
+
+    def rows(self, began: float, ended: float) -> list[Sample]:
+        return [row for row in self.rig.samples if from_seconds(began) <= row.at <= from_seconds(ended)]
+
+    def fastest(self, began: float = 0.0, ended: float = 1e6) -> float:
+        return max(abs(row.speed_mps) for row in self.rows(began, ended))
+
+    def hardest(self, began: float = 0.0, ended: float = 1e6) -> float:
+        speed = np.array([row.speed_mps for row in self.rows(began, ended)])
+        return float(np.abs(mean_acceleration(speed)).max())
+
+    def stands_from(self, began: float, slower_than: float = 0.002) -> float:
+        """The second from which the base stands for good, counted from the first row at or after `began`."""
+        moving = [row.at for row in self.rows(began, 1e6) if abs(row.speed_mps) >= slower_than]
+        return to_seconds(max(moving)) if moving else began
+
+
+Ridden = Callable[..., Ride]
+
+
+def ride(*steps: Step, seconds: float, robot: Robot | None = None, noise: Noise | None = None, seed: int = 0) -> Ride:
+    """Build the bench with an operator who does these steps; nothing has run yet."""
+    machine = find("rars") if robot is None else robot
+    mission = Mission(
+        title="a story",
+        duration_s=seconds,
+        input=Input.STICK,
+        noise=noise or Noise(),
+        step=tuple(sorted(steps, key=lambda step: step.at_s)),
+    )
+    operator = ScriptedOperator(mission, machine, seed)
+    return Ride(build(machine, operator, seed=seed, noise=mission.noise), operator)
+
+
+def step(at_s: float, **does: object) -> Step:
+    """One step of the operator."""
+    return Step.model_validate({"at_s": at_s, "title": f"at {at_s:g} s", **does})
+
+
+def nanoseconds(second: float) -> Nanoseconds:
+    return from_seconds(second)

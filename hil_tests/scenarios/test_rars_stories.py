@@ -1,0 +1,197 @@
+"""Stories on the whole bench: operator, bridge, bus, four drives, plant."""
+
+import math
+
+import pytest
+from pytest import approx
+
+from emulators.bench.mission import Noise
+from firmware_bridge.motion import davis
+from firmware_bridge.robot import Role, find
+from firmware_bridge.units import from_seconds, to_seconds
+from firmware_bridge.wire.cia402 import State
+from hil_tests.scenarios.ride import ARMED, Ridden, step
+
+
+def test_the_robot_drives_where_the_operator_wants(rides: Ridden) -> None:
+    ride = rides(ARMED, step(4.0, speed_mps=0.3), seconds=20)
+    ride.runs_until(8.0)
+    assert ride.now.speed_mps == approx(0.3, rel=0.01)
+    assert ride.now.y_m == approx(0.0, abs=0.002)
+    assert ride.now.x_m == approx(0.3 * 4.0, abs=0.15)
+
+
+def test_nothing_moves_before_arming(rides: Ridden) -> None:
+    ride = rides(step(3.0, speed_mps=0.3), step(3.5, steer_deg=30), step(4.0, lift_m=0.1), seconds=20)
+    ride.runs_until(6.0)
+    assert ride.fastest() < 1e-3
+    assert abs(ride.now.steer_rad) < 1e-3
+    assert ride.now.lift_m < 1e-4
+    assert "not armed" in ride.holding
+
+
+def test_a_silent_operator_brings_the_robot_to_rest(rides: Ridden) -> None:
+    ride = rides(ARMED, step(4.0, speed_mps=0.5), step(6.0, silent_s=10), seconds=30)
+    ride.runs_until(8.0)
+    assert ride.fastest(5.0, 6.0) == approx(0.5, rel=0.02)
+    assert ride.now.speed_mps == approx(0, abs=0.002)
+    assert "operator silent" in ride.holding
+    assert ride.hardest() < 1.45
+
+
+@pytest.mark.parametrize("speed", [0.1, -0.1])
+def test_a_silent_operator_stops_a_slow_robot_within_0_6_s(rides: Ridden, speed: float) -> None:
+    ride = rides(ARMED, step(4.0, speed_mps=speed), step(6.0, silent_s=10), seconds=30)
+    ride.runs_until(8.0)
+    assert ride.stands_from(6.0) < 6.6
+
+
+def test_a_motion_returns_with_the_operator(rides: Ridden) -> None:
+    ride = rides(ARMED, step(4.0, speed_mps=0.2), step(5.0, silent_s=2), seconds=30)
+    ride.runs_until(10.0)
+    assert ride.now.speed_mps == approx(0.2, rel=0.02)
+    assert "operator silent" not in ride.holding
+
+
+def test_an_emergency_stop_latches_until_cleared_and_armed_again(rides: Ridden) -> None:
+    ride = rides(
+        ARMED,
+        step(4.0, speed_mps=0.5),
+        step(6.0, emergency_stop=True),
+        step(9.0, arm=True),
+        step(10.0, speed_mps=0.0, clear=True),
+        step(11.0, speed_mps=0.2),
+        step(12.0, speed_mps=0.0),
+        step(12.5, arm=True),
+        step(14.5, speed_mps=0.2),
+        seconds=30,
+    )
+    ride.runs_until(6.6)
+    assert abs(ride.now.speed_mps) < 0.01
+    ride.runs_until(12.4)
+    assert ride.fastest(6.6, 12.4) < 0.01, "neither arming nor clearing alone lets it move"
+    ride.runs_until(18.0)
+    assert ride.now.speed_mps == approx(0.2, rel=0.02)
+    assert ride.hardest() < 1.45
+
+
+def test_the_lift_rises_at_rest_only_and_holds_the_wheels(rides: Ridden) -> None:
+    ride = rides(
+        ARMED,
+        step(4.0, speed_mps=0.2),
+        step(5.0, lift_m=0.1),
+        step(6.0, speed_mps=0.0),
+        step(12.0, speed_mps=0.2),
+        step(14.0, speed_mps=0.0, lift_m=0.0),
+        step(20.0, speed_mps=0.2),
+        seconds=40,
+    )
+    ride.runs_until(6.0)
+    assert ride.now.lift_m < 1e-3
+    ride.runs_until(12.0)
+    raised = ride.now.lift_m
+    ride.runs_until(14.0)
+    assert ride.fastest(12.0, 14.0) < 1e-3
+    assert raised > 0.05
+    assert ride.held("lift extended")
+    ride.runs_until(24.0)
+    assert ride.now.lift_m < 0.005
+    assert ride.now.speed_mps == approx(0.2, rel=0.02)
+
+
+def test_the_wheels_follow_the_angle_that_is_steered(rides: Ridden) -> None:
+    """A step from 0 to 30 degrees at 0.3 m/s: each cycle's set-points fit the angle read in that cycle."""
+    ride = rides(ARMED, step(4.0, speed_mps=0.3), step(6.0, steer_deg=30), seconds=20)
+    rars = find("rars")
+    half = rars.base.rear_track_m / 2.0
+    steering = rars.axis(Role.STEERING)
+    angle: list[float] = []
+    sent: dict[int, int] = {}
+    ratios: list[tuple[float, float]] = []
+
+    def watch(now: int, sender: str, packet: object) -> None:
+        address, payload = packet.address, packet.payload  # type: ignore[attr-defined]
+        if address == 0x280 + steering.node:
+            counts = int.from_bytes(payload[2:6], "little", signed=True)
+            angle[:] = [davis.steer_from_quadcounts(rars.base, steering, counts)]
+        if sender == "bridge" and address in (0x501, 0x502):
+            sent[address] = int.from_bytes(payload[2:6], "little", signed=True)
+            if len(sent) == 2:
+                if now >= from_seconds(5.9) and angle:
+                    ratios.append((sent[0x502] / sent[0x501], angle[0]))
+                sent.clear()
+
+    ride.rig.can_wire.observe(watch)
+    ride.runs_until(9.0)
+    assert len(ratios) >= 60
+    assert ratios[-1][1] == approx(math.radians(30), abs=0.002)
+    for ratio, steer in ratios:
+        radius = math.inf if steer == 0 else davis.turn_radius(rars.base, steer)
+        expected = 1.0 if math.isinf(radius) else (radius + half) / (radius - half)
+        assert ratio == approx(expected, rel=0.02)
+    end = ride.now
+    left, right = end.motor_speeds_rad_s[0], end.motor_speeds_rad_s[1]
+    radius = davis.turn_radius(rars.base, end.steer_rad)
+    assert right / left == approx((radius + half) / (radius - half), rel=0.02)
+    assert end.yaw_rate_rad_s == approx(end.speed_mps / radius, rel=0.02)
+
+
+def test_a_drive_that_falls_silent_stops_the_robot_and_is_named(rides: Ridden) -> None:
+    ride = rides(ARMED, step(4.0, speed_mps=0.3), seconds=20)
+    ride.runs_until(6.0)
+    ride.rig.world.silence("steer", from_seconds(6.0))
+    ride.runs_until(8.0)
+    assert abs(ride.now.speed_mps) < 0.002
+    (reason,) = ride.held("drive silent")[:1]
+    assert "3" in reason
+    assert "steering" in reason
+    assert not ride.now.armed, "a drive that was lost needs a new arm"
+
+
+@pytest.mark.parametrize("lost", ["left", "right"])
+def test_a_wheel_drive_that_is_cut_off_stops_by_its_own_watch(rides: Ridden, lost: str) -> None:
+    ride = rides(ARMED, step(4.0, speed_mps=0.3), seconds=20)
+    ride.runs_until(6.0)
+    ride.rig.world.silence(lost, from_seconds(6.0))
+    ride.runs_until(8.0)
+    assert ride.stands_from(6.0) < 7.0
+    assert max(abs(speed) for speed in ride.now.motor_speeds_rad_s[:2]) < 1.0
+
+
+def test_the_drives_stop_by_themselves_when_the_bridge_dies(rides: Ridden) -> None:
+    ride = rides(ARMED, step(4.0, speed_mps=0.5), seconds=20)
+    ride.runs_until(6.0)
+    ride.rig.world.silence("bridge", from_seconds(6.0))
+    ride.runs_until(8.0)
+    assert ride.stands_from(6.0) < 6.0 + 0.2 + 0.5 / 1.3 + 0.1
+    assert ride.hardest(5.5, 8.0) < 1.45
+
+
+def test_an_orderly_end_leaves_every_drive_without_power(rides: Ridden) -> None:
+    ride = rides(ARMED, step(4.0, speed_mps=0.3), seconds=20)
+    ride.runs_until(6.0)
+    ride.ends()
+    ride.runs_until(9.0)
+    assert abs(ride.now.speed_mps) < 0.002
+    for drive in ride.rig.devices.drives.values():
+        assert drive.state in (State.SWITCH_ON_DISABLED, State.READY_TO_SWITCH_ON)
+
+
+def test_two_runs_with_one_seed_are_the_same_bytes(rides: Ridden) -> None:
+    def trace(seed: int) -> str:
+        ride = rides(
+            ARMED, step(3.5, speed_mps=0.3, steer_deg=20), seconds=20, noise=Noise(stick=0.02, jitter_ms=20), seed=seed
+        )
+        ride.runs_until(6.0)
+        return ride.rig.world.trace_sha256
+
+    assert trace(1) == trace(1)
+    assert trace(1) != trace(2)
+
+
+def test_the_bus_is_quiet_enough_for_its_cycle(rides: Ridden) -> None:
+    """One cycle's frames take a small part of 50 ms: adding to a PDO shows here first."""
+    ride = rides(ARMED, step(4.0, speed_mps=0.3, steer_deg=10), seconds=20)
+    ride.runs_until(8.0)
+    assert ride.rig.can_wire.load_percent() < 10
+    assert to_seconds(ride.rig.world.now) == 8.0

@@ -1,0 +1,96 @@
+"""The ramp at its bounds: straight on, in a turn, braking where a turn takes everything, and late cycles."""
+
+import math
+
+import pytest
+
+from firmware_bridge.motion.ramp import BRAKING_SHARE, MARGIN, Ramp
+from firmware_bridge.robot import find
+from firmware_bridge.units import MILLISECOND
+
+CYCLE = 50 * MILLISECOND
+RAMP = Ramp(limit_mps2=1.3, half_track_m=0.2, longest_step=CYCLE)
+STEP = 1.3 * 0.05
+
+
+def test_the_bounds_come_from_the_robot_file_with_a_margin() -> None:
+    ramp = Ramp.of(find("rars"))
+    assert pytest.approx(0.93) == MARGIN
+    assert ramp == Ramp(0.93 * 0.144 * 9.81, 0.2, CYCLE)
+
+
+@pytest.mark.parametrize(
+    ("speed", "target", "demand"),
+    [
+        (0.0, 0.5, STEP),
+        (0.0, -0.5, -STEP),
+        (0.5, 0.0, 0.5 - STEP),
+        (-0.5, 0.0, -0.5 + STEP),
+        (0.3, 0.3, 0.3),
+        (0.3, 0.3 + 0.9 * STEP, 0.3 + 0.9 * STEP),
+        (0.3, 0.3 - 0.9 * STEP, 0.3 - 0.9 * STEP),
+        (0.3, 0.3 + 1.1 * STEP, 0.3 + STEP),
+        (0.3, 0.3 - 1.1 * STEP, 0.3 - STEP),
+        (0.03, -0.5, 0.03 - STEP),
+        (-0.03, 0.5, -0.03 + STEP),
+    ],
+)
+def test_straight_on_one_step_is_the_limit_at_most(speed: float, target: float, demand: float) -> None:
+    assert RAMP.step(speed, target, 0.0, CYCLE) == pytest.approx(demand, abs=1e-12)
+
+
+@pytest.mark.parametrize(("elapsed", "share"), [(0, 0.0), (CYCLE // 2, 0.5), (CYCLE, 1.0), (4 * CYCLE, 1.0)])
+def test_a_step_is_as_long_as_its_time_but_no_longer_than_a_cycle(elapsed: int, share: float) -> None:
+    assert RAMP.step(0.0, 0.5, 0.0, elapsed) == pytest.approx(share * STEP)
+
+
+@pytest.mark.parametrize("bend", [1 / 0.415, -1 / 0.415])
+def test_the_outer_wheel_stays_within_the_limit(bend: float) -> None:
+    # From rest V^2/R is nothing yet: the outer wheel binds, 1 + m/R times the base.
+    demand = RAMP.step(0.0, 0.5, bend, CYCLE)
+    assert demand * (1 + 0.2 / 0.415) == pytest.approx(STEP)
+
+
+@pytest.mark.parametrize("bend", [1.0, -1.0])
+def test_forward_and_centripetal_acceleration_add_up_as_vectors(bend: float) -> None:
+    # At 1.1 m/s on 1 m the turn takes 1.21 m/s2 of 1.3.
+    demand = RAMP.step(1.1, 1.13, bend, CYCLE)
+    fastest = 1.13
+    along = math.sqrt(1.3**2 - (fastest**2) ** 2)
+    assert demand == pytest.approx(1.1 + along * 0.05)
+    assert math.hypot((demand - 1.1) / 0.05, demand**2) < 1.3
+
+
+def test_a_target_above_what_the_turn_allows_is_the_turns_top_speed() -> None:
+    # To within one step: the ramp weighs the speed that it might reach, not the one that it will.
+    speed = 0.0
+    for _ in range(200):
+        speed = RAMP.step(speed, 9.0, 1.0, CYCLE)
+        assert speed**2 <= 1.3
+    assert math.sqrt(1.3) - STEP <= speed <= math.sqrt(1.3)
+    back = 0.0
+    for _ in range(200):
+        back = RAMP.step(back, -9.0, 1.0, CYCLE)
+    assert back == -speed
+
+
+@pytest.mark.parametrize(("speed", "sign"), [(2.0, 1), (-2.0, -1)])
+def test_braking_is_always_possible(speed: float, sign: int) -> None:
+    # A turn that tightened at speed takes more than the limit; braking keeps its share.
+    demand = RAMP.step(speed, 0.0, 1.0, CYCLE)
+    assert pytest.approx(0.5) == BRAKING_SHARE
+    assert demand == pytest.approx(speed - sign * 0.5 * STEP)
+
+
+def test_braking_uses_more_than_its_share_where_there_is_room() -> None:
+    along = math.sqrt(1.3**2 - (0.9**2) ** 2)
+    assert along > 0.5 * 1.3
+    assert RAMP.step(0.9, 0.0, 1.0, CYCLE) == pytest.approx(0.9 - along * 0.05)
+
+
+def test_speeding_up_has_no_reserved_share() -> None:
+    # 1.14^2 = 1.2996: almost nothing is left to speed up, and braking's share is not lent out.
+    assert RAMP.step(1.14, 1.1402, 1.0, CYCLE) - 1.14 < 0.001
+    assert RAMP.step(1.13, 1.1401, 1.0, CYCLE) - 1.13 == pytest.approx(
+        0.05 * math.sqrt(1.3**2 - 1.1401**4), rel=1e-6
+    )
