@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from heapq import heappop, heappush
 from typing import Any, Final, Protocol
 
-from firmware_bridge.node import Node, Packet, Reaction
+from firmware_bridge.node import Node, Packet, Reaction, Stoppable
 from firmware_bridge.units import NEVER, Nanoseconds
 
 LIVELOCK: Final = 100_000
@@ -100,6 +100,13 @@ class World:
     def silence(self, name: str, from_time: Nanoseconds) -> None:
         """Cut a node off its wires from an instant on. It lives on and may notice; `NEVER` mends the cut."""
         self._station(name).silent_from = from_time
+
+    def stop(self, name: str) -> None:
+        """Ask a node to end in good order, now, as the real-time runner does on Ctrl-C."""
+        station = self._station(name)
+        if not isinstance(station.node, Stoppable):
+            raise WorldError(f"node '{name}' cannot be asked to stop")
+        self._take(station, station.node.stop(self.now))
 
     def run(self, until: Nanoseconds) -> None:
         """Let everything happen up to and including `until`; WorldError where time stands still."""

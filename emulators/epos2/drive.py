@@ -7,10 +7,11 @@ extended identifiers, error reports, remote requests to identifiers that have no
 
 from collections.abc import Callable
 from functools import partial
-from typing import Final, Protocol, TypeAlias
+from typing import Final, TypeAlias
 
 from emulators.epos2 import rules
 from emulators.epos2.clock import HighResolutionClock
+from emulators.epos2.contract import MotionFactory
 from emulators.epos2.emergency import EmergencyProducer
 from emulators.epos2.heartbeat import ErrorControl
 from emulators.epos2.memory import Memory
@@ -29,33 +30,6 @@ from firmware_bridge.wire.can import REMOTE
 from firmware_bridge.wire.canopen import FIRST_NODE, LAST_NODE, NmtCommand, NmtState
 from firmware_bridge.wire.epos2 import emergency
 
-
-class Motion(Protocol):
-    """What the node needs of motion control."""
-
-    def nmt_changed(self, operational: bool) -> None:  # noqa: FBT001 - as MotionControl has it
-        """Follow the network state."""
-
-    def connection_lost(self) -> None:
-        """Report and react to a lost heartbeat or guarding."""
-
-    def communication_fault(self, code: int) -> None:
-        """Report and react to an error that the bus side found."""
-
-    def communication_reset(self) -> None:
-        """Let go of the errors that reset communication cures."""
-
-    def refresh(self, now: Nanoseconds) -> None:
-        """Bring statusword and actual values up to date."""
-
-    def wake_at(self) -> Nanoseconds:
-        """Return when to refresh next, whatever happens."""
-
-    def reset(self) -> None:
-        """Begin as after power-on."""
-
-
-MotionFactory: TypeAlias = Callable[[ObjectStore, ServoAxis, Callable[[int], None]], Motion]
 _Heard: TypeAlias = Callable[[bytes], None]
 
 
@@ -183,16 +157,7 @@ class Epos2:
     def _route(self) -> None:
         """Say which identifiers count in this state, and who hears them."""
         services, node = SERVICES[self.nmt_state], self.node_id
-        routes: dict[int, _Heard] = {}
-        if Service.PDO in services:
-            for sent in self._pdo.transmit:
-                routes[sent.address] = self._hear_collision
-                if sent.answers_remote:
-                    routes[sent.address | REMOTE] = partial(self._hear_request, sent)
-            valid = self._pdo.receive
-            for pdo in valid:
-                sharing = tuple(other for other in valid if other.address == pdo.address)
-                routes[pdo.address] = partial(self._hear_pdo, sharing)
+        routes: dict[int, _Heard] = self._route_pdos() if Service.PDO in services else {}
         if Service.ERROR_CONTROL in services:
             routes[canopen.NMT] = self._hear_command
             routes[canopen.ERROR_CONTROL + node | REMOTE] = self._hear_guarding
@@ -203,6 +168,18 @@ class Epos2:
         if Service.SDO in services:
             routes[canopen.SDO_REQUEST + node] = self._hear_sdo
         self._routes = routes
+
+    def _route_pdos(self) -> dict[int, _Heard]:
+        routes: dict[int, _Heard] = {}
+        for sent in self._pdo.transmit:
+            routes[sent.address] = self._hear_collision
+            if sent.answers_remote:
+                routes[sent.address | REMOTE] = partial(self._hear_request, sent)
+        valid = self._pdo.receive
+        for pdo in valid:
+            sharing = tuple(other for other in valid if other.address == pdo.address)
+            routes[pdo.address] = partial(self._hear_pdo, sharing)
+        return routes
 
     def _hear_command(self, payload: bytes) -> None:
         command = command_for(self.node_id, payload)

@@ -49,7 +49,8 @@ class Producer:
 
     def produce(self, state: NmtState, now: Nanoseconds) -> bytes:
         """Return the payload that is due, and move on to the next instant of the same grid."""
-        self.due = max(self.due, now - self._period) + self._period if self.due else now + self._period
+        since = now - self.due if self.due else 0
+        self.due = now - since % self._period + self._period
         word = state | self._flip
         if self._toggles:
             self._flip ^= TOGGLE

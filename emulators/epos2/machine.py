@@ -88,9 +88,9 @@ class PowerMachine:
         """Heed a rising edge of bit 4 with the target that the object holds by now."""
         if not self.free:
             return
+        self._motion.follow_up()
         if self._latching and self._motion.take_setpoint(self._controlword):
             self._latching = False
-        self._motion.follow_up()
         self._check_limits()
 
     def _obey(self, word: int, before: int) -> None:

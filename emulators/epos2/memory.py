@@ -2,7 +2,8 @@
 
 Sources: EPOS Firmware Specification (by analogy), EDS. For now the copy lives as long as the emulated drive;
 a file behind it, the seconds that a real save takes, and the factory's own values (0x1011:4, here the same
-as the defaults) are still to come. ASSUME: 'load' acts at once on every parameter and leaves the saved copy alone.
+as the defaults) are still to come. ASSUME: 'load' acts at once on every parameter and leaves the saved copy
+as it is.
 """
 
 from collections.abc import Callable

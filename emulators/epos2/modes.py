@@ -14,15 +14,14 @@ from emulators.servo.axis import (
     DIRECT,
     IDLE,
     MOVE,
-    POSITION,
     PROFILE_DONE,
     RAMP,
     TARGET_REACHED,
-    VELOCITY,
     ServoAxis,
 )
+from emulators.servo.commands import brake, judge_anew, regulate_position, regulate_velocity
 from emulators.servo.profile import stopping_distance
-from emulators.servo.scaling import POSITION_I_PLACES, VELOCITY_PLACES, acceleration_units, speed_units
+from emulators.servo.scaling import acceleration_units, speed_units
 from firmware_bridge.wire.cia402 import Control, Mode
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
@@ -75,10 +74,10 @@ class Motion:
         self.forget()
         self.halted = bool(controlword & Control.HALT)
         if self.mode == Mode.PROFILE_VELOCITY:
-            self._regulate_velocity()
+            regulate_velocity(self._axis)
             self.velocity_target(self._store.get(at.TARGET_VELOCITY))
         elif not self._direct():
-            self._regulate_position()
+            regulate_position(self._axis)
             self.brake(self._store.get(at.PROFILE_DECELERATION))
 
     def change(self, mode: int, *, enabled: bool) -> None:
@@ -88,13 +87,15 @@ class Motion:
         self.mode = mode
         if not enabled:
             return
+        halted = self.halted
         self.forget()
+        self.halted = halted
         if mode == Mode.PROFILE_VELOCITY:
-            self._regulate_velocity()
+            regulate_velocity(self._axis)
         elif self._direct():
             return
         else:
-            self._regulate_position()
+            regulate_position(self._axis)
         self.brake(self._store.get(at.PROFILE_DECELERATION))
 
     def controls(self, controlword: int, before: int) -> bool:
@@ -126,7 +127,7 @@ class Motion:
         limit = self._fastest()
         wish = 0 if self.halted else max(-limit, min(limit, speed_units(axis, rpm)))
         if wish != axis.target_velocity or axis.profile != RAMP:
-            self._under_way(there=wish == axis.velocity_demand)
+            judge_anew(axis, there=wish == axis.velocity_demand)
         axis.target_velocity = wish
         axis.profile = RAMP
         axis.acceleration = self._acceleration(at.PROFILE_ACCELERATION)
@@ -177,7 +178,7 @@ class Motion:
         axis.deceleration = self._acceleration(at.PROFILE_DECELERATION)
         axis.stopping_distance = stopping_distance(axis.cruise, axis.deceleration)
         axis.profile = MOVE
-        self._under_way(there=False)
+        judge_anew(axis, there=False)
 
     # Halt and other braking
 
@@ -195,26 +196,8 @@ class Motion:
             self._go_on()
 
     def brake(self, rpm_per_second: int) -> None:
-        """Ramp the present demand to standstill, then hold the position if it was regulated, else no speed."""
-        axis = self._axis
-        if axis.regulator in (IDLE, CURRENT):
-            axis.clear_demand()
-            self._regulate_velocity()
-        elif axis.profile == DIRECT and axis.regulator == POSITION:
-            axis.velocity_demand = axis.shaft_speed()
-        axis.profile = RAMP
-        axis.target_velocity = 0
-        axis.acceleration = axis.deceleration = acceleration_units(axis, rpm_per_second)
-        self._under_way(there=axis.velocity_demand == 0)
-
-    def _under_way(self, *, there: bool) -> None:
-        """Let the arrival be judged anew; what is there already does not wait for the next ms."""
-        axis = self._axis
-        axis.window_ms = 0
-        if there:
-            axis.flags |= PROFILE_DONE | TARGET_REACHED
-        else:
-            axis.flags &= ~(PROFILE_DONE | TARGET_REACHED)
+        """Ramp to standstill and hold."""
+        brake(self._axis, rpm_per_second)
 
     # Direct modes
 
@@ -235,10 +218,10 @@ class Motion:
     def _direct(self) -> bool:
         """Start position, velocity or current mode with the value that its object holds."""
         if self.mode == Mode.POSITION:
-            self._regulate_position()
+            regulate_position(self._axis)
             address = at.POSITION_MODE_SETTING
         elif self.mode == Mode.VELOCITY:
-            self._regulate_velocity()
+            regulate_velocity(self._axis)
             address = at.VELOCITY_MODE_SETTING
         elif self.mode == Mode.CURRENT:
             self._axis.regulator = CURRENT
@@ -249,29 +232,6 @@ class Motion:
         self._axis.profile = DIRECT
         self.setting(address, self._store.get(address))
         return True
-
-    # Regulators, handed over without a jump of the current
-
-    def _regulate_velocity(self) -> None:
-        axis = self._axis
-        if axis.regulator == POSITION:
-            axis.velocity_integral = axis.position_integral >> (POSITION_I_PLACES - VELOCITY_PLACES)
-        elif axis.regulator != VELOCITY:
-            axis.velocity_integral = axis.current_demand_ma << VELOCITY_PLACES
-            axis.velocity_demand = axis.shaft_speed()
-        axis.regulator = VELOCITY
-
-    def _regulate_position(self) -> None:
-        axis = self._axis
-        if axis.regulator != POSITION:
-            axis.position_demand = axis.position << axis.fraction
-            if axis.regulator == VELOCITY:
-                axis.position_integral = axis.velocity_integral << (POSITION_I_PLACES - VELOCITY_PLACES)
-            else:
-                axis.position_integral = axis.current_demand_ma << POSITION_I_PLACES
-                axis.velocity_demand = axis.shaft_speed()
-            axis.derivative = 0
-        axis.regulator = POSITION
 
     def _limits(self) -> tuple[int, int]:
         return self._store.get(at.MIN_POSITION_LIMIT), self._store.get(at.MAX_POSITION_LIMIT)

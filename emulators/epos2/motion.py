@@ -163,7 +163,7 @@ class MotionControl:
             word |= Status.REMOTE
         if flags & CURRENT_LIMITED:
             word |= Status.INTERNAL_LIMIT
-        self._store.set(at.STATUSWORD, word | self._mode_bits(flags))
+        self._store.set(at.STATUSWORD, int(word | self._mode_bits(flags)))
 
     def _mode_bits(self, flags: int) -> int:
         """Bits 12 and 13, which each mode gives its own meaning."""

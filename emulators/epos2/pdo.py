@@ -1,9 +1,10 @@
 """Process data of one drive: what its PDOs carry and when they leave, made ready once per change of settings.
 
 Source: CiA 301 v4.02, process data objects; the EPOS2 knows the transmission types 1, 253 and 255 (EPOS
-Firmware Specification, by analogy; type 253 and remote requests recorded from an EPOS2). Where they are silent: at a
-SYNC transmit PDOs are sampled before receive PDOs are taken over; a value that its object refuses is dropped
-and the PDO's other values count; a PDO without entries is silent; remote requests know no inhibit time.
+Firmware Specification, by analogy; type 253 and remote requests recorded from an EPOS2). Where they are
+silent: at a SYNC transmit PDOs are sampled before receive PDOs are taken over; a value that its object
+refuses is dropped and the PDO's other values count; a PDO without entries is silent; remote requests know no
+inhibit time.
 """
 
 from typing import Final

@@ -183,6 +183,7 @@ class ServoBank:
 
         An open winding carries no current, but the plant knows voltages only: so the winding gets its own
         back-EMF, speed times a constant. The constant is known, or learnt from the current that still flows.
+        Both divisions round towards minus infinity.
         """
         current = axis.current_ma
         speed = self._speed(k)

@@ -16,9 +16,13 @@ from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire.cia402 import State
 
 _DRIVE_STOPS: Final = frozenset(row.name for row in DRIVE_STOPS)
-_STOPS_EVERYTHING: Final = frozenset(row.name for row in STOPS if not row.lift_is_free) - {"not armed"}
+_STOPS_EVERYTHING: Final = frozenset(row.name for row in STOPS if not row.lift_is_free) - {
+    "not armed",
+    "operator silent",
+}
 """Arming waits for these to let go. What leaves the lift free does not count: a lift that stands extended
-comes down only when the robot is armed."""
+comes down only when the robot is armed. Nor does silence: many stations arm first and speak of motion then,
+and until they do the silence holds the robot itself."""
 
 
 def at_rest(seen: Snapshot) -> bool:

@@ -79,7 +79,7 @@ class Narrated:
         if bridge.seen.armed != self._armed:
             self._armed = bridge.seen.armed
             self._say("armed" if self._armed else "disarmed", now)
-        if bridge.holds != self._holds:
+        if bridge.holds != self._holds and bridge.phase is not Phase.FAILED:  # what failed is told at the end
             self._tell_holds({hold.name: hold for hold in bridge.holds}, now)
             self._holds = bridge.holds
         return reaction

@@ -59,6 +59,26 @@ def test_platform_accelerations(bench: Any, parameters: dict[str, float], left: 
     assert got["right"] == pytest.approx(26 / r * (v_dot + track / 2 * w_dot), rel=1e-4, abs=5e-3)
 
 
+@pytest.mark.parametrize("angle", [0.0, 150.0, -400.0])
+def test_front_tyres_push_where_they_stand(bench: Any, angle: float) -> None:
+    start = {"angle_steer": angle, "speed_left": 150.0, "speed_right": 200.0}
+    free = accelerations(bench, start | {"floor_friction": 0.0})
+    held = accelerations(bench, start)
+    plant = bench(start)
+    now, along, around = plant.now(), 0.0, 0.0
+    for side, place in (("left", 0.105), ("right", -0.105)):
+        force, steer = plant.plant.read(f"force_{side}"), now[f"steer_{side}"]
+        assert abs(force) > 10.0
+        forward, sideways = -force * math.sin(steer), force * math.cos(steer)
+        along += forward
+        around += 0.515 * sideways - place * forward  # the cross product of lever and force
+    total = 70.6 + 2 * (465e-6 + 536e-7 * 676) / 0.05**2
+    turning = 0.53 + 2 * 242e-6 + 70 * 0.22**2 + 0.6 * 0.2**2 + (total - 70.6) * 0.04
+    change = {axis: (held[axis] - free[axis]) * 0.05 / 26 for axis in ("left", "right")}
+    assert (change["left"] + change["right"]) / 2 == pytest.approx(along / total, rel=1e-3, abs=1e-3)
+    assert (change["right"] - change["left"]) / 0.4 == pytest.approx(around / turning, rel=1e-3, abs=1e-3)
+
+
 @pytest.mark.parametrize("angle", [0.0, 120.0, -300.0, 420.0])
 def test_rack_acceleration(bench: Any, angle: float) -> None:
     metres = 0.015 / 159

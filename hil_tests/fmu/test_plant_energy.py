@@ -61,6 +61,25 @@ def test_the_stops_are_reached_in_the_lossless_run(bench: Any) -> None:
     assert plant.energy() == pytest.approx(before, rel=1e-4)
 
 
+@pytest.mark.parametrize(
+    ("axis", "damping", "angle", "speed"),
+    [
+        ("steer", "rack_stop_damping", 440.0, 400.0),
+        ("steer", "rack_stop_damping", -440.0, -400.0),
+        ("lift", "lift_stop_damping", 20.0, -700.0),
+        ("lift", "lift_stop_damping", 9070.0, 700.0),
+    ],
+)
+def test_a_damped_stop_throws_back_more_slowly(
+    bench: Any, axis: str, damping: str, angle: float, speed: float
+) -> None:
+    free = LOSSLESS | {f"torque_constant_{axis}": 0.0, f"angle_{axis}": angle, f"speed_{axis}": speed}
+    elastic = bench(free | {"lift_mass": 1e-3}).runs(0.08)[f"speed_{axis}"]
+    damped = bench(free | {"lift_mass": 1e-3, damping: 50.0}).runs(0.08)[f"speed_{axis}"]
+    assert elastic == pytest.approx(-speed, rel=0.05)
+    assert 0.1 < damped / elastic < 0.95
+
+
 @pytest.mark.parametrize("axis", AXES)
 def test_a_motor_takes_no_more_energy_than_it_is_given(bench: Any, axis: str) -> None:
     plant = bench({"angle_lift": 1000.0})

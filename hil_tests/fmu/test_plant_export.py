@@ -186,17 +186,6 @@ def test_parameters_are_complete() -> None:
         assert "ASSUME" in row.source or "[R]" in row.source
 
 
-def test_set_b_gives_the_numbers_of_equation_3_78() -> None:
-    # A, B, D, E of (3.77) with set B, as the thesis prints them in (3.78).
-    p = {row.name: row.start for row in PARAMETERS} | dict(SETS["B"])
-    l2 = p["rear_track"] ** 2
-    a, mass, yaw = p["centre_offset"], p["platform_mass"], p["yaw_inertia"]
-    inertia = yaw / l2 + mass * (a * a / l2 + 0.25) + 2 * p["wheel_yaw_inertia"] / l2 + p["wheel_mass"]
-    coupling = a * mass / p["rear_track"]
-    assert inertia == pytest.approx(167.4, abs=0.5)
-    assert coupling == pytest.approx(73.3, abs=0.1)
-
-
 def test_two_processes_may_build_at_once(tmp_path: Path) -> None:
     command = [sys.executable, "-c", "from fmu.build import ensure; print(ensure('rars', 3))"]
     environment = os.environ | {"XDG_CACHE_HOME": str(tmp_path)}

@@ -10,9 +10,9 @@ from emulators.bench.mission import Input, Mission, Noise, Step
 from emulators.bench.operator import ScriptedOperator
 from emulators.bench.records import Sample
 from emulators.bench.summary import mean_acceleration
-from emulators.rig import Rig, build
+from emulators.rig import BRIDGE, Rig, build
 from firmware_bridge.robot import Robot, find
-from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
+from firmware_bridge.units import from_seconds, to_seconds
 
 READY_S: Final = 3.0
 """By then the drives are set up, and the operator may arm."""
@@ -31,6 +31,10 @@ class Ride:
 
     def runs_until(self, second: float) -> None:
         self.rig.run(from_seconds(second))
+
+    def ends(self) -> None:
+        """Ask the bridge to end in good order, as Ctrl-C does."""
+        self.rig.world.stop(BRIDGE)
 
     @property
     def now(self) -> Sample:
@@ -77,14 +81,10 @@ def ride(*steps: Step, seconds: float, robot: Robot | None = None, noise: Noise 
         noise=noise or Noise(),
         step=tuple(sorted(steps, key=lambda step: step.at_s)),
     )
-    operator = ScriptedOperator(mission, machine, seed)
+    operator = ScriptedOperator(machine, mission, np.random.default_rng(seed))
     return Ride(build(machine, operator, seed=seed, noise=mission.noise), operator)
 
 
 def step(at_s: float, **does: object) -> Step:
     """One step of the operator."""
     return Step.model_validate({"at_s": at_s, "title": f"at {at_s:g} s", **does})
-
-
-def nanoseconds(second: float) -> Nanoseconds:
-    return from_seconds(second)

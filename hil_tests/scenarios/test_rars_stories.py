@@ -9,7 +9,8 @@ from emulators.bench.mission import Noise
 from firmware_bridge.motion import davis
 from firmware_bridge.robot import Role, find
 from firmware_bridge.units import from_seconds, to_seconds
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import State, state_of
+from firmware_bridge.wire.epos2.address import STATUSWORD
 from hil_tests.scenarios.ride import ARMED, Ridden, step
 
 
@@ -174,7 +175,7 @@ def test_an_orderly_end_leaves_every_drive_without_power(rides: Ridden) -> None:
     ride.runs_until(9.0)
     assert abs(ride.now.speed_mps) < 0.002
     for drive in ride.rig.devices.drives.values():
-        assert drive.state in (State.SWITCH_ON_DISABLED, State.READY_TO_SWITCH_ON)
+        assert state_of(drive.store.get(STATUSWORD)) in (State.SWITCH_ON_DISABLED, State.READY_TO_SWITCH_ON)
 
 
 def test_two_runs_with_one_seed_are_the_same_bytes(rides: Ridden) -> None:

@@ -1,11 +1,12 @@
 """The bridge on a bus with four paper drives, and a ground station in the test's hand."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import pytest
 
+from emulators.rig import Devices, devices
 from emulators.wires.can import CanWire
 from emulators.wires.datagram import DatagramWire
 from emulators.world import World
@@ -209,7 +210,8 @@ class Bench:
 
     robot: Robot
     bridge: Bridge
-    drives: dict[str, PaperDrive]
+    drives: Mapping[str, Any]
+    """Paper drives, or emulated ones."""
     station: Station = field(default_factory=Station)
     world: World = field(default_factory=World)
     frames: list[tuple[Nanoseconds, str, Packet]] = field(default_factory=list)
@@ -316,6 +318,17 @@ def bench() -> Iterator[Bench]:
     bench = joined()
     yield bench
     assert [refusal.reason for refusal in bench.guard.refusals] == []
+
+
+@pytest.fixture
+def emulated() -> Iterator[tuple[Bench, Devices]]:
+    """The same with four emulated drives above the plant."""
+    robot = robots.find("rars")
+    below = devices(robot)
+    bench = Bench(robot, Bridge(robot), below.drives, world=World(below.bank))
+    yield bench, below
+    assert [refusal.reason for refusal in bench.guard.refusals] == []
+    below.plant.close()
 
 
 @pytest.fixture(scope="session")

@@ -102,6 +102,19 @@ def test_the_current_follows_its_demand_as_a_first_order_with_half_the_error_eac
         assert after == pytest.approx(before / 2, abs=0.1)
 
 
+def test_the_current_loop_does_not_wind_up_at_the_voltage_limit() -> None:
+    bank, plant, axes = bank_of(motor=replace(WHEEL, resistance=10.0, inertia=1e3, friction=0.0))
+    axes[0].switch_on()
+    axes[0].regulator = 1
+    axes[0].current_setting_ma = 5000
+    bank.advance(2 * MILLISECOND)
+    bank.advance(100 * MILLISECOND)
+    assert plant.outputs[0] == pytest.approx(2.16)
+    axes[0].current_setting_ma = -2000
+    bank.advance(185 * MILLISECOND)
+    assert plant.outputs[0] == pytest.approx(-2.0, abs=0.1)
+
+
 def test_a_wheel_follows_its_ramp_and_holds_its_speed() -> None:
     bank, plant, axes = bank_of()
     drive(axes[0], 2000)

@@ -60,7 +60,8 @@ def test_a_move_takes_the_time_of_its_trapezoid_and_ends_exactly(
     assert axis.velocity_demand == 0
     per_ms = 1 / RPM_PER_QC_MS
     wanted = closed_form_ms(way, speed * per_ms, up * per_ms / 1000, down * per_ms / 1000)
-    assert len(speeds) == pytest.approx(wanted, abs=4, rel=0.01)
+    # Each of the three phases is rounded up to whole ms, and so is the standstill at the end.
+    assert len(speeds) == pytest.approx(wanted, abs=6, rel=0.01)
 
 
 @given(

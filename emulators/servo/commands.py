@@ -1,0 +1,63 @@
+"""Commands to one axis between two ticks: regulators handed over without a jump of the current, and braking.
+
+It refuses to know modes and states: who may command is decided elsewhere.
+"""
+
+from emulators.servo.axis import (
+    CURRENT,
+    DIRECT,
+    IDLE,
+    POSITION,
+    PROFILE_DONE,
+    RAMP,
+    TARGET_REACHED,
+    VELOCITY,
+    ServoAxis,
+)
+from emulators.servo.scaling import POSITION_I_PLACES, VELOCITY_PLACES, acceleration_units
+
+
+def regulate_velocity(axis: ServoAxis) -> None:
+    """Let the velocity regulator take over at the present speed and current."""
+    if axis.regulator == POSITION:
+        axis.velocity_integral = axis.position_integral >> (POSITION_I_PLACES - VELOCITY_PLACES)
+    elif axis.regulator != VELOCITY:
+        axis.velocity_integral = axis.current_demand_ma << VELOCITY_PLACES
+        axis.velocity_demand = axis.shaft_speed()
+    axis.regulator = VELOCITY
+
+
+def regulate_position(axis: ServoAxis) -> None:
+    """Let the position regulator take over at the present position, speed and current."""
+    if axis.regulator == POSITION:
+        return
+    if axis.regulator == VELOCITY:
+        axis.position_integral = axis.velocity_integral << (POSITION_I_PLACES - VELOCITY_PLACES)
+    else:
+        axis.position_integral = axis.current_demand_ma << POSITION_I_PLACES
+        axis.velocity_demand = axis.shaft_speed()
+    axis.position_demand = axis.position << axis.fraction
+    axis.derivative = 0
+    axis.regulator = POSITION
+
+
+def brake(axis: ServoAxis, rpm_per_second: int) -> None:
+    """Ramp the present demand to standstill, then hold the position if it was regulated, else no speed."""
+    if axis.regulator in (IDLE, CURRENT):
+        axis.clear_demand()
+        regulate_velocity(axis)
+    elif axis.profile == DIRECT and axis.regulator == POSITION:
+        axis.velocity_demand = axis.shaft_speed()
+    axis.profile = RAMP
+    axis.target_velocity = 0
+    axis.acceleration = axis.deceleration = acceleration_units(axis, rpm_per_second)
+    judge_anew(axis, there=axis.velocity_demand == 0)
+
+
+def judge_anew(axis: ServoAxis, *, there: bool) -> None:
+    """Forget the arrival at the former target; one that is `there` already does not wait for the next ms."""
+    axis.window_ms = 0
+    if there:
+        axis.flags |= PROFILE_DONE | TARGET_REACHED
+    else:
+        axis.flags &= ~(PROFILE_DONE | TARGET_REACHED)

@@ -1,0 +1,385 @@
+"""Limits at both edges, the lift's interlock, what is held while stopped, and the gate's deadlines."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, Final, TypeAlias
+
+import pytest
+
+from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.robot import Limits, Robot
+from firmware_bridge.safety import limits
+from firmware_bridge.safety.gate import Gate, Ruling
+from firmware_bridge.safety.limits import LIMITS, tightest_steer, tipping_speed
+from firmware_bridge.safety.snapshot import Snapshot
+from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
+
+Well: TypeAlias = Callable[..., Snapshot]
+START: Final = 100 * SECOND
+SHOWN_FOR: Final = 300 * MILLISECOND
+FULL_STEER: Final = math.radians(60.0)
+TIGHTEST: Final = math.atan(0.515 / (0.415 - 0.105))
+"""58.95 degrees: R = a/2 + w cot(theta) = 415 mm (thesis 2.13, Tab. 2.1)."""
+TOP: Final = 6 * 0.3 * (math.sin(math.radians(45)) - math.sin(math.radians(5)))
+STEP: Final = 0.93 * 0.144 * 9.81 * 0.050
+"""The largest change of speed in one cycle, straight on."""
+
+
+def names(ruling: Ruling) -> tuple[str, ...]:
+    return tuple(hold.name for hold in ruling.holds)
+
+
+def asked(well: Well, now: Nanoseconds = START, **wish: Any) -> Snapshot:
+    """Make a wish that the ramp has reached already, so that acceleration is no matter."""
+    return well(now, intent=wish, demanded_speed_mps=wish.get("speed_mps", 0.0))
+
+
+def reckless(robot: Robot) -> Robot:
+    """Return a robot whose other limits never bind."""
+    wide = Limits.model_validate(
+        robot.limits.model_dump()
+        | {"speed_mps": 9.0, "acceleration_g": 90.0, "turn_radius_m": 0.2, "steer_angle_deg": 85.0}
+    )
+    return robot.model_copy(update={"limits": wide})
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize(
+    ("wish", "allowed", "held"),
+    [
+        (0.0, 0.0, False),
+        (0.49, 0.49, False),
+        (0.5, 0.5, False),
+        (0.5 * (1 + 0.9e-6), 0.5, False),
+        (0.5 * (1 + 1.1e-6), 0.5, True),
+        (0.6, 0.5, True),
+        (60.0, 0.5, True),
+    ],
+)
+def test_speed_is_clipped_to_half_a_metre_a_second(
+    robot: Robot, well: Well, sign: int, wish: float, allowed: float, *, held: bool
+) -> None:
+    snapshot = replace(asked(well, speed_mps=sign * wish), demanded_speed_mps=sign * allowed)
+    ruling = Gate(robot).rule(snapshot)
+    assert ruling.speed_mps == sign * allowed
+    assert names(ruling) == (("speed limit",) if held else ())
+    assert not ruling.stopped
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize(
+    ("wish", "allowed", "held"),
+    [
+        (0.0, 0.0, ()),
+        (math.radians(58.9), math.radians(58.9), ()),
+        (TIGHTEST * (1 - 1e-9), TIGHTEST * (1 - 1e-9), ()),
+        (TIGHTEST * (1 + 0.9e-6), TIGHTEST, ()),
+        (TIGHTEST * (1 + 1.1e-6), TIGHTEST, ("turn radius limit",)),
+        (FULL_STEER, TIGHTEST, ("turn radius limit",)),
+        (FULL_STEER * (1 + 1.1e-6), TIGHTEST, ("steer angle limit", "turn radius limit")),
+        (math.radians(170), TIGHTEST, ("steer angle limit", "turn radius limit")),
+    ],
+)
+def test_steering_is_clipped_to_60_degrees_and_415_millimetres(
+    robot: Robot, well: Well, sign: int, wish: float, *, allowed: float, held: tuple[str, ...]
+) -> None:
+    ruling = Gate(robot).rule(asked(well, steer_rad=sign * wish))
+    assert ruling.steer_rad == pytest.approx(sign * allowed, rel=1e-12)
+    assert names(ruling) == held
+
+
+def test_60_degrees_bind_where_the_robot_could_turn_more_tightly(robot: Robot, well: Well) -> None:
+    nimble = robot.model_copy(update={"limits": robot.limits.model_copy(update={"turn_radius_m": 0.3})})
+    ruling = Gate(nimble).rule(asked(well, steer_rad=math.radians(61)))
+    assert ruling.steer_rad == FULL_STEER
+    assert names(ruling) == ("steer angle limit",)
+
+
+def test_the_printed_tipping_speed() -> None:
+    # Thesis 2.3.1: R = 415 mm, d = 168 mm, Zcg = 190 mm: 1.9 m/s.
+    assert math.sqrt(0.415 * 9.81 * 0.168 / 0.190) == pytest.approx(1.897, abs=1e-3)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("way", [1, -1])
+def test_the_tipping_limit_is_that_of_the_turn_actually_steered(
+    robot: Robot, well: Well, side: int, way: int
+) -> None:
+    machine = reckless(robot)
+    top = tipping_speed(machine, TIGHTEST)
+    assert top == pytest.approx(1.897, abs=1e-3)
+    assert tightest_steer(robot) == pytest.approx(TIGHTEST)
+    for wish, steered, allowed, held in (
+        (top * 1.1, side * TIGHTEST, top, ("tipping limit",)),
+        (top, side * TIGHTEST, top, ()),
+        (top * 1.1, 0.0, top * 1.1, ()),
+    ):
+        snapshot = well(
+            START,
+            intent={"speed_mps": way * wish, "steer_rad": -side * TIGHTEST},
+            steer_rad=steered,
+            demanded_speed_mps=way * allowed,
+        )
+        ruling = Gate(machine).rule(snapshot)
+        assert ruling.speed_mps == pytest.approx(way * allowed)
+        assert names(ruling) == held
+
+
+@pytest.mark.parametrize(
+    ("field", "wish", "allowed", "held"),
+    [
+        ("lift_rate_mps", 0.1, 0.1, ()),
+        ("lift_rate_mps", -0.1, -0.1, ()),
+        ("lift_rate_mps", 0.11, 0.1, ("lift rate limit",)),
+        ("lift_rate_mps", -0.11, -0.1, ("lift rate limit",)),
+        ("lift_m", TOP, TOP, ()),
+        ("lift_m", TOP + 0.01, TOP, ("lift range limit",)),
+        ("lift_m", 0.0, 0.0, ()),
+        ("lift_m", -0.01, 0.0, ("lift range limit",)),
+    ],
+)
+def test_the_lift_is_kept_within_its_rate_and_range(
+    robot: Robot, well: Well, field: str, wish: float, *, allowed: float, held: tuple[str, ...]
+) -> None:
+    ruling = Gate(robot).rule(well(START, intent={field: wish}))
+    assert getattr(ruling, field) == pytest.approx(allowed)
+    assert names(ruling) == held
+    assert ruling.lifting
+
+
+@pytest.mark.parametrize(
+    ("demanded", "wish", "held"),
+    [
+        (0.0, STEP, False),
+        (0.0, STEP + 0.9e-4, False),
+        (0.0, STEP + 1.1e-4, True),
+        (0.0, -STEP, False),
+        (0.0, -STEP - 1.1e-4, True),
+        (0.4, 0.4 - STEP, False),
+        (0.4, 0.4 - STEP - 1.1e-4, True),
+        (0.3, 0.3, False),
+    ],
+)
+def test_a_wish_that_the_ramp_delays_is_told(
+    robot: Robot, well: Well, demanded: float, wish: float, *, held: bool
+) -> None:
+    ruling = Gate(robot).rule(well(START, intent={"speed_mps": wish}, demanded_speed_mps=demanded))
+    assert ruling.speed_mps == wish
+    assert names(ruling) == (("acceleration limit",) if held else ())
+
+
+def test_in_a_turn_the_ramp_delays_more(robot: Robot, well: Well) -> None:
+    snapshot = well(START, intent={"speed_mps": STEP}, steer_rad=TIGHTEST)
+    assert names(Gate(robot).rule(snapshot)) == ("acceleration limit",)
+
+
+def test_reasons_give_the_numbers(robot: Robot, well: Well) -> None:
+    gate = Gate(robot)
+    snapshot = well(
+        START, intent={"speed_mps": 0.8, "steer_rad": math.radians(65), "lift_m": 2.0, "lift_rate_mps": 0.5}
+    )
+    reasons = {hold.name: hold.reason for hold in gate.rule(snapshot).holds}
+    assert reasons == {
+        "speed limit": "asked for 0.80 m/s, allowed is 0.50 m/s",
+        "steer angle limit": "asked for 65.00 deg, allowed is 60.00 deg",
+        "turn radius limit": "asked for 60.00 deg, allowed is 58.95 deg",
+        "lift rate limit": "asked for 0.50 m/s, allowed is 0.10 m/s",
+        "lift range limit": "asked for 2.00 m, allowed is 1.12 m",
+        "acceleration limit": "asked to go from 0.00 to 0.50 m/s at once, limit 1.41 m/s2",
+        "lift refused": "the robot is asked to drive with 0.50 m/s",
+    }
+    assert all(hold.remedy and hold.since == START for hold in gate.rule(snapshot).holds)
+
+
+TRIPS: Final = {
+    "speed limit": {"speed_mps": 0.6},
+    "steer angle limit": {"steer_rad": 1.1},
+    "turn radius limit": {"steer_rad": 1.04},
+    "lift rate limit": {"lift_rate_mps": 0.2},
+    "lift range limit": {"lift_m": -0.1},
+    "acceleration limit": {"speed_mps": 0.4},
+}
+
+
+def test_every_limit_has_a_case() -> None:
+    assert set(TRIPS) | {"tipping limit"} == {row.name for row in LIMITS} | {limits.ACCELERATION_LIMIT}
+
+
+@pytest.mark.parametrize("name", TRIPS)
+@pytest.mark.parametrize("between", [(), (1, 2)])
+def test_a_limit_is_shown_until_it_has_not_clipped_for_300_milliseconds(
+    robot: Robot, well: Well, name: str, between: tuple[int, ...]
+) -> None:
+    gate = Gate(robot)
+    first = [hold for hold in gate.rule(well(START, intent=TRIPS[name])).holds if hold.name == name]
+    assert first
+    clear = START + SECOND
+    for now in (clear, *(clear + n for n in between), clear + SHOWN_FOR - 1):
+        assert [hold for hold in gate.rule(well(now)).holds if hold.name == name] == first
+    assert name not in names(gate.rule(well(clear + SHOWN_FOR)))
+
+
+@pytest.mark.parametrize("name", TRIPS)
+def test_while_stopped_no_limit_is_told_and_one_that_was_told_runs_out(
+    robot: Robot, well: Well, name: str
+) -> None:
+    assert name not in names(Gate(robot).rule(well(START, intent=TRIPS[name], armed=False)))
+    gate = Gate(robot)
+    assert name in names(gate.rule(well(START, intent=TRIPS[name])))
+    assert name in names(gate.rule(well(START + 1, intent=TRIPS[name], armed=False)))
+    assert name not in names(gate.rule(well(START + 1 + SHOWN_FOR, intent=TRIPS[name], armed=False)))
+
+
+def test_while_stopped_the_steering_keeps_the_last_allowed_angle(robot: Robot, well: Well) -> None:
+    gate = Gate(robot)
+    gate.rule(well(START, intent={"steer_rad": 0.3}))
+    ruling = gate.rule(well(START + 1, intent={"steer_rad": -0.3, "speed_mps": 0.2}, armed=False))
+    assert (ruling.stopped, ruling.steer_rad, ruling.speed_mps) == (True, 0.3, 0.0)
+    assert gate.rule(well(START + 2, intent={"steer_rad": -0.3})).steer_rad == -0.3
+
+
+@pytest.mark.parametrize(("actual", "kept"), [(0.2, 0.2), (None, 0.0), (math.nan, 0.0)])
+def test_stopped_from_the_first_look_on_the_steering_stays_where_it_is(
+    robot: Robot, well: Well, actual: float | None, kept: float
+) -> None:
+    ruling = Gate(robot).rule(well(START, intent={"steer_rad": 0.5}, armed=False, steer_rad=actual))
+    assert ruling.steer_rad == kept
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({"speed_mps": math.nextafter(0.010, 1)}, "the robot drives with 0.01 m/s"),
+        ({"speed_mps": math.nextafter(-0.010, -1)}, "the robot drives with -0.01 m/s"),
+        ({"speed_mps": math.nan}, "the robot drives with nan m/s"),
+        ({"demanded_speed_mps": 1e-9}, "the robot is told to drive with 0.00 m/s"),
+        ({"demanded_speed_mps": -0.05}, "the robot is told to drive with -0.05 m/s"),
+    ],
+)
+@pytest.mark.parametrize("wish", [{"lift_m": 0.3}, {"lift_rate_mps": 0.05}, {"lift_rate_mps": -0.05}])
+def test_the_lift_does_not_move_while_the_robot_drives(
+    robot: Robot, well: Well, changes: dict[str, Any], reason: str, wish: dict[str, float]
+) -> None:
+    gate = Gate(robot)
+    ruling = gate.rule(well(START, intent=wish, **changes))
+    assert [(hold.name, hold.reason) for hold in ruling.holds if hold.name == "lift refused"] == [
+        ("lift refused", reason)
+    ]
+    assert (ruling.lifting, ruling.lift_m, ruling.lift_rate_mps) == (False, None, 0.0)
+    rests = START + SECOND
+    assert names(gate.rule(well(rests, intent=wish))) == ("lift refused",)
+    assert not gate.rule(well(rests + 200 * MILLISECOND - 1, intent=wish)).lifting
+    ruling = gate.rule(well(rests + 200 * MILLISECOND, intent=wish))
+    assert ruling.lifting
+    assert (ruling.lift_m, ruling.lift_rate_mps) == (wish.get("lift_m"), wish.get("lift_rate_mps", 0.0))
+
+
+@pytest.mark.parametrize("speed", [0.0, 0.010, -0.010])
+def test_the_lift_moves_at_standstill(robot: Robot, well: Well, speed: float) -> None:
+    ruling = Gate(robot).rule(well(START, intent={"lift_m": 0.3}, speed_mps=speed))
+    assert (names(ruling), ruling.lifting, ruling.lift_m) == ((), True, 0.3)
+
+
+def test_the_base_counts_as_standing_only_well_below_its_threshold(robot: Robot, well: Well) -> None:
+    gate = Gate(robot)
+    wish = {"lift_m": 0.3}
+    gate.rule(well(START, intent=wish, speed_mps=0.1))
+    for now, speed, lifting in (
+        (START + SECOND, math.nextafter(0.005, 1), False),
+        (START + 2 * SECOND, -math.nextafter(0.005, 1), False),
+        (START + 3 * SECOND, 0.005, False),
+        (START + 3 * SECOND + 200 * MILLISECOND, -0.005, True),
+    ):
+        assert gate.rule(well(now, intent=wish, speed_mps=speed)).lifting is lifting
+
+
+def test_a_lift_that_is_not_wished_is_not_refused(robot: Robot, well: Well) -> None:
+    ruling = Gate(robot).rule(well(START, intent={"speed_mps": 0.01}, speed_mps=0.3, demanded_speed_mps=0.01))
+    assert (ruling.holds, ruling.lifting) == ((), True)
+
+
+@pytest.mark.parametrize(
+    ("height", "wanted"),
+    [(0.0, False), (0.001, False), (math.nextafter(0.001, 1), True), (-0.001, False), (-0.0011, True)],
+)
+def test_a_lift_within_a_millimetre_has_arrived(
+    robot: Robot, well: Well, height: float, *, wanted: bool
+) -> None:
+    ruling = Gate(robot).rule(well(START, intent={"lift_m": 0.0}, lift_m=height, speed_mps=0.3))
+    assert (names(ruling) == ("lift refused",)) is wanted
+    assert ruling.lifting is not wanted
+
+
+def test_who_asks_for_both_at_once_drives(robot: Robot, well: Well) -> None:
+    ruling = Gate(robot).rule(well(START, intent={"speed_mps": 0.05, "lift_m": 0.3}))
+    assert names(ruling) == ("lift refused",)
+    assert (ruling.speed_mps, ruling.lifting) == (0.05, False)
+
+
+def test_a_lift_that_was_let_go_stops_the_base_before_it_is_seen_to_move(robot: Robot, well: Well) -> None:
+    gate = Gate(robot)
+    assert gate.rule(well(START, intent={"lift_m": 0.3})).lifting
+    ruling = gate.rule(well(START + 1, intent={"lift_m": 0.3, "speed_mps": 0.05}))
+    assert [(hold.name, hold.reason) for hold in ruling.holds] == [
+        ("lift moving", "the lift has been told to move")
+    ]
+    assert (ruling.speed_mps, ruling.lifting) == (0.0, True)
+    # The wish for the lift is given up: after its clear time the base is free.
+    drive = {"speed_mps": 0.05}
+    assert gate.rule(well(START + 2, intent=drive)).stopped
+    assert gate.rule(well(START + 3, intent=drive)).stopped
+    assert gate.rule(well(START + 3 + 200 * MILLISECOND - 1, intent=drive)).stopped
+    assert not gate.rule(well(START + 3 + 200 * MILLISECOND, intent=drive)).stopped
+
+
+def test_a_refused_lift_does_not_stop_the_base(robot: Robot, well: Well) -> None:
+    gate = Gate(robot)
+    for n in range(3):
+        snapshot = well(
+            START + n * SECOND,
+            intent={"speed_mps": 0.05, "lift_m": 0.3},
+            speed_mps=0.05,
+            demanded_speed_mps=0.05,
+        )
+        assert not gate.rule(snapshot).stopped
+
+
+def test_an_extended_lift_comes_down_while_the_base_is_held(robot: Robot, well: Well) -> None:
+    ruling = Gate(robot).rule(well(START, intent={"lift_m": 0.0, "speed_mps": 0.3}, lift_m=0.4))
+    assert (ruling.speed_mps, ruling.lifting, ruling.lift_m) == (0.0, True, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("operator", "steer", "deadline"),
+    [
+        (START, START, START + 250 * MILLISECOND),
+        (START - 400 * MILLISECOND, START, START + 100 * MILLISECOND),
+        (START, START - 200 * MILLISECOND, START + 50 * MILLISECOND),
+        (START - 500 * MILLISECOND, START, START + 250 * MILLISECOND),
+        (START - 500 * MILLISECOND + 1, START, START + 1),
+        (START, START - 250 * MILLISECOND + 1, START + 1),
+        (NEVER_HEARD, START, START + 250 * MILLISECOND),
+        (START, NEVER_HEARD, START + 250 * MILLISECOND),
+    ],
+)
+def test_the_next_deadline_is_the_first_silence_that_will_trip(
+    robot: Robot, well: Well, operator: int, steer: int, deadline: int
+) -> None:
+    snapshot = well(START, intent={"heard_at": operator}, drives={"steer": {"heard_at": steer}})
+    assert Gate(robot).next_deadline(snapshot) == deadline
+
+
+def test_without_a_silence_to_come_there_is_no_deadline(robot: Robot, well: Well) -> None:
+    never = {"heard_at": NEVER_HEARD}
+    snapshot = well(START, intent=never, drives=dict.fromkeys(("left", "right", "steer", "lift"), never))
+    assert Gate(robot).next_deadline(snapshot) == NEVER
+
+
+def test_at_the_deadline_a_silence_trips_and_not_before(robot: Robot, well: Well) -> None:
+    heard = well(START)
+    for deadline in (Gate(robot).next_deadline(heard),):
+        early = Gate(robot).rule(replace(heard, now=deadline - 1))
+        late = Gate(robot).rule(replace(heard, now=deadline))
+        assert names(early) == ()
+        assert {name.split(":")[0] for name in names(late)} == {"drive silent"}

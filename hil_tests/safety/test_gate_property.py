@@ -1,0 +1,199 @@
+"""Whatever snapshots come in whatever order: no speed under a stop, no limit passed, always a reason."""
+
+import math
+from typing import Any, Final
+
+import pytest
+from hypothesis import settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
+
+from firmware_bridge.intent import NEVER_HEARD, Intent
+from firmware_bridge.motion.odometry import Pose
+from firmware_bridge.robot import find
+from firmware_bridge.safety.gate import Gate, Ruling
+from firmware_bridge.safety.limits import tipping_speed
+from firmware_bridge.safety.snapshot import DriveSnapshot, Hold, Snapshot
+from firmware_bridge.units import MILLISECOND, NEVER, SECOND
+from firmware_bridge.wire.cia402 import State
+
+ROBOT: Final = find("rars")
+ANY: Final = st.floats(width=32) | st.sampled_from([0.0, 0.3, -0.5, 0.5, 0.501])
+KNOWN: Final = st.none() | ANY | st.floats(-1.1, 1.1)
+AGES: Final = st.sampled_from([0, 50, 249, 250, 251, 499, 500, 501, 5000]).map(lambda ms: ms * MILLISECOND)
+HELD: Final = st.none() | AGES
+INTENTS: Final = st.fixed_dictionaries(
+    {
+        "speed_mps": ANY,
+        "steer_rad": ANY,
+        "lift_m": KNOWN,
+        "lift_rate_mps": ANY | st.just(0.0),
+    }
+)
+DRIVES: Final = st.fixed_dictionaries(
+    {
+        "state": st.sampled_from([State.OPERATION_ENABLED] * 8 + list(State)) | st.none(),
+        "age": AGES | st.just(0) | st.none(),
+        "speed_rad_s": st.just(0.0) | ANY,
+        "fault": st.sampled_from([0, 0, 0, 0x8611]),
+    }
+)
+
+
+class AnyOrder(RuleBasedStateMachine):
+    """A gate that is shown anything."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.gate = Gate(ROBOT)
+        self.now = SECOND
+        self.seen: Snapshot | None = None
+        self.ruling: Ruling | None = None
+        self.before: dict[str, Hold] = {}
+
+    def look(self, **changes: Any) -> None:
+        """Show one snapshot; what is not given is well."""
+        if self.ruling is not None:
+            self.before = {hold.name: hold for hold in self.ruling.holds}
+        fields: dict[str, Any] = {
+            "armed": True,
+            "emergency_stopped": False,
+            "steer_rad": 0.0,
+            "lift_m": 0.0,
+            "speed_mps": 0.0,
+            "demanded_speed_mps": 0.0,
+            "intent": {},
+            "age": 0,
+            "drives": [{}] * len(ROBOT.axes),
+        } | changes
+        drives = fields.pop("drives")
+        heard_at = self._heard_at(fields.pop("age"))
+        intent = Intent(heard_at=heard_at, **fields.pop("intent"))
+        self.seen = Snapshot(
+            now=self.now,
+            intent=intent,
+            drives=tuple(self._drive(n, one) for n, one in enumerate(drives)),
+            yaw_rate_rad_s=0.0,
+            pose=Pose(),
+            battery_v=None,
+            **fields,
+        )
+        self.ruling = self.gate.rule(self.seen)
+
+    def _heard_at(self, age: int | None) -> int:
+        return NEVER_HEARD if age is None else self.now - age
+
+    def _drive(self, number: int, fields: dict[str, Any]) -> DriveSnapshot:
+        axis = ROBOT.axes[number]
+        return DriveSnapshot(
+            axis.name,
+            axis.node,
+            fields.get("state", State.OPERATION_ENABLED),
+            self._heard_at(fields.get("age", 0)),
+            0,
+            fields.get("speed_rad_s", 0.0),
+            0,
+            fields.get("fault", 0),
+        )
+
+    @rule(ms=st.sampled_from([0, 1, 50, 199, 200, 300, 5000]))
+    def time_passes(self, ms: int) -> None:
+        self.now += ms * MILLISECOND
+
+    @rule(intent=INTENTS, demanded=st.floats(-0.5, 0.5), steer=st.floats(-1.03, 1.03))
+    def a_well_robot_is_looked_at(self, intent: dict[str, Any], demanded: float, steer: float) -> None:
+        self.look(intent=intent, demanded_speed_mps=demanded, speed_mps=demanded, steer_rad=steer)
+
+    @rule(intent=INTENTS, armed=st.booleans(), stop=st.booleans(), age=HELD, steer=KNOWN, lift=KNOWN)
+    def an_unwell_robot_is_looked_at(
+        self,
+        *,
+        intent: dict[str, Any],
+        armed: bool,
+        stop: bool,
+        age: int | None,
+        steer: float | None,
+        lift: float | None,
+    ) -> None:
+        self.look(intent=intent, armed=armed, emergency_stopped=stop, age=age, steer_rad=steer, lift_m=lift)
+
+    @rule(intent=INTENTS, drives=st.lists(DRIVES, min_size=4, max_size=4), speed=ANY)
+    def unwell_drives_are_looked_at(
+        self, intent: dict[str, Any], drives: list[dict[str, Any]], speed: float
+    ) -> None:
+        self.look(intent=intent, drives=drives, speed_mps=speed)
+
+    @rule(lift=st.floats(0.0, 1.1), rate=st.sampled_from([0.0, 0.05]), speed=st.sampled_from([0.0, 0.2]))
+    def the_lift_is_wished(self, lift: float, rate: float, speed: float) -> None:
+        self.look(intent={"lift_m": lift, "lift_rate_mps": rate, "speed_mps": speed})
+
+    @invariant()
+    def no_speed_while_a_stop_holds(self) -> None:
+        if self.ruling is None or self.seen is None:
+            return
+        if self.ruling.stopped:
+            assert self.ruling.speed_mps == 0.0
+            assert self.ruling.holds
+        unfit = not self.seen.armed or self.seen.emergency_stopped
+        silent = self.now - self.seen.intent.heard_at >= 500 * MILLISECOND
+        extended = self.seen.lift_m is None or not self.seen.lift_m <= 0.005
+        broken = any(
+            drive.state is not State.OPERATION_ENABLED
+            or drive.fault
+            or self.seen.now - drive.heard_at >= 250 * MILLISECOND
+            for drive in self.seen.drives
+        )
+        if self.seen.now == self.now and (unfit or silent or extended or broken):
+            assert self.ruling.stopped
+        if self.seen.now == self.now and (unfit or silent or broken):
+            assert not self.ruling.lifting
+
+    @invariant()
+    def nothing_beyond_a_limit(self) -> None:
+        if self.ruling is None or self.seen is None:
+            return
+        ruling = self.ruling
+        assert math.isfinite(ruling.speed_mps)
+        assert abs(ruling.speed_mps) <= 0.5
+        if not ruling.stopped:
+            assert self.seen.steer_rad is not None
+            assert abs(ruling.speed_mps) <= tipping_speed(ROBOT, self.seen.steer_rad)
+            assert abs(ruling.steer_rad) <= math.atan(0.515 / 0.310) + 1e-9
+        assert abs(ruling.lift_rate_mps) <= 0.1
+        assert ruling.lift_m is None or 0.0 <= ruling.lift_m <= 1.2
+
+    @invariant()
+    def lift_and_wheels_never_together(self) -> None:
+        if self.ruling is None or self.seen is None or self.ruling.speed_mps == 0.0:
+            return
+        height = self.seen.lift_m
+        moves = self.ruling.lift_rate_mps != 0.0 and self.ruling.lift_m is None
+        goes = (
+            self.ruling.lift_m is not None and height is not None and abs(self.ruling.lift_m - height) > 0.001
+        )
+        assert not moves
+        assert not goes
+
+    @invariant()
+    def every_hold_has_its_reason_and_its_beginning(self) -> None:
+        if self.ruling is None or self.seen is None:
+            return
+        holds = {hold.name: hold for hold in self.ruling.holds}
+        assert len(holds) == len(self.ruling.holds)
+        for name, hold in holds.items():
+            assert hold.reason
+            assert hold.remedy
+            before = self.before.get(name)
+            assert hold == before or hold.since == self.seen.now
+
+    @invariant()
+    def a_deadline_lies_ahead(self) -> None:
+        if self.seen is not None:
+            deadline = self.gate.next_deadline(self.seen)
+            assert deadline == NEVER or self.seen.now < deadline <= self.seen.now + 500 * MILLISECOND
+
+
+TestAnyOrder = pytest.mark.timeout(60)(AnyOrder.TestCase)
+AnyOrder.TestCase.settings = settings(
+    max_examples=60, stateful_step_count=30, deadline=None, derandomize=True
+)

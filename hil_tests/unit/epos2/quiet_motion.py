@@ -1,0 +1,143 @@
+"""A drive on a desk: frames in and out by hand, with a motion control that stands still and keeps notes."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from emulators.epos2.drive import Epos2
+from emulators.epos2.profile import EPOS2_70_10, DeviceProfile
+from emulators.epos2.store import ObjectStore
+from emulators.servo.axis import ServoAxis
+from firmware_bridge.node import CAN, Packet
+from firmware_bridge.units import NEVER, Nanoseconds
+from firmware_bridge.wire.can import REMOTE
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2 import emergency
+
+NODE = 1
+SWITCH_ON_DISABLED = 0x0540
+
+
+@dataclass(eq=False)
+class QuietMotion:
+    """Answers as the drive's motion control does while the power stage is off."""
+
+    store: ObjectStore
+    axis: ServoAxis
+    report: Callable[[int], None]
+    operational: bool = False
+    resets: int = 0
+    written: list[int] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.store.on_write(at.CONTROLWORD, self.written.append)
+        self.store.set(at.STATUSWORD, SWITCH_ON_DISABLED)
+
+    def nmt_changed(self, operational: bool) -> None:  # noqa: FBT001 - as in MotionControl
+        self.operational = operational
+        self.store.set(at.STATUSWORD, SWITCH_ON_DISABLED | 0x0200 * operational)
+
+    def connection_lost(self) -> None:
+        self.report(emergency.CONNECTION_LOST)
+
+    def communication_fault(self, code: int) -> None:
+        self.report(code)
+
+    def communication_reset(self) -> None:
+        """Nothing stands here."""
+
+    def refresh(self, now: Nanoseconds) -> None:
+        """Nothing moves."""
+
+    def wake_at(self) -> Nanoseconds:
+        return NEVER
+
+    def reset(self) -> None:
+        self.resets += 1
+        self.store.set(at.STATUSWORD, SWITCH_ON_DISABLED)
+
+
+class Desk:
+    """One drive and the time on the clock beside it. Frames are written `"601#2B17100064000000"`."""
+
+    def __init__(self, profile: DeviceProfile = EPOS2_70_10) -> None:
+        self.motions: list[QuietMotion] = []
+        self.drive = Epos2(NODE, ServoAxis("desk", 2000), profile, self._motion)
+        self.now: Nanoseconds = 0
+        self.due: Nanoseconds = 0
+
+    def _motion(self, store: ObjectStore, axis: ServoAxis, report: Callable[[int], None]) -> QuietMotion:
+        self.motions.append(QuietMotion(store, axis, report))
+        return self.motions[-1]
+
+    @property
+    def motion(self) -> QuietMotion:
+        return self.motions[-1]
+
+    @property
+    def store(self) -> ObjectStore:
+        return self.drive.store
+
+    def powers(self) -> list[str]:
+        """Switch on, and return what the drive says."""
+        return self.waits_until(0)
+
+    def hears(self, frame: str) -> list[str]:
+        """Give the drive a frame, and return its answers at once."""
+        head, _, tail = frame.partition("#")
+        if tail.startswith("R"):
+            packet = Packet(CAN, int(head, 16) | REMOTE, bytes(int(tail[1:] or "0")))
+        else:
+            packet = Packet(CAN, int(head, 16), bytes.fromhex(tail))
+        return self._heard(packet)
+
+    def _heard(self, packet: Packet) -> list[str]:
+        reaction = self.drive.receive(packet, self.now)
+        self.due = reaction.wake_at
+        return [f"{each.address:03X}#{each.payload.hex().upper()}" for each in reaction.sent]
+
+    def waits_until(self, instant: Nanoseconds) -> list[str]:
+        """Let the time pass, waking the drive whenever it wants, and return all that it sends."""
+        said: list[str] = []
+        while self.due <= instant:
+            self.now = max(self.now, self.due)
+            reaction = self.drive.wake(self.now)
+            assert reaction.wake_at > self.now
+            self.due = reaction.wake_at
+            said += [f"{each.address:03X}#{each.payload.hex().upper()}" for each in reaction.sent]
+        self.now = instant
+        return said
+
+    def waits(self, duration: Nanoseconds) -> list[str]:
+        """Let a duration pass."""
+        return self.waits_until(self.now + duration)
+
+    def writes(self, index: int, subindex: int, raw: bytes) -> str:
+        """Download up to four bytes, and return the answer's command byte, or the abort code."""
+        command = 0x23 | (4 - len(raw)) << 2
+        payload = bytes((command, index & 0xFF, index >> 8, subindex)) + raw.ljust(4, b"\0")
+        (answer, *_) = self.hears(f"601#{payload.hex()}")
+        assert answer[4:12][2:] == payload[1:4].hex().upper()
+        return "ok" if answer.startswith("581#60") else bytes.fromhex(answer[12:])[::-1].hex().upper()
+
+    def reads(self, index: int, subindex: int = 0) -> int | str:
+        """Upload a number, or return the abort code."""
+        (answer, *_) = self.hears(f"601#40{index & 0xFF:02X}{index >> 8:02X}{subindex:02X}00000000")
+        raw = bytes.fromhex(answer[4:])
+        if raw[0] == 0x80:
+            return raw[:3:-1].hex().upper()
+        return int.from_bytes(raw[4 : 8 - (raw[0] >> 2 & 3)], "little")
+
+
+def powered(profile: DeviceProfile = EPOS2_70_10) -> Desk:
+    """Return a drive in Pre-Operational that has said its boot-up."""
+    desk = Desk(profile)
+    desk.powers()
+    return desk
+
+
+def operational(profile: DeviceProfile = EPOS2_70_10) -> Desk:
+    """Return a drive in Operational whose first messages are over."""
+    desk = powered(profile)
+    desk.hears("000#0101")
+    desk.waits(10_000_000)
+    return desk

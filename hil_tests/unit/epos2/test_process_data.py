@@ -1,0 +1,323 @@
+"""PDOs on the bus: when they are taken, when they leave, and how their mapping is changed."""
+
+from dataclasses import replace
+
+import pytest
+
+from emulators.epos2.profile import EPOS2_70_10
+from firmware_bridge.units import MILLISECOND
+from firmware_bridge.wire.epos2 import address as at
+from hil_tests.unit.epos2.quiet_motion import Desk, operational, powered
+
+
+def u32(value: int) -> bytes:
+    return value.to_bytes(4, "little")
+
+
+def set_up(desk: Desk, *rows: tuple[int, int, bytes]) -> Desk:
+    for index, subindex, raw in rows:
+        assert desk.writes(index, subindex, raw) == "ok", f"0x{index:04X}:{subindex}"
+    return desk
+
+
+TELEMETRY = (
+    # The robot's transmit PDO 2: statusword, position, averaged current with each SYNC.
+    (0x1801, 1, u32(0xC000_0281)),
+    (0x1A01, 0, b"\0"),
+    (0x1A01, 1, u32(0x6041_0010)),
+    (0x1A01, 2, u32(0x6064_0020)),
+    (0x1A01, 3, u32(0x2027_0010)),
+    (0x1A01, 0, b"\x03"),
+    (0x1801, 2, b"\x01"),
+    (0x1801, 1, u32(0x4000_0281)),
+)
+POSITION_ON_CHANGE = ((0x1802, 1, u32(0x4000_0381)),)
+
+
+@pytest.fixture
+def desk() -> Desk:
+    return operational()
+
+
+# Receive PDOs
+
+
+def test_a_pdo_writes_its_objects_in_their_order(desk: Desk) -> None:
+    desk.hears("401#0F00D2040000")
+    assert desk.motion.written == [0x000F]
+    assert desk.store.get(at.TARGET_POSITION) == 1234
+
+
+def test_a_longer_pdo_is_taken_and_its_surplus_ignored(desk: Desk) -> None:
+    desk.hears("201#0F00FFFF")
+    assert desk.motion.written == [0x000F]
+
+
+def test_a_longer_pdo_can_be_made_to_be_ignored() -> None:
+    desk = operational(replace(EPOS2_70_10, accepts_long_pdo=False))
+    assert desk.hears("201#0F00FF") == []
+    assert desk.motion.written == []
+
+
+@pytest.mark.parametrize("frame", ["201#", "201#0F", "501#0F00000000"])
+def test_a_shorter_pdo_writes_nothing_and_is_an_emergency(desk: Desk, frame: str) -> None:
+    assert desk.hears(frame) == ["081#1082100000000000"]
+    assert desk.motion.written == []
+
+
+def test_a_value_out_of_range_is_dropped_and_the_others_count(desk: Desk) -> None:
+    desk.hears("000#8001")
+    set_up(
+        desk,
+        (0x1400, 1, u32(0x8000_0201)),
+        (0x1600, 0, b"\0"),
+        (0x1600, 1, u32(0x6410_0110)),
+        (0x1600, 2, u32(0x6040_0010)),
+        (0x1600, 0, b"\x02"),
+        (0x1400, 1, u32(0x201)),
+    )
+    desk.hears("000#0101")
+    desk.hears("201#11270F00")
+    assert desk.store.get(at.CONTINUOUS_CURRENT_LIMIT) == 10_000
+    assert desk.motion.written == [0x000F]
+
+
+@pytest.mark.parametrize("command", ["8001", "0201"])
+def test_outside_operational_a_pdo_is_not_heard(desk: Desk, command: str) -> None:
+    desk.hears(f"000#{command}")
+    assert desk.hears("201#0F00") == []
+    assert desk.hears("201#0F") == []
+    assert desk.motion.written == []
+
+
+def test_a_synchronous_pdo_waits_for_sync_and_the_latest_counts() -> None:
+    desk = set_up(operational(), (0x1400, 2, b"\x01"))
+    desk.hears("201#0600")
+    desk.hears("201#0F00")
+    assert desk.motion.written == []
+    desk.hears("080#")
+    assert desk.motion.written == [0x000F]
+    desk.hears("080#")
+    assert desk.motion.written == [0x000F]
+
+
+def test_a_synchronous_pdo_is_forgotten_outside_operational() -> None:
+    desk = set_up(operational(), (0x1400, 2, b"\x01"))
+    desk.hears("201#0600")
+    for frame in ("000#8001", "000#0101", "080#"):
+        desk.hears(frame)
+    assert desk.motion.written == []
+
+
+def test_two_pdos_may_share_an_identifier() -> None:
+    desk = set_up(operational(), (0x1402, 1, u32(0x201)))
+    desk.hears("201#0F0001000000")
+    assert desk.motion.written == [0x000F, 0x000F]
+    assert desk.store.get(at.TARGET_POSITION) == 1
+
+
+# Transmit PDOs
+
+
+def test_with_sync_the_telemetry_leaves_every_time() -> None:
+    desk = set_up(powered(), *TELEMETRY)
+    desk.hears("000#0101")
+    desk.store.on_read(at.POSITION_ACTUAL, lambda: -2)
+    desk.store.on_read(at.CURRENT_AVERAGED, lambda: 300)
+    assert desk.hears("080#") == ["281#4007FEFFFFFF2C01"]
+    assert desk.hears("080#00") == ["281#4007FEFFFFFF2C01"]
+    assert desk.waits(100 * MILLISECOND) == []
+
+
+def test_with_sync_values_are_sampled_before_set_values_are_taken_over() -> None:
+    desk = set_up(powered(), *TELEMETRY, (0x1400, 2, b"\x01"))
+    desk.hears("000#0101")
+    desk.store.on_write(at.CONTROLWORD, lambda _: desk.store.set(at.STATUSWORD, 0x0721))
+    desk.hears("201#0600")
+    assert desk.hears("080#") == ["281#4007000000000000", "181#2107"]
+
+
+def test_in_pre_operational_sync_moves_no_pdo() -> None:
+    desk = set_up(powered(), *TELEMETRY)
+    assert desk.hears("080#") == []
+
+
+def test_on_entering_operational_a_pdo_on_change_is_sent_once() -> None:
+    desk = powered()
+    assert desk.hears("000#0100") == ["181#4007"]
+    assert desk.hears("000#0100") == []
+    assert desk.waits(1000 * MILLISECOND) == []
+    assert desk.hears("000#8000") == []
+    assert desk.hears("000#0100") == ["181#4007"]
+
+
+def test_the_first_message_can_be_left_out() -> None:
+    assert powered(replace(EPOS2_70_10, sends_on_start=False)).hears("000#0100") == []
+
+
+def test_the_inhibit_time_keeps_changes_apart_and_the_last_value_is_told(desk: Desk) -> None:
+    desk.store.set(at.STATUSWORD, 0x0721)
+    assert desk.hears("080#") == ["181#2107"]
+    desk.store.set(at.STATUSWORD, 0x0723)
+    assert desk.hears("080#") == []
+    desk.store.set(at.STATUSWORD, 0x0737)
+    assert desk.waits(MILLISECOND - 1) == []
+    assert desk.waits(1) == ["181#3707"]
+    assert desk.waits(10 * MILLISECOND) == []
+
+
+def test_a_change_that_went_away_is_not_told(desk: Desk) -> None:
+    desk.store.set(at.STATUSWORD, 0x0721)
+    assert desk.hears("080#") == ["181#2107"]
+    desk.store.set(at.STATUSWORD, 0x0723)
+    desk.hears("080#")
+    desk.store.set(at.STATUSWORD, 0x0721)
+    assert desk.waits(10 * MILLISECOND) == []
+
+
+def test_the_inhibit_time_is_in_units_of_100_us() -> None:
+    desk = set_up(operational(), (0x1800, 3, (25).to_bytes(2, "little")))
+    desk.waits(10 * MILLISECOND)
+    desk.store.set(at.STATUSWORD, 0x0721)
+    assert desk.hears("080#") == ["181#2107"]
+    desk.store.set(at.STATUSWORD, 0x0723)
+    desk.hears("080#")
+    assert desk.waits(2_500_000 - 1) == []
+    assert desk.waits(1) == ["181#2307"]
+
+
+def test_a_value_that_moves_by_itself_is_polled_every_millisecond() -> None:
+    desk = set_up(powered(), *POSITION_ON_CHANGE)
+    desk.store.on_read(at.POSITION_ACTUAL, lambda: desk.now // (2 * MILLISECOND))
+    assert desk.hears("000#0101") == ["181#4007", "381#400700000000"]
+    assert desk.waits(5 * MILLISECOND) == ["381#400701000000", "381#400702000000"]
+
+
+def test_without_moving_values_the_drive_is_not_woken(desk: Desk) -> None:
+    desk.hears("080#")
+    assert desk.due > 10**18
+
+
+def test_an_invalid_pdo_says_and_hears_nothing() -> None:
+    desk = set_up(powered(), (0x1800, 1, u32(0xC000_0181)), (0x1400, 1, u32(0x8000_0201)))
+    assert desk.hears("000#0101") == []
+    assert desk.hears("201#0F") == []
+    assert desk.motion.written == []
+
+
+def test_an_empty_pdo_says_nothing() -> None:
+    desk = set_up(powered(), (0x1800, 1, u32(0xC000_0181)), (0x1A00, 0, b"\0"), (0x1800, 1, u32(0x4000_0181)))
+    assert desk.hears("000#0101") == []
+
+
+@pytest.mark.parametrize(("cob_id", "answers"), [(0x4000_0181, []), (0x181, ["181#4007"])])
+def test_a_remote_request_is_answered_where_it_is_allowed(cob_id: int, answers: list[str]) -> None:
+    desk = set_up(operational(), (0x1800, 1, u32(cob_id)))
+    desk.waits(10 * MILLISECOND)
+    assert desk.hears("181#R2") == answers
+    desk.hears("000#8001")
+    assert desk.hears("181#R2") == []
+
+
+def test_somebody_else_with_the_drive_s_identifier_is_an_emergency(desk: Desk) -> None:
+    assert desk.hears("181#4007") == ["081#5081100000000000"]
+
+
+# Settings
+
+
+@pytest.mark.parametrize(
+    ("index", "raw", "answer"),
+    [
+        (0x1400, 0x0000_0181, "ok"),
+        (0x1400, 0x0000_057F, "ok"),
+        (0x1400, 0x0000_0180, "06090030"),
+        (0x1400, 0x0000_0580, "06090030"),
+        (0x1400, 0x8000_0000, "ok"),
+        (0x1400, 0x0000_0000, "06090030"),
+        (0x1400, 0x2000_0201, "06090030"),
+        (0x1400, 0x0001_0201, "06090030"),
+        (0x1800, 0xC000_0181, "ok"),
+        (0x1800, 0x0000_0181, "ok"),
+    ],
+)
+def test_which_identifiers_a_pdo_takes(index: int, raw: int, answer: str) -> None:
+    assert powered().writes(index, 1, u32(raw)) == answer
+
+
+@pytest.mark.parametrize("index", [0x1400, 0x1403, 0x1800, 0x1803])
+def test_which_transmission_types_there_are(index: int) -> None:
+    desk = powered()
+    known = {1, 255} if index < 0x1800 else {1, 253, 255}
+    for kind in range(256):
+        assert desk.writes(index, 2, bytes((kind,))) == ("ok" if kind in known else "06090030")
+
+
+MAPPING_REFUSALS = [
+    # While the PDO is valid, while it has entries, outside Pre-Operational.
+    ([], (0x1600, 0, b"\0"), "06010000"),
+    ([], (0x1600, 1, u32(0x6040_0010)), "06010000"),
+    ([(0x1400, 1, u32(0x8000_0201))], (0x1600, 1, u32(0x6040_0010)), "06010000"),
+    ([(0x1400, 1, u32(0x8000_0201))], (0x1600, 0, b"\x09"), "06090031"),
+    ([(0x1400, 1, u32(0x8000_0201))], (0x1600, 0, b"\x02"), "06040041"),
+]
+
+
+@pytest.mark.parametrize(("before", "write", "answer"), MAPPING_REFUSALS)
+def test_a_mapping_changes_by_its_procedure_only(
+    before: list[tuple[int, int, bytes]], write: tuple[int, int, bytes], answer: str
+) -> None:
+    desk = set_up(powered(), *before)
+    assert desk.writes(*write) == answer
+    desk.hears("000#0101")
+    assert desk.writes(0x1600, 0, b"\0") == "0F00FFC0"
+    assert desk.writes(0x1600, 1, u32(0x6040_0010)) == "0F00FFC0"
+
+
+def test_the_procedure_can_be_made_lenient() -> None:
+    desk = powered(replace(EPOS2_70_10, mapping_needs_invalid_pdo=False))
+    assert desk.writes(0x1600, 0, b"\0") == "ok"
+    assert desk.writes(0x1600, 1, u32(0x6060_0008)) == "ok"
+
+
+@pytest.mark.parametrize(
+    "entry",
+    [
+        0x5555_0010,  # no object
+        0x6040_0108,  # no sub-index
+        0x6041_0010,  # read-only into a receive PDO
+        0x6007_0010,  # not mappable
+        0x6040_0008,  # half of it
+        0x6040_0020,  # twice its length
+        0x0005_0008,  # the EDS has no dummy objects
+    ],
+)
+def test_what_cannot_be_mapped(entry: int) -> None:
+    desk = set_up(powered(), (0x1400, 1, u32(0x8000_0201)), (0x1600, 0, b"\0"))
+    assert desk.writes(0x1600, 1, u32(entry)) == "06040041"
+    assert desk.reads(0x1600, 1) == 0x6040_0010
+
+
+def test_more_than_eight_bytes_are_refused_at_the_count() -> None:
+    desk = set_up(
+        powered(),
+        (0x1400, 1, u32(0x8000_0201)),
+        (0x1600, 0, b"\0"),
+        (0x1600, 1, u32(0x607A_0020)),
+        (0x1600, 2, u32(0x60FF_0020)),
+        (0x1600, 3, u32(0x6060_0008)),
+    )
+    assert desk.writes(0x1600, 0, b"\x03") == "06040042"
+    assert desk.writes(0x1600, 0, b"\x02") == "ok"
+
+
+def test_eight_entries_of_one_byte_are_possible() -> None:
+    desk = set_up(
+        powered(),
+        (0x1800, 1, u32(0xC000_0181)),
+        (0x1A00, 0, b"\0"),
+        *((0x1A00, place, u32(0x6061_0008)) for place in range(1, 9)),
+        (0x1A00, 0, b"\x08"),
+        (0x1800, 1, u32(0x4000_0181)),
+    )
+    assert desk.hears("000#0101") == ["181#0101010101010101"]

@@ -1,0 +1,219 @@
+"""Profile position mode: the set-point handshake, its buffer, halt, limits; and the bare position mode."""
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.epos2 import address as at
+
+if TYPE_CHECKING:
+    from hil_tests.unit.motion_control.conftest import Drive
+
+REACHED, ACKNOWLEDGED = 0x0400, 0x1000
+ABSOLUTE, IMMEDIATE, RELATIVE, RELATIVE_IMMEDIATE, LOW = 0x1F, 0x3F, 0x5F, 0x7F, 0x0F
+
+
+def go(drive: "Drive", target: int, word: int = IMMEDIATE) -> None:
+    drive.write(at.TARGET_POSITION, target)
+    drive.command(word)
+
+
+def test_a_set_point_is_acknowledged_driven_and_reached(drive: "Drive") -> None:
+    drive.enable(mode=1)
+    go(drive, 20_000, ABSOLUTE)
+    assert drive.statusword == 0x1337
+    drive.command(LOW)
+    assert drive.statusword == 0x0337
+    # 20 000 qc at 3000 rpm = 100 qc/ms, 100 ms up, 200 ms down: 200 ms and half of the ramps.
+    ms = drive.runs_until(lambda: bool(drive.statusword & REACHED))
+    assert ms == pytest.approx(200 + 150, abs=5)
+    drive.run(100)
+    assert drive.read(at.POSITION_ACTUAL) == pytest.approx(20_000, abs=10)
+    assert drive.read(at.POSITION_DEMAND) == 20_000
+
+
+def test_the_target_may_follow_the_controlword_in_one_pdo(drive: "Drive") -> None:
+    # The default mapping of RPDO3 is controlword, then target position: both are there before the refresh.
+    drive.enable(mode=1)
+    drive.store.write(at.CONTROLWORD, (IMMEDIATE).to_bytes(2, "little"))
+    drive.store.write(at.TARGET_POSITION, (5000).to_bytes(4, "little"))
+    drive.run(1)
+    assert drive.statusword & ACKNOWLEDGED
+    drive.run(500)
+    assert drive.read(at.POSITION_DEMAND) == 5000
+
+
+def test_a_set_point_needs_a_rising_edge(drive: "Drive") -> None:
+    drive.enable(mode=1)
+    go(drive, 1000)
+    drive.run(300)
+    go(drive, 5000)
+    drive.run(300)
+    assert drive.read(at.POSITION_DEMAND) == 1000
+    drive.command(LOW, IMMEDIATE)
+    drive.run(300)
+    assert drive.read(at.POSITION_DEMAND) == 5000
+
+
+def test_relative_counts_from_the_position_demand(drive: "Drive") -> None:
+    drive.enable(mode=1)
+    for _ in range(3):
+        go(drive, -700, RELATIVE)
+        drive.run(300)
+        drive.command(LOW)
+    assert drive.read(at.POSITION_DEMAND) == -2100
+
+
+def test_immediately_turns_round_under_way(drive: "Drive") -> None:
+    drive.enable(mode=1)
+    go(drive, 50_000)
+    drive.run(150)
+    drive.command(LOW)
+    go(drive, 0)
+    drive.runs_until(lambda: bool(drive.statusword & REACHED))
+    assert drive.read(at.POSITION_DEMAND) == 0
+    assert drive.reported == []
+
+
+def test_without_immediately_one_set_point_waits_and_a_third_must_wait_outside(drive: "Drive") -> None:
+    drive.enable(mode=1)
+    go(drive, 10_000, ABSOLUTE)
+    drive.command(LOW)
+    go(drive, 5_000, ABSOLUTE)
+    assert drive.statusword & ACKNOWLEDGED
+    drive.command(LOW)
+    go(drive, 20_000, ABSOLUTE)
+    assert not drive.statusword & ACKNOWLEDGED
+    highest = 0
+    while not drive.statusword & ACKNOWLEDGED:
+        drive.run(1)
+        highest = max(highest, drive.read(at.POSITION_DEMAND))
+    assert highest == 10_000
+    drive.command(LOW)
+    drive.runs_until(lambda: drive.read(at.POSITION_DEMAND) == 5_000)
+    drive.runs_until(lambda: bool(drive.statusword & REACHED))
+    assert drive.read(at.POSITION_DEMAND) == 20_000
+
+
+def test_halt_holds_and_its_end_goes_on_to_the_target(drive: "Drive") -> None:
+    drive.enable(mode=1)
+    go(drive, 50_000)
+    drive.run(200)
+    drive.command(0x010F)
+    ms = drive.runs_until(lambda: bool(drive.statusword & REACHED))
+    assert ms == pytest.approx(200, abs=2)
+    here = drive.read(at.POSITION_DEMAND)
+    drive.run(200)
+    assert drive.read(at.POSITION_DEMAND) == here
+    drive.command(0x000F)
+    drive.runs_until(lambda: bool(drive.statusword & REACHED))
+    assert drive.read(at.POSITION_DEMAND) == 50_000
+
+
+def test_a_set_point_during_halt_starts_when_the_halt_ends(drive: "Drive") -> None:
+    drive.enable(mode=1)
+    drive.command(0x010F)
+    go(drive, 3000, 0x013F)
+    drive.run(200)
+    assert drive.statusword & ACKNOWLEDGED
+    assert drive.read(at.POSITION_DEMAND) == 0
+    drive.command(0x000F)
+    drive.run(400)
+    assert drive.read(at.POSITION_DEMAND) == 3000
+
+
+def test_ending_a_halt_without_any_set_point_moves_nothing(drive: "Drive") -> None:
+    drive.enable(mode=1)
+    drive.command(0x010F, 0x000F)
+    drive.run(100)
+    assert drive.read(at.POSITION_DEMAND) == 0
+
+
+def test_ending_a_halt_does_not_return_to_a_target_of_long_ago(drive: "Drive") -> None:
+    drive.enable(mode=1)
+    go(drive, 3000)
+    drive.run(400)
+    drive.write(at.MODE, 3)
+    drive.write(at.TARGET_VELOCITY, 1000)
+    drive.run(300)
+    drive.write(at.MODE, 1)
+    drive.run(300)
+    here = drive.read(at.POSITION_DEMAND)
+    assert here > 5000
+    drive.command(0x010F, 0x000F)
+    drive.run(300)
+    assert drive.read(at.POSITION_DEMAND) == here
+
+
+@pytest.mark.parametrize(
+    ("target", "word", "allowed"),
+    [
+        (1000, IMMEDIATE, True),
+        (1001, IMMEDIATE, False),
+        (-500, ABSOLUTE, True),
+        (-501, ABSOLUTE, False),
+        (1000, RELATIVE, True),
+        (1001, RELATIVE_IMMEDIATE, False),
+    ],
+)
+def test_targets_stay_within_the_software_limits(
+    drive: "Drive", target: int, word: int, *, allowed: bool
+) -> None:
+    drive.write(at.MIN_POSITION_LIMIT, -500)
+    drive.write(at.MAX_POSITION_LIMIT, 1000)
+    drive.enable(mode=1)
+    go(drive, target, word)
+    drive.run(300)
+    if allowed:
+        assert drive.read(at.POSITION_DEMAND) == target
+        assert drive.reported == []
+    else:
+        assert drive.read(at.POSITION_DEMAND) == 0
+        assert drive.reported == [0xFF09]
+        assert drive.stands_in(State.FAULT)
+
+
+def test_a_position_window_waits_for_the_shaft(drive: "Drive") -> None:
+    drive.write(at.POSITION_WINDOW, 20)
+    drive.write(at.POSITION_WINDOW_TIME, 100)
+    drive.enable(mode=1)
+    go(drive, 5000)
+    ms = drive.runs_until(lambda: bool(drive.statusword & REACHED))
+    assert ms > 100
+    assert drive.read(at.POSITION_ACTUAL) == pytest.approx(5000, abs=20)
+
+
+def test_the_hold_is_quiet_at_rest(drive: "Drive") -> None:
+    drive.enable(mode=1)
+    go(drive, 12_345)
+    drive.run(1500)
+    seen = set()
+    for _ in range(300):
+        drive.run(1)
+        seen.add(drive.read(at.POSITION_ACTUAL))
+    assert seen <= {12_344, 12_345, 12_346}
+
+
+def test_quick_stop_under_way_ends_the_move_for_good(drive: "Drive") -> None:
+    drive.enable(mode=1)
+    go(drive, 50_000)
+    drive.run(200)
+    drive.command(0x02)
+    drive.run(200)
+    here = drive.read(at.POSITION_DEMAND)
+    assert here < 50_000
+    drive.command(LOW)
+    drive.run(300)
+    assert drive.stands_in(State.OPERATION_ENABLED)
+    assert drive.read(at.POSITION_DEMAND) == pytest.approx(here, abs=5)
+
+
+def test_position_mode_follows_its_set_value_within_the_limits(drive: "Drive") -> None:
+    drive.write(at.MAX_POSITION_LIMIT, 300)
+    drive.enable(mode=-1)
+    drive.write(at.POSITION_MODE_SETTING, 200)
+    drive.run(200)
+    assert drive.read(at.POSITION_ACTUAL) == pytest.approx(200, abs=2)
+    drive.write(at.POSITION_MODE_SETTING, 400)
+    assert drive.read(at.POSITION_DEMAND) == 300
