@@ -4,7 +4,6 @@ The same drives and the same plant go onto a real bus through `devices`.
 """
 
 from dataclasses import dataclass
-from operator import attrgetter
 from pathlib import Path
 from typing import Final
 
@@ -24,7 +23,7 @@ from firmware_bridge.safety.guard import Guarded
 from firmware_bridge.safety.guard_rules import rules_for
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 from fmu.build import ensure
-from fmu.plant import FmuPlant
+from fmu.plant import FmuPlant, PlantError
 from fmu.rars.parameters import ROBOT_FILE
 
 BODY: Final = ("battery_voltage", "x", "y", "heading", "speed", "yaw_rate", "steer", "lift_height")
@@ -32,6 +31,8 @@ BODY: Final = ("battery_voltage", "x", "y", "heading", "speed", "yaw_rate", "ste
 LINK_STREAM: Final = 1
 """Which stream of random numbers the operator's link draws from, beside the run's seed."""
 QUIET: Final = Noise()
+BACK_EMF_UNIT: Final = 1 << 24
+"""Parts of 1 V s/rad in which a servo axis keeps its motor's constant."""
 BRIDGE: Final = "bridge"
 OPERATOR_STATION: Final = "operator"
 
@@ -58,10 +59,21 @@ def devices(robot: Robot, plant_path: Path | None = None) -> Devices:
     else:
         path, parameters = plant_path, robot.plant.parameters
     plant = FmuPlant(path, plant_inputs(names), (*outputs, *BODY), parameters)
-    axes = [ServoAxis(axis.name, axis.quadcounts_per_turn) for axis in robot.axes]
+    axes = [
+        ServoAxis(axis.name, axis.quadcounts_per_turn, back_emf=_back_emf(plant, axis.name))
+        for axis in robot.axes
+    ]
     bank = ServoBank(plant, axes, supply=len(outputs), analogue=(robot.battery.axis, robot.battery.divider))
     drives = {axis.name: Epos2(axis.node, servo) for axis, servo in zip(robot.axes, axes, strict=True)}
     return Devices(drives, bank, plant)
+
+
+def _back_emf(plant: FmuPlant, axis: str) -> int:
+    """Return the motor's constant as an axis takes it; 0, to be learnt, where the plant does not tell it."""
+    try:
+        return round(plant.read(f"torque_constant_{axis}") * BACK_EMF_UNIT)
+    except PlantError:
+        return 0
 
 
 def plant_parameters(robot: Robot) -> dict[str, float]:
@@ -71,7 +83,7 @@ def plant_parameters(robot: Robot) -> dict[str, float]:
     for key, (name, factor) in ROBOT_FILE.items():
         table, *rest = key.split(".")
         owner = by_role[rest.pop(0)] if table == "axes" else getattr(robot, table)
-        found[name] = factor * float(attrgetter(*rest)(owner))
+        found[name] = factor * float(getattr(owner, rest[0]))
     return found | robot.plant.parameters
 
 

@@ -146,12 +146,12 @@ class Epos2:
         if Service.SDO not in SERVICES[state]:
             self._sdo.reset()
             self._answers.clear()
+        self.motion.nmt_changed(state is NmtState.OPERATIONAL)
         if before is not state:
             if state is NmtState.OPERATIONAL:
                 self._pdo.begin()
             else:
                 self._pdo.rest()
-        self.motion.nmt_changed(state is NmtState.OPERATIONAL)
         self._route()
 
     def _route(self) -> None:

@@ -64,7 +64,8 @@ def _top_speed(robot: Robot, _seen: Snapshot) -> float:
 
 def _tipping_speed(robot: Robot, seen: Snapshot) -> float:
     # The turn actually steered, not the one asked for: the wheels may still be on their way.
-    return 0.0 if seen.steer_rad is None else tipping_speed(robot, seen.steer_rad)
+    steer = seen.steer_rad
+    return tipping_speed(robot, steer) if steer is not None and math.isfinite(steer) else 0.0
 
 
 def _top_steer(robot: Robot, _seen: Snapshot) -> float:

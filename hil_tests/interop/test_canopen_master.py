@@ -51,7 +51,12 @@ SUBOBJECTS: Final = (
     (0x60FB, "position_gains", (datatypes.INTEGER16,) * 3),
     (0x6410, "motor_data", (datatypes.UNSIGNED16, datatypes.UNSIGNED16)),
 )
-TUNED: Final = {0x60F6: (50, 20), 0x60F9: (2000, 200), 0x60FB: (600, 60, 900)}
+PDO_PARAMETERS: Final = (
+    (0x1400, (datatypes.UNSIGNED32, datatypes.UNSIGNED8)),
+    (0x1800, (datatypes.UNSIGNED32, datatypes.UNSIGNED8, datatypes.UNSIGNED16)),
+)
+PDO_MAPPINGS: Final = (0x1600, 0x1A00)
+TUNED: Final = {0x60F6: (50, 20), 0x60F9: (4000, 80), 0x60FB: (600, 60, 900)}
 
 
 class Listener:
@@ -113,34 +118,28 @@ class Bench:
                 self.node.sdo[index][subindex].raw = value
 
 
-def dictionary() -> canopen.ObjectDictionary:
+def dictionary() -> Any:
     objects = canopen.ObjectDictionary()
     for index, name, kind in OBJECTS:
         objects.add_object(variable(name, index, 0, kind))
     for index, name, kinds in SUBOBJECTS:
-        record = ODRecord(name, index)
-        record.add_member(variable("count", index, 0, datatypes.UNSIGNED8))
-        for subindex, kind in enumerate(kinds, start=1):
-            record.add_member(variable(f"{name}_{subindex}", index, subindex, kind))
-        objects.add_object(record)
-    for base, size in ((0x1400, 2), (0x1800, 3)):
-        for number in range(4):
-            record = ODRecord(f"pdo_{base + number:x}", base + number)
-            for subindex, kind in enumerate(
-                (datatypes.UNSIGNED8, datatypes.UNSIGNED32, datatypes.UNSIGNED8, datatypes.UNSIGNED16)[: size + 1]
-            ):
-                record.add_member(variable(f"entry_{base + number:x}_{subindex}", base + number, subindex, kind))
-            objects.add_object(record)
-    for base in (0x1600, 0x1A00):
-        for number in range(4):
-            array = ODArray(f"mapping_{base + number:x}", base + number)
-            array.add_member(variable("count", base + number, 0, datatypes.UNSIGNED8))
-            array.add_member(variable(f"mapped_{base + number:x}", base + number, 1, datatypes.UNSIGNED32))
-            objects.add_object(array)
+        objects.add_object(collection(ODRecord(name, index), kinds))
+    for number in range(4):
+        for base, kinds in PDO_PARAMETERS:
+            objects.add_object(collection(ODRecord(f"pdo_{base + number:x}", base + number), kinds))
+        for base in PDO_MAPPINGS:
+            mapped = ODArray(f"pdo_{base + number:x}", base + number)
+            objects.add_object(collection(mapped, (datatypes.UNSIGNED32,)))
     return objects
 
 
-def variable(name: str, index: int, subindex: int, kind: int) -> ODVariable:
+def collection(of: Any, kinds: tuple[int, ...]) -> Any:
+    for subindex, kind in enumerate((datatypes.UNSIGNED8, *kinds)):
+        of.add_member(variable(f"entry_{of.index:x}_{subindex}", of.index, subindex, kind))
+    return of
+
+
+def variable(name: str, index: int, subindex: int, kind: int) -> Any:
     made = ODVariable(name, index, subindex)
     made.data_type = kind
     made.access_type = "rw"
@@ -172,9 +171,10 @@ def test_what_is_written_is_read_back(bench: Bench) -> None:
 
 
 @pytest.mark.parametrize(
-    ("index", "subindex", "code"), [(0x5555, 0, 0x0602_0000), (0x60F9, 3, 0x0609_0011), (0x1018, 9, 0x0609_0011)]
+    ("index", "subindex", "code"),
+    [(0x5555, 0, 0x0602_0000), (0x60F9, 3, 0x0609_0011), (0x1018, 9, 0x0609_0011)],
 )
-def test_what_does_not_exist_is_refused_by_its_code(bench: Bench, index: int, subindex: int, code: int) -> None:
+def test_what_is_not_there_is_refused_by_its_code(bench: Bench, index: int, subindex: int, code: int) -> None:
     with pytest.raises(canopen.SdoAbortedError) as refusal:
         bench.node.sdo.upload(index, subindex)
     assert refusal.value.code == code

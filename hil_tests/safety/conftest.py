@@ -12,6 +12,7 @@ from firmware_bridge.robot import Robot, find
 from firmware_bridge.safety.snapshot import DriveSnapshot, Snapshot
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire.cia402 import State
+from hil_tests.safety.guard_bench import Bench
 
 Well: TypeAlias = Callable[..., Snapshot]
 
@@ -19,6 +20,11 @@ Well: TypeAlias = Callable[..., Snapshot]
 @pytest.fixture(scope="session")
 def robot() -> Robot:
     return find("rars")
+
+
+@pytest.fixture
+def bench(robot: Robot) -> Bench:
+    return Bench(robot)
 
 
 @pytest.fixture(scope="session")

@@ -195,5 +195,5 @@ class AnyOrder(RuleBasedStateMachine):
 
 TestAnyOrder = pytest.mark.timeout(60)(AnyOrder.TestCase)
 AnyOrder.TestCase.settings = settings(
-    max_examples=60, stateful_step_count=30, deadline=None, derandomize=True
+    max_examples=150, stateful_step_count=30, deadline=None, derandomize=True
 )

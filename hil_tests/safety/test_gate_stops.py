@@ -80,6 +80,7 @@ CASES: Final = (
     Case("wish unusable", intent(lift_rate_mps=NAN), {}, "the lift rate asked for is nan"),
     Case("steer angle unknown", {"steer_rad": None}, {}, "the actual steer angle is not known"),
     Case("steer angle unknown", {"steer_rad": NAN}, {}, "the actual steer angle is not known"),
+    Case("steer angle unknown", {"steer_rad": math.inf}, {}, "the actual steer angle is not known"),
     Case("lift height unknown", {"lift_m": None}, {}, "the actual lift height is not known"),
     Case(
         "lift height unknown",

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from hil_tests.scenarios.ride import Ride, Ridden, ride
+from hil_tests.scenarios.ride import Ridden, Ride, ride
 
 
 @pytest.fixture

@@ -71,7 +71,9 @@ class Ride:
 Ridden = Callable[..., Ride]
 
 
-def ride(*steps: Step, seconds: float, robot: Robot | None = None, noise: Noise | None = None, seed: int = 0) -> Ride:
+def ride(
+    *steps: Step, seconds: float, robot: Robot | None = None, noise: Noise | None = None, seed: int = 0
+) -> Ride:
     """Build the bench with an operator who does these steps; nothing has run yet."""
     machine = find("rars") if robot is None else robot
     mission = Mission(

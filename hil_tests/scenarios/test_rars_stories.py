@@ -3,7 +3,6 @@
 import math
 
 import pytest
-from pytest import approx
 
 from emulators.bench.mission import Noise
 from firmware_bridge.motion import davis
@@ -17,9 +16,9 @@ from hil_tests.scenarios.ride import ARMED, Ridden, step
 def test_the_robot_drives_where_the_operator_wants(rides: Ridden) -> None:
     ride = rides(ARMED, step(4.0, speed_mps=0.3), seconds=20)
     ride.runs_until(8.0)
-    assert ride.now.speed_mps == approx(0.3, rel=0.01)
-    assert ride.now.y_m == approx(0.0, abs=0.002)
-    assert ride.now.x_m == approx(0.3 * 4.0, abs=0.15)
+    assert ride.now.speed_mps == pytest.approx(0.3, rel=0.01)
+    assert ride.now.y_m == pytest.approx(0.0, abs=0.002)
+    assert ride.now.x_m == pytest.approx(0.3 * 4.0, abs=0.15)
 
 
 def test_nothing_moves_before_arming(rides: Ridden) -> None:
@@ -34,8 +33,8 @@ def test_nothing_moves_before_arming(rides: Ridden) -> None:
 def test_a_silent_operator_brings_the_robot_to_rest(rides: Ridden) -> None:
     ride = rides(ARMED, step(4.0, speed_mps=0.5), step(6.0, silent_s=10), seconds=30)
     ride.runs_until(8.0)
-    assert ride.fastest(5.0, 6.0) == approx(0.5, rel=0.02)
-    assert ride.now.speed_mps == approx(0, abs=0.002)
+    assert ride.fastest(5.0, 6.0) == pytest.approx(0.5, rel=0.02)
+    assert ride.now.speed_mps == pytest.approx(0, abs=0.002)
     assert "operator silent" in ride.holding
     assert ride.hardest() < 1.45
 
@@ -50,7 +49,7 @@ def test_a_silent_operator_stops_a_slow_robot_within_0_6_s(rides: Ridden, speed:
 def test_a_motion_returns_with_the_operator(rides: Ridden) -> None:
     ride = rides(ARMED, step(4.0, speed_mps=0.2), step(5.0, silent_s=2), seconds=30)
     ride.runs_until(10.0)
-    assert ride.now.speed_mps == approx(0.2, rel=0.02)
+    assert ride.now.speed_mps == pytest.approx(0.2, rel=0.02)
     assert "operator silent" not in ride.holding
 
 
@@ -72,7 +71,7 @@ def test_an_emergency_stop_latches_until_cleared_and_armed_again(rides: Ridden) 
     ride.runs_until(12.4)
     assert ride.fastest(6.6, 12.4) < 0.01, "neither arming nor clearing alone lets it move"
     ride.runs_until(18.0)
-    assert ride.now.speed_mps == approx(0.2, rel=0.02)
+    assert ride.now.speed_mps == pytest.approx(0.2, rel=0.02)
     assert ride.hardest() < 1.45
 
 
@@ -97,7 +96,7 @@ def test_the_lift_rises_at_rest_only_and_holds_the_wheels(rides: Ridden) -> None
     assert ride.held("lift extended")
     ride.runs_until(24.0)
     assert ride.now.lift_m < 0.005
-    assert ride.now.speed_mps == approx(0.2, rel=0.02)
+    assert ride.now.speed_mps == pytest.approx(0.2, rel=0.02)
 
 
 def test_the_wheels_follow_the_angle_that_is_steered(rides: Ridden) -> None:
@@ -125,16 +124,16 @@ def test_the_wheels_follow_the_angle_that_is_steered(rides: Ridden) -> None:
     ride.rig.can_wire.observe(watch)
     ride.runs_until(9.0)
     assert len(ratios) >= 60
-    assert ratios[-1][1] == approx(math.radians(30), abs=0.002)
+    assert ratios[-1][1] == pytest.approx(math.radians(30), abs=0.002)
     for ratio, steer in ratios:
         radius = math.inf if steer == 0 else davis.turn_radius(rars.base, steer)
         expected = 1.0 if math.isinf(radius) else (radius + half) / (radius - half)
-        assert ratio == approx(expected, rel=0.02)
+        assert ratio == pytest.approx(expected, rel=0.02)
     end = ride.now
     left, right = end.motor_speeds_rad_s[0], end.motor_speeds_rad_s[1]
     radius = davis.turn_radius(rars.base, end.steer_rad)
-    assert right / left == approx((radius + half) / (radius - half), rel=0.02)
-    assert end.yaw_rate_rad_s == approx(end.speed_mps / radius, rel=0.02)
+    assert right / left == pytest.approx((radius + half) / (radius - half), rel=0.02)
+    assert end.yaw_rate_rad_s == pytest.approx(end.speed_mps / radius, rel=0.02)
 
 
 def test_a_drive_that_falls_silent_stops_the_robot_and_is_named(rides: Ridden) -> None:
@@ -175,14 +174,26 @@ def test_an_orderly_end_leaves_every_drive_without_power(rides: Ridden) -> None:
     ride.runs_until(9.0)
     assert abs(ride.now.speed_mps) < 0.002
     for drive in ride.rig.devices.drives.values():
-        assert state_of(drive.store.get(STATUSWORD)) in (State.SWITCH_ON_DISABLED, State.READY_TO_SWITCH_ON)
+        state = state_of(drive.store.get(STATUSWORD))
+        assert state in (State.SWITCH_ON_DISABLED, State.READY_TO_SWITCH_ON)
+
+
+def test_a_forced_disarm_takes_the_power_off_and_the_robot_rolls_out(rides: Ridden) -> None:
+    ride = rides(ARMED, step(4.0, speed_mps=0.5), step(6.0, force_disarm=True), seconds=20)
+    ride.runs_until(6.05)
+    for drive in ride.rig.devices.drives.values():
+        assert state_of(drive.store.get(STATUSWORD)) is State.SWITCH_ON_DISABLED, "within one cycle"
+    ride.runs_until(7.0)
+    assert ride.now.speed_mps > 0.35, "nothing brakes it but friction"
+    assert not ride.held("drive fault")
+    assert ride.hardest() < 1.45
+    assert max(map(abs, ride.now.currents_a)) < 0.1
 
 
 def test_two_runs_with_one_seed_are_the_same_bytes(rides: Ridden) -> None:
     def trace(seed: int) -> str:
-        ride = rides(
-            ARMED, step(3.5, speed_mps=0.3, steer_deg=20), seconds=20, noise=Noise(stick=0.02, jitter_ms=20), seed=seed
-        )
+        noise = Noise(stick=0.02, jitter_ms=20)
+        ride = rides(ARMED, step(3.5, speed_mps=0.3, steer_deg=20), seconds=20, noise=noise, seed=seed)
         ride.runs_until(6.0)
         return ride.rig.world.trace_sha256
 

@@ -4,6 +4,7 @@ The test looks at the bus with its own python-can socket and asks the drives by 
 believes neither the bridge nor the emulator.
 """
 
+import shutil
 import signal
 import subprocess
 import sys
@@ -24,6 +25,7 @@ CHANNEL: Final = "vcan0"
 QC_PER_M: Final = 2000 * 26 / (2 * 3.141592653589793 * 0.05)
 DISABLED: Final = (0x0140, 0x0121)
 STATE_BITS: Final = 0x417F
+TSHARK: Final = shutil.which("tshark") or "tshark: not installed"
 START_WITHIN_S: Final = 40.0
 T = TypeVar("T")
 
@@ -61,7 +63,9 @@ class Eye:
         until = time.monotonic() + 1.0
         while time.monotonic() < until:
             message = self.bus.recv(0.1)
-            if message is not None and message.arbitration_id == 0x580 + node and message.data[1:3] == request[1:3]:
+            if message is None or message.arbitration_id != 0x580 + node:
+                continue
+            if message.data[1:3] == request[1:3]:
                 size = 4 - (message.data[0] >> 2 & 3)
                 return int.from_bytes(message.data[4 : 4 + size], "little", signed=True)
         return None
@@ -183,8 +187,8 @@ def bench(tmp_path: Path, unused_port: int) -> Iterator[Bench]:
 
 
 @pytest.fixture
-def unused_port() -> Iterator[int]:
-    yield 14550 + time.monotonic_ns() % 1000
+def unused_port() -> int:
+    return 14550 + time.monotonic_ns() % 1000
 
 
 def test_a_client_drives_is_killed_and_the_robot_stops_then_ctrl_c(bench: Bench) -> None:
@@ -195,7 +199,7 @@ def test_a_client_drives_is_killed_and_the_robot_stops_then_ctrl_c(bench: Bench)
     client = bench.joins()
     client.arms()
     client.says(0.1, 3.0)
-    assert bench.eye.speed() == pytest.approx(0.1, abs=0.02) or bench.eye.speed() == pytest.approx(0.1, abs=0.02)
+    assert bench.eye.speed() == pytest.approx(0.1, abs=0.02)
     client.says(0.1, 0.3)
     assert client.x > 0.15
     client.link.close()
@@ -211,7 +215,7 @@ def test_a_client_drives_is_killed_and_the_robot_stops_then_ctrl_c(bench: Bench)
     assert " vcan0 501#0F00" in frames
     assert " vcan0 281#" in frames
     found = subprocess.run(
-        ["tshark", "-r", str(log), "-d", "can.subdissector,canopen", "-Y", "_ws.malformed"],
+        [TSHARK, "-r", str(log), "-d", "can.subdissector,canopen", "-Y", "_ws.malformed"],
         capture_output=True,
         check=True,
         text=True,

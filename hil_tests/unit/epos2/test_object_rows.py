@@ -1,4 +1,4 @@
-"""Every row of the object table at a running drive: read, write at both bounds, past them, wrong size, mapping.
+"""Every row of the object table at a running drive: read, write at and past both bounds, sizes, mapping.
 
 The expectations come from the row; what the drive refuses beyond its row stands in `RESTRICTED`, with why.
 """
@@ -22,7 +22,7 @@ from hil_tests.unit.epos2.quiet_motion import Desk, powered
 RESTRICTED = {
     **{rule.address: "has a rule of its own" for rule in RULES},
     **{row.address: "PDO settings have their procedure" for row in PROCESS_OBJECTS},
-    **{Address(0x1010, 1): "wants a signature"},
+    Address(0x1010, 1): "wants a signature",
     **{Address(0x1011, sub): "wants a signature" for sub in (1, 4, 5)},
     at.ERROR_HISTORY_COUNT: "takes 0 only",
     at.COB_ID_EMERGENCY: "wants an identifier",

@@ -133,6 +133,7 @@ def test_with_sync_values_are_sampled_before_set_values_are_taken_over() -> None
     desk = set_up(powered(), *TELEMETRY, (0x1400, 2, b"\x01"))
     desk.hears("000#0101")
     desk.store.on_write(at.CONTROLWORD, lambda _: desk.store.set(at.STATUSWORD, 0x0721))
+    desk.waits(10 * MILLISECOND)
     desk.hears("201#0600")
     assert desk.hears("080#") == ["281#4007000000000000", "181#2107"]
 
@@ -153,6 +154,14 @@ def test_on_entering_operational_a_pdo_on_change_is_sent_once() -> None:
 
 def test_the_first_message_can_be_left_out() -> None:
     assert powered(replace(EPOS2_70_10, sends_on_start=False)).hears("000#0100") == []
+
+
+def test_a_pdo_switched_on_in_operational_begins_as_on_entering_it() -> None:
+    desk = operational()
+    (answer, message) = desk.hears("601#2301180181020040")
+    assert (answer[:6], message) == ("581#60", "281#400701")
+    desk = operational(replace(EPOS2_70_10, sends_on_start=False))
+    assert len(desk.hears("601#2301180181020040")) == 1
 
 
 def test_the_inhibit_time_keeps_changes_apart_and_the_last_value_is_told(desk: Desk) -> None:

@@ -83,6 +83,13 @@ def test_sizes_are_checked_when_announced_and_when_sent(
     assert desk.motion.written == []
 
 
+def test_a_domain_that_stays_short_of_its_announcement_is_refused(desk: Desk) -> None:
+    assert desk.hears(f"601#23{DOMAIN}0102") == aborted(DOMAIN, AbortCode.TOO_SHORT)
+    desk.hears(f"601#21{DOMAIN}09000000")
+    assert desk.hears("601#0101020304050607") == aborted(DOMAIN, AbortCode.TOO_SHORT)
+    assert desk.store.read(Address(0x201B)) == b""
+
+
 def test_a_download_without_a_size_is_checked_at_its_end(desk: Desk) -> None:
     desk.hears("601#2040600000000000")
     assert desk.hears("601#0906000000000000") == aborted("406000", AbortCode.TOO_LONG)
@@ -161,6 +168,13 @@ def test_answers_can_be_made_to_take_time() -> None:
     assert desk.hears("601#4000100000000000") == []
     assert desk.waits(299_999) == []
     assert desk.waits(1) == ["581#4300100092010200"]
+
+
+def test_an_answer_that_takes_time_is_lost_when_the_drive_is_stopped() -> None:
+    desk = powered(replace(EPOS2_70_10, sdo_latency=300_000))
+    desk.hears("601#4000100000000000")
+    desk.hears("000#0201")
+    assert desk.waits(1_000_000) == []
 
 
 def test_a_store_refuses_a_default_for_an_object_that_does_not_exist() -> None:

@@ -1,0 +1,137 @@
+"""Whatever a bridge says, at whatever time: only admissible frames leave, and never power by a safe frame."""
+
+import struct
+from typing import Final
+
+import pytest
+from hypothesis import settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
+
+from firmware_bridge.node import CAN, OPERATOR, Packet
+from firmware_bridge.robot import Mode, find
+from firmware_bridge.safety.guard_rules import rules_for
+from firmware_bridge.units import MILLISECOND, NEVER
+from hil_tests.safety.guard_bench import Bench
+
+ROBOT: Final = find("rars")
+RULES: Final = rules_for(ROBOT)
+IDENTIFIERS: Final = st.sampled_from([*RULES.listed, 0x503, 0x404, 0x605, 0x123]) | st.integers(0, 2**32 - 1)
+WORDS: Final = st.sampled_from([0x0006, 0x0007, 0x000F, 0x003F, 0x010F, 0x0080, 0x000B, 0x0000, 0x001F])
+TARGETS: Final = st.sampled_from(
+    [0, 1, -1, 500, 4000, 4001, -4001, 134_953, 134_954, 2_890_879]
+) | st.integers(-(2**31), 2**31 - 1)
+SET_POINTS: Final = st.builds(
+    lambda address, word, target: Packet(CAN, address, struct.pack("<Hi", word, target)),
+    st.sampled_from([0x501, 0x502, 0x403, 0x404]),
+    WORDS,
+    TARGETS,
+)
+REQUESTS: Final = st.builds(
+    lambda node, head, rest: Packet(CAN, 0x600 + node, head + rest),
+    st.integers(0, 5),
+    st.sampled_from(
+        [
+            bytes.fromhex(text)
+            for text in ("23161001", "2b406000", "23ff6000", "40416000", "238360", "2f606000")
+        ]
+    ),
+    st.binary(max_size=4),
+)
+NETWORK: Final = st.builds(
+    lambda command, node: Packet(CAN, 0x000, bytes((command, node))),
+    st.sampled_from([0x01, 0x02, 0x80, 0x81, 0x82]),
+    st.integers(0, 5),
+)
+ANYTHING: Final = st.builds(
+    Packet, st.sampled_from([CAN, OPERATOR, "serial"]), IDENTIFIERS, st.binary(max_size=9)
+)
+SPEECH: Final = st.lists(SET_POINTS | SET_POINTS | REQUESTS | NETWORK | ANYTHING, max_size=6)
+NODE_OF: Final = {rules.set_point_id: rules.axis.node for rules in RULES.axes}
+MODE_OF: Final = {axis.node: axis.mode for axis in ROBOT.axes}
+
+
+class AnySpeech(RuleBasedStateMachine):
+    """A bridge that says anything, and four drives that only remember whether they have power and move."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.bench = Bench(ROBOT)
+        self.now = 0
+        self.refused = 0
+        self.power = dict.fromkeys(MODE_OF, False)
+        self.moves = dict.fromkeys(MODE_OF, False)
+
+    @rule(said=SPEECH, ms=st.sampled_from([0, 1, 49, 50, 149, 150, 400]))
+    def the_bridge_speaks(self, said: list[Packet], ms: int) -> None:
+        self.now += ms * MILLISECOND
+        self.hear(self.bench.says(*said, now=self.now), said)
+
+    @rule(ms=st.sampled_from([0, 1, 49, 50, 100, 150]))
+    def the_bridge_is_silent(self, ms: int) -> None:
+        self.now += ms * MILLISECOND
+        self.hear(self.bench.says(now=self.now), [])
+
+    @rule()
+    def the_guard_is_woken_when_it_wants(self) -> None:
+        deadline = self.bench.guard.wake(self.now).wake_at
+        if deadline != NEVER:
+            assert deadline > self.now
+            self.now = deadline
+            self.hear(self.bench.says(now=self.now), [])
+
+    def hear(self, sent: tuple[Packet, ...], said: list[Packet]) -> None:
+        """Check what left, and let the drives obey it."""
+        texts = [packet for packet in said if packet.link == OPERATOR]
+        assert [packet for packet in sent if packet.link == OPERATOR] == texts
+        for packet in sent:
+            if packet.link == OPERATOR:
+                continue
+            assert packet.link == CAN
+            assert RULES.refuses(packet) is None
+            if packet.address in NODE_OF:
+                self.obey(packet, said)
+            elif packet.address == 0:
+                self.leave(packet.payload[0], packet.payload[1])
+            else:
+                self.write(packet.address & 0x7F, packet.payload)
+
+    def leave(self, command: int, addressed: int) -> None:
+        """Take a network command: all but the start make a drive deaf."""
+        for node in MODE_OF if addressed == 0 else (addressed,):
+            if command != 1:
+                assert not self.moves[node]
+                self.power[node] = False
+
+    def write(self, node: int, payload: bytes) -> None:
+        """Take an SDO request, or a frame that drives do not mind."""
+        if payload[:3] == b"\x2b\x40\x60":
+            self.power[node] = self.moves[node] = False
+        elif payload == bytes.fromhex("2316100100000000"):
+            assert not self.power[node]
+
+    def obey(self, packet: Packet, said: list[Packet]) -> None:
+        """Take a set-point as a drive does."""
+        node = NODE_OF[packet.address]
+        word, target = struct.unpack("<Hi", packet.payload)
+        power = word in {0x000F, 0x003F, 0x010F}
+        drives = word == 0x000F and target != 0
+        moves = drives if MODE_OF[node] is Mode.VELOCITY else word == 0x003F
+        if packet not in said:
+            assert not moves
+            assert power == self.power[node]
+        self.power[node] = power
+        self.moves[node] = moves
+
+    @invariant()
+    def refusals_are_told_and_counted(self) -> None:
+        guard = self.bench.guard
+        assert guard.refused == len(self.bench.told) >= self.refused
+        assert all(refusal.reason for refusal in guard.refusals)
+        self.refused = guard.refused
+
+
+TestAnySpeech = pytest.mark.timeout(60)(AnySpeech.TestCase)
+AnySpeech.TestCase.settings = settings(
+    max_examples=100, stateful_step_count=25, deadline=None, derandomize=True
+)

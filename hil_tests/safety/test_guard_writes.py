@@ -1,0 +1,149 @@
+"""What a bridge may write over SDO, each bound crossed by one, and the abort that leaves instead."""
+
+from collections.abc import Sequence
+from typing import Final
+
+import pytest
+
+from firmware_bridge.node import CAN, Packet
+from firmware_bridge.robot import Robot
+from hil_tests.safety.guard_bench import Bench, aborted, frame, raw, write
+
+STEER_END: Final = 134_953
+"""60 degrees: rack 40.0 mm (4.7), 2.666 rad of pinion (4.8), 159 times 2000 quadcounts a turn."""
+LIFT_END: Final = 2_890_879
+"""86.7 mm of screw, 57.8 turns of 1.5 mm, 25 times 2000 quadcounts a turn."""
+
+# What may be written over SDO: object, sub-index, bytes, values that may, values just beyond.
+FOLLOWING: Final = 4_000
+WRITES: Final = (
+    (1, 0x1017, 0, 2, (100,), (99, 101, 0)),
+    (1, 0x1016, 1, 4, (100 << 16 | 200, 0), (100 << 16 | 201, 100 << 16 | 199, 99 << 16 | 200, 1)),
+    (1, 0x6007, 0, 2, (3,), (0, 1, 2, 4)),
+    (1, 0x605E, 0, 2, (2,), (0, 1, 3, 0xFFFF)),
+    (1, 0x1003, 0, 1, (0,), (1,)),
+    (1, 0x6040, 0, 2, (0x0000, 0x0002, 0x000B), (0x0001, 0x0006, 0x0007, 0x000F, 0x003F, 0x0080, 0x010F)),
+    (1, 0x6402, 0, 2, (1,), (0, 2, 10)),
+    (1, 0x2210, 1, 4, (500,), (499, 501)),
+    (1, 0x6410, 1, 2, (0, 10_000), (10_001,)),
+    (1, 0x6410, 2, 2, (0, 20_000), (20_001,)),
+    (1, 0x6410, 5, 2, (1, 40), (0, 41)),
+    (1, 0x6410, 4, 4, (1, 4_000), (0, 4_001)),
+    (1, 0x607F, 0, 4, (1, 4_000), (0, 4_001)),
+    (1, 0x6065, 0, 4, (1, 20_000), (0, 20_001, 2**32 - 1)),
+    (1, 0x6060, 0, 1, (3,), (1, 2, 4, 6, 0xFE, 0xFF)),
+    (3, 0x6060, 0, 1, (1,), (0, 2, 3, 0xFF)),
+    (1, 0x6086, 0, 2, (0,), (1,)),
+    (1, 0x6081, 0, 4, (1, 4_000), (0, 4_001)),
+    (1, 0x6083, 0, 4, (1, 6_600), (0, 6_601)),
+    (1, 0x6084, 0, 4, (6_600,), (6_599, 6_601)),
+    (1, 0x6085, 0, 4, (6_600,), (6_599, 6_601)),
+    (3, 0x607D, 1, 4, (-STEER_END - FOLLOWING, STEER_END + FOLLOWING), (-STEER_END - FOLLOWING - 1,)),
+    (3, 0x607D, 2, 4, (-STEER_END - FOLLOWING, STEER_END + FOLLOWING), (STEER_END + FOLLOWING + 1,)),
+    (4, 0x607D, 1, 4, (-FOLLOWING, LIFT_END + FOLLOWING), (-FOLLOWING - 1, LIFT_END + FOLLOWING + 1)),
+    # Receive PDOs: the wheels' fourth and the position axes' third carry set-points, the others are off.
+    *((1, 0x1400 + n, 1, 4, (0x8000_0201 + 0x100 * n,), (0x201 + 0x100 * n,)) for n in range(3)),
+    (1, 0x1403, 1, 4, (0x8000_0501, 0x501), (0x502, 0x8000_0502, 0x500)),
+    (3, 0x1402, 1, 4, (0x8000_0403, 0x403), (0x404, 0x503)),
+    *((3, 0x1400 + n, 1, 4, (0x8000_0203 + 0x100 * n,), (0x203 + 0x100 * n,)) for n in (0, 1, 3)),
+    (1, 0x1403, 2, 1, (1, 255), (0, 2, 253, 254)),
+    (1, 0x1603, 0, 1, (0, 2), (1, 3, 8)),
+    (1, 0x1603, 1, 4, (0x6040_0010,), (0x6060_0008, 0)),
+    (1, 0x1603, 2, 4, (0x60FF_0020,), (0x607A_0020, 0x6083_0020)),
+    (3, 0x1602, 2, 4, (0x607A_0020,), (0x60FF_0020,)),
+    # Transmit PDOs carry what they like under their own identifiers.
+    *(
+        (2, 0x1800 + n, 1, 4, (0x4000_0182 + 0x100 * n, 0xC000_0182 + 0x100 * n), (0x182 + 0x100 * n, 0))
+        for n in range(4)
+    ),
+    *((2, 0x1800 + n, 2, 1, (1, 255), (0, 2, 254)) for n in range(4)),
+    *((2, 0x1800 + n, 3, 2, (0, 10, 0xFFFF), ()) for n in range(4)),
+    *((2, 0x1A00 + n, 0, 1, (0, 3, 8), (9,)) for n in range(4)),
+    *((2, 0x1A00 + n, 1, 4, (0, 0x6041_0010, 2**32 - 1), ()) for n in range(4)),
+    *((2, 0x1A03, entry, 4, (0, 2**32 - 1), ()) for entry in range(1, 9)),
+)
+GAINS: Final = (
+    (0x60F6, 1, "current_p"), (0x60F6, 2, "current_i"), (0x60F9, 1, "velocity_p"), (0x60F9, 2, "velocity_i"),
+    (0x60F9, 4, "velocity_feedforward"), (0x60F9, 5, "acceleration_feedforward"),
+    (0x60FB, 1, "position_p"), (0x60FB, 2, "position_i"), (0x60FB, 3, "position_d"),
+    (0x60FB, 4, "position_velocity_feedforward"), (0x60FB, 5, "position_acceleration_feedforward"),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(("node", "index", "subindex", "size", "may", "beyond"), WRITES)
+def test_an_object_may_be_written_within_its_bounds(
+    bench: Bench,
+    node: int,
+    index: int,
+    subindex: int,
+    *,
+    size: int,
+    may: Sequence[int],
+    beyond: Sequence[int],
+) -> None:
+    for value in may:
+        packet = write(node, index, subindex, raw(value, size))
+        assert bench.says(packet) == (packet,)
+    for value in beyond:
+        reason, sent = bench.refuses(write(node, index, subindex, raw(value, size)))
+        assert sent == aborted(node, index, subindex)
+        assert f"0x{index:04X}" in reason
+        assert "allowed is" in reason
+    for wrong in {1, 2, 3, 4} - {size}:
+        reason, sent = bench.refuses(write(node, index, subindex, bytes(wrong)))
+        assert f"written with {wrong} bytes, it has {size}" in reason
+        assert sent == aborted(node, index, subindex)
+
+
+@pytest.mark.parametrize(("index", "subindex", "name"), GAINS)
+def test_gains_are_those_of_the_robot_file(robot: Robot, index: int, subindex: int, name: str) -> None:
+    for axis in robot.axes:
+        bench = Bench(robot)
+        gain = getattr(axis.gains, name)
+        packet = write(axis.node, index, subindex, raw(gain, 2))
+        assert bench.says(packet) == (packet,)
+        for other in (gain + 1, gain - 1):
+            assert bench.refuses(write(axis.node, index, subindex, raw(other, 2)))[1] == aborted(
+                axis.node, index, subindex
+            )
+
+
+@pytest.mark.parametrize(
+    ("index", "subindex"),
+    [
+        (0x607A, 0), (0x60FF, 0), (0x2062, 0), (0x206B, 0), (0x2030, 0), (0x1010, 1), (0x1011, 1),
+        (0x2000, 0), (0x1014, 0), (0x1016, 2), (0x60C5, 0), (0x6098, 0), (0x607D, 1), (0x607D, 2),
+        (0x1404, 1), (0x1600, 1), (0x1603, 3), (0x1804, 1), (0x1A00, 9), (0x6040, 1),
+    ],
+)  # fmt: skip
+def test_no_other_object_may_be_written(bench: Bench, index: int, subindex: int) -> None:
+    # Node 1 is a wheel: position limits are none of its business.
+    reason, sent = bench.refuses(write(1, index, subindex, bytes(4)))
+    assert reason.endswith("is not an object that may be written")
+    assert sent == aborted(1, index, subindex)
+
+
+@pytest.mark.parametrize(
+    ("payload", "reason"),
+    [
+        ("2017100002000000", "SDO command 0x20 is not listed"),
+        ("2117100002000000", "SDO command 0x21 is not listed"),
+        ("2217100064000000", "SDO command 0x22 is not listed"),
+        ("3317100064000000", "SDO command 0x33 is not listed"),
+        ("0064000000000000", "SDO command 0x00 is not listed"),
+        ("0b64000000000000", "SDO command 0x0B is not listed"),
+        ("c017100000000000", "SDO command 0xC0 is not listed"),
+        ("a317100000000000", "SDO command 0xA3 is not listed"),
+        ("e317100000000000", "SDO command 0xE3 is not listed"),
+        ("40416000000000", "an SDO request of 7 bytes"),
+        ("404160", "an SDO request of 3 bytes"),
+        ("", "an SDO request of 0 bytes"),
+    ],
+)
+def test_other_services_are_answered_with_an_abort(bench: Bench, payload: str, reason: str) -> None:
+    packet = frame(0x602, payload)
+    told, sent = bench.refuses(packet)
+    assert told == reason
+    assert sent == (
+        Packet(CAN, 0x602, b"\x80" + packet.payload[1:4].ljust(3, b"\0") + bytes.fromhex("00000008")),
+    )
