@@ -1,0 +1,151 @@
+"""The shipped missions, driven whole: what stays within its bounds, and what a run leaves behind."""
+
+import json
+import shutil
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final
+
+import pytest
+
+from emulators.bench import mission as missions
+from emulators.run import Order, drive
+from firmware_bridge.recording import parse_candump
+from firmware_bridge.robot import find
+from firmware_bridge.units import from_seconds
+
+TSHARK: Final = shutil.which("tshark") or "tshark: not installed"
+LARGEST_SPEED_MPS: Final = 0.505
+LARGEST_ACCELERATION_MPS2: Final = 1.45
+Driven = Callable[[str], Path]
+
+
+@pytest.fixture(scope="module")
+def driven(tmp_path_factory: pytest.TempPathFactory) -> Driven:
+    """Drive a shipped mission once, and return the folder of its results."""
+    folders: dict[str, Path] = {}
+
+    def results(name: str) -> Path:
+        if name not in folders:
+            folders[name] = tmp_path_factory.mktemp(name)
+            run(name, folders[name])
+        return folders[name]
+
+    return results
+
+
+def run(name: str, folder: Path, seed: int = 0) -> str:
+    rars = find("rars")
+    order = Order(rars, name, missions.find(name, rars), seed, folder)
+    return drive(order, lambda _: None).trace_sha256
+
+
+def summary(folder: Path) -> dict[str, Any]:
+    read: dict[str, Any] = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    return read
+
+
+def test_an_operator_who_tries_everything_forbidden_gets_no_further(driven: Driven) -> None:
+    told = summary(driven("interlocks"))
+    assert told["max_speed_mps"] <= LARGEST_SPEED_MPS
+    assert told["max_acceleration_mps2"] <= LARGEST_ACCELERATION_MPS2
+    assert told["odometry_error_m"] < 0.01
+
+
+def test_every_interlock_that_an_operator_can_trip_is_tripped_and_says_why(driven: Driven) -> None:
+    holds = summary(driven("interlocks"))["holds"]
+    assert all(hold["reason"] for hold in holds)
+    assert {
+        "not armed",
+        "speed limit",
+        "acceleration limit",
+        "steer angle limit",
+        "turn radius limit",
+        "lift refused",
+        "lift moving",
+        "lift extended",
+        "operator silent",
+        "emergency stop",
+        "drive not enabled: left",
+    } <= {hold["name"] for hold in holds}
+
+
+def test_nothing_rolls_while_the_lift_is_extended(driven: Driven) -> None:
+    """From the positions on the bus: between two frames with the lift out, no wheel turns by 2 mm."""
+    retracted = 0.005
+    rars = find("rars")
+    frames = [parse_candump(line) for line in (driven("interlocks") / "can.log").read_text().splitlines()]
+    lifted = [
+        (hold["began_s"], hold["ended_s"])
+        for hold in summary(driven("interlocks"))["holds"]
+        if hold["name"] == "lift extended"
+    ]
+    assert len(lifted) >= 2
+    assert rars.limits.lift_retracted_m == retracted
+    for began, ended in lifted:
+        for address in (0x281, 0x282):
+            counts = [
+                int.from_bytes(packet.payload[2:6], "little", signed=True)
+                for at, _, packet in frames
+                if packet.address == address and from_seconds(began) <= at <= from_seconds(ended)
+            ]
+            assert len(counts) > 10
+            metres = (
+                (max(counts) - min(counts)) / rars.axes[0].quadcounts_per_radian * rars.base.wheel_radius_m
+            )
+            assert metres < 0.002
+
+
+def test_the_line_reaches_its_speed_at_its_acceleration(driven: Driven) -> None:
+    told = summary(driven("line"))
+    assert told["max_speed_mps"] == pytest.approx(0.240, rel=0.02)
+    assert told["max_acceleration_mps2"] == pytest.approx(0.024, rel=0.7)
+    assert told["odometry_error_m"] < 0.005
+
+
+def test_a_run_leaves_everything_that_it_promises(driven: Driven) -> None:
+    folder = driven("line")
+    names = {path.name for path in folder.iterdir()}
+    assert {
+        "summary.json",
+        "can.log",
+        "operator.tlog",
+        "path.png",
+        "speeds.png",
+        "currents.png",
+        "holds.png",
+    } <= names
+    assert {
+        "simulated_s",
+        "wall_s",
+        "realtime_factor",
+        "max_speed_mps",
+        "max_acceleration_mps2",
+        "path_length_m",
+        "odometry_error_m",
+        "holds",
+        "frames",
+        "bus_load_percent",
+        "trace_sha256",
+    } <= set(summary(folder))
+
+
+def test_one_seed_is_one_run(driven: Driven, tmp_path: Path) -> None:
+    again = run("line", tmp_path)
+    assert again == summary(driven("line"))["trace_sha256"]
+    for name in ("can.log", "operator.tlog"):
+        assert (tmp_path / name).read_bytes() == (driven("line") / name).read_bytes()
+
+
+@pytest.mark.parametrize("name", ["line", "interlocks"])
+def test_a_strangers_dissector_finds_no_malformed_frame(driven: Driven, name: str) -> None:
+    log = driven(name) / "can.log"
+    canopen = ["-r", str(log), "-d", "can.subdissector,canopen"]
+    read = subprocess.run([TSHARK, *canopen], capture_output=True, check=True, text=True)
+    assert read.stdout.count("\n") == summary(driven(name))["frames"]
+    assert "SYNC" in read.stdout
+    wrong = subprocess.run(
+        [TSHARK, *canopen, "-Y", "_ws.malformed"], capture_output=True, check=True, text=True
+    )
+    assert wrong.stdout == ""
