@@ -3,7 +3,7 @@
 The same drives and the same plant go onto a real bus through `devices`.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -12,6 +12,7 @@ import numpy as np
 from emulators.bench.mission import Noise
 from emulators.bench.records import SAMPLE_EVERY, HoldRecord, Sample
 from emulators.epos2.drive import Epos2
+from emulators.epos2.profile import EPOS2_70_10, DeviceProfile
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, plant_inputs, plant_outputs
 from emulators.wires import CanWire, DatagramWire
@@ -64,8 +65,16 @@ def devices(robot: Robot, plant_path: Path | None = None) -> Devices:
         for axis in robot.axes
     ]
     bank = ServoBank(plant, axes, supply=len(outputs), analogue=(robot.battery.axis, robot.battery.divider))
-    drives = {axis.name: Epos2(axis.node, servo) for axis, servo in zip(robot.axes, axes, strict=True)}
+    drives = {
+        axis.name: Epos2(axis.node, servo, _individual(axis.node))
+        for axis, servo in zip(robot.axes, axes, strict=True)
+    }
     return Devices(drives, bank, plant)
+
+
+def _individual(node: int) -> DeviceProfile:
+    """Return a 70/10 with a serial number of its own, so that no two on one bus are the same."""
+    return replace(EPOS2_70_10, serial_number=EPOS2_70_10.serial_number + node)
 
 
 def _back_emf(plant: FmuPlant, axis: str) -> int:

@@ -88,7 +88,7 @@ class Epos2:
             self._boot(NmtCommand.RESET_NODE)
         if self._boot_due <= now:
             self._come_up()
-        self._watch()
+        self._watch(now)
         return self._settle()
 
     def _settle(self) -> Reaction:
@@ -231,15 +231,18 @@ class Epos2:
 
     # Error control
 
-    def _watch(self) -> None:
-        if self._errors.lost(self._now):
+    def _watch(self, until: Nanoseconds) -> None:
+        if self._errors.lost(until):
             self.motion.connection_lost()
 
     def _hear_heartbeat(self, node: int, payload: bytes) -> None:
+        # On a real bus a wake may be late: a heartbeat after its deadline must not hide the silence.
+        self._watch(self._now - 1)
         self._errors.hear(node, payload, self._now)
 
     def _hear_guarding(self, _payload: bytes) -> None:
         if not self._errors.producer.active:
+            self._watch(self._now - 1)
             answer = self._errors.guard.answer(self.nmt_state, self._now)
             self._send(canopen.ERROR_CONTROL + self.node_id, answer)
 

@@ -141,3 +141,13 @@ def operational(profile: DeviceProfile = EPOS2_70_10) -> Desk:
     desk.hears("000#0101")
     desk.waits(10_000_000)
     return desk
+
+
+def u32(value: int) -> bytes:
+    return value.to_bytes(4, "little")
+
+
+def set_up(desk: Desk, *rows: tuple[int, int, bytes]) -> Desk:
+    for index, subindex, raw in rows:
+        assert desk.writes(index, subindex, raw) == "ok", f"0x{index:04X}:{subindex}"
+    return desk

@@ -88,6 +88,15 @@ def test_silence_is_told_once_and_the_next_heartbeat_starts_anew() -> None:
     assert desk.waits(200 * MILLISECOND) == [LOST]
 
 
+@pytest.mark.parametrize(("late", "answer"), [(0, []), (1, [LOST])])
+def test_a_heartbeat_after_its_deadline_does_not_hide_the_silence(late: int, answer: list[str]) -> None:
+    desk = watching()
+    desk.hears("764#05")
+    desk.now += 200 * MILLISECOND + late
+    assert desk.hears("764#05") == answer
+    assert desk.waits(200 * MILLISECOND) == [LOST]
+
+
 @pytest.mark.parametrize("frame", ["764#00", "764#", "764#33", "765#05"])
 def test_what_is_no_heartbeat_of_the_watched_node(frame: str) -> None:
     desk = watching()

@@ -74,6 +74,13 @@ def test_a_target_above_what_the_turn_allows_is_the_turns_top_speed() -> None:
     assert back == -speed
 
 
+def test_near_the_turns_top_speed_nothing_is_left_to_speed_up() -> None:
+    top = math.sqrt(1.3 / 0.5)
+    assert RAMP.step(top - 0.001, 9.0, 0.5, CYCLE) == pytest.approx(top - 0.001, abs=1e-8)
+    assert RAMP.step(top, 9.0, 0.5, CYCLE) == pytest.approx(top)
+    assert RAMP.step(top + 0.001, 9.0, 0.5, CYCLE) == pytest.approx(top)
+
+
 @pytest.mark.parametrize(("speed", "sign"), [(2.0, 1), (-2.0, -1)])
 def test_braking_is_always_possible(speed: float, sign: int) -> None:
     # A turn that tightened at speed takes more than the limit; braking keeps its share.

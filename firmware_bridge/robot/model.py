@@ -1,18 +1,13 @@
-"""One robot, one file: geometry, limits, bus and axes, read by the bridge and by the emulators alike.
+"""A robot as a checked table: geometry, limits, bus and axes, read by the bridge and by the emulators alike.
 
-A robot file is TOML. A wrong key or value is refused with the file's name and the key's path; nothing is
-guessed, and nothing is ignored.
+It refuses to know where the table came from.
 """
 
 import math
-import tomllib
-from collections.abc import Iterable
 from enum import StrEnum
-from importlib import resources
-from pathlib import Path
 from typing import Annotated, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from firmware_bridge.units import QUADCOUNTS_PER_LINE, STANDARD_GRAVITY
 
@@ -22,20 +17,6 @@ NodeId = Annotated[int, Field(ge=1, le=127)]
 Unsigned16 = Annotated[int, Field(ge=0, le=0xFFFF)]
 Signed16 = Annotated[int, Field(ge=-0x8000, le=0x7FFF)]
 Unsigned32 = Annotated[int, Field(ge=0, le=0xFFFF_FFFF)]
-
-
-class RobotFileError(Exception):
-    """A robot file that cannot be used: which file, which key, what is wrong with it."""
-
-    def __init__(self, file: str, key: str, problem: str) -> None:
-        super().__init__(file, key, problem)
-        self.file = file
-        self.key = key
-        self.problem = problem
-
-    def __str__(self) -> str:
-        """Say it in one line."""
-        return f"{self.file}: {self.key}: {self.problem}" if self.key else f"{self.file}: {self.problem}"
 
 
 class _Table(BaseModel):
@@ -256,49 +237,3 @@ class Robot(_Table):
             if axis.role is role:
                 return axis
         raise KeyError(role)
-
-
-def parse(text: str, file: str) -> Robot:
-    """Read a robot from TOML text; `file` names it in a RobotFileError."""
-    try:
-        table = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise RobotFileError(file, "", f"not valid TOML: {error}") from error
-    try:
-        return Robot.model_validate(table)
-    except ValidationError as error:
-        first = error.errors()[0]
-        key = _path(first["loc"])
-        problem = first["msg"].removeprefix("Value error, ")
-        given = "" if isinstance(first["input"], dict | list) else f", but it is {first['input']!r}"
-        raise RobotFileError(file, key, f"{problem}{given}") from error
-
-
-def load(path: Path) -> Robot:
-    """Read a robot file; RobotFileError where it is missing, unreadable or wrong."""
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise RobotFileError(str(path), "", f"cannot be read: {error}") from error
-    return parse(text, str(path))
-
-
-def find(name: str) -> Robot:
-    """Read the robot of this name from the package, or from a path that ends in .toml."""
-    if name.endswith(".toml"):
-        return load(Path(name))
-    for path in shipped():
-        if path.stem == name:
-            return load(path)
-    known = ", ".join(path.stem for path in shipped())
-    raise RobotFileError(name, "", f"no such robot; there are: {known}. A path to a .toml file works, too")
-
-
-def shipped() -> list[Path]:
-    """Return the paths of the robot files in the package, sorted by name."""
-    folder = resources.files("firmware_bridge") / "robots"
-    return sorted(Path(str(entry)) for entry in folder.iterdir() if entry.name.endswith(".toml"))
-
-
-def _path(location: Iterable[int | str]) -> str:
-    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location).lstrip(".")
