@@ -24,7 +24,7 @@ from firmware_bridge.cli.options import (
 )
 from firmware_bridge.cli.real_time import carry
 from firmware_bridge.node import CAN
-from firmware_bridge.robot import Robot
+from firmware_bridge.robot import Robot, RobotFileError
 from firmware_bridge.shell.ports import open_can
 from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
 from fmu.errors import PlantError
@@ -85,7 +85,7 @@ def bench(
     Shipped missions: `line`, `circles`, `interlocks`.
     """
     machine = find_robot(robot)
-    with one_message(MissionFileError, PlantError, OSError):
+    with one_message(MissionFileError, RobotFileError, PlantError, OSError):
         script = missions.find(mission, machine)
         name = Path(mission).stem
         folder = out or RESULTS / f"{machine.name}-{name}"
@@ -117,7 +117,7 @@ def emulate(
     """
     machine = find_robot(robot)
     cuts = [_cut(machine, text) for text in silence or ()]
-    with one_message(PlantError):
+    with one_message(RobotFileError, PlantError):
         emulated = devices(machine, plant)
     cluster = Cluster(emulated.drives, emulated.bank)
     for name, at in cuts:

@@ -19,13 +19,13 @@ from emulators.wires import CanWire, DatagramWire
 from emulators.world import World
 from firmware_bridge.bridge import Bridge
 from firmware_bridge.node import CAN, OPERATOR, Node
-from firmware_bridge.robot import Robot
+from firmware_bridge.robot import Robot, RobotFileError
 from firmware_bridge.safety.guard import Guarded
 from firmware_bridge.safety.guard_rules import rules_for
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 from fmu.build import ensure
 from fmu.plant import FmuPlant, PlantError
-from fmu.rars.parameters import ROBOT_FILE
+from fmu.rars.parameters import ROBOT_FILE, SETS
 
 BODY: Final = ("battery_voltage", "x", "y", "heading", "speed", "yaw_rate", "steer", "lift_height")
 """Outputs of the plant beside those of its axes, in this order."""
@@ -86,8 +86,17 @@ def _back_emf(plant: FmuPlant, axis: str) -> int:
 
 
 def plant_parameters(robot: Robot) -> dict[str, float]:
-    """Return the plant's parameters that the robot file knows, under the plant's names and in its units."""
-    found: dict[str, float] = {}
+    """Return the plant's parameters that the robot file knows, under the plant's names and in its units.
+
+    The geometry that bridge and plant share wins over the parameter set, single values win over both.
+    RobotFileError where the set is unknown.
+    """
+    chosen = robot.plant.parameter_set
+    if chosen is not None and chosen not in SETS:
+        known = ", ".join(SETS)
+        problem = f"the plant '{robot.plant.fmu}' has no such set '{chosen}'; it has {known}"
+        raise RobotFileError(robot.name, "plant.parameter_set", problem)
+    found = {} if chosen is None else dict(SETS[chosen])
     by_role = {axis.role.value: axis for axis in robot.axes}
     for key, (name, factor) in ROBOT_FILE.items():
         table, *rest = key.split(".")

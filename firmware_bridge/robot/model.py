@@ -195,9 +195,10 @@ class Battery(_Table):
 
 
 class PlantFile(_Table):
-    """The simulated robot: which FMU, and parameters that differ from its defaults."""
+    """The simulated robot: which FMU, which of its named parameter sets, and single values that differ."""
 
     fmu: str
+    parameter_set: str | None = None
     parameters: dict[str, float] = Field(default_factory=dict)
 
 
