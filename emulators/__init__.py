@@ -1,1 +1,1 @@
-"""Emulated devices, the virtual world that carries their packets, and the bench that puts a robot together."""
+"""Emulated devices, the virtual world that carries their packets, and the bench that drives a robot."""

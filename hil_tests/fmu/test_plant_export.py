@@ -28,7 +28,7 @@ from fmu.rars.parameters import PARAMETERS, ROBOT_FILE, SETS
 
 
 def run(command: list[str], **options: Any) -> None:
-    subprocess.run(command, check=True, **options)  # noqa: S603 - this Python, or a compiler
+    subprocess.run(command, check=True, **options)
 
 
 COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
@@ -190,7 +190,7 @@ def test_two_processes_may_build_at_once(tmp_path: Path) -> None:
     command = [sys.executable, "-c", "from fmu.build import ensure; print(ensure('rars', 3))"]
     environment = os.environ | {"XDG_CACHE_HOME": str(tmp_path)}
     both = [
-        subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True)  # noqa: S603 - this Python
+        subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True)
         for _ in range(2)
     ]
     paths = {process.communicate()[0] for process in both}

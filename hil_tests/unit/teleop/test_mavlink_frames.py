@@ -205,7 +205,7 @@ def test_the_environment_cannot_switch_the_checksum_off() -> None:
         "from firmware_bridge.teleop.mavlink import Codec\n"
         f"print(len(Codec(9, 9).decode(bytes.fromhex('{wrong.hex()}'))))"
     )
-    run = subprocess.run(  # noqa: S603 - our own interpreter with our own words
+    run = subprocess.run(
         [sys.executable, "-c", script],
         env={**os.environ, "MAV_IGNORE_CRC": "1"},
         capture_output=True,
@@ -227,7 +227,7 @@ def test_the_environment_cannot_switch_the_checksum_off() -> None:
         ((255, 190), False),
     ],
 )
-def test_a_target_of_zero_is_everybody(target: tuple[int, int], is_ours: bool) -> None:  # noqa: FBT001 - a table
+def test_a_target_of_zero_is_everybody(target: tuple[int, int], is_ours: bool) -> None:
     message = dialect.MAVLink_param_request_list_message(*target)
     assert concerns(message, 1, 1) is is_ours
 
