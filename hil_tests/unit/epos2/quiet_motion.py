@@ -32,7 +32,7 @@ class QuietMotion:
         self.store.on_write(at.CONTROLWORD, self.written.append)
         self.store.set(at.STATUSWORD, SWITCH_ON_DISABLED)
 
-    def nmt_changed(self, operational: bool) -> None:
+    def nmt_changed(self, operational: bool) -> None:  # noqa: FBT001 - as in MotionControl
         self.operational = operational
         self.store.set(at.STATUSWORD, SWITCH_ON_DISABLED | 0x0200 * operational)
 

@@ -89,11 +89,11 @@ class Stranger(RuleBasedStateMachine):
             assert isinstance(sdo.decode_response(answers[0]), sdo.Abort)
 
     @rule(toggle=st.booleans())
-    def ask_for_a_segment(self, toggle: bool) -> None:
+    def ask_for_a_segment(self, toggle: bool) -> None:  # noqa: FBT001 - Hypothesis gives it by name
         self._ask(sdo.encode_upload_segment(toggle=toggle))
 
     @rule(toggle=st.booleans(), last=st.booleans(), raw=st.binary(max_size=7))
-    def send_a_segment(self, toggle: bool, last: bool, raw: bytes) -> None:
+    def send_a_segment(self, toggle: bool, last: bool, raw: bytes) -> None:  # noqa: FBT001 - as above
         self._ask(sdo.encode_download_segment(raw, toggle=toggle, last=last))
 
     def _ask(self, payload: bytes) -> list[bytes]:

@@ -102,7 +102,7 @@ def test_a_telemetry_log_is_read_by_pymavlink(tmp_path: Path) -> None:
     try:
         read = [reader.recv_msg() for _ in range(4)]
         assert [message.custom_mode for message in read] == [0, 1, 2, 3]
-        assert [message._timestamp - EPOCH / SECOND for message in read] == [0, 1, 2, 3]
+        assert [message._timestamp - EPOCH / SECOND for message in read] == [0, 1, 2, 3]  # noqa: SLF001 - its name
         assert reader.recv_msg() is None
     finally:
         reader.close()

@@ -227,7 +227,7 @@ def test_the_environment_cannot_switch_the_checksum_off() -> None:
         ((255, 190), False),
     ],
 )
-def test_a_target_of_zero_is_everybody(target: tuple[int, int], is_ours: bool) -> None:
+def test_a_target_of_zero_is_everybody(target: tuple[int, int], is_ours: bool) -> None:  # noqa: FBT001 - a table
     message = dialect.MAVLink_param_request_list_message(*target)
     assert concerns(message, 1, 1) is is_ours
 

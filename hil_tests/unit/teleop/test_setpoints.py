@@ -141,7 +141,7 @@ def test_other_frames_are_refused(frame: int) -> None:
     [(0x05E7, True), (0x05C7, True), (0x0DE7, False), (0x0DC7, False)],
     ids=["velocity and yaw rate", "the same with vz", "velocity only", "velocity only with vz"],
 )
-def test_masks_of_velocity_are_followed(mask: int, steer: bool) -> None:
+def test_masks_of_velocity_are_followed(mask: int, steer: bool) -> None:  # noqa: FBT001 - a table
     wish = target(0.31, -0.5, mask=mask)
     assert isinstance(wish, Setpoint)
     assert wish.steer_rad == pytest.approx(45.0 * DEG if steer else 0.0)

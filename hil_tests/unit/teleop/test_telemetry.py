@@ -180,7 +180,7 @@ def test_wheels_and_currents(bench: Bench) -> None:
         (-1.0, 0, 2, False),
     ],
 )
-def test_the_battery(bench: Bench, volts: float | None, millivolts: int, charge: int, healthy: bool) -> None:
+def test_the_battery(bench: Bench, volts: float | None, millivolts: int, charge: int, healthy: bool) -> None:  # noqa: FBT001 - a table
     bench.snapshot = replace(bench.snapshot, battery_v=volts)
     battery = told(bench, 147)
     assert battery.voltages == [millivolts] + [65_535] * 9
