@@ -106,14 +106,13 @@ def _operator_silent(view: View) -> str | None:
 
 def _wish_unusable(view: View) -> str | None:
     wish = view.seen.intent
-    height = 0.0 if wish.lift_m is None else wish.lift_m
     for title, value in (
         ("speed", wish.speed_mps),
         ("steer angle", wish.steer_rad),
-        ("lift height", height),
+        ("lift height", wish.lift_m),
         ("lift rate", wish.lift_rate_mps),
     ):
-        if not math.isfinite(value):
+        if value is not None and not math.isfinite(value):
             return f"the {title} asked for is {value}"
     return None
 
@@ -130,7 +129,7 @@ def _lift_extended(view: View) -> str | None:
     height, limit = view.seen.lift_m, view.robot.limits.lift_retracted_m
     if height is None or height <= (RETRACTED_SHARE * limit if view.holding else limit):
         return None
-    return f"the lift stands at {1000.0 * height:.0f} mm, retracted is below {1000.0 * limit:.0f} mm"
+    return f"the lift stands at {_millimetres(height)}, retracted is below {_millimetres(limit)}"
 
 
 def _lift_moves(view: View) -> str | None:
@@ -216,6 +215,10 @@ LIFT_REFUSED: Final = Interlock(
 
 def _called(axis: Axis) -> str:
     return f"node {axis.node} ({axis.title})"
+
+
+def _millimetres(length_m: float) -> str:
+    return f"{1000.0 * length_m:.0f} mm"
 
 
 def _unknown(value: float | None) -> bool:

@@ -177,3 +177,13 @@ def test_refusals_are_all_counted_and_the_newest_kept(robot: Robot) -> None:
         guard.wake(n)
     assert guard.refused == 105
     assert [refusal.at for refusal in guard.refusals] == list(range(5, 105))
+
+
+def test_a_mirrored_lift_counts_downwards(robot: Robot) -> None:
+    axes = tuple(axis.model_copy(update={"direction": -1}) for axis in robot.axes)
+    bench = Bench(robot.model_copy(update={"axes": axes}))
+    for low, high, node in ((-LIFT_END, 0, 4), (-STEER_END, STEER_END, 3)):
+        for counts in (low, high):
+            assert bench.says(position(node, 0x003F, counts)) == (position(node, 0x003F, counts),)
+        for counts in (low - 1, high + 1):
+            assert "is not within" in bench.refuses(position(node, 0x003F, counts))[0]

@@ -42,6 +42,12 @@ def test_a_drive_that_moves_is_not_taken_off_the_bus(bench: Bench, command: int,
     assert bench.refuses(frame(0x123, ""))[1] == left
 
 
+@pytest.mark.parametrize("addressed", [0, 2])
+def test_a_drive_that_left_the_bus_counts_as_without_power(bench: Bench, addressed: int) -> None:
+    bench.says(wheel(2, 0x000F, 0), Packet(CAN, 0x000, bytes((0x81, addressed))))
+    assert bench.refuses(wheel(2, 0x000F, 9999))[1] == (wheel(2, 0x0000, 0),)
+
+
 def test_another_drive_may_leave_the_bus(bench: Bench) -> None:
     bench.says(wheel(2, 0x000F, 1))
     leave = frame(0x000, "8001")
@@ -70,6 +76,11 @@ def test_what_counts_as_moving(bench: Bench, packet: Packet, *, moves: bool) -> 
 
 def test_a_controlword_over_sdo_takes_the_power_away(bench: Bench) -> None:
     bench.says(wheel(1, 0x000F, 0), write(1, 0x6040, 0, b"\x0b\x00"))
+    assert bench.refuses(wheel(1, 0x000F, 9999))[1] == (wheel(1, 0x000B, 0),)
+
+
+def test_bytes_that_an_expedited_write_does_not_use_say_nothing(bench: Bench) -> None:
+    bench.says(wheel(1, 0x000F, 0), frame(0x601, "2b4060000b00ffff"))
     assert bench.refuses(wheel(1, 0x000F, 9999))[1] == (wheel(1, 0x000B, 0),)
 
 

@@ -95,6 +95,19 @@ def test_an_object_may_be_written_within_its_bounds(
         assert sent == aborted(node, index, subindex)
 
 
+@pytest.mark.parametrize(
+    ("packet", "reason"),
+    [
+        (write(1, 0x6083, 0, raw(6_601, 4)), "0x6083 set to 6601, allowed is 1 to 6600"),
+        (write(1, 0x6060, 0, raw(1, 1)), "0x6060 set to 1, allowed is 3"),
+        (write(1, 0x1403, 2, raw(2, 1)), "0x1403:02 set to 2, allowed is 1 or 255"),
+    ],
+    ids=str,
+)
+def test_a_refused_write_is_told_with_its_bounds(bench: Bench, packet: Packet, reason: str) -> None:
+    assert bench.refuses(packet)[0] == reason
+
+
 @pytest.mark.parametrize(("index", "subindex", "name"), GAINS)
 def test_gains_are_those_of_the_robot_file(robot: Robot, index: int, subindex: int, name: str) -> None:
     for axis in robot.axes:

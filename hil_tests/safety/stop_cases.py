@@ -1,0 +1,168 @@
+"""One row for each way to trip a stop interlock, just beyond its threshold, and the nearest that does not."""
+
+import math
+from dataclasses import dataclass
+from typing import Any, Final
+
+from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+from firmware_bridge.wire.cia402 import State
+
+START: Final = 100 * SECOND
+NAN: Final = math.nan
+AXES: Final = ("left", "right", "steer", "lift")
+TITLES: Final = {
+    "left": "node 1 (left rear wheel)",
+    "right": "node 2 (right rear wheel)",
+    "steer": "node 3 (steering)",
+    "lift": "node 4 (scissor lift)",
+}
+
+
+def above(value: float) -> float:
+    return math.nextafter(value, math.inf)
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One way to trip one interlock, just beyond its threshold, and the nearest way that does not."""
+
+    hold: str
+    trips: dict[str, Any]
+    spares: dict[str, Any]
+    reason: str
+    clear_after: Nanoseconds = 0
+    lift_is_free: bool = False
+    also: tuple[str, ...] = ()
+    """Other holds that come with it."""
+
+
+def intent(**fields: Any) -> dict[str, Any]:
+    return {"intent": fields}
+
+
+def drive(name: str, **fields: Any) -> dict[str, Any]:
+    return {"drives": {name: fields}}
+
+
+OPERATOR_LIMIT: Final = 500 * MILLISECOND
+DRIVE_LIMIT: Final = 250 * MILLISECOND
+LINK: Final = 200 * MILLISECOND
+
+CASES: Final = (
+    Case("emergency stop", {"emergency_stopped": True}, {}, "the emergency stop is latched"),
+    Case("not armed", {"armed": False}, {}, "the robot is not armed"),
+    Case(
+        "operator silent",
+        intent(heard_at=START - OPERATOR_LIMIT),
+        intent(heard_at=START - OPERATOR_LIMIT + 1),
+        "no motion command for 0.50 s, limit 0.50 s",
+        LINK,
+    ),
+    Case("operator silent", intent(heard_at=NEVER_HEARD), {}, "no motion command has come yet", LINK),
+    Case("wish unusable", intent(speed_mps=NAN), {}, "the speed asked for is nan"),
+    Case("wish unusable", intent(speed_mps=math.inf), {}, "the speed asked for is inf"),
+    Case("wish unusable", intent(steer_rad=NAN), {}, "the steer angle asked for is nan"),
+    Case("wish unusable", intent(steer_rad=-math.inf), {}, "the steer angle asked for is -inf"),
+    Case("wish unusable", intent(lift_m=NAN), {}, "the lift height asked for is nan"),
+    Case("wish unusable", intent(lift_rate_mps=NAN), {}, "the lift rate asked for is nan"),
+    Case("steer angle unknown", {"steer_rad": None}, {}, "the actual steer angle is not known"),
+    Case("steer angle unknown", {"steer_rad": NAN}, {}, "the actual steer angle is not known"),
+    Case("steer angle unknown", {"steer_rad": math.inf}, {}, "the actual steer angle is not known"),
+    Case("lift height unknown", {"lift_m": None}, {}, "the actual lift height is not known"),
+    Case(
+        "lift height unknown",
+        {"lift_m": NAN},
+        {},
+        "the actual lift height is not known",
+        also=("lift extended",),
+    ),
+    Case(
+        "lift extended",
+        {"lift_m": above(0.005)},
+        {"lift_m": 0.005},
+        "the lift stands at 5 mm, retracted is below 5 mm",
+        lift_is_free=True,
+    ),
+    *(
+        Case(
+            "lift moving",
+            drive("lift", speed_rad_s=sign * above(0.10)),
+            drive("lift", speed_rad_s=sign * 0.10),
+            f"the lift's screw turns with {sign * 0.10:.2f} rad/s",
+            LINK,
+            lift_is_free=True,
+        )
+        for sign in (1, -1)
+    ),
+    Case(
+        "lift moving",
+        drive("lift", speed_rad_s=NAN),
+        drive("left", speed_rad_s=9.0),
+        "the lift's screw turns with nan rad/s",
+        LINK,
+        lift_is_free=True,
+    ),
+    *(
+        Case(
+            f"drive silent: {name}",
+            drive(name, heard_at=START - DRIVE_LIMIT),
+            drive(name, heard_at=START - DRIVE_LIMIT + 1),
+            f"{TITLES[name]} silent for 0.25 s, limit 0.25 s",
+            LINK,
+        )
+        for name in AXES
+    ),
+    *(
+        Case(
+            f"drive silent: {name}",
+            drive(name, heard_at=NEVER_HEARD, state=None),
+            {},
+            f"{TITLES[name]} has never been heard",
+            LINK,
+        )
+        for name in AXES
+    ),
+    *(
+        Case(
+            f"drive fault: {name}",
+            drive(name, fault=0x8611),
+            drive(name, fault=0),
+            f"{TITLES[name]} reports fault 0x8611",
+        )
+        for name in AXES
+    ),
+    Case("drive fault: steer", drive("steer", fault=1), {}, f"{TITLES['steer']} reports fault 0x0001"),
+    *(
+        Case(
+            f"drive fault: {name}",
+            drive(name, state=state),
+            {},
+            f"{TITLES[name]} is in fault, code unknown",
+        )
+        for name, state in (
+            ("left", State.FAULT),
+            ("right", State.FAULT_REACTION_DISABLED),
+            ("lift", State.FAULT_REACTION_ENABLED),
+        )
+    ),
+    *(
+        Case(
+            f"drive not enabled: {name}",
+            drive(name, state=state),
+            {},
+            f"{TITLES[name]} is not enabled: {state.title if state else 'state unknown'}",
+        )
+        for name, state in (
+            ("left", None),
+            ("right", State.START),
+            ("steer", State.NOT_READY_TO_SWITCH_ON),
+            ("lift", State.SWITCH_ON_DISABLED),
+            ("left", State.READY_TO_SWITCH_ON),
+            ("right", State.SWITCHED_ON),
+            ("steer", State.REFRESH),
+            ("lift", State.MEASURE_INIT),
+            ("left", State.QUICK_STOP_ACTIVE),
+        )
+    ),
+)
