@@ -37,7 +37,7 @@ WRITES: Final = (
     (1, 0x6081, 0, 4, (1, 4_000), (0, 4_001)),
     (1, 0x6083, 0, 4, (1, 6_600), (0, 6_601)),
     (1, 0x6084, 0, 4, (6_600,), (6_599, 6_601)),
-    (1, 0x6085, 0, 4, (6_600,), (6_599, 6_601)),
+    (1, 0x6085, 0, 4, (6_300,), (6_299, 6_301)),
     (3, 0x607D, 1, 4, (-STEER_END - FOLLOWING, STEER_END + FOLLOWING), (-STEER_END - FOLLOWING - 1,)),
     (3, 0x607D, 2, 4, (-STEER_END - FOLLOWING, STEER_END + FOLLOWING), (STEER_END + FOLLOWING + 1,)),
     (4, 0x607D, 1, 4, (-FOLLOWING, LIFT_END + FOLLOWING), (-FOLLOWING - 1, LIFT_END + FOLLOWING + 1)),
