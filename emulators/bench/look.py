@@ -1,0 +1,22 @@
+"""How the bench's pictures look: colours, style, and words that stay readable on a line."""
+
+from pathlib import Path
+from typing import Final
+
+from matplotlib.patheffects import Normal, Stroke
+
+# Okabe and Ito's palette: told apart with every common kind of colour blindness, and in grey by lightness.
+BLUE: Final = "#0072B2"
+ORANGE: Final = "#E69F00"
+GREEN: Final = "#009E73"
+VERMILION: Final = "#D55E00"
+PURPLE: Final = "#CC79A7"
+SKY: Final = "#56B4E9"
+INK: Final = "#222222"
+PALE: Final = "#9A9A9A"
+AXIS_COLOURS: Final = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
+
+STYLE: Final = Path(__file__).with_name("bench.mplstyle")
+
+HALO: Final = (Stroke(linewidth=2.5, foreground="white"), Normal())
+"""Keeps a word readable where it crosses a line."""
