@@ -201,7 +201,7 @@ class ServoBank:
         resting = -_RESTING <= speed <= _RESTING
         voltage = 0 if resting else (axis.back_emf * speed + _ROUNDING) >> 24
         if axis.back_emf == 0 and (speed > _LEARNING or speed < -_LEARNING):
-            # Switched off in mid-motion, before anything is learnt: the last voltage is the nearest to its own.
+            # Switched off in mid-motion, before anything is learnt: the last voltage is near to its own.
             voltage = axis.voltage_mv
         measured = int(current * 1000.0)
         axis.current_ma = measured
