@@ -189,10 +189,7 @@ def test_parameters_are_complete() -> None:
 def test_two_processes_may_build_at_once(tmp_path: Path) -> None:
     command = [sys.executable, "-c", "from fmu.build import ensure; print(ensure('rars', 3))"]
     environment = os.environ | {"XDG_CACHE_HOME": str(tmp_path)}
-    both = [
-        subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True)
-        for _ in range(2)
-    ]
+    both = [subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) for _ in range(2)]
     paths = {process.communicate()[0] for process in both}
     assert [process.returncode for process in both] == [0, 0]
     assert len(paths) == 1
