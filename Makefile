@@ -13,14 +13,14 @@ READY := .venv/.ready
 BRIDGE := $(BIN)/firmware-bridge
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test check bench clean
+.PHONY: help setup demo test check docs bench clean
 
 help: ## list these commands
 	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' Makefile
 
 setup: $(READY) ## make .venv with the program and everything that its tests need
 
-$(READY): pyproject.toml
+$(READY): pyproject.toml setup.py $(wildcard emulators/servo/*.[ch])
 	@[ -n "$(PYTHON)" ] || { echo "setup: no Python 3.11 or later found; install one, or name it: make PYTHON=python3.11 ..." >&2; exit 1; }
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
 		{ echo "setup: $(PYTHON) is not Python 3.11 or later; name another one: make PYTHON=python3.11 ..." >&2; exit 1; }
@@ -53,8 +53,12 @@ check: $(READY) ## lint, format, types, import contracts, documents in step
 	@$(BIN)/lint-imports
 	@$(BIN)/python -m pytest -q -p no:xdist hil_tests/architecture
 
+docs: $(READY) ## write the pages of docs/ that are made from the code's tables
+	@$(BIN)/python tools/make_docs.py
+
 bench: $(READY) ## measure the real-time factor and where the time goes
-	@$(BIN)/python benchmarks/realtime.py
+	@$(BIN)/python -m benchmarks.realtime
+	@$(BIN)/python -m benchmarks.servo
 
 clean: ## remove what was built and measured; .venv stays
 	rm -rf build dist out .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

@@ -1,18 +1,25 @@
 """The simulation's commands, which it attaches to the bridge's program: `bench` and `emulate`."""
 
 import re
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated, Final, TypeAlias
 
 import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from emulators import documents_cli, epos2_cli
 from emulators.bench import mission as missions
 from emulators.bench.mission import MissionFileError
 from emulators.bench.report import show
+from emulators.by_name import ByName
+from emulators.epos2.serial.drive import baud_of
+from emulators.epos2_cli import LatencyOption
 from emulators.gateway import Cluster
 from emulators.rig import devices
 from emulators.run import Order, drive
+from emulators.servo.bank import ServoError
+from emulators.servo.kernel import choose
 from firmware_bridge.cli.console import find_robot, one_message, refusal, terminal
 from firmware_bridge.cli.options import (
     BitRateOption,
@@ -23,10 +30,12 @@ from firmware_bridge.cli.options import (
     until,
 )
 from firmware_bridge.cli.real_time import carry
-from firmware_bridge.node import CAN
+from firmware_bridge.cli.serial_link import ProtocolOption, SerialLinkOption, SerialOption, open_serial
+from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.robot import Robot, RobotFileError
-from firmware_bridge.shell.ports import open_can
+from firmware_bridge.shell.ports import Port, PortError, open_can
 from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
+from firmware_bridge.wire.maxon.frame import Generation
 from fmu.errors import PlantError
 
 RESULTS: Final = Path("out")
@@ -39,8 +48,13 @@ EMULATE_EXAMPLES: Final = """Examples:
 
 `firmware-bridge emulate rars -i socketcan -c vcan0`
 
-`firmware-bridge emulate rars -i socketcan -c vcan0 --silence 3@10` silences the steering after 10 s."""
+`firmware-bridge emulate rars -i socketcan -c vcan0 --silence 3@10` silences the steering after 10 s.
 
+`firmware-bridge emulate rars --serial pty --serial-link rars.tty` puts the first drive on a serial line.
+
+`firmware-bridge emulate epos2 --node 1-2 -i socketcan -c vcan0` brings two drives without a robot."""
+
+Openers: TypeAlias = dict[str, Callable[[], Port]]
 PlantOption = Annotated[
     Path | None,
     typer.Option(
@@ -52,10 +66,28 @@ PlantOption = Annotated[
 ]
 
 
+EMULATE_HELP: Final = """Put emulated devices on a real CAN bus, in real time.
+
+`emulate epos2` brings drives alone. `emulate ROBOT` brings the drives and the plant of a robot; the word
+`robot` in front of the robot's name may be left out."""
+
+devices_and_robots = typer.Typer(
+    cls=ByName,
+    help=EMULATE_HELP,
+    no_args_is_help=True,
+    epilog=EMULATE_EXAMPLES,
+    # An option in front of the robot's name is the robot's.
+    context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False},
+)
+
+
 def attach(program: typer.Typer) -> None:
     """Add the commands to the program."""
     program.command(epilog=BENCH_EXAMPLES)(bench)
-    program.command(epilog=EMULATE_EXAMPLES)(emulate)
+    devices_and_robots.command("robot", epilog=EMULATE_EXAMPLES)(emulate)
+    devices_and_robots.command("epos2", epilog=epos2_cli.EXAMPLES)(epos2_cli.emulate)
+    program.add_typer(devices_and_robots, name="emulate")
+    program.add_typer(documents_cli.epos2, name="epos2", epilog=documents_cli.EXAMPLES)
 
 
 def bench(
@@ -85,11 +117,12 @@ def bench(
     Shipped missions: `line`, `circles`, `interlocks`.
     """
     machine = find_robot(robot)
-    with one_message(MissionFileError, RobotFileError, PlantError, OSError):
+    with one_message(MissionFileError, RobotFileError, PlantError, ServoError, OSError):
         script = missions.find(mission, machine)
         name = Path(mission).stem
         folder = out or RESULTS / f"{machine.name}-{name}"
         order = Order(machine, name, script, seed, folder, plant)
+        _tell_of_twin()
         with _bar() as bar:
             task = bar.add_task(f"{machine.name}, {name}", total=order.duration)
             summary = drive(order, lambda now: bar.update(task, completed=now))
@@ -108,29 +141,62 @@ def emulate(
         list[str] | None,
         typer.Option(metavar="NODE@SECONDS", help="Cut a drive off the bus at this time; may be repeated."),
     ] = None,
+    realistic_latency: LatencyOption = False,
+    serial: SerialOption = None,
+    serial_link: SerialLinkOption = None,
+    protocol: ProtocolOption = Generation.V1,
     duration: DurationOption = None,
 ) -> None:
-    """Put the robot's emulated drives and its plant on a real CAN bus, in real time.
+    """Put the robot's emulated drives and its plant on a real CAN bus, a serial line, or both, in real time.
+
+    With --serial and neither -i nor -c the CAN bus is inside; the line reaches the other drives through it.
 
     Ends on Ctrl-C. On a machine without CAN hardware, make a virtual bus first:
     `sudo modprobe vcan && sudo ip link add dev vcan0 type vcan && sudo ip link set vcan0 up`
     """
     machine = find_robot(robot)
     cuts = [_cut(machine, text) for text in silence or ()]
-    with one_message(RobotFileError, PlantError):
-        emulated = devices(machine, plant)
-    cluster = Cluster(emulated.drives, emulated.bank)
+    with one_message(RobotFileError, PlantError, ServoError):
+        _tell_of_twin()
+        first = machine.axes[0].name
+        emulated = devices(
+            machine,
+            plant,
+            realistic_latency=realistic_latency,
+            serial={} if serial is None else {first: protocol},
+        )
+    cluster = Cluster(emulated.drives, emulated.bank, owners={SERIAL: first})
     for name, at in cuts:
         cluster.silence(name, at)
         typer.echo(f"'{name}' falls silent after {to_seconds(at):g} s")
     rate = machine.bus.bit_rate
     nodes = ", ".join(f"{axis.node} {axis.title}" for axis in machine.axes)
+    openers: Openers = {}
+    where = "the bus"
+    if serial is not None:
+        baud = baud_of(emulated.drives[first])
+        with one_message(PortError):
+            line = open_serial(serial, baud, serial_link)
+        openers[SERIAL] = lambda: line
+        where = f"{line.name} ({protocol.value})"
+    if serial is None or interface or channel:
+        openers[CAN] = lambda: open_can(interface, channel, bit_rate, default_bit_rate=rate)
+        where = where if serial is None else f"{where} and the bus"
     carry(
         cluster,
-        {CAN: lambda: open_can(interface, channel, bit_rate, default_bit_rate=rate)},
+        openers,
         until(duration),
-        f"{machine.name} is on the bus: {nodes}",
+        f"{machine.name} is on {where}: {nodes}",
+        PlantError,
+        ServoError,
     )
+
+
+def _tell_of_twin() -> None:
+    """Say in one line when the drives run without their kernel; ServoError where one was asked for."""
+    reason = choose().reason
+    if reason:
+        typer.echo(f"the drives' loops run in Python, which is slower: {reason}", err=True)
 
 
 def _cut(robot: Robot, text: str) -> tuple[str, Nanoseconds]:

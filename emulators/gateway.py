@@ -5,6 +5,7 @@ Between its members packets are exchanged at once; the real bus carries them to 
 
 from collections import deque
 from collections.abc import Mapping
+from types import MappingProxyType
 
 from emulators.world import Physics
 from firmware_bridge.node import Node, Packet, Reaction
@@ -27,8 +28,14 @@ class Cluster:
     """One node made of many. The physics is moved on at every call, and at least once in `poll`."""
 
     def __init__(
-        self, members: Mapping[str, Node], physics: Physics | None = None, poll: Nanoseconds = MILLISECOND
+        self,
+        members: Mapping[str, Node],
+        physics: Physics | None = None,
+        poll: Nanoseconds = MILLISECOND,
+        owners: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
+        """Keep a link that is one member's own, as a serial line, to that owner; all are on the others."""
+        self._owners = dict(owners)
         self._members = {name: _Member(name, node) for name, node in members.items()}
         self._physics = physics
         self._poll = poll
@@ -40,10 +47,11 @@ class Cluster:
         self._members[name].silent_from = from_time
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        """Move the physics to now and give the packet to every member."""
+        """Move the physics to now and give the packet to every member that is on its link."""
         self._advance(now)
+        owner = self._owners.get(packet.link)
         for member in self._members.values():
-            if now < member.silent_from:
+            if now < member.silent_from and (owner is None or owner == member.name):
                 self._take(member, member.node.receive(packet, now), now)
         return self._reaction(now)
 
@@ -72,7 +80,8 @@ class Cluster:
         member.wake_at = reaction.wake_at
         if reaction.sent and now < member.silent_from:
             self._outbox.extend(reaction.sent)
-            self._between.extend((member, packet) for packet in reaction.sent)
+            owners = self._owners
+            self._between.extend((member, packet) for packet in reaction.sent if packet.link not in owners)
 
     def _exchange(self, now: Nanoseconds) -> None:
         """Let the members hear one another, until nobody has anything to add."""

@@ -3,8 +3,10 @@
 The same drives and the same plant go onto a real bus through `devices`.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -12,7 +14,9 @@ import numpy as np
 from emulators.bench.mission import Noise
 from emulators.bench.records import SAMPLE_EVERY, HoldRecord, Sample
 from emulators.epos2.drive import Epos2
-from emulators.epos2.profile import EPOS2_70_10, DeviceProfile
+from emulators.epos2.profile import EPOS2_70_10, DeviceProfile, realistic
+from emulators.epos2.serial.drive import SerialEpos2
+from emulators.rewind import Moment, Rewind
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, plant_inputs, plant_outputs
 from emulators.wires import CanWire, DatagramWire
@@ -23,6 +27,7 @@ from firmware_bridge.robot import Robot, RobotFileError
 from firmware_bridge.safety.guard import Guarded
 from firmware_bridge.safety.guard_rules import rules_for
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
+from firmware_bridge.wire.maxon.frame import Generation
 from fmu.build import ensure
 from fmu.plant import FmuPlant, PlantError
 from fmu.rars.parameters import ROBOT_FILE, SETS
@@ -32,6 +37,7 @@ BODY: Final = ("battery_voltage", "x", "y", "heading", "speed", "yaw_rate", "ste
 LINK_STREAM: Final = 1
 """Which stream of random numbers the operator's link draws from, beside the run's seed."""
 QUIET: Final = Noise()
+NO_SERIAL: Final[Mapping[str, Generation]] = MappingProxyType({})
 BACK_EMF_UNIT: Final = 1 << 24
 """Parts of 1 V s/rad in which a servo axis keeps its motor's constant."""
 BRIDGE: Final = "bridge"
@@ -47,8 +53,17 @@ class Devices:
     plant: FmuPlant
 
 
-def devices(robot: Robot, plant_path: Path | None = None) -> Devices:
+def devices(
+    robot: Robot,
+    plant_path: Path | None = None,
+    *,
+    realistic_latency: bool = False,
+    serial: Mapping[str, Generation] = NO_SERIAL,
+) -> Devices:
     """Build a robot's drives above its plant; PlantError where the plant cannot be used.
+
+    With `realistic_latency` they take the published time for an SDO answer; otherwise they answer at once.
+    `serial` names the axes whose drives have a host on their serial port, and the protocol that they speak.
 
     Geometry that both know is set from the robot file into our own plant, so that they agree; a plant of the
     user's is taken as it is, with the parameters that the robot file lists for it.
@@ -65,16 +80,23 @@ def devices(robot: Robot, plant_path: Path | None = None) -> Devices:
         for axis in robot.axes
     ]
     bank = ServoBank(plant, axes, supply=len(outputs), analogue=(robot.battery.axis, robot.battery.divider))
+    kind = realistic(EPOS2_70_10) if realistic_latency else EPOS2_70_10
     drives = {
-        axis.name: Epos2(axis.node, servo, _individual(axis.node))
+        axis.name: _drive(axis.node, servo, _individual(kind, axis.node), serial.get(axis.name))
         for axis, servo in zip(robot.axes, axes, strict=True)
     }
     return Devices(drives, bank, plant)
 
 
-def _individual(node: int) -> DeviceProfile:
-    """Return a 70/10 with a serial number of its own, so that no two on one bus are the same."""
-    return replace(EPOS2_70_10, serial_number=EPOS2_70_10.serial_number + node)
+def _drive(node: int, servo: ServoAxis, profile: DeviceProfile, serial: Generation | None) -> Epos2:
+    if serial is None:
+        return Epos2(node, servo, profile)
+    return SerialEpos2(node, servo, profile, generation=serial)
+
+
+def _individual(kind: DeviceProfile, node: int) -> DeviceProfile:
+    """Return such a drive with a serial number of its own, so that no two on one bus are the same."""
+    return replace(kind, serial_number=kind.serial_number + node)
 
 
 def _back_emf(plant: FmuPlant, axis: str) -> int:
@@ -119,9 +141,10 @@ class Rig:
         plant_path: Path | None = None,
         seed: int = 0,
         noise: Noise = QUIET,
+        realistic_latency: bool = False,
     ) -> None:
         self.robot: Final = robot
-        self.devices: Final = devices(robot, plant_path)
+        self.devices: Final = devices(robot, plant_path, realistic_latency=realistic_latency)
         self.bridge: Final = Bridge(robot)
         self.guard: Final = Guarded(self.bridge, rules_for(robot))
         self.can_wire: Final = CanWire(robot.bus.bit_rate)
@@ -138,7 +161,10 @@ class Rig:
         self.world.attach(OPERATOR_STATION, operator, {OPERATOR: self.operator_wire})
         self.samples: Final[list[Sample]] = []
         self.holds: Final[list[HoldRecord]] = []
+        self._noted = self.bridge.holds
+        """The holds as they were noted last."""
         self._next_sample: Nanoseconds = 0
+        self._rewind = Rewind(self)
         self._body = len(plant_outputs([axis.name for axis in robot.axes]))
 
     def run(self, until: Nanoseconds) -> None:
@@ -152,6 +178,14 @@ class Rig:
     def runs(self, seconds: float) -> None:
         """Run on for some seconds."""
         self.run(self.world.now + from_seconds(seconds))
+
+    def snapshot(self) -> Moment:
+        """Keep this instant of the world, with what was sampled so far; see `World.snapshot`."""
+        return self._rewind.snapshot()
+
+    def restore(self, moment: Moment) -> None:
+        """Go to an instant that this rig has kept."""
+        self._rewind.restore(moment)
 
     def finish(self) -> None:
         """Let go of the plant."""
@@ -186,6 +220,9 @@ class Rig:
 
     def _note_holds(self, now: Nanoseconds) -> None:
         """Keep the holds from beginning to end; one shorter than a sample may pass unseen."""
+        if self.bridge.holds is self._noted:
+            return
+        self._noted = self.bridge.holds
         standing = {hold.name: hold for hold in self.bridge.holds}
         for index, record in enumerate(self.holds):
             if record.ended is None:

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from heapq import heappop, heappush
 from typing import Any, Final, Protocol
 
+from emulators.rewind import Moment, Rewind
 from firmware_bridge.node import Node, Packet, Reaction, Stoppable
 from firmware_bridge.units import NEVER, Nanoseconds
 
@@ -60,6 +61,29 @@ class Station:
         self.silent_from: Nanoseconds = NEVER
 
 
+class Trace:
+    """The running hash of what was carried; it can go back to an earlier instant."""
+
+    __slots__ = ("_hash", "add")
+
+    def __init__(self) -> None:
+        self.restore_state(hashlib.sha256())
+
+    @property
+    def sha256(self) -> str:
+        """The hash so far, in hexadecimal digits."""
+        return self._hash.hexdigest()
+
+    def save_state(self) -> "hashlib._Hash":
+        """Keep what has been added so far."""
+        return self._hash.copy()
+
+    def restore_state(self, state: "hashlib._Hash") -> None:
+        """Go on from what had been added then."""
+        self._hash = state.copy()
+        self.add: Callable[[bytes], None] = self._hash.update
+
+
 class World:
     """Nodes, wires and physics in virtual time. Times in nanoseconds from the start of the run."""
 
@@ -73,7 +97,8 @@ class World:
         self._gone: dict[str, Nanoseconds] = {}
         self._heap: list[tuple[Nanoseconds, int, Callable[[Any], None], Any]] = []
         self._sequence = 0
-        self._trace = hashlib.sha256()
+        self._trace = Trace()
+        self._rewind = Rewind(self)
 
     def attach(self, name: str, node: Node, links: Mapping[str, Wire]) -> Station:
         """Put a node on its wires, by the names that it has for them; it is first woken now."""
@@ -126,6 +151,18 @@ class World:
             self.events += 1
         self.now = until
 
+    def snapshot(self) -> Moment:
+        """Keep this instant, whole: clock, wires, nodes, physics, chance, trace. Between two calls of `run`.
+
+        What is outside is not kept: observers, and what they write. RewindError where somebody has a state
+        that cannot be kept; PlantError where a plant cannot.
+        """
+        return self._rewind.snapshot()
+
+    def restore(self, moment: Moment) -> None:
+        """Go to an instant that this world has kept, earlier or later; the run goes on as it went then."""
+        self._rewind.restore(moment)
+
     def call_at(self, at: Nanoseconds, call: Callable[[Any], None], argument: object = None) -> None:
         """Call a wire back at an instant that is not in the past."""
         self._sequence += 1
@@ -134,7 +171,9 @@ class World:
     def deliver(self, station: Station, packet: Packet) -> None:
         """Hand a packet to a station now, and take what it sends in answer."""
         if self.now < station.silent_from:
-            self._take(station, station.receive(packet, self.now))
+            reaction = station.receive(packet, self.now)
+            if reaction.sent or reaction.wake_at != station.wake_at:
+                self._take(station, reaction)
 
     def note(self, wire: str, sender: str, packet: Packet) -> None:
         """Add one carried packet to the trace.
@@ -144,12 +183,12 @@ class World:
         one line, however many stations hear it.
         """
         line = f"{self.now} {wire} {sender} {packet.address:08X} {packet.payload.hex()}\n"
-        self._trace.update(line.encode())
+        self._trace.add(line.encode())
 
     @property
     def trace_sha256(self) -> str:
         """The SHA-256 of every packet carried so far, in order, in the form that `note` tells."""
-        return self._trace.hexdigest()
+        return self._trace.sha256
 
     def _station(self, name: str) -> Station:
         if name not in self._stations:

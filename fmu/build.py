@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Final
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 from fmu.errors import PlantError
+from fmu.fingerprint import RESOURCE
 
 if TYPE_CHECKING:
     from fmu.export.model import Model
@@ -28,10 +29,9 @@ FLAGS: Final = ("-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-fvisibility=h
 
 _HERE: Final = Path(__file__).parent
 _COMPILERS: Final = ("cc", "gcc", "clang")
-_SHELLS: Final[Mapping[int, tuple[str, ...]]] = {
-    2: ("core.c", "fmi2.c", "fmi2_absent.c", "model.c"),
-    3: ("core.c", "fmi3.c", "fmi3_absent.c", "model.c"),
-}
+_VERSIONS: Final = (2, 3)
+_SHARED: Final = ("core.c", "exchange.c", "messages.c", "slopes.c", "states.c", "step.c")
+_GENERATED: Final = ("model.c", "tangents.c")
 _EPOCH: Final = (1980, 1, 1, 0, 0, 0)
 
 
@@ -47,27 +47,38 @@ def ensure(model: str = "rars", fmi: int = 3) -> Path:
 
 def build(model: str, fmi: int, target: Path, *, compiler: str | None = None) -> None:
     """Write the FMU of this model folder to `target`, replacing it at once."""
+    export(described(model), fmi, target, token=f"{{{_token(model)}}}", compiler=compiler)
+
+
+def described(model: str) -> "Model":
+    """Return the equations and tables of this model folder; PlantError where there is none."""
     if model not in models():
         raise PlantError(f"there is no plant model '{model}'; there are: {', '.join(models())}")
     # Imported here, for SymPy comes with it: a plant from the cache does not pay for it.
-    equations = importlib.import_module(f"fmu.{model}.equations")
-    export(equations.model(), fmi, target, token=f"{{{_token(model)}}}", compiler=compiler)
+    equations: Model = importlib.import_module(f"fmu.{model}.equations").model()
+    return equations
 
 
 def export(plant: "Model", fmi: int, target: Path, *, token: str, compiler: str | None = None) -> None:
     """Write any model as an FMU; `token` tells its versions apart. PlantError where it cannot be built."""
-    if fmi not in _SHELLS:
+    if fmi not in _VERSIONS:
         raise PlantError(f"FMI {fmi} is not offered: 2 or 3")
-    code = importlib.import_module("fmu.export.code")
-    description = importlib.import_module("fmu.export.description")
-    units = _SHELLS[fmi]
-    written = ("core.h", "elementary.h", *(name for name in units if name != "model.c"))
+    blocks, code, description, twin = (
+        importlib.import_module(f"fmu.export.{name}") for name in ("blocks", "code", "description", "twin")
+    )
+    program = blocks.Program(plant)
+    shell = [f"fmi{fmi}{part}.c" for part in ("", "_absent", "_exchange", "_states")]
+    units = (*_SHARED, *shell, *_GENERATED)
+    written = ("core.h", "elementary.h", f"fmi{fmi}_shell.h", *_SHARED, *shell)
     files = {name: (_HERE / "export" / "c" / name).read_text(encoding="utf-8") for name in written}
-    files |= code.generate(plant, token) | _headers(fmi)
+    files |= code.generate(program, token) | _headers(fmi)
     entries = {f"sources/{name}": text.encode() for name, text in files.items()}
-    entries["modelDescription.xml"] = description.DESCRIPTIONS[fmi](plant, token, units).encode()
+    entries["modelDescription.xml"] = description.DESCRIPTIONS[fmi](program, token, units).encode()
     if fmi > 2:  # noqa: PLR2004 - since FMI 3.0 the sources have a description of their own
-        entries["sources/buildDescription.xml"] = description.fmi3_build(plant, units).encode()
+        entries["sources/buildDescription.xml"] = description.fmi3_build(program, units).encode()
+    fingerprint = twin.fingerprint(program)
+    if fingerprint is not None:
+        entries[RESOURCE] = fingerprint.to_json().encode()
     entries[_binary_path(plant.name, fmi)] = _compiled(files, units, compiler or find_compiler())
     _write(target, entries)
 
@@ -95,9 +106,9 @@ def _cache() -> Path:
 
 
 def _sources(model: str) -> list[Path]:
-    folders = (_HERE / "export", _HERE / model)
+    folders = (_HERE / "export", _HERE / "parts", _HERE / model)
     found = [path for folder in folders for path in folder.rglob("*") if path.suffix in {".py", ".c", ".h"}]
-    return [*sorted(found), _HERE / "interface.py"]
+    return [*sorted(found), _HERE / "interface.py", _HERE / "fingerprint.py"]
 
 
 def _token(model: str) -> str:
@@ -158,17 +169,19 @@ def _write(target: Path, entries: Mapping[str, bytes]) -> None:
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.stem}-", suffix=".part")
+        aside = Path(name)
+        try:
+            with os.fdopen(handle, "wb") as stream, ZipFile(stream, "w", ZIP_DEFLATED) as archive:
+                for path in sorted(entries):
+                    entry = ZipInfo(path, _EPOCH)
+                    entry.external_attr = 0o644 << 16
+                    archive.writestr(entry, entries[path], ZIP_DEFLATED)
+            aside.chmod(0o644)
+            aside.replace(target)
+        except BaseException:
+            aside.unlink(missing_ok=True)
+            raise
     except OSError as error:
-        raise PlantError(f"{target.parent}: cannot keep the FMU here: {error}; set XDG_CACHE_HOME") from error
-    aside = Path(name)
-    try:
-        with os.fdopen(handle, "wb") as stream, ZipFile(stream, "w", ZIP_DEFLATED) as archive:
-            for path in sorted(entries):
-                entry = ZipInfo(path, _EPOCH)
-                entry.external_attr = 0o644 << 16
-                archive.writestr(entry, entries[path], ZIP_DEFLATED)
-        aside.chmod(0o644)
-        aside.replace(target)
-    except BaseException:
-        aside.unlink(missing_ok=True)
-        raise
+        reason = error.strerror or error
+        cure = "name another place (XDG_CACHE_HOME moves the cache)"
+        raise PlantError(f"{target}: the FMU cannot be written here: {reason}; {cure}") from error

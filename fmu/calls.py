@@ -1,16 +1,41 @@
-"""The three native calls of one communication step, prepared once: functions, arguments, arrays.
+"""The three native calls of one communication step, prepared once: functions, arguments, arrays, addresses.
 
 Nothing is converted or allocated between two steps; which FMU it is does not matter here.
 """
 
 import ctypes
 from collections.abc import Callable, Sequence
-from typing import Any, Final, NamedTuple
+from typing import Any, ClassVar, Final, NamedTuple
 
 OK_OR_WARNING: Final = 1
 """Highest status of FMI that lets a run go on."""
 
+SECOND_NS: Final = 1e9
+
 STATUS: Final = ("ok", "warning", "discard", "error", "fatal", "pending")
+
+
+class PlantRecord(ctypes.Structure):
+    """The same calls as bare addresses, for a master in C; value references are 32 bits, values doubles.
+
+    All functions are null once the plant is closed. `steps_done` is the plant's own count of its steps.
+    """
+
+    _fields_: ClassVar = [
+        ("fmi", ctypes.c_int64),
+        ("component", ctypes.c_void_p),
+        ("write", ctypes.c_void_p),
+        ("forward", ctypes.c_void_p),
+        ("read", ctypes.c_void_p),
+        ("input_references", ctypes.c_void_p),
+        ("input_count", ctypes.c_int64),
+        ("inputs", ctypes.c_void_p),
+        ("output_references", ctypes.c_void_p),
+        ("output_count", ctypes.c_int64),
+        ("outputs", ctypes.c_void_p),
+        ("step_ns", ctypes.c_int64),
+        ("steps_done", ctypes.c_int64),
+    ]
 
 
 class Calls(NamedTuple):
@@ -25,6 +50,7 @@ class Calls(NamedTuple):
     time: ctypes.c_double
     inputs: "ctypes.Array[ctypes.c_double]"
     outputs: "ctypes.Array[ctypes.c_double]"
+    record: PlantRecord
 
 
 def prepare(
@@ -34,11 +60,11 @@ def prepare(
     inputs: Sequence[int],
     outputs: Sequence[int],
     *,
-    step: float,
+    step: int,
 ) -> Calls:
-    """Return the calls for these value references and this step in seconds, for FMI 2 or 3."""
+    """Return the calls for these value references and this step in ns, for FMI 2 or 3."""
     component = ctypes.c_void_p(instance)
-    time, length = ctypes.c_double(0.0), ctypes.c_double(step)
+    time, length = ctypes.c_double(0.0), ctypes.c_double(step / SECOND_NS)
     values_in, values_out = (ctypes.c_double * len(inputs))(), (ctypes.c_double * len(outputs))()
     references_in = (ctypes.c_uint32 * len(inputs))(*inputs)
     references_out = (ctypes.c_uint32 * len(outputs))(*outputs)
@@ -46,18 +72,36 @@ def prepare(
     names = ("fmi2SetReal", "fmi2DoStep", "fmi2GetReal")
     write: tuple[Any, ...] = (component, references_in, count_in, values_in)
     read: tuple[Any, ...] = (component, references_out, count_out, values_out)
-    forward: tuple[Any, ...] = (component, time, length, ctypes.c_int(1))
+    # The fourth: whether no state from before this step will ever be set again. Time may be rewound.
+    forward: tuple[Any, ...] = (component, time, length, ctypes.c_int(0))
     if major > 2:  # noqa: PLR2004 - FMI 3.0 counts values, too, and tells more about a step
         names = ("fmi3SetFloat64", "fmi3DoStep", "fmi3GetFloat64")
         write, read = (*write, count_in), (*read, count_out)
         told = [ctypes.byref(ctypes.c_bool()) for _ in range(3)]
-        no_rollback = ctypes.c_bool(True)  # noqa: FBT003 - C has no keywords
+        no_rollback = ctypes.c_bool(False)  # noqa: FBT003 - C has no keywords
         forward = (component, time, length, no_rollback, *told, ctypes.byref(ctypes.c_double()))
     functions = [_function(library, name) for name in names]
-    return Calls(functions[0], write, functions[1], forward, functions[2], read, time, values_in, values_out)
+    addresses = [ctypes.cast(function, ctypes.c_void_p) for function in functions]
+    record = PlantRecord(
+        fmi=major,
+        component=instance,
+        write=addresses[0],
+        forward=addresses[1],
+        read=addresses[2],
+        input_references=ctypes.addressof(references_in),
+        input_count=len(inputs),
+        inputs=ctypes.addressof(values_in),
+        output_references=ctypes.addressof(references_out),
+        output_count=len(outputs),
+        outputs=ctypes.addressof(values_out),
+        step_ns=step,
+    )
+    return Calls(
+        functions[0], write, functions[1], forward, functions[2], read, time, values_in, values_out, record
+    )
 
 
-def _function(library: ctypes.CDLL, name: str) -> Callable[..., int]:
+def _function(library: ctypes.CDLL, name: str) -> Any:
     # Looked up anew: FMPy's own function objects convert and check each argument.
     function = library[name]
     function.restype = ctypes.c_int

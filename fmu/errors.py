@@ -1,5 +1,9 @@
-"""The one error of this package: what failed, where, and what to do about it."""
+"""What this package complains of: what is wrong, where, and what to do about it."""
 
 
 class PlantError(Exception):
     """A plant that cannot be built, loaded or stepped; the message names the file and the cure."""
+
+
+class PlantWarning(UserWarning):
+    """A plant that runs, but not as it was meant to; the message names the file and the cure."""

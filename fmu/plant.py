@@ -1,32 +1,47 @@
 """Load any co-simulation FMU and step it: names become value references once, on load.
 
-The only module that imports FMPy, which unzips, validates and instantiates; each step is then three native
-calls on prepared arrays. It knows variables and units, not what they move.
+Loading is FMPy's work; each step is then three native calls on prepared arrays. It knows variables and
+units, not what they move.
 """
 
-import shutil
-import tempfile
-import weakref
+import ctypes
+import warnings
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType, TracebackType
-from typing import Any, Final, NoReturn, Self
-from zipfile import BadZipFile, ZipFile
+from typing import Any, Final, NamedTuple, NoReturn, Self
 
-import fmpy
-from fmpy import fmi2, fmi3
-from fmpy.model_description import read_model_description
-
-from fmu.calls import OK_OR_WARNING, STATUS, prepare
-from fmu.errors import PlantError
+from fmu.calls import OK_OR_WARNING, SECOND_NS, STATUS, PlantRecord, prepare
+from fmu.errors import PlantError, PlantWarning
 from fmu.interface import UNITS
+from fmu.loading import component_of, described, loaded
 from fmu.references import References
+from fmu.states import Copy, StateError
+from fmu.verify import Verdict, compare
 
 __all__ = ["FmuPlant", "PlantError"]
 
-_SECOND_NS: Final = 1e9
+WRITING: Final = "setting the inputs"
+STEPPING: Final = "doStep"
+READING: Final = "reading the outputs"
+OTHER_BITS: Final = (
+    "this plant was compiled in another way: its reference run does not give the bits that its equations"
+    " give, so results will differ from those of other machines; compile it with -ffp-contract=off and"
+    " without -ffast-math, or build it anew with `firmware-bridge fmu build`"
+)
+
 _NOTHING: Final[Mapping[str, float]] = MappingProxyType({})
+
+
+class PlantState(NamedTuple):
+    """A plant at one instant: what is in the FMU, and what its last step gave."""
+
+    copy: Copy
+    inputs: bytes
+    outputs: bytes
+    steps_done: int
+    messages: tuple[str, ...]
 
 
 class FmuPlant:
@@ -51,14 +66,14 @@ class FmuPlant:
         Raises PlantError, naming the file and what is wrong with it.
         """
         self.path = path
-        self.steps_done = 0
         self._messages: deque[str] = deque(maxlen=8)
-        description = _described(path)
+        self._record = PlantRecord()
+        description = described(path)
         self._references = References(str(path), description)
         input_references = self._references.find(inputs, ("input",), units)
         output_references = self._references.find(outputs, ("output", "local"), units)
         set_references = self._references.settable(parameters)
-        self._fmu, self._finish = _loaded(self, path, description, self._messages)
+        self._fmu, self._vault, self._finish = loaded(self, path, description, self._messages)
         try:
             self._initialise(description, set_references, list(parameters.values()))
         except Exception as error:
@@ -66,10 +81,13 @@ class FmuPlant:
             raise PlantError(self._reason("cannot be initialised", error)) from error
         self._step_ns = step
         version = int(description.fmiVersion[0])
-        component = int(getattr(self._fmu.component, "value", self._fmu.component))
-        calls = prepare(
-            self._fmu.dll, component, version, input_references, output_references, step=step / _SECOND_NS
+        self.fingerprint = self._verified(version)
+        component = component_of(self._fmu)
+        # Kept whole: the record holds bare addresses of what the calls own.
+        self._calls = calls = prepare(
+            self._fmu.dll, component, version, input_references, output_references, step=step
         )
+        self._record = calls.record
         self.inputs, self.outputs, self._time = calls.inputs, calls.outputs, calls.time
         self._write, self._write_arguments = calls.write, calls.write_arguments
         self._forward, self._forward_arguments = calls.step, calls.step_arguments
@@ -79,16 +97,28 @@ class FmuPlant:
             self.close()
             raise PlantError(reason)
 
+    @property
+    def record(self) -> PlantRecord:
+        """The step's native functions, their arguments and the count of steps, for a master in C."""
+        return self._record
+
+    @property
+    def steps_done(self) -> int:
+        """How many steps have been taken, by `step` or by a master in C."""
+        return int(self._record.steps_done)
+
     def step(self) -> None:
         """Take one communication step: inputs in, plant forward, outputs out."""
-        self._time.value = self.steps_done * self._step_ns / _SECOND_NS
+        record = self._record
+        done = record.steps_done
+        self._time.value = done * self._step_ns / SECOND_NS
         if (status := self._write(*self._write_arguments)) > OK_OR_WARNING:
-            self._fail("setting the inputs", status)
+            self.failed(WRITING, status)
         if (status := self._forward(*self._forward_arguments)) > OK_OR_WARNING:
-            self._fail("doStep", status)
-        self.steps_done += 1
+            self.failed(STEPPING, status)
+        record.steps_done = done + 1
         if (status := self._read(*self._read_arguments)) > OK_OR_WARNING:
-            self._fail("reading the outputs", status)
+            self.failed(READING, status)
 
     def read(self, name: str) -> float:
         """Return any variable's value now; slow."""
@@ -102,10 +132,41 @@ class FmuPlant:
         except Exception as error:
             raise PlantError(self._reason(f"'{name}' cannot be read", error)) from error
 
+    def save_state(self) -> PlantState:
+        """Keep everything that a run changes; PlantError where the FMU cannot copy its state."""
+        self._open()
+        if self._vault is None:
+            raise PlantError(
+                f"{self.path}: time cannot be rewound: the FMU cannot save its state"
+                " (canGetAndSetFMUState); export it with that capability, or run it straight on"
+            )
+        try:
+            copy = self._vault.copy()
+        except StateError as error:
+            raise PlantError(self._reason("cannot save its state", error)) from error
+        done = self._record.steps_done
+        return PlantState(copy, bytes(self.inputs), bytes(self.outputs), done, tuple(self._messages))
+
+    def restore_state(self, state: PlantState) -> None:
+        """Go back to an instant of this plant; PlantError where the FMU does not take its own state."""
+        self._open()
+        if self._vault is None or not self._vault.knows(state.copy):
+            raise PlantError(f"{self.path}: this state was saved by another plant")
+        try:
+            self._vault.bring_back(state.copy)
+        except StateError as error:
+            raise PlantError(self._reason("cannot go back to a state that it saved", error)) from error
+        ctypes.memmove(self.inputs, state.inputs, len(state.inputs))
+        ctypes.memmove(self.outputs, state.outputs, len(state.outputs))
+        self._record.steps_done = state.steps_done
+        self._messages.clear()
+        self._messages.extend(state.messages)
+
     def close(self) -> None:
         """Free the instance, unload the library, delete the unzipped files; harmless twice."""
         self._finish()
         self._write = self._forward = self._read = _closed
+        self._record.write = self._record.forward = self._record.read = None
 
     def __enter__(self) -> Self:
         return self
@@ -128,13 +189,25 @@ class FmuPlant:
             plant.enterInitializationMode(startTime=0.0)
         plant.exitInitializationMode()
 
+    def _verified(self, version: int) -> Verdict:
+        """Compare the FMU's fingerprint, and warn where it is another one."""
+        try:
+            verdict = compare(self.path, self._fmu, version, self._references)
+            if verdict is Verdict.OTHER:
+                warnings.warn(f"{self.path}: {OTHER_BITS}", PlantWarning, stacklevel=3)
+        except BaseException:
+            self.close()
+            raise
+        return verdict
+
     def _open(self) -> None:
         if not self._finish.alive:
             raise PlantError(f"{self.path}: the plant is closed")
 
-    def _fail(self, action: str, status: int) -> NoReturn:
+    def failed(self, action: str, status: int) -> NoReturn:
+        """Raise the error for one of the step's three calls that gave this status."""
         self._open()
-        at = self.steps_done * self._step_ns / _SECOND_NS
+        at = self.steps_done * self._step_ns / SECOND_NS
         word = STATUS[status] if status < len(STATUS) else f"status {status}"
         said = self._messages[-1] if self._messages else "the FMU gives no reason"
         raise PlantError(f"{self.path}: {action} failed at {at:.4f} s ({word}): {said}")
@@ -145,92 +218,3 @@ class FmuPlant:
 
 def _closed(*_: Any) -> int:
     return len(STATUS)
-
-
-def _described(path: Path) -> Any:
-    """Return FMPy's model description after all of its checks."""
-    if not path.is_file():
-        raise PlantError(f"{path}: there is no such file; give the path of an FMU")
-    try:
-        with ZipFile(path) as archive:
-            names = archive.namelist()
-    except (BadZipFile, OSError) as error:
-        raise PlantError(f"{path}: not an FMU: {error}") from error
-    if "modelDescription.xml" not in names:
-        raise PlantError(f"{path}: not an FMU: it holds no modelDescription.xml")
-    try:
-        description = read_model_description(str(path))
-    except Exception as error:
-        raise PlantError(f"{path}: its modelDescription.xml is not valid: {error}") from error
-    version = description.fmiVersion
-    if not version.startswith(("2.0", "3.0")):
-        raise PlantError(f"{path}: FMI {version} is not supported: 2.0 or 3.0")
-    if description.coSimulation is None:
-        raise PlantError(f"{path}: the FMU offers no co-simulation; export it with its solver")
-    folder = f"binaries/{fmpy.platform if version.startswith('2') else fmpy.platform_tuple}/"
-    if not any(name.startswith(folder) for name in names):
-        held = sorted({name.split("/")[1] for name in names if name.startswith("binaries/") and "." in name})
-        raise PlantError(
-            f"{path}: no binary for this machine ({folder}); it holds: {', '.join(held) or 'none'}"
-        )
-    return description
-
-
-def _loaded(
-    owner: object, path: Path, description: Any, messages: deque[str]
-) -> tuple[Any, "weakref.finalize[..., Any]"]:
-    """Unzip, load and instantiate; return FMPy's instance and what undoes all of it, once."""
-    folder = tempfile.mkdtemp(prefix="firmware-bridge-plant-")
-    try:
-        fmpy.extract(str(path), folder)
-        second = description.fmiVersion.startswith("2")
-        kind = fmi2.FMU2Slave if second else fmi3.FMU3Slave
-        plant = kind(
-            guid=description.guid,
-            unzipDirectory=folder,
-            modelIdentifier=description.coSimulation.modelIdentifier,
-            instanceName=description.modelName,
-            requireFunctions=False,
-        )
-    except Exception as error:
-        shutil.rmtree(folder, ignore_errors=True)
-        raise PlantError(f"{path}: the FMU cannot be loaded: {error}") from error
-    try:
-        if second:
-            plant.instantiate(loggingOn=True, callbacks=_callbacks(messages))
-        else:
-            plant.instantiate(loggingOn=True, logMessage=_listener3(messages))
-    except Exception as error:
-        plant.freeLibrary()
-        shutil.rmtree(folder, ignore_errors=True)
-        said = messages[-1] if messages else error
-        raise PlantError(f"{path}: the FMU cannot be instantiated: {said}") from error
-    return plant, weakref.finalize(owner, _release, plant, folder)
-
-
-def _release(plant: Any, folder: str) -> None:
-    # Freeing an instance is allowed in every state; fmi*Terminate is not, and adds nothing here.
-    plant.freeInstance()
-    shutil.rmtree(folder, ignore_errors=True)
-
-
-def _listener3(messages: deque[str]) -> Callable[[Any, int, bytes, bytes], None]:
-    def listen(_environment: Any, status: int, _category: bytes, message: bytes) -> None:
-        if status >= OK_OR_WARNING:
-            messages.append(message.decode(errors="replace"))
-
-    return listen
-
-
-def _callbacks(messages: deque[str]) -> Any:
-    def listen(_environment: Any, _name: bytes, status: int, _category: bytes, message: bytes) -> None:
-        if status >= OK_OR_WARNING:
-            messages.append(message.decode(errors="replace"))
-
-    callbacks = fmi2.fmi2CallbackFunctions()
-    callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(listen)
-    callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
-    callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
-    # FMPy's proxy, which would fill in printf arguments, keeps one logger for the whole process, and calls
-    # it after it is gone: messages are taken as they are.
-    return callbacks

@@ -95,6 +95,17 @@ class ScriptedOperator:
             sent.clear()
         return Reaction(tuple(Packet(OPERATOR, 0, payload) for payload in sent), self._wake_at())
 
+    def take_over(self, mission: Mission) -> None:
+        """Go on with another mission that has been the same so far; ValueError where it has not.
+
+        Its next step may come with the operator's next message at the earliest.
+        """
+        before, done = self._mission, self._step
+        to_come = {"title": mission.title, "duration_s": mission.duration_s, "step": mission.step}
+        if mission.step[:done] != before.step[:done] or before.model_copy(update=to_come) != mission:
+            raise ValueError(f"'{mission.title}' is not '{before.title}' with other steps to come")
+        self._mission = mission
+
     def _wake_at(self) -> Nanoseconds:
         steps = self._mission.step
         step_at = from_seconds(steps[self._step].at_s) if self._step < len(steps) else NEVER

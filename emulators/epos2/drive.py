@@ -2,7 +2,7 @@
 
 Source: CiA 301 v4.02 for the services. It refuses to know how a motor moves (`emulators.epos2.motion` does)
 and who carries its frames. It ignores every frame that no service of its number takes in the present state:
-extended identifiers, error reports, remote requests to identifiers that have none.
+extended identifiers, remote requests to identifiers that have none.
 """
 
 from collections.abc import Callable
@@ -10,11 +10,14 @@ from functools import partial
 from typing import Final, TypeAlias
 
 from emulators.epos2 import rules
+from emulators.epos2.bus_errors import REPORTS, emergencies_of
 from emulators.epos2.clock import HighResolutionClock
 from emulators.epos2.contract import MotionFactory
 from emulators.epos2.emergency import EmergencyProducer
 from emulators.epos2.heartbeat import ErrorControl
-from emulators.epos2.memory import Memory
+from emulators.epos2.identity import Identity
+from emulators.epos2.lss import LssSlave
+from emulators.epos2.memory import Memory, Storage, Volatile
 from emulators.epos2.motion import MotionControl
 from emulators.epos2.nmt import SERVICES, TARGETS, Service, command_for
 from emulators.epos2.pdo import ReceivePdo, TransmitPdo
@@ -27,14 +30,14 @@ from firmware_bridge.node import CAN, Packet, Reaction
 from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.can import REMOTE
-from firmware_bridge.wire.canopen import FIRST_NODE, LAST_NODE, NmtCommand, NmtState
+from firmware_bridge.wire.canopen import LAST_NODE, NmtCommand, NmtState
 from firmware_bridge.wire.epos2 import emergency
 
 _Heard: TypeAlias = Callable[[bytes], None]
 
 
 class Epos2:
-    """One drive. `node_id` is what its DIP switch says."""
+    """One drive. `node_id` is what its DIP switch says; with 0 the saved number counts."""
 
     def __init__(
         self,
@@ -42,13 +45,17 @@ class Epos2:
         axis: ServoAxis,
         profile: DeviceProfile = EPOS2_70_10,
         motion: MotionFactory = MotionControl,
+        *,
+        storage: Storage | None = None,
+        bus_rate: int | None = None,
     ) -> None:
-        if not FIRST_NODE <= node_id <= LAST_NODE:
-            raise ValueError(f"a node number lies between {FIRST_NODE} and {LAST_NODE}, not at {node_id}")
-        self.node_id: Final = node_id
+        """`storage` keeps saved parameters; at another bit rate than `bus_rate` the drive is off the bus."""
+        if not 0 <= node_id <= LAST_NODE:
+            raise ValueError(f"a DIP switch says a number between 0 and {LAST_NODE}, not {node_id}")
         self.profile: Final = profile
         self.nmt_state = NmtState.BOOT_UP
-        self.store: Final = ObjectStore(node_id, profile.differing(node_id))
+        self._identity = Identity(node_id, bus_rate)
+        self.store: Final = ObjectStore(self.node_id, profile.differing(node_id), profile.bounds())
         self._now: Nanoseconds = 0
         self._boot_due: Nanoseconds = NEVER
         self._powered = False
@@ -59,11 +66,23 @@ class Epos2:
         self._sdo = SdoServer(self.store)
         self._clock = HighResolutionClock(self.store)
         self._errors = ErrorControl(self.store, toggles=profile.heartbeat_toggles)
-        self._memory = Memory(self.store, profile, self._restored)
+        self._memory = Memory(self.store, profile, self._restored, storage or Volatile())
+        self._lss = LssSlave(self.store, self._memory, lambda: self.node_id, self._switch_rate)
         self._pdo = ProcessData(self.store, profile, lambda: self.nmt_state)
+        axis.over_current_ma, axis.over_voltage_mv = profile.over_current_ma, profile.over_voltage_mv
         self.motion: Final = motion(self.store, axis, self._report)
         self._routes: dict[int, _Heard] = {}
         self._idle = Reaction()
+
+    @property
+    def node_id(self) -> int:
+        """The number in use."""
+        return self._identity.node
+
+    @property
+    def on_bus(self) -> bool:
+        """Whether its bit rate lets it hear the bus and be heard."""
+        return self._identity.on_bus
 
     # The seam
 
@@ -86,6 +105,8 @@ class Epos2:
         if not self._powered:
             self._powered = True
             self._boot(NmtCommand.RESET_NODE)
+        if self._identity.wake(self.store, now):
+            self._route()
         if self._boot_due <= now:
             self._come_up()
         self._watch(now)
@@ -103,7 +124,7 @@ class Epos2:
         if self.nmt_state is NmtState.OPERATIONAL:
             for address, payload in pdo.changes(now):
                 self._send(address, payload)
-        wake_at = min(self._boot_due, errors.due, pdo.due, self.motion.wake_at())
+        wake_at = min(self._boot_due, errors.due, pdo.due, self.motion.wake_at(), self._identity.due)
         if self._answers:
             wake_at = min(wake_at, self._answers[0][0])
         self._idle = Reaction((), wake_at)
@@ -114,7 +135,8 @@ class Epos2:
         return Reaction(sent, wake_at)
 
     def _send(self, address: int, payload: bytes) -> None:
-        self._sent.append(Packet(CAN, address, payload))
+        if self._identity.on_bus:
+            self._sent.append(Packet(CAN, address, payload))
 
     # Network management
 
@@ -122,11 +144,13 @@ class Epos2:
         """Power-on and both resets: silence until the boot-up message."""
         self._errors.rest()
         self._enter(NmtState.BOOT_UP)
+        self._lss.rest()
         if command is NmtCommand.RESET_NODE:
-            self._memory.load()
+            self._identity.restart(self.store, self._memory, self._lss)
             self._emergency.reset()
             self.motion.reset()
         else:
+            self._identity.reset_communication(self.store, self._lss)
             self._memory.load_communication()
             self._emergency.communication_reset()
             self.motion.communication_reset()
@@ -156,8 +180,13 @@ class Epos2:
 
     def _route(self) -> None:
         """Say which identifiers count in this state, and who hears them."""
+        if not self._identity.on_bus:
+            self._routes = {}
+            return
         services, node = SERVICES[self.nmt_state], self.node_id
-        routes: dict[int, _Heard] = self._route_pdos() if Service.PDO in services else {}
+        routes: dict[int, _Heard] = {}
+        if Service.PDO in services:
+            routes = self._pdo.routes(self._hear_collision, self._hear_request, self._hear_pdo)
         if Service.ERROR_CONTROL in services:
             routes[canopen.NMT] = self._hear_command
             routes[canopen.ERROR_CONTROL + node | REMOTE] = self._hear_guarding
@@ -167,19 +196,9 @@ class Epos2:
             routes[canopen.SYNC] = self._hear_sync
         if Service.SDO in services:
             routes[canopen.SDO_REQUEST + node] = self._hear_sdo
-        self._routes = routes
-
-    def _route_pdos(self) -> dict[int, _Heard]:
-        routes: dict[int, _Heard] = {}
-        for sent in self._pdo.transmit:
-            routes[sent.address] = self._hear_collision
-            if sent.answers_remote:
-                routes[sent.address | REMOTE] = partial(self._hear_request, sent)
-        valid = self._pdo.receive
-        for pdo in valid:
-            sharing = tuple(other for other in valid if other.address == pdo.address)
-            routes[pdo.address] = partial(self._hear_pdo, sharing)
-        return routes
+        if Service.LAYER_SETTING in services:
+            routes[canopen.LSS_REQUEST] = self._hear_lss
+        self._routes = routes | {report: partial(self._hear_controller, report) for report in REPORTS}
 
     def _hear_command(self, payload: bytes) -> None:
         command = command_for(self.node_id, payload)
@@ -220,7 +239,8 @@ class Epos2:
         if self.nmt_state is NmtState.OPERATIONAL:
             for address, payload in self._pdo.sync():
                 self._send(address, payload)
-            self.motion.refresh(self._now)
+            if self._pdo.waits_for_sync:
+                self.motion.refresh(self._now)
 
     def _hear_request(self, pdo: TransmitPdo, _payload: bytes) -> None:
         # The answer has the PDO's own length whatever the request says (recorded from an EPOS2).
@@ -228,6 +248,22 @@ class Epos2:
 
     def _hear_collision(self, _payload: bytes) -> None:
         self.motion.communication_fault(emergency.COB_ID_COLLISION)
+
+    # Layer setting and the controller's reports
+
+    def _hear_lss(self, payload: bytes) -> None:
+        answer = self._lss.answer(payload)
+        if answer is not None:
+            self._send(canopen.LSS_RESPONSE, answer)
+
+    def _switch_rate(self, code: int, delay: Nanoseconds) -> None:
+        self._identity.switch(code, delay, self._now)
+        self._identity.wake(self.store, self._now)
+        self._route()
+
+    def _hear_controller(self, address: int, payload: bytes) -> None:
+        for code in emergencies_of(address, payload):
+            self.motion.communication_fault(code)
 
     # Error control
 

@@ -18,6 +18,9 @@ from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2 import emergency
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES, Recovery
 
+# The controlword's bits as plain numbers: flags are slow, and every frame is looked at.
+_FAULT_RESET: Final = int(Control.FAULT_RESET)
+_NEW_SETPOINT: Final = int(Control.NEW_SETPOINT)
 _TRANSIENT: Final = frozenset({*TIMED, State.FAULT_REACTION_ENABLED})
 """States that complete a command or a reaction; a controlword waits for their end."""
 _WAITING: Final = _TRANSIENT | {State.FAULT}
@@ -71,7 +74,7 @@ class PowerMachine:
         """Take a controlword. While a command is being completed the latest one waits."""
         before, self._controlword = self._controlword, word
         if self.state is State.FAULT:
-            if word & ~before & Control.FAULT_RESET:
+            if word & ~before & _FAULT_RESET:
                 self._reset_fault()
         elif (
             self._completing is not None or self.state in TIMED or self.state is State.FAULT_REACTION_ENABLED
@@ -95,7 +98,7 @@ class PowerMachine:
 
     def _obey(self, word: int, before: int) -> None:
         """Carry out a controlword's command, then its mode bits; with bit 7 up it holds neither."""
-        if word & Control.FAULT_RESET:
+        if word & _FAULT_RESET:
             return
         was_free = self.free
         self._go(command_of(word))
@@ -105,7 +108,7 @@ class PowerMachine:
                 self._latching = True
                 # The target may follow in the same PDO: it is taken at the next refresh, in 1 ms at most.
                 self._axis.call = 1
-            elif not word & Control.NEW_SETPOINT:
+            elif not word & _NEW_SETPOINT:
                 self._latching = False
             self._check_limits()
 
@@ -154,6 +157,8 @@ class PowerMachine:
 
     def advance(self) -> None:
         """Complete what is due: timed states, slow-down ramps, fault reactions; then the waiting command."""
+        if self.state is State.OPERATION_ENABLED and self._completing is None and self._delayed is None:
+            return
         while self._complete_one():
             pass
 

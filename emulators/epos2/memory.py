@@ -1,13 +1,13 @@
-"""Parameters that survive a reset: 0x1010 stores them, 0x1011 brings the defaults back.
+"""Parameters that survive a restart: 0x1010 stores them, 0x1011 brings the defaults back.
 
-Sources: EPOS Firmware Specification (by analogy), EDS. For now the copy lives as long as the emulated drive;
-a file behind it, the seconds that a real save takes, and the factory's own values (0x1011:4, here the same
-as the defaults) are still to come. ASSUME: 'load' acts at once on every parameter and leaves the saved copy
-as it is.
+Sources: EPOS Firmware Specification (by analogy), EDS. Where the copy is kept is up to the `Storage` that the
+drive is given. Where the sources are silent: 'load' acts at once on every parameter and leaves the saved copy
+as it is; the factory's own values (0x1011:4) are the defaults; a save takes no time of its own; a COB-ID that
+was saved stays as it is when the node's number changes, which is what 0x1011:5 is for.
 """
 
-from collections.abc import Callable
-from typing import Final
+from collections.abc import Callable, Mapping
+from typing import Final, Protocol
 
 from emulators.epos2.profile import DeviceProfile
 from emulators.epos2.store import ObjectStore
@@ -40,19 +40,77 @@ def is_parameter(row: ObjectRow) -> bool:
     return row.access.writable and row.address.index not in VOLATILE_INDEXES and row.address not in VOLATILE
 
 
+class StorageError(Exception):
+    """The copy cannot be kept, or what is kept cannot be read."""
+
+
+class Storage(Protocol):
+    """Where one drive keeps the copy of its parameters."""
+
+    def read(self) -> Mapping[Address, int]:
+        """Return what was written last; empty where nothing was. StorageError where it cannot be read."""
+
+    def write(self, values: Mapping[Address, int]) -> None:
+        """Keep a copy: all of it, or, when that fails with StorageError, the one before."""
+
+
+class Volatile:
+    """Keeps the copy as long as the emulated drive lives."""
+
+    def __init__(self) -> None:
+        self._values: Mapping[Address, int] = {}
+
+    def read(self) -> Mapping[Address, int]:
+        """Return what was written last."""
+        return self._values
+
+    def write(self, values: Mapping[Address, int]) -> None:
+        """Keep a copy."""
+        self._values = dict(values)
+
+
 class Memory:
     """The saved parameters of one drive."""
 
-    def __init__(self, store: ObjectStore, profile: DeviceProfile, restored: Callable[[], None]) -> None:
+    def __init__(
+        self, store: ObjectStore, profile: DeviceProfile, restored: Callable[[], None], storage: Storage
+    ) -> None:
         """Attach to the store; `restored` is called when every parameter has its default again."""
         self._store = store
         self._wrong_signature = profile.wrong_signature
         self._restored = restored
-        self._saved: dict[Address, int] = {}
+        self._storage = storage
+        self._saved = self._fitting(storage.read())
         store.on_write(STORE_ALL, self._save)
         store.on_write(RESTORE_ALL, self._restore)
         store.on_write(RESTORE_FACTORY, self._restore)
         store.on_write(RESTORE_COB_IDS, self._restore_cob_ids)
+
+    def _fitting(self, values: Mapping[Address, int]) -> dict[Address, int]:
+        """Return the values that are parameters of this drive; whoever edits the copy may err."""
+        parameters = {row.address: row.type for row, _ in self._store.numbers() if is_parameter(row)}
+        for address, value in values.items():
+            kind = parameters.get(address)
+            if kind is None or not kind.lowest <= value <= kind.highest:
+                raise StorageError(f"{address} = {value} is no saved parameter of an EPOS2")
+        return dict(values)
+
+    def saved(self, address: Address) -> int:
+        """Return an object's value of power-on: saved, else default."""
+        default = self._store.default(address)
+        return self._saved.get(address, default if isinstance(default, int) else 0)
+
+    def save(self, changes: Mapping[Address, int] | None = None) -> None:
+        """Keep every parameter, or only `changes` beside what was kept; SdoAbort where that fails."""
+        if changes is None:
+            values = {row.address: value for row, value in self._store.numbers() if is_parameter(row)}
+        else:
+            values = {**self._saved, **changes}
+        try:
+            self._storage.write(values)
+        except StorageError:
+            raise SdoAbort(AbortCode.HARDWARE, STORE_ALL) from None
+        self._saved = values
 
     def load(self) -> None:
         """Give every object its value of power-on: saved, else default."""
@@ -74,7 +132,7 @@ class Memory:
 
     def _save(self, signature: int) -> None:
         self._check(signature, SAVE, STORE_ALL)
-        self._saved = {row.address: value for row, value in self._store.numbers() if is_parameter(row)}
+        self.save()
 
     def _restore(self, signature: int) -> None:
         self._check(signature, LOAD, RESTORE_ALL)

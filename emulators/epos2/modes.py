@@ -26,6 +26,11 @@ from firmware_bridge.wire.cia402 import Control, Mode
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 
+# The controlword's bits as plain numbers: flags are slow, and every set-point is looked at.
+_HALT: Final = int(Control.HALT)
+_NEW_SETPOINT: Final = int(Control.NEW_SETPOINT)
+_CHANGE_IMMEDIATELY: Final = int(Control.CHANGE_IMMEDIATELY)
+_RELATIVE: Final = int(Control.RELATIVE)
 LOWEST: Final = -(1 << 31)
 HIGHEST: Final = (1 << 31) - 1
 
@@ -72,7 +77,7 @@ class Motion:
     def begin(self, controlword: int) -> None:
         """Start from standstill or from where the shaft is: the drive has become enabled."""
         self.forget()
-        self.halted = bool(controlword & Control.HALT)
+        self.halted = bool(controlword & _HALT)
         if self.mode == Mode.PROFILE_VELOCITY:
             regulate_velocity(self._axis)
             self.velocity_target(self._store.get(at.TARGET_VELOCITY))
@@ -100,7 +105,7 @@ class Motion:
 
     def controls(self, controlword: int, before: int) -> bool:
         """Heed halt and the mode's own bits while enabled; say whether a set-point awaits `take_setpoint`."""
-        halt = bool(controlword & Control.HALT)
+        halt = bool(controlword & _HALT)
         profiled = self.mode in (Mode.PROFILE_POSITION, Mode.PROFILE_VELOCITY)
         if halt != self.halted and profiled:
             self.halted = halt
@@ -111,10 +116,10 @@ class Motion:
         if self.mode == Mode.PROFILE_VELOCITY:
             self.velocity_target(self._store.get(at.TARGET_VELOCITY))
             return False
-        if not controlword & Control.NEW_SETPOINT:
+        if not controlword & _NEW_SETPOINT:
             self.acknowledged = False
             return False
-        rising = not before & Control.NEW_SETPOINT
+        rising = not before & _NEW_SETPOINT
         return self.mode == Mode.PROFILE_POSITION and rising
 
     # Profile velocity mode
@@ -140,8 +145,8 @@ class Motion:
 
         In a halt the new set-point takes the place of the interrupted one, and starts when the halt ends.
         """
-        setpoint = self._store.get(at.TARGET_POSITION), bool(controlword & Control.RELATIVE)
-        at_once = bool(controlword & Control.CHANGE_IMMEDIATELY)
+        setpoint = self._store.get(at.TARGET_POSITION), bool(controlword & _RELATIVE)
+        at_once = bool(controlword & _CHANGE_IMMEDIATELY)
         if self.halted:
             self._waiting = setpoint
         elif at_once or self._axis.flags & PROFILE_DONE:

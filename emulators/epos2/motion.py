@@ -24,7 +24,14 @@ from firmware_bridge.wire.epos2.address import Address
 
 MODES: Final = frozenset(int(mode) for mode in Mode)
 TRAPEZOID: Final = 0
+# The statusword's bits as plain numbers: it is put together with every frame, and flags are slow to join.
 _STAGE_ON: Final = 1 << 4
+_REMOTE: Final = int(Status.REMOTE)
+_TARGET_REACHED: Final = int(Status.TARGET_REACHED)
+_INTERNAL_LIMIT: Final = int(Status.INTERNAL_LIMIT)
+_SPEED_IS_ZERO: Final = int(Status.SPEED_IS_ZERO)
+_FOLLOWING_ERROR: Final = int(Status.FOLLOWING_ERROR)
+_SETPOINT_ACKNOWLEDGED: Final = int(Status.SETPOINT_ACKNOWLEDGED)
 
 
 class MotionControl:
@@ -158,19 +165,19 @@ class MotionControl:
         flags = self._axis.flags
         # Recorded: bit 10 is 1 while the drive is disabled.
         if not word & _STAGE_ON or self._motion.arrived:
-            word |= Status.TARGET_REACHED
+            word |= _TARGET_REACHED
         if self._operational:
-            word |= Status.REMOTE
+            word |= _REMOTE
         if flags & CURRENT_LIMITED:
-            word |= Status.INTERNAL_LIMIT
-        self._store.set(at.STATUSWORD, int(word | self._mode_bits(flags)))
+            word |= _INTERNAL_LIMIT
+        self._store.set(at.STATUSWORD, word | self._mode_bits(flags))
 
     def _mode_bits(self, flags: int) -> int:
         """Bits 12 and 13, which each mode gives its own meaning."""
         if self._motion.mode == Mode.PROFILE_VELOCITY:
-            return int(Status.SPEED_IS_ZERO) if flags & AT_REST else 0
+            return _SPEED_IS_ZERO if flags & AT_REST else 0
         failed = emergency.FOLLOWING_ERROR_TOO_LARGE in self._machine.errors
-        bits = int(Status.FOLLOWING_ERROR) if failed else 0
+        bits = _FOLLOWING_ERROR if failed else 0
         if self._motion.mode == Mode.PROFILE_POSITION and self._motion.acknowledged:
-            bits |= Status.SETPOINT_ACKNOWLEDGED
+            bits |= _SETPOINT_ACKNOWLEDGED
         return bits

@@ -19,14 +19,15 @@ class Service(Enum):
     SYNC = "synchronisation"
     EMERGENCY = "emergency"
     ERROR_CONTROL = "heartbeat and node guarding"
+    LAYER_SETTING = "layer setting"
 
 
 SERVICES: Final[Mapping[NmtState, frozenset[Service]]] = MappingProxyType(
     {
         NmtState.BOOT_UP: frozenset(),
-        NmtState.PRE_OPERATIONAL: frozenset(Service) - {Service.PDO},
-        NmtState.OPERATIONAL: frozenset(Service),
-        NmtState.STOPPED: frozenset({Service.ERROR_CONTROL}),
+        NmtState.PRE_OPERATIONAL: frozenset(Service) - {Service.PDO, Service.LAYER_SETTING},
+        NmtState.OPERATIONAL: frozenset(Service) - {Service.LAYER_SETTING},
+        NmtState.STOPPED: frozenset({Service.ERROR_CONTROL, Service.LAYER_SETTING}),
     }
 )
 

@@ -4,12 +4,14 @@ It refuses to know the objects' meaning and the bus; it gives and takes identifi
 """
 
 from collections.abc import Callable, Iterator
+from functools import partial
 
 from emulators.epos2.pdo import ReceivePdo, TransmitPdo
 from emulators.epos2.pdo_settings import RECEIVE, TRANSMIT, PdoSettings
 from emulators.epos2.profile import DeviceProfile
 from emulators.epos2.store import ObjectStore
 from firmware_bridge.units import NEVER, Nanoseconds
+from firmware_bridge.wire.can import REMOTE
 from firmware_bridge.wire.canopen import NmtState
 from firmware_bridge.wire.epos2.objects_pdo import PDOS
 
@@ -39,6 +41,8 @@ class ProcessData:
         """Valid receive PDOs."""
         self.transmit: tuple[TransmitPdo, ...] = ()
         """Valid transmit PDOs that carry something."""
+        self.waits_for_sync = False
+        """Whether some receive PDO is taken over at SYNC."""
         self._at_sync: tuple[TransmitPdo, ...] = ()
         self._on_change: tuple[TransmitPdo, ...] = ()
         self.touch_all()
@@ -64,6 +68,7 @@ class ProcessData:
         self._touched.clear()
         self.receive = tuple(pdo for pdo in self._receive if pdo)
         self.transmit = tuple(pdo for pdo in self._transmit if pdo)
+        self.waits_for_sync = any(pdo.synchronous for pdo in self.receive)
         self._at_sync = tuple(pdo for pdo in self.transmit if pdo.synchronous)
         self._on_change = tuple(pdo for pdo in self.transmit if pdo.on_change)
         return True
@@ -80,6 +85,23 @@ class ProcessData:
         if self._state() is NmtState.OPERATIONAL:
             pdo.begin(sends=self._profile.sends_on_start)
         return pdo
+
+    def routes(
+        self,
+        collision: Callable[[bytes], None],
+        request: Callable[[TransmitPdo, bytes], None],
+        received: Callable[[tuple[ReceivePdo, ...], bytes], None],
+    ) -> dict[int, Callable[[bytes], None]]:
+        """Say which identifiers count in Operational, and who hears them; PDOs may share one."""
+        routes: dict[int, Callable[[bytes], None]] = {}
+        for sent in self.transmit:
+            routes[sent.address] = collision
+            if sent.answers_remote:
+                routes[sent.address | REMOTE] = partial(request, sent)
+        for pdo in self.receive:
+            sharing = tuple(other for other in self.receive if other.address == pdo.address)
+            routes[pdo.address] = partial(received, sharing)
+        return routes
 
     def begin(self) -> None:
         """Enter Operational."""
@@ -112,4 +134,7 @@ class ProcessData:
     @property
     def due(self) -> Nanoseconds:
         """Return when to look for changes again even if nothing happens."""
-        return min((pdo.due for pdo in self._on_change), default=NEVER)
+        due = NEVER
+        for pdo in self._on_change:
+            due = min(due, pdo.due)
+        return due

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
+from emulators.epos2.profile import BIT_RATE, BIT_RATES
 from emulators.epos2.store import ObjectStore
 from firmware_bridge.wire.abort import AbortCode, SdoAbort
 from firmware_bridge.wire.canopen import FIRST_NODE, LAST_NODE, TIME_STAMP
@@ -33,6 +34,7 @@ class ValueRule:
 RULES: Final = (
     ValueRule(Address(0x1012), (TIME_STAMP,), _DOCUMENTED, _INTERPOLATION),
     ValueRule(Address(0x2000), range(FIRST_NODE, LAST_NODE + 1)),
+    ValueRule(BIT_RATE, tuple(BIT_RATES), _DOCUMENTED, LIBRARY),
     ValueRule(Address(0x2074, 2), range(3), _DOCUMENTED, APPLICATION_NOTES),
     ValueRule(Address(0x2074, 3), range(3), _DOCUMENTED, APPLICATION_NOTES),
     ValueRule(at.SENSOR_TYPE, (1, 2, 3, 4, 6, 7, 8), _DOCUMENTED, LIBRARY),

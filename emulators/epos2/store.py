@@ -5,6 +5,8 @@ drive itself. It refuses to know what a value does; whoever does hangs a hook on
 """
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
 from types import MappingProxyType
 from typing import Final
 
@@ -17,62 +19,52 @@ LARGEST_DOMAIN: Final = 4096
 """Bytes that a domain takes (ASSUME: no limit is documented)."""
 
 
+_BOUNDS: Final[Mapping[Address, tuple[int, int]]] = MappingProxyType(
+    {row.address: row.bounds for row in OBJECTS.values() if row.type.size}
+)
+"""The range that a client may write, of every object that holds a number."""
+
+
+@dataclass(frozen=True, slots=True)
 class Cell:
-    """One object: its row, its value, and what hangs on it."""
+    """One object that holds a number, for those who come back often."""
 
-    __slots__ = ("_high", "_low", "_sinks", "_source", "row", "value")
-
-    def __init__(self, row: ObjectRow) -> None:
-        self.row = row
-        self.value: int = 0
-        self._low, self._high = row.bounds
-        self._source: Callable[[], int] | None = None
-        self._sinks: tuple[Callable[[int], None], ...] = ()
-
-    def source(self, source: Callable[[], int]) -> None:
-        """Take the value from somewhere else whenever a client reads."""
-        self._source = source
-
-    def sink(self, sink: Callable[[int], None]) -> None:
-        """Show each written value to `sink` before it is stored."""
-        self._sinks = (*self._sinks, sink)
-
-    def live(self) -> int:
-        """Return the value as a client sees it now."""
-        source = self._source
-        return self.value if source is None else source()
-
-    def accept(self, value: int) -> None:
-        """Take a client's value: range, hooks, then the store."""
-        if value < self._low:
-            raise SdoAbort(AbortCode.TOO_LOW, self.row.address)
-        if value > self._high:
-            raise SdoAbort(AbortCode.TOO_HIGH, self.row.address)
-        for sink in self._sinks:
-            sink(value)
-        self.value = value
+    row: ObjectRow
+    live: Callable[[], int]
+    """The value as a client sees it now."""
+    accept: Callable[[int], None]
+    """Takes a client's value: range, hooks, then the store."""
 
 
 class ObjectStore:
     """All objects of one drive."""
 
     def __init__(
-        self, node_id: int = 1, differing: Mapping[Address, int | bytes] = MappingProxyType({})
+        self,
+        node_id: int = 1,
+        differing: Mapping[Address, int | bytes] = MappingProxyType({}),
+        bounds: Mapping[Address, tuple[int, int]] = MappingProxyType({}),
     ) -> None:
-        """Fill the store with the defaults of the drive `node_id`; `differing` replaces some of them."""
+        """Fill the store with the defaults of the drive `node_id`; `differing` replaces some of them.
+
+        `bounds` replaces the table's range of some objects.
+        """
         self.node_id = node_id
         self._differing = dict(differing)
         unknown = [str(address) for address in self._differing if address not in OBJECTS]
         if unknown:
             raise ValueError(f"no such object: {', '.join(unknown)}")
-        self._cells = {row.address: Cell(row) for row in OBJECTS.values() if row.type.size}
+        self._bounds = MappingProxyType({**_BOUNDS, **bounds})
+        self._numbers: dict[Address, int] = {}
         self._texts: dict[Address, bytes] = {}
+        self._sources: dict[Address, Callable[[], int]] = {}
+        self._sinks: dict[Address, tuple[Callable[[int], None], ...]] = {}
         for row in OBJECTS.values():
             default = self.default(row.address)
             if isinstance(default, bytes):
                 self._texts[row.address] = default
             else:
-                self._cells[row.address].value = default
+                self._numbers[row.address] = default
 
     # As a bus client
 
@@ -81,17 +73,16 @@ class ObjectStore:
         row = self.row(address)
         if not row.access.readable:
             raise SdoAbort(AbortCode.WRITE_ONLY, address)
-        cell = self._cells.get(address)
-        return self._texts[address] if cell is None else row.type.encode(cell.live())
+        return row.type.encode(self.live(address)) if row.type.size else self._texts[address]
 
     def write(self, address: Address, raw: bytes) -> None:
         """Give an object a value; SdoAbort by existence, access, size, range, or a hook's objection."""
         self.check_writable(address, len(raw))
-        cell = self._cells.get(address)
-        if cell is None:
-            self._texts[address] = bytes(raw)
+        kind = OBJECTS[address].type
+        if kind.size:
+            self._accept(address, kind.decode(raw))
         else:
-            cell.accept(cell.row.type.decode(raw))
+            self._texts[address] = bytes(raw)
 
     def check_writable(self, address: Address, size: int | None) -> None:
         """Refuse a write that is to come; `size` in bytes is None where the client has not told it."""
@@ -120,27 +111,38 @@ class ObjectStore:
 
     def get(self, address: Address) -> int:
         """Return the stored value of a number, whatever its access."""
-        return self._cells[address].value
+        return self._numbers[address]
 
     def set(self, address: Address, value: int) -> None:
         """Store a number without checks and hooks."""
-        self._cells[address].value = value
+        self._numbers[address] = value
 
     def live(self, address: Address) -> int:
         """Return a number as a client would read it now."""
-        return self._cells[address].live()
+        source = self._sources.get(address)
+        return self._numbers[address] if source is None else source()
 
     def cell(self, address: Address) -> Cell:
         """Return the cell of a number, for those who come back often."""
-        return self._cells[address]
+        return Cell(OBJECTS[address], partial(self.live, address), partial(self._accept, address))
 
     def on_read(self, address: Address, source: Callable[[], int]) -> None:
         """Let clients read what `source` gives; a number too large for the type wraps."""
-        self._cells[address].source(source)
+        self._sources[address] = source
 
     def on_write(self, address: Address, sink: Callable[[int], None]) -> None:
         """Show clients' values to `sink` after the checks, before they are stored; it may raise SdoAbort."""
-        self._cells[address].sink(sink)
+        self._sinks[address] = (*self._sinks.get(address, ()), sink)
+
+    def _accept(self, address: Address, value: int) -> None:
+        low, high = self._bounds[address]
+        if value < low:
+            raise SdoAbort(AbortCode.TOO_LOW, address)
+        if value > high:
+            raise SdoAbort(AbortCode.TOO_HIGH, address)
+        for sink in self._sinks.get(address, ()):
+            sink(value)
+        self._numbers[address] = value
 
     # Defaults
 
@@ -151,11 +153,11 @@ class ObjectStore:
 
     def numbers(self) -> Iterator[tuple[ObjectRow, int]]:
         """Give every object that holds a number, with its stored value, in the order of the addresses."""
-        for cell in self._cells.values():
-            yield cell.row, cell.value
+        for address, value in self._numbers.items():
+            yield OBJECTS[address], value
 
     def load_default(self, address: Address) -> None:
         """Bring a number back to its default without hooks."""
         default = self.default(address)
         if isinstance(default, int):
-            self._cells[address].value = default
+            self._numbers[address] = default

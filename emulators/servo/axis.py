@@ -1,11 +1,13 @@
 """One servo axis as a flat record of whole numbers: what a regulator needs to know between two ticks.
 
-It refuses to know objects, states and the bus. Every value fits 64 bits, so that a kernel in C can keep the
-same record and give the same results.
+It refuses to know objects, states and the bus. Every value fits 64 bits, so that the kernel in C works on the
+same record and gives the same results.
 """
 
-from typing import Final
+import ctypes
+from typing import ClassVar, Final
 
+from emulators.servo.record import FIELDS, Record
 from firmware_bridge.units import MICROSECOND, Nanoseconds
 
 TICK: Final[Nanoseconds] = 100 * MICROSECOND
@@ -44,89 +46,16 @@ FOREVER: Final = 1 << 62
 LONGEST_REST_MS: Final = 0xFFFF
 
 
-class ServoAxis:
+class ServoAxis(Record, ctypes.Structure):
     """The state of one axis. Positions and velocities of the demand carry `fraction` binary places.
 
     Velocity unit: 2^-fraction qc per ms. Acceleration unit: velocity unit per ms. Currents in mA, voltages
     in mV. Gains are multipliers in binary fixed point: see `emulators.servo.scaling`.
+
+    The fields lie in memory as the kernel in C expects them: Python and the kernel share this one record.
     """
 
-    __slots__ = (  # noqa: RUF023 - in the order of meaning, which is the order of the record in C
-        # Fixed: the names, and the encoder that is mounted, in quadcounts per turn of the shaft.
-        "name",
-        "node",
-        "encoder_resolution",
-        # The surroundings, sampled from the plant every ms.
-        "supply_mv",
-        "analogue_1_mv",
-        "analogue_2_mv",
-        # Scaling and gains, derived from the objects.
-        "resolution",
-        "fraction",
-        "current_p",
-        "current_i",
-        "velocity_p",
-        "velocity_i",
-        "velocity_speed_forward",
-        "velocity_acceleration_forward",
-        "position_p",
-        "position_i",
-        "position_d",
-        "position_filter",
-        "position_speed_forward",
-        "position_acceleration_forward",
-        # Limits and supervision, derived from the objects.
-        "continuous_ma",
-        "peak_ma",
-        "thermal_full",
-        "speed_limit",
-        "following_limit_qc",
-        "position_window_qc",
-        "position_window_ms",
-        "velocity_window",
-        "velocity_window_ms",
-        "rest_window",
-        "rest_ms",
-        "voltage_percent",
-        "over_current_ma",
-        "under_voltage_mv",
-        "over_voltage_mv",
-        # Commands.
-        "powered",
-        "regulator",
-        "profile",
-        "current_setting_ma",
-        "target_velocity",
-        "target_position",
-        "cruise",
-        "acceleration",
-        "deceleration",
-        "stopping_distance",
-        "call",
-        # State.
-        "now",
-        "flags",
-        "encoder",
-        "position",
-        "step",
-        "velocity_average",
-        "current_ma",
-        "current_average",
-        "current_demand_ma",
-        "current_limit_ma",
-        "current_integral",
-        "voltage_mv",
-        "back_emf",
-        "velocity_demand",
-        "acceleration_demand",
-        "position_demand",
-        "velocity_integral",
-        "position_integral",
-        "derivative",
-        "thermal",
-        "window_ms",
-        "still_ms",
-    )
+    _fields_: ClassVar = [(field, ctypes.c_int64) for field in FIELDS]
 
     def __init__(
         self,
@@ -141,9 +70,10 @@ class ServoAxis:
 
         `back_emf` in 2^-24 V s/rad speeds up an open winding's first instants; it is learnt where it is 0.
         """
+        super().__init__()
         self.name: Final = name
         self.node: Final = node or name
-        self.encoder_resolution: Final = encoder_resolution
+        self.encoder_resolution = encoder_resolution
         self.supply_mv = supply_mv
         self.analogue_1_mv = 0
         self.analogue_2_mv = 0
@@ -185,7 +115,8 @@ class ServoAxis:
         self.target_velocity = self.target_position = 0
         self.cruise = self.acceleration = self.deceleration = 1
         self.stopping_distance = 0
-        self.call = 0
+        self.call = self.told = 0
+        self.turning = 1
         self.flags = AT_REST
         self.position = 0
         self.step = self.velocity_average = 0
@@ -219,6 +150,7 @@ class ServoAxis:
     def switch_off(self) -> None:
         """Open the winding."""
         self.powered = 0
+        self.turning = 1
         self.regulator = IDLE
         self.profile = DIRECT
         self.current_demand_ma = 0

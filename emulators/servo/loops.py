@@ -75,12 +75,13 @@ def millisecond(axis: ServoAxis, encoder: int) -> bool:
 def electrical(axis: ServoAxis) -> int:
     """Tell currents and supply voltages that the hardware does not stand."""
     flags = 0
-    current = axis.current_ma
-    if current > axis.over_current_ma or -current > axis.over_current_ma:
+    current, over = axis.current_ma, axis.over_current_ma
+    if current > over or -current > over:
         flags = OVER_CURRENT
-    if axis.supply_mv < axis.under_voltage_mv:
+    supply = axis.supply_mv
+    if supply < axis.under_voltage_mv:
         flags |= UNDER_VOLTAGE
-    elif axis.supply_mv > axis.over_voltage_mv:
+    elif supply > axis.over_voltage_mv:
         flags |= OVER_VOLTAGE
     return flags
 
@@ -97,7 +98,8 @@ def budget(axis: ServoAxis, flags: int) -> int:
 
     ASSUME: the output current limit is allowed again when half of the budget has been regained.
     """
-    thermal = axis.thermal + axis.current_ma * axis.current_ma - axis.continuous_ma * axis.continuous_ma
+    current, continuous = axis.current_ma, axis.continuous_ma
+    thermal = axis.thermal + current * current - continuous * continuous
     full = axis.thermal_full
     if thermal >= full:
         thermal = full
@@ -106,7 +108,7 @@ def budget(axis: ServoAxis, flags: int) -> int:
         flags &= ~CURRENT_LIMITED
         thermal = max(thermal, 0)
     axis.thermal = thermal
-    axis.current_limit_ma = axis.continuous_ma if flags & CURRENT_LIMITED else axis.peak_ma
+    axis.current_limit_ma = continuous if flags & CURRENT_LIMITED else axis.peak_ma
     return flags
 
 
@@ -128,13 +130,15 @@ def velocity(axis: ServoAxis) -> None:
     """
     demand = axis.velocity_demand
     error = within(demand - (axis.step << axis.fraction), WIDEST_SPEED)
-    integral = axis.velocity_integral + axis.velocity_i * error
+    before = axis.velocity_integral
+    integral = before + axis.velocity_i * error
     wish = (axis.velocity_p * error + integral) >> VELOCITY_PLACES
     wish += (axis.velocity_speed_forward * demand) >> SPEED_FORWARD_PLACES
     wish += (axis.velocity_acceleration_forward * axis.acceleration_demand) >> ACCELERATION_FORWARD_PLACES
-    bounded = within(wish, axis.current_limit_ma)
-    if bounded == wish or (integral > axis.velocity_integral) != (wish > 0):
-        axis.velocity_integral = within(integral, axis.current_limit_ma << VELOCITY_PLACES)
+    limit = axis.current_limit_ma
+    bounded = within(wish, limit)
+    if bounded == wish or (integral > before) != (wish > 0):
+        axis.velocity_integral = within(integral, limit << VELOCITY_PLACES)
     axis.current_demand_ma = bounded
 
 

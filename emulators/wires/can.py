@@ -1,6 +1,7 @@
 """A CAN bus: one frame at a time, exact stuffed length, arbitration by identifier, interframe space, load.
 
-It refuses to know bit errors: a frame whose sender is cut off under way is destroyed, all others arrive.
+It refuses to know bit errors (`emulators.wires.disturbed` does): a frame whose sender is cut off under way is
+destroyed, all others arrive.
 Every node has one queue, first in first out; the heads of the queues arbitrate.
 """
 
@@ -17,7 +18,7 @@ WINDOW: Final = 100 * MILLISECOND
 """The peak load is the highest that any window of this length has seen."""
 
 
-class _Controller(End):
+class Controller(End):
     """A station's CAN controller: what it wants to send, with the length in bits."""
 
     __slots__ = ("queue",)
@@ -42,7 +43,7 @@ class CanWire:
         self.clashes = 0
         """How often two nodes began one identifier at once; a real bus answers that with a bit error."""
         self._ends = Ends(name)
-        self._controllers: dict[Station, _Controller] = {}
+        self._controllers: dict[Station, Controller] = {}
         self._idle_from: Nanoseconds = 0
         self._busy = False
         self._recent: deque[tuple[Nanoseconds, Nanoseconds]] = deque()
@@ -51,7 +52,7 @@ class CanWire:
 
     def join(self, world: World, station: Station, link: str) -> None:
         """Connect a station, which calls this wire `link`."""
-        controller = _Controller(station, link)
+        controller = Controller(station, link)
         self._ends.join(world, controller)
         self._controllers[station] = controller
 
@@ -63,6 +64,10 @@ class CanWire:
     def observe(self, observer: Observer) -> None:
         """Call `observer` for every frame that has wholly arrived."""
         self._ends.observers.append(observer)
+
+    def unobserved(self) -> None:
+        """Let go of all observers."""
+        self._ends.observers.clear()
 
     def carry(self, sender: Station, packet: Packet) -> None:
         """Queue a frame; ValueError for what is no frame."""
@@ -87,13 +92,14 @@ class CanWire:
 
     def _arbitrate(self, _: object) -> None:
         world = self._ends.world
-        winner: _Controller | None = None
+        winner: Controller | None = None
         best = 0
         for controller in self._controllers.values():
             queue = controller.queue
-            if queue and world.now >= controller.station.silent_from:
-                queue.clear()
             if not queue:
+                continue
+            if world.now >= controller.station.silent_from:
+                queue.clear()
                 continue
             rank = arbitration_rank(queue[0][0].address)
             if winner is None or rank < best:
@@ -106,7 +112,7 @@ class CanWire:
         bits = winner.queue[0][1]
         world.call_at(world.now + bits * self.bit_time, self._finish, winner)
 
-    def _finish(self, controller: _Controller) -> None:
+    def _finish(self, controller: Controller) -> None:
         world = self._ends.world
         now = world.now
         packet, bits = controller.queue.popleft()
@@ -118,9 +124,13 @@ class CanWire:
             self.destroyed += 1
         else:
             self._ends.hand_over(controller.station, packet)
+        self._go_on()
+
+    def _go_on(self) -> None:
+        """Let the next frame begin when the bus is idle again."""
         for other in self._controllers.values():
             if other.queue:
-                world.call_at(self._idle_from, self._arbitrate)
+                self._ends.world.call_at(self._idle_from, self._arbitrate)
                 return
         self._busy = False
 

@@ -51,6 +51,10 @@ class DatagramWire:
         """Call `observer` for every packet that arrives."""
         self._ends.observers.append(observer)
 
+    def unobserved(self) -> None:
+        """Let go of all observers."""
+        self._ends.observers.clear()
+
     def carry(self, sender: Station, packet: Packet) -> None:
         """Send a packet on its way, or lose it."""
         self.sent += 1

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import TypeAlias
 
+from emulators.rewind import Outside
 from emulators.world import Station, World, WorldError
 from firmware_bridge.node import Packet
 from firmware_bridge.units import Nanoseconds
@@ -27,7 +28,9 @@ class Ends:
     def __init__(self, wire: str) -> None:
         self.wire = wire
         self.all: list[End] = []
-        self.observers: list[Observer] = []
+        self.observers: Outside[Observer] = Outside()
+        self.deaf: frozenset[Station] = frozenset()
+        """Stations that the packet in hand does not reach."""
         self._world: World | None = None
 
     @property
@@ -56,7 +59,7 @@ class Ends:
         world.note(self.wire, sender.name, packet)
         for end in self.all:
             station = end.station
-            if station is not sender:
+            if station is not sender and station not in self.deaf:
                 link = end.link
                 world.deliver(
                     station,

@@ -1,14 +1,15 @@
 """A serial line between two ends, both ways at once: real byte times, receive buffers of real size.
 
-It refuses to know parity and framing errors. A byte is ten bits: start, eight data bits, stop.
+It refuses to know parity. A byte is ten bits: start, eight data bits, stop.
 """
 
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Final
+from typing import Final, Protocol, runtime_checkable
 
+from emulators.wires.bits import heard_as
 from emulators.wires.ends import End, Ends, Observer
 from emulators.world import Station, World, WorldError
 from firmware_bridge.node import Packet
@@ -16,6 +17,15 @@ from firmware_bridge.units import SECOND, Nanoseconds
 
 BITS_PER_BYTE: Final = 10
 _ENDS: Final = 2
+
+
+@runtime_checkable
+class Clocked(Protocol):
+    """A node that sets the rate at its own end of the line, and may change it."""
+
+    @property
+    def baud(self) -> int:
+        """Bits a second, now."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +39,7 @@ class Inbox:
 class _Uart(End):
     """One end: what it still sends, and what waits in its receive buffer until it is read."""
 
-    __slots__ = ("begun_at", "buffer", "overruns", "queue", "reading", "sending", "since")
+    __slots__ = ("begun_at", "buffer", "clock", "overruns", "queue", "rate", "reading", "sending", "since")
 
     def __init__(self, station: Station, link: str) -> None:
         super().__init__(station, link)
@@ -37,13 +47,19 @@ class _Uart(End):
         self.sending = False
         self.begun_at: Nanoseconds = 0
         self.since = 0
+        node = station.node
+        self.clock = node if isinstance(node, Clocked) else None
+        self.rate = 0
+        """Of the burst that is being sent."""
         self.buffer = bytearray()
         self.overruns = 0
         self.reading = False
 
 
 class SerialWire:
-    """A line at `baud` bits a second.
+    """A line at `baud` bits a second; an end that has a `baud` of its own runs at that one.
+
+    Between two different rates bytes arrive as the receiver reads them, or not at all.
 
     A station with an inbox, by its name, loses what does not fit into it between two reads. To any other
     station each byte is handed over when its stop bit has passed.
@@ -80,6 +96,10 @@ class SerialWire:
         """Call `observer` for every chunk that is handed over."""
         self._ends.observers.append(observer)
 
+    def unobserved(self) -> None:
+        """Let go of all observers."""
+        self._ends.observers.clear()
+
     def overruns(self, name: str) -> int:
         """Return how many bytes for the station of this name found its buffer full."""
         return sum(uart.overruns for uart in self._uarts.values() if uart.station.name == name)
@@ -92,12 +112,16 @@ class SerialWire:
             uart.sending = True
             uart.begun_at = self._ends.world.now
             uart.since = 0
+            uart.rate = self._rate(uart)
             self._plan(uart)
+
+    def _rate(self, uart: _Uart) -> int:
+        return self.baud if uart.clock is None else uart.clock.baud
 
     def _plan(self, uart: _Uart) -> None:
         # From the start of the burst, so that fractions of a nanosecond do not add up.
         uart.since += 1
-        end = uart.begun_at + uart.since * BITS_PER_BYTE * SECOND // self.baud
+        end = uart.begun_at + uart.since * BITS_PER_BYTE * SECOND // uart.rate
         self._ends.world.call_at(end, self._arrive, uart)
 
     def _arrive(self, uart: _Uart) -> None:
@@ -108,7 +132,9 @@ class SerialWire:
         if self._ends.world.now < uart.station.silent_from:
             for other in self._uarts.values():
                 if other is not uart:
-                    self._store(uart, other, byte)
+                    heard = heard_as(byte, uart.rate, self._rate(other))
+                    if heard is not None:
+                        self._store(uart, other, heard)
         if uart.queue:
             self._plan(uart)
         else:

@@ -1,6 +1,7 @@
 """The program: what it says of itself, and which commands it has."""
 
 import sys
+import warnings
 from collections.abc import Callable
 from importlib import metadata
 from typing import Annotated, Final, TypeAlias
@@ -53,6 +54,11 @@ def _options(
     """Take the options that come before the command."""
 
 
+def _warn(message: Warning | str, *_place: object, **_more: object) -> None:
+    """Print a warning in one line, without the place in the code that it comes from."""
+    typer.echo(f"firmware-bridge: warning: {message}", err=True)
+
+
 def _print_version(*, asked: bool) -> None:
     if asked:
         typer.echo(f"firmware-bridge {metadata.version('firmware-bridge')}")
@@ -75,6 +81,7 @@ def attach_commands() -> None:
 
 def main() -> None:
     """Run the command line."""
+    warnings.showwarning = _warn
     attach_commands()
     try:
         program()

@@ -1,10 +1,10 @@
-"""The tasks of one EPOS2 as scripts: each yields what it needs next, and is sent what came.
+"""The tasks of one EPOS2 as scripts: tuples of steps, in the order of the procedure in the manual.
 
-A script reads top to bottom like the procedure in the manual; `firmware_bridge.drivers.script` carries it
-over bus and time. It refuses to know either.
+`firmware_bridge.drivers.script` carries them over bus and time. It refuses to know either. A script keeps
+nothing but its steps, so that its place in the procedure is data.
 """
 
-from collections.abc import Generator, Mapping
+from collections.abc import Mapping
 from typing import Final
 
 from firmware_bridge.drivers import epos2_setup as setup
@@ -20,12 +20,11 @@ from firmware_bridge.drivers.epos2_setpoint import (
     SetPoint,
 )
 from firmware_bridge.drivers.epos2_setup import Row, Travel
-from firmware_bridge.drivers.script import Script, Step, Until
-from firmware_bridge.drivers.sdo_client import TIMEOUT, SdoError, Transfer
-from firmware_bridge.node import CAN, Packet
+from firmware_bridge.drivers.epos2_steps import controlled, expected, failing, nmt, pause, read, written
+from firmware_bridge.drivers.script import Ask, Do, Script, Step, Until
+from firmware_bridge.drivers.sdo_client import TIMEOUT, Outcome, SdoError, Transfer
 from firmware_bridge.robot import Axis, Bus
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
-from firmware_bridge.wire import canopen
 from firmware_bridge.wire.canopen import NmtCommand
 from firmware_bridge.wire.cia402 import State, state_of
 from firmware_bridge.wire.epos2 import address as at
@@ -66,30 +65,29 @@ TOWARDS_ENABLED: Final[Mapping[State | None, int]] = {
 def find(axis: Axis, ear: Ear) -> Script:
     """Take the node to pre-operational, no reset: it may be moving. Wait until it answers."""
     ear.knows_mapping = False
-    yield _nmt(axis, NmtCommand.ENTER_PRE_OPERATIONAL)
     row = setup.identity(axis)[0]
-    yield from _expected(axis, row, attempts=FIND_WITHIN // TIMEOUT)
-    ear.heard.restarted = False
-    # A node that booted meanwhile did not hear the first one.
-    yield _nmt(axis, NmtCommand.ENTER_PRE_OPERATIONAL)
+    return (
+        nmt(axis, NmtCommand.ENTER_PRE_OPERATIONAL),
+        expected(axis, row, attempts=FIND_WITHIN // TIMEOUT),
+        Do(lambda: _found(ear)),
+        # A node that booted meanwhile did not hear the first one.
+        nmt(axis, NmtCommand.ENTER_PRE_OPERATIONAL),
+    )
 
 
 def identify(axis: Axis) -> Script:
     """Check that it is the drive that the robot file names."""
-    for row in setup.identity(axis):
-        yield from _expected(axis, row)
+    return tuple(expected(axis, row) for row in setup.identity(axis))
 
 
 def configure(axis: Axis, bus: Bus, travel: Travel | None) -> Script:
     """Bring the drive to rest without power, write the set-up, read back what safety hangs on."""
-    yield from _come_to_rest(axis)
+    steps: list[Step] = [*_come_to_rest(axis)]
     for row in setup.configuration(axis, bus, travel):
-        try:
-            yield Transfer(row.address, row.raw)
-        except SdoError as error:
-            raise StartupError(axis, f"{error} (writing {row.expected})") from error
+        steps.append(written(axis, Transfer(row.address, row.raw), f"writing {row.expected}"))
         if row.read_back:
-            yield from _expected(axis, row)
+            steps.append(expected(axis, row))
+    return tuple(steps)
 
 
 def start(axis: Axis, ear: Ear) -> Script:
@@ -98,125 +96,143 @@ def start(axis: Axis, ear: Ear) -> Script:
     before = heard.heard_at
     heard.state = None
     ear.knows_mapping = True
-    yield _nmt(axis, NmtCommand.START)
-    yield Until(
-        lambda: heard.heard_at != before and heard.state is not None,
-        SAMPLE_WITHIN,
-        lambda: StartupError(
-            axis, f"no statusword and position within {SAMPLE_WITHIN // MILLISECOND} ms after NMT start"
+    return (
+        nmt(axis, NmtCommand.START),
+        Until(
+            lambda: heard.heard_at != before and heard.state is not None,
+            SAMPLE_WITHIN,
+            lambda: StartupError(
+                axis, f"no statusword and position within {SAMPLE_WITHIN // MILLISECOND} ms after NMT start"
+            ),
         ),
     )
 
 
 def enable(axis: Axis, ear: Ear, set_point: SetPoint) -> Script:
     """Walk to operation enabled, over a fault reset where there is a fault."""
-    heard = ear.heard
-    resets = 0
-    while (state := heard.state) is not State.OPERATION_ENABLED:
-        if state is State.FAULT:
-            if resets == FAULT_RESETS:
-                raise StartupError(axis, f"the fault came back after {resets} resets{_fault(ear)}")
-            resets += 1
-            yield from _ask_for_fault(ear)
-            yield set_point.word(DISABLE_VOLTAGE)
-            yield _pause(POLL)
-            yield from _turn(axis, ear, set_point, FAULT_RESET)
-            heard.fault = 0
-        else:
-            yield from _turn(axis, ear, set_point, TOWARDS_ENABLED.get(state))
-    heard.fault = 0
+    return (Do(lambda: _towards_enabled(axis, ear, set_point, 0)),)
 
 
 def leave(axis: Axis, ear: Ear, set_point: SetPoint) -> Script:
     """Take the power off in order, end the watch over the bridge, stop process data."""
     heard = ear.heard
-    if heard.operational:
-        yield set_point.word(SHUTDOWN)
-        yield Until(lambda: heard.state not in POWERED, LEAVE_WITHIN)
-        yield set_point.word(DISABLE_VOLTAGE)
-        yield Until(lambda: heard.state in (State.SWITCH_ON_DISABLED, State.FAULT), LEAVE_WITHIN)
-    for row in setup.farewell():
-        try:
-            yield Transfer(row.address, row.raw, attempts=1)
-        except SdoError:
-            # Its own watch over the heartbeat will stop it: that is what the watch is for.
-            return
-    yield _nmt(axis, NmtCommand.ENTER_PRE_OPERATIONAL)
+    farewell = _farewell(axis, setup.farewell())
+    if not heard.operational:
+        return farewell
+    return (
+        set_point.word(SHUTDOWN),
+        Until(lambda: heard.state not in POWERED, LEAVE_WITHIN),
+        Do(lambda: (set_point.word(DISABLE_VOLTAGE),)),
+        Until(lambda: heard.state in (State.SWITCH_ON_DISABLED, State.FAULT), LEAVE_WITHIN),
+        *farewell,
+    )
 
 
-def _expected(axis: Axis, row: Row, attempts: int = 2) -> Script:
-    try:
-        raw = yield Transfer(row.address, attempts=attempts)
-    except SdoError as error:
-        raise StartupError(axis, f"{error} (expected {row.expected})") from error
-    if raw != row.raw:
-        problem = f"SDO upload {row.address} gave {row.show(raw)} (expected {row.expected})"
-        raise StartupError(axis, problem)
+def _found(ear: Ear) -> Script:
+    ear.heard.restarted = False
+    return ()
 
 
 def _come_to_rest(axis: Axis) -> Script:
     """Stop a drive that an earlier run left with power on: with power it refuses part of the set-up."""
-    if state_of((yield from _read(axis, at.STATUSWORD, DataType.UNSIGNED16))) in POWERED:
-        yield from _write(axis, QUICK_STOP)
-        for _ in range(STANDSTILL_WITHIN // POLL):
-            rpm = yield from _read(axis, at.VELOCITY_AVERAGED, DataType.INTEGER32)
-            if abs(rpm) <= STANDSTILL_RPM:
-                break
-            yield _pause(POLL)
-        else:
-            seconds = STANDSTILL_WITHIN // SECOND
-            raise StartupError(axis, f"the motor still turns with {rpm} rpm {seconds} s after a quick stop")
-    yield from _write(axis, DISABLE_VOLTAGE)
-    for _ in range(STATE_WITHIN // POLL):
-        statusword = yield from _read(axis, at.STATUSWORD, DataType.UNSIGNED16)
+    power_off = (controlled(axis, DISABLE_VOLTAGE), _without_power(axis, STATE_WITHIN // POLL))
+
+    def judge(statusword: int) -> Script:
+        if state_of(statusword) not in POWERED:
+            return power_off
+        return (controlled(axis, QUICK_STOP), _standing(axis, STANDSTILL_WITHIN // POLL), *power_off)
+
+    return (read(axis, at.STATUSWORD, DataType.UNSIGNED16, judge),)
+
+
+def _standing(axis: Axis, looks: int) -> Ask:
+    """Wait until the motor stands; so many looks are left."""
+
+    def judge(rpm: int) -> Script:
+        if abs(rpm) <= STANDSTILL_RPM:
+            return ()
+        if looks > 1:
+            return (pause(POLL), _standing(axis, looks - 1))
+        problem = f"the motor still turns with {rpm} rpm {STANDSTILL_WITHIN // SECOND} s after a quick stop"
+        return (pause(POLL), failing(axis, problem))
+
+    return read(axis, at.VELOCITY_AVERAGED, DataType.INTEGER32, judge)
+
+
+def _without_power(axis: Axis, looks: int) -> Ask:
+    """Wait until the power is off; so many looks are left."""
+
+    def judge(statusword: int) -> Script:
         if state_of(statusword) in (State.SWITCH_ON_DISABLED, State.FAULT):
-            return
-        yield _pause(POLL)
-    raise StartupError(axis, f"the power did not go off (statusword 0x{statusword:04X}, expected 0x0140)")
+            return ()
+        if looks > 1:
+            return (pause(POLL), _without_power(axis, looks - 1))
+        problem = f"the power did not go off (statusword 0x{statusword:04X}, expected 0x0140)"
+        return (pause(POLL), failing(axis, problem))
+
+    return read(axis, at.STATUSWORD, DataType.UNSIGNED16, judge)
 
 
-def _read(axis: Axis, address: at.Address, kind: DataType) -> Generator[Step, bytes, int]:
-    try:
-        return kind.decode((yield Transfer(address)))
-    except SdoError as error:
-        raise StartupError(axis, str(error)) from error
+def _farewell(axis: Axis, rows: tuple[Row, ...]) -> Script:
+    """Write what is written before leaving; a drive that refuses is left as it is."""
+    if not rows:
+        return (nmt(axis, NmtCommand.ENTER_PRE_OPERATIONAL),)
+
+    def judge(outcome: Outcome) -> Script:
+        # Its own watch over the heartbeat will stop it: that is what the watch is for.
+        return () if isinstance(outcome, SdoError) else _farewell(axis, rows[1:])
+
+    return (Ask(Transfer(rows[0].address, rows[0].raw, attempts=1), judge),)
 
 
-def _write(axis: Axis, controlword: int) -> Script:
-    try:
-        yield Transfer(at.CONTROLWORD, DataType.UNSIGNED16.encode(controlword))
-    except SdoError as error:
-        raise StartupError(axis, f"{error} (writing 0x{controlword:04X})") from error
+def _towards_enabled(axis: Axis, ear: Ear, set_point: SetPoint, resets: int) -> Script:
+    """Take the next step from the present state; `resets` faults were reset so far."""
+    heard = ear.heard
+    if heard.state is State.OPERATION_ENABLED:
+        heard.fault = 0
+        return ()
+    if heard.state is not State.FAULT:
+        word = TOWARDS_ENABLED.get(heard.state)
+        go_on = Do(lambda: _towards_enabled(axis, ear, set_point, resets))
+        return (*_turn(axis, ear, set_point, word), go_on)
+    if resets == FAULT_RESETS:
+        raise StartupError(axis, f"the fault came back after {resets} resets{_fault(ear)}")
+    return (
+        *_ask_for_fault(ear),
+        Do(lambda: (set_point.word(DISABLE_VOLTAGE),)),
+        pause(POLL),
+        Do(lambda: _turn(axis, ear, set_point, FAULT_RESET)),
+        Do(lambda: _cured(ear)),
+        Do(lambda: _towards_enabled(axis, ear, set_point, resets + 1)),
+    )
 
 
-def _nmt(axis: Axis, command: NmtCommand) -> Packet:
-    return Packet(CAN, canopen.NMT, canopen.encode_nmt(command, axis.node))
-
-
-def _pause(duration: Nanoseconds) -> Until:
-    return Until(lambda: False, duration)
+def _cured(ear: Ear) -> Script:
+    ear.heard.fault = 0
+    return ()
 
 
 def _ask_for_fault(ear: Ear) -> Script:
     """Learn the code of a fault from before this bridge listened; without an answer it stays unknown."""
-    if ear.heard.fault:
-        return
-    try:
-        raw = yield Transfer(NEWEST_ERROR)
-    except SdoError:
-        return
-    ear.heard.fault = int.from_bytes(raw[:2], "little")
+
+    def learn(outcome: Outcome) -> Script:
+        if not isinstance(outcome, SdoError):
+            ear.heard.fault = int.from_bytes(outcome[:2], "little")
+        return ()
+
+    return () if ear.heard.fault else (Ask(Transfer(NEWEST_ERROR), learn),)
 
 
 def _turn(axis: Axis, ear: Ear, set_point: SetPoint, controlword: int | None) -> Script:
     """Send a controlword, or none, and wait until the drive leaves its present state."""
     state = ear.heard.state
-    if controlword is not None:
-        yield set_point.word(controlword)
-    yield Until(
-        lambda: ear.heard.state is not state,
-        STATE_WITHIN,
-        lambda: StartupError(axis, _stuck(ear, state, controlword)),
+    return (
+        *(() if controlword is None else (set_point.word(controlword),)),
+        Until(
+            lambda: ear.heard.state is not state,
+            STATE_WITHIN,
+            lambda: StartupError(axis, _stuck(ear, state, controlword)),
+        ),
     )
 
 

@@ -31,7 +31,10 @@ class Fleet:
     @property
     def wake_at(self) -> Nanoseconds:
         """When the first drive wants to be woken."""
-        return min((drive.wake_at for drive in self.drives), default=NEVER)
+        at = NEVER
+        for drive in self.drives:
+            at = min(at, drive.wake_at)
+        return at
 
     def sampled(self, since: Nanoseconds) -> bool:
         """Whether every drive has answered the SYNC sent at `since`."""

@@ -24,6 +24,7 @@ class AbortCode(IntEnum):
     TOGGLE = (0x0503_0000, "toggle bit did not alternate")
     TIMEOUT = (0x0504_0000, "no answer in time")
     UNKNOWN_COMMAND = (0x0504_0001, "command specifier unknown")
+    CHECKSUM = (0x0504_0004, "check sum is wrong")
     OUT_OF_MEMORY = (0x0504_0005, "out of memory")
     UNSUPPORTED_ACCESS = (0x0601_0000, "access not supported here")
     WRITE_ONLY = (0x0601_0001, "object is write-only")

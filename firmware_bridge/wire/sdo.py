@@ -30,9 +30,11 @@ __all__ = [
     "decode_response",
     "encode_abort",
     "encode_download",
+    "encode_download_announcement",
     "encode_download_response",
     "encode_download_segment",
     "encode_download_segment_response",
+    "encode_download_unsized",
     "encode_upload",
     "encode_upload_response",
     "encode_upload_segment",
@@ -163,7 +165,17 @@ def encode_download(address: Address, raw: bytes) -> bytes:
     """Write an object: up to four bytes at once, more as the announcement of segments."""
     if 0 < len(raw) <= EXPEDITED:
         return _frame(_DOWNLOAD | (EXPEDITED - len(raw)) << 2 | _EXPEDITED | _SIZED, address, raw)
-    return _frame(_DOWNLOAD | _SIZED, address, len(raw).to_bytes(4, "little"))
+    return encode_download_announcement(address, len(raw))
+
+
+def encode_download_unsized(address: Address, raw: bytes) -> bytes:
+    """Write an object with four bytes of which the server takes as many as it has."""
+    return _frame(_DOWNLOAD | _EXPEDITED, address, raw.ljust(EXPEDITED, b"\0"))
+
+
+def encode_download_announcement(address: Address, size: int) -> bytes:
+    """Announce the segments of a download, however short it is."""
+    return _frame(_DOWNLOAD | _SIZED, address, size.to_bytes(4, "little"))
 
 
 def encode_download_segment(raw: bytes, *, toggle: bool, last: bool) -> bytes:

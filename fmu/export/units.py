@@ -1,7 +1,7 @@
 """The units that models may use, by their SI exponents."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 
@@ -36,6 +36,9 @@ UNITS: Final[Mapping[str, Unit]] = {
     "N/m": Unit(kg=1, s=-2),
     "N.m": Unit(kg=1, m=2, s=-2),
     "N.m.s/rad": Unit(kg=1, m=2, s=-1, rad=-1),
+    "N.m/rad": Unit(kg=1, m=2, s=-2, rad=-1),
+    "N.s/m": Unit(kg=1, s=-1),
+    "s/rad": Unit(s=1, rad=-1),
     "N.m/A": Unit(kg=1, m=2, s=-2, A=-1),
     "J": Unit(kg=1, m=2, s=-2),
     "A": Unit(A=1),
@@ -44,3 +47,11 @@ UNITS: Final[Mapping[str, Unit]] = {
     "H": Unit(kg=1, m=2, s=-2, A=-2),
 }
 """Units that models may use."""
+
+
+def per_second(name: str) -> tuple[str, Unit]:
+    """Return the unit of the rate of a quantity in this unit: its name and its exponents."""
+    unit = UNITS[name]
+    rate = replace(unit, s=unit.s - 1)
+    written = name.removesuffix("/s") + "/s2" if name.endswith("/s") else f"{name}/s"
+    return written, rate

@@ -159,7 +159,8 @@ def test_own_sine_cosine_and_arc_tangent(tmp_path: Path) -> None:
 
 def test_the_generated_c_calls_no_library_but_sqrt_and_fabs(fmu_file: dict[int, Path]) -> None:
     with ZipFile(fmu_file[3]) as archive:
-        called = set(re.findall(r"(\w+)\(", archive.read("sources/model.c").decode()))
+        text = "".join(archive.read(f"sources/{name}.c").decode() for name in ("model", "tangents"))
+    called = set(re.findall(r"(\w+)\(", re.sub(r'"[^"]*"', "", text)))
     ours = {name for name in called if name.startswith("fb_")}
     assert called - ours == {"sqrt", "fabs"}
 
@@ -206,7 +207,7 @@ def test_no_compiler_is_one_clear_error(monkeypatch: pytest.MonkeyPatch, tmp_pat
 
 
 def test_unknown_model_and_version_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(PlantError, match="no plant model 'mars'; there are: rars"):
+    with pytest.raises(PlantError, match=r"no plant model 'mars'; there are: .*rars"):
         build.build("mars", 3, tmp_path / "x.fmu")
     with pytest.raises(PlantError, match="FMI 1 is not offered"):
         build.build("rars", 1, tmp_path / "x.fmu")

@@ -7,7 +7,6 @@ the library's own time-outs, which read the real clock, never come into play.
 from collections.abc import Iterator
 from typing import Any, Final
 
-import can
 import canopen
 import pytest
 from canopen.objectdictionary import ODArray, ODRecord, ODVariable, datatypes
@@ -19,9 +18,9 @@ from emulators.servo.bank import ServoBank
 from emulators.servo.motor import DcMotor, DcMotors
 from emulators.wires import CanWire
 from emulators.world import World
-from firmware_bridge.node import CAN, Packet, Reaction
-from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds, from_seconds
-from firmware_bridge.wire.can import REMOTE, identifier
+from firmware_bridge.node import CAN
+from firmware_bridge.units import MILLISECOND
+from hil_tests.interop.virtual_master import Listener, VirtualBus
 
 NODE: Final = 1
 # RE50 with the platform's mass behind the gear, all at the motor's shaft.
@@ -57,39 +56,6 @@ PDO_PARAMETERS: Final = (
 )
 PDO_MAPPINGS: Final = (0x1600, 0x1A00)
 TUNED: Final = {0x60F6: (50, 20), 0x60F9: (4000, 80), 0x60FB: (600, 60, 900)}
-
-
-class Listener:
-    """The master's ear on the wire: a node that never speaks by itself."""
-
-    def __init__(self, network: canopen.Network) -> None:
-        self.network = network
-        self.heard: list[Packet] = []
-
-    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        self.heard.append(packet)
-        if not packet.address & REMOTE:
-            self.network.notify(identifier(packet.address), bytearray(packet.payload), now / 1e9)
-        return Reaction()
-
-    def wake(self, now: Nanoseconds) -> Reaction:
-        del now
-        return Reaction((), NEVER)
-
-
-class VirtualBus:
-    """What `canopen` takes for a python-can bus."""
-
-    def __init__(self, world: World, wire: CanWire, station: Any) -> None:
-        self.world, self.wire, self.station = world, wire, station
-
-    def send(self, message: can.Message) -> None:
-        address = message.arbitration_id | (REMOTE if message.is_remote_frame else 0)
-        self.wire.carry(self.station, Packet(CAN, address, bytes(message.data or b"\0" * message.dlc)))
-        self.runs(0.002)
-
-    def runs(self, seconds: float) -> None:
-        self.world.run(self.world.now + from_seconds(seconds))
 
 
 class Bench:

@@ -1,6 +1,6 @@
 """A ride: a short mission on the whole bench, written inside a test, and what became of it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -16,6 +16,9 @@ from firmware_bridge.units import from_seconds, to_seconds
 
 READY_S: Final = 3.0
 """By then the drives are set up, and the operator may arm."""
+SETTLED_S: Final = 3.9
+FIRST_S: Final = 4.0
+"""The first step of a story that goes on from the armed robot; the operator has spoken once since then."""
 ARMED: Final = Step(at_s=READY_S, title="arm", arm=True)
 
 
@@ -76,17 +79,50 @@ def ride(
 ) -> Ride:
     """Build the bench with an operator who does these steps; nothing has run yet."""
     machine = find("rars") if robot is None else robot
-    mission = Mission(
+    mission = story(*steps, seconds=seconds, noise=noise)
+    operator = ScriptedOperator(machine, mission, np.random.default_rng(seed))
+    return Ride(build(machine, operator, seed=seed, noise=mission.noise), operator)
+
+
+def story(*steps: Step, seconds: float, noise: Noise | None = None) -> Mission:
+    """A mission of these steps."""
+    return Mission(
         title="a story",
         duration_s=seconds,
         input=Input.STICK,
         noise=noise or Noise(),
         step=tuple(sorted(steps, key=lambda step: step.at_s)),
     )
-    operator = ScriptedOperator(machine, mission, np.random.default_rng(seed))
-    return Ride(build(machine, operator, seed=seed, noise=mission.noise), operator)
 
 
 def step(at_s: float, **does: object) -> Step:
     """One step of the operator."""
     return Step.model_validate({"at_s": at_s, "title": f"at {at_s:g} s", **does})
+
+
+class Armed:
+    """A quiet bench whose robot has just been armed: a story that begins so may go on from there."""
+
+    def __init__(self) -> None:
+        self._ride = ride(ARMED, seconds=2 * SETTLED_S)
+        self._ride.runs_until(SETTLED_S)
+        self._moment = self._ride.rig.snapshot()
+
+    @staticmethod
+    def suits(steps: tuple[Step, ...], how: Mapping[str, object]) -> bool:
+        """Whether a ride with these steps and options is the same until then."""
+        later = [step for step in steps if step is not ARMED]
+        return len(later) < len(steps) and set(how) == {"seconds"} and all(s.at_s >= FIRST_S for s in later)
+
+    def fork(self, *steps: Step, seconds: float) -> Ride:
+        """Go back to the settled robot, and on with these steps; the ride before ends."""
+        one = self._ride
+        one.rig.restore(self._moment)
+        one.rig.can_wire.unobserved()
+        one.rig.operator_wire.unobserved()
+        one.operator.take_over(story(*steps, seconds=seconds))
+        return Ride(one.rig, one.operator)
+
+    def finish(self) -> None:
+        """Let go of the plant."""
+        self._ride.rig.finish()

@@ -1,7 +1,9 @@
-"""Ports: where packets leave this process. CAN over every interface of python-can, datagrams over UDP."""
+"""Ports: where packets leave this process. CAN by python-can, datagrams by UDP, bytes by serial lines."""
 
 from firmware_bridge.shell.ports.can import open_can
 from firmware_bridge.shell.ports.port import LostPort, Port, PortError
+from firmware_bridge.shell.ports.pseudo_terminal import PseudoTerminal
+from firmware_bridge.shell.ports.serial_line import SerialLine
 from firmware_bridge.shell.ports.udp import UdpPort
 
-__all__ = ["LostPort", "Port", "PortError", "UdpPort", "open_can"]
+__all__ = ["LostPort", "Port", "PortError", "PseudoTerminal", "SerialLine", "UdpPort", "open_can"]

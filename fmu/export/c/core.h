@@ -8,19 +8,30 @@
 
 #include "model.h"
 
-/* Variables by value reference: time, inputs, parameters, readings. */
+/* Variables by value reference: time, inputs, parameters, outputs, locals, rates of the states. */
 #define FB_FIRST_INPUT 1
 #define FB_FIRST_PARAMETER (FB_FIRST_INPUT + FB_INPUTS)
 #define FB_FIRST_READING (FB_FIRST_PARAMETER + FB_PARAMETERS)
-#define FB_VARIABLES (FB_FIRST_READING + FB_READINGS)
+#define FB_FIRST_LOCAL (FB_FIRST_READING + FB_OUTPUTS)
+#define FB_READINGS (FB_OUTPUTS + FB_LOCALS)
+#define FB_FIRST_RATE (FB_FIRST_READING + FB_READINGS)
+#define FB_VARIABLES (FB_FIRST_RATE + FB_STATES)
 
 typedef enum {
   FB_INSTANTIATED = 1,
   FB_INITIALISING = 2,
-  FB_STEPPING = 4,
-  FB_TERMINATED = 8,
-  FB_FAILED = 16
+  FB_STEPPING = 4,    /* co-simulation */
+  FB_EVENT = 8,       /* model exchange */
+  FB_CONTINUOUS = 16, /* model exchange */
+  FB_TERMINATED = 32,
+  FB_FAILED = 64
 } fb_phase;
+
+#define FB_RUNNING (FB_STEPPING | FB_EVENT | FB_CONTINUOUS)
+#define FB_ALIVE (FB_INSTANTIATED | FB_INITIALISING | FB_RUNNING | FB_TERMINATED)
+
+/* The status that a message comes with, as both versions of FMI count it; each has a category. */
+typedef enum { FB_OK, FB_WARNING, FB_DISCARD, FB_ERROR } fb_level;
 
 /* All that a run changes: saved and restored by copying. */
 typedef struct {
@@ -29,9 +40,10 @@ typedef struct {
   double constants[FB_CONSTANTS];
   double stop_time;
   int phase;
+  int fresh; /* variables below this value reference are up to date */
+  bool exchange;
   bool stop_time_defined;
   bool stale_constants;
-  bool stale_readings;
 } fb_image;
 
 typedef struct {
@@ -39,35 +51,66 @@ typedef struct {
   char *name;
   void *environment;
   const void *logger;
-  bool logging;
+  int levels; /* one bit for each fb_level that is logged */
 } fb_instance;
 
 /* Written from the equations. */
 extern const char *const fb_names[FB_VARIABLES];
-extern const double fb_parameter_starts[FB_PARAMETERS];
+extern const double fb_parameter_starts[];
 extern const char *const fb_state_names[FB_STATES];
-extern const int fb_state_of_reading[FB_READINGS]; /* -1: cannot be set */
+extern const double fb_state_nominals[FB_STATES];
+extern const int fb_state_of_reading[FB_READINGS]; /* -1: is no state */
+extern const int fb_settable_state[FB_READINGS];   /* -1: cannot be set */
 void fb_constants(const double *restrict p, double *restrict k);
 void fb_starts(const double *restrict p, const double *restrict k, double *restrict s);
 void fb_rates(const double *restrict s, const double *restrict u, const double *restrict p,
               const double *restrict k, double *restrict rate);
-void fb_readings(const double *restrict s, const double *restrict u, const double *restrict p,
-                 const double *restrict k, double *restrict reading);
+void fb_outputs(const double *restrict s, const double *restrict u, const double *restrict p,
+                const double *restrict k, double *restrict reading);
+void fb_locals(const double *restrict s, const double *restrict u, const double *restrict p,
+               const double *restrict k, double *restrict reading);
 
 /* The shared part of the shells. Functions that can fail return false after telling the logger why. */
 fb_instance *fb_instantiate(const char *name, const char *token, void *environment, const void *logger,
-                            bool logging);
+                            bool logging, bool exchange);
 void fb_free(fb_instance *instance);
 void fb_reset(fb_instance *instance);
-bool fb_allowed(fb_instance *instance, const char *function, int phases);
+void fb_move(fb_instance *instance, fb_phase phase);
 bool fb_enter_initialisation(fb_instance *instance, double start_time, bool stop_defined, double stop_time);
 bool fb_exit_initialisation(fb_instance *instance);
 bool fb_set(fb_instance *instance, const unsigned *references, size_t count, const double *values);
 bool fb_get(fb_instance *instance, const unsigned *references, size_t count, double *values);
-bool fb_step(fb_instance *instance, double from, double length);
-void fb_fail(fb_instance *instance, const char *format, ...);
+void fb_refresh_constants(fb_image *image);
 
-/* Given by each shell: pass one finished error message on. Instance may be NULL on instantiation only. */
-void fb_log_error(void *environment, const void *logger, const char *name, const char *message);
+/* Co-simulation: step.c */
+bool fb_step(fb_instance *instance, double from, double length);
+
+/* Model exchange: exchange.c */
+bool fb_set_time(fb_instance *instance, double time);
+bool fb_set_states(fb_instance *instance, const double *states, size_t count);
+bool fb_get_states(fb_instance *instance, double *states, size_t count);
+bool fb_get_nominals(fb_instance *instance, double *nominals, size_t count);
+fb_level fb_get_rates(fb_instance *instance, double *rates, size_t count);
+
+/* Directional derivatives: slopes.c */
+bool fb_slopes(fb_instance *instance, const unsigned *unknowns, size_t unknown_count, const unsigned *knowns,
+               size_t known_count, const double *seed, double *slopes);
+
+/* Saved states: states.c */
+bool fb_save(fb_instance *instance, void **state);
+bool fb_restore(fb_instance *instance, const void *state);
+size_t fb_serial_size(void);
+bool fb_serialise(fb_instance *instance, const void *state, char *bytes, size_t size);
+bool fb_deserialise(fb_instance *instance, const char *bytes, size_t size, void **state);
+
+/* Messages: messages.c */
+bool fb_allowed(fb_instance *instance, const char *function, int phases);
+void fb_fail(fb_instance *instance, const char *format, ...);
+void fb_say(fb_instance *instance, fb_level level, const char *format, ...);
+bool fb_listen(fb_instance *instance, bool on, size_t count, const char *const *categories);
+extern const char *const fb_categories[4];
+
+/* Given by each shell: pass one finished message on. */
+void fb_emit(void *environment, const void *logger, const char *name, fb_level level, const char *message);
 
 #endif

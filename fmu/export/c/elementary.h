@@ -18,6 +18,13 @@ static inline double fb_positive_part(double x) { return x > 0.0 ? x : 0.0; }
 static inline double fb_clamped(double x, double bound) { return x > bound ? bound : x < -bound ? -bound : x; }
 static inline double fb_fourth(double x) { return fb_square(fb_square(x)); }
 
+/* Slopes of |x|, positive_part(x), clamped(x, b) by x and by b, and of the square root: 0 at their corners. */
+static inline double fb_sign(double x) { return x > 0.0 ? 1.0 : x < 0.0 ? -1.0 : 0.0; }
+static inline double fb_step_at(double x) { return x > 0.0 ? 1.0 : 0.0; }
+static inline double fb_inside(double x, double bound) { return x < bound && x > -bound ? 1.0 : 0.0; }
+static inline double fb_outside(double x, double bound) { return x > bound ? 1.0 : x < -bound ? -1.0 : 0.0; }
+static inline double fb_root_slope(double x) { return x > 0.0 ? 0.5 / sqrt(x) : 0.0; }
+
 /* Taylor series on -pi/4..pi/4; the first neglected terms are below 1e-19 and 3e-18. */
 static inline double fb_sine_core(double x) {
   double z = x * x;

@@ -1,20 +1,11 @@
-/* FMI 2.0 co-simulation shell: phases and statuses; the rest is core.c. */
+/* FMI 2.0 shell: phases, values, co-simulation steps. The rest of FMI 2.0 is in fmi2_exchange.c,
+   fmi2_states.c and fmi2_absent.c; the work is done in core.c and its neighbours. */
 
-#include <stdlib.h>
 #include <string.h>
 
-#include "core.h"
-#include "fmi2Functions.h"
+#include "fmi2_shell.h"
 
-#define ALIVE (FB_INSTANTIATED | FB_INITIALISING | FB_STEPPING | FB_TERMINATED)
-#define SETTABLE (FB_INSTANTIATED | FB_INITIALISING | FB_STEPPING)
-#define NEED(phases)                                                           \
-  fb_instance *self = component;                                               \
-  if (!self || !fb_allowed(self, __func__, phases)) return fmi2Error
-
-static fmi2Status status(bool good) { return good ? fmi2OK : fmi2Error; }
-
-void fb_log_error(void *environment, const void *logger, const char *name, const char *message) {
+void fb_emit(void *environment, const void *logger, const char *name, fb_level level, const char *message) {
   const fmi2CallbackFunctions *functions = logger;
   char format[512];
   size_t n = 0;
@@ -25,7 +16,7 @@ void fb_log_error(void *environment, const void *logger, const char *name, const
     format[n++] = *message;
   }
   format[n] = '\0';
-  functions->logger(environment, name ? name : "", fmi2Error, "logStatusError", format);
+  functions->logger(environment, name ? name : "", (fmi2Status)level, fb_categories[level], format);
 }
 
 const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
@@ -33,11 +24,8 @@ const char *fmi2GetVersion(void) { return fmi2Version; }
 
 fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean on, size_t count,
                                const fmi2String categories[]) {
-  NEED(ALIVE | FB_FAILED);
-  (void)count;
-  (void)categories;
-  self->logging = on != fmi2False;
-  return fmi2OK;
+  NEED(FB_ALIVE | FB_FAILED);
+  return fb_listen(self, on != fmi2False, count, categories) ? fmi2OK : fmi2Warning;
 }
 
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String token, fmi2String resources,
@@ -45,11 +33,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String token, 
                               fmi2Boolean logging) {
   void *environment = functions ? functions->componentEnvironment : NULL;
   (void)resources, (void)visible;
-  if (type != fmi2CoSimulation) {
-    fb_log_error(environment, functions, name, "model exchange is not offered, co-simulation is");
-    return NULL;
-  }
-  return fb_instantiate(name, token, environment, functions, logging != fmi2False);
+  return fb_instantiate(name, token, environment, functions, logging != fmi2False, type == fmi2ModelExchange);
 }
 
 void fmi2FreeInstance(fmi2Component component) { fb_free(component); }
@@ -76,26 +60,27 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component component) {
 }
 
 fmi2Status fmi2Terminate(fmi2Component component) {
-  NEED(FB_STEPPING);
-  self->image.phase = FB_TERMINATED;
+  NEED(FB_RUNNING);
+  fb_move(self, FB_TERMINATED);
   return fmi2OK;
 }
 
 fmi2Status fmi2Reset(fmi2Component component) {
-  NEED(ALIVE | FB_FAILED);
+  NEED(FB_ALIVE | FB_FAILED);
   fb_reset(self);
+  fb_say(self, FB_OK, "reset");
   return fmi2OK;
 }
 
 fmi2Status fmi2GetReal(fmi2Component component, const fmi2ValueReference references[], size_t count,
                        fmi2Real values[]) {
-  NEED(ALIVE);
+  NEED(FB_ALIVE);
   return status(fb_get(self, references, count, values));
 }
 
 fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference references[], size_t count,
                        const fmi2Real values[]) {
-  NEED(SETTABLE);
+  NEED(FB_ALIVE & ~FB_TERMINATED);
   return status(fb_set(self, references, count, values));
 }
 
@@ -103,50 +88,4 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real from, fmi2Real length, f
   NEED(FB_STEPPING);
   (void)no_rollback;
   return status(fb_step(self, from, length));
-}
-
-fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate *state) {
-  NEED(ALIVE);
-  if (!*state) *state = malloc(sizeof(fb_image));
-  if (!*state) return fmi2Error;
-  memcpy(*state, &self->image, sizeof(fb_image));
-  return fmi2OK;
-}
-
-fmi2Status fmi2SetFMUstate(fmi2Component component, fmi2FMUstate state) {
-  NEED(ALIVE | FB_FAILED);
-  if (!state) return fmi2Error;
-  memcpy(&self->image, state, sizeof(fb_image));
-  return fmi2OK;
-}
-
-fmi2Status fmi2FreeFMUstate(fmi2Component component, fmi2FMUstate *state) {
-  NEED(ALIVE | FB_FAILED);
-  free(*state);
-  *state = NULL;
-  return fmi2OK;
-}
-
-fmi2Status fmi2SerializedFMUstateSize(fmi2Component component, fmi2FMUstate state, size_t *size) {
-  NEED(ALIVE);
-  (void)state;
-  *size = sizeof(fb_image);
-  return fmi2OK;
-}
-
-fmi2Status fmi2SerializeFMUstate(fmi2Component component, fmi2FMUstate state, fmi2Byte bytes[], size_t size) {
-  NEED(ALIVE);
-  if (size < sizeof(fb_image)) return fmi2Error;
-  memcpy(bytes, state, sizeof(fb_image));
-  return fmi2OK;
-}
-
-fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte bytes[], size_t size,
-                                   fmi2FMUstate *state) {
-  NEED(ALIVE | FB_FAILED);
-  if (size != sizeof(fb_image)) return fmi2Error;
-  if (!*state) *state = malloc(sizeof(fb_image));
-  if (!*state) return fmi2Error;
-  memcpy(*state, bytes, sizeof(fb_image));
-  return fmi2OK;
 }

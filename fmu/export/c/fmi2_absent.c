@@ -28,8 +28,6 @@ TYPE(Integer)
 TYPE(Boolean)
 TYPE(String)
 
-ABSENT(fmi2GetDirectionalDerivative, REFERENCES, const fmi2ValueReference knowns[], size_t known,
-       const fmi2Real seed[], fmi2Real sensitivity[])
 ABSENT(fmi2SetRealInputDerivatives, REFERENCES, const fmi2Integer order[], const fmi2Real value[])
 ABSENT(fmi2GetRealOutputDerivatives, REFERENCES, const fmi2Integer order[], fmi2Real value[])
 fmi2Status fmi2CancelStep(fmi2Component component) { return absent(component, "fmi2CancelStep", 1); }

@@ -1,35 +1,23 @@
-/* FMI 3.0 co-simulation shell: phases and statuses; the rest is core.c. */
+/* FMI 3.0 shell: phases, values, co-simulation steps. The rest of FMI 3.0 is in fmi3_exchange.c,
+   fmi3_states.c and fmi3_absent.c; the work is done in core.c and its neighbours. */
 
-#include <stdlib.h>
 #include <string.h>
 
-#include "core.h"
-#include "fmi3Functions.h"
+#include "fmi3_shell.h"
 
-#define ALIVE (FB_INSTANTIATED | FB_INITIALISING | FB_STEPPING | FB_TERMINATED)
-#define SETTABLE (FB_INSTANTIATED | FB_INITIALISING | FB_STEPPING)
-#define NEED(phases)                                                           \
-  fb_instance *self = instance;                                                \
-  if (!self || !fb_allowed(self, __func__, phases)) return fmi3Error
-
-static fmi3Status status(bool good) { return good ? fmi3OK : fmi3Error; }
-
-void fb_log_error(void *environment, const void *logger, const char *name, const char *message) {
+void fb_emit(void *environment, const void *logger, const char *name, fb_level level, const char *message) {
   fmi3LogMessageCallback log;
   (void)name;
   memcpy(&log, &logger, sizeof log);
-  if (log) log(environment, fmi3Error, "logStatusError", message);
+  if (log) log(environment, (fmi3Status)level, fb_categories[level], message);
 }
 
 const char *fmi3GetVersion(void) { return "3.0"; }
 
 fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean on, size_t count,
                                const fmi3String categories[]) {
-  NEED(ALIVE | FB_FAILED);
-  (void)count;
-  (void)categories;
-  self->logging = on;
-  return fmi3OK;
+  NEED(FB_ALIVE | FB_FAILED);
+  return fb_listen(self, on, count, categories) ? fmi3OK : fmi3Warning;
 }
 
 fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources,
@@ -41,10 +29,19 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
   (void)resources, (void)visible, (void)events, (void)early, (void)required, (void)update;
   memcpy(&logger, &log, sizeof logger);
   if (count > 0) {
-    fb_log_error(environment, logger, name, "instantiate: there are no intermediate variables");
+    fb_emit(environment, logger, name, FB_ERROR, "instantiate: there are no intermediate variables");
     return NULL;
   }
-  return fb_instantiate(name, token, environment, logger, logging);
+  return fb_instantiate(name, token, environment, logger, logging, false);
+}
+
+fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String resources,
+                                          fmi3Boolean visible, fmi3Boolean logging,
+                                          fmi3InstanceEnvironment environment, fmi3LogMessageCallback log) {
+  const void *logger;
+  (void)resources, (void)visible;
+  memcpy(&logger, &log, sizeof logger);
+  return fb_instantiate(name, token, environment, logger, logging, true);
 }
 
 void fmi3FreeInstance(fmi3Instance instance) { fb_free(instance); }
@@ -63,20 +60,21 @@ fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
 }
 
 fmi3Status fmi3Terminate(fmi3Instance instance) {
-  NEED(FB_STEPPING);
-  self->image.phase = FB_TERMINATED;
+  NEED(FB_RUNNING);
+  fb_move(self, FB_TERMINATED);
   return fmi3OK;
 }
 
 fmi3Status fmi3Reset(fmi3Instance instance) {
-  NEED(ALIVE | FB_FAILED);
+  NEED(FB_ALIVE | FB_FAILED);
   fb_reset(self);
+  fb_say(self, FB_OK, "reset");
   return fmi3OK;
 }
 
 fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
                           fmi3Float64 values[], size_t value_count) {
-  NEED(ALIVE);
+  NEED(FB_ALIVE);
   if (value_count != count) {
     fb_fail(self, "fmi3GetFloat64: %u values for %u variables", (unsigned)value_count, (unsigned)count);
     return fmi3Error;
@@ -86,7 +84,7 @@ fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference refere
 
 fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
                           const fmi3Float64 values[], size_t value_count) {
-  NEED(SETTABLE);
+  NEED(FB_ALIVE & ~FB_TERMINATED);
   if (value_count != count) {
     fb_fail(self, "fmi3SetFloat64: %u values for %u variables", (unsigned)value_count, (unsigned)count);
     return fmi3Error;
@@ -105,50 +103,4 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 from, fmi3Float64 lengt
   if (early) *early = false;
   if (last) *last = self->image.values[0];
   return status(good);
-}
-
-fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *state) {
-  NEED(ALIVE);
-  if (!*state) *state = malloc(sizeof(fb_image));
-  if (!*state) return fmi3Error;
-  memcpy(*state, &self->image, sizeof(fb_image));
-  return fmi3OK;
-}
-
-fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState state) {
-  NEED(ALIVE | FB_FAILED);
-  if (!state) return fmi3Error;
-  memcpy(&self->image, state, sizeof(fb_image));
-  return fmi3OK;
-}
-
-fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *state) {
-  NEED(ALIVE | FB_FAILED);
-  free(*state);
-  *state = NULL;
-  return fmi3OK;
-}
-
-fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState state, size_t *size) {
-  NEED(ALIVE);
-  (void)state;
-  *size = sizeof(fb_image);
-  return fmi3OK;
-}
-
-fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState state, fmi3Byte bytes[], size_t size) {
-  NEED(ALIVE);
-  if (size < sizeof(fb_image)) return fmi3Error;
-  memcpy(bytes, state, sizeof(fb_image));
-  return fmi3OK;
-}
-
-fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte bytes[], size_t size,
-                                   fmi3FMUState *state) {
-  NEED(ALIVE | FB_FAILED);
-  if (size != sizeof(fb_image)) return fmi3Error;
-  if (!*state) *state = malloc(sizeof(fb_image));
-  if (!*state) return fmi3Error;
-  memcpy(*state, bytes, sizeof(fb_image));
-  return fmi3OK;
 }

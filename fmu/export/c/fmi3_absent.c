@@ -45,8 +45,6 @@ ABSENT(fmi3SetClock, REFERENCES, const fmi3Clock values[])
 ABSENT(fmi3GetNumberOfVariableDependencies, fmi3ValueReference reference, size_t *n)
 ABSENT(fmi3GetVariableDependencies, fmi3ValueReference dependent, size_t elements[],
        fmi3ValueReference independents[], size_t of[], fmi3DependencyKind kinds[], size_t n)
-ABSENT(fmi3GetDirectionalDerivative, REFERENCES, const fmi3ValueReference knowns[], size_t known,
-       const fmi3Float64 seed[], size_t seeds, fmi3Float64 sensitivity[], size_t n)
 ABSENT(fmi3GetAdjointDerivative, REFERENCES, const fmi3ValueReference knowns[], size_t known,
        const fmi3Float64 seed[], size_t seeds, fmi3Float64 sensitivity[], size_t n)
 ABSENT_MODE(fmi3EnterConfigurationMode)
@@ -60,31 +58,10 @@ ABSENT(fmi3SetIntervalDecimal, REFERENCES, const fmi3Float64 intervals[])
 ABSENT(fmi3SetIntervalFraction, REFERENCES, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
 ABSENT(fmi3SetShiftDecimal, REFERENCES, const fmi3Float64 shifts[])
 ABSENT(fmi3SetShiftFraction, REFERENCES, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[])
-ABSENT_MODE(fmi3EnterEventMode)
 ABSENT_MODE(fmi3EnterStepMode)
 ABSENT_MODE(fmi3EvaluateDiscreteStates)
-ABSENT(fmi3UpdateDiscreteStates, fmi3Boolean *update, fmi3Boolean *terminate, fmi3Boolean *nominals,
-       fmi3Boolean *values, fmi3Boolean *defined, fmi3Float64 *next)
-ABSENT_MODE(fmi3EnterContinuousTimeMode)
-ABSENT(fmi3CompletedIntegratorStep, fmi3Boolean no_rollback, fmi3Boolean *event, fmi3Boolean *terminate)
-ABSENT(fmi3SetTime, fmi3Float64 time)
-ABSENT(fmi3SetContinuousStates, const fmi3Float64 states[], size_t n)
-ABSENT(fmi3GetContinuousStateDerivatives, fmi3Float64 derivatives[], size_t n)
-ABSENT(fmi3GetEventIndicators, fmi3Float64 indicators[], size_t n)
-ABSENT(fmi3GetContinuousStates, fmi3Float64 states[], size_t n)
-ABSENT(fmi3GetNominalsOfContinuousStates, fmi3Float64 nominals[], size_t n)
-ABSENT(fmi3GetNumberOfEventIndicators, size_t *n)
-ABSENT(fmi3GetNumberOfContinuousStates, size_t *n)
 ABSENT(fmi3GetOutputDerivatives, REFERENCES, const fmi3Int32 orders[], fmi3Float64 values[], size_t n)
 ABSENT(fmi3ActivateModelPartition, fmi3ValueReference clock, fmi3Float64 time)
-
-fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String resources,
-                                          fmi3Boolean visible, fmi3Boolean logging,
-                                          fmi3InstanceEnvironment environment, fmi3LogMessageCallback log) {
-  (void)name, (void)token, (void)resources, (void)visible, (void)logging;
-  if (log) log(environment, fmi3Error, "logStatusError", "model exchange is not offered, co-simulation is");
-  return NULL;
-}
 
 fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token, fmi3String resources,
                                                fmi3Boolean visible, fmi3Boolean logging,

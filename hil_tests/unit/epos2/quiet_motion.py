@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from emulators.epos2.drive import Epos2
+from emulators.epos2.memory import Storage
 from emulators.epos2.profile import EPOS2_70_10, DeviceProfile
 from emulators.epos2.store import ObjectStore
 from emulators.servo.axis import ServoAxis
@@ -59,9 +60,18 @@ class QuietMotion:
 class Desk:
     """One drive and the time on the clock beside it. Frames are written `"601#2B17100064000000"`."""
 
-    def __init__(self, profile: DeviceProfile = EPOS2_70_10) -> None:
+    def __init__(
+        self,
+        profile: DeviceProfile = EPOS2_70_10,
+        *,
+        node: int = NODE,
+        storage: Storage | None = None,
+        bus_rate: int | None = None,
+    ) -> None:
         self.motions: list[QuietMotion] = []
-        self.drive = Epos2(NODE, ServoAxis("desk", 2000), profile, self._motion)
+        self.drive = Epos2(
+            node, ServoAxis("desk", 2000), profile, self._motion, storage=storage, bus_rate=bus_rate
+        )
         self.now: Nanoseconds = 0
         self.due: Nanoseconds = 0
 

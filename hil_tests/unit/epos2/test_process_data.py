@@ -49,6 +49,7 @@ def test_a_longer_pdo_can_be_made_to_be_ignored() -> None:
 
 
 @pytest.mark.parametrize("frame", ["201#", "201#0F", "501#0F00000000"])
+@pytest.mark.emergency(0x8210)
 def test_a_shorter_pdo_writes_nothing_and_is_an_emergency(desk: Desk, frame: str) -> None:
     assert desk.hears(frame) == ["081#1082100000000000"]
     assert desk.motion.written == []
@@ -217,5 +218,6 @@ def test_a_remote_request_is_answered_where_it_is_allowed(cob_id: int, answers: 
     assert desk.hears("181#R2") == []
 
 
+@pytest.mark.emergency(0x8150)
 def test_somebody_else_with_the_drive_s_identifier_is_an_emergency(desk: Desk) -> None:
     assert desk.hears("181#4007") == ["081#5081100000000000"]

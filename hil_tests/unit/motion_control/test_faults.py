@@ -19,6 +19,7 @@ def moving(drive: "Drive") -> None:
     drive.run(300)
 
 
+@pytest.mark.emergency(0x3220)
 def test_loss_of_power_is_reported_at_once_and_switches_off(drive: "Drive") -> None:
     # Recorded from an EPOS2 at loss of power: 081 [8] 20 32 04 ..., code 0x3220.
     moving(drive)
@@ -30,6 +31,7 @@ def test_loss_of_power_is_reported_at_once_and_switches_off(drive: "Drive") -> N
     assert not drive.axis.powered
 
 
+@pytest.mark.emergency(0x3210)
 def test_a_fault_without_power_passes_through_the_disabled_reaction(drive: "Drive") -> None:
     drive.axis.supply_mv = 80_000
     drive.run(2)
@@ -105,6 +107,7 @@ def test_an_error_without_a_reaction_is_only_reported(drive: "Drive") -> None:
     ],
     ids=["none", "fault", "disable voltage", "quick stop"],
 )
+@pytest.mark.emergency(0x8130)
 def test_a_lost_connection_reacts_as_0x6007_says(
     drive: "Drive", option: int, milliseconds: int, end: State
 ) -> None:
@@ -117,6 +120,7 @@ def test_a_lost_connection_reacts_as_0x6007_says(
     assert drive.stands_in(end)
 
 
+@pytest.mark.emergency(0x8611)
 def test_a_shaft_that_cannot_follow_raises_the_following_error(drive: "Drive") -> None:
     drive.enable(mode=1)
     drive.plant.load[0] = -0.08

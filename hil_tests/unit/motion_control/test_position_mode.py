@@ -157,6 +157,7 @@ def test_ending_a_halt_does_not_return_to_a_target_of_long_ago(drive: "Drive") -
         (1001, RELATIVE_IMMEDIATE, False),
     ],
 )
+@pytest.mark.emergency(0xFF09)
 def test_targets_stay_within_the_software_limits(
     drive: "Drive", target: int, word: int, *, allowed: bool
 ) -> None:

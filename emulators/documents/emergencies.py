@@ -1,0 +1,78 @@
+"""The emergencies against the states of the power machine: what each does where, and what ends it.
+
+Computed from the tables that the emulation works with.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+from emulators.epos2.power import BY_TRIGGER, Happening
+from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.epos2.emergency import EMERGENCIES, Emergency, FaultReaction, Recovery
+
+HEADINGS: Final = (
+    "code",
+    "cause",
+    "0x1001",
+    "not enabled",
+    "enabled",
+    "recovery",
+    "known",
+    "tests",
+)
+_RECOVERY: Final = {
+    Recovery.FAULT_RESET: "fault reset",
+    Recovery.RESET_COMMUNICATION: "reset communication, then fault reset",
+    Recovery.RESET_NODE: "reset node",
+}
+_ENABLED: Final = {
+    FaultReaction.NONE: "told only",
+    FaultReaction.DISABLE: "power off at once, Fault",
+    FaultReaction.QUICK_STOP: "as 0x605E says, by default ramp with 0x6085; power off, Fault",
+}
+CONNECTION: Final = 0x8130
+UNTESTED: Final = "no cause in the emulation yet"
+
+Tests = Mapping[int, Sequence[str]]
+"""Names of the tests that reach an emergency by its cause, by its code."""
+
+
+def cells(row: Emergency, tests: Tests) -> tuple[str, ...]:
+    """Return the texts of one line, as `HEADINGS` names them."""
+    told_only = row.reaction is FaultReaction.NONE
+    powered = _ENABLED[row.reaction]
+    if row.code == CONNECTION:
+        powered = "as 0x6007 says, by default ramp with 0x6085; power off, Fault"
+    return (
+        f"0x{row.code:04X}",
+        row.cause,
+        f"0x{row.register:02X}",
+        "told only" if told_only else "Fault",
+        powered,
+        "none needed" if told_only else _RECOVERY[row.recovery],
+        row.provenance.value,
+        ", ".join(tests.get(row.code, ())) or UNTESTED,
+    )
+
+
+def table(tests: Tests) -> list[tuple[str, ...]]:
+    """Return every line, in the order of the codes."""
+    return [cells(EMERGENCIES[code], tests) for code in sorted(EMERGENCIES)]
+
+
+def states_not_enabled() -> tuple[State, ...]:
+    """Return the states that a fault leaves by way of the reaction while disabled (transition 13)."""
+    return _faulting(State.FAULT_REACTION_DISABLED)
+
+
+def states_enabled() -> tuple[State, ...]:
+    """Return the states that a fault leaves by way of the reaction while enabled (transition 17)."""
+    return _faulting(State.FAULT_REACTION_ENABLED)
+
+
+def _faulting(target: State) -> tuple[State, ...]:
+    return tuple(
+        source
+        for (source, trigger), row in BY_TRIGGER.items()
+        if trigger is Happening.FAULT and row.target is target
+    )

@@ -1,0 +1,137 @@
+"""The ledger: what of the emulated drive is proven, documented, by analogy, or assumed, and from where.
+
+It is read from the tables that the emulation works with, and from the assumptions that its modules state.
+"""
+
+import re
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import emulators
+from emulators.documents.objects import entries
+from emulators.epos2.catalogue import PROFILES
+from emulators.epos2.profile import EPOS2_70_10, choices
+from emulators.epos2.rules import RULES
+from firmware_bridge.wire.epos2.emergency import EMERGENCIES
+from firmware_bridge.wire.epos2.objects import OBJECTS
+from firmware_bridge.wire.epos2.rows import Provenance
+
+ORDER: Final = tuple(Provenance)
+_FIGURES: Final = (
+    "order_numbers",
+    "hardware_version",
+    "software_version",
+    "continuous_current_ma",
+    "peak_current_ma",
+    "supply_v",
+)
+_ROOT: Final = Path(emulators.__file__).parent
+_MODULES: Final = ("epos2", "servo", "wires")
+_ASSUMPTION: Final = re.compile(
+    r"""(?:(?P<before>[^."()]{3,}[.:;]?)\s*\(?)?ASSUME: (?P<what>.+?)"""
+    r"""(?:\.(?=\s|$|"|\))|\)(?=[.;:, ]|$)|\"{3})"""
+)
+_SILENT: Final = re.compile(r"Where (?:it is|they are|the sources are) silent: (?P<what>.+?)\"{3}")
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """One thing that the emulation does, and how far it is known."""
+
+    part: str
+    what: str
+    provenance: Provenance
+    source: str
+
+
+def ledger() -> tuple[Line, ...]:
+    """Return every line, part by part."""
+    return (*_objects(), *_defaults(), *_rules(), *_choices(), *_types(), *_emergencies(), *_stated())
+
+
+def counted() -> dict[str, Counter[Provenance]]:
+    """Return how many lines of each part are known how far."""
+    found: dict[str, Counter[Provenance]] = {}
+    for line in ledger():
+        found.setdefault(line.part, Counter())[line.provenance] += 1
+    return found
+
+
+def _objects() -> Iterator[Line]:
+    for row in OBJECTS.values():
+        yield Line("objects", f"{row.address} {row.name}", row.provenance, row.source)
+
+
+def _defaults() -> Iterator[Line]:
+    for entry in entries(EPOS2_70_10):
+        row = entry.row
+        what = f"{row.address} {row.name}: {entry.default_text or 'empty'}"
+        yield Line("defaults of the 70/10", what, row.default_provenance, row.default_source)
+
+
+def _rules() -> Iterator[Line]:
+    for rule in RULES:
+        what = f"{rule.address} {OBJECTS[rule.address].name} takes only {_span(tuple(rule.allowed))}"
+        yield Line("refused values", what, rule.provenance, rule.source)
+
+
+def _span(values: tuple[int, ...]) -> str:
+    ordered = sorted(values)
+    if len(ordered) > 2 and ordered == list(range(ordered[0], ordered[-1] + 1)):  # noqa: PLR2004 - a range
+        return f"{ordered[0]} to {ordered[-1]}"
+    return ", ".join(map(str, ordered))
+
+
+def _choices() -> Iterator[Line]:
+    for name, value, provenance, source in choices():
+        yield Line("choices of the profile", f"{name} = {value}", provenance, source)
+
+
+def _types() -> Iterator[Line]:
+    for profile in PROFILES.values():
+        for name in _FIGURES:
+            mark = profile.known(name)
+            value = getattr(profile, name)
+            if name in {"hardware_version", "software_version"} and value:
+                value = f"{value:#06x}"
+            elif isinstance(value, tuple):
+                value = ", ".join(value)
+            what = f"{profile.name}: {name} = {value or 'not known'}"
+            yield Line("figures of the types", what, mark.provenance, mark.source)
+
+
+def _emergencies() -> Iterator[Line]:
+    for row in EMERGENCIES.values():
+        yield Line("emergencies", f"0x{row.code:04X} {row.cause}", row.provenance, row.source)
+
+
+def _stated() -> Iterator[Line]:
+    """Give the assumptions that the modules of the drive state where they make them."""
+    for folder in _MODULES:
+        for path in sorted((_ROOT / folder).rglob("*.py")):
+            where = path.relative_to(_ROOT.parent).as_posix()
+            for what in stated(path.read_text(encoding="utf-8")):
+                yield Line("stated assumptions", what, Provenance.ASSUMED, where)
+
+
+def stated(text: str) -> list[str]:
+    """Return the assumptions that a module's comments and docstrings state, with what they are about."""
+    flat = " ".join(line.strip().removeprefix("#").strip() for line in text.splitlines())
+    said = [_joined(it["before"] or "", it["what"]) for it in _ASSUMPTION.finditer(_SILENT.sub("", flat))]
+    silent = [
+        part
+        for it in _SILENT.finditer(flat)
+        for part in (it["what"].split(" * ") if it["what"].startswith("* ") else it["what"].split("; "))
+    ]
+    return [line for line in (" ".join(each.split()).strip("* .") for each in (*said, *silent)) if line]
+
+
+def _joined(before: str, what: str) -> str:
+    """Put what an assumption is about in front of it, where the text before is a sentence."""
+    before = before.strip()
+    if not before or not before[0].isupper():
+        return what
+    return f"{before.rstrip('.:')}: {what}"

@@ -1,0 +1,119 @@
+"""The pages of `docs/` that are made from the tables, so that they say what the code says."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Final
+
+from emulators.documents import emergencies, fidelity, machine, objects
+from emulators.epos2.catalogue import PROFILES
+from emulators.epos2.power import TRANSITIONS
+from emulators.epos2.profile import EPOS2_70_10
+
+MADE: Final = "This page is made by `make docs` from the tables in the code; change those."
+OBJECTS_TEXT: Final = """{objects} objects under {indexes} indexes, as a 70/10 has them; the other types
+differ in identity and current limits only. `receive` and `transmit` say which PDOs may carry an object;
+`kept` says whether 'save' (0x1010) stores it; an empty bound is the type's own. How far each is known stands
+in [fidelity](fidelity.md). The same as JSON: `firmware-bridge epos2 objects --json`."""
+FIDELITY_TEXT: Final = """* **Proven**: from maxon's EDS of the 70/10, or recorded from a device.
+* **Documented**: from a document on the EPOS2, from maxon's command library, or from the standard that the
+  device claims.
+* **By analogy**: from a document on a sister device.
+* **Assumed**: nothing was found; a choice that may change.
+
+Where a choice can be changed, it is a field of the device profile. The object table is proven for the 70/10;
+that the other types have the same is by analogy."""
+EMERGENCIES_TEXT: Final = """An emergency message carries the code (two bytes, low byte first), the error
+register 0x1001 and five zeros. What it does depends on where the [power machine](power-machine.md) is:
+
+* Not enabled: {disabled}. The power stage, which may be on in Measure init, goes off at once; the drive goes
+  to Fault by transitions 13 and 14.
+* Enabled: {enabled}. The drive goes to Fault by transitions 17 and 18, ramp in between.
+* In Fault, and on the way there, another emergency is told and kept in the history; one that switches off at
+  once cuts a ramp short. Fault is left only when no cause stands.
+* Stopped, in the sense of network management: nothing is sent; register and history keep it.
+
+0x605E = -1 tells a ramped error only, 0 switches off, 1 ramps with 0x6084, 2 with 0x6085. After the last
+error is gone a message with code 0 is sent. A test is named here when it reaches the emergency in the
+emulation."""
+MACHINE_TEXT: Final = """CiA 402's machine with maxon's states Refresh and Measure init, the same in all types
+({types}). The numbers are those of the firmware specification; the words in the boxes are the statusword's,
+without the bits that each mode or the network sets."""
+MACHINE_END: Final = """A command is completed, ramp included, before the next one is looked at. Quick stop
+active is left by disable voltage (12), enable operation (16) or a fault (17), and never by itself."""
+
+
+def pages(tests: emergencies.Tests) -> Mapping[str, str]:
+    """Return every page by its file name; `tests` tells which tests reach which emergency."""
+    return {
+        "objects.md": _objects(),
+        "fidelity.md": _fidelity(),
+        "emergencies.md": _emergencies(tests),
+        "power-machine.md": _machine(),
+    }
+
+
+def table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table in Markdown."""
+    lines = [_line(headings), _line(["---"] * len(headings)), *map(_line, rows)]
+    return "\n".join(lines)
+
+
+def _line(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+
+def _page(title: str, *parts: str) -> str:
+    return "\n\n".join((f"# {title}", MADE, *parts)) + "\n"
+
+
+def _objects() -> str:
+    found = objects.entries(EPOS2_70_10)
+    indexes = len({entry.row.address.index for entry in found})
+    return _page(
+        "The objects of the emulated EPOS2",
+        OBJECTS_TEXT.format(objects=len(found), indexes=indexes),
+        table(objects.HEADINGS, (entry.cells() for entry in found)),
+    )
+
+
+def _fidelity() -> str:
+    counts, order = fidelity.counted(), fidelity.ORDER
+    summary = (
+        (part, *(str(found[known] or "") for known in order), str(found.total()))
+        for part, found in counts.items()
+    )
+    parts = [
+        FIDELITY_TEXT,
+        "## In numbers",
+        table(("part", *(known.value for known in order), "all"), summary),
+    ]
+    for part in counts:
+        rows = [line for line in fidelity.ledger() if line.part == part]
+        shown = [line for line in rows if line.provenance is not order[0]]
+        if not shown:
+            continue
+        parts.append(f"## {part.capitalize()}")
+        if len(shown) < len(rows):
+            parts.append(f"{len(rows) - len(shown)} are proven; the others:")
+        lines = ((line.what, line.provenance.value, line.source) for line in shown)
+        parts.append(table(("what", "known", "from"), lines))
+    return _page("How far the emulated EPOS2 is known", *parts)
+
+
+def _emergencies(tests: emergencies.Tests) -> str:
+    disabled = ", ".join(machine.title(state) for state in emergencies.states_not_enabled())
+    enabled = ", ".join(machine.title(state) for state in emergencies.states_enabled())
+    return _page(
+        "Emergencies against states",
+        EMERGENCIES_TEXT.format(disabled=disabled, enabled=enabled),
+        table(emergencies.HEADINGS, emergencies.table(tests)),
+    )
+
+
+def _machine() -> str:
+    return _page(
+        "The power machine",
+        MACHINE_TEXT.format(types=", ".join(PROFILES)),
+        f"```mermaid\n{machine.diagram()}\n```",
+        table(machine.HEADINGS, (machine.cells(row) for row in TRANSITIONS)),
+        MACHINE_END,
+    )

@@ -1,0 +1,129 @@
+"""What the emulated EPOS2 says of itself at the command line: `epos2 objects`, `eds`, `dcf`, `fidelity`."""
+
+from pathlib import Path
+from typing import Annotated, Final
+
+import typer
+from rich.table import Table
+
+from emulators.documents import eds as sheets
+from emulators.documents import fidelity as known
+from emulators.documents import objects as dictionary
+from emulators.documents.reader import SilentNodeError, read_all
+from emulators.epos2.catalogue import PROFILES
+from emulators.epos2.profile import BIT_RATE_IN_USE, BIT_RATES, DeviceProfile
+from firmware_bridge.cli.console import FAILED, one_message, refusal, terminal
+from firmware_bridge.cli.options import BitRateOption, ChannelOption, InterfaceOption
+from firmware_bridge.shell.ports import LostPort, PortError, open_can
+from firmware_bridge.wire.canopen import FIRST_NODE, LAST_NODE
+from firmware_bridge.wire.epos2 import address as at
+
+EXAMPLES: Final = """Examples:
+
+`firmware-bridge epos2 objects --json`
+
+`firmware-bridge epos2 eds --out epos2.eds`
+
+`firmware-bridge epos2 dcf --node 1 -i socketcan -c vcan0 --out node1.dcf`
+
+`firmware-bridge epos2 fidelity`"""
+
+epos2 = typer.Typer(
+    help="The emulated EPOS2: its objects, EDS and DCF, and how far each of its traits is known.",
+    no_args_is_help=True,
+)
+ProfileOption = Annotated[str, typer.Option("--profile", "-p", help=f"Which type: {', '.join(PROFILES)}.")]
+OutOption = Annotated[
+    Path | None,
+    typer.Option("--out", "-o", metavar="FILE", help="Write there.", show_default="to the terminal"),
+]
+NodeOption = Annotated[int, typer.Option("--node", "-n", min=FIRST_NODE, max=LAST_NODE, help="Its number.")]
+
+
+@epos2.command()
+def objects(
+    *,
+    profile: ProfileOption = "70/10",
+    node: NodeOption = 1,
+    json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
+) -> None:
+    """List every object: type, access, PDO, range, default, and how far it is known."""
+    found = _profile(profile)
+    if json:
+        typer.echo(dictionary.as_json(found, node))
+        return
+    table = Table(title=f"objects of the {found.name}, node {node}")
+    for heading in dictionary.HEADINGS:
+        table.add_column(heading, overflow="fold")
+    for entry in dictionary.entries(found, node):
+        table.add_row(*entry.cells())
+    terminal().print(table)
+
+
+@epos2.command()
+def eds(*, profile: ProfileOption = "70/10", out: OutOption = None) -> None:
+    """Write the electronic data sheet, for any CANopen master's tools."""
+    name = out.name if out else "epos2.eds"
+    _deliver(sheets.eds(_profile(profile), name), out)
+
+
+@epos2.command()
+def dcf(
+    *,
+    node: NodeOption = 1,
+    interface: InterfaceOption = None,
+    channel: ChannelOption = None,
+    bit_rate: BitRateOption = None,
+    out: OutOption = None,
+) -> None:
+    """Read every object of a running drive, emulated or real, and write its device configuration file."""
+    with one_message(PortError):
+        port = open_can(interface, channel, bit_rate)
+    try:
+        with one_message(SilentNodeError, LostPort, status=FAILED):
+            values = read_all(port, node)
+    finally:
+        port.close()
+    by_product = {(profile.hardware_version or 0) << 16: profile for profile in PROFILES.values()}
+    product = values.get(at.PRODUCT_CODE)
+    found = by_product.get(product if isinstance(product, int) else -1, PROFILES["70/10"])
+    code = values.get(BIT_RATE_IN_USE, 0)
+    rate = bit_rate or BIT_RATES.get(code if isinstance(code, int) else 0, 1_000_000)
+    _deliver(sheets.dcf(found, node, rate, values, out.name if out else "epos2.dcf"), out)
+
+
+@epos2.command()
+def fidelity(
+    *,
+    every: Annotated[bool, typer.Option("--all", help="What is proven, too.")] = False,
+) -> None:
+    """Say what of the emulation is proven, documented, by analogy or assumed, and from where."""
+    counts = Table(title="how far the emulated EPOS2 is known")
+    for heading in ("part", *(each.value for each in known.ORDER)):
+        counts.add_column(heading)
+    for part, found in known.counted().items():
+        counts.add_row(part, *(str(found[each] or "") for each in known.ORDER))
+    table = Table(title="line by line")
+    for heading in ("part", "what", "known", "from"):
+        table.add_column(heading, overflow="fold")
+    for line in known.ledger():
+        if every or line.provenance is not known.ORDER[0]:
+            table.add_row(line.part, line.what, line.provenance.value, line.source)
+    terminal().print(counts)
+    terminal().print(table)
+
+
+def _profile(name: str) -> DeviceProfile:
+    found = PROFILES.get(name)
+    if found is None:
+        raise refusal(f"--profile {name}: there is no such type; there are: {', '.join(PROFILES)}")
+    return found
+
+
+def _deliver(text: str, out: Path | None) -> None:
+    if out is None:
+        typer.echo(text)
+        return
+    with one_message(OSError):
+        out.write_text(text + "\n", encoding="ascii")
+    typer.echo(f"written: {out}", err=True)

@@ -1,0 +1,178 @@
+"""Drives without a robot at the command line: `emulate epos2`."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Final
+
+import typer
+
+from emulators.epos2.catalogue import PROFILES
+from emulators.epos2.memory import StorageError
+from emulators.epos2.profile import BIT_RATES, DeviceProfile, realistic
+from emulators.gateway import Cluster
+from emulators.servo.bank import ServoError
+from emulators.servo.motor import DcMotor
+from emulators.single import MOTOR, SUPPLY_MV, Order, drives
+from firmware_bridge.cli.console import one_message, refusal
+from firmware_bridge.cli.options import (
+    BitRateOption,
+    ChannelOption,
+    DurationOption,
+    InterfaceOption,
+    until,
+)
+from firmware_bridge.cli.real_time import carry
+from firmware_bridge.node import CAN
+from firmware_bridge.shell.ports import open_can
+from firmware_bridge.wire.canopen import FIRST_NODE, LAST_NODE
+from fmu.errors import PlantError
+
+DEFAULT_BIT_RATE: Final = 1_000_000
+EXAMPLES: Final = """Examples:
+
+`firmware-bridge emulate epos2 --node 1 --profile 70/10 -i socketcan -c vcan0`
+
+`firmware-bridge emulate epos2 --node 1-8 --load 5e-5,0.002 -i socketcan -c vcan0`
+
+`firmware-bridge emulate epos2 --node 1-2 --plant rars.fmu --axes left,right -i socketcan -c vcan0`"""
+
+LatencyOption = Annotated[
+    bool,
+    typer.Option(
+        "--realistic-latency/--no-latency",
+        help="Answer SDO requests after the time that maxon has published, or at once.",
+    ),
+]
+
+
+def emulate(
+    *,
+    node: Annotated[
+        str, typer.Option("--node", "-n", metavar="NUMBERS", help="Which nodes: 1, or 1-8, or 1,3,5-7.")
+    ] = "1",
+    profile: Annotated[
+        str, typer.Option("--profile", "-p", help=f"Which type: {', '.join(PROFILES)}.")
+    ] = "70/10",
+    interface: InterfaceOption = None,
+    channel: ChannelOption = None,
+    bit_rate: BitRateOption = None,
+    load: Annotated[
+        str | None,
+        typer.Option(
+            metavar="INERTIA,FRICTION",
+            help="At each shaft, the rotor's own included: kg m2 and N m.",
+            show_default=f"{MOTOR.inertia:g},{MOTOR.friction:g}",
+        ),
+    ] = None,
+    plant: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FMU",
+            help="A plant in place of the motors: inputs voltage_AXIS, outputs current_AXIS, angle_AXIS and "
+            "speed_AXIS of the shaft, in SI, for each axis.",
+            show_default=False,
+        ),
+    ] = None,
+    axes: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAMES",
+            help="The plant's axes in the order of the nodes.",
+            show_default="motor1,motor2 ...",
+        ),
+    ] = None,
+    supply: Annotated[
+        float, typer.Option(min=0.0, max=100.0, metavar="VOLTS", help="The supply of the power stages.")
+    ] = SUPPLY_MV / 1000,
+    parameters: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER",
+            help="Where 'save' (0x1010) keeps parameters over restarts, in a file for each node.",
+            show_default="they are forgotten at the end",
+        ),
+    ] = None,
+    dip_off: Annotated[
+        bool,
+        typer.Option("--dip-off", help="DIP switch at 0: the number saved in 0x2000 counts, 1 at first."),
+    ] = False,
+    realistic_latency: LatencyOption = True,
+    duration: DurationOption = None,
+) -> None:
+    """Put EPOS2 drives on a real CAN bus, in real time, each with a motor and a load.
+
+    For whoever develops a master and has no drive at hand. Ends on Ctrl-C.
+    """
+    nodes = numbers(node)
+    if dip_off and len(nodes) != 1:
+        raise refusal("--dip-off: drives with their switches at 0 all begin as node 1; emulate one of them")
+    names = tuple(axes.split(",")) if axes else ()
+    if names and len(names) != len(nodes):
+        raise refusal(f"--axes {axes}: there are {len(nodes)} nodes and {len(names)} axes; name one for each")
+    rate = bit_rate or DEFAULT_BIT_RATE
+    order = Order(
+        nodes=nodes,
+        profile=_profile(profile, rate, latency=realistic_latency),
+        bit_rate=rate,
+        motor=_loaded(load),
+        plant=plant,
+        axes=names,
+        supply_mv=round(supply * 1000),
+        parameters=parameters,
+        dip_off=dip_off,
+    )
+    with one_message(PlantError, StorageError, ServoError):
+        made, bank = drives(order)
+    carry(
+        Cluster(made, bank),
+        {CAN: lambda: open_can(interface, channel, bit_rate, default_bit_rate=DEFAULT_BIT_RATE)},
+        until(duration),
+        f"{order.profile.name} on the bus: node {node}",
+        PlantError,
+        ServoError,
+    )
+
+
+def numbers(text: str) -> tuple[int, ...]:
+    """Read `1`, `1-8` or `1,3,5-7`; what is no such list ends the program with a message."""
+    found: list[int] = []
+    for part in text.split(","):
+        fits = re.fullmatch(r"(\d+)(?:-(\d+))?", part.strip())
+        if fits is None:
+            raise refusal(f"--node {text}: say 1, or 1-8, or 1,3,5-7")
+        first, last = int(fits[1]), int(fits[2] or fits[1])
+        if not FIRST_NODE <= first <= last <= LAST_NODE:
+            raise refusal(f"--node {text}: nodes are numbered {FIRST_NODE} to {LAST_NODE}, upwards")
+        found.extend(range(first, last + 1))
+    if len(set(found)) != len(found):
+        raise refusal(f"--node {text}: a number occurs twice")
+    return tuple(found)
+
+
+def find_profile(name: str) -> DeviceProfile:
+    """Return the type of this name; an unknown one ends the program with a message."""
+    found = PROFILES.get(name)
+    if found is None:
+        raise refusal(f"--profile {name}: there is no such type; there are: {', '.join(PROFILES)}")
+    return found
+
+
+def _profile(name: str, rate: int, *, latency: bool) -> DeviceProfile:
+    codes = {bits: code for code, bits in BIT_RATES.items()}
+    if rate not in codes:
+        raise refusal(f"--bitrate {rate}: an EPOS2 knows {', '.join(map(str, codes))}")
+    found = replace(find_profile(name), bit_rate=codes[rate])
+    return realistic(found) if latency else found
+
+
+def _loaded(load: str | None) -> DcMotor:
+    if load is None:
+        return MOTOR
+    try:
+        inertia, friction = (float(part) for part in load.split(","))
+    except ValueError:
+        raise refusal(f"--load {load}: say INERTIA,FRICTION in kg m2 and N m, as 2e-5,0.001") from None
+    if not (0.0 < inertia < float("inf") and 0.0 <= friction < float("inf")):
+        raise refusal(f"--load {load}: the inertia must be more than 0, the friction not less")
+    return replace(MOTOR, inertia=inertia, friction=friction)

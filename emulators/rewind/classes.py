@@ -1,0 +1,161 @@
+"""What is known of a class before any of its instances is looked at: can one change, and where is its state.
+
+What it does not know it refuses: a generator, an open file or an object of an extension module may hold a
+state that nobody sees, and a run that is put back without it would go on differently, silently.
+"""
+
+import ctypes
+import re
+import struct
+import types
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, fields, is_dataclass
+from decimal import Decimal
+from enum import Enum
+from fractions import Fraction
+from functools import partial
+from itertools import chain
+from typing import Any, Final, ForwardRef, Literal, Union, get_args, get_origin, get_type_hints
+
+import numpy as np
+
+from emulators.rewind.kinds import KEEPER, KINDS, Apart, Keeper, Kind, slots_kind, slots_of
+
+PLAIN: Final[tuple[type, ...]] = (
+    int, float, complex, str, bytes, bool, type(None), type, range, slice, Enum, Decimal, Fraction,
+    np.generic, np.dtype, struct.Struct, re.Pattern, re.Match,
+    types.ModuleType, types.EllipsisType, types.NotImplementedType, types.MemberDescriptorType,
+    # Addresses of native functions and memory; the memory itself is found as what it is.
+    ctypes.CDLL, *ctypes.CFUNCTYPE(None).__bases__, *ctypes.POINTER(ctypes.c_int).__bases__,
+    type(ctypes.byref(ctypes.c_int())),
+    Apart,
+)  # fmt: skip
+"""Nothing that one of these holds changes in a run, or is part of it. Classes and modules are among them."""
+
+
+def _function(thing: types.FunctionType) -> Iterable[object]:
+    yield from thing.__closure__ or ()
+    yield from thing.__defaults__ or ()
+    yield from (thing.__kwdefaults__ or {}).values()
+
+
+CARRIERS: Final[Mapping[type, Callable[[Any], Iterable[object]]]] = {
+    tuple: iter,
+    frozenset: iter,
+    types.FunctionType: _function,
+    types.MethodType: lambda thing: (thing.__self__, thing.__func__),
+    types.BuiltinMethodType: lambda thing: (thing.__self__,),
+    types.MethodWrapperType: lambda thing: (thing.__self__,),
+    types.MappingProxyType: lambda thing: chain(thing, thing.values()),
+    partial: lambda thing: (thing.func, *thing.args, *thing.keywords.values()),
+    # Once raised, an error is read and not changed; its traceback is for people.
+    BaseException: lambda thing: (*thing.args, *vars(thing).values()),
+}
+"""Things that never change, and what they lead to."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sort:
+    """How the instances of one class are treated."""
+
+    plain: bool = False
+    """They cannot change, and lead to nothing that can."""
+    parts: Callable[[Any], Iterable[object]] | None = None
+    """They cannot change; this is what they lead to."""
+    kinds: tuple[Kind, ...] = ()
+    """They change as a whole in these ways."""
+    attributes: bool = False
+    """They have a `__dict__` that changes."""
+
+    @property
+    def known(self) -> bool:
+        """Whether anything is known of them."""
+        return self.plain or self.parts is not None or bool(self.kinds) or self.attributes
+
+
+_SORTS: Final[dict[type, Sort]] = {}
+
+
+def sort_of(cls: type) -> Sort:
+    """Return how instances of this class are treated; one that is not `known` must be refused."""
+    sort = _SORTS.get(cls)
+    if sort is None:
+        sort = _SORTS[cls] = _judged(cls)
+    return sort
+
+
+def _judged(cls: type) -> Sort:
+    if issubclass(cls, PLAIN) or _is_plain(cls):
+        return Sort(plain=True)
+    parts = next((parts for base, parts in CARRIERS.items() if issubclass(cls, base)), None)
+    if parts is None and _is_frozen(cls):
+        parts = _frozen_parts(cls)
+    return _thing(cls) if parts is None else Sort(parts=parts)
+
+
+def _thing(cls: type) -> Sort:
+    """Return how instances are kept that can change; nothing is known of those that hide something."""
+    if issubclass(cls, Keeper):
+        return Sort(kinds=(KEEPER,))
+    kinds = [kind for base, kind in KINDS if issubclass(cls, base)]
+    if not kinds and _hides_state(cls):
+        return Sort()
+    if slots_of(cls):
+        kinds.append(slots_kind(cls))
+    attributes = cls.__dictoffset__ != 0
+    return Sort(plain=not kinds and not attributes, kinds=tuple(kinds), attributes=attributes)
+
+
+def _hides_state(cls: type) -> bool:
+    """Return whether an instance has more memory than Python's object, slots and pointers account for."""
+    pointer = ctypes.sizeof(ctypes.c_void_p)
+    pointers = len(slots_of(cls)) + (cls.__dictoffset__ > 0) + (cls.__weakrefoffset__ > 0)
+    return cls.__basicsize__ > object.__basicsize__ + pointer * pointers or cls.__itemsize__ > 0
+
+
+def _is_frozen(cls: type) -> bool:
+    if is_dataclass(cls):
+        return bool(cls.__dataclass_params__.frozen)  # type: ignore[attr-defined] # dataclasses say it nowhere else
+    return bool(getattr(cls, "model_config", {}).get("frozen", False))  # pydantic's
+
+
+def _frozen_parts(cls: type) -> Callable[[Any], Iterable[object]]:
+    names = [member.__name__ for member in slots_of(cls).values() if not member.__name__.startswith("__")]
+
+    def parts(thing: Any) -> Iterable[object]:
+        for name in names:
+            yield getattr(thing, name, None)
+        yield from getattr(thing, "__dict__", {}).values()
+
+    return parts
+
+
+def _is_plain(cls: type) -> bool:
+    """Return whether the declared types of a frozen class promise that nothing below it can change.
+
+    The promise is mypy's to keep. It saves looking through each packet and each sample of a run.
+    """
+    if is_dataclass(cls) and _is_frozen(cls):
+        names = [field.name for field in fields(cls)]
+    elif issubclass(cls, tuple) and hasattr(cls, "_fields"):
+        names = list(cls._fields)
+    else:
+        return False
+    try:
+        hints = get_type_hints(cls)
+    except NameError:
+        return False
+    return all(name in hints and _promises(hints[name]) for name in names)
+
+
+def _promises(hint: Any) -> bool:
+    if isinstance(hint, str | ForwardRef):
+        return False
+    origin = get_origin(hint)
+    if origin is None:
+        return hint is Ellipsis or (isinstance(hint, type) and sort_of(hint).plain)
+    if origin is Literal:
+        return True
+    if origin in (Union, types.UnionType, tuple, frozenset):
+        return all(_promises(part) for part in get_args(hint))
+    return False

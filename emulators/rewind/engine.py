@@ -1,0 +1,176 @@
+"""Keeps the state of everything that can be reached from one thing, and puts it back.
+
+Nobody tells what his state is: the objects are walked, so nothing can be forgotten. The walk takes some
+milliseconds and is done once; afterwards each known thing is copied, and only what is new is looked into.
+Things keep their identity, so whoever refers to one finds it as it was.
+"""
+
+from collections.abc import Iterable
+from typing import Any, Final, TypeAlias
+
+from emulators.rewind.classes import sort_of
+from emulators.rewind.kinds import ATTRIBUTES, KEEPER, Apart, Kind, RewindError
+
+_LEAST_GROWTH: Final = 256
+"""So many new things, and half as many as there were, make a fresh walk worth while: many are gone again."""
+
+_Trail: TypeAlias = tuple[object, Any] | None
+"""A thing, and the trail of the one through which it was found."""
+
+
+class _Group:
+    """All known things of one kind in the order in which they were found, and what they last held."""
+
+    __slots__ = ("kind", "states", "things")
+
+    def __init__(self, kind: Kind) -> None:
+        self.kind = kind
+        self.things: list[Any] = []
+        self.states: list[Any] = []
+
+
+class Moment(Apart):
+    """One instant of a run; it can be restored as often as one likes, and in any order with others."""
+
+    __slots__ = ("_kept", "_owner")
+
+    def __init__(self, owner: "Rewind", kept: tuple[tuple[Kind, list[Any], list[Any]], ...]) -> None:
+        self._owner = owner
+        self._kept = kept
+
+    def put_back(self, owner: "Rewind") -> None:
+        """Give all things their state of this instant."""
+        if owner is not self._owner:
+            raise RewindError("this moment was taken elsewhere: restore it where it was taken")
+        for kind, things, states in self._kept:
+            put_back = kind.put_back
+            for thing, state in zip(things, states, strict=False):  # what was found later stands behind
+                put_back(thing, state)
+
+
+class Rewind(Apart):
+    """Takes moments of everything that `root` leads to."""
+
+    def __init__(self, root: object) -> None:
+        self._root = root
+        self._found = 0
+        """Things found since the walk."""
+        self._forget()
+
+    def snapshot(self) -> Moment:
+        """Keep this instant; RewindError where something has a state that cannot be kept."""
+        if self._found > max(_LEAST_GROWTH, len(self._ids) // 3):
+            self._forget()
+        try:
+            if self._ids:
+                for group in tuple(self._groups.values()):
+                    self._look(group)
+            else:
+                self._find(self._root, None)
+                self._found = 0
+        except BaseException:
+            self._forget()  # half a walk must not pass for a whole one
+            raise
+        kept = tuple((group.kind, group.things, list(group.states)) for group in self._groups.values())
+        return Moment(self, kept)
+
+    def restore(self, moment: Moment) -> None:
+        """Go back, or forward, to a moment that was taken here."""
+        moment.put_back(self)
+
+    def _forget(self) -> None:
+        """Know nothing: the next moment walks anew. Moments keep what they know."""
+        # Keepers come first: they alone can refuse, and then nothing has been put back yet.
+        self._groups: dict[Kind, _Group] = {KEEPER: _Group(KEEPER)}
+        self._ids: set[int] = set()
+        self._alive: list[object] = []
+        """Whose id stands in `_ids`: while they live no other object can have it."""
+        self._plain: set[type] = set()
+
+    def _look(self, group: _Group) -> None:
+        """Copy the things of a group, and find what has come into reach through them."""
+        kind, states = group.kind, group.states
+        copies = list(map(kind.copy, group.things))
+        if kind.parts is None:
+            group.states = copies
+            return
+        parts, same, plain = kind.parts, kind.same, self._plain
+        for at, copy in enumerate(copies):
+            before = states[at]
+            if same(copy, before):
+                copies[at] = before  # one copy is enough for both moments
+            elif not plain.issuperset(map(type, parts(copy))):
+                seen = set(map(id, parts(before)))
+                for value in parts(copy):
+                    if type(value) not in plain and id(value) not in seen:
+                        self._find(value, (group.things[at], None))
+        # Those that were found meanwhile stand behind, with their states of now.
+        group.states[: len(copies)] = copies
+
+    def _find(self, value: object, trail: _Trail) -> None:
+        """Take note of every thing that can change and that this value leads to."""
+        ids, alive = self._ids, self._alive
+        carriers: dict[int, object] = {}
+        stack = [(value, trail)]
+        while stack:
+            thing, trail = stack.pop()
+            cls = type(thing)
+            if cls in self._plain or id(thing) in ids or id(thing) in carriers:
+                continue
+            sort = sort_of(cls)
+            if sort.plain:
+                self._plain.add(cls)
+                continue
+            if not sort.known:
+                raise RewindError(_refusal(thing, trail))
+            here = (thing, trail)
+            if sort.parts is not None:
+                carriers[id(thing)] = thing
+                stack += [(part, here) for part in sort.parts(thing)]
+                continue
+            ids.add(id(thing))
+            alive.append(thing)
+            for kind in sort.kinds:
+                stack += [(part, here) for part in self._note(kind, thing)]
+            if sort.attributes:
+                stack += [(part, here) for part in self._note(ATTRIBUTES, vars(thing))]
+
+    def _note(self, kind: Kind, thing: object) -> Iterable[object]:
+        """Add a thing to those of its kind, and return what it leads to."""
+        group = self._groups.get(kind)
+        if group is None:
+            group = self._groups[kind] = _Group(kind)
+        copy = kind.copy(thing)
+        group.things.append(thing)
+        group.states.append(copy)
+        self._found += 1
+        return () if kind.parts is None else kind.parts(copy)
+
+
+def _refusal(thing: object, trail: _Trail) -> str:
+    cls = type(thing)
+    path: list[str] = []
+    inner = thing
+    while trail is not None:
+        outer, trail = trail
+        path.append(f"{type(outer).__qualname__}{_place(outer, inner)}")
+        inner = outer
+    return (
+        f"a {cls.__module__}.{cls.__qualname__} has a state that cannot be kept, so time cannot be rewound;"
+        f" it hangs on {' > '.join(reversed(path)) or 'nothing'}: let that hold data only, or give it"
+        " save_state and restore_state"
+    )
+
+
+def _place(outer: object, inner: object) -> str:
+    """Return under which name one thing holds another, as far as it can be told."""
+    names = [
+        *getattr(outer, "__dict__", {}),
+        *(name for base in type(outer).__mro__ for name in vars(base).get("__slots__", ())),
+    ]
+    for name in names:
+        if getattr(outer, name, None) is inner:
+            return f".{name}"
+    if isinstance(outer, dict):
+        return next((f"[{key!r}]" for key, value in outer.items() if value is inner), "")
+    return ""

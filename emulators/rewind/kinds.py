@@ -1,0 +1,181 @@
+"""How each kind of thing is kept and put back: one row for each built-in type that can change.
+
+Things keep their identity: a list is filled again, it is not replaced, so whoever holds it sees what was.
+"""
+
+import ctypes
+from collections import deque
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from dataclasses import dataclass
+from itertools import chain
+from operator import attrgetter, is_not
+from types import CellType, MemberDescriptorType
+from typing import Any, Final, Protocol, TypeVar, runtime_checkable
+
+import numpy as np
+
+Item = TypeVar("Item")
+
+
+class RewindError(Exception):
+    """Something has a state that cannot be kept or put back; the message says what, and where it hangs."""
+
+
+class Apart:
+    """Marks a class whose instances are no part of the run: they are neither kept nor looked into."""
+
+    __slots__ = ()
+
+
+class Outside(Apart, list[Item]):
+    """A list whose content belongs to somebody outside of the run."""
+
+
+@runtime_checkable
+class Keeper(Protocol):
+    """A thing whose state Python cannot see, and which keeps it itself."""
+
+    def save_state(self) -> object:
+        """Return the state now; nothing that happens later may change what is returned."""
+
+    def restore_state(self, state: Any) -> None:
+        """Take a state that was saved before, as often as one likes."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Kind:
+    """What one kind of thing needs."""
+
+    copy: Callable[[Any], Any]
+    parts: Callable[[Any], Iterable[object]] | None
+    """Everything that a copy refers to; None where it refers to nothing."""
+    put_back: Callable[[Any, Any], None]
+    """Takes the thing and a copy."""
+
+    def same(self, copy: Any, before: Any) -> bool:
+        """Return whether two copies refer to the same objects in the same places; equal ones do not count."""
+        if type(copy) is dict:
+            keys = list(copy) == list(before)
+            return keys and not any(map(is_not, copy.values(), before.values()))
+        return len(copy) == len(before) and not any(map(is_not, copy, before))
+
+
+class _Unset:
+    """What a slot holds that was not assigned."""
+
+
+UNSET: Final = _Unset()
+
+
+def _put_items(thing: Any, copy: Any) -> None:
+    thing[:] = copy
+
+
+def _put_elements(thing: Any, copy: Any) -> None:
+    thing.clear()
+    thing.extend(copy)
+
+
+def _put_members(thing: Any, copy: Any) -> None:
+    thing.clear()
+    thing.update(copy)
+
+
+def _put_attributes(thing: dict[str, Any], copy: dict[str, Any]) -> None:
+    thing.update(copy)
+    if len(thing) != len(copy):
+        for name in [name for name in thing if name not in copy]:
+            del thing[name]
+
+
+def _put_bytes(thing: Any, copy: bytes) -> None:
+    ctypes.memmove(ctypes.addressof(thing), copy, len(copy))
+
+
+def _cell_content(thing: CellType) -> tuple[object, ...]:
+    try:
+        return (thing.cell_contents,)
+    except ValueError:
+        return ()
+
+
+def _put_content(thing: CellType, copy: tuple[object, ...]) -> None:
+    if copy:
+        thing.cell_contents = copy[0]
+    else:
+        del thing.cell_contents
+
+
+def _put_generator(thing: np.random.Generator, copy: dict[str, Any]) -> None:
+    thing.bit_generator.state = copy
+
+
+def _put_array(thing: Any, copy: Any) -> None:
+    thing[...] = copy
+
+
+_SIMPLE: Final = ctypes.c_double.__bases__[0]
+"""The base of ctypes' numbers."""
+
+ATTRIBUTES: Final = Kind(dict.copy, dict.values, _put_attributes)
+"""An instance's `__dict__`. Its order means nothing, its shared keys mean speed: so it is not emptied."""
+KEEPER: Final = Kind(lambda thing: thing.save_state(), None, lambda thing, copy: thing.restore_state(copy))
+
+KINDS: Final[tuple[tuple[type, Kind], ...]] = (
+    (dict, Kind(dict.copy, lambda copy: chain(copy, copy.values()), _put_members)),
+    (list, Kind(list.copy, iter, _put_items)),
+    (deque, Kind(list, iter, _put_elements)),
+    (set, Kind(set.copy, iter, _put_members)),
+    (bytearray, Kind(bytes, None, _put_items)),
+    (CellType, Kind(_cell_content, iter, _put_content)),
+    (ctypes.Structure, Kind(bytes, None, _put_bytes)),
+    (ctypes.Array, Kind(bytes, None, _put_bytes)),
+    (_SIMPLE, Kind(bytes, None, _put_bytes)),
+    (np.random.Generator, Kind(lambda thing: thing.bit_generator.state, None, _put_generator)),
+    (np.ndarray, Kind(np.ndarray.copy, None, _put_array)),
+)
+
+
+def slots_of(cls: type) -> dict[str, MemberDescriptorType]:
+    """Return the slots that an instance has, those of its bases included."""
+    return {
+        f"{base.__qualname__}.{name}": member
+        for base in cls.__mro__
+        if "__slots__" in vars(base)
+        for name, member in vars(base).items()
+        if isinstance(member, MemberDescriptorType)
+    }
+
+
+def slots_kind(cls: type) -> Kind:
+    """Return how the slots of this class are kept: as a tuple, in one call where all of them are assigned."""
+    members = tuple(slots_of(cls).values())
+    names = [member.__name__ for member in members]
+    at_once = attrgetter(*names)
+    plural = 1 < len(names) == len(set(names))  # a slot of a base may have the same name
+
+    def copy(thing: object) -> tuple[object, ...]:
+        if plural:
+            with suppress(AttributeError):
+                values: tuple[object, ...] = at_once(thing)
+                return values
+        return tuple(_slot(member, thing) for member in members)
+
+    def put_back(thing: object, copy: tuple[object, ...]) -> None:
+        for member, value in zip(members, copy, strict=True):
+            if value is UNSET:
+                if _slot(member, thing) is not UNSET:
+                    member.__delete__(thing)
+            else:
+                member.__set__(thing, value)
+
+    return Kind(copy, iter, put_back)
+
+
+def _slot(member: MemberDescriptorType, thing: object) -> object:
+    try:
+        value: object = member.__get__(thing)
+    except AttributeError:
+        return UNSET
+    return value

@@ -1,0 +1,194 @@
+"""The servo kernel in C: found beside this file, checked, and run on the axes' own memory.
+
+The package's build makes the library; without it, or with one that is older than its source, the twin serves.
+It reaches the plant through the addresses of FMI functions, whoever made that FMU.
+"""
+
+import ctypes
+import hashlib
+import os
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from functools import cache
+from pathlib import Path
+from typing import ClassVar, Final, NoReturn, Protocol, runtime_checkable
+
+from emulators.servo.axis import ServoAxis
+from emulators.servo.seam import Plant, ServoError, Wiring, no_measurement
+from fmu.calls import PlantRecord
+
+VARIABLE: Final = "FIRMWARE_BRIDGE_SERVO"
+"""Environment variable that chooses: `native`, `twin`, or empty for the best there is."""
+NATIVE: Final = "native"
+TWIN: Final = "twin"
+SOURCES: Final = ("kernel.c", "kernel.h", "record.h")
+LIBRARY: Final = "libservo" + (".dll" if sys.platform == "win32" else ".so")
+_HERE: Final = Path(__file__).parent
+
+
+class Ended(IntEnum):
+    """How a run of the kernel ended; from CURRENT on it broke off in the midst."""
+
+    REACHED = 0
+    TOLD = 1
+    CURRENT = 2
+    ANGLE = 3
+    SPEED = 4
+    SUPPLY = 5
+    WRITE = 6
+    STEP = 7
+    READ = 8
+
+
+_QUANTITIES: Final = {
+    Ended.CURRENT: "current",
+    Ended.ANGLE: "angle",
+    Ended.SPEED: "speed",
+    Ended.SUPPLY: "supply voltage",
+}
+_ACTIONS: Final = {
+    Ended.WRITE: "setting the inputs",
+    Ended.STEP: "doStep",
+    Ended.READ: "reading the outputs",
+}
+
+
+@runtime_checkable
+class NativePlant(Plant, Protocol):
+    """A plant whose step is three functions of the FMI at known addresses."""
+
+    @property
+    def record(self) -> PlantRecord:
+        """The functions, their arguments and the count of steps."""
+
+    def failed(self, action: str, status: int) -> NoReturn:
+        """Raise the plant's own error for a call that gave this status."""
+
+
+class BankRecord(ctypes.Structure):
+    """Axes, plant and progress of one bank, as the kernel in C sees them."""
+
+    _fields_: ClassVar = [
+        ("count", ctypes.c_int64),
+        ("axes", ctypes.c_void_p),
+        ("counts_per_radian", ctypes.c_void_p),
+        ("dividers", ctypes.c_void_p),
+        ("supply", ctypes.c_int64),
+        # How many of the plant's outputs each tick needs, from the first on.
+        ("sampled", ctypes.c_int64),
+        ("plant", ctypes.c_void_p),
+        ("tick", ctypes.c_int64),
+        # Where and why a run broke off: an axis' number or -1; an FMI status; what was read, in SI.
+        ("fault_axis", ctypes.c_int64),
+        ("fault_status", ctypes.c_int64),
+        ("fault_value", ctypes.c_double),
+    ]
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """The kernel's library, or why there is none to use."""
+
+    library: ctypes.CDLL | None
+    reason: str = ""
+
+
+def choose(wish: str | None = None) -> Found:
+    """Return the kernel, or why the twin is to serve; without a wish the environment is asked.
+
+    `native` insists on the kernel: ServoError where there is none. `twin` does without. Empty takes the best.
+    """
+    if wish is None:
+        wish = os.environ.get(VARIABLE, "")
+    if wish not in {"", NATIVE, TWIN}:
+        raise ServoError(f"{VARIABLE}={wish}: say '{NATIVE}', '{TWIN}', or nothing for the best there is")
+    if wish == TWIN:
+        return Found(None, "the twin was asked for")
+    found = find()
+    if wish == NATIVE and found.library is None:
+        raise ServoError(f"the native servo cannot serve: {found.reason}")
+    return found
+
+
+@cache
+def find() -> Found:
+    """Load the library beside this file."""
+    path = _HERE / LIBRARY
+    if not path.exists():
+        return Found(None, "its kernel was not built (install a C compiler, then this package again)")
+    return load(path)
+
+
+def load(path: Path) -> Found:
+    """Load a library; one that was built from other sources, and so for other records, is not used."""
+    try:
+        library = ctypes.CDLL(str(path))
+        library.servo_source.restype = ctypes.c_uint64
+        built_from = library.servo_source()
+        run = library.servo_run
+        run.argtypes, run.restype = (ctypes.c_void_p, ctypes.c_int64), ctypes.c_int64
+    except (OSError, AttributeError) as error:
+        return Found(None, f"its kernel cannot be loaded: {error}")
+    if built_from != source():
+        return Found(None, "its kernel was built from other sources (install this package again)")
+    return Found(library)
+
+
+def source() -> int:
+    """Return the first 64 bits of the sources' SHA-256, which the build leaves in the library."""
+    digest = hashlib.sha256()
+    for name in SOURCES:
+        digest.update((_HERE / name).read_bytes())
+    return int(digest.hexdigest()[:16], 16)
+
+
+class Kernel:
+    """Axes and plant, run by the library from one event to the next."""
+
+    def __init__(
+        self,
+        library: ctypes.CDLL,
+        plant: NativePlant,
+        axes: Sequence[ServoAxis],
+        wiring: Wiring,
+    ) -> None:
+        self._axes: Final = tuple(axes)
+        self._plant: Final = plant
+        count, supply = len(self._axes), -1 if wiring.supply is None else wiring.supply
+        doubles = ctypes.c_double * count
+        pointers = (ctypes.c_void_p * count)(*map(ctypes.addressof, self._axes))
+        scales, parts, calls = doubles(*wiring.counts_per_radian), doubles(*wiring.dividers), plant.record
+        # The record holds bare addresses: what they point to must live as long as it does.
+        self._held: Final = (pointers, scales, parts, calls)
+        self._record: Final = BankRecord(
+            count=count,
+            axes=ctypes.addressof(pointers),
+            counts_per_radian=ctypes.addressof(scales),
+            dividers=ctypes.addressof(parts),
+            supply=supply,
+            sampled=max(3 * count, supply + 1),
+            plant=ctypes.addressof(calls),
+        )
+        self._run: Final = library.servo_run
+        self._address: Final = ctypes.addressof(self._record)
+
+    @property
+    def tick(self) -> int:
+        """How many ticks have been run."""
+        return int(self._record.tick)
+
+    def run(self, last: int) -> bool:
+        """Run ticks up to number `last`, or to the end of the first one with an event; say which."""
+        ended = self._run(self._address, last)
+        if ended > Ended.TOLD:
+            self._break_off(Ended(ended))
+        return bool(ended)
+
+    def _break_off(self, ended: Ended) -> NoReturn:
+        record = self._record
+        if ended in _ACTIONS:
+            self._plant.failed(_ACTIONS[ended], record.fault_status)
+        name = self._axes[record.fault_axis].name if record.fault_axis >= 0 else ""
+        no_measurement(_QUANTITIES[ended], name, record.fault_value, record.tick)

@@ -1,0 +1,89 @@
+"""What one servo axis is made of, declared once: the table behind the Python class and the record in C.
+
+It refuses to know what a field is for a regulator: `emulators.servo.loops` does. `emulators.servo.header`
+writes the same table as a C header.
+"""
+
+from typing import Final
+
+
+class Record:
+    """Sixty-four-bit signed integers, in the order of meaning, which is the order of the record in C."""
+
+    # Fixed: the encoder that is mounted, in quadcounts per turn of the shaft.
+    encoder_resolution: int
+    # The surroundings, sampled from the plant every ms.
+    supply_mv: int
+    analogue_1_mv: int
+    analogue_2_mv: int
+    # Scaling and gains, derived from the objects.
+    resolution: int
+    fraction: int
+    current_p: int
+    current_i: int
+    velocity_p: int
+    velocity_i: int
+    velocity_speed_forward: int
+    velocity_acceleration_forward: int
+    position_p: int
+    position_i: int
+    position_d: int
+    position_filter: int
+    position_speed_forward: int
+    position_acceleration_forward: int
+    # Limits and supervision, derived from the objects.
+    continuous_ma: int
+    peak_ma: int
+    thermal_full: int
+    speed_limit: int
+    following_limit_qc: int
+    position_window_qc: int
+    position_window_ms: int
+    velocity_window: int
+    velocity_window_ms: int
+    rest_window: int
+    rest_ms: int
+    voltage_percent: int
+    over_current_ma: int
+    under_voltage_mv: int
+    over_voltage_mv: int
+    # Commands.
+    powered: int
+    regulator: int
+    profile: int
+    current_setting_ma: int
+    target_velocity: int
+    target_position: int
+    cruise: int
+    acceleration: int
+    deceleration: int
+    stopping_distance: int
+    call: int
+    # State. `turning`: an open winding's voltage is kept up in this ms; `told`: the last ms raised an event.
+    now: int
+    flags: int
+    encoder: int
+    position: int
+    step: int
+    velocity_average: int
+    current_ma: int
+    current_average: int
+    current_demand_ma: int
+    current_limit_ma: int
+    current_integral: int
+    voltage_mv: int
+    back_emf: int
+    turning: int
+    velocity_demand: int
+    acceleration_demand: int
+    position_demand: int
+    velocity_integral: int
+    position_integral: int
+    derivative: int
+    thermal: int
+    window_ms: int
+    still_ms: int
+    told: int
+
+
+FIELDS: Final[tuple[str, ...]] = tuple(Record.__annotations__)

@@ -1,0 +1,77 @@
+"""Where whole numbers meet the plant's floating point: what is sampled, and what is no measurement.
+
+It refuses to know regulators. Twin and kernel keep to the bounds here, so that no product leaves 64 bits.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, NoReturn, Protocol
+
+from emulators.servo.axis import TICK
+from firmware_bridge.units import to_seconds
+
+WIDEST_READING: Final = 1 << 30
+"""mA, mrad/s and mV beyond this are no measurement: a thousand times more than any drive stands."""
+WIDEST_ANGLE: Final = 1 << 52
+"""Quadcounts beyond this are no measurement: a double does not count them one by one."""
+WIDEST_STEP: Final = 1 << 31
+"""Quadcounts in one ms beyond this are no measurement: the counter's 32 bits would not notice."""
+
+
+class Doubles(Protocol):
+    """An array of floating-point numbers, as ctypes and array make them."""
+
+    def __getitem__(self, index: slice, /) -> Sequence[float]: ...
+    def __setitem__(self, index: int, value: float, /) -> None: ...
+
+
+class Plant(Protocol):
+    """What turns voltages into motion, one tick at a time."""
+
+    @property
+    def inputs(self) -> Doubles:
+        """Voltages for the next step, V."""
+
+    @property
+    def outputs(self) -> Doubles:
+        """What the last step led to, SI."""
+
+    def step(self) -> None:
+        """Advance one tick."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wiring:
+    """How axes and plant hang together, beside the order of the variables."""
+
+    counts_per_radian: tuple[float, ...]
+    """The mounted encoder of each axis."""
+    supply: int | None
+    """Which of the plant's outputs is the supply voltage in V; None: it is constant."""
+    dividers: tuple[float, ...]
+    """Before the first analogue input of each axis that sees the supply; 0 where none does."""
+
+
+class ServoError(Exception):
+    """The plant gave something that is no measurement, or the kernel that was asked for is not there."""
+
+
+def plant_inputs(axes: Sequence[str]) -> tuple[str, ...]:
+    """Return the plant's inputs in the order that a bank writes them."""
+    return tuple(f"voltage_{axis}" for axis in axes)
+
+
+def plant_outputs(axes: Sequence[str]) -> tuple[str, ...]:
+    """Return the plant's outputs in the order that a bank reads them; others may follow."""
+    return tuple(f"{quantity}_{axis}" for quantity in ("current", "angle", "speed") for axis in axes)
+
+
+def no_measurement(quantity: str, axis: str, value: float, tick: int) -> NoReturn:
+    """Refuse what the plant gave in place of a measurement; `value` in SI, or quadcounts for an angle."""
+    problem = "out of range" if math.isfinite(value) else "not finite"
+    where = f" of '{axis}'" if axis else ""
+    instant = to_seconds(tick * TICK)
+    raise ServoError(
+        f"the plant's {quantity}{where} is {problem} at {instant:.4f} s ({value:g}): check the plant"
+    )

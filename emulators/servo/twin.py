@@ -1,0 +1,142 @@
+"""The servo's readable twin: what the kernel in C does between two events, in Python.
+
+Both run in the tests and agree bit for bit; without a kernel the twin serves. It refuses to know the bus.
+"""
+
+from collections.abc import Sequence
+from math import floor
+from typing import Final
+
+from emulators.servo import winding
+from emulators.servo.axis import TICK, TICKS_PER_MILLISECOND, ServoAxis
+from emulators.servo.loops import AVERAGE, millisecond
+from emulators.servo.seam import WIDEST_ANGLE, WIDEST_READING, WIDEST_STEP, Plant, Wiring, no_measurement
+from emulators.servo.winding import AVERAGE_PLACES, CURRENT_PLACES, Winding
+
+
+class Twin:
+    """Axes and plant, tick by tick. One tick: sample, regulate, write the voltages, step the plant."""
+
+    def __init__(self, plant: Plant, axes: Sequence[ServoAxis], wiring: Wiring) -> None:
+        self.tick = 0
+        """How many ticks have been run."""
+        self._plant: Final = plant
+        self._axes: Final = tuple(axes)
+        self._wiring: Final = wiring
+        self._windings: Final = tuple(Winding(at, axis) for at, axis in enumerate(axes))
+
+    def run(self, last: int) -> bool:
+        """Run ticks up to number `last`, or to the end of the first one with an event; say which."""
+        told = False
+        while self.tick < last and not told:
+            phase = self.tick % TICKS_PER_MILLISECOND
+            if phase == 0:
+                told = self._millisecond()
+            ticks = 1 if told else min(last - self.tick, TICKS_PER_MILLISECOND - phase)
+            self._current_loops(ticks)
+        for axis in self._axes:
+            axis.now = self.tick * TICK
+        return told
+
+    def _millisecond(self) -> bool:
+        """Sample the plant and run every axis' millisecond; say whether one of them raised an event."""
+        self._sample_supply()
+        count = len(self._axes)
+        told = False
+        currents = self._plant.outputs[:count]
+        angles = self._plant.outputs[count : 2 * count]
+        for k, axis in enumerate(self._axes):
+            axis.current_ma = self._reading("current", axis, currents[k])
+            raised = millisecond(axis, self._count(k, axis, angles[k]))
+            axis.told = raised
+            told = told or raised
+            if not axis.powered:
+                axis.turning = int(winding.turns(axis, self._speed(k)))
+        return told
+
+    def _current_loops(self, ticks: int) -> None:
+        """Run the ticks up to the next ms: current loops, open windings, plant."""
+        outputs, step, count = self._plant.outputs, self._plant.step, len(self._axes)
+        powered = [loop for loop in self._windings if loop.axis.powered]
+        opened = [loop for loop in self._windings if not loop.axis.powered and loop.axis.turning]
+        for loop in powered:
+            loop.load()
+        try:
+            for _ in range(ticks):
+                currents = outputs[:count]
+                self._regulate(powered, currents)
+                if opened:
+                    self._keep_up(opened, currents)
+                step()
+                self.tick += 1
+        finally:
+            for loop in powered:
+                loop.store()
+
+    def _regulate(self, powered: Sequence[Winding], currents: Sequence[float]) -> None:
+        """Run one tick of the current loops.
+
+        PI: 1/256 Ohm of gain on mA gives mV in 8 binary places (maxon's command library). The integrator
+        holds while the voltage is limited, unless it leads back (ASSUME).
+        """
+        inputs = self._plant.inputs
+        for loop in powered:
+            at = loop.at
+            milliamperes = currents[at] * 1000.0
+            if not -WIDEST_READING <= milliamperes <= WIDEST_READING:
+                no_measurement("current", loop.axis.name, currents[at], self.tick)
+            current = int(milliamperes)
+            loop.current = current
+            average = loop.average
+            loop.average = average + (((current << AVERAGE_PLACES) - average) >> AVERAGE)
+            error = loop.demand - current
+            integral = loop.integral + loop.i * error
+            voltage = (loop.p * error + integral) >> CURRENT_PLACES
+            limit = loop.limit
+            if -limit <= voltage <= limit:
+                loop.integral = integral
+            else:
+                voltage = limit if voltage > 0 else -limit
+                if (integral > loop.integral) != (voltage > 0):
+                    loop.integral = integral
+            loop.voltage = voltage
+            inputs[at] = voltage * 0.001
+
+    def _keep_up(self, opened: Sequence[Winding], currents: Sequence[float]) -> None:
+        """Give the open windings that turn their own voltage."""
+        for loop in opened:
+            current = self._reading("current", loop.axis, currents[loop.at])
+            voltage = winding.opened(loop.axis, current, self._speed(loop.at))
+            self._plant.inputs[loop.at] = voltage * 0.001
+
+    def _sample_supply(self) -> None:
+        supply = self._wiring.supply
+        if supply is None:
+            return
+        volts = self._plant.outputs[supply : supply + 1][0]
+        supply_mv = self._reading("supply voltage", None, volts)
+        for axis, divider in zip(self._axes, self._wiring.dividers, strict=True):
+            axis.supply_mv = supply_mv
+            if divider:
+                axis.analogue_1_mv = int(supply_mv / divider)
+
+    def _count(self, k: int, axis: ServoAxis, angle: float) -> int:
+        counts = angle * self._wiring.counts_per_radian[k]
+        if not -WIDEST_ANGLE <= counts <= WIDEST_ANGLE:
+            no_measurement("angle", axis.name, angle, self.tick)
+        count = floor(counts)
+        if not -WIDEST_STEP <= count - axis.encoder <= WIDEST_STEP:
+            no_measurement("angle", axis.name, angle, self.tick)
+        return count
+
+    def _speed(self, k: int) -> int:
+        """Return the plant's speed of a shaft in mrad/s."""
+        at = 2 * len(self._axes) + k
+        return self._reading("speed", self._axes[k], self._plant.outputs[at : at + 1][0])
+
+    def _reading(self, quantity: str, axis: ServoAxis | None, value: float) -> int:
+        """Return thousandths of what the plant gives, towards zero."""
+        thousandths = value * 1000.0
+        if not -WIDEST_READING <= thousandths <= WIDEST_READING:
+            no_measurement(quantity, axis.name if axis is not None else "", value, self.tick)
+        return int(thousandths)

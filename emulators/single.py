@@ -1,0 +1,86 @@
+"""Drives without a robot: each with a motor and a load of its own, or all above one plant from an FMU.
+
+It refuses to know which bus they are on.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+from emulators.epos2.drive import Epos2
+from emulators.epos2.profile import DeviceProfile
+from emulators.servo.axis import ServoAxis
+from emulators.servo.bank import Plant, ServoBank, plant_inputs, plant_outputs
+from emulators.servo.motor import DcMotor, DcMotors
+from emulators.storage import ParameterFile
+from fmu.plant import FmuPlant, PlantError
+
+MOTOR: Final = DcMotor(
+    resistance=1.0, inductance=0.5e-3, torque_constant=0.04, inertia=2e-5, friction=1e-3, damping=1e-5
+)
+"""A motor that the drive's default gains can turn, and no particular one: Ohm, H, N m/A, kg m2, N m."""
+QUADCOUNTS: Final = 2_000
+"""Of the encoder in one turn: the default of 0x2210:1, 500 pulses."""
+SUPPLY_MV: Final = 24_000
+BACK_EMF_UNIT: Final = 1 << 24
+"""Parts of 1 V s/rad in which a servo axis keeps its motor's constant."""
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """What is wanted: which nodes of which type, on a bus of which bit rate."""
+
+    nodes: Sequence[int]
+    profile: DeviceProfile
+    bit_rate: int
+    motor: DcMotor = MOTOR
+    plant: Path | None = None
+    axes: Sequence[str] = ()
+    """The plant's names for its axes, in the order of the nodes."""
+    supply_mv: int = SUPPLY_MV
+    parameters: Path | None = None
+    """The folder that keeps saved parameters; None keeps them as long as the drives live."""
+    dip_off: bool = False
+    """Whether the DIP switches say 0, so that the saved number counts."""
+
+
+def drives(order: Order) -> tuple[dict[str, Epos2], ServoBank]:
+    """Build the drives by the names of their axes, and what moves them.
+
+    PlantError where the FMU cannot be used, StorageError where saved parameters cannot be read.
+    """
+    names = list(order.axes) or [f"motor{node}" for node in order.nodes]
+    plant: Plant = DcMotors((order.motor,) * len(names)) if order.plant is None else _fmu(order.plant, names)
+    axes = [
+        ServoAxis(name, QUADCOUNTS, supply_mv=order.supply_mv, back_emf=_back_emf(order, plant, name))
+        for name in names
+    ]
+    made = {
+        name: Epos2(
+            0 if order.dip_off else node,
+            axis,
+            replace(order.profile, serial_number=order.profile.serial_number + node),
+            storage=None
+            if order.parameters is None
+            else ParameterFile(order.parameters / f"node-{node}.json"),
+            bus_rate=order.bit_rate,
+        )
+        for name, node, axis in zip(names, order.nodes, axes, strict=True)
+    }
+    return made, ServoBank(plant, axes)
+
+
+def _fmu(path: Path, names: Sequence[str]) -> FmuPlant:
+    return FmuPlant(path, plant_inputs(names), plant_outputs(names))
+
+
+def _back_emf(order: Order, plant: Plant, name: str) -> int:
+    """Return the motor's constant as an axis takes it; 0, to be learnt, where an FMU does not tell it."""
+    constant = order.motor.torque_constant
+    if isinstance(plant, FmuPlant):
+        try:
+            constant = plant.read(f"torque_constant_{name}")
+        except PlantError:
+            return 0
+    return round(constant * BACK_EMF_UNIT)

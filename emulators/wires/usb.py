@@ -1,0 +1,20 @@
+"""The drive's USB port as a line: a converter chip at 1 MBd, from which the host reads once a millisecond.
+
+Source: maxon's command library, which sets the chip's latency timer to 1 ms. The other way, from the host to
+the drive, takes the time of the bytes only (ASSUME). USB frames, 62 bytes each, are not told apart.
+"""
+
+from typing import Final
+
+from emulators.wires.serial import Inbox, SerialWire
+from firmware_bridge.units import MILLISECOND, Nanoseconds
+
+BAUD: Final = 1_000_000
+LATENCY: Final[Nanoseconds] = MILLISECOND
+BUFFER: Final = 4_096
+"""Bytes; larger than anything that the drive says in one latency time."""
+
+
+def usb_line(host: str, name: str = "serial") -> SerialWire:
+    """Return a line between a drive and the station `host`."""
+    return SerialWire(BAUD, {host: Inbox(BUFFER, LATENCY)}, name)

@@ -1,0 +1,57 @@
+"""A serial port of this machine, by pyserial: eight data bits, no parity, one stop bit, no flow control."""
+
+import contextlib
+import errno
+import sys
+from typing import Final
+
+import serial
+
+from firmware_bridge.shell.ports.byte_file import ByteFile
+from firmware_bridge.shell.ports.port import LostPort, PortError
+
+MOST_WAITING: Final = 65_536
+"""Bytes; a port that lets so many wait sends nothing at all."""
+
+_IN_USE: Final = "it is in use; end the program that has it"
+_PROBLEMS: Final = {
+    errno.ENOENT: "there is no such device; `ls /dev/tty*` shows those that there are",
+    errno.EACCES: "not allowed; join the group that owns it, often dialout, and log in again",
+    errno.EBUSY: _IN_USE,
+    errno.EAGAIN: _IN_USE,
+}
+
+
+class SerialLine(ByteFile):
+    """A serial device, as /dev/ttyUSB0. Opening it raises PortError with what to do."""
+
+    def __init__(self, device: str, baud: int) -> None:
+        self.name = f"serial port {device}"
+        self._serial = _opened(device, baud, self.name)
+        super().__init__(self._serial.fileno())
+
+    def close(self) -> None:
+        """Close the device; never fails, and may be called again."""
+        with contextlib.suppress(OSError, serial.SerialException):
+            self._serial.close()
+
+    def _crowded(self, waiting: bytearray) -> None:
+        if len(waiting) > MOST_WAITING:
+            raise LostPort(self, f"{len(waiting)} bytes wait, and it sends none")
+
+
+def _opened(device: str, baud: int, name: str) -> serial.Serial:
+    try:
+        port = serial.Serial(device, baud, timeout=0, write_timeout=0, exclusive=True)
+    except (serial.SerialException, OSError, ValueError) as error:
+        raise PortError(f"cannot open {name} at {baud} Bd: {_why(error)}") from error
+    if sys.platform == "linux":
+        with contextlib.suppress(OSError, NotImplementedError, ValueError):
+            # A converter chip on USB keeps what it has heard for up to 16 ms otherwise.
+            port.set_low_latency_mode(True)
+    return port
+
+
+def _why(error: BaseException) -> str:
+    number = getattr(error, "errno", None)
+    return _PROBLEMS.get(number or 0) or " ".join(str(error).split())

@@ -1,0 +1,52 @@
+"""What a CAN controller reports of itself: packets with the ERROR flag, packed as SocketCAN packs them.
+
+Source: Linux, `linux/can/error.h`; TEC and REC in bytes 6 and 7. It refuses to know how errors are counted.
+"""
+
+from enum import IntEnum
+from typing import Final
+
+from firmware_bridge.wire.can import ERROR
+
+CONTROLLER: Final = ERROR | 0x004
+"""The controller's state has changed, or it has lost a frame; byte 1 says what."""
+BUS_OFF: Final = ERROR | 0x040
+"""The controller has left the bus."""
+RESTARTED: Final = ERROR | 0x100
+"""The controller is back on the bus."""
+
+RECEIVE_OVERFLOW: Final = 0x01
+TRANSMIT_OVERFLOW: Final = 0x02
+RECEIVE_PASSIVE: Final = 0x10
+TRANSMIT_PASSIVE: Final = 0x20
+ACTIVE_AGAIN: Final = 0x40
+"""Bits of byte 1 of a `CONTROLLER` report."""
+_STATE: Final = 1
+_DETAIL: Final = 5
+LENGTH: Final = 8
+
+
+class Loss(IntEnum):
+    """Byte 5, which is the controller's own: what overflowed."""
+
+    UNKNOWN = 0
+    OBJECT = 1
+    """A message object was overwritten before it was read."""
+    QUEUE = 2
+    """The driver's queue was full."""
+
+
+def encode_report(
+    state: int = 0, loss: Loss = Loss.UNKNOWN, transmit_errors: int = 0, receive_errors: int = 0
+) -> bytes:
+    """Return the eight bytes of a report; counters beyond a byte are told as 255."""
+    counters = bytes((min(transmit_errors, 0xFF), min(receive_errors, 0xFF)))
+    return bytes((0, state, 0, 0, 0, loss)) + counters
+
+
+def decode_report(payload: bytes) -> tuple[int, Loss]:
+    """Return the bits of byte 1 and what was lost; nothing for a payload that is too short."""
+    if len(payload) < LENGTH:
+        return 0, Loss.UNKNOWN
+    known = payload[_DETAIL] in tuple(Loss)
+    return payload[_STATE], Loss(payload[_DETAIL]) if known else Loss.UNKNOWN

@@ -1,0 +1,65 @@
+"""What the ends of both serial protocols share, and how to choose one by the protocol's name."""
+
+from typing import Protocol
+
+from firmware_bridge.units import NEVER, Nanoseconds
+from firmware_bridge.wire.maxon.frame import Frame, Outcome
+
+
+class LineEnd:
+    """One end of a line: it is given bytes and the time; what it wants to send waits in `taken`."""
+
+    def __init__(self) -> None:
+        self.due: Nanoseconds = NEVER
+        """When to call `wake`."""
+        self._sent = bytearray()
+
+    def taken(self) -> bytes:
+        """Return what is to be sent, once."""
+        sent = bytes(self._sent)
+        self._sent.clear()
+        return sent
+
+
+class DeviceEnd(Protocol):
+    """The drive's end of either protocol. Each command that comes out wants one call of `answer`."""
+
+    due: Nanoseconds
+
+    def taken(self) -> bytes:
+        """Return what is to be sent, once."""
+
+    def hear(self, chunk: bytes, now: Nanoseconds) -> Frame | None:
+        """Take bytes; return the command that they complete, if any."""
+
+    def answer(self, body: bytes | None, now: Nanoseconds) -> Frame | None:
+        """Answer the command, or with None go without; return the next command where one has waited."""
+
+    def wake(self, now: Nanoseconds) -> None:
+        """Give up what has lasted too long."""
+
+    def reset(self) -> None:
+        """Forget everything, as at power-on."""
+
+
+class HostEnd(Protocol):
+    """The host's end of either protocol: one command at a time, and one outcome for each."""
+
+    due: Nanoseconds
+    ready_at: Nanoseconds
+
+    @property
+    def busy(self) -> bool:
+        """Whether a command is under way."""
+
+    def taken(self) -> bytes:
+        """Return what is to be sent, once."""
+
+    def ask(self, frame: Frame, now: Nanoseconds, *, answered: bool = True) -> None:
+        """Begin a command; `answered` as its row says for this protocol."""
+
+    def hear(self, chunk: bytes, now: Nanoseconds) -> Outcome | None:
+        """Take bytes; return how the command ended, once."""
+
+    def wake(self, now: Nanoseconds) -> Outcome | None:
+        """Give up a command that has had no answer in time."""

@@ -1,0 +1,82 @@
+"""One frame of the serial protocols: an opcode and whole words of data, and its bytes on either line.
+
+It refuses to know what a frame means, and when its parts may be sent.
+"""
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Final, TypeAlias
+
+from firmware_bridge.wire.maxon.crc import checksum
+
+ANSWER: Final = 0x00
+"""The opcode of every answer."""
+DLE: Final = 0x90
+STX: Final = 0x02
+MOST_WORDS: Final = 143
+"""Data words that V2's length may tell (EPOS4 Communication Guide, by analogy)."""
+_MOST_WORDS_V1: Final = 256
+_SYNC: Final = bytes((DLE, STX))
+
+
+class Generation(Enum):
+    """Which protocol a line speaks."""
+
+    V1 = "v1"
+    """RS232: single bytes of handshake, half-duplex."""
+    V2 = "v2"
+    """USB: frames that begin with DLE STX."""
+
+
+class Failure(Enum):
+    """Why a command got no answer."""
+
+    SILENCE = "no answer in time"
+    REFUSED = "the device does not know the command"
+    DAMAGED = "the device found the check sum wrong"
+    GARBLED = "the answer's check sum is wrong"
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """An opcode and its data: whole words, low byte first."""
+
+    opcode: int
+    body: bytes
+
+    def __post_init__(self) -> None:
+        """Refuse data that is not made of words."""
+        if len(self.body) % 2:
+            raise ValueError(f"a serial frame carries whole words, not {len(self.body)} bytes")
+
+
+@dataclass(frozen=True, slots=True)
+class Answered:
+    """The device's answer to a command; empty to one that V1 does not answer."""
+
+    body: bytes
+
+
+Outcome: TypeAlias = Answered | Failure
+
+
+def encode_v1(frame: Frame) -> bytes:
+    """Return opcode, length less one, data and check sum; at least one word."""
+    words = len(frame.body) // 2
+    if not 1 <= words <= _MOST_WORDS_V1:
+        raise ValueError(f"a V1 frame carries 1 to {_MOST_WORDS_V1} words, not {words}")
+    crc = checksum(frame.opcode << 8 | words - 1, frame.body)
+    return bytes((frame.opcode, words - 1)) + frame.body + crc.to_bytes(2, "little")
+
+
+def encode_v2(frame: Frame) -> bytes:
+    """Return DLE STX, opcode, length, data and check sum, each DLE after the first doubled.
+
+    Length and check sum are those of the frame without the doubled bytes.
+    """
+    words = len(frame.body) // 2
+    if words > MOST_WORDS:
+        raise ValueError(f"a V2 frame carries at most {MOST_WORDS} words, not {words}")
+    crc = checksum(words << 8 | frame.opcode, frame.body)
+    plain = bytes((frame.opcode, words)) + frame.body + crc.to_bytes(2, "little")
+    return _SYNC + plain.replace(b"\x90", b"\x90\x90")

@@ -1,0 +1,23 @@
+"""Chooses the ends of a serial line by the protocol that it speaks."""
+
+from collections.abc import Callable
+
+from firmware_bridge.units import Nanoseconds
+from firmware_bridge.wire.maxon.end import DeviceEnd, HostEnd
+from firmware_bridge.wire.maxon.frame import Generation
+from firmware_bridge.wire.maxon.v1_device import V1Device
+from firmware_bridge.wire.maxon.v1_host import V1Host
+from firmware_bridge.wire.maxon.v2_device import V2Device
+from firmware_bridge.wire.maxon.v2_host import V2Host
+
+
+def device_end(generation: Generation, timeout: Callable[[], Nanoseconds], bad_checksum: int) -> DeviceEnd:
+    """Return the drive's end; `timeout` is asked whenever one begins, `bad_checksum` is V2's complaint."""
+    if generation is Generation.V1:
+        return V1Device(timeout)
+    return V2Device(timeout, bad_checksum)
+
+
+def host_end(generation: Generation, timeout: Nanoseconds) -> HostEnd:
+    """Return the host's end, which waits `timeout` for each step of the device."""
+    return V1Host(timeout) if generation is Generation.V1 else V2Host(timeout)

@@ -1,0 +1,93 @@
+"""Examine an FMU before it is trusted: its description, its start, its bits, and what a master needs of it.
+
+Everything that is wrong is gathered, not only the first.
+"""
+
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from zipfile import BadZipFile
+
+from fmpy.model_description import read_model_description
+from fmpy.validation import validate_fmu
+
+from fmu.errors import PlantError, PlantWarning
+from fmu.interface import UNITS
+from fmu.plant import OTHER_BITS, FmuPlant
+from fmu.references import References
+from fmu.verify import Verdict
+
+
+@dataclass(frozen=True, slots=True)
+class Findings:
+    """What an FMU is, and what is wrong with it; `start` and `bits` are empty where nothing is."""
+
+    model: str
+    version: str
+    interfaces: tuple[str, ...]
+    variables: int
+    description: tuple[str, ...]
+    start: str
+    fingerprint: Verdict
+    references: References
+
+    @property
+    def problems(self) -> tuple[str, ...]:
+        """Everything that is wrong, whoever wants to use it."""
+        bits = (OTHER_BITS,) if self.fingerprint is Verdict.OTHER else ()
+        return (*self.description, *((self.start,) if self.start else ()), *bits)
+
+    def lacking(
+        self, inputs: Sequence[str], outputs: Sequence[str], units: Mapping[str, str] = UNITS
+    ) -> tuple[str, ...]:
+        """Return what keeps this FMU from serving a master with these variables, one sentence each."""
+        found = []
+        for names, causalities in ((inputs, ("input",)), (outputs, ("output", "local"))):
+            for name in names:
+                try:
+                    self.references.find([name], causalities, units)
+                except PlantError as error:
+                    found.append(str(error))
+        return tuple(found)
+
+
+def examine(path: Path) -> Findings:
+    """Read, validate and start an FMU; PlantError where it is none."""
+    if not path.is_file():
+        raise PlantError(f"{path}: there is no such file; give the path of an FMU")
+    try:
+        # Unchecked, so that even a wrong description says what it wants to be.
+        description = read_model_description(str(path), validate=False)
+    except BadZipFile as error:
+        raise PlantError(f"{path}: not an FMU: {error}") from error
+    except Exception as error:
+        raise PlantError(f"{path}: its modelDescription.xml cannot be read: {error}") from error
+    start, fingerprint = _started(path)
+    offered = {
+        "co-simulation": description.coSimulation,
+        "model exchange": description.modelExchange,
+        "scheduled execution": getattr(description, "scheduledExecution", None),
+    }
+    return Findings(
+        model=str(description.modelName),
+        version=str(description.fmiVersion),
+        interfaces=tuple(name for name, entry in offered.items() if entry is not None),
+        variables=len(description.modelVariables),
+        description=tuple(" ".join(str(problem).split()) for problem in validate_fmu(str(path))),
+        start=start,
+        fingerprint=fingerprint,
+        references=References(path.name, description),
+    )
+
+
+def _started(path: Path) -> tuple[str, Verdict]:
+    """Load, initialise and step an FMU; return what was wrong, and whose bits it gives."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", PlantWarning)
+            with FmuPlant(path, (), ()) as plant:
+                plant.step()
+                return "", plant.fingerprint
+    except PlantError as error:
+        return " ".join(str(error).removeprefix(f"{path}: ").split()), Verdict.NONE

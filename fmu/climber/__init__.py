@@ -1,0 +1,1 @@
+"""The climbing robot: equations, parameters and reference trajectory of two magnetic wheels on a tank."""

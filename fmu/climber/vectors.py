@@ -1,0 +1,26 @@
+"""Vectors of three components, as tuples, so that equations stay readable and SymPy stays quick."""
+
+from typing import TypeAlias
+
+from fmu.export.model import Expression
+
+Vector: TypeAlias = tuple[Expression, Expression, Expression]
+
+
+def plus(*terms: tuple[Expression, Vector]) -> Vector:
+    """Return the sum of factor x vector."""
+    return (
+        sum(factor * vector[0] for factor, vector in terms),
+        sum(factor * vector[1] for factor, vector in terms),
+        sum(factor * vector[2] for factor, vector in terms),
+    )
+
+
+def dot(a: Vector, b: Vector) -> Expression:
+    """Return the inner product."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def cross(a: Vector, b: Vector) -> Vector:
+    """Return the outer product."""
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])

@@ -1,0 +1,165 @@
+"""Equations to straight-line blocks: parameters' parts hoisted, common subexpressions shared.
+
+C code, its tangents and its Python twin are all printed from these blocks, so they say the same.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import sympy as sp
+
+from fmu.export.model import Expression, Model, Output
+
+
+class UnsupportedError(Exception):
+    """An expression or a table that this exporter has no deterministic code for."""
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """One function: arrays that it reads (a letter each), temporaries in order, places that it writes."""
+
+    name: str
+    reads: str
+    target: str
+    shared: tuple[tuple[Expression, Expression], ...]
+    results: tuple[tuple[int, Expression], ...]
+
+
+@dataclass(frozen=True)
+class Program:
+    """All blocks of one model. Arrays: p parameters, k constants, u inputs, s states."""
+
+    model: Model
+
+    @cached_property
+    def outputs(self) -> tuple[Output, ...]:
+        """What the regulators read after each step."""
+        return tuple(row for row in self.model.outputs if not row.local)
+
+    @cached_property
+    def locals(self) -> tuple[Output, ...]:
+        """What is computed only when it is asked for; states that the model does not show are among it."""
+        rows = [row for row in self.model.outputs if row.local]
+        shown = {row.expression for row in self.model.outputs}
+        rows += [
+            Output(state.name, state.unit, f"state {state.name}", real(state.name), local=True)
+            for state in self.model.states
+            if real(state.name) not in shown
+        ]
+        return tuple(rows)
+
+    @cached_property
+    def readings(self) -> tuple[Output, ...]:
+        """Outputs, then locals."""
+        return self.outputs + self.locals
+
+    @cached_property
+    def states_of_readings(self) -> tuple[int, ...]:
+        """For each reading the state that it is, -1 where it is computed."""
+        position = {real(state.name): i for i, state in enumerate(self.model.states)}
+        return tuple(position.get(row.expression, -1) for row in self.readings)
+
+    @cached_property
+    def settable_states(self) -> tuple[int, ...]:
+        """For each reading the state that its start value sets, -1 where there is none."""
+        free = [sp.sympify(state.start).is_number for state in self.model.states]
+        return tuple(state if state >= 0 and free[state] else -1 for state in self.states_of_readings)
+
+    @cached_property
+    def blocks(self) -> tuple[Block, ...]:
+        """Constants, starts, rates, outputs, locals."""
+        model = self.model
+        hoister = _Hoister(frozenset(real(row.name) for row in model.parameters))
+        rates = [hoister.hoist(state.rate) for state in model.states]
+        readings = [hoister.hoist(row.expression) for row in self.readings]
+        starts = [hoister.hoist(sp.sympify(state.start)) for state in model.states]
+        # The shell's reset writes zeros; derived starts follow the parameters.
+        derived = [i for i, start in enumerate(starts) if start.free_symbols]
+        if any(starts[i] != 0 for i in range(len(starts)) if i not in derived):
+            raise UnsupportedError("a state's start must be 0 or an expression in parameters and states")
+        names = _places("p", [row.name for row in model.parameters])
+        names |= _places("u", [row.name for row in model.inputs])
+        names |= _places("s", [state.name for state in model.states])
+        names |= _places("k", [symbol.name for symbol in hoister.constants.values()])
+        count = len(self.outputs)
+        return (
+            _block("constants", "p", "k", list(hoister.constants), names=names),
+            _block("starts", "pk", "s", [starts[i] for i in derived], names=names, places=derived),
+            _block("rates", "supk", "rate", rates, names=names),
+            _block("outputs", "supk", "reading", readings[:count], names=names),
+            _block(
+                "locals", "supk", "reading", readings[count:], names=names, places=range(count, len(readings))
+            ),
+        )
+
+
+class _Hoister:
+    """Replaces what depends on parameters alone by constants that are computed once.
+
+    Expressions share their parts, so each part is looked at once.
+    """
+
+    def __init__(self, parameters: frozenset[Expression]) -> None:
+        self._parameters = parameters
+        self._fixed: dict[Expression, bool] = {}
+        self._hoisted: dict[Expression, Expression] = {}
+        self.constants: dict[Expression, Expression] = {}
+
+    def hoist(self, expression: Expression) -> Expression:
+        """Return the expression with its constant parts named."""
+        if expression.is_Symbol or expression.is_number:
+            return expression
+        if expression not in self._hoisted:
+            self._hoisted[expression] = self._looked_at(expression)
+        return self._hoisted[expression]
+
+    def _looked_at(self, expression: Expression) -> Expression:
+        if self._is_fixed(expression):
+            return self._named(expression)
+        if expression.is_Add or expression.is_Mul:
+            fixed = [part for part in expression.args if self._is_fixed(part)]
+            moving = [self.hoist(part) for part in expression.args if not self._is_fixed(part)]
+            group = expression.func(*fixed)
+            if not group.is_number:
+                group = self._named(group)
+            return expression.func(group, *moving)
+        return expression.func(*(self.hoist(part) for part in expression.args))
+
+    def _is_fixed(self, expression: Expression) -> bool:
+        if expression.is_Symbol:
+            return expression in self._parameters
+        if expression not in self._fixed:
+            self._fixed[expression] = all(self._is_fixed(part) for part in expression.args)
+        return self._fixed[expression]
+
+    def _named(self, expression: Expression) -> Expression:
+        if expression.is_Symbol:
+            return expression
+        if expression not in self.constants:
+            self.constants[expression] = real(f"k{len(self.constants)}")
+        return self.constants[expression]
+
+
+def real(name: str) -> Expression:
+    """Return the symbol of a real number."""
+    return sp.Symbol(name, real=True)
+
+
+def _places(array: str, names: Sequence[str]) -> dict[Expression, Expression]:
+    return {real(name): real(f"{array}[{i}]") for i, name in enumerate(names)}
+
+
+def _block(
+    name: str,
+    reads: str,
+    target: str,
+    expressions: Sequence[Expression],
+    *,
+    names: Mapping[Expression, Expression],
+    places: Sequence[int] | None = None,
+) -> Block:
+    shared, results = sp.cse([e.xreplace(names) for e in expressions], sp.numbered_symbols("t", real=True))
+    where = range(len(results)) if places is None else places
+    return Block(name, reads, target, tuple(shared), tuple(zip(where, results, strict=True)))

@@ -1,0 +1,110 @@
+"""The variables of an FMU in the order of their value references, for both FMI versions."""
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+from fmu.export.blocks import Program, UnsupportedError
+from fmu.export.units import UNITS, Unit, per_second
+
+TIME: Final = 0
+"""Value reference of the time."""
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """One variable as both FMI versions describe it; `rate_of` is the value reference of its state."""
+
+    reference: int
+    name: str
+    unit: str
+    description: str
+    causality: str
+    variability: str
+    initial: str | None = None
+    start: float | None = None
+    nominal: float | None = None
+    rate_of: int | None = None
+
+
+def variables(program: Program) -> tuple[Variable, ...]:
+    """Return time, inputs, parameters, outputs, locals, rates; UnsupportedError where a name comes twice."""
+    rows = tuple(_rows(program))
+    twice = [name for name, count in Counter(row.name for row in rows).items() if count > 1]
+    if twice:
+        raise UnsupportedError(f"two variables of {program.model.name} are called '{twice[0]}'")
+    return rows
+
+
+def state_references(program: Program) -> tuple[int, ...]:
+    """Return the value reference of each state."""
+    first = first_reading(program)
+    states = program.states_of_readings
+    return tuple(first + states.index(i) for i in range(len(program.model.states)))
+
+
+def first_reading(program: Program) -> int:
+    """Return the value reference of the first output."""
+    return 1 + len(program.model.inputs) + len(program.model.parameters)
+
+
+def units(program: Program) -> dict[str, Unit]:
+    """Return the units that the variables use, in the order of the table."""
+    used = {row.unit for row in variables(program)}
+    found = {name: unit for name, unit in UNITS.items() if name in used}
+    for state in program.model.states:
+        name, unit = per_second(state.unit)
+        found.setdefault(name, unit)
+    return found
+
+
+def _rows(program: Program) -> Iterator[Variable]:
+    model = program.model
+    yield Variable(TIME, "time", "s", "time", "independent", "continuous")
+    reference = 0
+    for entry in model.inputs:
+        yield Variable(
+            reference := reference + 1,
+            entry.name,
+            entry.unit,
+            entry.description,
+            "input",
+            "continuous",
+            start=0.0,
+            nominal=entry.nominal,
+        )
+    for row in model.parameters:
+        yield Variable(
+            reference := reference + 1,
+            row.name,
+            row.unit,
+            f"{row.description}. {row.source}",
+            "parameter",
+            "fixed",
+            "exact",
+            float(row.start),
+        )
+    for reading, free in zip(program.readings, program.settable_states, strict=True):
+        yield Variable(
+            reference := reference + 1,
+            reading.name,
+            reading.unit,
+            reading.description,
+            "local" if reading.local else "output",
+            "continuous",
+            "calculated" if free < 0 else "exact",
+            None if free < 0 else 0.0,
+            reading.nominal,
+        )
+    for state, shown in zip(model.states, state_references(program), strict=True):
+        yield Variable(
+            reference := reference + 1,
+            f"der({state.name})",
+            per_second(state.unit)[0],
+            f"rate of {state.name}",
+            "local",
+            "continuous",
+            "calculated",
+            rate_of=shown,
+        )

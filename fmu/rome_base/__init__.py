@@ -1,0 +1,1 @@
+"""ROME's omni base: equations, parameters and reference trajectory of the three-wheeled platform."""

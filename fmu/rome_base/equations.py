@@ -1,0 +1,149 @@
+"""Three omni wheels that roll without slip along their rims and whose rollers rub across.
+
+[O] is A. Seleit, MSc thesis, UCF, 2020; the same equations in mathematical writing: README.md.
+"""
+
+from typing import Final
+
+import sympy as sp
+
+from fmu.export.model import Expression, Input, Model, Output, State
+from fmu.parts.battery import terminal_voltage
+from fmu.parts.motor import Shaft, bristle
+from fmu.parts.symbols import HALF, inner, symbol, symbols
+from fmu.rome_base.parameters import AXES, PARAMETERS
+
+P: Final = dict(symbols(PARAMETERS))
+ANGLES: Final = tuple(sp.Rational(2 * i, 3) * sp.pi for i in range(3))
+"""Where the wheels stand, [O] 2.2."""
+
+
+def rims(turn: Expression, distance: Expression) -> Expression:
+    """Return P(psi) of (2.13): (rim speeds) = P (x', y', psi'); wheel i at `turn` + ANGLES[i].
+
+    (2.9)-(2.11) corrected: p_i of (2.7) holds the wheel's angle already; turning it once more by R(psi +
+    2 pi (i - 1) / 3) would exchange the wheels two and three.
+    """
+    return sp.Matrix([[-sp.sin(turn + angle), sp.cos(turn + angle), distance] for angle in ANGLES])
+
+
+def inverse(turn: Expression, distance: Expression) -> Expression:
+    """Return P^-1 of (2.14)."""
+    along = [
+        [-sp.sin(turn + angle) * 2 / 3 for angle in ANGLES],
+        [sp.cos(turn + angle) * 2 / 3 for angle in ANGLES],
+    ]
+    return sp.Matrix([*along, [1 / (3 * distance)] * 3])
+
+
+class Base:
+    """The body in its own frame: u forwards, q to the left, W counter-clockwise; forces from the wheels."""
+
+    def __init__(self, shafts: tuple[Shaft, ...]) -> None:
+        self.shafts = shafts
+        self.heading = symbol("heading")
+        self.rims = rims(sp.S.Zero, P["wheel_distance"])
+        rolled = sp.Matrix([P["wheel_radius"] * shaft.speed / shaft.gear for shaft in shafts])
+        self.velocity = inverse(sp.S.Zero, P["wheel_distance"]) * rolled
+        gear, rotor = P["gear_wheel"], P["rotor_inertia_wheel"]
+        self.rim_mass = (P["wheel_inertia"] + rotor * gear**2) / P["wheel_radius"] ** 2
+        self.load = P["mass"] * P["gravity"] / 3 * P["roller_friction"]
+
+    def across(self, wheel: int) -> Expression:
+        """Return the speed of a wheel's rollers, outwards: a turn of the base does not turn them."""
+        u, q, _ = self.velocity
+        return u * sp.cos(ANGLES[wheel]) + q * sp.sin(ANGLES[wheel])
+
+    def rubbing(self, wheel: int) -> Expression:
+        """Return the rollers' friction in N, outwards."""
+        dry = self.load * symbol(f"roller_{self.shafts[wheel].axis}")
+        return -(dry + P["roller_viscous"] * self.across(wheel))
+
+    def accelerations(self) -> tuple[Expression, ...]:
+        """Return the motors' accelerations.
+
+        (M + P' j P) v' + W x M v = P' (forces at the rims) + rollers, with P constant in the body's frame.
+        """
+        u, q, yaw_rate = self.velocity
+        drive = sp.Matrix([shaft.torque * shaft.gear / P["wheel_radius"] for shaft in self.shafts])
+        force = self.rims.T * drive + P["mass"] * yaw_rate * sp.Matrix([q, -u, 0])
+        for wheel, angle in enumerate(ANGLES):
+            force += self.rubbing(wheel) * sp.Matrix([sp.cos(angle), sp.sin(angle), 0])
+        # P' P = diag(3/2, 3/2, 3 L2), for the wheels are alike.
+        mass = P["mass"] + self.rim_mass * 3 / 2
+        turning = P["yaw_inertia"] + 3 * P["wheel_distance"] ** 2 * self.rim_mass
+        change = self.rims * sp.Matrix([force[0] / mass, force[1] / mass, force[2] / turning])
+        return tuple(
+            shaft.gear / P["wheel_radius"] * rate for shaft, rate in zip(self.shafts, change, strict=True)
+        )
+
+    def states(self) -> tuple[State, ...]:
+        """Return pose and rollers."""
+        u, q, yaw_rate = self.velocity
+        sine, cosine = sp.sin(self.heading), sp.cos(self.heading)
+        rollers = (
+            State(
+                f"roller_{shaft.axis}",
+                "1",
+                sp.S.Zero,
+                bristle(self.across(wheel), symbol(f"roller_{shaft.axis}"), P["roller_presliding"]),
+            )
+            for wheel, shaft in enumerate(self.shafts)
+        )
+        return (
+            State("x", "m", sp.S.Zero, u * cosine - q * sine),
+            State("y", "m", sp.S.Zero, u * sine + q * cosine),
+            State("heading", "rad", sp.S.Zero, yaw_rate),
+            *rollers,
+        )
+
+    def energy(self) -> Expression:
+        """Return the energy of body, wheels and rollers in J; the rotors' own is the shafts'."""
+        u, q, yaw_rate = self.velocity
+        moving = P["mass"] * (u**2 + q**2) + P["yaw_inertia"] * yaw_rate**2
+        spin = sum(P["wheel_inertia"] * (shaft.speed / shaft.gear) ** 2 for shaft in self.shafts)
+        dry = sum(symbol(f"roller_{shaft.axis}") ** 2 for shaft in self.shafts)
+        return HALF * (moving + spin + self.load * P["roller_presliding"] * dry)
+
+
+def model() -> Model:
+    """Return the equations of motion of the base with all tables."""
+    wheel = {name.removesuffix("wheel"): value for name, value in P.items() if name.endswith("_wheel")}
+    shafts = tuple(Shaft(axis, P | {name + axis: value for name, value in wheel.items()}) for axis in AXES)
+    base = Base(shafts)
+    u, q, yaw_rate = base.velocity
+    energy = sum((shaft.energy() for shaft in shafts), base.energy())
+    motors = (
+        state
+        for shaft, rate in zip(shafts, base.accelerations(), strict=True)
+        for state in shaft.states(rate)
+    )
+    return Model(
+        name="rome_base",
+        description="ROME's base: three omni wheels on DC motors",
+        parameters=PARAMETERS,
+        inputs=tuple(Input(f"voltage_{axis}", "V", f"motor voltage, wheel {axis}", 12.0) for axis in AXES),
+        states=(*motors, *base.states()),
+        outputs=(
+            *(row for shaft in shafts for row in shaft.outputs()),
+            Output("x", "m", "base's middle, world x", symbol("x"), 1.0),
+            Output("y", "m", "base's middle, world y", symbol("y"), 1.0),
+            Output("heading", "rad", "heading, counter-clockwise from world x", base.heading, 1.0),
+            Output("speed", "m/s", "speed forwards, along the base's own x", u, 0.1),
+            Output("speed_sideways", "m/s", "speed to the left, along the base's own y", q, 0.1),
+            Output("yaw_rate", "rad/s", "yaw rate, counter-clockwise", yaw_rate, 1.0),
+            Output("battery_voltage", "V", "battery's terminal voltage", terminal_voltage(shafts, P), 12.0),
+            *(shaft.dry_friction() for shaft in shafts),
+            *(
+                inner(
+                    f"roller_{axis}",
+                    "1",
+                    f"rollers' dry friction over its level, {axis}",
+                    symbol(f"roller_{axis}"),
+                )
+                for axis in AXES
+            ),
+            inner("energy", "J", "energy stored in the whole base", energy, 10.0),
+        ),
+        inner_step=50e-6,
+    )

@@ -1,0 +1,50 @@
+"""ROME's base in numbers: every parameter with unit and source.
+
+[O] is A. Seleit, "Rapid Orbital Motion Emulator (ROME)", MSc thesis, UCF, 2020. It names the kit (Nexus Robot
+10013) and the wheels' angles, but no dimension, mass or motor: those are ASSUME.
+"""
+
+from collections.abc import Mapping
+from typing import Final
+
+from fmu.export.model import Parameter
+from fmu.parts.rows import battery_rows, motor_rows
+
+AXES: Final = ("one", "two", "three")
+"""The wheels in the order of [O] 2.2: at 0, 120 and 240 degrees."""
+
+MOTORS: Final[tuple[Parameter, ...]] = (
+    *motor_rows(
+        "wheel",
+        "ASSUME, order of magnitude of a 12 V hobby gear motor of 17 W",
+        resistance=2.0,
+        inductance=1.0e-3,
+        torque_constant=13.0e-3,
+        rotor_inertia=20e-7,
+        no_load_current=0.12,
+        voltage=12.0,
+    ),
+    Parameter("gear_wheel", 64.0, "1", "gear ratio", "ASSUME, gear motors of the kit"),
+    Parameter("presliding", 0.05, "rad", "shaft angle over which dry friction builds up", "ASSUME"),
+    *battery_rows("ASSUME", 12.0),
+)
+
+BASE: Final[tuple[Parameter, ...]] = (
+    Parameter("wheel_radius", 0.05, "m", "omni wheel's radius R", "ASSUME; missing in [O]"),
+    Parameter("wheel_distance", 0.15, "m", "wheel to the base's middle L", "ASSUME; missing in [O]"),
+    Parameter("mass", 15.0, "kg", "base with the arm on it", "ASSUME; missing in [O]"),
+    Parameter("yaw_inertia", 0.25, "kg.m2", "base with the arm, about the vertical", "ASSUME"),
+    Parameter("wheel_inertia", 2.5e-4, "kg.m2", "one wheel about its axle", "ASSUME"),
+    Parameter("gravity", 9.81, "m/s2", "standard gravity", "ASSUME"),
+    Parameter("roller_friction", 0.02, "1", "rollers' dry friction over the wheel's load", "ASSUME"),
+    Parameter("roller_viscous", 1.0, "N.s/m", "rollers' viscous friction", "ASSUME"),
+    Parameter("roller_presliding", 2e-4, "m", "way over which the rollers' friction builds up", "ASSUME"),
+)
+
+PARAMETERS: Final[tuple[Parameter, ...]] = MOTORS + BASE
+
+SETS: Final[Mapping[str, Mapping[str, float]]] = {
+    "light": {},
+    "heavy_arm": {"mass": 45.0, "yaw_inertia": 0.9},
+}
+"""Named bases: light, and with an arm of the AR2's weight (ASSUME)."""

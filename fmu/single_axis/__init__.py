@@ -1,0 +1,1 @@
+"""One drive on a bench: motor, gear with backlash, a load between stops."""

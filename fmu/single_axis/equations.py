@@ -1,0 +1,92 @@
+"""One axis: motor, gear with backlash, load with friction, weight and stops; README.md has them, too."""
+
+from typing import Final
+
+import sympy as sp
+
+from fmu.export.functions import positive_part
+from fmu.export.model import Expression, Input, Model, Output, State
+from fmu.parts.battery import terminal_voltage
+from fmu.parts.motor import Shaft, bristle
+from fmu.parts.stop import push
+from fmu.parts.symbols import HALF, inner, symbol, symbols
+from fmu.single_axis.parameters import PARAMETERS
+
+P: Final = symbols(PARAMETERS)
+
+
+class Load:
+    """What hangs on the gear; angles and speeds are those behind it."""
+
+    def __init__(self, motor: Shaft) -> None:
+        self.motor = motor
+        self.angle, self.speed, self.friction = (
+            symbol(f"load_{what}") for what in ("angle", "speed", "friction")
+        )
+        self.twist = motor.angle / motor.gear - self.angle
+        self.twisting = motor.speed / motor.gear - self.speed
+        self.ahead = positive_part(self.twist - P["backlash"] / 2)
+        self.behind = positive_part(-self.twist - P["backlash"] / 2)
+        self.over = positive_part(self.angle - P["stop_high"])
+        self.under = positive_part(P["stop_low"] - self.angle)
+
+    def gear_torque(self) -> Expression:
+        """Return what the gear gives to the load: nothing while the teeth cross the backlash."""
+        stiffness, damping = P["flank_stiffness"], P["flank_damping"]
+        ahead = push(self.ahead, self.twisting, stiffness, damping)
+        return ahead - push(self.behind, -self.twisting, stiffness, damping)
+
+    def acceleration(self) -> Expression:
+        """Return the load's acceleration in rad/s2."""
+        stiffness, damping = P["stop_stiffness"], P["stop_damping"]
+        stops = push(self.under, -self.speed, stiffness, damping) - push(
+            self.over, self.speed, stiffness, damping
+        )
+        rubbing = P["load_coulomb"] * self.friction + P["load_viscous"] * self.speed
+        weight = P["unbalance"] * sp.sin(self.angle)
+        torque = self.gear_torque() + symbol("load_torque") + stops - rubbing - weight
+        return torque / P["load_inertia"]
+
+    def states(self) -> tuple[State, ...]:
+        """Return the load's states; it starts where the motor stands, and as fast."""
+        motor = self.motor
+        return (
+            State("load_angle", "rad", motor.angle / motor.gear, self.speed),
+            State("load_speed", "rad/s", motor.speed / motor.gear, self.acceleration()),
+            State("load_friction", "1", sp.S.Zero, bristle(self.speed, self.friction, P["load_presliding"])),
+        )
+
+    def energy(self) -> Expression:
+        """Return the energy of load, flanks, stops and weight in J."""
+        kinetic = P["load_inertia"] * self.speed**2
+        flanks = P["flank_stiffness"] * (self.ahead**2 + self.behind**2)
+        stops = P["stop_stiffness"] * (self.over**2 + self.under**2)
+        dry = P["load_coulomb"] * P["load_presliding"] * self.friction**2
+        return HALF * (kinetic + flanks + stops + dry) + P["unbalance"] * (1 - sp.cos(self.angle))
+
+
+def model() -> Model:
+    """Return the equations of the bench axis with all tables."""
+    motor = Shaft("axis", P)
+    load = Load(motor)
+    acceleration = (motor.torque - load.gear_torque() / motor.gear) / motor.inertia
+    return Model(
+        name="single_axis",
+        description="One DC motor with gear, backlash and a load between stops",
+        parameters=PARAMETERS,
+        inputs=(
+            Input("voltage_axis", "V", "motor voltage", 24.0),
+            Input("load_torque", "N.m", "torque from outside on the load, positive forwards", 1.0),
+        ),
+        states=(*motor.states(acceleration), *load.states()),
+        outputs=(
+            *motor.outputs(),
+            Output("load_angle", "rad", "load's angle", load.angle, 1.0),
+            Output("load_speed", "rad/s", "load's speed", load.speed, 1.0),
+            Output("battery_voltage", "V", "battery's terminal voltage", terminal_voltage((motor,), P), 24.0),
+            motor.dry_friction(),
+            inner("gear_torque", "N.m", "torque of the gear on the load", load.gear_torque()),
+            inner("energy", "J", "energy stored in the whole axis", motor.energy() + load.energy(), 10.0),
+        ),
+        inner_step=50e-6,
+    )

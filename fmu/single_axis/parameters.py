@@ -1,0 +1,57 @@
+"""The bench axis in numbers: every parameter with unit and source; named sets for other benches.
+
+The axis is our own; ASSUME marks what was chosen.
+"""
+
+from collections.abc import Mapping
+from typing import Final
+
+from fmu.export.model import Parameter
+from fmu.parts.rows import battery_rows, motor_rows
+
+MOTOR: Final[tuple[Parameter, ...]] = (
+    *motor_rows(
+        "axis",
+        "ASSUME, catalogue of maxon RE50 200 W 24 V (370354)",
+        resistance=0.103,
+        inductance=0.072e-3,
+        torque_constant=38.5e-3,
+        rotor_inertia=536e-7,
+        no_load_current=0.236,
+    ),
+    Parameter(
+        "presliding", 0.05, "rad", "shaft angle over which dry friction builds up", "ASSUME, 16 counts"
+    ),
+    *battery_rows("ASSUME"),
+)
+
+GEAR: Final[tuple[Parameter, ...]] = (
+    Parameter("gear_axis", 26.0, "1", "gear ratio", "ASSUME, that of RARS's wheels"),
+    Parameter(
+        "backlash", 0.02, "rad", "backlash, at the load, from flank to flank", "ASSUME, planetary gear"
+    ),
+    Parameter("flank_stiffness", 2000.0, "N.m/rad", "gear's stiffness, at the load", "ASSUME"),
+    Parameter("flank_damping", 0.5, "s/rad", "flanks' damping, part of their torque per speed", "ASSUME"),
+)
+
+LOAD: Final[tuple[Parameter, ...]] = (
+    Parameter("load_inertia", 0.0875, "kg.m2", "load's inertia", "ASSUME, 35 kg on a wheel of 50 mm"),
+    Parameter("load_coulomb", 0.2, "N.m", "load's dry friction", "ASSUME"),
+    Parameter("load_viscous", 0.01, "N.m.s/rad", "load's viscous friction", "ASSUME"),
+    Parameter("load_presliding", 0.002, "rad", "load angle over which its friction builds up", "ASSUME"),
+    Parameter("unbalance", 0.0, "N.m", "weight times arm of an eccentric load, hanging at angle 0", "ASSUME"),
+    Parameter("stop_low", -1e6, "rad", "load angle of the lower stop", "ASSUME, out of reach"),
+    Parameter("stop_high", 1e6, "rad", "load angle of the upper stop", "ASSUME, out of reach"),
+    Parameter("stop_stiffness", 5000.0, "N.m/rad", "stops' stiffness", "ASSUME"),
+    Parameter("stop_damping", 0.5, "s/rad", "stops' damping, part of their torque per speed", "ASSUME"),
+)
+
+PARAMETERS: Final[tuple[Parameter, ...]] = MOTOR + GEAR + LOAD
+
+SETS: Final[Mapping[str, Mapping[str, float]]] = {
+    "free": {},
+    "stiff": {"backlash": 0.0},
+    "between_stops": {"stop_low": -1.0, "stop_high": 2.0},
+    "hanging_arm": {"unbalance": 3.0},
+}
+"""Named benches: a flywheel, the same without backlash, an axis to be homed, a weight on an arm."""

@@ -1,0 +1,31 @@
+"""The pages that are made from the code's tables are those that lie in `docs/`."""
+
+import importlib.util
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+
+def generator() -> ModuleType:
+    spec = importlib.util.spec_from_file_location("make_docs", ROOT / "tools/make_docs.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+MAKER = generator()
+PAGES: dict[str, str] = dict(MAKER.pages(MAKER.marked()))
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_a_made_page_is_as_make_docs_would_make_it(name: str) -> None:
+    assert (ROOT / "docs" / name).read_text(encoding="utf-8") == PAGES[name], "run `make docs`"
+
+
+def test_an_emergency_that_names_a_test_names_one_that_is_there() -> None:
+    assert MAKER.marked()[0x3220], "the page of emergencies finds its tests by their marks"

@@ -1,0 +1,157 @@
+"""`fmu list`, `fmu build` and `fmu check`, as a user meets them."""
+
+from pathlib import Path
+from zipfile import ZIP_DEFLATED, ZipFile
+
+import pytest
+from fmpy.model_description import read_model_description
+from typer.testing import CliRunner
+
+from firmware_bridge.cli import attach_commands, program
+from fmu.build import export, models
+from hil_tests.fmu.test_plant_generic import pendulum
+
+attach_commands()
+
+
+def run(*words: str) -> tuple[int, str, str]:
+    result = CliRunner().invoke(program, ["fmu", *words], env={"COLUMNS": "200", "NO_COLOR": "1"})
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    return result.exit_code, result.stdout, result.stderr
+
+
+def changed(original: Path, target: Path, old: str, new: str) -> str:
+    with ZipFile(original) as source, ZipFile(target, "w", ZIP_DEFLATED) as archive:
+        for name in source.namelist():
+            content = source.read(name)
+            if name == "modelDescription.xml":
+                assert old.encode() in content
+                content = content.replace(old.encode(), new.encode())
+            archive.writestr(name, content)
+    return str(target)
+
+
+def test_list_names_every_model_and_its_robot() -> None:
+    status, out, err = run("list")
+    assert (status, err) == (0, "")
+    for model in models():
+        (row,) = [line for line in out.splitlines() if line.startswith(f"│ {model} ")]
+        assert model != "rars" or [cell.strip() for cell in row.split("│")][3:7] == ["34", "4", "23", "79"]
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_build_writes_what_check_finds_good(tmp_path: Path, fmi: int) -> None:
+    path = tmp_path / "new" / "plant.fmu"
+    status, out, err = run("build", "rars", "--fmi", str(fmi), "--out", str(path))
+    assert (status, err) == (0, "")
+    assert out.startswith(f"{path}: rars, FMI {fmi}.0, co-simulation and model exchange, ")
+    assert read_model_description(str(path)).fmiVersion == f"{fmi}.0"
+    status, out, err = run("check", str(path))
+    assert (status, err) == (0, "")
+    assert [line.split(None, 1)[1] for line in out.splitlines()] == [
+        "rars, 179 variables",
+        f"{fmi}.0, co-simulation and model exchange",
+        "valid",
+        "loads, initialises, takes a step",
+        "those that its equations give, in a run of its own",
+        "rars",
+    ]
+
+
+def test_build_goes_into_this_folder_unless_told_otherwise(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run("build", "rars")[0] == 0
+    assert [path.name for path in tmp_path.iterdir()] == ["rars.fmu"]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("build", "mars"), "there is no plant model 'mars'; there are: "),
+        (
+            ("build", "rars", "--out", "/proc/nowhere/rars.fmu"),
+            "/proc/nowhere/rars.fmu: the FMU cannot be written",
+        ),
+        (("check", "nowhere.fmu"), "nowhere.fmu: there is no such file"),
+        (("check", __file__), "not an FMU"),
+    ],
+)
+def test_what_cannot_be_done_is_one_line_and_status_2(words: tuple[str, ...], said: str) -> None:
+    status, out, err = run(*words)
+    assert (status, out) == (2, "")
+    (line,) = err.splitlines()
+    assert said in line
+
+
+def test_a_folder_is_no_file(tmp_path: Path) -> None:
+    status, _, err = run("build", "rars", "--out", str(tmp_path))
+    assert status == 2
+    assert len(err.splitlines()) == 1
+    assert list(tmp_path.parent.glob(".*.part")) == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('name="current_left"', 'name="strom"', "the FMU lacks the output 'current_left'"),
+        ('unit="rad/s"', 'unit="m/s"', "'speed_left' is in 'm/s', but 'rad/s' was expected"),
+        ('instantiationToken="{', 'instantiationToken="{0', "the token is not that of modelDescription.xml"),
+        ('unit="V"', 'unit="Volt"', 'The unit "Volt"'),
+    ],
+)
+def test_problems_are_named_and_make_status_1(
+    fmu_file: dict[int, Path], tmp_path: Path, old: str, new: str, said: str
+) -> None:
+    # Under another name it is no model of ours, and must fit a robot.
+    renamed = tmp_path / "renamed.fmu"
+    changed(fmu_file[3], renamed, 'modelName="rars"', 'modelName="strange"')
+    path = changed(renamed, tmp_path / "odd.fmu", old, new)
+    status, out, err = run("check", path)
+    assert status == 1
+    assert out.startswith("model:       strange, 179 variables")
+    problems = err.splitlines()
+    assert all(line.startswith("problem: ") for line in problems)
+    assert [line for line in problems if said in line], problems
+
+
+def test_all_that_is_missing_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "pendulum.fmu"
+    export(pendulum(), 2, path, token="{pendulum}")  # noqa: S106 - no password
+    status, out, err = run("check", str(path))
+    assert status == 1
+    assert "fits:        no robot (rars)" in out
+    lacking = [line.split("'")[1] for line in err.splitlines() if "the FMU lacks" in line]
+    assert lacking[:4] == ["voltage_left", "voltage_right", "voltage_steer", "voltage_lift"]
+    assert len(lacking) == len(set(lacking)) == 4 + 12 + 7
+    assert "'speed' is in 'rad/s', but 'm/s' was expected" in err
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_model_exchange_alone_is_not_enough_for_the_bench(
+    fmu_file: dict[int, Path], tmp_path: Path, fmi: int
+) -> None:
+    path = tmp_path / "model.fmu"
+    with ZipFile(fmu_file[fmi]) as source, ZipFile(path, "w", ZIP_DEFLATED) as archive:
+        for name in source.namelist():
+            content = source.read(name)
+            if name == "modelDescription.xml":
+                text = content.decode()
+                lines = [line for line in text.splitlines() if "<CoSimulation" not in line]
+                if fmi == 2:
+                    begin, end = lines.index("  </ModelExchange>"), lines.index("  </CoSimulation>")
+                    del lines[begin + 1 : end + 1]
+                content = "\n".join(lines).encode()
+            archive.writestr(name, content)
+    status, out, err = run("check", str(path))
+    assert status == 1
+    assert f"FMI:         {fmi}.0, model exchange" in out
+    assert "no co-simulation; export it with its solver" in err
+
+
+@pytest.mark.parametrize("command", ["list", "build", "check"])
+def test_each_command_explains_itself_with_an_example(command: str) -> None:
+    status, out, _ = run(command, "--help")
+    assert status == 0
+    assert f"firmware-bridge fmu {command}" in out

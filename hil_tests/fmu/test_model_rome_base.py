@@ -1,0 +1,169 @@
+"""ROME's base: (2.13) and (2.14), the control law (2.15) on the paths (2.20)-(2.22), energy, rest."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from fmu.rome_base.equations import inverse, model, rims
+from fmu.rome_base.parameters import AXES, PARAMETERS
+from hil_tests.fmu.model_bench import ModelBench, only_loses
+
+MODEL = model()
+P = {row.name: row.start for row in PARAMETERS}
+RADIUS, DISTANCE, GEAR = P["wheel_radius"], P["wheel_distance"], P["gear_wheel"]
+FREE = {f"{part}_wheel": 0.0 for part in ("resistance", "coulomb", "viscous", "torque_constant")}
+FREE |= {"roller_friction": 0.0, "roller_viscous": 0.0}
+
+
+def test_the_inverse_is_the_inverse() -> None:
+    psi, distance = sp.symbols("psi L", positive=True)
+    forwards, backwards = rims(psi, distance), inverse(psi, distance)
+    assert sp.simplify(forwards * backwards) == sp.eye(3)  # (2.13) x (2.14)
+    assert sp.simplify(forwards.det()) == 3 * sp.sqrt(3) * distance / 2
+
+
+def test_a_wheel_drives_at_right_angles_to_its_place() -> None:
+    # (2.7)-(2.11) corrected: wheel i drives along psi + z_i + 90 degrees, and counter-clockwise.
+    matrix = rims(sp.Rational(3, 10), sp.Rational(3, 20))
+    for i in range(3):
+        along = 0.3 + 2 * math.pi / 3 * i + math.pi / 2
+        expected = (math.cos(along), math.sin(along), 0.15)
+        assert [float(value) for value in matrix.row(i)] == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize("speeds", [(1.0, 1.0, 1.0), (0.0, -1.0, 1.0), (2.0, -1.0, -1.0), (0.3, 0.9, -0.4)])
+def test_free_wheels_keep_the_motion_that_they_have(speeds: tuple[float, float, float]) -> None:
+    start = {f"speed_{axis}": 100 * speed for axis, speed in zip(AXES, speeds, strict=True)}
+    with ModelBench(MODEL, FREE | start) as bench:
+        first = bench.now()
+        rolled = [RADIUS / GEAR * 100 * speed for speed in speeds]
+        back = np.array(inverse(0, DISTANCE).tolist(), dtype=float) @ rolled
+        assert (first["speed"], first["speed_sideways"], first["yaw_rate"]) == pytest.approx(
+            tuple(back), abs=1e-15
+        )
+        last = bench.runs(2.0)
+    # Nothing acts but what holds the wheels together: yaw rate and direction in the world stay.
+    assert last["yaw_rate"] == pytest.approx(first["yaw_rate"], rel=1e-9, abs=1e-12)
+    ratio = (P["wheel_inertia"] + P["rotor_inertia_wheel"] * GEAR**2) * 1.5 / RADIUS**2 / P["mass"]
+    turned = last["heading"] / (
+        1 + ratio
+    )  # the wheels' spin turns with the base, the body's momentum does not
+    east = last["speed"] * math.cos(turned) - last["speed_sideways"] * math.sin(turned)
+    north = last["speed"] * math.sin(turned) + last["speed_sideways"] * math.cos(turned)
+    assert (east, north) == pytest.approx((first["speed"], first["speed_sideways"]), abs=1e-9)
+
+
+def test_a_pure_turn_reaches_the_speed_of_its_motors() -> None:
+    with ModelBench(MODEL) as bench:
+        now = bench.runs(1.5, one=6.0, two=6.0, three=6.0)
+    constant, resistance = P["torque_constant_wheel"], P["resistance_wheel"]
+    dry = P["coulomb_wheel"]
+    speed = (6.0 - resistance * dry / constant) / (constant + resistance * P["viscous_wheel"] / constant)
+    assert now["yaw_rate"] == pytest.approx(speed / GEAR * RADIUS / DISTANCE, rel=1e-4)
+    assert math.hypot(now["x"], now["y"]) < 1e-12
+
+
+def test_rollers_rub_when_the_base_moves() -> None:
+    """Ahead at a steady speed: the rim forces of the motors balance the rollers of all three wheels."""
+    with ModelBench(MODEL) as bench:
+        now = bench.runs(4.0, two=-6.0, three=6.0)
+    u = now["speed"]
+    assert abs(now["speed_sideways"]) < 1e-9
+    rim = [
+        (P["torque_constant_wheel"] * now[f"current_{axis}"] - P["viscous_wheel"] * now[f"speed_{axis}"]
+         - P["coulomb_wheel"] * np.sign(round(now[f"speed_{axis}"], 6))) * GEAR / RADIUS
+        for axis in AXES
+    ]  # fmt: skip
+    pushing = sum(-math.sin(2 * math.pi / 3 * i) * force for i, force in enumerate(rim))
+    level = P["mass"] * 9.81 / 3 * P["roller_friction"]
+    rubbing = 0.0
+    for i in range(3):
+        share = math.cos(2 * math.pi / 3 * i)
+        rubbing += abs(share) * level + P["roller_viscous"] * u * share**2
+    assert pushing == pytest.approx(rubbing, rel=1e-4)
+
+
+def follow(path: Callable[[float], tuple[float, float, float]], error: float, seconds: float) -> float:
+    """Drive along a path by (2.15), wheel speeds kept by a PI law; return the last distance from the path."""
+    integral, offset = np.zeros(3), np.zeros(3)
+    far = 0.0
+    start = np.array(path(0.0))
+    with ModelBench(MODEL, {"x": start[0] + error, "y": start[1], "heading": start[2]}) as bench:
+        now = bench.now()
+        for step in range(round(seconds * 100)):
+            t = step / 100
+            wanted = np.array(path(t))
+            slope = (np.array(path(t + 1e-4)) - np.array(path(t - 1e-4))) / 2e-4
+            e = np.array([now["x"], now["y"], now["heading"]]) - wanted
+            offset += e * 0.01
+            turn = np.array(rims(now["heading"], DISTANCE).tolist(), dtype=float)
+            rim = turn @ (slope - 2.0 * e - 0.5 * offset)  # (2.15), e = actual - desired
+            speeds = np.array([now[f"speed_{axis}"] for axis in AXES]) * RADIUS / GEAR
+            integral += (rim - speeds) * 0.01
+            volts = (
+                GEAR / RADIUS * P["torque_constant_wheel"] * (rim + 3.0 * (rim - speeds) + 30.0 * integral)
+            )
+            now = bench.runs(
+                0.01, **dict(zip(AXES, (float(v) for v in np.clip(volts, -12, 12)), strict=True))
+            )
+            far = math.hypot(e[0], e[1])
+    return far
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        lambda t: (0.8 * math.cos(0.25 * t), 0.8 * math.sin(0.25 * t), 0.0),  # (2.20), scaled
+        lambda t: (0.2 * t, 0.0, 0.0),  # (2.21), scaled
+        lambda t: (0.6 * math.cos(0.25 * t), 0.9 * math.sin(0.25 * t), 0.5 * t),  # (2.22), scaled, turning
+    ],
+    ids=["circle", "line", "ellipse"],
+)
+def test_the_corrected_law_leads_back_to_the_path(
+    path: Callable[[float], tuple[float, float, float]],
+) -> None:
+    assert follow(path, 0.05, 6.0) < 0.004
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_energy_never_grows(seed: int) -> None:
+    generator = np.random.default_rng(seed)
+    start = {f"speed_{axis}": generator.uniform(-500, 500) for axis in AXES}
+    start |= {f"current_{axis}": generator.uniform(-5, 5) for axis in AXES}
+    with ModelBench(MODEL, start) as bench:
+        only_loses(bench, 4000)
+
+
+def test_without_losses_energy_stays() -> None:
+    start = {f"speed_{axis}": speed for axis, speed in zip(AXES, (300.0, -100.0, 250.0), strict=True)}
+    with ModelBench(MODEL, FREE | start) as bench:
+        before = bench.energy()
+        assert [bench.runs(0.1) and bench.energy() for _ in range(20)] == pytest.approx(
+            [before] * 20, rel=1e-9
+        )
+
+
+def test_at_rest_nothing_creeps() -> None:
+    with ModelBench(MODEL) as bench:
+        before = bench.now()
+        assert bench.runs(5.0) == before
+
+
+def test_turned_by_120_degrees_it_is_the_same_machine() -> None:
+    with ModelBench(MODEL) as one, ModelBench(MODEL, {"heading": -2 * math.pi / 3}) as other:
+        a = one.runs(1.0, one=5.0, two=-2.0, three=1.0)
+        b = other.runs(1.0, two=5.0, three=-2.0, one=1.0)
+    assert (a["x"], a["y"]) == pytest.approx((b["x"], b["y"]), abs=1e-12)
+    assert a["heading"] == pytest.approx(b["heading"] + 2 * math.pi / 3, abs=1e-12)
+    assert a["speed_two"] == pytest.approx(b["speed_three"], abs=1e-9)
+
+
+def test_reversing_mirrors_driving() -> None:
+    with ModelBench(MODEL) as one, ModelBench(MODEL) as other:
+        ahead = one.runs(0.5, two=-6.0, three=6.0)
+        back = other.runs(0.5, two=6.0, three=-6.0)
+    for name in ("x", "speed", "current_two", "angle_three"):
+        assert ahead[name] == pytest.approx(-back[name], rel=1e-9)

@@ -1,0 +1,265 @@
+"""Time that is rewound: from any instant a run goes on as it went, to the byte."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from statistics import median
+from time import perf_counter
+from typing import Final
+
+import numpy as np
+import pytest
+
+from emulators.bench.mission import Noise
+from emulators.rewind import Moment, RewindError
+from emulators.rig import BRIDGE
+from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds, from_seconds
+from hil_tests.scenarios.ride import ARMED, Ridden, Ride, ride, step, story
+from hil_tests.unit.rewind.digest import digest
+
+SEED: Final = 20
+SECONDS: Final = 20.0
+INSTANTS: Final = 1000
+GRID: Final[Nanoseconds] = 200 * MILLISECOND
+"""Where the straight run is compared with the others."""
+AHEAD: Final[Nanoseconds] = 60 * MILLISECOND
+"""Each continued run goes on for so long at least: more than a cycle of the bus."""
+
+Act = Callable[[Ride], None]
+
+ACTS: Final[tuple[tuple[float, Act], ...]] = (
+    (9.0, lambda one: one.rig.world.silence("steer", from_seconds(9.0))),
+    (9.6, lambda one: one.rig.world.silence("steer", NEVER)),
+    (18.5, lambda one: one.ends()),
+)
+"""What comes from outside: a drive is lost, and faults by itself; it is found again; the bridge ends."""
+
+
+def eventful() -> Ride:
+    """Start-up, driving, a fault, the way back, an emergency stop, the lift, the end; with all noise."""
+    return ride(
+        ARMED,
+        step(4.0, speed_mps=0.4),
+        step(5.5, steer_deg=25),
+        step(8.0, speed_mps=0.2, steer_deg=-10),
+        step(10.0, speed_mps=0.0),
+        step(11.0, arm=True),
+        step(13.0, speed_mps=0.3),
+        step(14.0, emergency_stop=True),
+        step(14.8, speed_mps=0.0),
+        step(15.3, clear=True),
+        step(15.6, arm=True),
+        step(16.4, lift_m=0.05),
+        step(17.8, force_disarm=True),
+        seconds=SECONDS,
+        noise=Noise(stick=0.02, delay_ms=3, jitter_ms=25, loss=0.03),
+        seed=SEED,
+    )
+
+
+def go(one: Ride, until: Nanoseconds) -> None:
+    """Run to an instant; what comes from outside comes in time, whoever runs."""
+    for second, act in ACTS:
+        if one.rig.world.now < from_seconds(second) <= until:
+            one.rig.run(from_seconds(second))
+            act(one)
+    one.rig.run(until)
+
+
+@dataclass
+class Straight:
+    """A run that went straight on."""
+
+    one: Ride
+    traces: dict[Nanoseconds, str] = field(default_factory=dict)
+
+
+@pytest.fixture(scope="module")
+def straight() -> Iterator[Straight]:
+    run = Straight(eventful())
+    for at in range(GRID, from_seconds(SECONDS) + 1, GRID):
+        go(run.one, at)
+        run.traces[at] = run.one.rig.world.trace_sha256
+    yield run
+    run.one.rig.finish()
+
+
+def instants(count: int) -> list[Nanoseconds]:
+    """Wholly random instants, to the nanosecond."""
+    chance = np.random.default_rng(SEED)
+    return sorted(int(at) for at in chance.integers(1, from_seconds(SECONDS) - 2 * GRID, count))
+
+
+@dataclass
+class Kept:
+    """A second run of the same kind, and the moments that were taken of it on the way."""
+
+    one: Ride
+    moments: list[tuple[Nanoseconds, Moment]] = field(default_factory=list)
+    costs: list[float] = field(default_factory=list)
+    digests: dict[Nanoseconds, str] = field(default_factory=dict)
+    """Of the first time through; two rigs differ in addresses, so this rig is compared with itself."""
+
+
+def look(found: Kept, at: Nanoseconds) -> None:
+    go(found.one, at)
+    found.digests[at] = digest(found.one.rig)
+
+
+@pytest.fixture(scope="module")
+def kept() -> Iterator[Kept]:
+    found = Kept(eventful())
+    checks = list(range(from_seconds(2.0), from_seconds(SECONDS) + 1, from_seconds(2.0)))
+    for at in instants(INSTANTS):
+        while checks[0] < at:
+            look(found, checks.pop(0))
+        go(found.one, at)
+        begun = perf_counter()
+        moment = found.one.rig.snapshot()
+        found.costs.append(perf_counter() - begun)
+        found.moments.append((at, moment))
+    for at in checks:
+        look(found, at)
+    yield found
+    found.one.rig.finish()
+
+
+def test_the_story_has_everything_that_may_be_forgotten(straight: Straight) -> None:
+    held = {hold.name.split(":")[0] for hold in straight.one.rig.holds}
+    assert {"starting", "not armed", "drive silent", "drive fault", "emergency stop", "lift moving"} <= held
+    assert straight.one.rig.operator_wire.lost > 0
+    assert straight.one.rig.can_wire.destroyed == 0
+    assert straight.one.fastest(13.0, 14.0) > 0.2, "it drives again after the fault"
+    assert max(row.lift_m for row in straight.one.rig.samples) > 0.01
+    assert straight.one.rig.bridge.finished
+
+
+def test_looking_at_a_run_does_not_change_it(straight: Straight, kept: Kept) -> None:
+    assert len(kept.moments) == INSTANTS
+    assert kept.one.rig.world.trace_sha256 == straight.one.rig.world.trace_sha256
+    assert kept.one.rig.samples == straight.one.rig.samples
+    assert kept.one.rig.holds == straight.one.rig.holds
+
+
+def test_from_a_thousand_instants_the_run_goes_on_as_it_went(straight: Straight, kept: Kept) -> None:
+    """In a random order, so that the way to a moment is another one than the first time."""
+    one, rows = kept.one, straight.one.rig.samples
+    order = np.random.default_rng(SEED + 1).permutation(len(kept.moments))
+    for number in order:
+        at, moment = kept.moments[number]
+        one.rig.restore(moment)
+        assert one.rig.world.now == at
+        check = -(-(at + AHEAD) // GRID) * GRID
+        go(one, check)
+        assert one.rig.world.trace_sha256 == straight.traces[check], f"from {at} ns"
+        assert one.rig.samples == rows[: len(one.rig.samples)], f"from {at} ns"
+        assert one.rig.samples[-1].at == check
+
+
+@pytest.mark.parametrize("number", [0, 130, 340, 470, 700, 850])
+def test_to_the_very_end_everything_is_as_it_was(straight: Straight, kept: Kept, number: int) -> None:
+    at, moment = kept.moments[number]
+    kept.one.rig.restore(moment)
+    for check in (check for check in kept.digests if check > at):
+        go(kept.one, check)
+        assert digest(kept.one.rig) == kept.digests[check], f"at {check} ns"
+    assert kept.one.rig.samples == straight.one.rig.samples
+    assert kept.one.rig.holds == straight.one.rig.holds
+    assert kept.one.operator.diary == straight.one.operator.diary
+
+
+@pytest.mark.parametrize("second", [0.0, 0.4, 1.13, 2.9, 4.7, 9.31, 11.2, 14.05, 16.9, 18.7])
+def test_nothing_that_can_change_is_left_out(kept: Kept, second: float) -> None:
+    """What a moment puts back is judged by somebody who does not know how moments are taken."""
+    _, nearest = min(kept.moments, key=lambda pair: abs(pair[0] - from_seconds(second)))
+    rig = kept.one.rig
+    rig.restore(nearest)
+    before, moment = digest(rig), rig.snapshot()
+    rig.runs(0.3)
+    assert digest(rig) != before
+    rig.restore(moment)
+    assert digest(rig) == before
+    rig.restore(nearest)
+    assert digest(rig) == before
+
+
+def test_a_moment_costs_less_than_a_millisecond(
+    kept: Kept, record_property: Callable[[str, object], None]
+) -> None:
+    back = []
+    for _, moment in kept.moments[::5]:
+        begun = perf_counter()
+        kept.one.rig.restore(moment)
+        back.append(perf_counter() - begun)
+    record_property("snapshot_ms", round(1e3 * median(kept.costs), 3))
+    record_property("restore_ms", round(1e3 * median(back), 3))
+    # A busy machine must not fail here: its quietest tenth is what the code can do.
+    assert float(np.quantile(kept.costs, 0.1)) < 1e-3
+    assert float(np.quantile(back, 0.1)) < 1e-3
+
+
+def test_the_world_alone_can_be_rewound_too(kept: Kept) -> None:
+    """Rows of the rig stay: they are not the world's."""
+    rig = kept.one.rig
+    rig.restore(kept.moments[400][1])
+    moment, trace, rows = rig.world.snapshot(), rig.world.trace_sha256, len(rig.samples)
+    rig.runs(0.5)
+    assert rig.world.trace_sha256 != trace
+    rig.world.restore(moment)
+    assert rig.world.trace_sha256 == trace
+    assert len(rig.samples) > rows
+
+
+def test_a_broken_run_is_taken_back(kept: Kept) -> None:
+    rig = kept.one.rig
+    rig.restore(kept.moments[300][1])
+    moment, before = rig.snapshot(), digest(rig)
+    rig.world.detach(BRIDGE)
+    rig.runs(1.0)
+    rig.restore(moment)
+    assert digest(rig) == before
+    rig.runs(0.5)
+    assert not rig.bridge.finished
+
+
+def test_a_moment_belongs_to_its_rig(kept: Kept, straight: Straight) -> None:
+    with pytest.raises(RewindError, match="taken elsewhere"):
+        straight.one.rig.restore(kept.moments[0][1])
+    with pytest.raises(RewindError, match="taken elsewhere"):
+        kept.one.rig.world.restore(kept.moments[0][1])
+
+
+def test_observers_are_outside_and_hear_everything_again(kept: Kept) -> None:
+    rig = kept.one.rig
+    rig.restore(kept.moments[500][1])
+    moment = rig.snapshot()
+    heard: list[tuple[Nanoseconds, str]] = []
+    rig.can_wire.observe(lambda now, sender, _: heard.append((now, sender)))
+    rig.runs(0.2)
+    first = list(heard)
+    rig.restore(moment)
+    rig.runs(0.2)
+    assert first
+    assert heard == first * 2
+    rig.can_wire.unobserved()
+
+
+def test_a_forked_story_is_the_same_as_one_that_began_at_the_beginning(rides: Ridden) -> None:
+    steps = (ARMED, step(4.0, speed_mps=0.3), step(4.4, steer_deg=20), step(5.0, emergency_stop=True))
+    forked, fresh = rides(*steps, seconds=9), rides(*steps, seconds=9)
+    assert forked.rig.world.now > 0
+    assert fresh.rig.world.now == 0
+    for one in (forked, fresh):
+        one.runs_until(7.0)
+    assert forked.rig.world.trace_sha256 == fresh.rig.world.trace_sha256
+    assert forked.rig.samples == fresh.rig.samples
+    assert forked.rig.holds == fresh.rig.holds
+    assert forked.operator.diary == fresh.operator.diary
+
+
+def test_an_operator_takes_no_mission_over_that_was_another_one_so_far(rides: Ridden) -> None:
+    forked = rides(ARMED, step(4.0, speed_mps=0.3), seconds=9)
+    forked.runs_until(4.5)
+    with pytest.raises(ValueError, match="with other steps to come"):
+        forked.operator.take_over(story(ARMED, step(4.0, speed_mps=0.2), seconds=9))
+    with pytest.raises(ValueError, match="with other steps to come"):
+        forked.operator.take_over(story(ARMED, step(4.0, speed_mps=0.3), seconds=9, noise=Noise(stick=0.1)))

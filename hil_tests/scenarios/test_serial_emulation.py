@@ -1,0 +1,90 @@
+"""The robot's drives on a pseudo-terminal, as a program with pyserial meets them, in real time."""
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import serial
+
+from firmware_bridge.shell.clock import Clock
+from firmware_bridge.units import MILLISECOND, SECOND
+from firmware_bridge.wire.maxon.frame import Answered, Generation
+from firmware_bridge.wire.maxon.lines import host_end
+from firmware_bridge.wire.maxon.messages import Answer, ObjectRead, ReadObject, Request, WriteObject
+from firmware_bridge.wire.maxon.opcodes import decode_answer, encode_request
+from firmware_bridge.wire.maxon.v1 import FRAME_TIMEOUT
+
+PROGRAM = Path(sys.executable).with_name("firmware-bridge")
+WITHIN = 20 * SECOND
+
+
+def emulate(*words: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [PROGRAM, "emulate", "rars", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+
+
+@pytest.fixture(params=Generation)
+def line(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[tuple[Generation, Path]]:
+    """Run the drives, and see that they end in good order."""
+    generation, link = request.param, tmp_path / "rars.tty"
+    words = ("--serial", "pty", "--serial-link", str(link), "--protocol", generation.value)
+    with emulate(*words) as program:
+        try:
+            clock = Clock()
+            while not link.is_symlink():
+                assert clock.now() < WITHIN, "the link does not come"
+                assert program.poll() is None, program.stderr and program.stderr.read()
+                clock.wait([], clock.now() + 20 * MILLISECOND)
+            yield generation, link
+        finally:
+            program.send_signal(signal.SIGINT)
+            said, complained = program.communicate(timeout=10)
+    assert program.returncode == 0, complained
+    assert f"{link} ({generation.value})" in said
+    assert not link.is_symlink()
+
+
+def ask(client: serial.Serial, generation: Generation, request: Request) -> Answer | None:
+    host, clock = host_end(generation, 2 * SECOND), Clock()
+    host.ask(encode_request(request), clock.now())
+    while True:
+        client.write(host.taken())
+        clock.wait([client.fileno()], host.due)
+        outcome = host.hear(client.read(client.in_waiting), clock.now()) or host.wake(clock.now())
+        if outcome is not None:
+            client.write(host.taken())
+            assert isinstance(outcome, Answered), outcome
+            return decode_answer(request, outcome.body)
+
+
+def test_a_program_reaches_all_four_drives_and_may_come_back(line: tuple[Generation, Path]) -> None:
+    generation, path = line
+    for value in (1234, 2345):
+        with serial.Serial(str(path), 115_200, timeout=0) as client:
+            for node in (0, 1, 2, 3, 4):
+                raw = (value + node).to_bytes(4, "little")
+                assert ask(client, generation, WriteObject(0x6081, 0, node, raw)) is not None
+                assert ask(client, generation, ReadObject(0x6081, 0, node)) == ObjectRead(0, raw)
+            client.write(b"\x10\x01half a command")
+        Clock().wait([], FRAME_TIMEOUT + 100 * MILLISECOND)  # until then RS232 takes what comes for the rest
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--serial", "/dev/no-such"), "cannot open serial port /dev/no-such at 115200 Bd: there is no such"),
+        (("--serial", "/dev/no-such", "--serial-link", "x"), "--serial-link x: only a pseudo-terminal wants"),
+        (("--serial", "pty", "--serial-link", os.devnull), "cannot make the link /dev/null"),
+    ],
+)
+def test_mistakes_are_told_in_one_message(words: tuple[str, ...], message: str) -> None:
+    with emulate(*words) as program:
+        _, complained = program.communicate(timeout=20)
+    assert program.returncode == 2
+    assert complained.startswith(f"firmware-bridge: {message}")
+    assert complained.count("\n") == 1

@@ -1,0 +1,76 @@
+"""The types of EPOS2: their identity and limits on the bus, and that what is not known is marked."""
+
+import pytest
+
+from emulators.epos2.catalogue import PROFILES
+from emulators.epos2.drive import Epos2
+from emulators.epos2.profile import DeviceProfile
+from emulators.servo.axis import ServoAxis
+from firmware_bridge.wire.epos2.rows import Provenance
+from hil_tests.unit.epos2.quiet_motion import Desk, powered
+
+NAMES = list(PROFILES)
+# Hardware versions from firmware file names and users' drivers; continuous currents from the types' names.
+KNOWN = {
+    "24/2": (0, 2_000),
+    "24/5": (0x6220, 5_000),
+    "36/2": (0x6120, 2_000),
+    "50/5": (0x6320, 5_000),
+    "70/10": (0x6420, 10_000),
+}
+
+
+@pytest.fixture(params=NAMES)
+def profile(request: pytest.FixtureRequest) -> DeviceProfile:
+    return PROFILES[request.param]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_type_says_who_it_is(name: str) -> None:
+    desk = powered(PROFILES[name])
+    hardware, continuous = KNOWN[name]
+    assert desk.reads(0x1018, 1) == 0xFB
+    assert desk.reads(0x1018, 2) == hardware << 16
+    assert desk.reads(0x2003, 2) == hardware
+    assert desk.reads(0x6410, 1) == continuous
+
+
+def test_the_current_limits_are_the_types_own(profile: DeviceProfile) -> None:
+    desk = powered(profile)
+    for subindex, most in ((1, profile.continuous_current_ma), (2, profile.peak_current_ma)):
+        assert desk.reads(0x6410, subindex) == most
+        assert desk.writes(0x6410, subindex, most.to_bytes(2, "little")) == "ok"
+        assert desk.writes(0x6410, subindex, (most + 1).to_bytes(2, "little")) == "06090031"
+        assert desk.writes(0x6410, subindex, bytes(2)) == "ok"
+
+
+def test_the_hardware_cuts_off_where_the_type_does(profile: DeviceProfile) -> None:
+    axis = ServoAxis("desk", 2000)
+    Epos2(1, axis, profile)
+    assert axis.over_current_ma == profile.over_current_ma > profile.peak_current_ma
+    assert axis.over_voltage_mv == profile.over_voltage_mv > profile.supply_v * 1000
+
+
+@pytest.mark.parametrize(
+    "name", ["hardware_version", "order_numbers", "continuous_current_ma", "peak_current_ma", "supply_v"]
+)
+def test_each_figure_says_how_far_it_is_known(name: str, profile: DeviceProfile) -> None:
+    mark = profile.known(name)
+    assert mark.source
+    if not getattr(profile, name):
+        assert mark.provenance is Provenance.ASSUMED
+
+
+def test_a_peak_current_without_a_document_is_an_assumption() -> None:
+    proven = {
+        name for name in NAMES if PROFILES[name].known("peak_current_ma").provenance is Provenance.PROVEN
+    }
+    assert proven == {"70/10"}
+
+
+def test_the_70_10_is_as_before_the_others_came() -> None:
+    desk = Desk()
+    desk.powers()
+    assert desk.reads(0x6410, 2) == 25_000
+    assert desk.drive.profile.over_current_ma == 37_500
+    assert desk.drive.profile.over_voltage_mv == 75_000

@@ -1,0 +1,97 @@
+"""A hundred thousand frames of a stranger, in every network state: no exception, the standard's answers, no
+current in the winding where none may be.
+
+`STRANGER_FRAMES=10000000 pytest hil_tests/unit/epos2/test_stranger_bursts.py` runs longer, from other seeds.
+"""
+
+import os
+
+import pytest
+from hypothesis import Phase, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, initialize, rule, run_state_machine_as_test
+
+from firmware_bridge.units import MILLISECOND, Nanoseconds
+from firmware_bridge.wire.abort import AbortCode
+from hil_tests.unit.epos2.stranger import NODE, RARE, Stranger
+
+BURST = 128
+EXAMPLES = 75
+STEPS = 30
+ENOUGH = 100_000
+
+
+class Bursts(RuleBasedStateMachine):
+    """Bursts of anything, and between them what leads to where a burst alone would seldom come."""
+
+    frames = 0
+    powered = 0
+    aborts: set[int] = set()  # noqa: RUF012 - the count over all examples
+
+    @initialize()
+    def plug_in(self) -> None:
+        self.stranger = Stranger()
+
+    @rule(seed=st.integers(0, 1 << 30))
+    def bursts(self, seed: int) -> None:
+        self.stranger.bursts(seed, BURST)
+
+    @rule(wait=st.integers(0, 40 * MILLISECOND))
+    def waits(self, wait: Nanoseconds) -> None:
+        self.stranger.waits(wait)
+
+    @rule(seed=st.integers(0, 1 << 30))
+    def enables_then_bursts(self, seed: int) -> None:
+        stranger = self.stranger
+        stranger.sends(0x000, bytes((0x01, NODE)))
+        stranger.sends(0x600 + NODE, bytes.fromhex("2b02640001000000"))
+        for word in (0x00, 0x80, 0x06, 0x0F):
+            stranger.sends(0x600 + NODE, bytes((0x2B, 0x40, 0x60, 0, word, 0, 0, 0)))
+            stranger.waits(MILLISECOND)
+        stranger.bursts(seed, BURST)
+
+    @rule(place=st.integers(0, 2), payload=st.binary(min_size=8, max_size=8))
+    def disturbs(self, place: int, payload: bytes) -> None:
+        address, _ = RARE[0](lambda below: place % below)
+        self.stranger.sends(address, payload)
+
+    def teardown(self) -> None:
+        Bursts.frames += self.stranger.frames
+        Bursts.powered += self.stranger.powered_frames
+        Bursts.aborts |= self.stranger.aborts
+
+
+@pytest.mark.timeout(0)
+def test_a_hundred_thousand_frames_of_a_stranger() -> None:
+    wanted = int(os.environ.get("STRANGER_FRAMES", "0"))
+    examples = max(EXAMPLES, EXAMPLES * wanted // ENOUGH)
+    run_state_machine_as_test(
+        Bursts,
+        settings=settings(
+            max_examples=examples,
+            stateful_step_count=STEPS,
+            deadline=None,
+            derandomize=not wanted,
+            database=None,
+            phases=(Phase.generate,),
+        ),
+    )
+    assert Bursts.frames >= max(ENOUGH, wanted)
+    assert Bursts.powered > Bursts.frames // 20, "the motor was under power for a good part of it"
+    wanted_aborts = {AbortCode.NO_OBJECT, AbortCode.READ_ONLY, AbortCode.TOO_HIGH, AbortCode.UNKNOWN_COMMAND}
+    assert wanted_aborts <= Bursts.aborts
+
+
+def test_one_seed_is_one_story() -> None:
+    stories = []
+    for _ in range(2):
+        stranger = Stranger()
+        stranger.bursts(7, 500)
+        stories.append(
+            (
+                stranger.now,
+                stranger.axis.position,
+                tuple(value for _, value in stranger.drive.store.numbers()),
+            )
+        )
+    assert stories[0] == stories[1]

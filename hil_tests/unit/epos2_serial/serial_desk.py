@@ -1,0 +1,140 @@
+"""Two drives on a CAN bus, the first one with a host on its serial port, all in virtual time."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from emulators.epos2.drive import Epos2
+from emulators.epos2.profile import EPOS2_70_10, DeviceProfile
+from emulators.epos2.serial.drive import SerialEpos2
+from emulators.servo.axis import ServoAxis
+from emulators.wires import CanWire, SerialWire, usb_line
+from emulators.world import World
+from firmware_bridge.node import CAN, SERIAL, Node, Packet, Reaction
+from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds
+from firmware_bridge.wire.maxon.frame import Answered, Failure, Generation, Outcome
+from firmware_bridge.wire.maxon.lines import host_end
+from firmware_bridge.wire.maxon.messages import Answer, Request
+from firmware_bridge.wire.maxon.opcodes import decode_answer, encode_request, row_of
+from hil_tests.unit.epos2.quiet_motion import QuietMotion
+
+NEAR = 1
+FAR = 2
+
+
+class Host:
+    """A computer on the serial line: asks what it is told, and notes every byte."""
+
+    def __init__(self, generation: Generation, timeout: Nanoseconds, baud: int) -> None:
+        self.baud = baud
+        self.generation = generation
+        self.said = b""
+        self.heard = b""
+        self.begun_at: Nanoseconds = 0
+        self.ended_at: Nanoseconds = 0
+        self.outcome: Outcome | None = None
+        self.due: Request | None = None
+        self.raw = b""
+        self._end = host_end(generation, timeout)
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        self.heard += packet.payload
+        self._note(self._end.hear(packet.payload, now), now)
+        return self._reaction()
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        self._note(self._end.wake(now), now)
+        if self.due is not None and now >= self._end.ready_at:
+            answered = self.generation in row_of(self.due).answered
+            self._end.ask(encode_request(self.due), now, answered=answered)
+            self.due, self.begun_at = None, now
+        return self._reaction()
+
+    def stop(self, now: Nanoseconds) -> Reaction:
+        """Say at once what there is to say: the world has no other way to call a node."""
+        return self.wake(now)
+
+    def _note(self, outcome: Outcome | None, now: Nanoseconds) -> None:
+        if outcome is not None:
+            self.outcome, self.ended_at = outcome, now
+
+    def _next(self) -> Nanoseconds:
+        return self._end.due if self.due is None else self._end.ready_at
+
+    def _reaction(self) -> Reaction:
+        raw, self.raw = self.raw + self._end.taken(), b""
+        self.said += raw
+        return Reaction((Packet(SERIAL, 0, raw),) if raw else (), self._next())
+
+
+class SerialDesk:
+    def __init__(
+        self,
+        generation: Generation,
+        profile: DeviceProfile = EPOS2_70_10,
+        *,
+        near: int = NEAR,
+        others: Sequence[tuple[str, Node]] = (),
+        timeout: Nanoseconds = 5 * SECOND,
+        baud: int | None = None,
+    ) -> None:
+        self.generation = generation
+        self.drive = SerialEpos2(
+            near, ServoAxis("near", 2000), profile, QuietMotion, generation=generation, bus_rate=1_000_000
+        )
+        self.far = Epos2(FAR, ServoAxis("far", 2000), profile, QuietMotion)
+        self.bus = CanWire(1_000_000)
+        usb = generation is Generation.V2
+        self.line = usb_line("host") if usb else SerialWire(115_200)
+        self.host = Host(generation, timeout, baud or (1_000_000 if usb else 115_200))
+        self.frames: list[str] = []
+        self.bus.observe(self._note)
+        self.world = World()
+        self.world.attach("near", self.drive, {CAN: self.bus, SERIAL: self.line})
+        self.world.attach("far", self.far, {CAN: self.bus})
+        for name, node in others:
+            self.world.attach(name, node, {CAN: self.bus})
+        self.world.attach("host", self.host, {SERIAL: self.line})
+        self.waits(10 * MILLISECOND)
+        self.frames.clear()
+
+    def _note(self, _now: Nanoseconds, sender: str, packet: Packet) -> None:
+        self.frames.append(f"{sender} {packet.address:03X}#{packet.payload.hex().upper()}")
+
+    def waits(self, duration: Nanoseconds) -> None:
+        self.world.run(self.world.now + duration)
+
+    def sends(self, raw: bytes) -> bytes:
+        """Put bytes on the line as they are, and return what comes back within 20 ms."""
+        self.host.raw, self.host.heard = raw, b""
+        self.world.stop("host")
+        self.waits(20 * MILLISECOND + len(raw) * 100 * MICROSECOND)
+        return self.host.heard
+
+    def tries(self, request: Request) -> Outcome:
+        """Ask, and wait for the outcome."""
+        host = self.host
+        host.due, host.outcome = request, None
+        host.said = host.heard = b""
+        ended = host.ended_at
+        self.world.stop("host")
+        for _ in range(100_000):
+            self.waits(100 * MICROSECOND)
+            if host.ended_at != ended:
+                break
+        self.waits(2 * MILLISECOND)  # the host's last byte is still on its way
+        outcome: Outcome | None = host.outcome
+        assert outcome is not None, "nothing came of it"
+        return outcome
+
+    def asks(self, request: Request) -> Answer | None:
+        """Ask, and return the answer; None where the protocol has none."""
+        outcome = self.tries(request)
+        assert isinstance(outcome, Answered), outcome
+        return decode_answer(request, outcome.body) if outcome.body else None
+
+
+def with_profile(**changes: object) -> DeviceProfile:
+    return replace(EPOS2_70_10, **changes)  # type: ignore[arg-type] # names and types are the profile's own
+
+
+__all__ = ["FAR", "NEAR", "Failure", "SerialDesk", "with_profile"]

@@ -1,0 +1,271 @@
+"""Twin and kernel side by side: one plant in C, the same commands, and what became of both, to the bit."""
+
+import ctypes
+import hashlib
+import shutil
+import subprocess
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Final, NoReturn, TypeAlias
+
+import numpy as np
+
+from emulators.servo import kernel
+from emulators.servo.axis import CURRENT, DIRECT, MOVE, POSITION, RAMP, TICK, VELOCITY, ServoAxis
+from emulators.servo.bank import ServoBank, ServoError
+from emulators.servo.commands import brake, judge_anew, regulate_position, regulate_velocity
+from emulators.servo.profile import stopping_distance
+from emulators.servo.record import FIELDS
+from emulators.servo.scaling import Settings, acceleration_units, configure, speed_units
+from firmware_bridge.units import Nanoseconds
+from fmu.calls import OK_OR_WARNING, Calls, PlantRecord, prepare
+from fmu.errors import PlantError
+
+SOURCES: Final = Path(kernel.__file__).parent
+PLANT: Final = Path(__file__).parent / "plant.c"
+FLAGS: Final = ("-std=c99", "-ffp-contract=off", "-fPIC", "-shared")
+COMPILERS: Final = tuple(path for name in ("gcc", "clang") if (path := shutil.which(name)))
+COUNT: Final = 4
+SANE: Final = Settings(
+    current_p=180,
+    current_i=60,
+    velocity_p=1200,
+    velocity_i=150,
+    position_p=300,
+    position_i=500,
+    position_d=300,
+)
+MADE: Final = "a motor of the test"
+
+
+def compiled(folder: Path, source: Path, *flags: str, compiler: str = COMPILERS[0]) -> Path:
+    target = folder / f"{source.stem}-{Path(compiler).name}{''.join(flags)}.so".replace("=", "")
+    command = [compiler, *FLAGS, f"-DSERVO_SOURCE={kernel.source()}u", *flags, "-o", str(target), str(source)]
+    subprocess.run(command, check=True, capture_output=True)
+    return target
+
+
+class Motors:
+    """Motors in C behind FMI functions; twin and kernel step them alike."""
+
+    def __init__(
+        self, library: ctypes.CDLL, fmi: int = 3, *, count: int = COUNT, seed: int = 1, noise: float = 0.02
+    ) -> None:
+        self._library = library
+        library.plant_new.argtypes = (ctypes.c_int64, ctypes.c_uint32, ctypes.c_double)
+        library.plant_new.restype = ctypes.c_void_p
+        self._instance: int = library.plant_new(count, seed, noise)
+        self._calls: Calls = prepare(
+            library, self._instance, fmi, range(count), range(3 * count + 1), step=TICK
+        )
+        self.inputs, self.outputs = self._calls.inputs, self._calls.outputs
+        self._calls.read(*self._calls.read_arguments)
+
+    @property
+    def record(self) -> PlantRecord:
+        return self._calls.record
+
+    def step(self) -> None:
+        calls, record = self._calls, self._calls.record
+        calls.time.value = record.steps_done * TICK / 1e9
+        if (status := calls.write(*calls.write_arguments)) > OK_OR_WARNING:
+            self.failed("setting the inputs", status)
+        if (status := calls.step(*calls.step_arguments)) > OK_OR_WARNING:
+            self.failed("doStep", status)
+        record.steps_done += 1
+        if (status := calls.read(*calls.read_arguments)) > OK_OR_WARNING:
+            self.failed("reading the outputs", status)
+
+    def failed(self, action: str, status: int) -> NoReturn:
+        raise PlantError(f"{MADE}: {action} failed after {self.record.steps_done} steps with {status}")
+
+    def breaks(self, at: int, failing: int, replaced: int = 0, replacement: float = 0.0) -> None:
+        call = self._library.plant_break
+        call.argtypes = (*(ctypes.c_void_p,), *(ctypes.c_int64,) * 3, ctypes.c_double)
+        call.restype = None
+        call(self._instance, at, failing, replaced, replacement)
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """What is done to one axis before an advance."""
+
+    axis: int
+    kind: int
+    """0 power, 1 velocity, 2 position, 3 current, 4 brake, 5 call, 6 to 7 direct modes."""
+    value: int
+    speed: int
+    up: int
+    down: int
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """Orders, then an advance of so many ticks."""
+
+    orders: tuple[Order, ...]
+    ticks: int
+
+
+Event: TypeAlias = tuple[Nanoseconds, tuple[str, ...]]
+
+
+def obey(axis: ServoAxis, order: Order) -> None:
+    if order.kind == 0:
+        if axis.powered:
+            axis.switch_off()
+        else:
+            axis.switch_on()
+    elif order.kind == 5:
+        axis.call = 1
+    elif axis.powered:
+        _move(axis, order)
+
+
+def _move(axis: ServoAxis, order: Order) -> None:
+    axis.acceleration = acceleration_units(axis, order.up)
+    axis.deceleration = acceleration_units(axis, order.down)
+    axis.profile = DIRECT
+    if order.kind == 1:
+        regulate_velocity(axis)
+        axis.profile, axis.target_velocity = RAMP, speed_units(axis, order.speed)
+    elif order.kind == 2:
+        regulate_position(axis)
+        axis.profile, axis.target_position = MOVE, order.value << axis.fraction
+        axis.cruise = speed_units(axis, abs(order.speed))
+        axis.stopping_distance = stopping_distance(axis.cruise, axis.deceleration)
+    elif order.kind == 3:
+        axis.regulator, axis.current_setting_ma = CURRENT, order.value
+    elif order.kind == 4:
+        brake(axis, order.down)
+    elif order.kind == 6:
+        regulate_velocity(axis)
+        axis.regulator = VELOCITY
+        axis.velocity_demand = axis.target_velocity = speed_units(axis, order.speed)
+    else:
+        regulate_position(axis)
+        axis.regulator = POSITION
+        axis.position_demand = axis.target_position = order.value << axis.fraction
+        axis.velocity_demand = 0
+    judge_anew(axis, there=False)
+
+
+class Side:
+    """One of the two: its plant, its axes, its bank."""
+
+    def __init__(self, plant: Motors, settings: tuple[Settings, ...], servo: kernel.Found) -> None:
+        self.plant = plant
+        self.axes = [ServoAxis(f"axis{k}", 4 * raw.encoder_pulses) for k, raw in enumerate(settings)]
+        for axis, raw in zip(self.axes, settings, strict=True):
+            configure(axis, raw)
+        supply = 3 * len(self.axes)
+        self.bank = ServoBank(plant, self.axes, supply=supply, analogue=("axis0", 6.0), servo=servo)
+
+    def runs(self, leg: Leg) -> list[Event]:
+        """Obey, and advance to the end of the leg; return every event on the way."""
+        for order in leg.orders:
+            obey(self.axes[order.axis], order)
+        until = self.bank.now + leg.ticks * TICK
+        events = [self.bank.advance(until)]
+        while events[-1][0] < until:
+            events.append(self.bank.advance(until))
+        return events
+
+    def lives(self, leg: Leg) -> list[Event] | str:
+        """Run on; where wild gains drive the motors out of all bounds, return what the bank says of them."""
+        try:
+            return self.runs(leg)
+        except ServoError as refusal:
+            return str(refusal)
+
+    def bits(self) -> bytes:
+        plant = bytes(memoryview(self.plant.inputs)) + bytes(memoryview(self.plant.outputs))
+        return b"".join(bytes(axis) for axis in self.axes) + plant
+
+
+def difference(one: Side, other: Side) -> str:
+    """Name the first field that differs; empty where both are the same to the bit."""
+    if one.bits() == other.bits():
+        return ""
+    for left, right in zip(one.axes, other.axes, strict=True):
+        for field in FIELDS:
+            a, b = getattr(left, field), getattr(right, field)
+            if a != b:
+                return f"{left.name}.{field}: {a} and {b} at tick {one.bank.now // TICK}"
+    return f"the plants differ at tick {one.bank.now // TICK}"
+
+
+Draw = Callable[[np.random.Generator], Settings]
+
+
+def wild(draw: np.random.Generator) -> Settings:
+    """Any values that the objects admit."""
+
+    def number(low: int, high: int) -> int:
+        return int(draw.integers(low, high + 1))
+
+    widest = {
+        "encoder_pulses": (16, 2_500_000),
+        "max_speed": (0, 2**32 - 1),
+        "following_error": (0, 2**32 - 1),
+    }
+    widest |= {
+        "position_window": (0, 2**32 - 1),
+        "velocity_window": (0, 2**32 - 1),
+        "thermal_time": (1, 5400),
+    }
+    signed = ("current_p", "current_i", "velocity_p", "velocity_i", "position_p", "position_i", "position_d")
+    values = {
+        field.name: number(
+            *widest.get(field.name, (-(2**15), 2**15 - 1) if field.name in signed else (0, 2**16 - 1))
+        )
+        for field in fields(Settings)
+    }
+    return Settings(**values)
+
+
+def tame(draw: np.random.Generator) -> Settings:
+    """Values with which the motors of the test turn well, near their limits and windows."""
+    chosen = {
+        "current_p": int(draw.integers(100, 250)),
+        "velocity_p": int(draw.integers(300, 3000)),
+        "position_p": int(draw.integers(50, 600)),
+        "continuous_current": int(draw.integers(300, 6000)),
+        "peak_current": int(draw.integers(300, 12_000)),
+        "thermal_time": int(draw.integers(1, 10)),
+        "following_error": int(draw.integers(20, 4000)),
+        "position_window": int(draw.integers(0, 50)),
+        "position_window_time": int(draw.integers(0, 20)),
+        "velocity_window": int(draw.integers(0, 200)),
+        "velocity_acceleration_forward": int(draw.integers(0, 3000)),
+        "position_speed_forward": int(draw.integers(0, 3000)),
+        "max_speed": int(draw.integers(100, 12_000)),
+    }
+    rest = {field.name: getattr(SANE, field.name) for field in fields(Settings) if field.name not in chosen}
+    return Settings(**rest, **chosen)
+
+
+def legs(draw: np.random.Generator, count: int) -> Iterator[Leg]:
+    """Random orders at random instants, in the midst of a ms, too."""
+    for number in range(count):
+        orders = []
+        for axis in range(COUNT):
+            if number == 0 or draw.random() < 0.3:
+                kind = 0 if number == 0 else int(draw.choice((0, 1, 1, 2, 2, 2, 3, 4, 5, 6, 7)))
+                span = int(draw.choice((30, 3000, 300_000)))
+                speeds = (int(draw.integers(-span, span + 1)), int(draw.integers(0, 6000)))
+                up, down = (int(value) for value in draw.integers(100, 300_000, 2))
+                orders.append(Order(axis, kind, speeds[0], speeds[1] - 3000, up, down))
+        yield Leg(tuple(orders), int(draw.integers(1, 700)))
+
+
+def digest(side: Side, seed: int, count: int) -> str:
+    """Run a campaign on one side, and return the hash of all that happened."""
+    running = hashlib.sha256()
+    for leg in legs(np.random.default_rng(seed), count):
+        events = side.lives(leg)
+        running.update(repr(events).encode() + side.bits())
+        if isinstance(events, str):
+            break
+    return running.hexdigest()

@@ -1,0 +1,216 @@
+"""The kernel in C and its twin in Python do the same, to the bit; and a planted difference does not pass."""
+
+import ctypes
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from emulators.servo import kernel
+from emulators.servo.axis import AT_REST, CURRENT_LIMITED, FOLLOWING_ERROR, TARGET_REACHED, UNDER_VOLTAGE
+from hil_tests.unit.servo.side_by_side import (
+    COMPILERS,
+    COUNT,
+    PLANT,
+    SANE,
+    SOURCES,
+    Draw,
+    Leg,
+    Motors,
+    Order,
+    Side,
+    compiled,
+    difference,
+    digest,
+    legs,
+    tame,
+    wild,
+)
+
+TWIN = kernel.Found(None, "the other side")
+TICKS_OF_THE_CAMPAIGN = 3_000_000
+"""Ticks of single axes."""
+
+
+@pytest.fixture(scope="session")
+def plant_library(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
+    return ctypes.CDLL(str(compiled(tmp_path_factory.mktemp("plant"), PLANT, "-O2")))
+
+
+@pytest.fixture(scope="session")
+def native(tmp_path_factory: pytest.TempPathFactory) -> kernel.Found:
+    """The kernel as its sources are now, whatever the package's build has left."""
+    return kernel.load(compiled(tmp_path_factory.mktemp("kernel"), SOURCES / "kernel.c", "-O2"))
+
+
+Pair = Callable[..., tuple[Side, Side]]
+
+
+@pytest.fixture(scope="session")
+def pair(plant_library: ctypes.CDLL, native: kernel.Found) -> Pair:
+    def make(draw: Draw = tame, seed: int = 0, fmi: int = 3, noise: float = 0.02) -> tuple[Side, Side]:
+        raw = [draw(np.random.default_rng([seed, axis])) for axis in range(COUNT)]
+        twin, one = (
+            Side(Motors(plant_library, fmi, seed=seed, noise=noise), tuple(raw), found)
+            for found in (TWIN, native)
+        )
+        assert (twin.bank.native, one.bank.native) == (False, True)
+        return twin, one
+
+    return make
+
+
+@pytest.mark.parametrize(("draw", "share"), [(tame, 0.6), (wild, 0.4)])
+def test_millions_of_ticks_agree_to_the_bit(pair: Pair, draw: Draw, share: float) -> None:
+    ticks, seed, seen = 0, 0, 0
+    while ticks < TICKS_OF_THE_CAMPAIGN * share:
+        twin, one = pair(draw, seed, fmi=2 + seed % 2, noise=(0.0, 0.02, 0.2)[seed % 3])
+        for leg in legs(np.random.default_rng(seed), 40):
+            events = twin.lives(leg)
+            assert events == one.lives(leg)
+            assert not difference(twin, one)
+            ticks += leg.ticks * COUNT
+            for axis in one.axes:
+                seen |= axis.flags
+            if isinstance(events, str):
+                break
+        seed += 1
+    everything = AT_REST | CURRENT_LIMITED | FOLLOWING_ERROR | TARGET_REACHED
+    assert seen & everything == everything
+
+
+ORDERS = st.builds(
+    Order,
+    axis=st.integers(0, COUNT - 1),
+    kind=st.integers(0, 7),
+    value=st.integers(-(2**31), 2**31 - 1),
+    speed=st.integers(-30_000, 30_000),
+    up=st.integers(0, 2**32 - 1),
+    down=st.integers(0, 2**32 - 1),
+)
+LIVES = st.lists(
+    st.builds(Leg, st.lists(ORDERS, max_size=4).map(tuple), st.integers(1, 60)), min_size=1, max_size=12
+)
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(life=LIVES, seed=st.integers(0, 2**16), draw=st.sampled_from((tame, wild)))
+def test_whatever_is_ordered_both_obey_alike(pair: Pair, life: list[Leg], seed: int, draw: Draw) -> None:
+    twin, one = pair(draw, seed)
+    power = Leg(tuple(Order(axis, 0, 0, 0, 1000, 1000) for axis in range(COUNT)), 3)
+    for leg in (power, *life):
+        events = twin.lives(leg)
+        assert events == one.lives(leg)
+        assert not difference(twin, one)
+        if isinstance(events, str):
+            break
+
+
+@pytest.mark.parametrize("draw", [tame, wild])
+def test_how_a_run_is_cut_into_advances_makes_no_difference(pair: Pair, draw: Draw) -> None:
+    whole, cut = (pair(draw, 5)[1] for _ in range(2))
+    for leg in legs(np.random.default_rng(5), 20):
+        refused = isinstance(whole.lives(leg), str)
+        for tick in range(leg.ticks):
+            if isinstance(cut.lives(Leg(() if tick else leg.orders, 1)), str):
+                break
+        assert not difference(whole, cut)
+        if refused:
+            break
+
+
+def turning() -> tuple[Leg, ...]:
+    """All axes on their way to a position, then some more time."""
+    orders = tuple(Order(axis, kind, 40_000, 2000, 3000, 3000) for axis in range(COUNT) for kind in (0, 2))
+    return Leg(orders, 155), Leg((), 1000)
+
+
+GAINS = ("current_p", "current_i", "position_p", "position_i", "position_d")
+
+
+@pytest.mark.parametrize("gain", GAINS)
+def test_one_bit_in_a_gain_is_caught(plant_library: ctypes.CDLL, native: kernel.Found, gain: str) -> None:
+    planted = replace(SANE, **{gain: getattr(SANE, gain) ^ 1})
+    twin = Side(Motors(plant_library), (SANE,) * COUNT, TWIN)
+    one = Side(Motors(plant_library), (SANE, planted, SANE, SANE), native)
+    for leg in turning():
+        twin.runs(leg)
+        one.runs(leg)
+    # The gain itself differs, of course; what counts is what it led to.
+    led_to = [(axis.current_average, axis.position_integral, axis.encoder) for axis in one.axes]
+    expected = [(axis.current_average, axis.position_integral, axis.encoder) for axis in twin.axes]
+    assert [a == b for a, b in zip(led_to, expected, strict=True)] == [True, False, True, True]
+    assert difference(twin, one).startswith("axis1.")
+
+
+def test_an_order_that_comes_one_tick_late_is_caught(pair: Pair) -> None:
+    twin, one = pair(lambda _: SANE)
+    begin = turning()[0]
+    order = (Order(2, 1, 0, -500, 900, 900),)
+    # Tick 160 begins a ms: what is ordered before it counts in this ms, what comes after it in the next.
+    for side, at in ((twin, 160), (one, 161)):
+        side.runs(replace(begin, ticks=at))
+        side.runs(Leg(order, 300 - at))
+    assert twin.bank.now == one.bank.now
+    assert difference(twin, one).startswith("axis2.")
+
+
+def test_an_event_comes_at_its_exact_tick_and_names_its_axis(pair: Pair) -> None:
+    twin, one = pair(lambda _: SANE, noise=0.0)
+    for side in (twin, one):
+        side.runs(Leg((), 600))
+        side.axes[3].call = 1
+        # The call is heard in the next ms, and reported when the tick that heard it is over.
+        assert side.bank.advance(side.bank.now + 95 * 100_000) == (60_100_000, ("axis3",))
+    assert not difference(twin, one)
+
+
+def test_an_empty_battery_is_an_event_in_both(pair: Pair) -> None:
+    twin, one = pair(lambda _: SANE)
+    for side in (twin, one):
+        side.runs(Leg((), 1200))
+        side.plant.breaks(at=1205, failing=4, replaced=3, replacement=8.0)
+        assert side.bank.advance(10**9) == (121_100_000, tuple(f"axis{k}" for k in range(COUNT)))
+        assert all(axis.flags & UNDER_VOLTAGE for axis in side.axes)
+    assert not difference(twin, one)
+
+
+BUILDS = [(compiler, level) for compiler in COMPILERS for level in ("-O0", "-O1", "-O2", "-O3")]
+
+
+@pytest.fixture(scope="session")
+def reference(plant_library: ctypes.CDLL, native: kernel.Found) -> dict[Draw, str]:
+    return {draw: _digest(plant_library, native, draw) for draw in (tame, wild)}
+
+
+def _digest(plant: ctypes.CDLL, found: kernel.Found, draw: Draw) -> str:
+    raw = tuple(draw(np.random.default_rng([3, axis])) for axis in range(COUNT))
+    return digest(Side(Motors(plant, seed=3), raw, found), 3, 150)
+
+
+@pytest.mark.parametrize(("compiler", "level"), BUILDS)
+def test_every_compiler_and_level_gives_the_same_bits(
+    compiler: str,
+    level: str,
+    tmp_path: Path,
+    plant_library: ctypes.CDLL,
+    reference: dict[Draw, str],
+) -> None:
+    found = kernel.load(compiled(tmp_path, SOURCES / "kernel.c", level, compiler=compiler))
+    for draw, expected in reference.items():
+        assert _digest(plant_library, found, draw) == expected
+
+
+def test_no_arithmetic_of_the_kernel_is_undefined(
+    tmp_path: Path, plant_library: ctypes.CDLL, reference: dict[Draw, str]
+) -> None:
+    # Every overflow, shift and cast that C leaves undefined would end this process here.
+    flags = ("-O1", "-fsanitize=undefined,float-cast-overflow", "-fsanitize-undefined-trap-on-error")
+    found = kernel.load(compiled(tmp_path, SOURCES / "kernel.c", *flags))
+    assert found.library is not None, found.reason
+    for draw, expected in reference.items():
+        assert _digest(plant_library, found, draw) == expected

@@ -1,0 +1,177 @@
+"""Serial ports and pseudo-terminals of this machine, with pyserial as the stranger at the other end."""
+
+import os
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+import serial
+
+from emulators.epos2.serial.drive import SerialEpos2
+from emulators.gateway import Cluster
+from emulators.servo.axis import ServoAxis
+from firmware_bridge.node import SERIAL, Packet, Reaction
+from firmware_bridge.shell.clock import Clock
+from firmware_bridge.shell.ports import LostPort, Port, PortError, PseudoTerminal, SerialLine
+from firmware_bridge.shell.runner import run
+from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
+from firmware_bridge.wire.maxon.frame import Frame, Generation, encode_v2
+from hil_tests.unit.epos2.quiet_motion import QuietMotion
+from hil_tests.unit.world.players import Player
+
+ASKED_V2 = encode_v2(Frame(0x10, bytes.fromhex("00100001")))
+ANSWERED_V2 = bytes.fromhex("90 02 00 04 00 00 00 00 92 01 02 00 9A ED")
+
+
+def heard(port: Port, count: int, within: Nanoseconds = SECOND) -> bytes:
+    clock, chunks = Clock(), b""
+    while len(chunks) < count and clock.now() < within:
+        if clock.wait([port.fileno()], within):
+            chunks += b"".join(chunk for _, chunk in port.read(clock.now()))
+    return chunks
+
+
+def test_bytes_pass_a_pseudo_terminal_as_they_are_both_ways() -> None:
+    raw = bytes(range(256))
+    with closing(PseudoTerminal()) as port, serial.Serial(port.path, 115_200, timeout=1) as client:
+        client.write(raw)
+        assert heard(port, 256) == raw
+        port.write(0, raw, 0)
+        assert client.read(256) == raw
+        assert port.retry_at == NEVER
+
+
+def test_nothing_comes_back_before_a_client_is_there() -> None:
+    with closing(PseudoTerminal()) as port:
+        port.write(0, b"\x90\x02\r\n", 0)
+        assert heard(port, 1, within=5 * MILLISECOND) == b""
+
+
+def test_clients_come_and_go() -> None:
+    with closing(PseudoTerminal()) as port:
+        for name in (b"one", b"two", b"three"):
+            with serial.Serial(port.path, timeout=1) as client:
+                client.write(name)
+                assert heard(port, len(name)) == name
+            assert port.read(0) == []
+            port.write(0, b"nobody hears this", 0)
+
+
+def test_what_nobody_fetches_is_thrown_away_in_the_end() -> None:
+    with closing(PseudoTerminal()) as port:
+        for now in range(100):
+            port.write(0, bytes(1000), now)
+            port.flush(now + MILLISECOND)
+        with serial.Serial(port.path, timeout=1) as client:
+            client.reset_input_buffer()
+            port.flush(SECOND)
+            client.reset_input_buffer()
+            port.write(0, b"after", SECOND)
+            assert client.read_until(b"after").endswith(b"after")
+
+
+def test_a_link_leads_to_the_terminal_and_is_gone_with_it(tmp_path: Path) -> None:
+    link = tmp_path / "rars.tty"
+    link.symlink_to("/nowhere/at/all")  # left behind by a run that was killed
+    port = PseudoTerminal(link)
+    assert os.path.realpath(link) == os.path.realpath(port.path)
+    assert str(link) in port.name
+    with serial.Serial(str(link), timeout=1) as client:
+        client.write(b"x")
+        assert heard(port, 1) == b"x"
+    port.close()
+    port.close()
+    assert not link.is_symlink()
+
+
+def test_a_link_of_somebody_else_s_is_left_alone(tmp_path: Path) -> None:
+    link, taken = tmp_path / "link", tmp_path / "taken"
+    port = PseudoTerminal(link)
+    link.unlink()
+    link.symlink_to("/dev/null")
+    port.close()
+    assert link.is_symlink()
+    taken.write_text("a file")
+    with pytest.raises(PortError, match=r"cannot make the link .*taken"):
+        PseudoTerminal(taken)
+    assert taken.read_text() == "a file"
+
+
+def test_a_serial_line_through_pyserial() -> None:
+    with closing(PseudoTerminal()) as other, closing(SerialLine(other.path, 115_200)) as line:
+        line.write(0, ASKED_V2, 0)
+        assert heard(other, len(ASKED_V2)) == ASKED_V2
+        other.write(0, ANSWERED_V2, 0)
+        assert heard(line, len(ANSWERED_V2)) == ANSWERED_V2
+        line.close()
+
+
+def test_a_serial_line_whose_other_end_is_gone_is_lost() -> None:
+    other = PseudoTerminal()
+    with closing(SerialLine(other.path, 115_200)) as line:
+        other.close()
+        with pytest.raises(LostPort, match="lost serial port"):
+            line.read(0)
+        with pytest.raises(LostPort, match="lost serial port"):
+            line.write(0, b"x", 0)
+
+
+def test_a_serial_port_that_cannot_be_opened_is_told_with_what_to_do(tmp_path: Path) -> None:
+    with pytest.raises(PortError, match=r"no-such at 115200 Bd: there is no such device"):
+        SerialLine(str(tmp_path / "no-such"), 115_200)
+    with (
+        closing(PseudoTerminal()) as other,
+        closing(SerialLine(other.path, 9600)),
+        pytest.raises(PortError, match="in use"),
+    ):
+        SerialLine(other.path, 9600)
+
+
+def test_a_link_of_one_member_reaches_that_one_only() -> None:
+    one, two = Player((10, Packet(SERIAL, 0, b"hello")), (10, Packet("can", 1, b""))), Player()
+    cluster = Cluster({"one": one, "two": two}, owners={SERIAL: "one"})
+    cluster.wake(0)
+    assert cluster.wake(10).sent == (Packet(SERIAL, 0, b"hello"), Packet("can", 1, b""))
+    cluster.receive(Packet(SERIAL, 0, b"you"), 20)
+    assert [packet.payload for _, packet in one.heard] == [b"you"]
+    assert [packet.link for _, packet in two.heard] == ["can"]
+
+
+class Client:
+    """Opens the line again and again, asks, and goes away in the middle of the last dialogue."""
+
+    def __init__(self, drive: SerialEpos2, path: str) -> None:
+        self.answers: list[bytes] = []
+        self._drive = drive
+        self._path = path
+        self._serial: serial.Serial | None = None
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        return self._beside(self._drive.receive(packet, now), now)
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        return self._beside(self._drive.wake(now), now)
+
+    def _beside(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
+        """Do the client's next step, at most one in ten milliseconds."""
+        if self._serial is None:
+            self._serial = serial.Serial(self._path, 115_200, timeout=0)
+            self._serial.write(b"\x90\x02half" if len(self.answers) % 2 else ASKED_V2)
+            self._heard, self._since = b"", now
+        self._heard += self._serial.read(100)
+        if now - self._since >= 30 * MILLISECOND:
+            self.answers.append(self._heard)
+            self._serial.close()
+            self._serial = None
+        return Reaction(reaction.sent, min(reaction.wake_at, now + 5 * MILLISECOND))
+
+
+def test_a_drive_on_a_pseudo_terminal_outlives_its_clients_in_real_time() -> None:
+    drive = SerialEpos2(1, ServoAxis("near", 2000), motion=QuietMotion, generation=Generation.V2)
+    with closing(PseudoTerminal()) as port:
+        client = Client(drive, port.path)
+        ending = run(client, {SERIAL: port}, Clock(), until=500 * MILLISECOND)
+    assert ending.reason == "the time is over"
+    assert len(client.answers) > 6
+    assert set(client.answers[0::2]) == {ANSWERED_V2}
+    assert set(client.answers[1::2]) == {b""}

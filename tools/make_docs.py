@@ -1,0 +1,43 @@
+"""Write the pages of `docs/` that are made from the code's tables: `python tools/make_docs.py`.
+
+A test that reaches an emergency by its cause says so with the mark `emergency`; the page names it.
+"""
+
+# ruff: noqa: INP001 - a script, not a package
+
+import ast
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Final
+
+from emulators.documents.pages import pages
+
+ROOT: Final = Path(__file__).parents[1]
+MARK: Final = "emergency"
+
+
+def marked() -> Mapping[int, tuple[str, ...]]:
+    """Return the names of the tests that are marked with an emergency's code, by that code."""
+    found: dict[int, list[str]] = {}
+    for path in sorted((ROOT / "hil_tests").rglob("test_*.py")):
+        for statement in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(statement, ast.FunctionDef):
+                for code in _codes(statement):
+                    found.setdefault(code, []).append(f"`{statement.name}`")
+    return {code: tuple(names) for code, names in found.items()}
+
+
+def _codes(function: ast.FunctionDef) -> Iterator[int]:
+    for call in function.decorator_list:
+        if isinstance(call, ast.Call) and ast.unparse(call.func) == f"pytest.mark.{MARK}":
+            yield from (each.value for each in call.args if isinstance(each, ast.Constant))
+
+
+def main() -> None:
+    """Write them."""
+    for name, text in pages(marked()).items():
+        (ROOT / "docs" / name).write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
