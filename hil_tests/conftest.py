@@ -1,20 +1,25 @@
-"""Which tests this machine can run: those marked `vcan` need a kernel with a SocketCAN bus vcan0.
+"""Which tests this machine can run: some need a SocketCAN bus vcan0, some need tshark beside Python.
 
-Where there is none they are left out, and counted; `tools/with-vcan` brings such a kernel.
+What is not there leaves its tests out, and counted: `tools/with-vcan` brings a kernel with the bus, Debian's
+package tshark the dissector. `.ci/run` has both.
 """
 
+import shutil
 from pathlib import Path
 from typing import Final
 
 import pytest
 
-VCAN: Final = Path("/sys/class/net/vcan0")
+AT_HAND: Final = {
+    "vcan": Path("/sys/class/net/vcan0").exists(),
+    "tshark": shutil.which("tshark") is not None,
+}
+"""Markers, and whether this machine has what they stand for."""
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    if VCAN.exists():
-        return
-    without = [item for item in items if item.get_closest_marker("vcan") is not None]
+    missing = [marker for marker, there in AT_HAND.items() if not there]
+    without = [item for item in items if any(item.get_closest_marker(marker) for marker in missing)]
     if without:
         config.hook.pytest_deselected(items=without)
-        items[:] = [item for item in items if item.get_closest_marker("vcan") is None]
+        items[:] = [item for item in items if item not in without]

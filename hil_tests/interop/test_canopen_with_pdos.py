@@ -180,6 +180,7 @@ def test_layer_setting_by_canopens_own_master(bench: Bench) -> None:
     lss.send_switch_state_global(lss.WAITING_STATE)
 
 
+@pytest.mark.tshark
 def test_tshark_finds_nothing_malformed(bench: Bench, tmp_path: Path) -> None:
     node = bench.powered("PROFILED VELOCITY")
     node.rpdo[4][0x60FF].raw = 500

@@ -138,6 +138,7 @@ def test_one_seed_is_one_run(driven: Driven, tmp_path: Path) -> None:
         assert (tmp_path / name).read_bytes() == (driven("line") / name).read_bytes()
 
 
+@pytest.mark.tshark
 @pytest.mark.parametrize("name", ["line", "interlocks"])
 def test_a_strangers_dissector_finds_no_malformed_frame(driven: Driven, name: str) -> None:
     log = driven(name) / "can.log"
