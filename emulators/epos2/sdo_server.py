@@ -19,7 +19,7 @@ from firmware_bridge.wire import sdo
 from firmware_bridge.wire.abort import AbortCode, SdoAbort
 from firmware_bridge.wire.epos2.address import Address
 
-_Answers: TypeAlias = Mapping[type[sdo.Request], Callable[..., bytes]]
+_Answers: TypeAlias = Mapping[type[sdo.Request], Callable[..., bytes | None]]
 
 
 @dataclass(slots=True)
@@ -48,6 +48,7 @@ class SdoServer:
             sdo.DownloadRequest: self._start_download,
             sdo.UploadSegmentRequest: self._next_segment,
             sdo.Segment: self._take_segment,
+            sdo.Abort: self._give_up,
             sdo.Unknown: self._refuse,
         }
 
@@ -58,9 +59,6 @@ class SdoServer:
     def answer(self, payload: bytes) -> bytes | None:
         """Return the answer to a client's frame; None to an abort, which wants none."""
         request = sdo.decode_request(payload)
-        if isinstance(request, sdo.Abort):
-            self._transfer = None
-            return None
         running = self._transfer
         try:
             return self._answers[type(request)](request)
@@ -69,6 +67,9 @@ class SdoServer:
             if isinstance(request, sdo.UploadSegmentRequest | sdo.Segment):
                 return sdo.encode_abort(sdo.NOWHERE if running is None else running.address, abort.code)
             return sdo.encode_abort(request.address, abort.code)
+
+    def _give_up(self, _request: sdo.Abort) -> None:
+        self._transfer = None
 
     def _refuse(self, request: sdo.Unknown) -> bytes:
         raise SdoAbort(AbortCode.UNKNOWN_COMMAND, request.address)
@@ -96,6 +97,9 @@ class SdoServer:
     def _start_download(self, request: sdo.DownloadRequest) -> bytes:
         self._transfer = None
         address, raw, size = request.address, request.raw, request.size
+        if raw is not None and len(raw) == size:
+            self._store.write(address, raw)
+            return sdo.encode_download_response(address)
         self._store.check_writable(address, size)
         if raw is None:
             self._transfer = _Download(address, size)

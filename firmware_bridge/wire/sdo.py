@@ -6,6 +6,8 @@ any object, and keeps no transfer's state: `emulators.epos2.sdo_server` and the 
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
+from struct import Struct
 from typing import Final, TypeAlias
 
 from firmware_bridge.wire.abort import AbortCode, SdoAbort, meaning_of
@@ -52,6 +54,9 @@ SEGMENT: Final = 7
 NOWHERE: Final = Address(0, 0)
 """The address in an abort that belongs to no transfer."""
 
+_HEAD: Final = Struct("<BHB")
+_HEADS: Final = 4096
+"""So many different requests to read are kept decoded: more than a drive has objects."""
 _TOGGLE: Final = 0x10
 _EXPEDITED: Final = 0x02
 _SIZED: Final = 0x01
@@ -142,12 +147,11 @@ Response: TypeAlias = UploadResponse | DownloadResponse | SegmentAccepted | Segm
 
 
 def _frame(command: int, address: Address, rest: bytes = b"") -> bytes:
-    head = bytes((command, address.index & 0xFF, address.index >> 8, address.subindex))
-    return (head + rest).ljust(FRAME, b"\0")
+    return (_HEAD.pack(command, *address) + rest).ljust(FRAME, b"\0")
 
 
 def _address(payload: bytes) -> Address:
-    padded = payload.ljust(HEAD, b"\0")
+    padded = payload if len(payload) >= HEAD else payload.ljust(HEAD, b"\0")
     return Address(padded[1] | padded[2] << 8, padded[3])
 
 
@@ -236,6 +240,11 @@ def _decode_abort(payload: bytes) -> Abort:
     return Abort(_address(payload), int.from_bytes(payload[HEAD:FRAME], "little"))
 
 
+@lru_cache(maxsize=_HEADS)
+def _decode_upload(head: bytes) -> UploadRequest:
+    return UploadRequest(_address(head))
+
+
 def _decode_toggle(payload: bytes) -> bool:
     return bool(payload[0] & _TOGGLE)
 
@@ -243,7 +252,7 @@ def _decode_toggle(payload: bytes) -> bool:
 _REQUESTS: Final[Mapping[int, Callable[[bytes], Request]]] = {
     0: _decode_segment,
     1: lambda payload: DownloadRequest(_address(payload), *_contents(payload)),
-    2: lambda payload: UploadRequest(_address(payload)),
+    2: lambda payload: _decode_upload(payload[:HEAD]),
     3: lambda payload: UploadSegmentRequest(_decode_toggle(payload)),
     4: _decode_abort,
 }
