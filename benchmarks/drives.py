@@ -73,12 +73,16 @@ class Crowd:
 
     world: World
     wire: CanWire
-    drives: list[Epos2]
-    master: Master
+    axes: list[ServoAxis]
 
-    def run_on(self, seconds: float) -> None:
-        """Let time pass."""
-        self.world.run(self.world.now + round(seconds * SECOND))
+    @property
+    def turning(self) -> int:
+        """How many drives have power and see their shaft turn."""
+        return sum(bool(axis.powered and axis.velocity_average) for axis in self.axes)
+
+    def runs_a_second(self) -> None:
+        """Let a second pass."""
+        self.world.run(self.world.now + SECOND)
 
 
 def write(node: int, address: Address, kind: DataType, value: int) -> Packet:
@@ -129,9 +133,8 @@ def crowd(
     bank = None if motors is None else ServoBank(Motors(motors, count=count), axes, supply=3 * count)
     world, wire = World(bank), CanWire(BIT_RATE)
     master = Master(set_up(count, heartbeat_ms), cycle or partial(exchange, count), every)
-    drives = [Epos2(node, axis) for node, axis in enumerate(axes, start=1)]
-    for axis, drive in zip(axes, drives, strict=True):
-        world.attach(axis.name, drive, {CAN: wire})
+    for node, axis in enumerate(axes, start=1):
+        world.attach(axis.name, Epos2(node, axis), {CAN: wire})
     world.attach("master", master, {CAN: wire})
     world.run(BEGIN_AT + 10 * every)
-    return Crowd(world, wire, drives, master)
+    return Crowd(world, wire, axes)

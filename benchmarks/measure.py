@@ -44,12 +44,13 @@ def resident_kib() -> int:
 
 def show(title: str, head: Sequence[str], rows: Iterable[Sequence[str]], note: str = "") -> None:
     """Print a table: names to the left, figures to the right."""
-    table = Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD)
+    table = Table(box=box.SIMPLE_HEAD)
     for place, name in enumerate(head):
         table.add_column(name, justify="right" if place else "left")
     for row in rows:
         table.add_row(*row)
     console = Console(width=WIDTH, highlight=False)
+    console.print(title, style="bold")
     console.print(table)
     if note:
-        console.print(note)
+        console.print(f"{note}\n")

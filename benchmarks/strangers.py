@@ -1,6 +1,7 @@
+# ruff: noqa: PLC0415 - a library that may be missing is imported where it is used
 """The same device by the libraries `canopen` and `durand`: their servers alone, and on a virtual bus.
 
-Each has the one object that is asked for, and that is not there: 0x6081, as the drive has it.
+Each has the objects that are asked for, as the drive has them, and no others.
 """
 
 import time
@@ -11,7 +12,8 @@ from typing import Any, Final
 import can
 
 NODE: Final = 1
-INDEX: Final = 0x6081
+INDEXES: Final = (0x607F, 0x6081, 0x6083, 0x6084)
+"""Unsigned numbers of 32 bits that may be read and written."""
 VALUE: Final = 1000
 REQUEST: Final = 0x600 + NODE
 ANSWER: Final = 0x580 + NODE
@@ -46,9 +48,10 @@ def _canopen_node() -> Any:
     from canopen.objectdictionary import UNSIGNED32, ObjectDictionary, ODVariable
 
     dictionary = ObjectDictionary()
-    variable = ODVariable("Profile velocity", INDEX)
-    variable.data_type, variable.access_type, variable.default = UNSIGNED32, "rw", VALUE
-    dictionary.add_object(variable)
+    for index in INDEXES:
+        variable = ODVariable(f"0x{index:04X}", index)
+        variable.data_type, variable.access_type, variable.default = UNSIGNED32, "rw", VALUE
+        dictionary.add_object(variable)
     return LocalNode(NODE, dictionary)
 
 
@@ -68,7 +71,8 @@ def _durand_node(network: Any) -> Any:
     from durand.datatypes import DatatypeEnum
 
     node = MinimalNode(network, NODE)
-    node.object_dictionary[INDEX] = Variable(DatatypeEnum.UNSIGNED32, "rw", VALUE)
+    for index in INDEXES:
+        node.object_dictionary[index] = Variable(DatatypeEnum.UNSIGNED32, "rw", VALUE)
     return node
 
 
