@@ -3,8 +3,8 @@
 Usage: python -m benchmarks.many_drives
 
 The chain: a master that asks with SYNC and gives each drive a speed every 50 ms, the timed bus, the drives,
-the kernel, and single motors in C. The motors are those of the tests; their cost is measured alone and taken off
-where a table says so.
+the kernel, and single motors in C. The motors are those of the tests; their cost is measured alone and taken
+off where a table says so.
 """
 
 import ctypes

@@ -22,6 +22,13 @@ def processor_seconds(run: Callable[[], object]) -> float:
     return time.process_time() - begun
 
 
+def both_clocks(run: Callable[[], object]) -> tuple[float, float]:
+    """Return the time of one run in seconds: the processor's, and the wall's."""
+    begun = time.perf_counter()
+    spent = processor_seconds(run)
+    return spent, time.perf_counter() - begun
+
+
 def fastest(run: Callable[[], object], repeats: int = REPEATS) -> float:
     """Return the processor's shortest time of some runs in seconds: what others do meanwhile counts least."""
     return min(processor_seconds(run) for _ in range(repeats))

@@ -3,8 +3,8 @@
 Usage: python -m benchmarks.memory [MINUTES]    simulated time; 4 by default, `make hour` drives 60.
 
 Some things grow by design, because the pictures and the summary at a run's end are made of them: a sample
-every 10 ms, the operator's diary, the holds. They are let go at each minute's end, and told apart; what is left
-must not grow. Frames and messages go to files as they come.
+every 10 ms, the operator's diary, the holds. Samples and diary are let go at each minute's end, and told
+apart; what is left must not grow. Frames and messages go to files as they come.
 """
 
 import gc
