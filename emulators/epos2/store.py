@@ -85,7 +85,7 @@ class ObjectStore:
             self._texts[address] = bytes(raw)
 
     def check_writable(self, address: Address, size: int | None) -> ObjectRow:
-        """Refuse a write that is to come, or return the object's row; `size` in bytes is None where untold."""
+        """Refuse a write to come, or return the object's row; `size` in bytes, None while it is not told."""
         row = self.row(address)
         if not row.access.writable:
             raise SdoAbort(AbortCode.READ_ONLY, address)
