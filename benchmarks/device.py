@@ -101,8 +101,7 @@ def pure_server() -> bool:
         "SDO, pure server work: bytes of a request in, bytes of the answer out, no bus; requests a second",
         ("request", *NAMES),
         rows,
-        "four objects in turn, 64 values; ours has all objects of the drive behind checks of access, size and"
-        " range",
+        "four objects in turn, 64 values; ours has the drive's whole table and checks access, size, range",
     )
     return slowest >= LEAST_REQUESTS
 

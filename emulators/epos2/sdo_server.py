@@ -12,7 +12,7 @@ the EDS or in maxon's library) and gets 0x05040001, as each unknown command does
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import Final, TypeAlias
 
 from emulators.epos2.store import LARGEST_DOMAIN, ObjectStore
 from firmware_bridge.wire import sdo
@@ -20,6 +20,7 @@ from firmware_bridge.wire.abort import AbortCode, SdoAbort
 from firmware_bridge.wire.epos2.address import Address
 
 _Answers: TypeAlias = Mapping[type[sdo.Request], Callable[..., bytes | None]]
+_WITHOUT_ADDRESS: Final = (sdo.UploadSegmentRequest, sdo.Segment)
 
 
 @dataclass(slots=True)
@@ -64,7 +65,7 @@ class SdoServer:
             return self._answers[type(request)](request)
         except SdoAbort as abort:
             self._transfer = None
-            if isinstance(request, sdo.UploadSegmentRequest | sdo.Segment):
+            if isinstance(request, _WITHOUT_ADDRESS):
                 return sdo.encode_abort(sdo.NOWHERE if running is None else running.address, abort.code)
             return sdo.encode_abort(request.address, abort.code)
 

@@ -55,8 +55,8 @@ NOWHERE: Final = Address(0, 0)
 """The address in an abort that belongs to no transfer."""
 
 _HEAD: Final = Struct("<BHB")
-_HEADS: Final = 4096
-"""So many different requests to read are kept decoded: more than a drive has objects."""
+_KEPT: Final = 4096
+"""So many requests are kept decoded, for clients ask the same again and again."""
 _TOGGLE: Final = 0x10
 _EXPEDITED: Final = 0x02
 _SIZED: Final = 0x01
@@ -240,11 +240,6 @@ def _decode_abort(payload: bytes) -> Abort:
     return Abort(_address(payload), int.from_bytes(payload[HEAD:FRAME], "little"))
 
 
-@lru_cache(maxsize=_HEADS)
-def _decode_upload(head: bytes) -> UploadRequest:
-    return UploadRequest(_address(head))
-
-
 def _decode_toggle(payload: bytes) -> bool:
     return bool(payload[0] & _TOGGLE)
 
@@ -252,7 +247,7 @@ def _decode_toggle(payload: bytes) -> bool:
 _REQUESTS: Final[Mapping[int, Callable[[bytes], Request]]] = {
     0: _decode_segment,
     1: lambda payload: DownloadRequest(_address(payload), *_contents(payload)),
-    2: lambda payload: _decode_upload(payload[:HEAD]),
+    2: lambda payload: UploadRequest(_address(payload)),
     3: lambda payload: UploadSegmentRequest(_decode_toggle(payload)),
     4: _decode_abort,
 }
@@ -268,6 +263,7 @@ _WITHOUT_ADDRESS: Final = (0, 3)
 """Requests that need no more than their first byte."""
 
 
+@lru_cache(maxsize=_KEPT)
 def decode_request(payload: bytes) -> Request:
     """Return what a client asks; frames shorter than their address, and unknown ones, are `Unknown`.
 
