@@ -10,10 +10,11 @@ MISSIONS := line circles interlocks
 
 BIN := .venv/bin
 READY := .venv/.ready
+MEASURED := .venv/.measured
 BRIDGE := $(BIN)/firmware-bridge
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test check docs bench clean
+.PHONY: help setup demo test check docs golden bench hour clean
 
 help: ## list these commands
 	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' Makefile
@@ -56,9 +57,20 @@ check: $(READY) ## lint, format, types, import contracts, documents in step
 docs: $(READY) ## write the pages of docs/ that are made from the code's tables
 	@$(BIN)/python tools/make_docs.py
 
-bench: $(READY) ## measure the real-time factor and where the time goes
-	@$(BIN)/python -m benchmarks.realtime
-	@$(BIN)/python -m benchmarks.servo
+golden: $(READY) ## renew the golden traces, after a change that is meant to change what is on the wires
+	@$(BIN)/python tools/golden_traces.py --renew
+
+$(MEASURED): $(READY)
+	@$(BIN)/python -m pip install --quiet --quiet --disable-pip-version-check --group bench
+	@touch $@
+
+bench: $(MEASURED) ## measure how fast the bench is, what it costs, and against what; some minutes
+	@for one in realtime servo against_fmpy many_drives device memory; do \
+		$(BIN)/python -m benchmarks.$$one || exit $$?; \
+	done
+
+hour: $(READY) ## drive a simulated hour and watch the memory
+	@$(BIN)/python -m benchmarks.memory 60
 
 clean: ## remove what was built and measured; .venv stays
 	rm -rf build dist out .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

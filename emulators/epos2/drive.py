@@ -219,12 +219,14 @@ class Epos2:
     # Service and process data
 
     def _hear_sdo(self, payload: bytes) -> None:
+        watched = self._errors.watched
         answer = self._sdo.answer(payload)
         if answer is not None:
             self._answers.append((self._now + self.profile.sdo_latency, answer))
         self.motion.refresh(self._now)
-        # A new heartbeat to watch is a new identifier.
-        self._route()
+        if self._errors.watched != watched:
+            # A new heartbeat to watch is a new identifier.
+            self._route()
 
     def _hear_pdo(self, sharing: tuple[ReceivePdo, ...], payload: bytes) -> None:
         for pdo in sharing:

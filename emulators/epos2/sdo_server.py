@@ -12,14 +12,15 @@ the EDS or in maxon's library) and gets 0x05040001, as each unknown command does
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import Final, TypeAlias
 
 from emulators.epos2.store import LARGEST_DOMAIN, ObjectStore
 from firmware_bridge.wire import sdo
 from firmware_bridge.wire.abort import AbortCode, SdoAbort
 from firmware_bridge.wire.epos2.address import Address
 
-_Answers: TypeAlias = Mapping[type[sdo.Request], Callable[..., bytes]]
+_Answers: TypeAlias = Mapping[type[sdo.Request], Callable[..., bytes | None]]
+_WITHOUT_ADDRESS: Final = (sdo.UploadSegmentRequest, sdo.Segment)
 
 
 @dataclass(slots=True)
@@ -48,6 +49,7 @@ class SdoServer:
             sdo.DownloadRequest: self._start_download,
             sdo.UploadSegmentRequest: self._next_segment,
             sdo.Segment: self._take_segment,
+            sdo.Abort: self._give_up,
             sdo.Unknown: self._refuse,
         }
 
@@ -58,17 +60,17 @@ class SdoServer:
     def answer(self, payload: bytes) -> bytes | None:
         """Return the answer to a client's frame; None to an abort, which wants none."""
         request = sdo.decode_request(payload)
-        if isinstance(request, sdo.Abort):
-            self._transfer = None
-            return None
         running = self._transfer
         try:
             return self._answers[type(request)](request)
         except SdoAbort as abort:
             self._transfer = None
-            if isinstance(request, sdo.UploadSegmentRequest | sdo.Segment):
+            if isinstance(request, _WITHOUT_ADDRESS):
                 return sdo.encode_abort(sdo.NOWHERE if running is None else running.address, abort.code)
             return sdo.encode_abort(request.address, abort.code)
+
+    def _give_up(self, _request: sdo.Abort) -> None:
+        self._transfer = None
 
     def _refuse(self, request: sdo.Unknown) -> bytes:
         raise SdoAbort(AbortCode.UNKNOWN_COMMAND, request.address)
@@ -96,6 +98,9 @@ class SdoServer:
     def _start_download(self, request: sdo.DownloadRequest) -> bytes:
         self._transfer = None
         address, raw, size = request.address, request.raw, request.size
+        if raw is not None and len(raw) == size:
+            self._store.write(address, raw)
+            return sdo.encode_download_response(address)
         self._store.check_writable(address, size)
         if raw is None:
             self._transfer = _Download(address, size)

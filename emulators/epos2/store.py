@@ -73,31 +73,30 @@ class ObjectStore:
         row = self.row(address)
         if not row.access.readable:
             raise SdoAbort(AbortCode.WRITE_ONLY, address)
-        return row.type.encode(self.live(address)) if row.type.size else self._texts[address]
+        kind = row.type
+        return kind.encode(self.live(address)) if kind.size else self._texts[address]
 
     def write(self, address: Address, raw: bytes) -> None:
         """Give an object a value; SdoAbort by existence, access, size, range, or a hook's objection."""
-        self.check_writable(address, len(raw))
-        kind = OBJECTS[address].type
+        kind = self.check_writable(address, len(raw)).type
         if kind.size:
             self._accept(address, kind.decode(raw))
         else:
             self._texts[address] = bytes(raw)
 
-    def check_writable(self, address: Address, size: int | None) -> None:
-        """Refuse a write that is to come; `size` in bytes is None where the client has not told it."""
+    def check_writable(self, address: Address, size: int | None) -> ObjectRow:
+        """Refuse a write to come, or return the object's row; `size` in bytes, None while it is not told."""
         row = self.row(address)
         if not row.access.writable:
             raise SdoAbort(AbortCode.READ_ONLY, address)
-        if size is None:
-            return
-        if row.type.size == 0:
+        wanted = row.type.size
+        if size is None or size == wanted:
+            return row
+        if wanted == 0:
             if size > LARGEST_DOMAIN:
                 raise SdoAbort(AbortCode.OUT_OF_MEMORY, address)
-        elif size > row.type.size:
-            raise SdoAbort(AbortCode.TOO_LONG, address)
-        elif size < row.type.size:
-            raise SdoAbort(AbortCode.TOO_SHORT, address)
+            return row
+        raise SdoAbort(AbortCode.TOO_LONG if size > wanted else AbortCode.TOO_SHORT, address)
 
     def row(self, address: Address) -> ObjectRow:
         """Return an object's row; SdoAbort when there is none."""

@@ -68,7 +68,11 @@ class SdoAbort(Exception):  # noqa: N818 - the standard's word: a transfer is ab
 
     def __init__(self, code: AbortCode, address: Address | None = None) -> None:
         """Keep the code for the answer, and the address, where known, for people."""
+        super().__init__(code, address)
         self.code = code
         self.address = address
-        where = "" if address is None else f"{address}: "
-        super().__init__(f"{where}{meaning_of(code)}")
+
+    def __str__(self) -> str:
+        """Say it in words, only when somebody reads them: a drive refuses more often than that."""
+        where = "" if self.address is None else f"{self.address}: "
+        return f"{where}{meaning_of(self.code)}"

@@ -6,6 +6,8 @@ any object, and keeps no transfer's state: `emulators.epos2.sdo_server` and the 
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
+from struct import Struct
 from typing import Final, TypeAlias
 
 from firmware_bridge.wire.abort import AbortCode, SdoAbort, meaning_of
@@ -52,6 +54,9 @@ SEGMENT: Final = 7
 NOWHERE: Final = Address(0, 0)
 """The address in an abort that belongs to no transfer."""
 
+_HEAD: Final = Struct("<BHB")
+_KEPT: Final = 4096
+"""So many requests are kept decoded, for clients ask the same again and again."""
 _TOGGLE: Final = 0x10
 _EXPEDITED: Final = 0x02
 _SIZED: Final = 0x01
@@ -142,12 +147,11 @@ Response: TypeAlias = UploadResponse | DownloadResponse | SegmentAccepted | Segm
 
 
 def _frame(command: int, address: Address, rest: bytes = b"") -> bytes:
-    head = bytes((command, address.index & 0xFF, address.index >> 8, address.subindex))
-    return (head + rest).ljust(FRAME, b"\0")
+    return (_HEAD.pack(command, *address) + rest).ljust(FRAME, b"\0")
 
 
 def _address(payload: bytes) -> Address:
-    padded = payload.ljust(HEAD, b"\0")
+    padded = payload if len(payload) >= HEAD else payload.ljust(HEAD, b"\0")
     return Address(padded[1] | padded[2] << 8, padded[3])
 
 
@@ -259,6 +263,7 @@ _WITHOUT_ADDRESS: Final = (0, 3)
 """Requests that need no more than their first byte."""
 
 
+@lru_cache(maxsize=_KEPT)
 def decode_request(payload: bytes) -> Request:
     """Return what a client asks; frames shorter than their address, and unknown ones, are `Unknown`.
 

@@ -48,11 +48,9 @@ class DataType(Enum):
         self.code = code
         self.size = size
         self.signed = signed
-
-    @property
-    def bits(self) -> int:
+        self.bits = 8 * size
         """Length in bits, as a PDO mapping entry tells it."""
-        return self.size * 8
+        self._mask = (1 << self.bits) - 1
 
     @property
     def lowest(self) -> int:
@@ -66,7 +64,7 @@ class DataType(Enum):
 
     def encode(self, value: int) -> bytes:
         """Return the bytes on the wire, low byte first; a number that does not fit wraps as in a register."""
-        return (value & ((1 << self.bits) - 1)).to_bytes(self.size, "little")
+        return (value & self._mask).to_bytes(self.size, "little")
 
     def decode(self, raw: bytes) -> int:
         """Return the number in `raw`, which has the type's size."""
@@ -83,15 +81,11 @@ class Access(Enum):
     RWW = "rww"
     """Read and write; where mappable, into receive PDOs."""
 
-    @property
-    def readable(self) -> bool:
+    def __init__(self, word: str) -> None:
+        self.readable = word != "wo"
         """Whether an upload is allowed."""
-        return self is not Access.WO
-
-    @property
-    def writable(self) -> bool:
+        self.writable = word not in {"ro", "const"}
         """Whether a download is allowed."""
-        return self not in (Access.RO, Access.CONST)
 
 
 @dataclass(frozen=True, slots=True)

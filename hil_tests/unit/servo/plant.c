@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-#define MOST 64
+#define MOST 127
 
 typedef struct {
     int64_t count, fails_at, steps;

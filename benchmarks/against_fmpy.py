@@ -1,0 +1,126 @@
+"""The mission `circles` on the native kernel and FMI pointers, and on Python regulators and FMPy's calls.
+
+Usage: python -m benchmarks.against_fmpy [SECONDS]    simulated time; 8 by default: ratios need no more.
+
+Three ways through the same ten thousand steps a second, everything else alike:
+
+* native: the kernel in C calls the plant's FMI functions at their addresses;
+* prepared: regulators in Python, the plant's three native calls prepared once;
+* FMPy: regulators in Python, each step through the methods of FMPy's own slave object, as its users write it.
+
+All three must leave the same trace; where one does not, the program fails.
+"""
+
+import ctypes
+import os
+import sys
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, Final
+
+import numpy as np
+
+from benchmarks.measure import REPEATS, processor_seconds, show
+from emulators.bench import mission
+from emulators.bench.operator import ScriptedOperator
+from emulators.rig import build
+from emulators.run import HAND_STREAM
+from emulators.servo import kernel
+from firmware_bridge.robot import find
+from firmware_bridge.units import from_seconds
+from fmu.build import ensure
+from fmu.plant import FmuPlant
+
+MISSION: Final = "circles"
+SEED: Final = 0
+SECONDS: Final = 8.0
+"""Set up, armed and under way by then."""
+
+
+class FmpyStep:
+    """Takes a plant's step with the methods that FMPy offers, in the place of our prepared calls."""
+
+    def __init__(self, plant: FmuPlant) -> None:
+        self._plant = plant
+        self._slave: Any = plant._fmu  # noqa: SLF001 - the very object of FMPy that the plant has loaded
+        record = plant.record
+        self._inputs = _references(record.input_references, record.input_count)
+        self._outputs = _references(record.output_references, record.output_count)
+        self._step = record.step_ns / 1e9
+
+    def step(self) -> None:
+        """Set the inputs, move the plant forward, get the outputs."""
+        plant, slave = self._plant, self._slave
+        time = plant.record.steps_done * plant.record.step_ns / 1e9
+        slave.setReal(self._inputs, list(plant.inputs))
+        slave.doStep(currentCommunicationPoint=time, communicationStepSize=self._step)
+        plant.outputs[:] = slave.getReal(self._outputs)
+        plant.record.steps_done += 1
+
+
+def _references(address: int, count: int) -> list[int]:
+    return list((ctypes.c_uint32 * count).from_address(address))
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """One way through the steps."""
+
+    name: str
+    servo: str
+    by_fmpy: bool = False
+
+
+WAYS: Final = (
+    Way("native kernel, FMI pointers", kernel.NATIVE),
+    Way("Python regulators, prepared calls", kernel.TWIN),
+    Way("Python regulators, FMPy's methods", kernel.TWIN, by_fmpy=True),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """What one way took and left."""
+
+    seconds: float
+    """Of the processor."""
+    trace: str
+
+
+def driven(way: Way, simulated_s: float) -> Result:
+    """Drive the mission's beginning one way, above a plant of FMI 2.0."""
+    os.environ[kernel.VARIABLE] = way.servo
+    robot = find("rars")
+    script = mission.find(MISSION, robot)
+    operator = ScriptedOperator(robot, script, np.random.default_rng([SEED, HAND_STREAM]))
+    plant_path = ensure(robot.plant.fmu, 2)
+    rig = build(robot, operator, plant_path=plant_path, seed=SEED, noise=script.noise)
+    if way.by_fmpy:
+        plant = rig.devices.plant
+        plant.step = FmpyStep(plant).step  # type: ignore[method-assign] # here the comparison is made
+    spent = processor_seconds(partial(rig.run, from_seconds(simulated_s)))
+    rig.finish()
+    return Result(spent, rig.world.trace_sha256)
+
+
+def main(simulated_s: float) -> int:
+    """Print the three; 1 where a trace differs."""
+    runs = [[driven(way, simulated_s) for way in WAYS] for _ in range(REPEATS)]
+    if len({result.trace for turn in runs for result in turn}) != 1:
+        print("the ways leave different traces: nothing is compared", file=sys.stderr)
+        return 1
+    seconds = [min(result.seconds for result in way) for way in zip(*runs, strict=True)]
+    show(
+        f"{MISSION}, {simulated_s:g} s simulated: drives' loops and plant ten thousand times a second",
+        ("way", "real-time factor", "times as long"),
+        [
+            [way.name, f"{simulated_s / spent:.1f}", f"{spent / seconds[0]:.1f}"]
+            for way, spent in zip(WAYS, seconds, strict=True)
+        ],
+        f"all leave the trace {runs[0][0].trace[:16]}...; bridge, bus, drives and operator are in each",
+    )
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(float(sys.argv[1]) if len(sys.argv) > 1 else SECONDS))

@@ -1,0 +1,140 @@
+"""Drives without a robot on one virtual bus; a master sets them up and then exchanges process data."""
+
+import ctypes
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Final
+
+from emulators.epos2.drive import Epos2
+from emulators.servo.axis import ServoAxis
+from emulators.servo.bank import ServoBank
+from emulators.single import QUADCOUNTS
+from emulators.wires import CanWire
+from emulators.world import World
+from firmware_bridge.node import CAN, Packet, Reaction
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+from firmware_bridge.wire import canopen, sdo
+from firmware_bridge.wire.canopen import NmtCommand
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.rows import DataType
+from hil_tests.unit.servo.side_by_side import Motors
+
+BIT_RATE: Final = 1_000_000
+SET_UP_AT: Final[Nanoseconds] = SECOND
+BEGIN_AT: Final[Nanoseconds] = 2 * SECOND
+"""By then they are set up, however many they are."""
+SAMPLE: Final = 3
+"""Which transmit PDO answers SYNC: statusword and velocity."""
+NO_REMOTE: Final = canopen.COB_ID_NO_REMOTE
+PROFILE_VELOCITY_MODE: Final = 3
+TO_OPERATION_ENABLED: Final = (0x06, 0x07, 0x0F)
+"""Controlwords, one a cycle; the last one stays."""
+TARGET_RPM: Final = 1000
+
+Cycle = Callable[[int], Iterable[Packet]]
+"""What leaves in cycle number so and so."""
+
+
+class Master:
+    """A node that sends its set-up once, then something in each cycle; what it hears it counts."""
+
+    def __init__(self, setup: Sequence[Packet], cycle: Cycle, every: Nanoseconds) -> None:
+        self.heard = 0
+        self._setup = tuple(setup)
+        self._cycle = cycle
+        self._every = every
+        self._done = 0
+        self._due: Nanoseconds = SET_UP_AT
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        """Count a frame."""
+        del packet, now
+        self.heard += 1
+        return Reaction((), self._due)
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        """Send what is due."""
+        if now < self._due:
+            return Reaction((), self._due)
+        if self._setup:
+            sent, self._setup, self._due = self._setup, (), BEGIN_AT
+            return Reaction(sent, self._due)
+        sent = tuple(self._cycle(self._done))
+        self._done += 1
+        self._due += self._every
+        return Reaction(sent, self._due)
+
+
+@dataclass(slots=True)
+class Crowd:
+    """A world full of drives."""
+
+    world: World
+    wire: CanWire
+    axes: list[ServoAxis]
+
+    @property
+    def turning(self) -> int:
+        """How many drives have power and see their shaft turn."""
+        return sum(bool(axis.powered and axis.velocity_average) for axis in self.axes)
+
+    def runs_a_second(self) -> None:
+        """Let a second pass."""
+        self.world.run(self.world.now + SECOND)
+
+
+def write(node: int, address: Address, kind: DataType, value: int) -> Packet:
+    """Return the request that writes a number."""
+    payload = sdo.encode_download(address, kind.encode(value))
+    return Packet(CAN, canopen.SDO_REQUEST + node, payload)
+
+
+def set_up(count: int, heartbeat_ms: int) -> list[Packet]:
+    """Return the frames after which the drives regulate their speed, answer SYNC, and say that they live."""
+    frames = []
+    for node in range(1, count + 1):
+        cob_id = NO_REMOTE | canopen.TRANSMIT_PDO[SAMPLE] + node
+        frames += [
+            write(node, Address(0x1800 + SAMPLE, 2), DataType.UNSIGNED8, 1),
+            write(node, Address(0x1800 + SAMPLE, 1), DataType.UNSIGNED32, cob_id),
+            write(node, at.MODE, DataType.INTEGER8, PROFILE_VELOCITY_MODE),
+            write(node, at.PRODUCER_HEARTBEAT, DataType.UNSIGNED16, heartbeat_ms),
+        ]
+    return [*frames, Packet(CAN, canopen.NMT, bytes((NmtCommand.START, canopen.ALL_NODES)))]
+
+
+SYNC: Final = Packet(CAN, canopen.SYNC, b"")
+
+
+def only_sync(_cycle: int) -> Iterable[Packet]:
+    """Ask for what the drives have to tell."""
+    return (SYNC,)
+
+
+def exchange(count: int, cycle: int) -> Iterable[Packet]:
+    """Ask, and give each drive its controlword and its speed."""
+    word = TO_OPERATION_ENABLED[min(cycle, len(TO_OPERATION_ENABLED) - 1)]
+    payload = word.to_bytes(2, "little") + TARGET_RPM.to_bytes(4, "little")
+    return (SYNC, *(Packet(CAN, canopen.RECEIVE_PDO[3] + node, payload) for node in range(1, count + 1)))
+
+
+def crowd(
+    count: int,
+    *,
+    motors: ctypes.CDLL | None = None,
+    every: Nanoseconds = 50 * MILLISECOND,
+    heartbeat_ms: int = 0,
+    cycle: Cycle | None = None,
+) -> Crowd:
+    """Put so many drives onto a bus, above motors in C where that library is given, and run them in."""
+    axes = [ServoAxis(f"motor{node}", QUADCOUNTS) for node in range(1, count + 1)]
+    bank = None if motors is None else ServoBank(Motors(motors, count=count), axes, supply=3 * count)
+    world, wire = World(bank), CanWire(BIT_RATE)
+    master = Master(set_up(count, heartbeat_ms), cycle or partial(exchange, count), every)
+    for node, axis in enumerate(axes, start=1):
+        world.attach(axis.name, Epos2(node, axis), {CAN: wire})
+    world.attach("master", master, {CAN: wire})
+    world.run(BEGIN_AT + 10 * every)
+    return Crowd(world, wire, axes)

@@ -1,0 +1,111 @@
+"""Whether a long run keeps its memory: the mission `circles`, recorded to files, looked at each minute.
+
+Usage: python -m benchmarks.memory [MINUTES]    simulated time; 4 by default, `make hour` drives 60.
+
+Some things grow by design, because the pictures and the summary at a run's end are made of them: a sample
+every 10 ms, the operator's diary, the holds. Samples and diary are let go at each minute's end, and told
+apart; what is left must not grow. Frames and messages go to files as they come.
+"""
+
+import gc
+import sys
+import tempfile
+import tracemalloc
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from benchmarks.measure import resident_kib, show
+from benchmarks.realtime import rig_and_operator
+from emulators.bench.operator import ScriptedOperator
+from emulators.rig import Rig
+from emulators.run import _recorded
+from firmware_bridge.units import from_seconds
+
+MINUTES: Final = 4
+MINUTE_S: Final = 60.0
+WARM_UP: Final = 2
+"""Minutes until every cache is full and every service has been heard once."""
+LARGEST_GROWTH: Final = 2_048
+"""Bytes a minute of what is left; a list that takes one pointer a bridge cycle grows by 9,600."""
+LARGEST_RESIDENT: Final = 1.05
+KIB: Final = 1024
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """The memory at the end of one minute, in bytes but for the resident KiB."""
+
+    samples: int
+    diary: int
+    left: int
+    resident: int
+
+
+def let_go(rows: list[Any]) -> int:
+    """Forget some rows; return the bytes that they held."""
+    before, _ = tracemalloc.get_traced_memory()
+    rows.clear()
+    return before - tracemalloc.get_traced_memory()[0]
+
+
+def look(rig: Rig, operator: ScriptedOperator) -> Mark:
+    """Let go of what grows by design, and measure it and the rest."""
+    gc.collect()
+    samples = let_go(rig.samples)
+    diary = let_go(operator.diary.odometry) + let_go(operator.diary.entries)
+    left, _ = tracemalloc.get_traced_memory()
+    return Mark(samples, diary, left, resident_kib())
+
+
+def drive(minutes: int) -> list[Mark]:
+    """Drive so many minutes; return what was seen at the end of each."""
+    rig, operator = rig_and_operator()
+    marks = []
+    tracemalloc.start()
+    with tempfile.TemporaryDirectory() as folder, _recorded(rig, Path(folder)):
+        for minute in range(1, minutes + 1):
+            rig.run(from_seconds(minute * MINUTE_S))
+            marks.append(look(rig, operator))
+    tracemalloc.stop()
+    rig.finish()
+    return marks
+
+
+def shown(marks: list[Mark]) -> list[int]:
+    """Return the minutes that are printed: the first ones, then every tenth, and the last."""
+    return [n for n in range(1, len(marks) + 1) if n <= MINUTES or n % 10 == 0 or n == len(marks)]
+
+
+def main(minutes: int) -> int:
+    """Print the memory; 1 where it grows."""
+    if minutes <= WARM_UP:
+        print(f"at least {WARM_UP + 1} minutes, not {minutes}", file=sys.stderr)
+        return 2
+    marks = drive(minutes)
+    show(
+        f"circles, {minutes} simulated minutes: memory at the end of a minute",
+        ("minute", "resident MiB", "left KiB", "samples KiB", "diary KiB"),
+        [
+            [
+                f"{minute}",
+                f"{mark.resident / KIB:.1f}",
+                *(f"{size / KIB:,.0f}" for size in (mark.left, mark.samples, mark.diary)),
+            ]
+            for minute in shown(marks)
+            for mark in (marks[minute - 1],)
+        ],
+    )
+    first, last = marks[WARM_UP - 1], marks[-1]
+    growth = (last.left - first.left) / (minutes - WARM_UP)
+    hour = (last.samples + last.diary) * MINUTE_S / KIB**2
+    print(f"by design: samples and diary, {hour:.0f} MiB in an hour, until the run's pictures are drawn")
+    print(f"the rest: {growth:+,.0f} bytes a minute after minute {WARM_UP}")
+    if growth > LARGEST_GROWTH or last.resident > LARGEST_RESIDENT * first.resident:
+        print("a long run does not keep its memory", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(int(sys.argv[1]) if len(sys.argv) > 1 else MINUTES))
