@@ -20,6 +20,7 @@ from emulators.rig import devices
 from emulators.run import Order, drive
 from emulators.servo.bank import ServoError
 from emulators.servo.kernel import choose
+from firmware_bridge.cli import epos2
 from firmware_bridge.cli.console import find_robot, one_message, refusal, terminal
 from firmware_bridge.cli.options import (
     BitRateOption,
@@ -87,7 +88,7 @@ def attach(program: typer.Typer) -> None:
     devices_and_robots.command("robot", epilog=EMULATE_EXAMPLES)(emulate)
     devices_and_robots.command("epos2", epilog=epos2_cli.EXAMPLES)(epos2_cli.emulate)
     program.add_typer(devices_and_robots, name="emulate")
-    program.add_typer(documents_cli.epos2, name="epos2", epilog=documents_cli.EXAMPLES)
+    documents_cli.attach(epos2.group)
 
 
 def bench(
