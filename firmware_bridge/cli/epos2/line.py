@@ -92,7 +92,7 @@ def line_to(
         return Line(
             number,
             _title(number, channel or "the configured bus"),
-            "is it on, on this bus, at this bit rate, with this number (--node)? In Stopped it is silent, too",
+            "is it on, on this bus, at this bit rate, with this --node? In Stopped it is silent, too",
             CanLink(number),
             lambda: open_can(interface, channel, bit_rate),
         )

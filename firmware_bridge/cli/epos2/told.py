@@ -1,5 +1,6 @@
 """How objects look: one line for people, one record for programs."""
 
+import re
 from typing import Any, Final
 
 from firmware_bridge.drivers.commissioning.errand import ErrandError, RefusedError
@@ -12,6 +13,8 @@ from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.objects import OBJECTS
 
+_SIMPLE: Final = re.compile(r"[A-Za-z/]+")
+"""Units as people say them: rpm, mA, pulses/turn."""
 _PLAIN: Final = frozenset({at.MODE, at.MODE_DISPLAY})
 """Objects with words whose numbers are no bits."""
 
@@ -31,7 +34,7 @@ def value_told(reading: Reading, address: Address) -> str:
         return "-"
     said = words(address, value, reading.mode)
     if not said:
-        return f"{value} {unit_of(address)}".rstrip()
+        return f"{value}{_unit(address)}"
     number = f"{value}" if address in _PLAIN else f"0x{int.from_bytes(raw, 'little'):0{2 * len(raw)}X}"
     return f"{number}  {', '.join(said)}"
 
@@ -55,3 +58,11 @@ def record(reading: Reading, address: Address) -> dict[str, Any]:
     elif raw is not None:
         found["error"] = {"code": "", "text": raw.problem}
     return found
+
+
+def _unit(address: Address) -> str:
+    """Return an object's unit behind a number; a unit that is a number itself is set apart."""
+    unit = unit_of(address)
+    if not unit:
+        return ""
+    return f" {unit}" if _SIMPLE.fullmatch(unit) else f" x {unit}"
