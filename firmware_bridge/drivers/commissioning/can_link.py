@@ -49,6 +49,8 @@ class CanLink:
 
     def begin(self, errand: Errand, now: Nanoseconds) -> Sent:
         """Begin an errand; ValueError while another is under way."""
+        if self._client.busy:
+            raise ValueError(f"{errand} while {self._errand} is under way")
         if isinstance(errand, Network):
             self._sent_only = True
             return (Packet(CAN, canopen.NMT, canopen.encode_nmt(errand.command, errand.node)),)

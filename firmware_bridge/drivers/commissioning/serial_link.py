@@ -37,6 +37,8 @@ TIMEOUT: Final[Nanoseconds] = 2 * SECOND
 ATTEMPTS: Final = 2
 DIRECT: Final = 4
 """Bytes that ReadObject brings."""
+_NOT_TAKEN: Final = frozenset({Failure.REFUSED, Failure.DAMAGED})
+"""The drive has done nothing. It also says so when it took the command for the rest of an earlier one."""
 LARGEST_READ: Final = 64 * 1024
 """Bytes after which an object that does not end is given up."""
 
@@ -67,7 +69,7 @@ class SerialLink:
         if self._errand is not None:
             raise ValueError(f"{errand} while {self._errand} is under way")
         self._errand = errand
-        self._attempts_left = attempts(errand, ATTEMPTS)
+        self._attempts_left = ATTEMPTS
         return self._try(errand, now)
 
     def hear(self, packet: Packet, now: Nanoseconds) -> Sent:
@@ -162,7 +164,7 @@ class SerialLink:
         return self._ask(messages.SegmentRead(messages.control(0, toggle=self._toggle)), now)
 
     def _failed(self, errand: Errand, failure: Failure, now: Nanoseconds) -> Sent:
-        if self._attempts_left and failure is not Failure.REFUSED:
+        if self._attempts_left and (failure in _NOT_TAKEN or attempts(errand, ATTEMPTS) > 1):
             return self._try(errand, now)
         if failure is Failure.SILENCE:
             waited = attempts(errand, ATTEMPTS) * patience(errand, self._timeout)

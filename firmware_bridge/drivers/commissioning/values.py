@@ -98,6 +98,7 @@ def _number(address: Address, text: str, row: ObjectRow | None) -> int:
 
 def _factor(address: Address, text: str, unit: str, row: ObjectRow | None) -> Decimal:
     own = "" if row is None else row.unit
+    unit = unit.removeprefix("x ")  # before a unit that begins with a number of its own
     if unit in {"", own}:
         return Decimal(1)
     others = _UNITS.get(own, {})
