@@ -1,9 +1,8 @@
 """The simulation's commands, which it attaches to the bridge's program: `bench` and `emulate`."""
 
 import re
-from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Final, TypeAlias
+from typing import Annotated, Final
 
 import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
@@ -14,12 +13,13 @@ from emulators.bench.mission import MissionFileError
 from emulators.bench.report import show
 from emulators.by_name import ByName
 from emulators.epos2.serial.drive import baud_of
-from emulators.epos2_cli import LatencyOption
+from emulators.epos2_cli import LatencyOption, Outside
 from emulators.gateway import Cluster
 from emulators.rig import devices
 from emulators.run import Order, drive
 from emulators.servo.bank import ServoError
 from emulators.servo.kernel import choose
+from firmware_bridge.cli import epos2
 from firmware_bridge.cli.console import find_robot, one_message, refusal, terminal
 from firmware_bridge.cli.options import (
     BitRateOption,
@@ -30,10 +30,15 @@ from firmware_bridge.cli.options import (
     until,
 )
 from firmware_bridge.cli.real_time import carry
-from firmware_bridge.cli.serial_link import ProtocolOption, SerialLinkOption, SerialOption, open_serial
-from firmware_bridge.node import CAN, SERIAL
+from firmware_bridge.cli.serial_link import (
+    ProtocolOption,
+    SerialLinkOption,
+    SerialNodeOption,
+    SerialOption,
+    on_the_line,
+)
+from firmware_bridge.node import SERIAL
 from firmware_bridge.robot import Robot, RobotFileError
-from firmware_bridge.shell.ports import Port, PortError, open_can
 from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
 from firmware_bridge.wire.maxon.frame import Generation
 from fmu.errors import PlantError
@@ -54,7 +59,6 @@ EMULATE_EXAMPLES: Final = """Examples:
 
 `firmware-bridge emulate epos2 --node 1-2 -i socketcan -c vcan0` brings two drives without a robot."""
 
-Openers: TypeAlias = dict[str, Callable[[], Port]]
 PlantOption = Annotated[
     Path | None,
     typer.Option(
@@ -87,7 +91,7 @@ def attach(program: typer.Typer) -> None:
     devices_and_robots.command("robot", epilog=EMULATE_EXAMPLES)(emulate)
     devices_and_robots.command("epos2", epilog=epos2_cli.EXAMPLES)(epos2_cli.emulate)
     program.add_typer(devices_and_robots, name="emulate")
-    program.add_typer(documents_cli.epos2, name="epos2", epilog=documents_cli.EXAMPLES)
+    documents_cli.attach(epos2.group)
 
 
 def bench(
@@ -144,6 +148,7 @@ def emulate(
     realistic_latency: LatencyOption = False,
     serial: SerialOption = None,
     serial_link: SerialLinkOption = None,
+    serial_node: SerialNodeOption = None,
     protocol: ProtocolOption = Generation.V1,
     duration: DurationOption = None,
 ) -> None:
@@ -156,32 +161,24 @@ def emulate(
     """
     machine = find_robot(robot)
     cuts = [_cut(machine, text) for text in silence or ()]
+    near = on_the_line(serial_node, [axis.node for axis in machine.axes], serial=serial)
     with one_message(RobotFileError, PlantError, ServoError):
         _tell_of_twin()
-        first = machine.axes[0].name
+        owner = next(axis.name for axis in machine.axes if axis.node == near)
         emulated = devices(
             machine,
             plant,
             realistic_latency=realistic_latency,
-            serial={} if serial is None else {first: protocol},
+            serial={} if serial is None else {owner: protocol},
         )
-    cluster = Cluster(emulated.drives, emulated.bank, owners={SERIAL: first})
+    cluster = Cluster(emulated.drives, emulated.bank, owners={SERIAL: owner})
     for name, at in cuts:
         cluster.silence(name, at)
         typer.echo(f"'{name}' falls silent after {to_seconds(at):g} s")
     rate = machine.bus.bit_rate
     nodes = ", ".join(f"{axis.node} {axis.title}" for axis in machine.axes)
-    openers: Openers = {}
-    where = "the bus"
-    if serial is not None:
-        baud = baud_of(emulated.drives[first])
-        with one_message(PortError):
-            line = open_serial(serial, baud, serial_link)
-        openers[SERIAL] = lambda: line
-        where = f"{line.name} ({protocol.value})"
-    if serial is None or interface or channel:
-        openers[CAN] = lambda: open_can(interface, channel, bit_rate, default_bit_rate=rate)
-        where = where if serial is None else f"{where} and the bus"
+    outside = Outside(serial, serial_link, protocol, interface, channel, bit_rate, rate)
+    openers, where = outside.openers(baud_of(emulated.drives[owner]))
     carry(
         cluster,
         openers,

@@ -28,10 +28,6 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge epos2 fidelity`"""
 
-epos2 = typer.Typer(
-    help="The emulated EPOS2: its objects, EDS and DCF, and how far each of its traits is known.",
-    no_args_is_help=True,
-)
 ProfileOption = Annotated[str, typer.Option("--profile", "-p", help=f"Which type: {', '.join(PROFILES)}.")]
 OutOption = Annotated[
     Path | None,
@@ -40,7 +36,12 @@ OutOption = Annotated[
 NodeOption = Annotated[int, typer.Option("--node", "-n", min=FIRST_NODE, max=LAST_NODE, help="Its number.")]
 
 
-@epos2.command()
+def attach(group: typer.Typer) -> None:
+    """Add the commands to the group of a drive's own."""
+    for command in (objects, eds, dcf, fidelity):
+        group.command(epilog=EXAMPLES)(command)
+
+
 def objects(
     *,
     profile: ProfileOption = "70/10",
@@ -60,14 +61,12 @@ def objects(
     terminal().print(table)
 
 
-@epos2.command()
 def eds(*, profile: ProfileOption = "70/10", out: OutOption = None) -> None:
     """Write the electronic data sheet, for any CANopen master's tools."""
     name = out.name if out else "epos2.eds"
     _deliver(sheets.eds(_profile(profile), name), out)
 
 
-@epos2.command()
 def dcf(
     *,
     node: NodeOption = 1,
@@ -92,7 +91,6 @@ def dcf(
     _deliver(sheets.dcf(found, node, rate, values, out.name if out else "epos2.dcf"), out)
 
 
-@epos2.command()
 def fidelity(
     *,
     every: Annotated[bool, typer.Option("--all", help="What is proven, too.")] = False,

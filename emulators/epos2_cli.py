@@ -1,15 +1,18 @@
 """Drives without a robot at the command line: `emulate epos2`."""
 
 import re
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated, Final, TypeAlias
 
 import typer
 
 from emulators.epos2.catalogue import PROFILES
 from emulators.epos2.memory import StorageError
 from emulators.epos2.profile import BIT_RATES, DeviceProfile, realistic
+from emulators.epos2.serial.drive import baud_of
+from emulators.epos2.serial.port import BAUDS
 from emulators.gateway import Cluster
 from emulators.servo.bank import ServoError
 from emulators.servo.motor import DcMotor
@@ -23,9 +26,18 @@ from firmware_bridge.cli.options import (
     until,
 )
 from firmware_bridge.cli.real_time import carry
-from firmware_bridge.node import CAN
-from firmware_bridge.shell.ports import open_can
+from firmware_bridge.cli.serial_link import (
+    ProtocolOption,
+    SerialLinkOption,
+    SerialNodeOption,
+    SerialOption,
+    on_the_line,
+    open_serial,
+)
+from firmware_bridge.node import CAN, SERIAL
+from firmware_bridge.shell.ports import Port, PortError, open_can
 from firmware_bridge.wire.canopen import FIRST_NODE, LAST_NODE
+from firmware_bridge.wire.maxon.frame import Generation
 from fmu.errors import PlantError
 
 DEFAULT_BIT_RATE: Final = 1_000_000
@@ -35,7 +47,11 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge emulate epos2 --node 1-8 --load 5e-5,0.002 -i socketcan -c vcan0`
 
-`firmware-bridge emulate epos2 --node 1-2 --plant rars.fmu --axes left,right -i socketcan -c vcan0`"""
+`firmware-bridge emulate epos2 --node 1-2 --plant rars.fmu --axes left,right -i socketcan -c vcan0`
+
+`firmware-bridge emulate epos2 --node 1-4 --serial pty --serial-link epos2.tty --serial-node 2`"""
+
+Openers: TypeAlias = dict[str, Callable[[], Port]]
 
 LatencyOption = Annotated[
     bool,
@@ -98,11 +114,24 @@ def emulate(
         typer.Option("--dip-off", help="DIP switch at 0: the number saved in 0x2000 counts, 1 at first."),
     ] = False,
     realistic_latency: LatencyOption = True,
+    serial: SerialOption = None,
+    serial_link: SerialLinkOption = None,
+    serial_node: SerialNodeOption = None,
+    protocol: ProtocolOption = Generation.V1,
+    baud: Annotated[
+        int | None,
+        typer.Option(
+            metavar="RATE",
+            help=f"What the drive on an RS232 line has in 0x2002: {', '.join(map(str, BAUDS))}.",
+            show_default=f"{BAUDS[-1]}",
+        ),
+    ] = None,
     duration: DurationOption = None,
 ) -> None:
-    """Put EPOS2 drives on a real CAN bus, in real time, each with a motor and a load.
+    """Put EPOS2 drives on a real CAN bus, a serial line, or both, in real time, each with a motor and a load.
 
-    For whoever develops a master and has no drive at hand. Ends on Ctrl-C.
+    For whoever develops a master and has no drive at hand. With --serial and neither -i nor -c the CAN bus is
+    inside; the line reaches the other drives through it. Ends on Ctrl-C.
     """
     nodes = numbers(node)
     if dip_off and len(nodes) != 1:
@@ -111,9 +140,12 @@ def emulate(
     if names and len(names) != len(nodes):
         raise refusal(f"--axes {axes}: there are {len(nodes)} nodes and {len(names)} axes; name one for each")
     rate = bit_rate or DEFAULT_BIT_RATE
+    near = on_the_line(serial_node, nodes, serial=serial)
     order = Order(
         nodes=nodes,
-        profile=_profile(profile, rate, latency=realistic_latency),
+        profile=replace(
+            _profile(profile, rate, latency=realistic_latency), rs232_rate=_rs232(baud, serial, protocol)
+        ),
         bit_rate=rate,
         motor=_loaded(load),
         plant=plant,
@@ -121,17 +153,56 @@ def emulate(
         supply_mv=round(supply * 1000),
         parameters=parameters,
         dip_off=dip_off,
+        serial={} if serial is None else {near: protocol},
     )
     with one_message(PlantError, StorageError, ServoError):
         made, bank = drives(order)
+    owner = order.names[nodes.index(near)]
+    openers, where = Outside(
+        serial, serial_link, protocol, interface, channel, bit_rate, DEFAULT_BIT_RATE
+    ).openers(baud_of(made[owner]))
+    line = "" if serial is None else f", node {near} on the line"
     carry(
-        Cluster(made, bank),
-        {CAN: lambda: open_can(interface, channel, bit_rate, default_bit_rate=DEFAULT_BIT_RATE)},
+        Cluster(made, bank, owners={SERIAL: owner}),
+        openers,
         until(duration),
-        f"{order.profile.name} on the bus: node {node}",
+        f"{order.profile.name} on {where}: node {node}{line}",
         PlantError,
         ServoError,
     )
+
+
+@dataclass(frozen=True, slots=True)
+class Outside:
+    """The links on which emulated drives meet the rest of the world."""
+
+    serial: str | None
+    serial_link: Path | None
+    protocol: Generation
+    interface: str | None
+    channel: str | None
+    bit_rate: int | None
+    default_bit_rate: int
+
+    def openers(self, baud: int) -> tuple[Openers, str]:
+        """Return what opens each link, and how they are called; a line that cannot be ends the program.
+
+        The line comes at once, because its name is found out only then. The CAN bus is left out where there
+        is a line and no bus was named.
+        """
+        found: Openers = {}
+        where = []
+        if self.serial is not None:
+            with one_message(PortError):
+                line = open_serial(self.serial, baud, self.serial_link)
+            found[SERIAL] = lambda: line
+            where.append(f"{line.name} ({self.protocol.value})")
+        if self.serial is None or self.interface or self.channel:
+            found[CAN] = lambda: open_can(
+                self.interface, self.channel, self.bit_rate, default_bit_rate=self.default_bit_rate
+            )
+            where.append("the bus")
+        return found, " and ".join(where)
 
 
 def numbers(text: str) -> tuple[int, ...]:
@@ -164,6 +235,17 @@ def _profile(name: str, rate: int, *, latency: bool) -> DeviceProfile:
         raise refusal(f"--bitrate {rate}: an EPOS2 knows {', '.join(map(str, codes))}")
     found = replace(find_profile(name), bit_rate=codes[rate])
     return realistic(found) if latency else found
+
+
+def _rs232(baud: int | None, serial: str | None, protocol: Generation) -> int:
+    """Return the code of a rate on RS232; what makes no sense ends the program with a message."""
+    if baud is None:
+        return len(BAUDS) - 1
+    if serial is None or protocol is Generation.V2:
+        raise refusal(f"--baud {baud}: only a line of RS232 has a rate; say --serial pty --protocol v1")
+    if baud not in BAUDS:
+        raise refusal(f"--baud {baud}: an EPOS2 knows {', '.join(map(str, BAUDS))}")
+    return BAUDS.index(baud)
 
 
 def _loaded(load: str | None) -> DcMotor:

@@ -3,17 +3,20 @@
 It refuses to know which bus they are on.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Final
 
 from emulators.epos2.drive import Epos2
 from emulators.epos2.profile import DeviceProfile
+from emulators.epos2.serial.drive import SerialEpos2
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import Plant, ServoBank, plant_inputs, plant_outputs
 from emulators.servo.motor import DcMotor, DcMotors
 from emulators.storage import ParameterFile
+from firmware_bridge.wire.maxon.frame import Generation
 from fmu.plant import FmuPlant, PlantError
 
 MOTOR: Final = DcMotor(
@@ -43,6 +46,13 @@ class Order:
     """The folder that keeps saved parameters; None keeps them as long as the drives live."""
     dip_off: bool = False
     """Whether the DIP switches say 0, so that the saved number counts."""
+    serial: Mapping[int, Generation] = field(default_factory=lambda: MappingProxyType({}))
+    """The nodes with a host on their serial port, and the protocol that they speak."""
+
+    @property
+    def names(self) -> list[str]:
+        """The drives' names, in the order of the nodes."""
+        return list(self.axes) or [f"motor{node}" for node in self.nodes]
 
 
 def drives(order: Order) -> tuple[dict[str, Epos2], ServoBank]:
@@ -50,25 +60,26 @@ def drives(order: Order) -> tuple[dict[str, Epos2], ServoBank]:
 
     PlantError where the FMU cannot be used, StorageError where saved parameters cannot be read.
     """
-    names = list(order.axes) or [f"motor{node}" for node in order.nodes]
+    names = order.names
     plant: Plant = DcMotors((order.motor,) * len(names)) if order.plant is None else _fmu(order.plant, names)
     axes = [
         ServoAxis(name, QUADCOUNTS, supply_mv=order.supply_mv, back_emf=_back_emf(order, plant, name))
         for name in names
     ]
     made = {
-        name: Epos2(
-            0 if order.dip_off else node,
-            axis,
-            replace(order.profile, serial_number=order.profile.serial_number + node),
-            storage=None
-            if order.parameters is None
-            else ParameterFile(order.parameters / f"node-{node}.json"),
-            bus_rate=order.bit_rate,
-        )
-        for name, node, axis in zip(names, order.nodes, axes, strict=True)
+        name: _drive(order, node, axis) for name, node, axis in zip(names, order.nodes, axes, strict=True)
     }
     return made, ServoBank(plant, axes)
+
+
+def _drive(order: Order, node: int, axis: ServoAxis) -> Epos2:
+    switch = 0 if order.dip_off else node
+    profile = replace(order.profile, serial_number=order.profile.serial_number + node)
+    storage = None if order.parameters is None else ParameterFile(order.parameters / f"node-{node}.json")
+    generation = order.serial.get(node)
+    if generation is None:
+        return Epos2(switch, axis, profile, storage=storage, bus_rate=order.bit_rate)
+    return SerialEpos2(switch, axis, profile, generation=generation, storage=storage, bus_rate=order.bit_rate)
 
 
 def _fmu(path: Path, names: Sequence[str]) -> FmuPlant:

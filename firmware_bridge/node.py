@@ -61,3 +61,12 @@ class Stoppable(Protocol):
 
     def stop(self, now: Nanoseconds) -> Reaction:
         """Begin to end. Done when a reaction, this one or a later one, has a `wake_at` of `NEVER`."""
+
+
+@runtime_checkable
+class Finite(Protocol):
+    """A node that has something to do and is done with it, so that its run ends by itself."""
+
+    @property
+    def finished(self) -> bool:
+        """Whether nothing is left to do."""

@@ -1,6 +1,7 @@
 """Write the pages of `docs/` that are made from the code's tables: `python tools/make_docs.py`.
 
-A test that reaches an emergency by its cause says so with the mark `emergency`; the page names it.
+A test that reaches an emergency by its cause says so with the mark `emergency`, one that goes through a
+serial command with the mark `opcode`; the pages name them.
 """
 
 # ruff: noqa: INP001 - a script, not a package
@@ -13,29 +14,35 @@ from typing import Final
 from emulators.documents.pages import pages
 
 ROOT: Final = Path(__file__).parents[1]
-MARK: Final = "emergency"
+EMERGENCY: Final = "emergency"
+OPCODE: Final = "opcode"
 
 
-def marked() -> Mapping[int, tuple[str, ...]]:
-    """Return the names of the tests that are marked with an emergency's code, by that code."""
+def marked(mark: str = EMERGENCY) -> Mapping[int, tuple[str, ...]]:
+    """Return the names of the tests that are marked with a code, by that code."""
     found: dict[int, list[str]] = {}
     for path in sorted((ROOT / "hil_tests").rglob("test_*.py")):
         for statement in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(statement, ast.FunctionDef):
-                for code in _codes(statement):
+                for code in _codes(statement, mark):
                     found.setdefault(code, []).append(f"`{statement.name}`")
     return {code: tuple(names) for code, names in found.items()}
 
 
-def _codes(function: ast.FunctionDef) -> Iterator[int]:
+def _codes(function: ast.FunctionDef, mark: str) -> Iterator[int]:
     for call in function.decorator_list:
-        if isinstance(call, ast.Call) and ast.unparse(call.func) == f"pytest.mark.{MARK}":
+        if isinstance(call, ast.Call) and ast.unparse(call.func) == f"pytest.mark.{mark}":
             yield from (each.value for each in call.args if isinstance(each, ast.Constant))
+
+
+def made() -> Mapping[str, str]:
+    """Return every page by its file name."""
+    return pages(marked(EMERGENCY), marked(OPCODE))
 
 
 def main() -> None:
     """Write them."""
-    for name, text in pages(marked()).items():
+    for name, text in made().items():
         (ROOT / "docs" / name).write_text(text, encoding="utf-8")
 
 

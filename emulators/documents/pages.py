@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
-from emulators.documents import emergencies, fidelity, machine, objects
+from emulators.documents import emergencies, fidelity, machine, objects, opcodes
 from emulators.epos2.catalogue import PROFILES
 from emulators.epos2.power import TRANSITIONS
 from emulators.epos2.profile import EPOS2_70_10
@@ -41,13 +41,36 @@ MACHINE_END: Final = """A command is completed, ramp included, before the next o
 active is left by disable voltage (12), enable operation (16) or a fault (17), and never by itself."""
 
 
-def pages(tests: emergencies.Tests) -> Mapping[str, str]:
-    """Return every page by its file name; `tests` tells which tests reach which emergency."""
+OPCODES_TEXT: Final = """The same commands go over both lines; V1 is RS232, V2 is USB. Numbers go low byte
+first, and a frame carries whole words. An answer has the opcode 0x00 and begins with an error code, 0 or one
+of the abort codes of SDO; it has its whole layout also on error, the rest being zeros.
+
+* **V1**: `opcode`, `words - 1`, data, check sum. The host sends the opcode and waits for `O` (0x4F; `F`,
+  0x46, for an unknown one), sends the rest and waits again (`F` for a wrong check sum), then answers the 0x00
+  of the answer, and its rest, with `O`.
+* **V2**: `0x90 0x02`, `opcode`, `words`, data, check sum; each 0x90 behind the first is doubled.
+* **Check sum**: CRC-CCITT (0x1021, from 0) over 16-bit words, high byte first; the first word is
+  `opcode << 8 | words - 1` in V1, `words << 8 | opcode` in V2. It goes low byte first.
+* **Silence**: half a frame is forgotten after 0x2005 (V1) or 0x2006 (V2), by default 500 ms; in V2 the next
+  `0x90 0x02` ends it, too.
+* **Gateway**: node 0, or the drive's own number, means the drive on the line. Any other goes onto the CAN
+  bus; a node that does not answer there is error 0x05040000. A segment then carries 7 bytes, else up to 63.
+
+`firmware-bridge epos2 read --serial DEVICE` speaks both. A test is named here when it sends the command to
+the emulated drive, or has it refused there."""
+
+
+def pages(tests: emergencies.Tests, commands: opcodes.Tests) -> Mapping[str, str]:
+    """Return every page by its file name.
+
+    `tests` tells which tests reach which emergency, `commands` which go through which serial command.
+    """
     return {
         "objects.md": _objects(),
         "fidelity.md": _fidelity(),
         "emergencies.md": _emergencies(tests),
         "power-machine.md": _machine(),
+        "opcodes.md": _opcodes(commands),
     }
 
 
@@ -117,3 +140,8 @@ def _machine() -> str:
         table(machine.HEADINGS, (machine.cells(row) for row in TRANSITIONS)),
         MACHINE_END,
     )
+
+
+def _opcodes(commands: opcodes.Tests) -> str:
+    rows = table(opcodes.HEADINGS, opcodes.table(commands))
+    return _page("The serial protocols, command by command", OPCODES_TEXT, rows)

@@ -27,6 +27,7 @@ from firmware_bridge.wire.epos2.rows import (
 BIT_RATE: Final = Address(0x2001)
 BIT_RATE_IN_USE: Final = Address(0x200A)
 DIP_SWITCH: Final = Address(0x2009)
+RS232_RATE: Final = Address(0x2002)
 USB_FRAME_TIMEOUT: Final = Address(0x2006)
 BUFFER_SIZE: Final = Address(0x60C4, 1)
 BUFFER_FREE: Final = Address(0x60C4, 2)
@@ -78,6 +79,8 @@ class DeviceProfile:
     """How far this type's own fields are known, by their names; it wins over the field's annotation."""
     bit_rate: Annotated[int, _ASSUMED] = 0
     """Coded as in 0x2001: 0 is 1 Mbit/s."""
+    rs232_rate: Annotated[int, _DEVICE] = 5
+    """Coded as in 0x2002: 5 is 115200 Bd."""
     usb_frame_timeout_ms: Annotated[int, Known(Provenance.ASSUMED, "a real device had 475")] = 500
     interpolation_buffer: Annotated[
         int, Known(Provenance.DOCUMENTED, "application note Interpolation Position Mode, December 2008")
@@ -178,6 +181,7 @@ class DeviceProfile:
                 Address(0x2FFF, 6): self.serial_number & 0xFFFF_FFFF,
                 BIT_RATE: self.bit_rate,
                 BIT_RATE_IN_USE: self.bit_rate,
+                RS232_RATE: self.rs232_rate,
                 DIP_SWITCH: dip_switch,
                 USB_FRAME_TIMEOUT: self.usb_frame_timeout_ms,
                 BUFFER_SIZE: self.interpolation_buffer,
@@ -196,6 +200,7 @@ _FIELDS: Final[Mapping[Address, str]] = MappingProxyType(
         Address(0x2003, 2): "hardware_version",
         BIT_RATE: "bit_rate",
         BIT_RATE_IN_USE: "bit_rate",
+        RS232_RATE: "rs232_rate",
         USB_FRAME_TIMEOUT: "usb_frame_timeout_ms",
         BUFFER_SIZE: "interpolation_buffer",
         BUFFER_FREE: "interpolation_buffer",

@@ -12,6 +12,7 @@ from firmware_bridge.robot import Robot, RobotFileError, find
 
 FAILED: Final = 1
 WRONG_INPUT: Final = 2
+INTERRUPTED: Final = 130
 NO_TERMINAL_WIDTH: Final = 120
 """A table written to a file or a pipe is not cut to the 80 columns of a terminal that is not there."""
 

@@ -8,11 +8,11 @@ from typing import Annotated, Final, TypeAlias
 
 import typer
 
-from firmware_bridge.cli import drive, robots
+from firmware_bridge.cli import drive, epos2, robots
+from firmware_bridge.cli.console import INTERRUPTED
 
 COMMAND_GROUP: Final = "firmware_bridge.commands"
 """Entry points of this group are called with the program and attach their commands to it."""
-INTERRUPTED: Final = 130
 
 Attach: TypeAlias = Callable[[typer.Typer], None]
 
@@ -36,6 +36,7 @@ program = typer.Typer(
 )
 program.command(epilog=drive.EXAMPLES)(drive.drive)
 program.command(epilog=robots.EXAMPLES)(robots.robots)
+program.add_typer(epos2.group, name="epos2", epilog=epos2.EXAMPLES)
 
 
 @program.callback()

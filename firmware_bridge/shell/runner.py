@@ -1,7 +1,8 @@
 """Carries a node's packets over real ports in real time, and ends in good order, whatever ends it.
 
-It refuses to know what the node is. On SIGINT, SIGTERM, an exception in the node, a lost port or the end of
-its time it asks the node to stop, carries on until the node says that it is done, and closes the ports.
+It refuses to know what the node is. On SIGINT, SIGTERM, an exception in the node, a lost port, the end of
+its time, or when a finite node has finished, it asks the node to stop, carries on until the node says that it
+is done, and closes the ports.
 """
 
 import signal
@@ -13,7 +14,7 @@ from dataclasses import dataclass
 from types import FrameType
 from typing import Final
 
-from firmware_bridge.node import Node, Packet, Reaction, Stoppable
+from firmware_bridge.node import Finite, Node, Packet, Reaction, Stoppable
 from firmware_bridge.shell.clock import Clock
 from firmware_bridge.shell.ports.port import LostPort, Port
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds, to_seconds
@@ -41,7 +42,7 @@ def run(
     until: Nanoseconds = NEVER,
     stop_within: Nanoseconds = STOP_WITHIN,
 ) -> Ending:
-    """Run a node on its ports until a signal comes or the time is over; close the ports.
+    """Run a node on its ports until a signal comes, the time is over or it has finished; close the ports.
 
     The clock restarts at zero. What ended the run by force is raised when the node has stopped: LostPort, or
     the node's own exception. A second signal ends the stopping at once.
@@ -69,6 +70,8 @@ def _carry(carrier: "_Carrier", clock: Clock, bell: "_Bell", until: Nanoseconds)
         if now >= until:
             until = NEVER
             carrier.asked_to_stop("the time is over", now)
+        if carrier.finished:
+            carrier.asked_to_stop("finished", now)
         if carrier.over(now):
             return
         ready = clock.wait([bell.fileno, *carrier.filenos], min(carrier.next_at(), until))
@@ -85,6 +88,7 @@ class _Carrier:
         self.latest_wake: Nanoseconds = 0
         self.filenos = [port.fileno() for port in ports.values()]
         self._node = node
+        self._finite = node if isinstance(node, Finite) else None
         self._ports = dict(ports)
         self._links = {port.fileno(): link for link, port in ports.items()}
         self._stop_within = stop_within
@@ -108,6 +112,11 @@ class _Carrier:
             self._lose(lost, now)
         except Exception as failure:  # noqa: BLE001 - the drives must be stopped first; it is raised then
             self._fail(failure, now)
+
+    @property
+    def finished(self) -> bool:
+        """Whether the node has just finished, so that it has not been asked to stop yet."""
+        return self._finite is not None and not self._stopping and self._finite.finished
 
     def asked_to_stop(self, reason: str, now: Nanoseconds) -> None:
         """Begin to stop; asked twice, end at once."""

@@ -7,7 +7,7 @@ maxon's command library for the USB side, a converter at 1 MBd. ASSUME: a time-o
 from collections.abc import Mapping
 from typing import Final
 
-from emulators.epos2.profile import DeviceProfile
+from emulators.epos2.profile import RS232_RATE, DeviceProfile
 from emulators.epos2.serial.bus import Bus
 from emulators.epos2.serial.server import SerialServer
 from emulators.epos2.store import ObjectStore
@@ -17,9 +17,8 @@ from firmware_bridge.wire.maxon.frame import Frame, Generation
 from firmware_bridge.wire.maxon.lines import device_end
 from firmware_bridge.wire.maxon.opcodes import COMMANDS
 
-BAUD_CODE: Final = Address(0x2002)
 BAUDS: Final = (9_600, 14_400, 19_200, 38_400, 57_600, 115_200)
-"""By the code in 0x2002."""
+"""Bits a second, by the code in 0x2002."""
 USB_BAUD: Final = 1_000_000
 BITS_PER_BYTE: Final = 10
 FRAME_TIMEOUTS: Final[Mapping[Generation, Address]] = {
@@ -54,7 +53,7 @@ class SerialPort:
     def restart(self, now: Nanoseconds) -> None:
         """Take what counts from the drive's start on; the byte that is on the line leaves at the old rate."""
         if self.generation is Generation.V1:
-            self._next_baud = BAUDS[self._store.get(BAUD_CODE)]
+            self._next_baud = BAUDS[self._store.get(RS232_RATE)]
             self._baud_due = now + 2 * BITS_PER_BYTE * SECOND // self.baud
 
     @property

@@ -42,6 +42,7 @@ def u32(value: int) -> bytes:
     return value.to_bytes(4, "little")
 
 
+@pytest.mark.opcode(0x10, 0x11)
 @nodes
 @both
 def test_an_object_is_written_and_read_back(generation: Generation, node: int) -> None:
@@ -143,6 +144,7 @@ def write_whole(desk: SerialDesk, index: int, node: int, raw: bytes, size: int) 
     return commands
 
 
+@pytest.mark.opcode(0x12, 0x13, 0x14, 0x15)
 @both
 @pytest.mark.parametrize(
     ("node", "size", "commands"), [(NEAR, 63, 17), (FAR, 7, 147)], ids=["direct", "gateway"]
@@ -162,6 +164,7 @@ def test_a_kilobyte_takes_17_commands_or_147_through_the_gateway(
     assert [len(chunk) for chunk in chunks[:-1]] == [size] * (len(chunks) - 1)
 
 
+@pytest.mark.opcode(0x12, 0x14)
 @nodes
 @pytest.mark.parametrize(
     ("index", "subindex", "raw"),
@@ -173,6 +176,7 @@ def test_objects_of_any_length_can_be_read_by_segments(
     assert b"".join(read_whole(SerialDesk(Generation.V1), index, subindex, node)) == raw
 
 
+@pytest.mark.opcode(0x13, 0x15)
 @nodes
 def test_a_number_can_be_written_by_segments(node: int) -> None:
     desk = SerialDesk(Generation.V2)
@@ -181,6 +185,7 @@ def test_a_number_can_be_written_by_segments(node: int) -> None:
     assert getattr(drive.motion, "written") == [6]  # noqa: B009 - the test's own motion has it
 
 
+@pytest.mark.opcode(0x14, 0x15)
 @nodes
 @both
 def test_a_wrong_toggle_bit_ends_the_transfer(generation: Generation, node: int) -> None:
@@ -231,6 +236,7 @@ def test_bytes_beyond_the_object_s_size_are_the_profile_s() -> None:
     assert desk.asks(ReadObject(0x5555, 0, 0)) == ObjectRead(AbortCode.NO_OBJECT, bytes(4))
 
 
+@pytest.mark.opcode(0x0E)
 @pytest.mark.parametrize(
     ("command", "state"),
     [(1, NmtState.OPERATIONAL), (2, NmtState.STOPPED), (128, NmtState.PRE_OPERATIONAL)],
@@ -273,6 +279,7 @@ def test_what_cannot_be_sent(request_: Request, code: int) -> None:
     assert desk.frames == []
 
 
+@pytest.mark.opcode(0x20)
 @both
 def test_a_frame_of_the_host_s_own_goes_onto_the_bus(generation: Generation) -> None:
     desk = SerialDesk(generation)
@@ -282,6 +289,7 @@ def test_a_frame_of_the_host_s_own_goes_onto_the_bus(generation: Generation) -> 
     assert desk.host.heard == (b"OO" if generation is Generation.V1 else desk.host.heard)
 
 
+@pytest.mark.opcode(0x21)
 @both
 def test_a_frame_is_requested_from_another_drive_and_from_this_one(generation: Generation) -> None:
     desk = SerialDesk(generation)
@@ -302,6 +310,7 @@ def lss(text: str) -> bytes:
     return bytes.fromhex(text).ljust(8, b"\0")
 
 
+@pytest.mark.opcode(0x30, 0x31)
 @both
 @pytest.mark.parametrize("node", [NEAR, FAR], ids=["own", "other"])
 def test_layer_setting_reaches_the_drive_on_the_line_and_the_others(

@@ -1,0 +1,17 @@
+"""Asks before something may move: on a terminal by a question, elsewhere by refusing."""
+
+import sys
+
+import typer
+
+from firmware_bridge.cli.console import FAILED, refusal
+
+
+def agreed(what: str, why: str, *, yes: bool) -> None:
+    """Return when the user agrees; end the program where not, or where there is nobody to ask."""
+    if yes:
+        return
+    if not sys.stdin.isatty():
+        raise refusal(f"{what}: {why}; say --yes where that is safe")
+    if not typer.confirm(f"{what}: {why}. Is everybody out of the way?", default=False, err=True):
+        raise refusal("nothing was done", FAILED)

@@ -1,0 +1,122 @@
+"""From the options to one drive: the port to open, the link to speak over, and how the drive is called."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+from firmware_bridge.cli.console import FAILED, INTERRUPTED, one_message, refusal
+from firmware_bridge.drivers.commissioning.can_link import CanLink
+from firmware_bridge.drivers.commissioning.client import Client, Script
+from firmware_bridge.drivers.commissioning.errand import ErrandError
+from firmware_bridge.drivers.commissioning.explained import explain
+from firmware_bridge.drivers.commissioning.network import Gateway
+from firmware_bridge.drivers.commissioning.serial_link import OWN, SerialLink
+from firmware_bridge.node import CAN, SERIAL
+from firmware_bridge.shell.clock import Clock
+from firmware_bridge.shell.ports import LostPort, Port, PortError, SerialLine, open_can
+from firmware_bridge.shell.runner import run
+from firmware_bridge.units import NEVER, Nanoseconds
+from firmware_bridge.wire.canopen import ALL_NODES, FIRST_NODE
+from firmware_bridge.wire.maxon.frame import Generation
+
+_BAUD: Final = {Generation.V1: 115_200, Generation.V2: 1_000_000}
+_OTHER: Final = {Generation.V1: "v2", Generation.V2: "v1"}
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """One drive, and the way to it."""
+
+    node: int | None
+    """None for the drive on a serial line, whichever it is; 0 for all nodes."""
+    title: str
+    silence: str
+    """What to look at when nobody answers."""
+    link: CanLink | SerialLink
+    opener: Callable[[], Port]
+    gateway: int | None = None
+
+    @property
+    def alone(self) -> bool:
+        """Whether the drive is asked on its own line, with no bus in between."""
+        return isinstance(self.link, SerialLink) and self.link.node in {OWN, self.gateway}
+
+    def converse(self, script: Script, until: Nanoseconds = NEVER) -> Client:
+        """Carry a script out in real time; what goes wrong ends the program with one message.
+
+        Returns also where the time was over, or the user had enough, before the script was done.
+        """
+        checked = () if self.gateway is None or isinstance(self.link, CanLink) else self._checked(self.link)
+        client = Client(self.link, (*checked, *script))
+        with one_message(PortError):
+            port = self.opener()
+        with one_message(LostPort, status=FAILED):
+            run(client, {SERIAL if isinstance(self.link, SerialLink) else CAN: port}, Clock(), until=until)
+        if client.failure is not None:
+            raise refusal(self._explained(client.failure), FAILED)
+        return client
+
+    def finish(self, script: Script) -> None:
+        """Carry out a script that has an end; to interrupt it ends the program."""
+        if not self.converse(script).finished:
+            raise refusal(
+                f"interrupted; {self.title} is left as the last command that reached it left it", INTERRUPTED
+            )
+
+    def _checked(self, link: SerialLink) -> Script:
+        return () if self.gateway is None else Gateway(link, self.gateway).script()
+
+    def _explained(self, failure: Exception) -> str:
+        if isinstance(failure, ErrandError):
+            return explain(failure, self.title, self.silence)
+        return f"{self.title}: {failure}"
+
+
+def line_to(
+    node: int | None,
+    *,
+    interface: str | None,
+    channel: str | None,
+    bit_rate: int | None,
+    serial: str | None,
+    baud: int | None,
+    protocol: Generation | None,
+    gateway: int | None,
+) -> Line:
+    """Return the way to a drive; options that do not go together end the program with a message."""
+    if serial is None:
+        _only(
+            "a serial line", "--serial DEVICE", {"--baud": baud, "--protocol": protocol, "--gateway": gateway}
+        )
+        number = FIRST_NODE if node is None else node
+        return Line(
+            number,
+            _title(number, channel or "the configured bus"),
+            "is it on, on this bus, at this bit rate, with this --node? In Stopped it is silent, too",
+            CanLink(number),
+            lambda: open_can(interface, channel, bit_rate),
+        )
+    _only("the CAN bus", "no --serial", {"-i": interface, "-c": channel, "-b": bit_rate})
+    spoken = protocol or Generation.V1
+    rate = baud or _BAUD[spoken]
+    wanted = gateway if node is None else node
+    return Line(
+        wanted,
+        f"the drive on {serial}" if wanted is None else _title(wanted, serial),
+        f"is it on, at {rate} Bd (--baud), and does the line speak {spoken.value}, "
+        f"not {_OTHER[spoken]} (--protocol)?",
+        SerialLink(spoken, wanted or OWN),
+        lambda: SerialLine(serial, rate),
+        gateway,
+    )
+
+
+def _title(node: int, where: str) -> str:
+    return f"all nodes on {where}" if node == ALL_NODES else f"node {node} on {where}"
+
+
+def _only(link: str, instead: str, given: dict[str, object]) -> None:
+    """Refuse options of the link that was not asked for."""
+    wrong = [name for name, value in given.items() if value is not None]
+    if wrong:
+        raise refusal(f"{', '.join(wrong)}: only {link} has that; say {instead}")

@@ -1,0 +1,145 @@
+"""`epos2 read`: objects of a drive, once or again and again."""
+
+import json
+import sys
+from functools import partial
+from typing import Annotated, Final
+
+import typer
+from rich.live import Live
+from rich.text import Text
+
+from firmware_bridge.cli.console import FAILED, one_message, terminal
+from firmware_bridge.cli.epos2.line import Line, line_to
+from firmware_bridge.cli.epos2.options import (
+    BaudOption,
+    GatewayOption,
+    JsonOption,
+    LineProtocolOption,
+    NodeOption,
+    SerialPortOption,
+)
+from firmware_bridge.cli.epos2.told import line, record
+from firmware_bridge.cli.options import BitRateOption, ChannelOption, DurationOption, InterfaceOption, until
+from firmware_bridge.drivers.commissioning.errand import ErrandError
+from firmware_bridge.drivers.commissioning.explained import explain
+from firmware_bridge.drivers.commissioning.names import UnknownObjectError, find
+from firmware_bridge.drivers.commissioning.reading import Reading
+from firmware_bridge.units import Nanoseconds, from_seconds
+
+EXAMPLES: Final = """Examples:
+
+`firmware-bridge epos2 read statusword profile-velocity -i socketcan -c can0 --node 3`
+
+`firmware-bridge epos2 read 0x60F6:1 "position actual value" --serial /dev/ttyUSB0 --watch 0.5`"""
+
+ObjectsArgument = Annotated[
+    list[str],
+    typer.Argument(
+        metavar="OBJECT...",
+        help="Names as `epos2 objects` lists them, dashes for spaces; or 0x6081, or 0x60F6:1.",
+        show_default=False,
+    ),
+]
+WatchOption = Annotated[
+    float | None,
+    typer.Option(
+        "--watch",
+        "-w",
+        min=0.001,
+        max=3600.0,
+        metavar="[SECONDS]",
+        help="Read again and again, and show what has changed; alone it means every 0.2 s. Ctrl-C ends it.",
+        show_default=False,
+    ),
+]
+
+
+def read(
+    objects: ObjectsArgument,
+    *,
+    node: NodeOption = None,
+    interface: InterfaceOption = None,
+    channel: ChannelOption = None,
+    bit_rate: BitRateOption = None,
+    serial: SerialPortOption = None,
+    baud: BaudOption = None,
+    protocol: LineProtocolOption = None,
+    gateway: GatewayOption = None,
+    watch: WatchOption = None,
+    duration: DurationOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Read objects of a drive, with their names, units, and what their bits say.
+
+    Exit status 1 where the drive refuses one of them. Reading changes nothing in the drive.
+    """
+    with one_message(UnknownObjectError):
+        reading = Reading([find(each) for each in objects])
+    drive = line_to(
+        node,
+        interface=interface,
+        channel=channel,
+        bit_rate=bit_rate,
+        serial=serial,
+        baud=baud,
+        protocol=protocol,
+        gateway=gateway,
+    )
+    if watch is not None:
+        _watch(drive, reading, from_seconds(watch), until(duration), as_json=as_json)
+        return
+    drive.finish(reading.once())
+    typer.echo(_record(drive, reading) if as_json else _lines(reading))
+    _end_where_refused(drive, reading)
+
+
+def _lines(reading: Reading) -> str:
+    return "\n".join(line(reading, address) for address in reading.addresses)
+
+
+def _record(drive: Line, reading: Reading, indent: int | None = 2) -> str:
+    objects = [record(reading, address) for address in reading.addresses]
+    return json.dumps({"node": drive.node, "objects": objects}, indent=indent)
+
+
+def _end_where_refused(drive: Line, reading: Reading) -> None:
+    refused = [each for each in reading.found.values() if isinstance(each, ErrandError)]
+    for each in refused:
+        typer.echo(f"firmware-bridge: {explain(each, drive.title, drive.silence)}", err=True)
+    if refused:
+        raise typer.Exit(FAILED)
+
+
+def _watch(drive: Line, reading: Reading, period: Nanoseconds, end: Nanoseconds, *, as_json: bool) -> None:
+    if as_json:
+        drive.converse(
+            reading.again_and_again(period, lambda: typer.echo(_record(drive, reading, indent=None))), end
+        )
+    elif sys.stdout.isatty():
+        with Live(console=terminal(), auto_refresh=False) as shown:
+            redraw = partial(_redraw, shown, reading)
+            drive.converse(reading.again_and_again(period, redraw), end)
+    else:
+        changes = Changes(reading)
+        drive.converse(reading.again_and_again(period, changes.tell), end)
+
+
+def _redraw(shown: Live, reading: Reading) -> None:
+    shown.update(Text(_lines(reading)), refresh=True)
+
+
+class Changes:
+    """Tells each object in a line of its own when it first comes, and whenever it is another."""
+
+    def __init__(self, reading: Reading) -> None:
+        self._reading = reading
+        self._told: dict[str, str] = {}
+
+    def tell(self) -> None:
+        """Print what has changed."""
+        for address in self._reading.addresses:
+            said = line(self._reading, address)
+            if self._told.get(str(address)) != said:
+                self._told[str(address)] = said
+                typer.echo(said)

@@ -1,0 +1,116 @@
+"""`epos2 state`: how a drive stands, and bringing it into another state."""
+
+import json
+from typing import Annotated, Any, Final
+
+import typer
+
+from firmware_bridge.cli.epos2.agreed import agreed
+from firmware_bridge.cli.epos2.line import Line, line_to
+from firmware_bridge.cli.epos2.options import (
+    BaudOption,
+    GatewayOption,
+    JsonOption,
+    LineProtocolOption,
+    NodeOption,
+    SerialPortOption,
+    YesOption,
+)
+from firmware_bridge.cli.epos2.told import record, value_told
+from firmware_bridge.cli.options import BitRateOption, ChannelOption, InterfaceOption
+from firmware_bridge.drivers.commissioning.overview import Overview
+from firmware_bridge.drivers.commissioning.power import PowerCommand, Wanted
+from firmware_bridge.drivers.commissioning.words import title
+from firmware_bridge.wire.canopen import NmtState
+from firmware_bridge.wire.epos2 import address as at
+
+EXAMPLES: Final = """Examples:
+
+`firmware-bridge epos2 state -i socketcan -c can0 --node 3`
+
+`firmware-bridge epos2 state quick-stop --serial /dev/ttyUSB0`
+
+`firmware-bridge epos2 state enable --yes -i socketcan -c can0`"""
+
+
+def state(
+    wanted: Annotated[
+        Wanted | None,
+        typer.Argument(metavar="[COMMAND]", help=f"One of: {', '.join(each.value for each in Wanted)}."),
+    ] = None,
+    *,
+    node: NodeOption = None,
+    interface: InterfaceOption = None,
+    channel: ChannelOption = None,
+    bit_rate: BitRateOption = None,
+    serial: SerialPortOption = None,
+    baud: BaudOption = None,
+    protocol: LineProtocolOption = None,
+    gateway: GatewayOption = None,
+    yes: YesOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Show a drive's power state, mode, network state and errors; a command changes the power state first.
+
+    `enable` may start a motion, so it asks, or wants --yes. The drive is left in the state that it was
+    brought to: an enabled drive stays enabled when this program ends, and nothing watches over it.
+    `quick-stop` and `disable` are sent before anything else.
+    """
+    drive = line_to(
+        node,
+        interface=interface,
+        channel=channel,
+        bit_rate=bit_rate,
+        serial=serial,
+        baud=baud,
+        protocol=protocol,
+        gateway=gateway,
+    )
+    overview = Overview(alone=drive.alone)
+    command = None if wanted is None else PowerCommand(wanted)
+    if command is None:
+        drive.finish(overview.script())
+    else:
+        if command.way.may_move:
+            agreed(f"{command.wanted.value} {drive.title}", "it may start to move", yes=yes)
+        drive.finish((*command.script(), *overview.script()))
+    if as_json:
+        typer.echo(json.dumps(_record(drive, overview), indent=2))
+        return
+    typer.echo(_text(drive, overview))
+    if command is not None:
+        typer.echo(f"left so: {command.way.leaves}")
+
+
+def _text(drive: Line, overview: Overview) -> str:
+    standing, history = overview.readings
+    errors = [value_told(history, address).partition("  ")[2] for address in history.addresses]
+    rows = (
+        ("drive", drive.title),
+        ("state", "unknown" if overview.state is None else overview.state.title),
+        ("statusword", value_told(standing, at.STATUSWORD)),
+        ("controlword", value_told(standing, at.CONTROLWORD)),
+        ("mode", title(overview.mode)),
+        ("network", " or ".join(_network(each) for each in overview.network) or "unknown"),
+        ("errors", value_told(standing, at.ERROR_REGISTER)),
+        ("history", "\n             ".join(errors) or "empty"),
+    )
+    return "\n".join(f"{name:<11}  {text}" for name, text in rows)
+
+
+def _record(drive: Line, overview: Overview) -> dict[str, Any]:
+    standing, history = overview.readings
+    return {
+        "node": drive.node,
+        "state": None if overview.state is None else overview.state.title,
+        "mode": None
+        if overview.mode is None
+        else {"number": overview.mode.value, "name": title(overview.mode)},
+        "network": [_network(each) for each in overview.network],
+        "history": [record(history, address) for address in history.addresses],
+        "objects": [record(standing, address) for address in standing.addresses],
+    }
+
+
+def _network(found: NmtState) -> str:
+    return found.name.lower().replace("_", "-")

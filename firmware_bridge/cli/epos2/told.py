@@ -1,0 +1,68 @@
+"""How objects look: one line for people, one record for programs."""
+
+import re
+from typing import Any, Final
+
+from firmware_bridge.drivers.commissioning.errand import ErrandError, RefusedError
+from firmware_bridge.drivers.commissioning.names import name_of
+from firmware_bridge.drivers.commissioning.reading import Reading
+from firmware_bridge.drivers.commissioning.values import unit_of
+from firmware_bridge.drivers.commissioning.words import words
+from firmware_bridge.wire.abort import meaning_of
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.objects import OBJECTS
+
+_SIMPLE: Final = re.compile(r"[A-Za-z/]+")
+"""Units as people say them: rpm, mA, pulses/turn."""
+_PLAIN: Final = frozenset({at.MODE, at.MODE_DISPLAY})
+"""Objects with words whose numbers are no bits."""
+
+
+def line(reading: Reading, address: Address) -> str:
+    """Return one line: where, name, value with unit, words."""
+    return f"{address!s:<9}  {name_of(address):<34}  {value_told(reading, address)}".rstrip()
+
+
+def value_told(reading: Reading, address: Address) -> str:
+    """Return a value with its unit, or in words with its bits, or why there is none."""
+    raw = reading.found.get(address)
+    if isinstance(raw, ErrandError):
+        return f"- {raw.problem}"
+    value = reading.value(address)
+    if raw is None or value is None:
+        return "-"
+    said = words(address, value, reading.mode)
+    if not said:
+        return f"{value}{_unit(address)}"
+    number = f"{value}" if address in _PLAIN else f"0x{int.from_bytes(raw, 'little'):0{2 * len(raw)}X}"
+    return f"{number}  {', '.join(said)}"
+
+
+def record(reading: Reading, address: Address) -> dict[str, Any]:
+    """Return what `line` says as JSON can hold it; `value` or `error` is there, not both."""
+    row = OBJECTS.get(address)
+    found: dict[str, Any] = {
+        "index": f"0x{address.index:04X}",
+        "subindex": address.subindex,
+        "name": name_of(address),
+        "type": "" if row is None else row.type.name,
+    }
+    raw = reading.found.get(address)
+    if isinstance(raw, bytes):
+        value = reading.value(address)
+        said = () if value is None else words(address, value, reading.mode)
+        found |= {"value": value, "raw": raw.hex(), "unit": unit_of(address), "words": list(said)}
+    elif isinstance(raw, RefusedError):
+        found["error"] = {"code": f"0x{raw.code:08X}", "text": meaning_of(raw.code)}
+    elif raw is not None:
+        found["error"] = {"code": "", "text": raw.problem}
+    return found
+
+
+def _unit(address: Address) -> str:
+    """Return an object's unit behind a number; a unit that is a number itself is set apart."""
+    unit = unit_of(address)
+    if not unit:
+        return ""
+    return f" {unit}" if _SIMPLE.fullmatch(unit) else f" x {unit}"

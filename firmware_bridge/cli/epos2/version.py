@@ -1,0 +1,68 @@
+"""`epos2 version`: which drive it is."""
+
+import json
+from typing import Any, Final
+
+import typer
+
+from firmware_bridge.cli.epos2.line import line_to
+from firmware_bridge.cli.epos2.options import (
+    BaudOption,
+    GatewayOption,
+    JsonOption,
+    LineProtocolOption,
+    NodeOption,
+    SerialPortOption,
+)
+from firmware_bridge.cli.epos2.told import record, value_told
+from firmware_bridge.cli.options import BitRateOption, ChannelOption, InterfaceOption
+from firmware_bridge.drivers.commissioning.names import name_of
+from firmware_bridge.drivers.commissioning.overview import IDENTITY
+from firmware_bridge.drivers.commissioning.reading import Reading
+from firmware_bridge.wire.epos2.address import Address
+
+EXAMPLES: Final = """Examples:
+
+`firmware-bridge epos2 version -i socketcan -c can0 --node 3`
+
+`firmware-bridge epos2 version --serial /dev/ttyUSB0 --protocol v2`"""
+
+
+def version(
+    *,
+    node: NodeOption = None,
+    interface: InterfaceOption = None,
+    channel: ChannelOption = None,
+    bit_rate: BitRateOption = None,
+    serial: SerialPortOption = None,
+    baud: BaudOption = None,
+    protocol: LineProtocolOption = None,
+    gateway: GatewayOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Tell a drive's name, hardware, firmware and serial number."""
+    drive = line_to(
+        node,
+        interface=interface,
+        channel=channel,
+        bit_rate=bit_rate,
+        serial=serial,
+        baud=baud,
+        protocol=protocol,
+        gateway=gateway,
+    )
+    reading = Reading(IDENTITY)
+    drive.finish(reading.once())
+    if as_json:
+        found: dict[str, Any] = {"node": drive.node}
+        found["objects"] = [record(reading, address) for address in reading.addresses]
+        typer.echo(json.dumps(found, indent=2))
+        return
+    for address in IDENTITY:
+        typer.echo(f"{name_of(address):<26}  {_told(reading, address)}")
+
+
+def _told(reading: Reading, address: Address) -> str:
+    """Return a version or a number as maxon prints them, in hexadecimal digits."""
+    value = reading.value(address)
+    return f"0x{value:04X}" if isinstance(value, int) else value_told(reading, address)

@@ -1,0 +1,100 @@
+"""`epos2 write`: one object of a drive."""
+
+import json
+from typing import Annotated, Final
+
+import typer
+
+from firmware_bridge.cli.console import one_message, refusal
+from firmware_bridge.cli.epos2.agreed import agreed
+from firmware_bridge.cli.epos2.line import line_to
+from firmware_bridge.cli.epos2.options import (
+    BaudOption,
+    GatewayOption,
+    JsonOption,
+    LineProtocolOption,
+    NodeOption,
+    SerialPortOption,
+    YesOption,
+)
+from firmware_bridge.cli.epos2.told import line, record
+from firmware_bridge.cli.options import BitRateOption, ChannelOption, InterfaceOption
+from firmware_bridge.drivers.commissioning.client import Ask, CommissioningError, need
+from firmware_bridge.drivers.commissioning.errand import Write
+from firmware_bridge.drivers.commissioning.motion import why_it_may_move
+from firmware_bridge.drivers.commissioning.names import called, find
+from firmware_bridge.drivers.commissioning.reading import Reading
+from firmware_bridge.drivers.commissioning.values import LONGEST_WRITE, parse
+
+EXAMPLES: Final = """Examples:
+
+`firmware-bridge epos2 write profile-velocity 500rpm -i socketcan -c can0 --node 3`
+
+`firmware-bridge epos2 write 0x1010:1 save --serial /dev/ttyUSB0`
+
+`firmware-bridge epos2 write target-velocity -200rpm --yes -i socketcan -c can0`"""
+
+
+def write(
+    wanted: Annotated[
+        str,
+        typer.Argument(metavar="OBJECT", help="A name as `epos2 objects` lists it, or 0x6081, or 0x60F6:1."),
+    ],
+    value: Annotated[
+        str,
+        typer.Argument(
+            metavar="VALUE",
+            help="A number, decimal or 0x..., with the object's unit or without; a mode's name; save, load.",
+        ),
+    ],
+    *,
+    node: NodeOption = None,
+    interface: InterfaceOption = None,
+    channel: ChannelOption = None,
+    bit_rate: BitRateOption = None,
+    serial: SerialPortOption = None,
+    baud: BaudOption = None,
+    protocol: LineProtocolOption = None,
+    gateway: GatewayOption = None,
+    size: Annotated[
+        int | None,
+        typer.Option(
+            min=1,
+            max=LONGEST_WRITE,
+            help="Bytes to send; a serial line always carries four.",
+            show_default="the object's own",
+        ),
+    ] = None,
+    yes: YesOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Write one object of a drive. What the drive refuses is told in its own words, with exit status 1.
+
+    What may start a motion is written only with --yes, or after a question. The drive keeps the value when
+    this program ends, and until its next restart; `write 0x1010:1 save` makes it keep all of them.
+    """
+    with one_message(CommissioningError):
+        address = find(wanted)
+        raw = parse(address, value, size)
+    if serial is not None and size is not None:
+        raise refusal("--size: a serial line always carries four bytes; leave it out")
+    drive = line_to(
+        node,
+        interface=interface,
+        channel=channel,
+        bit_rate=bit_rate,
+        serial=serial,
+        baud=baud,
+        protocol=protocol,
+        gateway=gateway,
+    )
+    why = why_it_may_move(address, raw)
+    if why is not None:
+        agreed(f"write {called(address)} of {drive.title}", why, yes=yes)
+    drive.finish((Ask(Write(address, raw), need(lambda _raw: ())),))
+    written = Reading([address])
+    written.found[address] = raw
+    if as_json:
+        typer.echo(json.dumps({"node": drive.node, "written": record(written, address)}, indent=2))
+    else:
+        typer.echo(f"written: {' '.join(line(written, address).split())}")

@@ -1,0 +1,126 @@
+"""The engineer's side as a node: carries a script of errands out on one link, and is finished with it.
+
+A script is a tuple of steps; a step may put further steps before the rest. It refuses to know what a script
+is for, and which link it goes over.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias, Union
+
+from firmware_bridge.drivers.commissioning.errand import Errand, ErrandError, Outcome
+from firmware_bridge.drivers.commissioning.link import DriveLink, Sent
+from firmware_bridge.node import Packet, Reaction
+from firmware_bridge.units import NEVER, Nanoseconds
+
+
+class CommissioningError(Exception):
+    """What was wanted of the drive did not come about: what, where, what to do."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ask:
+    """Do one errand; `then` takes its outcome, and may raise it."""
+
+    errand: Errand
+    then: Callable[[Outcome], "Script"]
+
+
+@dataclass(frozen=True, slots=True)
+class Pause:
+    """Let time pass."""
+
+    duration: Nanoseconds
+
+
+@dataclass(frozen=True, slots=True)
+class Do:
+    """Do something when its turn comes; it returns what follows."""
+
+    act: Callable[[], "Script"]
+
+
+Step: TypeAlias = Union[Ask, Pause, Do]  # noqa: UP007 - `Script` is a name yet to come
+Script: TypeAlias = tuple[Step, ...]
+
+
+def need(then: Callable[[bytes], Script]) -> Callable[[Outcome], Script]:
+    """Return a continuation for outcomes of which only success is of use."""
+
+    def go_on(outcome: Outcome) -> Script:
+        if isinstance(outcome, ErrandError):
+            raise outcome
+        return then(outcome)
+
+    return go_on
+
+
+class Client:
+    """One script on one link. `failure` says why it ended early, where it did."""
+
+    def __init__(self, link: DriveLink, script: Script) -> None:
+        self.failure: ErrandError | CommissioningError | None = None
+        self._link = link
+        self._rest = script
+        self._asked: Ask | None = None
+        self._paused_until: Nanoseconds = NEVER
+        self._started = False
+        self._stopped = False
+
+    @property
+    def finished(self) -> bool:
+        """Whether the script has been done, or has failed."""
+        return self._started and self._asked is None and self._paused_until == NEVER and not self._rest
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        """Take what arrives on the link."""
+        return self._go_on(self._link.hear(packet, now), now)
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        """Begin at the first call; act on the time."""
+        self._started = True
+        return self._go_on(self._link.wake(now), now)
+
+    def stop(self, _now: Nanoseconds) -> Reaction:
+        """Send nothing more: the drive is left as the last errand left it."""
+        self._stopped = True
+        return Reaction()
+
+    def _go_on(self, sent: Sent, now: Nanoseconds) -> Reaction:
+        if self._stopped:
+            return Reaction()
+        outbox = list(sent)
+        try:
+            self._advance(outbox, now)
+        except (ErrandError, CommissioningError) as failure:
+            self.failure = failure
+            self._rest, self._asked, self._paused_until = (), None, NEVER
+        wake_at = NEVER if self.finished else min(self._link.wake_at, self._paused_until)
+        return Reaction(tuple(outbox), wake_at)
+
+    def _advance(self, outbox: list[Packet], now: Nanoseconds) -> None:
+        """Do steps until one has to wait, or none is left."""
+        while self._come_true(now) and self._rest:
+            step, *rest = self._rest
+            self._rest = tuple(rest)
+            match step:
+                case Ask(errand):
+                    self._asked = step
+                    outbox += self._link.begin(errand, now)
+                case Pause(duration):
+                    self._paused_until = now + duration
+                case Do(act):
+                    self._rest = act() + self._rest
+
+    def _come_true(self, now: Nanoseconds) -> bool:
+        """Tell whether what the newest step waits for has come."""
+        if self._asked is not None:
+            outcome = self._link.take()
+            if outcome is None:
+                return False
+            asked, self._asked = self._asked, None
+            self._rest = asked.then(outcome) + self._rest
+        if now < self._paused_until != NEVER:
+            return False
+        self._paused_until = NEVER
+        return True

@@ -1,0 +1,36 @@
+"""Which writes may set a motor in motion, or let one go, so that somebody must agree first.
+
+It refuses to know the drive's state, which can change between a look and the write.
+"""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Final
+
+from firmware_bridge.wire.cia402 import Command, command_of
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.address import Address
+
+_SETS: Final = "an enabled drive follows it at once"
+MOVING: Final[Mapping[Address, str]] = MappingProxyType(
+    {
+        at.CURRENT_MODE_SETTING: _SETS,
+        at.POSITION_MODE_SETTING: _SETS,
+        at.VELOCITY_MODE_SETTING: _SETS,
+        at.TARGET_VELOCITY: _SETS,
+        at.MODE: "an enabled drive goes over to the new mode's set-point",
+        Address(0x2078, 1): "an output may hold a brake",
+        Address(0x207D): "an enabled drive may follow an analogue input",
+        **{Address(0x2079, pin): "an output may hold a brake" for pin in range(1, 6)},
+        **{Address(0x2300, sub): "an enabled drive may follow the other encoder" for sub in range(2, 6)},
+    }
+)
+"""Objects whose writes may move something, and why."""
+
+
+def why_it_may_move(address: Address, raw: bytes) -> str | None:
+    """Return why writing this may set something in motion; None where it does not."""
+    if address == at.CONTROLWORD:
+        enables = command_of(int.from_bytes(raw[:2], "little")) is Command.ENABLE_OPERATION
+        return "it enables operation, and may start a move" if enables else None
+    return MOVING.get(address)

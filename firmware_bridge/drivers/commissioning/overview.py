@@ -1,0 +1,79 @@
+"""What a drive is and how it stands: identity, state, mode, errors, network state."""
+
+from typing import Final
+
+from firmware_bridge.drivers.commissioning.client import Do, Script
+from firmware_bridge.drivers.commissioning.reading import Reading
+from firmware_bridge.wire.canopen import NmtState
+from firmware_bridge.wire.cia402 import Mode, State, Status, state_of
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.address import Address
+
+STANDING: Final = (
+    at.STATUSWORD,
+    at.CONTROLWORD,
+    at.MODE,
+    at.MODE_DISPLAY,
+    at.ERROR_REGISTER,
+    at.ERROR_HISTORY_COUNT,
+)
+HISTORY_LENGTH: Final = 5
+IDENTITY: Final = (
+    at.DEVICE_NAME,
+    Address(0x2003, 2),
+    Address(0x2003, 1),
+    Address(0x2003, 3),
+    Address(0x2003, 4),
+    at.VENDOR_ID,
+    at.PRODUCT_CODE,
+    at.REVISION,
+    Address(0x2004),
+)
+"""Name, versions in the order of maxon's command library, the identity object, the serial number."""
+
+
+class Overview:
+    """How a drive stands. `readings` holds what was read, in order."""
+
+    def __init__(self, *, alone: bool) -> None:
+        """`alone` tells that the drive was asked on its own line, which answers in every network state."""
+        self._alone = alone
+        self._standing = Reading(STANDING)
+        self._history = Reading(())
+
+    @property
+    def readings(self) -> tuple[Reading, Reading]:
+        """What was read: first how it stands, then its error history, the newest error first."""
+        return self._standing, self._history
+
+    @property
+    def state(self) -> State | None:
+        """The state of the power machine; None where it was not read."""
+        word = self._standing.value(at.STATUSWORD)
+        return state_of(word) if isinstance(word, int) else None
+
+    @property
+    def mode(self) -> Mode | None:
+        """The mode that it is in; None where it was not read."""
+        return self._standing.mode
+
+    @property
+    def network(self) -> tuple[NmtState, ...]:
+        """Network states that it may be in: a drive in Stopped answers on its own line only."""
+        word = self._standing.value(at.STATUSWORD)
+        if not isinstance(word, int):
+            return ()
+        if word & Status.REMOTE:
+            return (NmtState.OPERATIONAL,)
+        pre = (NmtState.PRE_OPERATIONAL,)
+        return (*pre, NmtState.STOPPED) if self._alone else pre
+
+    def script(self) -> Script:
+        """Read it all."""
+        return (*self._standing.once(), Do(self._errors))
+
+    def _errors(self) -> Script:
+        count = self._standing.value(at.ERROR_HISTORY_COUNT)
+        entries = min(count, HISTORY_LENGTH) if isinstance(count, int) else 0
+        self._history = Reading([Address(at.ERROR_HISTORY_COUNT.index, n + 1) for n in range(entries)])
+        return self._history.once()

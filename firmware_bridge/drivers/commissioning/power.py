@@ -1,0 +1,163 @@
+"""Brings a drive into a state of CiA 402, controlword by controlword, and looks until it is there.
+
+The words are those of maxon's command library; enabling ends with halt set, as its library does, so that in
+the profile modes nothing moves until the controlword is written without it. In the modes that follow a set
+value at once (position, velocity, current, and analogue or encoder set-points) halt does not count.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+from functools import partial
+from typing import Final
+
+from firmware_bridge.drivers.commissioning.client import Ask, CommissioningError, Pause, Script, need
+from firmware_bridge.drivers.commissioning.errand import Read, Write
+from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
+from firmware_bridge.wire.cia402 import State, state_of
+from firmware_bridge.wire.epos2 import address as at
+
+LOOK_EVERY: Final[Nanoseconds] = 10 * MILLISECOND
+LOOKS: Final = 500
+"""So many looks, 5 s, as maxon's command library does."""
+
+SHUTDOWN: Final = 0x0006
+ENABLE_WITH_HALT: Final = 0x010F
+QUICK_STOP: Final = 0x0002
+DISABLE_VOLTAGE: Final = 0x0000
+FAULT_RESET: Final = 0x0080
+_PASSING: Final = frozenset(
+    {
+        State.START,
+        State.NOT_READY_TO_SWITCH_ON,
+        State.REFRESH,
+        State.MEASURE_INIT,
+        State.FAULT_REACTION_DISABLED,
+        State.FAULT_REACTION_ENABLED,
+    }
+)
+"""States that the drive leaves by itself."""
+_HINTS: Final = {
+    State.FAULT: "read `state` for the cause, then `state reset-fault`",
+    State.QUICK_STOP_ACTIVE: "`state disable` first",
+}
+_OFF: Final = frozenset({State.SWITCH_ON_DISABLED, State.FAULT})
+
+
+class Wanted(Enum):
+    """What an engineer asks of the power machine."""
+
+    ENABLE = "enable"
+    SHUTDOWN = "shutdown"
+    QUICK_STOP = "quick-stop"
+    DISABLE = "disable"
+    RESET_FAULT = "reset-fault"
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """How to get there: the words to write in each state, and the states in which it is done."""
+
+    words: Mapping[State, tuple[int, ...]]
+    done: frozenset[State]
+    leaves: str
+    """How the drive is left."""
+    at_once: int | None = None
+    """A word that is written before anything is read: what stops must not wait."""
+    may_move: bool = False
+
+
+WAYS: Final[Mapping[Wanted, Way]] = {
+    Wanted.ENABLE: Way(
+        {
+            State.SWITCH_ON_DISABLED: (SHUTDOWN,),
+            State.READY_TO_SWITCH_ON: (ENABLE_WITH_HALT,),
+            State.SWITCHED_ON: (ENABLE_WITH_HALT,),
+            State.QUICK_STOP_ACTIVE: (ENABLE_WITH_HALT,),
+        },
+        frozenset({State.OPERATION_ENABLED}),
+        "the power stage is on and stays on when this program ends; halt is set where this command "
+        "enabled it; `state disable` switches it off",
+        may_move=True,
+    ),
+    Wanted.SHUTDOWN: Way(
+        {
+            State.SWITCH_ON_DISABLED: (SHUTDOWN,),
+            State.SWITCHED_ON: (SHUTDOWN,),
+            State.OPERATION_ENABLED: (SHUTDOWN,),
+        },
+        frozenset({State.READY_TO_SWITCH_ON}),
+        "the power stage is off; what turned is slowed down or runs out, as 0x605B says",
+    ),
+    Wanted.QUICK_STOP: Way(
+        {},
+        frozenset({State.QUICK_STOP_ACTIVE}) | _OFF,
+        "an enabled drive ramps down with 0x6085 and then holds with power; `state disable` switches it off",
+        at_once=QUICK_STOP,
+    ),
+    Wanted.DISABLE: Way(
+        {},
+        _OFF,
+        "the power stage is off; a motor that turned runs out, and only a brake holds a load",
+        at_once=DISABLE_VOLTAGE,
+    ),
+    Wanted.RESET_FAULT: Way(
+        # The reset is a rising edge, and in Fault the other commands do nothing.
+        {State.FAULT: (DISABLE_VOLTAGE, FAULT_RESET)},
+        frozenset(State) - _PASSING - {State.FAULT},
+        "the power stage is as it was, off after a fault; the error history is kept, "
+        "`write number-of-errors 0` clears it",
+    ),
+}
+
+
+class PowerCommand:
+    """One way, walked."""
+
+    def __init__(self, wanted: Wanted) -> None:
+        self.wanted: Final = wanted
+        self.way: Final = WAYS[wanted]
+        self._looks_left = LOOKS
+        self._written_in: State | None = None
+
+    def script(self) -> Script:
+        """Write what has to be written, and look until the drive is where it is wanted."""
+        word = self.way.at_once
+        return self._looks() if word is None else (*_writes((word,)), *self._looks())
+
+    def _looks(self) -> Script:
+        return (Ask(Read(at.STATUSWORD), need(partial(self._look))),)
+
+    def _look(self, raw: bytes) -> Script:
+        statusword = int.from_bytes(raw, "little")
+        state = state_of(statusword)
+        if state is None:
+            raise CommissioningError(f"the statusword 0x{statusword:04X} tells no state; is this an EPOS2?")
+        if state in self.way.done:
+            return ()
+        words = () if state is self._written_in else self.way.words.get(state, ())
+        if words:
+            self._written_in = state
+            return (*_writes(words), *self._looks())
+        waits = state in _PASSING or state is self._written_in or self.way.at_once is not None
+        if not waits:
+            raise CommissioningError(f"{self._stuck(state)}; {_HINTS.get(state, 'see `state`')}")
+        self._looks_left -= 1
+        if self._looks_left == 0:
+            waited = to_seconds(LOOKS * LOOK_EVERY)
+            raise CommissioningError(f"{self._stuck(state)} within {waited:g} s; {self._cause(state)}")
+        return (Pause(LOOK_EVERY), *self._looks())
+
+    def _stuck(self, state: State) -> str:
+        return f"'{self.wanted.value}' does not lead out of the state '{state.title}'"
+
+    def _cause(self, state: State) -> str:
+        if state is State.FAULT:
+            return "the cause of the fault still stands, see `state`; some need `nmt reset-node`"
+        return "see `state`; another master may write the controlword, too"
+
+
+def _writes(words: tuple[int, ...]) -> Script:
+    return tuple(
+        Ask(Write(at.CONTROLWORD, word.to_bytes(2, "little")), need(lambda _raw: ())) for word in words
+    )

@@ -1,0 +1,59 @@
+"""Reads objects, once or again and again, and keeps what came of each."""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Final
+
+from firmware_bridge.drivers.commissioning.client import Ask, Do, Pause, Script
+from firmware_bridge.drivers.commissioning.errand import Outcome, Read, SilentError
+from firmware_bridge.drivers.commissioning.values import decode
+from firmware_bridge.drivers.commissioning.words import BY_MODE, mode_of
+from firmware_bridge.units import Nanoseconds
+from firmware_bridge.wire.cia402 import Mode
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.address import Address
+
+
+class Reading:
+    """Objects in the order in which they were asked for, each with the newest outcome."""
+
+    def __init__(self, addresses: Sequence[Address]) -> None:
+        self.addresses: Final = tuple(dict.fromkeys(addresses))
+        self.found: dict[Address, Outcome] = {}
+        needs_mode = BY_MODE.intersection(self.addresses) and at.MODE_DISPLAY not in self.addresses
+        self._asked = (*self.addresses, at.MODE_DISPLAY) if needs_mode else self.addresses
+
+    @property
+    def mode(self) -> Mode | None:
+        """The drive's mode, which some words depend on; None where it is not known."""
+        value = self.value(at.MODE_DISPLAY)
+        return mode_of(value) if isinstance(value, int) else None
+
+    def value(self, address: Address) -> int | str | None:
+        """Return what was read; None where nothing was."""
+        raw = self.found.get(address)
+        return decode(address, raw) if isinstance(raw, bytes) else None
+
+    def once(self) -> Script:
+        """Read each object once. A refusal is kept; a drive that does not answer ends the script."""
+        return tuple(Ask(Read(address), partial(self._keep, address)) for address in self._asked)
+
+    def again_and_again(self, period: Nanoseconds, told: Callable[[], None]) -> Script:
+        """Read them for ever, with a pause in between, and call `told` after each round that brought news."""
+        return (Do(partial(self._round, period, told, {})),)
+
+    def _round(self, period: Nanoseconds, told: Callable[[], None], before: dict[Address, str]) -> Script:
+        after = Do(partial(self._after, period, told, before))
+        return (*self.once(), after)
+
+    def _after(self, period: Nanoseconds, told: Callable[[], None], before: dict[Address, str]) -> Script:
+        now = {address: str(outcome) for address, outcome in self.found.items()}
+        if now != before:
+            told()
+        return (Pause(period), Do(partial(self._round, period, told, now)))
+
+    def _keep(self, address: Address, outcome: Outcome) -> Script:
+        if isinstance(outcome, SilentError):
+            raise outcome
+        self.found[address] = outcome
+        return ()

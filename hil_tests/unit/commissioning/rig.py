@@ -1,0 +1,111 @@
+"""Two drives with motors, the first with a serial port, and an engineer's client on one way or another."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from emulators.epos2.catalogue import PROFILES
+from emulators.single import SUPPLY_MV, Order, drives
+from emulators.wires import CanWire, SerialWire, usb_line
+from emulators.world import World
+from firmware_bridge.drivers.commissioning.can_link import CanLink
+from firmware_bridge.drivers.commissioning.client import Ask, Client, Script, need
+from firmware_bridge.drivers.commissioning.errand import Errand, Outcome
+from firmware_bridge.drivers.commissioning.serial_link import SerialLink
+from firmware_bridge.node import CAN, SERIAL
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.maxon.frame import Generation
+
+NEAR = 1
+FAR = 2
+
+
+@dataclass(frozen=True)
+class Way:
+    """How the client reaches which drive."""
+
+    name: str
+    node: int
+    generation: Generation | None = None
+
+    def __str__(self) -> str:
+        return self.name
+
+    def link(self) -> CanLink | SerialLink:
+        return CanLink(self.node) if self.generation is None else SerialLink(self.generation, self.node)
+
+
+BUS = Way("can", NEAR)
+OWN_LINE = Way("v1", 0, Generation.V1)
+USB = Way("v2", 0, Generation.V2)
+WAYS = (
+    BUS,
+    OWN_LINE,
+    USB,
+    Way("v1 by number", NEAR, Generation.V1),
+    Way("v1 gateway", FAR, Generation.V1),
+    Way("v2 gateway", FAR, Generation.V2),
+)
+
+
+class Rig:
+    """The drives are on from the start; a client comes, does its work, and goes."""
+
+    def __init__(self, generation: Generation | None = None, supply_mv: int = SUPPLY_MV) -> None:
+        order = Order(
+            (NEAR, FAR),
+            PROFILES["70/10"],
+            1_000_000,
+            serial={NEAR: generation or Generation.V1},
+            supply_mv=supply_mv,
+        )
+        made, self.bank = drives(order)
+        self.drives = {NEAR: made["motor1"], FAR: made["motor2"]}
+        self.world = World(self.bank)
+        self.bus = CanWire(1_000_000)
+        self.line = usb_line("client") if generation is Generation.V2 else SerialWire(115_200)
+        self.world.attach("motor1", self.drives[NEAR], {CAN: self.bus, SERIAL: self.line})
+        self.world.attach("motor2", self.drives[FAR], {CAN: self.bus})
+        self.waits(20 * MILLISECOND)
+
+    def waits(self, duration: Nanoseconds) -> None:
+        self.world.run(self.world.now + duration)
+
+    def does(self, link: CanLink | SerialLink, script: Script, within: Nanoseconds = 20 * SECOND) -> Client:
+        """Carry a script out, and raise what it failed with."""
+        client = Client(link, script)
+        wire = {CAN: self.bus} if isinstance(link, CanLink) else {SERIAL: self.line}
+        self.world.attach("client", client, wire)
+        end = self.world.now + within
+        while not client.finished and self.world.now < end:
+            self.waits(MILLISECOND)
+        self.waits(2 * MILLISECOND)  # a last byte is still on its way
+        self.world.detach("client")
+        if client.failure is not None:
+            raise client.failure
+        assert client.finished, f"not finished within {within} ns"
+        return client
+
+    def tries(self, link: CanLink | SerialLink, errand: Errand) -> Outcome:
+        """Do one errand, and return how it ended."""
+        ended: list[Outcome] = []
+        self.does(link, (Ask(errand, noting(ended)),))
+        return ended[0]
+
+    def value(self, node: int, address: Address) -> int | bytes:
+        return self.drives[node or NEAR].store.get(address)
+
+
+def rig_for(way: Way) -> Rig:
+    return Rig(way.generation)
+
+
+def noting(ended: list[Outcome]) -> Callable[[Outcome], Script]:
+    def note(outcome: Outcome) -> Script:
+        ended.append(outcome)
+        return ()
+
+    return note
+
+
+__all__ = ["BUS", "FAR", "NEAR", "OWN_LINE", "USB", "WAYS", "Rig", "Way", "need", "noting", "rig_for"]

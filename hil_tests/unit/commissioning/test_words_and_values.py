@@ -1,0 +1,235 @@
+"""Objects by name, values with units, bits in words: tables, and properties over the whole object table."""
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from firmware_bridge.drivers.commissioning.client import CommissioningError
+from firmware_bridge.drivers.commissioning.motion import why_it_may_move
+from firmware_bridge.drivers.commissioning.names import BY_NAME, dashed, find, squashed
+from firmware_bridge.drivers.commissioning.values import LONGEST_WRITE, decode, parse
+from firmware_bridge.drivers.commissioning.words import words
+from firmware_bridge.wire.cia402 import Mode
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.emergency import EMERGENCIES
+from firmware_bridge.wire.epos2.objects import OBJECTS
+from firmware_bridge.wire.epos2.rows import ObjectRow
+
+UNIQUE = [row for row in OBJECTS.values() if len(BY_NAME[squashed(row.name)]) == 1]
+NUMBERS = [row for row in OBJECTS.values() if 0 < row.type.size <= LONGEST_WRITE]
+ON = "operation enabled|power stage on"
+GO = "enable operation"
+QUICK = settings(max_examples=300, deadline=None, derandomize=True, database=None)
+
+
+@pytest.mark.parametrize("row", UNIQUE, ids=lambda row: row.name)
+def test_every_name_finds_its_object_however_it_is_spelt(row: ObjectRow) -> None:
+    for text in (row.name, row.name.upper(), row.name.lower(), dashed(row.name), row.name.replace(" ", "_")):
+        assert find(text) == row.address
+
+
+@pytest.mark.parametrize("row", OBJECTS.values(), ids=lambda row: str(row.address))
+def test_every_address_is_read_as_it_is_printed(row: ObjectRow) -> None:
+    assert find(str(row.address)) == row.address
+
+
+@pytest.mark.parametrize(
+    ("text", "address"),
+    [
+        ("0x6081", Address(0x6081)),
+        ("0X60f6:1", Address(0x60F6, 1)),
+        ("0x60F6.2", Address(0x60F6, 2)),
+        ("0x60F6/0x02", Address(0x60F6, 2)),
+        ("0x202E:10", Address(0x202E, 10)),
+        ("0x202E:0A", Address(0x202E, 10)),
+        ("0x5555", Address(0x5555)),
+        ("0x1:255", Address(1, 255)),
+        ("statusword", at.STATUSWORD),
+        ("profile velocity", at.PROFILE_VELOCITY),
+    ],
+)
+def test_objects_by_number_and_by_name(text: str, address: Address) -> None:
+    assert find(text) == address
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("stausword", r"did you mean statusword \(0x6041\)\?"),
+        (
+            "serial number",
+            r"is the name of serial-number \(0x1018:04\) or serial-number \(0x2004\); say which",
+        ),
+        ("velocity", r"did you mean target-velocity .* or "),
+        ("quickstop", r"did you mean quickstop-deceleration"),
+        ("banana", "no object is called 'banana'; say a name of"),
+        ("", "no object is called ''"),
+        ("---", "no object is called '---'"),
+        ("6081", "no object is called '6081'"),
+        ("0x60F6:256", "a sub-index is 0 to 255"),
+        ("0x12345", "no object is called"),
+        ("0x6081:", "no object is called"),
+    ],
+)
+def test_a_name_that_is_none_is_answered_with_those_that_come_near(text: str, told: str) -> None:
+    with pytest.raises(CommissioningError, match=told):
+        find(text)
+
+
+@QUICK
+@given(text=st.text(max_size=30))
+def test_any_text_is_an_object_or_refused_in_one_line(text: str) -> None:
+    try:
+        assert isinstance(find(text), Address)
+    except CommissioningError as error:
+        assert str(error)
+
+
+@QUICK
+@given(row=st.sampled_from(NUMBERS), data=st.data())
+def test_a_number_that_is_written_is_the_one_that_is_read(row: ObjectRow, data: st.DataObject) -> None:
+    value = data.draw(st.integers(row.type.lowest, row.type.highest))
+    raw = parse(row.address, str(value))
+    assert len(raw) == row.type.size
+    assert decode(row.address, raw) == value
+    assert parse(row.address, f"0x{int.from_bytes(raw, 'little'):X}") == raw
+    if row.unit:
+        unit = f"x {row.unit}" if row.unit[0].isdigit() else row.unit
+        assert parse(row.address, f"{value}{unit}") == parse(row.address, f"{value} {unit}") == raw
+
+
+@QUICK
+@given(row=st.sampled_from(NUMBERS), beyond=st.integers(1, 1 << 40))
+def test_what_the_type_does_not_hold_is_refused(row: ObjectRow, beyond: int) -> None:
+    for value in (row.type.highest + beyond, row.type.lowest - beyond):
+        with pytest.raises(CommissioningError, match="does not fit"):
+            parse(row.address, str(value))
+
+
+@pytest.mark.parametrize(
+    ("address", "text", "raw"),
+    [
+        (at.PROFILE_VELOCITY, "500rpm", "f4010000"),
+        (at.PROFILE_VELOCITY, "0x1F4", "f4010000"),
+        (at.TARGET_VELOCITY, "-20 rpm", "ecffffff"),
+        (at.TARGET_VELOCITY, "+20", "14000000"),
+        (at.TARGET_VELOCITY, "0xFFFFFFEC", "ecffffff"),
+        (at.CONTINUOUS_CURRENT_LIMIT, "2.5A", "c409"),
+        (at.CONTINUOUS_CURRENT_LIMIT, "2500mA", "c409"),
+        (at.THERMAL_TIME_CONSTANT, "4s", "2800"),
+        (at.THERMAL_TIME_CONSTANT, "400ms", "0400"),
+        (at.MODE, "profile velocity", "03"),
+        (at.MODE, "Profile-Velocity", "03"),
+        (at.MODE, "-1", "ff"),
+        (at.MODE, "current", "fd"),
+        (Address(0x1010, 1), "save", b"save".hex()),
+        (Address(0x1011, 1), "load", b"load".hex()),
+        (at.CONTROLWORD, "0x10F", "0f01"),
+        (Address(0x5555), "-1", "ffffffff"),
+    ],
+)
+def test_values_as_people_write_them(address: Address, text: str, raw: str) -> None:
+    assert parse(address, text).hex() == raw
+
+
+@pytest.mark.parametrize(
+    ("address", "text", "told"),
+    [
+        (at.PROFILE_VELOCITY, "500mA", r"wrong unit: 0x6081 Profile Velocity is in rpm"),
+        (at.CONTINUOUS_CURRENT_LIMIT, "1rpm", "is in mA, A"),
+        (at.CONTROLWORD, "5rpm", "is in no unit"),
+        (at.PROFILE_VELOCITY, "2.5", "not a whole number of rpm"),
+        (at.CONTINUOUS_CURRENT_LIMIT, "0.0001A", "not a whole number of mA"),
+        (at.PROFILE_VELOCITY, "fast", "say a number, as 500"),
+        (at.PROFILE_VELOCITY, "", "is no value"),
+        (at.PROFILE_VELOCITY, "0x", "wrong unit"),
+        (at.PROFILE_VELOCITY, "-1", "4 bytes hold 0 to 4294967295"),
+        (at.MODE, "swift", "profileposition"),
+        (Address(0x1010, 1), "load", "one of: save"),
+        (at.CONTROLWORD, "65536", "2 bytes hold 0 to 65535"),
+        (at.CONTROLWORD, "0x10000", "does not fit"),
+        (Address(0x2004), "1", "has 8 bytes; values of up to 4"),
+        (at.DEVICE_NAME, "EPOS", "no fixed length"),
+    ],
+)
+def test_values_that_cannot_be(address: Address, text: str, told: str) -> None:
+    with pytest.raises(CommissioningError, match=told):
+        parse(address, text)
+
+
+def test_another_size_can_be_asked_for() -> None:
+    assert parse(at.CONTROLWORD, "6", 4).hex() == "06000000"
+    assert parse(at.CONTROLWORD, "6", 1).hex() == "06"
+    with pytest.raises(CommissioningError, match="1 bytes hold"):
+        parse(at.CONTROLWORD, "256", 1)
+
+
+@pytest.mark.parametrize(
+    ("address", "value", "mode", "told"),
+    [
+        (at.STATUSWORD, 0x0737, None, ON + "|remote (NMT operational)|target reached"),
+        (at.STATUSWORD, 0x1137, Mode.PROFILE_POSITION, ON + "|set-point acknowledged"),
+        (at.STATUSWORD, 0x1137, Mode.PROFILE_VELOCITY, ON + "|speed is zero"),
+        (at.STATUSWORD, 0x3137, Mode.HOMING, ON + "|homing attained|homing error"),
+        (at.STATUSWORD, 0x1137, Mode.INTERPOLATED_POSITION, ON + "|interpolation active"),
+        (at.STATUSWORD, 0x1140, None, "switch on disabled|bit 12"),
+        (at.STATUSWORD, 0x2140, Mode.CURRENT, "switch on disabled|bit 13"),
+        (at.STATUSWORD, 0x8908, None, "fault|current limited (I2t)|position referenced to home"),
+        (at.STATUSWORD, 0x0042, None, "no state of the drive"),
+        (at.CONTROLWORD, 0x010F, None, "enable operation|halt"),
+        (at.CONTROLWORD, 0x007F, Mode.PROFILE_POSITION, GO + "|new set-point|change immediately|relative"),
+        (at.CONTROLWORD, 0x001F, Mode.HOMING, "enable operation|start homing"),
+        (at.CONTROLWORD, 0x0080, None, "disable voltage|fault reset"),
+        (at.CONTROLWORD, 0x0002, None, "quick stop"),
+        (at.CONTROLWORD, 0x0006, None, "shutdown"),
+        (at.ERROR_REGISTER, 0x00, None, "no error"),
+        (at.ERROR_REGISTER, 0x15, None, "generic|voltage|communication"),
+        (at.MODE_DISPLAY, -3, None, "current"),
+        (at.MODE, 99, None, "no mode of the EPOS2"),
+        (Address(0x1003, 1), 0x3220, None, "0x3220|under-voltage"),
+        (Address(0x1003, 5), 0, None, "no error"),
+        (Address(0x1003, 2), 0x1234, None, "0x1234|unknown error"),
+        (at.PROFILE_VELOCITY, 7, None, ""),
+    ],
+)  # fmt: skip
+def test_bits_in_words(address: Address, value: int, mode: Mode | None, told: str) -> None:
+    assert "|".join(words(address, value, mode)) == told
+
+
+def test_the_supported_modes_are_those_of_the_drive() -> None:
+    assert set(words(at.SUPPORTED_MODES, 0x003F0065)) == {
+        mode.name.lower().replace("_", " ") for mode in Mode
+    }
+
+
+@pytest.mark.parametrize("code", EMERGENCIES)
+def test_every_emergency_in_the_history_has_its_cause(code: int) -> None:
+    assert words(Address(0x1003, 1), code) == (f"0x{code:04X}", EMERGENCIES[code].cause)
+
+
+@pytest.mark.parametrize(
+    ("address", "raw", "moves"),
+    [
+        (at.CONTROLWORD, "0f00", True),
+        (at.CONTROLWORD, "1f00", True),
+        (at.CONTROLWORD, "0f01", True),
+        (at.CONTROLWORD, "0700", False),
+        (at.CONTROLWORD, "0600", False),
+        (at.CONTROLWORD, "0200", False),
+        (at.CONTROLWORD, "0000", False),
+        (at.CONTROLWORD, "8000", False),
+        (at.TARGET_VELOCITY, "00000000", True),
+        (at.VELOCITY_MODE_SETTING, "01000000", True),
+        (at.POSITION_MODE_SETTING, "01000000", True),
+        (at.CURRENT_MODE_SETTING, "0100", True),
+        (at.MODE, "03", True),
+        (Address(0x2078, 1), "0000", True),
+        (Address(0x207D), "0100", True),
+        (at.PROFILE_VELOCITY, "01000000", False),
+        (at.TARGET_POSITION, "01000000", False),
+        (Address(0x1010, 1), "73617665", False),
+    ],
+)
+def test_which_writes_may_move_something(address: Address, raw: str, moves: bool) -> None:  # noqa: FBT001 - a row
+    assert (why_it_may_move(address, bytes.fromhex(raw)) is not None) is moves
