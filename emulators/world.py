@@ -10,7 +10,7 @@ from heapq import heappop, heappush
 from typing import Any, Final, Protocol
 
 from emulators.rewind import Moment, Rewind
-from firmware_bridge.node import Node, Packet, Reaction, Stoppable
+from firmware_bridge.node import Node, Packet, Reaction, Selective, Stoppable
 from firmware_bridge.units import NEVER, Nanoseconds
 
 LIVELOCK: Final = 100_000
@@ -49,7 +49,7 @@ class Wire(Protocol):
 class Station:
     """A node at its place in the world."""
 
-    __slots__ = ("links", "name", "node", "receive", "silent_from", "wake", "wake_at")
+    __slots__ = ("links", "listens", "name", "node", "receive", "silent_from", "wake", "wake_at")
 
     def __init__(self, name: str, node: Node, links: Mapping[str, Wire]) -> None:
         self.name = name
@@ -57,6 +57,7 @@ class Station:
         self.links = dict(links)
         self.receive = node.receive
         self.wake = node.wake
+        self.listens = node.listens if isinstance(node, Selective) else None
         self.wake_at: Nanoseconds = NEVER
         self.silent_from: Nanoseconds = NEVER
 
@@ -91,7 +92,7 @@ class World:
         self.now: Nanoseconds = 0
         self.events = 0
         self._physics = physics
-        self._moved_to: Nanoseconds = -1
+        self._moved_to: Nanoseconds = NEVER if physics is None else -1
         self._crowd = 0
         self._stations: dict[str, Station] = {}
         self._gone: dict[str, Nanoseconds] = {}
@@ -140,12 +141,16 @@ class World:
         heap = self._heap
         while True:
             due = heap[0][0] if heap else NEVER
-            at = min(due, until)
-            if at > self._moved_to and self._physics is not None and self._woken_by_physics(at):
+            at = due if due < until else until
+            if at > self._moved_to and self._woken_by_physics(at):
                 continue
             if due > until:
                 break
-            self._step_to(at)
+            if at == self.now:
+                self._crowded()
+            else:
+                self.now = at
+                self._crowd = 0
             _, _, call, argument = heappop(heap)
             call(argument)
             self.events += 1
@@ -170,8 +175,9 @@ class World:
 
     def deliver(self, station: Station, packet: Packet) -> None:
         """Hand a packet to a station now, and take what it sends in answer."""
-        if self.now < station.silent_from:
-            reaction = station.receive(packet, self.now)
+        now = self.now
+        if now < station.silent_from and (station.listens is None or station.listens(packet)):
+            reaction = station.receive(packet, now)
             if reaction.sent or reaction.wake_at != station.wake_at:
                 self._take(station, reaction)
 
@@ -195,15 +201,12 @@ class World:
             raise WorldError(f"there is no node '{name}'; there are: {', '.join(self._stations) or 'none'}")
         return self._stations[name]
 
-    def _step_to(self, at: Nanoseconds) -> None:
-        if at != self.now:
-            self.now = at
-            self._crowd = 0
-            return
+    def _crowded(self) -> None:
+        """Count one more event at this instant."""
         self._crowd += 1
         if self._crowd > LIVELOCK:
             raise WorldError(
-                f"time stands still at {at} ns: a node or the physics wants to be woken for ever"
+                f"time stands still at {self.now} ns: a node or the physics wants to be woken for ever"
             )
 
     def _woken_by_physics(self, at: Nanoseconds) -> bool:
@@ -215,7 +218,11 @@ class World:
         if not names:
             self._moved_to = at
             return False
-        self._step_to(reached)
+        if reached == self.now:
+            self._crowded()
+        else:
+            self.now = reached
+            self._crowd = 0
         for name in names:
             station = self._stations.get(name)
             if station is not None:

@@ -48,6 +48,14 @@ class Node(Protocol):
 
 
 @runtime_checkable
+class Selective(Protocol):
+    """A node behind an acceptance filter, as a CAN controller has one: the rest need not be brought to it."""
+
+    def listens(self, packet: Packet) -> bool:
+        """Return whether `receive` would do anything with this packet now."""
+
+
+@runtime_checkable
 class Stoppable(Protocol):
     """A node that can be asked to end in good order: bring to rest what moves, then let go of it."""
 

@@ -86,6 +86,10 @@ class Epos2:
 
     # The seam
 
+    def listens(self, packet: Packet) -> bool:
+        """Return whether some service takes this frame now; the first one of all switches the drive on."""
+        return packet.address in self._routes or not self._powered
+
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Take one frame of the bus."""
         if not self._powered:
@@ -127,9 +131,11 @@ class Epos2:
         wake_at = min(self._boot_due, errors.due, pdo.due, self.motion.wake_at(), self._identity.due)
         if self._answers:
             wake_at = min(wake_at, self._answers[0][0])
-        self._idle = Reaction((), wake_at)
         if not self._sent:
+            if self._idle.wake_at != wake_at:
+                self._idle = Reaction((), wake_at)
             return self._idle
+        self._idle = Reaction((), wake_at)
         sent = tuple(self._sent)
         self._sent.clear()
         return Reaction(sent, wake_at)

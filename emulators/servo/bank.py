@@ -71,6 +71,8 @@ class ServoBank:
             if found.library is not None and isinstance(plant, NativePlant)
             else Twin(plant, axes, wiring)
         )
+        self._next: Nanoseconds = (self._engine.tick + 1) * TICK
+        """The end of the tick that has not been run."""
         self.why_not_native: Final = (
             found.reason if found.library is None else "the plant has no FMI functions"
         )
@@ -92,8 +94,11 @@ class ServoBank:
         Without an event that is `until` itself; with one it is the end of the tick that raised it. Raises
         ServoError for an output that is no measurement, and what the plant raises where it fails.
         """
+        if until < self._next:
+            return until, ()
         engine = self._engine
-        last = until // TICK
-        if engine.tick >= last or not engine.run(last):
+        told = engine.run(until // TICK)
+        self._next = (engine.tick + 1) * TICK
+        if not told:
             return until, ()
         return engine.tick * TICK, tuple(axis.node for axis in self.axes if axis.told)

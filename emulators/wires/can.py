@@ -19,13 +19,13 @@ WINDOW: Final = 100 * MILLISECOND
 
 
 class Controller(End):
-    """A station's CAN controller: what it wants to send, with the length in bits."""
+    """A station's CAN controller: what it wants to send, with the length in bits and the rank."""
 
     __slots__ = ("queue",)
 
     def __init__(self, station: Station, link: str) -> None:
         super().__init__(station, link)
-        self.queue: deque[tuple[Packet, int]] = deque()
+        self.queue: deque[tuple[Packet, int, int]] = deque()
 
 
 class CanWire:
@@ -71,7 +71,10 @@ class CanWire:
 
     def carry(self, sender: Station, packet: Packet) -> None:
         """Queue a frame; ValueError for what is no frame."""
-        self._controllers[sender].queue.append((packet, frame_bits(packet.address, packet.payload)))
+        address = packet.address
+        self._controllers[sender].queue.append(
+            (packet, frame_bits(address, packet.payload), arbitration_rank(address))
+        )
         if not self._busy:
             # Not at once: others may begin at this very instant, and then the identifier decides.
             self._busy = True
@@ -92,16 +95,17 @@ class CanWire:
 
     def _arbitrate(self, _: object) -> None:
         world = self._ends.world
+        now = world.now
         winner: Controller | None = None
         best = 0
         for controller in self._controllers.values():
             queue = controller.queue
             if not queue:
                 continue
-            if world.now >= controller.station.silent_from:
+            if now >= controller.station.silent_from:
                 queue.clear()
                 continue
-            rank = arbitration_rank(queue[0][0].address)
+            rank = queue[0][2]
             if winner is None or rank < best:
                 winner, best = controller, rank
             elif rank == best:
@@ -110,12 +114,12 @@ class CanWire:
             self._busy = False
             return
         bits = winner.queue[0][1]
-        world.call_at(world.now + bits * self.bit_time, self._finish, winner)
+        world.call_at(now + bits * self.bit_time, self._finish, winner)
 
     def _finish(self, controller: Controller) -> None:
         world = self._ends.world
         now = world.now
-        packet, bits = controller.queue.popleft()
+        packet, bits, _ = controller.queue.popleft()
         self._idle_from = now + INTERFRAME_BITS * self.bit_time
         self.frames += 1
         self.bits += bits
@@ -135,9 +139,11 @@ class CanWire:
         self._busy = False
 
     def _measure(self, now: Nanoseconds, taken: Nanoseconds) -> None:
-        recent = self._recent
+        recent, oldest = self._recent, now - WINDOW
         recent.append((now, taken))
-        self._recent_time += taken
-        while recent[0][0] <= now - WINDOW:
-            self._recent_time -= recent.popleft()[1]
-        self._peak_time = max(self._peak_time, self._recent_time)
+        time = self._recent_time + taken
+        while recent[0][0] <= oldest:
+            time -= recent.popleft()[1]
+        self._recent_time = time
+        if time > self._peak_time:
+            self._peak_time = time

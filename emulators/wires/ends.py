@@ -53,15 +53,13 @@ class Ends:
 
     def hand_over(self, sender: Station, packet: Packet) -> None:
         """Give a packet that has wholly arrived to observers, trace and everybody but its sender."""
-        world = self.world
+        world, deliver, deaf, sent_on = self.world, self.world.deliver, self.deaf, packet.link
         for observer in self.observers:
             observer(world.now, sender.name, packet)
         world.note(self.wire, sender.name, packet)
         for end in self.all:
-            station = end.station
-            if station is not sender and station not in self.deaf:
-                link = end.link
-                world.deliver(
-                    station,
-                    packet if packet.link == link else Packet(link, packet.address, packet.payload),
+            station, link = end.station, end.link
+            if station is not sender and station not in deaf:
+                deliver(
+                    station, packet if link == sent_on else Packet(link, packet.address, packet.payload)
                 )

@@ -44,6 +44,10 @@ class SerialEpos2(Epos2):
         """Bits a second on the serial line."""
         return self._port.baud
 
+    def listens(self, packet: Packet) -> bool:
+        """Return whether drive or host take this packet now."""
+        return packet.link == SERIAL or super().listens(packet) or self._port.listens(packet.address)
+
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Take one frame of the bus, or bytes of the serial line."""
         if packet.link == SERIAL:
