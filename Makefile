@@ -65,9 +65,9 @@ $(MEASURED): $(READY)
 	@touch $@
 
 bench: $(MEASURED) ## measure how fast the bench is, what it costs, and against what; some minutes
-	@for one in realtime servo against_fmpy many_drives device memory; do \
-		$(BIN)/python -m benchmarks.$$one || exit $$?; \
-	done
+	@status=0; for one in realtime against_fmpy many_drives device memory; do \
+		$(BIN)/python -m benchmarks.$$one || status=$$?; \
+	done; exit $$status
 
 hour: $(READY) ## drive a simulated hour and watch the memory
 	@$(BIN)/python -m benchmarks.memory 60

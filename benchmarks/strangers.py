@@ -67,6 +67,20 @@ def _canopen_server() -> Callable[[bytes], bytes | None]:
     return served
 
 
+def _canopen_whole() -> Callable[[bytes], bytes | None]:
+    from canopen import Network
+
+    network, taken = Network(), _Taken()
+    network.send_message = taken.send_message
+    network[NODE] = _canopen_node()
+
+    def served(request: bytes) -> bytes | None:
+        network.notify(REQUEST, request, 0.0)
+        return taken.answer
+
+    return served
+
+
 def _durand_node(network: Any) -> Any:
     from durand import MinimalNode, Variable
     from durand.datatypes import DatatypeEnum
@@ -113,6 +127,8 @@ def _durand_on(bus: can.BusABC) -> Iterator[None]:
 
 SERVERS: Final = {"canopen": _canopen_server, "durand": _durand_server}
 """What makes a server alone, by the library's name."""
+WHOLE: Final = {"canopen": _canopen_whole, "durand": _durand_server}
+"""What makes a node that is handed frames, by the library's name; durand's bus hands them to the server."""
 NODES: Final = {"canopen": _canopen_on, "durand": _durand_on}
 """What puts a node on a bus, by the library's name."""
 

@@ -52,6 +52,8 @@ class Bridge:
         self._cycle: Final[Nanoseconds] = bus.cycle_ms * MILLISECOND
         self._beat: Final[Nanoseconds] = bus.bridge_heartbeat_ms * MILLISECOND
         self._outbox: list[Packet] = []
+        self._idle = Reaction()
+        """The newest reaction that sent nothing; most are the same."""
         self._fleet = fleet_of(robot)
         self._operator = Operator(robot)
         self._permission = Permission(robot, self._fleet, self._outbox)
@@ -158,9 +160,14 @@ class Bridge:
             self._run(now)
         elif self.phase is Phase.LEAVING and not self._fleet.busy:
             self.phase = Phase.FINISHED
+        wake_at = self._wake_at()
+        if not self._outbox:
+            if self._idle.wake_at != wake_at:
+                self._idle = Reaction((), wake_at)
+            return self._idle
         sent = tuple(self._outbox)
         self._outbox.clear()
-        return Reaction(sent, self._wake_at())
+        return Reaction(sent, wake_at)
 
     def _wake_at(self) -> Nanoseconds:
         if self.phase is Phase.FINISHED or self._cycle_at is None:

@@ -105,7 +105,7 @@ class Pipeline:
             intent=self._operator.intent,
             armed=permission.armed,
             emergency_stopped=permission.emergency_stopped,
-            drives=tuple(_told(drive) for drive in self._fleet.drives),
+            drives=tuple([_told(drive) for drive in self._fleet.drives]),
             steer_rad=self._steer(),
             lift_m=self._height(),
             speed_mps=(left + right) / 2.0,

@@ -116,7 +116,7 @@ class Epos2:
         if packet.address == canopen.SDO_RESPONSE + self._axis.node:
             return self._go_on(self._performer.answered(packet.payload, now), now)
         self._ear.hear(packet.address, packet.payload, now)
-        if not self.busy:
+        if self._task is None:
             return ()
         if self.heard.restarted and self._task in _NEEDS_SET_UP:
             self._performer.stop(StartupError(self._axis, "it restarted by itself and lost its set-up"))

@@ -1,6 +1,7 @@
 """All drives of one robot: who a frame belongs to, what all of them do next. It knows no kind of drive."""
 
 from collections.abc import Iterable, Mapping
+from itertools import chain
 
 from firmware_bridge.drivers.drive import Demand, Drive, Stop, Task
 from firmware_bridge.node import Packet
@@ -31,10 +32,7 @@ class Fleet:
     @property
     def wake_at(self) -> Nanoseconds:
         """When the first drive wants to be woken."""
-        at = NEVER
-        for drive in self.drives:
-            at = min(at, drive.wake_at)
-        return at
+        return min([drive.wake_at for drive in self.drives], default=NEVER)
 
     def sampled(self, since: Nanoseconds) -> bool:
         """Whether every drive has answered the SYNC sent at `since`."""
@@ -46,7 +44,7 @@ class Fleet:
 
     def command(self, demands: Mapping[str, Demand]) -> tuple[Packet, ...]:
         """Send each axis its demand; an axis without one rests."""
-        return _joined(drive.command(demands.get(drive.axis.name, Stop.REST)) for drive in self.drives)
+        return _joined([drive.command(demands.get(drive.axis.name, Stop.REST)) for drive in self.drives])
 
     def command_all(self, demand: Demand) -> tuple[Packet, ...]:
         """Send all axes the same demand."""
@@ -70,8 +68,8 @@ class Fleet:
 
     def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Act on the time."""
-        return _joined(drive.wake(now) for drive in self.drives if drive.wake_at <= now)
+        return _joined([drive.wake(now) for drive in self.drives if drive.wake_at <= now])
 
 
 def _joined(parts: Iterable[tuple[Packet, ...]]) -> tuple[Packet, ...]:
-    return tuple(packet for part in parts for packet in part)
+    return tuple(chain.from_iterable(parts))

@@ -75,7 +75,8 @@ class Performer:
     @property
     def wake_at(self) -> Nanoseconds:
         """When it wants to be woken."""
-        return min(self._until_at, self._client.wake_at)
+        until, late = self._until_at, self._client.wake_at
+        return until if until < late else late
 
     def perform(self, script: Script, now: Nanoseconds) -> Sent:
         """Begin a script in place of whatever was under way."""

@@ -72,12 +72,16 @@ class _Memory:
 class Gate:
     """The interlocks of one robot."""
 
-    __slots__ = ("_lift_let_go", "_memory", "_ramp", "_robot", "_steer_rad")
+    __slots__ = ("_drive_rows", "_lift_let_go", "_memory", "_ramp", "_robot", "_steer_rad")
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
         self._ramp = Ramp.of(robot)
         self._memory = _Memory()
+        self._drive_rows = {
+            axis.name: tuple((f"{row.name}: {axis.name}", row) for row in DRIVE_STOPS) for axis in robot.axes
+        }
+        """Each axis's interlocks with the names of their holds."""
         self._lift_let_go = False
         self._steer_rad: float | None = None
 
@@ -93,7 +97,8 @@ class Gate:
             self._steer_rad = wish.steer_rad
         clips += self._acceleration(seen, wish.speed_mps, stopped=stopped)
         wanted = _lift_wanted(wish, seen.lift_m)
-        refused = self._lift_refusal(replace(view, speed_let_go_mps=wish.speed_mps), wanted=wanted)
+        let_go = View(self._robot, seen, self._lift_let_go, speed_let_go_mps=wish.speed_mps)
+        refused = self._lift_refusal(let_go, wanted=wanted)
         lifting = not lift and not refused
         self._lift_let_go = lifting and wanted
         return Ruling(
@@ -120,24 +125,24 @@ class Gate:
         """Return the holds that stop the base, and those of them that stop the lift as well."""
         base: list[Hold] = []
         lift: list[Hold] = []
+        memory, now = self._memory, view.seen.now
         for row in STOPS:
-            reason = row.judge(replace(view, holding=self._memory.holds(row.name)))
-            hold = self._memory.look(row.name, reason, row.remedy, row.clear_after, view.seen.now)
+            reason = row.judge(view.held() if memory.holds(row.name) else view)
+            hold = memory.look(row.name, reason, row.remedy, row.clear_after, now)
             if hold is not None:
                 base.append(hold)
                 if not row.lift_is_free:
                     lift.append(hold)
         drives = {drive.axis: drive for drive in view.seen.drives}
         for axis in self._robot.axes:
-            holds = self._drive_stops(axis, drives.get(axis.name, _absent(axis)), view.seen.now)
+            holds = self._drive_stops(axis, drives.get(axis.name) or _absent(axis), now)
             base += holds
             lift += holds
         return tuple(base), tuple(lift)
 
     def _drive_stops(self, axis: Axis, drive: DriveSnapshot, now: Nanoseconds) -> list[Hold]:
         holds = []
-        for row in DRIVE_STOPS:
-            name = f"{row.name}: {axis.name}"
+        for name, row in self._drive_rows[axis.name]:
             reason = row.judge(self._robot, axis, drive, now)
             hold = self._memory.look(name, reason, row.remedy, row.clear_after, now)
             if hold is not None:
@@ -153,8 +158,9 @@ class Gate:
             reason = None
             if value is not None:
                 allowed, reason = row.clip(value, self._robot, seen)
-                change: dict[str, Any] = {row.field: allowed}
-                wish = replace(wish, **change)
+                if allowed is not value:
+                    change: dict[str, Any] = {row.field: allowed}
+                    wish = replace(wish, **change)
             holds += self._limit_hold(row.name, None if stopped else reason, row.remedy, seen.now)
         return wish, tuple(holds)
 
@@ -179,7 +185,8 @@ class Gate:
 
     def _lift_refusal(self, view: View, *, wanted: bool) -> tuple[Hold, ...]:
         row = LIFT_REFUSED
-        reason = row.judge(replace(view, holding=self._memory.holds(row.name))) if wanted else None
+        looked = view.held() if self._memory.holds(row.name) else view
+        reason = row.judge(looked) if wanted else None
         hold = self._memory.look(row.name, reason, row.remedy, row.clear_after, view.seen.now)
         return () if hold is None else (hold,)
 

@@ -92,6 +92,7 @@ class Guarded:
 
     def _judged(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
         sent: list[Packet] = []
+        wake_at = reaction.wake_at
         for packet in reaction.sent:
             if packet.link == OPERATOR:
                 sent.append(packet)
@@ -99,11 +100,14 @@ class Guarded:
                 sent += self._admitted(packet, now)
             else:
                 sent += self._replaced(packet, f"link '{packet.link}' is not listed", self._all_safe(), now)
-        if self._stopping and reaction.wake_at == NEVER:
+        if self._stopping and wake_at == NEVER:
             # It has ended in good order; whoever carries it takes NEVER for the end.
             return Reaction(tuple(sent))
         sent += self._spoken_for(now)
-        return Reaction(tuple(sent), min(reaction.wake_at, self._deadline()))
+        at = min(wake_at, self._deadline())
+        if not sent and not reaction.sent and at == wake_at:
+            return reaction
+        return Reaction(tuple(sent), at)
 
     def _admitted(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Return the frame itself, or what leaves in its place."""
@@ -177,8 +181,7 @@ class Guarded:
             self._moving_since = NEVER
         elif self._moving_since == NEVER:
             self._moving_since = now
-        silent = [axis for axis in self._axes if now >= self._due(axis)]
-        if not silent:
+        if now < self._overdue_at():
             self._speak_at = NEVER
             return ()
         if alarmed and now < self._speak_at:
@@ -187,7 +190,7 @@ class Guarded:
         safe = self._all_safe()
         if alarmed:
             return safe
-        titles = ", ".join(axis.rules.axis.title for axis in silent)
+        titles = ", ".join(axis.rules.axis.title for axis in self._axes if now >= self._due(axis))
         return self._replaced(
             None, f"no set-point for {self._patience // MILLISECOND} ms: {titles}", safe, now
         )
@@ -196,10 +199,14 @@ class Guarded:
         """Return when the axis is overdue: so long after it was spoken for, or after the motion began."""
         return max(axis.spoken_at, self._moving_since) + self._patience
 
+    def _overdue_at(self) -> Nanoseconds:
+        """Return when the first axis is overdue."""
+        return max(min([axis.spoken_at for axis in self._axes]), self._moving_since) + self._patience
+
     def _deadline(self) -> Nanoseconds:
         if self._speak_at != NEVER:
             return self._speak_at
-        return min(NEVER, *(self._due(axis) for axis in self._axes))
+        return min(NEVER, self._overdue_at())
 
 
 def _ends_watch(payload: bytes) -> bool:

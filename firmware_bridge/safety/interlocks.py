@@ -49,6 +49,10 @@ class View:
     speed_let_go_mps: float = 0.0
     """The base speed of this ruling."""
 
+    def held(self) -> "View":
+        """Return the same for an interlock that holds already."""
+        return View(self.robot, self.seen, self.lift_let_go, True, self.speed_let_go_mps)  # noqa: FBT003 - its field's place
+
 
 Judge: TypeAlias = Callable[[View], str | None]
 DriveJudge: TypeAlias = Callable[[Robot, Axis, DriveSnapshot, Nanoseconds], str | None]
