@@ -8,7 +8,7 @@ from typer.core import TyperCommand
 _NEGATIVE: Final = re.compile(r"-\d.*")
 _NUMBER: Final = re.compile(r"\d+(\.\d+)?")
 _REST: Final = "--"
-WATCH: Final = "--watch"
+WATCH: Final = ("--watch", "-w")
 PERIOD: Final = "0.2"
 """Seconds between two looks where none are given."""
 
@@ -26,12 +26,12 @@ class NegativeValue(TyperCommand):
 
 
 class OptionalPeriod(TyperCommand):
-    """Takes `--watch` alone, too: what follows it is its value only where that is a number."""
+    """Takes `--watch` or `-w` alone, too: what follows it is its value only where that is a number."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Give a lonely `--watch` its value."""
+        """Give a lonely option its value."""
         full: list[str] = []
         for word, following in zip(args, [*args[1:], ""], strict=True):
-            lonely = word == WATCH and not _NUMBER.fullmatch(following)
-            full += [WATCH, PERIOD] if lonely else [word]
+            lonely = word in WATCH and not _NUMBER.fullmatch(following)
+            full += [word, PERIOD] if lonely else [word]
         return super().parse_args(ctx, full)

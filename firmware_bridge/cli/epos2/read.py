@@ -104,7 +104,8 @@ def _record(drive: Line, reading: Reading, indent: int | None = 2) -> str:
 
 
 def _end_where_refused(drive: Line, reading: Reading) -> None:
-    refused = [each for each in reading.found.values() if isinstance(each, ErrandError)]
+    found = (reading.found.get(address) for address in reading.addresses)
+    refused = [each for each in found if isinstance(each, ErrandError)]
     for each in refused:
         typer.echo(f"firmware-bridge: {explain(each, drive.title, drive.silence)}", err=True)
     if refused:

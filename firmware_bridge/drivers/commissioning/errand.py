@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Final, TypeAlias
 
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
-from firmware_bridge.wire.abort import meaning_of
+from firmware_bridge.wire.abort import AbortCode, meaning_of
 from firmware_bridge.wire.canopen import NmtCommand
 from firmware_bridge.wire.epos2.address import Address
 
@@ -62,6 +62,8 @@ class ErrandError(Exception):
         super().__init__(errand, problem)
         self.errand = errand
         self.problem = problem
+        self.unheard = False
+        """Whether the drive itself said nothing at all, so that asking for more is of no use."""
 
     def __str__(self) -> str:
         """Say it in one line."""
@@ -74,6 +76,7 @@ class RefusedError(ErrandError):
     def __init__(self, errand: Errand, code: int) -> None:
         super().__init__(errand, f"refused with {meaning_of(code)}")
         self.code = code
+        self.unheard = code == AbortCode.TIMEOUT
 
 
 class SilentError(ErrandError):
@@ -82,6 +85,7 @@ class SilentError(ErrandError):
     def __init__(self, errand: Errand, waited: Nanoseconds) -> None:
         super().__init__(errand, f"no answer within {waited // MILLISECOND} ms")
         self.waited = waited
+        self.unheard = True
 
 
 class BrokenAnswerError(ErrandError):

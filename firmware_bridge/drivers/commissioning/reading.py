@@ -5,7 +5,7 @@ from functools import partial
 from typing import Final
 
 from firmware_bridge.drivers.commissioning.client import Ask, Do, Pause, Script
-from firmware_bridge.drivers.commissioning.errand import Outcome, Read, SilentError
+from firmware_bridge.drivers.commissioning.errand import ErrandError, Outcome, Read
 from firmware_bridge.drivers.commissioning.values import decode
 from firmware_bridge.drivers.commissioning.words import BY_MODE, mode_of
 from firmware_bridge.units import Nanoseconds
@@ -53,7 +53,7 @@ class Reading:
         return (Pause(period), Do(partial(self._round, period, told, now)))
 
     def _keep(self, address: Address, outcome: Outcome) -> Script:
-        if isinstance(outcome, SilentError):
+        if isinstance(outcome, ErrandError) and outcome.unheard:
             raise outcome
         self.found[address] = outcome
         return ()

@@ -83,7 +83,7 @@ def test_enabled_and_disabled_over_every_way(way: Way) -> None:
 
 def test_quick_stop_active_is_not_left_by_shutdown() -> None:
     rig = brought(Rig(), S.QUICK_STOP_ACTIVE)
-    with pytest.raises(CommissioningError, match="'shutdown' does not lead out of .* `state disable` first"):
+    with pytest.raises(CommissioningError, match=r"'shutdown' does not lead out of .* `state disable` first"):
         rig.does(CanLink(NEAR), PowerCommand(W.SHUTDOWN).script())
     assert power(rig) is S.QUICK_STOP_ACTIVE
 
@@ -138,7 +138,7 @@ def test_a_fault_is_reset_and_its_history_kept(way: Way) -> None:
 
 def test_a_drive_in_fault_is_not_enabled_and_says_what_to_do() -> None:
     rig = faulted(Rig())
-    with pytest.raises(CommissioningError, match="state 'fault'; .*`state reset-fault`"):
+    with pytest.raises(CommissioningError, match=r"state 'fault'; .*`state reset-fault`"):
         rig.does(CanLink(NEAR), PowerCommand(W.ENABLE).script())
     assert power(rig) is S.FAULT
     for wanted in (W.QUICK_STOP, W.DISABLE):

@@ -1,5 +1,7 @@
 """Objects by name, values with units, bits in words: tables, and properties over the whole object table."""
 
+from contextlib import suppress
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -79,11 +81,9 @@ def test_a_name_that_is_none_is_answered_with_those_that_come_near(text: str, to
 
 @QUICK
 @given(text=st.text(max_size=30))
-def test_any_text_is_an_object_or_refused_in_one_line(text: str) -> None:
-    try:
+def test_any_text_is_an_object_or_refused_by_name(text: str) -> None:
+    with suppress(CommissioningError):
         assert isinstance(find(text), Address)
-    except CommissioningError as error:
-        assert str(error)
 
 
 @QUICK

@@ -1,0 +1,97 @@
+"""Emulated drives in a thread of this process, on a pseudo-terminal and a virtual CAN bus, in real time."""
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from itertools import count
+from typing import Final
+
+from typer.testing import CliRunner
+
+from emulators.epos2.catalogue import PROFILES
+from emulators.gateway import Cluster
+from emulators.single import Order, drives
+from firmware_bridge.cli import attach_commands, program
+from firmware_bridge.node import CAN, SERIAL, Node, Packet, Reaction
+from firmware_bridge.shell.clock import Clock
+from firmware_bridge.shell.ports import PseudoTerminal, open_can
+from firmware_bridge.shell.runner import run
+from firmware_bridge.units import Nanoseconds
+from firmware_bridge.wire.maxon.frame import Generation
+
+attach_commands()
+NUMBERS: Final = count()
+NEAR: Final = 1
+FAR: Final = 2
+
+
+@dataclass(frozen=True)
+class Told:
+    """What a command said, and how it ended."""
+
+    status: int
+    out: str
+    err: str
+
+    @property
+    def line(self) -> str:
+        """The one line of a refusal."""
+        (line,) = self.err.splitlines()
+        assert line.startswith("firmware-bridge: ")
+        return line
+
+
+def ask(*words: str) -> Told:
+    """Run a command in this process."""
+    result = CliRunner().invoke(program, ["epos2", *words])
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    assert "Traceback" not in result.output
+    return Told(result.exit_code, result.stdout, result.stderr)
+
+
+class UntilTold:
+    """A node that goes on until somebody has had enough."""
+
+    def __init__(self, node: Node) -> None:
+        self.finished = False
+        self._node = node
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        return self._node.receive(packet, now)
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        return self._node.wake(now)
+
+
+@dataclass(frozen=True)
+class Bench:
+    """Where the drives are."""
+
+    generation: Generation
+    path: str
+    channel: str
+
+    @property
+    def serial(self) -> tuple[str, ...]:
+        return ("--serial", self.path, "--protocol", self.generation.value)
+
+    @property
+    def can(self) -> tuple[str, ...]:
+        return ("-i", "virtual", "-c", self.channel)
+
+
+@contextmanager
+def bench(generation: Generation = Generation.V1) -> Iterator[Bench]:
+    """Run two drives, the first one on the line, until the end of the block."""
+    made, bank = drives(Order((NEAR, FAR), PROFILES["70/10"], 1_000_000, serial={NEAR: generation}))
+    node = UntilTold(Cluster(made, bank, owners={SERIAL: "motor1"}))
+    terminal, channel = PseudoTerminal(), f"bench-drives-{next(NUMBERS)}"
+    ports = {SERIAL: terminal, CAN: open_can("virtual", channel)}
+    thread = threading.Thread(target=run, args=(node, ports, Clock()), name=channel)
+    thread.start()
+    try:
+        yield Bench(generation, terminal.path, channel)
+    finally:
+        node.finished = True
+        thread.join()

@@ -1,0 +1,57 @@
+"""Reading again and again: told at first, told of each change, and never else; a refusal is a value, too."""
+
+from itertools import pairwise
+
+from firmware_bridge.drivers.commissioning.can_link import CanLink
+from firmware_bridge.drivers.commissioning.client import Client
+from firmware_bridge.drivers.commissioning.errand import RefusedError, SilentError
+from firmware_bridge.drivers.commissioning.reading import Reading
+from firmware_bridge.node import CAN
+from firmware_bridge.units import MILLISECOND, SECOND
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.address import Address
+from hil_tests.unit.commissioning.rig import NEAR, Rig
+
+PERIOD = 100 * MILLISECOND
+
+
+def test_each_change_is_told_once_and_within_a_period() -> None:
+    rig, told = Rig(), []
+    reading = Reading([at.PROFILE_VELOCITY, Address(0x5555)])
+    script = reading.again_and_again(PERIOD, lambda: told.append(reading.value(at.PROFILE_VELOCITY)))
+    client = Client(CanLink(NEAR), script)
+    rig.world.attach("client", client, {CAN: rig.bus})
+    rig.waits(SECOND)
+    for value in (7, 8, 8, 1000):
+        rig.drives[NEAR].store.set(at.PROFILE_VELOCITY, value)
+        rig.waits(PERIOD + 5 * MILLISECOND)
+    assert told == [1000, 7, 8, 1000]
+    assert isinstance(reading.found[Address(0x5555)], RefusedError)
+    assert not client.finished
+
+
+def test_it_asks_no_more_often_than_it_is_told_to() -> None:
+    rig, asked = Rig(), []
+    rig.bus.observe(lambda now, sender, _packet: asked.append(now) if sender == "client" else None)
+    client = Client(CanLink(NEAR), Reading([at.PROFILE_VELOCITY]).again_and_again(PERIOD, lambda: None))
+    rig.world.attach("client", client, {CAN: rig.bus})
+    rig.waits(SECOND + 50 * MILLISECOND)
+    assert 10 <= len(asked) <= 11
+    assert all(later - earlier >= PERIOD for earlier, later in pairwise(asked))
+
+
+def test_a_drive_that_falls_silent_ends_it() -> None:
+    rig = Rig()
+    client = Client(CanLink(9), Reading([at.PROFILE_VELOCITY]).again_and_again(PERIOD, lambda: None))
+    rig.world.attach("client", client, {CAN: rig.bus})
+    rig.waits(SECOND)
+    assert client.finished
+    assert isinstance(client.failure, SilentError)
+
+
+def test_the_mode_is_read_for_words_that_need_it_and_only_then() -> None:
+    for addresses, mode in (((at.STATUSWORD,), True), ((at.PROFILE_VELOCITY,), False)):
+        rig, reading = Rig(), Reading(addresses)
+        rig.does(CanLink(NEAR), reading.once())
+        assert (at.MODE_DISPLAY in reading.found) is mode
+        assert reading.addresses == addresses
