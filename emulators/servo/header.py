@@ -5,16 +5,15 @@ Run as `python -m emulators.servo.header`; a test fails while the file is out of
 
 import ctypes
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from types import MappingProxyType, ModuleType
 from typing import Final
 
 from emulators.servo import axis, loops, scaling, seam, signals, winding
 from emulators.servo.axis import ServoAxis
-from emulators.servo.kernel import BankRecord, Ended, LineRecord
+from emulators.servo.kernel import NATIVE_FOLDER, BankRecord, Ended, LineRecord
 from fmu.calls import PlantRecord
 
-PATH: Final = Path(__file__).parent / "record.h"
+PATH: Final = NATIVE_FOLDER / "record.h"
 
 CONSTANTS: Final[tuple[tuple[ModuleType, tuple[str, ...]], ...]] = (
     (
@@ -38,7 +37,8 @@ CONSTANTS: Final[tuple[tuple[ModuleType, tuple[str, ...]], ...]] = (
     (scaling, ("VELOCITY_PLACES", "POSITION_P_PLACES", "POSITION_I_PLACES", "POSITION_D_PLACES")),
     (scaling, ("SPEED_FORWARD_PLACES", "ACCELERATION_FORWARD_PLACES", "FILTER_PLACES")),
     (winding, ("RESTING", "LEARNING", "LEARNING_RATE", "BACK_EMF_PLACES", "WIDEST_BACK_EMF", "FADED")),
-    (winding, ("CURRENT_PLACES", "AVERAGE_PLACES")),
+    (winding, ("CURRENT_PLACES",)),
+    (axis, ("AVERAGE_PLACES",)),
     (seam, ("CLOSED", "WIDEST_READING", "WIDEST_ANGLE", "WIDEST_STEP")),
 )
 """What the kernel knows by name, and the module that declares it."""
