@@ -15,6 +15,7 @@ from emulators.epos2.serial.drive import SerialEpos2
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import Plant, ServoBank, plant_inputs, plant_outputs
 from emulators.servo.motor import DcMotor, DcMotors
+from emulators.servo.pins import input_lines, output_lines, pin_inputs, pin_outputs
 from emulators.storage import ParameterFile
 from firmware_bridge.wire.maxon.frame import Generation
 from fmu.plant import FmuPlant, PlantError
@@ -39,6 +40,8 @@ class Order:
     bit_rate: int
     motor: DcMotor = MOTOR
     plant: Path | None = None
+    plant_parameters: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    """The FMU's parameters that are to be set, by their names."""
     axes: Sequence[str] = ()
     """The plant's names for its axes, in the order of the nodes."""
     supply_mv: int = SUPPLY_MV
@@ -61,7 +64,11 @@ def drives(order: Order) -> tuple[dict[str, Epos2], ServoBank]:
     PlantError where the FMU cannot be used, StorageError where saved parameters cannot be read.
     """
     names = order.names
-    plant: Plant = DcMotors((order.motor,) * len(names)) if order.plant is None else _fmu(order.plant, names)
+    plant: Plant = (
+        DcMotors((order.motor,) * len(names))
+        if order.plant is None
+        else _fmu(order.plant, names, order.plant_parameters)
+    )
     axes = [
         ServoAxis(name, QUADCOUNTS, supply_mv=order.supply_mv, back_emf=_back_emf(order, plant, name))
         for name in names
@@ -69,7 +76,10 @@ def drives(order: Order) -> tuple[dict[str, Epos2], ServoBank]:
     made = {
         name: _drive(order, node, axis) for name, node, axis in zip(names, order.nodes, axes, strict=True)
     }
-    return made, ServoBank(plant, axes)
+    if not isinstance(plant, FmuPlant):
+        return made, ServoBank(plant, axes)
+    wires, switches = output_lines(plant.input_names, names), input_lines(plant.output_names, names)
+    return made, ServoBank(plant, axes, input_lines=switches, output_lines=wires)
 
 
 def _drive(order: Order, node: int, axis: ServoAxis) -> Epos2:
@@ -82,8 +92,15 @@ def _drive(order: Order, node: int, axis: ServoAxis) -> Epos2:
     return SerialEpos2(switch, axis, profile, generation=generation, storage=storage, bus_rate=order.bit_rate)
 
 
-def _fmu(path: Path, names: Sequence[str]) -> FmuPlant:
-    return FmuPlant(path, plant_inputs(names), plant_outputs(names))
+def _fmu(path: Path, names: Sequence[str], parameters: Mapping[str, float]) -> FmuPlant:
+    return FmuPlant(
+        path,
+        plant_inputs(names),
+        plant_outputs(names),
+        parameters,
+        optional_inputs=pin_inputs(names),
+        optional_outputs=pin_outputs(names),
+    )
 
 
 def _back_emf(order: Order, plant: Plant, name: str) -> int:

@@ -20,11 +20,12 @@
 #define OVER_CURRENT INT64_C(32)
 #define UNDER_VOLTAGE INT64_C(64)
 #define OVER_VOLTAGE INT64_C(128)
+#define CURRENT_REACHED INT64_C(256)
 #define AVERAGE INT64_C(5)
-#define WRAP INT64_C(4294967296)
-#define HALF INT64_C(2147483648)
 #define WIDEST_SPEED INT64_C(1073741824)
 #define WIDEST_WAY INT64_C(68719476736)
+#define WRAP INT64_C(4294967296)
+#define HALF INT64_C(2147483648)
 #define VELOCITY_PLACES INT64_C(38)
 #define POSITION_P_PLACES INT64_C(32)
 #define POSITION_I_PLACES INT64_C(40)
@@ -40,6 +41,7 @@
 #define FADED INT64_C(32)
 #define CURRENT_PLACES INT64_C(8)
 #define AVERAGE_PLACES INT64_C(16)
+#define CLOSED INT64_C(500)
 #define WIDEST_READING INT64_C(1073741824)
 #define WIDEST_ANGLE INT64_C(4503599627370496)
 #define WIDEST_STEP INT64_C(2147483648)
@@ -53,12 +55,14 @@
 #define ENDED_WRITE 6
 #define ENDED_STEP 7
 #define ENDED_READ 8
+#define ENDED_PIN 9
 
 typedef struct {
     int64_t encoder_resolution;
     int64_t supply_mv;
     int64_t analogue_1_mv;
     int64_t analogue_2_mv;
+    int64_t pins;
     int64_t resolution;
     int64_t fraction;
     int64_t current_p;
@@ -99,6 +103,10 @@ typedef struct {
     int64_t deceleration;
     int64_t stopping_distance;
     int64_t call;
+    int64_t pins_watched;
+    int64_t index_watched;
+    int64_t current_watched_ma;
+    int64_t outputs;
     int64_t now;
     int64_t flags;
     int64_t encoder;
@@ -123,6 +131,9 @@ typedef struct {
     int64_t window_ms;
     int64_t still_ms;
     int64_t told;
+    int64_t pins_before;
+    int64_t index_position;
+    int64_t index_passes;
 } servo_axis;
 
 typedef struct {
@@ -142,12 +153,22 @@ typedef struct {
 } plant_calls;
 
 typedef struct {
+    int64_t axis;
+    int64_t mask;
+    int64_t variable;
+} servo_line;
+
+typedef struct {
     int64_t count;
     void *axes;
     void *counts_per_radian;
     void *dividers;
     int64_t supply;
     int64_t sampled;
+    void *input_lines;
+    int64_t input_line_count;
+    void *output_lines;
+    int64_t output_line_count;
     void *plant;
     int64_t tick;
     int64_t fault_axis;
