@@ -7,6 +7,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Final
 
+from emulators.epos2.data_recorder import DataRecorder
 from emulators.epos2.machine import PowerMachine
 from emulators.epos2.modes.motion import Motion
 from emulators.epos2.modes.table import HEEDED, MODES
@@ -45,7 +46,9 @@ class MotionControl:
         self._store = store
         self._axis = axis
         self._motion = Motion(store, axis)
-        self._machine = PowerMachine(store, axis, self._motion, report, delays or Delays())
+        self._recorder = DataRecorder(store, axis)
+        self._tell = report
+        self._machine = PowerMachine(store, axis, self._motion, self._report, delays or Delays())
         self._settings = Settings()
         self._operational = False
         self._hook()
@@ -91,6 +94,7 @@ class MotionControl:
     def reset(self) -> None:
         """Begin as after power-on, with the store's present values (transition 19)."""
         self._axis.restart()
+        self._recorder.reset()
         for row in PARAMETERS:
             setattr(self._settings, row.setting, self._store.get(row.address))
         configure(self._axis, self._settings)
@@ -99,6 +103,11 @@ class MotionControl:
         self._store.set(at.MODE_DISPLAY, self._motion.number)
         self._machine.restart()
         self._publish()
+
+    def _report(self, code: int) -> None:
+        if code != emergency.NO_ERROR:
+            self._recorder.error()
+        self._tell(code)
 
     # Objects
 

@@ -8,6 +8,7 @@ import ctypes
 from typing import ClassVar, Final
 
 from emulators.servo.record import FIELDS, Record
+from emulators.servo.recorder import Recorder
 from firmware_bridge.units import MICROSECOND, Nanoseconds
 
 TICK: Final[Nanoseconds] = 100 * MICROSECOND
@@ -76,6 +77,7 @@ class ServoAxis(Record, ctypes.Structure):
         super().__init__()
         self.name: Final = name
         self.node: Final = node or name
+        self.recorder: Final = Recorder()
         self.encoder_resolution = encoder_resolution
         self.supply_mv = supply_mv
         self.analogue_1_mv = 0
@@ -119,7 +121,7 @@ class ServoAxis(Record, ctypes.Structure):
         self.target_velocity = self.target_position = 0
         self.cruise = self.acceleration = self.deceleration = 1
         self.stopping_distance = 0
-        self.call = self.told = 0
+        self.call = self.told = self.recording = 0
         self.pins_watched = self.index_watched = self.current_watched_ma = 0
         self.pins_before = self.pins
         self.index_position = self.index_passes = 0

@@ -8,9 +8,10 @@ from collections.abc import Iterator, Mapping
 from types import MappingProxyType, ModuleType
 from typing import Final
 
-from emulators.servo import axis, loops, scaling, seam, signals, winding
+from emulators.servo import axis, loops, recorder, scaling, seam, signals, winding
 from emulators.servo.axis import ServoAxis
 from emulators.servo.kernel import NATIVE_FOLDER, BankRecord, Ended, LineRecord
+from emulators.servo.recorder import Recorder
 from fmu.calls import PlantRecord
 
 PATH: Final = NATIVE_FOLDER / "record.h"
@@ -34,6 +35,7 @@ CONSTANTS: Final[tuple[tuple[ModuleType, tuple[str, ...]], ...]] = (
     (axis, ("OVER_CURRENT", "UNDER_VOLTAGE", "OVER_VOLTAGE", "CURRENT_REACHED")),
     (loops, ("AVERAGE", "WIDEST_SPEED", "WIDEST_WAY")),
     (signals, ("WRAP", "HALF")),
+    (recorder, ("MOVEMENT_START", "INPUT_EDGE", "MOVEMENT_END")),
     (scaling, ("VELOCITY_PLACES", "POSITION_P_PLACES", "POSITION_I_PLACES", "POSITION_D_PLACES")),
     (scaling, ("SPEED_FORWARD_PLACES", "ACCELERATION_FORWARD_PLACES", "FILTER_PLACES")),
     (winding, ("RESTING", "LEARNING", "LEARNING_RATE", "BACK_EMF_PLACES", "WIDEST_BACK_EMF", "FADED")),
@@ -68,6 +70,7 @@ def _lines() -> Iterator[str]:
     for title, record in (
         ("servo_axis", ServoAxis),
         ("plant_calls", PlantRecord),
+        ("servo_recorder", Recorder),
         ("servo_line", LineRecord),
         ("servo_bank", BankRecord),
     ):

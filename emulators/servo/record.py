@@ -96,6 +96,8 @@ class Record:
     pins_before: int
     index_position: int
     index_passes: int
+    # Whether the recorder beside the axis records: see `emulators.servo.recorder`.
+    recording: int
 
 
 FIELDS: Final[tuple[str, ...]] = tuple(Record.__annotations__)

@@ -26,6 +26,9 @@
 #define WIDEST_WAY INT64_C(68719476736)
 #define WRAP INT64_C(4294967296)
 #define HALF INT64_C(2147483648)
+#define MOVEMENT_START INT64_C(1)
+#define INPUT_EDGE INT64_C(4)
+#define MOVEMENT_END INT64_C(8)
 #define VELOCITY_PLACES INT64_C(38)
 #define POSITION_P_PLACES INT64_C(32)
 #define POSITION_I_PLACES INT64_C(40)
@@ -135,6 +138,7 @@ typedef struct {
     int64_t pins_before;
     int64_t index_position;
     int64_t index_passes;
+    int64_t recording;
 } servo_axis;
 
 typedef struct {
@@ -154,6 +158,23 @@ typedef struct {
 } plant_calls;
 
 typedef struct {
+    void *sources;
+    void *memory;
+    int64_t width;
+    int64_t capacity;
+    int64_t period;
+    int64_t preceding;
+    int64_t triggers;
+    int64_t left;
+    int64_t triggered;
+    int64_t remaining;
+    int64_t next;
+    int64_t filled;
+    int64_t moving;
+    int64_t pins;
+} servo_recorder;
+
+typedef struct {
     int64_t axis;
     int64_t mask;
     int64_t variable;
@@ -162,6 +183,7 @@ typedef struct {
 typedef struct {
     int64_t count;
     void *axes;
+    void *recorders;
     void *counts_per_radian;
     void *dividers;
     int64_t supply;
