@@ -15,6 +15,7 @@ from emulators.servo import kernel
 from emulators.servo.axis import CURRENT, DIRECT, MOVE, POSITION, RAMP, TICK, VELOCITY, ServoAxis
 from emulators.servo.bank import ServoBank, ServoError
 from emulators.servo.commands import brake, judge_anew, regulate_position, regulate_velocity
+from emulators.servo.pins import Line
 from emulators.servo.profile import stopping_distance
 from emulators.servo.record import FIELDS
 from emulators.servo.scaling import Settings, acceleration_units, configure, speed_units
@@ -65,7 +66,7 @@ class Motors:
         library.plant_new.restype = ctypes.c_void_p
         self._instance: int = library.plant_new(count, seed, noise)
         self._calls: Calls = prepare(
-            library, self._instance, fmi, range(count), range(3 * count + 1), step=TICK
+            library, self._instance, fmi, range(2 * count), range(3 * count + 1), step=TICK
         )
         self.inputs, self.outputs = self._calls.inputs, self._calls.outputs
         self._calls.read(*self._calls.read_arguments)
@@ -101,7 +102,7 @@ class Order:
 
     axis: int
     kind: int
-    """0 power, 1 velocity, 2 position, 3 current, 4 brake, 5 call, 6 to 7 direct modes."""
+    """0 power, 1 velocity, 2 position, 3 current, 4 brake, 5 call, 6 to 7 direct modes, 8 watches."""
     value: int
     speed: int
     up: int
@@ -127,6 +128,9 @@ def obey(axis: ServoAxis, order: Order) -> None:
             axis.switch_on()
     elif order.kind == 5:
         axis.call = 1
+    elif order.kind == 8:
+        axis.pins_watched, axis.index_watched = order.value & 7, order.value >> 3 & 1
+        axis.current_watched_ma, axis.outputs = order.up & 0xFFF, order.down
     elif axis.powered:
         _move(axis, order)
 
@@ -167,8 +171,19 @@ class Side:
         self.axes = [ServoAxis(f"axis{k}", 4 * raw.encoder_pulses) for k, raw in enumerate(settings)]
         for axis, raw in zip(self.axes, settings, strict=True):
             configure(axis, raw)
-        supply = 3 * len(self.axes)
-        self.bank = ServoBank(plant, self.axes, supply=supply, analogue=("axis0", 6.0), servo=servo)
+        count = len(self.axes)
+        supply = 3 * count
+        # Whatever rises above 0.5 closes a switch: the currents in A, the speeds in rad/s.
+        switches = [Line(k, 1 << row, row * count + k) for k in range(count) for row in (0, 2)]
+        self.bank = ServoBank(
+            plant,
+            self.axes,
+            supply=supply,
+            analogue=("axis0", 6.0),
+            input_lines=switches,
+            output_lines=[Line(k, 1 << k, count + k) for k in range(count)],
+            servo=servo,
+        )
 
     def runs(self, leg: Leg) -> list[Event]:
         """Obey, and advance to the end of the leg; return every event on the way."""
@@ -260,7 +275,7 @@ def legs(draw: np.random.Generator, count: int) -> Iterator[Leg]:
         orders = []
         for axis in range(COUNT):
             if number == 0 or draw.random() < 0.3:
-                kind = 0 if number == 0 else int(draw.choice((0, 1, 1, 2, 2, 2, 3, 4, 5, 6, 7)))
+                kind = 0 if number == 0 else int(draw.choice((0, 1, 1, 2, 2, 2, 3, 4, 5, 6, 7, 8, 8)))
                 span = int(draw.choice((30, 3000, 300_000)))
                 speeds = (int(draw.integers(-span, span + 1)), int(draw.integers(0, 6000)))
                 up, down = (int(value) for value in draw.integers(100, 300_000, 2))
