@@ -42,7 +42,7 @@ TRIGGERED: Final = 1 << 1
 _DEMANDED: Final = ("regulator", "position", "position_demand")
 RECORDABLE: Final[Mapping[Address, tuple[str, ...]]] = MappingProxyType(
     {
-        at.ENCODER_COUNTER: ("encoder",),
+        at.ENCODER_COUNTER: ("encoder", "slipped"),
         at.CURRENT_AVERAGED: ("current_average",),
         at.VELOCITY_AVERAGED: ("velocity_average",),
         at.CURRENT_DEMAND: ("current_demand_ma",),

@@ -86,7 +86,7 @@ def velocity_demand(axis: Record) -> int:
 
 
 ACTUAL_VALUES: Final[tuple[tuple[Address, Callable[[Record], int]], ...]] = (
-    (at.ENCODER_COUNTER, lambda axis: axis.encoder & 0xFFFF_FFFF),
+    (at.ENCODER_COUNTER, lambda axis: axis.encoder + axis.slipped & 0xFFFF_FFFF),
     (at.CURRENT_AVERAGED, lambda axis: _signed_16((axis.current_average + 0x8000) >> 16)),
     (at.VELOCITY_AVERAGED, lambda axis: speed_rpm(axis, axis.velocity_average)),
     (SENSOR_RESOLUTION, lambda axis: axis.resolution),

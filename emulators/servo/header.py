@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from types import MappingProxyType, ModuleType
 from typing import Final
 
-from emulators.servo import axis, loops, recorder, scaling, seam, signals, winding
+from emulators.servo import axis, loops, recorder, scaling, seam, sensors, signals, winding
 from emulators.servo.axis import ServoAxis
 from emulators.servo.kernel import NATIVE_FOLDER, BankRecord, Ended, LineRecord
 from emulators.servo.recorder import Recorder
@@ -33,6 +33,13 @@ CONSTANTS: Final[tuple[tuple[ModuleType, tuple[str, ...]], ...]] = (
     ),
     (axis, ("PROFILE_DONE", "TARGET_REACHED", "AT_REST", "CURRENT_LIMITED", "FOLLOWING_ERROR")),
     (axis, ("OVER_CURRENT", "UNDER_VOLTAGE", "OVER_VOLTAGE", "CURRENT_REACHED")),
+    (axis, ("POSITION_LIMIT_PASSED", "OVER_TEMPERATURE", "LOGIC_SUPPLY_LOW", "GATE_SUPPLY_LOW")),
+    (axis, ("ENCODER_BROKEN", "INDEX_LOST", "INDEX_DISTANCE_WRONG", "HALL_IMPOSSIBLE")),
+    (axis, ("HALL_ANGLE_APART", "ENCODER_AGAINST_MOTOR", "AUXILIARY_AGAINST_MAIN")),
+    (loops, ("HEATING", "HOTTEST_MC", "LEAST_LOGIC_MV", "LEAST_GATE_MV")),
+    (sensors, ("BROKEN", "SWAPPED", "INDEX_MISSING", "INDEX_SPURIOUS", "AUXILIARY_SWAPPED")),
+    (sensors, ("HALL_HIGH", "HALL_LOW", "HALL_LINES", "HALL_SEQUENCE", "SECTORS", "SPURIOUS_PART")),
+    (sensors, ("INDEX_TOLERANCE", "INDEX_SOONEST", "INDEX_TURNS", "PER_MILLE", "CONTRARY_MS")),
     (loops, ("AVERAGE", "WIDEST_SPEED", "WIDEST_WAY")),
     (signals, ("WRAP", "HALF")),
     (recorder, ("MOVEMENT_START", "INPUT_EDGE", "MOVEMENT_END")),
