@@ -7,6 +7,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Final
 
+from emulators.epos2.data_recorder import DataRecorder
 from emulators.epos2.machine import PowerMachine
 from emulators.epos2.modes.motion import Motion
 from emulators.epos2.modes.table import HEEDED, MODES
@@ -48,7 +49,11 @@ class MotionControl:
         self._axis = axis
         self.pins: Final = Pins(store, axis)
         self._motion = Motion(store, axis, self.pins.inputs)
-        self._machine = PowerMachine(store, axis, self._motion, self.pins, report, delays=delays or Delays())
+        self._recorder = DataRecorder(store, axis)
+        self._tell = report
+        self._machine = PowerMachine(
+            store, axis, self._motion, self.pins, self._report, delays=delays or Delays()
+        )
         self._settings = Settings()
         self._operational = False
         self._hook()
@@ -94,6 +99,7 @@ class MotionControl:
     def reset(self) -> None:
         """Begin as after power-on, with the store's present values (transition 19)."""
         self._axis.restart()
+        self._recorder.reset()
         for row in PARAMETERS:
             setattr(self._settings, row.setting, self._store.get(row.address))
         configure(self._axis, self._settings)
@@ -104,6 +110,11 @@ class MotionControl:
         self._store.set(at.MODE_DISPLAY, self._motion.number)
         self._machine.restart()
         self._publish()
+
+    def _report(self, code: int) -> None:
+        if code != emergency.NO_ERROR:
+            self._recorder.error()
+        self._tell(code)
 
     # Objects
 

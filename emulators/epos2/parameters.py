@@ -7,7 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
-from emulators.servo.axis import POSITION, ServoAxis
+from emulators.servo.axis import POSITION
+from emulators.servo.record import Record
 from emulators.servo.scaling import raw_speed_rpm, speed_rpm
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
@@ -67,25 +68,25 @@ def _signed_16(value: int) -> int:
     return max(-0x8000, min(0x7FFF, value))
 
 
-def following_error(axis: ServoAxis) -> int:
+def following_error(axis: Record) -> int:
     """Return demand minus actual position in qc; 0 where no position is regulated."""
     return position_demand(axis) - axis.position if axis.regulator == POSITION else 0
 
 
-def position_demand(axis: ServoAxis) -> int:
+def position_demand(axis: Record) -> int:
     """Return the position demand in qc; it follows the shaft where no position is regulated."""
     if axis.regulator != POSITION:
         return axis.position
     return (axis.position_demand + (1 << axis.fraction >> 1)) >> axis.fraction
 
 
-def velocity_demand(axis: ServoAxis) -> int:
+def velocity_demand(axis: Record) -> int:
     """Return the velocity demand in rpm; 0 where none is regulated."""
     return speed_rpm(axis, axis.velocity_demand) if axis.powered else 0
 
 
-ACTUAL_VALUES: Final[tuple[tuple[Address, Callable[[ServoAxis], int]], ...]] = (
-    (at.ENCODER_COUNTER, lambda axis: axis.encoder & 0xFFFF_FFFF),
+ACTUAL_VALUES: Final[tuple[tuple[Address, Callable[[Record], int]], ...]] = (
+    (at.ENCODER_COUNTER, lambda axis: axis.encoder + axis.slipped & 0xFFFF_FFFF),
     (at.CURRENT_AVERAGED, lambda axis: _signed_16((axis.current_average + 0x8000) >> 16)),
     (at.VELOCITY_AVERAGED, lambda axis: speed_rpm(axis, axis.velocity_average)),
     (SENSOR_RESOLUTION, lambda axis: axis.resolution),

@@ -16,7 +16,13 @@ from firmware_bridge.wire.canopen import FIRST_NODE, LAST_NODE, TIME_STAMP
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.functions import INPUT_PINS, OUTPUT_PINS, InputFunction, OutputFunction
-from firmware_bridge.wire.epos2.rows import APPLICATION_NOTES, FIRMWARE_SPECIFICATION, LIBRARY, Provenance
+from firmware_bridge.wire.epos2.rows import (
+    APPLICATION_NOTES,
+    ASSUMPTION,
+    FIRMWARE_SPECIFICATION,
+    LIBRARY,
+    Provenance,
+)
 
 _INTERPOLATION: Final = "application note Interpolation Position Mode, December 2008, p. 11"
 _ANALOGY: Final = Provenance.BY_ANALOGY
@@ -39,6 +45,8 @@ RULES: Final = (
     ValueRule(BIT_RATE, tuple(BIT_RATES), _DOCUMENTED, LIBRARY),
     *(ValueRule(pin, tuple(InputFunction)) for pin in INPUT_PINS),
     *(ValueRule(pin, tuple(OutputFunction)) for pin in OUTPUT_PINS),
+    ValueRule(Address(0x2012), range(1, 1 << 16), Provenance.ASSUMED, ASSUMPTION),
+    ValueRule(Address(0x2014), range(5), _DOCUMENTED, APPLICATION_NOTES),
     ValueRule(Address(0x2074, 2), range(3), _DOCUMENTED, APPLICATION_NOTES),
     ValueRule(Address(0x2074, 3), range(3), _DOCUMENTED, APPLICATION_NOTES),
     ValueRule(at.SENSOR_TYPE, (1, 2, 3, 4, 6, 7, 8), _DOCUMENTED, LIBRARY),

@@ -59,6 +59,7 @@ class ObjectStore:
         self._texts: dict[Address, bytes] = {}
         self._sources: dict[Address, Callable[[], int]] = {}
         self._sinks: dict[Address, tuple[Callable[[int], None], ...]] = {}
+        self._domains: dict[Address, Callable[[], bytes | None]] = {}
         for row in OBJECTS.values():
             default = self.default(row.address)
             if isinstance(default, bytes):
@@ -74,7 +75,10 @@ class ObjectStore:
         if not row.access.readable:
             raise SdoAbort(AbortCode.WRITE_ONLY, address)
         kind = row.type
-        return kind.encode(self.live(address)) if kind.size else self._texts[address]
+        if kind.size:
+            return kind.encode(self.live(address))
+        given = self._domains[address]() if address in self._domains else None
+        return self._texts[address] if given is None else given
 
     def write(self, address: Address, raw: bytes) -> None:
         """Give an object a value; SdoAbort by existence, access, size, range, or a hook's objection."""
@@ -128,6 +132,10 @@ class ObjectStore:
     def on_read(self, address: Address, source: Callable[[], int]) -> None:
         """Let clients read what `source` gives; a number too large for the type wraps."""
         self._sources[address] = source
+
+    def on_read_bytes(self, address: Address, source: Callable[[], bytes | None]) -> None:
+        """Let clients read the bytes that `source` gives; where it gives None, what was written last."""
+        self._domains[address] = source
 
     def on_write(self, address: Address, sink: Callable[[int], None]) -> None:
         """Show clients' values to `sink` after the checks, before they are stored; it may raise SdoAbort."""

@@ -8,6 +8,7 @@ import ctypes
 from typing import ClassVar, Final
 
 from emulators.servo.record import FIELDS, Record
+from emulators.servo.recorder import Recorder
 from firmware_bridge.units import MICROSECOND, Nanoseconds
 
 TICK: Final[Nanoseconds] = 100 * MICROSECOND
@@ -39,9 +40,21 @@ OVER_CURRENT: Final = 1 << 5
 UNDER_VOLTAGE: Final = 1 << 6
 OVER_VOLTAGE: Final = 1 << 7
 CURRENT_REACHED: Final = 1 << 8
+POSITION_LIMIT_PASSED: Final = 1 << 16
+OVER_TEMPERATURE: Final = 1 << 17
+LOGIC_SUPPLY_LOW: Final = 1 << 18
+GATE_SUPPLY_LOW: Final = 1 << 19
+ENCODER_BROKEN: Final = 1 << 20
+INDEX_LOST: Final = 1 << 21
+INDEX_DISTANCE_WRONG: Final = 1 << 22
+HALL_IMPOSSIBLE: Final = 1 << 23
+HALL_ANGLE_APART: Final = 1 << 24
+ENCODER_AGAINST_MOTOR: Final = 1 << 25
+AUXILIARY_AGAINST_MAIN: Final = 1 << 26
 
 AVERAGE_PLACES: Final = 16
 """Binary places of the averaged current, which is in mA."""
+STAGE_RISE_MC: Final = 50_000
 LARGEST_SPEED: Final = 1 << 29
 """25 000 rpm, the fastest that any object allows, lies below this many velocity units."""
 FASTEST_RPM: Final = 25_000
@@ -76,6 +89,7 @@ class ServoAxis(Record, ctypes.Structure):
         super().__init__()
         self.name: Final = name
         self.node: Final = node or name
+        self.recorder: Final = Recorder()
         self.encoder_resolution = encoder_resolution
         self.supply_mv = supply_mv
         self.analogue_1_mv = 0
@@ -88,11 +102,22 @@ class ServoAxis(Record, ctypes.Structure):
         # ASSUME: supply range 11 V to 70 V, from the type's name and its sisters.
         self.under_voltage_mv = 10_000
         self.over_voltage_mv = 75_000
+        self._undisturbed()
         self._unscaled()
         self.encoder = 0
         self.pins = self.outputs = 0
         self.now: Nanoseconds = 0
         self.restart()
+
+    def _undisturbed(self) -> None:
+        """Begin in surroundings in which nothing is wrong."""
+        self.logic_mv = 5_000
+        self.gate_mv = 12_000
+        self.ambient_mc = 25_000
+        # ASSUME: the continuous current, 10 A for the 70/10, heats the power stage by 50 K.
+        self.square_per_mc = 10_000**2 // STAGE_RISE_MC
+        self.sensor_faults = self.encoder_loss = self.mounted_pole_pairs = 0
+        self.slipped = self.loss_rest = 0
 
     def _unscaled(self) -> None:
         self.resolution = self.encoder_resolution
@@ -109,6 +134,10 @@ class ServoAxis(Record, ctypes.Structure):
         self.position_window_qc = self.velocity_window = OFF
         self.position_window_ms = self.velocity_window_ms = 0
         self.rest_window = self.rest_ms = 0
+        self.lowest_qc, self.highest_qc = -(1 << 31), (1 << 31) - 1
+        self.position_limited = self.encoder_reversed = 0
+        self.encoder_supervised = self.index_supervised = 0
+        self.hall_pole_pairs = self.hall_angle_supervised = self.auxiliary_supervised = 0
 
     def restart(self) -> None:
         """Begin as after power-on: power off, position 0 at the present angle (ASSUME: counter cleared)."""
@@ -119,7 +148,7 @@ class ServoAxis(Record, ctypes.Structure):
         self.target_velocity = self.target_position = 0
         self.cruise = self.acceleration = self.deceleration = 1
         self.stopping_distance = 0
-        self.call = self.told = 0
+        self.call = self.told = self.recording = 0
         self.pins_watched = self.index_watched = self.current_watched_ma = 0
         self.pins_before = self.pins
         self.index_position = self.index_passes = 0
@@ -131,6 +160,10 @@ class ServoAxis(Record, ctypes.Structure):
         self.current_demand_ma = self.current_limit_ma = 0
         self.current_integral = self.voltage_mv = 0
         self.thermal = self.window_ms = 0
+        self.turned = self.contrary_ms = self.hall_zero = 0
+        self.index_count = self.index_before = self.encoder + self.slipped
+        self.index_known = self.index_judged = 0
+        self.switched_on_at = self.encoder
         self.still_ms = LONGEST_REST_MS
         self.clear_demand()
 
@@ -152,6 +185,7 @@ class ServoAxis(Record, ctypes.Structure):
         self.profile = DIRECT
         self.current_demand_ma = 0
         self.current_integral = self.voltage_mv << 8
+        self.switched_on_at = self.encoder
         self.clear_demand()
 
     def switch_off(self) -> None:

@@ -8,9 +8,10 @@ from collections.abc import Iterator, Mapping
 from types import MappingProxyType, ModuleType
 from typing import Final
 
-from emulators.servo import axis, loops, scaling, seam, signals, winding
+from emulators.servo import axis, loops, recorder, scaling, seam, sensors, signals, winding
 from emulators.servo.axis import ServoAxis
 from emulators.servo.kernel import NATIVE_FOLDER, BankRecord, Ended, LineRecord
+from emulators.servo.recorder import Recorder
 from fmu.calls import PlantRecord
 
 PATH: Final = NATIVE_FOLDER / "record.h"
@@ -32,12 +33,20 @@ CONSTANTS: Final[tuple[tuple[ModuleType, tuple[str, ...]], ...]] = (
     ),
     (axis, ("PROFILE_DONE", "TARGET_REACHED", "AT_REST", "CURRENT_LIMITED", "FOLLOWING_ERROR")),
     (axis, ("OVER_CURRENT", "UNDER_VOLTAGE", "OVER_VOLTAGE", "CURRENT_REACHED")),
+    (axis, ("POSITION_LIMIT_PASSED", "OVER_TEMPERATURE", "LOGIC_SUPPLY_LOW", "GATE_SUPPLY_LOW")),
+    (axis, ("ENCODER_BROKEN", "INDEX_LOST", "INDEX_DISTANCE_WRONG", "HALL_IMPOSSIBLE")),
+    (axis, ("HALL_ANGLE_APART", "ENCODER_AGAINST_MOTOR", "AUXILIARY_AGAINST_MAIN")),
+    (loops, ("HEATING", "HOTTEST_MC", "LEAST_LOGIC_MV", "LEAST_GATE_MV")),
+    (sensors, ("BROKEN", "SWAPPED", "INDEX_MISSING", "INDEX_SPURIOUS", "AUXILIARY_SWAPPED")),
+    (sensors, ("HALL_HIGH", "HALL_LOW", "HALL_LINES", "HALL_SEQUENCE", "SECTORS", "SPURIOUS_PART")),
+    (sensors, ("INDEX_TOLERANCE", "INDEX_SOONEST", "INDEX_TURNS", "PER_MILLE", "CONTRARY_MS")),
     (loops, ("AVERAGE", "WIDEST_SPEED", "WIDEST_WAY")),
     (signals, ("WRAP", "HALF")),
+    (recorder, ("MOVEMENT_START", "INPUT_EDGE", "MOVEMENT_END")),
     (scaling, ("VELOCITY_PLACES", "POSITION_P_PLACES", "POSITION_I_PLACES", "POSITION_D_PLACES")),
     (scaling, ("SPEED_FORWARD_PLACES", "ACCELERATION_FORWARD_PLACES", "FILTER_PLACES")),
     (winding, ("RESTING", "LEARNING", "LEARNING_RATE", "BACK_EMF_PLACES", "WIDEST_BACK_EMF", "FADED")),
-    (winding, ("CURRENT_PLACES",)),
+    (winding, ("CURRENT_PLACES", "HIGHEST_RESISTANCE")),
     (axis, ("AVERAGE_PLACES",)),
     (seam, ("CLOSED", "WIDEST_READING", "WIDEST_ANGLE", "WIDEST_STEP")),
 )
@@ -68,6 +77,7 @@ def _lines() -> Iterator[str]:
     for title, record in (
         ("servo_axis", ServoAxis),
         ("plant_calls", PlantRecord),
+        ("servo_recorder", Recorder),
         ("servo_line", LineRecord),
         ("servo_bank", BankRecord),
     ):

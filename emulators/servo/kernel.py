@@ -86,6 +86,7 @@ class BankRecord(ctypes.Structure):
     _fields_: ClassVar = [
         ("count", ctypes.c_int64),
         ("axes", ctypes.c_void_p),
+        ("recorders", ctypes.c_void_p),
         ("counts_per_radian", ctypes.c_void_p),
         ("dividers", ctypes.c_void_p),
         ("supply", ctypes.c_int64),
@@ -176,13 +177,15 @@ class Kernel:
         count, supply = len(self._axes), -1 if wiring.supply is None else wiring.supply
         doubles = ctypes.c_double * count
         pointers = (ctypes.c_void_p * count)(*map(ctypes.addressof, self._axes))
+        recorders = (ctypes.c_void_p * count)(*(ctypes.addressof(axis.recorder) for axis in self._axes))
         scales, parts, calls = doubles(*wiring.counts_per_radian), doubles(*wiring.dividers), plant.record
         into, out_of = _line_records(wiring.input_lines), _line_records(wiring.output_lines)
         # The record holds bare addresses: what they point to must live as long as it does.
-        self._held: Final = (pointers, scales, parts, calls, into, out_of)
+        self._held: Final = (pointers, recorders, scales, parts, calls, into, out_of)
         self._record: Final = BankRecord(
             count=count,
             axes=ctypes.addressof(pointers),
+            recorders=ctypes.addressof(recorders),
             counts_per_radian=ctypes.addressof(scales),
             dividers=ctypes.addressof(parts),
             supply=supply,

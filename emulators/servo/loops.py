@@ -9,11 +9,15 @@ from emulators.servo.axis import (
     CURRENT,
     CURRENT_LIMITED,
     FOLLOWING_ERROR,
+    GATE_SUPPLY_LOW,
     IDLE,
+    LOGIC_SUPPLY_LOW,
     MOVE,
     OVER_CURRENT,
+    OVER_TEMPERATURE,
     OVER_VOLTAGE,
     POSITION,
+    POSITION_LIMIT_PASSED,
     PROFILE_DONE,
     RAMP,
     TARGET_REACHED,
@@ -31,10 +35,19 @@ from emulators.servo.scaling import (
     SPEED_FORWARD_PLACES,
     VELOCITY_PLACES,
 )
+from emulators.servo.sensors import counted, supervise
 from emulators.servo.signals import HALF, WRAP, notice, threshold
 
 AVERAGE: int = 5
 """Low-pass of the averaged values: alpha = 2^-5 per sample (EPOS Firmware Specification)."""
+HEATING: int = 17
+"""Low-pass of the current's square: a time constant of 2^17 ms for the power stage (ASSUME)."""
+HOTTEST_MC: int = 100_000
+"""The power stage's temperature above which it switches off, 1/1000 degree Celsius (ASSUME)."""
+LEAST_LOGIC_MV: int = 4_500
+"""The 5 V supply for sensors and logic (ASSUME: 10 % below)."""
+LEAST_GATE_MV: int = 9_000
+"""The supply of the power stage's gate drivers (ASSUME)."""
 WIDEST_SPEED: int = 1 << 30
 """Velocity errors saturate here, at more than twice 25 000 rpm."""
 WIDEST_WAY: int = 1 << 36
@@ -43,8 +56,9 @@ WIDEST_WAY: int = 1 << 36
 
 def millisecond(axis: ServoAxis, encoder: int) -> bool:
     """Take the count (qc of the mounted encoder), run one ms, and say whether it raised an event."""
-    step = encoder - axis.encoder
+    turned = encoder - axis.encoder
     axis.encoder = encoder
+    step = counted(axis, turned)
     axis.step = step
     axis.position = ((axis.position + step + HALF) & (WRAP - 1)) - HALF
     axis.velocity_average += ((step << axis.fraction) - axis.velocity_average) >> AVERAGE
@@ -64,8 +78,9 @@ def millisecond(axis: ServoAxis, encoder: int) -> bool:
         if regulator != IDLE:
             flags |= arrival(axis, flags)
     flags |= rest(axis) | threshold(axis)
-    axis.flags = flags
     raised = notice(axis)
+    flags |= supervise(axis) | bounds(axis)
+    axis.flags = flags
     if axis.call:
         axis.call = 0
         return True
@@ -78,12 +93,37 @@ def electrical(axis: ServoAxis) -> int:
     current, over = axis.current_ma, axis.over_current_ma
     if current > over or -current > over:
         flags = OVER_CURRENT
+    if axis.logic_mv < LEAST_LOGIC_MV:
+        flags |= LOGIC_SUPPLY_LOW
+    if axis.gate_mv < LEAST_GATE_MV:
+        flags |= GATE_SUPPLY_LOW
+    axis.heat += (current * current - axis.heat) >> HEATING
+    if axis.heat > (HOTTEST_MC - axis.ambient_mc) * axis.square_per_mc:
+        flags |= OVER_TEMPERATURE
     supply = axis.supply_mv
     if supply < axis.under_voltage_mv:
         flags |= UNDER_VOLTAGE
     elif supply > axis.over_voltage_mv:
         flags |= OVER_VOLTAGE
     return flags
+
+
+def bounds(axis: ServoAxis) -> int:
+    """Tell that the shaft passes a software position limit, or is driven on beyond it.
+
+    ASSUME: what leads back is no fault, or nobody could bring the shaft back after a fault reset.
+    """
+    if not (axis.position_limited and axis.powered):
+        return 0
+    beyond, step = axis.position - axis.highest_qc, axis.step
+    demand, speed = axis.velocity_demand, axis.velocity_average
+    if beyond <= 0:
+        beyond, step = axis.lowest_qc - axis.position, -step
+        demand, speed = -demand, -speed
+    if beyond <= 0:
+        return 0
+    outwards = demand > 0 or speed > axis.rest_window or beyond <= step
+    return POSITION_LIMIT_PASSED if outwards else 0
 
 
 def within(value: int, widest: int) -> int:

@@ -16,6 +16,13 @@ class Record:
     supply_mv: int
     analogue_1_mv: int
     analogue_2_mv: int
+    # ... and those that a bench test sets: rails of the drive, air at its heat sink, wires and motor.
+    logic_mv: int
+    gate_mv: int
+    ambient_mc: int
+    sensor_faults: int
+    encoder_loss: int
+    mounted_pole_pairs: int
     # Levels of the digital inputs, bit 0 is pin 1: sampled every ms where wired, else left alone.
     pins: int
     # Scaling and gains, derived from the objects.
@@ -49,6 +56,16 @@ class Record:
     over_current_ma: int
     under_voltage_mv: int
     over_voltage_mv: int
+    square_per_mc: int
+    lowest_qc: int
+    highest_qc: int
+    position_limited: int
+    encoder_reversed: int
+    encoder_supervised: int
+    index_supervised: int
+    hall_pole_pairs: int
+    hall_angle_supervised: int
+    auxiliary_supervised: int
     # Commands.
     powered: int
     regulator: int
@@ -96,6 +113,23 @@ class Record:
     pins_before: int
     index_position: int
     index_passes: int
+    # The shaft's own step, what the count has lost or gained against it, and the rest of a count that is lost.
+    turned: int
+    slipped: int
+    loss_rest: int
+    # Counts at the last index and at the one before it, and how far they have been judged.
+    index_count: int
+    index_before: int
+    index_known: int
+    index_judged: int
+    # Where the shaft was switched on, and the electrical angle there.
+    switched_on_at: int
+    hall_zero: int
+    contrary_ms: int
+    # The current's square, slowly averaged: it heats the power stage.
+    heat: int
+    # Whether the recorder beside the axis records: see `emulators.servo.recorder`.
+    recording: int
 
 
 FIELDS: Final[tuple[str, ...]] = tuple(Record.__annotations__)

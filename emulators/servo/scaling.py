@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from emulators.servo.axis import FASTEST_RPM, FOREVER, LARGEST_SPEED, OFF, ServoAxis
+from emulators.servo.record import Record
 
 MILLISECONDS_PER_MINUTE: Final = 60_000
 SWITCHED_OFF: Final = 0xFFFF_FFFF
@@ -72,12 +73,12 @@ def speed_units(axis: ServoAxis, rpm: int) -> int:
     return nearest(bounded * axis.resolution << axis.fraction, MILLISECONDS_PER_MINUTE)
 
 
-def speed_rpm(axis: ServoAxis, units: int) -> int:
+def speed_rpm(axis: Record, units: int) -> int:
     """Return velocity units in rpm, nearest."""
     return nearest(units * MILLISECONDS_PER_MINUTE, axis.resolution << axis.fraction)
 
 
-def raw_speed_rpm(axis: ServoAxis) -> int:
+def raw_speed_rpm(axis: Record) -> int:
     """Return the last ms's quadcounts in rpm, towards zero: 0x606C (EPOS Firmware Specification)."""
     rpm = abs(axis.step) * MILLISECONDS_PER_MINUTE // axis.resolution
     return rpm if axis.step >= 0 else -rpm

@@ -6,6 +6,14 @@ Whole numbers only, as in `emulators.servo.loops`. It refuses to know what a pin
 from typing import Final
 
 from emulators.servo.axis import AVERAGE_PLACES, CURRENT_REACHED, ServoAxis
+from emulators.servo.sensors import (
+    BROKEN,
+    INDEX_MISSING,
+    INDEX_SPURIOUS,
+    SPURIOUS_PART,
+    SWAPPED,
+    passed,
+)
 
 WRAP: Final = 1 << 32
 HALF: Final = 1 << 31
@@ -18,17 +26,29 @@ def notice(axis: ServoAxis) -> bool:
     whichever way it was passed. ASSUME: the index lies where the mounted encoder's count is a multiple of
     its turn.
     """
-    turn, after = axis.encoder_resolution, axis.encoder // axis.encoder_resolution
-    before = (axis.encoder - axis.step) // turn
     raised = False
-    if after != before:
-        mark = (after if after > before else after + 1) * turn
-        axis.index_position = ((axis.position + mark - axis.encoder + HALF) & (WRAP - 1)) - HALF
-        axis.index_passes += 1
-        raised = axis.index_watched != 0
+    faults = axis.sensor_faults
+    if not faults & (INDEX_MISSING | BROKEN):
+        raised = _pulse(axis, 0)
+        if faults & INDEX_SPURIOUS:
+            raised = _pulse(axis, axis.encoder_resolution // SPURIOUS_PART) or raised
     changed = axis.pins ^ axis.pins_before
     axis.pins_before = axis.pins
     return raised or changed & axis.pins_watched != 0
+
+
+def _pulse(axis: ServoAxis, behind: int) -> bool:
+    """Note a pulse so far behind the index, if it was passed; say whether that is watched."""
+    was_passed, mark = passed(axis, behind)
+    if not was_passed:
+        return False
+    away = mark - axis.encoder
+    if bool(axis.sensor_faults & SWAPPED) != bool(axis.encoder_reversed):
+        away = -away
+    axis.index_position = ((axis.position + away + HALF) & (WRAP - 1)) - HALF
+    axis.index_count = axis.encoder + axis.slipped + away
+    axis.index_passes += 1
+    return axis.index_watched != 0
 
 
 def threshold(axis: ServoAxis) -> int:

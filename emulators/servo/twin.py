@@ -10,6 +10,7 @@ from typing import Final
 from emulators.servo import winding
 from emulators.servo.axis import AVERAGE_PLACES, TICK, TICKS_PER_MILLISECOND, ServoAxis
 from emulators.servo.loops import AVERAGE, millisecond
+from emulators.servo.recorder import record
 from emulators.servo.seam import (
     CLOSED,
     WIDEST_ANGLE,
@@ -68,6 +69,7 @@ class Twin:
         outputs, step, count = self._plant.outputs, self._plant.step, len(self._axes)
         powered = [loop for loop in self._windings if loop.axis.powered]
         opened = [loop for loop in self._windings if not loop.axis.powered and loop.axis.turning]
+        recorded = [loop for loop in self._windings if loop.axis.recording]
         for loop in powered:
             loop.load()
         try:
@@ -76,6 +78,8 @@ class Twin:
                 self._regulate(powered, currents)
                 if opened:
                     self._keep_up(opened, currents)
+                for loop in recorded:
+                    self._record(loop)
                 step()
                 self.tick += 1
         finally:
@@ -117,6 +121,13 @@ class Twin:
             current = self._reading("current", loop.axis, currents[loop.at])
             voltage = winding.opened(loop.axis, current, self._speed(loop.at))
             self._plant.inputs[loop.at] = voltage * 0.001
+
+    def _record(self, loop: Winding) -> None:
+        """Record a tick of an axis, if its recording has not ended meanwhile."""
+        if loop.axis.recording:
+            if loop.axis.powered:
+                loop.store()
+            record(loop.axis)
 
     def _sample_supply(self) -> None:
         supply = self._wiring.supply

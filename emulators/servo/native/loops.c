@@ -2,18 +2,41 @@
 #include "arithmetic.h"
 #include "kernel.h"
 #include "profile.h"
+#include "sensors.h"
 #include "signals.h"
 
-static int64_t electrical(const servo_axis *axis)
+static int64_t electrical(servo_axis *axis)
 {
     int64_t flags = 0;
     if (beyond(axis->current_ma, axis->over_current_ma))
         flags = OVER_CURRENT;
+    if (axis->logic_mv < LEAST_LOGIC_MV)
+        flags |= LOGIC_SUPPLY_LOW;
+    if (axis->gate_mv < LEAST_GATE_MV)
+        flags |= GATE_SUPPLY_LOW;
+    axis->heat += (axis->current_ma * axis->current_ma - axis->heat) >> HEATING;
+    if (axis->heat > (HOTTEST_MC - axis->ambient_mc) * axis->square_per_mc)
+        flags |= OVER_TEMPERATURE;
     if (axis->supply_mv < axis->under_voltage_mv)
         flags |= UNDER_VOLTAGE;
     else if (axis->supply_mv > axis->over_voltage_mv)
         flags |= OVER_VOLTAGE;
     return flags;
+}
+
+static int64_t bounds(const servo_axis *axis)
+{
+    int64_t past = axis->position - axis->highest_qc, step = axis->step;
+    int64_t demand = axis->velocity_demand, speed = axis->velocity_average;
+    if (!axis->position_limited || !axis->powered)
+        return 0;
+    if (past <= 0) {
+        past = axis->lowest_qc - axis->position;
+        step = -step;
+        demand = -demand;
+        speed = -speed;
+    }
+    return past > 0 && (demand > 0 || speed > axis->rest_window || past <= step) ? POSITION_LIMIT_PASSED : 0;
 }
 
 static int64_t budget(servo_axis *axis, int64_t flags)
@@ -125,6 +148,7 @@ int64_t servo_millisecond(servo_axis *axis, int64_t encoder)
     int64_t before = axis->flags, flags, step = encoder - axis->encoder;
     bool noticed;
     axis->encoder = encoder;
+    step = servo_counted(axis, step);
     axis->step = step;
     axis->position = ((axis->position + step + HALF) & (WRAP - 1)) - HALF;
     axis->velocity_average += (shifted(step, axis->fraction) - axis->velocity_average) >> AVERAGE;
@@ -143,8 +167,9 @@ int64_t servo_millisecond(servo_axis *axis, int64_t encoder)
             flags |= arrival(axis, flags);
     }
     flags |= rest(axis) | servo_threshold(axis);
-    axis->flags = flags;
     noticed = servo_notice(axis);
+    flags |= servo_supervise(axis) | bounds(axis);
+    axis->flags = flags;
     if (axis->call) {
         axis->call = 0;
         return 1;

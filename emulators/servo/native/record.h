@@ -21,11 +21,45 @@
 #define UNDER_VOLTAGE INT64_C(64)
 #define OVER_VOLTAGE INT64_C(128)
 #define CURRENT_REACHED INT64_C(256)
+#define POSITION_LIMIT_PASSED INT64_C(65536)
+#define OVER_TEMPERATURE INT64_C(131072)
+#define LOGIC_SUPPLY_LOW INT64_C(262144)
+#define GATE_SUPPLY_LOW INT64_C(524288)
+#define ENCODER_BROKEN INT64_C(1048576)
+#define INDEX_LOST INT64_C(2097152)
+#define INDEX_DISTANCE_WRONG INT64_C(4194304)
+#define HALL_IMPOSSIBLE INT64_C(8388608)
+#define HALL_ANGLE_APART INT64_C(16777216)
+#define ENCODER_AGAINST_MOTOR INT64_C(33554432)
+#define AUXILIARY_AGAINST_MAIN INT64_C(67108864)
+#define HEATING INT64_C(17)
+#define HOTTEST_MC INT64_C(100000)
+#define LEAST_LOGIC_MV INT64_C(4500)
+#define LEAST_GATE_MV INT64_C(9000)
+#define BROKEN INT64_C(1)
+#define SWAPPED INT64_C(2)
+#define INDEX_MISSING INT64_C(4)
+#define INDEX_SPURIOUS INT64_C(8)
+#define AUXILIARY_SWAPPED INT64_C(16)
+#define HALL_HIGH INT64_C(5)
+#define HALL_LOW INT64_C(8)
+#define HALL_LINES INT64_C(7)
+#define HALL_SEQUENCE INT64_C(183449)
+#define SECTORS INT64_C(6)
+#define SPURIOUS_PART INT64_C(8)
+#define INDEX_TOLERANCE INT64_C(7)
+#define INDEX_SOONEST INT64_C(2)
+#define INDEX_TURNS INT64_C(2)
+#define PER_MILLE INT64_C(1000)
+#define CONTRARY_MS INT64_C(20)
 #define AVERAGE INT64_C(5)
 #define WIDEST_SPEED INT64_C(1073741824)
 #define WIDEST_WAY INT64_C(68719476736)
 #define WRAP INT64_C(4294967296)
 #define HALF INT64_C(2147483648)
+#define MOVEMENT_START INT64_C(1)
+#define INPUT_EDGE INT64_C(4)
+#define MOVEMENT_END INT64_C(8)
 #define VELOCITY_PLACES INT64_C(38)
 #define POSITION_P_PLACES INT64_C(32)
 #define POSITION_I_PLACES INT64_C(40)
@@ -40,6 +74,7 @@
 #define WIDEST_BACK_EMF INT64_C(4294967295)
 #define FADED INT64_C(32)
 #define CURRENT_PLACES INT64_C(8)
+#define HIGHEST_RESISTANCE INT64_C(16)
 #define AVERAGE_PLACES INT64_C(16)
 #define CLOSED INT64_C(500)
 #define WIDEST_READING INT64_C(1073741824)
@@ -62,6 +97,12 @@ typedef struct {
     int64_t supply_mv;
     int64_t analogue_1_mv;
     int64_t analogue_2_mv;
+    int64_t logic_mv;
+    int64_t gate_mv;
+    int64_t ambient_mc;
+    int64_t sensor_faults;
+    int64_t encoder_loss;
+    int64_t mounted_pole_pairs;
     int64_t pins;
     int64_t resolution;
     int64_t fraction;
@@ -92,6 +133,16 @@ typedef struct {
     int64_t over_current_ma;
     int64_t under_voltage_mv;
     int64_t over_voltage_mv;
+    int64_t square_per_mc;
+    int64_t lowest_qc;
+    int64_t highest_qc;
+    int64_t position_limited;
+    int64_t encoder_reversed;
+    int64_t encoder_supervised;
+    int64_t index_supervised;
+    int64_t hall_pole_pairs;
+    int64_t hall_angle_supervised;
+    int64_t auxiliary_supervised;
     int64_t powered;
     int64_t regulator;
     int64_t profile;
@@ -134,6 +185,18 @@ typedef struct {
     int64_t pins_before;
     int64_t index_position;
     int64_t index_passes;
+    int64_t turned;
+    int64_t slipped;
+    int64_t loss_rest;
+    int64_t index_count;
+    int64_t index_before;
+    int64_t index_known;
+    int64_t index_judged;
+    int64_t switched_on_at;
+    int64_t hall_zero;
+    int64_t contrary_ms;
+    int64_t heat;
+    int64_t recording;
 } servo_axis;
 
 typedef struct {
@@ -153,6 +216,23 @@ typedef struct {
 } plant_calls;
 
 typedef struct {
+    void *sources;
+    void *memory;
+    int64_t width;
+    int64_t capacity;
+    int64_t period;
+    int64_t preceding;
+    int64_t triggers;
+    int64_t left;
+    int64_t triggered;
+    int64_t remaining;
+    int64_t next;
+    int64_t filled;
+    int64_t moving;
+    int64_t pins;
+} servo_recorder;
+
+typedef struct {
     int64_t axis;
     int64_t mask;
     int64_t variable;
@@ -161,6 +241,7 @@ typedef struct {
 typedef struct {
     int64_t count;
     void *axes;
+    void *recorders;
     void *counts_per_radian;
     void *dividers;
     int64_t supply;

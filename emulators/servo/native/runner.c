@@ -2,6 +2,7 @@
 #include "kernel.h"
 #include "plant.h"
 #include "readings.h"
+#include "recorder.h"
 #include "winding.h"
 
 #ifndef SERVO_SOURCE
@@ -86,6 +87,9 @@ static int64_t tick(servo_bank *bank, const double *outputs, double *inputs)
             return refuse(bank, ENDED_SPEED, k, outputs[2 * count + k]);
         inputs[k] = (double)servo_opened(axis, milliamperes, milliradians) * 0.001;
     }
+    for (k = 0; k < count; k++)
+        if (axis_at(bank, k)->recording)
+            servo_record(axis_at(bank, k), ((servo_recorder **)bank->recorders)[k]);
     return ENDED_REACHED;
 }
 

@@ -2,17 +2,30 @@
 #include "signals.h"
 
 #include "arithmetic.h"
+#include "sensors.h"
+
+static bool pulse(servo_axis *axis, int64_t behind)
+{
+    int64_t mark, away;
+    if (!servo_passed(axis, behind, &mark))
+        return false;
+    away = mark - axis->encoder;
+    if (!(axis->sensor_faults & SWAPPED) != !axis->encoder_reversed)
+        away = -away;
+    axis->index_position = ((axis->position + away + HALF) & (WRAP - 1)) - HALF;
+    axis->index_count = axis->encoder + axis->slipped + away;
+    axis->index_passes += 1;
+    return axis->index_watched != 0;
+}
 
 bool servo_notice(servo_axis *axis)
 {
-    int64_t turn = axis->encoder_resolution, changed = axis->pins ^ axis->pins_before;
-    int64_t after = floor_division(axis->encoder, turn), before = floor_division(axis->encoder - axis->step, turn);
+    int64_t faults = axis->sensor_faults, changed = axis->pins ^ axis->pins_before;
     bool raised = false;
-    if (after != before) {
-        int64_t mark = (after > before ? after : after + 1) * turn;
-        axis->index_position = ((axis->position + mark - axis->encoder + HALF) & (WRAP - 1)) - HALF;
-        axis->index_passes += 1;
-        raised = axis->index_watched != 0;
+    if (!(faults & (INDEX_MISSING | BROKEN))) {
+        raised = pulse(axis, 0);
+        if (faults & INDEX_SPURIOUS)
+            raised = pulse(axis, floor_division(axis->encoder_resolution, SPURIOUS_PART)) || raised;
     }
     axis->pins_before = axis->pins;
     return raised || (changed & axis->pins_watched) != 0;

@@ -32,7 +32,7 @@ from hil_tests.unit.servo.side_by_side import (
 )
 
 TWIN = kernel.Found(None, "the other side")
-TICKS_OF_THE_CAMPAIGN = 3_000_000
+TICKS_OF_THE_CAMPAIGN = 5_000_000
 """Ticks of single axes."""
 
 
