@@ -7,7 +7,7 @@ than the option codes and decelerations that its ramps need.
 from collections.abc import Callable
 from typing import Final
 
-from emulators.epos2.modes import Motion
+from emulators.epos2.modes.motion import Motion
 from emulators.epos2.power import BY_TRIGGER, TIMED, Delays, Happening, Ramp, Stage, Transition, Trigger
 from emulators.epos2.store import ObjectStore
 from emulators.epos2.supervision import WATCHED, WATCHES, Reaction, reaction_to
@@ -91,8 +91,8 @@ class PowerMachine:
         """Heed a rising edge of bit 4 with the target that the object holds by now."""
         if not self.free:
             return
-        self._motion.follow_up()
-        if self._latching and self._motion.take_setpoint(self._controlword):
+        self._motion.mode.advance()
+        if self._latching and self._motion.mode.take_setpoint(self._controlword):
             self._latching = False
         self._check_limits()
 
@@ -120,7 +120,7 @@ class PowerMachine:
             return
         if row.ramp is not Ramp.NONE and self._slows_down(row.ramp):
             self._completing = row
-            self._motion.brake(self._store.get(at.PROFILE_DECELERATION))
+            self._motion.shaft.brake()
             return
         self._complete(row)
         if row.goes_on:
@@ -153,7 +153,7 @@ class PowerMachine:
     def _stop(self, deceleration: at.Address) -> None:
         self._motion.forget()
         self._latching = False
-        self._motion.brake(self._store.get(deceleration))
+        self._motion.shaft.brake(deceleration)
 
     def advance(self) -> None:
         """Complete what is due: timed states, slow-down ramps, fault reactions; then the waiting command."""
@@ -165,9 +165,9 @@ class PowerMachine:
     def _complete_one(self) -> bool:
         if self.state in TIMED and self._axis.now >= self.due:
             self._go(TIMED[self.state])
-        elif self._completing is not None and self._motion.stopped:
+        elif self._completing is not None and self._motion.shaft.stopped:
             self._complete(self._completing)
-        elif self.state is State.FAULT_REACTION_ENABLED and self._motion.stopped:
+        elif self.state is State.FAULT_REACTION_ENABLED and self._motion.shaft.stopped:
             self._delayed = None
             self._go(Happening.REACTED)
         elif self._delayed is not None and self._completing is None and self.state not in _WAITING:
@@ -214,8 +214,8 @@ class PowerMachine:
         )
 
     def _check_limits(self) -> None:
-        if self._motion.out_of_limits:
-            self._motion.out_of_limits = False
+        if self._motion.shaft.out_of_limits:
+            self._motion.shaft.out_of_limits = False
             self.fail(emergency.POSITION_LIMIT)
 
     def _reset_fault(self) -> None:

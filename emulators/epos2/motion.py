@@ -8,30 +8,27 @@ from functools import partial
 from typing import Final
 
 from emulators.epos2.machine import PowerMachine
-from emulators.epos2.modes import Motion
+from emulators.epos2.modes.motion import Motion
+from emulators.epos2.modes.table import HEEDED, MODES
 from emulators.epos2.parameters import ACTUAL_VALUES, ONLY_WITHOUT_POWER, PARAMETERS, Parameter
 from emulators.epos2.power import Delays
 from emulators.epos2.store import ObjectStore
 from emulators.epos2.supervision import ABORT_OPTIONS
-from emulators.servo.axis import AT_REST, CURRENT_LIMITED, ServoAxis
+from emulators.servo.axis import CURRENT_LIMITED, ServoAxis
 from emulators.servo.scaling import Settings, configure
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire.abort import AbortCode, SdoAbort
-from firmware_bridge.wire.cia402 import Mode, State, Status
+from firmware_bridge.wire.cia402 import State, Status
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2 import emergency
 from firmware_bridge.wire.epos2.address import Address
 
-MODES: Final = frozenset(int(mode) for mode in Mode)
 TRAPEZOID: Final = 0
 # The statusword's bits as plain numbers: it is put together with every frame, and flags are slow to join.
 _STAGE_ON: Final = 1 << 4
 _REMOTE: Final = int(Status.REMOTE)
 _TARGET_REACHED: Final = int(Status.TARGET_REACHED)
 _INTERNAL_LIMIT: Final = int(Status.INTERNAL_LIMIT)
-_SPEED_IS_ZERO: Final = int(Status.SPEED_IS_ZERO)
-_FOLLOWING_ERROR: Final = int(Status.FOLLOWING_ERROR)
-_SETPOINT_ACKNOWLEDGED: Final = int(Status.SETPOINT_ACKNOWLEDGED)
 
 
 class MotionControl:
@@ -98,8 +95,8 @@ class MotionControl:
             setattr(self._settings, row.setting, self._store.get(row.address))
         configure(self._axis, self._settings)
         self._motion.forget()
-        self._motion.mode = self._store.get(at.MODE)
-        self._store.set(at.MODE_DISPLAY, self._motion.mode)
+        self._motion.set(self._store.get(at.MODE))
+        self._store.set(at.MODE_DISPLAY, self._motion.number)
         self._machine.restart()
         self._publish()
 
@@ -118,9 +115,8 @@ class MotionControl:
         store.on_write(at.CONTROLWORD, self._take_controlword)
         store.on_write(at.MODE, self._take_mode)
         store.on_write(at.MOTION_PROFILE_TYPE, self._take_profile_type)
-        store.on_write(at.TARGET_VELOCITY, self._take_velocity)
-        for address in (at.POSITION_MODE_SETTING, at.VELOCITY_MODE_SETTING, at.CURRENT_MODE_SETTING):
-            store.on_write(address, partial(self._take_setting, address))
+        for address in HEEDED:
+            store.on_write(address, partial(self._take_value, address))
 
     def _take_parameter(self, row: Parameter, value: int) -> None:
         if row.address in ONLY_WITHOUT_POWER:
@@ -149,35 +145,22 @@ class MotionControl:
         self._store.set(at.MODE_DISPLAY, mode)
         self._publish()
 
-    def _take_velocity(self, rpm: int) -> None:
+    def _take_value(self, address: Address, value: int) -> None:
         if self._machine.free:
-            self._motion.velocity_target(rpm)
+            self._motion.written(address, value)
             self._publish()
-
-    def _take_setting(self, address: Address, value: int) -> None:
-        if self._machine.free:
-            self._motion.setting(address, value)
 
     # Statusword
 
     def _publish(self) -> None:
         word = self._machine.state.value
-        flags = self._axis.flags
+        flags, mode = self._axis.flags, self._motion.mode
         # Recorded: bit 10 is 1 while the drive is disabled.
-        if not word & _STAGE_ON or self._motion.arrived:
+        if not word & _STAGE_ON or mode.arrived:
             word |= _TARGET_REACHED
         if self._operational:
             word |= _REMOTE
         if flags & CURRENT_LIMITED:
             word |= _INTERNAL_LIMIT
-        self._store.set(at.STATUSWORD, word | self._mode_bits(flags))
-
-    def _mode_bits(self, flags: int) -> int:
-        """Bits 12 and 13, which each mode gives its own meaning."""
-        if self._motion.mode == Mode.PROFILE_VELOCITY:
-            return _SPEED_IS_ZERO if flags & AT_REST else 0
         failed = emergency.FOLLOWING_ERROR_TOO_LARGE in self._machine.errors
-        bits = _FOLLOWING_ERROR if failed else 0
-        if self._motion.mode == Mode.PROFILE_POSITION and self._motion.acknowledged:
-            bits |= _SETPOINT_ACKNOWLEDGED
-        return bits
+        self._store.set(at.STATUSWORD, word | mode.status(failed=failed))

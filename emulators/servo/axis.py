@@ -38,6 +38,7 @@ FOLLOWING_ERROR: Final = 1 << 4
 OVER_CURRENT: Final = 1 << 5
 UNDER_VOLTAGE: Final = 1 << 6
 OVER_VOLTAGE: Final = 1 << 7
+CURRENT_REACHED: Final = 1 << 8
 
 LARGEST_SPEED: Final = 1 << 29
 """25 000 rpm, the fastest that any object allows, lies below this many velocity units."""
@@ -87,6 +88,7 @@ class ServoAxis(Record, ctypes.Structure):
         self.over_voltage_mv = 75_000
         self._unscaled()
         self.encoder = 0
+        self.pins = self.outputs = 0
         self.now: Nanoseconds = 0
         self.restart()
 
@@ -116,6 +118,9 @@ class ServoAxis(Record, ctypes.Structure):
         self.cruise = self.acceleration = self.deceleration = 1
         self.stopping_distance = 0
         self.call = self.told = 0
+        self.pins_watched = self.index_watched = self.current_watched_ma = 0
+        self.pins_before = self.pins
+        self.index_position = self.index_passes = 0
         self.turning = 1
         self.flags = AT_REST
         self.position = 0

@@ -9,6 +9,7 @@ from typing import Final, Protocol
 
 from emulators.servo.axis import TICK, ServoAxis
 from emulators.servo.kernel import Found, Kernel, NativePlant, choose
+from emulators.servo.pins import Line
 from emulators.servo.seam import (
     WIDEST_ANGLE,
     Plant,
@@ -45,14 +46,17 @@ class ServoBank:
         *,
         supply: int | None = None,
         analogue: tuple[str, float] | None = None,
+        input_lines: Sequence[Line] = (),
+        output_lines: Sequence[Line] = (),
         servo: Found | None = None,
     ) -> None:
         """Take a plant whose inputs and outputs begin as `plant_inputs` and `plant_outputs` say.
 
         `supply` is the output that holds the supply voltage in V (constant where it is None); `analogue` is
-        the axis whose first analogue input sees it, and the divider before that input. `servo` is the kernel
-        to use, or none; without it `emulators.servo.kernel.choose` decides. Raises ServoError where a kernel
-        was asked for and there is none, or where the plant gives no angle.
+        the axis whose first analogue input sees it, and the divider before that input. The lines wire pins to
+        further outputs and inputs of the plant: see `emulators.servo.pins`. `servo` is the kernel to use, or
+        none; without it `emulators.servo.kernel.choose` decides. Raises ServoError where a kernel was asked
+        for and there is none, or where the plant gives no angle.
         """
         self.axes: Final = tuple(axes)
         count = len(self.axes)
@@ -64,7 +68,9 @@ class ServoBank:
             if not -WIDEST_ANGLE <= angle * scale <= WIDEST_ANGLE:
                 no_measurement("angle", axis.name, angle, 0)
             axis.encoder = floor(angle * scale)
-        wiring = Wiring(tuple(scales), supply, tuple(dividers))
+        wiring = Wiring(
+            tuple(scales), supply, tuple(dividers), tuple(input_lines), tuple(output_lines)
+        )
         found = choose() if servo is None else servo
         self._engine: Final[Engine] = (
             Kernel(found.library, plant, axes, wiring)

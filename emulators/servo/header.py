@@ -8,9 +8,9 @@ from collections.abc import Iterator, Mapping
 from types import MappingProxyType, ModuleType
 from typing import Final
 
-from emulators.servo import axis, loops, scaling, seam, winding
+from emulators.servo import axis, loops, scaling, seam, signals, winding
 from emulators.servo.axis import ServoAxis
-from emulators.servo.kernel import NATIVE_FOLDER, BankRecord, Ended
+from emulators.servo.kernel import NATIVE_FOLDER, BankRecord, Ended, LineRecord
 from fmu.calls import PlantRecord
 
 PATH: Final = NATIVE_FOLDER / "record.h"
@@ -31,13 +31,14 @@ CONSTANTS: Final[tuple[tuple[ModuleType, tuple[str, ...]], ...]] = (
         ),
     ),
     (axis, ("PROFILE_DONE", "TARGET_REACHED", "AT_REST", "CURRENT_LIMITED", "FOLLOWING_ERROR")),
-    (axis, ("OVER_CURRENT", "UNDER_VOLTAGE", "OVER_VOLTAGE")),
-    (loops, ("AVERAGE", "WRAP", "HALF", "WIDEST_SPEED", "WIDEST_WAY")),
+    (axis, ("OVER_CURRENT", "UNDER_VOLTAGE", "OVER_VOLTAGE", "CURRENT_REACHED")),
+    (loops, ("AVERAGE", "WIDEST_SPEED", "WIDEST_WAY")),
+    (signals, ("WRAP", "HALF")),
     (scaling, ("VELOCITY_PLACES", "POSITION_P_PLACES", "POSITION_I_PLACES", "POSITION_D_PLACES")),
     (scaling, ("SPEED_FORWARD_PLACES", "ACCELERATION_FORWARD_PLACES", "FILTER_PLACES")),
     (winding, ("RESTING", "LEARNING", "LEARNING_RATE", "BACK_EMF_PLACES", "WIDEST_BACK_EMF", "FADED")),
     (winding, ("CURRENT_PLACES", "AVERAGE_PLACES")),
-    (seam, ("WIDEST_READING", "WIDEST_ANGLE", "WIDEST_STEP")),
+    (seam, ("CLOSED", "WIDEST_READING", "WIDEST_ANGLE", "WIDEST_STEP")),
 )
 """What the kernel knows by name, and the module that declares it."""
 
@@ -66,6 +67,7 @@ def _lines() -> Iterator[str]:
     for title, record in (
         ("servo_axis", ServoAxis),
         ("plant_calls", PlantRecord),
+        ("servo_line", LineRecord),
         ("servo_bank", BankRecord),
     ):
         yield ""

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import ClassVar, Final, NoReturn, Protocol, runtime_checkable
 
 from emulators.servo.axis import ServoAxis
+from emulators.servo.pins import Line
 from emulators.servo.seam import Plant, ServoError, Wiring, no_measurement
 from fmu.calls import PlantRecord
 
@@ -40,6 +41,7 @@ class Ended(IntEnum):
     WRITE = 6
     STEP = 7
     READ = 8
+    PIN = 9
 
 
 _QUANTITIES: Final = {
@@ -47,6 +49,7 @@ _QUANTITIES: Final = {
     Ended.ANGLE: "angle",
     Ended.SPEED: "speed",
     Ended.SUPPLY: "supply voltage",
+    Ended.PIN: "pin",
 }
 _ACTIONS: Final = {
     Ended.WRITE: "setting the inputs",
@@ -67,6 +70,16 @@ class NativePlant(Plant, Protocol):
         """Raise the plant's own error for a call that gave this status."""
 
 
+class LineRecord(ctypes.Structure):
+    """One wire between a pin and the plant: `emulators.servo.pins.Line`."""
+
+    _fields_: ClassVar = [
+        ("axis", ctypes.c_int64),
+        ("mask", ctypes.c_int64),
+        ("variable", ctypes.c_int64),
+    ]
+
+
 class BankRecord(ctypes.Structure):
     """Axes, plant and progress of one bank, as the kernel in C sees them."""
 
@@ -78,6 +91,10 @@ class BankRecord(ctypes.Structure):
         ("supply", ctypes.c_int64),
         # How many of the plant's outputs each tick needs, from the first on.
         ("sampled", ctypes.c_int64),
+        ("input_lines", ctypes.c_void_p),
+        ("input_line_count", ctypes.c_int64),
+        ("output_lines", ctypes.c_void_p),
+        ("output_line_count", ctypes.c_int64),
         ("plant", ctypes.c_void_p),
         ("tick", ctypes.c_int64),
         # Where and why a run broke off: an axis' number or -1; an FMI status; what was read, in SI.
@@ -160,15 +177,20 @@ class Kernel:
         doubles = ctypes.c_double * count
         pointers = (ctypes.c_void_p * count)(*map(ctypes.addressof, self._axes))
         scales, parts, calls = doubles(*wiring.counts_per_radian), doubles(*wiring.dividers), plant.record
+        into, out_of = _line_records(wiring.input_lines), _line_records(wiring.output_lines)
         # The record holds bare addresses: what they point to must live as long as it does.
-        self._held: Final = (pointers, scales, parts, calls)
+        self._held: Final = (pointers, scales, parts, calls, into, out_of)
         self._record: Final = BankRecord(
             count=count,
             axes=ctypes.addressof(pointers),
             counts_per_radian=ctypes.addressof(scales),
             dividers=ctypes.addressof(parts),
             supply=supply,
-            sampled=max(3 * count, supply + 1),
+            sampled=max(3 * count, supply + 1, *(line.variable + 1 for line in wiring.input_lines)),
+            input_lines=ctypes.addressof(into),
+            input_line_count=len(into),
+            output_lines=ctypes.addressof(out_of),
+            output_line_count=len(out_of),
             plant=ctypes.addressof(calls),
         )
         self._run: Final = library.servo_run
@@ -192,3 +214,7 @@ class Kernel:
             self._plant.failed(_ACTIONS[ended], record.fault_status)
         name = self._axes[record.fault_axis].name if record.fault_axis >= 0 else ""
         no_measurement(_QUANTITIES[ended], name, record.fault_value, record.tick)
+
+
+def _line_records(lines: Sequence[Line]) -> "ctypes.Array[LineRecord]":
+    return (LineRecord * len(lines))(*(LineRecord(line.axis, line.mask, line.variable) for line in lines))

@@ -31,11 +31,10 @@ from emulators.servo.scaling import (
     SPEED_FORWARD_PLACES,
     VELOCITY_PLACES,
 )
+from emulators.servo.signals import HALF, WRAP, notice, threshold
 
 AVERAGE: int = 5
 """Low-pass of the averaged values: alpha = 2^-5 per sample (EPOS Firmware Specification)."""
-WRAP: int = 1 << 32
-HALF: int = 1 << 31
 WIDEST_SPEED: int = 1 << 30
 """Velocity errors saturate here, at more than twice 25 000 rpm."""
 WIDEST_WAY: int = 1 << 36
@@ -43,7 +42,7 @@ WIDEST_WAY: int = 1 << 36
 
 
 def millisecond(axis: ServoAxis, encoder: int) -> bool:
-    """Take the encoder's count (qc of the mounted encoder), run one ms, and say whether a flag changed."""
+    """Take the encoder's count (qc of the mounted encoder), run one ms, and say whether it raised an event."""
     step = encoder - axis.encoder
     axis.encoder = encoder
     axis.step = step
@@ -64,12 +63,13 @@ def millisecond(axis: ServoAxis, encoder: int) -> bool:
             axis.current_demand_ma = 0
         if regulator != IDLE:
             flags |= arrival(axis, flags)
-    flags |= rest(axis)
+    flags |= rest(axis) | threshold(axis)
     axis.flags = flags
+    raised = notice(axis)
     if axis.call:
         axis.call = 0
         return True
-    return flags != before
+    return raised or flags != before
 
 
 def electrical(axis: ServoAxis) -> int:

@@ -16,6 +16,8 @@ class Record:
     supply_mv: int
     analogue_1_mv: int
     analogue_2_mv: int
+    # Levels of the digital inputs, bit 0 is pin 1: sampled every ms where the plant has them, else left alone.
+    pins: int
     # Scaling and gains, derived from the objects.
     resolution: int
     fraction: int
@@ -59,6 +61,12 @@ class Record:
     deceleration: int
     stopping_distance: int
     call: int
+    # What is an event: edges of these pins, an index, an averaged current beyond this one; 0 watches nothing.
+    pins_watched: int
+    index_watched: int
+    current_watched_ma: int
+    # Levels of the digital outputs and the brake, for the plant: see `emulators.servo.pins`.
+    outputs: int
     # State. `turning`: an open winding's voltage is kept up in this ms; `told`: the last ms raised an event.
     now: int
     flags: int
@@ -84,6 +92,10 @@ class Record:
     window_ms: int
     still_ms: int
     told: int
+    # The pins one ms ago; where the index was passed last, and how often it was since power-on.
+    pins_before: int
+    index_position: int
+    index_passes: int
 
 
 FIELDS: Final[tuple[str, ...]] = tuple(Record.__annotations__)

@@ -9,12 +9,15 @@ from dataclasses import dataclass
 from typing import Final, NoReturn, Protocol
 
 from emulators.servo.axis import TICK
+from emulators.servo.pins import Line
 from firmware_bridge.units import to_seconds
 
 WIDEST_READING: Final = 1 << 30
 """mA, mrad/s and mV beyond this are no measurement: a thousand times more than any drive stands."""
 WIDEST_ANGLE: Final = 1 << 52
 """Quadcounts beyond this are no measurement: a double does not count them one by one."""
+CLOSED: Final = 500
+"""Thousandths of a plant's signal above which a switch is closed: halfway between its 0.0 and 1.0."""
 WIDEST_STEP: Final = 1 << 31
 """Quadcounts in one ms beyond this are no measurement: the counter's 32 bits would not notice."""
 
@@ -51,6 +54,10 @@ class Wiring:
     """Which of the plant's outputs is the supply voltage in V; None: it is constant."""
     dividers: tuple[float, ...]
     """Before the first analogue input of each axis that sees the supply; 0 where none does."""
+    input_lines: tuple[Line, ...] = ()
+    """From the plant's outputs to the drives' input pins."""
+    output_lines: tuple[Line, ...] = ()
+    """From the drives' output pins to the plant's inputs."""
 
 
 class ServoError(Exception):

@@ -10,7 +10,15 @@ from typing import Final
 from emulators.servo import winding
 from emulators.servo.axis import TICK, TICKS_PER_MILLISECOND, ServoAxis
 from emulators.servo.loops import AVERAGE, millisecond
-from emulators.servo.seam import WIDEST_ANGLE, WIDEST_READING, WIDEST_STEP, Plant, Wiring, no_measurement
+from emulators.servo.seam import (
+    CLOSED,
+    WIDEST_ANGLE,
+    WIDEST_READING,
+    WIDEST_STEP,
+    Plant,
+    Wiring,
+    no_measurement,
+)
 from emulators.servo.winding import AVERAGE_PLACES, CURRENT_PLACES, Winding
 
 
@@ -41,6 +49,7 @@ class Twin:
     def _millisecond(self) -> bool:
         """Sample the plant and run every axis' millisecond; say whether one of them raised an event."""
         self._sample_supply()
+        self._sample_pins()
         count = len(self._axes)
         told = False
         currents = self._plant.outputs[:count]
@@ -119,6 +128,16 @@ class Twin:
             axis.supply_mv = supply_mv
             if divider:
                 axis.analogue_1_mv = int(supply_mv / divider)
+
+    def _sample_pins(self) -> None:
+        """Read the input pins, and write the output pins, that are wired to the plant."""
+        axes, outputs, inputs = self._axes, self._plant.outputs, self._plant.inputs
+        for line in self._wiring.input_lines:
+            axis = axes[line.axis]
+            signal = self._reading("pin", axis, outputs[line.variable : line.variable + 1][0])
+            axis.pins = axis.pins | line.mask if signal > CLOSED else axis.pins & ~line.mask
+        for line in self._wiring.output_lines:
+            inputs[line.variable] = 1.0 if axes[line.axis].outputs & line.mask else 0.0
 
     def _count(self, k: int, axis: ServoAxis, angle: float) -> int:
         counts = angle * self._wiring.counts_per_radian[k]

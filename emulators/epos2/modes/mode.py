@@ -1,0 +1,80 @@
+"""What a mode of operation is: what the drive asks it, and what happens where it says nothing.
+
+A mode that adds nothing takes the shaft to rest and holds its position, as a real drive does in a mode before
+its start signal.
+"""
+
+from typing import ClassVar, Final
+
+from emulators.epos2.modes.shaft import Shaft
+from emulators.servo.axis import PROFILE_DONE, TARGET_REACHED
+from emulators.servo.commands import regulate_position
+from firmware_bridge.wire.cia402 import Status
+from firmware_bridge.wire.epos2.address import Address
+
+_FOLLOWING_ERROR: Final = int(Status.FOLLOWING_ERROR)
+
+
+class ModeOfOperation:
+    """One mode. All but `forget` and the status are asked only while the drive is enabled and free."""
+
+    heeds_halt: ClassVar[bool] = False
+    """Whether bit 8 of the controlword counts."""
+    heeds: ClassVar[tuple[Address, ...]] = ()
+    """Objects whose writes `written` is told."""
+
+    def __init__(self, shaft: Shaft) -> None:
+        self.shaft: Final = shaft
+
+    # Taking over and letting go
+
+    def begin(self) -> None:
+        """Take the shaft over from where it is: the drive has become enabled."""
+        self.enter()
+
+    def enter(self) -> None:
+        """Take the shaft over, maybe under way: the mode has changed. ASSUME: it comes to rest with 0x6084."""
+        regulate_position(self.shaft.axis)
+        self.shaft.brake()
+
+    def forget(self) -> None:
+        """Drop what was going on: the power stage is off, a stop has cut in, or the mode has changed."""
+
+    # At work
+
+    def halt(self) -> None:
+        """Bit 8 has come up."""
+        self.shaft.brake()
+
+    def release(self) -> None:
+        """Bit 8 has gone down."""
+
+    def controls(self, word: int, before: int) -> bool:
+        """Heed the controlword's bits 4 to 6; say whether a set-point awaits `take_setpoint`."""
+        del word, before
+        return False
+
+    def take_setpoint(self, word: int) -> bool:
+        """Take the set-point that the objects hold by now; say whether there was room for it."""
+        del word
+        return True
+
+    def written(self, address: Address, value: int) -> None:
+        """Take a new value of an object that the mode heeds; the store has not got it yet."""
+
+    def advance(self) -> None:
+        """Go on with what has become due: asked after every event and every command."""
+
+    # Status
+
+    @property
+    def arrived(self) -> bool:
+        """Bit 10: the target is reached, or the halt has come to its end."""
+        axis = self.shaft.axis
+        if self.shaft.halted:
+            return bool(axis.flags & PROFILE_DONE) and axis.velocity_demand == 0
+        return bool(axis.flags & TARGET_REACHED)
+
+    def status(self, *, failed: bool) -> int:
+        """Return bits 12 and 13; `failed` says that the following error stands."""
+        return _FOLLOWING_ERROR if failed else 0

@@ -1,0 +1,71 @@
+"""Gives one of the modes of operation the shaft, and passes on what concerns it.
+
+It refuses to know what a mode does with it.
+"""
+
+from collections.abc import Mapping
+from typing import Final
+
+from emulators.epos2.modes.mode import ModeOfOperation
+from emulators.epos2.modes.shaft import Shaft
+from emulators.epos2.modes.table import MODES
+from emulators.epos2.store import ObjectStore
+from emulators.servo.axis import ServoAxis
+from firmware_bridge.wire.cia402 import Control, Mode
+from firmware_bridge.wire.epos2.address import Address
+
+_HALT: Final = int(Control.HALT)
+
+
+class Motion:
+    """The mode that is set, and all others. Every method but those of the status needs power."""
+
+    def __init__(self, store: ObjectStore, axis: ServoAxis) -> None:
+        self.shaft: Final = Shaft(store, axis)
+        self._modes: Final[Mapping[int, ModeOfOperation]] = {
+            number: mode(self.shaft) for number, mode in MODES.items()
+        }
+        self.number = int(Mode.PROFILE_POSITION)
+        """The mode that is set, as in 0x6060."""
+        self.mode = self._modes[self.number]
+
+    def set(self, number: int) -> None:
+        """Set the mode of a drive that is not enabled."""
+        self.number = number
+        self.mode = self._modes[number]
+
+    def forget(self) -> None:
+        """Drop what was going on: the power stage is off, or a stop has cut in."""
+        self.shaft.halted = False
+        self.mode.forget()
+
+    def begin(self, controlword: int) -> None:
+        """Start from standstill or from where the shaft is: the drive has become enabled."""
+        self.forget()
+        self.shaft.halted = bool(controlword & _HALT)
+        self.mode.begin()
+
+    def change(self, number: int, *, enabled: bool) -> None:
+        """Take a mode over, with the halt that stands."""
+        if number == self.number:
+            return
+        self.mode.forget()
+        self.set(number)
+        if enabled:
+            self.mode.enter()
+
+    def controls(self, controlword: int, before: int) -> bool:
+        """Heed halt and the mode's own bits while enabled; say whether a set-point awaits `take_setpoint`."""
+        halt = bool(controlword & _HALT)
+        if halt != self.shaft.halted and self.mode.heeds_halt:
+            self.shaft.halted = halt
+            if halt:
+                self.mode.halt()
+            else:
+                self.mode.release()
+        return self.mode.controls(controlword, before)
+
+    def written(self, address: Address, value: int) -> None:
+        """Tell the mode a value that was written, if it heeds that object."""
+        if address in self.mode.heeds:
+            self.mode.written(address, value)

@@ -1,0 +1,51 @@
+"""Profile velocity mode: ramps to a velocity, with halt."""
+
+from typing import ClassVar, Final
+
+from emulators.epos2.modes.mode import ModeOfOperation
+from emulators.servo.axis import AT_REST
+from emulators.servo.commands import regulate_velocity
+from firmware_bridge.wire.cia402 import Status
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.address import Address
+
+_SPEED_IS_ZERO: Final = int(Status.SPEED_IS_ZERO)
+
+
+class ProfileVelocity(ModeOfOperation):
+    """Keeps the velocity 0x60FF."""
+
+    heeds_halt: ClassVar[bool] = True
+    heeds: ClassVar[tuple[Address, ...]] = (at.TARGET_VELOCITY,)
+
+    def begin(self) -> None:
+        """Go over to the velocity that the object holds."""
+        regulate_velocity(self.shaft.axis)
+        self._go(self.shaft.store.get(at.TARGET_VELOCITY))
+
+    def enter(self) -> None:
+        """Come to rest; a velocity counts when it is written, or with the next controlword."""
+        regulate_velocity(self.shaft.axis)
+        self.shaft.brake()
+
+    def controls(self, word: int, before: int) -> bool:
+        """Every controlword starts the velocity that the object holds."""
+        del word, before
+        self._go(self.shaft.store.get(at.TARGET_VELOCITY))
+        return False
+
+    def written(self, address: Address, value: int) -> None:
+        """Go over to another velocity in rpm."""
+        del address
+        self._go(value)
+
+    def _go(self, rpm: int) -> None:
+        """Ramp to a velocity within 0x607F and 0x6410:4; in a halt the ramp goes to 0."""
+        shaft = self.shaft
+        velocity = 0 if shaft.halted else shaft.bounded(rpm)
+        shaft.ramp(velocity, at.PROFILE_ACCELERATION, at.PROFILE_DECELERATION)
+
+    def status(self, *, failed: bool) -> int:
+        """Bit 12: speed is 0; bit 13 is not used."""
+        del failed
+        return _SPEED_IS_ZERO if self.shaft.axis.flags & AT_REST else 0

@@ -1,0 +1,75 @@
+"""One axis under command, as every mode sees it: the store's limits and ramps, and braking.
+
+It refuses to know modes and states.
+"""
+
+from typing import Final
+
+from emulators.epos2.store import ObjectStore
+from emulators.servo.axis import IDLE, MOVE, RAMP, ServoAxis
+from emulators.servo.commands import brake, judge_anew
+from emulators.servo.profile import stopping_distance
+from emulators.servo.scaling import acceleration_units, speed_units
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.address import Address
+
+
+class Shaft:
+    """Axis and store, in the units of the one and the objects of the other."""
+
+    def __init__(self, store: ObjectStore, axis: ServoAxis) -> None:
+        self.store: Final = store
+        self.axis: Final = axis
+        self.halted = False
+        """Bit 8 of the controlword is up, in a mode that heeds it."""
+        self.out_of_limits = False
+        """A target lay outside the software position limits 0x607D; cleared by who heeds it."""
+
+    @property
+    def stopped(self) -> bool:
+        """A braking ramp has come to its end."""
+        axis = self.axis
+        if axis.profile != RAMP or axis.regulator == IDLE:
+            return True
+        return axis.velocity_demand == 0 and axis.target_velocity == 0
+
+    def brake(self, address: Address = at.PROFILE_DECELERATION) -> None:
+        """Ramp to standstill with the deceleration that an object holds, and hold."""
+        brake(self.axis, self.store.get(address))
+
+    def move(self, cruise: int, acceleration: Address, deceleration: Address) -> None:
+        """Go to the axis' target position with at most `cruise` (velocity units)."""
+        axis = self.axis
+        axis.cruise = min(cruise, self.fastest())
+        axis.acceleration = self.acceleration(acceleration)
+        axis.deceleration = self.acceleration(deceleration)
+        axis.stopping_distance = stopping_distance(axis.cruise, axis.deceleration)
+        axis.profile = MOVE
+        judge_anew(axis, there=False)
+
+    def ramp(self, velocity: int, acceleration: Address, deceleration: Address) -> None:
+        """Go over to `velocity` (velocity units) and keep it."""
+        axis = self.axis
+        if velocity != axis.target_velocity or axis.profile != RAMP:
+            judge_anew(axis, there=velocity == axis.velocity_demand)
+        axis.target_velocity = velocity
+        axis.profile = RAMP
+        axis.acceleration = self.acceleration(acceleration)
+        axis.deceleration = self.acceleration(deceleration)
+
+    def bounded(self, rpm: int) -> int:
+        """Return a speed in velocity units, within 0x607F and 0x6410:4."""
+        limit = self.fastest()
+        return max(-limit, min(limit, speed_units(self.axis, rpm)))
+
+    def fastest(self) -> int:
+        """Return the fastest that a profile may go, in velocity units: 0x607F and 0x6410:4."""
+        return min(speed_units(self.axis, self.store.get(at.MAX_PROFILE_VELOCITY)), self.axis.speed_limit)
+
+    def acceleration(self, address: Address) -> int:
+        """Return the acceleration that an object holds, in units."""
+        return acceleration_units(self.axis, self.store.get(address))
+
+    def limits(self) -> tuple[int, int]:
+        """Return the software position limits 0x607D in qc."""
+        return self.store.get(at.MIN_POSITION_LIMIT), self.store.get(at.MAX_POSITION_LIMIT)

@@ -1,0 +1,37 @@
+"""Which modes of operation an EPOS2 has: one row for each.
+
+Interpolated position, diagnostic, master encoder and step/direction mode are shown and hold the position; their
+start signal is not heeded yet.
+"""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Final
+
+from emulators.epos2.modes.direct import Current, Position, Velocity
+from emulators.epos2.modes.mode import ModeOfOperation
+from emulators.epos2.modes.profile_position import ProfilePosition
+from emulators.epos2.modes.profile_velocity import ProfileVelocity
+from firmware_bridge.wire.cia402 import Mode
+from firmware_bridge.wire.epos2.address import Address
+
+MODES: Final[Mapping[int, type[ModeOfOperation]]] = MappingProxyType(
+    {
+        Mode.INTERPOLATED_POSITION: ModeOfOperation,
+        Mode.HOMING: ModeOfOperation,
+        Mode.PROFILE_VELOCITY: ProfileVelocity,
+        Mode.PROFILE_POSITION: ProfilePosition,
+        Mode.POSITION: Position,
+        Mode.VELOCITY: Velocity,
+        Mode.CURRENT: Current,
+        Mode.DIAGNOSTIC: ModeOfOperation,
+        Mode.MASTER_ENCODER: ModeOfOperation,
+        Mode.STEP_DIRECTION: ModeOfOperation,
+    }
+)
+"""Every mode by its number in 0x6060."""
+
+HEEDED: Final[tuple[Address, ...]] = tuple(
+    sorted({address for mode in MODES.values() for address in mode.heeds})
+)
+"""Objects whose writes one of the modes heeds."""
