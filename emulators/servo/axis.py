@@ -46,6 +46,8 @@ UNDER_VOLTAGE: Final = 1 << 6
 OVER_VOLTAGE: Final = 1 << 7
 CURRENT_REACHED: Final = 1 << 8
 
+AVERAGE_PLACES: Final = 16
+"""Binary places of the averaged current, which is in mA."""
 LARGEST_SPEED: Final = 1 << 29
 """25 000 rpm, the fastest that any object allows, lies below this many velocity units."""
 FASTEST_RPM: Final = 25_000

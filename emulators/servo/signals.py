@@ -5,7 +5,7 @@ Whole numbers only, as in `emulators.servo.loops`. It refuses to know what a pin
 
 from typing import Final
 
-from emulators.servo.axis import CURRENT_REACHED, ServoAxis
+from emulators.servo.axis import AVERAGE_PLACES, CURRENT_REACHED, ServoAxis
 
 WRAP: Final = 1 << 32
 HALF: Final = 1 << 31
@@ -32,6 +32,6 @@ def notice(axis: ServoAxis) -> bool:
 
 def threshold(axis: ServoAxis) -> int:
     """Tell whether the averaged current is beyond the watched one, where one is watched."""
-    limit = axis.current_watched_ma << 16
+    limit = axis.current_watched_ma << AVERAGE_PLACES
     current = axis.current_average
     return CURRENT_REACHED if limit and (current > limit or -current > limit) else 0

@@ -8,7 +8,7 @@ from math import floor
 from typing import Final
 
 from emulators.servo import winding
-from emulators.servo.axis import TICK, TICKS_PER_MILLISECOND, ServoAxis
+from emulators.servo.axis import AVERAGE_PLACES, TICK, TICKS_PER_MILLISECOND, ServoAxis
 from emulators.servo.loops import AVERAGE, millisecond
 from emulators.servo.seam import (
     CLOSED,
@@ -19,7 +19,7 @@ from emulators.servo.seam import (
     Wiring,
     no_measurement,
 )
-from emulators.servo.winding import AVERAGE_PLACES, CURRENT_PLACES, Winding
+from emulators.servo.winding import CURRENT_PLACES, Winding
 
 
 class Twin:

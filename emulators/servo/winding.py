@@ -5,7 +5,7 @@ Whole numbers only, as in `emulators.servo.loops`. Both divisions round towards 
 
 from typing import Final
 
-from emulators.servo.axis import ServoAxis
+from emulators.servo.axis import AVERAGE_PLACES, ServoAxis
 from emulators.servo.loops import AVERAGE
 
 RESTING: Final = 10
@@ -20,7 +20,6 @@ WIDEST_BACK_EMF: Final = (1 << 32) - 1
 FADED: Final = 1 << 5
 """An averaged current (2^-16 mA) that rounding keeps from reaching 0."""
 CURRENT_PLACES: Final = 8
-AVERAGE_PLACES: Final = 16
 
 
 class Winding:

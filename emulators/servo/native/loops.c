@@ -2,6 +2,7 @@
 #include "arithmetic.h"
 #include "kernel.h"
 #include "profile.h"
+#include "signals.h"
 
 static int64_t electrical(const servo_axis *axis)
 {
@@ -122,6 +123,7 @@ static int64_t rest(servo_axis *axis)
 int64_t servo_millisecond(servo_axis *axis, int64_t encoder)
 {
     int64_t before = axis->flags, flags, step = encoder - axis->encoder;
+    bool noticed;
     axis->encoder = encoder;
     axis->step = step;
     axis->position = ((axis->position + step + HALF) & (WRAP - 1)) - HALF;
@@ -140,11 +142,12 @@ int64_t servo_millisecond(servo_axis *axis, int64_t encoder)
         if (axis->regulator != IDLE)
             flags |= arrival(axis, flags);
     }
-    flags |= rest(axis);
+    flags |= rest(axis) | servo_threshold(axis);
     axis->flags = flags;
+    noticed = servo_notice(axis);
     if (axis->call) {
         axis->call = 0;
         return 1;
     }
-    return flags != before;
+    return noticed || flags != before;
 }

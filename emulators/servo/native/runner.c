@@ -22,10 +22,28 @@ static int64_t sample_supply(servo_bank *bank, double volts)
     return ENDED_REACHED;
 }
 
-static int64_t milliseconds(servo_bank *bank, const double *outputs)
+static int64_t sample_pins(servo_bank *bank, const double *outputs, double *inputs)
+{
+    const servo_line *line = bank->input_lines, *end = line + bank->input_line_count;
+    int64_t signal;
+    for (; line != end; line++) {
+        servo_axis *axis = axis_at(bank, line->axis);
+        if (!reading(outputs[line->variable], &signal))
+            return refuse(bank, ENDED_PIN, line->axis, outputs[line->variable]);
+        axis->pins = signal > CLOSED ? axis->pins | line->mask : axis->pins & ~line->mask;
+    }
+    line = bank->output_lines;
+    for (end = line + bank->output_line_count; line != end; line++)
+        inputs[line->variable] = axis_at(bank, line->axis)->outputs & line->mask ? 1.0 : 0.0;
+    return ENDED_REACHED;
+}
+
+static int64_t milliseconds(servo_bank *bank, const double *outputs, double *inputs)
 {
     int64_t ended = ENDED_REACHED, count = bank->count, k;
     if (bank->supply >= 0 && (ended = sample_supply(bank, outputs[bank->supply])) != ENDED_REACHED)
+        return ended;
+    if ((ended = sample_pins(bank, outputs, inputs)) != ENDED_REACHED)
         return ended;
     for (k = 0; k < count; k++) {
         servo_axis *axis = axis_at(bank, k);
@@ -82,7 +100,7 @@ int64_t servo_run(servo_bank *bank, int64_t last)
     if (bank->tick >= last)
         return ENDED_REACHED;
     while (bank->tick < last && !told) {
-        if (bank->tick % TICKS_PER_MILLISECOND == 0 && (told = milliseconds(bank, outputs)) > ENDED_TOLD)
+        if (bank->tick % TICKS_PER_MILLISECOND == 0 && (told = milliseconds(bank, outputs, inputs)) > ENDED_TOLD)
             return told;
         if ((ended = tick(bank, outputs, inputs)) != ENDED_REACHED)
             return ended;
