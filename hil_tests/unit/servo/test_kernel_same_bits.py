@@ -16,6 +16,7 @@ from hil_tests.unit.servo.side_by_side import (
     COMPILERS,
     COUNT,
     KERNEL,
+    KINDS,
     PLANT,
     SANE,
     Draw,
@@ -86,7 +87,7 @@ def test_millions_of_ticks_agree_to_the_bit(pair: Pair, draw: Draw, share: float
 ORDERS = st.builds(
     Order,
     axis=st.integers(0, COUNT - 1),
-    kind=st.integers(0, 7),
+    kind=st.sampled_from(sorted(set(KINDS))),
     value=st.integers(-(2**31), 2**31 - 1),
     speed=st.integers(-30_000, 30_000),
     up=st.integers(0, 2**32 - 1),
