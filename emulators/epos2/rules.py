@@ -14,7 +14,14 @@ from firmware_bridge.wire.abort import AbortCode, SdoAbort
 from firmware_bridge.wire.canopen import FIRST_NODE, LAST_NODE, TIME_STAMP
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
-from firmware_bridge.wire.epos2.rows import APPLICATION_NOTES, FIRMWARE_SPECIFICATION, LIBRARY, Provenance
+from firmware_bridge.wire.epos2.rows import (
+    APPLICATION_NOTES,
+    ASSUMPTION,
+    EDS,
+    FIRMWARE_SPECIFICATION,
+    LIBRARY,
+    Provenance,
+)
 
 _INTERPOLATION: Final = "application note Interpolation Position Mode, December 2008, p. 11"
 _ANALOGY: Final = Provenance.BY_ANALOGY
@@ -42,6 +49,9 @@ RULES: Final = (
     ValueRule(at.SHUTDOWN_OPTION, range(2)),
     ValueRule(at.DISABLE_OPTION, range(2)),
     ValueRule(at.FAULT_REACTION_OPTION, range(-1, 3)),
+    ValueRule(Address(0x2300, 3), range(1, 1 << 16), Provenance.ASSUMED, ASSUMPTION),
+    ValueRule(Address(0x2300, 4), range(2), Provenance.ASSUMED, ASSUMPTION),
+    ValueRule(at.MOTION_PROFILE_TYPE, range(2), _DOCUMENTED, EDS),
     ValueRule(Address(0x6089), (0,)),
     ValueRule(Address(0x608A), (0xAC,)),
     ValueRule(Address(0x608B), (0,)),

@@ -52,6 +52,8 @@ class Status(IntFlag):
     """Profile position mode."""
     SPEED_IS_ZERO = 1 << 12
     """Profile velocity mode."""
+    INTERPOLATION_ACTIVE = 1 << 12
+    """Interpolated position mode."""
     FOLLOWING_ERROR = 1 << 13
     REFERENCED = 1 << 15
 
@@ -64,6 +66,9 @@ class Control(IntFlag):
     NO_QUICK_STOP = 1 << 2
     ENABLE_OPERATION = 1 << 3
     NEW_SETPOINT = 1 << 4
+    """Profile position mode."""
+    ENABLE_INTERPOLATION = 1 << 4
+    """Interpolated position mode."""
     CHANGE_IMMEDIATELY = 1 << 5
     RELATIVE = 1 << 6
     FAULT_RESET = 1 << 7

@@ -40,6 +40,10 @@ class ModeOfOperation:
     def forget(self) -> None:
         """Drop what was going on: the power stage is off, a stop has cut in, or the mode has changed."""
 
+    def restart(self) -> None:
+        """Begin as after power-on."""
+        self.forget()
+
     # At work
 
     def halt(self) -> None:
