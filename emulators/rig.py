@@ -19,6 +19,7 @@ from emulators.epos2.serial.drive import SerialEpos2
 from emulators.rewind import Moment, Rewind
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, plant_inputs, plant_outputs
+from emulators.servo.pins import input_lines, output_lines, pin_inputs, pin_outputs
 from emulators.wires import CanWire, DatagramWire
 from emulators.world import World
 from firmware_bridge.bridge import Bridge
@@ -74,12 +75,26 @@ def devices(
         path, parameters = ensure(robot.plant.fmu), plant_parameters(robot)
     else:
         path, parameters = plant_path, robot.plant.parameters
-    plant = FmuPlant(path, plant_inputs(names), (*outputs, *BODY), parameters)
+    plant = FmuPlant(
+        path,
+        plant_inputs(names),
+        (*outputs, *BODY),
+        parameters,
+        optional_inputs=pin_inputs(names),
+        optional_outputs=pin_outputs(names),
+    )
     axes = [
         ServoAxis(axis.name, axis.quadcounts_per_turn, back_emf=_back_emf(plant, axis.name))
         for axis in robot.axes
     ]
-    bank = ServoBank(plant, axes, supply=len(outputs), analogue=(robot.battery.axis, robot.battery.divider))
+    bank = ServoBank(
+        plant,
+        axes,
+        supply=len(outputs),
+        analogue=(robot.battery.axis, robot.battery.divider),
+        input_lines=input_lines(plant.output_names, names),
+        output_lines=output_lines(plant.input_names, names),
+    )
     kind = realistic(EPOS2_70_10) if realistic_latency else EPOS2_70_10
     drives = {
         axis.name: _drive(axis.node, servo, _individual(kind, axis.node), serial.get(axis.name))
@@ -194,7 +209,7 @@ class Rig:
     def _sample(self, now: Nanoseconds) -> None:
         count = len(self.robot.axes)
         values = self.devices.plant.outputs[:]
-        _, x, y, heading, speed, yaw_rate, steer, lift = values[self._body :]
+        _, x, y, heading, speed, yaw_rate, steer, lift = values[self._body : self._body + len(BODY)]
         seen = self.bridge.seen
         pose = seen.pose
         self.samples.append(

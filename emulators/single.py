@@ -13,6 +13,7 @@ from emulators.epos2.profile import DeviceProfile
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import Plant, ServoBank, plant_inputs, plant_outputs
 from emulators.servo.motor import DcMotor, DcMotors
+from emulators.servo.pins import input_lines, output_lines, pin_inputs, pin_outputs
 from emulators.storage import ParameterFile
 from fmu.plant import FmuPlant, PlantError
 
@@ -68,11 +69,20 @@ def drives(order: Order) -> tuple[dict[str, Epos2], ServoBank]:
         )
         for name, node, axis in zip(names, order.nodes, axes, strict=True)
     }
-    return made, ServoBank(plant, axes)
+    if not isinstance(plant, FmuPlant):
+        return made, ServoBank(plant, axes)
+    wires, switches = output_lines(plant.input_names, names), input_lines(plant.output_names, names)
+    return made, ServoBank(plant, axes, input_lines=switches, output_lines=wires)
 
 
 def _fmu(path: Path, names: Sequence[str]) -> FmuPlant:
-    return FmuPlant(path, plant_inputs(names), plant_outputs(names))
+    return FmuPlant(
+        path,
+        plant_inputs(names),
+        plant_outputs(names),
+        optional_inputs=pin_inputs(names),
+        optional_outputs=pin_outputs(names),
+    )
 
 
 def _back_emf(order: Order, plant: Plant, name: str) -> int:

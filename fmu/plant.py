@@ -59,10 +59,13 @@ class FmuPlant:
         step: int = 100_000,
         *,
         units: Mapping[str, str] = UNITS,
+        optional_inputs: Sequence[str] = (),
+        optional_outputs: Sequence[str] = (),
     ) -> None:
         """Unzip, validate, instantiate, set `parameters` (SI), initialise; `step` in ns.
 
-        `units` tells what the named variables must be in; an FMU without units is taken at its word.
+        `units` tells what the named variables must be in; an FMU without units is taken at its word. Optional
+        variables follow the others where the FMU has them: `input_names` and `output_names` tell.
         Raises PlantError, naming the file and what is wrong with it.
         """
         self.path = path
@@ -70,8 +73,10 @@ class FmuPlant:
         self._record = PlantRecord()
         description = described(path)
         self._references = References(str(path), description)
-        input_references = self._references.find(inputs, ("input",), units)
-        output_references = self._references.find(outputs, ("output", "local"), units)
+        self.input_names: Final = (*inputs, *self._references.present(optional_inputs))
+        self.output_names: Final = (*outputs, *self._references.present(optional_outputs))
+        input_references = self._references.find(self.input_names, ("input",), units)
+        output_references = self._references.find(self.output_names, ("output", "local"), units)
         set_references = self._references.settable(parameters)
         self._fmu, self._vault, self._finish = loaded(self, path, description, self._messages)
         try:

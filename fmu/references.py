@@ -23,6 +23,10 @@ class References:
         """Return the value references of real variables of these causalities, checked against `units`."""
         return [self._reference(name, causalities, units.get(name)) for name in names]
 
+    def present(self, names: Sequence[str]) -> tuple[str, ...]:
+        """Return those of the names that are variables here, in their order."""
+        return tuple(name for name in names if name in self._variables)
+
     def any(self, name: str) -> tuple[int, str]:
         """Return value reference and type of any variable."""
         variable = self._variable(name, "variable")

@@ -68,9 +68,7 @@ class ServoBank:
             if not -WIDEST_ANGLE <= angle * scale <= WIDEST_ANGLE:
                 no_measurement("angle", axis.name, angle, 0)
             axis.encoder = floor(angle * scale)
-        wiring = Wiring(
-            tuple(scales), supply, tuple(dividers), tuple(input_lines), tuple(output_lines)
-        )
+        wiring = Wiring(tuple(scales), supply, tuple(dividers), tuple(input_lines), tuple(output_lines))
         found = choose() if servo is None else servo
         self._engine: Final[Engine] = (
             Kernel(found.library, plant, axes, wiring)

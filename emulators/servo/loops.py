@@ -50,7 +50,7 @@ WIDEST_WAY: int = 1 << 36
 
 
 def millisecond(axis: ServoAxis, encoder: int) -> bool:
-    """Take the encoder's count (qc of the mounted encoder), run one ms, and say whether it raised an event."""
+    """Take the count (qc of the mounted encoder), run one ms, and say whether it raised an event."""
     step = encoder - axis.encoder
     axis.encoder = encoder
     axis.step = step

@@ -16,7 +16,7 @@ class Record:
     supply_mv: int
     analogue_1_mv: int
     analogue_2_mv: int
-    # Levels of the digital inputs, bit 0 is pin 1: sampled every ms where the plant has them, else left alone.
+    # Levels of the digital inputs, bit 0 is pin 1: sampled every ms where wired, else left alone.
     pins: int
     # The count at the digital position input, a second encoder or steps: set by whoever has one.
     master: int

@@ -1,4 +1,4 @@
-"""What an axis notices beside its motion, every millisecond: edges at its pins, the encoder's index, a current.
+"""What an axis notices beside its motion every millisecond: edges at its pins, the index, a current.
 
 Whole numbers only, as in `emulators.servo.loops`. It refuses to know what a pin is for.
 """
@@ -12,10 +12,11 @@ HALF: Final = 1 << 31
 
 
 def notice(axis: ServoAxis) -> bool:
-    """Note the index that was passed and the pins that changed; say whether one of them is watched.
+    """Note a passed index and changed pins; say whether one of them is watched.
 
-    ASSUME: the index lies where the mounted encoder's count is a multiple of its turn; of several in one ms the
-    last one counts. It is latched as the position at that count, whichever way it was passed.
+    Of several indexes in one ms the last one counts; it is latched as the position at its own count,
+    whichever way it was passed. ASSUME: the index lies where the mounted encoder's count is a multiple of
+    its turn.
     """
     turn, after = axis.encoder_resolution, axis.encoder // axis.encoder_resolution
     before = (axis.encoder - axis.step) // turn

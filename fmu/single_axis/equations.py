@@ -4,7 +4,7 @@ from typing import Final
 
 import sympy as sp
 
-from fmu.export.functions import positive_part
+from fmu.export.functions import clamped, positive_part
 from fmu.export.model import Expression, Input, Model, Output, State
 from fmu.parts.battery import terminal_voltage
 from fmu.parts.motor import Shaft, bristle
@@ -13,6 +13,15 @@ from fmu.parts.symbols import HALF, inner, symbol, symbols
 from fmu.single_axis.parameters import PARAMETERS
 
 P: Final = symbols(PARAMETERS)
+
+
+STEEPNESS: Final = 1e9
+"""Per rad: a switch closes within a billionth of a radian, less than any encoder sees."""
+
+
+def closed(way: Expression) -> Expression:
+    """Return 1 where the cam is past its edge by `way` (rad), 0 where it is before it, 1/2 at the edge."""
+    return HALF + clamped(STEEPNESS * way, HALF)
 
 
 class Load:
@@ -46,6 +55,16 @@ class Load:
         weight = P["unbalance"] * sp.sin(self.angle)
         torque = self.gear_torque() + symbol("load_torque") + stops - rubbing - weight
         return torque / P["load_inertia"]
+
+    def switches(self) -> tuple[Output, ...]:
+        """Return the switches: 1 where one is closed, else 0."""
+        low, high = P["limit_low"] - self.angle, self.angle - P["limit_high"]
+        cam = closed(self.angle - P["home_low"]) * closed(P["home_high"] - self.angle)
+        return (
+            Output("negative_limit_axis", "1", "negative limit switch, 1 closed", closed(low)),
+            Output("positive_limit_axis", "1", "positive limit switch, 1 closed", closed(high)),
+            Output("home_axis", "1", "home switch, 1 closed", cam),
+        )
 
     def states(self) -> tuple[State, ...]:
         """Return the load's states; it starts where the motor stands, and as fast."""
@@ -84,6 +103,7 @@ def model() -> Model:
             Output("load_angle", "rad", "load's angle", load.angle, 1.0),
             Output("load_speed", "rad/s", "load's speed", load.speed, 1.0),
             Output("battery_voltage", "V", "battery's terminal voltage", terminal_voltage((motor,), P), 24.0),
+            *load.switches(),
             motor.dry_friction(),
             inner("gear_torque", "N.m", "torque of the gear on the load", load.gear_torque()),
             inner("energy", "J", "energy stored in the whole axis", motor.energy() + load.energy(), 10.0),

@@ -46,12 +46,32 @@ LOAD: Final[tuple[Parameter, ...]] = (
     Parameter("stop_damping", 0.5, "s/rad", "stops' damping, part of their torque per speed", "ASSUME"),
 )
 
-PARAMETERS: Final[tuple[Parameter, ...]] = MOTOR + GEAR + LOAD
+SWITCHES: Final[tuple[Parameter, ...]] = (
+    Parameter(
+        "limit_low", -1e6, "rad", "load angle below which the negative limit switch is closed", "ASSUME"
+    ),
+    Parameter(
+        "limit_high", 1e6, "rad", "load angle above which the positive limit switch is closed", "ASSUME"
+    ),
+    Parameter(
+        "home_low", 1e6, "rad", "load angle where the home switch's cam begins", "ASSUME, out of reach"
+    ),
+    Parameter("home_high", 1e6, "rad", "load angle where the home switch's cam ends", "ASSUME, out of reach"),
+)
+
+PARAMETERS: Final[tuple[Parameter, ...]] = MOTOR + GEAR + LOAD + SWITCHES
 
 SETS: Final[Mapping[str, Mapping[str, float]]] = {
     "free": {},
     "stiff": {"backlash": 0.0},
-    "between_stops": {"stop_low": -1.0, "stop_high": 2.0},
+    "between_stops": {
+        "stop_low": -1.0,
+        "stop_high": 2.0,
+        "limit_low": -0.9,
+        "limit_high": 1.9,
+        "home_low": 0.4,
+        "home_high": 0.6,
+    },
     "hanging_arm": {"unbalance": 3.0},
 }
 """Named benches: a flywheel, the same without backlash, an axis to be homed, a weight on an arm."""

@@ -11,7 +11,17 @@ from fmu.parts import table
 
 FILE: Final = Path(__file__).with_name("reference.csv")
 INPUTS: Final = ("voltage_axis", "load_torque")
-OUTPUTS: Final = ("current_axis", "angle_axis", "speed_axis", "load_angle", "load_speed", "battery_voltage")
+OUTPUTS: Final = (
+    "current_axis",
+    "angle_axis",
+    "speed_axis",
+    "load_angle",
+    "load_speed",
+    "battery_voltage",
+    "negative_limit_axis",
+    "positive_limit_axis",
+    "home_axis",
+)
 
 COURSE: Final = (
     # until s, voltage, load torque

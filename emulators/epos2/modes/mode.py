@@ -33,7 +33,7 @@ class ModeOfOperation:
         self.enter()
 
     def enter(self) -> None:
-        """Take the shaft over, maybe under way: the mode has changed. ASSUME: it comes to rest with 0x6084."""
+        """Take the shaft over, maybe under way: the mode has changed. ASSUME: it comes to rest by 0x6084."""
         regulate_position(self.shaft.axis)
         self.shaft.brake()
 

@@ -3,10 +3,8 @@
 It refuses to know what a mode does with it.
 """
 
-from collections.abc import Mapping
 from typing import Final
 
-from emulators.epos2.modes.mode import ModeOfOperation
 from emulators.epos2.modes.shaft import Shaft
 from emulators.epos2.modes.table import MODES
 from emulators.epos2.store import ObjectStore
@@ -23,9 +21,7 @@ class Motion:
 
     def __init__(self, store: ObjectStore, axis: ServoAxis) -> None:
         self.shaft: Final = Shaft(store, axis)
-        self._modes: Final[Mapping[int, ModeOfOperation]] = {
-            number: mode(self.shaft) for number, mode in MODES.items()
-        }
+        self._modes: Final = {number: mode(self.shaft) for number, mode in MODES.items()}
         self.number = int(Mode.PROFILE_POSITION)
         """The mode that is set, as in 0x6060."""
         self.mode = self._modes[self.number]

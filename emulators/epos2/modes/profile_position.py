@@ -49,7 +49,7 @@ class ProfilePosition(ModeOfOperation):
         return super().status(failed=failed) | (_SETPOINT_ACKNOWLEDGED if self._acknowledged else 0)
 
     def controls(self, word: int, before: int) -> bool:
-        """A rising edge of bit 4 is a set-point."""
+        """Take a rising edge of bit 4 for a set-point."""
         if not word & _NEW_SETPOINT:
             self._acknowledged = False
             return False

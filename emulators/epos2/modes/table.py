@@ -1,7 +1,7 @@
 """Which modes of operation an EPOS2 has: one row for each.
 
-Interpolated position, diagnostic, master encoder and step/direction mode are shown and hold the position; their
-start signal is not heeded yet.
+Interpolated position, diagnostic, master encoder and step/direction mode are shown and hold the position;
+their start signal is not heeded yet.
 """
 
 from collections.abc import Mapping

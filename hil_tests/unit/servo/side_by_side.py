@@ -15,6 +15,7 @@ from emulators.servo import kernel
 from emulators.servo.axis import CURRENT, DIRECT, MOVE, POSITION, RAMP, TICK, TRAPEZOID, VELOCITY, ServoAxis
 from emulators.servo.bank import ServoBank, ServoError
 from emulators.servo.commands import brake, judge_anew, regulate_position, regulate_velocity
+from emulators.servo.pins import Line
 from emulators.servo.profile import stopping_distance
 from emulators.servo.record import FIELDS
 from emulators.servo.scaling import Settings, acceleration_units, configure, speed_units
@@ -66,7 +67,7 @@ class Motors:
         library.plant_new.restype = ctypes.c_void_p
         self._instance: int = library.plant_new(count, seed, noise)
         self._calls: Calls = prepare(
-            library, self._instance, fmi, range(count), range(3 * count + 1), step=TICK
+            library, self._instance, fmi, range(2 * count), range(3 * count + 1), step=TICK
         )
         self.inputs, self.outputs = self._calls.inputs, self._calls.outputs
         self._calls.read(*self._calls.read_arguments)
@@ -102,7 +103,10 @@ class Order:
 
     axis: int
     kind: int
-    """0 power, 1 velocity, 2 position, 3 current, 4 brake, 5 call, 6 to 7 direct modes; from 10 on see `planned_orders`."""
+    """0 power, 1 velocity, 2 position, 3 current, 4 brake, 5 call, 6 to 7 direct modes, 8 watches.
+
+    From 10 on: `hil_tests.unit.servo.planned_orders`.
+    """
     value: int
     speed: int
     up: int
@@ -117,7 +121,7 @@ class Leg:
     ticks: int
 
 
-KINDS: Final = (0, 1, 1, 2, 2, 2, 3, 4, 5, 6, 7, 10, 10, 11, 12, 12, 13, 14, 15, 15)
+KINDS: Final = (0, 1, 1, 2, 2, 2, 3, 4, 5, 6, 7, 8, 8, 10, 10, 11, 12, 12, 13, 14, 15, 15)
 
 Event: TypeAlias = tuple[Nanoseconds, tuple[str, ...]]
 
@@ -130,6 +134,9 @@ def obey(axis: ServoAxis, order: Order) -> None:
             axis.switch_on()
     elif order.kind == 5:
         axis.call = 1
+    elif order.kind == 8:
+        axis.pins_watched, axis.index_watched = order.value & 7, order.value >> 3 & 1
+        axis.current_watched_ma, axis.outputs = order.up & 0xFFF, order.down
     elif order.kind >= FIRST_PLANNED:
         obey_planned(axis, order.kind, order.value, order.speed, (order.up, order.down))
     elif axis.powered:
@@ -172,8 +179,19 @@ class Side:
         self.axes = [ServoAxis(f"axis{k}", 4 * raw.encoder_pulses) for k, raw in enumerate(settings)]
         for axis, raw in zip(self.axes, settings, strict=True):
             configure(axis, raw)
-        supply = 3 * len(self.axes)
-        self.bank = ServoBank(plant, self.axes, supply=supply, analogue=("axis0", 6.0), servo=servo)
+        count = len(self.axes)
+        supply = 3 * count
+        # Whatever rises above 0.5 closes a switch: the currents in A, the speeds in rad/s.
+        switches = [Line(k, 1 << row, row * count + k) for k in range(count) for row in (0, 2)]
+        self.bank = ServoBank(
+            plant,
+            self.axes,
+            supply=supply,
+            analogue=("axis0", 6.0),
+            input_lines=switches,
+            output_lines=[Line(k, 1 << k, count + k) for k in range(count)],
+            servo=servo,
+        )
 
     def runs(self, leg: Leg) -> list[Event]:
         """Obey, and advance to the end of the leg; return every event on the way."""

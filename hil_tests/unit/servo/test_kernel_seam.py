@@ -10,7 +10,7 @@ import pytest
 from emulators.servo import header, kernel
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, ServoError, plant_inputs, plant_outputs
-from emulators.servo.kernel import BankRecord
+from emulators.servo.kernel import BankRecord, LineRecord
 from emulators.servo.motor import DcMotor, DcMotors
 from emulators.servo.record import FIELDS
 from firmware_bridge.units import MILLISECOND
@@ -45,6 +45,7 @@ def test_python_and_c_agree_where_each_field_lies(compiler: str, tmp_path: Path)
         "servo_axis": ServoAxis,
         "servo_bank": BankRecord,
         "plant_calls": PlantRecord,
+        "servo_line": LineRecord,
     }
     rows = [
         (f"offsetof({name}, {field[0]})", getattr(record, field[0]).offset)
