@@ -41,7 +41,7 @@ CONSTANTS: Final[tuple[tuple[ModuleType, tuple[str, ...]], ...]] = (
     (scaling, ("VELOCITY_PLACES", "POSITION_P_PLACES", "POSITION_I_PLACES", "POSITION_D_PLACES")),
     (scaling, ("SPEED_FORWARD_PLACES", "ACCELERATION_FORWARD_PLACES", "FILTER_PLACES")),
     (winding, ("RESTING", "LEARNING", "LEARNING_RATE", "BACK_EMF_PLACES", "WIDEST_BACK_EMF", "FADED")),
-    (winding, ("CURRENT_PLACES",)),
+    (winding, ("CURRENT_PLACES", "HIGHEST_RESISTANCE")),
     (axis, ("AVERAGE_PLACES",)),
     (sine, ("SHARE_PLACES", *(f"SINE_{term}" for term in range(1, 8)))),
     (follow, ("FASTEST_INPUT",)),

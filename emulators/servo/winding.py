@@ -14,6 +14,8 @@ LEARNING: Final = 5_000
 """mrad/s above which the back-EMF constant of an open winding is learnt."""
 LEARNING_RATE: Final = 838_861
 """0.05 Ohm in 24 places: a lower bound of the windings' resistance, so that learning does not overshoot."""
+HIGHEST_RESISTANCE: Final = 16
+"""Ohm: an upper bound, for what the current may have added to the last voltage (ASSUME)."""
 BACK_EMF_PLACES: Final = 24
 WIDEST_BACK_EMF: Final = (1 << 32) - 1
 """256 V s/rad: far past every motor, and a product with a speed stays within 63 bits."""
@@ -55,6 +57,20 @@ class Winding:
         axis.voltage_mv = self.voltage
 
 
+def first_guess(axis: ServoAxis, current: int, speed: int) -> int:
+    """Return a back-EMF constant from the voltage at power-off; never more than the motor's own.
+
+    The voltage is resistance times current plus constant times speed. A current that brakes makes it smaller
+    than the back-EMF. One that drives makes it larger, by a resistance that nobody has told: the largest is
+    taken off. What is left may be nothing; an estimate that is too small only brakes, one that is too large
+    would drive the shaft.
+    """
+    voltage = axis.voltage_mv
+    if current > 0 < speed or current < 0 > speed:
+        voltage -= HIGHEST_RESISTANCE * current
+    return min(max(0, (voltage << BACK_EMF_PLACES) // speed), WIDEST_BACK_EMF)
+
+
 def turns(axis: ServoAxis, speed: int) -> bool:
     """Learn an open winding's back-EMF constant; say whether its voltage must be kept up in this ms.
 
@@ -64,9 +80,9 @@ def turns(axis: ServoAxis, speed: int) -> bool:
     current = axis.current_ma
     if speed > LEARNING or speed < -LEARNING:
         constant = axis.back_emf
-        if constant == 0:
-            constant = max(0, (axis.voltage_mv << BACK_EMF_PLACES) // speed)
-        if current > 1 or current < -1:
+        if constant == 0 and axis.voltage_mv:
+            constant = first_guess(axis, current, speed)
+        elif current > 1 or current < -1:
             constant = max(0, constant + -(current * LEARNING_RATE) // speed)
         axis.back_emf = min(constant, WIDEST_BACK_EMF)
         return True
@@ -75,14 +91,16 @@ def turns(axis: ServoAxis, speed: int) -> bool:
 
 
 def opened(axis: ServoAxis, current: int, speed: int) -> int:
-    """Return the voltage in mV that an open winding shows at this speed in mrad/s."""
-    if -RESTING <= speed <= RESTING:
-        voltage = 0
-    elif axis.back_emf:
+    """Return the voltage in mV that an open winding shows at this speed in mrad/s.
+
+    Switched off in mid-motion with an unknown constant it shows what `first_guess` makes of the last voltage;
+    where that cannot be told, none.
+    """
+    if axis.back_emf == 0 and axis.voltage_mv and (speed > LEARNING or speed < -LEARNING):
+        axis.back_emf = first_guess(axis, current, speed)
+    voltage = 0
+    if axis.back_emf and (speed > RESTING or speed < -RESTING):
         voltage = (axis.back_emf * speed + (1 << BACK_EMF_PLACES >> 1)) >> BACK_EMF_PLACES
-    else:
-        # Switched off in mid-motion, before anything is learnt: the last voltage is the nearest to its own.
-        voltage = axis.voltage_mv
     axis.current_ma = current
     average = axis.current_average
     axis.current_average = average + (((current << AVERAGE_PLACES) - average) >> AVERAGE)

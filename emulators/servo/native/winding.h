@@ -29,14 +29,22 @@ static inline int64_t servo_regulate(servo_axis *axis, int64_t current)
     return voltage;
 }
 
+static inline int64_t servo_first_guess(const servo_axis *axis, int64_t current, int64_t speed)
+{
+    int64_t voltage = axis->voltage_mv;
+    if ((current > 0 && speed > 0) || (current < 0 && speed < 0))
+        voltage -= HIGHEST_RESISTANCE * current;
+    return least(largest(0, floor_division(shifted(voltage, BACK_EMF_PLACES), speed)), WIDEST_BACK_EMF);
+}
+
 static inline bool servo_turns(servo_axis *axis, int64_t speed)
 {
     int64_t current = axis->current_ma;
     if (beyond(speed, LEARNING)) {
         int64_t constant = axis->back_emf;
-        if (constant == 0)
-            constant = largest(0, floor_division(shifted(axis->voltage_mv, BACK_EMF_PLACES), speed));
-        if (beyond(current, 1))
+        if (constant == 0 && axis->voltage_mv)
+            constant = servo_first_guess(axis, current, speed);
+        else if (beyond(current, 1))
             constant = largest(0, constant + floor_division(-(current * LEARNING_RATE), speed));
         axis->back_emf = least(constant, WIDEST_BACK_EMF);
         return true;
@@ -46,10 +54,10 @@ static inline bool servo_turns(servo_axis *axis, int64_t speed)
 
 static inline int64_t servo_opened(servo_axis *axis, int64_t current, int64_t speed)
 {
-    int64_t voltage = axis->voltage_mv;
-    if (!beyond(speed, RESTING))
-        voltage = 0;
-    else if (axis->back_emf)
+    int64_t voltage = 0;
+    if (axis->back_emf == 0 && axis->voltage_mv && beyond(speed, LEARNING))
+        axis->back_emf = servo_first_guess(axis, current, speed);
+    if (axis->back_emf && beyond(speed, RESTING))
         voltage = (axis->back_emf * speed + ((int64_t)1 << BACK_EMF_PLACES >> 1)) >> BACK_EMF_PLACES;
     servo_measure(axis, current);
     axis->voltage_mv = voltage;
