@@ -1,13 +1,13 @@
-"""The buffer of interpolated position mode: records in, one after the other out, and what the objects say of it.
+"""The buffer of interpolated position mode: records in, one after the other out, and its objects.
 
-Source: application note Interpolation Position Mode, December 2008; maxon EDS (0x20C1, 0x20C4, 0x60C4). It
-refuses to know how a path is run. Where they are silent:
+Sources: application note Interpolation Position Mode, December 2008; maxon EDS (0x20C1, 0x20C4, 0x60C4).
+It refuses to know how a path is run. Where they are silent:
 * a record counts until the segment that begins with it is over;
-* a record for a buffer without access is refused with 0x08000022, one for a full buffer with 0x05040005, and the
-  overflow is an error of the mode, too;
+* a record for a buffer without access is refused with 0x08000022, one for a full buffer with 0x05040005, and
+  the overflow is an error of the mode, too;
 * an error clears the buffer and takes the access away; its status bit stays until 0x60C4:06 is written again;
-* the underflow warning stands while there are fewer records than 0x20C4:02, the overflow warning while there are
-  more than 0x20C4:03, both only with access;
+* the underflow warning stands while there are fewer records than 0x20C4:02, the overflow warning while there
+  are more than 0x20C4:03, both only with access;
 * 0x60C4:04 tells how many records wait, and what is written there has no effect.
 """
 
@@ -71,7 +71,7 @@ class InterpolationBuffer:
         self.end()
 
     def end(self) -> None:
-        """The path is over, whatever ended it."""
+        """Note that the path is over, whatever ended it."""
         self.active = False
         self.warnings = BufferStatus(0)
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
-from emulators.servo.axis import POSITION, ServoAxis
+from emulators.servo.axis import FOLLOW, POSITION, ServoAxis
 from emulators.servo.scaling import raw_speed_rpm, speed_rpm
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
@@ -17,6 +17,7 @@ STANDSTILL_TIME: Final = Address(0x2101, 2)
 SENSOR_POLARITY: Final = Address(0x2210, 4)
 MISCELLANEOUS: Final = Address(0x2008)
 SENSOR_RESOLUTION: Final = Address(0x202C, 1)
+DIGITAL_POSITION: Final = Address(0x2300, 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +85,13 @@ def velocity_demand(axis: ServoAxis) -> int:
     return speed_rpm(axis, axis.velocity_demand) if axis.powered else 0
 
 
+def desired_value(axis: ServoAxis) -> int:
+    """Return where the digital position input wants the shaft, in qc; the demand while it does not count."""
+    if axis.profile != FOLLOW:
+        return position_demand(axis)
+    return axis.target_position >> axis.fraction
+
+
 ACTUAL_VALUES: Final[tuple[tuple[Address, Callable[[ServoAxis], int]], ...]] = (
     (at.ENCODER_COUNTER, lambda axis: axis.encoder & 0xFFFF_FFFF),
     (at.CURRENT_AVERAGED, lambda axis: _signed_16((axis.current_average + 0x8000) >> 16)),
@@ -92,6 +100,7 @@ ACTUAL_VALUES: Final[tuple[tuple[Address, Callable[[ServoAxis], int]], ...]] = (
     (at.CURRENT_DEMAND, lambda axis: _signed_16(axis.current_demand_ma)),
     (at.ANALOGUE_INPUT_1, lambda axis: _signed_16(axis.analogue_1_mv)),
     (at.ANALOGUE_INPUT_2, lambda axis: _signed_16(axis.analogue_2_mv)),
+    (DIGITAL_POSITION, desired_value),
     (at.FOLLOWING_ERROR, lambda axis: _signed_16(following_error(axis))),
     (at.POSITION_DEMAND, position_demand),
     (at.POSITION_ACTUAL, lambda axis: axis.position),

@@ -37,9 +37,9 @@ from emulators.servo.scaling import (
     SPEED_FORWARD_PLACES,
     VELOCITY_PLACES,
 )
+from emulators.servo.signals import HALF, WRAP, notice, threshold
 from emulators.servo.sine import legs
 from emulators.servo.spline import spline
-from emulators.servo.signals import HALF, WRAP, notice, threshold
 
 AVERAGE: int = 5
 """Low-pass of the averaged values: alpha = 2^-5 per sample (EPOS Firmware Specification)."""

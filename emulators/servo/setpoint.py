@@ -13,17 +13,17 @@ WIDEST_SETPOINT: Final = (1 << 31) - 1
 MILLISECONDS_PER_MINUTE: Final = 60_000
 
 
-def reading(axis: ServoAxis) -> int:
-    """Return the set-point that the input gives now: mA, rpm or qc."""
-    millivolts = axis.analogue_1_mv if axis.analogue_input == 1 else axis.analogue_2_mv
+def scaled(millivolts: int, numerator: int, denominator: int, offset: int) -> int:
+    """Return the set-point that a voltage stands for: mA, rpm or qc."""
     millivolts = max(-WIDEST_VOLTAGE, min(WIDEST_VOLTAGE, millivolts))
-    value = millivolts * axis.analogue_numerator // axis.analogue_denominator + axis.analogue_offset
+    value = millivolts * numerator // denominator + offset
     return max(-WIDEST_SETPOINT, min(WIDEST_SETPOINT, value))
 
 
 def take(axis: ServoAxis) -> None:
     """Give the regulator what the input says, within its limits."""
-    value = reading(axis)
+    millivolts = axis.analogue_1_mv if axis.analogue_input == 1 else axis.analogue_2_mv
+    value = scaled(millivolts, axis.analogue_numerator, axis.analogue_denominator, axis.analogue_offset)
     if axis.regulator == CURRENT:
         axis.current_setting_ma = value
     elif axis.regulator == VELOCITY:

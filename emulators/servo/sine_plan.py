@@ -1,9 +1,9 @@
 """Plans the legs of a sin2 profile, in whole numbers and exactly: where they end is where they were to end.
 
 A leg's peak acceleration is the one that was given, so that it takes pi/2 times as long as a trapezoid's ramp
-(ASSUME: no document says whether maxon's sin2 profile keeps the peak or the mean acceleration; the peak is the
-limit that the mechanics know). A profile that is changed under way goes on from the present velocity with a
-new leg (ASSUME): the velocity is continuous, and the acceleration within its limits.
+(ASSUME: no document says whether maxon's sin2 profile keeps the peak or the mean acceleration; the peak is
+the limit that the mechanics know). A profile that is changed under way goes on from the present velocity with
+a new leg (ASSUME): the velocity is continuous, and the acceleration within its limits.
 """
 
 from dataclasses import dataclass

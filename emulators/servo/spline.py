@@ -1,8 +1,8 @@
 """The spline of interpolated position mode, one millisecond at a time: cubic segments from knot to knot.
 
-A segment's position is `linear` t/T + `square` (t/T)2 + `cube` (t/T)3 beyond its knot. Reckoned from the inside
-out with one division by T each, it is exact at t = T, so that nothing adds up over a thousand knots. The axis
-has the segment after the present one beforehand: it goes on by itself, and tells.
+A segment's position is `linear` t/T + `square` (t/T)2 + `cube` (t/T)3 beyond its knot. Reckoned from the
+inside out with one division by T each, it is exact at t = T, so that nothing adds up over a thousand knots.
+The axis has the segment after the present one beforehand: it goes on by itself, and tells.
 """
 
 from emulators.servo.axis import ServoAxis

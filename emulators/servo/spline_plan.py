@@ -20,7 +20,7 @@ class Knot:
 
 @dataclass(frozen=True, slots=True)
 class Segment:
-    """The way from one knot to the next in `ms`: linear t/T + square (t/T)2 + cube (t/T)3, in position units."""
+    """A knot, and the way to the next in `ms`: linear t/T + square (t/T)2 + cube (t/T)3; position units."""
 
     start: int
     linear: int
@@ -34,11 +34,13 @@ class Segment:
         largest = max(map(abs, ends))
         # Between its ends the velocity turns where 2 square + 6 cube t/T is 0.
         if self.cube and 0 < -self.square * (1 if self.cube > 0 else -1) < 3 * abs(self.cube):
-            largest = max(largest, -(-abs(3 * self.cube * self.linear - self.square**2) // abs(3 * self.cube)))
+            largest = max(
+                largest, -(-abs(3 * self.cube * self.linear - self.square**2) // abs(3 * self.cube))
+            )
         return -(-largest // self.ms)
 
     def sharpest(self) -> int:
-        """Return the largest acceleration on the way, in acceleration units, rounded up: at one of the ends."""
+        """Return the largest acceleration on the way, in acceleration units, rounded up."""
         largest = max(abs(2 * self.square), abs(2 * self.square + 6 * self.cube))
         return -(-largest // self.ms**2)
 

@@ -2,10 +2,10 @@
 
 Source: application note Interpolation Position Mode, December 2008. Where it is silent:
 * the path begins with a rising edge of bit 4, outside a halt;
-* halt, or bit 4 going down, brakes with 0x6084, drops the records and ends the path: one that went on later would
-  begin with a jump;
+* halt, or bit 4 going down, brakes with 0x6084, drops the records and ends the path: one that went on later
+  would begin with a jump;
 * a full buffer is a fault only in this mode;
-* a segment that is too fast, too sharp or leads out of 0x607D is not begun: the drive stops at its first knot;
+* a segment that is too fast, too sharp or leads out of 0x607D is not begun: the drive stops there;
 * a first record away from the position demand is a velocity of that way in 1 ms;
 * where the last record's velocity is not 0 the axis brakes with 0x6084 from there on.
 """

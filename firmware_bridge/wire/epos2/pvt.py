@@ -1,6 +1,6 @@
 """One record of interpolated position mode, 0x20C1: position, velocity and time in eight bytes.
 
-Source: maxon EDS for the EPOS2 70/10 (0x20C1) and application note Interpolation Position Mode, December 2008.
+Sources: maxon EDS for the EPOS2 70/10; application note Interpolation Position Mode, December 2008.
 """
 
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Interpolated position mode: the documented sequence, exact knots, the buffer's levels, and what is no path."""
+"""Interpolated position mode: the documented sequence, exact knots, the buffer's levels, errors."""
 
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -30,8 +30,6 @@ UNDERFLOW_WARNING, OVERFLOW_WARNING, VELOCITY_WARNING, ACCELERATION_WARNING = 1,
 UNDERFLOW, OVERFLOW, VELOCITY, ACCELERATION = 0x100, 0x200, 0x400, 0x800
 ENABLED, ACTIVE = 0x4000, 0x8000
 ERROR = 0xFF0C
-QC_PER_MS_AT_30_RPM = 1
-"""2000 qc per turn: 30 rpm is 1 qc/ms."""
 
 
 @pytest.fixture
@@ -72,17 +70,13 @@ def test_the_documented_sequence(ready: "Drive") -> None:
         # The run begins in the midst of a ms.
         if ms == 199:
             assert ready.statusword & ACTIVE_BIT
-    begun = next(ms for ms in range(1, 10) if ready_at(seen, ms))
+    begun = next(ms for ms in range(1, 10) if seen[ms + 49] == 100)
     assert [seen[begun - 1 + ms] for ms in (50, 100, 200)] == [100, 300, 500]
     assert ready.statusword & (ACTIVE_BIT | REACHED) == REACHED
     assert status(ready) == ENABLED | UNDERFLOW_WARNING
     assert ready.read(BUFFER_FREE) == 64
     assert ready.reported == []
     assert ready.stands_in(State.OPERATION_ENABLED)
-
-
-def ready_at(seen: dict[int, int], first: int) -> bool:
-    return seen[first + 49] == 100
 
 
 @pytest.mark.parametrize("count", [0, 1])
@@ -136,7 +130,8 @@ def test_after_an_error_the_buffer_must_be_enabled_anew(ready: "Drive") -> None:
 
 
 @pytest.mark.parametrize(
-    ("count", "bits"), [(3, UNDERFLOW_WARNING), (4, 0), (60, 0), (61, OVERFLOW_WARNING), (64, OVERFLOW_WARNING)]
+    ("count", "bits"),
+    [(3, UNDERFLOW_WARNING), (4, 0), (60, 0), (61, OVERFLOW_WARNING), (64, OVERFLOW_WARNING)],
 )
 def test_the_levels_warn(ready: "Drive", count: int, bits: int) -> None:
     feed(ready, *[(0, 0, 10)] * count)

@@ -1,4 +1,4 @@
-"""Orders to one axis for the demands that are planned or come from outside: sin2, spline, following, analogue."""
+"""Orders to one axis for the demands that are planned or come from outside: sin2, spline, gear, volts."""
 
 from typing import Final
 

@@ -1,4 +1,4 @@
-"""Planned demands in kernel and twin: the same bits over millions of ticks, and a planted difference is caught."""
+"""Planned demands in both kernels: the same bits over millions of ticks; a planted difference is caught."""
 
 import ctypes
 import shutil
@@ -43,7 +43,9 @@ def native(tmp_path_factory: pytest.TempPathFactory) -> kernel.Found:
 
 
 @pytest.mark.parametrize("draw", [tame, wild])
-def test_planned_demands_agree_to_the_bit(plant_library: ctypes.CDLL, native: kernel.Found, draw: Draw) -> None:
+def test_planned_demands_agree_to_the_bit(
+    plant_library: ctypes.CDLL, native: kernel.Found, draw: Draw
+) -> None:
     ticks, seed, seen, done = 0, 1000, set(), 0
     while ticks < TICKS:
         raw = tuple(draw(np.random.default_rng([seed, axis])) for axis in range(COUNT))
@@ -95,9 +97,7 @@ def test_a_planted_difference_is_caught(  # noqa: PLR0917 - a row of the table, 
     assert found
 
 
-def test_without_a_plant_there_is_no_difference(
-    plant_library: ctypes.CDLL, native: kernel.Found
-) -> None:
+def test_without_a_plant_there_is_no_difference(plant_library: ctypes.CDLL, native: kernel.Found) -> None:
     # What the planted ones are held against.
     for kind in (10, 12, 13, 14):
         twin, one = (Side(Motors(plant_library), (SANE,) * COUNT, found) for found in (TWIN, native))
