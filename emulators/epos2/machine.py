@@ -113,7 +113,7 @@ class PowerMachine:
         self._motion.mode.advance()
         if self._latching and self._motion.mode.take_setpoint(self._controlword):
             self._latching = False
-        self._check_limits()
+        self._heed()
 
     def _obey(self, word: int, before: int) -> None:
         """Carry out a controlword's command, then its mode bits; with bit 7 up it holds neither."""
@@ -129,7 +129,7 @@ class PowerMachine:
                 self._axis.call = 1
             elif not word & _NEW_SETPOINT:
                 self._latching = False
-            self._check_limits()
+            self._heed()
 
     def _obeys_pins(self) -> bool:
         """Carry out the command that the input pins give; say whether that has moved the machine."""
@@ -243,6 +243,7 @@ class PowerMachine:
             for watch in WATCHES:
                 if flags & watch.flag and watch.code not in self.errors:
                     self.fail(watch.code)
+        self._heed()
 
     def _heed_limits(self) -> None:
         inputs, motion = self._inputs, self._motion
@@ -280,10 +281,12 @@ class PowerMachine:
             code for code in self.errors if EMERGENCIES[code].recovery is not Recovery.RESET_COMMUNICATION
         )
 
-    def _check_limits(self) -> None:
-        if self._motion.shaft.out_of_limits:
-            self._motion.shaft.out_of_limits = False
-            self.fail(emergency.POSITION_LIMIT)
+    def _heed(self) -> None:
+        """Report what the mode cannot do."""
+        error = self._motion.shaft.error
+        if error:
+            self._motion.shaft.error = emergency.NO_ERROR
+            self.fail(error)
 
     def _reset_fault(self) -> None:
         rows = (EMERGENCIES.get(code) for code in self.errors)

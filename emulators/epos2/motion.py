@@ -25,7 +25,6 @@ from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2 import emergency
 from firmware_bridge.wire.epos2.address import Address
 
-TRAPEZOID: Final = 0
 # The statusword's bits as plain numbers: it is put together with every frame, and flags are slow to join.
 _STAGE_ON: Final = 1 << 4
 _REMOTE: Final = int(Status.REMOTE)
@@ -104,9 +103,8 @@ class MotionControl:
             setattr(self._settings, row.setting, self._store.get(row.address))
         configure(self._axis, self._settings)
         self.pins.reset()
-        self._motion.forget()
         self._motion.shaft.referenced = False
-        self._motion.set(self._store.get(at.MODE))
+        self._motion.restart(self._store.get(at.MODE))
         self._store.set(at.MODE_DISPLAY, self._motion.number)
         self._machine.restart()
         self._publish()
@@ -130,7 +128,6 @@ class MotionControl:
                 store.on_write(address, partial(self._refuse_with_power, address))
         store.on_write(at.CONTROLWORD, self._take_controlword)
         store.on_write(at.MODE, self._take_mode)
-        store.on_write(at.MOTION_PROFILE_TYPE, self._take_profile_type)
         for address in HEEDED:
             store.on_write(address, partial(self._take_value, address))
 
@@ -143,11 +140,6 @@ class MotionControl:
     def _refuse_with_power(self, address: Address, _value: int) -> None:
         if self._axis.powered:
             raise SdoAbort(AbortCode.DEVICE_STATE, address)
-
-    def _take_profile_type(self, value: int) -> None:
-        # The sin2 profile is not built: a value without effect would be worse than a refusal.
-        if value != TRAPEZOID:
-            raise SdoAbort(AbortCode.RANGE, at.MOTION_PROFILE_TYPE)
 
     def _take_controlword(self, word: int) -> None:
         self._machine.command(word)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
-from emulators.servo.axis import POSITION
+from emulators.servo.axis import FOLLOW, POSITION
 from emulators.servo.record import Record
 from emulators.servo.scaling import raw_speed_rpm, speed_rpm
 from firmware_bridge.wire.epos2 import address as at
@@ -18,6 +18,7 @@ STANDSTILL_TIME: Final = Address(0x2101, 2)
 SENSOR_POLARITY: Final = Address(0x2210, 4)
 MISCELLANEOUS: Final = Address(0x2008)
 SENSOR_RESOLUTION: Final = Address(0x202C, 1)
+DIGITAL_POSITION: Final = Address(0x2300, 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,6 +86,13 @@ def velocity_demand(axis: Record) -> int:
     return speed_rpm(axis, axis.velocity_demand) if axis.powered else 0
 
 
+def desired_value(axis: Record) -> int:
+    """Return where the digital position input wants the shaft, in qc; the demand while it does not count."""
+    if axis.profile != FOLLOW:
+        return position_demand(axis)
+    return axis.target_position >> axis.fraction
+
+
 ACTUAL_VALUES: Final[tuple[tuple[Address, Callable[[Record], int]], ...]] = (
     (at.ENCODER_COUNTER, lambda axis: axis.encoder + axis.slipped & 0xFFFF_FFFF),
     (at.CURRENT_AVERAGED, lambda axis: _signed_16((axis.current_average + 0x8000) >> 16)),
@@ -93,6 +101,7 @@ ACTUAL_VALUES: Final[tuple[tuple[Address, Callable[[Record], int]], ...]] = (
     (at.CURRENT_DEMAND, lambda axis: _signed_16(axis.current_demand_ma)),
     (at.ANALOGUE_INPUT_1, lambda axis: _signed_16(axis.analogue_1_mv)),
     (at.ANALOGUE_INPUT_2, lambda axis: _signed_16(axis.analogue_2_mv)),
+    (DIGITAL_POSITION, desired_value),
     (at.FOLLOWING_ERROR, lambda axis: _signed_16(following_error(axis))),
     (at.POSITION_DEMAND, position_demand),
     (at.POSITION_ACTUAL, lambda axis: axis.position),

@@ -19,6 +19,7 @@ from firmware_bridge.wire.epos2.functions import INPUT_PINS, OUTPUT_PINS, InputF
 from firmware_bridge.wire.epos2.rows import (
     APPLICATION_NOTES,
     ASSUMPTION,
+    EDS,
     FIRMWARE_SPECIFICATION,
     LIBRARY,
     Provenance,
@@ -54,6 +55,9 @@ RULES: Final = (
     ValueRule(at.SHUTDOWN_OPTION, range(2)),
     ValueRule(at.DISABLE_OPTION, range(2)),
     ValueRule(at.FAULT_REACTION_OPTION, range(-1, 3)),
+    ValueRule(Address(0x2300, 3), range(1, 1 << 16), Provenance.ASSUMED, ASSUMPTION),
+    ValueRule(Address(0x2300, 4), range(2), Provenance.ASSUMED, ASSUMPTION),
+    ValueRule(at.MOTION_PROFILE_TYPE, range(2), _DOCUMENTED, EDS),
     ValueRule(Address(0x6089), (0,)),
     ValueRule(Address(0x608A), (0xAC,)),
     ValueRule(Address(0x608B), (0,)),

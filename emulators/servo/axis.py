@@ -29,6 +29,12 @@ POSITION: Final = 3
 DIRECT: Final = 0
 RAMP: Final = 1
 MOVE: Final = 2
+SPLINE: Final = 3
+FOLLOW: Final = 4
+
+# What a ramp and a move are shaped like (0x6086).
+TRAPEZOID: Final = 0
+SINE: Final = 1
 
 # What an axis tells; a change of one of these is an event.
 PROFILE_DONE: Final = 1 << 0
@@ -94,6 +100,7 @@ class ServoAxis(Record, ctypes.Structure):
         self.supply_mv = supply_mv
         self.analogue_1_mv = 0
         self.analogue_2_mv = 0
+        self.master = 0
         self.back_emf = back_emf
         # ASSUME: 90 % of the supply reaches the winding; the rest is the bridge and its dead time.
         self.voltage_percent = 90
@@ -148,6 +155,7 @@ class ServoAxis(Record, ctypes.Structure):
         self.target_velocity = self.target_position = 0
         self.cruise = self.acceleration = self.deceleration = 1
         self.stopping_distance = 0
+        self._unplanned()
         self.call = self.told = self.recording = 0
         self.pins_watched = self.index_watched = self.current_watched_ma = 0
         self.pins_before = self.pins
@@ -166,6 +174,20 @@ class ServoAxis(Record, ctypes.Structure):
         self.switched_on_at = self.encoder
         self.still_ms = LONGEST_REST_MS
         self.clear_demand()
+
+    def _unplanned(self) -> None:
+        self.shape = TRAPEZOID
+        self.leg_from = self.leg_to = self.leg_ms = self.leg_at = self.leg_spare = 0
+        self.leg_2_to = self.leg_2_ms = self.leg_3_to = self.leg_3_ms = self.leg_4_to = self.leg_4_ms = 0
+        self.knot = self.spline_ms = self.spline_at = 0
+        self.spline_linear = self.spline_square = self.spline_cube = 0
+        self.next_linear = self.next_square = self.next_cube = self.next_ms = 0
+        self.splines_done = 0
+        self.lowest, self.highest = -FOREVER, FOREVER
+        self.followed, self.follow_rest = self.master, 0
+        self.follow_numerator = self.follow_denominator = 1
+        self.analogue_input = self.analogue_numerator = self.analogue_offset = 0
+        self.analogue_denominator = 1
 
     def clear_demand(self) -> None:
         """Let the demands follow the shaft, with empty integrators: where a regulator starts from."""

@@ -11,6 +11,7 @@ from emulators.servo.axis import (
     PROFILE_DONE,
     RAMP,
     TARGET_REACHED,
+    TRAPEZOID,
     VELOCITY,
     ServoAxis,
 )
@@ -49,7 +50,7 @@ def brake(axis: ServoAxis, rpm_per_second: int) -> None:
         regulate_velocity(axis)
     elif axis.profile == DIRECT and axis.regulator == POSITION:
         axis.velocity_demand = axis.shaft_speed()
-    axis.profile = RAMP
+    axis.profile, axis.shape = RAMP, TRAPEZOID
     axis.target_velocity = 0
     axis.acceleration = axis.deceleration = acceleration_units(axis, rpm_per_second)
     judge_anew(axis, there=axis.velocity_demand == 0)

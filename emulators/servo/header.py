@@ -8,7 +8,19 @@ from collections.abc import Iterator, Mapping
 from types import MappingProxyType, ModuleType
 from typing import Final
 
-from emulators.servo import axis, loops, recorder, scaling, seam, sensors, signals, winding
+from emulators.servo import (
+    axis,
+    follow,
+    loops,
+    recorder,
+    scaling,
+    seam,
+    sensors,
+    setpoint,
+    signals,
+    sine,
+    winding,
+)
 from emulators.servo.axis import ServoAxis
 from emulators.servo.kernel import NATIVE_FOLDER, BankRecord, Ended, LineRecord
 from emulators.servo.recorder import Recorder
@@ -29,6 +41,10 @@ CONSTANTS: Final[tuple[tuple[ModuleType, tuple[str, ...]], ...]] = (
             "DIRECT",
             "RAMP",
             "MOVE",
+            "SPLINE",
+            "FOLLOW",
+            "SINE",
+            "FASTEST_RPM",
         ),
     ),
     (axis, ("PROFILE_DONE", "TARGET_REACHED", "AT_REST", "CURRENT_LIMITED", "FOLLOWING_ERROR")),
@@ -48,6 +64,9 @@ CONSTANTS: Final[tuple[tuple[ModuleType, tuple[str, ...]], ...]] = (
     (winding, ("RESTING", "LEARNING", "LEARNING_RATE", "BACK_EMF_PLACES", "WIDEST_BACK_EMF", "FADED")),
     (winding, ("CURRENT_PLACES", "HIGHEST_RESISTANCE")),
     (axis, ("AVERAGE_PLACES",)),
+    (sine, ("SHARE_PLACES", *(f"SINE_{term}" for term in range(1, 8)))),
+    (follow, ("FASTEST_INPUT",)),
+    (setpoint, ("WIDEST_VOLTAGE", "WIDEST_SETPOINT", "MILLISECONDS_PER_MINUTE")),
     (seam, ("CLOSED", "WIDEST_READING", "WIDEST_ANGLE", "WIDEST_STEP")),
 )
 """What the kernel knows by name, and the module that declares it."""

@@ -4,10 +4,13 @@ Whole numbers only, shifts instead of divisions by powers of two, each product w
 in C give the same results. The current loop runs ten times as often and is in `emulators.servo.bank`.
 """
 
+from emulators.servo import setpoint
 from emulators.servo.axis import (
     AT_REST,
     CURRENT,
     CURRENT_LIMITED,
+    DIRECT,
+    FOLLOW,
     FOLLOWING_ERROR,
     GATE_SUPPLY_LOW,
     IDLE,
@@ -20,11 +23,14 @@ from emulators.servo.axis import (
     POSITION_LIMIT_PASSED,
     PROFILE_DONE,
     RAMP,
+    SINE,
+    SPLINE,
     TARGET_REACHED,
     UNDER_VOLTAGE,
     VELOCITY,
     ServoAxis,
 )
+from emulators.servo.follow import follow
 from emulators.servo.profile import move, ramp
 from emulators.servo.scaling import (
     ACCELERATION_FORWARD_PLACES,
@@ -37,6 +43,8 @@ from emulators.servo.scaling import (
 )
 from emulators.servo.sensors import counted, supervise
 from emulators.servo.signals import HALF, WRAP, notice, threshold
+from emulators.servo.sine import legs
+from emulators.servo.spline import spline
 
 AVERAGE: int = 5
 """Low-pass of the averaged values: alpha = 2^-5 per sample (EPOS Firmware Specification)."""
@@ -154,12 +162,21 @@ def budget(axis: ServoAxis, flags: int) -> int:
 
 def profile_step(axis: ServoAxis) -> int:
     """Step the profile, if one runs; the flag tells that its demand has arrived."""
-    if axis.profile == RAMP:
-        return PROFILE_DONE if ramp(axis) else 0
-    if axis.profile == MOVE:
-        return PROFILE_DONE if move(axis) else 0
-    axis.acceleration_demand = 0
-    return PROFILE_DONE
+    profile = axis.profile
+    if profile == DIRECT:
+        axis.acceleration_demand = 0
+        if axis.analogue_input:
+            setpoint.take(axis)
+        return PROFILE_DONE
+    if profile == SPLINE:
+        done = spline(axis)
+    elif profile == FOLLOW:
+        done = follow(axis)
+    elif axis.shape == SINE:
+        done = legs(axis)
+    else:
+        done = move(axis) if profile == MOVE else ramp(axis)
+    return PROFILE_DONE if done else 0
 
 
 def velocity(axis: ServoAxis) -> None:

@@ -25,6 +25,8 @@ class Record:
     mounted_pole_pairs: int
     # Levels of the digital inputs, bit 0 is pin 1: sampled every ms where wired, else left alone.
     pins: int
+    # The count at the digital position input, a second encoder or steps: set by whoever has one.
+    master: int
     # Scaling and gains, derived from the objects.
     resolution: int
     fraction: int
@@ -77,6 +79,44 @@ class Record:
     acceleration: int
     deceleration: int
     stopping_distance: int
+    # What bounds a demand that is not planned: positions of the demand.
+    lowest: int
+    highest: int
+    # A sin2 profile: the present leg, and those that come after it (`emulators.servo.sine`).
+    shape: int
+    leg_from: int
+    leg_to: int
+    leg_ms: int
+    leg_at: int
+    leg_spare: int
+    leg_2_to: int
+    leg_2_ms: int
+    leg_3_to: int
+    leg_3_ms: int
+    leg_4_to: int
+    leg_4_ms: int
+    # A spline: the present segment from its knot on, and the next one (`emulators.servo.spline`).
+    knot: int
+    spline_linear: int
+    spline_square: int
+    spline_cube: int
+    spline_ms: int
+    spline_at: int
+    next_linear: int
+    next_square: int
+    next_cube: int
+    next_ms: int
+    splines_done: int
+    # Following the digital position input (`emulators.servo.follow`).
+    followed: int
+    follow_numerator: int
+    follow_denominator: int
+    follow_rest: int
+    # An analogue set-point: which input, 0 for none (`emulators.servo.setpoint`).
+    analogue_input: int
+    analogue_numerator: int
+    analogue_denominator: int
+    analogue_offset: int
     call: int
     # What is an event: edges of these pins, an index, an averaged current beyond this one; 0 watches nothing.
     pins_watched: int

@@ -54,6 +54,8 @@ class Status(IntFlag):
     """Profile velocity mode."""
     HOMING_ATTAINED = 1 << 12
     """Homing mode."""
+    INTERPOLATION_ACTIVE = 1 << 12
+    """Interpolated position mode."""
     FOLLOWING_ERROR = 1 << 13
     HOMING_ERROR = 1 << 13
     """Homing mode."""
@@ -68,6 +70,9 @@ class Control(IntFlag):
     NO_QUICK_STOP = 1 << 2
     ENABLE_OPERATION = 1 << 3
     NEW_SETPOINT = 1 << 4
+    """Profile position mode."""
+    ENABLE_INTERPOLATION = 1 << 4
+    """Interpolated position mode."""
     CHANGE_IMMEDIATELY = 1 << 5
     RELATIVE = 1 << 6
     FAULT_RESET = 1 << 7

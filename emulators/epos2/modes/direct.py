@@ -1,11 +1,22 @@
-"""Position, velocity and current mode: the set value goes to the regulator as it is."""
+"""Position, velocity and current mode: the set value goes to the regulator as it is, or an analogue one does.
 
+In these modes halt is not heeded, and no profile shapes the way to a new value.
+"""
+
+from collections.abc import Callable
+from functools import partial
 from typing import ClassVar
 
+from emulators.epos2.modes.analogue import (
+    CURRENT_SETPOINT,
+    POSITION_SETPOINT,
+    VELOCITY_SETPOINT,
+    AnalogueSetpoint,
+)
 from emulators.epos2.modes.mode import ModeOfOperation
+from emulators.epos2.modes.shaft import Shaft
 from emulators.servo.axis import CURRENT, DIRECT
 from emulators.servo.commands import regulate_position, regulate_velocity
-from emulators.servo.scaling import speed_units
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 
@@ -13,30 +24,64 @@ from firmware_bridge.wire.epos2.address import Address
 class Direct(ModeOfOperation):
     """Starts with the set value that its object holds; each has its own regulator."""
 
+    setting: ClassVar[Address]
+    """The object with the set value."""
+    analogue: ClassVar[AnalogueSetpoint]
+
+    def __init__(self, shaft: Shaft) -> None:
+        super().__init__(shaft)
+        measured = partial(self.analogue.measured, shaft.axis, shaft.store.get)
+        shaft.store.on_read(self.analogue.value, measured)
+
     def enter(self) -> None:
         """Give the regulator the shaft, and the set value."""
         self.regulate()
         self.shaft.axis.profile = DIRECT
-        (address,) = self.heeds
-        self.written(address, self.shaft.store.get(address))
+        self._choose(self.shaft.store.get)
+
+    def forget(self) -> None:
+        """Let go of the analogue input."""
+        self.shaft.axis.analogue_input = 0
+
+    def written(self, address: Address, value: int) -> None:
+        """Take a set value, or what makes one of the analogue input."""
+        store = self.shaft.store
+        if address != self.setting:
+            self._choose(lambda each: value if each == address else store.get(each))
+        elif not self.shaft.axis.analogue_input:
+            self.take(value)
+
+    def _choose(self, get: Callable[[Address], int]) -> None:
+        """Take the analogue input or the set value, whichever counts; `get` reads the objects."""
+        axis = self.shaft.axis
+        low, high = self.shaft.limits()
+        axis.lowest, axis.highest = low << axis.fraction, high << axis.fraction
+        axis.cruise = self.shaft.fastest()
+        if not self.analogue.load(axis, get):
+            self.take(get(self.setting))
 
     def regulate(self) -> None:
         """Let the mode's regulator take over."""
+        raise NotImplementedError
+
+    def take(self, value: int) -> None:
+        """Give the regulator a set value."""
         raise NotImplementedError
 
 
 class Position(Direct):
     """Holds the position 0x2062, within 0x607D."""
 
-    heeds: ClassVar[tuple[Address, ...]] = (at.POSITION_MODE_SETTING,)
+    setting: ClassVar[Address] = at.POSITION_MODE_SETTING
+    analogue: ClassVar[AnalogueSetpoint] = POSITION_SETPOINT
+    heeds: ClassVar[tuple[Address, ...]] = (setting, *analogue.shaped_by)
 
     def regulate(self) -> None:
         """Regulate the position."""
         regulate_position(self.shaft.axis)
 
-    def written(self, address: Address, value: int) -> None:
+    def take(self, value: int) -> None:
         """Take a position in qc."""
-        del address
         axis = self.shaft.axis
         low, high = self.shaft.limits()
         axis.position_demand = axis.target_position = max(low, min(high, value)) << axis.fraction
@@ -44,34 +89,34 @@ class Position(Direct):
 
 
 class Velocity(Direct):
-    """Keeps the velocity 0x206B, within 0x6410:4."""
+    """Keeps the velocity 0x206B, within 0x607F and 0x6410:4."""
 
-    heeds: ClassVar[tuple[Address, ...]] = (at.VELOCITY_MODE_SETTING,)
+    setting: ClassVar[Address] = at.VELOCITY_MODE_SETTING
+    analogue: ClassVar[AnalogueSetpoint] = VELOCITY_SETPOINT
+    heeds: ClassVar[tuple[Address, ...]] = (setting, *analogue.shaped_by)
 
     def regulate(self) -> None:
         """Regulate the velocity."""
         regulate_velocity(self.shaft.axis)
 
-    def written(self, address: Address, value: int) -> None:
-        """Take a velocity in rpm."""
-        del address
+    def take(self, value: int) -> None:
+        """Take a velocity in rpm. ASSUME: 0x607F limits it, as it does in the modes with a profile."""
         axis = self.shaft.axis
-        limit = axis.speed_limit
-        axis.velocity_demand = max(-limit, min(limit, speed_units(axis, value)))
-        axis.target_velocity = axis.velocity_demand
+        axis.velocity_demand = axis.target_velocity = self.shaft.bounded(value)
 
 
 class Current(Direct):
     """Keeps the current 0x2030, within 0x6410."""
 
-    heeds: ClassVar[tuple[Address, ...]] = (at.CURRENT_MODE_SETTING,)
+    setting: ClassVar[Address] = at.CURRENT_MODE_SETTING
+    analogue: ClassVar[AnalogueSetpoint] = CURRENT_SETPOINT
+    heeds: ClassVar[tuple[Address, ...]] = (setting, *analogue.shaped_by)
 
     def regulate(self) -> None:
         """Regulate the current alone."""
         self.shaft.axis.regulator = CURRENT
         self.shaft.axis.velocity_demand = 0
 
-    def written(self, address: Address, value: int) -> None:
+    def take(self, value: int) -> None:
         """Take a current in mA."""
-        del address
         self.shaft.axis.current_setting_ma = value

@@ -41,6 +41,10 @@ class ModeOfOperation:
     def fail(self) -> None:
         """Take note of a fault: `forget` follows where it ends the motion."""
 
+    def restart(self) -> None:
+        """Begin as after power-on."""
+        self.forget()
+
     # At work
 
     def halt(self) -> None:

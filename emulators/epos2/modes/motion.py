@@ -11,6 +11,7 @@ from emulators.epos2.modes.table import MODES
 from emulators.epos2.store import ObjectStore
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.wire.cia402 import Control, Mode
+from firmware_bridge.wire.epos2 import emergency
 from firmware_bridge.wire.epos2.address import Address
 
 _HALT: Final = int(Control.HALT)
@@ -30,6 +31,14 @@ class Motion:
         """Set the mode of a drive that is not enabled."""
         self.number = number
         self.mode = self._modes[number]
+
+    def restart(self, number: int) -> None:
+        """Begin as after power-on, in a mode."""
+        for mode in self._modes.values():
+            mode.restart()
+        self.shaft.error = emergency.NO_ERROR
+        self.forget()
+        self.set(number)
 
     def forget(self) -> None:
         """Drop what was going on: the power stage is off, or a stop has cut in."""

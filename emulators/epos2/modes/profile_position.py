@@ -8,6 +8,7 @@ from emulators.servo.axis import MOVE, PROFILE_DONE
 from emulators.servo.scaling import speed_units
 from firmware_bridge.wire.cia402 import Control, Status
 from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2 import emergency
 
 # The controlword's bits as plain numbers: flags are slow, and every set-point is looked at.
 _NEW_SETPOINT: Final = int(Control.NEW_SETPOINT)
@@ -99,7 +100,7 @@ class ProfilePosition(ModeOfOperation):
             target += (axis.position_demand + (1 << axis.fraction >> 1)) >> axis.fraction
         low, high = self.shaft.limits()
         if not max(low, LOWEST) <= target <= min(high, HIGHEST):
-            self.shaft.out_of_limits = True
+            self.shaft.error = emergency.POSITION_LIMIT
             return
         axis.target_position = target << axis.fraction
         self._go_on()

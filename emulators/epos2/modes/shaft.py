@@ -7,11 +7,13 @@ from typing import Final
 
 from emulators.epos2.digital_inputs import DigitalInputs
 from emulators.epos2.store import ObjectStore
-from emulators.servo.axis import CURRENT, DIRECT, IDLE, MOVE, POSITION, RAMP, ServoAxis
+from emulators.servo import sine_plan
+from emulators.servo.axis import CURRENT, DIRECT, IDLE, MOVE, POSITION, RAMP, SINE, TRAPEZOID, ServoAxis
 from emulators.servo.commands import brake, judge_anew, regulate_position
 from emulators.servo.profile import stopping_distance
 from emulators.servo.scaling import acceleration_units, speed_units
 from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2 import emergency
 from firmware_bridge.wire.epos2.address import Address
 
 
@@ -26,8 +28,8 @@ class Shaft:
         """Bit 8 of the controlword is up, in a mode that heeds it."""
         self.referenced = False
         """Bit 15: a homing has found where the shaft is."""
-        self.out_of_limits = False
-        """A target lay outside the software position limits 0x607D; cleared by who heeds it."""
+        self.error = emergency.NO_ERROR
+        """What a mode cannot do, as an emergency's code; cleared by who reports it."""
 
     @property
     def stopped(self) -> bool:
@@ -58,7 +60,11 @@ class Shaft:
 
     def brake(self, address: Address = at.PROFILE_DECELERATION) -> None:
         """Ramp to standstill with the deceleration that an object holds, and hold."""
-        brake(self.axis, self.store.get(address))
+        rpm_per_second = self.store.get(address)
+        if address != at.QUICK_STOP_DECELERATION:
+            rpm_per_second = min(rpm_per_second, self.store.get(at.MAX_ACCELERATION))
+        brake(self.axis, rpm_per_second)
+        self._shape()
 
     def move(self, cruise: int, acceleration: Address, deceleration: Address) -> None:
         """Go to the axis' target position with at most `cruise` (velocity units)."""
@@ -69,16 +75,32 @@ class Shaft:
         axis.stopping_distance = stopping_distance(axis.cruise, axis.deceleration)
         axis.profile = MOVE
         judge_anew(axis, there=False)
+        self._shape()
 
     def ramp(self, velocity: int, acceleration: Address, deceleration: Address) -> None:
         """Go over to `velocity` (velocity units) and keep it."""
-        axis = self.axis
+        axis, before = self.axis, self._ramp()
         if velocity != axis.target_velocity or axis.profile != RAMP:
             judge_anew(axis, there=velocity == axis.velocity_demand)
         axis.target_velocity = velocity
         axis.profile = RAMP
         axis.acceleration = self.acceleration(acceleration)
         axis.deceleration = self.acceleration(deceleration)
+        # A sin2 ramp that is under way to there already is not begun anew.
+        if axis.shape != SINE or self._ramp() != before:
+            self._shape()
+
+    def _ramp(self) -> tuple[int, ...]:
+        axis = self.axis
+        shape = self.store.get(at.MOTION_PROFILE_TYPE)
+        return axis.profile, axis.target_velocity, axis.acceleration, axis.deceleration, shape
+
+    def _shape(self) -> None:
+        """Shape the ramp or move that begins as 0x6086 says."""
+        if self.store.get(at.MOTION_PROFILE_TYPE) == SINE:
+            sine_plan.load(self.axis)
+        else:
+            self.axis.shape = TRAPEZOID
 
     def bounded(self, rpm: int) -> int:
         """Return a speed in velocity units, within 0x607F and 0x6410:4."""
@@ -90,8 +112,12 @@ class Shaft:
         return min(speed_units(self.axis, self.store.get(at.MAX_PROFILE_VELOCITY)), self.axis.speed_limit)
 
     def acceleration(self, address: Address) -> int:
-        """Return the acceleration that an object holds, in units."""
-        return acceleration_units(self.axis, self.store.get(address))
+        """Return the acceleration that an object holds, in units, within 0x60C5.
+
+        ASSUME: 0x60C5 limits profiles and halts, and leaves the quick stop 0x6085 as it is.
+        """
+        limit = self.store.get(at.MAX_ACCELERATION)
+        return acceleration_units(self.axis, min(self.store.get(address), limit))
 
     def limits(self) -> tuple[int, int]:
         """Return the software position limits 0x607D in qc."""

@@ -1,15 +1,16 @@
 """Which modes of operation an EPOS2 has: one row for each.
 
-Interpolated position, diagnostic, master encoder and step/direction mode are shown and hold the position;
-their start signal is not heeded yet.
+ASSUME: in diagnostic mode, of which nothing is published, the drive holds its position and does nothing else.
 """
 
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
+from emulators.epos2.modes.digital_position import DigitalPosition
 from emulators.epos2.modes.direct import Current, Position, Velocity
 from emulators.epos2.modes.homing import Homing
+from emulators.epos2.modes.interpolated_position import InterpolatedPosition
 from emulators.epos2.modes.mode import ModeOfOperation
 from emulators.epos2.modes.profile_position import ProfilePosition
 from emulators.epos2.modes.profile_velocity import ProfileVelocity
@@ -18,7 +19,7 @@ from firmware_bridge.wire.epos2.address import Address
 
 MODES: Final[Mapping[int, type[ModeOfOperation]]] = MappingProxyType(
     {
-        Mode.INTERPOLATED_POSITION: ModeOfOperation,
+        Mode.INTERPOLATED_POSITION: InterpolatedPosition,
         Mode.HOMING: Homing,
         Mode.PROFILE_VELOCITY: ProfileVelocity,
         Mode.PROFILE_POSITION: ProfilePosition,
@@ -26,8 +27,8 @@ MODES: Final[Mapping[int, type[ModeOfOperation]]] = MappingProxyType(
         Mode.VELOCITY: Velocity,
         Mode.CURRENT: Current,
         Mode.DIAGNOSTIC: ModeOfOperation,
-        Mode.MASTER_ENCODER: ModeOfOperation,
-        Mode.STEP_DIRECTION: ModeOfOperation,
+        Mode.MASTER_ENCODER: DigitalPosition,
+        Mode.STEP_DIRECTION: DigitalPosition,
     }
 )
 """Every mode by its number in 0x6060."""

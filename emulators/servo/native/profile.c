@@ -2,6 +2,9 @@
 #include "profile.h"
 
 #include "arithmetic.h"
+#include "follow.h"
+#include "sine.h"
+#include "spline.h"
 
 static bool ramp(servo_axis *axis)
 {
@@ -50,10 +53,20 @@ static bool move(servo_axis *axis)
 
 int64_t servo_profile_step(servo_axis *axis)
 {
-    if (axis->profile == RAMP)
-        return ramp(axis) ? PROFILE_DONE : 0;
-    if (axis->profile == MOVE)
-        return move(axis) ? PROFILE_DONE : 0;
-    axis->acceleration_demand = 0;
-    return PROFILE_DONE;
+    bool done;
+    if (axis->profile == DIRECT) {
+        axis->acceleration_demand = 0;
+        if (axis->analogue_input)
+            servo_setpoint(axis);
+        return PROFILE_DONE;
+    }
+    if (axis->profile == SPLINE)
+        done = servo_spline(axis);
+    else if (axis->profile == FOLLOW)
+        done = servo_follow(axis);
+    else if (axis->shape == SINE)
+        done = servo_legs(axis);
+    else
+        done = axis->profile == MOVE ? move(axis) : ramp(axis);
+    return done ? PROFILE_DONE : 0;
 }

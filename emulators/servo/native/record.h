@@ -12,6 +12,10 @@
 #define DIRECT INT64_C(0)
 #define RAMP INT64_C(1)
 #define MOVE INT64_C(2)
+#define SPLINE INT64_C(3)
+#define FOLLOW INT64_C(4)
+#define SINE INT64_C(1)
+#define FASTEST_RPM INT64_C(25000)
 #define PROFILE_DONE INT64_C(1)
 #define TARGET_REACHED INT64_C(2)
 #define AT_REST INT64_C(4)
@@ -76,6 +80,18 @@
 #define CURRENT_PLACES INT64_C(8)
 #define HIGHEST_RESISTANCE INT64_C(16)
 #define AVERAGE_PLACES INT64_C(16)
+#define SHARE_PLACES INT64_C(31)
+#define SINE_1 INT64_C(5298703516)
+#define SINE_2 INT64_C(4358008962)
+#define SINE_3 INT64_C(1433727481)
+#define SINE_4 INT64_C(252684340)
+#define SINE_5 INT64_C(27709939)
+#define SINE_6 INT64_C(2071865)
+#define SINE_7 INT64_C(112354)
+#define FASTEST_INPUT INT64_C(2147483648)
+#define WIDEST_VOLTAGE INT64_C(32767)
+#define WIDEST_SETPOINT INT64_C(2147483647)
+#define MILLISECONDS_PER_MINUTE INT64_C(60000)
 #define CLOSED INT64_C(500)
 #define WIDEST_READING INT64_C(1073741824)
 #define WIDEST_ANGLE INT64_C(4503599627370496)
@@ -104,6 +120,7 @@ typedef struct {
     int64_t encoder_loss;
     int64_t mounted_pole_pairs;
     int64_t pins;
+    int64_t master;
     int64_t resolution;
     int64_t fraction;
     int64_t current_p;
@@ -153,6 +170,39 @@ typedef struct {
     int64_t acceleration;
     int64_t deceleration;
     int64_t stopping_distance;
+    int64_t lowest;
+    int64_t highest;
+    int64_t shape;
+    int64_t leg_from;
+    int64_t leg_to;
+    int64_t leg_ms;
+    int64_t leg_at;
+    int64_t leg_spare;
+    int64_t leg_2_to;
+    int64_t leg_2_ms;
+    int64_t leg_3_to;
+    int64_t leg_3_ms;
+    int64_t leg_4_to;
+    int64_t leg_4_ms;
+    int64_t knot;
+    int64_t spline_linear;
+    int64_t spline_square;
+    int64_t spline_cube;
+    int64_t spline_ms;
+    int64_t spline_at;
+    int64_t next_linear;
+    int64_t next_square;
+    int64_t next_cube;
+    int64_t next_ms;
+    int64_t splines_done;
+    int64_t followed;
+    int64_t follow_numerator;
+    int64_t follow_denominator;
+    int64_t follow_rest;
+    int64_t analogue_input;
+    int64_t analogue_numerator;
+    int64_t analogue_denominator;
+    int64_t analogue_offset;
     int64_t call;
     int64_t pins_watched;
     int64_t index_watched;

@@ -36,6 +36,7 @@ NEGATIVE_LIMIT: Final = 0xFF06
 POSITIVE_LIMIT: Final = 0xFF07
 POSITION_LIMIT: Final = 0xFF09
 SENSOR_BREACH: Final = 0xFF0A
+INTERPOLATION: Final = 0xFF0C
 
 
 class FaultReaction(Enum):

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from emulators.epos2 import rules
 from firmware_bridge.wire.abort import AbortCode, SdoAbort
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at
@@ -157,10 +158,14 @@ def test_unlisted_modes_are_refused(drive: "Drive", mode: int) -> None:
     assert drive.read(at.MODE_DISPLAY) == 1
 
 
-def test_the_sinusoidal_profile_is_refused(drive: "Drive") -> None:
+@pytest.mark.parametrize("shape", [-1, 2, 3])
+def test_profile_types_but_trapezoid_and_sinusoid_are_refused(drive: "Drive", shape: int) -> None:
+    rules.keep(drive.store)
+    drive.write(at.MOTION_PROFILE_TYPE, 1)
     with pytest.raises(SdoAbort) as refused:
-        drive.write(at.MOTION_PROFILE_TYPE, 1)
+        drive.write(at.MOTION_PROFILE_TYPE, shape)
     assert refused.value.code is AbortCode.RANGE
+    assert drive.read(at.MOTION_PROFILE_TYPE) == 1
 
 
 @pytest.mark.parametrize("address", [at.ENCODER_PULSES, at.SENSOR_TYPE, at.MOTOR_TYPE])

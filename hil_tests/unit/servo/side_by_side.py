@@ -12,7 +12,7 @@ from typing import Final, NoReturn, TypeAlias
 import numpy as np
 
 from emulators.servo import kernel
-from emulators.servo.axis import CURRENT, DIRECT, MOVE, POSITION, RAMP, TICK, VELOCITY, ServoAxis
+from emulators.servo.axis import CURRENT, DIRECT, MOVE, POSITION, RAMP, TICK, TRAPEZOID, VELOCITY, ServoAxis
 from emulators.servo.bank import ServoBank, ServoError
 from emulators.servo.commands import brake, judge_anew, regulate_position, regulate_velocity
 from emulators.servo.pins import Line
@@ -22,6 +22,7 @@ from emulators.servo.scaling import Settings, acceleration_units, configure, spe
 from firmware_bridge.units import Nanoseconds
 from fmu.calls import OK_OR_WARNING, Calls, PlantRecord, prepare
 from fmu.errors import PlantError
+from hil_tests.unit.servo.planned_orders import FIRST_PLANNED, obey_planned
 
 KERNEL: Final = tuple(sorted(kernel.NATIVE_FOLDER.glob("*.c")))
 PLANT: Final = (Path(__file__).parent / "plant.c",)
@@ -102,7 +103,10 @@ class Order:
 
     axis: int
     kind: int
-    """0 power, 1 velocity, 2 position, 3 current, 4 brake, 5 call, 6 to 7 direct modes, 8 watches."""
+    """0 power, 1 velocity, 2 position, 3 current, 4 brake, 5 call, 6 to 7 direct modes, 8 watches.
+
+    From 10 on: `hil_tests.unit.servo.planned_orders`.
+    """
     value: int
     speed: int
     up: int
@@ -116,6 +120,9 @@ class Leg:
     orders: tuple[Order, ...]
     ticks: int
 
+
+KINDS: Final = (0, 1, 1, 2, 2, 2, 3, 4, 5, 6, 7, 8, 8)
+PLANNED_KINDS: Final = (0, 2, 4, 6, 7, 10, 10, 10, 11, 11, 12, 12, 12, 13, 13, 14, 15, 15)
 
 Event: TypeAlias = tuple[Nanoseconds, tuple[str, ...]]
 
@@ -131,6 +138,8 @@ def obey(axis: ServoAxis, order: Order) -> None:
     elif order.kind == 8:
         axis.pins_watched, axis.index_watched = order.value & 7, order.value >> 3 & 1
         axis.current_watched_ma, axis.outputs = order.up & 0xFFF, order.down
+    elif order.kind >= FIRST_PLANNED:
+        obey_planned(axis, order.kind, order.value, order.speed, (order.up, order.down))
     elif axis.powered:
         _move(axis, order)
 
@@ -138,7 +147,7 @@ def obey(axis: ServoAxis, order: Order) -> None:
 def _move(axis: ServoAxis, order: Order) -> None:
     axis.acceleration = acceleration_units(axis, order.up)
     axis.deceleration = acceleration_units(axis, order.down)
-    axis.profile = DIRECT
+    axis.profile, axis.shape, axis.analogue_input = DIRECT, TRAPEZOID, 0
     if order.kind == 1:
         regulate_velocity(axis)
         axis.profile, axis.target_velocity = RAMP, speed_units(axis, order.speed)
@@ -269,13 +278,13 @@ def tame(draw: np.random.Generator) -> Settings:
     return Settings(**rest, **chosen)
 
 
-def legs(draw: np.random.Generator, count: int) -> Iterator[Leg]:
+def legs(draw: np.random.Generator, count: int, kinds: Sequence[int] = KINDS) -> Iterator[Leg]:
     """Random orders at random instants, in the midst of a ms, too."""
     for number in range(count):
         orders = []
         for axis in range(COUNT):
             if number == 0 or draw.random() < 0.3:
-                kind = 0 if number == 0 else int(draw.choice((0, 1, 1, 2, 2, 2, 3, 4, 5, 6, 7, 8, 8)))
+                kind = 0 if number == 0 else int(draw.choice(kinds))
                 span = int(draw.choice((30, 3000, 300_000)))
                 speeds = (int(draw.integers(-span, span + 1)), int(draw.integers(0, 6000)))
                 up, down = (int(value) for value in draw.integers(100, 300_000, 2))
@@ -286,7 +295,7 @@ def legs(draw: np.random.Generator, count: int) -> Iterator[Leg]:
 def digest(side: Side, seed: int, count: int) -> str:
     """Run a campaign on one side, and return the hash of all that happened."""
     running = hashlib.sha256()
-    for leg in legs(np.random.default_rng(seed), count):
+    for leg in legs(np.random.default_rng(seed), count, KINDS + PLANNED_KINDS):
         events = side.lives(leg)
         running.update(repr(events).encode() + side.bits())
         if isinstance(events, str):

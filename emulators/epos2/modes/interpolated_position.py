@@ -1,0 +1,178 @@
+"""Interpolated position mode: runs a path through position, velocity and time, record by record.
+
+Source: application note Interpolation Position Mode, December 2008. Where it is silent:
+* the path begins with a rising edge of bit 4, outside a halt;
+* halt, or bit 4 going down, brakes with 0x6084, drops the records and ends the path: one that went on later
+  would begin with a jump;
+* a full buffer is a fault only in this mode;
+* a segment that is too fast, too sharp or leads out of 0x607D is not begun: the drive stops there;
+* a first record away from the position demand is a velocity of that way in 1 ms;
+* where the last record's velocity is not 0 the axis brakes with 0x6084 from there on.
+"""
+
+from typing import ClassVar, Final
+
+from emulators.epos2.interpolation import BufferStatus, InterpolationBuffer
+from emulators.epos2.modes.mode import ModeOfOperation
+from emulators.epos2.modes.shaft import Shaft
+from emulators.servo import spline_plan
+from emulators.servo.axis import SPLINE
+from emulators.servo.scaling import speed_units
+from emulators.servo.spline_plan import Knot, Segment
+from firmware_bridge.wire.cia402 import Control, Mode, Status
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2 import emergency
+from firmware_bridge.wire.epos2.pvt import PvtRecord
+
+_ENABLE: Final = int(Control.ENABLE_INTERPOLATION)
+_ACTIVE: Final = int(Status.INTERPOLATION_ACTIVE)
+_FEWEST: Final = 2
+"""Records that a segment needs."""
+
+
+class InterpolatedPosition(ModeOfOperation):
+    """Follows the records of 0x20C1."""
+
+    heeds_halt: ClassVar[bool] = True
+
+    def __init__(self, shaft: Shaft) -> None:
+        super().__init__(shaft)
+        self._buffer = InterpolationBuffer(shaft.store, self._overflowed)
+        self._done = 0
+        """Segments of the axis that have been seen to end."""
+
+    def restart(self) -> None:
+        """Begin as after power-on."""
+        self._buffer.restart()
+
+    def forget(self) -> None:
+        """Drop the path that was going on; what was filled in beforehand stays."""
+        if self._buffer.active:
+            self._buffer.records.clear()
+            self._buffer.end()
+
+    def status(self, *, failed: bool) -> int:
+        """Bit 12: interpolated position mode active."""
+        del failed
+        return _ACTIVE if self._buffer.active else 0
+
+    @property
+    def arrived(self) -> bool:
+        """Bit 10: the path is over, or the halt has come to its end."""
+        return super().arrived and not self._buffer.active
+
+    def halt(self) -> None:
+        """Bit 8 has come up."""
+        self.forget()
+        super().halt()
+
+    def controls(self, word: int, before: int) -> bool:
+        """Bit 4 lets the path run."""
+        if not word & _ENABLE:
+            if self._buffer.active:
+                self.halt()
+        elif not before & _ENABLE and not self.shaft.halted and not self._buffer.active:
+            self._start()
+        return False
+
+    def advance(self) -> None:
+        """Count the segments that are over, and keep the axis supplied."""
+        buffer, axis = self._buffer, self.shaft.axis
+        while buffer.active and self._done != axis.splines_done:
+            self._done += 1
+            del buffer.records[:1]
+            self._next()
+        if buffer.active and len(buffer.records) < _FEWEST:
+            self._fail(BufferStatus.UNDERFLOW_ERROR)
+        if buffer.active and axis.next_ms == 0:
+            self._prepare()
+
+    def _start(self) -> None:
+        buffer, axis = self._buffer, self.shaft.axis
+        if len(buffer.records) < _FEWEST:
+            self._fail(BufferStatus.UNDERFLOW_ERROR)
+            return
+        first = self._knot(buffer.records[0])
+        jump = first.position - axis.position_demand
+        if abs(jump) > self.shaft.fastest():
+            self._fail(BufferStatus.VELOCITY_ERROR)
+        elif abs(jump + first.velocity - axis.velocity_demand) > self.shaft.acceleration(at.MAX_ACCELERATION):
+            self._fail(BufferStatus.ACCELERATION_ERROR)
+        else:
+            buffer.active = True
+            self._done = axis.splines_done
+            self._next()
+            self._prepare()
+
+    def _next(self) -> None:
+        """Go on from the knot that the first record now is."""
+        buffer, axis = self._buffer, self.shaft.axis
+        if buffer.records and buffer.records[0].ms == 0:
+            self._finish()
+        elif len(buffer.records) >= _FEWEST:
+            present = self._segment(0)
+            if self._admitted(present) and (axis.profile != SPLINE or axis.spline_ms == 0):
+                spline_plan.begin(axis, present)
+
+    def _finish(self) -> None:
+        """End the path at its last record."""
+        last = self._buffer.records.pop(0)
+        self._buffer.end()
+        if last.velocity:
+            self.shaft.brake()
+
+    def _prepare(self) -> None:
+        """Give the axis the segment after the present one, where there is one to which nothing objects."""
+        records = self._buffer.records
+        if not self._buffer.active or len(records) <= _FEWEST or records[1].ms == 0:
+            return
+        following = self._segment(1)
+        if not self._beyond(following) and not self._error(following):
+            spline_plan.prepare(self.shaft.axis, following)
+
+    def _admitted(self, present: Segment) -> bool:
+        """Look at the segment that is to run now: fail with its error, or note its warnings."""
+        if self._beyond(present):
+            self._buffer.fail(BufferStatus(0))
+            self.shaft.error = emergency.POSITION_LIMIT
+            return False
+        error = self._error(present)
+        if error:
+            self._fail(error)
+            return False
+        shaft, warnings = self.shaft, BufferStatus(0)
+        if present.fastest() > speed_units(shaft.axis, shaft.store.get(at.PROFILE_VELOCITY)):
+            warnings |= BufferStatus.VELOCITY_WARNING
+        if present.sharpest() > shaft.acceleration(at.PROFILE_ACCELERATION):
+            warnings |= BufferStatus.ACCELERATION_WARNING
+        self._buffer.warnings = warnings
+        return True
+
+    def _error(self, segment: Segment) -> BufferStatus:
+        if segment.fastest() > self.shaft.fastest():
+            return BufferStatus.VELOCITY_ERROR
+        if segment.sharpest() > self.shaft.acceleration(at.MAX_ACCELERATION):
+            return BufferStatus.ACCELERATION_ERROR
+        return BufferStatus(0)
+
+    def _beyond(self, segment: Segment) -> bool:
+        """Whether a segment ends outside the software position limits."""
+        low, high = self.shaft.limits()
+        end = segment.start + segment.linear + segment.square + segment.cube
+        return not low <= end >> self.shaft.axis.fraction <= high
+
+    def _knot(self, record: PvtRecord) -> Knot:
+        axis = self.shaft.axis
+        return Knot(record.position << axis.fraction, speed_units(axis, record.velocity))
+
+    def _segment(self, first: int) -> Segment:
+        start, end = self._buffer.records[first : first + 2]
+        return spline_plan.segment(self._knot(start), self._knot(end), start.ms)
+
+    def _overflowed(self) -> None:
+        if self.shaft.store.get(at.MODE_DISPLAY) == Mode.INTERPOLATED_POSITION:
+            self._fail(BufferStatus.OVERFLOW_ERROR)
+
+    def _fail(self, error: BufferStatus) -> None:
+        self._buffer.fail(error)
+        self.shaft.error = emergency.INTERPOLATION

@@ -1,0 +1,50 @@
+"""Following the digital position input, one millisecond at a time: a gear made of whole numbers.
+
+Source: EPOS2 EDS (0x2300). The demand keeps to the limits of velocity and acceleration, so that it may fall
+behind; it then closes up like a move to a target that itself moves. ASSUME: what it follows ends at the
+software position limits, and the input's way beyond them is not lost.
+"""
+
+from math import isqrt
+from typing import Final
+
+from emulators.servo.axis import ServoAxis
+
+FASTEST_INPUT: Final = 1 << 31
+"""Counts and velocity units in one ms beyond which the input does not count: four times 25 000 rpm."""
+
+
+def follow(axis: ServoAxis) -> bool:
+    """Step the demand after the input's count; say whether it has caught up."""
+    steps = max(-FASTEST_INPUT, min(FASTEST_INPUT, axis.master - axis.followed))
+    axis.followed = axis.master
+    counted = axis.follow_rest + steps * axis.follow_numerator
+    whole = counted // axis.follow_denominator
+    axis.follow_rest = counted - whole * axis.follow_denominator
+    fastest = FASTEST_INPUT >> axis.fraction
+    before = max(axis.lowest, min(axis.highest, axis.target_position))
+    axis.target_position += max(-fastest, min(fastest, whole)) << axis.fraction
+    target = max(axis.lowest, min(axis.highest, axis.target_position))
+    ahead = target - before
+    wish = ahead + closing_speed(axis, before - axis.position_demand)
+    wish = max(-axis.cruise, min(axis.cruise, wish))
+    speed = axis.velocity_demand
+    following = max(speed - axis.deceleration, min(speed + axis.acceleration, wish))
+    position = axis.position_demand + following
+    axis.acceleration_demand = following - speed
+    axis.velocity_demand = following
+    axis.position_demand = position
+    return position == target
+
+
+def closing_speed(axis: ServoAxis, behind: int) -> int:
+    """Return the fastest velocity from which the axis comes to rest `behind` position units further."""
+    way = behind if behind >= 0 else -behind
+    slowing = axis.deceleration
+    if way >= axis.stopping_distance:
+        speed = axis.cruise
+    elif way <= slowing:
+        speed = way
+    else:
+        speed = (isqrt(8 * slowing * way + slowing * slowing) - slowing) >> 1
+    return speed if behind >= 0 else -speed
