@@ -10,6 +10,7 @@ from typing import Annotated, Self
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from firmware_bridge.units import QUADCOUNTS_PER_LINE, STANDARD_GRAVITY
+from firmware_bridge.wire.maxon.frame import Generation
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
@@ -39,9 +40,26 @@ class Mode(StrEnum):
     POSITION = "position"
 
 
-class Bus(_Table):
-    """The CAN bus and its time-outs."""
+class Link(StrEnum):
+    """How the bridge reaches the drives."""
 
+    CAN = "can"
+    SERIAL = "serial"
+    """Over the serial port of one drive, the gateway, which passes commands on over CAN."""
+
+
+class Bus(_Table):
+    """The CAN bus, the bridge's way to it, and the time-outs."""
+
+    link: Annotated[Link, Field(strict=False)] = Link.CAN
+    gateway: NodeId | None = None
+    """The drive whose serial port the bridge is on."""
+    protocol: Annotated[Generation, Field(strict=False)] = Generation.V2
+    """What that port speaks: v1 as on RS232, v2 as on USB."""
+    baud: Annotated[int, Field(ge=9_600, le=1_000_000)] | None = None
+    """Of that port; None for the protocol's default."""
+    port_latency_us: Annotated[int, Field(ge=0, le=20_000)] = 1_000
+    """How long this machine's port may keep what it has heard: the latency timer of a converter on USB."""
     bit_rate: Annotated[int, Field(ge=10_000, le=1_000_000)]
     cycle_ms: Annotated[int, Field(ge=5, le=1000)]
     bridge_node: NodeId
@@ -57,6 +75,17 @@ class Bus(_Table):
         if self.drive_silent_ms <= max(self.drive_heartbeat_ms, self.cycle_ms):
             raise ValueError("drive_silent_ms must be longer than drive_heartbeat_ms and cycle_ms")
         return self
+
+    @model_validator(mode="after")
+    def _a_serial_link_has_a_gateway(self) -> Self:
+        if self.link is Link.SERIAL and self.gateway is None:
+            raise ValueError("link = 'serial' needs gateway, the node of the drive with the serial port")
+        return self
+
+    @property
+    def line_rate(self) -> int:
+        """The serial port's rate in bits a second: RS232 at 115.2 kBd, USB's converter at 1 MBd."""
+        return self.baud or (115_200 if self.protocol is Generation.V1 else 1_000_000)
 
 
 class Base(_Table):
@@ -232,9 +261,46 @@ class Robot(_Table):
             raise ValueError(f"bridge_node {self.bus.bridge_node} is the node of an axis, too")
         return self
 
+    @model_validator(mode="after")
+    def _the_gateway_is_watched(self) -> Self:
+        if self.bus.link is Link.SERIAL:
+            if self.bus.gateway not in {axis.node for axis in self.axes}:
+                raise ValueError(f"bus.gateway {self.bus.gateway} is not the node of an axis")
+            if len(self.axes) == 1:
+                raise ValueError("bus.gateway: a drive without another one behind it watches nobody")
+        return self
+
     def axis(self, role: Role) -> Axis:
         """Return the axis with this role; KeyError where the robot has none."""
         for axis in self.axes:
             if axis.role is role:
                 return axis
         raise KeyError(role)
+
+    @property
+    def guardian(self) -> int:
+        """On a serial link: the node whose answers to node guarding the gateway watches."""
+        return next(axis.node for axis in self.axes if axis.node != self.bus.gateway)
+
+    def watched_by(self, axis: Axis) -> int:
+        """Return the node whose silence stops this drive.
+
+        That is the bridge; but the gateway does not hear what it sends onto the bus for the bridge, so it
+        watches another drive, which speaks only when the bridge asks it.
+        """
+        through = self.bus.link is Link.SERIAL and axis.node == self.bus.gateway
+        return self.guardian if through else self.bus.bridge_node
+
+    def over_serial(self, protocol: Generation | None = None, baud: int | None = None) -> "Robot":
+        """Return this robot on its serial link; the gateway is the first drive where the file names none."""
+        bus = self.bus
+        told = {
+            "link": Link.SERIAL,
+            "gateway": bus.gateway or self.axes[0].node,
+            "protocol": protocol or bus.protocol,
+            "baud": baud if protocol or baud else bus.baud,
+        }
+        return self.model_validate({**self._fields(), "bus": Bus.model_validate(bus.model_dump() | told)})
+
+    def _fields(self) -> dict[str, object]:
+        return {name: getattr(self, name) for name in type(self).model_fields}
