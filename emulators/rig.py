@@ -11,24 +11,22 @@ from typing import Final
 
 import numpy as np
 
-from emulators.bench.adapter import Adapter
 from emulators.bench.mission import Noise
 from emulators.bench.records import SAMPLE_EVERY, HoldRecord, Sample
 from emulators.epos2.drive import Epos2
 from emulators.epos2.profile import EPOS2_70_10, DeviceProfile, realistic
 from emulators.epos2.serial.drive import SerialEpos2
+from emulators.line import Line
 from emulators.rewind import Moment, Rewind
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, plant_inputs, plant_outputs
-from emulators.wires import CanWire, DatagramWire, SerialWire, usb
-from emulators.wires.serial import Inbox
+from emulators.wires import CanWire, DatagramWire
 from emulators.world import Wire, World
 from firmware_bridge.bridge import Bridge
-from firmware_bridge.drivers.maxon_line import MaxonLine
 from firmware_bridge.node import CAN, OPERATOR, SERIAL, Node
 from firmware_bridge.robot import Link, Robot, RobotFileError
 from firmware_bridge.safety.guard import guarded
-from firmware_bridge.units import MICROSECOND, MILLISECOND, Nanoseconds, from_seconds
+from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 from firmware_bridge.wire.maxon.frame import Generation
 from fmu.build import ensure
 from fmu.plant import FmuPlant, PlantError
@@ -136,26 +134,6 @@ def _served(robot: Robot) -> Mapping[str, Generation]:
     return {axis.name: bus.protocol for axis in robot.axes if through and axis.node == bus.gateway}
 
 
-@dataclass(frozen=True, slots=True)
-class Line:
-    """The serial line between the bridge and the gateway, and what the bridge has at its end of it."""
-
-    wire: SerialWire
-    adapter: Adapter
-    end: MaxonLine
-
-    @classmethod
-    def of(cls, robot: Robot, node: Node) -> "Line | None":
-        """Return the line of a robot whose file names one."""
-        bus = robot.bus
-        if bus.link is not Link.SERIAL:
-            return None
-        latency = bus.port_latency_us * MICROSECOND
-        inboxes = {BRIDGE: Inbox(usb.BUFFER, latency)} if latency else {}
-        end = MaxonLine(node, bus.protocol)
-        return cls(SerialWire(bus.line_rate, inboxes), Adapter(end), end)
-
-
 class Rig:
     """A robot on the bench: `run` moves time on; what happened stands in `samples` and `holds`.
 
@@ -186,7 +164,7 @@ class Rig:
             np.random.default_rng([seed, LINK_STREAM]),
         )
         self.world: Final = World(self.devices.bank)
-        self.line: Final = Line.of(robot, self.guard)
+        self.line: Final = Line.of(robot, self.guard, self.bridge.link, BRIDGE)
         for axis, drive in zip(robot.axes, self.devices.drives.values(), strict=True):
             links: dict[str, Wire] = {CAN: self.can_wire}
             if self.line is not None and axis.node == robot.bus.gateway:

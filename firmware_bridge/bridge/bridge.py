@@ -14,6 +14,7 @@ from firmware_bridge.bridge.fleet_of import fleet_of
 from firmware_bridge.bridge.permission import Permission
 from firmware_bridge.bridge.pipeline import Pipeline
 from firmware_bridge.drivers.drive import BRING_UP, Task
+from firmware_bridge.drivers.link import Link
 from firmware_bridge.intent import EmergencyStop, Request, Verdict
 from firmware_bridge.node import OPERATOR, Packet, Reaction
 from firmware_bridge.robot import Robot
@@ -72,6 +73,11 @@ class Bridge:
     def finished(self) -> bool:
         """Whether the orderly end is over and the node may be let go."""
         return self.phase is Phase.FINISHED
+
+    @property
+    def link(self) -> Link:
+        """The way to the drives."""
+        return self._fleet.link
 
     @property
     def seen(self) -> Snapshot:

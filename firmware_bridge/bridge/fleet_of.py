@@ -7,11 +7,11 @@ from typing import Final
 from firmware_bridge.drivers.can_link import CanLink
 from firmware_bridge.drivers.epos2 import Epos2
 from firmware_bridge.drivers.epos2_setup import Travel, configuration, over_serial
-from firmware_bridge.drivers.epos_serial import EposSerial
-from firmware_bridge.drivers.errands import Exchange
 from firmware_bridge.drivers.fleet import Fleet
-from firmware_bridge.drivers.serial_link import SerialLink
-from firmware_bridge.drivers.serial_plan import fitting_plan
+from firmware_bridge.drivers.serial.epos import EposSerial
+from firmware_bridge.drivers.serial.errands import Exchange
+from firmware_bridge.drivers.serial.link import SerialLink
+from firmware_bridge.drivers.serial.plan import fitting_plan
 from firmware_bridge.motion import davis, lift
 from firmware_bridge.robot import Link, Robot, Role
 

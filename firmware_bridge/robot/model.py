@@ -7,21 +7,17 @@ import math
 from enum import StrEnum
 from typing import Annotated, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
+from firmware_bridge.robot.bus import Bus, Link, NodeId, Table
 from firmware_bridge.units import QUADCOUNTS_PER_LINE, STANDARD_GRAVITY
 from firmware_bridge.wire.maxon.frame import Generation
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-NodeId = Annotated[int, Field(ge=1, le=127)]
 Unsigned16 = Annotated[int, Field(ge=0, le=0xFFFF)]
 Signed16 = Annotated[int, Field(ge=-0x8000, le=0x7FFF)]
 Unsigned32 = Annotated[int, Field(ge=0, le=0xFFFF_FFFF)]
-
-
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, str_strip_whitespace=True)
 
 
 class Role(StrEnum):
@@ -40,55 +36,7 @@ class Mode(StrEnum):
     POSITION = "position"
 
 
-class Link(StrEnum):
-    """How the bridge reaches the drives."""
-
-    CAN = "can"
-    SERIAL = "serial"
-    """Over the serial port of one drive, the gateway, which passes commands on over CAN."""
-
-
-class Bus(_Table):
-    """The CAN bus, the bridge's way to it, and the time-outs."""
-
-    link: Annotated[Link, Field(strict=False)] = Link.CAN
-    gateway: NodeId | None = None
-    """The drive whose serial port the bridge is on."""
-    protocol: Annotated[Generation, Field(strict=False)] = Generation.V2
-    """What that port speaks: v1 as on RS232, v2 as on USB."""
-    baud: Annotated[int, Field(ge=9_600, le=1_000_000)] | None = None
-    """Of that port; None for the protocol's default."""
-    port_latency_us: Annotated[int, Field(ge=0, le=20_000)] = 1_000
-    """How long this machine's port may keep what it has heard: the latency timer of a converter on USB."""
-    bit_rate: Annotated[int, Field(ge=10_000, le=1_000_000)]
-    cycle_ms: Annotated[int, Field(ge=5, le=1000)]
-    bridge_node: NodeId
-    bridge_heartbeat_ms: Annotated[int, Field(ge=10, le=10_000)]
-    bridge_silent_ms: Annotated[int, Field(ge=10, le=10_000)]
-    drive_heartbeat_ms: Annotated[int, Field(ge=10, le=10_000)]
-    drive_silent_ms: Annotated[int, Field(ge=10, le=10_000)]
-
-    @model_validator(mode="after")
-    def _silence_is_longer_than_the_beat(self) -> Self:
-        if self.bridge_silent_ms <= self.bridge_heartbeat_ms:
-            raise ValueError("bridge_silent_ms must be longer than bridge_heartbeat_ms")
-        if self.drive_silent_ms <= max(self.drive_heartbeat_ms, self.cycle_ms):
-            raise ValueError("drive_silent_ms must be longer than drive_heartbeat_ms and cycle_ms")
-        return self
-
-    @model_validator(mode="after")
-    def _a_serial_link_has_a_gateway(self) -> Self:
-        if self.link is Link.SERIAL and self.gateway is None:
-            raise ValueError("link = 'serial' needs gateway, the node of the drive with the serial port")
-        return self
-
-    @property
-    def line_rate(self) -> int:
-        """The serial port's rate in bits a second: RS232 at 115.2 kBd, USB's converter at 1 MBd."""
-        return self.baud or (115_200 if self.protocol is Generation.V1 else 1_000_000)
-
-
-class Base(_Table):
+class Base(Table):
     """Davis-steered platform, lengths in metres (thesis 2.4, Tab. 3.1)."""
 
     wheel_radius_m: Positive
@@ -106,7 +54,7 @@ class Base(_Table):
         return self.davis_h_m * self.kingpin_distance_m / (2.0 * self.wheelbase_m)
 
 
-class Lift(_Table):
+class Lift(Table):
     """Scissor lift on a screw (thesis 2.5): N stages of equal links, driven along the base."""
 
     stages: Annotated[int, Field(ge=1, le=20)]
@@ -122,7 +70,7 @@ class Lift(_Table):
         return self
 
 
-class Limits(_Table):
+class Limits(Table):
     """What the interlocks hold, whatever the operator wishes (thesis 2.3.1, 4.2.1)."""
 
     speed_mps: Positive
@@ -138,7 +86,7 @@ class Limits(_Table):
         return self.acceleration_g * STANDARD_GRAVITY
 
 
-class OperatorLink(_Table):
+class OperatorLink(Table):
     """The operator's link: how long silence is allowed, and the identity on MAVLink."""
 
     silent_ms: Annotated[int, Field(ge=50, le=10_000)]
@@ -146,7 +94,7 @@ class OperatorLink(_Table):
     component_id: Annotated[int, Field(ge=1, le=255)]
 
 
-class Gains(_Table):
+class Gains(Table):
     """Regulator gains as the drive's raw integers (EPOS2 objects 0x60F6, 0x60F9, 0x60FB)."""
 
     current_p: Signed16
@@ -162,7 +110,7 @@ class Gains(_Table):
     position_acceleration_feedforward: Unsigned16 = 0
 
 
-class Profile(_Table):
+class Profile(Table):
     """Motion profile in the drive's units: rpm and rpm/s at the motor, quadcounts."""
 
     velocity_rpm: Unsigned32
@@ -173,7 +121,7 @@ class Profile(_Table):
     max_following_error_qc: Unsigned32
 
 
-class Axis(_Table):
+class Axis(Table):
     """One drive and what hangs on its shaft."""
 
     name: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$")]
@@ -213,7 +161,7 @@ class Axis(_Table):
         return self.direction * self.quadcounts_per_turn * self.gear_ratio / (2.0 * math.pi)
 
 
-class Battery(_Table):
+class Battery(Table):
     """How the battery is measured: an analogue input of one drive, behind a divider."""
 
     axis: str
@@ -223,7 +171,7 @@ class Battery(_Table):
     low_v: Positive
 
 
-class PlantFile(_Table):
+class PlantFile(Table):
     """The simulated robot: which FMU, which of its named parameter sets, and single values that differ."""
 
     fmu: str
@@ -231,7 +179,7 @@ class PlantFile(_Table):
     parameters: dict[str, float] = Field(default_factory=dict)
 
 
-class Robot(_Table):
+class Robot(Table):
     """A whole robot file, checked."""
 
     name: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$")]

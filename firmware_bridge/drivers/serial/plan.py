@@ -10,9 +10,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
-from firmware_bridge.drivers.epos_serial_client import reading, writing
-from firmware_bridge.drivers.epos_serial_rows import IN_EVERY_CYCLE, IN_TURN, ReadRow
-from firmware_bridge.drivers.serial_link import guarding, heartbeat
+from firmware_bridge.drivers.serial.client import reading, writing
+from firmware_bridge.drivers.serial.link import guarding, heartbeat
+from firmware_bridge.drivers.serial.rows import IN_EVERY_CYCLE, IN_TURN, ReadRow
 from firmware_bridge.robot import Axis, Mode, Robot
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.epos2 import address as at

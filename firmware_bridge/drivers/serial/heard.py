@@ -16,7 +16,7 @@ FAULT_STATES: Final = (State.FAULT, State.FAULT_REACTION_DISABLED, State.FAULT_R
 class SerialEar:
     """Fills a `Heard` from the objects of one drive. A sample is whole when both have come in one cycle."""
 
-    __slots__ = ("_cycle_at", "_position", "_qc_per_radian", "_read_at", "heard", "knows_mapping")
+    __slots__ = ("_before", "_cycle_at", "_position", "_qc_per_radian", "heard", "knows_mapping")
 
     def __init__(self, axis: Axis) -> None:
         self.heard = Heard()
@@ -24,18 +24,18 @@ class SerialEar:
         self._qc_per_radian = axis.quadcounts_per_radian
         self._cycle_at: Nanoseconds = NEVER_HEARD
         self._position: tuple[int, Nanoseconds] | None = None
-        """What this cycle has read, and when."""
-        self._read_at: Nanoseconds = NEVER_HEARD
-        """When the position that is heard was read."""
+        """What this cycle has read, and when it was asked for."""
+        self._before: tuple[int, Nanoseconds] | None = None
+        """The same of the sample before."""
 
     def begin(self, now: Nanoseconds) -> None:
         """Begin a cycle: what is read from now on makes a new sample."""
         self._cycle_at = now
         self._position = None
 
-    def position(self, quadcounts: int, now: Nanoseconds) -> None:
-        """Take the position."""
-        self._position = quadcounts, now
+    def position(self, quadcounts: int, asked_at: Nanoseconds) -> None:
+        """Take the position. The drive read it when it was asked, whenever this machine's port told of it."""
+        self._position = quadcounts, asked_at
 
     def statusword(self, word: int, now: Nanoseconds) -> None:
         """Take the statusword, and with this cycle's position the sample.
@@ -48,7 +48,7 @@ class SerialEar:
         if self.knows_mapping and heard.operational and not remote:
             heard.restarted = True
             self.knows_mapping = False
-            heard.sampled_at = self._read_at = NEVER_HEARD
+            heard.sampled_at, self._before = NEVER_HEARD, None
             heard.speed_rad_s = 0.0
         heard.operational = remote
         heard.statusword = word
@@ -61,17 +61,23 @@ class SerialEar:
         heard = self.heard
         heard.state, heard.operational = None, False
         heard.speed_rad_s = 0.0
-        heard.sampled_at = self._read_at = NEVER_HEARD
+        heard.sampled_at, self._before = NEVER_HEARD, None
         self.knows_mapping = False
 
-    def _sample(self, position: int, read_at: Nanoseconds, now: Nanoseconds) -> None:
-        heard = self.heard
-        elapsed = read_at - self._read_at
-        if self._read_at != NEVER_HEARD and elapsed > 0:
+    def _sample(self, position: int, asked_at: Nanoseconds, now: Nanoseconds) -> None:
+        """Take a whole sample, and shift it to the begin of the cycle: to the same instant for all drives.
+
+        Two wheels that are read one after the other would look like a robot that turns a little.
+        """
+        heard, shift = self.heard, 0
+        if self._before is not None:
+            before, before_at = self._before
             # The drive's counter has 32 bits and wraps.
-            moved = (position - heard.position_qc + _COUNTER_HALF) % _COUNTER_SPAN - _COUNTER_HALF
+            moved = (position - before + _COUNTER_HALF) % _COUNTER_SPAN - _COUNTER_HALF
+            elapsed = max(asked_at - before_at, 1)
             heard.speed_rad_s = moved / self._qc_per_radian / to_seconds(elapsed)
-        heard.position_qc = position
+            shift = round(moved * (asked_at - self._cycle_at) / elapsed)
+        self._before = position, asked_at
+        heard.position_qc = (position - shift + _COUNTER_HALF) % _COUNTER_SPAN - _COUNTER_HALF
         heard.sampled_at = self._cycle_at
         heard.heard_at = now
-        self._read_at = read_at

@@ -12,11 +12,11 @@ from firmware_bridge.drivers.epos2_pdo import SET_POINT
 from firmware_bridge.drivers.epos2_setpoint import DISABLE_VOLTAGE, ENABLE, NEW_POSITION, set_point
 from firmware_bridge.drivers.epos2_setup import Row, Travel
 from firmware_bridge.drivers.epos2_tasks import NEWEST_ERROR
-from firmware_bridge.drivers.epos_serial_client import SerialClient, reading, silent, value_in, writing
-from firmware_bridge.drivers.epos_serial_heard import FAULT_STATES, SerialEar
-from firmware_bridge.drivers.epos_serial_rows import CURRENT, ERROR_REGISTER, POSITION, STATUSWORD, ReadRow
-from firmware_bridge.drivers.errands import Errand, Exchange, Rank, Result, succeeded
 from firmware_bridge.drivers.script import Performer
+from firmware_bridge.drivers.serial.client import SerialClient, reading, silent, value_in, writing
+from firmware_bridge.drivers.serial.errands import Errand, Exchange, Rank, Result, succeeded
+from firmware_bridge.drivers.serial.heard import FAULT_STATES, SerialEar
+from firmware_bridge.drivers.serial.rows import CURRENT, ERROR_REGISTER, POSITION, STATUSWORD, ReadRow
 from firmware_bridge.node import MAXON, Packet
 from firmware_bridge.robot import Axis, Mode
 from firmware_bridge.units import Nanoseconds
@@ -170,7 +170,7 @@ class EposSerial:
     def _hear(self, address: Address, result: ObjectRead, now: Nanoseconds) -> None:
         raw, heard = value_in(address, result), self.heard
         if address == POSITION.address:
-            self._ear.position(POSITION.type.decode(raw), now)
+            self._ear.position(POSITION.type.decode(raw), self._exchange.asked_at)
         elif address == STATUSWORD.address:
             self._ear.statusword(STATUSWORD.type.decode(raw), now)
             if heard.state in FAULT_STATES and not heard.fault:

@@ -6,7 +6,6 @@ Both commands may be repeated: reading changes nothing, and writing the same val
 from collections.abc import Callable
 from typing import Final
 
-from firmware_bridge.drivers.errands import Errand, Exchange, Rank, Result, succeeded
 from firmware_bridge.drivers.sdo_client import (
     Outcome,
     SdoProtocolError,
@@ -14,6 +13,7 @@ from firmware_bridge.drivers.sdo_client import (
     SdoTimeoutError,
     Transfer,
 )
+from firmware_bridge.drivers.serial.errands import Errand, Exchange, Rank, Result, succeeded
 from firmware_bridge.node import Packet
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire.abort import AbortCode

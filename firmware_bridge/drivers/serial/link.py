@@ -8,9 +8,9 @@ answers of another drive to node guarding, which come only as long as the bridge
 from collections.abc import Iterable
 from typing import Final
 
-from firmware_bridge.drivers.epos_serial import EposSerial
-from firmware_bridge.drivers.epos_serial_rows import IN_EVERY_CYCLE, IN_TURN
-from firmware_bridge.drivers.errands import Errand, Exchange, Rank, Result
+from firmware_bridge.drivers.serial.epos import EposSerial
+from firmware_bridge.drivers.serial.errands import Errand, Exchange, Rank, Result
+from firmware_bridge.drivers.serial.rows import IN_EVERY_CYCLE, IN_TURN
 from firmware_bridge.node import MAXON, Packet
 from firmware_bridge.robot import Robot
 from firmware_bridge.units import Nanoseconds
@@ -38,6 +38,8 @@ class SerialLink:
     """A `firmware_bridge.drivers.link.Link`."""
 
     __slots__ = (
+        "_began_at",
+        "_calm",
         "_cycle",
         "_drives",
         "_exchange",
@@ -47,6 +49,7 @@ class SerialLink:
         "_newest",
         "_samples",
         "answers_within",
+        "longest_cycle",
         "name",
         "overruns",
     )
@@ -62,6 +65,8 @@ class SerialLink:
         self.answers_within = answers_within
         self.overruns = 0
         """Objects that were to be read in one cycle and were not, when the next one began."""
+        self.longest_cycle: Nanoseconds = 0
+        """From the begin of a cycle to the end of its last command, where no drive had tasks to do."""
         self._drives = tuple(drives)
         self._exchange = exchange
         self._heartbeat = heartbeat(robot)
@@ -71,6 +76,9 @@ class SerialLink:
         """The newest beats."""
         self._samples: list[Errand] = []
         self._cycle = 0
+        self._began_at: Nanoseconds = 0
+        self._calm = False
+        """Whether this cycle began without tasks; those take what time the line has left."""
 
     @property
     def lost(self) -> str | None:
@@ -86,6 +94,10 @@ class SerialLink:
         """Ask all drives that answer for what is due in this cycle; what the last one left is dropped."""
         late = [errand for errand in self._samples if not errand.over and errand.left]
         self.overruns += len(late)
+        if self._calm:
+            self.longest_cycle = max(self.longest_cycle, self._exchange.idle_at - self._began_at)
+        self._calm = not any(drive.busy for drive in self._drives)
+        self._began_at = self._exchange.clock = now
         for errand in late:
             self._exchange.drop(errand)
         present = [(place, drive) for place, drive in enumerate(self._drives) if drive.present]
@@ -101,8 +113,9 @@ class SerialLink:
         self._cycle += 1
         return self._exchange.go_on()
 
-    def beat(self, _now: Nanoseconds) -> tuple[Packet, ...]:
+    def beat(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Send the bridge's heartbeat, and ask for what the gateway watches."""
+        self._exchange.clock = now
         if all(errand.over for errand in self._newest):
             requests: list[Request] = [self._heartbeat]
             if self._guardian.guarded:

@@ -26,6 +26,9 @@ class MaxonLine:
         self.node = node
         self.commands = 0
         """Commands that have begun so far."""
+        self.busy: Nanoseconds = 0
+        """How long commands have been under way so far."""
+        self._begun_at: Nanoseconds = 0
         self._generation = generation
         self._host = host_end(generation, TIMEOUT)
         self._waiting: deque[Packet] = deque()
@@ -69,6 +72,7 @@ class MaxonLine:
 
     def _end(self, outcome: Outcome | None, now: Nanoseconds) -> None:
         if outcome is not None:
+            self.busy += now - self._begun_at
             # What the protocol still owes the drive leaves before the next command.
             self._say()
             self._take(self.node.receive(outcome_packet(self._under_way, outcome), now))
@@ -85,7 +89,7 @@ class MaxonLine:
         host, waiting = self._host, self._waiting
         if waiting and not host.busy and now >= host.ready_at:
             packet = waiting.popleft()
-            self._under_way = packet.address
+            self._under_way, self._begun_at = packet.address, now
             answered = self._generation in COMMANDS[packet.address].answered
             host.ask(Frame(packet.address, packet.payload), now, answered=answered)
             self.commands += 1

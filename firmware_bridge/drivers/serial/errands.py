@@ -1,6 +1,6 @@
 """What the drivers want from one serial line, in order of urgency; the line carries one command at a time.
 
-Bytes and handshake are `firmware_bridge.drivers.maxon_line`'s. It refuses to know what a command means.
+Bytes and handshake are `firmware_bridge.drivers.serial.line`'s. It refuses to know what a command means.
 """
 
 from dataclasses import dataclass
@@ -53,16 +53,21 @@ class Errand:
 class Exchange:
     """The errands of one line. Each method returns the command that is to be sent, if any."""
 
-    __slots__ = ("_clock", "_request", "_until", "_waiting", "gone", "under_way")
+    __slots__ = ("_request", "_until", "_waiting", "asked_at", "clock", "gone", "idle_at", "under_way")
 
     def __init__(self) -> None:
         self.gone = False
         """Whether the line has vanished; errands fail until it is back."""
+        self.idle_at: Nanoseconds = 0
+        """When the last command ended that had nothing behind it."""
         self.under_way: Errand | None = None
         self._request: Request | None = None
         self._until: Nanoseconds = NEVER
         self._waiting: list[Errand] = []
-        self._clock: Nanoseconds = 0
+        self.clock: Nanoseconds = 0
+        """The newest instant that anybody has told."""
+        self.asked_at: Nanoseconds = 0
+        """When the newest command began."""
 
     @property
     def wake_at(self) -> Nanoseconds:
@@ -88,12 +93,13 @@ class Exchange:
         errand.begun, errand.left = True, tuple(left)
         self._waiting.remove(errand)
         self.under_way, self._request = errand, request
-        self._until = self._clock + PATIENCE
+        self.asked_at = self.clock
+        self._until = self.clock + PATIENCE
         return (command(request),)
 
     def hear(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Take what the line says; what answers no command of ours is ignored."""
-        self._clock = now
+        self.clock = now
         if packet.address == LINE_LOST and not packet.payload:
             self.gone = True
             self._fail(now)
@@ -107,7 +113,7 @@ class Exchange:
 
     def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Give up a command that nobody has answered for."""
-        self._clock = now
+        self.clock = now
         if self.gone:
             self._fail(now)
         elif now >= self._until:
@@ -124,6 +130,8 @@ class Exchange:
             self._waiting.insert(0, errand)
         else:
             errand.over = True
+        if not self._waiting:
+            self.idle_at = now
         errand.owner.ended(errand, request, result, now)
 
     def _fail(self, now: Nanoseconds) -> None:
