@@ -46,5 +46,5 @@ class Line:
             busy_percent=round(100.0 * self.end.busy / duration, 3),
             cycle_ms=float(bus.cycle_ms),
             longest_cycle_ms=self.link.longest_cycle / MILLISECOND,
-            overruns=self.link.overruns,
+            late_cycles=self.link.late,
         )

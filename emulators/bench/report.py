@@ -56,7 +56,7 @@ def _numbers(summary: Summary, limits: Limits) -> Iterator[tuple[str, str, str, 
             f"{line.protocol} at {line.baud} Bd, {line.commands} commands",
         )
         yield "line busy", f"{line.busy_percent:.1f}", "%", ""
-        late = f"cycle {line.cycle_ms:g} ms; {line.overruns} objects left unread"
+        late = f"cycle {line.cycle_ms:g} ms; {line.late_cycles} late"
         yield "longest cycle on the line", f"{line.longest_cycle_ms:.1f}", "ms", late
     yield "trace", summary.trace_sha256[:TRACE_DIGITS], "", "the same run gives the same trace"
 

@@ -31,8 +31,8 @@ class LineRun:
     cycle_ms: float
     longest_cycle_ms: float
     """From the begin of a cycle to the end of its last command; above `cycle_ms` a cycle was late."""
-    overruns: int
-    """Objects that were to be read in one cycle and were not, when the next one began."""
+    late_cycles: int
+    """Cycles that began before the samples of the one before were in."""
 
 
 @dataclass(frozen=True, slots=True)

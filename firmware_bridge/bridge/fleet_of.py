@@ -6,7 +6,7 @@ from typing import Final
 
 from firmware_bridge.drivers.can_link import CanLink
 from firmware_bridge.drivers.epos2 import Epos2
-from firmware_bridge.drivers.epos2_setup import Travel, configuration, over_serial
+from firmware_bridge.drivers.epos2_setup import Travel
 from firmware_bridge.drivers.fleet import Fleet
 from firmware_bridge.drivers.serial.epos import EposSerial
 from firmware_bridge.drivers.serial.errands import Exchange
@@ -34,11 +34,7 @@ def _serial_fleet(robot: Robot) -> Fleet:
     plan = fitting_plan(robot)
     travels = _travels(robot)
     exchange = Exchange()
-    drives = []
-    for axis in robot.axes:
-        travel = travels.get(axis.role)
-        rows = configuration(axis, robot.bus, travel, over_serial(axis, robot))
-        drives.append(EposSerial(axis, travel, rows, exchange))
+    drives = tuple(EposSerial(axis, robot, travels.get(axis.role), exchange) for axis in robot.axes)
     return Fleet(drives, SerialLink(drives, exchange, robot, plan.answers_within))
 
 

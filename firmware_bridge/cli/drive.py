@@ -23,7 +23,7 @@ from firmware_bridge.robot import Link, Robot
 from firmware_bridge.safety.guard import Guarded, guarded
 from firmware_bridge.safety.snapshot import Hold
 from firmware_bridge.shell.ports import Port, ReturningLine, UdpPort, open_can
-from firmware_bridge.units import Nanoseconds, to_seconds
+from firmware_bridge.units import SECOND, Nanoseconds, to_seconds
 from firmware_bridge.wire.maxon.frame import Generation
 
 EXAMPLES: Final = """Examples:
@@ -53,6 +53,8 @@ class Narrated:
         self._tell = tell
         self._phase: Phase | None = None
         self._armed = False
+        self._late = 0
+        self._late_told_at: Nanoseconds = 0
         self._holds: tuple[Hold, ...] = ()
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
@@ -84,6 +86,10 @@ class Narrated:
         if bridge.seen.armed != self._armed:
             self._armed = bridge.seen.armed
             self._say("armed" if self._armed else "disarmed", now)
+        late = bridge.link.late
+        if late != self._late and now - self._late_told_at >= SECOND:
+            self._say(f"late: {late - self._late} cycles were longer than the robot file says", now)
+            self._late, self._late_told_at = late, now
         if bridge.holds != self._holds and bridge.phase is not Phase.FAILED:  # what failed is told at the end
             self._tell_holds({hold.name: hold for hold in bridge.holds}, now)
             self._holds = bridge.holds

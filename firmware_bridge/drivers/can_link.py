@@ -17,11 +17,13 @@ ANSWERS_WITHIN: Final[Nanoseconds] = 10 * MILLISECOND
 class CanLink:
     """A `firmware_bridge.drivers.link.Link`."""
 
-    __slots__ = ("_beat", "_by_node", "_drives", "answers_within", "lost", "name", "wake_at")
+    __slots__ = ("_beat", "_by_node", "_drives", "answers_within", "late", "lost", "name", "wake_at")
 
     def __init__(self, drives: Iterable[Epos2], bus: Bus) -> None:
         self.name = CAN
         self.answers_within = ANSWERS_WITHIN
+        self.late = 0
+        """Always: the samples of a cycle leave at its SYNC."""
         self.lost: str | None = None
         """Always None: a port that loses its bus ends the program."""
         self.wake_at: Nanoseconds = NEVER

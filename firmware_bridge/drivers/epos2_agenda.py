@@ -1,6 +1,7 @@
 """The tasks of one EPOS2: which one is under way, and why one failed. It refuses to know the link."""
 
 from collections import deque
+from collections.abc import Callable
 from typing import Final
 
 from firmware_bridge.drivers import epos2_tasks
@@ -8,7 +9,7 @@ from firmware_bridge.drivers.drive import StartupError, Task
 from firmware_bridge.drivers.epos2_setpoint import SetPoint
 from firmware_bridge.drivers.epos2_setup import Row
 from firmware_bridge.drivers.epos2_tasks import Ear
-from firmware_bridge.drivers.script import Performer, Script
+from firmware_bridge.drivers.script import Do, Performer, Script
 from firmware_bridge.node import Packet
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds
@@ -25,6 +26,7 @@ class Agenda:
         "_ear",
         "_performer",
         "_set_point",
+        "_started",
         "_task",
         "_tasks",
         "failure",
@@ -32,13 +34,22 @@ class Agenda:
     )
 
     def __init__(
-        self, axis: Axis, ear: Ear, set_point: SetPoint, performer: Performer, configuration: tuple[Row, ...]
+        self,
+        axis: Axis,
+        ear: Ear,
+        set_point: SetPoint,
+        performer: Performer,
+        configuration: tuple[Row, ...],
+        *,
+        started: Callable[[], Script] = tuple,
     ) -> None:
+        """Take the drive's parts and its set-up; `started` is what the link wants done once it tells."""
         self._axis = axis
         self._ear = ear
         self._set_point = set_point
         self._performer = performer
         self._configuration = configuration
+        self._started = started
         self._tasks: deque[Task] = deque()
         self._task: Task | None = None
         self.set_up = False
@@ -114,7 +125,7 @@ class Agenda:
             case Task.CONFIGURE:
                 return epos2_tasks.configure(axis, self._configuration)
             case Task.START:
-                return epos2_tasks.start(axis, ear)
+                return (*epos2_tasks.start(axis, ear), Do(self._started))
             case Task.ENABLE:
                 return epos2_tasks.enable(axis, ear, self._set_point)
             case Task.LEAVE:

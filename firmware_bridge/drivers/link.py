@@ -17,6 +17,9 @@ class Link(Protocol):
     answers_within: Nanoseconds
     """How long after the begin of a cycle the drives' samples are waited for."""
 
+    late: int
+    """Cycles that began before the samples of the one before were in."""
+
     @property
     def lost(self) -> str | None:
         """Why no drive can be reached, in words; None while the link stands."""

@@ -10,16 +10,17 @@ from firmware_bridge.drivers.drive import Demand, Heard, StartupError, Stop, Tas
 from firmware_bridge.drivers.epos2_agenda import Agenda
 from firmware_bridge.drivers.epos2_pdo import SET_POINT
 from firmware_bridge.drivers.epos2_setpoint import DISABLE_VOLTAGE, ENABLE, NEW_POSITION, set_point
-from firmware_bridge.drivers.epos2_setup import Row, Travel
+from firmware_bridge.drivers.epos2_setup import Travel, configuration, over_serial
 from firmware_bridge.drivers.epos2_tasks import NEWEST_ERROR
 from firmware_bridge.drivers.script import Performer
 from firmware_bridge.drivers.serial.client import SerialClient, reading, silent, value_in, writing
 from firmware_bridge.drivers.serial.errands import Errand, Exchange, Rank, Result, succeeded
 from firmware_bridge.drivers.serial.heard import FAULT_STATES, SerialEar
+from firmware_bridge.drivers.serial.proof import Proof
 from firmware_bridge.drivers.serial.rows import CURRENT, ERROR_REGISTER, POSITION, STATUSWORD, ReadRow
 from firmware_bridge.node import MAXON, Packet
-from firmware_bridge.robot import Axis, Mode
-from firmware_bridge.units import Nanoseconds
+from firmware_bridge.robot import Axis, Mode, Robot
+from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
@@ -28,6 +29,10 @@ from firmware_bridge.wire.maxon.messages import ObjectRead, ReadObject, Request,
 
 TARGET: Final = {Mode.VELOCITY: at.TARGET_VELOCITY, Mode.POSITION: at.TARGET_POSITION}
 _NEWEST_ERROR: Final = ReadRow(NEWEST_ERROR, DataType.UNSIGNED32, "newest error")
+HEARD_BEATS: Final = 3
+"""After so many beats a drive has begun to watch; it does so at the first that it hears (CiA 301)."""
+NOTICED_CYCLES: Final = 4
+"""So many cycles after its watch has ended at the latest a drive's fault is read."""
 _ANALOGUE: Final = (at.ANALOGUE_INPUT_1, at.ANALOGUE_INPUT_2)
 
 
@@ -41,16 +46,15 @@ class EposSerial:
         "_ear",
         "_exchange",
         "_performer",
+        "_proof",
         "_set_point",
         "_told",
         "_writes",
         "present",
     )
 
-    def __init__(
-        self, axis: Axis, travel: Travel | None, configuration: tuple[Row, ...], exchange: Exchange
-    ) -> None:
-        """Take the axis, the mechanical range of a position axis, its set-up, and the line."""
+    def __init__(self, axis: Axis, robot: Robot, travel: Travel | None, exchange: Exchange) -> None:
+        """Take the axis, its robot, the mechanical range of a position axis, and the line."""
         self.present = False
         """Whether it answered last; one that does not is not asked in every cycle."""
         self._axis = axis
@@ -59,7 +63,19 @@ class EposSerial:
         self._set_point = set_point(axis, self._ear.heard, travel)
         self._client = SerialClient(axis.node, exchange, self._note)
         self._performer = Performer(self._client)
-        self._agenda = Agenda(axis, self._ear, self._set_point, self._performer, configuration)
+        traffic = over_serial(axis, robot)
+        rows = configuration(axis, robot.bus, travel, traffic)
+        bus = robot.bus
+        self._proof = Proof(
+            axis,
+            self._ear,
+            traffic.watched,
+            heard=HEARD_BEATS * bus.bridge_heartbeat_ms * MILLISECOND,
+            within=(bus.bridge_silent_ms + NOTICED_CYCLES * bus.cycle_ms) * MILLISECOND,
+        )
+        self._agenda = Agenda(
+            axis, self._ear, self._set_point, self._performer, rows, started=self._proof.script
+        )
         self._writes: Errand | None = None
         """The newest set-point."""
         self._told: dict[Address, int] = {}
@@ -94,6 +110,11 @@ class EposSerial:
     def guarded(self) -> bool:
         """Whether it answers node guarding: it is there, and its own heartbeat has been switched off."""
         return self.present and self._agenda.set_up
+
+    @property
+    def listens(self) -> bool:
+        """Whether it waits to be told nothing: it shall notice the bridge's silence."""
+        return self.busy and self._proof.listens
 
     @property
     def wake_at(self) -> Nanoseconds:

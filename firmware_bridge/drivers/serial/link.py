@@ -46,12 +46,13 @@ class SerialLink:
         "_guardian",
         "_guarding",
         "_heartbeat",
+        "_in_turn",
         "_newest",
         "_samples",
         "answers_within",
+        "late",
         "longest_cycle",
         "name",
-        "overruns",
     )
 
     def __init__(
@@ -63,8 +64,7 @@ class SerialLink:
     ) -> None:
         self.name = MAXON
         self.answers_within = answers_within
-        self.overruns = 0
-        """Objects that were to be read in one cycle and were not, when the next one began."""
+        self.late = 0
         self.longest_cycle: Nanoseconds = 0
         """From the begin of a cycle to the end of its last command, where no drive had tasks to do."""
         self._drives = tuple(drives)
@@ -75,6 +75,7 @@ class SerialLink:
         self._newest: list[Errand] = []
         """The newest beats."""
         self._samples: list[Errand] = []
+        self._in_turn: list[Errand] = []
         self._cycle = 0
         self._began_at: Nanoseconds = 0
         self._calm = False
@@ -91,31 +92,34 @@ class SerialLink:
         return self._exchange.wake_at
 
     def sample(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Ask all drives that answer for what is due in this cycle; what the last one left is dropped."""
-        late = [errand for errand in self._samples if not errand.over and errand.left]
-        self.overruns += len(late)
+        """Ask all drives that answer for what is due in this cycle, unless the last one is not through."""
+        self._exchange.clock = now
+        if not all(errand.over for errand in self._samples):
+            self.late += 1
+            return self._exchange.go_on()
         if self._calm:
             self.longest_cycle = max(self.longest_cycle, self._exchange.idle_at - self._began_at)
         self._calm = not any(drive.busy for drive in self._drives)
-        self._began_at = self._exchange.clock = now
-        for errand in late:
-            self._exchange.drop(errand)
+        self._began_at = now
         present = [(place, drive) for place, drive in enumerate(self._drives) if drive.present]
         for drive in self._drives:
             drive.synchronised(now)
         self._samples = [drive.read(row, Rank.SAMPLE) for row in IN_EVERY_CYCLE for _, drive in present]
-        self._samples += [
-            drive.read(row, Rank.ROTATING)
-            for row in IN_TURN
-            for place, drive in present
-            if row.due(self._cycle, place)
-        ]
+        if all(errand.over for errand in self._in_turn):
+            self._in_turn = [
+                drive.read(row, Rank.ROTATING)
+                for row in IN_TURN
+                for place, drive in present
+                if row.due(self._cycle, place)
+            ]
         self._cycle += 1
         return self._exchange.go_on()
 
     def beat(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Send the bridge's heartbeat, and ask for what the gateway watches."""
         self._exchange.clock = now
+        if any(drive.listens for drive in self._drives):
+            return self._exchange.go_on()
         if all(errand.over for errand in self._newest):
             requests: list[Request] = [self._heartbeat]
             if self._guardian.guarded:
