@@ -37,6 +37,7 @@ from firmware_bridge.cli.serial_link import (
     SerialOption,
     on_the_line,
 )
+from firmware_bridge.drivers.serial.plan import PlanError
 from firmware_bridge.node import SERIAL
 from firmware_bridge.robot import Robot, RobotFileError
 from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
@@ -47,6 +48,8 @@ RESULTS: Final = Path("out")
 BENCH_EXAMPLES: Final = """Examples:
 
 `firmware-bridge bench rars --mission line`
+
+`firmware-bridge bench rars --mission line --serial v2` drives over the first drive's serial port.
 
 `firmware-bridge bench rars --mission my_mission.toml --seed 7 --out results`"""
 EMULATE_EXAMPLES: Final = """Examples:
@@ -113,15 +116,25 @@ def bench(
         ),
     ] = None,
     plant: PlantOption = None,
+    serial: Annotated[
+        Generation | None,
+        typer.Option(
+            "--serial",
+            help="Drive over the first drive's serial port instead of CAN, v1 as on RS232 or v2 as on USB.",
+            show_default="as the robot file says",
+        ),
+    ] = None,
 ) -> None:
-    """Drive a mission in virtual time: bridge, CAN bus, drives and plant, all in this process.
+    """Drive a mission in virtual time: bridge, bus, drives and plant, all in this process.
 
     Leaves `summary.json`, `can.log` (candump's format), `operator.tlog` and plots in the results' folder.
 
     Shipped missions: `line`, `circles`, `interlocks`.
     """
     machine = find_robot(robot)
-    with one_message(MissionFileError, RobotFileError, PlantError, ServoError, OSError):
+    if serial is not None:
+        machine = machine.over_serial(serial)
+    with one_message(MissionFileError, RobotFileError, PlanError, PlantError, ServoError, OSError):
         script = missions.find(mission, machine)
         name = Path(mission).stem
         folder = out or RESULTS / f"{machine.name}-{name}"

@@ -16,17 +16,17 @@ from emulators.bench.records import SAMPLE_EVERY, HoldRecord, Sample
 from emulators.epos2.drive import Epos2
 from emulators.epos2.profile import EPOS2_70_10, DeviceProfile, realistic
 from emulators.epos2.serial.drive import SerialEpos2
+from emulators.line import Line
 from emulators.rewind import Moment, Rewind
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, plant_inputs, plant_outputs
 from emulators.servo.pins import input_lines, output_lines, pin_inputs, pin_outputs
 from emulators.wires import CanWire, DatagramWire
-from emulators.world import World
+from emulators.world import Wire, World
 from firmware_bridge.bridge import Bridge
-from firmware_bridge.node import CAN, OPERATOR, Node
-from firmware_bridge.robot import Robot, RobotFileError
-from firmware_bridge.safety.guard import Guarded
-from firmware_bridge.safety.guard_rules import rules_for
+from firmware_bridge.node import CAN, OPERATOR, SERIAL, Node
+from firmware_bridge.robot import Link, Robot, RobotFileError
+from firmware_bridge.safety.guard import guarded
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 from firmware_bridge.wire.maxon.frame import Generation
 from fmu.build import ensure
@@ -142,6 +142,13 @@ def plant_parameters(robot: Robot) -> dict[str, float]:
     return found | robot.plant.parameters
 
 
+def _served(robot: Robot) -> Mapping[str, Generation]:
+    """Return which axis has a host on its serial port."""
+    bus = robot.bus
+    through = bus.link is Link.SERIAL
+    return {axis.name: bus.protocol for axis in robot.axes if through and axis.node == bus.gateway}
+
+
 class Rig:
     """A robot on the bench: `run` moves time on; what happened stands in `samples` and `holds`.
 
@@ -159,9 +166,11 @@ class Rig:
         realistic_latency: bool = False,
     ) -> None:
         self.robot: Final = robot
-        self.devices: Final = devices(robot, plant_path, realistic_latency=realistic_latency)
+        self.devices: Final = devices(
+            robot, plant_path, realistic_latency=realistic_latency, serial=_served(robot)
+        )
         self.bridge: Final = Bridge(robot)
-        self.guard: Final = Guarded(self.bridge, rules_for(robot))
+        self.guard: Final = guarded(self.bridge, robot)
         self.can_wire: Final = CanWire(robot.bus.bit_rate)
         self.operator_wire: Final = DatagramWire(
             round(noise.delay_ms * MILLISECOND),
@@ -170,9 +179,17 @@ class Rig:
             np.random.default_rng([seed, LINK_STREAM]),
         )
         self.world: Final = World(self.devices.bank)
-        for name, drive in self.devices.drives.items():
-            self.world.attach(name, drive, {CAN: self.can_wire})
-        self.world.attach(BRIDGE, self.guard, {CAN: self.can_wire, OPERATOR: self.operator_wire})
+        self.line: Final = Line.of(robot, self.guard, self.bridge.link, BRIDGE)
+        for axis, drive in zip(robot.axes, self.devices.drives.values(), strict=True):
+            links: dict[str, Wire] = {CAN: self.can_wire}
+            if self.line is not None and axis.node == robot.bus.gateway:
+                links[SERIAL] = self.line.wire
+            self.world.attach(axis.name, drive, links)
+        if self.line is None:
+            self.world.attach(BRIDGE, self.guard, {CAN: self.can_wire, OPERATOR: self.operator_wire})
+        else:
+            links = {SERIAL: self.line.wire, OPERATOR: self.operator_wire}
+            self.world.attach(BRIDGE, self.line.adapter, links)
         self.world.attach(OPERATOR_STATION, operator, {OPERATOR: self.operator_wire})
         self.samples: Final[list[Sample]] = []
         self.holds: Final[list[HoldRecord]] = []

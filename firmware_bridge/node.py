@@ -10,14 +10,19 @@ from firmware_bridge.units import NEVER, Nanoseconds
 
 CAN: Final = "can"
 SERIAL: Final = "serial"
+MAXON: Final = "maxon"
+"""Commands of maxon's serial protocol on their way to or from a line; see `wire.maxon.packets`."""
 OPERATOR: Final = "operator"
+LINE_LOST: Final = 1
+LINE_BACK: Final = 2
 
 
 @dataclass(frozen=True, slots=True)
 class Packet:
     """One CAN frame, one chunk of serial bytes, or one datagram.
 
-    `address` is the CAN identifier with the flags of `firmware_bridge.wire.can`; 0 on links without one.
+    `address` is the CAN identifier with the flags of `firmware_bridge.wire.can`; 0 on links without one. On
+    a serial link an empty packet with the address `LINE_LOST` or `LINE_BACK` tells what became of the line.
     A remote frame carries as many zero bytes as its length code says.
     """
 

@@ -47,6 +47,17 @@ def _numbers(summary: Summary, limits: Limits) -> Iterator[tuple[str, str, str, 
         f"against the plant; at most {summary.max_odometry_error_m * 1000.0:.1f} on the way",
     )
     yield "CAN frames", f"{summary.frames}", "", f"bus load {summary.bus_load_percent:.2f} %"
+    line = summary.line
+    if line is not None:
+        yield (
+            "serial bytes",
+            f"{line.bytes}",
+            "",
+            f"{line.protocol} at {line.baud} Bd, {line.commands} commands",
+        )
+        yield "line busy", f"{line.busy_percent:.1f}", "%", ""
+        late = f"cycle {line.cycle_ms:g} ms; {line.late_cycles} late"
+        yield "longest cycle on the line", f"{line.longest_cycle_ms:.1f}", "ms", late
     yield "trace", summary.trace_sha256[:TRACE_DIGITS], "", "the same run gives the same trace"
 
 

@@ -18,6 +18,24 @@ Floats: TypeAlias = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
+class LineRun:
+    """What a serial line to the drives has carried."""
+
+    protocol: str
+    baud: int
+    bytes: int
+    """Both ways."""
+    commands: int
+    busy_percent: float
+    """Share of the time in which a command was under way."""
+    cycle_ms: float
+    longest_cycle_ms: float
+    """From the begin of a cycle to the end of its last command; above `cycle_ms` a cycle was late."""
+    late_cycles: int
+    """Cycles that began before the samples of the one before were in."""
+
+
+@dataclass(frozen=True, slots=True)
 class Run:
     """How a run was asked for, and what its wires and clocks say of it."""
 
@@ -29,6 +47,7 @@ class Run:
     frames: int
     bus_load_percent: float
     trace_sha256: str
+    line: LineRun | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +85,8 @@ class Summary:
     bus_load_percent: float
     trace_sha256: str
     holds: tuple[Held, ...]
+    line: LineRun | None = None
+    """None where the bridge is on the CAN bus itself."""
 
 
 def summarise(run: Run, samples: Sequence[Sample], holds: Sequence[HoldRecord]) -> Summary:
@@ -102,6 +123,7 @@ def summarise(run: Run, samples: Sequence[Sample], holds: Sequence[HoldRecord]) 
             )
             for hold in holds
         ),
+        line=run.line,
     )
 
 

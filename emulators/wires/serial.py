@@ -75,6 +75,8 @@ class SerialWire:
                 raise WorldError(f"line '{name}': the inbox of '{owner}' needs a size and a time above zero")
         self.name = name
         self.baud = baud
+        self.bytes = 0
+        """Carried so far, both ways."""
         self._inboxes = dict(inboxes)
         self._ends = Ends(name)
         self._uarts: dict[Station, _Uart] = {}
@@ -129,6 +131,7 @@ class SerialWire:
             uart.sending = False
             return
         byte = uart.queue.popleft()
+        self.bytes += 1
         if self._ends.world.now < uart.station.silent_from:
             for other in self._uarts.values():
                 if other is not uart:

@@ -1,8 +1,9 @@
 """The bridge as one node: when things happen. What happens in a cycle is `firmware_bridge.bridge.pipeline`'s.
 
-A cycle: SYNC; when all drives have answered it, or 10 ms later, the pipeline runs and its set-points leave;
-half a cycle after the SYNC the handshakes of new positions end. An exception passes through to whoever
-carries the node; `stop` then brings the drives to rest by a path that asks neither interlocks nor operator.
+A cycle: all drives are sampled, on CAN by SYNC; when they have answered, or after the link's time for it (on
+CAN 10 ms), the pipeline runs and its set-points leave; half a cycle after its begin the handshakes of new
+positions end. An exception passes through to whoever carries the node; `stop` then brings the drives to rest
+by a path that asks neither interlocks nor operator.
 """
 
 from collections import deque
@@ -13,17 +14,14 @@ from firmware_bridge.bridge.fleet_of import fleet_of
 from firmware_bridge.bridge.permission import Permission
 from firmware_bridge.bridge.pipeline import Pipeline
 from firmware_bridge.drivers.drive import BRING_UP, Task
+from firmware_bridge.drivers.link import Link
 from firmware_bridge.intent import EmergencyStop, Request, Verdict
-from firmware_bridge.node import CAN, OPERATOR, Packet, Reaction
+from firmware_bridge.node import OPERATOR, Packet, Reaction
 from firmware_bridge.robot import Robot
 from firmware_bridge.safety.snapshot import Hold, Snapshot
 from firmware_bridge.teleop.operator import Operator
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
-from firmware_bridge.wire import canopen
-from firmware_bridge.wire.canopen import NmtState
 
-ANSWERS_WITHIN: Final[Nanoseconds] = 10 * MILLISECOND
-"""The drives answer a SYNC within a millisecond; later ones are not waited for."""
 REST_WITHIN: Final[Nanoseconds] = 3 * SECOND
 """The longest way to rest at an orderly end; then the power goes off all the same."""
 BATTERY_PERIOD: Final[Nanoseconds] = SECOND
@@ -44,7 +42,7 @@ class Phase(Enum):
 
 
 class Bridge:
-    """Between the links "can" and "operator"; a `firmware_bridge.node.Node`."""
+    """Between the drives' link and "operator"; a `firmware_bridge.node.Node`."""
 
     def __init__(self, robot: Robot) -> None:
         bus = robot.bus
@@ -79,6 +77,11 @@ class Bridge:
         return self.phase is Phase.FINISHED
 
     @property
+    def link(self) -> Link:
+        """The way to the drives."""
+        return self._fleet.link
+
+    @property
     def seen(self) -> Snapshot:
         """What the bridge knew when it last reported."""
         return self._pipeline.seen
@@ -89,8 +92,8 @@ class Bridge:
         return self._pipeline.holds
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        """Take a CAN frame or an operator's datagram."""
-        if packet.link == CAN:
+        """Take a packet of the drives' link, or an operator's datagram."""
+        if packet.link == self._fleet.link.name:
             self._outbox += self._fleet.hear(packet, now)
         elif packet.link == OPERATOR and self.phase in (Phase.STARTING, Phase.RUNNING, Phase.FAILED):
             self._hear_operator(packet.payload, now)
@@ -125,9 +128,7 @@ class Bridge:
             self._begin_cycle(now)
         if now >= self._beat_at:
             self._beat_at += ((now - self._beat_at) // self._beat + 1) * self._beat
-            beat = canopen.encode_heartbeat(NmtState.OPERATIONAL)
-            node = self._robot.bus.bridge_node
-            self._outbox.append(Packet(CAN, canopen.ERROR_CONTROL + node, beat))
+            self._outbox += self._fleet.beat(now)
         if now >= self._release_at:
             self._release_at = NEVER
             self._outbox += self._fleet.release()
@@ -139,11 +140,10 @@ class Bridge:
 
     def _begin_cycle(self, now: Nanoseconds) -> None:
         if self._task in (Task.START, Task.ENABLE):
-            self._outbox.append(Packet(CAN, canopen.SYNC, b""))
             self._synchronised_at = now
-            self._fleet.synchronised(now)
+            self._outbox += self._fleet.sample(now)
         if self.phase is Phase.RUNNING:
-            self._collect_until = now + ANSWERS_WITHIN
+            self._collect_until = now + self._fleet.link.answers_within
             self._release_at = now + self._cycle // 2
             self._measure_battery(now)
         elif self.phase is Phase.STOPPING:

@@ -15,7 +15,7 @@ from firmware_bridge.safety.snapshot import Hold, Snapshot
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire.cia402 import State
 
-_DRIVE_STOPS: Final = frozenset(row.name for row in DRIVE_STOPS)
+_DRIVE_STOPS: Final = frozenset((*(row.name for row in DRIVE_STOPS), "drives out of reach"))
 _STOPS_EVERYTHING: Final = frozenset(row.name for row in STOPS if not row.lift_is_free) - {
     "not armed",
     "operator silent",
@@ -90,6 +90,8 @@ class Permission:
     def _premature(self, seen: Snapshot) -> Verdict | None:
         if self.emergency_stopped:
             return Verdict(accepted=False, reason="arm: the emergency stop is latched; clear it first")
+        if seen.link_lost is not None:
+            return Verdict(accepted=False, reason=f"arm: {seen.link_lost}; plug it in again", temporary=True)
         wish = seen.intent
         if wish.speed_mps != 0.0 or wish.lift_rate_mps != 0.0:
             asked = f"{wish.speed_mps:.2f} m/s, lift {wish.lift_rate_mps:.2f} m/s"

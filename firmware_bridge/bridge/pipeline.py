@@ -113,6 +113,7 @@ class Pipeline:
             pose=self._odometry.pose,
             demanded_speed_mps=self._demanded_mps,
             battery_v=self._battery(),
+            link_lost=self._fleet.link.lost,
         )
 
     def told(self, holds: tuple[Hold, ...], now: Nanoseconds) -> tuple[bytes, ...]:

@@ -1,12 +1,12 @@
 """`drive`: the bridge on a real bus, telling the user what it does."""
 
 from collections.abc import Callable, Mapping
-from typing import Annotated, Final, TypeAlias
+from typing import Annotated, Final, NamedTuple, TypeAlias
 
 import typer
 
 from firmware_bridge.bridge import Bridge, Phase
-from firmware_bridge.cli.console import find_robot
+from firmware_bridge.cli.console import find_robot, one_message, refusal
 from firmware_bridge.cli.options import (
     BitRateOption,
     ChannelOption,
@@ -16,16 +16,21 @@ from firmware_bridge.cli.options import (
     until,
 )
 from firmware_bridge.cli.real_time import carry
-from firmware_bridge.node import CAN, OPERATOR, Node, Packet, Reaction, Stoppable
-from firmware_bridge.safety.guard import Guarded
-from firmware_bridge.safety.guard_rules import rules_for
+from firmware_bridge.drivers.serial.line import MaxonLine
+from firmware_bridge.drivers.serial.plan import PlanError
+from firmware_bridge.node import CAN, OPERATOR, SERIAL, Node, Packet, Reaction, Stoppable
+from firmware_bridge.robot import Link, Robot
+from firmware_bridge.safety.guard import Guarded, guarded
 from firmware_bridge.safety.snapshot import Hold
-from firmware_bridge.shell.ports import UdpPort, open_can
-from firmware_bridge.units import Nanoseconds, to_seconds
+from firmware_bridge.shell.ports import Port, ReturningLine, UdpPort, open_can
+from firmware_bridge.units import SECOND, Nanoseconds, to_seconds
+from firmware_bridge.wire.maxon.frame import Generation
 
 EXAMPLES: Final = """Examples:
 
 `firmware-bridge drive rars -i socketcan -c can0`
+
+`firmware-bridge drive rars --serial /dev/ttyUSB0` drives over the first drive's USB or RS232 port.
 
 `firmware-bridge drive rars -i slcan -c /dev/ttyACM0 -b 1000000 --mavlink udpout:192.168.1.10:14550`"""
 
@@ -48,6 +53,8 @@ class Narrated:
         self._tell = tell
         self._phase: Phase | None = None
         self._armed = False
+        self._late = 0
+        self._late_told_at: Nanoseconds = 0
         self._holds: tuple[Hold, ...] = ()
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
@@ -79,6 +86,10 @@ class Narrated:
         if bridge.seen.armed != self._armed:
             self._armed = bridge.seen.armed
             self._say("armed" if self._armed else "disarmed", now)
+        late = bridge.link.late
+        if late != self._late and now - self._late_told_at >= SECOND:
+            self._say(f"late: {late - self._late} cycles were longer than the robot file says", now)
+            self._late, self._late_told_at = late, now
         if bridge.holds != self._holds and bridge.phase is not Phase.FAILED:  # what failed is told at the end
             self._tell_holds({hold.name: hold for hold in bridge.holds}, now)
             self._holds = bridge.holds
@@ -110,23 +121,78 @@ def drive(
             help="The operator's link: udpin:HOST:PORT waits for a station, udpout:HOST:PORT calls one.",
         ),
     ] = "udpin:127.0.0.1:14550",
+    serial: Annotated[
+        str | None,
+        typer.Option(
+            "--serial",
+            metavar="DEVICE",
+            help="Instead of CAN: the serial port of one drive, which passes commands on to the others.",
+            show_default=False,
+        ),
+    ] = None,
+    baud: Annotated[
+        int | None,
+        typer.Option(min=9_600, max=1_000_000, help="Of the serial port.", show_default="the robot's"),
+    ] = None,
+    protocol: Annotated[
+        Generation | None,
+        typer.Option(
+            help="What the serial port speaks: v1 as on RS232, v2 as on USB.", show_default="the robot's"
+        ),
+    ] = None,
     duration: DurationOption = None,
 ) -> None:
-    """Run the bridge on a real CAN bus: find the drives, set them up, and obey the operator's MAVLink.
+    """Run the bridge on a real CAN bus or serial line: find the drives, set them up, and obey the operator.
 
-    Ends on Ctrl-C: the robot is brought to rest first, then its drives are disabled.
+    Ends on Ctrl-C: the robot is brought to rest first, then its drives are disabled. A serial port that is
+    unplugged is waited for; the robot must be armed anew then.
     """
-    machine = find_robot(robot)
-    bridge = Bridge(machine)
-    node = Narrated(bridge, Guarded(bridge, rules_for(machine)), typer.echo)
-    rate = machine.bus.bit_rate
+    machine = _with_line(find_robot(robot), serial, protocol, baud)
+    with one_message(PlanError):
+        bridge = Bridge(machine)
+    guard = guarded(bridge, machine)
+    if machine.bus.link is Link.SERIAL:
+        way = _serial_way(machine, guard, serial)
+    else:
+        way = _can_way(machine, guard, interface, channel, bit_rate)
     carry(
-        node,
-        {
-            CAN: lambda: open_can(interface, channel, bit_rate, default_bit_rate=rate),
-            OPERATOR: lambda: UdpPort(mavlink),
-        },
+        Narrated(bridge, way.node, typer.echo),
+        {way.link: way.opener, OPERATOR: lambda: UdpPort(mavlink)},
         until(duration),
-        f"{machine.name}: bridge on {channel or 'the configured bus'}, operator on {mavlink}",
+        f"{machine.name}: bridge on {way.title}, operator on {mavlink}",
         StartUpFailedError,
     )
+
+
+class _Way(NamedTuple):
+    """How packets leave for the drives."""
+
+    link: str
+    node: Node
+    opener: Callable[[], Port]
+    title: str
+
+
+def _with_line(machine: Robot, serial: str | None, protocol: Generation | None, baud: int | None) -> Robot:
+    """Return the robot on its serial link where that is asked for."""
+    if serial is None and machine.bus.link is not Link.SERIAL:
+        if protocol is not None or baud is not None:
+            raise refusal("--protocol and --baud are of a serial port; name it with --serial DEVICE")
+        return machine
+    return machine.over_serial(protocol, baud)
+
+
+def _serial_way(machine: Robot, guard: Guarded, device: str | None) -> _Way:
+    bus = machine.bus
+    if device is None:
+        raise refusal(f"{machine.name} is driven over a serial line; name its port with --serial DEVICE")
+    title = f"{device} ({bus.protocol.value}, {bus.line_rate} Bd), node {bus.gateway} passes on to the others"
+    return _Way(SERIAL, MaxonLine(guard, bus.protocol), lambda: ReturningLine(device, bus.line_rate), title)
+
+
+def _can_way(
+    machine: Robot, guard: Guarded, interface: str | None, channel: str | None, bit_rate: int | None
+) -> _Way:
+    rate = machine.bus.bit_rate
+    title = channel or "the configured bus"
+    return _Way(CAN, guard, lambda: open_can(interface, channel, bit_rate, default_bit_rate=rate), title)

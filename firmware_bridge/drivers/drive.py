@@ -85,7 +85,7 @@ class Heard:
     heard_at: Nanoseconds = NEVER_HEARD
     """When the newest sample of state and position arrived; a heartbeat alone proves no position."""
     sampled_at: Nanoseconds = NEVER_HEARD
-    """The SYNC at which that sample was taken."""
+    """The begin of the cycle, on CAN the SYNC, at which that sample was taken."""
     position_qc: int = 0
     speed_rad_s: float = 0.0
     """Behind the gear, the mean between the last two samples."""
@@ -137,13 +137,10 @@ class Drive(Protocol):
         """End a set-point's handshake, where the drive has one; due half a cycle after `command`."""
 
     def synchronised(self, now: Nanoseconds) -> None:
-        """Learn that a SYNC leaves now: the next sample was taken then."""
+        """Learn that a cycle begins now: the next sample is of this instant."""
 
     def measure(self, analogue_input: int, now: Nanoseconds) -> tuple[Packet, ...]:
         """Ask for an analogue reading when nothing else is under way; it comes in `heard.analogue_mv`."""
-
-    def hear(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Take a packet of this drive; one that makes no sense is ignored."""
 
     def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Act on the time."""

@@ -1,15 +1,14 @@
 """One EPOS2 on CAN as the bridge sees it: its tasks, its set-points, what it told. Bytes and time only."""
 
-from collections import deque
 from typing import Final
 
-from firmware_bridge.drivers import epos2_tasks
 from firmware_bridge.drivers.drive import Demand, Heard, StartupError, Stop, Task
+from firmware_bridge.drivers.epos2_agenda import Agenda
 from firmware_bridge.drivers.epos2_heard import Ear
 from firmware_bridge.drivers.epos2_setpoint import set_point
-from firmware_bridge.drivers.epos2_setup import Travel
-from firmware_bridge.drivers.script import Performer, Script
-from firmware_bridge.drivers.sdo_client import SdoError, Transfer
+from firmware_bridge.drivers.epos2_setup import Travel, configuration
+from firmware_bridge.drivers.script import Performer
+from firmware_bridge.drivers.sdo_client import NodeClient, SdoError, Transfer
 from firmware_bridge.node import Packet
 from firmware_bridge.robot import Axis, Bus
 from firmware_bridge.units import Nanoseconds
@@ -18,37 +17,22 @@ from firmware_bridge.wire.epos2.address import ANALOGUE_INPUT_1, Address
 from firmware_bridge.wire.epos2.rows import DataType
 
 _ANALOGUE: Final = DataType.INTEGER16
-_NEEDS_SET_UP: Final = (Task.IDENTIFY, Task.CONFIGURE, Task.START, Task.ENABLE)
 
 
 class Epos2:
     """One drive; a `firmware_bridge.drivers.drive.Drive`."""
 
-    __slots__ = (
-        "_axis",
-        "_bus",
-        "_configured",
-        "_ear",
-        "_failure",
-        "_performer",
-        "_set_point",
-        "_task",
-        "_tasks",
-        "_travel",
-    )
+    __slots__ = ("_agenda", "_axis", "_client", "_ear", "_performer", "_set_point")
 
     def __init__(self, axis: Axis, bus: Bus, travel: Travel | None = None) -> None:
         """Take the axis, and the mechanical range of a position axis."""
         self._axis = axis
-        self._bus = bus
-        self._travel = travel
         self._ear = Ear(axis)
         self._set_point = set_point(axis, self._ear.heard, travel)
-        self._performer = Performer(axis.node)
-        self._tasks: deque[Task] = deque()
-        self._task: Task | None = None
-        self._failure: StartupError | None = None
-        self._configured = False
+        self._client = NodeClient(axis.node)
+        self._performer = Performer(self._client)
+        rows = configuration(axis, bus, travel)
+        self._agenda = Agenda(axis, self._ear, self._set_point, self._performer, rows)
 
     @property
     def axis(self) -> Axis:
@@ -63,17 +47,17 @@ class Epos2:
     @property
     def busy(self) -> bool:
         """Whether tasks are under way."""
-        return self._task is not None
+        return self._agenda.busy
 
     @property
     def failure(self) -> StartupError | None:
         """Why the last tasks failed; None where they did not."""
-        return self._failure
+        return self._agenda.failure
 
     @property
     def configured(self) -> bool:
         """Whether its set-up is in force and it listens to set-points."""
-        return self._configured and self.heard.operational and not self.heard.restarted
+        return self._agenda.configured
 
     @property
     def wake_at(self) -> Nanoseconds:
@@ -82,17 +66,14 @@ class Epos2:
 
     def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
         """Do these tasks in order, in place of those under way."""
-        self._end()
-        self._failure = None
-        self._tasks.extend(tasks)
-        return self._go_on((), now)
+        return self._agenda.begin(tasks, now)
 
     def command(self, demand: Demand) -> tuple[Packet, ...]:
         """Send a demand; while tasks are under way only one that ends them: quick stop or power off."""
         if self.busy:
             if demand not in (Stop.QUICK_STOP, Stop.POWER_OFF):
                 return ()
-            self._end()
+            self._agenda.end()
         return (self._set_point.demand(demand),)
 
     def release(self) -> tuple[Packet, ...]:
@@ -114,59 +95,19 @@ class Epos2:
     def hear(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Take a packet of this drive; one that makes no sense is ignored."""
         if packet.address == canopen.SDO_RESPONSE + self._axis.node:
-            return self._go_on(self._performer.answered(packet.payload, now), now)
+            sent = self._client.hear(packet.payload, now) + self._performer.go_on(now)
+            return self._went_on(sent, now)
         self._ear.hear(packet.address, packet.payload, now)
-        if self._task is None:
-            return ()
-        if self.heard.restarted and self._task in _NEEDS_SET_UP:
-            self._performer.stop(StartupError(self._axis, "it restarted by itself and lost its set-up"))
-            return self._go_on((), now)
-        return self._go_on(self._performer.go_on(now), now)
+        return self._agenda.look(now)
 
     def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Act on the time."""
-        return self._go_on(self._performer.wake(now), now)
+        return self._went_on(self._performer.wake(now), now)
 
-    def _go_on(self, sent: tuple[Packet, ...], now: Nanoseconds) -> tuple[Packet, ...]:
-        """Add what the next tasks send, where one has ended."""
-        if not self.busy and not self._tasks:
+    def _went_on(self, sent: tuple[Packet, ...], now: Nanoseconds) -> tuple[Packet, ...]:
+        if not self.busy:
             self._measured()
-            return sent
-        while not self._performer.busy:
-            if self._performer.failure is not None:
-                failure = self._performer.failure
-                self._end()
-                self._failure = failure
-                break
-            if self._task is Task.CONFIGURE:
-                self._configured = True
-            self._task = self._tasks.popleft() if self._tasks else None
-            if self._task is None:
-                break
-            sent += self._performer.perform(self._script(self._task), now)
-        return sent
-
-    def _script(self, task: Task) -> Script:
-        axis, ear = self._axis, self._ear
-        match task:
-            case Task.FIND:
-                self._configured = False
-                return epos2_tasks.find(axis, ear)
-            case Task.IDENTIFY:
-                return epos2_tasks.identify(axis)
-            case Task.CONFIGURE:
-                return epos2_tasks.configure(axis, self._bus, self._travel)
-            case Task.START:
-                return epos2_tasks.start(axis, ear)
-            case Task.ENABLE:
-                return epos2_tasks.enable(axis, ear, self._set_point)
-            case Task.LEAVE:
-                return epos2_tasks.leave(axis, ear, self._set_point)
-
-    def _end(self) -> None:
-        self._performer.stop()
-        self._tasks.clear()
-        self._task = None
+        return self._agenda.go_on(sent, now)
 
     def _measured(self) -> None:
         outcome = self._performer.take()

@@ -4,11 +4,11 @@ It knows no time and no answers; `firmware_bridge.drivers.epos2_tasks` carries t
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
 
 from firmware_bridge.drivers.epos2_pdo import Pdo, pdos
-from firmware_bridge.robot import Axis, Bus, Mode
+from firmware_bridge.robot import Axis, Bus, Mode, Robot
 from firmware_bridge.wire import cia402
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
@@ -76,6 +76,30 @@ class Travel(NamedTuple):
         return min(max(position_qc, self.low_qc), self.high_qc)
 
 
+class Traffic(NamedTuple):
+    """What flows between bridge and drive beside reading and writing objects."""
+
+    pdos: tuple[Pdo, ...]
+    watched: int
+    """The node whose silence stops the drive."""
+    heartbeat_ms: int
+    """How often the drive tells that it lives; 0: not at all."""
+
+
+def on_can(axis: Axis, bus: Bus) -> Traffic:
+    """Return what flows where the bridge is on the CAN bus."""
+    return Traffic(pdos(axis.mode), bus.bridge_node, bus.drive_heartbeat_ms)
+
+
+def over_serial(axis: Axis, robot: Robot) -> Traffic:
+    """Return what flows where the bridge is on the gateway's serial port: no process data, no heartbeat.
+
+    Nobody there would hear either; and a drive with a heartbeat of its own does not answer node guarding,
+    which the gateway's watch hangs on.
+    """
+    return Traffic(tuple(replace(pdo, layout=None) for pdo in pdos(axis.mode)), robot.watched_by(axis), 0)
+
+
 def identity(axis: Axis) -> tuple[Row, ...]:
     """Return what the drive must answer before anything is written to it."""
     return (
@@ -85,14 +109,18 @@ def identity(axis: Axis) -> tuple[Row, ...]:
     )
 
 
-def configuration(axis: Axis, bus: Bus, travel: Travel | None) -> tuple[Row, ...]:
+def configuration(
+    axis: Axis, bus: Bus, travel: Travel | None, traffic: Traffic | None = None
+) -> tuple[Row, ...]:
     """Return what is written in pre-operational, with the power stage off, in this order.
 
-    `travel` is a position axis's mechanical range; None leaves the drive's position limits alone.
+    `travel` is a position axis's mechanical range; None leaves the drive's position limits alone. `traffic`
+    is what flows on the link, without it what flows on CAN.
     """
+    flows = traffic or on_can(axis, bus)
     return (
-        *(row for pdo in pdos(axis.mode) for row in _process_data(pdo, axis.node)),
-        *_supervision(bus),
+        *(row for pdo in flows.pdos for row in _process_data(pdo, axis.node)),
+        *_supervision(bus, flows),
         *_protection(axis),
         *(() if travel is None else _range(travel, axis.profile.max_following_error_qc)),
         *_motion(axis),
@@ -133,12 +161,10 @@ def _process_data(pdo: Pdo, node: int) -> Iterator[Row]:
     yield Row(cob_id, U32, on, f"{title} COB-ID", "on", _MAPPING_SOURCE, read_back=True)
 
 
-def _supervision(bus: Bus) -> Iterator[Row]:
-    watch = bus.bridge_node << 16 | bus.bridge_silent_ms
-    why = "the bridge sees that the drive lives"
-    yield Row(
-        at.PRODUCER_HEARTBEAT, U16, bus.drive_heartbeat_ms, "heartbeat producer", why, APPLICATION_NOTES
-    )
+def _supervision(bus: Bus, flows: Traffic) -> Iterator[Row]:
+    watch = flows.watched << 16 | bus.bridge_silent_ms
+    why = "the bridge sees that the drive lives; without, it answers node guarding"
+    yield Row(at.PRODUCER_HEARTBEAT, U16, flows.heartbeat_ms, "heartbeat producer", why, APPLICATION_NOTES)
     why = "a dead bridge stops the drive"
     yield Row(
         at.CONSUMER_HEARTBEAT_1, U32, watch, "heartbeat consumer", why, APPLICATION_NOTES, read_back=True

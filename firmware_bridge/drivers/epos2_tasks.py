@@ -5,11 +5,10 @@ nothing but its steps, so that its place in the procedure is data.
 """
 
 from collections.abc import Mapping
-from typing import Final
+from typing import Final, Protocol
 
 from firmware_bridge.drivers import epos2_setup as setup
-from firmware_bridge.drivers.drive import StartupError
-from firmware_bridge.drivers.epos2_heard import Ear
+from firmware_bridge.drivers.drive import Heard, StartupError
 from firmware_bridge.drivers.epos2_setpoint import (
     DISABLE_VOLTAGE,
     ENABLE,
@@ -19,11 +18,11 @@ from firmware_bridge.drivers.epos2_setpoint import (
     SWITCH_ON,
     SetPoint,
 )
-from firmware_bridge.drivers.epos2_setup import Row, Travel
+from firmware_bridge.drivers.epos2_setup import Row
 from firmware_bridge.drivers.epos2_steps import controlled, expected, failing, nmt, pause, read, written
 from firmware_bridge.drivers.script import Ask, Do, Script, Step, Until
 from firmware_bridge.drivers.sdo_client import TIMEOUT, Outcome, SdoError, Transfer
-from firmware_bridge.robot import Axis, Bus
+from firmware_bridge.robot import Axis
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.canopen import NmtCommand
 from firmware_bridge.wire.cia402 import State, state_of
@@ -62,6 +61,14 @@ TOWARDS_ENABLED: Final[Mapping[State | None, int]] = {
 """The next controlword on the way to operation enabled; in other states the drive is on its way by itself."""
 
 
+class Ear(Protocol):
+    """Where what the drive has told is kept, whatever link it came over."""
+
+    heard: Heard
+    knows_mapping: bool
+    """What is told in every cycle counts only once this bridge has said what it is."""
+
+
 def find(axis: Axis, ear: Ear) -> Script:
     """Take the node to pre-operational, no reset: it may be moving. Wait until it answers."""
     ear.knows_mapping = False
@@ -80,10 +87,10 @@ def identify(axis: Axis) -> Script:
     return tuple(expected(axis, row) for row in setup.identity(axis))
 
 
-def configure(axis: Axis, bus: Bus, travel: Travel | None) -> Script:
+def configure(axis: Axis, rows: tuple[Row, ...]) -> Script:
     """Bring the drive to rest without power, write the set-up, read back what safety hangs on."""
     steps: list[Step] = [*_come_to_rest(axis)]
-    for row in setup.configuration(axis, bus, travel):
+    for row in rows:
         steps.append(written(axis, Transfer(row.address, row.raw), f"writing {row.expected}"))
         if row.read_back:
             steps.append(expected(axis, row))

@@ -1,23 +1,22 @@
-"""All drives of one robot: who a frame belongs to, what all of them do next. It knows no kind of drive."""
+"""All drives of one robot and the link to them. It knows no kind of drive, and no kind of link."""
 
 from collections.abc import Iterable, Mapping
 from itertools import chain
 
 from firmware_bridge.drivers.drive import Demand, Drive, Stop, Task
+from firmware_bridge.drivers.link import Link
 from firmware_bridge.node import Packet
-from firmware_bridge.units import NEVER, Nanoseconds
-from firmware_bridge.wire import can
-from firmware_bridge.wire.canopen import NODE_MASK
+from firmware_bridge.units import Nanoseconds
 
 
 class Fleet:
     """The drives in the order of the robot file; what a method returns is to be sent."""
 
-    __slots__ = ("_by_node", "drives")
+    __slots__ = ("drives", "link")
 
-    def __init__(self, drives: Iterable[Drive]) -> None:
+    def __init__(self, drives: Iterable[Drive], link: Link) -> None:
         self.drives = tuple(drives)
-        self._by_node = {drive.axis.node: drive for drive in self.drives}
+        self.link = link
 
     @property
     def busy(self) -> bool:
@@ -31,11 +30,11 @@ class Fleet:
 
     @property
     def wake_at(self) -> Nanoseconds:
-        """When the first drive wants to be woken."""
-        return min([drive.wake_at for drive in self.drives], default=NEVER)
+        """When the link or the first drive wants to be woken."""
+        return min([self.link.wake_at, *[drive.wake_at for drive in self.drives]])
 
     def sampled(self, since: Nanoseconds) -> bool:
-        """Whether every drive has answered the SYNC sent at `since`."""
+        """Whether every drive has told its sample of the cycle that began at `since`."""
         return all(drive.heard.sampled_at >= since for drive in self.drives)
 
     def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
@@ -54,21 +53,22 @@ class Fleet:
         """End the handshakes that are open."""
         return _joined(drive.release() for drive in self.drives)
 
-    def synchronised(self, now: Nanoseconds) -> None:
-        """Tell all drives that a SYNC leaves now."""
-        for drive in self.drives:
-            drive.synchronised(now)
+    def sample(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Begin a cycle: have all drives tell where they are."""
+        return self.link.sample(now)
+
+    def beat(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Let the drives know that the bridge lives."""
+        return self.link.beat(now)
 
     def hear(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Take a frame; those of strangers, remote requests and error reports are ignored."""
-        if packet.address & ~can.STANDARD_MASK:
-            return ()
-        drive = self._by_node.get(packet.address & NODE_MASK)
-        return () if drive is None else drive.hear(packet, now)
+        """Take a packet of the link."""
+        return self.link.hear(packet, now)
 
     def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Act on the time."""
-        return _joined([drive.wake(now) for drive in self.drives if drive.wake_at <= now])
+        sent = self.link.wake(now) if self.link.wake_at <= now else ()
+        return sent + _joined([drive.wake(now) for drive in self.drives if drive.wake_at <= now])
 
 
 def _joined(parts: Iterable[tuple[Packet, ...]]) -> tuple[Packet, ...]:

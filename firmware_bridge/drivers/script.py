@@ -8,13 +8,12 @@ know what a script is for.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias, Union
+from typing import Protocol, TypeAlias, Union
 
 from firmware_bridge.drivers.drive import StartupError
-from firmware_bridge.drivers.sdo_client import Outcome, SdoClient, Transfer
-from firmware_bridge.node import CAN, Packet
+from firmware_bridge.drivers.sdo_client import Outcome, Transfer
+from firmware_bridge.node import Packet
 from firmware_bridge.units import NEVER, Nanoseconds
-from firmware_bridge.wire import canopen
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,14 +45,37 @@ Script: TypeAlias = tuple[Step, ...]
 Sent: TypeAlias = tuple[Packet, ...]
 
 
+class Client(Protocol):
+    """Reads and writes one node's objects, one at a time; what a method returns is to be sent."""
+
+    @property
+    def busy(self) -> bool:
+        """Whether a transfer is under way."""
+
+    @property
+    def wake_at(self) -> Nanoseconds:
+        """When it wants to be woken."""
+
+    def start(self, transfer: Transfer, now: Nanoseconds) -> Sent:
+        """Begin a transfer; only when not busy."""
+
+    def wake(self, now: Nanoseconds) -> Sent:
+        """Act on the time."""
+
+    def take(self) -> Outcome | None:
+        """Return the outcome of the transfer that just ended, once; None while there is none."""
+
+    def cancel(self) -> None:
+        """Forget the transfer under way."""
+
+
 class Performer:
     """One script at a time on one node, and single transfers in between."""
 
-    __slots__ = ("_asked", "_client", "_node", "_rest", "_until", "_until_at", "failure")
+    __slots__ = ("_asked", "_client", "_rest", "_until", "_until_at", "failure")
 
-    def __init__(self, node: int) -> None:
-        self._node = node
-        self._client = SdoClient()
+    def __init__(self, client: Client) -> None:
+        self._client = client
         self._rest: Script | None = None
         """What is still to do after the step under way; None without a script."""
         self._asked: Ask | None = None
@@ -92,19 +114,15 @@ class Performer:
 
     def ask(self, transfer: Transfer, now: Nanoseconds) -> Sent:
         """Begin a single transfer; only when idle."""
-        return self._requests(self._client.start(transfer, now))
+        return self._client.start(transfer, now)
 
     def take(self) -> Outcome | None:
         """Return the outcome of a single transfer, once."""
         return None if self.busy else self._client.take()
 
-    def answered(self, payload: bytes, now: Nanoseconds) -> Sent:
-        """Take a frame of the node's SDO server."""
-        return self._requests(self._client.hear(payload, now)) + self.go_on(now)
-
     def wake(self, now: Nanoseconds) -> Sent:
         """Act on the time."""
-        return self._requests(self._client.wake(now)) + self.go_on(now)
+        return self._client.wake(now) + self.go_on(now)
 
     def go_on(self, now: Nanoseconds) -> Sent:
         """Carry the script on where what it waits for has come."""
@@ -134,7 +152,7 @@ class Performer:
                     sent += (step,)
                 case Ask(transfer):
                     self._asked = step
-                    return sent + self._requests(self._client.start(transfer, now))
+                    return sent + self._client.start(transfer, now)
                 case Until(met, within):
                     if not met():
                         self._until, self._until_at = step, now + within
@@ -147,6 +165,3 @@ class Performer:
                         return sent
         self._rest = None
         return sent
-
-    def _requests(self, payloads: tuple[bytes, ...]) -> Sent:
-        return tuple(Packet(CAN, canopen.SDO_REQUEST + self._node, payload) for payload in payloads)

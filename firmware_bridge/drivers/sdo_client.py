@@ -9,8 +9,9 @@ any object that the bridge writes.
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
+from firmware_bridge.node import CAN, Packet
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
-from firmware_bridge.wire import sdo
+from firmware_bridge.wire import canopen, sdo
 from firmware_bridge.wire.abort import AbortCode, meaning_of
 from firmware_bridge.wire.epos2.address import Address
 
@@ -192,3 +193,46 @@ class SdoClient:
         self._gathered = None
         self.wake_at = NEVER
         return ()
+
+
+class NodeClient:
+    """An SDO client whose requests are frames on the CAN bus; a `firmware_bridge.drivers.script.Client`."""
+
+    __slots__ = ("_client", "_node")
+
+    def __init__(self, node: int) -> None:
+        self._node = node
+        self._client = SdoClient()
+
+    @property
+    def busy(self) -> bool:
+        """Whether a transfer is in flight."""
+        return self._client.busy
+
+    @property
+    def wake_at(self) -> Nanoseconds:
+        """When the answer is late."""
+        return self._client.wake_at
+
+    def start(self, transfer: Transfer, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Begin a transfer."""
+        return self._requests(self._client.start(transfer, now))
+
+    def hear(self, payload: bytes, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Take a frame of the node's SDO server."""
+        return self._requests(self._client.hear(payload, now))
+
+    def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Give up a late answer."""
+        return self._requests(self._client.wake(now))
+
+    def take(self) -> Outcome | None:
+        """Return the outcome of the transfer that just ended, once."""
+        return self._client.take()
+
+    def cancel(self) -> None:
+        """Forget the transfer in flight."""
+        self._client.cancel()
+
+    def _requests(self, payloads: tuple[bytes, ...]) -> tuple[Packet, ...]:
+        return tuple(Packet(CAN, canopen.SDO_REQUEST + self._node, payload) for payload in payloads)

@@ -1,11 +1,11 @@
 """One robot, one file: the checked table, and where it is read from."""
 
+from firmware_bridge.robot.bus import Bus, Link
 from firmware_bridge.robot.file import RobotFileError, find, load, parse, shipped
 from firmware_bridge.robot.model import (
     Axis,
     Base,
     Battery,
-    Bus,
     Gains,
     Lift,
     Limits,
@@ -25,6 +25,7 @@ __all__ = [
     "Gains",
     "Lift",
     "Limits",
+    "Link",
     "Mode",
     "OperatorLink",
     "PlantFile",

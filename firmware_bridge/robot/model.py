@@ -7,20 +7,17 @@ import math
 from enum import StrEnum
 from typing import Annotated, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
+from firmware_bridge.robot.bus import Bus, Link, NodeId, Table
 from firmware_bridge.units import QUADCOUNTS_PER_LINE, STANDARD_GRAVITY
+from firmware_bridge.wire.maxon.frame import Generation
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-NodeId = Annotated[int, Field(ge=1, le=127)]
 Unsigned16 = Annotated[int, Field(ge=0, le=0xFFFF)]
 Signed16 = Annotated[int, Field(ge=-0x8000, le=0x7FFF)]
 Unsigned32 = Annotated[int, Field(ge=0, le=0xFFFF_FFFF)]
-
-
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, str_strip_whitespace=True)
 
 
 class Role(StrEnum):
@@ -39,27 +36,7 @@ class Mode(StrEnum):
     POSITION = "position"
 
 
-class Bus(_Table):
-    """The CAN bus and its time-outs."""
-
-    bit_rate: Annotated[int, Field(ge=10_000, le=1_000_000)]
-    cycle_ms: Annotated[int, Field(ge=5, le=1000)]
-    bridge_node: NodeId
-    bridge_heartbeat_ms: Annotated[int, Field(ge=10, le=10_000)]
-    bridge_silent_ms: Annotated[int, Field(ge=10, le=10_000)]
-    drive_heartbeat_ms: Annotated[int, Field(ge=10, le=10_000)]
-    drive_silent_ms: Annotated[int, Field(ge=10, le=10_000)]
-
-    @model_validator(mode="after")
-    def _silence_is_longer_than_the_beat(self) -> Self:
-        if self.bridge_silent_ms <= self.bridge_heartbeat_ms:
-            raise ValueError("bridge_silent_ms must be longer than bridge_heartbeat_ms")
-        if self.drive_silent_ms <= max(self.drive_heartbeat_ms, self.cycle_ms):
-            raise ValueError("drive_silent_ms must be longer than drive_heartbeat_ms and cycle_ms")
-        return self
-
-
-class Base(_Table):
+class Base(Table):
     """Davis-steered platform, lengths in metres (thesis 2.4, Tab. 3.1)."""
 
     wheel_radius_m: Positive
@@ -77,7 +54,7 @@ class Base(_Table):
         return self.davis_h_m * self.kingpin_distance_m / (2.0 * self.wheelbase_m)
 
 
-class Lift(_Table):
+class Lift(Table):
     """Scissor lift on a screw (thesis 2.5): N stages of equal links, driven along the base."""
 
     stages: Annotated[int, Field(ge=1, le=20)]
@@ -93,7 +70,7 @@ class Lift(_Table):
         return self
 
 
-class Limits(_Table):
+class Limits(Table):
     """What the interlocks hold, whatever the operator wishes (thesis 2.3.1, 4.2.1)."""
 
     speed_mps: Positive
@@ -109,7 +86,7 @@ class Limits(_Table):
         return self.acceleration_g * STANDARD_GRAVITY
 
 
-class OperatorLink(_Table):
+class OperatorLink(Table):
     """The operator's link: how long silence is allowed, and the identity on MAVLink."""
 
     silent_ms: Annotated[int, Field(ge=50, le=10_000)]
@@ -117,7 +94,7 @@ class OperatorLink(_Table):
     component_id: Annotated[int, Field(ge=1, le=255)]
 
 
-class Gains(_Table):
+class Gains(Table):
     """Regulator gains as the drive's raw integers (EPOS2 objects 0x60F6, 0x60F9, 0x60FB)."""
 
     current_p: Signed16
@@ -133,7 +110,7 @@ class Gains(_Table):
     position_acceleration_feedforward: Unsigned16 = 0
 
 
-class Profile(_Table):
+class Profile(Table):
     """Motion profile in the drive's units: rpm and rpm/s at the motor, quadcounts."""
 
     velocity_rpm: Unsigned32
@@ -144,7 +121,7 @@ class Profile(_Table):
     max_following_error_qc: Unsigned32
 
 
-class Axis(_Table):
+class Axis(Table):
     """One drive and what hangs on its shaft."""
 
     name: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$")]
@@ -184,7 +161,7 @@ class Axis(_Table):
         return self.direction * self.quadcounts_per_turn * self.gear_ratio / (2.0 * math.pi)
 
 
-class Battery(_Table):
+class Battery(Table):
     """How the battery is measured: an analogue input of one drive, behind a divider."""
 
     axis: str
@@ -194,7 +171,7 @@ class Battery(_Table):
     low_v: Positive
 
 
-class PlantFile(_Table):
+class PlantFile(Table):
     """The simulated robot: which FMU, which of its named parameter sets, and single values that differ."""
 
     fmu: str
@@ -202,7 +179,7 @@ class PlantFile(_Table):
     parameters: dict[str, float] = Field(default_factory=dict)
 
 
-class Robot(_Table):
+class Robot(Table):
     """A whole robot file, checked."""
 
     name: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$")]
@@ -232,9 +209,46 @@ class Robot(_Table):
             raise ValueError(f"bridge_node {self.bus.bridge_node} is the node of an axis, too")
         return self
 
+    @model_validator(mode="after")
+    def _the_gateway_is_watched(self) -> Self:
+        if self.bus.link is Link.SERIAL:
+            if self.bus.gateway not in {axis.node for axis in self.axes}:
+                raise ValueError(f"bus.gateway {self.bus.gateway} is not the node of an axis")
+            if len(self.axes) == 1:
+                raise ValueError("bus.gateway: a drive without another one behind it watches nobody")
+        return self
+
     def axis(self, role: Role) -> Axis:
         """Return the axis with this role; KeyError where the robot has none."""
         for axis in self.axes:
             if axis.role is role:
                 return axis
         raise KeyError(role)
+
+    @property
+    def guardian(self) -> int:
+        """On a serial link: the node whose answers to node guarding the gateway watches."""
+        return next(axis.node for axis in self.axes if axis.node != self.bus.gateway)
+
+    def watched_by(self, axis: Axis) -> int:
+        """Return the node whose silence stops this drive.
+
+        That is the bridge; but the gateway does not hear what it sends onto the bus for the bridge, so it
+        watches another drive, which speaks only when the bridge asks it.
+        """
+        through = self.bus.link is Link.SERIAL and axis.node == self.bus.gateway
+        return self.guardian if through else self.bus.bridge_node
+
+    def over_serial(self, protocol: Generation | None = None, baud: int | None = None) -> "Robot":
+        """Return this robot on its serial link; the gateway is the first drive where the file names none."""
+        bus = self.bus
+        told = {
+            "link": Link.SERIAL,
+            "gateway": bus.gateway or self.axes[0].node,
+            "protocol": protocol or bus.protocol,
+            "baud": baud if protocol or baud else bus.baud,
+        }
+        return self.model_validate({**self._fields(), "bus": Bus.model_validate(bus.model_dump() | told)})
+
+    def _fields(self) -> dict[str, object]:
+        return {name: getattr(self, name) for name in type(self).model_fields}

@@ -1,32 +1,31 @@
-"""The guard: the last look at every CAN frame that leaves; behind it is only the wire.
+"""The guard: the last look at everything that leaves for the drives; behind it is only the wire.
 
-It shares no state with the interlocks and trusts nothing before it: what may leave stands in
-`firmware_bridge.safety.guard_rules`. A refusal puts the safe frame in the place of the refused one, because
-a velocity drive that hears nothing keeps its last target. Operator datagrams pass untouched. It sends no
-heartbeat: a bridge that hangs is also stopped by the drives' own watch.
+On CAN it looks at frames, on a serial line at commands; behind it a controller, or the line's end, adds check
+sum and handshake. It shares no state with the interlocks and trusts nothing before it: what may leave stands
+in `firmware_bridge.safety.guard_rules` and `guard_serial_rules`. A refusal puts the safe words in the place
+of the refused ones, because a velocity drive that hears nothing keeps its last target. Operator datagrams
+pass untouched. It sends no heartbeat: a bridge that hangs is also stopped by the drives' own watch.
 """
 
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-from firmware_bridge.node import CAN, OPERATOR, Node, Packet, Reaction, Stoppable
+from firmware_bridge.node import OPERATOR, Node, Packet, Reaction, Stoppable
+from firmware_bridge.robot import Link, Robot
 from firmware_bridge.safety.guard_axis import GuardedAxis
-from firmware_bridge.safety.guard_rules import Rules
+from firmware_bridge.safety.guard_can import CanSpeech
+from firmware_bridge.safety.guard_rules import Rules, rules_for
+from firmware_bridge.safety.guard_serial import SerialSpeech
+from firmware_bridge.safety.guard_serial_rules import SerialRules, serial_rules_for
+from firmware_bridge.safety.guard_speech import Speech
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
-from firmware_bridge.wire import canopen
-from firmware_bridge.wire.canopen import NmtCommand
-from firmware_bridge.wire.epos2.address import CONSUMER_HEARTBEAT_1, CONTROLWORD
 
 SILENT_CYCLES: Final = 3
 """So many cycles without a set-point for an axis that was told to move, and the guard speaks itself."""
 REMEMBERED: Final = 100
 """The newest refusals that are kept; all are counted."""
-
-_SDO_ABORT: Final = 0x80
-_SDO_DOWNLOAD: Final = 0x23
-_GENERAL_ERROR: Final = 0x0800_0000
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,18 +46,16 @@ Listener: TypeAlias = Callable[[Refusal], None]
 class Guarded:
     """A node behind the guard; itself a node that can be stopped."""
 
-    def __init__(self, node: Node, rules: Rules, listener: Listener | None = None) -> None:
+    def __init__(self, node: Node, rules: Rules | SerialRules, listener: Listener | None = None) -> None:
         self.node = node
         self.refused = 0
         """Refusals so far."""
-        self._rules = rules
+        self._speech = _speech(rules)
         self._listener = listener
         self._refusals: deque[Refusal] = deque(maxlen=REMEMBERED)
-        self._axes = tuple(GuardedAxis(axis) for axis in rules.axes)
-        self._by_set_point = {axis.rules.set_point_id: axis for axis in self._axes}
-        self._by_sdo = {axis.rules.sdo_id: axis for axis in self._axes}
-        self._by_node = {axis.rules.axis.node: axis for axis in self._axes}
-        self._patience: Final = SILENT_CYCLES * rules.cycle
+        self._axes = self._speech.axes
+        self._cycle: Final = self._speech.cycle
+        self._patience: Final = SILENT_CYCLES * self._cycle
         self._moving_since: Nanoseconds = NEVER
         """Since when some axis has been told to move; NEVER while none is."""
         self._speak_at: Nanoseconds = NEVER
@@ -72,6 +69,8 @@ class Guarded:
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Pass a packet on, and judge what the node sends."""
+        if packet.link == self._speech.link and not self._speech.passes(packet):
+            return self.wake(now)
         return self._judged(self.node.receive(packet, now), now)
 
     def wake(self, now: Nanoseconds) -> Reaction:
@@ -82,12 +81,12 @@ class Guarded:
         """Pass the wish to end on, and judge what the node sends; a node that cannot stop is made safe."""
         self._stopping = True
         if not isinstance(self.node, Stoppable):
-            return Reaction(self._all_safe())
+            return Reaction(self._sent(self._all_safe()))
         try:
             reaction = self.node.stop(now)
         except Exception as error:  # noqa: BLE001 - whatever broke the bridge, the drives must hear something
             reason = f"the bridge failed while stopping: {error!r}"
-            return Reaction(self._replaced(None, reason, self._all_safe(), now))
+            return Reaction(self._sent(self._replaced(None, reason, self._all_safe(), now)))
         return self._judged(reaction, now)
 
     def _judged(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
@@ -96,14 +95,15 @@ class Guarded:
         for packet in reaction.sent:
             if packet.link == OPERATOR:
                 sent.append(packet)
-            elif packet.link == CAN:
+            elif packet.link == self._speech.link:
                 sent += self._admitted(packet, now)
             else:
-                sent += self._replaced(packet, f"link '{packet.link}' is not listed", self._all_safe(), now)
+                reason = f"link '{packet.link}' is not listed"
+                sent += self._sent(self._replaced(packet, reason, self._all_safe(), now))
         if self._stopping and wake_at == NEVER:
             # It has ended in good order; whoever carries it takes NEVER for the end.
             return Reaction(tuple(sent))
-        sent += self._spoken_for(now)
+        sent += self._sent(self._spoken_for(now))
         at = min(wake_at, self._deadline())
         if not sent and not reaction.sent and at == wake_at:
             return reaction
@@ -111,19 +111,28 @@ class Guarded:
 
     def _admitted(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Return the frame itself, or what leaves in its place."""
-        if (axis := self._by_set_point.get(packet.address)) is not None:
+        speech = self._speech
+        if (axis := speech.axis_of(packet)) is not None:
             axis.spoken_at = now
-        reason = self._refuses(packet)
+        reason = speech.refuses(packet)
         if reason is None:
-            self._learn(packet)
+            speech.learn(packet)
+            speech.leaves(packet, asked=True)
             return (packet,)
-        return self._replaced(packet, reason, self._in_place_of(packet), now)
+        safe = self._replaced(packet, reason, speech.in_place_of(packet), now)
+        # The node goes on when its set-point is answered, whatever became of it; other words it misses.
+        return self._sent(safe, asked=axis is not None)
+
+    def _sent(self, packets: tuple[Packet, ...], *, asked: bool = False) -> tuple[Packet, ...]:
+        for place, packet in enumerate(packets, 1):
+            self._speech.leaves(packet, asked=asked and place == len(packets))
+        return packets
 
     def _replaced(
         self, packet: Packet | None, reason: str, safe: tuple[Packet, ...], now: Nanoseconds
     ) -> tuple[Packet, ...]:
         for frame in safe:
-            self._learn(frame)
+            self._speech.learn(frame)
         refusal = Refusal(now, packet, reason, safe)
         self.refused += 1
         self._refusals.append(refusal)
@@ -131,48 +140,8 @@ class Guarded:
             self._listener(refusal)
         return safe
 
-    def _refuses(self, packet: Packet) -> str | None:
-        reason = self._rules.refuses(packet)
-        if reason is not None:
-            return reason
-        if packet.address == canopen.NMT and packet.payload[0] != NmtCommand.START:
-            for axis in self._addressed(packet.payload[1]):
-                if axis.under_way:
-                    return f"node {axis.rules.axis.node} moves and would no longer hear set-points"
-        requested = self._by_sdo.get(packet.address)
-        if requested is not None and requested.powered and _ends_watch(packet.payload):
-            return f"{CONSUMER_HEARTBEAT_1} set to 0 while node {requested.rules.axis.node} has power"
-        return None
-
-    def _learn(self, packet: Packet) -> None:
-        """Remember what an admitted frame does to the drives."""
-        axis = self._by_set_point.get(packet.address)
-        if axis is not None:
-            axis.told(packet.payload)
-        elif packet.address == canopen.NMT:
-            # A drive that hears no set-points keeps none; it starts anew without power.
-            if packet.payload[0] != NmtCommand.START:
-                for addressed in self._addressed(packet.payload[1]):
-                    addressed.word = 0
-        elif packet.address in self._by_sdo and _writes(packet.payload, CONTROLWORD.index):
-            self._by_sdo[packet.address].word = int.from_bytes(packet.payload[4:6], "little")
-
-    def _in_place_of(self, packet: Packet) -> tuple[Packet, ...]:
-        """Return the safe frames: for a set-point its axis's, for a request its abort, else every axis's."""
-        axis = self._by_set_point.get(packet.address)
-        if axis is not None:
-            return (axis.safe(),)
-        if packet.address in self._by_sdo:
-            address = packet.payload[1:4].ljust(3, b"\0")
-            abort = bytes((_SDO_ABORT,)) + address + _GENERAL_ERROR.to_bytes(4, "little")
-            return (Packet(CAN, packet.address, abort),)
-        return self._all_safe()
-
     def _all_safe(self) -> tuple[Packet, ...]:
-        return tuple(axis.safe() for axis in self._axes if axis.powered)
-
-    def _addressed(self, node: int) -> Iterable[GuardedAxis]:
-        return self._axes if node == canopen.ALL_NODES else (self._by_node[node],)
+        return tuple(safe for axis in self._axes if axis.powered for safe in self._speech.safe(axis))
 
     def _spoken_for(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Return safe demands for all axes when some axis moves and some axis was forgotten for too long."""
@@ -186,7 +155,9 @@ class Guarded:
             return ()
         if alarmed and now < self._speak_at:
             return ()
-        self._speak_at = now + self._rules.cycle
+        self._speak_at = now + self._cycle
+        if alarmed and self._speech.speaking:
+            return ()
         safe = self._all_safe()
         if alarmed:
             return safe
@@ -209,9 +180,16 @@ class Guarded:
         return min(NEVER, self._overdue_at())
 
 
-def _ends_watch(payload: bytes) -> bool:
-    return _writes(payload, CONSUMER_HEARTBEAT_1.index) and payload[4:] == bytes(4)
+def _speech(rules: Rules | SerialRules) -> Speech:
+    return CanSpeech(rules) if isinstance(rules, Rules) else SerialSpeech(rules)
 
 
-def _writes(payload: bytes, index: int) -> bool:
-    return payload[0] & _SDO_DOWNLOAD == _SDO_DOWNLOAD and payload[1:3] == index.to_bytes(2, "little")
+def guarded(node: Node, robot: Robot, listener: Listener | None = None) -> Guarded:
+    """Put a guard around a node, by the robot's list for the link that its file names."""
+    return Guarded(node, _RULES[robot.bus.link](robot), listener)
+
+
+_RULES: Final[Mapping[Link, Callable[[Robot], Rules | SerialRules]]] = {
+    Link.CAN: rules_for,
+    Link.SERIAL: serial_rules_for,
+}

@@ -161,7 +161,7 @@ def rules_for(robot: Robot) -> Rules:
         canopen.SYNC: Exactly((b"",)),
         canopen.ERROR_CONTROL + bus.bridge_node: Exactly(tuple(bytes((state,)) for state in states)),
     }
-    axes = tuple(_axis_rules(robot, axis) for axis in robot.axes)
+    axes = tuple(axis_rules(robot, axis) for axis in robot.axes)
     for rules in axes:
         listed[rules.set_point_id] = SetPoint(rules.axis, rules.low, rules.high)
         ends = (rules.low, rules.high) if rules.axis.mode is Mode.POSITION else None
@@ -169,7 +169,8 @@ def rules_for(robot: Robot) -> Rules:
     return Rules(bus.cycle_ms * MILLISECOND, axes, listed)
 
 
-def _axis_rules(robot: Robot, axis: Axis) -> AxisRules:
+def axis_rules(robot: Robot, axis: Axis) -> AxisRules:
+    """Return where an axis's words go on CAN, and the bounds of its target on any link."""
     top = axis.profile.max_velocity_rpm
     low, high = (-top, top) if axis.mode is Mode.VELOCITY else _TRAVEL[axis.role](robot, axis)
     return AxisRules(axis, _SET_POINT_ID[axis.mode] + axis.node, canopen.SDO_REQUEST + axis.node, low, high)

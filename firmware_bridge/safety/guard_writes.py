@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from firmware_bridge.robot import Axis, Bus, Mode
+from firmware_bridge.robot import Axis, Bus, Mode, Robot
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.cia402 import Mode as DriveMode
 from firmware_bridge.wire.epos2 import address as at
@@ -60,9 +60,19 @@ class Bounds:
         return " or ".join(str(value) for value in self.allowed)
 
 
-def watch_entry(bus: Bus) -> int:
-    """Return the heartbeat consumer entry with which a drive watches the bridge (0x1016)."""
-    return bus.bridge_node << 16 | bus.bridge_silent_ms
+def watch_entry(bus: Bus, watched: int | None = None) -> int:
+    """Return the heartbeat consumer entry with which a drive watches the bridge, or another node (0x1016)."""
+    return (bus.bridge_node if watched is None else watched) << 16 | bus.bridge_silent_ms
+
+
+def writes_over_serial(axis: Axis, robot: Robot, ends: tuple[int, int] | None) -> Mapping[Address, Bounds]:
+    """Return the objects of one drive that the bridge reaches by serial commands, set-points left out.
+
+    It has no heartbeat of its own there, and watches whom the robot file makes it watch.
+    """
+    watch = _exactly(U32, watch_entry(robot.bus, robot.watched_by(axis)), 0)
+    others = {at.PRODUCER_HEARTBEAT: _exactly(U16, 0), at.CONSUMER_HEARTBEAT_1: watch}
+    return {**writes_for(axis, robot.bus, ends), **others}
 
 
 def writes_for(axis: Axis, bus: Bus, ends: tuple[int, int] | None) -> Mapping[Address, Bounds]:

@@ -93,6 +93,10 @@ def _emergency_stop(view: View) -> str | None:
     return "the emergency stop is latched" if view.seen.emergency_stopped else None
 
 
+def _link_lost(view: View) -> str | None:
+    return view.seen.link_lost
+
+
 def _not_armed(view: View) -> str | None:
     return None if view.seen.armed else "the robot is not armed"
 
@@ -149,6 +153,7 @@ def _lift_moves(view: View) -> str | None:
 
 STOPS: Final = (
     Interlock("emergency stop", _emergency_stop, "clear the emergency stop, then arm"),
+    Interlock("drives out of reach", _link_lost, "plug the adapter in again, then arm", LINK_CLEARS_AFTER),
     Interlock("not armed", _not_armed, "arm the robot"),
     Interlock("operator silent", _operator_silent, "send motion commands", LINK_CLEARS_AFTER),
     Interlock("wish unusable", _wish_unusable, "send finite numbers"),

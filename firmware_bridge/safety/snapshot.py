@@ -48,6 +48,8 @@ class Snapshot:
     demanded_speed_mps: float
     """The base speed that the bridge's newest set-points ask for, behind the ramp."""
     battery_v: float | None
+    link_lost: str | None = None
+    """Why no drive can be reached; None while the link to them stands."""
 
 
 @dataclass(frozen=True, slots=True)

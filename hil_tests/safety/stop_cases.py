@@ -60,6 +60,13 @@ CASES: Final = (
         LINK,
     ),
     Case("operator silent", intent(heard_at=NEVER_HEARD), {}, "no motion command has come yet", LINK),
+    Case(
+        "drives out of reach",
+        {"link_lost": "the serial line to the drives is gone"},
+        {},
+        "the serial line to the drives is gone",
+        LINK,
+    ),
     Case("wish unusable", intent(speed_mps=NAN), {}, "the speed asked for is nan"),
     Case("wish unusable", intent(speed_mps=math.inf), {}, "the speed asked for is inf"),
     Case("wish unusable", intent(steer_rad=NAN), {}, "the steer angle asked for is nan"),

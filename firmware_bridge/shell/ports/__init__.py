@@ -3,7 +3,17 @@
 from firmware_bridge.shell.ports.can import open_can
 from firmware_bridge.shell.ports.port import LostPort, Port, PortError
 from firmware_bridge.shell.ports.pseudo_terminal import PseudoTerminal
+from firmware_bridge.shell.ports.returning_line import ReturningLine
 from firmware_bridge.shell.ports.serial_line import SerialLine
 from firmware_bridge.shell.ports.udp import UdpPort
 
-__all__ = ["LostPort", "Port", "PortError", "PseudoTerminal", "SerialLine", "UdpPort", "open_can"]
+__all__ = [
+    "LostPort",
+    "Port",
+    "PortError",
+    "PseudoTerminal",
+    "ReturningLine",
+    "SerialLine",
+    "UdpPort",
+    "open_can",
+]

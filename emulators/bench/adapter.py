@@ -1,0 +1,46 @@
+"""The adapter between a computer and a drive's serial port: it can be unplugged in the middle of a run."""
+
+from firmware_bridge.node import LINE_BACK, LINE_LOST, SERIAL, Node, Packet, Reaction, Stoppable
+from firmware_bridge.units import Nanoseconds
+
+
+class Adapter:
+    """Around a node on the link "serial": while unplugged nothing comes in or goes out, and the node is told.
+
+    The node learns it at its next turn, as from a port of the real shell.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self.node = node
+        self.plugged = True
+        """To be changed by whoever pulls the plug."""
+        self._told = True
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        """Pass a packet on, unless it is of a line that is not there."""
+        if packet.link == SERIAL and not self.plugged:
+            return self.wake(now)
+        before = self._tells(now)
+        return self._left(before, self.node.receive(packet, now))
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        """Wake the node."""
+        before = self._tells(now)
+        return self._left(before, self.node.wake(now))
+
+    def stop(self, now: Nanoseconds) -> Reaction:
+        """Ask the node to end."""
+        return self._left((), self.node.stop(now)) if isinstance(self.node, Stoppable) else Reaction()
+
+    def _tells(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        if self._told is self.plugged:
+            return ()
+        self._told = self.plugged
+        event = LINE_BACK if self.plugged else LINE_LOST
+        return self.node.receive(Packet(SERIAL, event, b""), now).sent
+
+    def _left(self, before: tuple[Packet, ...], reaction: Reaction) -> Reaction:
+        sent = before + reaction.sent
+        if not self.plugged:
+            sent = tuple(packet for packet in sent if packet.link != SERIAL)
+        return Reaction(sent, reaction.wake_at)

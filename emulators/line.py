@@ -1,0 +1,50 @@
+"""The serial line between bridge and gateway on the bench, and what the bridge has at its end of it."""
+
+from dataclasses import dataclass
+
+from emulators.bench.adapter import Adapter
+from emulators.bench.summary import LineRun
+from emulators.wires import SerialWire, usb
+from emulators.wires.serial import Inbox
+from firmware_bridge.drivers.link import Link
+from firmware_bridge.drivers.serial.line import MaxonLine
+from firmware_bridge.drivers.serial.link import SerialLink
+from firmware_bridge.node import Node
+from firmware_bridge.robot import Robot
+from firmware_bridge.units import MICROSECOND, MILLISECOND, Nanoseconds
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """The line of one robot."""
+
+    wire: SerialWire
+    adapter: Adapter
+    """The bridge's place on the line; its plug can be pulled."""
+    end: MaxonLine
+    link: SerialLink
+
+    @classmethod
+    def of(cls, robot: Robot, node: Node, link: Link, host: str) -> "Line | None":
+        """Put a node on a line, under the name `host`; None where the bridge's link is no serial one."""
+        if not isinstance(link, SerialLink):
+            return None
+        bus = robot.bus
+        latency = bus.port_latency_us * MICROSECOND
+        inboxes = {host: Inbox(usb.BUFFER, latency)} if latency else {}
+        end = MaxonLine(node, bus.protocol)
+        return cls(SerialWire(bus.line_rate, inboxes), Adapter(end), end, link)
+
+    def told(self, robot: Robot, duration: Nanoseconds) -> LineRun:
+        """Return what the line has carried in a run so long."""
+        bus = robot.bus
+        return LineRun(
+            protocol=bus.protocol.value,
+            baud=bus.line_rate,
+            bytes=self.wire.bytes,
+            commands=self.end.commands,
+            busy_percent=round(100.0 * self.end.busy / duration, 3),
+            cycle_ms=float(bus.cycle_ms),
+            longest_cycle_ms=self.link.longest_cycle / MILLISECOND,
+            late_cycles=self.link.late,
+        )

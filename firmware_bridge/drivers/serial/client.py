@@ -1,0 +1,142 @@
+"""Objects of one node read and written over a serial line; a `firmware_bridge.drivers.script.Client`.
+
+Both commands may be repeated: reading changes nothing, and writing the same value twice is writing it once.
+"""
+
+from collections.abc import Callable
+from typing import Final
+
+from firmware_bridge.drivers.sdo_client import (
+    Outcome,
+    SdoProtocolError,
+    SdoRefusedError,
+    SdoTimeoutError,
+    Transfer,
+)
+from firmware_bridge.drivers.serial.errands import Errand, Exchange, Rank, Result, succeeded
+from firmware_bridge.node import Packet
+from firmware_bridge.units import NEVER, SECOND, Nanoseconds
+from firmware_bridge.wire.abort import AbortCode
+from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.objects import OBJECTS
+from firmware_bridge.wire.maxon.frame import Failure
+from firmware_bridge.wire.maxon.messages import ObjectRead, ReadObject, Request, WriteObject
+
+RAW: Final = 4
+"""Bytes that either command carries, whatever the object's size."""
+TRY_WITHIN: Final[Nanoseconds] = 2 * SECOND
+"""A node that does not answer holds up the whole line for half a second each time; so it is not asked again
+later than this, whatever attempts are left."""
+
+
+def reading(node: int, address: Address) -> ReadObject:
+    """Return the command that reads an object."""
+    return ReadObject(address.index, address.subindex, node)
+
+
+def writing(node: int, address: Address, raw: bytes) -> WriteObject:
+    """Return the command that writes an object of up to four bytes."""
+    return WriteObject(address.index, address.subindex, node, raw.ljust(RAW, b"\0"))
+
+
+def value_in(address: Address, answer: ObjectRead) -> bytes:
+    """Return what an answer says of an object; the bytes beyond its size mean nothing."""
+    return answer.raw[: OBJECTS[address].type.size or RAW]
+
+
+def silent(result: Result) -> bool:
+    """Tell whether nobody answered: on the line, or behind the gateway."""
+    return isinstance(result, Failure) or result.error == AbortCode.TIMEOUT
+
+
+class SerialClient:
+    """The transfers of one node, one after the other."""
+
+    __slots__ = (
+        "_attempts_left",
+        "_begun_at",
+        "_errand",
+        "_exchange",
+        "_node",
+        "_note",
+        "_outcome",
+        "_transfer",
+    )
+
+    def __init__(self, node: int, exchange: Exchange, note: Callable[[Result], None]) -> None:
+        """Take the node, the line, and whom to tell how every single command ended."""
+        self._node = node
+        self._note = note
+        self._exchange = exchange
+        self._transfer: Transfer | None = None
+        self._errand: Errand | None = None
+        self._outcome: Outcome | None = None
+        self._attempts_left = 0
+        self._begun_at: Nanoseconds = 0
+
+    @property
+    def busy(self) -> bool:
+        """Whether a transfer is under way."""
+        return self._transfer is not None
+
+    @property
+    def wake_at(self) -> Nanoseconds:
+        """Never: the line keeps the time."""
+        return NEVER
+
+    def start(self, transfer: Transfer, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Begin a transfer; ValueError while another is under way."""
+        if self._transfer is not None:
+            raise ValueError(f"{transfer} while {self._transfer} is under way")
+        self._transfer, self._outcome = transfer, None
+        self._attempts_left, self._begun_at = transfer.attempts, now
+        self._ask(transfer)
+        return self._exchange.go_on()
+
+    def wake(self, _now: Nanoseconds) -> tuple[Packet, ...]:
+        """Do nothing: the line keeps the time."""
+        return ()
+
+    def take(self) -> Outcome | None:
+        """Return the outcome of the transfer that just ended, once."""
+        outcome, self._outcome = self._outcome, None
+        return outcome
+
+    def cancel(self) -> None:
+        """Forget the transfer under way; what it has written stays written."""
+        if self._errand is not None:
+            self._exchange.drop(self._errand)
+        self._transfer = self._errand = self._outcome = None
+
+    def ended(self, errand: Errand, _request: Request, result: Result, now: Nanoseconds) -> None:
+        """Learn how the command ended; try again where nobody answered and attempts are left."""
+        transfer = self._transfer
+        if transfer is None or errand is not self._errand:
+            return
+        self._note(result)
+        again = self._attempts_left and now - self._begun_at < TRY_WITHIN
+        if silent(result) and again and not self._exchange.gone:
+            self._ask(transfer)
+            return
+        self._transfer = self._errand = None
+        self._outcome = self._judged(transfer, result, now - self._begun_at)
+
+    def _ask(self, transfer: Transfer) -> None:
+        self._attempts_left -= 1
+        address = transfer.address
+        request: Request = (
+            reading(self._node, address)
+            if transfer.raw is None
+            else writing(self._node, address, transfer.raw)
+        )
+        self._errand = Errand(Rank.TASK, self, (request,))
+        self._exchange.put(self._errand)
+
+    def _judged(self, transfer: Transfer, result: Result, waited: Nanoseconds) -> Outcome:
+        if silent(result):
+            return SdoTimeoutError(transfer, waited)
+        if isinstance(result, Failure):
+            return SdoProtocolError(transfer, result.value)
+        if not succeeded(result):
+            return SdoRefusedError(transfer, result.error)
+        return value_in(transfer.address, result) if isinstance(result, ObjectRead) else b""

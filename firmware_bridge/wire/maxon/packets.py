@@ -1,0 +1,46 @@
+"""Commands of the serial protocols as packets, as CAN frames are: the opcode is the address.
+
+Whoever carries them to a line adds check sum, stuffing and handshake, as a CAN controller does for a frame.
+What comes back has the opcode of the command that it belongs to, and a flag where there is no answer.
+"""
+
+from typing import Final
+
+from firmware_bridge.node import MAXON, Packet
+from firmware_bridge.wire.maxon.frame import Answered, Failure, Frame, Outcome
+from firmware_bridge.wire.maxon.messages import Request
+from firmware_bridge.wire.maxon.opcodes import COMMANDS, decode_request, encode_request
+
+FAILED: Final = 0x100
+"""In the address of what comes back: no answer; the payload is the reason in words."""
+_OPCODE: Final = 0xFF
+_FAILURES: Final = {failure.value.encode(): failure for failure in Failure}
+
+
+def command(request: Request) -> Packet:
+    """Return a request as a packet."""
+    frame = encode_request(request)
+    return Packet(MAXON, frame.opcode, frame.body)
+
+
+def request_of(packet: Packet) -> Request | None:
+    """Return the request in a packet; None for an unknown command, or one of another length."""
+    row = COMMANDS.get(packet.address)
+    if row is None or row.request is None or len(packet.payload) % 2:
+        return None
+    request = decode_request(Frame(packet.address, packet.payload))
+    return request if request is not None and encode_request(request).body == packet.payload else None
+
+
+def outcome_packet(opcode: int, outcome: Outcome) -> Packet:
+    """Return how a command ended as a packet."""
+    if isinstance(outcome, Answered):
+        return Packet(MAXON, opcode, outcome.body)
+    return Packet(MAXON, opcode | FAILED, outcome.value.encode())
+
+
+def outcome_of(packet: Packet) -> tuple[int, Outcome]:
+    """Return the opcode of the command that has ended, and how."""
+    if packet.address & FAILED:
+        return packet.address & _OPCODE, _FAILURES.get(packet.payload, Failure.SILENCE)
+    return packet.address & _OPCODE, Answered(packet.payload)
