@@ -91,10 +91,10 @@ TYRES: Final[tuple[Parameter, ...]] = (
     Parameter("tyre_damping", 4000.0, "N.s/m", "tyre against floor, at rest", "ASSUME"),
     Parameter(
         "rolling_resistance",
-        0.01,
+        0.003,
         "1",
-        "rolling resistance over the load",
-        "ASSUME, polyurethane on concrete",
+        "rolling resistance over the load; none in [R]",
+        "ASSUME, thin hard polyurethane, lightly loaded",
     ),
     Parameter("rolling_presliding", 0.002, "rad", "wheel angle over which it builds up, front", "ASSUME"),
     Parameter("front_radius", 0.050, "m", "front wheel's radius", "[R] 2.3"),
@@ -145,17 +145,9 @@ SETS: Final[Mapping[str, Mapping[str, float]]] = {
         "wheel_spin_inertia": 4.6395e-4,
     },
     "A_plausible_yaw": {"yaw_inertia": 3.2},
-    "A_firm_floor": {
-        "floor_friction": 0.8,
-        "peak_slip": 0.003,
-        "rolling_resistance": 0.001,
-        "tyre_stiffness": 1e6,
-        "tyre_damping": 8000.0,
-    },
 }
 """Named start values where [R] contradicts itself: A is Tab. 3.1 (the defaults), B the set that the numbers
-printed in (3.78) follow from, A_plausible_yaw is A with the yaw inertia of B,
-A_firm_floor is A with firm tyres on a firm clean floor, near rolling without slip (ASSUME)."""
+printed in (3.78) follow from, A_plausible_yaw is A with the yaw inertia of B."""
 
 ROBOT_FILE: Final[Mapping[str, tuple[str, float]]] = {
     "base.wheel_radius_m": ("wheel_radius", 1.0),

@@ -56,13 +56,11 @@ def test_collapsed_and_extended_heights_of_the_thesis() -> None:
 
 
 @pytest.mark.parametrize(("left", "right"), [(100.0, 100.0), (-40.0, 90.0), (300.0, -300.0)])
-def test_the_robot_starts_as_its_wheels_roll(bench: Any, left: float, right: float) -> None:
-    plant = bench({"speed_left": left, "speed_right": right, "angle_steer": 200.0})
-    now = plant.now()
-    wheel_left, wheel_right = left / 26, right / 26
-    assert now["speed"] == pytest.approx(0.05 * (wheel_left + wheel_right) / 2, rel=1e-12, abs=1e-15)
-    assert now["yaw_rate"] == pytest.approx(
-        (wheel_right - wheel_left) * 0.05 / 0.4, rel=1e-12, abs=1e-15
-    )  # (5.1)
-    for wheel in ("rear_left", "rear_right", "front_left", "front_right"):
-        assert plant.plant.read(f"slip_ahead_{wheel}") == pytest.approx(0.0, abs=1e-12)
+def test_wheels_roll_without_slip(bench: Any, left: float, right: float) -> None:
+    plant = bench({"speed_left": left, "speed_right": right})
+    for now in (plant.now(), plant.runs(0.2, left=3.0, steer=12.0)):
+        wheel_left, wheel_right = now["speed_left"] / 26, now["speed_right"] / 26
+        assert now["speed"] == pytest.approx(0.05 * (wheel_left + wheel_right) / 2, rel=1e-12, abs=1e-15)
+        assert now["yaw_rate"] == pytest.approx((wheel_right - wheel_left) * 0.05 / 0.4, rel=1e-12, abs=1e-15)
+    turned = 0.05 * ((now["angle_right"] - now["angle_left"]) / 26) / 0.4
+    assert now["heading"] == pytest.approx(turned, rel=1e-9, abs=1e-12)
