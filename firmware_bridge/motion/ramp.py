@@ -13,7 +13,7 @@ from typing import Final, Self
 from firmware_bridge.robot import Robot
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
-MARGIN: Final = 0.93
+MARGIN: Final = 0.80
 """Share of the limit that set-points use; the rest is for what a drive's regulators overshoot at a corner
 of the profile. It belongs to regulators, not to a robot, so it is not in the robot file."""
 

@@ -1,18 +1,28 @@
 """A brushed DC motor's shaft: winding, rotor, and the dry friction that every shaft has."""
 
 from collections.abc import Mapping
+from typing import Final
 
 import sympy as sp
 
+from fmu.export.functions import clamped, positive_part
 from fmu.export.model import Expression, Output, State
 from fmu.parts.symbols import HALF, inner, symbol
+
+STICTION: Final = sp.Float(1.25)
+"""What holds at rest, over what brakes in motion: ASSUME, brushes and gear grease have 1.1 to 1.5."""
+STRIBECK_RATE: Final = sp.Float(2.0)
+"""1/s: friction falls from one to the other around the speed of so many `presliding` a second (ASSUME)."""
+HELD: Final = sp.Float(0.8)
+LOOSE: Final = sp.Float(0.95)
+"""Shares of what holds: all spring up to the first, all sliding from the second (ASSUME)."""
 
 
 class Shaft:
     """A motor's shaft; the part that it drives closes its equation of motion.
 
-    Dry friction is a bristle (Dahl): state `friction` in -1..1, torque = level x friction. At rest it holds
-    like a spring, in motion it is Coulomb's law; it takes out energy and never adds any.
+    Dry friction is a bristle: torque = level x its state `friction`. At rest it holds like a spring, up to
+    `STICTION`; in motion it is Coulomb's law, -1 or 1. It takes out energy and never adds any.
     """
 
     def __init__(self, axis: str, parameters: Mapping[str, Expression]) -> None:
@@ -66,5 +76,14 @@ class Shaft:
 
 
 def bristle(speed: Expression, state: Expression, presliding: Expression) -> Expression:
-    """Return the rate of a bristle in -1..1 (Dahl): it follows the motion over `presliding`, then slides."""
-    return (speed - sp.Abs(speed) * state) / presliding
+    """Return the rate of a bristle: it follows the motion over `presliding`, then slides at +1 or -1.
+
+    Dahl's bristle with an elastic part (Dupont et al., IEEE Trans. Automatic Control 47, 2002): below `HELD` of
+    what holds at rest it is a spring, so that a shaft that is shaken at rest does not creep, and it lets go of its
+    bend as a spring. It takes out energy, level x s^2 times the slid way, and never adds any.
+    """
+    fast, slow = sp.Abs(speed), STRIBECK_RATE * presliding
+    lean = state * (fast + slow / STICTION) / (fast + slow)
+    sliding = 1 - positive_part(1 - positive_part(sp.Abs(lean) - HELD) / (LOOSE - HELD))
+    onward = HALF * (fast + clamped(lean, HELD) / HELD * speed)
+    return (speed - sliding * lean * onward) / presliding

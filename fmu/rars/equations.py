@@ -3,16 +3,16 @@
 [R] is A. P. Das, PhD thesis, IIT Delhi, 2018; the same equations in mathematical writing: README.md.
 """
 
-import sympy as sp
-
 from fmu import interface
-from fmu.export.functions import positive_part
 from fmu.export.model import Expression, Input, Model, Output
+from fmu.parts.battery import terminal_voltage
+from fmu.parts.motor import Shaft
+from fmu.parts.symbols import inner, symbol
 from fmu.rars.lift import Lift
 from fmu.rars.parameters import PARAMETERS
 from fmu.rars.platform import LEFT, RIGHT, Platform
-from fmu.rars.shaft import HALF, P, Shaft
 from fmu.rars.steering import Steering
+from fmu.rars.symbols import P
 
 NOMINAL = {
     "V": 24.0,
@@ -26,23 +26,22 @@ NOMINAL = {
 
 def model() -> Model:
     """Return the equations of motion of RARS with all tables."""
-    left, right, steer, lift_motor = shafts = tuple(Shaft(axis) for axis in interface.AXES)
+    left, right, steer, lift_motor = shafts = tuple(Shaft(axis, P) for axis in interface.AXES)
     steering = Steering(steer)
     platform = Platform(left, right, steering)
     lift = Lift(lift_motor)
-    left_rate, right_rate = platform.accelerations()
     states = (
-        *left.states(left_rate),
-        *right.states(right_rate),
+        *left.states(platform.shaft_acceleration("left"), platform.friction_start("left")),
+        *right.states(platform.shaft_acceleration("right"), platform.friction_start("right")),
         *steer.states(steering.acceleration()),
         *lift_motor.states(lift.acceleration(), lift.friction_start()),
         *platform.states(),
     )
     energy = sum(shaft.energy() for shaft in shafts) + platform.energy() + steering.energy() + lift.energy()
     readings: dict[str, tuple[Expression, str]] = {
-        "x": (sp.Symbol("x", real=True), "rear axle's middle, world x"),
-        "y": (sp.Symbol("y", real=True), "rear axle's middle, world y"),
-        "heading": (sp.Symbol("heading", real=True), "heading, counter-clockwise from world x"),
+        "x": (symbol("x"), "rear axle's middle, world x"),
+        "y": (symbol("y"), "rear axle's middle, world y"),
+        "heading": (symbol("heading"), "heading, counter-clockwise from world x"),
         "speed": (platform.speed, "speed of the rear axle's middle, forwards"),
         "yaw_rate": (platform.yaw_rate, "yaw rate, counter-clockwise"),
         "rack": (steering.rack, "rack, positive steers left"),
@@ -50,7 +49,7 @@ def model() -> Model:
         "steer_right": (steering.angle(RIGHT), "right front wheel's angle, positive to the left"),
         "steer": (steering.inner_angle(), "inner front wheel's angle, positive to the left"),
         "lift_height": (lift.height, "lift above its collapsed height"),
-        "battery_voltage": (_battery(shafts), "battery's terminal voltage"),
+        "battery_voltage": (terminal_voltage(shafts, P), "battery's terminal voltage"),
     }
     for shaft in shafts:
         readings[f"current_{shaft.axis}"] = (shaft.current, f"motor current, {shaft.axis}")
@@ -60,38 +59,56 @@ def model() -> Model:
         Output(name, unit, readings[name][1], readings[name][0], NOMINAL[unit])
         for name, unit in interface.OUTPUTS.items()
     ]
-    inner = (
-        *(
-            _inner(f"friction_{s.axis}", "1", f"dry friction over its level, {s.axis}", s.friction, 1.0)
-            for s in shafts
-        ),
-        _inner("slip_left", "rad", "left front wheel's slip angle", platform.slip_angle(LEFT), 0.1),
-        _inner("slip_right", "rad", "right front wheel's slip angle", platform.slip_angle(RIGHT), 0.1),
-        _inner("force_left", "N", "left front tyre's side force", platform.side_force(LEFT), 10.0),
-        _inner("force_right", "N", "right front tyre's side force", platform.side_force(RIGHT), 10.0),
-        _inner("energy", "J", "energy stored in the whole robot", energy, 10.0),
-    )
+    local = [shaft.dry_friction() for shaft in shafts]
+    for tyre in platform.tyres():
+        title = tyre.name.replace("_", " ")
+        slip_ahead, slip_left = tyre.slips()
+        local += [
+            inner(f"load_{tyre.name}", "N", f"load of the wheel, {title}", tyre.load, 100.0),
+            inner(f"slip_ahead_{tyre.name}", "1", f"slip along the wheel's way, {title}", slip_ahead, 0.1),
+            inner(f"slip_left_{tyre.name}", "1", f"slip along the wheel's axle, {title}", slip_left, 0.1),
+            inner(
+                f"force_ahead_{tyre.name}",
+                "N",
+                f"tyre's force along its way, {title}",
+                tyre.force_ahead(),
+                10.0,
+            ),
+            inner(
+                f"force_left_{tyre.name}",
+                "N",
+                f"tyre's force along its axle, {title}",
+                tyre.force_left(),
+                10.0,
+            ),
+        ]
+        local += [
+            inner(
+                f"tyre_ahead_{tyre.name}",
+                "m",
+                f"tyre's deflection along its way, {title}",
+                symbol(f"tyre_ahead_{tyre.name}"),
+                1e-4,
+            ),
+            inner(
+                f"tyre_left_{tyre.name}",
+                "m",
+                f"tyre's deflection along its axle, {title}",
+                symbol(f"tyre_left_{tyre.name}"),
+                1e-4,
+            ),
+        ]
+    local.append(inner("drift", "m/s", "speed of the rear axle's middle to the left", platform.drift, 0.1))
+    local.append(inner("energy", "J", "energy stored in the whole robot", energy, 10.0))
     return Model(
         name="rars",
-        description="RARS: two driven rear wheels, Davis steering, scissor lift, four DC motors",
+        description="RARS: four wheels that slip, Davis steering, scissor lift, four DC motors",
         parameters=PARAMETERS,
         inputs=tuple(
             Input(name, unit, f"motor voltage, {name.removeprefix('voltage_')}", 24.0)
             for name, unit in interface.INPUTS.items()
         ),
         states=states,
-        outputs=(*outputs, *inner),
+        outputs=(*outputs, *local),
         inner_step=50e-6,
     )
-
-
-def _inner(name: str, unit: str, description: str, expression: Expression, nominal: float) -> Output:
-    return Output(name, unit, description, expression, nominal, local=True)
-
-
-def _battery(shafts: tuple[Shaft, ...]) -> Expression:
-    """Return the terminal voltage V with V = E - R I and V I = the motors' power; E / 2 where none fits."""
-    power = sum((shaft.voltage * shaft.current for shaft in shafts), sp.S.Zero)
-    emf = P["battery_emf"]
-    root = emf**2 - 4 * P["battery_resistance"] * power
-    return (emf + sp.sqrt(positive_part(root))) * HALF

@@ -4,7 +4,9 @@ import sympy as sp
 
 from fmu.export.functions import positive_part
 from fmu.export.model import Expression
-from fmu.rars.shaft import HALF, P, Shaft
+from fmu.parts.motor import Shaft
+from fmu.parts.symbols import HALF
+from fmu.rars.symbols import P
 
 
 class Lift:

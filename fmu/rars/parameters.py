@@ -9,42 +9,11 @@ from collections.abc import Mapping
 from typing import Final
 
 from fmu.export.model import Parameter
-
-_BATTERY_VOLTAGE: Final = 24.0
-
-
-def _motor(
-    axis: str,
-    source: str,
-    *,
-    resistance: float,
-    inductance: float,
-    torque_constant: float,
-    rotor_inertia: float,
-    no_load_current: float,
-) -> tuple[Parameter, ...]:
-    """Return one motor's rows; half of the no-load torque is dry friction, half viscous (ASSUME)."""
-    no_load_torque = torque_constant * no_load_current
-    no_load_speed = (_BATTERY_VOLTAGE - resistance * no_load_current) / torque_constant
-    friction = f"half of the no-load current {no_load_current} A at 24 V; {source}"
-    return (
-        Parameter(f"resistance_{axis}", resistance, "Ohm", "winding resistance", source),
-        Parameter(f"inductance_{axis}", inductance, "H", "winding inductance", source),
-        Parameter(f"torque_constant_{axis}", torque_constant, "N.m/A", "torque constant", source),
-        Parameter(f"rotor_inertia_{axis}", rotor_inertia, "kg.m2", "rotor inertia", source),
-        Parameter(f"coulomb_{axis}", 0.5 * no_load_torque, "N.m", "dry friction of the motor", friction),
-        Parameter(
-            f"viscous_{axis}",
-            0.5 * no_load_torque / no_load_speed,
-            "N.m.s/rad",
-            "viscous friction of the motor",
-            friction,
-        ),
-    )
+from fmu.parts.rows import battery_rows, motor_rows
 
 
 def _wheel_motor(axis: str) -> tuple[Parameter, ...]:
-    return _motor(
+    return motor_rows(
         axis,
         "ASSUME, catalogue of maxon RE50 200 W 24 V (370354); agrees with 5680 rpm of [R] 2.3.2",
         resistance=0.103,
@@ -58,7 +27,7 @@ def _wheel_motor(axis: str) -> tuple[Parameter, ...]:
 MOTORS: Final[tuple[Parameter, ...]] = (
     *_wheel_motor("left"),
     *_wheel_motor("right"),
-    *_motor(
+    *motor_rows(
         "steer",
         "ASSUME, catalogue of maxon RE25 20 W 24 V, unchecked",
         resistance=2.32,
@@ -67,7 +36,7 @@ MOTORS: Final[tuple[Parameter, ...]] = (
         rotor_inertia=10.5e-7,
         no_load_current=0.037,
     ),
-    *_motor(
+    *motor_rows(
         "lift",
         "ASSUME, order of magnitude of maxon RE20 10 W",
         resistance=9.0,
@@ -105,10 +74,31 @@ PLATFORM: Final[tuple[Parameter, ...]] = (
         "wheel_spin_inertia", 465e-6, "kg.m2", "rear wheel about its axle I_w", "[R] Tab. 3.1, largest"
     ),
     Parameter("wheel_yaw_inertia", 242e-6, "kg.m2", "rear wheel about the vertical H", "[R] Tab. 3.1"),
-    Parameter("floor_friction", 0.3, "1", "peak of the front tyres' adhesion", "[R] 3.4.5"),
-    Parameter("slip_speed", 0.01, "m/s", "speed below which slip angles fade", "ASSUME"),
-    Parameter("battery_emf", _BATTERY_VOLTAGE, "V", "battery's open-circuit voltage", "ASSUME"),
-    Parameter("battery_resistance", 0.050, "Ohm", "battery's inner resistance", "ASSUME"),
+    Parameter(
+        "cg_height", 0.190, "m", "centre of mass over the floor Z_cg; 0: no load transfer", "[R] 2.3.1"
+    ),
+    *battery_rows("ASSUME"),
+)
+
+TYRES: Final[tuple[Parameter, ...]] = (
+    Parameter("floor_friction", 0.3, "1", "peak of the tyres' adhesion", "[R] 3.4.5"),
+    Parameter("peak_slip", 0.15, "1", "slip at the peak of adhesion", "[R] (3.83)"),
+    Parameter(
+        "friction_circle", 1.0, "1", "1: both slips share one adhesion; 0: each its own", "ASSUME; not in [R]"
+    ),
+    Parameter("slip_speed", 0.01, "m/s", "speed below which the slip is taken over this speed", "ASSUME"),
+    Parameter("tyre_stiffness", 5e5, "N/m", "tyre against floor, each way", "ASSUME, 5 mm of polyurethane"),
+    Parameter("tyre_damping", 4000.0, "N.s/m", "tyre against floor, at rest", "ASSUME"),
+    Parameter(
+        "rolling_resistance",
+        0.003,
+        "1",
+        "rolling resistance over the load; none in [R]",
+        "ASSUME, thin hard polyurethane, lightly loaded",
+    ),
+    Parameter("rolling_presliding", 0.002, "rad", "wheel angle over which it builds up, front", "ASSUME"),
+    Parameter("front_radius", 0.050, "m", "front wheel's radius", "[R] 2.3"),
+    Parameter("front_spin_inertia", 463e-6, "kg.m2", "front wheel about its axle I_wxx", "[R] Tab. 3.2"),
 )
 
 STEERING: Final[tuple[Parameter, ...]] = (
@@ -143,7 +133,7 @@ LIFT: Final[tuple[Parameter, ...]] = (
     Parameter("lift_stop_damping", 100.0, "s/m", "lift's end stops, part of their force per speed", "ASSUME"),
 )
 
-PARAMETERS: Final[tuple[Parameter, ...]] = MOTORS + PLATFORM + STEERING + LIFT
+PARAMETERS: Final[tuple[Parameter, ...]] = MOTORS + PLATFORM + TYRES + STEERING + LIFT
 
 SETS: Final[Mapping[str, Mapping[str, float]]] = {
     "A": {},

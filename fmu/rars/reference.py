@@ -3,18 +3,14 @@
 `python -m fmu.rars.reference` writes the file anew; do that only when the equations are meant to change.
 """
 
-import csv
 from pathlib import Path
 from typing import Final
 
 from fmu.build import ensure
 from fmu.interface import INPUTS, OUTPUTS
-from fmu.plant import FmuPlant
+from fmu.parts import table
 
 FILE: Final = Path(__file__).with_name("reference.csv")
-STEPS_A_ROW: Final = 1000
-"""Communication steps of 100 us between two rows."""
-
 VOLTAGES: Final = (
     # until s, left, right, steer, lift
     (0.5, 0.0, 0.0, 0.0, 0.0),
@@ -30,26 +26,8 @@ VOLTAGES: Final = (
 
 def rows(path: Path) -> list[list[float]]:
     """Return time and all outputs every 0.1 s of the plant in this FMU."""
-    table: list[list[float]] = []
-    with FmuPlant(path, list(INPUTS), list(OUTPUTS)) as plant:
-        for until, *voltages in VOLTAGES:
-            for i, voltage in enumerate(voltages):
-                plant.inputs[i] = voltage
-            while plant.steps_done < round(until * 10_000):
-                if plant.steps_done % STEPS_A_ROW == 0:
-                    table.append([plant.steps_done / 10_000, *plant.outputs])
-                plant.step()
-        table.append([plant.steps_done / 10_000, *plant.outputs])
-    return table
-
-
-def main() -> None:
-    """Write reference.csv."""
-    with FILE.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(["time", *OUTPUTS])
-        writer.writerows([[f"{value:.12g}" for value in row] for row in rows(ensure("rars", 3))])
+    return table.rows(path, list(INPUTS), list(OUTPUTS), VOLTAGES)
 
 
 if __name__ == "__main__":
-    main()
+    table.write(FILE, list(OUTPUTS), rows(ensure("rars", 3)))

@@ -35,7 +35,7 @@ def test_both_interfaces_offer_the_same(fmu_file: dict[int, Path], fmi: int) -> 
         assert interface.canBeInstantiatedOnlyOncePerProcess is False
         assert interface.canGetAndSetFMUstate
         assert interface.canSerializeFMUstate
-    assert description.numberOfContinuousStates == 19
+    assert description.numberOfContinuousStates == 34
     # FMPy reads the word of FMI 2.0 only.
     with ZipFile(fmu_file[fmi]) as archive:
         text = archive.read("modelDescription.xml").decode()
@@ -58,7 +58,7 @@ def test_every_source_that_is_named_is_there_and_nothing_else(fmu_file: dict[int
 def test_rates_have_the_unit_of_their_state_per_second(fmu_file: dict[int, Path], fmi: int) -> None:
     description = read_model_description(str(fmu_file[fmi]))
     rates = [row for row in description.modelVariables if row.derivative is not None]
-    assert len(rates) == 19
+    assert len(rates) == 34
     for row in rates:
         assert row.name == f"der({row.derivative.name})"
         assert row.unit == per_second(row.derivative.unit)[0]

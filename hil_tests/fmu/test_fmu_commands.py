@@ -36,7 +36,7 @@ def test_list_names_every_model_and_its_robot() -> None:
     assert (status, err) == (0, "")
     for model in models():
         (row,) = [line for line in out.splitlines() if line.startswith(f"│ {model} ")]
-        assert model != "rars" or [cell.strip() for cell in row.split("│")][3:7] == ["19", "4", "23", "70"]
+        assert model != "rars" or [cell.strip() for cell in row.split("│")][3:7] == ["34", "4", "23", "79"]
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
@@ -49,7 +49,7 @@ def test_build_writes_what_check_finds_good(tmp_path: Path, fmi: int) -> None:
     status, out, err = run("check", str(path))
     assert (status, err) == (0, "")
     assert [line.split(None, 1)[1] for line in out.splitlines()] == [
-        "rars, 126 variables",
+        "rars, 179 variables",
         f"{fmi}.0, co-simulation and model exchange",
         "valid",
         "loads, initialises, takes a step",
@@ -110,7 +110,7 @@ def test_problems_are_named_and_make_status_1(
     path = changed(renamed, tmp_path / "odd.fmu", old, new)
     status, out, err = run("check", path)
     assert status == 1
-    assert out.startswith("model:       strange, 126 variables")
+    assert out.startswith("model:       strange, 179 variables")
     problems = err.splitlines()
     assert all(line.startswith("problem: ") for line in problems)
     assert [line for line in problems if said in line], problems

@@ -29,10 +29,10 @@ STEP = {
 PLATFORM = {"speed": (0.5, 1e-6)}
 """Spread and step of a state that has a prefix alone for its name."""
 INNER = (
-    "slip_left",
-    "slip_right",
-    "force_left",
-    "force_right",
+    "slip_ahead_rear_left",
+    "slip_left_front_right",
+    "force_ahead_front_left",
+    "force_left_rear_right",
     "energy",
 )
 

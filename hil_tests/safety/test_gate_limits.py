@@ -21,7 +21,7 @@ FULL_STEER: Final = math.radians(60.0)
 TIGHTEST: Final = math.atan(0.515 / (0.415 - 0.105))
 """58.95 degrees: R = a/2 + w cot(theta) = 415 mm (thesis 2.13, Tab. 2.1)."""
 TOP: Final = 6 * 0.3 * (math.sin(math.radians(45)) - math.sin(math.radians(5)))
-STEP: Final = 0.93 * 0.144 * 9.81 * 0.050
+STEP: Final = 0.80 * 0.144 * 9.81 * 0.050
 """The largest change of speed in one cycle, straight on."""
 
 

@@ -35,9 +35,9 @@ WRITES: Final = (
     (3, 0x6060, 0, 1, (1,), (0, 2, 3, 0xFF)),
     (1, 0x6086, 0, 2, (0,), (1,)),
     (1, 0x6081, 0, 4, (1, 4_000), (0, 4_001)),
-    (1, 0x6083, 0, 4, (1, 6_600), (0, 6_601)),
-    (1, 0x6084, 0, 4, (6_600,), (6_599, 6_601)),
-    (1, 0x6085, 0, 4, (6_300,), (6_299, 6_301)),
+    (1, 0x6083, 0, 4, (1, 5_700), (0, 5_701)),
+    (1, 0x6084, 0, 4, (5_700,), (5_699, 5_701)),
+    (1, 0x6085, 0, 4, (5_400,), (5_399, 5_401)),
     (3, 0x607D, 1, 4, (-STEER_END - FOLLOWING, STEER_END + FOLLOWING), (-STEER_END - FOLLOWING - 1,)),
     (3, 0x607D, 2, 4, (-STEER_END - FOLLOWING, STEER_END + FOLLOWING), (STEER_END + FOLLOWING + 1,)),
     (4, 0x607D, 1, 4, (-FOLLOWING, LIFT_END + FOLLOWING), (-FOLLOWING - 1, LIFT_END + FOLLOWING + 1)),
@@ -98,7 +98,7 @@ def test_an_object_may_be_written_within_its_bounds(
 @pytest.mark.parametrize(
     ("packet", "reason"),
     [
-        (write(1, 0x6083, 0, raw(6_601, 4)), "0x6083 set to 6601, allowed is 1 to 6600"),
+        (write(1, 0x6083, 0, raw(5_701, 4)), "0x6083 set to 5701, allowed is 1 to 5700"),
         (write(1, 0x6060, 0, raw(1, 1)), "0x6060 set to 1, allowed is 3"),
         (write(1, 0x1403, 2, raw(2, 1)), "0x1403:02 set to 2, allowed is 1 or 255"),
     ],

@@ -113,7 +113,7 @@ def test_limits_and_modes_reach_the_drive(bench: "Bench") -> None:
     assert left[at.MODE] == b"\x03"
     assert steer[at.MODE] == b"\x01"
     assert left[at.OUTPUT_CURRENT_LIMIT] == (20_000).to_bytes(2, "little")
-    assert left[at.QUICK_STOP_DECELERATION] == (6_300).to_bytes(4, "little")
+    assert left[at.QUICK_STOP_DECELERATION] == (5_400).to_bytes(4, "little")
     low = int.from_bytes(steer[at.MIN_POSITION_LIMIT], "little", signed=True)
     high = int.from_bytes(steer[at.MAX_POSITION_LIMIT], "little", signed=True)
     # 60 degrees are 39.97 mm of rack, 2.665 rad of the pinion, 134.9 kqc; 4000 qc following error beyond.

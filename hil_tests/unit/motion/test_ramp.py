@@ -15,8 +15,8 @@ STEP = 1.3 * 0.05
 
 def test_the_bounds_come_from_the_robot_file_with_a_margin() -> None:
     ramp = Ramp.of(find("rars"))
-    assert pytest.approx(0.93) == MARGIN
-    assert ramp == Ramp(0.93 * 0.144 * 9.81, 0.2, CYCLE)
+    assert pytest.approx(0.80) == MARGIN
+    assert ramp == Ramp(0.80 * 0.144 * 9.81, 0.2, CYCLE)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,106 @@
+"""One tyre on the floor: slip, adhesion by the corrected (3.83), and a bristle that holds at rest.
+
+The tyre's deflection z grows with the slip velocity and is wiped off as the wheel rolls on: its steady state
+is (3.83) over the slip of [R] 3.4.3, both corrected; at rest it is a spring, so nothing creeps. Whatever the
+load does, it takes energy out and adds none. Refuses to know whose wheel it is.
+"""
+
+import sympy as sp
+
+from fmu.export.functions import clamped, positive_part
+from fmu.export.model import Expression, State
+from fmu.parts.symbols import HALF, symbol
+from fmu.rars.symbols import P
+
+FALL = sp.Rational(34, 100)
+"""(3.83): adhesion falls by this share of its peak from the peak to a slip of 1."""
+
+
+LAG = sp.Float(25e-6)
+"""Shortest time in s in which a deflection is wiped off: half an inner step, to be stable in every slide."""
+TRACE = sp.Float(1e-6)
+"""N added to each grip, so that nothing is divided by zero on ice or under a lifted wheel."""
+CREEP = sp.Float(1e-12)
+"""m/s, likewise at rest."""
+
+
+class Tyre:
+    """A wheel's contact; `name` names its states, speeds are those of the wheel's middle and rim."""
+
+    def __init__(self, name: str, *, rim: Expression, ahead: Expression, left: Expression) -> None:
+        self.name = name
+        self.spring_ahead = P["tyre_stiffness"] * symbol(f"tyre_ahead_{name}")
+        self.spring_left = P["tyre_stiffness"] * symbol(f"tyre_left_{name}")
+        self._slipping = (rim - ahead, -left)
+        # max(|r w|, |v|), the corrected denominator; the print takes the signed one.
+        self._rolling = _larger(sp.Abs(ahead), sp.Abs(rim))
+        self._over = _larger(self._rolling, P["slip_speed"])
+        self._load: Expression = None
+        self._grip: Expression = None
+
+    def bears(self, load: Expression) -> None:
+        """Tell the tyre its load in N."""
+        self._load = positive_part(load)
+        self._grip = P["floor_friction"] * self._load + TRACE
+
+    @property
+    def load(self) -> Expression:
+        """The load in N."""
+        return self._load
+
+    def slips(self) -> tuple[Expression, Expression]:
+        """Return the slip ahead (rho) and to the left: slip velocity over rolling speed."""
+        ahead, left = self._slipping
+        return ahead / self._over, left / self._over
+
+    def force_ahead(self) -> Expression:
+        """Return the force on the robot along the wheel's way in N."""
+        return self._force(0, self.spring_ahead)
+
+    def force_left(self) -> Expression:
+        """Return the force on the robot along the wheel's axle in N."""
+        return self._force(1, self.spring_left)
+
+    def states(self, hold: tuple[Expression, Expression], load: Expression) -> tuple[State, ...]:
+        """Return the deflections; they start with the forces `hold`, as far as the standing load grips."""
+        grip = P["floor_friction"] * load
+        ahead, left = (clamped(force, grip) / P["tyre_stiffness"] for force in hold)
+        return (
+            State(f"tyre_ahead_{self.name}", "m", ahead, self._stretching(0, self.spring_ahead)),
+            State(f"tyre_left_{self.name}", "m", left, self._stretching(1, self.spring_left)),
+        )
+
+    def energy(self) -> Expression:
+        """Return the energy of the deflections in J."""
+        return HALF * (self.spring_ahead**2 + self.spring_left**2) / P["tyre_stiffness"]
+
+    def _force(self, way: int, spring: Expression) -> Expression:
+        """Return F = k z + c z' - e v_slip, in steady state (3.83); e is 0 but where LAG holds it back.
+
+        With a = z's rate of decay, no energy is gained while 4 (c - e) k >= c^2 a: so c fades as slip grows.
+        """
+        wiping = self._wiping(way)
+        excess = (self._held_back(wiping) - self._grip) / (wiping + CREEP)
+        damping = P["tyre_damping"] * self._grip / (self._grip + P["tyre_damping"] * wiping)
+        return spring - excess * self._slipping[way] + (2 * excess + damping) * self._stretching(way, spring)
+
+    def _stretching(self, way: int, spring: Expression) -> Expression:
+        """Return z' = v_slip - z k D / (mu N): a steady slide is held by mu N v_slip / D."""
+        wiping = self._wiping(way)
+        return self._slipping[way] - wiping * spring / self._held_back(wiping)
+
+    def _held_back(self, wiping: Expression) -> Expression:
+        return _larger(self._grip, P["tyre_stiffness"] * LAG * wiping)
+
+    def _wiping(self, way: int) -> Expression:
+        """Return D in m/s: rolling speed x peak slip up to the peak, slip over (3.83)'s share beyond."""
+        own, other = self._slipping[way], self._slipping[1 - way]
+        slip = sp.sqrt(own**2 + P["friction_circle"] * other**2)
+        peak = P["peak_slip"]
+        beyond = positive_part(clamped(slip, self._over) - peak * self._over)
+        share = self._over - FALL / (1 - peak) * beyond
+        return _larger(peak * self._rolling, slip * self._over / share)
+
+
+def _larger(one: Expression, other: Expression) -> Expression:
+    return one + positive_part(other - one)
