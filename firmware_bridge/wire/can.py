@@ -80,37 +80,50 @@ def crc15(bits: int, count: int) -> int:
     return crc
 
 
+@lru_cache(maxsize=2048)
+def _head(address: int, length: int) -> tuple[int, int, int]:
+    """Return what start of frame to control field leave behind: CRC, stuffing's state, bits on the bus."""
+    if length > MAX_PAYLOAD or address & ERROR:
+        raise ValueError(f"{address:08X} with {length} bytes is not a frame on a CAN bus")
+    remote = 1 if address & REMOTE else 0
+    if address & EXTENDED:
+        base = address >> 18 & STANDARD_MASK
+        bits = (base << 20 | 3 << 18 | address & 0x3FFFF) << 1 | remote
+        count = 39
+    else:
+        bits = (address & STANDARD_MASK) << 1 | remote
+        count = 19
+    bits = bits << 6 | length
+    # Whole bytes: alternating bits in front, a one last, leave the run of the start bit at one.
+    padding = -count % 8
+    state = stuffed = 0
+    for byte in ((0x55 & (1 << padding) - 1) << count | bits).to_bytes((count + padding) >> 3, "big"):
+        entry = _STUFF_TABLE[state | byte]
+        state = entry & 0xF00
+        stuffed += entry >> 12
+    return crc15(bits, count), state, count + stuffed
+
+
 @lru_cache(maxsize=8192)
 def frame_bits(address: int, payload: bytes) -> int:
     """Return the bits from start of frame to end of frame, stuff bits included; ValueError for no such frame.
 
     Stuffing reaches from start of frame to the last bit of the CRC. The interframe space is not included.
     """
-    length = len(payload)
-    if length > MAX_PAYLOAD or address & ERROR:
-        raise ValueError(f"{address:08X} with {length} bytes is not a frame on a CAN bus")
-    remote = 1 if address & REMOTE else 0
-    if address & EXTENDED:
-        base = address >> 18 & STANDARD_MASK
-        head = base << 20 | 3 << 18 | address & 0x3FFFF
-        bits = (head << 1 | remote) << 6 | length
-        count = 39
-    else:
-        bits = ((address & STANDARD_MASK) << 1 | remote) << 6 | length
-        count = 19
-    if not remote:
-        bits = bits << 8 * length | int.from_bytes(payload, "big")
-        count += 8 * length
-    stuffable = bits << _CRC_BITS | crc15(bits, count)
-    count += _CRC_BITS
-    # Whole bytes again: alternating bits in front, a one last, leave the run of the start bit at one.
-    padding = -count % 8
-    state = stuffed = 0
-    for byte in ((0x55 & (1 << padding) - 1) << count | stuffable).to_bytes((count + padding) >> 3, "big"):
+    crc, state, bits = _head(address, len(payload))
+    if not address & REMOTE:
+        bits += 8 * len(payload)
+        for byte in payload:
+            crc = ((crc << 8) & 0x7FFF) ^ _CRC_TABLE[(crc >> 7) ^ byte]
+            entry = _STUFF_TABLE[state | byte]
+            state = entry & 0xF00
+            bits += entry >> 12
+    # Whole bytes again: after its last bit one of the other kind, which is never stuffed.
+    for byte in (crc << 1 | ~crc & 1).to_bytes(2, "big"):
         entry = _STUFF_TABLE[state | byte]
         state = entry & 0xF00
-        stuffed += entry >> 12
-    return count + stuffed + _TAIL_BITS
+        bits += entry >> 12
+    return bits + _CRC_BITS + _TAIL_BITS
 
 
 def arbitration_rank(address: int) -> int:
