@@ -4,6 +4,7 @@ Things keep their identity: a list is filled again, it is not replaced, so whoev
 """
 
 import ctypes
+from array import array
 from collections import deque
 from collections.abc import Callable, Iterable
 from contextlib import suppress
@@ -128,6 +129,7 @@ KINDS: Final[tuple[tuple[type, Kind], ...]] = (
     (deque, Kind(list, iter, _put_elements)),
     (set, Kind(set.copy, iter, _put_members)),
     (bytearray, Kind(bytes, None, _put_items)),
+    (array, Kind(lambda thing: thing[:], None, _put_items)),
     (CellType, Kind(_cell_content, iter, _put_content)),
     (ctypes.Structure, Kind(bytes, None, _put_bytes)),
     (ctypes.Array, Kind(bytes, None, _put_bytes)),
