@@ -13,7 +13,7 @@ from emulators.bench.mission import MissionFileError
 from emulators.bench.report import show
 from emulators.by_name import ByName
 from emulators.epos2.serial.drive import baud_of
-from emulators.epos2_cli import LatencyOption, Outside
+from emulators.epos2_cli import LatencyOption
 from emulators.gateway import Cluster
 from emulators.rig import devices
 from emulators.run import Order, drive
@@ -31,6 +31,7 @@ from firmware_bridge.cli.options import (
 )
 from firmware_bridge.cli.real_time import carry
 from firmware_bridge.cli.serial_link import (
+    Outside,
     ProtocolOption,
     SerialLinkOption,
     SerialNodeOption,

@@ -1,10 +1,9 @@
 """Drives without a robot at the command line: `emulate epos2`."""
 
 import re
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Final, TypeAlias
+from typing import Annotated, Final
 
 import typer
 
@@ -27,15 +26,14 @@ from firmware_bridge.cli.options import (
 )
 from firmware_bridge.cli.real_time import carry
 from firmware_bridge.cli.serial_link import (
+    Outside,
     ProtocolOption,
     SerialLinkOption,
     SerialNodeOption,
     SerialOption,
     on_the_line,
-    open_serial,
 )
-from firmware_bridge.node import CAN, SERIAL
-from firmware_bridge.shell.ports import Port, PortError, open_can
+from firmware_bridge.node import SERIAL
 from firmware_bridge.wire.canopen import FIRST_NODE, LAST_NODE
 from firmware_bridge.wire.maxon.frame import Generation
 from fmu.errors import PlantError
@@ -50,8 +48,6 @@ EXAMPLES: Final = """Examples:
 `firmware-bridge emulate epos2 --node 1-2 --plant rars.fmu --axes left,right -i socketcan -c vcan0`
 
 `firmware-bridge emulate epos2 --node 1-4 --serial pty --serial-link epos2.tty --serial-node 2`"""
-
-Openers: TypeAlias = dict[str, Callable[[], Port]]
 
 LatencyOption = Annotated[
     bool,
@@ -170,39 +166,6 @@ def emulate(
         PlantError,
         ServoError,
     )
-
-
-@dataclass(frozen=True, slots=True)
-class Outside:
-    """The links on which emulated drives meet the rest of the world."""
-
-    serial: str | None
-    serial_link: Path | None
-    protocol: Generation
-    interface: str | None
-    channel: str | None
-    bit_rate: int | None
-    default_bit_rate: int
-
-    def openers(self, baud: int) -> tuple[Openers, str]:
-        """Return what opens each link, and how they are called; a line that cannot be ends the program.
-
-        The line comes at once, because its name is found out only then. The CAN bus is left out where there
-        is a line and no bus was named.
-        """
-        found: Openers = {}
-        where = []
-        if self.serial is not None:
-            with one_message(PortError):
-                line = open_serial(self.serial, baud, self.serial_link)
-            found[SERIAL] = lambda: line
-            where.append(f"{line.name} ({self.protocol.value})")
-        if self.serial is None or self.interface or self.channel:
-            found[CAN] = lambda: open_can(
-                self.interface, self.channel, self.bit_rate, default_bit_rate=self.default_bit_rate
-            )
-            where.append("the bus")
-        return found, " and ".join(where)
 
 
 def numbers(text: str) -> tuple[int, ...]:

@@ -1,17 +1,20 @@
 """Options for a serial line to a drive, and the port that they ask for."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, TypeAlias
 
 import typer
 
-from firmware_bridge.cli.console import refusal
-from firmware_bridge.shell.ports import Port, PortError, PseudoTerminal, SerialLine
+from firmware_bridge.cli.console import one_message, refusal
+from firmware_bridge.node import CAN, SERIAL
+from firmware_bridge.shell.ports import Port, PortError, PseudoTerminal, SerialLine, open_can
 from firmware_bridge.shell.ports.pseudo_terminal import WORD
 from firmware_bridge.wire.canopen import FIRST_NODE, LAST_NODE
 from firmware_bridge.wire.maxon.frame import Generation
 
+Openers: TypeAlias = dict[str, Callable[[], Port]]
 SerialOption = Annotated[
     str | None,
     typer.Option(
@@ -59,3 +62,36 @@ def on_the_line(node: int | None, nodes: Sequence[int], *, serial: str | None) -
     if node is not None and node not in nodes:
         raise refusal(f"--serial-node {node}: there is no such node; there are {', '.join(map(str, nodes))}")
     return nodes[0] if node is None else node
+
+
+@dataclass(frozen=True, slots=True)
+class Outside:
+    """The links on which emulated drives meet the rest of the world."""
+
+    serial: str | None
+    serial_link: Path | None
+    protocol: Generation
+    interface: str | None
+    channel: str | None
+    bit_rate: int | None
+    default_bit_rate: int
+
+    def openers(self, baud: int) -> tuple[Openers, str]:
+        """Return what opens each link, and how they are called; a line that cannot be ends the program.
+
+        The line comes at once, because its name is found out only then. The CAN bus is left out where there
+        is a line and no bus was named.
+        """
+        found: Openers = {}
+        where = []
+        if self.serial is not None:
+            with one_message(PortError):
+                line = open_serial(self.serial, baud, self.serial_link)
+            found[SERIAL] = lambda: line
+            where.append(f"{line.name} ({self.protocol.value})")
+        if self.serial is None or self.interface or self.channel:
+            found[CAN] = lambda: open_can(
+                self.interface, self.channel, self.bit_rate, default_bit_rate=self.default_bit_rate
+            )
+            where.append("the bus")
+        return found, " and ".join(where)

@@ -28,9 +28,15 @@ MOVING: Final[Mapping[Address, str]] = MappingProxyType(
 """Objects whose writes may move something, and why."""
 
 
+_RESTING: Final = frozenset({at.TARGET_VELOCITY, at.VELOCITY_MODE_SETTING})
+"""Of these zero means rest, and what stops must not wait for an answer."""
+
+
 def why_it_may_move(address: Address, raw: bytes) -> str | None:
     """Return why writing this may set something in motion; None where it does not."""
     if address == at.CONTROLWORD:
         enables = command_of(int.from_bytes(raw[:2], "little")) is Command.ENABLE_OPERATION
         return "it enables operation, and may start a move" if enables else None
+    if address in _RESTING and not any(raw):
+        return None
     return MOVING.get(address)

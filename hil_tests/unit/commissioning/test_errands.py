@@ -240,3 +240,23 @@ def test_the_other_drive_s_answers_are_not_ours() -> None:
     client.receive(Packet(SERIAL, 0, bytes.fromhex("4B41600099990000")), 1)
     assert ended == []
     assert rig.tries(CanLink(NEAR), Read(at.STATUSWORD)) == b"\x40\5"
+
+
+def test_storing_is_asked_again_where_the_drive_has_surely_done_nothing() -> None:
+    link = SerialLink(Generation.V1)
+    assert link.begin(Write(Address(0x1010, 1), b"save"), 0) == (Packet(SERIAL, 0, b"\x11"),)
+    again = link.hear(Packet(SERIAL, 0, b"F"), 1)
+    assert again == (Packet(SERIAL, 0, b"\x11"),), (
+        "the drive took the first one for the rest of another command"
+    )
+    assert link.hear(Packet(SERIAL, 0, b"F"), 2) == ()
+    assert isinstance(link.take(), BrokenAnswerError)
+
+
+def test_after_silence_rs232_is_left_alone_until_the_drive_has_forgotten() -> None:
+    link = SerialLink(Generation.V1)
+    link.begin(Read(at.STATUSWORD), 0)
+    late = link.wake_at
+    assert link.wake(late) == ()
+    assert link.wake_at == late + 500_000_000, "0x2005 by default"
+    assert link.wake(link.wake_at) == (Packet(SERIAL, 0, b"\x10"),)

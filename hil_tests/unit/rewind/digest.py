@@ -7,6 +7,7 @@ the same values; which addresses they have does not count.
 import ctypes
 import gc
 import hashlib
+from array import array
 from enum import Enum
 from types import FunctionType, ModuleType
 from typing import Any, Final
@@ -16,7 +17,7 @@ import numpy as np
 from emulators.rewind import Outside, Rewind
 from fmu.plant import FmuPlant
 
-_SCALARS: Final = (int, str, bytes, bytearray, bool, type(None), complex, np.generic)
+_SCALARS: Final = (int, str, bytes, bytearray, array, bool, type(None), complex, np.generic)
 _SAME_FOR_ALL: Final = (type, ModuleType, ctypes.CDLL, Outside, Rewind)
 _Hash: Final = type(hashlib.sha256())
 

@@ -2,6 +2,7 @@
 
 import ctypes
 import struct
+from array import array
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -96,6 +97,7 @@ def changes(box: Box) -> None:
     box.frozen.call()
     box.pair.first.clear()
     box.record.count = 77
+    box.samples[1] = 7.5
     box.doubles[1] = 7.5
     box.double.value = -0.0
     box.array[2] = 3.0
@@ -118,6 +120,7 @@ def everything() -> Box:
         queue=deque(["x", "y"], maxlen=5),
         names={"x"},
         raw=bytearray(b"abc"),
+        samples=array("d", [1.0, 2.0]),
         slotted=slotted,
         mutable=Mutable(),
         frozen=Frozen(Box(value=1), counter()),
