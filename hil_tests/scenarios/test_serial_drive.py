@@ -13,9 +13,11 @@ from emulators.line import Line
 from emulators.rig import BRIDGE
 from emulators.run import Order, drive
 from firmware_bridge.bridge import Phase
-from firmware_bridge.node import Packet
+from firmware_bridge.node import CAN, Packet
 from firmware_bridge.robot import Robot, find
 from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
+from firmware_bridge.wire import canopen
+from firmware_bridge.wire.canopen import NmtCommand
 from firmware_bridge.wire.cia402 import State, state_of
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.maxon.frame import Generation
@@ -185,15 +187,29 @@ def test_a_drive_behind_the_gateway_that_falls_silent_stops_the_robot(rides: Rid
 
 
 def test_a_drive_that_restarts_behind_the_gateway_is_noticed_and_set_up_again(rides: Ridden) -> None:
-    one = rides(ARMED, step(6.5, arm=True), step(8.5, arm=True), seconds=10, robot=USB)
+    """Its target is 0 again then: the one that it was told before must be written anew."""
+    one = rides(
+        ARMED,
+        step(3.5, speed_mps=0.1, steer_deg=10),
+        step(6.5, speed_mps=0.0),
+        step(7.0, arm=True),
+        seconds=10,
+        robot=USB,
+    )
     one.runs_until(CUT_S)
-    one.rig.can_wire.carry(one.rig.world._stations["left"], Packet("can", 0, b"\x81\x03"))  # noqa: SLF001 - a stranger's word
+    steering = one.rig.devices.drives["steer"].store
+    target = steering.get(at.TARGET_POSITION)
+    assert target != 0
+    reset = Packet(CAN, canopen.NMT, canopen.encode_nmt(NmtCommand.RESET_NODE, 3))
+    one.rig.can_wire.carry(one.rig.world._stations["left"], reset)  # noqa: SLF001 - a stranger's word
     one.runs_until(6.0)
+    assert steering.get(at.TARGET_POSITION) != target
     assert "drive not enabled: steer" in one.holding
     assert not armed(one)
     one.runs_until(9.5)
     assert states(one) == [State.OPERATION_ENABLED] * 4
     assert armed(one)
+    assert steering.get(at.TARGET_POSITION) == pytest.approx(target, abs=5)
 
 
 def test_a_drive_that_does_not_notice_the_bridge_s_silence_is_not_driven(
