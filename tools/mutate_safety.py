@@ -42,6 +42,7 @@ GUARD_TESTS: Final = (
     "safety/test_guard_frames.py",
     "safety/test_guard_writes.py",
 )
+GUARD_SERIAL_TESTS: Final = ("safety/test_guard_serial.py",)
 QUICK: Final = ("-x", "-q", "--tb=no", f"--rootdir={ROOT}", "-pno:cacheprovider", "-pno:xdist")
 WARM_UP: Final = ROOT / "hil_tests/unit/motion/test_davis.py"
 """Needs nothing that is mutated: running it once makes every fork's pytest quick."""
@@ -52,6 +53,9 @@ TARGETS: Final = {
     "safety/gate": GATE_TESTS,
     "safety/guard": GUARD_TESTS,
     "safety/guard_axis": GUARD_TESTS,
+    "safety/guard_can": GUARD_TESTS,
+    "safety/guard_serial": GUARD_SERIAL_TESTS,
+    "safety/guard_serial_rules": GUARD_SERIAL_TESTS,
     "safety/guard_rules": GUARD_TESTS[::-1],
     "safety/guard_writes": GUARD_TESTS[::-1],
 }

@@ -8,7 +8,6 @@ from typing import Final
 
 from firmware_bridge.drivers.sdo_client import (
     Outcome,
-    SdoProtocolError,
     SdoRefusedError,
     SdoTimeoutError,
     Transfer,
@@ -133,10 +132,8 @@ class SerialClient:
         self._exchange.put(self._errand)
 
     def _judged(self, transfer: Transfer, result: Result, waited: Nanoseconds) -> Outcome:
-        if silent(result):
+        if isinstance(result, Failure) or silent(result):
             return SdoTimeoutError(transfer, waited)
-        if isinstance(result, Failure):
-            return SdoProtocolError(transfer, result.value)
         if not succeeded(result):
             return SdoRefusedError(transfer, result.error)
         return value_in(transfer.address, result) if isinstance(result, ObjectRead) else b""

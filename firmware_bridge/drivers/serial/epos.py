@@ -123,6 +123,8 @@ class EposSerial:
 
     def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
         """Do these tasks in order, in place of those under way."""
+        # It may have restarted since, and its target with it.
+        self._told.clear()
         return self._sent(self._agenda.begin(tasks, now))
 
     def command(self, demand: Demand) -> tuple[Packet, ...]:

@@ -25,7 +25,7 @@ class Proof:
     def __init__(
         self, axis: Axis, ear: Ear, watched: int, *, heard: Nanoseconds, within: Nanoseconds
     ) -> None:
-        """Take the node whose silence the drive shall notice; after which time of speech, within which time."""
+        """Take the node whose silence the drive shall notice, how long it speaks before, and how soon."""
         self._axis = axis
         self._ear = ear
         self._watched = watched
@@ -63,10 +63,9 @@ class Proof:
 
     def _judge(self, newest: int) -> Script:
         self.listens = False
-        if newest & _CODE != CONNECTION_LOST:
-            problem = (
-                f"fault 0x{newest & _CODE:04X} instead of 0x{CONNECTION_LOST:04X} at the bridge's silence"
-            )
+        came = newest & _CODE
+        if came != CONNECTION_LOST:
+            problem = f"fault 0x{came:04X} at the bridge's silence (expected 0x{CONNECTION_LOST:04X})"
             raise StartupError(self._axis, problem)
         self.given = True
         return ()

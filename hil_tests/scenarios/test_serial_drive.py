@@ -1,0 +1,256 @@
+"""RARS over the serial port of its first drive: one drive on the line, three behind it, in virtual time."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Final
+
+import pytest
+
+from emulators.bench import mission as missions
+from emulators.epos2.heartbeat import Consumer
+from emulators.line import Line
+from emulators.rig import BRIDGE
+from emulators.run import Order, drive
+from firmware_bridge.bridge import Phase
+from firmware_bridge.node import CAN, Packet
+from firmware_bridge.robot import Robot, find
+from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
+from firmware_bridge.wire import canopen
+from firmware_bridge.wire.canopen import NmtCommand
+from firmware_bridge.wire.cia402 import State, state_of
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.maxon.frame import Generation
+from hil_tests.scenarios.ride import ARMED, Ridden, Ride, step
+
+RARS: Final = find("rars")
+USB: Final = RARS.over_serial(Generation.V2)
+DRIVING: Final = (ARMED, step(3.5, speed_mps=0.3))
+CUT_S: Final = 5.0
+WATCH_S: Final = 0.2
+"""What the drives allow the bridge to be silent."""
+BRAKED_S: Final = 0.45
+"""The watch, one heartbeat that had just come, and the quick stop from 0.3 m/s."""
+
+
+def with_bus(robot: Robot, **changes: object) -> Robot:
+    bus = type(robot.bus).model_validate(robot.bus.model_dump() | changes)
+    return robot.model_copy(update={"bus": bus})
+
+
+def line_of(one: Ride) -> Line:
+    line = one.rig.line
+    assert line is not None
+    return line
+
+
+def states(one: Ride) -> list[State | None]:
+    """What the drives themselves say, whoever hears it."""
+    return [state_of(device.store.get(at.STATUSWORD)) for device in one.rig.devices.drives.values()]
+
+
+def armed(one: Ride) -> bool:
+    return one.rig.bridge.seen.armed
+
+
+@pytest.fixture(scope="module")
+def driven(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Robot], Path]:
+    """Drive the shipped line with each robot once, and return the folder of its results."""
+    folders: dict[str, Path] = {}
+
+    def results(robot: Robot) -> Path:
+        name = robot.bus.link.value
+        if name not in folders:
+            folders[name] = tmp_path_factory.mktemp(name)
+            order = Order(robot, "line", missions.find("line", robot), 0, folders[name])
+            drive(order, lambda _: None)
+        return folders[name]
+
+    return results
+
+
+@pytest.mark.timeout(240)
+def test_the_line_mission_arrives_as_over_can(driven: Callable[[Robot], Path]) -> None:
+    over_can, over_serial = (
+        json.loads((driven(robot) / "summary.json").read_text()) for robot in (RARS, USB)
+    )
+    assert over_serial["path_length_m"] == pytest.approx(over_can["path_length_m"], abs=0.002)
+    assert over_serial["max_speed_mps"] == pytest.approx(over_can["max_speed_mps"], abs=0.001)
+    assert over_serial["odometry_error_m"] < 0.001
+    assert {hold["name"] for hold in over_serial["holds"]} == {hold["name"] for hold in over_can["holds"]}
+    line = over_serial["line"]
+    assert over_can["line"] is None
+    assert (line["protocol"], line["baud"], line["cycle_ms"]) == ("v2", 1_000_000, 50.0)
+    assert line["bytes"] > 200_000
+    assert 20 < line["busy_percent"] < 60
+    assert line["longest_cycle_ms"] < line["cycle_ms"]
+    assert line["late_cycles"] == 0
+    assert over_serial["bus_load_percent"] > over_can["bus_load_percent"]
+
+
+def test_rs232_drives_with_the_longer_cycle_that_its_robot_file_says(rides: Ridden) -> None:
+    slow = with_bus(RARS.over_serial(Generation.V1), cycle_ms=140)
+    one = rides(ARMED, step(4.0, speed_mps=0.2, ramp_mps2=0.2), seconds=8, robot=slow)
+    one.runs(7)
+    assert one.now.speed_mps == pytest.approx(0.2, abs=0.002)
+    assert line_of(one).told(slow, one.rig.world.now).late_cycles == 0
+    assert one.rig.guard.refused == 0
+
+
+def test_steering_and_lift_reach_their_targets_through_the_gateway(rides: Ridden) -> None:
+    one = rides(
+        ARMED,
+        step(3.5, speed_mps=0.2, steer_deg=20),
+        step(6.0, speed_mps=0.0, steer_deg=0),
+        step(8.0, lift_m=0.05),
+        seconds=12,
+        robot=USB,
+    )
+    one.runs_until(5.9)
+    assert one.now.steer_rad == pytest.approx(0.349, abs=0.005)
+    assert one.now.speed_mps == pytest.approx(0.2, abs=0.005)
+    one.runs_until(11.5)
+    assert one.now.lift_m == pytest.approx(0.05, abs=0.002)
+    assert one.rig.guard.refused == 0
+
+
+def test_when_the_bridge_dies_all_four_drives_stop_by_their_own_watch(rides: Ridden) -> None:
+    """The gateway, too, which hears no heartbeat of the bridge: it misses the guarding of node 2."""
+    one = rides(*DRIVING, seconds=8, robot=USB)
+    one.runs_until(CUT_S)
+    assert one.now.speed_mps == pytest.approx(0.3, abs=0.005)
+    one.rig.world.silence(BRIDGE, one.rig.world.now)
+    one.runs_until(CUT_S + WATCH_S + 0.06)
+    assert State.OPERATION_ENABLED not in states(one)
+    one.runs_until(CUT_S + 1)
+    assert states(one) == [State.FAULT] * 4
+    assert one.stands_from(CUT_S, slower_than=0.01) < CUT_S + BRAKED_S
+
+
+def test_an_adapter_that_is_unplugged_is_told_within_a_cycle_and_needs_a_new_arm(rides: Ridden) -> None:
+    one = rides(
+        *DRIVING,
+        step(6.0, speed_mps=0.0),
+        step(7.0, arm=True),
+        step(9.0, speed_mps=0.2),
+        seconds=14,
+        robot=USB,
+    )
+    one.runs_until(CUT_S)
+    line_of(one).adapter.plugged = False
+    one.runs_until(CUT_S + 0.05)
+    assert "drives out of reach" in one.holding
+    one.runs_until(CUT_S + 0.1)
+    assert not armed(one)
+    one.runs_until(CUT_S + 1)
+    assert states(one) == [State.FAULT] * 4
+    assert one.stands_from(CUT_S, slower_than=0.01) < CUT_S + BRAKED_S
+    assert one.held("drives out of reach") == ["the serial line to the drives is gone"]
+    line_of(one).adapter.plugged = True
+    one.runs_until(6.9)
+    assert "drives out of reach" not in one.holding
+    assert one.held("drive fault: left")[0].endswith("reports fault 0x8130")
+    assert one.held("drive fault: lift")[0].endswith("reports fault 0x8130")
+    assert states(one) == [State.FAULT] * 4
+    assert not armed(one)
+    one.runs_until(8.9)
+    assert states(one) == [State.OPERATION_ENABLED] * 4
+    assert armed(one)
+    one.runs_until(10.0)
+    assert one.now.speed_mps == pytest.approx(0.2, abs=0.01)
+    assert one.rig.guard.refused == 1  # it spoke for the axes while the line was gone
+
+
+def test_no_arming_while_the_adapter_is_out(rides: Ridden) -> None:
+    one = rides(ARMED, step(5.5, arm=True), seconds=8, robot=USB)
+    one.runs_until(CUT_S)
+    line_of(one).adapter.plugged = False
+    one.runs_until(7)
+    assert not armed(one)
+    assert not any(drive.busy for drive in one.rig.bridge._fleet.drives)  # noqa: SLF001 - what arming begins
+
+
+def test_a_drive_behind_the_gateway_that_falls_silent_stops_the_robot(rides: Ridden) -> None:
+    one = rides(
+        *DRIVING, step(6.0, speed_mps=0.0), step(8.5, arm=True), step(10.0, arm=True), seconds=12, robot=USB
+    )
+    one.runs_until(CUT_S)
+    one.rig.world.silence("steer", one.rig.world.now)
+    one.runs_until(CUT_S + 0.35)
+    assert "drive silent: steer" in one.holding
+    assert not armed(one)
+    assert one.stands_from(CUT_S, slower_than=0.01) < CUT_S + 0.6
+    one.rig.world.silence("steer", NEVER)
+    one.runs_until(11.0)
+    assert states(one) == [State.OPERATION_ENABLED] * 4
+    assert armed(one)
+
+
+def test_a_drive_that_restarts_behind_the_gateway_is_noticed_and_set_up_again(rides: Ridden) -> None:
+    """Its target is 0 again then: the one that it was told before must be written anew."""
+    one = rides(
+        ARMED,
+        step(3.5, speed_mps=0.1, steer_deg=10),
+        step(6.5, speed_mps=0.0),
+        step(7.0, arm=True),
+        seconds=10,
+        robot=USB,
+    )
+    one.runs_until(CUT_S)
+    steering = one.rig.devices.drives["steer"].store
+    target = steering.get(at.TARGET_POSITION)
+    assert target != 0
+    reset = Packet(CAN, canopen.NMT, canopen.encode_nmt(NmtCommand.RESET_NODE, 3))
+    one.rig.can_wire.carry(one.rig.world._stations["left"], reset)  # noqa: SLF001 - a stranger's word
+    one.runs_until(6.0)
+    assert steering.get(at.TARGET_POSITION) != target
+    assert "drive not enabled: steer" in one.holding
+    assert not armed(one)
+    one.runs_until(9.5)
+    assert states(one) == [State.OPERATION_ENABLED] * 4
+    assert armed(one)
+    assert steering.get(at.TARGET_POSITION) == pytest.approx(target, abs=5)
+
+
+def test_a_drive_that_does_not_notice_the_bridge_s_silence_is_not_driven(
+    rides: Ridden, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A gateway to which a guarding answer is no heartbeat would be stopped by nobody."""
+    hear = Consumer.hear
+
+    def deaf(self: Consumer, payload: bytes, now: Nanoseconds) -> None:
+        if self.node != USB.guardian:
+            hear(self, payload, now)
+
+    monkeypatch.setattr(Consumer, "hear", deaf)
+    one = rides(ARMED, seconds=8, robot=USB)
+    one.runs_until(3)
+    bridge = one.rig.bridge
+    assert bridge.phase is Phase.FAILED
+    assert bridge.failure is not None
+    assert "drive 1 (left rear wheel): it did not notice that node 2 was silent" in bridge.failure
+    assert State.OPERATION_ENABLED not in states(one)
+
+
+def test_the_orderly_end_takes_the_power_off(rides: Ridden) -> None:
+    one = rides(*DRIVING, seconds=9, robot=USB)
+    one.runs_until(CUT_S)
+    one.ends()
+    one.runs_until(8)
+    assert one.rig.bridge.finished
+    assert states(one) == [State.SWITCH_ON_DISABLED] * 4
+    stores = [device.store for device in one.rig.devices.drives.values()]
+    assert [store.get(at.CONSUMER_HEARTBEAT_1) for store in stores] == [0] * 4
+
+
+@pytest.mark.parametrize("instant", [0.2, 0.9, 3.7, 4.2003])
+def test_a_run_over_serial_that_is_taken_back_goes_on_as_it_went(rides: Ridden, instant: float) -> None:
+    one = rides(*DRIVING, seconds=8, robot=USB)
+    one.runs_until(instant)
+    kept = one.rig.snapshot()
+    one.runs_until(instant + 0.5)
+    trace = one.rig.world.trace_sha256
+    one.rig.restore(kept)
+    assert one.rig.world.now == from_seconds(instant)
+    one.runs_until(instant + 0.5)
+    assert one.rig.world.trace_sha256 == trace

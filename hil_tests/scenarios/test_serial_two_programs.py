@@ -1,0 +1,162 @@
+"""`emulate` and `drive` as two programs on one pseudo-terminal, in real time; pyserial opens it."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import IO, Any, Final
+
+import pytest
+
+os.environ["MAVLINK20"] = "1"
+from pymavlink.dialects.v20 import common as mavlink
+
+from firmware_bridge.shell.clock import Clock
+from firmware_bridge.units import MILLISECOND, SECOND
+
+PROGRAM = Path(sys.executable).with_name("firmware-bridge")
+WITHIN: Final = 30 * SECOND
+"""A loaded machine takes its time; nothing here is measured."""
+
+pytestmark = pytest.mark.timeout(120)
+
+
+class Program:
+    """One run of the program, and everything that it has said."""
+
+    def __init__(self, log: Path, *words: str) -> None:
+        self._log = log
+        self._file: IO[str] = log.open("w", encoding="utf-8")
+        environment = os.environ | {"PYTHONUNBUFFERED": "1"}
+        self.process = subprocess.Popen(
+            [PROGRAM, *words], stdout=self._file, stderr=subprocess.STDOUT, env=environment
+        )
+
+    @property
+    def told(self) -> str:
+        return self._log.read_text(encoding="utf-8")
+
+    def says(self, text: str) -> bool:
+        return text in self.told
+
+    def ends(self) -> int:
+        self.process.send_signal(signal.SIGINT)
+        return self.process.wait(timeout=20)
+
+    def dies(self) -> None:
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()
+        self._file.close()
+
+
+def until(met: Callable[[], bool], what: Callable[[], str], meanwhile: Callable[[], None]) -> None:
+    clock = Clock()
+    while not met():
+        assert clock.now() < WITHIN, what()
+        meanwhile()
+        clock.wait([], clock.now() + 50 * MILLISECOND)
+
+
+@pytest.fixture
+def start(tmp_path: Path) -> Iterator[Callable[..., Program]]:
+    running: list[Program] = []
+
+    def begin(*words: str) -> Program:
+        running.append(Program(tmp_path / f"{len(running)}.log", *words))
+        return running[-1]
+
+    yield begin
+    for program in running:
+        program.dies()
+
+
+class Operator:
+    """A ground station that says the same again and again."""
+
+    def __init__(self, port: int) -> None:
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.setblocking(False)  # noqa: FBT003 - a socket's own word
+        self._to = ("127.0.0.1", port)
+        self._words: Any = mavlink.MAVLink(None, srcSystem=255, srcComponent=190)
+
+    def _says(self, message: Any) -> None:
+        self._socket.sendto(message.pack(self._words), self._to)
+
+    @property
+    def port(self) -> int:
+        return self._to[1]
+
+    def leaves(self) -> None:
+        self._socket.close()
+
+    def holds_the_stick(self) -> None:
+        self._says(mavlink.MAVLink_manual_control_message(1, 0, 0, 0, 0, 0))
+
+    def arms(self) -> None:
+        self.holds_the_stick()
+        self._says(mavlink.MAVLink_command_long_message(1, 1, 400, 0, 1.0, 0, 0, 0, 0, 0, 0))
+
+
+@pytest.fixture
+def operator() -> Iterator[Operator]:
+    made = Operator(free_port())
+    yield made
+    made.leaves()
+
+
+def free_port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def test_the_robot_is_armed_over_the_line_loses_it_and_is_armed_anew(
+    start: Callable[..., Program], operator: Operator, tmp_path: Path
+) -> None:
+    link = tmp_path / "rars.tty"
+    emulation = ("emulate", "rars", "--serial", "pty", "--serial-link", str(link), "--protocol", "v2")
+    drives = start(*emulation)
+    until(link.is_symlink, lambda: drives.told, lambda: None)
+    bridge = start("drive", "rars", "--serial", str(link), "--mavlink", f"udpin:127.0.0.1:{operator.port}")
+
+    def comes(text: str, meanwhile: Callable[[], None] = operator.holds_the_stick) -> None:
+        until(lambda: bridge.says(text), lambda: bridge.told, meanwhile)
+
+    comes("  armed", operator.arms)
+    assert bridge.says(f"bridge on {link} (v2, 1000000 Bd), node 1 passes on to the others")
+    drives.ends()
+    comes("drives out of reach: the serial line to the drives is gone (plug the adapter in again, then arm)")
+    comes("  disarmed")
+    start(*emulation)
+    comes("lets go: drives out of reach")
+    armed = bridge.told.count("  armed")
+    until(lambda: bridge.told.count("  armed") > armed, lambda: bridge.told, operator.arms)
+    assert bridge.ends() == 0, bridge.told
+    assert bridge.says("ended: SIGINT")
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (
+            ("--serial", "/dev/no-such"),
+            "cannot open serial port /dev/no-such at 1000000 Bd: there is no such",
+        ),
+        (
+            ("--serial", "/dev/ttyS0", "--protocol", "v1"),
+            "a cycle of 50 ms does not hold statusword of node 4",
+        ),
+        (("--baud", "9600"), "--protocol and --baud are of a serial port; name it with --serial DEVICE"),
+    ],
+)
+def test_mistakes_are_told_in_one_message(
+    start: Callable[..., Program], words: tuple[str, ...], message: str
+) -> None:
+    program = start("drive", "rars", *words)
+    assert program.process.wait(timeout=30) == 2
+    assert program.told.startswith(f"firmware-bridge: {message}")
+    assert program.told.count("\n") == 1

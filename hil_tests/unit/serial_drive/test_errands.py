@@ -1,0 +1,148 @@
+"""The errands of one line: one command at a time, the most urgent first, each with exactly one ending."""
+
+from dataclasses import dataclass, field
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from firmware_bridge.drivers.serial.errands import PATIENCE, Errand, Exchange, Rank, Result
+from firmware_bridge.node import LINE_BACK, LINE_LOST, MAXON, Packet
+from firmware_bridge.units import Nanoseconds
+from firmware_bridge.wire.maxon.frame import Answered, Failure
+from firmware_bridge.wire.maxon.messages import Done, ReadObject, Request, WriteObject
+from firmware_bridge.wire.maxon.opcodes import encode_answer
+from firmware_bridge.wire.maxon.packets import command, outcome_packet
+
+
+@dataclass
+class Notes:
+    """An owner who writes down what became of his errands."""
+
+    ends: list[tuple[Request, Result]] = field(default_factory=list)
+
+    def ended(self, _errand: Errand, request: Request, result: Result, _now: Nanoseconds) -> None:
+        self.ends.append((request, result))
+
+
+def write(number: int) -> WriteObject:
+    return WriteObject(0x60FF, 0, number, bytes(4))
+
+
+def done(request: Request, error: int = 0) -> Packet:
+    return outcome_packet(command(request).address, Answered(encode_answer(request, Done(error))))
+
+
+def failed(request: Request) -> Packet:
+    return outcome_packet(command(request).address, Failure.SILENCE)
+
+
+def test_the_most_urgent_goes_first_and_equals_in_their_order() -> None:
+    notes, exchange = Notes(), Exchange()
+    ranks = [Rank.ROTATING, Rank.TASK, Rank.SAMPLE, Rank.SAMPLE, Rank.BEAT, Rank.SET_POINT]
+    for number, rank in enumerate(ranks, 1):
+        exchange.put(Errand(rank, notes, (write(number),)))
+    order = []
+    sent = exchange.go_on()
+    while sent:
+        node = sent[0].payload[3]
+        order.append(node)
+        sent = exchange.hear(done(write(node)), 0)
+    assert order == [6, 5, 3, 4, 2, 1]
+
+
+def test_one_command_is_under_way_at_a_time() -> None:
+    notes, exchange = Notes(), Exchange()
+    exchange.put(Errand(Rank.TASK, notes, (write(1), write(2))))
+    assert exchange.go_on() == (command(write(1)),)
+    assert exchange.go_on() == ()
+    assert exchange.hear(done(write(1)), 5) == (command(write(2)),)
+
+
+def test_the_rest_of_an_errand_follows_only_a_success() -> None:
+    """A controlword must not make a target count that the drive did not take."""
+    for answer in (done(write(1), 0x0609_0030), failed(write(1))):
+        notes, exchange = Notes(), Exchange()
+        errand = Errand(Rank.SET_POINT, notes, (write(1), write(2)))
+        exchange.put(errand)
+        exchange.go_on()
+        assert exchange.hear(answer, 0) == ()
+        assert errand.over
+        assert [request for request, _ in notes.ends] == [write(1)]
+
+
+def test_a_dropped_errand_ends_with_the_command_that_is_under_way() -> None:
+    notes, exchange = Notes(), Exchange()
+    errand = Errand(Rank.SET_POINT, notes, (write(1), write(2)))
+    exchange.put(errand)
+    exchange.go_on()
+    exchange.drop(errand)
+    assert exchange.hear(done(write(1)), 0) == ()
+
+
+def test_what_answers_nothing_is_ignored() -> None:
+    notes, exchange = Notes(), Exchange()
+    assert exchange.hear(done(write(1)), 0) == ()
+    exchange.put(Errand(Rank.TASK, notes, (ReadObject(0x6041, 0, 1),)))
+    exchange.go_on()
+    exchange.hear(done(write(1)), 0)
+    assert notes.ends == []
+
+
+def test_a_command_that_nobody_answers_for_ends_at_last() -> None:
+    notes, exchange = Notes(), Exchange()
+    exchange.put(Errand(Rank.TASK, notes, (write(1),)))
+    exchange.go_on()
+    assert exchange.wake_at == PATIENCE
+    exchange.wake(PATIENCE - 1)
+    assert notes.ends == []
+    exchange.wake(PATIENCE)
+    assert notes.ends == [(write(1), Failure.SILENCE)]
+
+
+def test_on_a_lost_line_everything_fails_and_nothing_leaves_until_it_is_back() -> None:
+    notes, exchange = Notes(), Exchange()
+    for number in (1, 2):
+        exchange.put(Errand(Rank.TASK, notes, (write(number),)))
+    exchange.go_on()
+    assert exchange.hear(Packet(MAXON, LINE_LOST, b""), 7) == ()
+    assert notes.ends == [(write(1), Failure.SILENCE), (write(2), Failure.SILENCE)]
+    exchange.put(Errand(Rank.TASK, notes, (write(3),)))
+    assert exchange.go_on() == ()
+    assert exchange.wake_at == 0
+    exchange.wake(8)
+    assert notes.ends[-1] == (write(3), Failure.SILENCE)
+    exchange.hear(Packet(MAXON, LINE_BACK, b""), 9)
+    exchange.put(Errand(Rank.TASK, notes, (write(4),)))
+    assert exchange.go_on() == (command(write(4)),)
+
+
+ANSWERS = {"done": done(write(1)), "refused": done(write(1), 1), "failed": failed(write(1))}
+LINE = {
+    "lost": Packet(MAXON, LINE_LOST, b""),
+    "back": Packet(MAXON, LINE_BACK, b""),
+    "garbage": Packet(MAXON, 0x99, b"\xff"),
+}
+PUTS = st.tuples(st.sampled_from(Rank), st.integers(1, 3))
+EVENTS = st.lists(st.one_of(PUTS, st.sampled_from([*ANSWERS, *LINE])), max_size=60)
+
+
+@given(EVENTS)
+def test_whatever_happens_every_errand_ends_once_and_one_command_is_on_the_line(
+    events: list[tuple[Rank, int] | str],
+) -> None:
+    notes, exchange = Notes(), Exchange()
+    errands: list[Errand] = []
+    on_line: list[Packet] = []
+    for now, event in enumerate(events):
+        if isinstance(event, tuple):
+            rank, length = event
+            errands.append(Errand(rank, notes, tuple(write(n) for n in range(1, length + 1))))
+            exchange.put(errands[-1])
+            on_line += exchange.go_on()
+        elif event in LINE or on_line:
+            on_line = on_line if event in {"back", "garbage"} else []
+            on_line += exchange.hear(LINE.get(event) or ANSWERS[event], now)
+        assert len(on_line) <= 1
+    exchange.hear(LINE["lost"], len(events))
+    exchange.wake(len(events))
+    assert all(errand.over for errand in errands)
