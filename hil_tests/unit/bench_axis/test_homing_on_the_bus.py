@@ -12,7 +12,7 @@ from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.epos2.objects import OBJECTS
 from fmu.build import ensure
 from fmu.single_axis.parameters import SETS
-from hil_tests.unit.homing.axis_bench import TUNED, TURN
+from hil_tests.unit.bench_axis.axis_bench import TUNED, TURN
 from hil_tests.unit.world.players import Player
 
 # NMT start; 0x6098 := 2; RPDO2 shutdown and homing mode; then RPDO1 enable, and start.
