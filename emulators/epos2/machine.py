@@ -7,11 +7,13 @@ than the option codes and decelerations that its ramps need.
 from collections.abc import Callable
 from typing import Final
 
+from emulators.epos2 import contradictions
 from emulators.epos2.modes.motion import Motion
 from emulators.epos2.power import BY_TRIGGER, TIMED, Delays, Happening, Ramp, Stage, Transition, Trigger
 from emulators.epos2.store import ObjectStore
 from emulators.epos2.supervision import WATCHED, WATCHES, Reaction, reaction_to
 from emulators.servo.axis import ServoAxis
+from emulators.servo.sensors import align
 from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire.cia402 import Control, State, command_of
 from firmware_bridge.wire.epos2 import address as at
@@ -134,6 +136,7 @@ class PowerMachine:
         self._completing = None
         if row.stage is Stage.ON:
             self._axis.switch_on()
+            align(self._axis)
         elif row.stage is Stage.OFF and self._axis.powered:
             self._axis.switch_off()
             self._motion.forget()
@@ -145,6 +148,10 @@ class PowerMachine:
         self.due = NEVER
         if state in TIMED:
             self.due = self._axis.now + self._delays.of(state, self._store.get(at.MOTOR_TYPE))
+        if state is State.REFRESH:
+            contradiction = contradictions.found(self._store)
+            if contradiction is not None:
+                self.fail(contradiction)
         elif state is State.OPERATION_ENABLED:
             self._motion.begin(self._controlword)
         elif state is State.QUICK_STOP_ACTIVE:
@@ -183,9 +190,11 @@ class PowerMachine:
         """Turn what the axis found into faults; each is told once until it is reset."""
         flags = self._axis.flags
         if flags & WATCHED:
+            sensor_type = self._store.get(at.SENSOR_TYPE)
             for watch in WATCHES:
-                if flags & watch.flag and watch.code not in self.errors:
-                    self.fail(watch.code)
+                code = watch.code_in(self.state, sensor_type)
+                if flags & watch.flag and code not in self.errors and watch.measuring not in self.errors:
+                    self.fail(code)
 
     def fail(self, code: int, reaction: Reaction | None = None) -> None:
         """Report an error and bring the motor to rest; without a reaction given, as the table says."""
@@ -217,11 +226,15 @@ class PowerMachine:
         if self._motion.shaft.out_of_limits:
             self._motion.shaft.out_of_limits = False
             self.fail(emergency.POSITION_LIMIT)
+        if self._motion.shaft.too_far:
+            self._motion.shaft.too_far = False
+            self.fail(emergency.SOFTWARE_PARAMETER)
 
     def _reset_fault(self) -> None:
         rows = (EMERGENCIES.get(code) for code in self.errors)
         curable = all(row is None or row.recovery is Recovery.FAULT_RESET for row in rows)
-        if curable and not self._axis.flags & WATCHED:
+        contradicted = any(contradictions.stands(self._store, code) for code in self.errors)
+        if curable and not contradicted and not self._axis.flags & WATCHED:
             self.errors = ()
             self._go(Happening.FAULT_RESET)
             self._report(emergency.NO_ERROR)

@@ -7,11 +7,16 @@ know how a reaction is carried out.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
+from functools import reduce
+from operator import or_
 from types import MappingProxyType
 from typing import Final
 
+from emulators.epos2.sensing import ABSOLUTE
 from emulators.servo import axis as servo
+from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import emergency
+from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES, FaultReaction
 
 
@@ -21,6 +26,16 @@ class Watch:
 
     flag: int
     code: int
+    measuring: int = 0
+    """The emergency in its place while the drive looks for its commutation, in Measure init."""
+    absolute: int = 0
+    """The emergency in its place with a sensor that tells a position."""
+
+    def code_in(self, state: State, sensor_type: int) -> int:
+        """Return the emergency in this state, with this position sensor (0x2210:2)."""
+        if self.measuring and state is State.MEASURE_INIT:
+            return self.measuring
+        return self.absolute if self.absolute and sensor_type in ABSOLUTE else self.code
 
 
 WATCHES: Final = (
@@ -28,9 +43,40 @@ WATCHES: Final = (
     Watch(servo.OVER_VOLTAGE, emergency.OVER_VOLTAGE),
     Watch(servo.UNDER_VOLTAGE, emergency.UNDER_VOLTAGE),
     Watch(servo.FOLLOWING_ERROR, emergency.FOLLOWING_ERROR_TOO_LARGE),
+    Watch(servo.OVER_TEMPERATURE, emergency.OVER_TEMPERATURE),
+    Watch(servo.LOGIC_SUPPLY_LOW, emergency.LOGIC_SUPPLY),
+    Watch(servo.GATE_SUPPLY_LOW, emergency.OUTPUT_STAGE_SUPPLY),
+    Watch(servo.ENCODER_BROKEN, emergency.SENSOR_BREACH, absolute=emergency.SENSOR_POSITION),
+    Watch(servo.INDEX_LOST, emergency.ENCODER_INDEX),
+    Watch(servo.INDEX_DISTANCE_WRONG, emergency.ENCODER_RESOLUTION),
+    Watch(servo.HALL_IMPOSSIBLE, emergency.HALL_SENSOR, measuring=emergency.HALL_NOT_FOUND),
+    Watch(servo.HALL_ANGLE_APART, emergency.HALL_ANGLE),
+    Watch(servo.ENCODER_AGAINST_MOTOR, emergency.MAIN_SENSOR_DIRECTION),
+    Watch(servo.AUXILIARY_AGAINST_MAIN, emergency.AUXILIARY_SENSOR_DIRECTION),
+    Watch(servo.POSITION_LIMIT_PASSED, emergency.POSITION_LIMIT),
 )
+"""ASSUME: a cut cable is a position sensor breach (FF0A) with an incremental encoder, and a position that is
+no longer valid (7320) with one that tells a position; three hall sensors that all show the same are FF04
+while the drive looks for its commutation and FF01 later."""
 
-WATCHED: Final = servo.OVER_CURRENT | servo.OVER_VOLTAGE | servo.UNDER_VOLTAGE | servo.FOLLOWING_ERROR
+WATCHED: Final = reduce(or_, (watch.flag for watch in WATCHES))
+
+
+NOT_CARRIED_OUT: Final[Mapping[Address, int]] = MappingProxyType(
+    {
+        Address(0x2400, 3): emergency.IDENTIFICATION,
+        Address(0x2410, 1): emergency.IDENTIFICATION,
+        Address(0x2FFF, 1): emergency.GENERIC,
+    }
+)
+"""Objects that start what the emulation does not have, and the emergency in which the start ends.
+
+ASSUME: the drive answers as one whose identification of the motor, or whose download of firmware, has failed
+at its beginning. Nothing moves: an identification would send a current through the motor.
+"""
+SETPOINTS_IN_A_MILLISECOND: Final = 8
+"""More new target values than these within one ms overload the drive, which lacks the resources for them.
+ASSUME: the number."""
 
 
 class Reaction(Enum):

@@ -113,7 +113,7 @@ class Record:
     pins_before: int
     index_position: int
     index_passes: int
-    # The shaft's own step, what the count has lost or gained against it, and the rest of a count that is lost.
+    # The shaft's own step, what the count is apart from the shaft, and the rest of a count that gets lost.
     turned: int
     slipped: int
     loss_rest: int

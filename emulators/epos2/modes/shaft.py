@@ -13,6 +13,8 @@ from emulators.servo.scaling import acceleration_units, speed_units
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 
+LONGEST_MOVE_MS: Final = (1 << 31) - 1
+
 
 class Shaft:
     """Axis and store, in the units of the one and the objects of the other."""
@@ -24,6 +26,8 @@ class Shaft:
         """Bit 8 of the controlword is up, in a mode that heeds it."""
         self.out_of_limits = False
         """A target lay outside the software position limits 0x607D; cleared by who heeds it."""
+        self.too_far = False
+        """A target lay too far away for the velocity; cleared by who heeds it."""
 
     @property
     def stopped(self) -> bool:
@@ -38,9 +42,15 @@ class Shaft:
         brake(self.axis, self.store.get(address))
 
     def move(self, cruise: int, acceleration: Address, deceleration: Address) -> None:
-        """Go to the axis' target position with at most `cruise` (velocity units)."""
+        """Go to the axis' target position with at most `cruise` (velocity units), unless it is too far.
+
+        ASSUME: too far is what the profile's clock, 31 bits of ms, cannot tell.
+        """
         axis = self.axis
         axis.cruise = min(cruise, self.fastest())
+        if abs(axis.target_position - axis.position_demand) > axis.cruise * LONGEST_MOVE_MS:
+            self.too_far = True
+            return
         axis.acceleration = self.acceleration(acceleration)
         axis.deceleration = self.acceleration(deceleration)
         axis.stopping_distance = stopping_distance(axis.cruise, axis.deceleration)
