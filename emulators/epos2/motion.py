@@ -12,6 +12,7 @@ from emulators.epos2.machine import PowerMachine
 from emulators.epos2.modes.motion import Motion
 from emulators.epos2.modes.table import HEEDED, MODES
 from emulators.epos2.parameters import ACTUAL_VALUES, ONLY_WITHOUT_POWER, PARAMETERS, Parameter
+from emulators.epos2.pins import Pins
 from emulators.epos2.power import Delays
 from emulators.epos2.sensing import Sensing
 from emulators.epos2.store import ObjectStore
@@ -30,6 +31,7 @@ TRAPEZOID: Final = 0
 _STAGE_ON: Final = 1 << 4
 _REMOTE: Final = int(Status.REMOTE)
 _TARGET_REACHED: Final = int(Status.TARGET_REACHED)
+_REFERENCED: Final = int(Status.REFERENCED)
 _INTERNAL_LIMIT: Final = int(Status.INTERNAL_LIMIT)
 
 
@@ -46,10 +48,13 @@ class MotionControl:
         """Set hooks in the store; `report` takes emergency codes, and NO_ERROR when a fault was reset."""
         self._store = store
         self._axis = axis
-        self._motion = Motion(store, axis)
         self._recorder = DataRecorder(store, axis)
         self._tell = report
-        self._machine = PowerMachine(store, axis, self._motion, self._report, delays or Delays())
+        self.pins: Final = Pins(store, axis)
+        self._motion = Motion(store, axis, self.pins.inputs)
+        self._machine = PowerMachine(
+            store, axis, self._motion, self.pins, self._report, delays=delays or Delays()
+        )
         self._settings = Settings()
         self._operational = False
         self._busy = (0, 0)
@@ -103,7 +108,9 @@ class MotionControl:
             setattr(self._settings, row.setting, self._store.get(row.address))
         configure(self._axis, self._settings)
         self._sensing.apply()
+        self.pins.reset()
         self._motion.forget()
+        self._motion.shaft.referenced = False
         self._motion.set(self._store.get(at.MODE))
         self._store.set(at.MODE_DISPLAY, self._motion.number)
         self._machine.restart()
@@ -190,7 +197,10 @@ class MotionControl:
             word |= _TARGET_REACHED
         if self._operational:
             word |= _REMOTE
+        if self._motion.shaft.referenced:
+            word |= _REFERENCED
         if flags & CURRENT_LIMITED:
             word |= _INTERNAL_LIMIT
+        self.pins.outputs.refresh()
         failed = emergency.FOLLOWING_ERROR_TOO_LARGE in self._machine.errors
         self._store.set(at.STATUSWORD, word | mode.status(failed=failed))

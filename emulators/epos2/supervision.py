@@ -47,7 +47,7 @@ WATCHES: Final = (
     Watch(servo.LOGIC_SUPPLY_LOW, emergency.LOGIC_SUPPLY),
     Watch(servo.GATE_SUPPLY_LOW, emergency.OUTPUT_STAGE_SUPPLY),
     Watch(servo.ENCODER_BROKEN, emergency.SENSOR_BREACH, absolute=emergency.SENSOR_POSITION),
-    Watch(servo.INDEX_LOST, emergency.ENCODER_INDEX),
+    Watch(servo.INDEX_LOST, emergency.INDEX),
     Watch(servo.INDEX_DISTANCE_WRONG, emergency.ENCODER_RESOLUTION),
     Watch(servo.HALL_IMPOSSIBLE, emergency.HALL_SENSOR, measuring=emergency.HALL_NOT_FOUND),
     Watch(servo.HALL_ANGLE_APART, emergency.HALL_ANGLE),
@@ -58,6 +58,11 @@ WATCHES: Final = (
 """ASSUME: a cut cable is a position sensor breach (FF0A) with an incremental encoder, and a position that is
 no longer valid (7320) with one that tells a position; three hall sensors that all show the same are FF04
 while the drive looks for its commutation and FF01 later."""
+
+POSITION_LOST: Final = frozenset(
+    {emergency.SENSOR_POSITION, emergency.INDEX, emergency.ENCODER_RESOLUTION, emergency.SENSOR_BREACH}
+)
+"""Emergencies after which the position is no longer referenced (ASSUME: those of the encoder)."""
 
 WATCHED: Final = reduce(or_, (watch.flag for watch in WATCHES))
 

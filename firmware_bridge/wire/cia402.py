@@ -52,7 +52,11 @@ class Status(IntFlag):
     """Profile position mode."""
     SPEED_IS_ZERO = 1 << 12
     """Profile velocity mode."""
+    HOMING_ATTAINED = 1 << 12
+    """Homing mode."""
     FOLLOWING_ERROR = 1 << 13
+    HOMING_ERROR = 1 << 13
+    """Homing mode."""
     REFERENCED = 1 << 15
 
 

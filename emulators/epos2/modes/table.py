@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import Final
 
 from emulators.epos2.modes.direct import Current, Position, Velocity
+from emulators.epos2.modes.homing import Homing
 from emulators.epos2.modes.mode import ModeOfOperation
 from emulators.epos2.modes.profile_position import ProfilePosition
 from emulators.epos2.modes.profile_velocity import ProfileVelocity
@@ -18,7 +19,7 @@ from firmware_bridge.wire.epos2.address import Address
 MODES: Final[Mapping[int, type[ModeOfOperation]]] = MappingProxyType(
     {
         Mode.INTERPOLATED_POSITION: ModeOfOperation,
-        Mode.HOMING: ModeOfOperation,
+        Mode.HOMING: Homing,
         Mode.PROFILE_VELOCITY: ProfileVelocity,
         Mode.PROFILE_POSITION: ProfilePosition,
         Mode.POSITION: Position,
