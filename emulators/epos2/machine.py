@@ -12,7 +12,7 @@ from emulators.epos2.modes.motion import Motion
 from emulators.epos2.pins import Pins
 from emulators.epos2.power import BY_TRIGGER, TIMED, Delays, Happening, Ramp, Stage, Transition, Trigger
 from emulators.epos2.store import ObjectStore
-from emulators.epos2.supervision import POSITION_LOST, WATCHED, WATCHES, Reaction, reaction_to
+from emulators.epos2.supervision import POSITION_LOST, WATCHED, Reaction, met, reaction_to
 from emulators.servo.axis import ServoAxis
 from emulators.servo.sensors import align
 from firmware_bridge.units import NEVER, Nanoseconds
@@ -245,13 +245,9 @@ class PowerMachine:
         self._inputs.refresh()
         if self._inputs.executed:
             self._heed_limits()
-        flags = self._axis.flags
-        if flags & WATCHED:
-            sensor_type = self._store.get(at.SENSOR_TYPE)
-            for watch in WATCHES:
-                code = watch.code_in(self.state, sensor_type)
-                if flags & watch.flag and code not in self.errors and watch.measuring not in self.errors:
-                    self.fail(code)
+        if self._axis.flags & WATCHED:
+            for code in met(self._axis.flags, self.state, self._store.get(at.SENSOR_TYPE), self.errors):
+                self.fail(code)
 
     def _heed_limits(self) -> None:
         inputs, motion = self._inputs, self._motion
@@ -290,12 +286,8 @@ class PowerMachine:
         )
 
     def _check_limits(self) -> None:
-        if self._motion.shaft.out_of_limits:
-            self._motion.shaft.out_of_limits = False
-            self.fail(emergency.POSITION_LIMIT)
-        if self._motion.shaft.too_far:
-            self._motion.shaft.too_far = False
-            self.fail(emergency.SOFTWARE_PARAMETER)
+        for code in self._motion.shaft.refusals():
+            self.fail(code)
 
     def _reset_fault(self) -> None:
         rows = (EMERGENCIES.get(code) for code in self.errors)

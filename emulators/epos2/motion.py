@@ -201,6 +201,6 @@ class MotionControl:
             word |= _REFERENCED
         if flags & CURRENT_LIMITED:
             word |= _INTERNAL_LIMIT
-        self.pins.outputs.refresh()
+        self.pins.refresh()
         failed = emergency.FOLLOWING_ERROR_TOO_LARGE in self._machine.errors
         self._store.set(at.STATUSWORD, word | mode.status(failed=failed))

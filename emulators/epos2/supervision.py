@@ -4,7 +4,7 @@ Sources: EPOS Firmware Specification, error handling (by analogy); option codes 
 know how a reaction is carried out.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from functools import reduce
@@ -65,6 +65,17 @@ POSITION_LOST: Final = frozenset(
 """Emergencies after which the position is no longer referenced (ASSUME: those of the encoder)."""
 
 WATCHED: Final = reduce(or_, (watch.flag for watch in WATCHES))
+
+
+def met(flags: int, state: State, sensor_type: int, told: Collection[int]) -> tuple[int, ...]:
+    """Return the emergencies that the axis' flags stand for, but for those that have been told."""
+    return tuple(
+        code
+        for watch in WATCHES
+        if flags & watch.flag
+        and (code := watch.code_in(state, sensor_type)) not in told
+        and watch.measuring not in told
+    )
 
 
 NOT_CARRIED_OUT: Final[Mapping[Address, int]] = MappingProxyType(

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from types import MappingProxyType, ModuleType
 from typing import Final
 
-from emulators.servo import axis, loops, recorder, scaling, seam, sensors, signals, winding
+from emulators.servo import axis, compare, loops, recorder, scaling, seam, sensors, signals, winding
 from emulators.servo.axis import ServoAxis
 from emulators.servo.kernel import NATIVE_FOLDER, BankRecord, Ended, LineRecord
 from emulators.servo.recorder import Recorder
@@ -42,6 +42,7 @@ CONSTANTS: Final[tuple[tuple[ModuleType, tuple[str, ...]], ...]] = (
     (sensors, ("INDEX_TOLERANCE", "INDEX_SOONEST", "INDEX_TURNS", "PER_MILLE", "CONTRARY_MS")),
     (loops, ("AVERAGE", "WIDEST_SPEED", "WIDEST_WAY")),
     (signals, ("WRAP", "HALF")),
+    (compare, ("DOWNWARDS", "UPWARDS")),
     (recorder, ("MOVEMENT_START", "INPUT_EDGE", "MOVEMENT_END")),
     (scaling, ("VELOCITY_PLACES", "POSITION_P_PLACES", "POSITION_I_PLACES", "POSITION_D_PLACES")),
     (scaling, ("SPEED_FORWARD_PLACES", "ACCELERATION_FORWARD_PLACES", "FILTER_PLACES")),

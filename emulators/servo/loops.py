@@ -25,6 +25,7 @@ from emulators.servo.axis import (
     VELOCITY,
     ServoAxis,
 )
+from emulators.servo.compare import compare
 from emulators.servo.profile import move, ramp
 from emulators.servo.scaling import (
     ACCELERATION_FORWARD_PLACES,
@@ -81,6 +82,8 @@ def millisecond(axis: ServoAxis, encoder: int) -> bool:
             flags |= arrival(axis, flags)
     flags |= rest(axis) | threshold(axis)
     raised = notice(axis)
+    if axis.compare_direction or axis.compare_left:
+        raised = compare(axis) or raised
     flags |= supervise(axis) | bounds(axis)
     axis.flags = flags
     if axis.call:

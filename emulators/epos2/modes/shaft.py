@@ -12,6 +12,7 @@ from emulators.servo.commands import brake, judge_anew, regulate_position
 from emulators.servo.profile import stopping_distance
 from emulators.servo.scaling import acceleration_units, speed_units
 from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2 import emergency
 from firmware_bridge.wire.epos2.address import Address
 
 LONGEST_MOVE_MS: Final = (1 << 31) - 1
@@ -29,9 +30,19 @@ class Shaft:
         self.referenced = False
         """Bit 15: a homing has found where the shaft is."""
         self.out_of_limits = False
-        """A target lay outside the software position limits 0x607D; cleared by who heeds it."""
+        """A target lay outside the software position limits 0x607D."""
         self.too_far = False
-        """A target lay too far away for the velocity; cleared by who heeds it."""
+        """A target lay too far away for the velocity."""
+
+    def refusals(self) -> tuple[int, ...]:
+        """Return the emergencies of targets that were refused since the last time."""
+        if not (self.out_of_limits or self.too_far):
+            return ()
+        codes = (emergency.POSITION_LIMIT,) if self.out_of_limits else ()
+        if self.too_far:
+            codes = (*codes, emergency.SOFTWARE_PARAMETER)
+        self.out_of_limits = self.too_far = False
+        return codes
 
     @property
     def stopped(self) -> bool:

@@ -1,5 +1,6 @@
 /* What an axis does every millisecond: loops.py says it readably. */
 #include "arithmetic.h"
+#include "compare.h"
 #include "kernel.h"
 #include "profile.h"
 #include "sensors.h"
@@ -173,6 +174,8 @@ int64_t servo_millisecond(servo_axis *axis, int64_t encoder)
     }
     flags |= rest(axis) | servo_threshold(axis);
     noticed = servo_notice(axis);
+    if (axis->compare_direction || axis->compare_left)
+        noticed = servo_compare(axis) || noticed;
     flags |= servo_supervise(axis) | bounds(axis);
     axis->flags = flags;
     if (axis->call) {

@@ -77,6 +77,9 @@ def test_whatever_is_wrong_both_notice_alike(
             axis.hall_angle_supervised, axis.auxiliary_supervised, axis.position_limited = map(int, marks[3:])
             axis.hall_pole_pairs = pairs[0]
             axis.lowest_qc, axis.highest_qc = -limit, limit
+            axis.compare_direction, axis.compare_width = seed % 4, limit
+            axis.compare_first, axis.compare_last = -(seed % 3), seed % 5
+            axis.compare_pulse_ms = 1 + seed % 3
             Surroundings(axis).motor(pole_pairs=pairs[1])
             Surroundings(axis).wires(cables)
             Surroundings(axis).air(air)
