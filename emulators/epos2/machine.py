@@ -7,19 +7,18 @@ than the option codes and decelerations that its ramps need.
 from collections.abc import Callable
 from typing import Final
 
-from emulators.epos2 import contradictions
+from emulators.epos2 import contradictions, supervision
 from emulators.epos2.modes.motion import Motion
 from emulators.epos2.pins import Pins
 from emulators.epos2.power import BY_TRIGGER, TIMED, Delays, Happening, Ramp, Stage, Transition, Trigger
 from emulators.epos2.store import ObjectStore
-from emulators.epos2.supervision import POSITION_LOST, WATCHED, Reaction, met, reaction_to
+from emulators.epos2.supervision import WATCHED, Reaction
 from emulators.servo.axis import ServoAxis
 from emulators.servo.sensors import align
 from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire.cia402 import Command, Control, State, command_of
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2 import emergency
-from firmware_bridge.wire.epos2.emergency import EMERGENCIES, Recovery
 from firmware_bridge.wire.epos2.functions import OutputFunction
 
 # The controlword's bits as plain numbers: flags are slow, and every frame is looked at.
@@ -58,8 +57,8 @@ class PowerMachine:
         self.errors: tuple[int, ...] = ()
         """Codes that stand since the last fault reset, in their order."""
         self._controlword = 0
-        self._delayed: int | None = None
-        """A controlword that waits until the present command is completed."""
+        self._delayed: tuple[int, int] | None = None
+        """A controlword that waits until the present command is completed, and the one before it."""
         self._completing: Transition | None = None
         """A transition whose slow-down ramp runs."""
         self._latching = False
@@ -100,7 +99,9 @@ class PowerMachine:
             if word & ~before & _FAULT_RESET:
                 self._reset_fault()
         elif self._under_way or self.state in _TRANSIENT:
-            self._delayed = word
+            # What waits for the brake keeps its edges; other states have none to keep.
+            since = before if self._delayed is None else self._delayed[1]
+            self._delayed = word, since if self._releasing else word
         else:
             self._obey(word, before)
 
@@ -232,8 +233,8 @@ class PowerMachine:
             self._delayed = None
             self._go(Happening.REACTED)
         elif self._delayed is not None and self.state not in _WAITING and not self._under_way:
-            word, self._delayed = self._delayed, None
-            self._obey(word, word)
+            delayed, self._delayed = self._delayed, None
+            self._obey(*delayed)
         else:
             return False
         return True
@@ -243,28 +244,33 @@ class PowerMachine:
     def supervise(self) -> None:
         """Turn what the axis found into faults; each is told once until it is reset."""
         self._inputs.refresh()
-        if self._inputs.executed:
-            self._heed_limits()
         if self._axis.flags & WATCHED:
-            for code in met(self._axis.flags, self.state, self._store.get(at.SENSOR_TYPE), self.errors):
+            for code in supervision.findings(
+                self._axis.flags, self.state, self._store.get(at.SENSOR_TYPE), self.errors
+            ):
                 self.fail(code)
 
-    def _heed_limits(self) -> None:
+    def heed_limits(self) -> None:
+        """Stop at a limit switch; asked when every set-point is taken, for it may lead into one."""
         inputs, motion = self._inputs, self._motion
-        if self._axis.powered and self.state is not State.FAULT_REACTION_ENABLED:
-            for code in inputs.limits_met(motion.shaft.heading, motion.mode.sought):
-                self.fail(code)
+        if not inputs.executed or not self._axis.powered or self.state is State.FAULT_REACTION_ENABLED:
+            return
+        met = inputs.limits_met(motion.shaft.heading, motion.mode.sought)
+        if met and not inputs.risen:
+            motion.shaft.forget_demand()
+        for code in met:
+            self.fail(code)
 
     def fail(self, code: int, reaction: Reaction | None = None) -> None:
         """Report an error and bring the motor to rest; without a reaction given, as the table says."""
         self._report(code)
         if reaction is None:
-            reaction = reaction_to(code, self._store.get(at.FAULT_REACTION_OPTION))
+            reaction = supervision.reaction_to(code, self._store.get(at.FAULT_REACTION_OPTION))
         if reaction is Reaction.NONE:
             return
         if code not in self.errors:
             self.errors = (*self.errors, code)
-        if code in POSITION_LOST:
+        if code in supervision.POSITION_LOST:
             self._motion.shaft.referenced = False
         self._motion.mode.fail()
         self._completing = None
@@ -281,19 +287,15 @@ class PowerMachine:
 
     def cured_by_communication_reset(self) -> None:
         """Let go of the errors that only the network's reset cures."""
-        self.errors = tuple(
-            code for code in self.errors if EMERGENCIES[code].recovery is not Recovery.RESET_COMMUNICATION
-        )
+        self.errors = supervision.left_by_communication_reset(self.errors)
 
     def _check_limits(self) -> None:
         for code in self._motion.shaft.refusals():
             self.fail(code)
 
     def _reset_fault(self) -> None:
-        rows = (EMERGENCIES.get(code) for code in self.errors)
-        curable = all(row is None or row.recovery is Recovery.FAULT_RESET for row in rows)
         contradicted = any(contradictions.stands(self._store, code) for code in self.errors)
-        if curable and not contradicted and not self._axis.flags & WATCHED:
+        if supervision.curable(self.errors) and not contradicted and not self._axis.flags & WATCHED:
             self.errors = ()
             self._go(Happening.FAULT_RESET)
             self._report(emergency.NO_ERROR)

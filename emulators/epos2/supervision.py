@@ -17,7 +17,7 @@ from emulators.servo import axis as servo
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import emergency
 from firmware_bridge.wire.epos2.address import Address
-from firmware_bridge.wire.epos2.emergency import EMERGENCIES, FaultReaction
+from firmware_bridge.wire.epos2.emergency import EMERGENCIES, FaultReaction, Recovery
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +67,7 @@ POSITION_LOST: Final = frozenset(
 WATCHED: Final = reduce(or_, (watch.flag for watch in WATCHES))
 
 
-def met(flags: int, state: State, sensor_type: int, told: Collection[int]) -> tuple[int, ...]:
+def findings(flags: int, state: State, sensor_type: int, told: Collection[int]) -> tuple[int, ...]:
     """Return the emergencies that the axis' flags stand for, but for those that have been told."""
     return tuple(
         code
@@ -132,3 +132,18 @@ def reaction_to(code: int, fault_option: int) -> Reaction:
     if row.reaction is FaultReaction.NONE:
         return Reaction.NONE
     return FAULT_OPTIONS.get(fault_option, Reaction.QUICK_STOP)
+
+
+def curable(errors: Collection[int]) -> bool:
+    """Return whether a fault reset is enough for all of them."""
+    rows = (EMERGENCIES.get(code) for code in errors)
+    return all(row is None or row.recovery is Recovery.FAULT_RESET for row in rows)
+
+
+def left_by_communication_reset(errors: Collection[int]) -> tuple[int, ...]:
+    """Return the errors without those that reset communication cures."""
+    return tuple(
+        code
+        for code in errors
+        if code not in EMERGENCIES or EMERGENCIES[code].recovery is not Recovery.RESET_COMMUNICATION
+    )
