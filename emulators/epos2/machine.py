@@ -281,8 +281,7 @@ class PowerMachine:
             if reaction is Reaction.DISABLE:
                 self._go(Happening.REACTED)
             else:
-                slow = reaction is Reaction.SLOW_DOWN
-                self._stop(at.PROFILE_DECELERATION if slow else at.QUICK_STOP_DECELERATION)
+                self._stop(supervision.DECELERATIONS[reaction])
         self.advance()
 
     def cured_by_communication_reset(self) -> None:

@@ -15,6 +15,7 @@ from typing import Final
 from emulators.epos2.sensing import ABSOLUTE
 from emulators.servo import axis as servo
 from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2 import emergency
 from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES, FaultReaction, Recovery
@@ -103,6 +104,11 @@ class Reaction(Enum):
     SLOW_DOWN = "ramp with 0x6084, then off"
     QUICK_STOP = "ramp with 0x6085, then off"
 
+
+DECELERATIONS: Final[Mapping[Reaction, Address]] = MappingProxyType(
+    {Reaction.SLOW_DOWN: at.PROFILE_DECELERATION, Reaction.QUICK_STOP: at.QUICK_STOP_DECELERATION}
+)
+"""What a ramp brakes with."""
 
 FAULT_OPTIONS: Final[Mapping[int, Reaction]] = MappingProxyType(
     {

@@ -30,7 +30,7 @@ DEEDS = st.one_of(
     st.tuples(st.just("logic"), st.sampled_from((5.0, 3.0))),
     st.tuples(st.just("gate"), st.sampled_from((12.0, 5.0))),
     st.tuples(st.just("supply"), st.sampled_from((24_000, 24_000, 5_000, 90_000))),
-    st.tuples(st.just("load"), st.floats(-0.01, 0.01)),
+    st.tuples(st.just("load"), st.floats(-0.004, 0.004)),
     st.tuples(st.just("pins"), st.integers(0, 0x1FF)),
     st.tuples(st.just("limits"), st.integers(-3000, 3000)),
     st.tuples(st.just("command"), st.sampled_from((0x00, 0x02, 0x06, 0x0F, 0x1F, 0x80, 0x10F))),
