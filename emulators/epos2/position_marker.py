@@ -6,6 +6,8 @@ history holds the positions before the captured one; writing 0 to the counter ar
 them, any other number is refused.
 """
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Final
 
 from emulators.epos2.digital_inputs import DigitalInputs
@@ -23,8 +25,8 @@ HISTORY: Final = (Address(0x2074, 5), Address(0x2074, 6))
 BOTH_EDGES: Final = 0
 RISING: Final = 1
 FALLING: Final = 2
-MOST: Final = (0xFFFF_FFFF, 1, 3)
-"""How many edges count in each mode: continuous, single, multiple."""
+MOST: Final[Mapping[int, int]] = MappingProxyType({1: 1, 2: 3})
+"""How many edges count in the modes single and multiple; in the other one, continuous, all do."""
 
 
 class PositionMarker:
@@ -53,7 +55,7 @@ class PositionMarker:
         wanted = store.get(EDGE_TYPE)
         counts = wanted in (BOTH_EDGES, RISING if active else FALLING)
         executed = store.get(INPUT_EXECUTION) & InputFunction.POSITION_MARKER.bit
-        if counts and executed and store.get(COUNTER) < MOST[store.get(MODE)]:
+        if counts and executed and store.get(COUNTER) < MOST.get(store.get(MODE), 1 << 16):
             self._capture()
 
     def _capture(self) -> None:
