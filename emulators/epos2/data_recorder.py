@@ -32,6 +32,7 @@ MOST_SAMPLES: Final = Address(0x2018)
 RECORDED_SAMPLES: Final = Address(0x2019)
 START_OFFSET: Final = Address(0x201A)
 BUFFER: Final = Address(0x201B)
+MOST_VARIABLES: Final = 4
 MEMORY_WORDS: Final = 512
 WORD_BYTES: Final = 2
 START: Final = 1 << 0
@@ -111,7 +112,7 @@ class DataRecorder:
             self._axis,
             tuple(field for address in chosen for field in RECORDABLE[address]),
             capacity=capacity,
-            period=store.get(SAMPLING_PERIOD),
+            period=max(1, store.get(SAMPLING_PERIOD)),
             preceding=min(store.get(PRECEDING_SAMPLES), capacity),
         )
         self._recorded = chosen
@@ -119,7 +120,7 @@ class DataRecorder:
 
     def _chosen(self) -> tuple[Address, ...]:
         get = self._store.get
-        places = range(1, get(VARIABLES) + 1)
+        places = range(1, min(get(VARIABLES), MOST_VARIABLES) + 1)
         return tuple(Address(get(Address(0x2015, k)), get(Address(0x2016, k))) for k in places)
 
     def _capacity(self, chosen: tuple[Address, ...]) -> int:

@@ -25,7 +25,7 @@ from emulators.epos2.process_data import ProcessData
 from emulators.epos2.profile import EPOS2_70_10, DeviceProfile
 from emulators.epos2.sdo_server import SdoServer
 from emulators.epos2.store import ObjectStore
-from emulators.servo.axis import ServoAxis
+from emulators.servo.axis import STAGE_RISE_MC, ServoAxis
 from firmware_bridge.node import CAN, Packet, Reaction
 from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire import canopen
@@ -70,6 +70,7 @@ class Epos2:
         self._lss = LssSlave(self.store, self._memory, lambda: self.node_id, self._switch_rate)
         self._pdo = ProcessData(self.store, profile, lambda: self.nmt_state)
         axis.over_current_ma, axis.over_voltage_mv = profile.over_current_ma, profile.over_voltage_mv
+        axis.square_per_mc = profile.continuous_current_ma**2 // STAGE_RISE_MC
         self.motion: Final = motion(self.store, axis, self._report)
         self._routes: dict[int, _Heard] = {}
         self._idle = Reaction()
@@ -170,6 +171,9 @@ class Epos2:
         self._send(canopen.ERROR_CONTROL + self.node_id, canopen.encode_heartbeat(NmtState.BOOT_UP))
         self._errors.begin(self._now)
         self._enter(NmtState.PRE_OPERATIONAL)
+        if self._memory.lost:
+            self._memory.lost = False
+            self.motion.communication_fault(emergency.INTERNAL_SOFTWARE)
 
     def _enter(self, state: NmtState) -> None:
         before, self.nmt_state = self.nmt_state, state

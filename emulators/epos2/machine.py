@@ -7,17 +7,18 @@ than the option codes and decelerations that its ramps need.
 from collections.abc import Callable
 from typing import Final
 
+from emulators.epos2 import contradictions, supervision
 from emulators.epos2.modes.motion import Motion
 from emulators.epos2.pins import Pins
 from emulators.epos2.power import BY_TRIGGER, TIMED, Delays, Happening, Ramp, Stage, Transition, Trigger
 from emulators.epos2.store import ObjectStore
-from emulators.epos2.supervision import POSITION_LOST, WATCHED, WATCHES, Reaction, reaction_to
+from emulators.epos2.supervision import WATCHED, Reaction
 from emulators.servo.axis import ServoAxis
+from emulators.servo.sensors import align
 from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire.cia402 import Command, Control, State, command_of
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2 import emergency
-from firmware_bridge.wire.epos2.emergency import EMERGENCIES, Recovery
 from firmware_bridge.wire.epos2.functions import OutputFunction
 
 # The controlword's bits as plain numbers: flags are slow, and every frame is looked at.
@@ -176,6 +177,7 @@ class PowerMachine:
         self._completing = None
         if row.stage is Stage.ON:
             self._axis.switch_on()
+            align(self._axis)
         elif row.stage is Stage.OFF and self._axis.powered:
             self._brake.close()
             self._releasing = False
@@ -190,6 +192,10 @@ class PowerMachine:
         self._due = NEVER
         if state in TIMED:
             self._due = self._axis.now + self._delays.of(state, self._store.get(at.MOTOR_TYPE))
+        if state is State.REFRESH:
+            contradiction = contradictions.found(self._store)
+            if contradiction is not None:
+                self.fail(contradiction)
         elif state is State.OPERATION_ENABLED:
             self._releasing = self._brake.release()
             if self._releasing:
@@ -238,11 +244,11 @@ class PowerMachine:
     def supervise(self) -> None:
         """Turn what the axis found into faults; each is told once until it is reset."""
         self._inputs.refresh()
-        flags = self._axis.flags
-        if flags & WATCHED:
-            for watch in WATCHES:
-                if flags & watch.flag and watch.code not in self.errors:
-                    self.fail(watch.code)
+        if self._axis.flags & WATCHED:
+            for code in supervision.findings(
+                self._axis.flags, self.state, self._store.get(at.SENSOR_TYPE), self.errors
+            ):
+                self.fail(code)
         self._heed()
 
     def heed_limits(self) -> None:
@@ -260,12 +266,12 @@ class PowerMachine:
         """Report an error and bring the motor to rest; without a reaction given, as the table says."""
         self._report(code)
         if reaction is None:
-            reaction = reaction_to(code, self._store.get(at.FAULT_REACTION_OPTION))
+            reaction = supervision.reaction_to(code, self._store.get(at.FAULT_REACTION_OPTION))
         if reaction is Reaction.NONE:
             return
         if code not in self.errors:
             self.errors = (*self.errors, code)
-        if code in POSITION_LOST:
+        if code in supervision.POSITION_LOST:
             self._motion.shaft.referenced = False
         self._motion.mode.fail()
         self._completing = None
@@ -276,15 +282,12 @@ class PowerMachine:
             if reaction is Reaction.DISABLE:
                 self._go(Happening.REACTED)
             else:
-                slow = reaction is Reaction.SLOW_DOWN
-                self._stop(at.PROFILE_DECELERATION if slow else at.QUICK_STOP_DECELERATION)
+                self._stop(supervision.DECELERATIONS[reaction])
         self.advance()
 
     def cured_by_communication_reset(self) -> None:
         """Let go of the errors that only the network's reset cures."""
-        self.errors = tuple(
-            code for code in self.errors if EMERGENCIES[code].recovery is not Recovery.RESET_COMMUNICATION
-        )
+        self.errors = supervision.left_by_communication_reset(self.errors)
 
     def _heed(self) -> None:
         """Report what the mode cannot do."""
@@ -294,9 +297,8 @@ class PowerMachine:
             self.fail(error)
 
     def _reset_fault(self) -> None:
-        rows = (EMERGENCIES.get(code) for code in self.errors)
-        curable = all(row is None or row.recovery is Recovery.FAULT_RESET for row in rows)
-        if curable and not self._axis.flags & WATCHED:
+        contradicted = any(contradictions.stands(self._store, code) for code in self.errors)
+        if supervision.curable(self.errors) and not contradicted and not self._axis.flags & WATCHED:
             self.errors = ()
             self._go(Happening.FAULT_RESET)
             self._report(emergency.NO_ERROR)

@@ -81,6 +81,8 @@ class Memory:
         self._restored = restored
         self._storage = storage
         self._saved = self._fitting(storage.read())
+        self.lost = False
+        """The copy could not be read at the last restart: every parameter has its default."""
         store.on_write(STORE_ALL, self._save)
         store.on_write(RESTORE_ALL, self._restore)
         store.on_write(RESTORE_FACTORY, self._restore)
@@ -113,7 +115,16 @@ class Memory:
         self._saved = values
 
     def load(self) -> None:
-        """Give every object its value of power-on: saved, else default."""
+        """Give every object its value of power-on: saved, else default.
+
+        Where the copy can no longer be read, it is given up (ASSUME: that is an internal software error).
+        """
+        try:
+            self._storage.read()
+        except StorageError:
+            self.lost, self._saved = True, {}
+        else:
+            self.lost = False
         for row, _ in self._store.numbers():
             self._load(row)
 

@@ -14,11 +14,12 @@ from emulators.epos2.modes.table import HEEDED, MODES
 from emulators.epos2.parameters import ACTUAL_VALUES, ONLY_WITHOUT_POWER, PARAMETERS, Parameter
 from emulators.epos2.pins import Pins
 from emulators.epos2.power import Delays
+from emulators.epos2.sensing import Sensing
 from emulators.epos2.store import ObjectStore
-from emulators.epos2.supervision import ABORT_OPTIONS
+from emulators.epos2.supervision import ABORT_OPTIONS, NOT_CARRIED_OUT, SETPOINTS_IN_A_MILLISECOND
 from emulators.servo.axis import CURRENT_LIMITED, ServoAxis
 from emulators.servo.scaling import Settings, configure
-from firmware_bridge.units import Nanoseconds
+from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.abort import AbortCode, SdoAbort
 from firmware_bridge.wire.cia402 import State, Status
 from firmware_bridge.wire.epos2 import address as at
@@ -46,16 +47,19 @@ class MotionControl:
         """Set hooks in the store; `report` takes emergency codes, and NO_ERROR when a fault was reset."""
         self._store = store
         self._axis = axis
-        self.pins: Final = Pins(store, axis)
-        self._motion = Motion(store, axis, self.pins.inputs)
         self._recorder = DataRecorder(store, axis)
         self._tell = report
+        self.pins: Final = Pins(store, axis)
+        self._motion = Motion(store, axis, self.pins.inputs)
         self._machine = PowerMachine(
             store, axis, self._motion, self.pins, self._report, delays=delays or Delays()
         )
         self._settings = Settings()
         self._operational = False
+        self._busy = (0, 0)
+        """A ms, and how many new set values it has brought."""
         self._hook()
+        self._sensing = Sensing(store, axis)
         self.reset()
 
     @property
@@ -103,6 +107,7 @@ class MotionControl:
         for row in PARAMETERS:
             setattr(self._settings, row.setting, self._store.get(row.address))
         configure(self._axis, self._settings)
+        self._sensing.apply()
         self.pins.reset()
         self._motion.shaft.referenced = False
         self._motion.restart(self._store.get(at.MODE))
@@ -129,6 +134,8 @@ class MotionControl:
                 store.on_write(address, partial(self._refuse_with_power, address))
         store.on_write(at.CONTROLWORD, self._take_controlword)
         store.on_write(at.MODE, self._take_mode)
+        for address, code in NOT_CARRIED_OUT.items():
+            store.on_write(address, partial(self._take_start, code))
         for address in HEEDED:
             store.on_write(address, partial(self._take_value, address))
 
@@ -157,7 +164,21 @@ class MotionControl:
     def _take_value(self, address: Address, value: int) -> None:
         if self._machine.free:
             self._motion.written(address, value)
+            self._count_setpoint()
             self._publish()
+
+    def _take_start(self, code: int, value: int) -> None:
+        if value:
+            self._machine.fail(code)
+            self._publish()
+
+    def _count_setpoint(self) -> None:
+        millisecond, count = self._axis.now // MILLISECOND, 1
+        if millisecond == self._busy[0]:
+            count += self._busy[1]
+        self._busy = (millisecond, count)
+        if count > SETPOINTS_IN_A_MILLISECOND:
+            self._machine.fail(emergency.OVERLOADED)
 
     # Statusword
 
@@ -173,6 +194,6 @@ class MotionControl:
             word |= _REFERENCED
         if flags & CURRENT_LIMITED:
             word |= _INTERNAL_LIMIT
-        self.pins.outputs.refresh()
+        self.pins.refresh()
         failed = emergency.FOLLOWING_ERROR_TOO_LARGE in self._machine.errors
         self._store.set(at.STATUSWORD, word | mode.status(failed=failed))

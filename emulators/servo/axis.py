@@ -160,6 +160,9 @@ class ServoAxis(Record, ctypes.Structure):
         self.pins_watched = self.index_watched = self.current_watched_ma = 0
         self.pins_before = self.pins
         self.index_position = self.index_passes = 0
+        self.compare_direction = self.compare_reference = self.compare_width = 0
+        self.compare_first = self.compare_last = self.compare_pulse_ms = 0
+        self.compare_left = self.compare_hits = 0
         self.turning = 1
         self.flags = AT_REST
         self.position = 0

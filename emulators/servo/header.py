@@ -10,6 +10,7 @@ from typing import Final
 
 from emulators.servo import (
     axis,
+    compare,
     follow,
     loops,
     recorder,
@@ -52,12 +53,13 @@ CONSTANTS: Final[tuple[tuple[ModuleType, tuple[str, ...]], ...]] = (
     (axis, ("POSITION_LIMIT_PASSED", "OVER_TEMPERATURE", "LOGIC_SUPPLY_LOW", "GATE_SUPPLY_LOW")),
     (axis, ("ENCODER_BROKEN", "INDEX_LOST", "INDEX_DISTANCE_WRONG", "HALL_IMPOSSIBLE")),
     (axis, ("HALL_ANGLE_APART", "ENCODER_AGAINST_MOTOR", "AUXILIARY_AGAINST_MAIN")),
-    (loops, ("HEATING", "HOTTEST_MC", "LEAST_LOGIC_MV", "LEAST_GATE_MV")),
+    (loops, ("HEATING", "HOTTEST_MC", "COOLED_MC", "LEAST_LOGIC_MV", "LEAST_GATE_MV")),
     (sensors, ("BROKEN", "SWAPPED", "INDEX_MISSING", "INDEX_SPURIOUS", "AUXILIARY_SWAPPED")),
     (sensors, ("HALL_HIGH", "HALL_LOW", "HALL_LINES", "HALL_SEQUENCE", "SECTORS", "SPURIOUS_PART")),
     (sensors, ("INDEX_TOLERANCE", "INDEX_SOONEST", "INDEX_TURNS", "PER_MILLE", "CONTRARY_MS")),
     (loops, ("AVERAGE", "WIDEST_SPEED", "WIDEST_WAY")),
     (signals, ("WRAP", "HALF")),
+    (compare, ("DOWNWARDS", "UPWARDS")),
     (recorder, ("MOVEMENT_START", "INPUT_EDGE", "MOVEMENT_END")),
     (scaling, ("VELOCITY_PLACES", "POSITION_P_PLACES", "POSITION_I_PLACES", "POSITION_D_PLACES")),
     (scaling, ("SPEED_FORWARD_PLACES", "ACCELERATION_FORWARD_PLACES", "FILTER_PLACES")),

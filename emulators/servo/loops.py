@@ -30,6 +30,7 @@ from emulators.servo.axis import (
     VELOCITY,
     ServoAxis,
 )
+from emulators.servo.compare import compare
 from emulators.servo.follow import follow
 from emulators.servo.profile import move, ramp
 from emulators.servo.scaling import (
@@ -52,6 +53,8 @@ HEATING: int = 17
 """Low-pass of the current's square: a time constant of 2^17 ms for the power stage (ASSUME)."""
 HOTTEST_MC: int = 100_000
 """The power stage's temperature above which it switches off, 1/1000 degree Celsius (ASSUME)."""
+COOLED_MC: int = 5_000
+"""How far the power stage must cool down before the over-temperature is gone (ASSUME)."""
 LEAST_LOGIC_MV: int = 4_500
 """The 5 V supply for sensors and logic (ASSUME: 10 % below)."""
 LEAST_GATE_MV: int = 9_000
@@ -87,6 +90,8 @@ def millisecond(axis: ServoAxis, encoder: int) -> bool:
             flags |= arrival(axis, flags)
     flags |= rest(axis) | threshold(axis)
     raised = notice(axis)
+    if axis.compare_direction or axis.compare_left:
+        raised = compare(axis) or raised
     flags |= supervise(axis) | bounds(axis)
     axis.flags = flags
     if axis.call:
@@ -106,7 +111,8 @@ def electrical(axis: ServoAxis) -> int:
     if axis.gate_mv < LEAST_GATE_MV:
         flags |= GATE_SUPPLY_LOW
     axis.heat += (current * current - axis.heat) >> HEATING
-    if axis.heat > (HOTTEST_MC - axis.ambient_mc) * axis.square_per_mc:
+    hottest = HOTTEST_MC - COOLED_MC if axis.flags & OVER_TEMPERATURE else HOTTEST_MC
+    if axis.heat > (hottest - axis.ambient_mc) * axis.square_per_mc:
         flags |= OVER_TEMPERATURE
     supply = axis.supply_mv
     if supply < axis.under_voltage_mv:
@@ -119,19 +125,19 @@ def electrical(axis: ServoAxis) -> int:
 def bounds(axis: ServoAxis) -> int:
     """Tell that the shaft passes a software position limit, or is driven on beyond it.
 
-    ASSUME: what leads back is no fault, or nobody could bring the shaft back after a fault reset.
+    ASSUME: what leads back or comes to rest is no fault, or nobody could bring the shaft back after a reset.
     """
     if not (axis.position_limited and axis.powered):
         return 0
     beyond, step = axis.position - axis.highest_qc, axis.step
-    demand, speed = axis.velocity_demand, axis.velocity_average
+    demand, speed, change = axis.velocity_demand, axis.velocity_average, axis.acceleration_demand
     if beyond <= 0:
         beyond, step = axis.lowest_qc - axis.position, -step
-        demand, speed = -demand, -speed
+        demand, speed, change = -demand, -speed, -change
     if beyond <= 0:
         return 0
-    outwards = demand > 0 or speed > axis.rest_window or beyond <= step
-    return POSITION_LIMIT_PASSED if outwards else 0
+    outwards = demand > 0 or (step > 0 and speed > axis.rest_window)
+    return POSITION_LIMIT_PASSED if beyond <= step or (outwards and change >= 0) else 0
 
 
 def within(value: int, widest: int) -> int:

@@ -38,8 +38,14 @@ class DcMotors:
         self.load = [0.0] * count
         """External torque at each shaft, N m, positive with the motor."""
         self.steps_done = 0
+        self._tick = step
         self._motors = motors
         self._solutions = [_solution(motor, to_seconds(step)) for motor in motors]
+
+    def becomes(self, at: int, motor: DcMotor) -> None:
+        """Put another motor in the place of one: a short in its winding, a broken belt."""
+        self._motors = (*self._motors[:at], motor, *self._motors[at + 1 :])
+        self._solutions[at] = _solution(motor, to_seconds(self._tick))
 
     def step(self) -> None:
         """Advance one tick with the voltages in `inputs`."""

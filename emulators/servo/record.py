@@ -122,6 +122,13 @@ class Record:
     pins_watched: int
     index_watched: int
     current_watched_ma: int
+    # Where an output gives a pulse: directions that count (0: none), reference + width x (first .. last), qc.
+    compare_direction: int
+    compare_reference: int
+    compare_width: int
+    compare_first: int
+    compare_last: int
+    compare_pulse_ms: int
     # Levels of the digital outputs and the brake, for the plant: see `emulators.servo.pins`.
     outputs: int
     # State. `turning`: an open winding's voltage is kept up in this ms; `told`: the last ms raised an event.
@@ -153,7 +160,10 @@ class Record:
     pins_before: int
     index_position: int
     index_passes: int
-    # The shaft's own step, what the count has lost or gained against it, and the rest of a count that is lost.
+    # What is left of the present pulse, ms, and how many positions have been met since power-on.
+    compare_left: int
+    compare_hits: int
+    # The shaft's own step, what the count is apart from the shaft, and the rest of a count that gets lost.
     turned: int
     slipped: int
     loss_rest: int

@@ -98,6 +98,7 @@ def configure(axis: ServoAxis, raw: Settings) -> None:
         axis.resolution = resolution
         axis.fraction = fraction
         axis.velocity_average = axis.step << fraction
+        axis.index_before, axis.index_known = axis.encoder + axis.slipped, 0
         axis.clear_demand()
     _gains(axis, raw, resolution << fraction)
     _limits(axis, raw)

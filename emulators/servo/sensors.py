@@ -2,8 +2,8 @@
 
 Whole numbers only, as in `emulators.servo.loops`. It refuses to know which emergency a finding is.
 
-`sensor_faults` and `encoder_loss` say what is wrong with the wires: a bench test sets them, and nothing in the
-drive looks at them but through the counts, pulses and levels that come out of this module.
+`sensor_faults` and `encoder_loss` say what is wrong with the wires: a bench test sets them, and the drive
+sees no more of them than the counts, pulses and levels that come out of this module.
 """
 
 from typing import Final
@@ -49,7 +49,7 @@ INDEX_SOONEST: Final = 2
 INDEX_TURNS: Final = 2
 """Turns without an index (EPOS Firmware Specification, by analogy)."""
 CONTRARY_MS: Final = 20
-"""All the voltage drives one way, and the encoder says that the shaft goes the other, for so long (ASSUME)."""
+"""All the voltage drives one way, and the count says that the shaft goes the other, for so long (ASSUME)."""
 
 
 def counted(axis: ServoAxis, turned: int) -> int:

@@ -16,6 +16,8 @@ from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2 import emergency
 from firmware_bridge.wire.epos2.address import Address
 
+LONGEST_MOVE_MS: Final = (1 << 31) - 1
+
 
 class Shaft:
     """Axis and store, in the units of the one and the objects of the other."""
@@ -72,9 +74,15 @@ class Shaft:
         self._shape()
 
     def move(self, cruise: int, acceleration: Address, deceleration: Address) -> None:
-        """Go to the axis' target position with at most `cruise` (velocity units)."""
+        """Go to the axis' target position with at most `cruise` (velocity units), unless it is too far.
+
+        ASSUME: too far is what the profile's clock, 31 bits of ms, cannot tell.
+        """
         axis = self.axis
         axis.cruise = min(cruise, self.fastest())
+        if abs(axis.target_position - axis.position_demand) > axis.cruise * LONGEST_MOVE_MS:
+            self.error = emergency.SOFTWARE_PARAMETER
+            return
         axis.acceleration = self.acceleration(acceleration)
         axis.deceleration = self.acceleration(deceleration)
         axis.stopping_distance = stopping_distance(axis.cruise, axis.deceleration)

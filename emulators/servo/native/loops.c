@@ -1,5 +1,6 @@
 /* What an axis does every millisecond: loops.py says it readably. */
 #include "arithmetic.h"
+#include "compare.h"
 #include "kernel.h"
 #include "profile.h"
 #include "sensors.h"
@@ -7,7 +8,7 @@
 
 static int64_t electrical(servo_axis *axis)
 {
-    int64_t flags = 0;
+    int64_t flags = 0, hottest = axis->flags & OVER_TEMPERATURE ? HOTTEST_MC - COOLED_MC : HOTTEST_MC;
     if (beyond(axis->current_ma, axis->over_current_ma))
         flags = OVER_CURRENT;
     if (axis->logic_mv < LEAST_LOGIC_MV)
@@ -15,7 +16,7 @@ static int64_t electrical(servo_axis *axis)
     if (axis->gate_mv < LEAST_GATE_MV)
         flags |= GATE_SUPPLY_LOW;
     axis->heat += (axis->current_ma * axis->current_ma - axis->heat) >> HEATING;
-    if (axis->heat > (HOTTEST_MC - axis->ambient_mc) * axis->square_per_mc)
+    if (axis->heat > (hottest - axis->ambient_mc) * axis->square_per_mc)
         flags |= OVER_TEMPERATURE;
     if (axis->supply_mv < axis->under_voltage_mv)
         flags |= UNDER_VOLTAGE;
@@ -27,7 +28,8 @@ static int64_t electrical(servo_axis *axis)
 static int64_t bounds(const servo_axis *axis)
 {
     int64_t past = axis->position - axis->highest_qc, step = axis->step;
-    int64_t demand = axis->velocity_demand, speed = axis->velocity_average;
+    int64_t demand = axis->velocity_demand, speed = axis->velocity_average, change = axis->acceleration_demand;
+    bool outwards;
     if (!axis->position_limited || !axis->powered)
         return 0;
     if (past <= 0) {
@@ -35,8 +37,12 @@ static int64_t bounds(const servo_axis *axis)
         step = -step;
         demand = -demand;
         speed = -speed;
+        change = -change;
     }
-    return past > 0 && (demand > 0 || speed > axis->rest_window || past <= step) ? POSITION_LIMIT_PASSED : 0;
+    if (past <= 0)
+        return 0;
+    outwards = demand > 0 || (step > 0 && speed > axis->rest_window);
+    return past <= step || (outwards && change >= 0) ? POSITION_LIMIT_PASSED : 0;
 }
 
 static int64_t budget(servo_axis *axis, int64_t flags)
@@ -168,6 +174,8 @@ int64_t servo_millisecond(servo_axis *axis, int64_t encoder)
     }
     flags |= rest(axis) | servo_threshold(axis);
     noticed = servo_notice(axis);
+    if (axis->compare_direction || axis->compare_left)
+        noticed = servo_compare(axis) || noticed;
     flags |= servo_supervise(axis) | bounds(axis);
     axis->flags = flags;
     if (axis->call) {

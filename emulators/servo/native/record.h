@@ -38,6 +38,7 @@
 #define AUXILIARY_AGAINST_MAIN INT64_C(67108864)
 #define HEATING INT64_C(17)
 #define HOTTEST_MC INT64_C(100000)
+#define COOLED_MC INT64_C(5000)
 #define LEAST_LOGIC_MV INT64_C(4500)
 #define LEAST_GATE_MV INT64_C(9000)
 #define BROKEN INT64_C(1)
@@ -61,6 +62,8 @@
 #define WIDEST_WAY INT64_C(68719476736)
 #define WRAP INT64_C(4294967296)
 #define HALF INT64_C(2147483648)
+#define DOWNWARDS INT64_C(1)
+#define UPWARDS INT64_C(2)
 #define MOVEMENT_START INT64_C(1)
 #define INPUT_EDGE INT64_C(4)
 #define MOVEMENT_END INT64_C(8)
@@ -207,6 +210,12 @@ typedef struct {
     int64_t pins_watched;
     int64_t index_watched;
     int64_t current_watched_ma;
+    int64_t compare_direction;
+    int64_t compare_reference;
+    int64_t compare_width;
+    int64_t compare_first;
+    int64_t compare_last;
+    int64_t compare_pulse_ms;
     int64_t outputs;
     int64_t now;
     int64_t flags;
@@ -235,6 +244,8 @@ typedef struct {
     int64_t pins_before;
     int64_t index_position;
     int64_t index_passes;
+    int64_t compare_left;
+    int64_t compare_hits;
     int64_t turned;
     int64_t slipped;
     int64_t loss_rest;

@@ -1,0 +1,28 @@
+"""Stories of cables and sensors that fail while the robot drives."""
+
+import pytest
+
+from emulators.servo.surroundings import SensorWires, Surroundings
+from firmware_bridge.wire.cia402 import State, state_of
+from firmware_bridge.wire.epos2.address import ERROR_HISTORY_COUNT, STATUSWORD
+from firmware_bridge.wire.epos2.emergency import SENSOR_BREACH
+from hil_tests.scenarios.ride import ARMED, Ridden, step
+
+
+@pytest.mark.parametrize("wheel", ["left", "right"])
+def test_a_wheel_whose_encoder_is_cut_off_stops_the_robot(rides: Ridden, wheel: str) -> None:
+    ride = rides(ARMED, step(4.0, speed_mps=0.3), seconds=20)
+    ride.runs_until(7.0)
+    assert ride.now.speed_mps == pytest.approx(0.3, rel=0.02)
+    axes = {axis.name: axis for axis in ride.rig.devices.bank.axes}
+    Surroundings(axes[wheel]).wires(SensorWires(broken=True))
+    ride.runs_until(7.1)
+    drive = ride.rig.devices.drives[wheel]
+    assert state_of(drive.store.get(STATUSWORD)) is State.FAULT
+    assert drive.store.get(ERROR_HISTORY_COUNT) == 1
+    assert not axes[wheel].powered
+    ride.runs_until(12.0)
+    assert ride.held("drive fault")
+    assert f"0x{SENSOR_BREACH:04X}" in " ".join(ride.held("drive fault"))
+    assert ride.stands_from(7.0) < 9.0
+    assert ride.fastest(9.0) < 0.002

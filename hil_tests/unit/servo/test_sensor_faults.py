@@ -1,0 +1,137 @@
+"""Sensors with any fault, in any surroundings: twin and kernel notice the same, and time can be rewound."""
+
+import ctypes
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from emulators.rewind import Rewind
+from emulators.servo import axis as servo
+from emulators.servo import kernel
+from emulators.servo.bank import ServoBank
+from emulators.servo.motor import DcMotor, DcMotors
+from emulators.servo.sensors import align
+from emulators.servo.surroundings import IndexPulse, SensorWires, Surroundings
+from firmware_bridge.units import MILLISECOND
+from hil_tests.unit.servo.side_by_side import (
+    COUNT,
+    KERNEL,
+    PLANT,
+    SANE,
+    Leg,
+    Motors,
+    Side,
+    compiled,
+    difference,
+    legs,
+)
+
+WIRES = st.builds(
+    SensorWires,
+    broken=st.booleans(),
+    swapped=st.booleans(),
+    index=st.sampled_from(IndexPulse),
+    lost_per_mille=st.one_of(st.just(0), st.integers(0, 1000)),
+    auxiliary_swapped=st.booleans(),
+    hall_high=st.sets(st.integers(1, 3)),
+    hall_low=st.sets(st.integers(1, 3)),
+)
+
+
+@pytest.fixture(scope="session")
+def motors(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
+    return ctypes.CDLL(str(compiled(tmp_path_factory.mktemp("plant"), PLANT, "-O2")))
+
+
+@pytest.fixture(scope="session")
+def native(tmp_path_factory: pytest.TempPathFactory) -> kernel.Found:
+    return kernel.load(compiled(tmp_path_factory.mktemp("kernel"), KERNEL, "-O2"))
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    seed=st.integers(0, 2**16),
+    wires=st.lists(WIRES, min_size=COUNT, max_size=COUNT),
+    pairs=st.tuples(st.integers(0, 255), st.integers(0, 255)),
+    air=st.floats(-40, 120),
+    limit=st.integers(0, 5000),
+    marks=st.lists(st.booleans(), min_size=6, max_size=6),
+)
+def test_whatever_is_wrong_both_notice_alike(
+    *,
+    motors: ctypes.CDLL,
+    native: kernel.Found,
+    seed: int,
+    wires: list[SensorWires],
+    pairs: tuple[int, int],
+    air: float,
+    limit: int,
+    marks: list[bool],
+) -> None:
+    sides = [Side(Motors(motors, seed=seed), (SANE,) * COUNT, each) for each in (kernel.Found(None), native)]
+    for side in sides:
+        for axis, cables in zip(side.axes, wires, strict=True):
+            axis.encoder_reversed, axis.encoder_supervised, axis.index_supervised = map(int, marks[:3])
+            axis.hall_angle_supervised, axis.auxiliary_supervised, axis.position_limited = map(int, marks[3:])
+            axis.hall_pole_pairs = pairs[0]
+            axis.lowest_qc, axis.highest_qc = -limit, limit
+            axis.compare_direction, axis.compare_width = seed % 4, limit
+            axis.compare_first, axis.compare_last = -(seed % 3), seed % 5
+            axis.compare_pulse_ms = 1 + seed % 3
+            Surroundings(axis).motor(pole_pairs=pairs[1])
+            Surroundings(axis).wires(cables)
+            Surroundings(axis).air(air)
+            align(axis)
+    for leg in legs(np.random.default_rng(seed), 8):
+        events = sides[0].lives(leg)
+        assert events == sides[1].lives(leg)
+        assert not difference(*sides)
+        if isinstance(events, str):
+            return
+
+
+def test_every_finding_is_met_by_some_campaign(motors: ctypes.CDLL, native: kernel.Found) -> None:
+    seen, draw = 0, np.random.default_rng(7)
+    findings = (
+        servo.ENCODER_BROKEN | servo.INDEX_LOST | servo.INDEX_DISTANCE_WRONG | servo.HALL_IMPOSSIBLE
+        | servo.HALL_ANGLE_APART | servo.AUXILIARY_AGAINST_MAIN | servo.POSITION_LIMIT_PASSED
+        | servo.OVER_TEMPERATURE
+    )  # fmt: skip
+    for seed in range(12):
+        sides = [Side(Motors(motors, seed=seed), (SANE,) * COUNT, f) for f in (kernel.Found(None), native)]
+        faults = [int(value) for value in draw.integers(0, 1 << 11, COUNT)]
+        for side in sides:
+            for axis, fault in zip(side.axes, faults, strict=True):
+                axis.sensor_faults, axis.encoder_loss = fault, fault % 60
+                axis.encoder_supervised = axis.index_supervised = axis.hall_angle_supervised = 1
+                axis.auxiliary_supervised = axis.position_limited = 1
+                axis.hall_pole_pairs, axis.highest_qc = 1 + fault % 4, 400
+                axis.ambient_mc = 99_999
+        for leg in legs(np.random.default_rng(seed), 12):
+            assert sides[0].lives(leg) == sides[1].lives(Leg(leg.orders, leg.ticks))
+            assert not difference(*sides)
+            for axis in sides[1].axes:
+                seen |= axis.flags
+    assert seen & findings == findings
+
+
+def test_faults_are_rewound_with_everything_else() -> None:
+    plant = DcMotors((DcMotor(1.0, 1e-3, 0.04, 1e-5),))
+    axis = servo.ServoAxis("one", 2000, back_emf=round(0.04 * 2**24))
+    bank = ServoBank(plant, [axis])
+    axis.encoder_supervised = axis.index_supervised = 1
+    plant.outputs[2] = 300.0
+    rewind = Rewind((bank, axis))
+    bank.advance(5 * MILLISECOND)
+    moment = rewind.snapshot()
+    ends = []
+    for _ in range(2):
+        Surroundings(axis).wires(SensorWires(lost_per_mille=77, index=IndexPulse.SPURIOUS))
+        while bank.now < 100 * MILLISECOND:
+            bank.advance(100 * MILLISECOND)
+        ends.append((bytes(axis), list(plant.outputs)))
+        rewind.restore(moment)
+        assert axis.sensor_faults == axis.encoder_loss == 0
+    assert ends[0] == ends[1]
