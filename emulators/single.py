@@ -3,9 +3,10 @@
 It refuses to know which bus they are on.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Final
 
 from emulators.epos2.drive import Epos2
@@ -37,6 +38,8 @@ class Order:
     bit_rate: int
     motor: DcMotor = MOTOR
     plant: Path | None = None
+    plant_parameters: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    """The FMU's parameters that are to be set, by their names."""
     axes: Sequence[str] = ()
     """The plant's names for its axes, in the order of the nodes."""
     supply_mv: int = SUPPLY_MV
@@ -52,7 +55,11 @@ def drives(order: Order) -> tuple[dict[str, Epos2], ServoBank]:
     PlantError where the FMU cannot be used, StorageError where saved parameters cannot be read.
     """
     names = list(order.axes) or [f"motor{node}" for node in order.nodes]
-    plant: Plant = DcMotors((order.motor,) * len(names)) if order.plant is None else _fmu(order.plant, names)
+    plant: Plant = (
+        DcMotors((order.motor,) * len(names))
+        if order.plant is None
+        else _fmu(order.plant, names, order.plant_parameters)
+    )
     axes = [
         ServoAxis(name, QUADCOUNTS, supply_mv=order.supply_mv, back_emf=_back_emf(order, plant, name))
         for name in names
@@ -75,11 +82,12 @@ def drives(order: Order) -> tuple[dict[str, Epos2], ServoBank]:
     return made, ServoBank(plant, axes, input_lines=switches, output_lines=wires)
 
 
-def _fmu(path: Path, names: Sequence[str]) -> FmuPlant:
+def _fmu(path: Path, names: Sequence[str], parameters: Mapping[str, float]) -> FmuPlant:
     return FmuPlant(
         path,
         plant_inputs(names),
         plant_outputs(names),
+        parameters,
         optional_inputs=pin_inputs(names),
         optional_outputs=pin_outputs(names),
     )

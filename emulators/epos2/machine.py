@@ -8,21 +8,24 @@ from collections.abc import Callable
 from typing import Final
 
 from emulators.epos2.modes.motion import Motion
+from emulators.epos2.pins import Pins
 from emulators.epos2.power import BY_TRIGGER, TIMED, Delays, Happening, Ramp, Stage, Transition, Trigger
 from emulators.epos2.store import ObjectStore
-from emulators.epos2.supervision import WATCHED, WATCHES, Reaction, reaction_to
+from emulators.epos2.supervision import POSITION_LOST, WATCHED, WATCHES, Reaction, reaction_to
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.units import NEVER, Nanoseconds
-from firmware_bridge.wire.cia402 import Control, State, command_of
+from firmware_bridge.wire.cia402 import Command, Control, State, command_of
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2 import emergency
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES, Recovery
+from firmware_bridge.wire.epos2.functions import OutputFunction
 
 # The controlword's bits as plain numbers: flags are slow, and every frame is looked at.
 _FAULT_RESET: Final = int(Control.FAULT_RESET)
 _NEW_SETPOINT: Final = int(Control.NEW_SETPOINT)
 _TRANSIENT: Final = frozenset({*TIMED, State.FAULT_REACTION_ENABLED})
 """States that complete a command or a reaction; a controlword waits for their end."""
+_FAULTS: Final = frozenset({State.FAULT, State.FAULT_REACTION_ENABLED, State.FAULT_REACTION_DISABLED})
 _WAITING: Final = _TRANSIENT | {State.FAULT}
 
 
@@ -34,16 +37,22 @@ class PowerMachine:
         store: ObjectStore,
         axis: ServoAxis,
         motion: Motion,
+        pins: Pins,
         report: Callable[[int], None],
+        *,
         delays: Delays,
     ) -> None:
         self._store = store
+        self._inputs = pins.inputs
+        self._outputs = pins.outputs
+        self._brake = pins.brake
         self._axis = axis
         self._motion = motion
         self._report = report
         self._delays = delays
         self.state = State.START
-        self.due: Nanoseconds = NEVER
+        self._due: Nanoseconds = NEVER
+        """When the present state ends by itself."""
         self.errors: tuple[int, ...] = ()
         """Codes that stand since the last fault reset, in their order."""
         self._controlword = 0
@@ -53,17 +62,29 @@ class PowerMachine:
         """A transition whose slow-down ramp runs."""
         self._latching = False
         """A rising edge of bit 4 whose target is taken when the whole write has arrived."""
+        self._releasing = False
+        """The holding brake is on its way to be released."""
+
+    @property
+    def due(self) -> Nanoseconds:
+        """When something ends by itself."""
+        return min(self._due, self._brake.due)
 
     @property
     def free(self) -> bool:
-        """Enabled, and not on the way out: the modes may move the shaft."""
-        return self.state is State.OPERATION_ENABLED and self._completing is None
+        """Enabled, and neither on the way in nor out: the modes may move the shaft."""
+        return self.state is State.OPERATION_ENABLED and not self._under_way
+
+    @property
+    def _under_way(self) -> bool:
+        """A command has not come to its end."""
+        return self._completing is not None or self._releasing
 
     def restart(self) -> None:
         """Transition 19: begin as after power-on."""
         self._controlword = 0
         self._delayed = self._completing = None
-        self._latching = False
+        self._latching = self._releasing = False
         self.errors = ()
         self._enter(State.START)
         self.advance()
@@ -76,9 +97,7 @@ class PowerMachine:
         if self.state is State.FAULT:
             if word & ~before & _FAULT_RESET:
                 self._reset_fault()
-        elif (
-            self._completing is not None or self.state in TIMED or self.state is State.FAULT_REACTION_ENABLED
-        ):
+        elif self._under_way or self.state in _TRANSIENT:
             self._delayed = word
         else:
             self._obey(word, before)
@@ -101,7 +120,7 @@ class PowerMachine:
         if word & _FAULT_RESET:
             return
         was_free = self.free
-        self._go(command_of(word))
+        self._go(self._admitted(command_of(word)))
         self.advance()
         if was_free and self.free:
             if self._motion.controls(word, before):
@@ -112,15 +131,36 @@ class PowerMachine:
                 self._latching = False
             self._heed()
 
+    def _obeys_pins(self) -> bool:
+        """Carry out the command that the input pins give; say whether that has moved the machine."""
+        command = self._inputs.restriction
+        if command is None or self._completing is not None or (self.state, command) not in BY_TRIGGER:
+            return False
+        self._give_up_release()
+        self._go(command)
+        return True
+
+    def _give_up_release(self) -> None:
+        if self._releasing:
+            self._releasing = False
+            self._brake.interrupt()
+
+    def _admitted(self, command: Command) -> Command:
+        """Return a master's command, or the stronger one that the input pins give."""
+        pins = self._inputs.restriction
+        return command if pins is None or command is Command.DISABLE_VOLTAGE else pins
+
     # Transitions
 
     def _go(self, trigger: Trigger) -> None:
         row = BY_TRIGGER.get((self.state, trigger))
         if row is None:
             return
-        if row.ramp is not Ramp.NONE and self._slows_down(row.ramp):
+        held = row.stage is Stage.OFF and isinstance(trigger, Command) and self._brake.fitted
+        if held or (row.ramp is not Ramp.NONE and self._slows_down(row.ramp)):
             self._completing = row
-            self._motion.shaft.brake()
+            if self.state is not State.QUICK_STOP_ACTIVE:
+                self._motion.shaft.brake()
             return
         self._complete(row)
         if row.goes_on:
@@ -135,6 +175,8 @@ class PowerMachine:
         if row.stage is Stage.ON:
             self._axis.switch_on()
         elif row.stage is Stage.OFF and self._axis.powered:
+            self._brake.close()
+            self._releasing = False
             self._axis.switch_off()
             self._motion.forget()
             self._latching = False
@@ -142,11 +184,16 @@ class PowerMachine:
 
     def _enter(self, state: State) -> None:
         self.state = state
-        self.due = NEVER
+        self._outputs.show(OutputFunction.READY, active=state not in _FAULTS)
+        self._due = NEVER
         if state in TIMED:
-            self.due = self._axis.now + self._delays.of(state, self._store.get(at.MOTOR_TYPE))
+            self._due = self._axis.now + self._delays.of(state, self._store.get(at.MOTOR_TYPE))
         elif state is State.OPERATION_ENABLED:
-            self._motion.begin(self._controlword)
+            self._releasing = self._brake.release()
+            if self._releasing:
+                self._motion.hold()
+            else:
+                self._motion.begin(self._controlword)
         elif state is State.QUICK_STOP_ACTIVE:
             self._stop(at.QUICK_STOP_DECELERATION)
 
@@ -157,20 +204,27 @@ class PowerMachine:
 
     def advance(self) -> None:
         """Complete what is due: timed states, slow-down ramps, fault reactions; then the waiting command."""
-        if self.state is State.OPERATION_ENABLED and self._completing is None and self._delayed is None:
+        if self.free and self._delayed is None and self._inputs.restriction is None:
             return
         while self._complete_one():
             pass
 
     def _complete_one(self) -> bool:
-        if self.state in TIMED and self._axis.now >= self.due:
+        if self.state in TIMED and self._axis.now >= self._due:
             self._go(TIMED[self.state])
-        elif self._completing is not None and self._motion.shaft.stopped:
+        elif self._obeys_pins():
+            pass
+        elif self._releasing and self._brake.released():
+            self._releasing = False
+            self._motion.begin(self._controlword)
+        elif self._completing is not None and self._motion.shaft.stopped and self._brake.closes():
             self._complete(self._completing)
-        elif self.state is State.FAULT_REACTION_ENABLED and self._motion.shaft.stopped:
+        elif (
+            self.state is State.FAULT_REACTION_ENABLED and self._motion.shaft.stopped and self._brake.closes()
+        ):
             self._delayed = None
             self._go(Happening.REACTED)
-        elif self._delayed is not None and self._completing is None and self.state not in _WAITING:
+        elif self._delayed is not None and self.state not in _WAITING and not self._under_way:
             word, self._delayed = self._delayed, None
             self._obey(word, word)
         else:
@@ -181,12 +235,21 @@ class PowerMachine:
 
     def supervise(self) -> None:
         """Turn what the axis found into faults; each is told once until it is reset."""
+        self._inputs.refresh()
+        if self._inputs.executed:
+            self._heed_limits()
         flags = self._axis.flags
         if flags & WATCHED:
             for watch in WATCHES:
                 if flags & watch.flag and watch.code not in self.errors:
                     self.fail(watch.code)
         self._heed()
+
+    def _heed_limits(self) -> None:
+        inputs, motion = self._inputs, self._motion
+        if self._axis.powered and self.state is not State.FAULT_REACTION_ENABLED:
+            for code in inputs.limits_met(motion.shaft.heading, motion.mode.sought):
+                self.fail(code)
 
     def fail(self, code: int, reaction: Reaction | None = None) -> None:
         """Report an error and bring the motor to rest; without a reaction given, as the table says."""
@@ -197,8 +260,12 @@ class PowerMachine:
             return
         if code not in self.errors:
             self.errors = (*self.errors, code)
+        if code in POSITION_LOST:
+            self._motion.shaft.referenced = False
+        self._motion.mode.fail()
         self._completing = None
         self._delayed = None
+        self._give_up_release()
         self._go(Happening.FAULT)
         if self.state is State.FAULT_REACTION_ENABLED:
             if reaction is Reaction.DISABLE:

@@ -11,6 +11,7 @@ from emulators.epos2.machine import PowerMachine
 from emulators.epos2.modes.motion import Motion
 from emulators.epos2.modes.table import HEEDED, MODES
 from emulators.epos2.parameters import ACTUAL_VALUES, ONLY_WITHOUT_POWER, PARAMETERS, Parameter
+from emulators.epos2.pins import Pins
 from emulators.epos2.power import Delays
 from emulators.epos2.store import ObjectStore
 from emulators.epos2.supervision import ABORT_OPTIONS
@@ -27,6 +28,7 @@ from firmware_bridge.wire.epos2.address import Address
 _STAGE_ON: Final = 1 << 4
 _REMOTE: Final = int(Status.REMOTE)
 _TARGET_REACHED: Final = int(Status.TARGET_REACHED)
+_REFERENCED: Final = int(Status.REFERENCED)
 _INTERNAL_LIMIT: Final = int(Status.INTERNAL_LIMIT)
 
 
@@ -43,8 +45,9 @@ class MotionControl:
         """Set hooks in the store; `report` takes emergency codes, and NO_ERROR when a fault was reset."""
         self._store = store
         self._axis = axis
-        self._motion = Motion(store, axis)
-        self._machine = PowerMachine(store, axis, self._motion, report, delays or Delays())
+        self.pins: Final = Pins(store, axis)
+        self._motion = Motion(store, axis, self.pins.inputs)
+        self._machine = PowerMachine(store, axis, self._motion, self.pins, report, delays=delays or Delays())
         self._settings = Settings()
         self._operational = False
         self._hook()
@@ -93,6 +96,7 @@ class MotionControl:
         for row in PARAMETERS:
             setattr(self._settings, row.setting, self._store.get(row.address))
         configure(self._axis, self._settings)
+        self.pins.reset()
         self._motion.restart(self._store.get(at.MODE))
         self._store.set(at.MODE_DISPLAY, self._motion.number)
         self._machine.restart()
@@ -152,7 +156,10 @@ class MotionControl:
             word |= _TARGET_REACHED
         if self._operational:
             word |= _REMOTE
+        if self._motion.shaft.referenced:
+            word |= _REFERENCED
         if flags & CURRENT_LIMITED:
             word |= _INTERNAL_LIMIT
+        self.pins.outputs.refresh()
         failed = emergency.FOLLOWING_ERROR_TOO_LARGE in self._machine.errors
         self._store.set(at.STATUSWORD, word | mode.status(failed=failed))

@@ -8,12 +8,14 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
+from emulators.epos2.modes.homing_methods import METHODS
 from emulators.epos2.profile import BIT_RATE, BIT_RATES
 from emulators.epos2.store import ObjectStore
 from firmware_bridge.wire.abort import AbortCode, SdoAbort
 from firmware_bridge.wire.canopen import FIRST_NODE, LAST_NODE, TIME_STAMP
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.functions import INPUT_PINS, OUTPUT_PINS, InputFunction, OutputFunction
 from firmware_bridge.wire.epos2.rows import (
     APPLICATION_NOTES,
     ASSUMPTION,
@@ -42,6 +44,8 @@ RULES: Final = (
     ValueRule(Address(0x1012), (TIME_STAMP,), _DOCUMENTED, _INTERPOLATION),
     ValueRule(Address(0x2000), range(FIRST_NODE, LAST_NODE + 1)),
     ValueRule(BIT_RATE, tuple(BIT_RATES), _DOCUMENTED, LIBRARY),
+    *(ValueRule(pin, tuple(InputFunction)) for pin in INPUT_PINS),
+    *(ValueRule(pin, tuple(OutputFunction)) for pin in OUTPUT_PINS),
     ValueRule(Address(0x2074, 2), range(3), _DOCUMENTED, APPLICATION_NOTES),
     ValueRule(Address(0x2074, 3), range(3), _DOCUMENTED, APPLICATION_NOTES),
     ValueRule(at.SENSOR_TYPE, (1, 2, 3, 4, 6, 7, 8), _DOCUMENTED, LIBRARY),
@@ -58,7 +62,7 @@ RULES: Final = (
     ValueRule(Address(0x608C), (0xA4,)),
     ValueRule(Address(0x608D), (0,)),
     ValueRule(Address(0x608E), (0xA4,)),
-    ValueRule(Address(0x6098), (*range(-4, 3), 7, 11, 17, 18, 23, 27, 33, 34, 35)),
+    ValueRule(at.HOMING_METHOD, tuple(METHODS)),
     ValueRule(at.MOTOR_TYPE, (1, 10, 11), _DOCUMENTED, LIBRARY),
 )
 

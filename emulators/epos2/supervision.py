@@ -30,6 +30,11 @@ WATCHES: Final = (
     Watch(servo.FOLLOWING_ERROR, emergency.FOLLOWING_ERROR_TOO_LARGE),
 )
 
+POSITION_LOST: Final = frozenset(
+    {emergency.SENSOR_POSITION, emergency.INDEX, emergency.ENCODER_RESOLUTION, emergency.SENSOR_BREACH}
+)
+"""Emergencies after which the position is no longer referenced (ASSUME: those of the encoder)."""
+
 WATCHED: Final = servo.OVER_CURRENT | servo.OVER_VOLTAGE | servo.UNDER_VOLTAGE | servo.FOLLOWING_ERROR
 
 

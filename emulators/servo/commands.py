@@ -16,6 +16,7 @@ from emulators.servo.axis import (
     ServoAxis,
 )
 from emulators.servo.scaling import POSITION_I_PLACES, VELOCITY_PLACES, acceleration_units
+from emulators.servo.signals import HALF, WRAP
 
 
 def regulate_velocity(axis: ServoAxis) -> None:
@@ -53,6 +54,20 @@ def brake(axis: ServoAxis, rpm_per_second: int) -> None:
     axis.target_velocity = 0
     axis.acceleration = axis.deceleration = acceleration_units(axis, rpm_per_second)
     judge_anew(axis, there=axis.velocity_demand == 0)
+
+
+def displace(axis: ServoAxis, distance: int) -> None:
+    """Count the position from elsewhere: every place is further up by `distance` in qc; nothing moves."""
+    before = axis.position
+    axis.position = _wrapped(before + distance)
+    axis.index_position = _wrapped(axis.index_position + distance)
+    moved = (axis.position - before) << axis.fraction
+    axis.position_demand += moved
+    axis.target_position += moved
+
+
+def _wrapped(position: int) -> int:
+    return ((position + HALF) & (WRAP - 1)) - HALF
 
 
 def judge_anew(axis: ServoAxis, *, there: bool) -> None:

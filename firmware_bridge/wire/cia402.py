@@ -54,7 +54,11 @@ class Status(IntFlag):
     """Profile velocity mode."""
     INTERPOLATION_ACTIVE = 1 << 12
     """Interpolated position mode."""
+    HOMING_ATTAINED = 1 << 12
+    """Homing mode."""
     FOLLOWING_ERROR = 1 << 13
+    HOMING_ERROR = 1 << 13
+    """Homing mode."""
     REFERENCED = 1 << 15
 
 

@@ -8,7 +8,6 @@ from typing import ClassVar, Final
 
 from emulators.epos2.modes.shaft import Shaft
 from emulators.servo.axis import PROFILE_DONE, TARGET_REACHED
-from emulators.servo.commands import regulate_position
 from firmware_bridge.wire.cia402 import Status
 from firmware_bridge.wire.epos2.address import Address
 
@@ -34,8 +33,7 @@ class ModeOfOperation:
 
     def enter(self) -> None:
         """Take the shaft over, maybe under way: the mode has changed. ASSUME: it comes to rest by 0x6084."""
-        regulate_position(self.shaft.axis)
-        self.shaft.brake()
+        self.shaft.hold()
 
     def forget(self) -> None:
         """Drop what was going on: the power stage is off, a stop has cut in, or the mode has changed."""
@@ -43,6 +41,9 @@ class ModeOfOperation:
     def restart(self) -> None:
         """Begin as after power-on."""
         self.forget()
+
+    def fail(self) -> None:
+        """Take note of a fault: `forget` follows where it ends the motion."""
 
     # At work
 
@@ -70,6 +71,11 @@ class ModeOfOperation:
         """Go on with what has become due: asked after every event and every command."""
 
     # Status
+
+    @property
+    def sought(self) -> int:
+        """Functions of the input pins that the mode is looking for, as bits of 0x2071."""
+        return 0
 
     @property
     def arrived(self) -> bool:

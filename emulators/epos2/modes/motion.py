@@ -5,6 +5,7 @@ It refuses to know what a mode does with it.
 
 from typing import Final
 
+from emulators.epos2.digital_inputs import DigitalInputs
 from emulators.epos2.modes.shaft import Shaft
 from emulators.epos2.modes.table import MODES
 from emulators.epos2.store import ObjectStore
@@ -19,8 +20,8 @@ _HALT: Final = int(Control.HALT)
 class Motion:
     """The mode that is set, and all others. Every method but those of the status needs power."""
 
-    def __init__(self, store: ObjectStore, axis: ServoAxis) -> None:
-        self.shaft: Final = Shaft(store, axis)
+    def __init__(self, store: ObjectStore, axis: ServoAxis, inputs: DigitalInputs) -> None:
+        self.shaft: Final = Shaft(store, axis, inputs)
         self._modes: Final = {number: mode(self.shaft) for number, mode in MODES.items()}
         self.number = int(Mode.PROFILE_POSITION)
         """The mode that is set, as in 0x6060."""
@@ -36,6 +37,7 @@ class Motion:
         for mode in self._modes.values():
             mode.restart()
         self.shaft.error = emergency.NO_ERROR
+        self.shaft.referenced = False
         self.forget()
         self.set(number)
 
@@ -43,6 +45,11 @@ class Motion:
         """Drop what was going on: the power stage is off, or a stop has cut in."""
         self.shaft.halted = False
         self.mode.forget()
+
+    def hold(self) -> None:
+        """Hold the shaft before the mode may have it: the brake is still on its way."""
+        self.forget()
+        self.shaft.hold()
 
     def begin(self, controlword: int) -> None:
         """Start from standstill or from where the shaft is: the drive has become enabled."""

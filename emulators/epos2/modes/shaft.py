@@ -5,10 +5,23 @@ It refuses to know modes and states.
 
 from typing import Final
 
+from emulators.epos2.digital_inputs import DigitalInputs
 from emulators.epos2.store import ObjectStore
 from emulators.servo import sine_plan
-from emulators.servo.axis import IDLE, MOVE, RAMP, SINE, TRAPEZOID, ServoAxis
-from emulators.servo.commands import brake, judge_anew
+from emulators.servo.axis import (
+    CURRENT,
+    DIRECT,
+    FOLLOW,
+    IDLE,
+    MOVE,
+    POSITION,
+    RAMP,
+    SINE,
+    SPLINE,
+    TRAPEZOID,
+    ServoAxis,
+)
+from emulators.servo.commands import brake, judge_anew, regulate_position
 from emulators.servo.profile import stopping_distance
 from emulators.servo.scaling import acceleration_units, speed_units
 from firmware_bridge.wire.epos2 import address as at
@@ -19,11 +32,14 @@ from firmware_bridge.wire.epos2.address import Address
 class Shaft:
     """Axis and store, in the units of the one and the objects of the other."""
 
-    def __init__(self, store: ObjectStore, axis: ServoAxis) -> None:
+    def __init__(self, store: ObjectStore, axis: ServoAxis, inputs: DigitalInputs) -> None:
         self.store: Final = store
+        self.inputs: Final = inputs
         self.axis: Final = axis
         self.halted = False
         """Bit 8 of the controlword is up, in a mode that heeds it."""
+        self.referenced = False
+        """Bit 15: a homing has found where the shaft is."""
         self.error = emergency.NO_ERROR
         """What a mode cannot do, as an emergency's code; cleared by who reports it."""
 
@@ -34,6 +50,27 @@ class Shaft:
         if axis.profile != RAMP or axis.regulator == IDLE:
             return True
         return axis.velocity_demand == 0 and axis.target_velocity == 0
+
+    @property
+    def heading(self) -> int:
+        """The sign of the motion that is demanded, 0 for none."""
+        axis = self.axis
+        if axis.regulator == CURRENT:
+            way = axis.current_setting_ma
+        elif axis.profile == MOVE:
+            way = axis.target_position - axis.position_demand
+        elif axis.profile == DIRECT and axis.regulator == POSITION:
+            way = axis.target_position - (axis.position << axis.fraction)
+        elif axis.profile in {SPLINE, FOLLOW}:
+            way = axis.velocity_demand
+        else:
+            way = axis.target_velocity
+        return (way > 0) - (way < 0)
+
+    def hold(self) -> None:
+        """Come to rest by 0x6084, and hold the position."""
+        regulate_position(self.axis)
+        self.brake()
 
     def brake(self, address: Address = at.PROFILE_DECELERATION) -> None:
         """Ramp to standstill with the deceleration that an object holds, and hold."""

@@ -9,6 +9,7 @@ from typing import Final
 
 from emulators.epos2.modes.digital_position import DigitalPosition
 from emulators.epos2.modes.direct import Current, Position, Velocity
+from emulators.epos2.modes.homing import Homing
 from emulators.epos2.modes.interpolated_position import InterpolatedPosition
 from emulators.epos2.modes.mode import ModeOfOperation
 from emulators.epos2.modes.profile_position import ProfilePosition
@@ -19,7 +20,7 @@ from firmware_bridge.wire.epos2.address import Address
 MODES: Final[Mapping[int, type[ModeOfOperation]]] = MappingProxyType(
     {
         Mode.INTERPOLATED_POSITION: InterpolatedPosition,
-        Mode.HOMING: ModeOfOperation,
+        Mode.HOMING: Homing,
         Mode.PROFILE_VELOCITY: ProfileVelocity,
         Mode.PROFILE_POSITION: ProfilePosition,
         Mode.POSITION: Position,

@@ -80,7 +80,7 @@ def test_the_documented_sequence(ready: "Drive") -> None:
 
 
 @pytest.mark.parametrize("count", [0, 1])
-@pytest.mark.emergency(ERROR)
+@pytest.mark.emergency(0xFF0C)
 def test_fewer_than_two_records_are_an_underflow(ready: "Drive", count: int) -> None:
     feed(ready, *[(0, 0, 10)] * count)
     ready.command(0x1F)
@@ -90,7 +90,7 @@ def test_fewer_than_two_records_are_an_underflow(ready: "Drive", count: int) -> 
     assert status(ready) == UNDERFLOW
 
 
-@pytest.mark.emergency(ERROR)
+@pytest.mark.emergency(0xFF0C)
 def test_a_path_that_is_not_fed_stops_with_the_quick_stop_ramp(ready: "Drive") -> None:
     feed(ready, (0, 0, 100), (1000, 600, 100), (3000, 600, 100))
     ready.command(0x1F)
@@ -110,7 +110,7 @@ def test_a_path_that_is_not_fed_stops_with_the_quick_stop_ramp(ready: "Drive") -
     assert not ready.statusword & ACTIVE_BIT
 
 
-@pytest.mark.emergency(ERROR)
+@pytest.mark.emergency(0xFF0C)
 def test_after_an_error_the_buffer_must_be_enabled_anew(ready: "Drive") -> None:
     ready.command(0x1F)
     ready.run(20)
@@ -145,7 +145,7 @@ def test_the_levels_are_objects(ready: "Drive") -> None:
     assert status(ready) == ENABLED | OVERFLOW_WARNING
 
 
-@pytest.mark.emergency(ERROR)
+@pytest.mark.emergency(0xFF0C)
 def test_the_65th_record_is_an_overflow(ready: "Drive") -> None:
     feed(ready, *[(0, 0, 10)] * 64)
     assert ready.read(BUFFER_FREE) == 0
@@ -182,7 +182,7 @@ def test_a_full_buffer_in_another_mode_is_no_fault(ready: "Drive") -> None:
         (at.MAX_ACCELERATION, 35_999, ACCELERATION_WARNING, ACCELERATION),
     ],
 )
-@pytest.mark.emergency(ERROR)
+@pytest.mark.emergency(0xFF0C)
 def test_limits_of_velocity_and_acceleration(
     ready: "Drive", limit: at.Address, value: int, bits: int, error: int
 ) -> None:
@@ -201,7 +201,7 @@ def test_limits_of_velocity_and_acceleration(
         assert ready.reported == []
 
 
-@pytest.mark.emergency(ERROR)
+@pytest.mark.emergency(0xFF0C)
 def test_a_first_record_far_away_is_a_velocity_error_and_moves_nothing(ready: "Drive") -> None:
     feed(ready, (5000, 0, 100), (5100, 0, 0))
     ready.command(0x1F)
@@ -262,7 +262,7 @@ def test_records_may_be_there_before_the_drive_is_enabled(drive: "Drive") -> Non
     assert drive.read(at.POSITION_DEMAND) == 100
 
 
-@pytest.mark.emergency(ERROR)
+@pytest.mark.emergency(0xFF0C)
 def test_taking_the_access_away_under_way_stops_the_path(ready: "Drive") -> None:
     feed(ready, (0, 0, 100), (1000, 600, 100), (3000, 600, 100), (4000, 0, 0))
     ready.command(0x1F)
