@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from types import MappingProxyType, ModuleType
 from typing import Final
 
-from emulators.servo import axis, follow, loops, scaling, seam, setpoint, signals, sine, winding
+from emulators.servo import axis, follow, loops, scaling, seam, sensors, setpoint, signals, sine, winding
 from emulators.servo.axis import ServoAxis
 from emulators.servo.kernel import NATIVE_FOLDER, BankRecord, Ended, LineRecord
 from fmu.calls import PlantRecord
@@ -44,6 +44,7 @@ CONSTANTS: Final[tuple[tuple[ModuleType, tuple[str, ...]], ...]] = (
     (winding, ("CURRENT_PLACES", "HIGHEST_RESISTANCE")),
     (axis, ("AVERAGE_PLACES",)),
     (sine, ("SHARE_PLACES", *(f"SINE_{term}" for term in range(1, 8)))),
+    (sensors, ("MASTER", "ANALOGUE_1", "ANALOGUE_2")),
     (follow, ("FASTEST_INPUT",)),
     (setpoint, ("WIDEST_VOLTAGE", "WIDEST_SETPOINT", "MILLISECONDS_PER_MINUTE")),
     (seam, ("CLOSED", "WIDEST_READING", "WIDEST_ANGLE", "WIDEST_STEP")),
