@@ -1,4 +1,6 @@
-"""A plant's second encoder and analogue voltages reach the axes, in kernel and twin alike, and nothing else does."""
+"""A plant's second encoder and analogue voltages reach the axes, in kernel and twin alike."""
+
+import ctypes
 
 import pytest
 
@@ -19,7 +21,6 @@ from hil_tests.unit.servo.side_by_side import (
     Order,
     Side,
     compiled,
-    ctypes,
     difference,
 )
 
