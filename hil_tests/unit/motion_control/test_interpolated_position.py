@@ -16,6 +16,8 @@ from emulators.epos2.interpolation import (
     UNDERFLOW_LEVEL,
 )
 from emulators.epos2.profile import BUFFER_FREE, BUFFER_SIZE
+from emulators.servo.scaling import speed_units
+from emulators.servo.spline_plan import Knot, segment
 from firmware_bridge.wire.abort import AbortCode, SdoAbort
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at
@@ -312,6 +314,14 @@ def test_any_path_within_the_limits_passes_every_knot_and_is_continuous(
         assert drive.reported == [ERROR]
         return
     fraction, at_ms = drive.axis.fraction, 0
+    knots = [Knot(knot << fraction, speed_units(drive.axis, rpm)) for knot, rpm, _ in records]
+    segments = [segment(a, b, ms) for (a, b), (_, _, ms) in zip(pairwise(knots), records, strict=False)]
+    speeds = [after - before for before, after in pairwise([0, *demands])]
+    # No step of the velocity is larger than the path's accelerations make it; 4 units are rounding.
+    sharpest = max(each.sharpest() for each in segments) + 4
+    first_and_last = abs(speeds[0]), abs(knots[-1].velocity)
+    assert max(abs(b - a) for a, b in pairwise([0, *speeds])) <= max(sharpest, *first_and_last)
+    assert max(map(abs, speeds)) <= max(each.fastest() for each in segments) + 4
     begun = next(ms for ms in (0, 1) if demands[ms + records[0][2] - 1] == records[1][0] << fraction)
     for (_, _, ms), (knot, _, _) in pairwise(records):
         at_ms += ms
