@@ -1,6 +1,7 @@
 """Drives without a robot at the command line: `emulate epos2`."""
 
 import re
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Final
@@ -35,7 +36,9 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge emulate epos2 --node 1-8 --load 5e-5,0.002 -i socketcan -c vcan0`
 
-`firmware-bridge emulate epos2 --node 1-2 --plant rars.fmu --axes left,right -i socketcan -c vcan0`"""
+`firmware-bridge emulate epos2 --node 1-2 --plant rars.fmu --axes left,right -i socketcan -c vcan0`
+
+`firmware-bridge emulate epos2 --plant single_axis.fmu --axes axis --set stop_low=-1 -i socketcan -c vcan0`"""
 
 LatencyOption = Annotated[
     bool,
@@ -70,7 +73,16 @@ def emulate(
         typer.Option(
             metavar="FMU",
             help="A plant in place of the motors: inputs voltage_AXIS, outputs current_AXIS, angle_AXIS and "
-            "speed_AXIS of the shaft, in SI, for each axis.",
+            "speed_AXIS of the shaft, in SI, for each axis; switches and brake where it has them.",
+            show_default=False,
+        ),
+    ] = None,
+    values: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="NAME=VALUE",
+            help="A parameter of the plant, in SI; may be given more than once.",
             show_default=False,
         ),
     ] = None,
@@ -117,6 +129,7 @@ def emulate(
         bit_rate=rate,
         motor=_loaded(load),
         plant=plant,
+        plant_parameters=_settings(values or [], plant),
         axes=names,
         supply_mv=round(supply * 1000),
         parameters=parameters,
@@ -164,6 +177,21 @@ def _profile(name: str, rate: int, *, latency: bool) -> DeviceProfile:
         raise refusal(f"--bitrate {rate}: an EPOS2 knows {', '.join(map(str, codes))}")
     found = replace(find_profile(name), bit_rate=codes[rate])
     return realistic(found) if latency else found
+
+
+def _settings(values: Sequence[str], plant: Path | None) -> dict[str, float]:
+    if values and plant is None:
+        raise refusal(
+            f"--set {values[0]}: there is no plant whose parameter that could be; name one by --plant"
+        )
+    found: dict[str, float] = {}
+    for text in values:
+        name, _, number = text.partition("=")
+        try:
+            found[name] = float(number)
+        except ValueError:
+            raise refusal(f"--set {text}: say NAME=VALUE, as stop_low=-1.0") from None
+    return found
 
 
 def _loaded(load: str | None) -> DcMotor:

@@ -97,7 +97,7 @@ class DigitalInputs:
         return self._now_active() & self._store.get(INPUT_MASK)
 
     def _restricts(self, execution: int) -> Command | None:
-        if execution & ~self.active & InputFunction.DEVICE_ENABLE.bit:
+        if execution & self.fitted & ~self.active & InputFunction.DEVICE_ENABLE.bit:
             return Command.DISABLE_VOLTAGE
         if self.executed & InputFunction.QUICK_STOP.bit:
             return Command.QUICK_STOP

@@ -56,8 +56,8 @@ class PowerMachine:
         self.errors: tuple[int, ...] = ()
         """Codes that stand since the last fault reset, in their order."""
         self._controlword = 0
-        self._delayed: int | None = None
-        """A controlword that waits until the present command is completed."""
+        self._delayed: tuple[int, int] | None = None
+        """A controlword that waits until the present command is completed, and the one before it."""
         self._completing: Transition | None = None
         """A transition whose slow-down ramp runs."""
         self._latching = False
@@ -98,7 +98,9 @@ class PowerMachine:
             if word & ~before & _FAULT_RESET:
                 self._reset_fault()
         elif self._under_way or self.state in _TRANSIENT:
-            self._delayed = word
+            # What waits for the brake keeps its edges; other states have none to keep.
+            since = before if self._delayed is None else self._delayed[1]
+            self._delayed = word, since if self._releasing else word
         else:
             self._obey(word, before)
 
@@ -225,8 +227,8 @@ class PowerMachine:
             self._delayed = None
             self._go(Happening.REACTED)
         elif self._delayed is not None and self.state not in _WAITING and not self._under_way:
-            word, self._delayed = self._delayed, None
-            self._obey(word, word)
+            delayed, self._delayed = self._delayed, None
+            self._obey(*delayed)
         else:
             return False
         return True
@@ -236,8 +238,6 @@ class PowerMachine:
     def supervise(self) -> None:
         """Turn what the axis found into faults; each is told once until it is reset."""
         self._inputs.refresh()
-        if self._inputs.executed:
-            self._heed_limits()
         flags = self._axis.flags
         if flags & WATCHED:
             for watch in WATCHES:
@@ -245,11 +245,16 @@ class PowerMachine:
                     self.fail(watch.code)
         self._heed()
 
-    def _heed_limits(self) -> None:
+    def heed_limits(self) -> None:
+        """Stop at a limit switch; asked when every set-point is taken, for it may lead into one."""
         inputs, motion = self._inputs, self._motion
-        if self._axis.powered and self.state is not State.FAULT_REACTION_ENABLED:
-            for code in inputs.limits_met(motion.shaft.heading, motion.mode.sought):
-                self.fail(code)
+        if not inputs.executed or not self._axis.powered or self.state is State.FAULT_REACTION_ENABLED:
+            return
+        met = inputs.limits_met(motion.shaft.heading, motion.mode.sought)
+        if met and not inputs.risen:
+            motion.shaft.forget_demand()
+        for code in met:
+            self.fail(code)
 
     def fail(self, code: int, reaction: Reaction | None = None) -> None:
         """Report an error and bring the motor to rest; without a reaction given, as the table says."""

@@ -84,6 +84,7 @@ class MotionControl:
         self._machine.supervise()
         self._machine.advance()
         self._machine.take_setpoint()
+        self._machine.heed_limits()
         self._publish()
 
     def wake_at(self) -> Nanoseconds:

@@ -84,11 +84,24 @@ class Load:
         return HALF * (kinetic + flanks + stops + dry) + P["unbalance"] * (1 - sp.cos(self.angle))
 
 
+class Brake:
+    """A holding brake on the motor's shaft: a bristle that grips while the brake is closed."""
+
+    def __init__(self, motor: Shaft) -> None:
+        self.closed, self.grip = symbol("brake_axis"), symbol("brake_grip")
+        self.torque = P["brake_torque"] * self.grip
+        gripping = self.closed * bristle(motor.speed, self.grip, P["brake_presliding"])
+        self.state = State(
+            "brake_grip", "1", sp.S.Zero, gripping - (1 - self.closed) * self.grip / P["brake_opening"]
+        )
+        self.energy = HALF * P["brake_torque"] * P["brake_presliding"] * self.grip**2
+
+
 def model() -> Model:
     """Return the equations of the bench axis with all tables."""
     motor = Shaft("axis", P)
-    load = Load(motor)
-    acceleration = (motor.torque - load.gear_torque() / motor.gear) / motor.inertia
+    load, brake = Load(motor), Brake(motor)
+    acceleration = (motor.torque - brake.torque - load.gear_torque() / motor.gear) / motor.inertia
     return Model(
         name="single_axis",
         description="One DC motor with gear, backlash and a load between stops",
@@ -96,8 +109,9 @@ def model() -> Model:
         inputs=(
             Input("voltage_axis", "V", "motor voltage", 24.0),
             Input("load_torque", "N.m", "torque from outside on the load, positive forwards", 1.0),
+            Input("brake_axis", "1", "holding brake, 1 closed, 0 open", 1.0),
         ),
-        states=(*motor.states(acceleration), *load.states()),
+        states=(*motor.states(acceleration), *load.states(), brake.state),
         outputs=(
             *motor.outputs(),
             Output("load_angle", "rad", "load's angle", load.angle, 1.0),
@@ -106,7 +120,13 @@ def model() -> Model:
             *load.switches(),
             motor.dry_friction(),
             inner("gear_torque", "N.m", "torque of the gear on the load", load.gear_torque()),
-            inner("energy", "J", "energy stored in the whole axis", motor.energy() + load.energy(), 10.0),
+            inner(
+                "energy",
+                "J",
+                "energy stored in the whole axis",
+                motor.energy() + load.energy() + brake.energy,
+                10.0,
+            ),
         ),
         inner_step=50e-6,
     )

@@ -59,7 +59,13 @@ SWITCHES: Final[tuple[Parameter, ...]] = (
     Parameter("home_high", 1e6, "rad", "load angle where the home switch's cam ends", "ASSUME, out of reach"),
 )
 
-PARAMETERS: Final[tuple[Parameter, ...]] = MOTOR + GEAR + LOAD + SWITCHES
+BRAKE: Final[tuple[Parameter, ...]] = (
+    Parameter("brake_torque", 2.0, "N.m", "what the closed holding brake holds, at the motor", "ASSUME"),
+    Parameter("brake_presliding", 0.01, "rad", "shaft angle over which the brake's grip builds up", "ASSUME"),
+    Parameter("brake_opening", 0.002, "s", "time constant with which the grip is lost", "ASSUME"),
+)
+
+PARAMETERS: Final[tuple[Parameter, ...]] = MOTOR + GEAR + LOAD + SWITCHES + BRAKE
 
 SETS: Final[Mapping[str, Mapping[str, float]]] = {
     "free": {},

@@ -102,3 +102,30 @@ def test_forwards_and_backwards_are_mirror_images() -> None:
         ahead, back = one.runs(0.5, axis=9.0, load_torque=-1.0), other.runs(0.5, axis=-9.0, load_torque=1.0)
     for name, value in ahead.items():
         assert back[name] == pytest.approx(value if name == "battery_voltage" else -value, rel=1e-12), name
+
+
+def test_the_closed_brake_holds_what_it_can_and_the_open_one_nothing() -> None:
+    # 60 N m at the load are 2.3 N m at the motor: more than the brake's 2 N m and the friction.
+    with ModelBench(MODEL, {"backlash": 0.0}) as bench:
+        held = bench.runs(1.0, load_torque=45.0, brake_axis=1.0)
+        assert bench.runs(1.0, load_torque=45.0, brake_axis=1.0) == pytest.approx(held, abs=1e-3)
+        assert abs(held["angle_axis"]) < 0.5
+        assert bench.runs(0.1, load_torque=45.0)["angle_axis"] > 1.0
+    with ModelBench(MODEL, {"backlash": 0.0}) as bench:
+        assert bench.runs(1.0, load_torque=60.0, brake_axis=1.0)["angle_axis"] > 1.0
+
+
+def test_the_switches_close_at_their_angles() -> None:
+    with ModelBench(MODEL, SETS["between_stops"]) as bench:
+        closed = {}
+        now = bench.runs(0.001)
+        while now["load_angle"] < 1.95:
+            for name in ("negative_limit_axis", "positive_limit_axis", "home_axis"):
+                if now[name] != closed.get(name, 0.0):
+                    closed[name] = now[name]
+                    closed[f"{name} {now[name]:g}"] = now["load_angle"]
+            now = bench.runs(0.001, axis=3.0)
+    assert closed["home_axis 1"] == pytest.approx(0.4, abs=0.01)
+    assert closed["home_axis 0"] == pytest.approx(0.6, abs=0.01)
+    assert closed["positive_limit_axis 1"] == pytest.approx(1.9, abs=0.01)
+    assert "negative_limit_axis 1" not in closed

@@ -81,7 +81,7 @@ class Homing(ModeOfOperation):
             self._attained = self.shaft.referenced = True
         elif method == ACTUAL_POSITION:
             self._settle(self.shaft.axis.position)
-        elif self._can(METHODS[method]):
+        elif method in METHODS and self._can(METHODS[method]):
             self._ways, self._number = METHODS[method], 0
             self._set_out()
         else:

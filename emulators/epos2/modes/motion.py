@@ -6,6 +6,7 @@ It refuses to know what a mode does with it.
 from typing import Final
 
 from emulators.epos2.digital_inputs import DigitalInputs
+from emulators.epos2.modes.mode import ModeOfOperation
 from emulators.epos2.modes.shaft import Shaft
 from emulators.epos2.modes.table import MODES
 from emulators.epos2.store import ObjectStore
@@ -23,6 +24,8 @@ class Motion:
     def __init__(self, store: ObjectStore, axis: ServoAxis, inputs: DigitalInputs) -> None:
         self.shaft: Final = Shaft(store, axis, inputs)
         self._modes: Final = {number: mode(self.shaft) for number, mode in MODES.items()}
+        self._other: Final = ModeOfOperation(self.shaft)
+        """For a number that no mode has: it may come from saved parameters that somebody has edited."""
         self.number = int(Mode.PROFILE_POSITION)
         """The mode that is set, as in 0x6060."""
         self.mode = self._modes[self.number]
@@ -30,7 +33,7 @@ class Motion:
     def set(self, number: int) -> None:
         """Set the mode of a drive that is not enabled."""
         self.number = number
-        self.mode = self._modes[number]
+        self.mode = self._modes.get(number, self._other)
 
     def restart(self, number: int) -> None:
         """Begin as after power-on, in a mode."""

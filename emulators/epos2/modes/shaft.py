@@ -67,6 +67,11 @@ class Shaft:
             way = axis.target_velocity
         return (way > 0) - (way < 0)
 
+    def forget_demand(self) -> None:
+        """Take back a demand that the shaft has not followed yet: a stop begins where the shaft is."""
+        self.axis.velocity_demand = self.axis.shaft_speed()
+        self.axis.position_demand = self.axis.position << self.axis.fraction
+
     def hold(self) -> None:
         """Come to rest by 0x6084, and hold the position."""
         regulate_position(self.axis)

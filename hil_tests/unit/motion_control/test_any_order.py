@@ -6,9 +6,17 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 
+from emulators.epos2.modes.homing_methods import METHODS
 from firmware_bridge.wire.abort import SdoAbort
 from firmware_bridge.wire.cia402 import State, state_of
 from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.functions import (
+    INPUT_EXECUTION,
+    INPUT_PINS,
+    INPUT_POLARITY,
+    OUTPUT_PINS,
+    OUTPUT_STATE,
+)
 from firmware_bridge.wire.epos2.objects import OBJECTS
 from hil_tests.unit.motion_control.conftest import Drive, make_drive
 
@@ -77,6 +85,28 @@ class Stranger(RuleBasedStateMachine):
     def supply(self, supply: int) -> None:
         self.drive.axis.supply_mv = supply
 
+    @rule(pins=st.integers(0, 0x1FF))
+    def pins(self, pins: int) -> None:
+        self.drive.axis.pins = pins
+
+    @rule(
+        address=st.sampled_from((*INPUT_PINS, *OUTPUT_PINS)),
+        function=st.integers(0, 5),
+        execution=st.integers(0, 0x3F),
+        polarity=st.integers(0, 0x3F),
+    )
+    def wiring(self, address: at.Address, function: int, execution: int, polarity: int) -> None:
+        self.drive.write(address, function)
+        self.drive.write(INPUT_EXECUTION, execution)
+        self.drive.write(INPUT_POLARITY, polarity)
+
+    @rule(method=st.sampled_from(tuple(METHODS)), offset=st.integers(-5000, 5000))
+    def homing(self, method: int, offset: int) -> None:
+        self.drive.write(at.HOMING_METHOD, method)
+        self.drive.write(at.HOME_OFFSET, offset)
+        self.drive.write(at.MODE, 6)
+        self.drive.command(0x80, 0x00, 0x06, 0x07, 0x0F, 0x1F)
+
     @rule(code=st.sampled_from((0x8210, 0x8120, 0x8150, 0x1000, 0x1234)))
     def communication(self, code: int) -> None:
         self.drive.control.communication_fault(code)
@@ -109,6 +139,9 @@ class Stranger(RuleBasedStateMachine):
         assert state_of(drive.statusword) is drive.state
         if not drive.axis.powered:
             assert drive.axis.current_demand_ma == 0
+            assert not drive.read(OUTPUT_STATE) & 1 << 2, "the brake is closed"
+            assert not drive.axis.index_watched
+            assert not drive.axis.current_watched_ma
         assert abs(drive.axis.current_demand_ma) <= drive.axis.peak_ma
 
     @invariant()

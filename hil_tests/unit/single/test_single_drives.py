@@ -109,3 +109,22 @@ def test_a_robot_is_still_emulated_by_its_name_alone_options_in_front_or_behind(
         result = CliRunner().invoke(program, ["emulate", *words, "--duration", "0.1"])
         assert result.exit_code == 0, result.output
         assert "rars is on the bus" in result.output
+
+
+def test_parameters_of_the_plant_are_set_by_name() -> None:
+    order = Order(
+        (1,),
+        PROFILES["70/10"],
+        1_000_000,
+        plant=ensure("single_axis"),
+        plant_parameters={"limit_low": 1.0},
+        axes=("axis",),
+    )
+    _, bank = drives(order)
+    bank.advance(SECOND // 100)
+    assert bank.axes[0].pins == 1 << 5, "the load stands below the negative limit"
+
+
+def test_a_parameter_needs_a_plant_and_a_value(tmp_path: Path) -> None:
+    assert "--set a=1: there is no plant" in refused("--set", "a=1")
+    assert "--set a: say NAME=VALUE" in refused("--plant", str(tmp_path), "--set", "a")

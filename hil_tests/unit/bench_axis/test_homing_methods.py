@@ -10,7 +10,7 @@ from emulators.epos2.modes.homing_methods import METHODS
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.functions import INPUT_EXECUTION
-from hil_tests.unit.homing.axis_bench import (
+from hil_tests.unit.bench_axis.axis_bench import (
     GEAR,
     HOME_IN,
     HOME_OUT,

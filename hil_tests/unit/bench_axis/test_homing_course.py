@@ -7,7 +7,7 @@ from firmware_bridge.wire.abort import AbortCode, SdoAbort
 from firmware_bridge.wire.cia402 import Mode, State
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.functions import INPUT_EXECUTION, INPUT_PINS
-from hil_tests.unit.homing.axis_bench import ENABLED, GEAR, START, TURN, AxisBench
+from hil_tests.unit.bench_axis.axis_bench import ENABLED, GEAR, START, TURN, AxisBench
 
 REACHED, ATTAINED, FAILED, REFERENCED = 1 << 10, 1 << 12, 1 << 13, 1 << 15
 BITS = REACHED | ATTAINED | FAILED | REFERENCED
@@ -122,6 +122,21 @@ def test_a_method_by_the_index_needs_a_sensor_that_has_one(method: int) -> None:
     bench.starts(method)
     bench.run(100)
     assert bits(bench) == REACHED | FAILED
+
+
+def test_values_that_only_an_edited_memory_can_hold_move_nothing(bench: AxisBench) -> None:
+    bench.store.set(at.HOMING_METHOD, 5)
+    bench.write(at.CONTROLWORD, START)
+    bench.run(10)
+    assert bits(bench) == REACHED | FAILED
+    bench.store.set(at.MODE, 99)
+    bench.control.reset()
+    bench.run(20)
+    for word in (0x06, 0x07, ENABLED, START):
+        bench.write(at.CONTROLWORD, word)
+    bench.run(100)
+    assert bench.control.state is State.OPERATION_ENABLED
+    assert abs(bench.read(at.POSITION_ACTUAL)) < 20
 
 
 def test_the_next_start_forgets_a_homing_error(bench: AxisBench) -> None:

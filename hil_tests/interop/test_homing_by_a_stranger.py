@@ -1,0 +1,112 @@
+"""A stranger homes a drive: `canopen`'s own homing, on an axis between stops, in virtual time.
+
+It has our EDS and nothing else. Where home is, the plant's parameters say.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, Final
+
+import canopen
+import pytest
+from canopen.profiles.p402 import BaseNode402
+
+from emulators.documents.eds import eds
+from emulators.epos2.profile import EPOS2_70_10, realistic
+from emulators.single import Order, drives
+from emulators.wires import CanWire
+from emulators.world import World
+from firmware_bridge.node import CAN
+from fmu.build import ensure
+from fmu.single_axis.parameters import SETS
+from hil_tests.interop.virtual_master import Listener, VirtualBus
+
+TURN: Final = 2000
+TUNED: Final = {
+    (0x6402, 0): 1,
+    (0x60F6, 1): 50,
+    (0x60F6, 2): 20,
+    (0x60FB, 1): 900,
+    (0x60FB, 2): 3000,
+    (0x60FB, 3): 1500,
+    (0x6099, 1): 300,
+    (0x6099, 2): 60,
+    (0x609A, 0): 2000,
+    (0x2080, 0): 4000,
+}
+
+
+class Bench:
+    """One drive above the bench axis, and a master."""
+
+    def __init__(self, sheet: Path) -> None:
+        order = Order(
+            (1,),
+            realistic(EPOS2_70_10),
+            1_000_000,
+            plant=ensure("single_axis"),
+            plant_parameters=SETS["between_stops"],
+            axes=("axis",),
+        )
+        made, self.bank = drives(order)
+        self.wire = CanWire(1_000_000)
+        self.world = World(self.bank)
+        self.world.attach("axis", made["axis"], {CAN: self.wire})
+        self.network = canopen.Network()
+        self.ear = Listener(self.network)
+        station = self.world.attach("master", self.ear, {CAN: self.wire})
+        self.bus = VirtualBus(self.world, self.wire, station)
+        self.network.bus = self.bus
+        self.node: Any = BaseNode402(1, canopen.import_od(str(sheet), node_id=1))
+        self.node.check_statusword = self._waited
+        self.network.add_node(self.node)
+        self.bus.runs(0.05)
+        for (index, subindex), value in TUNED.items():
+            place = self.node.sdo[index]
+            (place[subindex] if subindex else place).raw = value
+        self.node.nmt.state = "PRE-OPERATIONAL"
+        self.node.setup_402_state_machine(read_pdos=True)
+        self.node.nmt.state = "OPERATIONAL"
+        self.bus.runs(0.02)
+
+    def _waited(self, timeout: float | None = None) -> int:
+        """Let virtual time pass where `canopen` would wait for a PDO on the real clock."""
+        del timeout
+        self.bus.runs(0.005)
+        return int(self.node.statusword)
+
+    @property
+    def zero(self) -> int:
+        """The encoder's count that has the position 0."""
+        axis = self.bank.axes[0]
+        return axis.encoder - axis.position
+
+
+@pytest.fixture(scope="module")
+def sheet(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("sheet") / "epos2.eds"
+    path.write_text(eds(EPOS2_70_10), encoding="ascii")
+    return path
+
+
+@pytest.fixture
+def bench(sheet: Path) -> Iterator[Bench]:
+    made = Bench(sheet)
+    yield made
+    made.network.bus = None
+
+
+@pytest.mark.parametrize(("method", "turns"), [(1, -3), (2, 7), (7, 1), (34, 1), (-1, 8), (-2, -4)])
+def test_the_strangers_homing_finds_the_index(bench: Bench, method: int, turns: int) -> None:
+    bench.node.sdo[0x6098].raw = method
+    assert bench.node.homing()
+    assert bench.zero == turns * TURN
+    assert bench.node.is_homed()
+    assert bench.node.statusword & 0x8000
+
+
+def test_the_stranger_is_told_that_there_is_no_home_switch_that_way(bench: Bench) -> None:
+    bench.node.sdo[0x6098].raw = 11
+    assert not bench.node.homing()
+    assert not bench.node.is_homed()
+    assert [error.code for error in bench.node.emcy.log] == [0x8611]
