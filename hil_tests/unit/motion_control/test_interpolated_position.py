@@ -21,6 +21,7 @@ from emulators.servo.spline_plan import Knot, segment
 from firmware_bridge.wire.abort import AbortCode, SdoAbort
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.functions import INPUT_EXECUTION
 from firmware_bridge.wire.epos2.pvt import PvtRecord
 from hil_tests.unit.motion_control.conftest import make_drive
 
@@ -327,3 +328,56 @@ def test_any_path_within_the_limits_passes_every_knot_and_is_continuous(
         at_ms += ms
         assert demands[begun + at_ms - 1] == knot << fraction
     assert drive.axis.position_demand == position << fraction
+
+
+def test_a_rising_bit_4_in_a_halt_starts_nothing(ready: "Drive") -> None:
+    feed(ready, (0, 0, 20), (100, 0, 0))
+    ready.command(0x010F, 0x011F)
+    ready.run(60)
+    assert ready.read(at.POSITION_DEMAND) == 0
+    ready.command(0x001F)
+    ready.run(60)
+    assert ready.read(at.POSITION_DEMAND) == 0
+    ready.command(0x000F, 0x001F)
+    ready.run(60)
+    assert ready.read(at.POSITION_DEMAND) == 100
+
+
+def test_a_last_record_with_a_velocity_brakes_from_there(ready: "Drive") -> None:
+    feed(ready, (0, 0, 100), (1000, 600, 0))
+    ready.command(0x1F)
+    ready.run(101)
+    assert ready.read(at.POSITION_DEMAND) == pytest.approx(1000, abs=21)
+    # 15 000 rpm/s bring 20 qc/ms to rest in 40 ms and 400 qc.
+    ms = ready.runs_until(lambda: bool(ready.statusword & REACHED))
+    assert ms == pytest.approx(40, abs=3)
+    assert ready.read(at.POSITION_DEMAND) == pytest.approx(1400, abs=15)
+    assert ready.reported == []
+
+
+@pytest.mark.emergency(0xFF0C)
+@pytest.mark.parametrize("first", [(10, 0), (0, 300), (-10, 0)])
+def test_a_first_record_that_is_a_jolt_is_an_acceleration_error(
+    ready: "Drive", first: tuple[int, int]
+) -> None:
+    ready.write(at.MAX_ACCELERATION, 100_000)
+    position, velocity = first
+    feed(ready, (position, velocity, 100), (position + 20, 0, 0))
+    ready.command(0x1F)
+    ready.run(20)
+    assert status(ready) == ACCELERATION
+    assert ready.reported == [ERROR]
+    assert ready.read(BUFFER_FREE) == 64
+
+
+@pytest.mark.emergency(0xFF07)
+def test_a_path_into_a_limit_switch_ends_there(ready: "Drive") -> None:
+    ready.write(INPUT_EXECUTION, 0x0003)
+    feed(ready, (0, 0, 100), *[(1000 + 2000 * k, 600, 100) for k in range(8)])
+    ready.command(0x1F)
+    ready.run(250)
+    assert ready.reported == []
+    ready.axis.pins = 1 << 4
+    ready.run(20)
+    assert ready.reported == [0xFF07]
+    assert not ready.statusword & ACTIVE_BIT
