@@ -122,10 +122,13 @@ class InterpolatedPosition(ModeOfOperation):
             self.shaft.brake()
 
     def _prepare(self) -> None:
-        """Give the axis the segment after the present one; whether it may run is asked when it begins."""
+        """Give the axis the segment after the present one, where there is one to which nothing objects."""
         records = self._buffer.records
-        if self._buffer.active and len(records) > _FEWEST and records[1].ms:
-            spline_plan.prepare(self.shaft.axis, self._segment(1))
+        if not self._buffer.active or len(records) <= _FEWEST or records[1].ms == 0:
+            return
+        following = self._segment(1)
+        if not self._beyond(following) and not self._error(following):
+            spline_plan.prepare(self.shaft.axis, following)
 
     def _admitted(self, present: Segment) -> bool:
         """Look at the segment that is to run now: fail with its error, or note its warnings."""

@@ -381,3 +381,24 @@ def test_a_path_into_a_limit_switch_ends_there(ready: "Drive") -> None:
     ready.run(20)
     assert ready.reported == [0xFF07]
     assert not ready.statusword & ACTIVE_BIT
+
+
+@pytest.mark.parametrize(
+    ("third", "code"),
+    [((900, 0, 0), 0), ((901, 0, 0), 0xFF09), ((900, 25_001, 0), ERROR), ((2**31 - 1, 0, 0), 0xFF09)],
+)
+@pytest.mark.emergency(0xFF0C, 0xFF09)
+def test_the_axis_never_gets_a_segment_that_may_not_run(
+    ready: "Drive", third: tuple[int, int, int], code: int
+) -> None:
+    ready.write(at.MAX_POSITION_LIMIT, 900)
+    ready.write(at.MAX_PROFILE_VELOCITY, 2000)
+    feed(ready, (0, 0, 50), (500, 0, 50), third)
+    ready.command(0x1F)
+    ready.run(20)
+    assert ready.axis.next_ms == (0 if code else 50)
+    assert ready.reported == []
+    ready.run(100)
+    assert ready.reported == ([code] if code else [])
+    # Without power the demand is where the shaft is.
+    assert ready.read(at.POSITION_DEMAND) == pytest.approx(500 if code else 900, abs=5)
