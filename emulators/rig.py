@@ -21,6 +21,7 @@ from emulators.rewind import Moment, Rewind
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, plant_inputs, plant_outputs
 from emulators.servo.pins import input_lines, output_lines, pin_inputs, pin_outputs
+from emulators.servo.sensor_lines import sensor_lines, sensor_outputs
 from emulators.wires import CanWire, DatagramWire
 from emulators.world import Wire, World
 from firmware_bridge.bridge import Bridge
@@ -81,7 +82,7 @@ def devices(
         (*outputs, *BODY),
         parameters,
         optional_inputs=pin_inputs(names),
-        optional_outputs=pin_outputs(names),
+        optional_outputs=pin_outputs(names) + sensor_outputs(names),
     )
     axes = [
         ServoAxis(axis.name, axis.quadcounts_per_turn, back_emf=_back_emf(plant, axis.name))
@@ -92,7 +93,7 @@ def devices(
         axes,
         supply=len(outputs),
         analogue=(robot.battery.axis, robot.battery.divider),
-        input_lines=input_lines(plant.output_names, names),
+        input_lines=input_lines(plant.output_names, names) + sensor_lines(plant.output_names, names),
         output_lines=output_lines(plant.input_names, names),
     )
     kind = realistic(EPOS2_70_10) if realistic_latency else EPOS2_70_10

@@ -16,6 +16,7 @@ from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import Plant, ServoBank, plant_inputs, plant_outputs
 from emulators.servo.motor import DcMotor, DcMotors
 from emulators.servo.pins import input_lines, output_lines, pin_inputs, pin_outputs
+from emulators.servo.sensor_lines import sensor_lines, sensor_outputs
 from emulators.storage import ParameterFile
 from firmware_bridge.wire.maxon.frame import Generation
 from fmu.plant import FmuPlant, PlantError
@@ -78,7 +79,8 @@ def drives(order: Order) -> tuple[dict[str, Epos2], ServoBank]:
     }
     if not isinstance(plant, FmuPlant):
         return made, ServoBank(plant, axes)
-    wires, switches = output_lines(plant.input_names, names), input_lines(plant.output_names, names)
+    wires = output_lines(plant.input_names, names)
+    switches = input_lines(plant.output_names, names) + sensor_lines(plant.output_names, names)
     return made, ServoBank(plant, axes, input_lines=switches, output_lines=wires)
 
 
@@ -99,7 +101,7 @@ def _fmu(path: Path, names: Sequence[str], parameters: Mapping[str, float]) -> F
         plant_outputs(names),
         parameters,
         optional_inputs=pin_inputs(names),
-        optional_outputs=pin_outputs(names),
+        optional_outputs=pin_outputs(names) + sensor_outputs(names),
     )
 
 

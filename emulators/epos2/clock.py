@@ -1,7 +1,8 @@
 """The drive's high-resolution clock 0x1013: microseconds at the last SYNC, corrected by whoever writes it.
 
 Source: application note Interpolation Position Mode, December 2008, p. 11 and 21. Its real resolution is one
-bit time of the bus; here it is 1 us.
+bit time of the bus; here it is 1 us. ASSUME: the emulated drive's own clock does not drift, so that a
+correction moves the time stamps and leaves a path that runs as it is.
 """
 
 from typing import Final

@@ -109,7 +109,6 @@ class MotionControl:
         configure(self._axis, self._settings)
         self._sensing.apply()
         self.pins.reset()
-        self._motion.shaft.referenced = False
         self._motion.restart(self._store.get(at.MODE))
         self._store.set(at.MODE_DISPLAY, self._motion.number)
         self._machine.restart()

@@ -42,6 +42,7 @@ class Ended(IntEnum):
     STEP = 7
     READ = 8
     PIN = 9
+    SENSOR = 10
 
 
 _QUANTITIES: Final = {
@@ -50,6 +51,7 @@ _QUANTITIES: Final = {
     Ended.SPEED: "speed",
     Ended.SUPPLY: "supply voltage",
     Ended.PIN: "pin",
+    Ended.SENSOR: "sensor",
 }
 _ACTIONS: Final = {
     Ended.WRITE: "setting the inputs",

@@ -20,6 +20,7 @@ from emulators.servo.seam import (
     Wiring,
     no_measurement,
 )
+from emulators.servo.sensor_lines import ANALOGUE_1, MASTER
 from emulators.servo.winding import CURRENT_PLACES, Winding
 
 
@@ -144,11 +145,24 @@ class Twin:
         """Read the input pins, and write the output pins, that are wired to the plant."""
         axes, outputs, inputs = self._axes, self._plant.outputs, self._plant.inputs
         for line in self._wiring.input_lines:
-            axis = axes[line.axis]
-            signal = self._reading("pin", axis, outputs[line.variable : line.variable + 1][0])
+            axis, value = axes[line.axis], outputs[line.variable : line.variable + 1][0]
+            if line.mask >= MASTER:
+                self._sample_sensor(axis, line.mask, value)
+                continue
+            signal = self._reading("pin", axis, value)
             axis.pins = axis.pins | line.mask if signal > CLOSED else axis.pins & ~line.mask
         for line in self._wiring.output_lines:
             inputs[line.variable] = 1.0 if axes[line.axis].outputs & line.mask else 0.0
+
+    def _sample_sensor(self, axis: ServoAxis, mask: int, value: float) -> None:
+        if mask == MASTER:
+            if not -WIDEST_ANGLE <= value <= WIDEST_ANGLE:
+                no_measurement("sensor", axis.name, value, self.tick)
+            axis.master = floor(value)
+        elif mask == ANALOGUE_1:
+            axis.analogue_1_mv = self._reading("sensor", axis, value)
+        else:
+            axis.analogue_2_mv = self._reading("sensor", axis, value)
 
     def _count(self, k: int, axis: ServoAxis, angle: float) -> int:
         counts = angle * self._wiring.counts_per_radian[k]

@@ -40,6 +40,7 @@ class Motion:
         for mode in self._modes.values():
             mode.restart()
         self.shaft.error = emergency.NO_ERROR
+        self.shaft.referenced = False
         self.forget()
         self.set(number)
 

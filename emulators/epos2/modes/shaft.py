@@ -8,7 +8,19 @@ from typing import Final
 from emulators.epos2.digital_inputs import DigitalInputs
 from emulators.epos2.store import ObjectStore
 from emulators.servo import sine_plan
-from emulators.servo.axis import CURRENT, DIRECT, IDLE, MOVE, POSITION, RAMP, SINE, TRAPEZOID, ServoAxis
+from emulators.servo.axis import (
+    CURRENT,
+    DIRECT,
+    FOLLOW,
+    IDLE,
+    MOVE,
+    POSITION,
+    RAMP,
+    SINE,
+    SPLINE,
+    TRAPEZOID,
+    ServoAxis,
+)
 from emulators.servo.commands import brake, judge_anew, regulate_position
 from emulators.servo.profile import stopping_distance
 from emulators.servo.scaling import acceleration_units, speed_units
@@ -51,6 +63,8 @@ class Shaft:
             way = axis.target_position - axis.position_demand
         elif axis.profile == DIRECT and axis.regulator == POSITION:
             way = axis.target_position - (axis.position << axis.fraction)
+        elif axis.profile in {SPLINE, FOLLOW}:
+            way = axis.velocity_demand
         else:
             way = axis.target_velocity
         return (way > 0) - (way < 0)

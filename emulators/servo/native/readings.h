@@ -24,16 +24,20 @@ static inline bool reading(double value, int64_t *thousandths)
     return true;
 }
 
-static inline bool counted(const servo_axis *axis, double counts, int64_t *encoder)
+/* The whole number at or below a count. */
+static inline bool whole(double counts, int64_t *count)
 {
-    int64_t count;
     if (!(counts >= -(double)WIDEST_ANGLE && counts <= (double)WIDEST_ANGLE))
         return false;
-    count = (int64_t)counts;
-    if ((double)count > counts)
-        count -= 1;
-    *encoder = count;
-    return !beyond(count - axis->encoder, WIDEST_STEP);
+    *count = (int64_t)counts;
+    if ((double)*count > counts)
+        *count -= 1;
+    return true;
+}
+
+static inline bool counted(const servo_axis *axis, double counts, int64_t *encoder)
+{
+    return whole(counts, encoder) && !beyond(*encoder - axis->encoder, WIDEST_STEP);
 }
 
 #endif

@@ -91,6 +91,9 @@
 #define SINE_5 INT64_C(27709939)
 #define SINE_6 INT64_C(2071865)
 #define SINE_7 INT64_C(112354)
+#define MASTER INT64_C(65536)
+#define ANALOGUE_1 INT64_C(131072)
+#define ANALOGUE_2 INT64_C(262144)
 #define FASTEST_INPUT INT64_C(2147483648)
 #define WIDEST_VOLTAGE INT64_C(32767)
 #define WIDEST_SETPOINT INT64_C(2147483647)
@@ -110,6 +113,7 @@
 #define ENDED_STEP 7
 #define ENDED_READ 8
 #define ENDED_PIN 9
+#define ENDED_SENSOR 10
 
 typedef struct {
     int64_t encoder_resolution;

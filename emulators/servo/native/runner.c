@@ -29,9 +29,17 @@ static int64_t sample_pins(servo_bank *bank, const double *outputs, double *inpu
     int64_t signal;
     for (; line != end; line++) {
         servo_axis *axis = axis_at(bank, line->axis);
-        if (!reading(outputs[line->variable], &signal))
-            return refuse(bank, ENDED_PIN, line->axis, outputs[line->variable]);
-        axis->pins = signal > CLOSED ? axis->pins | line->mask : axis->pins & ~line->mask;
+        double value = outputs[line->variable];
+        if (!(line->mask == MASTER ? whole(value, &signal) : reading(value, &signal)))
+            return refuse(bank, line->mask < MASTER ? ENDED_PIN : ENDED_SENSOR, line->axis, value);
+        if (line->mask == MASTER)
+            axis->master = signal;
+        else if (line->mask == ANALOGUE_1)
+            axis->analogue_1_mv = signal;
+        else if (line->mask == ANALOGUE_2)
+            axis->analogue_2_mv = signal;
+        else
+            axis->pins = signal > CLOSED ? axis->pins | line->mask : axis->pins & ~line->mask;
     }
     line = bank->output_lines;
     for (end = line + bank->output_line_count; line != end; line++)

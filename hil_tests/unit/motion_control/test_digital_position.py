@@ -10,6 +10,7 @@ from emulators.epos2.modes.digital_position import DENOMINATOR, NUMERATOR, OFFSE
 from emulators.epos2.parameters import DIGITAL_POSITION
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.functions import INPUT_EXECUTION
 from hil_tests.unit.motion_control.conftest import make_drive
 
 if TYPE_CHECKING:
@@ -140,6 +141,20 @@ def test_quick_stop_lets_go_of_the_master(drive: "Drive") -> None:
     here = drive.read(at.POSITION_DEMAND)
     turn(drive, 10, 50)
     assert drive.read(at.POSITION_DEMAND) == here
+
+
+@pytest.mark.parametrize(("pin", "way", "code"), [(1 << 4, 1, 0xFF07), (1 << 5, -1, 0xFF06)])
+@pytest.mark.emergency(0xFF06, 0xFF07)
+def test_a_closed_limit_switch_is_not_run_into(drive: "Drive", pin: int, way: int, code: int) -> None:
+    drive.write(INPUT_EXECUTION, 0x0003)
+    drive.axis.pins = pin
+    drive.enable(mode=-5)
+    drive.run(100)
+    turn(drive, -3 * way, 20)
+    drive.run(200)
+    assert drive.reported == []
+    turn(drive, 3 * way, 20)
+    assert drive.reported == [code]
 
 
 @settings(max_examples=40, deadline=None)

@@ -16,9 +16,12 @@ from emulators.epos2.interpolation import (
     UNDERFLOW_LEVEL,
 )
 from emulators.epos2.profile import BUFFER_FREE, BUFFER_SIZE
+from emulators.servo.scaling import speed_units
+from emulators.servo.spline_plan import Knot, segment
 from firmware_bridge.wire.abort import AbortCode, SdoAbort
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.functions import INPUT_EXECUTION
 from firmware_bridge.wire.epos2.pvt import PvtRecord
 from hil_tests.unit.motion_control.conftest import make_drive
 
@@ -80,7 +83,7 @@ def test_the_documented_sequence(ready: "Drive") -> None:
 
 
 @pytest.mark.parametrize("count", [0, 1])
-@pytest.mark.emergency(ERROR)
+@pytest.mark.emergency(0xFF0C)
 def test_fewer_than_two_records_are_an_underflow(ready: "Drive", count: int) -> None:
     feed(ready, *[(0, 0, 10)] * count)
     ready.command(0x1F)
@@ -90,7 +93,7 @@ def test_fewer_than_two_records_are_an_underflow(ready: "Drive", count: int) -> 
     assert status(ready) == UNDERFLOW
 
 
-@pytest.mark.emergency(ERROR)
+@pytest.mark.emergency(0xFF0C)
 def test_a_path_that_is_not_fed_stops_with_the_quick_stop_ramp(ready: "Drive") -> None:
     feed(ready, (0, 0, 100), (1000, 600, 100), (3000, 600, 100))
     ready.command(0x1F)
@@ -110,7 +113,7 @@ def test_a_path_that_is_not_fed_stops_with_the_quick_stop_ramp(ready: "Drive") -
     assert not ready.statusword & ACTIVE_BIT
 
 
-@pytest.mark.emergency(ERROR)
+@pytest.mark.emergency(0xFF0C)
 def test_after_an_error_the_buffer_must_be_enabled_anew(ready: "Drive") -> None:
     ready.command(0x1F)
     ready.run(20)
@@ -145,7 +148,7 @@ def test_the_levels_are_objects(ready: "Drive") -> None:
     assert status(ready) == ENABLED | OVERFLOW_WARNING
 
 
-@pytest.mark.emergency(ERROR)
+@pytest.mark.emergency(0xFF0C)
 def test_the_65th_record_is_an_overflow(ready: "Drive") -> None:
     feed(ready, *[(0, 0, 10)] * 64)
     assert ready.read(BUFFER_FREE) == 0
@@ -182,7 +185,7 @@ def test_a_full_buffer_in_another_mode_is_no_fault(ready: "Drive") -> None:
         (at.MAX_ACCELERATION, 35_999, ACCELERATION_WARNING, ACCELERATION),
     ],
 )
-@pytest.mark.emergency(ERROR)
+@pytest.mark.emergency(0xFF0C)
 def test_limits_of_velocity_and_acceleration(
     ready: "Drive", limit: at.Address, value: int, bits: int, error: int
 ) -> None:
@@ -201,7 +204,7 @@ def test_limits_of_velocity_and_acceleration(
         assert ready.reported == []
 
 
-@pytest.mark.emergency(ERROR)
+@pytest.mark.emergency(0xFF0C)
 def test_a_first_record_far_away_is_a_velocity_error_and_moves_nothing(ready: "Drive") -> None:
     feed(ready, (5000, 0, 100), (5100, 0, 0))
     ready.command(0x1F)
@@ -262,7 +265,7 @@ def test_records_may_be_there_before_the_drive_is_enabled(drive: "Drive") -> Non
     assert drive.read(at.POSITION_DEMAND) == 100
 
 
-@pytest.mark.emergency(ERROR)
+@pytest.mark.emergency(0xFF0C)
 def test_taking_the_access_away_under_way_stops_the_path(ready: "Drive") -> None:
     feed(ready, (0, 0, 100), (1000, 600, 100), (3000, 600, 100), (4000, 0, 0))
     ready.command(0x1F)
@@ -312,8 +315,90 @@ def test_any_path_within_the_limits_passes_every_knot_and_is_continuous(
         assert drive.reported == [ERROR]
         return
     fraction, at_ms = drive.axis.fraction, 0
+    knots = [Knot(knot << fraction, speed_units(drive.axis, rpm)) for knot, rpm, _ in records]
+    segments = [segment(a, b, ms) for (a, b), (_, _, ms) in zip(pairwise(knots), records, strict=False)]
+    speeds = [after - before for before, after in pairwise([0, *demands])]
+    # No step of the velocity is larger than the path's accelerations make it; 4 units are rounding.
+    sharpest = max(each.sharpest() for each in segments) + 4
+    first_and_last = abs(speeds[0]), abs(knots[-1].velocity)
+    assert max(abs(b - a) for a, b in pairwise([0, *speeds])) <= max(sharpest, *first_and_last)
+    assert max(map(abs, speeds)) <= max(each.fastest() for each in segments) + 4
     begun = next(ms for ms in (0, 1) if demands[ms + records[0][2] - 1] == records[1][0] << fraction)
     for (_, _, ms), (knot, _, _) in pairwise(records):
         at_ms += ms
         assert demands[begun + at_ms - 1] == knot << fraction
     assert drive.axis.position_demand == position << fraction
+
+
+def test_a_rising_bit_4_in_a_halt_starts_nothing(ready: "Drive") -> None:
+    feed(ready, (0, 0, 20), (100, 0, 0))
+    ready.command(0x010F, 0x011F)
+    ready.run(60)
+    assert ready.read(at.POSITION_DEMAND) == 0
+    ready.command(0x001F)
+    ready.run(60)
+    assert ready.read(at.POSITION_DEMAND) == 0
+    ready.command(0x000F, 0x001F)
+    ready.run(60)
+    assert ready.read(at.POSITION_DEMAND) == 100
+
+
+def test_a_last_record_with_a_velocity_brakes_from_there(ready: "Drive") -> None:
+    feed(ready, (0, 0, 100), (1000, 600, 0))
+    ready.command(0x1F)
+    ready.run(101)
+    assert ready.read(at.POSITION_DEMAND) == pytest.approx(1000, abs=21)
+    # 15 000 rpm/s bring 20 qc/ms to rest in 40 ms and 400 qc.
+    ms = ready.runs_until(lambda: bool(ready.statusword & REACHED))
+    assert ms == pytest.approx(40, abs=3)
+    assert ready.read(at.POSITION_DEMAND) == pytest.approx(1400, abs=15)
+    assert ready.reported == []
+
+
+@pytest.mark.emergency(0xFF0C)
+@pytest.mark.parametrize("first", [(10, 0), (0, 300), (-10, 0)])
+def test_a_first_record_that_is_a_jolt_is_an_acceleration_error(
+    ready: "Drive", first: tuple[int, int]
+) -> None:
+    ready.write(at.MAX_ACCELERATION, 100_000)
+    position, velocity = first
+    feed(ready, (position, velocity, 100), (position + 20, 0, 0))
+    ready.command(0x1F)
+    ready.run(20)
+    assert status(ready) == ACCELERATION
+    assert ready.reported == [ERROR]
+    assert ready.read(BUFFER_FREE) == 64
+
+
+@pytest.mark.emergency(0xFF07)
+def test_a_path_into_a_limit_switch_ends_there(ready: "Drive") -> None:
+    ready.write(INPUT_EXECUTION, 0x0003)
+    feed(ready, (0, 0, 100), *[(1000 + 2000 * k, 600, 100) for k in range(8)])
+    ready.command(0x1F)
+    ready.run(250)
+    assert ready.reported == []
+    ready.axis.pins = 1 << 4
+    ready.run(20)
+    assert ready.reported == [0xFF07]
+    assert not ready.statusword & ACTIVE_BIT
+
+
+@pytest.mark.parametrize(
+    ("third", "code"),
+    [((900, 0, 0), 0), ((901, 0, 0), 0xFF09), ((900, 25_001, 0), ERROR), ((2**31 - 1, 0, 0), 0xFF09)],
+)
+@pytest.mark.emergency(0xFF0C, 0xFF09)
+def test_the_axis_never_gets_a_segment_that_may_not_run(
+    ready: "Drive", third: tuple[int, int, int], code: int
+) -> None:
+    ready.write(at.MAX_POSITION_LIMIT, 900)
+    ready.write(at.MAX_PROFILE_VELOCITY, 2000)
+    feed(ready, (0, 0, 50), (500, 0, 50), third)
+    ready.command(0x1F)
+    ready.run(20)
+    assert ready.axis.next_ms == (0 if code else 50)
+    assert ready.reported == []
+    ready.run(100)
+    assert ready.reported == ([code] if code else [])
+    # Without power the demand is where the shaft is.
+    assert ready.read(at.POSITION_DEMAND) == pytest.approx(500 if code else 900, abs=5)

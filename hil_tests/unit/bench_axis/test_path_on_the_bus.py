@@ -1,0 +1,110 @@
+"""A path by frames, put together by hand: the same bits from both servos, and again when time is put back."""
+
+from struct import pack
+
+import pytest
+
+from emulators.epos2.profile import EPOS2_70_10
+from emulators.servo import kernel
+from emulators.single import Order, drives
+from emulators.wires import CanWire
+from emulators.world import World
+from firmware_bridge.node import CAN, Packet
+from firmware_bridge.units import MILLISECOND, SECOND
+from firmware_bridge.wire.epos2.objects import OBJECTS
+from fmu.build import ensure
+from fmu.single_axis.parameters import SETS
+from hil_tests.unit.bench_axis.axis_bench import TUNED
+from hil_tests.unit.world.players import Player
+
+STEP_MS = 100
+POSITIONS = (0, 300, 900, 1500, 1800, 1800)
+VELOCITIES = (0, 150, 180, 150, 0, 0)
+"""rpm; 2000 qc per turn, so that 180 rpm are 6 qc/ms."""
+
+
+def download(record: bytes) -> tuple[str, str, str]:
+    """Write eight bytes to 0x20C1 in two segments (CiA 301, SDO download): seven bytes, then the last one."""
+    return "21C1200008000000", "00" + record[:7].hex(), "1D" + record[7:].hex() + "00" * 6
+
+
+def frames() -> list[tuple[int, str]]:
+    """NMT start; RPDO2: shutdown and mode 7; RPDO1: enable; 0x60C4:06 := 1; the records; bit 4."""
+    begin = [(0x000, "0100"), (0x301, "060007"), (0x201, "0F00"), (0x601, "2FC4600601000000")]
+    records = []
+    for number, (position, velocity) in enumerate(zip(POSITIONS, VELOCITIES, strict=True)):
+        last = number == len(POSITIONS) - 1
+        raw = pack("<i", position) + velocity.to_bytes(3, "little") + bytes([0 if last else STEP_MS])
+        records += [(0x601, text) for text in download(raw)]
+    return [*begin, *records, (0x201, "1F00")]
+
+
+STARTED_MS = 100 + 10 * (len(frames()) - 1)
+
+
+class Run:
+    """One drive on the bench axis, and a master that says what stands above."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, servo: str) -> None:
+        monkeypatch.setenv(kernel.VARIABLE, servo)
+        plant, parameters = ensure("single_axis"), SETS["between_stops"]
+        order = Order((1,), EPOS2_70_10, 1_000_000, plant=plant, plant_parameters=parameters, axes=("axis",))
+        made, self.bank = drives(order)
+        assert self.bank.native == (servo == kernel.NATIVE)
+        self.world, wire = World(self.bank), CanWire(1_000_000)
+        self.master = Player(
+            *(
+                (100 * MILLISECOND + 10 * MILLISECOND * k, Packet(CAN, address, bytes.fromhex(text)))
+                for k, (address, text) in enumerate(frames())
+            )
+        )
+        self.world.attach("axis", made["axis"], {CAN: wire})
+        self.world.attach("master", self.master, {CAN: wire})
+        self.world.run(50 * MILLISECOND)
+        for address, value in TUNED.items():
+            made["axis"].store.write(address, value.to_bytes(OBJECTS[address].type.size, "little"))
+
+    @property
+    def demand(self) -> float:
+        axis = self.bank.axes[0]
+        return axis.position_demand / (1 << axis.fraction)
+
+    def ends(self) -> tuple[float, bytes, str]:
+        """Run to the end; return the demand, the axis' record, and the hash of all packets."""
+        self.world.run(2 * SECOND)
+        return self.demand, bytes(self.bank.axes[0]), self.world.trace_sha256
+
+
+def test_both_servos_run_the_same_path_with_the_same_bits(monkeypatch: pytest.MonkeyPatch) -> None:
+    twin, native = (Run(monkeypatch, servo).ends() for servo in (kernel.TWIN, kernel.NATIVE))
+    assert twin == native
+    assert twin[0] == POSITIONS[-1]
+
+
+def test_the_demand_is_at_each_knot_in_its_millisecond(monkeypatch: pytest.MonkeyPatch) -> None:
+    run = Run(monkeypatch, kernel.NATIVE)
+    for number, position in enumerate(POSITIONS):
+        # The frame is there within the first tick of its ms, which is the first of the path.
+        run.world.run((STARTED_MS + STEP_MS * number) * MILLISECOND - MILLISECOND // 2)
+        assert run.demand == position
+
+
+@pytest.mark.parametrize("after_ms", [0, 50, 100, 333, 499])
+def test_a_path_goes_on_as_it_went_when_time_is_put_back(
+    monkeypatch: pytest.MonkeyPatch, after_ms: int
+) -> None:
+    run = Run(monkeypatch, kernel.NATIVE)
+    run.world.run((STARTED_MS + after_ms) * MILLISECOND)
+    before = run.world.snapshot()
+    first = run.ends()
+    run.world.restore(before)
+    assert run.ends() == first
+    assert first[0] == POSITIONS[-1]
+
+
+def test_the_path_is_told_on_the_bus(monkeypatch: pytest.MonkeyPatch) -> None:
+    run = Run(monkeypatch, kernel.NATIVE)
+    run.ends()
+    words = [packet.payload.hex() for _, packet in run.master.heard if packet.address == 0x181]
+    # Enabled and at rest; interpolated position mode active; at its end; there, one ms later.
+    assert words[-4:] == ["3707", "3713", "3703", "3707"]
