@@ -150,6 +150,7 @@ def test_accelerating_presses_the_rear_wheels_down() -> None:
 
 def test_rolling_resistance_brings_the_coasting_robot_to_rest() -> None:
     start = PASSIVE | {f"speed_{axis}": 0.2 / 0.05 * 26 for axis in AXES} | {"cg_height": 0.0}
+    start |= {"rolling_resistance": 0.01}
     with ModelBench(MODEL, start) as bench:
         first = bench.runs(0.2)["speed"]
         last = bench.runs(0.5)["speed"]

@@ -39,9 +39,8 @@ def test_a_wheel_motor_alone_reaches_its_no_load_speed(bench: Any) -> None:
 class LinearMotor:
     """Winding and shaft of a wheel motor that moves half of the rolling robot, under 6 V from rest."""
 
-    def __init__(self, front_spin_inertia: float) -> None:
+    def __init__(self) -> None:
         mass = P["platform_mass"] + 2 * P["wheel_mass"] + 2 * P["wheel_spin_inertia"] / RADIUS**2
-        mass += 2 * front_spin_inertia / RADIUS**2
         inertia = P["rotor_inertia_left"] + mass / 2 * (RADIUS / 26) ** 2
         constant, inductance = P["torque_constant_left"], P["inductance_left"]
         self.system = np.array(
@@ -63,7 +62,7 @@ class LinearMotor:
 def test_straight_line_follows_the_linear_motor_exactly() -> None:
     """The limit without slip, from the plant's own equations."""
     rates = rolling({"coulomb_left": 0.0, "coulomb_right": 0.0})
-    motor, names = LinearMotor(0.0), ("current_left", "speed_left")
+    motor, names = LinearMotor(), ("current_left", "speed_left")
 
     def slope(state: Vector) -> Vector:
         current, speed = map(float, state)
@@ -85,22 +84,40 @@ def test_straight_line_follows_the_linear_motor_exactly() -> None:
         assert state[1] == pytest.approx(exact[1], abs=2e-4)
 
 
-@pytest.mark.parametrize("stiffness", [5e5, 2e6])
-def test_straight_line_on_tyres_lags_by_their_bend(bench: Any, stiffness: float) -> None:
-    """A pull F that changes moves the wheel by F'/k: (k_m n / r)^2 / (R k) s of the current's rate."""
-    tyres = GRIPPING | {"tyre_stiffness": stiffness, "tyre_damping": stiffness * 3e-3}
+@pytest.mark.parametrize(("stiffness", "damping"), [(5e5, 4e3), (2e6, 6e3)])
+def test_straight_line_on_springs_follows_the_linear_system(
+    bench: Any, stiffness: float, damping: float
+) -> None:
+    """Where nothing slips the tyres are springs: motor, rear tyre, half the robot, front tyre and wheel."""
+    tyres = GRIPPING | {"floor_friction": 1e12, "tyre_stiffness": stiffness, "tyre_damping": damping}
     plant = bench(tyres | {"coulomb_left": 0.0, "coulomb_right": 0.0})
-    motor = LinearMotor(P["front_spin_inertia"])
-    pull = P["torque_constant_left"] * 26 / RADIUS
-    lag = pull**2 / (P["resistance_left"] * stiffness)
+    constant, inductance, per_turn = P["torque_constant_left"], P["inductance_left"], RADIUS / 26
+    rotor = P["rotor_inertia_left"] + P["wheel_spin_inertia"] / 26**2
+    half, spin = P["platform_mass"] / 2 + P["wheel_mass"], P["front_spin_inertia"]
+    rear_bend = np.array([0.0, per_turn, 0.0, -1.0, 0.0, 0.0])
+    front_bend = np.array([0.0, 0.0, 0.0, -1.0, RADIUS, 0.0])
+    rear = stiffness * np.eye(6)[2] + damping * rear_bend
+    front = stiffness * np.eye(6)[5] + damping * front_bend
+    current, shaft = np.eye(6)[0], np.eye(6)[1]
+    system = np.array(
+        [
+            (-P["resistance_left"] * current - constant * shaft) / inductance,
+            (constant * current - P["viscous_left"] * shaft - per_turn * rear) / rotor,
+            rear_bend,
+            (rear + front) / half,
+            -RADIUS * front / spin,
+            front_bend,
+        ]
+    )
+    steady = np.linalg.solve(system, [-6.0 / inductance, 0.0, 0.0, 0.0, 0.0, 0.0])
+    values, vectors = np.linalg.eig(system)
+    amplitudes = np.linalg.solve(vectors, -steady)
     for steps in range(1, 11):
-        now = plant.runs(0.05, left=6.0, right=6.0)
-        exact = motor.at(0.05 * steps)
-        rate = abs(float((motor.system @ (exact - motor.steady))[0]))
-        assert now["current_left"] == pytest.approx(exact[0], abs=lag * rate + 2e-4)
-        assert now["speed_left"] == pytest.approx(
-            exact[1], abs=(lag * rate * P["resistance_left"] / P["torque_constant_left"]) + 2e-3
-        )
+        now = plant.runs(0.002, left=6.0, right=6.0)
+        exact = steady + (vectors @ (amplitudes * np.exp(values * 0.002 * steps))).real
+        assert now["current_left"] == pytest.approx(exact[0], abs=2e-4)
+        assert now["speed_left"] == pytest.approx(exact[1], abs=2e-4)
+        assert now["speed"] == pytest.approx(exact[3], abs=2e-6)
 
 
 FREE = {
