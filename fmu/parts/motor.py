@@ -83,7 +83,8 @@ def bristle(speed: Expression, state: Expression, presliding: Expression) -> Exp
     bend as a spring. It takes out energy, level x s^2 times the slid way, and never adds any.
     """
     fast = sp.Abs(speed)
-    lean = state * (1 - (1 - 1 / STICTION) * positive_part(1 - fast / (STICKING_RATE * presliding)))
-    sliding = 1 - positive_part(1 - positive_part(sp.Abs(lean) - HELD) / (LOOSE - HELD))
+    lean = state * (1 - (1 - 1 / STICTION) * positive_part(1 - fast / (STICKING_RATE * presliding)) ** 2)
+    share = 1 - positive_part(1 - positive_part(sp.Abs(lean) - HELD) / (LOOSE - HELD))
+    sliding = share**2 * (3 - 2 * share)  # without a kink, for solvers that choose their steps
     onward = HALF * (fast + clamped(lean, HELD) / HELD * speed)
     return (speed - sliding * lean * onward) / presliding

@@ -80,7 +80,7 @@ class Tyre:
         loose = self._loose(way)
         held_back = P["tyre_stiffness"] * LAG
         excess = held_back * (1 - 1 / larger(held_back * loose, sp.S.One))
-        damping = P["tyre_damping"] * positive_part(1 - P["tyre_damping"] * loose)
+        damping = P["tyre_damping"] * positive_part(1 - P["tyre_damping"] * loose) ** 2
         return spring - excess * self._slipping[way] + (2 * excess + damping) * self._stretching(way, spring)
 
     def _stretching(self, way: int, spring: Expression) -> Expression:
