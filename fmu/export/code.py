@@ -20,6 +20,8 @@ _FUNCTIONS: Final[Mapping[str, str]] = {
     "Abs": "fabs",
     "positive_part": "fb_positive_part",
     "clamped": "fb_clamped",
+    "larger": "fb_larger",
+    "reciprocal": "fb_reciprocal",
     "sign_of": "fb_sign",
     "step_at": "fb_step_at",
     "inside": "fb_inside",

@@ -9,3 +9,9 @@ positive_part: Final = sp.Function("positive_part", real=True)
 
 clamped: Final = sp.Function("clamped", real=True)
 """clamped(x, b): x within -b..b, else the nearer bound."""
+
+larger: Final = sp.Function("larger", real=True)
+"""larger(x, y): the larger of two numbers."""
+
+reciprocal: Final = sp.Function("reciprocal", real=True)
+"""reciprocal(x): 1 / x, divided once and shared: SymPy would make a division of each of its powers."""

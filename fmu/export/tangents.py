@@ -1,6 +1,6 @@
 """Forward-mode derivatives of a block: beside every value its tangent, exact, one line for one line.
 
-At a kink (|x|, positive_part, clamped) the tangent is that of one side.
+At a kink (|x|, positive_part, clamped, larger) the tangent is that of one side.
 """
 
 from collections.abc import Mapping
@@ -10,6 +10,7 @@ from typing import Final
 import sympy as sp
 
 from fmu.export.blocks import Block, UnsupportedError, real
+from fmu.export.functions import reciprocal
 from fmu.export.model import Expression
 
 sign: Final = sp.Function("sign_of", real=True)
@@ -99,5 +100,10 @@ def _of_function(expression: Expression) -> tuple[Expression, ...]:
             return (step(x),)
         case "clamped":
             return inside(*expression.args), outside(*expression.args)
+        case "larger":
+            first = step(x - expression.args[1])
+            return first, 1 - first
+        case "reciprocal":
+            return (-(reciprocal(x) ** 2),)
         case name:
             raise UnsupportedError(f"no derivative for {name} in {expression}")

@@ -173,4 +173,6 @@ _FUNCTIONS: Final[dict[str, Callable[..., float]]] = {
     "fb_fourth": lambda x: (x * x) * (x * x),
     "fb_positive_part": lambda x: max(0.0, x),
     "fb_clamped": lambda x, bound: bound if x > bound else max(x, -bound),
+    "fb_larger": max,
+    "fb_reciprocal": lambda x: 1.0 / x,
 }

@@ -11,8 +11,8 @@ from fmu.parts.symbols import HALF, inner, symbol
 
 STICTION: Final = sp.Float(1.25)
 """What holds at rest, over what brakes in motion: ASSUME, brushes and gear grease have 1.1 to 1.5."""
-STRIBECK_RATE: Final = sp.Float(2.0)
-"""1/s: friction falls from one to the other around the speed of so many `presliding` a second (ASSUME)."""
+STICKING_RATE: Final = sp.Float(4.0)
+"""1/s: friction falls to Coulomb's law up to the speed of so many `presliding` a second (ASSUME)."""
 HELD: Final = sp.Float(0.8)
 LOOSE: Final = sp.Float(0.95)
 """Shares of what holds: all spring up to the first, all sliding from the second (ASSUME)."""
@@ -82,8 +82,9 @@ def bristle(speed: Expression, state: Expression, presliding: Expression) -> Exp
     what holds at rest it is a spring, so that a shaft that is shaken at rest does not creep, and it lets go of its
     bend as a spring. It takes out energy, level x s^2 times the slid way, and never adds any.
     """
-    fast, slow = sp.Abs(speed), STRIBECK_RATE * presliding
-    lean = state * (fast + slow / STICTION) / (fast + slow)
-    sliding = 1 - positive_part(1 - positive_part(sp.Abs(lean) - HELD) / (LOOSE - HELD))
+    fast = sp.Abs(speed)
+    lean = state * (1 - (1 - 1 / STICTION) * positive_part(1 - fast / (STICKING_RATE * presliding)) ** 2)
+    share = 1 - positive_part(1 - positive_part(sp.Abs(lean) - HELD) / (LOOSE - HELD))
+    sliding = share**2 * (3 - 2 * share)  # without a kink, for solvers that choose their steps
     onward = HALF * (fast + clamped(lean, HELD) / HELD * speed)
     return (speed - sliding * lean * onward) / presliding

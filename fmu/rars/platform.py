@@ -2,7 +2,7 @@
 
 import sympy as sp
 
-from fmu.export.functions import clamped
+from fmu.export.functions import clamped, reciprocal
 from fmu.export.model import Expression, State
 from fmu.parts.motor import Shaft, bristle
 from fmu.parts.symbols import HALF, symbol
@@ -23,8 +23,8 @@ class Front:
         self.name = f"front_{side}"
         self.spin, self.friction = symbol(f"spin_{self.name}"), symbol(f"rolling_{self.name}")
         across, along = steering.direction(SIDES[side])
-        length = sp.sqrt(across**2 + along**2)
-        self.sine, self.cosine = across / length, along / length
+        per_length = reciprocal(sp.sqrt(across**2 + along**2))
+        self.sine, self.cosine = across * per_length, along * per_length
         self.lateral = SIDES[side] * P["kingpin_distance"] / 2
         self.ahead, self.left = self._speeds(motion)
         self.tyre = Tyre(self.name, rim=P["front_radius"] * self.spin, ahead=self.ahead, left=self.left)

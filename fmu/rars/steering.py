@@ -2,7 +2,7 @@
 
 import sympy as sp
 
-from fmu.export.functions import positive_part
+from fmu.export.functions import positive_part, reciprocal
 from fmu.export.model import Expression
 from fmu.parts.motor import Shaft
 from fmu.parts.symbols import HALF
@@ -22,8 +22,8 @@ class Steering:
         self.across = self.rack * h
         self.along = h**2 + self.b**2
         # (3.96): how far the right and the left wheel turn with the rack, rad/m.
-        self.rate_right = h / (h**2 + (self.b + self.rack) ** 2)
-        self.rate_left = h / (h**2 + (self.b - self.rack) ** 2)
+        self.rate_right = h * reciprocal(h**2 + (self.b + self.rack) ** 2)
+        self.rate_left = h * reciprocal(h**2 + (self.b - self.rack) ** 2)
         self.pressed_left = positive_part(self.rack - P["rack_travel"])
         self.pressed_right = positive_part(-self.rack - P["rack_travel"])
 

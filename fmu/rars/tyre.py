@@ -7,7 +7,7 @@ load does, it takes energy out and adds none. Refuses to know whose wheel it is.
 
 import sympy as sp
 
-from fmu.export.functions import clamped, positive_part
+from fmu.export.functions import clamped, larger, positive_part, reciprocal
 from fmu.export.model import Expression, State
 from fmu.parts.symbols import HALF, symbol
 from fmu.rars.symbols import P
@@ -20,8 +20,6 @@ LAG = sp.Float(25e-6)
 """Shortest time in s in which a deflection is wiped off: half an inner step, to be stable in every slide."""
 TRACE = sp.Float(1e-6)
 """N added to each grip, so that nothing is divided by zero on ice or under a lifted wheel."""
-CREEP = sp.Float(1e-12)
-"""m/s, likewise at rest."""
 
 
 class Tyre:
@@ -33,15 +31,15 @@ class Tyre:
         self.spring_left = P["tyre_stiffness"] * symbol(f"tyre_left_{name}")
         self._slipping = (rim - ahead, -left)
         # max(|r w|, |v|), the corrected denominator; the print takes the signed one.
-        self._rolling = _larger(sp.Abs(ahead), sp.Abs(rim))
-        self._over = _larger(self._rolling, P["slip_speed"])
+        self._rolling = larger(sp.Abs(ahead), sp.Abs(rim))
+        self._over = larger(self._rolling, P["slip_speed"])
         self._load: Expression = None
-        self._grip: Expression = None
+        self._ease: Expression = None
 
     def bears(self, load: Expression) -> None:
         """Tell the tyre its load in N."""
         self._load = positive_part(load)
-        self._grip = P["floor_friction"] * self._load + TRACE
+        self._ease = reciprocal(P["floor_friction"] * self._load + TRACE)
 
     @property
     def load(self) -> Expression:
@@ -75,32 +73,31 @@ class Tyre:
         return HALF * (self.spring_ahead**2 + self.spring_left**2) / P["tyre_stiffness"]
 
     def _force(self, way: int, spring: Expression) -> Expression:
-        """Return F = k z + c z' - e v_slip, in steady state (3.83); e is 0 but where LAG holds it back.
+        """Return F = k z + (2 e + c) z' - e v_slip, in steady state (3.83); e is 0 but where LAG holds it back.
 
-        With a = z's rate of decay, no energy is gained while 4 (c - e) k >= c^2 a: so c fades as slip grows.
+        With a, z's rate of decay, no energy is gained while 4 (c + e) (k - e a) >= c^2 a: c fades as slip grows.
         """
-        wiping = self._wiping(way)
-        excess = (self._held_back(wiping) - self._grip) / (wiping + CREEP)
-        damping = P["tyre_damping"] * self._grip / (self._grip + P["tyre_damping"] * wiping)
+        loose = self._loose(way)
+        held_back = P["tyre_stiffness"] * LAG
+        excess = held_back * (1 - 1 / larger(held_back * loose, sp.S.One))
+        damping = P["tyre_damping"] * positive_part(1 - P["tyre_damping"] * loose) ** 2
         return spring - excess * self._slipping[way] + (2 * excess + damping) * self._stretching(way, spring)
 
     def _stretching(self, way: int, spring: Expression) -> Expression:
-        """Return z' = v_slip - z k D / (mu N): a steady slide is held by mu N v_slip / D."""
-        wiping = self._wiping(way)
-        return self._slipping[way] - wiping * spring / self._held_back(wiping)
+        """Return z' = v_slip - k z D / (mu N): a steady slide is held by mu N v_slip / D."""
+        return self._slipping[way] - spring * clamped(self._loose(way), 1 / (P["tyre_stiffness"] * LAG))
 
-    def _held_back(self, wiping: Expression) -> Expression:
-        return _larger(self._grip, P["tyre_stiffness"] * LAG * wiping)
+    def _loose(self, way: int) -> Expression:
+        """Return D / (mu N) in m/(N.s): 0 at rest, where the tyre is a spring."""
+        return self._wiping(way) * self._ease
 
     def _wiping(self, way: int) -> Expression:
         """Return D in m/s: rolling speed x peak slip up to the peak, slip over (3.83)'s share beyond."""
-        own, other = self._slipping[way], self._slipping[1 - way]
-        slip = sp.sqrt(own**2 + P["friction_circle"] * other**2)
+        ahead, left = self._slipping
+        own = sp.Abs(self._slipping[way])
+        slip = own + P["friction_circle"] * (sp.sqrt(ahead**2 + left**2) - own)
         peak = P["peak_slip"]
         beyond = positive_part(clamped(slip, self._over) - peak * self._over)
         share = self._over - FALL / (1 - peak) * beyond
-        return _larger(peak * self._rolling, slip * self._over / share)
+        return larger(peak * self._rolling, slip * self._over / share)
 
-
-def _larger(one: Expression, other: Expression) -> Expression:
-    return one + positive_part(other - one)

@@ -44,7 +44,12 @@ class ModelBench:
         return self.plant.read("energy")
 
 
-OWN = {"positive_part": lambda x: max(x, 0.0), "clamped": lambda x, bound: max(-bound, min(bound, x))}
+OWN = {
+    "positive_part": lambda x: max(x, 0.0),
+    "clamped": lambda x, bound: max(-bound, min(bound, x)),
+    "larger": max,
+    "reciprocal": lambda x: 1 / x,
+}
 
 
 _RATES: dict[tuple[Any, ...], Any] = {}

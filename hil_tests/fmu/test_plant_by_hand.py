@@ -16,6 +16,8 @@ import sympy as sp
 from fmu.interface import AXES, INPUTS, OUTPUTS
 from fmu.rars.equations import model
 from fmu.rars.parameters import PARAMETERS, SETS
+from hil_tests.fmu.model_bench import OWN, rates
+from hil_tests.fmu.rolling_limit import rolling
 
 P = {row.name: row.start for row in PARAMETERS}
 MICROSECOND = 1_000
@@ -36,11 +38,12 @@ def slope(function: Callable[[float], float], at: float, step: float = 1e-5) -> 
 
 @pytest.mark.parametrize("parameters", SETS.values(), ids=SETS)
 @pytest.mark.parametrize(("left", "right"), [(200.0, 260.0), (-150.0, 90.0), (0.0, 300.0)])
-def test_platform_accelerations(bench: Any, parameters: dict[str, float], left: float, right: float) -> None:
+def test_platform_accelerations_without_slip(parameters: dict[str, float], left: float, right: float) -> None:
     p = P | parameters
     # Front tyres off, currents on: the two coupled equations with the convective term.
     start = {"speed_left": left, "speed_right": right, "current_left": 2.0, "current_right": -1.0}
-    got = accelerations(bench, dict(parameters) | start | {"floor_friction": 0.0})
+    found = rolling(parameters)(**start)
+    got = {side: found[f"speed_{side}"] for side in ("left", "right")}
     r, track, a = p["wheel_radius"], p["rear_track"], p["centre_offset"]
     speed, yaw = r * (left + right) / 52, r * (right - left) / 26 / track
     torques = [
@@ -55,28 +58,70 @@ def test_platform_accelerations(bench: Any, parameters: dict[str, float], left: 
     w_dot = (track / 2 * (torques[1] - torques[0]) / r - p["platform_mass"] * a * speed * yaw) / (
         i_o + s * track**2 / 4
     )
-    assert got["left"] == pytest.approx(26 / r * (v_dot - track / 2 * w_dot), rel=1e-4, abs=5e-3)
-    assert got["right"] == pytest.approx(26 / r * (v_dot + track / 2 * w_dot), rel=1e-4, abs=5e-3)
+    assert got["left"] == pytest.approx(26 / r * (v_dot - track / 2 * w_dot), rel=1e-9)
+    assert got["right"] == pytest.approx(26 / r * (v_dot + track / 2 * w_dot), rel=1e-9)
 
 
-@pytest.mark.parametrize("angle", [0.0, 150.0, -400.0])
-def test_front_tyres_push_where_they_stand(bench: Any, angle: float) -> None:
-    start = {"angle_steer": angle, "speed_left": 150.0, "speed_right": 200.0}
-    free = accelerations(bench, start | {"floor_friction": 0.0})
-    held = accelerations(bench, start)
-    plant = bench(start)
-    now, along, around = plant.now(), 0.0, 0.0
-    for side, place in (("left", 0.105), ("right", -0.105)):
-        force, steer = plant.plant.read(f"force_{side}"), now[f"steer_{side}"]
-        assert abs(force) > 10.0
-        forward, sideways = -force * math.sin(steer), force * math.cos(steer)
-        along += forward
-        around += 0.515 * sideways - place * forward  # the cross product of lever and force
-    total = 70.6 + 2 * (465e-6 + 536e-7 * 676) / 0.05**2
-    turning = 0.53 + 2 * 242e-6 + 70 * 0.22**2 + 0.6 * 0.2**2 + (total - 70.6) * 0.04
-    change = {axis: (held[axis] - free[axis]) * 0.05 / 26 for axis in ("left", "right")}
-    assert (change["left"] + change["right"]) / 2 == pytest.approx(along / total, rel=1e-3, abs=1e-3)
-    assert (change["right"] - change["left"]) / 0.4 == pytest.approx(around / turning, rel=1e-3, abs=1e-3)
+WHEELS = ("rear_left", "rear_right", "front_left", "front_right")
+
+
+@pytest.mark.parametrize("parameters", SETS.values(), ids=SETS)
+@pytest.mark.parametrize("seed", range(3))
+def test_platform_accelerations_on_tyres(parameters: dict[str, float], seed: int) -> None:
+    """Newton and Euler about the centre of mass, with tyres stretched."""
+    p = P | parameters
+    generator = np.random.default_rng(seed)
+    speed, drift, yaw = (float(value) for value in generator.uniform(-1, 1, 3))
+    rack_angle = float(generator.uniform(-400, 400))
+    stretch = {
+        f"tyre_{way}_{wheel}": generator.uniform(-1e-4, 1e-4) for way in ("ahead", "left") for wheel in WHEELS
+    }
+    currents = {"current_left": 2.0, "current_right": -1.0}
+    shafts = {"speed_left": generator.uniform(-200, 200), "speed_right": generator.uniform(-200, 200)}
+    free = dict(parameters) | {"tyre_damping": 0.0, "slope": 0.1}
+    got = rates(model(), free)(
+        speed=speed,
+        drift=drift,
+        yaw_rate=yaw,
+        angle_steer=rack_angle,
+        heading=0.7,
+        **stretch,
+        **currents,
+        **shafts,
+    )
+    a, track, base, kingpins = p["centre_offset"], p["rear_track"], p["wheelbase"], p["kingpin_distance"]
+    rack, h = rack_angle * 0.015 / 159, p["davis_h"]
+    b = h * kingpins / (2 * base)
+    places = {"rear_left": (0.0, track / 2), "rear_right": (0.0, -track / 2)}
+    places |= {"front_left": (base, kingpins / 2), "front_right": (base, -kingpins / 2)}
+    force, moment = np.zeros(2), 0.0
+    for wheel, place in places.items():
+        side = 1 if place[1] > 0 else -1
+        angle = math.atan2(rack * h, h * h + b * b - side * b * rack) if place[0] else 0.0
+        pull = p["tyre_stiffness"] * np.array([stretch[f"tyre_ahead_{wheel}"], stretch[f"tyre_left_{wheel}"]])
+        turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+        here = turn @ pull
+        force += here
+        moment += float(place[0] * here[1] - place[1] * here[0])
+    m, m_w = p["platform_mass"], p["wheel_mass"]
+    total = m + 2 * m_w
+    ahead = m * a / total  # the common centre of mass
+    force += total * 9.81 * math.sin(0.1) * np.array([-math.cos(0.7), math.sin(0.7)])
+    moment += ahead * total * 9.81 * math.sin(0.1) * math.sin(0.7)
+    about_axle = p["yaw_inertia"] + 2 * p["wheel_yaw_inertia"] + m * a**2 + 2 * m_w * (track / 2) ** 2
+    about_middle = about_axle - total * ahead**2
+    yaw_acceleration = (moment - ahead * float(force[1])) / about_middle
+    middle = force / total
+    assert got["speed"] == pytest.approx(middle[0] + ahead * yaw**2 + drift * yaw, rel=1e-9)
+    assert got["drift"] == pytest.approx(middle[1] - ahead * yaw_acceleration - speed * yaw, rel=1e-9)
+    assert got["yaw_rate"] == pytest.approx(yaw_acceleration, rel=1e-9)
+    # (3.73) corrected: I_w w' = tau - r F_s
+    for axis in ("left", "right"):
+        torque = 26 * (p[f"torque_constant_{axis}"] * currents[f"current_{axis}"]
+                       - p[f"viscous_{axis}"] * shafts[f"speed_{axis}"])  # fmt: skip
+        torque -= p["wheel_radius"] * p["tyre_stiffness"] * stretch[f"tyre_ahead_rear_{axis}"]
+        inertia = p["wheel_spin_inertia"] + p[f"rotor_inertia_{axis}"] * 26**2
+        assert got[f"speed_{axis}"] / 26 == pytest.approx(torque / inertia, rel=1e-9)
 
 
 @pytest.mark.parametrize("angle", [0.0, 120.0, -300.0, 420.0])
@@ -165,12 +210,11 @@ def test_another_integrator_finds_the_same_run(bench: Any) -> None:
     fixed |= dict(
         zip(symbols["u"], [voltages[name.removeprefix("voltage_")] for name in INPUTS], strict=True)
     )
-    own = {"positive_part": lambda x: max(x, 0.0), "clamped": lambda x, bound: max(-bound, min(bound, x))}
     function = sp.lambdify(
-        symbols["s"], [state.rate.xreplace(fixed) for state in plant_model.states], [own, "math"], cse=True
+        symbols["s"], [state.rate.xreplace(fixed) for state in plant_model.states], [OWN, "math"], cse=True
     )
     starts = sp.lambdify(
-        symbols["s"], [sp.sympify(s.start).xreplace(fixed) for s in plant_model.states], [own, "math"]
+        symbols["s"], [sp.sympify(s.start).xreplace(fixed) for s in plant_model.states], [OWN, "math"]
     )
     zeros = [0.0] * len(plant_model.states)
     end = integrated(lambda s: np.array(function(*s)), np.array(starts(*zeros)), 0.1, 1e-8)

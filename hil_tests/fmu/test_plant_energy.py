@@ -8,7 +8,10 @@ import pytest
 from fmu.interface import AXES
 
 LOSSLESS = {f"{part}_{axis}": 0.0 for part in ("resistance", "coulomb", "viscous") for axis in AXES} | {
-    "floor_friction": 0.0,
+    "floor_friction": 1e12,  # tyres that never let go, and no damping in them: springs
+    "tyre_damping": 0.0,
+    "rolling_resistance": 0.0,
+    "cg_height": 0.0,
     "tyre_torque": 0.0,
     "screw_friction": 1e-12,
     "rack_stop_damping": 0.0,

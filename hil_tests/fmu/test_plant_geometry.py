@@ -56,11 +56,21 @@ def test_collapsed_and_extended_heights_of_the_thesis() -> None:
 
 
 @pytest.mark.parametrize(("left", "right"), [(100.0, 100.0), (-40.0, 90.0), (300.0, -300.0)])
-def test_wheels_roll_without_slip(bench: Any, left: float, right: float) -> None:
-    plant = bench({"speed_left": left, "speed_right": right})
-    for now in (plant.now(), plant.runs(0.2, left=3.0, steer=12.0)):
-        wheel_left, wheel_right = now["speed_left"] / 26, now["speed_right"] / 26
-        assert now["speed"] == pytest.approx(0.05 * (wheel_left + wheel_right) / 2, rel=1e-12, abs=1e-15)
-        assert now["yaw_rate"] == pytest.approx((wheel_right - wheel_left) * 0.05 / 0.4, rel=1e-12, abs=1e-15)
-    turned = 0.05 * ((now["angle_right"] - now["angle_left"]) / 26) / 0.4
-    assert now["heading"] == pytest.approx(turned, rel=1e-9, abs=1e-12)
+def test_wheels_roll_without_slip_but_for_their_tyres_bend(bench: Any, left: float, right: float) -> None:
+    """On a floor that lets nothing slip a wheel's way is the robot's and the bend of its tyre, exactly."""
+    plant = bench({"speed_left": left, "speed_right": right, "floor_friction": 1e12, "angle_steer": 200.0})
+    now = plant.now()
+    wheel_left, wheel_right = now["speed_left"] / 26, now["speed_right"] / 26
+    assert now["speed"] == pytest.approx(0.05 * (wheel_left + wheel_right) / 2, rel=1e-12, abs=1e-15)
+    # (5.1) corrected: right minus left
+    assert now["yaw_rate"] == pytest.approx((wheel_right - wheel_left) * 0.05 / 0.4, rel=1e-12, abs=1e-15)
+    for wheel in ("rear_left", "rear_right", "front_left", "front_right"):
+        assert plant.plant.read(f"slip_ahead_{wheel}") == pytest.approx(0.0, abs=1e-12)
+    before = [plant.plant.read(f"tyre_ahead_rear_{side}") for side in ("left", "right")]
+    now = plant.runs(0.2, left=3.0, steer=12.0)
+    bends = [plant.plant.read(f"tyre_ahead_rear_{side}") for side in ("left", "right")]
+    ways = [
+        0.05 * now[f"angle_{side}"] / 26 - (after - was)
+        for side, after, was in zip(("left", "right"), bends, before, strict=True)
+    ]
+    assert now["heading"] == pytest.approx((ways[1] - ways[0]) / 0.4, rel=1e-9, abs=1e-12)

@@ -16,6 +16,8 @@ static inline double fb_square(double x) { return x * x; }
 static inline double fb_cube(double x) { return x * x * x; }
 static inline double fb_positive_part(double x) { return x > 0.0 ? x : 0.0; }
 static inline double fb_clamped(double x, double bound) { return x > bound ? bound : x < -bound ? -bound : x; }
+static inline double fb_larger(double x, double y) { return x > y ? x : y; }
+static inline double fb_reciprocal(double x) { return 1.0 / x; }
 static inline double fb_fourth(double x) { return fb_square(fb_square(x)); }
 
 /* Slopes of |x|, positive_part(x), clamped(x, b) by x and by b, and of the square root: 0 at their corners. */

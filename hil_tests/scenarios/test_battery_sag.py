@@ -1,0 +1,35 @@
+"""The battery's sag under load: the drives see it at their supply, and the left one at its analogue input."""
+
+import pytest
+
+from firmware_bridge.robot import find
+from hil_tests.scenarios.ride import ARMED, ride, step
+
+RARS = find("rars")
+EMPTY_V = RARS.battery.nominal_v
+
+
+@pytest.mark.parametrize("payload_kg", [0.0, 30.0])
+def test_a_loaded_robot_lowers_the_voltage_that_its_drives_see(payload_kg: float) -> None:
+    plant = RARS.plant.model_copy(
+        update={"parameters": {"platform_mass": 70.0 + payload_kg, "floor_friction": 0.9}}
+    )
+    robot = RARS.model_copy(update={"plant": plant})
+    bench = ride(ARMED, step(4.0, speed_mps=0.5), seconds=8.0, robot=robot)
+    lowest = 1e9
+    bench.runs_until(3.9)
+    axes = bench.rig.devices.bank.axes
+    standing = axes[0].supply_mv
+    assert standing == pytest.approx(1000 * EMPTY_V, abs=60)
+    for millisecond in range(900):
+        bench.runs(0.001)
+        supply = {axis.supply_mv for axis in axes}
+        assert len(supply) == 1, "one battery feeds all drives"
+        (now,) = supply
+        # Each millisecond, behind the divider: what the bridge reads as its battery.
+        assert axes[0].analogue_1_mv == pytest.approx(now / RARS.battery.divider, abs=1.0), millisecond
+        lowest = min(lowest, now)
+    assert bench.fastest() > 0.3
+    # Accelerating takes m a v and the heat of the windings out of 50 mOhm.
+    assert standing - lowest > 150 + 2 * payload_kg
+    bench.rig.finish()
