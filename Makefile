@@ -20,7 +20,7 @@ help: ## list these commands
 
 setup: $(READY) ## make .venv with the program and everything that its tests need
 
-$(READY): pyproject.toml setup.py $(wildcard emulators/servo/*.[ch])
+$(READY): pyproject.toml setup.py $(wildcard emulators/servo/native/*.[ch])
 	@[ -n "$(PYTHON)" ] || { echo "setup: no Python 3.11 or later found; install one, or name it: make PYTHON=python3.11 ..." >&2; exit 1; }
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
 		{ echo "setup: $(PYTHON) is not Python 3.11 or later; name another one: make PYTHON=python3.11 ..." >&2; exit 1; }

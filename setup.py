@@ -10,8 +10,8 @@ from pathlib import Path
 from setuptools import Extension, setup
 from setuptools.command.build_ext import build_ext
 
-FOLDER = Path("emulators") / "servo"
-SOURCES = ("kernel.c", "kernel.h", "record.h")
+FOLDER = Path("emulators") / "servo" / "native"
+FILES = sorted(FOLDER.glob("*.[ch]"))
 # Contraction into fused multiply-adds would make the plant's inputs depend on compiler and CPU.
 UNIX_FLAGS = ["-std=c99", "-O2", "-ffp-contract=off", "-fvisibility=hidden"]
 
@@ -37,8 +37,8 @@ class SharedLibrary(build_ext):
 def built_from() -> str:
     """Return the first 64 bits of the sources' SHA-256: they tell a library that is older than its source."""
     digest = hashlib.sha256()
-    for name in SOURCES:
-        digest.update((FOLDER / name).read_bytes())
+    for file in FILES:
+        digest.update(file.read_bytes())
     return f"0x{digest.hexdigest()[:16]}"
 
 
@@ -47,8 +47,8 @@ setup(
     ext_modules=[
         Extension(
             "emulators.servo.libservo",
-            sources=[str(FOLDER / "kernel.c")],
-            depends=[str(FOLDER / name) for name in SOURCES[1:]],
+            sources=[str(file) for file in FILES if file.suffix == ".c"],
+            depends=[str(file) for file in FILES if file.suffix == ".h"],
             define_macros=[("SERVO_SOURCE", built_from())],
             optional=True,
         )

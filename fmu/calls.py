@@ -5,6 +5,7 @@ Nothing is converted or allocated between two steps; which FMU it is does not ma
 
 import ctypes
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, ClassVar, Final, NamedTuple
 
 OK_OR_WARNING: Final = 1
@@ -12,7 +13,13 @@ OK_OR_WARNING: Final = 1
 
 SECOND_NS: Final = 1e9
 
-STATUS: Final = ("ok", "warning", "discard", "error", "fatal", "pending")
+STATUS: Final = (
+    *("ok", "warning", "discard", "error", "fatal", "pending"),
+    *("it wants the simulation to end", "it stopped before the step was over"),
+)
+"""FMI's statuses in words, and then what a step in FMI 3.0 tells beside its status (section 4.2.1)."""
+WANTS_TO_END: Final = 6
+STOPPED_SHORT: Final = 7
 
 
 class PlantRecord(ctypes.Structure):
@@ -77,10 +84,12 @@ def prepare(
     if major > 2:  # noqa: PLR2004 - FMI 3.0 counts values, too, and tells more about a step
         names = ("fmi3SetFloat64", "fmi3DoStep", "fmi3GetFloat64")
         write, read = (*write, count_in), (*read, count_out)
-        told = [ctypes.byref(ctypes.c_bool()) for _ in range(3)]
+        event, over, early = (ctypes.c_bool() for _ in range(3))
+        told = [ctypes.byref(flag) for flag in (event, over, early)]
         no_rollback = ctypes.c_bool(False)  # noqa: FBT003 - C has no keywords
         forward = (component, time, length, no_rollback, *told, ctypes.byref(ctypes.c_double()))
     functions = [_function(library, name) for name in names]
+    step_call = functions[1] if major < 3 else partial(_step_3, functions[1], over, early)  # noqa: PLR2004 - as above
     addresses = [ctypes.cast(function, ctypes.c_void_p) for function in functions]
     record = PlantRecord(
         fmi=major,
@@ -97,8 +106,15 @@ def prepare(
         step_ns=step,
     )
     return Calls(
-        functions[0], write, functions[1], forward, functions[2], read, time, values_in, values_out, record
+        functions[0], write, step_call, forward, functions[2], read, time, values_in, values_out, record
     )
+
+
+def _step_3(step: Callable[..., int], over: ctypes.c_bool, early: ctypes.c_bool, *arguments: Any) -> int:
+    status = step(*arguments)
+    if status > OK_OR_WARNING:
+        return status
+    return WANTS_TO_END if over.value else STOPPED_SHORT if early.value else status
 
 
 def _function(library: ctypes.CDLL, name: str) -> Any:

@@ -5,16 +5,15 @@ Run as `python -m emulators.servo.header`; a test fails while the file is out of
 
 import ctypes
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from types import MappingProxyType, ModuleType
 from typing import Final
 
 from emulators.servo import axis, loops, scaling, seam, winding
 from emulators.servo.axis import ServoAxis
-from emulators.servo.kernel import BankRecord, Ended
+from emulators.servo.kernel import NATIVE_FOLDER, BankRecord, Ended
 from fmu.calls import PlantRecord
 
-PATH: Final = Path(__file__).parent / "record.h"
+PATH: Final = NATIVE_FOLDER / "record.h"
 
 CONSTANTS: Final[tuple[tuple[ModuleType, tuple[str, ...]], ...]] = (
     (

@@ -23,9 +23,9 @@ VARIABLE: Final = "FIRMWARE_BRIDGE_SERVO"
 """Environment variable that chooses: `native`, `twin`, or empty for the best there is."""
 NATIVE: Final = "native"
 TWIN: Final = "twin"
-SOURCES: Final = ("kernel.c", "kernel.h", "record.h")
 LIBRARY: Final = "libservo" + (".dll" if sys.platform == "win32" else ".so")
 _HERE: Final = Path(__file__).parent
+NATIVE_FOLDER: Final = _HERE / "native"
 
 
 class Ended(IntEnum):
@@ -139,8 +139,8 @@ def load(path: Path) -> Found:
 def source() -> int:
     """Return the first 64 bits of the sources' SHA-256, which the build leaves in the library."""
     digest = hashlib.sha256()
-    for name in SOURCES:
-        digest.update((_HERE / name).read_bytes())
+    for file in sorted(NATIVE_FOLDER.glob("*.[ch]")):
+        digest.update(file.read_bytes())
     return int(digest.hexdigest()[:16], 16)
 
 

@@ -10,7 +10,8 @@
 
 typedef struct {
     int64_t count, fails_at, steps;
-    int64_t failing; /* 1 writing, 2 stepping, 3 reading, 4 an output of the first motor is replaced */
+    int64_t failing; /* 1 writing, 2 stepping, 3 reading, 4 an output of the first motor is replaced,
+                        6 a step wants to end the simulation, 7 a step stops short */
     int64_t replaced; /* which of its outputs: 0 current, 1 angle, 2 speed */
     double replacement, supply, noise;
     uint32_t seed;
@@ -101,7 +102,9 @@ int fmi3SetFloat64(plant *self, const uint32_t *references, size_t count, const 
 
 int fmi3DoStep(plant *self, double now, double step, bool kept, bool *event, bool *over, bool *early, double *reached)
 {
-    *event = *over = *early = false;
+    *event = false;
+    *over = status(self, 6, self->steps) != 0;
+    *early = status(self, 7, self->steps) != 0;
     *reached = now + step;
     return fmi2DoStep(self, now, step, kept);
 }

@@ -4,7 +4,7 @@ import ctypes
 import hashlib
 import shutil
 import subprocess
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Final, NoReturn, TypeAlias
@@ -22,8 +22,8 @@ from firmware_bridge.units import Nanoseconds
 from fmu.calls import OK_OR_WARNING, Calls, PlantRecord, prepare
 from fmu.errors import PlantError
 
-SOURCES: Final = Path(kernel.__file__).parent
-PLANT: Final = Path(__file__).parent / "plant.c"
+KERNEL: Final = tuple(sorted(kernel.NATIVE_FOLDER.glob("*.c")))
+PLANT: Final = (Path(__file__).parent / "plant.c",)
 FLAGS: Final = ("-std=c99", "-ffp-contract=off", "-fPIC", "-shared")
 COMPILERS: Final = tuple(path for name in ("gcc", "clang") if (path := shutil.which(name)))
 COUNT: Final = 4
@@ -39,9 +39,17 @@ SANE: Final = Settings(
 MADE: Final = "a motor of the test"
 
 
-def compiled(folder: Path, source: Path, *flags: str, compiler: str = COMPILERS[0]) -> Path:
-    target = folder / f"{source.stem}-{Path(compiler).name}{''.join(flags)}.so".replace("=", "")
-    command = [compiler, *FLAGS, f"-DSERVO_SOURCE={kernel.source()}u", *flags, "-o", str(target), str(source)]
+def compiled(folder: Path, sources: Sequence[Path], *flags: str, compiler: str = COMPILERS[0]) -> Path:
+    target = folder / f"{sources[0].stem}-{Path(compiler).name}{''.join(flags)}.so".replace("=", "")
+    command = [
+        compiler,
+        *FLAGS,
+        f"-DSERVO_SOURCE={kernel.source()}u",
+        *flags,
+        "-o",
+        str(target),
+        *map(str, sources),
+    ]
     subprocess.run(command, check=True, capture_output=True)
     return target
 

@@ -15,9 +15,9 @@ from emulators.servo.axis import AT_REST, CURRENT_LIMITED, FOLLOWING_ERROR, TARG
 from hil_tests.unit.servo.side_by_side import (
     COMPILERS,
     COUNT,
+    KERNEL,
     PLANT,
     SANE,
-    SOURCES,
     Draw,
     Leg,
     Motors,
@@ -44,7 +44,7 @@ def plant_library(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
 @pytest.fixture(scope="session")
 def native(tmp_path_factory: pytest.TempPathFactory) -> kernel.Found:
     """The kernel as its sources are now, whatever the package's build has left."""
-    return kernel.load(compiled(tmp_path_factory.mktemp("kernel"), SOURCES / "kernel.c", "-O2"))
+    return kernel.load(compiled(tmp_path_factory.mktemp("kernel"), KERNEL, "-O2"))
 
 
 Pair = Callable[..., tuple[Side, Side]]
@@ -200,7 +200,7 @@ def test_every_compiler_and_level_gives_the_same_bits(
     plant_library: ctypes.CDLL,
     reference: dict[Draw, str],
 ) -> None:
-    found = kernel.load(compiled(tmp_path, SOURCES / "kernel.c", level, compiler=compiler))
+    found = kernel.load(compiled(tmp_path, KERNEL, level, compiler=compiler))
     for draw, expected in reference.items():
         assert _digest(plant_library, found, draw) == expected
 
@@ -210,7 +210,7 @@ def test_no_arithmetic_of_the_kernel_is_undefined(
 ) -> None:
     # Every overflow, shift and cast that C leaves undefined would end this process here.
     flags = ("-O1", "-fsanitize=undefined,float-cast-overflow", "-fsanitize-undefined-trap-on-error")
-    found = kernel.load(compiled(tmp_path, SOURCES / "kernel.c", *flags))
+    found = kernel.load(compiled(tmp_path, KERNEL, *flags))
     assert found.library is not None, found.reason
     for draw, expected in reference.items():
         assert _digest(plant_library, found, draw) == expected

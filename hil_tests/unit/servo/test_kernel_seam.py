@@ -15,10 +15,10 @@ from emulators.servo.motor import DcMotor, DcMotors
 from emulators.servo.record import FIELDS
 from firmware_bridge.units import MILLISECOND
 from fmu.build import ensure
-from fmu.calls import PlantRecord
+from fmu.calls import STOPPED_SHORT, WANTS_TO_END, PlantRecord
 from fmu.errors import PlantError
 from fmu.plant import FmuPlant
-from hil_tests.unit.servo.side_by_side import COMPILERS, PLANT, SANE, SOURCES, Leg, Motors, Side, compiled
+from hil_tests.unit.servo.side_by_side import COMPILERS, KERNEL, PLANT, SANE, Leg, Motors, Side, compiled
 
 AXES = ("left", "right", "steer", "lift")
 
@@ -26,7 +26,7 @@ AXES = ("left", "right", "steer", "lift")
 @pytest.fixture(scope="module")
 def built(tmp_path_factory: pytest.TempPathFactory) -> dict[str, kernel.Found]:
     folder = tmp_path_factory.mktemp("kernel")
-    native = kernel.load(compiled(folder, SOURCES / "kernel.c", "-O2"))
+    native = kernel.load(compiled(folder, KERNEL, "-O2"))
     return {"twin": kernel.Found(None, "asked for"), "native": native}
 
 
@@ -57,7 +57,7 @@ def test_python_and_c_agree_where_each_field_lies(compiler: str, tmp_path: Path)
     )
     source = tmp_path / "layout.c"
     source.write_text(f'#include "kernel.h"\n#include <stddef.h>\n{checks}\n')
-    command = [compiler, "-std=c99", "-fsyntax-only", f"-I{SOURCES}", str(source)]
+    command = [compiler, "-std=c99", "-fsyntax-only", f"-I{kernel.NATIVE_FOLDER}", str(source)]
     assert subprocess.run(command, check=False, capture_output=True, text=True).stderr == ""
     assert len(rows) > len(FIELDS)
 
@@ -65,7 +65,7 @@ def test_python_and_c_agree_where_each_field_lies(compiler: str, tmp_path: Path)
 @pytest.mark.parametrize("compiler", COMPILERS)
 def test_the_kernel_compiles_without_a_warning(compiler: str, tmp_path: Path) -> None:
     flags = ("-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror", "-O2")
-    compiled(tmp_path, SOURCES / "kernel.c", *flags, compiler=compiler)
+    compiled(tmp_path, KERNEL, *flags, compiler=compiler)
 
 
 def test_an_axis_takes_64_bits_and_no_fractions() -> None:
@@ -77,11 +77,11 @@ def test_an_axis_takes_64_bits_and_no_fractions() -> None:
 
 
 def test_a_library_from_other_sources_is_not_used(tmp_path: Path) -> None:
-    other = compiled(tmp_path, SOURCES / "kernel.c", "-O0", "-DSERVO_SOURCE=1")
+    other = compiled(tmp_path, KERNEL, "-O0", "-DSERVO_SOURCE=1")
     assert kernel.load(other) == kernel.Found(
         None, "its kernel was built from other sources (install this package again)"
     )
-    assert "cannot be loaded" in kernel.load(PLANT).reason
+    assert "cannot be loaded" in kernel.load(PLANT[0]).reason
 
 
 def test_the_environment_chooses(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -128,6 +128,19 @@ def test_a_plant_that_fails_says_where_and_when(
         one.runs(Leg((), 200))
     # The reading that fails is that of a step already taken.
     assert one.bank.now == (56 if failing == 3 else 57) * 100_000
+
+
+@pytest.mark.parametrize("side", ["twin", "native"])
+@pytest.mark.parametrize("failing", [WANTS_TO_END, STOPPED_SHORT])
+def test_a_plant_that_ends_its_simulation_is_not_stepped_on(
+    built: dict[str, kernel.Found], motors: ctypes.CDLL, side: str, failing: int
+) -> None:
+    # FMI 3.0.1, 4.2.1: terminateSimulation, and earlyReturn, which nobody has allowed.
+    one = Side(Motors(motors, 3), (SANE,) * 4, built[side])
+    one.plant.breaks(at=57, failing=failing)
+    with pytest.raises(PlantError, match=f"doStep failed after 57 steps with {failing}"):
+        one.runs(Leg((), 200))
+    assert one.bank.now == 57 * 100_000
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), -1e300])
@@ -182,5 +195,5 @@ def test_the_robots_plant_turns_alike_under_both(built: dict[str, kernel.Found],
 
 @pytest.mark.skipif(sys.platform == "win32", reason="the test's plant is compiled as on Unix")
 def test_the_drive_of_this_package_is_native_when_its_kernel_is_built() -> None:
-    built = (SOURCES / kernel.LIBRARY).exists()
+    built = (Path(kernel.__file__).parent / kernel.LIBRARY).exists()
     assert (kernel.find().library is not None) == built, kernel.find().reason

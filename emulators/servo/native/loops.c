@@ -1,0 +1,150 @@
+/* What an axis does every millisecond: loops.py says it readably. */
+#include "arithmetic.h"
+#include "kernel.h"
+#include "profile.h"
+
+static int64_t electrical(const servo_axis *axis)
+{
+    int64_t flags = 0;
+    if (beyond(axis->current_ma, axis->over_current_ma))
+        flags = OVER_CURRENT;
+    if (axis->supply_mv < axis->under_voltage_mv)
+        flags |= UNDER_VOLTAGE;
+    else if (axis->supply_mv > axis->over_voltage_mv)
+        flags |= OVER_VOLTAGE;
+    return flags;
+}
+
+static int64_t budget(servo_axis *axis, int64_t flags)
+{
+    int64_t full = axis->thermal_full;
+    int64_t thermal = axis->thermal + axis->current_ma * axis->current_ma - axis->continuous_ma * axis->continuous_ma;
+    if (thermal >= full) {
+        thermal = full;
+        flags |= CURRENT_LIMITED;
+    } else if (thermal <= full >> 1) {
+        flags &= ~CURRENT_LIMITED;
+        thermal = largest(thermal, 0);
+    }
+    axis->thermal = thermal;
+    axis->current_limit_ma = flags & CURRENT_LIMITED ? axis->continuous_ma : axis->peak_ma;
+    return flags;
+}
+
+/* The current that a regulator may have, and its integrator: held while limited unless it leads back. */
+static int64_t limited(const servo_axis *axis, int64_t wish, int64_t integral, int64_t *kept, int64_t places)
+{
+    int64_t bounded = within(wish, axis->current_limit_ma);
+    if (bounded == wish || (integral > *kept) != (wish > 0))
+        *kept = within(integral, shifted(axis->current_limit_ma, places));
+    return bounded;
+}
+
+static void velocity(servo_axis *axis)
+{
+    int64_t demand = axis->velocity_demand;
+    int64_t error = within(demand - shifted(axis->step, axis->fraction), WIDEST_SPEED);
+    int64_t integral = axis->velocity_integral + axis->velocity_i * error;
+    int64_t wish = (axis->velocity_p * error + integral) >> VELOCITY_PLACES;
+    wish += (axis->velocity_speed_forward * demand) >> SPEED_FORWARD_PLACES;
+    wish += (axis->velocity_acceleration_forward * axis->acceleration_demand) >> ACCELERATION_FORWARD_PLACES;
+    axis->current_demand_ma = limited(axis, wish, integral, &axis->velocity_integral, VELOCITY_PLACES);
+}
+
+static int64_t position(servo_axis *axis)
+{
+    int64_t demand = axis->velocity_demand, fraction = axis->fraction, limit = axis->following_limit_qc;
+    int64_t error = axis->position_demand - shifted(axis->position, fraction);
+    int64_t flags = limit >= 0 && beyond(error >> fraction, limit) ? FOLLOWING_ERROR : 0;
+    int64_t difference = within(demand - shifted(axis->step, fraction), WIDEST_SPEED);
+    int64_t derivative = axis->derivative, integral, wish;
+    error = within(error, WIDEST_WAY);
+    derivative += ((difference - derivative) * axis->position_filter) >> FILTER_PLACES;
+    axis->derivative = derivative;
+    integral = axis->position_integral + axis->position_i * error;
+    wish = (axis->position_p * error) >> POSITION_P_PLACES;
+    wish += integral >> POSITION_I_PLACES;
+    wish += (axis->position_d * derivative) >> POSITION_D_PLACES;
+    wish += (axis->position_speed_forward * demand) >> SPEED_FORWARD_PLACES;
+    wish += (axis->position_acceleration_forward * axis->acceleration_demand) >> ACCELERATION_FORWARD_PLACES;
+    axis->current_demand_ma = limited(axis, wish, integral, &axis->position_integral, POSITION_I_PLACES);
+    return flags;
+}
+
+static void current_mode(servo_axis *axis)
+{
+    int64_t wish = within(axis->current_setting_ma, axis->current_limit_ma);
+    int64_t speed = axis->velocity_average;
+    if ((wish > 0 && speed > axis->speed_limit) || (wish < 0 && -speed > axis->speed_limit))
+        wish = 0;
+    axis->current_demand_ma = wish;
+}
+
+static int64_t arrival(servo_axis *axis, int64_t flags)
+{
+    int64_t window, needed, away;
+    bool positioned = axis->regulator == POSITION;
+    if (positioned) {
+        window = axis->position_window_qc;
+        needed = axis->position_window_ms;
+        away = (axis->target_position - shifted(axis->position, axis->fraction)) >> axis->fraction;
+    } else {
+        window = axis->velocity_window;
+        needed = axis->velocity_window_ms;
+        away = axis->target_velocity - shifted(axis->step, axis->fraction);
+    }
+    if (window < 0 || axis->profile != (positioned ? MOVE : RAMP))
+        return flags & PROFILE_DONE ? TARGET_REACHED : 0;
+    if (beyond(away, window)) {
+        axis->window_ms = 0;
+        return 0;
+    }
+    if (axis->window_ms < needed) {
+        axis->window_ms += 1;
+        return 0;
+    }
+    return TARGET_REACHED;
+}
+
+static int64_t rest(servo_axis *axis)
+{
+    if (beyond(axis->velocity_average, axis->rest_window) || (axis->velocity_demand != 0 && axis->powered)) {
+        axis->still_ms = 0;
+        return 0;
+    }
+    if (axis->still_ms < axis->rest_ms) {
+        axis->still_ms += 1;
+        return 0;
+    }
+    return AT_REST;
+}
+
+int64_t servo_millisecond(servo_axis *axis, int64_t encoder)
+{
+    int64_t before = axis->flags, flags, step = encoder - axis->encoder;
+    axis->encoder = encoder;
+    axis->step = step;
+    axis->position = ((axis->position + step + HALF) & (WRAP - 1)) - HALF;
+    axis->velocity_average += (shifted(step, axis->fraction) - axis->velocity_average) >> AVERAGE;
+    flags = budget(axis, before & CURRENT_LIMITED) | electrical(axis);
+    if (axis->powered) {
+        flags |= servo_profile_step(axis);
+        if (axis->regulator == VELOCITY)
+            velocity(axis);
+        else if (axis->regulator == POSITION)
+            flags |= position(axis);
+        else if (axis->regulator == CURRENT)
+            current_mode(axis);
+        else
+            axis->current_demand_ma = 0;
+        if (axis->regulator != IDLE)
+            flags |= arrival(axis, flags);
+    }
+    flags |= rest(axis);
+    axis->flags = flags;
+    if (axis->call) {
+        axis->call = 0;
+        return 1;
+    }
+    return flags != before;
+}

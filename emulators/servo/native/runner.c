@@ -1,0 +1,99 @@
+/* Axes and plant from one event to the next: twin.py says it readably. */
+#include "kernel.h"
+#include "plant.h"
+#include "readings.h"
+#include "winding.h"
+
+#ifndef SERVO_SOURCE
+#define SERVO_SOURCE 0
+#endif
+
+static int64_t sample_supply(servo_bank *bank, double volts)
+{
+    int64_t supply_mv, k;
+    if (!reading(volts, &supply_mv))
+        return refuse(bank, ENDED_SUPPLY, -1, volts);
+    for (k = 0; k < bank->count; k++) {
+        double divider = ((const double *)bank->dividers)[k];
+        axis_at(bank, k)->supply_mv = supply_mv;
+        if (divider != 0.0)
+            axis_at(bank, k)->analogue_1_mv = (int64_t)((double)supply_mv / divider);
+    }
+    return ENDED_REACHED;
+}
+
+static int64_t milliseconds(servo_bank *bank, const double *outputs)
+{
+    int64_t ended = ENDED_REACHED, count = bank->count, k;
+    if (bank->supply >= 0 && (ended = sample_supply(bank, outputs[bank->supply])) != ENDED_REACHED)
+        return ended;
+    for (k = 0; k < count; k++) {
+        servo_axis *axis = axis_at(bank, k);
+        double current = outputs[k], angle = outputs[count + k], speed = outputs[2 * count + k];
+        int64_t encoder, milliradians;
+        if (!reading(current, &axis->current_ma))
+            return refuse(bank, ENDED_CURRENT, k, current);
+        if (!counted(axis, angle * ((const double *)bank->counts_per_radian)[k], &encoder))
+            return refuse(bank, ENDED_ANGLE, k, angle);
+        axis->told = servo_millisecond(axis, encoder);
+        if (axis->told)
+            ended = ENDED_TOLD;
+        if (!axis->powered) {
+            if (!reading(speed, &milliradians))
+                return refuse(bank, ENDED_SPEED, k, speed);
+            axis->turning = servo_turns(axis, milliradians);
+        }
+    }
+    return ended;
+}
+
+static int64_t tick(servo_bank *bank, const double *outputs, double *inputs)
+{
+    int64_t count = bank->count, milliamperes, milliradians, k;
+    for (k = 0; k < count; k++) {
+        servo_axis *axis = axis_at(bank, k);
+        if (!axis->powered)
+            continue;
+        if (!reading(outputs[k], &milliamperes))
+            return refuse(bank, ENDED_CURRENT, k, outputs[k]);
+        inputs[k] = (double)servo_regulate(axis, milliamperes) * 0.001;
+    }
+    for (k = 0; k < count; k++) {
+        servo_axis *axis = axis_at(bank, k);
+        if (axis->powered || !axis->turning)
+            continue;
+        if (!reading(outputs[k], &milliamperes))
+            return refuse(bank, ENDED_CURRENT, k, outputs[k]);
+        if (!reading(outputs[2 * count + k], &milliradians))
+            return refuse(bank, ENDED_SPEED, k, outputs[2 * count + k]);
+        inputs[k] = (double)servo_opened(axis, milliamperes, milliradians) * 0.001;
+    }
+    return ENDED_REACHED;
+}
+
+uint64_t servo_source(void) { return SERVO_SOURCE; }
+
+int64_t servo_run(servo_bank *bank, int64_t last)
+{
+    plant_calls *plant = bank->plant;
+    const double *outputs = plant->outputs;
+    double *inputs = plant->inputs;
+    int64_t told = ENDED_REACHED, ended, k;
+    if (bank->tick >= last)
+        return ENDED_REACHED;
+    while (bank->tick < last && !told) {
+        if (bank->tick % TICKS_PER_MILLISECOND == 0 && (told = milliseconds(bank, outputs)) > ENDED_TOLD)
+            return told;
+        if ((ended = tick(bank, outputs, inputs)) != ENDED_REACHED)
+            return ended;
+        if ((ended = servo_plant_step(bank, plant)) != ENDED_REACHED)
+            return ended;
+        bank->tick += 1;
+    }
+    /* What no axis needs is read where somebody may look at it. */
+    if (bank->sampled < plant->output_count && (bank->fault_status = servo_plant_read(plant, plant->output_count)) > WARNING)
+        return ENDED_READ;
+    for (k = 0; k < bank->count; k++)
+        axis_at(bank, k)->now = bank->tick * TICK;
+    return told;
+}
