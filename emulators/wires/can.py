@@ -145,5 +145,4 @@ class CanWire:
         while recent[0][0] <= oldest:
             time -= recent.popleft()[1]
         self._recent_time = time
-        if time > self._peak_time:
-            self._peak_time = time
+        self._peak_time = max(self._peak_time, time)

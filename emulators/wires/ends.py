@@ -60,6 +60,4 @@ class Ends:
         for end in self.all:
             station, link = end.station, end.link
             if station is not sender and station not in deaf:
-                deliver(
-                    station, packet if link == sent_on else Packet(link, packet.address, packet.payload)
-                )
+                deliver(station, packet if link == sent_on else Packet(link, packet.address, packet.payload))

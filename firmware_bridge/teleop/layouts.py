@@ -4,6 +4,7 @@ pymavlink does the same anew for every frame, which takes several times as long.
 end as mavlink.io, "Packet Serialization", has them.
 """
 
+from collections.abc import Callable, Iterable
 from functools import cache
 from operator import attrgetter
 from typing import Any, Final
@@ -32,7 +33,9 @@ class Layout:
             )
             if type_ == "char" and length
         }
-        self._values = attrgetter(*(texts.get(name, name) for name in kind.ordered_fieldnames))
+        self._values: Callable[[Any], Any] = attrgetter(
+            *(texts.get(name, name) for name in kind.ordered_fieldnames)
+        )
         self._plain = all(length == 1 for length in kind.lengths) and len(kind.lengths) > 1
         first = 0
         places = []
@@ -45,18 +48,12 @@ class Layout:
         """Return a message's payload without the zeros at its end; one byte is left at least."""
         values = self._values(message)
         if not self._plain:
-            flat: list[Any] = []
-            for value in values if isinstance(values, tuple) else (values,):
-                if isinstance(value, (list, tuple)):
-                    flat += value
-                else:
-                    flat.append(value)
-            values = flat
+            values = _flat(values if isinstance(values, tuple) else (values,))
         payload: bytes = self._struct.pack(*values)
         return payload.rstrip(b"\0") or payload[:1]
 
     def unpack(self, payload: bytes) -> Any:
-        """Return the message; what is missing at the payload's end is zero, what is too much does not count."""
+        """Return the message; what the payload lacks at its end is zero, what is too much does not count."""
         size = self._struct.size
         values = self._struct.unpack(payload[:size].ljust(size, b"\0"))
         fields: list[Any] = []
@@ -66,6 +63,16 @@ class Layout:
                 value = value.rstrip(b"\0")
             fields.append(list(value) if isinstance(value, tuple) else value)
         return self._kind(*fields)
+
+
+def _flat(values: Iterable[Any]) -> list[Any]:
+    flat: list[Any] = []
+    for value in values:
+        if isinstance(value, list | tuple):
+            flat += value
+        else:
+            flat.append(value)
+    return flat
 
 
 def _in_wire_order(kind: Any) -> list[str]:

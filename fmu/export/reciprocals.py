@@ -24,9 +24,7 @@ def with_reciprocals(shared: Lines, results: Sequence[Expression]) -> tuple[Line
                 powers.setdefault(power.base, set()).add(power)
     often = sorted((base for base, found in powers.items() if len(found) > 1), key=lambda base: base.name)
     reciprocals = {base: sp.Symbol(f"r{n}", real=True) for n, base in enumerate(often)}
-    products = {
-        power: reciprocals[base] ** -power.exp for base in often for power in powers[base]
-    }
+    products = {power: reciprocals[base] ** -power.exp for base in often for power in powers[base]}
     defined = {symbol for symbol, _ in shared}
     lines = [(reciprocals[base], 1 / base) for base in often if base not in defined]
     for symbol, value in shared:

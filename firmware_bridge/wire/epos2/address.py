@@ -1,14 +1,12 @@
 """Names for the objects that code refers to; every object stands in the object table."""
 
-from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 
-@dataclass(frozen=True, slots=True, order=True)
-class Address:
-    """Where an object lives in the dictionary."""
+class Address(NamedTuple):
+    """Where an object lives in the dictionary; a tuple, because dictionaries compare it with every frame."""
 
-    index: int
+    index: int  # type: ignore[assignment] # hides the tuple's method, which nobody needs
     subindex: int = 0
 
     def __str__(self) -> str:
