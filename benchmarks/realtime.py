@@ -3,10 +3,10 @@
 Usage: python -m benchmarks.realtime [SECONDS]    simulated time; 60 by default.
 
 All times are the processor's, so that other work on the machine counts less. The factor is that of the
-fastest of three undisturbed runs. The shares come from a run with stop-watches in it, which is slower: a watch
-counts what its part does itself, without what it calls of another part. The plant's share is what the ticks of
-that run cost a plant alone, with its inputs at rest; the kernel's is the rest of its calls. The twin's ratio is
-that of that mission with the drives' loops in Python.
+fastest of three undisturbed runs. The shares come from a run with stop-watches in it, which is slower: a
+watch counts what its part does itself, without what it calls of another part. The plant's share is what the
+ticks of that run cost a plant alone, with its inputs at rest; the kernel's is the rest of its calls. The
+twin's ratio is that of that mission with the drives' loops in Python.
 """
 
 import os
