@@ -2,49 +2,65 @@
 
 Usage: python -m benchmarks.realtime [SECONDS]    simulated time; 60 by default.
 
-The factor is that of the fastest of three undisturbed runs; the shares come from a run with stop-watches in
-it, which is a little slower. The twin's ratio is that of that mission with the drives' loops in Python.
+All times are the processor's, so that other work on the machine counts less. The factor is that of the
+fastest of three undisturbed runs. The shares come from a run with stop-watches in it, which is slower: a
+watch counts what its part does itself, without what it calls of another part. The plant's share is what the
+ticks of that run cost a plant alone, with its inputs at rest; the kernel's is the rest of its calls. The
+twin's ratio is that of that mission with the drives' loops in Python.
 """
 
 import os
 import sys
 import time
 from collections.abc import Callable
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
 from emulators.bench import mission
 from emulators.bench.operator import ScriptedOperator
-from emulators.rig import BRIDGE, Rig, build
+from emulators.rig import BRIDGE, OPERATOR_STATION, Rig, build
 from emulators.run import HAND_STREAM
 from emulators.servo import kernel
+from emulators.servo.axis import TICK
+from emulators.servo.bank import ServoBank
 from firmware_bridge.robot import find
-from firmware_bridge.units import from_seconds
+from firmware_bridge.units import SECOND, Nanoseconds, from_seconds
 
 MISSION: Final = "circles"
 SEED: Final = 0
 RUNS: Final = 3
 TWIN_SECONDS: Final = 5.0
 LEAST_FACTOR: Final = 10.0
+ALONE: Final[Nanoseconds] = 2 * SECOND
+"""So long the plant runs alone to learn what a tick of it costs."""
 
 
-class StopWatch:
-    """Adds up the time that calls take."""
+class StopWatches:
+    """Adds up the time that each part takes, without that of the parts that it calls."""
 
     def __init__(self) -> None:
-        self.seconds = 0.0
-        self.calls = 0
+        self.seconds: dict[str, float] = {}
+        self.calls: dict[str, int] = {}
+        self._inner = 0.0
+        """Time that watched calls have taken within the present one."""
 
-    def around(self, call: Callable[..., object]) -> Callable[..., object]:
-        """Return the call with this watch around it."""
+    def around(self, part: str, call: Callable[..., object]) -> Callable[..., object]:
+        """Return the call with the watch of this part around it."""
+        seconds, calls = self.seconds, self.calls
+        seconds.setdefault(part, 0.0)
+        calls.setdefault(part, 0)
 
         def timed(*arguments: object) -> object:
-            begun = time.perf_counter()
-            answer = call(*arguments)
-            self.seconds += time.perf_counter() - begun
-            self.calls += 1
-            return answer
+            before, self._inner = self._inner, 0.0
+            begun = time.process_time()
+            try:
+                return call(*arguments)
+            finally:
+                taken = time.process_time() - begun
+                seconds[part] += taken - self._inner
+                calls[part] += 1
+                self._inner = before + taken
 
         return timed
 
@@ -63,11 +79,11 @@ def rig_and_operator(servo: str = "") -> tuple[Rig, ScriptedOperator]:
     return build(robot, operator, seed=SEED, noise=script.noise), operator
 
 
-def wall_seconds(rig: Rig, simulated_s: float) -> float:
-    """Run and return the time that it took."""
-    begun = time.perf_counter()
-    rig.run(from_seconds(simulated_s))
-    return time.perf_counter() - begun
+def seconds_of(call: Callable[[], object]) -> float:
+    """Call, and return the processor's time that it took."""
+    begun = time.process_time()
+    call()
+    return time.process_time() - begun
 
 
 def undisturbed(simulated_s: float, servo: str = "", runs: int = RUNS) -> float:
@@ -75,24 +91,56 @@ def undisturbed(simulated_s: float, servo: str = "", runs: int = RUNS) -> float:
     times = []
     for _ in range(runs):
         one = rig(servo)
-        times.append(wall_seconds(one, simulated_s))
+        times.append(seconds_of(lambda one=one: one.run(from_seconds(simulated_s))))  # type: ignore[misc] # bound now
         one.finish()
     return min(times)
 
 
-def split(simulated_s: float) -> tuple[float, dict[str, StopWatch]]:
-    """Return the time of a watched run, and the watches that were in it."""
+def plant_seconds_per_tick() -> float:
+    """Return what the plant costs in one tick of the kernel: its step without any drive above it."""
+    one = rig()
+    bank = ServoBank(one.devices.plant, (), supply=None)
+    taken = min(seconds_of(lambda k=k: bank.advance(k * ALONE)) for k in range(1, RUNS + 1))  # type: ignore[misc] # bound now
+    one.finish()
+    return taken * TICK / ALONE
+
+
+def split(simulated_s: float) -> StopWatches:
+    """Return the watches of a watched run, one for each part."""
     watched = rig()
-    watches = {name: StopWatch() for name in ("servo and plant", "drives", "bridge", "operator")}
-    advance = watches["servo and plant"].around(watched.devices.bank.advance)
-    watched.devices.bank.__dict__["advance"] = advance
-    for name, station in watched.world._stations.items():  # noqa: SLF001 - a watch must sit where nothing else does
-        drive = name in watched.devices.drives
-        watch = watches["drives" if drive else "bridge" if name == BRIDGE else "operator"]
-        station.receive, station.wake = watch.around(station.receive), watch.around(station.wake)  # type: ignore[assignment] # the watch hands through whatever it is
-    total = wall_seconds(watched, simulated_s)
+    watches = StopWatches()
+
+    def watch(thing: Any, part: str, *names: str) -> None:
+        for name in names:
+            setattr(thing, name, watches.around(part, getattr(thing, name)))
+
+    watch(watched.devices.bank, "servo", "advance")
+    stations = watched.world._stations  # noqa: SLF001 - a watch must sit where nothing else does
+    parts = {BRIDGE: "bridge", OPERATOR_STATION: "operator"}
+    for name, station in stations.items():
+        watch(station, parts.get(name, "drives"), "receive", "wake")
+    watch(watched.can_wire, "CAN bus", "carry", "_arbitrate", "_finish")
+    watch(watched.operator_wire, "operator's link", "carry", "_arrive")
+    watch(watched, "samples", "_sample")
+    watch(watched, "world", "run")
+    watched.run(from_seconds(simulated_s))
     watched.finish()
-    return total, watches
+    return watches
+
+
+def print_split(simulated_s: float) -> None:
+    """Print one row for each part, the largest first."""
+    watches = split(simulated_s)
+    total = sum(watches.seconds.values())
+    ticks = round(from_seconds(simulated_s) / TICK)
+    plant = min(plant_seconds_per_tick() * ticks, watches.seconds["servo"])
+    rows = {part: (taken, watches.calls[part], "calls") for part, taken in watches.seconds.items()}
+    rows["plant"] = (plant, ticks, "ticks")
+    rows["servo kernel"] = (rows.pop("servo")[0] - plant, ticks, "ticks")
+    rows["world"] = (rows["world"][0], round(simulated_s * 1000), "ms")
+    for part, (taken, count, unit) in sorted(rows.items(), key=lambda row: -row[1][0]):
+        each = 1e6 * taken / max(count, 1)
+        print(f"  {part:24s}{100.0 * taken / total:5.1f} %   {count} {unit} of {each:.2f} us")
 
 
 def main(simulated_s: float) -> int:
@@ -104,12 +152,7 @@ def main(simulated_s: float) -> int:
     one.finish()
     print(f"{MISSION}, {simulated_s:g} s simulated in {whole:.2f} s: real-time factor {factor:.1f}")
     print(f"  servo: {'kernel in C' if native else f'twin in Python, {why_not}'}")
-    total, watches = split(simulated_s)
-    rest = total - sum(watch.seconds for watch in watches.values())
-    for name, watch in watches.items():
-        each = 1e6 * watch.seconds / watch.calls
-        print(f"  {name:24s}{100.0 * watch.seconds / total:5.1f} %   {watch.calls} calls of {each:.1f} us")
-    print(f"  {'bus, world, samples':24s}{100.0 * rest / total:5.1f} %")
+    print_split(simulated_s)
     shortly = min(simulated_s, TWIN_SECONDS)
     ratio = undisturbed(shortly, kernel.TWIN, 1) / undisturbed(shortly)
     print(f"  with the drives' loops in Python: {ratio:.1f} times as long")

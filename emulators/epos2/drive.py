@@ -129,17 +129,19 @@ class Epos2:
         if self.nmt_state is NmtState.OPERATIONAL:
             for address, payload in pdo.changes(now):
                 self._send(address, payload)
-        wake_at = min(self._boot_due, errors.due, pdo.due, self.motion.wake_at(), self._identity.due)
-        if self._answers:
-            wake_at = min(wake_at, self._answers[0][0])
+        wake_at = self._wake_at()
+        if self._idle.wake_at != wake_at:
+            self._idle = Reaction((), wake_at)
         if not self._sent:
-            if self._idle.wake_at != wake_at:
-                self._idle = Reaction((), wake_at)
             return self._idle
-        self._idle = Reaction((), wake_at)
         sent = tuple(self._sent)
         self._sent.clear()
         return Reaction(sent, wake_at)
+
+    def _wake_at(self) -> Nanoseconds:
+        answer_due = self._answers[0][0] if self._answers else NEVER
+        motion_due, pdo_due = self.motion.wake_at(), self._pdo.due
+        return min(self._boot_due, self._errors.due, pdo_due, motion_due, self._identity.due, answer_due)
 
     def _send(self, address: int, payload: bytes) -> None:
         if self._identity.on_bus:

@@ -60,6 +60,8 @@ class Guarded:
         """Since when some axis has been told to move; NEVER while none is."""
         self._speak_at: Nanoseconds = NEVER
         """When the guard repeats itself while the bridge stays silent; NEVER while it does not."""
+        self._look_at: Nanoseconds = 0
+        """Before this instant a node that sends nothing gives nothing to judge."""
         self._stopping = False
 
     @property
@@ -90,8 +92,10 @@ class Guarded:
         return self._judged(reaction, now)
 
     def _judged(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
-        sent: list[Packet] = []
         wake_at = reaction.wake_at
+        if not reaction.sent and now < self._look_at and not self._stopping:
+            return reaction if wake_at <= self._look_at else Reaction((), self._look_at)
+        sent: list[Packet] = []
         for packet in reaction.sent:
             if packet.link == OPERATOR:
                 sent.append(packet)
@@ -103,11 +107,12 @@ class Guarded:
         if self._stopping and wake_at == NEVER:
             # It has ended in good order; whoever carries it takes NEVER for the end.
             return Reaction(tuple(sent))
+        alarmed = self._speak_at != NEVER
         sent += self._sent(self._spoken_for(now))
-        at = min(wake_at, self._deadline())
-        if not sent and not reaction.sent and at == wake_at:
-            return reaction
-        return Reaction(tuple(sent), at)
+        deadline = self._deadline()
+        # After an alarm it takes one more look to end the watch.
+        self._look_at = 0 if alarmed else deadline
+        return Reaction(tuple(sent), min(wake_at, deadline))
 
     def _admitted(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Return the frame itself, or what leaves in its place."""

@@ -73,6 +73,12 @@ class Layout:
 
     def pack(self, *values: int) -> bytes:
         """Return the payload; a number that does not fit its field wraps as in a register."""
+        try:
+            return self._struct.pack(*values)
+        except struct.error:
+            return self._wrapped(values)
+
+    def _wrapped(self, values: tuple[int, ...]) -> bytes:
         word = 0
         for value, (mask, shift) in zip(values, self._fields, strict=True):
             word |= (value & mask) << shift

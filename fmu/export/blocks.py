@@ -10,6 +10,7 @@ from functools import cached_property
 import sympy as sp
 
 from fmu.export.model import Expression, Model, Output
+from fmu.export.reciprocals import with_reciprocals
 
 
 class UnsupportedError(Exception):
@@ -161,5 +162,7 @@ def _block(
     places: Sequence[int] | None = None,
 ) -> Block:
     shared, results = sp.cse([e.xreplace(names) for e in expressions], sp.numbered_symbols("t", real=True))
+    if "s" in reads:  # the others are computed once
+        shared, results = with_reciprocals(tuple(shared), results)
     where = range(len(results)) if places is None else places
     return Block(name, reads, target, tuple(shared), tuple(zip(where, results, strict=True)))

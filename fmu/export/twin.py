@@ -16,19 +16,19 @@ _HALF_PI: Final = 1.5707963267948966
 _PARTS: Final = (1.5707963267341256, 6.077100506303966e-11, 2.0222662487959506e-21)
 _MAGIC: Final = 6755399441055744.0
 _SINE: Final = (
-    1.0 / 355687428096000.0, -1.0 / 1307674368000.0, 1.0 / 6227020800.0, -1.0 / 39916800.0,
-    1.0 / 362880.0, -1.0 / 5040.0, 1.0 / 120.0, -1.0 / 6.0,
+    -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362880.0,
+    -1.0 / 39916800.0, 1.0 / 6227020800.0, -1.0 / 1307674368000.0, 1.0 / 355687428096000.0,
 )  # fmt: skip
 _COSINE: Final = (
-    1.0 / 20922789888000.0, -1.0 / 87178291200.0, 1.0 / 479001600.0, -1.0 / 3628800.0,
-    1.0 / 40320.0, -1.0 / 720.0, 1.0 / 24.0,
+    1.0 / 24.0, -1.0 / 720.0, 1.0 / 40320.0, -1.0 / 3628800.0,
+    1.0 / 479001600.0, -1.0 / 87178291200.0, 1.0 / 20922789888000.0, 0.0,
 )  # fmt: skip
 _ARC_TANGENT: Final = (
-    -0.01917688711906226, 0.03923165829558719, -0.0508544973794026, 0.0585814891280221, -0.06664511447381948,
-    0.07692183190826087, -0.09090904578123903, 0.11111111015256361, -0.14285714284666542, 0.1999999999999552,
-    -0.3333333333333333,
+    -0.3333333333333333, 0.1999999999999552, -0.14285714284666542, 0.11111111015256361, -0.09090904578123903,
+    0.07692183190826087, -0.06664511447381948, 0.0585814891280221, -0.0508544973794026, 0.03923165829558719,
+    -0.01917688711906226, 0.0,
 )  # fmt: skip
-"""As in c/elementary.h; a test compares them bit for bit."""
+"""As in c/elementary.h, the lowest power first; a test compares them bit for bit."""
 
 
 class Twin:
@@ -108,9 +108,13 @@ def _compiled(block: Block) -> Callable[..., None]:
 
 
 def _series(coefficients: Sequence[float], z: float) -> float:
-    total = coefficients[0]
-    for coefficient in coefficients[1:]:
-        total = total * z + coefficient
+    """Add up in pairs, fours and eights: the number of coefficients is a multiple of four."""
+    y = z * z
+    pairs = [z * odd + even for even, odd in zip(coefficients[::2], coefficients[1::2], strict=True)]
+    fours = [y * odd + even for even, odd in zip(pairs[::2], pairs[1::2], strict=True)]
+    total = fours[-1]
+    for four in reversed(fours[:-1]):
+        total = (y * y) * total + four
     return total
 
 

@@ -100,4 +100,3 @@ class Tyre:
         beyond = positive_part(clamped(slip, self._over) - peak * self._over)
         share = self._over - FALL / (1 - peak) * beyond
         return larger(peak * self._rolling, slip * self._over / share)
-

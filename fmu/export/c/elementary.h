@@ -27,29 +27,26 @@ static inline double fb_inside(double x, double bound) { return x < bound && x >
 static inline double fb_outside(double x, double bound) { return x > bound ? 1.0 : x < -bound ? -1.0 : 0.0; }
 static inline double fb_root_slope(double x) { return x > 0.0 ? 0.5 / sqrt(x) : 0.0; }
 
-/* Taylor series on -pi/4..pi/4; the first neglected terms are below 1e-19 and 3e-18. */
+/* Taylor series on -pi/4..pi/4; the first neglected terms are below 1e-19 and 3e-18. The sums are taken in
+   pairs (Estrin): each pair can be computed while another one is. */
 static inline double fb_sine_core(double x) {
   double z = x * x;
-  double r = 1.0 / 355687428096000.0;
-  r = r * z - 1.0 / 1307674368000.0;
-  r = r * z + 1.0 / 6227020800.0;
-  r = r * z - 1.0 / 39916800.0;
-  r = r * z + 1.0 / 362880.0;
-  r = r * z - 1.0 / 5040.0;
-  r = r * z + 1.0 / 120.0;
-  r = r * z - 1.0 / 6.0;
+  double y = z * z;
+  double r0 = z * (1.0 / 120.0) - 1.0 / 6.0;
+  double r1 = z * (1.0 / 362880.0) - 1.0 / 5040.0;
+  double r2 = z * (1.0 / 6227020800.0) - 1.0 / 39916800.0;
+  double r3 = z * (1.0 / 355687428096000.0) - 1.0 / 1307674368000.0;
+  double r = (y * y) * (y * r3 + r2) + (y * r1 + r0);
   return x + x * z * r;
 }
 
 static inline double fb_cosine_core(double x) {
   double z = x * x;
-  double r = 1.0 / 20922789888000.0;
-  r = r * z - 1.0 / 87178291200.0;
-  r = r * z + 1.0 / 479001600.0;
-  r = r * z - 1.0 / 3628800.0;
-  r = r * z + 1.0 / 40320.0;
-  r = r * z - 1.0 / 720.0;
-  r = r * z + 1.0 / 24.0;
+  double y = z * z;
+  double r0 = 1.0 / 24.0 - z * (1.0 / 720.0);
+  double r1 = 1.0 / 40320.0 - z * (1.0 / 3628800.0);
+  double r2 = 1.0 / 479001600.0 - z * (1.0 / 87178291200.0);
+  double r = (y * y) * (y * (1.0 / 20922789888000.0) + r2) + (y * r1 + r0);
   return 1.0 - (0.5 * z - z * z * r);
 }
 
@@ -86,17 +83,14 @@ static inline double fb_arc_tangent(double x) {
   int upper = t > 0.41421356237309503;
   if (upper) t = (t - 1.0) / (t + 1.0);
   double z = t * t;
-  double r = -0.01917688711906226;
-  r = r * z + 0.03923165829558719;
-  r = r * z - 0.0508544973794026;
-  r = r * z + 0.0585814891280221;
-  r = r * z - 0.06664511447381948;
-  r = r * z + 0.07692183190826087;
-  r = r * z - 0.09090904578123903;
-  r = r * z + 0.11111111015256361;
-  r = r * z - 0.14285714284666542;
-  r = r * z + 0.1999999999999552;
-  r = r * z - 0.3333333333333333;
+  double y = z * z;
+  double w = y * y;
+  double r0 = z * 0.1999999999999552 - 0.3333333333333333;
+  double r1 = z * 0.11111111015256361 - 0.14285714284666542;
+  double r2 = z * 0.07692183190826087 - 0.09090904578123903;
+  double r3 = z * 0.0585814891280221 - 0.06664511447381948;
+  double r4 = z * 0.03923165829558719 - 0.0508544973794026;
+  double r = w * (w * (r4 - y * 0.01917688711906226) + (y * r3 + r2)) + (y * r1 + r0);
   double value = t + t * z * r;
   if (upper) value += 0.5 * FB_HALF_PI;
   if (inverse) value = FB_HALF_PI - value;
