@@ -78,7 +78,6 @@ class PowerMachine:
 
     @property
     def _under_way(self) -> bool:
-        """A command has not come to its end."""
         return self._completing is not None or self._releasing
 
     def restart(self) -> None:
@@ -98,6 +97,9 @@ class PowerMachine:
         if self.state is State.FAULT:
             if word & ~before & _FAULT_RESET:
                 self._reset_fault()
+        elif self._releasing and command_of(word) is not Command.ENABLE_OPERATION:
+            self._give_up_release()
+            self._obey(word, before)
         elif self._under_way or self.state in _TRANSIENT:
             # What waits for the brake keeps its edges; other states have none to keep.
             since = before if self._delayed is None else self._delayed[1]
@@ -144,9 +146,8 @@ class PowerMachine:
         return True
 
     def _give_up_release(self) -> None:
-        if self._releasing:
-            self._releasing = False
-            self._brake.interrupt()
+        self._releasing = False
+        self._brake.interrupt()
 
     def _admitted(self, command: Command) -> Command:
         """Return a master's command, or the stronger one that the input pins give."""

@@ -161,6 +161,25 @@ def test_a_fault_while_the_brake_opens_ends_in_fault(drive: "Drive") -> None:
     assert closed(drive)
 
 
+@pytest.mark.parametrize(
+    ("word", "state"),
+    [
+        (0x00, State.SWITCH_ON_DISABLED),
+        (0x06, State.READY_TO_SWITCH_ON),
+        (0x07, State.SWITCHED_ON),
+        (0x02, State.QUICK_STOP_ACTIVE),
+    ],
+)
+def test_the_way_out_does_not_wait_for_the_brake_to_open(drive: "Drive", word: int, state: State) -> None:
+    with_brake(drive)
+    drive.write(RISE_TIME, 65_535)
+    drive.enable(mode=3)
+    drive.run(10)
+    drive.command(word)
+    # The standstill's 50 ms are over; the brake falls in 40.
+    assert drive.runs_until(lambda: drive.stands_in(state)) < 100
+
+
 def test_a_quick_stop_while_the_brake_opens_waits_for_it_no_longer(drive: "Drive") -> None:
     with_brake(drive)
     drive.write(INPUT_PINS[0], 5)
