@@ -84,8 +84,13 @@ class Shaft:
         rpm_per_second = self.store.get(address)
         if address != at.QUICK_STOP_DECELERATION:
             rpm_per_second = min(rpm_per_second, self.store.get(at.MAX_ACCELERATION))
-        brake(self.axis, rpm_per_second)
-        self._shape()
+        axis, shape, before = self.axis, self.axis.shape, self._ramp()
+        brake(axis, rpm_per_second)
+        # What brakes already goes on: faults that follow each other closely must not begin it ever anew.
+        if shape == SINE and self._ramp() == before:
+            axis.shape = SINE
+        else:
+            self._shape()
 
     def move(self, cruise: int, acceleration: Address, deceleration: Address) -> None:
         """Go to the axis' target position with at most `cruise` (velocity units), unless it is too far.

@@ -100,6 +100,21 @@ def test_a_quick_stop_keeps_its_own_peak_whatever_the_largest_acceleration(drive
 
 
 @pytest.mark.parametrize("shape", [0, 1])
+def test_faults_that_follow_each_other_do_not_keep_the_shaft_turning(drive: "Drive", shape: int) -> None:
+    drive.write(at.MOTION_PROFILE_TYPE, shape)
+    drive.enable(mode=3)
+    drive.write(at.TARGET_VELOCITY, 3000)
+    drive.runs_until(lambda: bool(drive.statusword & REACHED))
+    for ms in range(200):
+        drive.control.communication_fault(0x8210)
+        drive.run(1)
+        if drive.stands_in(State.FAULT):
+            break
+    # 60 000 rpm/s: 50 ms, times pi/2 for the sine.
+    assert ms == pytest.approx(79 if shape else 50, abs=4)
+
+
+@pytest.mark.parametrize("shape", [0, 1])
 def test_the_largest_acceleration_limits_either_shape(drive: "Drive", shape: int) -> None:
     drive.write(at.MOTION_PROFILE_TYPE, shape)
     drive.write(at.MAX_ACCELERATION, 6000)
