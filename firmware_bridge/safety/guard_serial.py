@@ -15,6 +15,7 @@ from firmware_bridge.safety.guard_serial_rules import TARGET, SerialRules
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.canopen import NmtCommand
 from firmware_bridge.wire.epos2.address import CONSUMER_HEARTBEAT_1, CONTROLWORD, Address
+from firmware_bridge.wire.epos2.rows import DataType
 from firmware_bridge.wire.maxon.messages import SendNmtService, WriteObject, address_of
 from firmware_bridge.wire.maxon.packets import command, request_of
 
@@ -32,8 +33,6 @@ class SerialSpeech:
         self._by_node = {axis.rules.axis.node: axis for axis in self.axes}
         self._asked: deque[bool] = deque()
         """Of each command that has left and has no answer yet: whether the node waits for it."""
-        self._gone = False
-        """Whether the line is; nothing that leaves then is ever answered."""
 
     @property
     def speaking(self) -> bool:
@@ -72,9 +71,9 @@ class SerialSpeech:
         elif isinstance(request, WriteObject):
             axis = self._by_node[request.node]
             if address_of(request) == CONTROLWORD:
-                axis.word = int.from_bytes(request.raw[:2], "little")
+                axis.word = DataType.UNSIGNED32.decode(request.raw)
             elif address_of(request) == TARGET[axis.rules.axis.mode]:
-                axis.target = int.from_bytes(request.raw, "little", signed=True)
+                axis.target = DataType.INTEGER32.decode(request.raw)
 
     def in_place_of(self, packet: Packet) -> tuple[Packet, ...]:
         """Return the safe words: of its axis for a part of a set-point, else of every axis with power."""
@@ -92,16 +91,15 @@ class SerialSpeech:
 
     def leaves(self, _packet: Packet, *, asked: bool) -> None:
         """Note whether the node waits for the answer."""
-        if not self._gone:
-            self._asked.append(asked)
+        self._asked.append(asked)
 
     def passes(self, packet: Packet) -> bool:
         """Let in what is the node's; a line that is gone answers nothing any more."""
         if packet.address in {LINE_LOST, LINE_BACK}:
+            # What has left before, or in between, is never answered.
             self._asked.clear()
-            self._gone = packet.address == LINE_LOST
             return True
-        return self._asked.popleft() if self._asked else True
+        return bool(self._asked) and self._asked.popleft()
 
     def _addressed(self, node: int) -> Iterable[GuardedAxis]:
         return self.axes if node == canopen.ALL_NODES else (self._by_node[node],)
@@ -112,7 +110,7 @@ def _set_point(axis: GuardedAxis) -> tuple[Address, Address]:
 
 
 def _writing(axis: GuardedAxis, address: Address, value: int) -> Packet:
-    raw = value.to_bytes(_RAW, "little", signed=value < 0)
+    raw = value.to_bytes(_RAW, "little")
     return command(WriteObject(address.index, address.subindex, axis.rules.axis.node, raw))
 
 

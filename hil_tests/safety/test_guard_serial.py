@@ -228,12 +228,52 @@ def test_the_answer_to_the_last_safe_word_is_that_to_the_refused_set_point(desk:
 
 
 def test_what_left_before_the_line_was_lost_is_answered_no_more(desk: Bench) -> None:
-    desk.says(word(LEFT.node, ENABLE), speed(TOP + 1))
+    desk.says(speed(TOP + 1), word(LEFT.node, ENABLE))
     assert desk.hears(Packet(MAXON, LINE_LOST, b""))
     desk.says(speed(TOP + 1))
     assert desk.hears(Packet(MAXON, LINE_BACK, b""))
     desk.says(command(reading(1, at.STATUSWORD)))
     assert desk.hears(Packet(MAXON, 0x10, bytes(8)))
+
+
+def test_an_answer_that_nobody_has_asked_for_is_not_the_node_s(desk: Bench) -> None:
+    assert not desk.hears(Packet(MAXON, 0x10, bytes(8)))
+
+
+@pytest.mark.parametrize(
+    ("network", "after"),
+    [
+        (NmtCommand.RESET_NODE, 0),
+        (NmtCommand.RESET_COMMUNICATION, 0),
+        (NmtCommand.ENTER_PRE_OPERATIONAL, HALT),
+        (NmtCommand.START, HALT),
+    ],
+)
+@pytest.mark.parametrize("node", [0, STEER.node])
+def test_a_drive_that_was_reset_is_without_power(
+    desk: Bench, network: NmtCommand, after: int, node: int
+) -> None:
+    """In pre-operational it still hears serial commands, and keeps its power."""
+    desk.says(word(STEER.node, HALT))
+    told = command(SendNmtService(node, network))
+    assert desk.says(told) == (told,)
+    assert desk.says(target(STEER.node, ENDS["steer"][1] + 1)) == (word(STEER.node, after),)
+
+
+def test_network_commands_to_other_drives_leave_while_one_moves_but_none_to_all(desk: Bench) -> None:
+    desk.says(speed(1000), word(LEFT.node, ENABLE))
+    other = command(SendNmtService(LIFT.node, NmtCommand.ENTER_PRE_OPERATIONAL))
+    assert desk.says(other) == (other,)
+    everybody = command(SendNmtService(0, NmtCommand.ENTER_PRE_OPERATIONAL))
+    assert everybody not in desk.says(everybody)
+
+
+def test_power_is_taken_off_and_a_watch_set_at_any_time(desk: Bench) -> None:
+    desk.says(word(LEFT.node, ENABLE))
+    watch = number(LEFT.node, at.CONSUMER_HEARTBEAT_1, 2 << 16 | 200)
+    for packet in (watch, word(LEFT.node, 0)):
+        assert desk.says(packet) == (packet,)
+    assert desk.guard.refused == 0
 
 
 def test_the_operator_s_datagrams_pass(desk: Bench) -> None:

@@ -38,6 +38,12 @@ def test_an_unknown_mission_is_answered_with_those_that_there_are() -> None:
         assert mission in line
 
 
+def test_a_serial_line_that_is_too_slow_for_the_cycle_is_refused_with_what_would_do(tmp_path: Path) -> None:
+    line = refused("bench", "rars", "--serial", "v1", "--out", str(tmp_path))
+    assert "a cycle of 50 ms does not hold statusword of node 4 (scissor lift)" in line
+    assert "cycle_ms = 136 or more" in line
+
+
 def test_a_mission_file_that_is_not_there_is_named() -> None:
     assert "nowhere.toml" in refused("bench", "rars", "--mission", "nowhere.toml")
 
