@@ -14,9 +14,9 @@ from firmware_bridge.robot import Robot
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
 MARGIN: Final = 0.80
-"""Share of the limit that set-points use: 0.862 because wheels that brake at the limit slip by 13.8 % on a floor of
-0.3, times 0.93 for what a drive's regulators overshoot at a corner of the profile. It belongs to floors and
-regulators, not to a robot, so it is not in the robot file: docs/decisions/a-ramp-with-room-for-slip.md."""
+"""Share of the limit that set-points use: 0.862, because wheels that brake at the limit slip by 13.8 % on a
+floor of 0.3, times 0.93 for what a drive's regulators overshoot at a corner of the profile. It belongs to
+floors and regulators, not to a robot: docs/decisions/a-ramp-with-room-for-slip.md."""
 
 BRAKING_SHARE: Final = 0.5
 """Share of the limit that braking may always use. If a turn tightens until V^2/R alone takes the whole

@@ -3,7 +3,7 @@
 At a kink (|x|, positive_part, clamped, larger) the tangent is that of one side.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -86,24 +86,20 @@ def _of_power(base: Expression, exponent: Expression) -> Expression:
 
 
 def _of_function(expression: Expression) -> tuple[Expression, ...]:
-    x = expression.args[0]
-    match type(expression).__name__:
-        case "sin":
-            return (sp.cos(x),)
-        case "cos":
-            return (-sp.sin(x),)
-        case "atan":
-            return (1 / (1 + x**2),)
-        case "Abs":
-            return (sign(x),)
-        case "positive_part":
-            return (step(x),)
-        case "clamped":
-            return inside(*expression.args), outside(*expression.args)
-        case "larger":
-            first = step(x - expression.args[1])
-            return first, 1 - first
-        case "reciprocal":
-            return (-(reciprocal(x) ** 2),)
-        case name:
-            raise UnsupportedError(f"no derivative for {name} in {expression}")
+    name = type(expression).__name__
+    if name not in _SLOPES:
+        raise UnsupportedError(f"no derivative for {name} in {expression}")
+    return _SLOPES[name](*expression.args)
+
+
+_SLOPES: Final[Mapping[str, Callable[..., tuple[Expression, ...]]]] = {
+    "sin": lambda x: (sp.cos(x),),
+    "cos": lambda x: (-sp.sin(x),),
+    "atan": lambda x: (1 / (1 + x**2),),
+    "Abs": lambda x: (sign(x),),
+    "positive_part": lambda x: (step(x),),
+    "clamped": lambda x, bound: (inside(x, bound), outside(x, bound)),
+    "larger": lambda x, y: (step(x - y), 1 - step(x - y)),
+    "reciprocal": lambda x: (-(reciprocal(x) ** 2),),
+}
+"""Slopes of a function by each of its arguments."""

@@ -78,9 +78,9 @@ class Shaft:
 def bristle(speed: Expression, state: Expression, presliding: Expression) -> Expression:
     """Return the rate of a bristle: it follows the motion over `presliding`, then slides at +1 or -1.
 
-    Dahl's bristle with an elastic part (Dupont et al., IEEE Trans. Automatic Control 47, 2002): below `HELD` of
-    what holds at rest it is a spring, so that a shaft that is shaken at rest does not creep, and it lets go of its
-    bend as a spring. It takes out energy, level x s^2 times the slid way, and never adds any.
+    Dahl's bristle with an elastic part (Dupont et al., IEEE Trans. Automatic Control 47, 2002): below `HELD`
+    of what holds at rest it is a spring, so that a shaft that is shaken at rest does not creep, and it
+    lets go of its bend as a spring. It takes out energy, level x s^2 times the slid way, and never adds any.
     """
     fast = sp.Abs(speed)
     lean = state * (1 - (1 - 1 / STICTION) * positive_part(1 - fast / (STICKING_RATE * presliding)) ** 2)

@@ -73,9 +73,9 @@ class Tyre:
         return HALF * (self.spring_ahead**2 + self.spring_left**2) / P["tyre_stiffness"]
 
     def _force(self, way: int, spring: Expression) -> Expression:
-        """Return F = k z + (2 e + c) z' - e v_slip, in steady state (3.83); e is 0 but where LAG holds it back.
+        """Return F = k z + (2 e + c) z' - e v_slip, in steady state (3.83); e is 0 but where LAG holds back.
 
-        With a, z's rate of decay, no energy is gained while 4 (c + e) (k - e a) >= c^2 a: c fades as slip grows.
+        With a, z's rate of decay, no energy is gained while 4 (c + e) (k - e a) >= c^2 a: c fades with slip.
         """
         loose = self._loose(way)
         held_back = P["tyre_stiffness"] * LAG

@@ -1,4 +1,4 @@
-"""RARS without slip: the plant's own equations, its tyres' pulls chosen so that every rear wheel keeps rolling.
+"""RARS without slip: the plant's own equations, its tyres' pulls chosen so that the rear wheels keep rolling.
 
 What the model without slip had in closed form must come out of the model with tyres, exactly, in this limit.
 """
@@ -40,6 +40,7 @@ def rolling(parameters: Mapping[str, float]) -> Rates:
         unit = 1e-4
         pulled = [slipping(function(**moving, **{name: unit})) - free for name in REAR]
         pulls = np.linalg.solve(np.array(pulled).T, -free) * unit
-        return function(**moving, **dict(zip(REAR, map(float, pulls), strict=True)))
+        found: dict[str, float] = function(**moving, **dict(zip(REAR, map(float, pulls), strict=True)))
+        return found
 
     return limit

@@ -156,7 +156,7 @@ def test_rolling_resistance_brings_the_coasting_robot_to_rest() -> None:
         last = bench.runs(0.5)["speed"]
         rest = bench.runs(4.5)
         later = bench.runs(1.0)
-        # Without any motor, only the bristles of the bearings hold: springs, on which it swings by 0.1 mm at most.
+        # Without any motor, only the bristles of the bearings hold: springs, on which it swings by 0.1 mm.
         assert later["x"] == pytest.approx(rest["x"], abs=1e-4)
         bend = P["rolling_presliding"] * P["front_radius"]
         assert abs(later["speed"]) < bend * math.sqrt(0.01 * 9.81 / bend)

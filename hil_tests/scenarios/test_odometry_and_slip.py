@@ -1,7 +1,7 @@
 """Odometry counts how wheels roll; on a floor of 0.3 the robot does not roll as they do. Both are held apart.
 
-The mission `interlocks` brakes at the ramp over and over, and turns: without rolling resistance the thesis's floor
-leaves 37 mm between odometry and truth, whatever the odometry does.
+The mission `interlocks` brakes at the ramp over and over, and turns: without rolling resistance the thesis's
+floor leaves 37 mm between odometry and truth, whatever the odometry does.
 """
 
 import math
@@ -69,7 +69,7 @@ def rolled(drive: Drive) -> complex:
 
 
 def slip(acceleration: float) -> float:
-    """Return the rear wheels' slip by (3.83) at an acceleration in m/s2: the pull over 0.3 N at a slip of 0.15."""
+    """Return the rear wheels' slip by (3.83) at an acceleration in m/s2: 0.15 x the pull over 0.3 N."""
     mass = P["platform_mass"] + 2 * P["wheel_mass"]
     front = P["platform_mass"] * 9.81 * P["centre_offset"] / P["wheelbase"]
     pull = mass * acceleration + P["rolling_resistance"] * front
@@ -102,7 +102,7 @@ def test_on_the_thesis_own_floor_it_errs_by_what_the_tyres_slip() -> None:
 
 
 def test_the_ramp_leaves_room_for_slip() -> None:
-    """A steady slip s brakes the robot by the ramp over 1 - s: at the limit s is 0.138, so 0.862 may be asked."""
+    """A steady slip s brakes the robot by the ramp over 1 - s: 0.138 at the limit, so 0.862 may be asked."""
     limit = find("rars").limits.acceleration_mps2
     assert slip(limit) == pytest.approx(0.138, abs=1e-3)
     assert pytest.approx((1 - slip(limit)) * 0.93, abs=5e-3) == MARGIN
