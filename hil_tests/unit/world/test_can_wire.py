@@ -174,3 +174,23 @@ def test_the_bus_carries_everything_once_in_whole_bits_and_one_at_a_time(
             assert begun is None or start >= begun + 3_000
             begun = ended
     assert wire.frames == len(story)
+
+
+class Choosy(Player):
+    """Listens to one identifier, until it listens to another."""
+
+    wanted = 0x100
+
+    def listens(self, packet: Packet) -> bool:
+        return packet.address == self.wanted
+
+
+def test_a_node_behind_an_acceptance_filter_hears_what_it_listens_to_at_that_time() -> None:
+    plan = [(at * MILLISECOND, frame(address)) for at in range(4) for address in (0x100, 0x200)]
+    choosy, open_minded = Choosy(), Player()
+    world, wire, _, seen = bus_of(Player(*plan), choosy, open_minded)
+    world.run(2 * MILLISECOND - 1)
+    choosy.wanted = 0x200
+    world.run(SECOND)
+    assert [packet.address for _, packet in choosy.heard] == [0x100, 0x100, 0x200, 0x200]
+    assert len(open_minded.heard) == len(seen) == wire.frames == len(plan)
