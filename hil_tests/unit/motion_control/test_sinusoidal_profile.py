@@ -105,7 +105,7 @@ def test_faults_that_follow_each_other_do_not_keep_the_shaft_turning(drive: "Dri
     drive.enable(mode=3)
     drive.write(at.TARGET_VELOCITY, 3000)
     drive.runs_until(lambda: bool(drive.statusword & REACHED))
-    for ms in range(200):
+    for _ms in range(200):
         drive.control.communication_fault(0x8210)
         drive.run(1)
         if drive.stands_in(State.FAULT):
