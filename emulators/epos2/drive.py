@@ -20,13 +20,14 @@ from emulators.epos2.lss import LssSlave
 from emulators.epos2.memory import Memory, Storage, Volatile
 from emulators.epos2.motion import MotionControl
 from emulators.epos2.nmt import SERVICES, TARGETS, Service, command_for
+from emulators.epos2.outbox import Outbox
 from emulators.epos2.pdo import ReceivePdo, TransmitPdo
 from emulators.epos2.process_data import ProcessData
 from emulators.epos2.profile import EPOS2_70_10, DeviceProfile
 from emulators.epos2.sdo_server import SdoServer
 from emulators.epos2.store import ObjectStore
 from emulators.servo.axis import STAGE_RISE_MC, ServoAxis
-from firmware_bridge.node import CAN, Packet, Reaction
+from firmware_bridge.node import Packet, Reaction
 from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.can import REMOTE
@@ -59,8 +60,7 @@ class Epos2:
         self._now: Nanoseconds = 0
         self._boot_due: Nanoseconds = NEVER
         self._powered = False
-        self._sent: list[Packet] = []
-        self._answers: list[tuple[Nanoseconds, bytes]] = []
+        self._outbox = Outbox(self._identity, profile.sdo_latency)
         rules.keep(self.store)
         self._emergency = EmergencyProducer(self.store, tells_cured=profile.tells_cured)
         self._sdo = SdoServer(self.store)
@@ -73,7 +73,6 @@ class Epos2:
         axis.square_per_mc = profile.continuous_current_ma**2 // STAGE_RISE_MC
         self.motion: Final = motion(self.store, axis, self._report)
         self._routes: dict[int, _Heard] = {}
-        self._idle = Reaction()
 
     @property
     def node_id(self) -> int:
@@ -97,7 +96,7 @@ class Epos2:
             return self.wake(now)
         heard = self._routes.get(packet.address)
         if heard is None:
-            return self._idle
+            return self._outbox.idle
         self._now = now
         self.motion.refresh(now)
         heard(packet.payload)
@@ -120,8 +119,8 @@ class Epos2:
     def _settle(self) -> Reaction:
         """Send what is due or has changed, and say when to come back."""
         now, errors, pdo = self._now, self._errors, self._pdo
-        while self._answers and self._answers[0][0] <= now:
-            self._send(canopen.SDO_RESPONSE + self.node_id, self._answers.pop(0)[1])
+        for answer in self._outbox.released(now):
+            self._send(canopen.SDO_RESPONSE + self.node_id, answer)
         if errors.producer.due <= now:
             self._send(canopen.ERROR_CONTROL + self.node_id, errors.producer.produce(self.nmt_state, now))
         if pdo.renew():
@@ -129,23 +128,11 @@ class Epos2:
         if self.nmt_state is NmtState.OPERATIONAL:
             for address, payload in pdo.changes(now):
                 self._send(address, payload)
-        wake_at = self._wake_at()
-        if self._idle.wake_at != wake_at:
-            self._idle = Reaction((), wake_at)
-        if not self._sent:
-            return self._idle
-        sent = tuple(self._sent)
-        self._sent.clear()
-        return Reaction(sent, wake_at)
-
-    def _wake_at(self) -> Nanoseconds:
-        answer_due = self._answers[0][0] if self._answers else NEVER
-        motion_due, pdo_due = self.motion.wake_at(), self._pdo.due
-        return min(self._boot_due, self._errors.due, pdo_due, motion_due, self._identity.due, answer_due)
+        services = min(errors.due, pdo.due, self._outbox.answer_due)
+        return self._outbox.reaction(min(services, self._boot_due, self.motion.wake_at(), self._identity.due))
 
     def _send(self, address: int, payload: bytes) -> None:
-        if self._identity.on_bus:
-            self._sent.append(Packet(CAN, address, payload))
+        self._outbox.send(address, payload)
 
     # Network management
 
@@ -181,7 +168,7 @@ class Epos2:
         before, self.nmt_state = self.nmt_state, state
         if Service.SDO not in SERVICES[state]:
             self._sdo.reset()
-            self._answers.clear()
+            self._outbox.drop_answers()
         self.motion.nmt_changed(state is NmtState.OPERATIONAL)
         if before is not state:
             if state is NmtState.OPERATIONAL:
@@ -234,7 +221,7 @@ class Epos2:
         watched = self._errors.watched
         answer = self._sdo.answer(payload)
         if answer is not None:
-            self._answers.append((self._now + self.profile.sdo_latency, answer))
+            self._outbox.answer(answer, self._now)
         self.motion.refresh(self._now)
         if self._errors.watched != watched:
             # A new heartbeat to watch is a new identifier.

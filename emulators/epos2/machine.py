@@ -292,9 +292,7 @@ class PowerMachine:
 
     def _heed(self) -> None:
         """Report what the mode cannot do."""
-        error = self._motion.shaft.error
-        if error:
-            self._motion.shaft.error = emergency.NO_ERROR
+        if error := self._motion.shaft.take_error():
             self.fail(error)
 
     def _reset_fault(self) -> None:

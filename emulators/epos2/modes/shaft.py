@@ -43,7 +43,7 @@ class Shaft:
         self.referenced = False
         """Bit 15: a homing has found where the shaft is."""
         self.error = emergency.NO_ERROR
-        """What a mode cannot do, as an emergency's code; cleared by who reports it."""
+        """What a mode cannot do, as an emergency's code; see `take_error`."""
 
     @property
     def stopped(self) -> bool:
@@ -73,6 +73,11 @@ class Shaft:
         """Take back a demand that the shaft has not followed yet: a stop begins where the shaft is."""
         self.axis.velocity_demand = self.axis.shaft_speed()
         self.axis.position_demand = self.axis.position << self.axis.fraction
+
+    def take_error(self) -> int:
+        """Return what a mode cannot do, once."""
+        error, self.error = self.error, emergency.NO_ERROR
+        return error
 
     def hold(self) -> None:
         """Come to rest by 0x6084, and hold the position."""

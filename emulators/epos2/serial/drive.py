@@ -80,7 +80,7 @@ class SerialEpos2(Epos2):
         said = self._port.taken()
         wake_at = min(reaction.wake_at, self._port.due)
         if wake_at != reaction.wake_at:
-            self._idle = Reaction((), wake_at)
+            self._outbox.idle = Reaction((), wake_at)
         if not said:
             return Reaction(reaction.sent, wake_at)
         return Reaction((*reaction.sent, Packet(SERIAL, 0, said)), wake_at)
