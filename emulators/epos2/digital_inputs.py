@@ -30,6 +30,7 @@ LIMITS: Final[Mapping[int, tuple[int, int]]] = MappingProxyType(
     }
 )
 """The limit switches: the direction that each of them ends, and the emergency that it is."""
+LIMIT_BITS: Final = sum(1 << function for function in LIMITS)
 WATCHED: Final = range(6)
 """Functions whose edges wake the drive; a general purpose input is looked at when somebody asks."""
 
@@ -110,7 +111,7 @@ class DigitalInputs:
         a switch that is still closed lets the shaft out again, and keeps it from going further in; without
         power none is met.
         """
-        if not self.executed & ~sought & 3:
+        if not self.executed & LIMIT_BITS:
             return ()
         return tuple(
             code

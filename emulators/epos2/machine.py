@@ -78,7 +78,6 @@ class PowerMachine:
 
     @property
     def _under_way(self) -> bool:
-        """A command has not come to its end."""
         return self._completing is not None or self._releasing
 
     def restart(self) -> None:
@@ -98,6 +97,9 @@ class PowerMachine:
         if self.state is State.FAULT:
             if word & ~before & _FAULT_RESET:
                 self._reset_fault()
+        elif self._releasing and command_of(word) is not Command.ENABLE_OPERATION:
+            self._give_up_release()
+            self._obey(word, before)
         elif self._under_way or self.state in _TRANSIENT:
             # What waits for the brake keeps its edges; other states have none to keep.
             since = before if self._delayed is None else self._delayed[1]
@@ -144,9 +146,8 @@ class PowerMachine:
         return True
 
     def _give_up_release(self) -> None:
-        if self._releasing:
-            self._releasing = False
-            self._brake.interrupt()
+        self._releasing = False
+        self._brake.interrupt()
 
     def _admitted(self, command: Command) -> Command:
         """Return a master's command, or the stronger one that the input pins give."""
@@ -160,7 +161,7 @@ class PowerMachine:
         if row is None:
             return
         held = row.stage is Stage.OFF and isinstance(trigger, Command) and self._brake.fitted
-        if held or (row.ramp is not Ramp.NONE and self._slows_down(row.ramp)):
+        if held or self._slows_down(row.ramp):
             self._completing = row
             if self.state is not State.QUICK_STOP_ACTIVE:
                 self._motion.shaft.brake()
@@ -170,8 +171,7 @@ class PowerMachine:
             self._go(trigger)
 
     def _slows_down(self, ramp: Ramp) -> bool:
-        option = at.SHUTDOWN_OPTION if ramp is Ramp.SHUTDOWN else at.DISABLE_OPTION
-        return self._store.get(option) == 1
+        return ramp is not Ramp.NONE and self._store.get(supervision.RAMP_OPTIONS[ramp]) == 1
 
     def _complete(self, row: Transition) -> None:
         self._completing = None

@@ -117,7 +117,7 @@ def test_the_closed_brake_holds_what_it_can_and_the_open_one_nothing() -> None:
 
 def test_the_switches_close_at_their_angles() -> None:
     with ModelBench(MODEL, SETS["between_stops"]) as bench:
-        closed = {}
+        closed: dict[str, float] = {}
         now = bench.runs(0.001)
         while now["load_angle"] < 1.95:
             for name in ("negative_limit_axis", "positive_limit_axis", "home_axis"):

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from emulators.epos2.modes.homing_methods import METHODS
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import Mode, State
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.functions import INPUT_EXECUTION
 from hil_tests.unit.bench_axis.axis_bench import (
@@ -104,6 +104,50 @@ def test_the_offset_is_gone_and_the_home_position_counts_there(method: int, offs
     moved.run(500)
     assert moved.read(at.POSITION_ACTUAL) == pytest.approx(-123_456, abs=STICKING)
     assert moved.read(at.POSITION_DEMAND) == -123_456
+
+
+@pytest.mark.parametrize(("method", "start", "zero", "off"), [(23, BELOW, HOME_IN, 4), (7, BELOW, TURN, 0)])
+def test_a_cam_that_is_overrun_is_left_on_the_side_it_was_met(
+    method: int, start: float, zero: int, off: int
+) -> None:
+    # 83 counts wide; from 300 rpm it takes 750 to turn round.
+    bench = AxisBench(start * GEAR, {**STIFF, "home_high": 0.41})
+    bench.enable()
+    assert bench.homes(method) == pytest.approx(zero, abs=off)
+
+
+@pytest.mark.parametrize(("method", "rpm"), [(33, 600), (34, -600)])
+def test_an_index_that_is_passed_before_the_shaft_has_turned_round_does_not_count(
+    method: int, rpm: int
+) -> None:
+    bench = AxisBench(ON_HOME * GEAR, STIFF)
+    bench.write(at.HOMING_ACCELERATION, 1000)
+    bench.write(at.PROFILE_ACCELERATION, 5000)
+    bench.write(at.PROFILE_DECELERATION, 1000)
+    bench.enable(Mode.PROFILE_VELOCITY)
+    bench.write(at.TARGET_VELOCITY, rpm)
+    bench.run(200)
+    bench.write(at.MODE, Mode.HOMING)
+    bench.starts(method)
+    ends = []
+    while not bench.word & 0x3000:
+        bench.run(1)
+        ends.append(bench.axis.encoder)
+    farthest = max(ends) // TURN if rpm > 0 else -(-min(ends) // TURN)
+    assert -bench.offset == farthest * TURN
+
+
+@pytest.mark.parametrize("method", [-3, -4])
+def test_the_demand_does_not_run_on_into_a_stop_that_is_found(method: int) -> None:
+    bench = AxisBench(BELOW * GEAR, STIFF)
+    bench.enable()
+    bench.starts(method)
+    ahead = 0
+    while not bench.word & 0x3000:
+        bench.run(1)
+        ahead = max(ahead, abs(bench.read(at.FOLLOWING_ERROR)))
+    # 150 ms of deceleration after that would be 750 counts.
+    assert ahead < 500
 
 
 @settings(max_examples=40, deadline=None)

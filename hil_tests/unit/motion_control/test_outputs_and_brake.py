@@ -8,7 +8,14 @@ from emulators.epos2.holding_brake import FALL_TIME, RISE_TIME, STANDSTILL_TIMEO
 from emulators.servo.pins import BRAKE_CLOSED
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.functions import OUTPUT_MASK, OUTPUT_PINS, OUTPUT_POLARITY, OUTPUT_STATE
+from firmware_bridge.wire.epos2.functions import (
+    INPUT_EXECUTION,
+    INPUT_PINS,
+    OUTPUT_MASK,
+    OUTPUT_PINS,
+    OUTPUT_POLARITY,
+    OUTPUT_STATE,
+)
 
 if TYPE_CHECKING:
     from hil_tests.unit.motion_control.conftest import Drive
@@ -152,6 +159,38 @@ def test_a_fault_while_the_brake_opens_ends_in_fault(drive: "Drive") -> None:
     drive.control.communication_fault(0x8210)
     drive.runs_until(lambda: drive.stands_in(State.FAULT), 300)
     assert closed(drive)
+
+
+@pytest.mark.parametrize(
+    ("word", "state"),
+    [
+        (0x00, State.SWITCH_ON_DISABLED),
+        (0x06, State.READY_TO_SWITCH_ON),
+        (0x07, State.SWITCHED_ON),
+        (0x02, State.QUICK_STOP_ACTIVE),
+    ],
+)
+def test_the_way_out_does_not_wait_for_the_brake_to_open(drive: "Drive", word: int, state: State) -> None:
+    with_brake(drive)
+    drive.write(RISE_TIME, 65_535)
+    drive.enable(mode=3)
+    drive.run(10)
+    drive.command(word)
+    # The standstill's 50 ms are over; the brake falls in 40.
+    assert drive.runs_until(lambda: drive.stands_in(state)) < 100
+
+
+def test_a_quick_stop_while_the_brake_opens_waits_for_it_no_longer(drive: "Drive") -> None:
+    with_brake(drive)
+    drive.write(INPUT_PINS[0], 5)
+    drive.write(INPUT_EXECUTION, 1 << 5)
+    drive.enable(mode=3)
+    drive.run(10)
+    drive.axis.pins = 1
+    drive.run(100)
+    assert drive.stands_in(State.QUICK_STOP_ACTIVE)
+    assert not closed(drive)
+    assert drive.control.wake_at() > drive.now, "nothing is overdue"
 
 
 @pytest.mark.parametrize(("object_", "milliseconds"), [(STANDSTILL_TIMEOUT, 120), (TIMEOUT, 80)])
