@@ -161,7 +161,7 @@ class PowerMachine:
         if row is None:
             return
         held = row.stage is Stage.OFF and isinstance(trigger, Command) and self._brake.fitted
-        if held or (row.ramp is not Ramp.NONE and self._slows_down(row.ramp)):
+        if held or self._slows_down(row.ramp):
             self._completing = row
             if self.state is not State.QUICK_STOP_ACTIVE:
                 self._motion.shaft.brake()
@@ -171,8 +171,7 @@ class PowerMachine:
             self._go(trigger)
 
     def _slows_down(self, ramp: Ramp) -> bool:
-        option = at.SHUTDOWN_OPTION if ramp is Ramp.SHUTDOWN else at.DISABLE_OPTION
-        return self._store.get(option) == 1
+        return ramp is not Ramp.NONE and self._store.get(supervision.RAMP_OPTIONS[ramp]) == 1
 
     def _complete(self, row: Transition) -> None:
         self._completing = None

@@ -12,6 +12,7 @@ from operator import or_
 from types import MappingProxyType
 from typing import Final
 
+from emulators.epos2.power import Ramp
 from emulators.epos2.sensing import ABSOLUTE
 from emulators.servo import axis as servo
 from firmware_bridge.wire.cia402 import State
@@ -105,6 +106,10 @@ class Reaction(Enum):
     QUICK_STOP = "ramp with 0x6085, then off"
 
 
+RAMP_OPTIONS: Final[Mapping[Ramp, Address]] = MappingProxyType(
+    {Ramp.SHUTDOWN: at.SHUTDOWN_OPTION, Ramp.DISABLE: at.DISABLE_OPTION}
+)
+"""Where it stands whether the way out slows down first: 1."""
 DECELERATIONS: Final[Mapping[Reaction, Address]] = MappingProxyType(
     {Reaction.SLOW_DOWN: at.PROFILE_DECELERATION, Reaction.QUICK_STOP: at.QUICK_STOP_DECELERATION}
 )
