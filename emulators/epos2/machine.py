@@ -11,8 +11,9 @@ from emulators.epos2 import contradictions, supervision
 from emulators.epos2.modes.motion import Motion
 from emulators.epos2.pins import Pins
 from emulators.epos2.power import BY_TRIGGER, TIMED, Delays, Happening, Ramp, Stage, Transition, Trigger
+from emulators.epos2.standing_errors import StandingErrors
 from emulators.epos2.store import ObjectStore
-from emulators.epos2.supervision import WATCHED, Reaction
+from emulators.epos2.supervision import Reaction
 from emulators.servo.axis import ServoAxis
 from emulators.servo.sensors import align
 from firmware_bridge.units import NEVER, Nanoseconds
@@ -54,8 +55,7 @@ class PowerMachine:
         self.state = State.START
         self._due: Nanoseconds = NEVER
         """When the present state ends by itself."""
-        self.errors: tuple[int, ...] = ()
-        """Codes that stand since the last fault reset, in their order."""
+        self.errors: Final = StandingErrors(store, axis)
         self._controlword = 0
         self._delayed: tuple[int, int] | None = None
         """A controlword that waits until the present command is completed, and the one before it."""
@@ -85,7 +85,7 @@ class PowerMachine:
         self._controlword = 0
         self._delayed = self._completing = None
         self._latching = self._releasing = False
-        self.errors = ()
+        self.errors.clear()
         self._enter(State.START)
         self.advance()
 
@@ -244,11 +244,8 @@ class PowerMachine:
     def supervise(self) -> None:
         """Turn what the axis found into faults; each is told once until it is reset."""
         self._inputs.refresh()
-        if self._axis.flags & WATCHED:
-            for code in supervision.findings(
-                self._axis.flags, self.state, self._store.get(at.SENSOR_TYPE), self.errors
-            ):
-                self.fail(code)
+        for code in self.errors.found(self.state):
+            self.fail(code)
         self._heed()
 
     def heed_limits(self) -> None:
@@ -266,11 +263,10 @@ class PowerMachine:
         """Report an error and bring the motor to rest; without a reaction given, as the table says."""
         self._report(code)
         if reaction is None:
-            reaction = supervision.reaction_to(code, self._store.get(at.FAULT_REACTION_OPTION))
+            reaction = self.errors.reaction_to(code)
         if reaction is Reaction.NONE:
             return
-        if code not in self.errors:
-            self.errors = (*self.errors, code)
+        self.errors.note(code)
         if code in supervision.POSITION_LOST:
             self._motion.shaft.referenced = False
         self._motion.mode.fail()
@@ -285,18 +281,13 @@ class PowerMachine:
                 self._stop(supervision.DECELERATIONS[reaction])
         self.advance()
 
-    def cured_by_communication_reset(self) -> None:
-        """Let go of the errors that only the network's reset cures."""
-        self.errors = supervision.left_by_communication_reset(self.errors)
-
     def _heed(self) -> None:
         """Report what the mode cannot do."""
         if error := self._motion.shaft.take_error():
             self.fail(error)
 
     def _reset_fault(self) -> None:
-        contradicted = any(contradictions.stands(self._store, code) for code in self.errors)
-        if supervision.curable(self.errors) and not contradicted and not self._axis.flags & WATCHED:
-            self.errors = ()
+        if self.errors.curable:
+            self.errors.clear()
             self._go(Happening.FAULT_RESET)
             self._report(emergency.NO_ERROR)

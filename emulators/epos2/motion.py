@@ -85,7 +85,7 @@ class MotionControl:
 
     def communication_reset(self) -> None:
         """Network command reset communication: errors that only this cures are gone."""
-        self._machine.cured_by_communication_reset()
+        self._machine.errors.cured_by_communication_reset()
 
     def refresh(self, now: Nanoseconds) -> None:
         """Take in what the axis found, what the time brought, and what a whole PDO has written."""
@@ -194,5 +194,5 @@ class MotionControl:
         if flags & CURRENT_LIMITED:
             word |= _INTERNAL_LIMIT
         self.pins.refresh()
-        failed = emergency.FOLLOWING_ERROR_TOO_LARGE in self._machine.errors
+        failed = emergency.FOLLOWING_ERROR_TOO_LARGE in self._machine.errors.codes
         self._store.set(at.STATUSWORD, word | mode.status(failed=failed))
