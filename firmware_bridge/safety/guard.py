@@ -60,8 +60,6 @@ class Guarded:
         """Since when some axis has been told to move; NEVER while none is."""
         self._speak_at: Nanoseconds = NEVER
         """When the guard repeats itself while the bridge stays silent; NEVER while it does not."""
-        self._look_at: Nanoseconds = 0
-        """Before this instant a node that sends nothing gives nothing to judge."""
         self._stopping = False
 
     @property
@@ -92,9 +90,6 @@ class Guarded:
         return self._judged(reaction, now)
 
     def _judged(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
-        wake_at = reaction.wake_at
-        if not reaction.sent and now < self._look_at and not self._stopping:
-            return reaction if wake_at <= self._look_at else Reaction((), self._look_at)
         sent: list[Packet] = []
         for packet in reaction.sent:
             if packet.link == OPERATOR:
@@ -104,15 +99,11 @@ class Guarded:
             else:
                 reason = f"link '{packet.link}' is not listed"
                 sent += self._sent(self._replaced(packet, reason, self._all_safe(), now))
-        if self._stopping and wake_at == NEVER:
+        if self._stopping and reaction.wake_at == NEVER:
             # It has ended in good order; whoever carries it takes NEVER for the end.
             return Reaction(tuple(sent))
-        alarmed = self._speak_at != NEVER
         sent += self._sent(self._spoken_for(now))
-        deadline = self._deadline()
-        # After an alarm it takes one more look to end the watch.
-        self._look_at = 0 if alarmed else deadline
-        return Reaction(tuple(sent), min(wake_at, deadline))
+        return Reaction(tuple(sent), min(reaction.wake_at, self._deadline()))
 
     def _admitted(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Return the frame itself, or what leaves in its place."""

@@ -29,8 +29,11 @@ static int64_t bounds(const servo_axis *axis)
 {
     int64_t past = axis->position - axis->highest_qc, step = axis->step;
     int64_t demand = axis->velocity_demand, speed = axis->velocity_average, change = axis->acceleration_demand;
+    int64_t demanded = axis->position_demand >> axis->fraction;
     bool outwards;
     if (!axis->position_limited || !axis->powered)
+        return 0;
+    if (axis->regulator == POSITION && axis->lowest_qc <= demanded && demanded <= axis->highest_qc)
         return 0;
     if (past <= 0) {
         past = axis->lowest_qc - axis->position;

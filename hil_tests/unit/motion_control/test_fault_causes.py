@@ -355,6 +355,18 @@ def test_a_shaft_beyond_its_limit_is_not_driven_further(drive: "Drive") -> None:
     falls(drive, 0xFF09, within_ms=20)
 
 
+def test_a_move_to_the_very_limit_is_no_fault_by_its_overshoot(drive: "Drive") -> None:
+    drive.write(at.MAX_POSITION_LIMIT, 1000)
+    drive.enable(mode=1)
+    furthest = 0
+    drive.setpoint(1000)
+    for _ in range(600):
+        drive.run(1)
+        furthest = max(furthest, drive.axis.position)
+    assert furthest > 1000
+    assert drive.reported == []
+
+
 @pytest.mark.emergency(0x6320)
 def test_a_target_too_far_for_a_low_velocity_contradicts_itself(drive: "Drive") -> None:
     drive.enable(mode=1)
