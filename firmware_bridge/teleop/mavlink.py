@@ -6,14 +6,11 @@ The dialect is `common`: it has every message that the bridge speaks and loads f
 """
 
 import re
-import struct
 from collections.abc import Container
 from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
 from pymavlink.dialects.v20 import common
-
-from firmware_bridge.teleop.layouts import layout_of
 
 dialect: Final[Any] = common
 """pymavlink's constants and message classes, which carry no types."""
@@ -24,16 +21,14 @@ Message: TypeAlias = Any
 ANYONE: Final = 0
 """A target that means everybody, for systems and for components."""
 
+# pymavlink reads MAV_IGNORE_CRC from the environment. A robot obeys no frame with a wrong checksum.
+dialect.MAVLINK_IGNORE_CRC = 0
+
 _START: Final = re.compile(rb"[\xfd\xfe]")
 _MAVLINK_2: Final = 0xFD
 _MAVLINK_1: Final = 0xFE
 _MAVLINK_2_OVERHEAD: Final = 12
 _MAVLINK_1_OVERHEAD: Final = 8
-_CHECKSUM_LENGTH: Final = 2
-_HEAD: Final = struct.Struct("<BBBBBBHB")
-"""Of MAVLink 2, behind its first byte: length, two bytes of flags, sequence, system, component, number."""
-_BEGINS: Final = {_MAVLINK_2: (10, 4), _MAVLINK_1: (6, 2)}
-"""Where in a frame the payload begins, and where sequence, system and component stand."""
 _SIGNED: Final = 0x01
 _SIGNATURE_LENGTH: Final = 13
 
@@ -50,28 +45,19 @@ class Counters:
 class Codec:
     """One end of a link, under one system and component number, with its own sequence."""
 
-    __slots__ = ("_sequence", "component", "counters", "system")
+    __slots__ = ("_mavlink", "component", "counters", "system")
 
     def __init__(self, system: int, component: int) -> None:
         self.system = system
         self.component = component
         self.counters = Counters()
-        self._sequence = 0
+        self._mavlink = dialect.MAVLink(None, srcSystem=system, srcComponent=component)
 
     def encode(self, message: Message) -> bytes:
         """Return the message as one frame, with the next sequence number."""
-        number = message.get_msgId()
-        layout = layout_of(number)
-        if layout is None:
-            raise ValueError(f"no message {number} in this dialect")
-        payload = layout.pack(message)
-        sequence, self._sequence = self._sequence, (self._sequence + 1) & 0xFF
-        head = _HEAD.pack(
-            len(payload), 0, 0, sequence, self.system, self.component, number & 0xFFFF, number >> 16
-        )
-        checked = head + payload
-        checksum: int = dialect.x25crc(checked + layout.checksum_seed).crc
-        return b"\xfd" + checked + checksum.to_bytes(2, "little")
+        frame: bytes = message.pack(self._mavlink)
+        self._mavlink.seq = (self._mavlink.seq + 1) & 0xFF
+        return frame
 
     def decode(self, datagram: bytes, wanted: Container[int] | None = None) -> list[Message]:
         """Return the messages of a datagram in their order; anything else is counted and skipped.
@@ -99,22 +85,16 @@ class Codec:
         return found
 
     def _unpack(self, frame: bytes, number: int, wanted: Container[int] | None) -> Message | None:
-        layout = layout_of(number)
-        if layout is None:
+        if number not in dialect.mavlink_map:
             self.counters.unknown += 1  # its checksum needs the definition that we lack
             return _SKIPPED
         if wanted is not None and number not in wanted:
             self.counters.frames += 1
             return _SKIPPED
-        first, sender = _BEGINS[frame[0]]
-        end = first + frame[1]
-        checksum = int.from_bytes(frame[end : end + _CHECKSUM_LENGTH], "little")
-        if dialect.x25crc(frame[1:end] + layout.checksum_seed).crc != checksum:
+        try:
+            message = self._mavlink.decode(bytearray(frame))
+        except dialect.MAVError:
             return None
-        message = layout.unpack(frame[first:end])
-        header = message.get_header()
-        header.mlen = frame[1]
-        header.seq, header.srcSystem, header.srcComponent = frame[sender : sender + 3]
         self.counters.frames += 1
         return message
 

@@ -359,7 +359,8 @@ def test_a_move_to_the_very_limit_is_no_fault_by_its_overshoot(drive: "Drive") -
     drive.write(at.MAX_POSITION_LIMIT, 1000)
     drive.enable(mode=1)
     furthest = 0
-    drive.setpoint(1000)
+    drive.write(at.TARGET_POSITION, 1000)
+    drive.command(0x0F, 0x3F)
     for _ in range(600):
         drive.run(1)
         furthest = max(furthest, drive.axis.position)
