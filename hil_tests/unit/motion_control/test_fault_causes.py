@@ -357,10 +357,9 @@ def test_a_shaft_beyond_its_limit_is_not_driven_further(drive: "Drive") -> None:
 
 def test_a_move_to_the_very_limit_is_no_fault_by_its_overshoot(drive: "Drive") -> None:
     drive.write(at.MAX_POSITION_LIMIT, 1000)
-    drive.enable(mode=1)
+    drive.enable(mode=-1)
     furthest = 0
-    drive.write(at.TARGET_POSITION, 1000)
-    drive.command(0x0F, 0x3F)
+    drive.write(at.POSITION_MODE_SETTING, 1000)
     for _ in range(600):
         drive.run(1)
         furthest = max(furthest, drive.axis.position)
