@@ -76,7 +76,7 @@ def test_the_line_mission_arrives_as_over_can(driven: Callable[[Robot], Path]) -
     )
     assert over_serial["path_length_m"] == pytest.approx(over_can["path_length_m"], abs=0.002)
     assert over_serial["max_speed_mps"] == pytest.approx(over_can["max_speed_mps"], abs=0.001)
-    assert over_serial["odometry_error_m"] < 0.001
+    assert over_serial["odometry_error_m"] == pytest.approx(over_can["odometry_error_m"], abs=0.001)
     assert {hold["name"] for hold in over_serial["holds"]} == {hold["name"] for hold in over_can["holds"]}
     line = over_serial["line"]
     assert over_can["line"] is None
