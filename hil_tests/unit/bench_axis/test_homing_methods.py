@@ -27,7 +27,7 @@ STIFF: Final = {"backlash": 0.0}
 STICKING: Final = 20
 """Counts within which a position regulator hunts: the motor's dry friction builds up over 16."""
 EDGE: Final = 6
-"""Counts: a creeping shaft sticks and slips, up to 5 in the ms in which an edge is seen; the gear twists by 1."""
+"""Counts: a creeping shaft sticks and slips, up to 5 in the ms of an edge; the gear twists by 1."""
 BELOW, ON_HOME, ABOVE = 0.2, 0.5, 0.8
 ON_NEGATIVE, ON_POSITIVE = -0.95, 1.95
 
