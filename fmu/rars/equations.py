@@ -110,5 +110,5 @@ def model() -> Model:
         ),
         states=states,
         outputs=(*outputs, *local),
-        inner_step=50e-6,
+        inner_step=100e-6,
     )

@@ -16,7 +16,7 @@ FALL = sp.Rational(34, 100)
 """(3.83): adhesion falls by this share of its peak from the peak to a slip of 1."""
 
 
-LAG = sp.Float(25e-6)
+LAG = sp.Float(50e-6)
 """Shortest time in s in which a deflection is wiped off: half an inner step, to be stable in every slide."""
 TRACE = sp.Float(1e-6)
 """N added to each grip, so that nothing is divided by zero on ice or under a lifted wheel."""

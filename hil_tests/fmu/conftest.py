@@ -3,12 +3,18 @@
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from types import MappingProxyType
+from typing import Final
 
 import pytest
 
+from firmware_bridge.units import SECOND
 from fmu.build import ensure
 from fmu.interface import INPUTS, OUTPUTS
 from fmu.plant import FmuPlant
+
+FINE: Final = 50_000
+"""A step in ns for closed forms in their limits, where tyres are stiffer or nothing damps: the plant takes
+no larger step than it is asked for, nor than 0.1 ms."""
 
 NOTHING: Mapping[str, float] = MappingProxyType({})
 
@@ -16,14 +22,15 @@ NOTHING: Mapping[str, float] = MappingProxyType({})
 class Bench:
     """A plant with all of its outputs by name."""
 
-    def __init__(self, plant: FmuPlant) -> None:
+    def __init__(self, plant: FmuPlant, step: int) -> None:
         self.plant = plant
+        self.step = step
 
     def runs(self, seconds: float, **voltages: float) -> dict[str, float]:
         """Hold the voltages (others 0) for this time; return the outputs."""
         for i, name in enumerate(INPUTS):
             self.plant.inputs[i] = voltages.get(name.removeprefix("voltage_"), 0.0)
-        for _ in range(round(seconds * 10_000)):
+        for _ in range(round(seconds * SECOND / self.step)):
             self.plant.step()
         return self.now()
 
@@ -49,7 +56,7 @@ def bench(fmu_file: dict[int, Path]) -> Iterator[PlantMaker]:
     def make(parameters: Mapping[str, float] = NOTHING, *, fmi: int = 3, step: int = 100_000) -> Bench:
         plant = FmuPlant(fmu_file[fmi], list(INPUTS), list(OUTPUTS), parameters, step)
         opened.append(plant)
-        return Bench(plant)
+        return Bench(plant, step)
 
     yield make
     for plant in opened:

@@ -6,6 +6,7 @@ from typing import Any, Self
 
 import sympy as sp
 
+from firmware_bridge.units import MICROSECOND, SECOND, Nanoseconds
 from fmu.build import ensure
 from fmu.export.model import Model
 from fmu.plant import FmuPlant
@@ -16,11 +17,21 @@ NOTHING: Mapping[str, float] = MappingProxyType({})
 class ModelBench:
     """A plant with all of its outputs by name; close it, or use it in a `with`."""
 
-    def __init__(self, model: Model, parameters: Mapping[str, float] = NOTHING, *, fmi: int = 3) -> None:
+    def __init__(
+        self,
+        model: Model,
+        parameters: Mapping[str, float] = NOTHING,
+        *,
+        fmi: int = 3,
+        step: Nanoseconds = 100 * MICROSECOND,
+    ) -> None:
+        self.step = step
         self.names = [row.name for row in model.inputs]
         self.outputs = [row.name for row in model.outputs if not row.local]
         units = {row.name: row.unit for row in model.inputs} | {row.name: row.unit for row in model.outputs}
-        self.plant = FmuPlant(ensure(model.name, fmi), self.names, self.outputs, parameters, units=units)
+        self.plant = FmuPlant(
+            ensure(model.name, fmi), self.names, self.outputs, parameters, step, units=units
+        )
 
     def __enter__(self) -> Self:
         return self
@@ -33,7 +44,7 @@ class ModelBench:
         for i, name in enumerate(self.names):
             self.plant.inputs[i] = inputs.get(name.removeprefix("voltage_"), 0.0)
         step = self.plant.step
-        for _ in range(round(seconds * 10_000)):
+        for _ in range(round(seconds * SECOND / self.step)):
             step()
         return self.now()
 

@@ -10,6 +10,7 @@ import pytest
 from fmu.rars.equations import model
 from fmu.rars.parameters import PARAMETERS, SETS
 from fmu.rars.rolling import Rolling
+from hil_tests.fmu.conftest import FINE
 from hil_tests.fmu.model_bench import ModelBench, formula, only_loses, rates
 
 MODEL = model()
@@ -198,7 +199,7 @@ def test_stiff_tyres_come_near_rolling_without_slip() -> None:
     quiet: dict[str, Any] = {f"{part}_{axis}": 0.0 for part in ("coulomb", "viscous") for axis in AXES}
     quiet |= {"cg_height": 0.0}
     robot = Rolling.of(P)
-    with ModelBench(MODEL, tyres | quiet) as bench:
+    with ModelBench(MODEL, tyres | quiet, step=FINE) as bench:
         pushed, count = 0.0, 4000
         for _ in range(count):
             now = bench.runs(1e-4, left=1.0, right=1.0)

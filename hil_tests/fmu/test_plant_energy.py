@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from fmu.interface import AXES
+from hil_tests.fmu.conftest import FINE
 
 LOSSLESS = {f"{part}_{axis}": 0.0 for part in ("resistance", "coulomb", "viscous") for axis in AXES} | {
     "floor_friction": 1e12,  # tyres that never let go, and no damping in them: springs
@@ -45,7 +46,7 @@ def test_without_any_loss_energy_stays(bench: Any, seed: int, slope: float) -> N
     generator = np.random.default_rng(seed)
     start = {f"speed_{axis}": generator.uniform(-300, 300) for axis in AXES}
     start |= {"angle_lift": 4000.0, "angle_steer": generator.uniform(-300, 300), "slope": slope}
-    plant = bench(LOSSLESS | start)
+    plant = bench(LOSSLESS | start, step=FINE)
     before = plant.energy()
     energies = []
     for _ in range(20):

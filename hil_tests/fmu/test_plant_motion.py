@@ -8,6 +8,7 @@ import numpy.typing as npt
 import pytest
 
 from fmu.rars.parameters import PARAMETERS, SETS
+from hil_tests.fmu.conftest import FINE
 from hil_tests.fmu.rolling_limit import rolling
 
 Vector = npt.NDArray[np.float64]
@@ -28,12 +29,27 @@ GRIPPING |= {"rolling_resistance": 0.0}
 
 
 def test_a_wheel_motor_alone_reaches_its_no_load_speed(bench: Any) -> None:
-    now = bench(GRIPPING).runs(1.5, left=24.0, right=24.0)
+    now = bench(GRIPPING, step=FINE).runs(1.5, left=24.0, right=24.0)
     for axis in ("left", "right"):
         assert now[f"speed_{axis}"] == pytest.approx(no_load_speed(axis, 24.0), rel=1e-6)
         assert now[f"current_{axis}"] == pytest.approx(0.236, rel=1e-3)
     assert now["speed"] == pytest.approx(RADIUS * now["speed_left"] / 26, rel=1e-6)
     assert now["yaw_rate"] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_the_step_of_the_bench_is_fine_enough(bench: Any) -> None:
+    """Hard starts, a turn, a reversal and both stops, beside a run with an eighth of the step."""
+    course = (
+        (0.6, {"left": 12.0, "right": 10.0, "steer": 24.0, "lift": 24.0}),
+        (0.6, {"left": -12.0, "right": 12.0, "steer": -24.0, "lift": -12.0}),
+        (0.6, {"left": 3.0, "right": 3.0}),
+    )
+    runs = []
+    for plant in (bench(), bench(step=12_500)):
+        held = [voltages for way, voltages in course for _ in range(round(way / 0.02))]
+        runs.append([list(plant.runs(0.02, **voltages).values()) for voltages in held])
+    coarse, fine = np.array(runs)
+    assert (np.abs(coarse - fine).max(axis=0) < 2e-5 * np.abs(fine).max(axis=0)).all()
 
 
 class LinearMotor:
@@ -90,7 +106,7 @@ def test_straight_line_on_springs_follows_the_linear_system(
 ) -> None:
     """Where nothing slips the tyres are springs: motor, rear tyre, half the robot, front tyre and wheel."""
     tyres = GRIPPING | {"floor_friction": 1e12, "tyre_stiffness": stiffness, "tyre_damping": damping}
-    plant = bench(tyres | {"coulomb_left": 0.0, "coulomb_right": 0.0})
+    plant = bench(tyres | {"coulomb_left": 0.0, "coulomb_right": 0.0}, step=FINE)
     constant, inductance, per_turn = P["torque_constant_left"], P["inductance_left"], RADIUS / 26
     rotor = P["rotor_inertia_left"] + P["wheel_spin_inertia"] / 26**2
     half, spin = P["platform_mass"] / 2 + P["wheel_mass"], P["front_spin_inertia"]
@@ -133,7 +149,7 @@ def test_a_ramp_accelerates_the_free_robot(bench: Any) -> None:
     assert found == pytest.approx(downhill / (mass + rotating), rel=1e-9)
     # On tyres and with the front wheels' inertia, which the closed form leaves out.
     rotating += 2 * P["front_spin_inertia"] / RADIUS**2
-    now = bench(GRIPPING | FREE | {"slope": 0.1}).runs(1.0)
+    now = bench(GRIPPING | FREE | {"slope": 0.1}, step=FINE).runs(1.0)
     assert now["speed"] == pytest.approx(downhill / (mass + rotating), rel=1e-4)
 
 
