@@ -51,13 +51,13 @@ TARGETS: Final = {
     "safety/interlocks": GATE_TESTS[::-1],
     "safety/limits": GATE_TESTS,
     "safety/gate": GATE_TESTS,
-    "safety/guard": GUARD_TESTS,
+    "safety/guard": GUARD_TESTS + GUARD_SERIAL_TESTS,
     "safety/guard_axis": GUARD_TESTS,
     "safety/guard_can": GUARD_TESTS,
     "safety/guard_serial": GUARD_SERIAL_TESTS,
     "safety/guard_serial_rules": GUARD_SERIAL_TESTS,
     "safety/guard_rules": GUARD_TESTS[::-1],
-    "safety/guard_writes": GUARD_TESTS[::-1],
+    "safety/guard_writes": GUARD_TESTS[::-1] + GUARD_SERIAL_TESTS,
 }
 """Modules of `firmware_bridge`, and the tests of `hil_tests` that must kill their mutants."""
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from firmware_bridge.drivers.epos2_setup import Travel, configuration, farewell, over_serial
 from firmware_bridge.drivers.serial.client import reading, writing
 from firmware_bridge.drivers.serial.link import guarding, heartbeat
-from firmware_bridge.node import CAN, LINE_BACK, LINE_LOST, MAXON, OPERATOR, Packet
+from firmware_bridge.node import CAN, LINE_BACK, LINE_LOST, MAXON, OPERATOR, Packet, Reaction
 from firmware_bridge.robot import Mode, Role, find
 from firmware_bridge.safety.guard import Guarded, Refusal, guarded
 from firmware_bridge.safety.guard_serial_rules import serial_rules_for
@@ -238,6 +238,13 @@ def test_what_left_before_the_line_was_lost_is_answered_no_more(desk: Bench) -> 
 
 def test_an_answer_that_nobody_has_asked_for_is_not_the_node_s(desk: Bench) -> None:
     assert not desk.hears(Packet(MAXON, 0x10, bytes(8)))
+
+
+def test_an_answer_that_is_kept_from_the_node_lets_it_act_on_the_time(desk: Bench) -> None:
+    desk.puppet.wake_at = 7 * MILLISECOND
+    reaction = desk.guard.receive(Packet(MAXON, 0x10, bytes(8)), 3 * MILLISECOND)
+    assert reaction == Reaction((), 7 * MILLISECOND)
+    assert desk.puppet.heard == [(None, 3 * MILLISECOND)]
 
 
 @pytest.mark.parametrize(
