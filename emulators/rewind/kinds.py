@@ -44,6 +44,23 @@ class Keeper(Protocol):
         """Take a state that was saved before, as often as one likes."""
 
 
+def _same_items(copy: Any, before: Any) -> bool:
+    return len(copy) == len(before) and not any(map(is_not, copy, before))
+
+
+def _same_members(copy: dict[Any, Any], before: dict[Any, Any]) -> bool:
+    keys = list(copy) == list(before)
+    return keys and not any(map(is_not, copy.values(), before.values()))
+
+
+def _same_attributes(copy: dict[str, Any], before: dict[str, Any]) -> bool:
+    # Most things have not changed since the last moment, and this is asked of each of them. An attribute that
+    # comes anew is the last one, so the names need not all be compared.
+    if len(copy) != len(before) or any(map(is_not, copy.values(), before.values())):
+        return False
+    return not copy or next(reversed(copy)) == next(reversed(before))
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Kind:
     """What one kind of thing needs."""
@@ -53,13 +70,8 @@ class Kind:
     """Everything that a copy refers to; None where it refers to nothing."""
     put_back: Callable[[Any, Any], None]
     """Takes the thing and a copy."""
-
-    def same(self, copy: Any, before: Any) -> bool:
-        """Return whether two copies refer to the same objects in the same places; equal ones do not count."""
-        if type(copy) is dict:
-            keys = list(copy) == list(before)
-            return keys and not any(map(is_not, copy.values(), before.values()))
-        return len(copy) == len(before) and not any(map(is_not, copy, before))
+    same: Callable[[Any, Any], bool] = _same_items
+    """Whether two copies refer to the same objects in the same places; equal ones do not count."""
 
 
 class _Unset:
@@ -119,12 +131,12 @@ def _put_array(thing: Any, copy: Any) -> None:
 _SIMPLE: Final = ctypes.c_double.__bases__[0]
 """The base of ctypes' numbers."""
 
-ATTRIBUTES: Final = Kind(dict.copy, dict.values, _put_attributes)
+ATTRIBUTES: Final = Kind(dict.copy, dict.values, _put_attributes, _same_attributes)
 """An instance's `__dict__`. Its order means nothing, its shared keys mean speed: so it is not emptied."""
 KEEPER: Final = Kind(lambda thing: thing.save_state(), None, lambda thing, copy: thing.restore_state(copy))
 
 KINDS: Final[tuple[tuple[type, Kind], ...]] = (
-    (dict, Kind(dict.copy, lambda copy: chain(copy, copy.values()), _put_members)),
+    (dict, Kind(dict.copy, lambda copy: chain(copy, copy.values()), _put_members, _same_members)),
     (list, Kind(list.copy, iter, _put_items)),
     (deque, Kind(list, iter, _put_elements)),
     (set, Kind(set.copy, iter, _put_members)),
