@@ -88,24 +88,23 @@ class Rewind(Apart):
         self._plain: set[type] = set()
 
     def _look(self, group: _Group) -> None:
-        """Copy the things of a group, and find what has come into reach through them."""
-        kind, states = group.kind, group.states
-        copies = list(map(kind.copy, group.things))
+        """Copy the things of a group that have changed, and find what has come into reach through them."""
+        kind, things, states = group.kind, group.things, group.states
         if kind.parts is None:
-            group.states = copies
+            group.states = list(map(kind.copy, things))
             return
-        parts, same, plain = kind.parts, kind.same, self._plain
-        for at, copy in enumerate(copies):
-            before = states[at]
-            if same(copy, before):
-                copies[at] = before  # one copy is enough for both moments
-            elif not plain.issuperset(map(type, parts(copy))):
+        copy, parts, same, plain = kind.copy, kind.parts, kind.same, self._plain
+        # Those that are found meanwhile stand behind, with their states of now.
+        for at in range(len(states)):
+            thing, before = things[at], states[at]
+            if same(thing, before):
+                continue
+            now = states[at] = copy(thing)
+            if not plain.issuperset(map(type, parts(now))):
                 seen = set(map(id, parts(before)))
-                for value in parts(copy):
+                for value in parts(now):
                     if type(value) not in plain and id(value) not in seen:
-                        self._find(value, (group.things[at], None))
-        # Those that were found meanwhile stand behind, with their states of now.
-        group.states[: len(copies)] = copies
+                        self._find(value, (thing, None))
 
     def _find(self, value: object, trail: _Trail) -> None:
         """Take note of every thing that can change and that this value leads to."""

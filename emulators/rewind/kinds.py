@@ -44,21 +44,20 @@ class Keeper(Protocol):
         """Take a state that was saved before, as often as one likes."""
 
 
-def _same_items(copy: Any, before: Any) -> bool:
-    return len(copy) == len(before) and not any(map(is_not, copy, before))
+def _same_items(thing: Any, copy: Any) -> bool:
+    return len(thing) == len(copy) and not any(map(is_not, thing, copy))
 
 
-def _same_members(copy: dict[Any, Any], before: dict[Any, Any]) -> bool:
-    keys = list(copy) == list(before)
-    return keys and not any(map(is_not, copy.values(), before.values()))
+def _same_members(thing: dict[Any, Any], copy: dict[Any, Any]) -> bool:
+    keys = list(thing) == list(copy)
+    return keys and not any(map(is_not, thing.values(), copy.values()))
 
 
-def _same_attributes(copy: dict[str, Any], before: dict[str, Any]) -> bool:
-    # Most things have not changed since the last moment, and this is asked of each of them. An attribute that
-    # comes anew is the last one, so the names need not all be compared.
-    if len(copy) != len(before) or any(map(is_not, copy.values(), before.values())):
+def _same_attributes(thing: dict[str, Any], copy: dict[str, Any]) -> bool:
+    # An attribute that comes anew is the last one, so the names need not all be compared.
+    if len(thing) != len(copy) or any(map(is_not, thing.values(), copy.values())):
         return False
-    return not copy or next(reversed(copy)) == next(reversed(before))
+    return not thing or next(reversed(thing)) == next(reversed(copy))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -71,7 +70,8 @@ class Kind:
     put_back: Callable[[Any, Any], None]
     """Takes the thing and a copy."""
     same: Callable[[Any, Any], bool] = _same_items
-    """Whether two copies refer to the same objects in the same places; equal ones do not count."""
+    """Takes the thing and a copy: does it still refer to the same objects in the same places? Equal ones do
+    not count. Asked of everything at every moment, and true of most: so it comes before the copying."""
 
 
 class _Unset:
@@ -113,6 +113,10 @@ def _cell_content(thing: CellType) -> tuple[object, ...]:
         return ()
 
 
+def _same_content(thing: CellType, copy: tuple[object, ...]) -> bool:
+    return _same_items(_cell_content(thing), copy)
+
+
 def _put_content(thing: CellType, copy: tuple[object, ...]) -> None:
     if copy:
         thing.cell_contents = copy[0]
@@ -142,7 +146,7 @@ KINDS: Final[tuple[tuple[type, Kind], ...]] = (
     (set, Kind(set.copy, iter, _put_members)),
     (bytearray, Kind(bytes, None, _put_items)),
     (array, Kind(lambda thing: thing[:], None, _put_items)),
-    (CellType, Kind(_cell_content, iter, _put_content)),
+    (CellType, Kind(_cell_content, iter, _put_content, _same_content)),
     (ctypes.Structure, Kind(bytes, None, _put_bytes)),
     (ctypes.Array, Kind(bytes, None, _put_bytes)),
     (_SIMPLE, Kind(bytes, None, _put_bytes)),
@@ -184,7 +188,10 @@ def slots_kind(cls: type) -> Kind:
             else:
                 member.__set__(thing, value)
 
-    return Kind(copy, iter, put_back)
+    def same(thing: object, before: tuple[object, ...]) -> bool:
+        return _same_items(copy(thing), before)
+
+    return Kind(copy, iter, put_back, same)
 
 
 def _slot(member: MemberDescriptorType, thing: object) -> object:

@@ -1,9 +1,11 @@
 """Steps that the tasks of an EPOS2 are made of: one transfer or one frame each, and what its answer must be.
 
-They refuse to know which task they belong to.
+They refuse to know which task they belong to. What judges an answer is a frozen object and no closure: a world
+that can be rewound looks into each closure at each moment.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from firmware_bridge.drivers.drive import StartupError
 from firmware_bridge.drivers.epos2_setup import Row
@@ -23,40 +25,63 @@ def nmt(axis: Axis, command: NmtCommand) -> Packet:
     return Packet(CAN, canopen.NMT, canopen.encode_nmt(command, axis.node))
 
 
-def expected(axis: Axis, row: Row, attempts: int = 2) -> Ask:
-    """Read an object; the task fails unless it holds the row's value."""
+@dataclass(frozen=True, slots=True)
+class _Expected:
+    """Judges what was read: the task fails unless it is the row's value."""
 
-    def judge(outcome: Outcome) -> Script:
+    axis: Axis
+    row: Row
+
+    def __call__(self, outcome: Outcome) -> Script:
+        row = self.row
         if isinstance(outcome, SdoError):
-            raise StartupError(axis, f"{outcome} (expected {row.expected})") from outcome
+            raise StartupError(self.axis, f"{outcome} (expected {row.expected})") from outcome
         if outcome != row.raw:
             problem = f"SDO upload {row.address} gave {row.show(outcome)} (expected {row.expected})"
-            raise StartupError(axis, problem)
+            raise StartupError(self.axis, problem)
         return ()
 
-    return Ask(Transfer(row.address, attempts=attempts), judge)
+
+@dataclass(frozen=True, slots=True)
+class _Decoded:
+    """Goes on with a number that was read."""
+
+    axis: Axis
+    kind: DataType
+    then: Callable[[int], Script]
+
+    def __call__(self, outcome: Outcome) -> Script:
+        if isinstance(outcome, SdoError):
+            raise StartupError(self.axis, str(outcome)) from outcome
+        return self.then(self.kind.decode(outcome))
+
+
+@dataclass(frozen=True, slots=True)
+class _Taken:
+    """Judges whether the drive took what was written."""
+
+    axis: Axis
+    doing: str
+
+    def __call__(self, outcome: Outcome) -> Script:
+        if isinstance(outcome, SdoError):
+            raise StartupError(self.axis, f"{outcome} ({self.doing})") from outcome
+        return ()
+
+
+def expected(axis: Axis, row: Row, attempts: int = 2) -> Ask:
+    """Read an object; the task fails unless it holds the row's value."""
+    return Ask(Transfer(row.address, attempts=attempts), _Expected(axis, row))
 
 
 def read(axis: Axis, address: at.Address, kind: DataType, then: Callable[[int], Script]) -> Ask:
     """Read a number and go on with what `then` makes of it; the task fails without an answer."""
-
-    def judge(outcome: Outcome) -> Script:
-        if isinstance(outcome, SdoError):
-            raise StartupError(axis, str(outcome)) from outcome
-        return then(kind.decode(outcome))
-
-    return Ask(Transfer(address), judge)
+    return Ask(Transfer(address), _Decoded(axis, kind, then))
 
 
 def written(axis: Axis, transfer: Transfer, doing: str) -> Ask:
     """Write an object; the task fails unless the drive takes it. `doing` is for people."""
-
-    def judge(outcome: Outcome) -> Script:
-        if isinstance(outcome, SdoError):
-            raise StartupError(axis, f"{outcome} ({doing})") from outcome
-        return ()
-
-    return Ask(transfer, judge)
+    return Ask(transfer, _Taken(axis, doing))
 
 
 def controlled(axis: Axis, controlword: int) -> Ask:
