@@ -1,7 +1,7 @@
 """Steps that the tasks of an EPOS2 are made of: one transfer or one frame each, and what its answer must be.
 
-They refuse to know which task they belong to. What judges an answer is a frozen object and no closure: a world
-that can be rewound looks into each closure at each moment.
+They refuse to know which task they belong to. What judges an answer is a frozen object and no closure: a
+world that can be rewound looks into each closure at each moment.
 """
 
 from collections.abc import Callable
