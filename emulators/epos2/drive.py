@@ -128,8 +128,17 @@ class Epos2:
         if self.nmt_state is NmtState.OPERATIONAL:
             for address, payload in pdo.changes(now):
                 self._send(address, payload)
-        services = min(errors.due, pdo.due, self._outbox.answer_due)
-        return self._outbox.reaction(min(services, self._boot_due, self.motion.wake_at(), self._identity.due))
+        outbox = self._outbox
+        return outbox.reaction(
+            min(
+                errors.due,
+                pdo.due,
+                outbox.answer_due,
+                self._boot_due,
+                self.motion.wake_at(),
+                self._identity.due,
+            )
+        )
 
     def _send(self, address: int, payload: bytes) -> None:
         self._outbox.send(address, payload)
