@@ -31,7 +31,12 @@ class Fleet:
     @property
     def wake_at(self) -> Nanoseconds:
         """When the link or the first drive wants to be woken."""
-        return min([self.link.wake_at, *[drive.wake_at for drive in self.drives]])
+        first = self.link.wake_at
+        for drive in self.drives:
+            wake_at = drive.wake_at
+            if wake_at < first:
+                first = wake_at
+        return first
 
     def sampled(self, since: Nanoseconds) -> bool:
         """Whether every drive has told its sample of the cycle that began at `since`."""

@@ -60,6 +60,8 @@ class Guarded:
         """Since when some axis has been told to move; NEVER while none is."""
         self._speak_at: Nanoseconds = NEVER
         """When the guard repeats itself while the bridge stays silent; NEVER while it does not."""
+        self._calm_until: Nanoseconds = 0
+        """Before then, and while nothing leaves, there is nothing to judge and no silence to fill."""
         self._stopping = False
 
     @property
@@ -90,6 +92,9 @@ class Guarded:
         return self._judged(reaction, now)
 
     def _judged(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
+        if not reaction.sent and now < self._calm_until and not self._stopping:
+            # What the drives were told, and when, is as it was: so is the deadline.
+            return reaction if reaction.wake_at <= self._calm_until else Reaction((), self._calm_until)
         sent: list[Packet] = []
         for packet in reaction.sent:
             if packet.link == OPERATOR:
@@ -103,7 +108,9 @@ class Guarded:
             # It has ended in good order; whoever carries it takes NEVER for the end.
             return Reaction(tuple(sent))
         sent += self._sent(self._spoken_for(now))
-        return Reaction(tuple(sent), min(reaction.wake_at, self._deadline()))
+        deadline = self._deadline()
+        self._calm_until = deadline if self._speak_at == NEVER else now
+        return Reaction(tuple(sent), min(reaction.wake_at, deadline))
 
     def _admitted(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Return the frame itself, or what leaves in its place."""
