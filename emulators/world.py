@@ -141,7 +141,7 @@ class World:
         heap = self._heap
         while True:
             due = heap[0][0] if heap else NEVER
-            at = min(until, due)
+            at = due if due < until else until
             if at > self._moved_to and self._woken_by_physics(at):
                 continue
             if due > until:
@@ -170,13 +170,13 @@ class World:
 
     def call_at(self, at: Nanoseconds, call: Callable[[Any], None], argument: object = None) -> None:
         """Call a wire back at an instant that is not in the past."""
-        self._sequence += 1
-        heappush(self._heap, (at, self._sequence, call, argument))
+        self._sequence = sequence = self._sequence + 1
+        heappush(self._heap, (at, sequence, call, argument))
 
     def deliver(self, station: Station, packet: Packet) -> None:
-        """Hand a packet to a station now, and take what it sends in answer."""
+        """Hand a packet to a station that listens to it, now, and take what it sends in answer."""
         now = self.now
-        if now < station.silent_from and (station.listens is None or station.listens(packet)):
+        if now < station.silent_from:
             reaction = station.receive(packet, now)
             if reaction.sent or reaction.wake_at != station.wake_at:
                 self._take(station, reaction)

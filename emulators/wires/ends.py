@@ -53,11 +53,15 @@ class Ends:
 
     def hand_over(self, sender: Station, packet: Packet) -> None:
         """Give a packet that has wholly arrived to observers, trace and everybody but its sender."""
-        world, deliver, deaf, sent_on = self.world, self.world.deliver, self.deaf, packet.link
+        world, deaf, sent_on = self.world, self.deaf, packet.link
         for observer in self.observers:
             observer(world.now, sender.name, packet)
         world.note(self.wire, sender.name, packet)
         for end in self.all:
             station, link = end.station, end.link
-            if station is not sender and station not in deaf:
-                deliver(station, packet if link == sent_on else Packet(link, packet.address, packet.payload))
+            if station is sender or station in deaf:
+                continue
+            heard = packet if link == sent_on else Packet(link, packet.address, packet.payload)
+            listens = station.listens
+            if listens is None or listens(heard):
+                world.deliver(station, heard)

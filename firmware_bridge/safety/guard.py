@@ -107,9 +107,11 @@ class Guarded:
         if self._stopping and reaction.wake_at == NEVER:
             # It has ended in good order; whoever carries it takes NEVER for the end.
             return Reaction(tuple(sent))
+        alarmed = self._speak_at != NEVER
         sent += self._sent(self._spoken_for(now))
         deadline = self._deadline()
-        self._calm_until = deadline if self._speak_at == NEVER else now
+        # The first look after an alarm leaves it to the next one whether anything still moves.
+        self._calm_until = now if alarmed or self._speak_at != NEVER else deadline
         return Reaction(tuple(sent), min(reaction.wake_at, deadline))
 
     def _admitted(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
