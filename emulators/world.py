@@ -141,7 +141,7 @@ class World:
         heap = self._heap
         while True:
             due = heap[0][0] if heap else NEVER
-            at = due if due < until else until
+            at = min(until, due)
             if at > self._moved_to and self._woken_by_physics(at):
                 continue
             if due > until:

@@ -118,9 +118,10 @@ class Epos2:
 
     def _settle(self) -> Reaction:
         """Send what is due or has changed, and say when to come back."""
-        now, errors, pdo = self._now, self._errors, self._pdo
-        for answer in self._outbox.released(now):
-            self._send(canopen.SDO_RESPONSE + self.node_id, answer)
+        now, errors, pdo, outbox = self._now, self._errors, self._pdo, self._outbox
+        if outbox.answer_due <= now:
+            for answer in outbox.released(now):
+                self._send(canopen.SDO_RESPONSE + self.node_id, answer)
         if errors.producer.due <= now:
             self._send(canopen.ERROR_CONTROL + self.node_id, errors.producer.produce(self.nmt_state, now))
         if pdo.renew():
@@ -128,7 +129,6 @@ class Epos2:
         if self.nmt_state is NmtState.OPERATIONAL:
             for address, payload in pdo.changes(now):
                 self._send(address, payload)
-        outbox = self._outbox
         return outbox.reaction(
             min(
                 errors.due,

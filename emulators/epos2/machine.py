@@ -72,7 +72,7 @@ class PowerMachine:
     def due(self) -> Nanoseconds:
         """When something ends by itself."""
         due, brake = self._due, self._brake.due
-        return due if due < brake else brake
+        return min(brake, due)
 
     @property
     def free(self) -> bool:

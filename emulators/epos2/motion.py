@@ -89,8 +89,7 @@ class MotionControl:
 
     def refresh(self, now: Nanoseconds) -> None:
         """Take in what the axis found, what the time brought, and what a whole PDO has written."""
-        if now > self._axis.now:
-            self._axis.now = now
+        self._axis.now = max(self._axis.now, now)
         self._machine.attend()
         self._publish()
 

@@ -138,6 +138,5 @@ class ProcessData:
         """Return when to look for changes again even if nothing happens."""
         due = NEVER
         for pdo in self._on_change:
-            if pdo.due < due:
-                due = pdo.due
+            due = min(due, pdo.due)
         return due

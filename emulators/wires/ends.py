@@ -15,11 +15,12 @@ Observer: TypeAlias = Callable[[Nanoseconds, str, Packet], None]
 class End:
     """A station at the end of a wire, which it calls `link`."""
 
-    __slots__ = ("link", "station")
+    __slots__ = ("link", "station", "world")
 
-    def __init__(self, station: Station, link: str) -> None:
+    def __init__(self, station: Station, link: str, world: World) -> None:
         self.station = station
         self.link = link
+        self.world = world
 
 
 class Ends:
@@ -40,11 +41,11 @@ class Ends:
             raise WorldError(f"nobody is on wire '{self.wire}' yet")
         return self._world
 
-    def join(self, world: World, end: End) -> None:
-        """Add an end."""
-        if self._world is not None and self._world is not world:
+    def join(self, end: End) -> None:
+        """Add an end; WorldError where the others are in another world."""
+        if self._world is not None and self._world is not end.world:
             raise WorldError(f"wire '{self.wire}' is in another world already")
-        self._world = world
+        self._world = end.world
         self.all.append(end)
 
     def leave(self, station: Station) -> None:

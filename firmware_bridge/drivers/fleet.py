@@ -31,12 +31,7 @@ class Fleet:
     @property
     def wake_at(self) -> Nanoseconds:
         """When the link or the first drive wants to be woken."""
-        first = self.link.wake_at
-        for drive in self.drives:
-            wake_at = drive.wake_at
-            if wake_at < first:
-                first = wake_at
-        return first
+        return min([self.link.wake_at, *[drive.wake_at for drive in self.drives]])
 
     def sampled(self, since: Nanoseconds) -> bool:
         """Whether every drive has told its sample of the cycle that began at `since`."""
