@@ -60,8 +60,8 @@ class Guarded:
         """Since when some axis has been told to move; NEVER while none is."""
         self._speak_at: Nanoseconds = NEVER
         """When the guard repeats itself while the bridge stays silent; NEVER while it does not."""
-        self._calm_until: Nanoseconds = 0
-        """Before then, and while nothing leaves, there is nothing to judge and no silence to fill."""
+        self._deadline: Nanoseconds = NEVER
+        """When the guard must look again, whatever happens."""
         self._stopping = False
 
     @property
@@ -92,9 +92,6 @@ class Guarded:
         return self._judged(reaction, now)
 
     def _judged(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
-        if not reaction.sent and now < self._calm_until and not self._stopping:
-            # What the drives were told, and when, is as it was: so is the deadline.
-            return reaction if reaction.wake_at <= self._calm_until else Reaction((), self._calm_until)
         sent: list[Packet] = []
         for packet in reaction.sent:
             if packet.link == OPERATOR:
@@ -107,12 +104,8 @@ class Guarded:
         if self._stopping and reaction.wake_at == NEVER:
             # It has ended in good order; whoever carries it takes NEVER for the end.
             return Reaction(tuple(sent))
-        alarmed = self._speak_at != NEVER
         sent += self._sent(self._spoken_for(now))
-        deadline = self._deadline()
-        # The first look after an alarm leaves it to the next one whether anything still moves.
-        self._calm_until = now if alarmed or self._speak_at != NEVER else deadline
-        return Reaction(tuple(sent), min(reaction.wake_at, deadline))
+        return Reaction(tuple(sent), min(reaction.wake_at, self._deadline))
 
     def _admitted(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Return the frame itself, or what leaves in its place."""
@@ -155,12 +148,14 @@ class Guarded:
             self._moving_since = NEVER
         elif self._moving_since == NEVER:
             self._moving_since = now
-        if now < self._overdue_at():
+        overdue_at = self._overdue_at()
+        if now < overdue_at:
             self._speak_at = NEVER
+            self._deadline = min(NEVER, overdue_at)
             return ()
         if alarmed and now < self._speak_at:
             return ()
-        self._speak_at = now + self._cycle
+        self._speak_at = self._deadline = now + self._cycle
         if alarmed and self._speech.speaking:
             return ()
         safe = self._all_safe()
@@ -178,11 +173,6 @@ class Guarded:
     def _overdue_at(self) -> Nanoseconds:
         """Return when the first axis is overdue."""
         return max(min([axis.spoken_at for axis in self._axes]), self._moving_since) + self._patience
-
-    def _deadline(self) -> Nanoseconds:
-        if self._speak_at != NEVER:
-            return self._speak_at
-        return min(NEVER, self._overdue_at())
 
 
 def _speech(rules: Rules | SerialRules) -> Speech:
