@@ -161,7 +161,6 @@ class MotionControl:
         if self._machine.free:
             self._motion.written(address, value)
             self._count_setpoint()
-            self._publish()
 
     def _take_start(self, code: int, value: int) -> None:
         if value:

@@ -60,7 +60,7 @@ class Ends:
         world.note(self.wire, sender.name, packet)
         for end in self.all:
             station, link = end.station, end.link
-            if station is sender or station in deaf:
+            if station is sender or (deaf and station in deaf):
                 continue
             heard = packet if link == sent_on else Packet(link, packet.address, packet.payload)
             listens = station.listens
