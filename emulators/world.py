@@ -31,6 +31,14 @@ class Physics(Protocol):
         """
 
 
+class _Stillness:
+    """The physics of a world in which nothing moves."""
+
+    def advance(self, until: Nanoseconds) -> tuple[Nanoseconds, tuple[str, ...]]:
+        """Be there."""
+        return until, ()
+
+
 class Wire(Protocol):
     """Carries packets between the stations on it, in its own time."""
 
@@ -91,8 +99,9 @@ class World:
     def __init__(self, physics: Physics | None = None) -> None:
         self.now: Nanoseconds = 0
         self.events = 0
-        self._physics = physics
-        self._moved_to: Nanoseconds = NEVER if physics is None else -1
+        physics = physics or _Stillness()
+        self._advance = physics.advance
+        self._moved_to: Nanoseconds = -1
         self._crowd = 0
         self._stations: dict[str, Station] = {}
         self._gone: dict[str, Nanoseconds] = {}
@@ -142,8 +151,12 @@ class World:
         while True:
             due = heap[0][0] if heap else NEVER
             at = min(until, due)
-            if at > self._moved_to and self._woken_by_physics(at):
-                continue
+            if at > self._moved_to:
+                reached, names = self._advance(at)
+                if names:
+                    self._wake_all(names, reached)
+                    continue
+                self._moved_to = at
             if due > until:
                 break
             if at == self.now:
@@ -170,13 +183,13 @@ class World:
 
     def call_at(self, at: Nanoseconds, call: Callable[[Any], None], argument: object = None) -> None:
         """Call a wire back at an instant that is not in the past."""
-        self._sequence += 1
-        heappush(self._heap, (at, self._sequence, call, argument))
+        self._sequence = sequence = self._sequence + 1
+        heappush(self._heap, (at, sequence, call, argument))
 
     def deliver(self, station: Station, packet: Packet) -> None:
-        """Hand a packet to a station now, and take what it sends in answer."""
+        """Hand a packet to a station that listens to it, now, and take what it sends in answer."""
         now = self.now
-        if now < station.silent_from and (station.listens is None or station.listens(packet)):
+        if now < station.silent_from:
             reaction = station.receive(packet, now)
             if reaction.sent or reaction.wake_at != station.wake_at:
                 self._take(station, reaction)
@@ -209,15 +222,8 @@ class World:
                 f"time stands still at {self.now} ns: a node or the physics wants to be woken for ever"
             )
 
-    def _woken_by_physics(self, at: Nanoseconds) -> bool:
-        """Move the physics towards `at`; whether it woke somebody on the way, so that the plan may be new."""
-        physics = self._physics
-        if physics is None:
-            return False
-        reached, names = physics.advance(at)
-        if not names:
-            self._moved_to = at
-            return False
+    def _wake_all(self, names: tuple[str, ...], reached: Nanoseconds) -> None:
+        """Wake those for whom the physics has stopped on its way."""
         if reached == self.now:
             self._crowded()
         else:
@@ -229,7 +235,6 @@ class World:
                 self._take(station, station.wake(reached))
             elif name not in self._gone:
                 raise WorldError(f"the physics wakes '{name}', and there is no such node")
-        return True
 
     def _take(self, station: Station, reaction: Reaction) -> None:
         if reaction.sent and self.now < station.silent_from:

@@ -4,16 +4,18 @@ These rows refuse to know how they are taken and what is drawn from them.
 """
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 SAMPLE_EVERY: Final[Nanoseconds] = 10 * MILLISECOND
 
 
-@dataclass(frozen=True, slots=True)
-class Sample:
-    """The plant's truth at one instant, beside what the bridge demanded and believed."""
+class Sample(NamedTuple):
+    """The plant's truth at one instant, beside what the bridge demanded and believed.
+
+    A tuple, because a hundred of them are taken in each simulated second.
+    """
 
     at: Nanoseconds
     x_m: float

@@ -118,9 +118,10 @@ class Epos2:
 
     def _settle(self) -> Reaction:
         """Send what is due or has changed, and say when to come back."""
-        now, errors, pdo = self._now, self._errors, self._pdo
-        for answer in self._outbox.released(now):
-            self._send(canopen.SDO_RESPONSE + self.node_id, answer)
+        now, errors, pdo, outbox = self._now, self._errors, self._pdo, self._outbox
+        if outbox.answer_due <= now:
+            for answer in outbox.released(now):
+                self._send(canopen.SDO_RESPONSE + self.node_id, answer)
         if errors.producer.due <= now:
             self._send(canopen.ERROR_CONTROL + self.node_id, errors.producer.produce(self.nmt_state, now))
         if pdo.renew():
@@ -128,8 +129,16 @@ class Epos2:
         if self.nmt_state is NmtState.OPERATIONAL:
             for address, payload in pdo.changes(now):
                 self._send(address, payload)
-        services = min(errors.due, pdo.due, self._outbox.answer_due)
-        return self._outbox.reaction(min(services, self._boot_due, self.motion.wake_at(), self._identity.due))
+        return outbox.reaction(
+            min(
+                errors.due,
+                pdo.due,
+                outbox.answer_due,
+                self._boot_due,
+                self.motion.wake_at(),
+                self._identity.due,
+            )
+        )
 
     def _send(self, address: int, payload: bytes) -> None:
         self._outbox.send(address, payload)

@@ -157,6 +157,8 @@ class ErrorControl:
 
     def lost(self, now: Nanoseconds) -> bool:
         """Whether a watch has just ended in silence; each silence is told once."""
+        if self.due > now:
+            return False
         silent = [watch for watch in (*self.consumers, self.guard) if watch.due <= now]
         for watch in silent:
             watch.due = NEVER

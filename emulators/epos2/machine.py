@@ -13,7 +13,7 @@ from emulators.epos2.pins import Pins
 from emulators.epos2.power import BY_TRIGGER, TIMED, Delays, Happening, Ramp, Stage, Transition, Trigger
 from emulators.epos2.standing_errors import StandingErrors
 from emulators.epos2.store import ObjectStore
-from emulators.epos2.supervision import Reaction
+from emulators.epos2.supervision import WATCHED, Reaction
 from emulators.servo.axis import ServoAxis
 from emulators.servo.sensors import align
 from firmware_bridge.units import NEVER, Nanoseconds
@@ -53,6 +53,8 @@ class PowerMachine:
         self._report = report
         self._delays = delays
         self.state = State.START
+        self.word = State.START.value
+        """The state's bits of the statusword."""
         self._due: Nanoseconds = NEVER
         """When the present state ends by itself."""
         self.errors: Final = StandingErrors(store, axis)
@@ -69,12 +71,14 @@ class PowerMachine:
     @property
     def due(self) -> Nanoseconds:
         """When something ends by itself."""
-        return min(self._due, self._brake.due)
+        due, brake = self._due, self._brake.due
+        return min(brake, due)
 
     @property
     def free(self) -> bool:
         """Enabled, and neither on the way in nor out: the modes may move the shaft."""
-        return self.state is State.OPERATION_ENABLED and not self._under_way
+        enabled = self.state is State.OPERATION_ENABLED
+        return enabled and self._completing is None and not self._releasing
 
     @property
     def _under_way(self) -> bool:
@@ -111,10 +115,8 @@ class PowerMachine:
         """Forget a rising edge of bit 4 that has not been heeded."""
         self._latching = False
 
-    def take_setpoint(self) -> None:
+    def _take_setpoint(self) -> None:
         """Heed a rising edge of bit 4 with the target that the object holds by now."""
-        if not self.free:
-            return
         self._motion.mode.advance()
         if self._latching and self._motion.mode.take_setpoint(self._controlword):
             self._latching = False
@@ -188,6 +190,7 @@ class PowerMachine:
 
     def _enter(self, state: State) -> None:
         self.state = state
+        self.word = state.value
         self._outputs.show(OutputFunction.READY, active=state not in _FAULTS)
         self._due = NEVER
         if state in TIMED:
@@ -239,19 +242,33 @@ class PowerMachine:
             return False
         return True
 
+    def attend(self) -> None:
+        """Take in what axis and pins have found and what the time has brought, then a set-point that waits.
+
+        Of most calls nothing comes: each step is asked for only where it has something to do.
+        """
+        inputs = self._inputs
+        inputs.refresh()
+        if self._axis.flags & WATCHED:
+            self._supervise()
+        self._heed()
+        self.advance()
+        if self.free:
+            self._take_setpoint()
+        if inputs.executed:
+            self._heed_limits()
+
     # Faults
 
-    def supervise(self) -> None:
+    def _supervise(self) -> None:
         """Turn what the axis found into faults; each is told once until it is reset."""
-        self._inputs.refresh()
         for code in self.errors.found(self.state):
             self.fail(code)
-        self._heed()
 
-    def heed_limits(self) -> None:
+    def _heed_limits(self) -> None:
         """Stop at a limit switch; asked when every set-point is taken, for it may lead into one."""
         inputs, motion = self._inputs, self._motion
-        if not inputs.executed or not self._axis.powered or self.state is State.FAULT_REACTION_ENABLED:
+        if not self._axis.powered or self.state is State.FAULT_REACTION_ENABLED:
             return
         met = inputs.limits_met(motion.shaft.heading, motion.mode.sought)
         if met and not inputs.risen:
@@ -283,8 +300,9 @@ class PowerMachine:
 
     def _heed(self) -> None:
         """Report what the mode cannot do."""
-        if error := self._motion.shaft.take_error():
-            self.fail(error)
+        shaft = self._motion.shaft
+        if shaft.error:
+            self.fail(shaft.take_error())
 
     def _reset_fault(self) -> None:
         if self.errors.curable:

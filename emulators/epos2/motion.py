@@ -90,10 +90,7 @@ class MotionControl:
     def refresh(self, now: Nanoseconds) -> None:
         """Take in what the axis found, what the time brought, and what a whole PDO has written."""
         self._axis.now = max(self._axis.now, now)
-        self._machine.supervise()
-        self._machine.advance()
-        self._machine.take_setpoint()
-        self._machine.heed_limits()
+        self._machine.attend()
         self._publish()
 
     def wake_at(self) -> Nanoseconds:
@@ -164,7 +161,6 @@ class MotionControl:
         if self._machine.free:
             self._motion.written(address, value)
             self._count_setpoint()
-            self._publish()
 
     def _take_start(self, code: int, value: int) -> None:
         if value:
@@ -182,17 +178,17 @@ class MotionControl:
     # Statusword
 
     def _publish(self) -> None:
-        word = self._machine.state.value
-        flags, mode = self._axis.flags, self._motion.mode
+        machine, motion = self._machine, self._motion
+        word, mode = machine.word, motion.mode
         # Recorded: bit 10 is 1 while the drive is disabled.
         if not word & _STAGE_ON or mode.arrived:
             word |= _TARGET_REACHED
         if self._operational:
             word |= _REMOTE
-        if self._motion.shaft.referenced:
+        if motion.shaft.referenced:
             word |= _REFERENCED
-        if flags & CURRENT_LIMITED:
+        if self._axis.flags & CURRENT_LIMITED:
             word |= _INTERNAL_LIMIT
         self.pins.refresh()
-        failed = emergency.FOLLOWING_ERROR_TOO_LARGE in self._machine.errors.codes
+        failed = emergency.FOLLOWING_ERROR_TOO_LARGE in machine.errors.codes
         self._store.set(at.STATUSWORD, word | mode.status(failed=failed))

@@ -67,7 +67,9 @@ class TransmitPdo:
     __slots__ = (
         "_allowed",
         "_inhibit",
+        "_known",
         "_last",
+        "_moving",
         "_pack",
         "_poll",
         "_reads",
@@ -85,11 +87,13 @@ class TransmitPdo:
         self.synchronous = settings.transmission == SYNCHRONOUS
         self.on_change = settings.transmission == ON_CHANGE
         self._inhibit = settings.inhibit
-        moving = any(cell.row.address not in EVENT_DRIVEN for cell in cells)
-        self._poll = max(poll, self._inhibit) if moving else NEVER
+        self._moving = any(cell.row.address not in EVENT_DRIVEN for cell in cells)
+        self._poll = max(poll, self._inhibit) if self._moving else NEVER
         self._pack = settings.layout().pack
         self._reads = tuple(cell.live for cell in cells)
         self._last: bytes | None = None
+        self._known = -1
+        """The store's count of changes that the last look has seen, where nothing moves by itself."""
         self._allowed: Nanoseconds = 0
         self.due: Nanoseconds = NEVER
 
@@ -100,14 +104,22 @@ class TransmitPdo:
     def begin(self, *, sends: bool) -> None:
         """Enter Operational, with or without a first message."""
         self._last = None if sends else self.payload()
+        self._known = -1
         self._allowed = 0
 
     def rest(self) -> None:
         """Leave Operational."""
         self.due = NEVER
 
-    def look(self, now: Nanoseconds) -> bytes | None:
-        """Return the payload if it has changed and the inhibit time is over; `due`: when to look again."""
+    def look(self, now: Nanoseconds, changes: int) -> bytes | None:
+        """Return the payload if it has changed and the inhibit time is over; `due`: when to look again.
+
+        `changes` is the store's count of them.
+        """
+        if changes == self._known and self.due == NEVER:
+            return None
+        if not self._moving:
+            self._known = changes
         payload = self.payload()
         if payload != self._last:
             if now < self._allowed:

@@ -30,6 +30,7 @@ SIDES: Final = ((-1, 0), (0, 1), (-1, 1))
 DIRECTIONS: Final = (DOWNWARDS, UPWARDS, DOWNWARDS | UPWARDS)
 MICROSECONDS: Final = 1000
 """In one ms."""
+_OUTPUT: Final = OutputFunction.POSITION_COMPARE.bit
 
 
 class PositionCompare:
@@ -60,8 +61,10 @@ class PositionCompare:
         axis.compare_pulse_ms = max(1, -(-value(PULSE_WIDTH) // MICROSECONDS))
 
     def refresh(self) -> None:
-        """Show the output what the axis has found."""
-        self._outputs.show(OutputFunction.POSITION_COMPARE, active=self._axis.compare_left > 0)
+        """Show the output what the axis has found, where it has not been shown yet."""
+        active = self._axis.compare_left > 0
+        if active != bool(self._outputs.active & _OUTPUT):
+            self._outputs.show(OutputFunction.POSITION_COMPARE, active=active)
 
     def _take(self, address: Address, value: int) -> None:
         self.apply({address: value})

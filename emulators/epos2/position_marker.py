@@ -27,6 +27,7 @@ RISING: Final = 1
 FALLING: Final = 2
 MOST: Final[Mapping[int, int]] = MappingProxyType({1: 1, 2: 3})
 """How many edges count in the modes single and multiple; in the other one, continuous, all do."""
+_INPUT: Final = InputFunction.POSITION_MARKER.bit
 
 
 class PositionMarker:
@@ -41,20 +42,20 @@ class PositionMarker:
 
     def reset(self) -> None:
         """Begin as after power-on."""
-        self._before = self._inputs.active & InputFunction.POSITION_MARKER.bit
+        self._before = self._inputs.active & _INPUT
         for address in (CAPTURED, COUNTER, *HISTORY):
             self._store.set(address, 0)
 
     def refresh(self) -> None:
         """Heed an edge that the inputs have shown since the last refresh."""
-        active = self._inputs.active & InputFunction.POSITION_MARKER.bit
+        active = self._inputs.active & _INPUT
         if active == self._before:
             return
         self._before = active
         store = self._store
         wanted = store.get(EDGE_TYPE)
         counts = wanted in (BOTH_EDGES, RISING if active else FALLING)
-        executed = store.get(INPUT_EXECUTION) & InputFunction.POSITION_MARKER.bit
+        executed = store.get(INPUT_EXECUTION) & _INPUT
         if counts and executed and store.get(COUNTER) < MOST.get(store.get(MODE), 1 << 16):
             self._capture()
 

@@ -20,6 +20,7 @@ class ProcessData:
     """What `PdoSettings` describe, made ready again whenever they were touched."""
 
     def __init__(self, store: ObjectStore, profile: DeviceProfile, state: Callable[[], NmtState]) -> None:
+        self._store = store
         self._profile = profile
         self._state = state
         self._touched: list[int] = []
@@ -126,8 +127,9 @@ class ProcessData:
 
     def changes(self, now: Nanoseconds) -> Iterator[tuple[int, bytes]]:
         """Give what has changed and may leave now."""
+        changes = self._store.changes
         for pdo in self._on_change:
-            payload = pdo.look(now)
+            payload = pdo.look(now, changes)
             if payload is not None:
                 yield pdo.address, payload
 

@@ -55,6 +55,8 @@ class ObjectStore:
         if unknown:
             raise ValueError(f"no such object: {', '.join(unknown)}")
         self._bounds = MappingProxyType({**_BOUNDS, **bounds})
+        self.changes = 0
+        """How often the drive itself has given a number another value."""
         self._numbers: dict[Address, int] = {}
         self._texts: dict[Address, bytes] = {}
         self._sources: dict[Address, Callable[[], int]] = {}
@@ -118,7 +120,9 @@ class ObjectStore:
 
     def set(self, address: Address, value: int) -> None:
         """Store a number without checks and hooks."""
-        self._numbers[address] = value
+        if self._numbers[address] != value:
+            self._numbers[address] = value
+            self.changes += 1
 
     def live(self, address: Address) -> int:
         """Return a number as a client would read it now."""
@@ -167,4 +171,4 @@ class ObjectStore:
         """Bring a number back to its default without hooks."""
         default = self.default(address)
         if isinstance(default, int):
-            self._numbers[address] = default
+            self.set(address, default)

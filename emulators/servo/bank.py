@@ -100,9 +100,10 @@ class ServoBank:
         """
         if until < self._next:
             return until, ()
-        engine = self._engine
-        told = engine.run(until // TICK)
-        self._next = (engine.tick + 1) * TICK
-        if not told:
+        last = until // TICK
+        if not self._engine.run(last):
+            self._next = (last + 1) * TICK
             return until, ()
-        return engine.tick * TICK, tuple(axis.node for axis in self.axes if axis.told)
+        now = self.now
+        self._next = now + TICK
+        return now, tuple([axis.node for axis in self.axes if axis.told])

@@ -6,6 +6,7 @@ gain. It refuses to use floating point: the multipliers are the nearest integers
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 from emulators.servo.axis import FASTEST_RPM, FOREVER, LARGEST_SPEED, OFF, ServoAxis
@@ -69,8 +70,13 @@ def fraction_of(resolution: int) -> int:
 
 def speed_units(axis: ServoAxis, rpm: int) -> int:
     """Return a speed in velocity units; what is faster than 25 000 rpm counts as 25 000 rpm."""
+    return _speed(rpm, axis.resolution << axis.fraction)
+
+
+@lru_cache(maxsize=1024)
+def _speed(rpm: int, turn: int) -> int:
     bounded = max(-FASTEST_RPM, min(FASTEST_RPM, rpm))
-    return nearest(bounded * axis.resolution << axis.fraction, MILLISECONDS_PER_MINUTE)
+    return nearest(bounded * turn, MILLISECONDS_PER_MINUTE)
 
 
 def speed_rpm(axis: Record, units: int) -> int:
@@ -86,7 +92,12 @@ def raw_speed_rpm(axis: Record) -> int:
 
 def acceleration_units(axis: ServoAxis, rpm_per_second: int) -> int:
     """Return an acceleration in units; at least 1, at most from rest to the fastest speed in one ms."""
-    units = nearest(rpm_per_second * axis.resolution << axis.fraction, MILLISECONDS_PER_MINUTE * 1000)
+    return _acceleration(rpm_per_second, axis.resolution << axis.fraction)
+
+
+@lru_cache(maxsize=1024)
+def _acceleration(rpm_per_second: int, turn: int) -> int:
+    units = nearest(rpm_per_second * turn, MILLISECONDS_PER_MINUTE * 1000)
     return max(1, min(units, LARGEST_SPEED))
 
 

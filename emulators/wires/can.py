@@ -23,8 +23,8 @@ class Controller(End):
 
     __slots__ = ("queue",)
 
-    def __init__(self, station: Station, link: str) -> None:
-        super().__init__(station, link)
+    def __init__(self, station: Station, link: str, world: World) -> None:
+        super().__init__(station, link, world)
         self.queue: deque[tuple[Packet, int, int]] = deque()
 
 
@@ -52,8 +52,8 @@ class CanWire:
 
     def join(self, world: World, station: Station, link: str) -> None:
         """Connect a station, which calls this wire `link`."""
-        controller = Controller(station, link)
-        self._ends.join(world, controller)
+        controller = Controller(station, link, world)
+        self._ends.join(controller)
         self._controllers[station] = controller
 
     def leave(self, station: Station) -> None:
@@ -71,15 +71,13 @@ class CanWire:
 
     def carry(self, sender: Station, packet: Packet) -> None:
         """Queue a frame; ValueError for what is no frame."""
-        address = packet.address
-        self._controllers[sender].queue.append(
-            (packet, frame_bits(address, packet.payload), arbitration_rank(address))
-        )
+        address, controller = packet.address, self._controllers[sender]
+        controller.queue.append((packet, frame_bits(address, packet.payload), arbitration_rank(address)))
         if not self._busy:
             # Not at once: others may begin at this very instant, and then the identifier decides.
             self._busy = True
-            world = self._ends.world
-            world.call_at(max(world.now, self._idle_from), self._arbitrate)
+            world = controller.world
+            world.call_at(max(world.now, self._idle_from), self._arbitrate, world)
 
     def load_percent(self) -> float:
         """Return the part of the time so far in which the bus was taken, interframe spaces included."""
@@ -93,8 +91,7 @@ class CanWire:
     def _taken(self, bits: int, frames: int) -> Nanoseconds:
         return (bits + INTERFRAME_BITS * frames) * self.bit_time
 
-    def _arbitrate(self, _: object) -> None:
-        world = self._ends.world
+    def _arbitrate(self, world: World) -> None:
         now = world.now
         winner: Controller | None = None
         best = 0
@@ -117,8 +114,7 @@ class CanWire:
         world.call_at(now + bits * self.bit_time, self._finish, winner)
 
     def _finish(self, controller: Controller) -> None:
-        world = self._ends.world
-        now = world.now
+        now = controller.world.now
         packet, bits, _ = controller.queue.popleft()
         self._idle_from = now + INTERFRAME_BITS * self.bit_time
         self.frames += 1
@@ -134,7 +130,7 @@ class CanWire:
         """Let the next frame begin when the bus is idle again."""
         for other in self._controllers.values():
             if other.queue:
-                self._ends.world.call_at(self._idle_from, self._arbitrate)
+                other.world.call_at(self._idle_from, self._arbitrate, other.world)
                 return
         self._busy = False
 

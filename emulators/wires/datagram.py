@@ -41,7 +41,7 @@ class DatagramWire:
 
     def join(self, world: World, station: Station, link: str) -> None:
         """Connect a station, which calls this wire `link`."""
-        self._ends.join(world, End(station, link))
+        self._ends.join(End(station, link, world))
 
     def leave(self, station: Station) -> None:
         """Disconnect a station; its packets under way still arrive."""

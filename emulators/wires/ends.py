@@ -15,11 +15,12 @@ Observer: TypeAlias = Callable[[Nanoseconds, str, Packet], None]
 class End:
     """A station at the end of a wire, which it calls `link`."""
 
-    __slots__ = ("link", "station")
+    __slots__ = ("link", "station", "world")
 
-    def __init__(self, station: Station, link: str) -> None:
+    def __init__(self, station: Station, link: str, world: World) -> None:
         self.station = station
         self.link = link
+        self.world = world
 
 
 class Ends:
@@ -40,11 +41,11 @@ class Ends:
             raise WorldError(f"nobody is on wire '{self.wire}' yet")
         return self._world
 
-    def join(self, world: World, end: End) -> None:
-        """Add an end."""
-        if self._world is not None and self._world is not world:
+    def join(self, end: End) -> None:
+        """Add an end; WorldError where the others are in another world."""
+        if self._world is not None and self._world is not end.world:
             raise WorldError(f"wire '{self.wire}' is in another world already")
-        self._world = world
+        self._world = end.world
         self.all.append(end)
 
     def leave(self, station: Station) -> None:
@@ -53,11 +54,15 @@ class Ends:
 
     def hand_over(self, sender: Station, packet: Packet) -> None:
         """Give a packet that has wholly arrived to observers, trace and everybody but its sender."""
-        world, deliver, deaf, sent_on = self.world, self.world.deliver, self.deaf, packet.link
+        world, deaf, sent_on = self.world, self.deaf, packet.link
         for observer in self.observers:
             observer(world.now, sender.name, packet)
         world.note(self.wire, sender.name, packet)
         for end in self.all:
             station, link = end.station, end.link
-            if station is not sender and station not in deaf:
-                deliver(station, packet if link == sent_on else Packet(link, packet.address, packet.payload))
+            if station is sender or (deaf and station in deaf):
+                continue
+            heard = packet if link == sent_on else Packet(link, packet.address, packet.payload)
+            listens = station.listens
+            if listens is None or listens(heard):
+                world.deliver(station, heard)

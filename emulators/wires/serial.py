@@ -41,8 +41,8 @@ class _Uart(End):
 
     __slots__ = ("begun_at", "buffer", "clock", "overruns", "queue", "rate", "reading", "sending", "since")
 
-    def __init__(self, station: Station, link: str) -> None:
-        super().__init__(station, link)
+    def __init__(self, station: Station, link: str, world: World) -> None:
+        super().__init__(station, link, world)
         self.queue: deque[int] = deque()
         self.sending = False
         self.begun_at: Nanoseconds = 0
@@ -85,8 +85,8 @@ class SerialWire:
         """Connect a station, which calls this wire `link`; WorldError for a third one."""
         if len(self._uarts) == _ENDS:
             raise WorldError(f"line '{self.name}' has two ends, and '{station.name}' would be a third")
-        uart = _Uart(station, link)
-        self._ends.join(world, uart)
+        uart = _Uart(station, link, world)
+        self._ends.join(uart)
         self._uarts[station] = uart
 
     def leave(self, station: Station) -> None:

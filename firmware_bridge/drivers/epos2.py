@@ -11,7 +11,7 @@ from firmware_bridge.drivers.script import Performer
 from firmware_bridge.drivers.sdo_client import NodeClient, SdoError, Transfer
 from firmware_bridge.node import Packet
 from firmware_bridge.robot import Axis, Bus
-from firmware_bridge.units import Nanoseconds
+from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.epos2.address import ANALOGUE_INPUT_1, Address
 from firmware_bridge.wire.epos2.rows import DataType
@@ -22,12 +22,16 @@ _ANALOGUE: Final = DataType.INTEGER16
 class Epos2:
     """One drive; a `firmware_bridge.drivers.drive.Drive`."""
 
-    __slots__ = ("_agenda", "_axis", "_client", "_ear", "_performer", "_set_point")
+    __slots__ = ("_agenda", "_axis", "_client", "_ear", "_performer", "_set_point", "heard", "wake_at")
 
     def __init__(self, axis: Axis, bus: Bus, travel: Travel | None = None) -> None:
         """Take the axis, and the mechanical range of a position axis."""
         self._axis = axis
         self._ear = Ear(axis)
+        self.heard: Final[Heard] = self._ear.heard
+        """What it has told."""
+        self.wake_at: Nanoseconds = NEVER
+        """When it wants to be woken. Asked for after every packet, as `heard` is: so they are attributes."""
         self._set_point = set_point(axis, self._ear.heard, travel)
         self._client = NodeClient(axis.node)
         self._performer = Performer(self._client)
@@ -38,11 +42,6 @@ class Epos2:
     def axis(self) -> Axis:
         """The axis that it moves."""
         return self._axis
-
-    @property
-    def heard(self) -> Heard:
-        """What it has told."""
-        return self._ear.heard
 
     @property
     def busy(self) -> bool:
@@ -59,14 +58,9 @@ class Epos2:
         """Whether its set-up is in force and it listens to set-points."""
         return self._agenda.configured
 
-    @property
-    def wake_at(self) -> Nanoseconds:
-        """When it wants to be woken."""
-        return self._performer.wake_at
-
     def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
         """Do these tasks in order, in place of those under way."""
-        return self._agenda.begin(tasks, now)
+        return self._waiting(self._agenda.begin(tasks, now))
 
     def command(self, demand: Demand) -> tuple[Packet, ...]:
         """Send a demand; while tasks are under way only one that ends them: quick stop or power off."""
@@ -74,6 +68,7 @@ class Epos2:
             if demand not in (Stop.QUICK_STOP, Stop.POWER_OFF):
                 return ()
             self._agenda.end()
+            self.wake_at = self._performer.wake_at
         return (self._set_point.demand(demand),)
 
     def release(self) -> tuple[Packet, ...]:
@@ -90,7 +85,7 @@ class Epos2:
         if not self._performer.idle:
             return ()
         address = Address(ANALOGUE_INPUT_1.index, analogue_input)
-        return self._performer.ask(Transfer(address, attempts=1), now)
+        return self._waiting(self._performer.ask(Transfer(address, attempts=1), now))
 
     def hear(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Take a packet of this drive; one that makes no sense is ignored."""
@@ -98,7 +93,7 @@ class Epos2:
             sent = self._client.hear(packet.payload, now) + self._performer.go_on(now)
             return self._went_on(sent, now)
         self._ear.hear(packet.address, packet.payload, now)
-        return self._agenda.look(now)
+        return self._waiting(self._agenda.look(now)) if self.busy else ()
 
     def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Act on the time."""
@@ -107,7 +102,12 @@ class Epos2:
     def _went_on(self, sent: tuple[Packet, ...], now: Nanoseconds) -> tuple[Packet, ...]:
         if not self.busy:
             self._measured()
-        return self._agenda.go_on(sent, now)
+        return self._waiting(self._agenda.go_on(sent, now))
+
+    def _waiting(self, sent: tuple[Packet, ...]) -> tuple[Packet, ...]:
+        """Pass on what is to be sent, once it is known how long to wait for what comes of it."""
+        self.wake_at = self._performer.wake_at
+        return sent
 
     def _measured(self) -> None:
         outcome = self._performer.take()

@@ -98,7 +98,7 @@ class Performer:
     def wake_at(self) -> Nanoseconds:
         """When it wants to be woken."""
         until, late = self._until_at, self._client.wake_at
-        return min(late, until)
+        return min(until, late)
 
     def perform(self, script: Script, now: Nanoseconds) -> Sent:
         """Begin a script in place of whatever was under way."""

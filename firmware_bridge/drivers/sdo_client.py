@@ -198,21 +198,18 @@ class SdoClient:
 class NodeClient:
     """An SDO client whose requests are frames on the CAN bus; a `firmware_bridge.drivers.script.Client`."""
 
-    __slots__ = ("_client", "_node")
+    __slots__ = ("_client", "_node", "wake_at")
 
     def __init__(self, node: int) -> None:
         self._node = node
         self._client = SdoClient()
+        self.wake_at: Nanoseconds = NEVER
+        """When the answer is late; an attribute, for it is asked for after every packet."""
 
     @property
     def busy(self) -> bool:
         """Whether a transfer is in flight."""
         return self._client.busy
-
-    @property
-    def wake_at(self) -> Nanoseconds:
-        """When the answer is late."""
-        return self._client.wake_at
 
     def start(self, transfer: Transfer, now: Nanoseconds) -> tuple[Packet, ...]:
         """Begin a transfer."""
@@ -233,6 +230,8 @@ class NodeClient:
     def cancel(self) -> None:
         """Forget the transfer in flight."""
         self._client.cancel()
+        self.wake_at = self._client.wake_at
 
     def _requests(self, payloads: tuple[bytes, ...]) -> tuple[Packet, ...]:
+        self.wake_at = self._client.wake_at
         return tuple(Packet(CAN, canopen.SDO_REQUEST + self._node, payload) for payload in payloads)

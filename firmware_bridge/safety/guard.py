@@ -60,6 +60,8 @@ class Guarded:
         """Since when some axis has been told to move; NEVER while none is."""
         self._speak_at: Nanoseconds = NEVER
         """When the guard repeats itself while the bridge stays silent; NEVER while it does not."""
+        self._deadline: Nanoseconds = NEVER
+        """When the guard must look again, whatever happens."""
         self._stopping = False
 
     @property
@@ -103,7 +105,7 @@ class Guarded:
             # It has ended in good order; whoever carries it takes NEVER for the end.
             return Reaction(tuple(sent))
         sent += self._sent(self._spoken_for(now))
-        return Reaction(tuple(sent), min(reaction.wake_at, self._deadline()))
+        return Reaction(tuple(sent), min(reaction.wake_at, self._deadline))
 
     def _admitted(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Return the frame itself, or what leaves in its place."""
@@ -146,12 +148,14 @@ class Guarded:
             self._moving_since = NEVER
         elif self._moving_since == NEVER:
             self._moving_since = now
-        if now < self._overdue_at():
+        overdue_at = self._overdue_at()
+        if now < overdue_at:
             self._speak_at = NEVER
+            self._deadline = min(NEVER, overdue_at)
             return ()
         if alarmed and now < self._speak_at:
             return ()
-        self._speak_at = now + self._cycle
+        self._speak_at = self._deadline = now + self._cycle
         if alarmed and self._speech.speaking:
             return ()
         safe = self._all_safe()
@@ -169,11 +173,6 @@ class Guarded:
     def _overdue_at(self) -> Nanoseconds:
         """Return when the first axis is overdue."""
         return max(min([axis.spoken_at for axis in self._axes]), self._moving_since) + self._patience
-
-    def _deadline(self) -> Nanoseconds:
-        if self._speak_at != NEVER:
-            return self._speak_at
-        return min(NEVER, self._overdue_at())
 
 
 def _speech(rules: Rules | SerialRules) -> Speech:

@@ -126,6 +126,7 @@ def frame_bits(address: int, payload: bytes) -> int:
     return bits + _CRC_BITS + _TAIL_BITS
 
 
+@lru_cache(maxsize=2048)
 def arbitration_rank(address: int) -> int:
     """Return the bits that decide arbitration as one number: the lowest one wins the bus.
 
