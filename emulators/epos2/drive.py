@@ -129,16 +129,8 @@ class Epos2:
         if self.nmt_state is NmtState.OPERATIONAL:
             for address, payload in pdo.changes(now):
                 self._send(address, payload)
-        return outbox.reaction(
-            min(
-                errors.due,
-                pdo.due,
-                outbox.answer_due,
-                self._boot_due,
-                self.motion.wake_at(),
-                self._identity.due,
-            )
-        )
+        ours = min(self._boot_due, self._identity.due, self.motion.wake_at())
+        return outbox.reaction(min(errors.due, pdo.due, outbox.answer_due, ours))
 
     def _send(self, address: int, payload: bytes) -> None:
         self._outbox.send(address, payload)

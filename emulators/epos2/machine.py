@@ -71,8 +71,7 @@ class PowerMachine:
     @property
     def due(self) -> Nanoseconds:
         """When something ends by itself."""
-        due, brake = self._due, self._brake.due
-        return min(brake, due)
+        return min(self._due, self._brake.due)
 
     @property
     def free(self) -> bool:
@@ -114,13 +113,6 @@ class PowerMachine:
     def drop_setpoint(self) -> None:
         """Forget a rising edge of bit 4 that has not been heeded."""
         self._latching = False
-
-    def _take_setpoint(self) -> None:
-        """Heed a rising edge of bit 4 with the target that the object holds by now."""
-        self._motion.mode.advance()
-        if self._latching and self._motion.mode.take_setpoint(self._controlword):
-            self._latching = False
-        self._heed()
 
     def _obey(self, word: int, before: int) -> None:
         """Carry out a controlword's command, then its mode bits; with bit 7 up it holds neither."""
@@ -243,27 +235,24 @@ class PowerMachine:
         return True
 
     def attend(self) -> None:
-        """Take in what axis and pins have found and what the time has brought, then a set-point that waits.
-
-        Of most calls nothing comes: each step is asked for only where it has something to do.
-        """
-        inputs = self._inputs
+        """Take in findings, pins and time, then a set-point that waits; mostly there is none of them."""
+        inputs, motion = self._inputs, self._motion
         inputs.refresh()
         if self._axis.flags & WATCHED:
-            self._supervise()
+            for code in self.errors.found(self.state):  # each is told once until it is reset
+                self.fail(code)
         self._heed()
         self.advance()
         if self.free:
-            self._take_setpoint()
+            motion.mode.advance()
+            # A rising edge of bit 4 counts with the target that the object holds by now.
+            if self._latching and motion.mode.take_setpoint(self._controlword):
+                self._latching = False
+            self._heed()
         if inputs.executed:
             self._heed_limits()
 
     # Faults
-
-    def _supervise(self) -> None:
-        """Turn what the axis found into faults; each is told once until it is reset."""
-        for code in self.errors.found(self.state):
-            self.fail(code)
 
     def _heed_limits(self) -> None:
         """Stop at a limit switch; asked when every set-point is taken, for it may lead into one."""
