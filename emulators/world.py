@@ -99,8 +99,7 @@ class World:
     def __init__(self, physics: Physics | None = None) -> None:
         self.now: Nanoseconds = 0
         self.events = 0
-        physics = physics or _Stillness()
-        self._advance = physics.advance
+        self._physics: Physics = _Stillness() if physics is None else physics
         self._moved_to: Nanoseconds = -1
         self._crowd = 0
         self._stations: dict[str, Station] = {}
@@ -152,7 +151,7 @@ class World:
             due = heap[0][0] if heap else NEVER
             at = min(until, due)
             if at > self._moved_to:
-                reached, names = self._advance(at)
+                reached, names = self._physics.advance(at)
                 if names:
                     self._wake_all(names, reached)
                     continue
