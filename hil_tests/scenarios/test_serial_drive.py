@@ -54,25 +54,24 @@ def armed(one: Ride) -> bool:
 
 
 @pytest.fixture(scope="module")
-def driven(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Robot], Path]:
-    """Drive the shipped line with each robot once, and return the folder of its results."""
-    folders: dict[str, Path] = {}
+def driven(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Robot, str], Path]:
+    """Drive a shipped mission with each robot once, and return the folder of its results."""
+    folders: dict[tuple[str, str], Path] = {}
 
-    def results(robot: Robot) -> Path:
-        name = robot.bus.link.value
-        if name not in folders:
-            folders[name] = tmp_path_factory.mktemp(name)
-            order = Order(robot, "line", missions.find("line", robot), 0, folders[name])
-            drive(order, lambda _: None)
-        return folders[name]
+    def results(robot: Robot, mission: str) -> Path:
+        link = robot.bus.link.value
+        if (link, mission) not in folders:
+            folder = folders[link, mission] = tmp_path_factory.mktemp(f"{link}-{mission}")
+            drive(Order(robot, mission, missions.find(mission, robot), 0, folder), lambda _: None)
+        return folders[link, mission]
 
     return results
 
 
 @pytest.mark.timeout(240)
-def test_the_line_mission_arrives_as_over_can(driven: Callable[[Robot], Path]) -> None:
+def test_the_line_mission_arrives_as_over_can(driven: Callable[[Robot, str], Path]) -> None:
     over_can, over_serial = (
-        json.loads((driven(robot) / "summary.json").read_text()) for robot in (RARS, USB)
+        json.loads((driven(robot, "line") / "summary.json").read_text()) for robot in (RARS, USB)
     )
     assert over_serial["path_length_m"] == pytest.approx(over_can["path_length_m"], abs=0.002)
     assert over_serial["max_speed_mps"] == pytest.approx(over_can["max_speed_mps"], abs=0.001)
@@ -86,6 +85,25 @@ def test_the_line_mission_arrives_as_over_can(driven: Callable[[Robot], Path]) -
     assert line["longest_cycle_ms"] < line["cycle_ms"]
     assert line["late_cycles"] == 0
     assert over_serial["bus_load_percent"] > over_can["bus_load_percent"]
+
+
+@pytest.mark.timeout(240)
+def test_every_interlock_holds_as_over_can(driven: Callable[[Robot, str], Path]) -> None:
+    """The operator who tries everything that is forbidden: the same holds in the same order, to 0.15 s."""
+    over_can, over_serial = (
+        json.loads((driven(robot, "interlocks") / "summary.json").read_text()) for robot in (RARS, USB)
+    )
+    names, began = (
+        [[hold[key] for hold in told["holds"]] for told in (over_can, over_serial)]
+        for key in ("name", "began_s")
+    )
+    assert names[0] == names[1]
+    # The set-up takes longer; "not armed" follows it.
+    assert names[0][:2] == ["starting", "not armed"]
+    assert began[1][2:] == pytest.approx(began[0][2:], abs=0.15)
+    assert over_serial["max_speed_mps"] < 0.502
+    assert over_serial["max_acceleration_mps2"] < 1.45
+    assert over_serial["line"]["late_cycles"] == 0
 
 
 def test_rs232_drives_with_the_longer_cycle_that_its_robot_file_says(rides: Ridden) -> None:
