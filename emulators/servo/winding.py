@@ -58,8 +58,10 @@ class Winding:
 
 
 def first_guess(axis: ServoAxis, current: int, speed: int) -> int:
-    """Return a back-EMF constant from the voltage at power-off; never more than the motor's own.
+    """Return a back-EMF constant from the voltage at power-off.
 
+    It is no more than the motor's own where the current has settled; of one that hunts the voltage tells
+    nothing.
     The voltage is resistance times current plus constant times speed. A current that brakes makes it smaller
     than the back-EMF. One that drives makes it larger, by a resistance that nobody has told: the largest is
     taken off. What is left may be nothing; an estimate that is too small only brakes, one that is too large
