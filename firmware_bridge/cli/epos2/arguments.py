@@ -31,7 +31,7 @@ class OptionalPeriod(TyperCommand):
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Give a lonely option its value."""
         full: list[str] = []
-        for word, following in zip(args, [*args[1:], ""], strict=True):
+        for word, following in zip(args, [*args, ""][1:], strict=True):
             lonely = word in WATCH and not _NUMBER.fullmatch(following)
             full += [word, PERIOD] if lonely else [word]
         return super().parse_args(ctx, full)

@@ -217,6 +217,14 @@ def test_a_line_in_use_is_told(on: Bench) -> None:
     assert "it is in use; end the program that has it" in found.line
 
 
+@pytest.mark.parametrize("words", [("read",), ("read", "--watch"), ("write",), ("write", "0x6081"), ("nmt",)])
+def test_a_command_that_lacks_its_words_says_which(words: tuple[str, ...]) -> None:
+    result = CliRunner().invoke(program, ["epos2", *words], env={"COLUMNS": "200", "TERM": "dumb"})
+    assert isinstance(result.exception, SystemExit)
+    assert result.exit_code == 2
+    assert "Missing argument" in result.output
+
+
 @pytest.mark.parametrize("command", COMMANDS)
 def test_each_command_explains_itself_with_an_example(command: str) -> None:
     result = CliRunner().invoke(program, ["epos2", command, "--help"], env={"COLUMNS": "200", "TERM": "dumb"})
