@@ -11,10 +11,11 @@ MISSIONS := line circles interlocks
 BIN := .venv/bin
 READY := .venv/.ready
 MEASURED := .venv/.measured
+COMPILED := .venv/compiled
 BRIDGE := $(BIN)/firmware-bridge
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test check docs golden bench hour clean
+.PHONY: help setup compiled demo test check docs golden bench hour clean
 
 help: ## list these commands
 	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' Makefile
@@ -34,6 +35,18 @@ $(READY): pyproject.toml setup.py $(wildcard emulators/servo/native/*.[ch])
 	@$(BIN)/python -m pip install --quiet --quiet --disable-pip-version-check --upgrade 'pip>=25.1'
 	@$(BIN)/python -m pip install --quiet --quiet --disable-pip-version-check --editable . --group dev
 	@touch $@
+
+# It takes the libraries, and the tests, from here; the program itself is its own.
+$(COMPILED)/.ready: $(READY) $(shell find firmware_bridge emulators fmu -name '*.py')
+	@echo "compiled: translating the core to C; this takes two minutes or three"
+	@[ -x $(COMPILED)/bin/python ] || $(BIN)/python -m venv --without-pip $(COMPILED)
+	@FIRMWARE_BRIDGE_COMPILE=1 $(BIN)/python -m pip --python $(COMPILED)/bin/python install --quiet \
+		--disable-pip-version-check --no-deps --force-reinstall .
+	@$(BIN)/python -c 'import site; print(site.getsitepackages()[0]); print("$(CURDIR)")' > \
+		"$$($(COMPILED)/bin/python -c 'import site; print(site.getsitepackages()[0])')/checkout.pth"
+	@touch $@
+
+compiled: $(COMPILED)/.ready ## install the program with its core compiled, in .venv/compiled
 
 demo: $(READY) ## drive the shipped missions in virtual time; results in out/
 	@begun=$$(date +%s); \

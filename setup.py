@@ -1,36 +1,75 @@
-"""Builds the servo kernel as a plain shared library beside its source; pyproject.toml says all the rest.
+"""Builds what is native in the package; pyproject.toml says all the rest.
 
-Without a C compiler the package installs all the same, and the kernel's twin in Python serves.
+The servo kernel is a plain shared library beside its source. Without a C compiler the package installs all
+the same, and the kernel's twin in Python serves.
+
+With FIRMWARE_BRIDGE_COMPILE=1 a wheel has, besides, the modules that every packet passes through, translated
+to C by mypyc: see docs/decisions/same-source-compiled.md.
 """
 
 import hashlib
+import os
 import sys
 from pathlib import Path
+from typing import Final
 
 from setuptools import Extension, setup
 from setuptools.command.build_ext import build_ext
 
-FOLDER = Path("emulators") / "servo" / "native"
-FILES = sorted(FOLDER.glob("*.[ch]"))
+FOLDER: Final = Path("emulators") / "servo" / "native"
+FILES: Final = sorted(FOLDER.glob("*.[ch]"))
 # Contraction into fused multiply-adds would make the plant's inputs depend on compiler and CPU.
-UNIX_FLAGS = ["-std=c99", "-O2", "-ffp-contract=off", "-fvisibility=hidden"]
+SAME_EVERYWHERE: Final = "-ffp-contract=off"
+UNIX_FLAGS: Final = ["-std=c99", "-O2", "-fvisibility=hidden"]
+
+MYPYC: Final = "mypy[mypyc]>=2.4,<3"
+WAY_OF_A_PACKET: Final = (
+    "emulators/bench/hand.py",
+    "emulators/bench/operator.py",
+    "emulators/epos2/*.py",
+    "emulators/epos2/modes/*.py",
+    "emulators/rig.py",
+    "emulators/servo/bank.py",
+    "emulators/servo/scaling.py",
+    "emulators/wires/*.py",
+    "emulators/world.py",
+    "firmware_bridge/bridge/*.py",
+    "firmware_bridge/drivers/*.py",
+    "firmware_bridge/motion/*.py",
+    "firmware_bridge/packet.py",
+    "firmware_bridge/safety/*.py",
+    "firmware_bridge/teleop/*.py",
+    "firmware_bridge/wire/*.py",
+)
+"""What runs again and again in a mission; tables, and what runs once, stay as they are."""
+INTERPRETED: Final = frozenset({"emulators/wires/serial.py", "firmware_bridge/wire/abort.py"})
+"""What mypyc does not know: a protocol that is asked for at run time, an enumeration with a `__new__`."""
 
 
-class SharedLibrary(build_ext):
-    """Builds a library that is loaded by its path: no module's name, no PyInit, no Python headers."""
+class SharedLibrary(Extension):
+    """A library that is loaded by its path: no module's name, no PyInit, no Python headers."""
+
+
+class Build(build_ext):
+    """Builds libraries, and modules of Python."""
 
     def get_ext_filename(self, ext_name: str) -> str:
-        """Return `libservo.so` or `libservo.dll` in the extension's folder."""
-        return str(Path(*ext_name.split("."))) + (".dll" if sys.platform == "win32" else ".so")
+        """Return `libservo.so` or `libservo.dll` in the library's folder; for a module what Python wants."""
+        if isinstance(self.ext_map.get(ext_name), SharedLibrary):
+            return str(Path(*ext_name.split("."))) + (".dll" if sys.platform == "win32" else ".so")
+        return str(super().get_ext_filename(ext_name))
 
     def get_export_symbols(self, ext: Extension) -> list[str]:
-        """Export nothing by name: the source says what is visible."""
-        return list(ext.export_symbols)
+        """Export nothing of a library by name: its source says what is visible."""
+        if isinstance(ext, SharedLibrary):
+            return list(ext.export_symbols)
+        return list(super().get_export_symbols(ext))
 
     def build_extension(self, ext: Extension) -> None:
         """Compile with the flags that this compiler understands."""
         if self.compiler.compiler_type != "msvc":
-            ext.extra_compile_args = UNIX_FLAGS
+            own = UNIX_FLAGS if isinstance(ext, SharedLibrary) else []
+            ext.extra_compile_args = [*ext.extra_compile_args, *own, SAME_EVERYWHERE]
         super().build_extension(ext)
 
 
@@ -42,15 +81,34 @@ def built_from() -> str:
     return f"0x{digest.hexdigest()[:16]}"
 
 
+def kernel() -> Extension:
+    """Return the servo kernel."""
+    return SharedLibrary(
+        "emulators.servo.libservo",
+        sources=[str(file) for file in FILES if file.suffix == ".c"],
+        depends=[str(file) for file in FILES if file.suffix == ".h"],
+        define_macros=[("SERVO_SOURCE", built_from())],
+        optional=True,
+    )
+
+
+def compiled() -> list[Extension]:
+    """Return the modules to compile. A wheel has them only: in a checkout they would hide what is edited."""
+    if "bdist_wheel" not in sys.argv:
+        return []
+    from mypyc.build import mypycify  # noqa: PLC0415 - needed for this alone
+
+    files = {str(file) for pattern in WAY_OF_A_PACKET for file in Path().glob(pattern)}
+    chosen = sorted(file for file in files - INTERPRETED if not file.endswith("__init__.py"))
+    options = ["--ignore-missing-imports", "--follow-imports=silent"]
+    return list(mypycify([*options, *chosen], opt_level="2", multi_file=True, group_name="firmware_bridge"))
+
+
+WANTED: Final = os.environ.get("FIRMWARE_BRIDGE_COMPILE", "") == "1"
+
 setup(
-    cmdclass={"build_ext": SharedLibrary},
-    ext_modules=[
-        Extension(
-            "emulators.servo.libservo",
-            sources=[str(file) for file in FILES if file.suffix == ".c"],
-            depends=[str(file) for file in FILES if file.suffix == ".h"],
-            define_macros=[("SERVO_SOURCE", built_from())],
-            optional=True,
-        )
-    ],
+    cmdclass={"build_ext": Build},
+    ext_modules=[kernel(), *(compiled() if WANTED else ())],
+    options={"build_ext": {"parallel": os.cpu_count()}},
+    setup_requires=[MYPYC] if WANTED else [],
 )

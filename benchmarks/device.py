@@ -27,7 +27,8 @@ from emulators.servo.axis import ServoAxis
 from emulators.single import QUADCOUNTS
 from emulators.wires import CanWire
 from emulators.world import World
-from firmware_bridge.node import CAN, Packet, Reaction
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire import canopen, sdo
 from firmware_bridge.wire.epos2.address import Address

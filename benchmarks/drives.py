@@ -12,7 +12,8 @@ from emulators.servo.bank import ServoBank
 from emulators.single import QUADCOUNTS
 from emulators.wires import CanWire
 from emulators.world import World
-from firmware_bridge.node import CAN, Packet, Reaction
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire import canopen, sdo
 from firmware_bridge.wire.canopen import NmtCommand

@@ -8,7 +8,8 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from emulators.world import Physics
-from firmware_bridge.node import Node, Packet, Reaction
+from firmware_bridge.node import Node
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 
 

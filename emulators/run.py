@@ -14,7 +14,7 @@ from emulators.bench.operator import ScriptedOperator
 from emulators.bench.plots import draw
 from emulators.bench.summary import Run, Summary, as_json, summarise
 from emulators.rig import Rig, build
-from firmware_bridge.node import Packet
+from firmware_bridge.packet import Packet
 from firmware_bridge.recording import candump_line, tlog_records
 from firmware_bridge.robot import Robot
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds

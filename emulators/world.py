@@ -10,7 +10,8 @@ from heapq import heappop, heappush
 from typing import Any, Final, Protocol
 
 from emulators.rewind import Moment, Rewind
-from firmware_bridge.node import Node, Packet, Reaction, Selective, Stoppable
+from firmware_bridge.node import Node, Selective, Stoppable
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import NEVER, Nanoseconds
 
 LIVELOCK: Final = 100_000

@@ -3,10 +3,10 @@
 A node refuses to know who carries its packets: the virtual world, a real port, a recorder or a test.
 """
 
-from dataclasses import dataclass
 from typing import Final, Protocol, runtime_checkable
 
-from firmware_bridge.units import NEVER, Nanoseconds
+from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.units import Nanoseconds
 
 CAN: Final = "can"
 SERIAL: Final = "serial"
@@ -15,31 +15,6 @@ MAXON: Final = "maxon"
 OPERATOR: Final = "operator"
 LINE_LOST: Final = 1
 LINE_BACK: Final = 2
-
-
-@dataclass(frozen=True, slots=True)
-class Packet:
-    """One CAN frame, one chunk of serial bytes, or one datagram.
-
-    `address` is the CAN identifier with the flags of `firmware_bridge.wire.can`; 0 on links without one. On
-    a serial link an empty packet with the address `LINE_LOST` or `LINE_BACK` tells what became of the line.
-    A remote frame carries as many zero bytes as its length code says.
-    """
-
-    link: str
-    address: int
-    payload: bytes
-
-
-@dataclass(frozen=True, slots=True)
-class Reaction:
-    """What leaves now, in this order, and the next instant at which the node wants to be woken.
-
-    `wake_at` replaces every earlier wish of the node; `NEVER` asks for none.
-    """
-
-    sent: tuple[Packet, ...] = ()
-    wake_at: Nanoseconds = NEVER
 
 
 class Node(Protocol):

@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterator
 from enum import Enum
 from typing import Final, TypeAlias
 
-from firmware_bridge.node import CAN, Node, Packet, Reaction, Stoppable
+from firmware_bridge.node import CAN, Node, Stoppable
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MICROSECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.can import ERROR, EXTENDED, EXTENDED_MASK, MAX_PAYLOAD, REMOTE, STANDARD_MASK
 

@@ -9,8 +9,8 @@ Nanoseconds: TypeAlias = int
 MICROSECOND: Final[Nanoseconds] = 1_000
 MILLISECOND: Final[Nanoseconds] = 1_000_000
 SECOND: Final[Nanoseconds] = 1_000_000_000
-NEVER: Final[Nanoseconds] = 2**63 - 1
-"""An instant that does not come."""
+NEVER: Final[Nanoseconds] = 2**62 - 1
+"""An instant that does not come: 146 years on."""
 
 STANDARD_GRAVITY: Final = 9.81
 """m/s2, the value that the robots' sources use throughout."""

@@ -1,6 +1,7 @@
 """The adapter between a computer and a drive's serial port: it can be unplugged in the middle of a run."""
 
-from firmware_bridge.node import LINE_BACK, LINE_LOST, SERIAL, Node, Packet, Reaction, Stoppable
+from firmware_bridge.node import LINE_BACK, LINE_LOST, SERIAL, Node, Stoppable
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import Nanoseconds
 
 

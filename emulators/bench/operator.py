@@ -15,7 +15,8 @@ from emulators.bench.diary import Diary, Kind, place_of
 from emulators.bench.hand import Ramp, Tremor
 from emulators.bench.mission import Button, Input, Mission, Step, steer_of_radius
 from emulators.bench.strays import datagram, velocity
-from firmware_bridge.node import OPERATOR, Packet, Reaction
+from firmware_bridge.node import OPERATOR
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import Robot
 from firmware_bridge.teleop.mavlink import Codec, Message, dialect, text_of
 from firmware_bridge.teleop.texts import Listener

@@ -27,7 +27,7 @@ from emulators.epos2.profile import EPOS2_70_10, DeviceProfile
 from emulators.epos2.sdo_server import SdoServer
 from emulators.epos2.store import ObjectStore
 from emulators.servo.axis import STAGE_RISE_MC, ServoAxis
-from firmware_bridge.node import Packet, Reaction
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.can import REMOTE

@@ -4,7 +4,8 @@ from collections import deque
 from typing import Final
 
 from emulators.epos2.identity import Identity
-from firmware_bridge.node import CAN, Packet, Reaction
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import NEVER, Nanoseconds
 
 

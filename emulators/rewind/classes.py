@@ -20,6 +20,7 @@ from typing import Any, Final, ForwardRef, Literal, Union, get_args, get_origin,
 import numpy as np
 
 from emulators.rewind.kinds import KEEPER, KINDS, Apart, Keeper, Kind, slots_kind, slots_of
+from firmware_bridge.packet import Packet, Reaction
 
 PLAIN: Final[tuple[type, ...]] = (
     int, float, complex, str, bytes, bool, type(None), type, range, slice, Enum, Decimal, Fraction,
@@ -28,7 +29,7 @@ PLAIN: Final[tuple[type, ...]] = (
     # Addresses of native functions and memory; the memory itself is found as what it is.
     ctypes.CDLL, *ctypes.CFUNCTYPE(None).__bases__, *ctypes.POINTER(ctypes.c_int).__bases__,
     type(ctypes.byref(ctypes.c_int())),
-    Apart,
+    Packet, Reaction, Apart,
 )  # fmt: skip
 """Nothing that one of these holds changes in a run, or is part of it. Classes and modules are among them."""
 

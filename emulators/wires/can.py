@@ -10,7 +10,7 @@ from typing import Final
 
 from emulators.wires.ends import End, Ends, Observer
 from emulators.world import Station, World, WorldError
-from firmware_bridge.node import Packet
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.can import INTERFRAME_BITS, arbitration_rank, frame_bits
 

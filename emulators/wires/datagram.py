@@ -9,7 +9,7 @@ from numpy.random import Generator
 
 from emulators.wires.ends import End, Ends, Observer
 from emulators.world import Station, World, WorldError
-from firmware_bridge.node import Packet
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import Nanoseconds
 
 _Flight: TypeAlias = tuple[Station, Packet]

@@ -11,7 +11,7 @@ from typing import Final
 from emulators.wires.can import CanWire, Controller
 from emulators.wires.confinement import RECOVERY_BITS, Condition, Confinement
 from emulators.world import Station, World, WorldError
-from firmware_bridge.node import Packet
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire.can import INTERFRAME_BITS
 from firmware_bridge.wire.can_error import (

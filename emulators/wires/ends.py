@@ -5,7 +5,7 @@ from typing import TypeAlias
 
 from emulators.rewind import Outside
 from emulators.world import Station, World, WorldError
-from firmware_bridge.node import Packet
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import Nanoseconds
 
 Observer: TypeAlias = Callable[[Nanoseconds, str, Packet], None]

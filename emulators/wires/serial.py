@@ -12,7 +12,7 @@ from typing import Final, Protocol, runtime_checkable
 from emulators.wires.bits import heard_as
 from emulators.wires.ends import End, Ends, Observer
 from emulators.world import Station, World, WorldError
-from firmware_bridge.node import Packet
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import SECOND, Nanoseconds
 
 BITS_PER_BYTE: Final = 10

@@ -16,7 +16,8 @@ from firmware_bridge.bridge.pipeline import Pipeline
 from firmware_bridge.drivers.drive import BRING_UP, Task
 from firmware_bridge.drivers.link import Link
 from firmware_bridge.intent import EmergencyStop, Request, Verdict
-from firmware_bridge.node import OPERATOR, Packet, Reaction
+from firmware_bridge.node import OPERATOR
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import Robot
 from firmware_bridge.safety.snapshot import Hold, Snapshot
 from firmware_bridge.teleop.operator import Operator

@@ -8,7 +8,7 @@ from typing import Final
 from firmware_bridge.drivers.drive import BRING_UP, Drive, Stop, Task
 from firmware_bridge.drivers.fleet import Fleet
 from firmware_bridge.intent import Arm, ClearEmergencyStop, Disarm, EmergencyStop, Request, Verdict
-from firmware_bridge.node import Packet
+from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Robot
 from firmware_bridge.safety.interlocks import BASE_MOVES_MPS, DRIVE_STOPS, STOPS, drive_silent_after
 from firmware_bridge.safety.snapshot import Hold, Snapshot

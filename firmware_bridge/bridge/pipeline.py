@@ -16,7 +16,7 @@ from firmware_bridge.intent import NEVER_HEARD, Request, ResetOdometry, Verdict
 from firmware_bridge.motion import davis, lift
 from firmware_bridge.motion.odometry import Odometry
 from firmware_bridge.motion.ramp import Ramp
-from firmware_bridge.node import Packet
+from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Robot, Role
 from firmware_bridge.safety.gate import Gate, Ruling
 from firmware_bridge.safety.snapshot import DriveSnapshot, Hold, Snapshot

@@ -18,7 +18,8 @@ from firmware_bridge.cli.options import (
 from firmware_bridge.cli.real_time import carry
 from firmware_bridge.drivers.serial.line import MaxonLine
 from firmware_bridge.drivers.serial.plan import PlanError
-from firmware_bridge.node import CAN, OPERATOR, SERIAL, Node, Packet, Reaction, Stoppable
+from firmware_bridge.node import CAN, OPERATOR, SERIAL, Node, Stoppable
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import Link, Robot
 from firmware_bridge.safety.guard import Guarded, guarded
 from firmware_bridge.safety.snapshot import Hold

@@ -4,7 +4,8 @@ from collections.abc import Iterable
 from typing import Final
 
 from firmware_bridge.drivers.epos2 import Epos2
-from firmware_bridge.node import CAN, Packet
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Bus
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 from firmware_bridge.wire import can, canopen

@@ -8,7 +8,7 @@ from enum import Enum
 from typing import Protocol, TypeAlias
 
 from firmware_bridge.intent import NEVER_HEARD
-from firmware_bridge.node import Packet
+from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire.cia402 import State

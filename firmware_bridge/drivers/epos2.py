@@ -9,7 +9,7 @@ from firmware_bridge.drivers.epos2_setpoint import set_point
 from firmware_bridge.drivers.epos2_setup import Travel, configuration
 from firmware_bridge.drivers.script import Performer
 from firmware_bridge.drivers.sdo_client import NodeClient, SdoError, Transfer
-from firmware_bridge.node import Packet
+from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis, Bus
 from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire import canopen

@@ -10,7 +10,7 @@ from firmware_bridge.drivers.epos2_setpoint import SetPoint
 from firmware_bridge.drivers.epos2_setup import Row
 from firmware_bridge.drivers.epos2_tasks import Ear
 from firmware_bridge.drivers.script import Do, Performer, Script
-from firmware_bridge.node import Packet
+from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds
 

@@ -11,7 +11,8 @@ from typing import Final, Protocol
 from firmware_bridge.drivers.drive import Demand, Heard, Position, Speed, Stop
 from firmware_bridge.drivers.epos2_pdo import SET_POINT, SET_POINT_COB_ID
 from firmware_bridge.drivers.epos2_setup import Travel
-from firmware_bridge.node import CAN, Packet
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis, Mode
 from firmware_bridge.units import RPM_PER_RAD_S
 from firmware_bridge.wire.cia402 import Control, State

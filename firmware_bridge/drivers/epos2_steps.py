@@ -11,7 +11,8 @@ from firmware_bridge.drivers.drive import StartupError
 from firmware_bridge.drivers.epos2_setup import Row
 from firmware_bridge.drivers.script import Ask, Do, Script, Until
 from firmware_bridge.drivers.sdo_client import Outcome, SdoError, Transfer
-from firmware_bridge.node import CAN, Packet
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire import canopen

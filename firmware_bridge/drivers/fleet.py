@@ -5,7 +5,7 @@ from itertools import chain
 
 from firmware_bridge.drivers.drive import Demand, Drive, Stop, Task
 from firmware_bridge.drivers.link import Link
-from firmware_bridge.node import Packet
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import Nanoseconds
 
 

@@ -5,7 +5,7 @@ What a method returns is to be sent. It refuses to know what a drive is told.
 
 from typing import Protocol
 
-from firmware_bridge.node import Packet
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import Nanoseconds
 
 

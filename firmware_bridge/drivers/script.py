@@ -12,7 +12,7 @@ from typing import Protocol, TypeAlias, Union
 
 from firmware_bridge.drivers.drive import StartupError
 from firmware_bridge.drivers.sdo_client import Outcome, Transfer
-from firmware_bridge.node import Packet
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, Nanoseconds
 
 

@@ -9,7 +9,8 @@ any object that the bridge writes.
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-from firmware_bridge.node import CAN, Packet
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 from firmware_bridge.wire import canopen, sdo
 from firmware_bridge.wire.abort import AbortCode, meaning_of

@@ -12,7 +12,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-from firmware_bridge.node import OPERATOR, Node, Packet, Reaction, Stoppable
+from firmware_bridge.node import OPERATOR, Node, Stoppable
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import Link, Robot
 from firmware_bridge.safety.guard_axis import GuardedAxis
 from firmware_bridge.safety.guard_can import CanSpeech

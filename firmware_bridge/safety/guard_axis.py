@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from firmware_bridge.node import CAN, Packet
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Mode
 from firmware_bridge.safety.guard_rules import ENABLE, HALT, NEW_SET_POINT, POWERED, SET_POINT, AxisRules
 from firmware_bridge.units import Nanoseconds

@@ -3,7 +3,8 @@
 from collections.abc import Iterable
 from typing import Final
 
-from firmware_bridge.node import CAN, Packet
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet
 from firmware_bridge.safety.guard_axis import GuardedAxis
 from firmware_bridge.safety.guard_rules import Rules
 from firmware_bridge.wire import canopen

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from typing import Final, Protocol
 
 from firmware_bridge.motion import davis, lift
-from firmware_bridge.node import Packet
+from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis, Mode, Robot, Role
 from firmware_bridge.safety.guard_writes import Bounds, writes_for
 from firmware_bridge.units import MILLISECOND, Nanoseconds

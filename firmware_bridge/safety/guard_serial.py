@@ -7,7 +7,8 @@ from collections import deque
 from collections.abc import Iterable
 from typing import Final
 
-from firmware_bridge.node import LINE_BACK, LINE_LOST, MAXON, Packet
+from firmware_bridge.node import LINE_BACK, LINE_LOST, MAXON
+from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Mode
 from firmware_bridge.safety.guard_axis import GuardedAxis
 from firmware_bridge.safety.guard_rules import ENABLE, HALT

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, Final, TypeAlias
 
-from firmware_bridge.node import Packet
+from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Mode, Robot
 from firmware_bridge.safety.guard_rules import CONTROLWORDS, LISTED_NMT, AxisRules, axis_rules
 from firmware_bridge.safety.guard_writes import Bounds, writes_over_serial

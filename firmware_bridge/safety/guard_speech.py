@@ -2,7 +2,7 @@
 
 from typing import Protocol
 
-from firmware_bridge.node import Packet
+from firmware_bridge.packet import Packet
 from firmware_bridge.safety.guard_axis import GuardedAxis
 from firmware_bridge.units import Nanoseconds
 

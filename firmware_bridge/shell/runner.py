@@ -14,7 +14,8 @@ from dataclasses import dataclass
 from types import FrameType
 from typing import Final
 
-from firmware_bridge.node import Finite, Node, Packet, Reaction, Stoppable
+from firmware_bridge.node import Finite, Node, Stoppable
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.shell.clock import Clock
 from firmware_bridge.shell.ports.port import LostPort, Port
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds, to_seconds

@@ -32,7 +32,7 @@ def name(path: Path) -> str:
 
 @pytest.mark.parametrize("path", sources("firmware_bridge/wire"), ids=name)
 def test_the_words_on_the_wire_need_the_standard_library_only(path: Path) -> None:
-    own = ("firmware_bridge.wire", "firmware_bridge.node", "firmware_bridge.units")
+    own = ("firmware_bridge.wire", "firmware_bridge.node", "firmware_bridge.packet", "firmware_bridge.units")
     strange = [
         module
         for module in imports(path)

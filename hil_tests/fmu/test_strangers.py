@@ -21,7 +21,8 @@ from emulators.wires import CanWire, DatagramWire
 from emulators.world import World
 from firmware_bridge.bridge import Bridge
 from firmware_bridge.cli import attach_commands, program
-from firmware_bridge.node import CAN, OPERATOR, Packet, Reaction
+from firmware_bridge.node import CAN, OPERATOR
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import Robot, find, shipped
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, from_seconds
 from fmu.build import export

@@ -11,7 +11,8 @@ import canopen
 
 from emulators.wires import CanWire
 from emulators.world import World
-from firmware_bridge.node import CAN, Packet, Reaction
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
 from firmware_bridge.wire.can import REMOTE, identifier
 

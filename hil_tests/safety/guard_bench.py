@@ -3,7 +3,8 @@
 import struct
 from dataclasses import dataclass, field
 
-from firmware_bridge.node import CAN, Packet, Reaction
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import Robot
 from firmware_bridge.safety.guard import Guarded, Refusal
 from firmware_bridge.safety.guard_rules import rules_for

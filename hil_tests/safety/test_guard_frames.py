@@ -5,7 +5,8 @@ from typing import Final
 
 import pytest
 
-from firmware_bridge.node import CAN, OPERATOR, SERIAL, Packet, Reaction
+from firmware_bridge.node import CAN, OPERATOR, SERIAL
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import Robot
 from firmware_bridge.safety.guard import REMEMBERED, Guarded
 from firmware_bridge.safety.guard_rules import rules_for

@@ -4,7 +4,8 @@ from typing import Final
 
 import pytest
 
-from firmware_bridge.node import CAN, Packet
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet
 from hil_tests.safety.guard_bench import Bench, aborted, frame, position, raw, wheel, write
 
 START_NODE: Final = Packet(CAN, 0x000, b"\x01\x00")

@@ -8,7 +8,8 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
-from firmware_bridge.node import CAN, OPERATOR, Packet
+from firmware_bridge.node import CAN, OPERATOR
+from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Mode, find
 from firmware_bridge.safety.guard_rules import rules_for
 from firmware_bridge.units import MILLISECOND, NEVER

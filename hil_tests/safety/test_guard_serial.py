@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from firmware_bridge.drivers.epos2_setup import Travel, configuration, farewell, over_serial
 from firmware_bridge.drivers.serial.client import reading, writing
 from firmware_bridge.drivers.serial.link import guarding, heartbeat
-from firmware_bridge.node import CAN, LINE_BACK, LINE_LOST, MAXON, OPERATOR, Packet, Reaction
+from firmware_bridge.node import CAN, LINE_BACK, LINE_LOST, MAXON, OPERATOR
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import Mode, Role, find
 from firmware_bridge.safety.guard import Guarded, Refusal, guarded
 from firmware_bridge.safety.guard_serial_rules import serial_rules_for

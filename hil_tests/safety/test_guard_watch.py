@@ -4,7 +4,8 @@ from typing import Final
 
 import pytest
 
-from firmware_bridge.node import CAN, OPERATOR, Node, Packet, Reaction
+from firmware_bridge.node import CAN, OPERATOR, Node
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import Robot
 from firmware_bridge.safety.guard import Guarded
 from firmware_bridge.safety.guard_rules import rules_for

@@ -5,7 +5,8 @@ from typing import Final
 
 import pytest
 
-from firmware_bridge.node import CAN, Packet
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Robot
 from hil_tests.safety.guard_bench import Bench, aborted, frame, raw, write
 

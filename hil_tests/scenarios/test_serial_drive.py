@@ -13,7 +13,8 @@ from emulators.line import Line
 from emulators.rig import BRIDGE
 from emulators.run import Order, drive
 from firmware_bridge.bridge import Phase
-from firmware_bridge.node import CAN, Packet
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Robot, find
 from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
 from firmware_bridge.wire import canopen

@@ -14,7 +14,8 @@ from emulators.epos2.profile import EPOS2_70_10, DeviceProfile
 from emulators.epos2.serial.bus import Bus
 from emulators.epos2.serial.port import BAUDS, SerialPort
 from emulators.servo.axis import ServoAxis
-from firmware_bridge.node import SERIAL, Packet, Reaction
+from firmware_bridge.node import SERIAL
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire.canopen import NmtCommand, NmtState
 from firmware_bridge.wire.maxon.frame import Generation

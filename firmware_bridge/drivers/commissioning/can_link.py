@@ -27,7 +27,8 @@ from firmware_bridge.drivers.sdo_client import (
     Transfer,
 )
 from firmware_bridge.drivers.sdo_client import SdoTimeoutError as NoAnswer
-from firmware_bridge.node import CAN, Packet
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire import canopen
 

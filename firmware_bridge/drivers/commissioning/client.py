@@ -10,7 +10,7 @@ from typing import TypeAlias, Union
 
 from firmware_bridge.drivers.commissioning.errand import Errand, ErrandError, Outcome
 from firmware_bridge.drivers.commissioning.link import DriveLink, Sent
-from firmware_bridge.node import Packet, Reaction
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import NEVER, Nanoseconds
 
 

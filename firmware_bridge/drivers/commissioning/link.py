@@ -3,7 +3,7 @@
 from typing import Protocol
 
 from firmware_bridge.drivers.commissioning.errand import Errand, Outcome
-from firmware_bridge.node import Packet
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import Nanoseconds
 
 Sent = tuple[Packet, ...]

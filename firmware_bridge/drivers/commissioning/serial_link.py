@@ -19,7 +19,8 @@ from firmware_bridge.drivers.commissioning.errand import (
     patience,
 )
 from firmware_bridge.drivers.commissioning.link import Sent
-from firmware_bridge.node import SERIAL, Packet
+from firmware_bridge.node import SERIAL
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.objects import OBJECTS

@@ -13,7 +13,7 @@ from firmware_bridge.drivers.sdo_client import (
     Transfer,
 )
 from firmware_bridge.drivers.serial.errands import Errand, Exchange, Rank, Result, succeeded
-from firmware_bridge.node import Packet
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire.abort import AbortCode
 from firmware_bridge.wire.epos2.address import Address

@@ -18,7 +18,8 @@ from firmware_bridge.drivers.serial.errands import Errand, Exchange, Rank, Resul
 from firmware_bridge.drivers.serial.heard import FAULT_STATES, SerialEar
 from firmware_bridge.drivers.serial.proof import Proof
 from firmware_bridge.drivers.serial.rows import CURRENT, ERROR_REGISTER, POSITION, STATUSWORD, ReadRow
-from firmware_bridge.node import MAXON, Packet
+from firmware_bridge.node import MAXON
+from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis, Mode, Robot
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire import canopen

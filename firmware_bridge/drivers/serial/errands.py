@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final, Protocol, TypeAlias
 
-from firmware_bridge.node import LINE_BACK, LINE_LOST, Packet
+from firmware_bridge.node import LINE_BACK, LINE_LOST
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire.maxon.frame import Answered, Failure
 from firmware_bridge.wire.maxon.messages import Answer, Done, Request

@@ -7,7 +7,8 @@ command means. Commands for a line that is gone are dropped; the node has been t
 from collections import deque
 from typing import Final
 
-from firmware_bridge.node import LINE_BACK, LINE_LOST, MAXON, SERIAL, Node, Packet, Reaction, Stoppable
+from firmware_bridge.node import LINE_BACK, LINE_LOST, MAXON, SERIAL, Node, Stoppable
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 from firmware_bridge.wire.maxon.frame import Frame, Generation, Outcome
 from firmware_bridge.wire.maxon.lines import host_end

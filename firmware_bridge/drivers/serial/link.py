@@ -11,7 +11,8 @@ from typing import Final
 from firmware_bridge.drivers.serial.epos import EposSerial
 from firmware_bridge.drivers.serial.errands import Errand, Exchange, Rank, Result
 from firmware_bridge.drivers.serial.rows import IN_EVERY_CYCLE, IN_TURN
-from firmware_bridge.node import MAXON, Packet
+from firmware_bridge.node import MAXON
+from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Robot
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire import canopen

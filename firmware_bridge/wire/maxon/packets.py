@@ -6,7 +6,8 @@ What comes back has the opcode of the command that it belongs to, and a flag whe
 
 from typing import Final
 
-from firmware_bridge.node import MAXON, Packet
+from firmware_bridge.node import MAXON
+from firmware_bridge.packet import Packet
 from firmware_bridge.wire.maxon.frame import Answered, Failure, Frame, Outcome
 from firmware_bridge.wire.maxon.messages import Request
 from firmware_bridge.wire.maxon.opcodes import COMMANDS, decode_request, encode_request

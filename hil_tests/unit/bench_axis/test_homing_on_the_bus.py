@@ -7,7 +7,8 @@ from emulators.servo import kernel
 from emulators.single import Order, drives
 from emulators.wires import CanWire
 from emulators.world import World
-from firmware_bridge.node import CAN, Packet
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.epos2.objects import OBJECTS
 from fmu.build import ensure

@@ -16,7 +16,8 @@ from emulators.bench.strays import Stray
 from firmware_bridge import robot as robots
 from firmware_bridge.intent import Arm, ClearEmergencyStop, Disarm, EmergencyStop, Intent, Request, Verdict
 from firmware_bridge.motion.odometry import Pose
-from firmware_bridge.node import OPERATOR, Packet, Reaction
+from firmware_bridge.node import OPERATOR
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import Robot
 from firmware_bridge.safety.snapshot import DriveSnapshot, Hold, Snapshot
 from firmware_bridge.teleop.mavlink import Codec, dialect

@@ -12,7 +12,8 @@ from emulators.wires.datagram import DatagramWire
 from emulators.world import World
 from firmware_bridge import robot as robots
 from firmware_bridge.bridge import Bridge, Phase
-from firmware_bridge.node import CAN, OPERATOR, Packet, Reaction
+from firmware_bridge.node import CAN, OPERATOR
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import Axis, Mode, Robot
 from firmware_bridge.safety.guard import Guarded
 from firmware_bridge.safety.guard_rules import rules_for

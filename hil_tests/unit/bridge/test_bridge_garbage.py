@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 
 from firmware_bridge import robot as robots
 from firmware_bridge.bridge import Bridge
-from firmware_bridge.node import CAN, OPERATOR, Packet
+from firmware_bridge.node import CAN, OPERATOR
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 if TYPE_CHECKING:

@@ -53,7 +53,7 @@ def test_without_the_bridge_the_drives_stop_by_themselves_and_are_enabled_again(
     bench.world.silence("bridge", bench.now)
     bench.runs(0.6)
     assert below.plant.read("speed") == pytest.approx(0.0, abs=0.01)
-    bench.world.silence("bridge", 2**63 - 1)
+    bench.world.silence("bridge", 2**62 - 1)
     bench.speed = 0.0
     bench.runs(0.5)
     assert bench.arms() == TEMPORARILY_REJECTED

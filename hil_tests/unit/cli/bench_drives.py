@@ -13,7 +13,8 @@ from emulators.epos2.catalogue import PROFILES
 from emulators.gateway import Cluster
 from emulators.single import Order, drives
 from firmware_bridge.cli import attach_commands, program
-from firmware_bridge.node import CAN, SERIAL, Node, Packet, Reaction
+from firmware_bridge.node import CAN, SERIAL, Node
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.shell.clock import Clock
 from firmware_bridge.shell.ports import PseudoTerminal, open_can
 from firmware_bridge.shell.runner import run

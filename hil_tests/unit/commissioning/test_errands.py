@@ -17,7 +17,8 @@ from firmware_bridge.drivers.commissioning.errand import (
 )
 from firmware_bridge.drivers.commissioning.network import Gateway
 from firmware_bridge.drivers.commissioning.serial_link import SerialLink
-from firmware_bridge.node import CAN, SERIAL, Packet
+from firmware_bridge.node import CAN, SERIAL
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, SECOND
 from firmware_bridge.wire.abort import AbortCode
 from firmware_bridge.wire.epos2 import address as at

@@ -10,7 +10,8 @@ from firmware_bridge.drivers.commissioning.overview import Overview
 from firmware_bridge.drivers.commissioning.power import WAYS as POWER
 from firmware_bridge.drivers.commissioning.power import PowerCommand, Wanted
 from firmware_bridge.drivers.commissioning.serial_link import SerialLink
-from firmware_bridge.node import CAN, Packet
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.canopen import NmtCommand, NmtState
 from firmware_bridge.wire.cia402 import Mode, State, state_of

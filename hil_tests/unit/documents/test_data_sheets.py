@@ -19,7 +19,8 @@ from emulators.documents.reader import SilentNodeError, read_all
 from emulators.epos2.catalogue import PROFILES
 from emulators.epos2.profile import EPOS2_70_10
 from firmware_bridge.cli import attach_commands, program
-from firmware_bridge.node import CAN, Packet
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address

@@ -8,7 +8,8 @@ from emulators.epos2.memory import Storage
 from emulators.epos2.profile import EPOS2_70_10, DeviceProfile
 from emulators.epos2.store import ObjectStore
 from emulators.servo.axis import ServoAxis
-from firmware_bridge.node import CAN, Packet
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire.can import REMOTE
 from firmware_bridge.wire.epos2 import address as at

@@ -15,7 +15,8 @@ from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank
 from emulators.servo.motor import DcMotors
 from emulators.single import BACK_EMF_UNIT, MOTOR
-from firmware_bridge.node import CAN, Packet, Reaction
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MICROSECOND, MILLISECOND, Nanoseconds
 from firmware_bridge.wire import sdo
 from firmware_bridge.wire.abort import AbortCode

@@ -3,7 +3,8 @@
 import hypothesis.strategies as st
 from hypothesis import given, settings
 
-from firmware_bridge.node import CAN, Packet
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet
 from firmware_bridge.wire.can import EXTENDED, REMOTE
 from hil_tests.unit.epos2.stranger import NODE, Stranger
 

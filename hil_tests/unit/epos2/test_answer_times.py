@@ -10,7 +10,8 @@ from emulators.epos2.profile import BIT_RATES, EPOS2_70_10, DeviceProfile, reali
 from emulators.servo.axis import ServoAxis
 from emulators.wires import CanWire
 from emulators.world import World
-from firmware_bridge.node import CAN, Packet
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from hil_tests.unit.world.players import Player
 

@@ -10,7 +10,8 @@ from emulators.servo.axis import ServoAxis
 from emulators.wires.confinement import Condition
 from emulators.wires.disturbed import Disturbance, DisturbedCanWire
 from emulators.world import World
-from firmware_bridge.node import CAN, Packet
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.can import ERROR
 from firmware_bridge.wire.can_error import Loss

@@ -9,7 +9,8 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, ru
 
 from emulators.epos2.drive import Epos2
 from emulators.servo.axis import ServoAxis
-from firmware_bridge.node import CAN, Packet, Reaction
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire import sdo
 from firmware_bridge.wire.can import ERROR, EXTENDED, REMOTE

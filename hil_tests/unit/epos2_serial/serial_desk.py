@@ -9,7 +9,8 @@ from emulators.epos2.serial.drive import SerialEpos2
 from emulators.servo.axis import ServoAxis
 from emulators.wires import CanWire, SerialWire, usb_line
 from emulators.world import World
-from firmware_bridge.node import CAN, SERIAL, Node, Packet, Reaction
+from firmware_bridge.node import CAN, SERIAL, Node
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.maxon.frame import Answered, Failure, Generation, Outcome
 from firmware_bridge.wire.maxon.lines import host_end

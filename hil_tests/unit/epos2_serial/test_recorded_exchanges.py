@@ -6,7 +6,7 @@ import pytest
 
 from emulators.epos2.profile import EPOS2_70_10
 from emulators.wires import SerialWire
-from firmware_bridge.node import Packet, Reaction
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.can import REMOTE
 from firmware_bridge.wire.canopen import NmtState

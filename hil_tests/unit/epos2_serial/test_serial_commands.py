@@ -3,7 +3,8 @@
 import pytest
 
 from emulators.epos2.memory import SAVE
-from firmware_bridge.node import SERIAL, Packet
+from firmware_bridge.node import SERIAL
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND
 from firmware_bridge.wire.abort import AbortCode
 from firmware_bridge.wire.canopen import NmtState

@@ -5,7 +5,7 @@ import pytest
 from emulators.epos2.memory import SAVE
 from emulators.epos2.serial.port import BAUDS
 from emulators.wires.bits import heard_as
-from firmware_bridge.node import Packet, Reaction
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MICROSECOND, MILLISECOND, NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire.maxon.frame import Failure, Generation
 from firmware_bridge.wire.maxon.messages import (

@@ -11,7 +11,8 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, rule
 from emulators.epos2.profile import EPOS2_70_10
 from emulators.epos2.serial.drive import SerialEpos2
 from emulators.servo.axis import ServoAxis
-from firmware_bridge.node import CAN, SERIAL, Packet, Reaction
+from firmware_bridge.node import CAN, SERIAL
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.can import REMOTE, frame_bits
 from firmware_bridge.wire.epos2.address import Address

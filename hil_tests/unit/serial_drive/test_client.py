@@ -12,7 +12,8 @@ from firmware_bridge.drivers.sdo_client import (
 )
 from firmware_bridge.drivers.serial.client import TRY_WITHIN, SerialClient, reading, writing
 from firmware_bridge.drivers.serial.errands import Exchange, Result
-from firmware_bridge.node import LINE_LOST, MAXON, Packet
+from firmware_bridge.node import LINE_LOST, MAXON
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.abort import AbortCode
 from firmware_bridge.wire.epos2 import address as at

@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from firmware_bridge.drivers.serial.errands import PATIENCE, Errand, Exchange, Rank, Result
-from firmware_bridge.node import LINE_BACK, LINE_LOST, MAXON, Packet
+from firmware_bridge.node import LINE_BACK, LINE_LOST, MAXON
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire.maxon.frame import Answered, Failure
 from firmware_bridge.wire.maxon.messages import Done, ReadObject, Request, WriteObject

@@ -10,7 +10,8 @@ import pytest
 
 from firmware_bridge.drivers.serial.client import reading, writing
 from firmware_bridge.drivers.serial.line import MaxonLine
-from firmware_bridge.node import MAXON, SERIAL, Packet, Reaction
+from firmware_bridge.node import MAXON, SERIAL
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import Robot, find
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.maxon.frame import Generation

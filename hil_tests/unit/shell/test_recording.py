@@ -12,7 +12,7 @@ from hypothesis import given
 from pymavlink import mavutil
 from pymavlink.dialects.v20 import common as mavlink
 
-from firmware_bridge.node import Packet, Reaction
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.recording import (
     EPOCH,
     Direction,

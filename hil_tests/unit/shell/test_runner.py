@@ -7,7 +7,7 @@ from itertools import count
 
 import pytest
 
-from firmware_bridge.node import Packet, Reaction
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.shell.clock import Clock
 from firmware_bridge.shell.ports import LostPort, Port, UdpPort, open_can
 from firmware_bridge.shell.runner import run

@@ -10,7 +10,8 @@ import serial
 from emulators.epos2.serial.drive import SerialEpos2
 from emulators.gateway import Cluster
 from emulators.servo.axis import ServoAxis
-from firmware_bridge.node import SERIAL, Packet, Reaction
+from firmware_bridge.node import SERIAL
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.shell.clock import Clock
 from firmware_bridge.shell.ports import LostPort, Port, PortError, PseudoTerminal, SerialLine
 from firmware_bridge.shell.runner import run

@@ -11,7 +11,8 @@ from emulators.single import Order, drives
 from emulators.wires import CanWire
 from emulators.world import World
 from firmware_bridge.cli import attach_commands, program
-from firmware_bridge.node import CAN, Packet
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import SECOND
 from fmu.build import ensure
 from hil_tests.unit.world.players import Player

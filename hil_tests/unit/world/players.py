@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 
-from firmware_bridge.node import Packet, Reaction
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import NEVER, Nanoseconds
 
 

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 
 from emulators.wires import CanWire
 from emulators.world import World, WorldError
-from firmware_bridge.node import Packet
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.can import ERROR, EXTENDED, REMOTE, frame_bits
 from hil_tests.unit.world.players import Echo, Player, frame

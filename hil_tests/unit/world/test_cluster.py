@@ -3,7 +3,7 @@
 import pytest
 
 from emulators.gateway import Cluster
-from firmware_bridge.node import Packet, Reaction
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 from hil_tests.unit.world.players import Echo, Player, Ticks, frame
 

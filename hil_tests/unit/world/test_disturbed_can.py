@@ -3,7 +3,7 @@
 from emulators.wires.confinement import Condition, Confinement
 from emulators.wires.disturbed import Disturbance, DisturbedCanWire
 from emulators.world import World
-from firmware_bridge.node import Packet
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.can import ERROR, frame_bits
 from firmware_bridge.wire.can_error import BUS_OFF, CONTROLLER, RESTARTED, TRANSMIT_PASSIVE, decode_report

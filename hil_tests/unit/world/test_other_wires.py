@@ -5,7 +5,7 @@ import pytest
 
 from emulators.wires import DatagramWire, Inbox, SerialWire
 from emulators.world import World, WorldError
-from firmware_bridge.node import Packet
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds
 from hil_tests.unit.world.players import Player
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 
 from emulators.wires import CanWire, DatagramWire
 from emulators.world import World, WorldError
-from firmware_bridge.node import Packet, Reaction
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 from hil_tests.unit.world.players import Echo, Player, Ticks, frame
 
