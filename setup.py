@@ -28,6 +28,7 @@ WAY_OF_A_PACKET: Final = (
     "emulators/bench/operator.py",
     "emulators/epos2/*.py",
     "emulators/epos2/modes/*.py",
+    "emulators/epos2/serial/*.py",
     "emulators/rig.py",
     "emulators/servo/bank.py",
     "emulators/servo/scaling.py",
@@ -35,6 +36,7 @@ WAY_OF_A_PACKET: Final = (
     "emulators/world.py",
     "firmware_bridge/bridge/*.py",
     "firmware_bridge/drivers/*.py",
+    "firmware_bridge/drivers/serial/*.py",
     "firmware_bridge/motion/*.py",
     "firmware_bridge/packet.py",
     "firmware_bridge/safety/*.py",
@@ -42,8 +44,8 @@ WAY_OF_A_PACKET: Final = (
     "firmware_bridge/wire/*.py",
 )
 """What runs again and again in a mission; tables, and what runs once, stay as they are."""
-INTERPRETED: Final = frozenset({"emulators/wires/serial.py", "firmware_bridge/wire/abort.py"})
-"""What mypyc does not know: a protocol that is asked for at run time, an enumeration with a `__new__`."""
+INTERPRETED: Final = frozenset({"firmware_bridge/wire/abort.py"})
+"""What mypyc does not know: an enumeration with a `__new__` of its own."""
 
 
 class SharedLibrary(Extension):

@@ -36,6 +36,15 @@ class Selective(Protocol):
 
 
 @runtime_checkable
+class Clocked(Protocol):
+    """A node that sets the rate at its own end of a serial line, and may change it."""
+
+    @property
+    def baud(self) -> int:
+        """Bits a second, now."""
+
+
+@runtime_checkable
 class Stoppable(Protocol):
     """A node that can be asked to end in good order: bring to rest what moves, then let go of it."""
 

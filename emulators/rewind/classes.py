@@ -19,6 +19,7 @@ from typing import Any, Final, ForwardRef, Literal, Union, get_args, get_origin,
 
 import numpy as np
 
+from emulators.rewind.compiled import attributes_of, compiled_kind, function_parts, is_compiled
 from emulators.rewind.kinds import KEEPER, KINDS, Apart, Keeper, Kind, slots_kind, slots_of
 from firmware_bridge.packet import Packet, Reaction
 
@@ -91,6 +92,7 @@ def _judged(cls: type) -> Sort:
     parts = next((parts for base, parts in CARRIERS.items() if issubclass(cls, base)), None)
     if parts is None and _is_frozen(cls):
         parts = _frozen_parts(cls)
+    parts = parts or function_parts(cls)
     return _thing(cls) if parts is None else Sort(parts=parts)
 
 
@@ -99,6 +101,8 @@ def _thing(cls: type) -> Sort:
     if issubclass(cls, Keeper):
         return Sort(kinds=(KEEPER,))
     kinds = [kind for base, kind in KINDS if issubclass(cls, base)]
+    if not kinds and is_compiled(cls):
+        return Sort(kinds=(compiled_kind(cls),))
     if not kinds and _hides_state(cls):
         return Sort()
     if slots_of(cls):
@@ -121,7 +125,8 @@ def _is_frozen(cls: type) -> bool:
 
 
 def _frozen_parts(cls: type) -> Callable[[Any], Iterable[object]]:
-    names = [member.__name__ for member in slots_of(cls).values() if not member.__name__.startswith("__")]
+    slots = [member.__name__ for member in slots_of(cls).values()]
+    names = attributes_of(cls) if is_compiled(cls) else [name for name in slots if not name.startswith("__")]
 
     def parts(thing: Any) -> Iterable[object]:
         for name in names:

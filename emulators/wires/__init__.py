@@ -3,7 +3,7 @@
 from emulators.wires.can import CanWire
 from emulators.wires.datagram import DatagramWire
 from emulators.wires.ends import Observer
-from emulators.wires.serial import Clocked, Inbox, SerialWire
+from emulators.wires.serial import Inbox, SerialWire
 from emulators.wires.usb import usb_line
 
-__all__ = ["CanWire", "Clocked", "DatagramWire", "Inbox", "Observer", "SerialWire", "usb_line"]
+__all__ = ["CanWire", "DatagramWire", "Inbox", "Observer", "SerialWire", "usb_line"]

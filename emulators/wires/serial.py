@@ -7,25 +7,17 @@ from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Final, Protocol, runtime_checkable
+from typing import Final
 
 from emulators.wires.bits import heard_as
 from emulators.wires.ends import End, Ends, Observer
 from emulators.world import Station, World, WorldError
+from firmware_bridge.node import Clocked
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import SECOND, Nanoseconds
 
 BITS_PER_BYTE: Final = 10
 _ENDS: Final = 2
-
-
-@runtime_checkable
-class Clocked(Protocol):
-    """A node that sets the rate at its own end of the line, and may change it."""
-
-    @property
-    def baud(self) -> int:
-        """Bits a second, now."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,73 @@
+"""Instances of compiled classes: they have neither slots nor a `__dict__`, but a list of what they hold.
+
+mypyc leaves the names in `__mypyc_attrs__`, those of the bases included. An attribute that holds a number
+gives a new object each time it is read; one that is `Final` cannot be written, and need not be. A compiled
+function within a function holds the variables of the outer one in an object that says nothing of itself: what
+it refers to is asked of the garbage collector. A number in it would be unseen: no such function changes one.
+"""
+
+import gc
+from collections.abc import Callable, Iterable
+from typing import Any, Final
+
+from emulators.rewind.kinds import UNSET, Kind, RewindError
+
+_LISTED: Final = "__mypyc_attrs__"
+_OUTER: Final = "__mypyc_env__"
+_MARK: Final = "__internal_mypyc_setup"
+
+
+def is_compiled(cls: type) -> bool:
+    """Return whether all that an instance holds is listed: the class and its bases were compiled."""
+    return _LISTED in vars(cls) and all(_LISTED in vars(base) or base is object for base in cls.__mro__)
+
+
+def attributes_of(cls: type) -> tuple[str, ...]:
+    """Return the names of what an instance of a compiled class holds."""
+    names: tuple[str, ...] = getattr(cls, _LISTED)
+    return names
+
+
+def function_parts(cls: type) -> Callable[[Any], Iterable[object]] | None:
+    """Return what a compiled function leads to that was made within another one, or None if `cls` is none."""
+    if _MARK not in vars(cls) or _LISTED in vars(cls):
+        return None
+    return _outer if hasattr(cls, _OUTER) else gc.get_referents
+
+
+def compiled_kind(cls: type) -> Kind:
+    """Return how instances of this compiled class are kept: as a tuple of what they hold."""
+    names = attributes_of(cls)
+
+    def copy(thing: object) -> tuple[object, ...]:
+        return tuple([getattr(thing, name, UNSET) for name in names])
+
+    def same(thing: object, before: tuple[object, ...]) -> bool:
+        for now, then in zip(copy(thing), before, strict=True):
+            if now is not then and not (type(now) is int and now == then):
+                return False
+        return True
+
+    def put_back(thing: object, copy: tuple[object, ...]) -> None:
+        for name, value in zip(names, copy, strict=True):
+            if getattr(thing, name, UNSET) is not value:
+                _put(thing, name, value)
+
+    return Kind(copy, iter, put_back, same)
+
+
+def _outer(function: Any) -> Iterable[object]:
+    return (getattr(function, _OUTER),)
+
+
+def _put(thing: object, name: str, value: Any) -> None:
+    if value is UNSET:
+        where = f"{type(thing).__qualname__}.{name}"
+        raise RewindError(
+            f"{where} was not set then, and a compiled object cannot forget it: set it from the start"
+        )
+    try:
+        setattr(thing, name, value)
+    except AttributeError:
+        if getattr(thing, name) != value:
+            raise
