@@ -3,20 +3,23 @@
 Usage: python -m benchmarks.realtime [SECONDS]    simulated time; 60 by default.
 
 All times are the processor's, so that other work on the machine counts less. The factor is that of the
-fastest of three undisturbed runs. The shares come from a run with stop-watches in it, which is slower: a
-watch counts what its part does itself, without what it calls of another part. The plant's share is what the
-ticks of that run cost a plant alone, with its inputs at rest; the kernel's is the rest of its calls. The
-twin's ratio is that of that mission with the drives' loops in Python.
+fastest of three undisturbed runs. The shares come from a run with stop-watches in it, which is slower: one
+around each node, and one around the physics; bus, links and world have what is left. The plant's share is
+what the ticks of that run cost a plant alone, with its inputs at rest; the kernel's is the rest of its calls.
+The ratios are those of that mission with the core interpreted, and with the drives' loops in Python.
 """
 
 import os
+import subprocess
 import sys
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
+from emulators import world
 from emulators.bench import mission
 from emulators.bench.operator import ScriptedOperator
 from emulators.rig import BRIDGE, OPERATOR_STATION, Rig, build
@@ -24,12 +27,14 @@ from emulators.run import HAND_STREAM
 from emulators.servo import kernel
 from emulators.servo.axis import TICK
 from emulators.servo.bank import ServoBank
+from emulators.world import Physics
 from firmware_bridge.robot import find
 from firmware_bridge.units import SECOND, Nanoseconds, from_seconds
 
 MISSION: Final = "circles"
 SEED: Final = 0
 RUNS: Final = 3
+COMPILED: Final = not str(world.__file__).endswith(".py")
 TWIN_SECONDS: Final = 5.0
 LEAST_FACTOR: Final = 10.0
 ALONE: Final[Nanoseconds] = 2 * SECOND
@@ -37,13 +42,11 @@ ALONE: Final[Nanoseconds] = 2 * SECOND
 
 
 class StopWatches:
-    """Adds up the time that each part takes, without that of the parts that it calls."""
+    """Adds up the time that each part takes; no part calls another."""
 
     def __init__(self) -> None:
         self.seconds: dict[str, float] = {}
         self.calls: dict[str, int] = {}
-        self._inner = 0.0
-        """Time that watched calls have taken within the present one."""
 
     def around(self, part: str, call: Callable[..., object]) -> Callable[..., object]:
         """Return the call with the watch of this part around it."""
@@ -52,15 +55,11 @@ class StopWatches:
         calls.setdefault(part, 0)
 
         def timed(*arguments: object) -> object:
-            before, self._inner = self._inner, 0.0
             begun = time.process_time()
-            try:
-                return call(*arguments)
-            finally:
-                taken = time.process_time() - begun
-                seconds[part] += taken - self._inner
-                calls[part] += 1
-                self._inner = before + taken
+            result = call(*arguments)
+            seconds[part] += time.process_time() - begun
+            calls[part] += 1
+            return result
 
         return timed
 
@@ -105,42 +104,49 @@ def plant_seconds_per_tick() -> float:
     return taken * TICK / ALONE
 
 
-def split(simulated_s: float) -> StopWatches:
-    """Return the watches of a watched run, one for each part."""
-    watched = rig()
-    watches = StopWatches()
+class Watched:
+    """The physics with a watch around it."""
 
-    def watch(thing: Any, part: str, *names: str) -> None:
-        for name in names:
-            setattr(thing, name, watches.around(part, getattr(thing, name)))
+    def __init__(self, physics: Physics, watches: StopWatches) -> None:
+        self.advance = watches.around("servo", physics.advance)
 
-    watch(watched.devices.bank, "servo", "advance")
-    stations = watched.world._stations  # noqa: SLF001 - a watch must sit where nothing else does
+
+def split(simulated_s: float) -> tuple[float, StopWatches]:
+    """Return the seconds of a watched run, and its watches: one for each part that the world calls."""
+    watched, watches = rig(), StopWatches()
+    inner: Any = watched.world
+    inner._physics = Watched(inner._physics, watches)  # noqa: SLF001 - a watch must sit where nothing else does
     parts = {BRIDGE: "bridge", OPERATOR_STATION: "operator"}
-    for name, station in stations.items():
-        watch(station, parts.get(name, "drives"), "receive", "wake")
-    watch(watched.can_wire, "CAN bus", "carry", "_arbitrate", "_finish")
-    watch(watched.operator_wire, "operator's link", "carry", "_arrive")
-    watch(watched, "samples", "_sample")
-    watch(watched, "world", "run")
-    watched.run(from_seconds(simulated_s))
+    for name, station in inner._stations.items():  # noqa: SLF001
+        for call in ("receive", "wake"):
+            setattr(station, call, watches.around(parts.get(name, "drives"), getattr(station, call)))
+    whole = seconds_of(lambda: watched.run(from_seconds(simulated_s)))
     watched.finish()
-    return watches
+    return whole, watches
 
 
 def print_split(simulated_s: float) -> None:
     """Print one row for each part, the largest first."""
-    watches = split(simulated_s)
-    total = sum(watches.seconds.values())
+    whole, watches = split(simulated_s)
     ticks = round(from_seconds(simulated_s) / TICK)
     plant = min(plant_seconds_per_tick() * ticks, watches.seconds["servo"])
     rows = {part: (taken, watches.calls[part], "calls") for part, taken in watches.seconds.items()}
+    rows["bus, links and world"] = (whole - sum(watches.seconds.values()), round(simulated_s * 1000), "ms")
     rows["plant"] = (plant, ticks, "ticks")
     rows["servo kernel"] = (rows.pop("servo")[0] - plant, ticks, "ticks")
-    rows["world"] = (rows["world"][0], round(simulated_s * 1000), "ms")
     for part, (taken, count, unit) in sorted(rows.items(), key=lambda row: -row[1][0]):
         each = 1e6 * taken / max(count, 1)
-        print(f"  {part:24s}{100.0 * taken / total:5.1f} %   {count} {unit} of {each:.2f} us")
+        print(f"  {part:24s}{100.0 * taken / whole:5.1f} %   {count} {unit} of {each:.2f} us")
+
+
+def interpreted(simulated_s: float) -> float:
+    """Return the time of the same runs by the same Python, with the core as it stands in this checkout."""
+    checkout = Path(__file__).parents[1]
+    words = [sys.executable, "-c", f"from benchmarks.realtime import *; print(undisturbed({simulated_s}))"]
+    told = subprocess.run(  # noqa: S603 - this file, by this interpreter
+        words, env=os.environ | {"PYTHONPATH": str(checkout)}, capture_output=True, text=True, check=True
+    )
+    return float(told.stdout)
 
 
 def main(simulated_s: float) -> int:
@@ -151,8 +157,11 @@ def main(simulated_s: float) -> int:
     native, why_not = one.devices.bank.native, one.devices.bank.why_not_native
     one.finish()
     print(f"{MISSION}, {simulated_s:g} s simulated in {whole:.2f} s: real-time factor {factor:.1f}")
+    print(f"  core: {'compiled' if COMPILED else 'interpreted; `make compiled` translates it to C'}")
     print(f"  servo: {'kernel in C' if native else f'twin in Python, {why_not}'}")
     print_split(simulated_s)
+    if COMPILED:
+        print(f"  with the core interpreted: {interpreted(simulated_s) / whole:.2f} times as long")
     shortly = min(simulated_s, TWIN_SECONDS)
     ratio = undisturbed(shortly, kernel.TWIN, 1) / undisturbed(shortly)
     print(f"  with the drives' loops in Python: {ratio:.1f} times as long")

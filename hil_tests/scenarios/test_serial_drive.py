@@ -231,6 +231,7 @@ def test_a_drive_that_restarts_behind_the_gateway_is_noticed_and_set_up_again(ri
     assert steering.get(at.TARGET_POSITION) == pytest.approx(target, abs=5)
 
 
+@pytest.mark.interpreted
 def test_a_drive_that_does_not_notice_the_bridge_s_silence_is_not_driven(
     rides: Ridden, monkeypatch: pytest.MonkeyPatch
 ) -> None:

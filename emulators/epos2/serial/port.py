@@ -100,10 +100,15 @@ class SerialPort:
         while frame is not None:
             row = COMMANDS.get(frame.opcode)
             self._silent = row is not None and self.generation not in row.answered
-            self._early = None
             body = self._server.begin(frame, now)
-            frame = self._say(self._early if body is None else body, now)
+            early = self._early_answer()
+            frame = self._say(early if body is None else body, now)
         self._serving = False
+
+    def _early_answer(self) -> bytes | None:
+        """Return the answer that came while its command was still being begun, once."""
+        body, self._early = self._early, None
+        return body
 
     def _answer(self, body: bytes | None, now: Nanoseconds) -> None:
         if body is not None:

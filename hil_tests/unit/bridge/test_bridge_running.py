@@ -209,6 +209,7 @@ class FailsWhenTold(Bridge):
         super()._run(now)
 
 
+@pytest.mark.interpreted
 def test_an_exception_in_the_pipeline_ends_in_the_same_orderly_stop(
     bench_with: "Callable[[Bridge], Bench]", robot: Robot
 ) -> None:
