@@ -1,4 +1,4 @@
-"""What `setup.py` compiles is there, and does nothing that compiled code cannot do or the rewind cannot see."""
+"""What `setup.py` compiles is there, and does nothing that compiled code cannot do or rewind cannot see."""
 
 import ast
 from pathlib import Path
