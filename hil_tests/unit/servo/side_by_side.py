@@ -39,6 +39,7 @@ SANE: Final = Settings(
     position_d=300,
 )
 MADE: Final = "a motor of the test"
+TWIN: Final = kernel.Found(None, "the other side")
 
 
 def compiled(folder: Path, sources: Sequence[Path], *flags: str, compiler: str = COMPILERS[0]) -> Path:

@@ -18,8 +18,8 @@ from hil_tests.unit.servo.side_by_side import (
     KERNEL,
     KINDS,
     PLANNED_KINDS,
-    PLANT,
     SANE,
+    TWIN,
     Draw,
     Leg,
     Motors,
@@ -33,20 +33,8 @@ from hil_tests.unit.servo.side_by_side import (
     wild,
 )
 
-TWIN = kernel.Found(None, "the other side")
 TICKS_OF_THE_CAMPAIGN = 5_000_000
 """Ticks of single axes."""
-
-
-@pytest.fixture(scope="session")
-def plant_library(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
-    return ctypes.CDLL(str(compiled(tmp_path_factory.mktemp("plant"), PLANT, "-O2")))
-
-
-@pytest.fixture(scope="session")
-def native(tmp_path_factory: pytest.TempPathFactory) -> kernel.Found:
-    """The kernel as its sources are now, whatever the package's build has left."""
-    return kernel.load(compiled(tmp_path_factory.mktemp("kernel"), KERNEL, "-O2"))
 
 
 Pair = Callable[..., tuple[Side, Side]]
