@@ -11,7 +11,7 @@ from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at
 
 if TYPE_CHECKING:
-    from hil_tests.unit.bridge.conftest import Bench
+    from hil_tests.unit.bridge.bench import Bench
 
 ACCEPTED, TEMPORARILY_REJECTED, DENIED = 0, 1, 2
 ARM = dialect.MAV_CMD_COMPONENT_ARM_DISARM

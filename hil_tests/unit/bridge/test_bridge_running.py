@@ -16,7 +16,7 @@ from firmware_bridge.wire.epos2 import address as at
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from hil_tests.unit.bridge.conftest import Bench
+    from hil_tests.unit.bridge.bench import Bench
 
 ACCEPTED = 0
 ARM = dialect.MAV_CMD_COMPONENT_ARM_DISARM

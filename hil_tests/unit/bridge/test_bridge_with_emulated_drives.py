@@ -8,7 +8,7 @@ from firmware_bridge.wire.cia402 import State
 
 if TYPE_CHECKING:
     from emulators.rig import Devices
-    from hil_tests.unit.bridge.conftest import Bench
+    from hil_tests.unit.bridge.bench import Bench
 
 ACCEPTED, TEMPORARILY_REJECTED = 0, 1
 

@@ -12,25 +12,19 @@ from hypothesis import strategies as st
 
 from emulators.servo import kernel
 from emulators.servo.axis import AT_REST, CURRENT_LIMITED, FOLLOWING_ERROR, TARGET_REACHED, UNDER_VOLTAGE
+from hil_tests.unit.servo.campaign import KINDS, PLANNED_KINDS, Draw, digest, legs, tame, wild
 from hil_tests.unit.servo.side_by_side import (
     COMPILERS,
     COUNT,
     KERNEL,
-    KINDS,
-    PLANNED_KINDS,
     SANE,
     TWIN,
-    Draw,
     Leg,
     Motors,
     Order,
     Side,
     compiled,
     difference,
-    digest,
-    legs,
-    tame,
-    wild,
 )
 
 TICKS_OF_THE_CAMPAIGN = 5_000_000

@@ -9,22 +9,18 @@ import pytest
 
 from emulators.servo import kernel
 from emulators.servo.axis import FOLLOW, MOVE, PROFILE_DONE, RAMP, SINE, SPLINE, TARGET_REACHED
+from hil_tests.unit.servo.campaign import PLANNED_KINDS, Draw, legs, tame, wild
 from hil_tests.unit.servo.side_by_side import (
     COUNT,
     KERNEL,
-    PLANNED_KINDS,
     SANE,
     TWIN,
-    Draw,
     Leg,
     Motors,
     Order,
     Side,
     compiled,
     difference,
-    legs,
-    tame,
-    wild,
 )
 
 TICKS = 1_500_000

@@ -9,17 +9,8 @@ from hypothesis import strategies as st
 from emulators.servo import kernel
 from emulators.servo.record import FIELDS
 from emulators.servo.recorder import Recorder
-from hil_tests.unit.servo.side_by_side import (
-    COUNT,
-    SANE,
-    TWIN,
-    Leg,
-    Motors,
-    Order,
-    Side,
-    difference,
-    legs,
-)
+from hil_tests.unit.servo.campaign import legs
+from hil_tests.unit.servo.side_by_side import COUNT, SANE, TWIN, Leg, Motors, Order, Side, difference
 
 
 def recorded(side: Side) -> list[tuple[object, ...]]:

@@ -14,16 +14,8 @@ from emulators.servo.motor import DcMotor, DcMotors
 from emulators.servo.sensors import align
 from emulators.servo.surroundings import IndexPulse, SensorWires, Surroundings
 from firmware_bridge.units import MILLISECOND
-from hil_tests.unit.servo.side_by_side import (
-    COUNT,
-    SANE,
-    TWIN,
-    Leg,
-    Motors,
-    Side,
-    difference,
-    legs,
-)
+from hil_tests.unit.servo.campaign import legs
+from hil_tests.unit.servo.side_by_side import COUNT, SANE, TWIN, Leg, Motors, Side, difference
 
 WIRES = st.builds(
     SensorWires,
