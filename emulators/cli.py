@@ -22,11 +22,11 @@ from emulators.servo.kernel import choose
 from firmware_bridge.cli import epos2
 from firmware_bridge.cli.console import find_robot, one_message, refusal, terminal
 from firmware_bridge.cli.options import (
-    BitRateOption,
     ChannelOption,
     DurationOption,
     InterfaceOption,
     RobotArgument,
+    RobotBitRateOption,
     until,
 )
 from firmware_bridge.cli.real_time import carry
@@ -153,7 +153,7 @@ def emulate(
     *,
     interface: InterfaceOption = None,
     channel: ChannelOption = None,
-    bit_rate: BitRateOption = None,
+    bit_rate: RobotBitRateOption = None,
     plant: PlantOption = None,
     silence: Annotated[
         list[str] | None,
