@@ -16,6 +16,10 @@ from firmware_bridge.teleop.mavlink import Codec, dialect, text_of
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 LIFT_BUTTON = 8
+ACCEPTED, TEMPORARILY_REJECTED, DENIED = 0, 1, 2
+ARM = dialect.MAV_CMD_COMPONENT_ARM_DISARM
+RPM_AT_03 = 1490
+"""0.3 m/s: 6 rad/s at the wheel, times 26, is 1490 rpm at the motor."""
 
 
 class Station:
@@ -145,3 +149,8 @@ class Bench:
     def words(self, name: str, since: Nanoseconds) -> list[tuple[int, int]]:
         """Controlword and target of each set-point that a drive has heard."""
         return [(word, target) for now, word, target in self.drives[name].words if now >= since]
+
+
+def driving(bench: Bench, speed: float = 0.3) -> None:
+    bench.speed = speed
+    bench.runs(1)

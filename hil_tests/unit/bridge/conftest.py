@@ -9,7 +9,7 @@ from emulators.world import World
 from firmware_bridge import robot as robots
 from firmware_bridge.bridge import Bridge
 from firmware_bridge.robot import Robot
-from hil_tests.unit.bridge.bench import Bench
+from hil_tests.unit.bridge.bench import ACCEPTED, Bench
 from hil_tests.unit.bridge.paper_drive import PaperDrive
 
 
@@ -34,6 +34,13 @@ def bench() -> Iterator[Bench]:
     bench = joined()
     yield bench
     assert [refusal.reason for refusal in bench.guard.refusals] == []
+
+
+@pytest.fixture
+def armed(bench: Bench) -> Bench:
+    bench.starts()
+    assert bench.arms() == ACCEPTED
+    return bench
 
 
 @pytest.fixture
