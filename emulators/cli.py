@@ -20,7 +20,7 @@ from emulators.run import Order, drive
 from emulators.servo.bank import ServoError
 from emulators.servo.kernel import choose
 from firmware_bridge.cli import epos2
-from firmware_bridge.cli.console import find_robot, one_message, refusal, terminal
+from firmware_bridge.cli.console import find_robot, one_message, refusal, terminal, written_by
 from firmware_bridge.cli.options import (
     ChannelOption,
     DurationOption,
@@ -135,7 +135,10 @@ def bench(
     machine = find_robot(robot)
     if serial is not None:
         machine = machine.over_serial(serial)
-    with one_message(MissionFileError, RobotFileError, PlanError, PlantError, ServoError, OSError):
+    with (
+        one_message(MissionFileError, RobotFileError, PlanError, PlantError, ServoError),
+        written_by("--out"),
+    ):
         script = missions.find(mission, machine)
         name = Path(mission).stem
         folder = out or RESULTS / f"{machine.name}-{name}"

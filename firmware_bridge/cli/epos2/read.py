@@ -30,7 +30,7 @@ EXAMPLES: Final = """Examples:
 ObjectsArgument = Annotated[
     list[str],
     typer.Argument(
-        metavar="OBJECT...",
+        metavar="OBJECT",
         help="Names as `epos2 objects` lists them, dashes for spaces; or 0x6081, or 0x60F6:1.",
         show_default=False,
     ),

@@ -30,7 +30,7 @@ def state(
     drive: Line,
     wanted: Annotated[
         Wanted | None,
-        typer.Argument(metavar="[COMMAND]", help=f"One of: {', '.join(each.value for each in Wanted)}."),
+        typer.Argument(metavar="COMMAND", help=f"One of: {', '.join(each.value for each in Wanted)}."),
     ] = None,
     *,
     yes: YesOption = False,
