@@ -13,7 +13,6 @@ from firmware_bridge.safety.snapshot import DriveSnapshot, Snapshot
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire.cia402 import State
 from hil_tests.safety.guard_bench import Bench
-from hil_tests.safety.serial_bench import SerialBench
 
 Well: TypeAlias = Callable[..., Snapshot]
 
@@ -26,11 +25,6 @@ def robot() -> Robot:
 @pytest.fixture
 def bench(robot: Robot) -> Bench:
     return Bench(robot)
-
-
-@pytest.fixture
-def desk() -> SerialBench:
-    return SerialBench()
 
 
 @pytest.fixture(scope="session")

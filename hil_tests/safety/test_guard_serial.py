@@ -36,6 +36,11 @@ from hil_tests.safety.serial_bench import (
 )
 
 
+@pytest.fixture
+def desk() -> SerialBench:
+    return SerialBench()
+
+
 @pytest.mark.parametrize("packet", [
     *(speed(rpm) for rpm in (-TOP, 0, TOP)),
     *(target(STEER.node, end) for end in ENDS["steer"]),

@@ -1,5 +1,7 @@
 """The guard's own words on a serial line: when it speaks for the bridge, and whose the answers are."""
 
+import pytest
+
 from firmware_bridge.drivers.serial.client import reading
 from firmware_bridge.node import LINE_BACK, LINE_LOST, MAXON, Packet, Reaction
 from firmware_bridge.units import MILLISECOND
@@ -7,6 +9,11 @@ from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.maxon import messages
 from firmware_bridge.wire.maxon.packets import command
 from hil_tests.safety.serial_bench import ENABLE, HALT, LEFT, LIFT, TOP, SerialBench, done, speed, word
+
+
+@pytest.fixture
+def desk() -> SerialBench:
+    return SerialBench()
 
 
 def test_a_bridge_that_is_silent_is_spoken_for(desk: SerialBench) -> None:

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 from hil_tests.unit.motion_control.faults.conftest import (
@@ -88,6 +89,7 @@ def test_a_master_that_floods_the_drive_with_targets_overloads_it(drive: "Drive"
         drive.write(at.TARGET_VELOCITY, 3000 + rpm)
     assert drive.reported == []
     drive.write(at.TARGET_VELOCITY, 3000)
+    assert drive.stands_in(State.FAULT)
     fell(drive, 0xFF0B)
     assert resets(drive)
 
@@ -108,6 +110,7 @@ def test_an_identification_of_the_motor_fails_and_moves_nothing(drive: "Drive", 
 def test_a_download_of_firmware_cannot_be_begun(drive: "Drive") -> None:
     moving(drive)
     drive.write(Address(0x2FFF, 1), 1)
+    assert drive.stands_in(State.FAULT)
     fell(drive, 0x1000)
 
 
@@ -116,6 +119,7 @@ def test_a_dual_loop_without_a_gear_ratio_is_not_enabled(drive: "Drive") -> None
     drive.write(STRUCTURE, 1)
     assert drive.read(NUMERATOR) == 0  # as read from a real 70/10
     drive.enable(mode=3)
+    assert drive.stands_in(State.FAULT)
     fell(drive, 0xFF0F)
     assert not resets(drive)
     drive.write(NUMERATOR, 26)
@@ -129,6 +133,7 @@ def test_gains_that_the_gear_makes_too_large_are_not_enabled(drive: "Drive") -> 
     for address, value in ((STRUCTURE, 1), (NUMERATOR, 200), (DENOMINATOR, 1)):
         drive.write(address, value)
     drive.enable(mode=3)
+    assert drive.stands_in(State.FAULT)
     fell(drive, 0xFF10)
     assert not resets(drive)
     drive.write(NUMERATOR, 26)
