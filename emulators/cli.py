@@ -20,13 +20,13 @@ from emulators.run import Order, drive
 from emulators.servo.bank import ServoError
 from emulators.servo.kernel import choose
 from firmware_bridge.cli import epos2
-from firmware_bridge.cli.console import find_robot, one_message, refusal, terminal
+from firmware_bridge.cli.console import find_robot, one_message, refusal, terminal, written_by
 from firmware_bridge.cli.options import (
-    BitRateOption,
     ChannelOption,
     DurationOption,
     InterfaceOption,
     RobotArgument,
+    RobotBitRateOption,
     until,
 )
 from firmware_bridge.cli.real_time import carry
@@ -135,7 +135,10 @@ def bench(
     machine = find_robot(robot)
     if serial is not None:
         machine = machine.over_serial(serial)
-    with one_message(MissionFileError, RobotFileError, PlanError, PlantError, ServoError, OSError):
+    with (
+        one_message(MissionFileError, RobotFileError, PlanError, PlantError, ServoError),
+        written_by("--out"),
+    ):
         script = missions.find(mission, machine)
         name = Path(mission).stem
         folder = out or RESULTS / f"{machine.name}-{name}"
@@ -153,7 +156,7 @@ def emulate(
     *,
     interface: InterfaceOption = None,
     channel: ChannelOption = None,
-    bit_rate: BitRateOption = None,
+    bit_rate: RobotBitRateOption = None,
     plant: PlantOption = None,
     silence: Annotated[
         list[str] | None,

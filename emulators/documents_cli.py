@@ -12,7 +12,7 @@ from emulators.documents import objects as dictionary
 from emulators.documents.reader import SilentNodeError, read_all
 from emulators.epos2.catalogue import PROFILES
 from emulators.epos2.profile import BIT_RATE_IN_USE, BIT_RATES, DeviceProfile
-from firmware_bridge.cli.console import FAILED, one_message, refusal, terminal
+from firmware_bridge.cli.console import FAILED, one_message, refusal, terminal, written_by
 from firmware_bridge.cli.options import BitRateOption, ChannelOption, InterfaceOption
 from firmware_bridge.shell.ports import LostPort, PortError, open_can
 from firmware_bridge.wire.canopen import FIRST_NODE, LAST_NODE
@@ -122,6 +122,6 @@ def _deliver(text: str, out: Path | None) -> None:
     if out is None:
         typer.echo(text)
         return
-    with one_message(OSError):
+    with written_by("--out"):
         out.write_text(text + "\n", encoding="ascii")
     typer.echo(f"written: {out}", err=True)

@@ -42,7 +42,7 @@ GUARD_TESTS: Final = (
     "safety/test_guard_frames.py",
     "safety/test_guard_writes.py",
 )
-GUARD_SERIAL_TESTS: Final = ("safety/test_guard_serial.py",)
+GUARD_SERIAL_TESTS: Final = ("safety/test_guard_serial.py", "safety/test_guard_serial_answers.py")
 QUICK: Final = ("-x", "-q", "--tb=no", f"--rootdir={ROOT}", "-pno:cacheprovider", "-pno:xdist")
 WARM_UP: Final = ROOT / "hil_tests/unit/motion/test_davis.py"
 """Needs nothing that is mutated: running it once makes every fork's pytest quick."""

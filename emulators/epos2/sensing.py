@@ -3,8 +3,8 @@
 Sources: EPOS Firmware Specification (by analogy): index and hall sensors, 0x2008 bit 0 switches the
 supervision of the position sensor off; EDS and maxon's library for the codes in 0x2210 and 0x6402. Where they
 are silent: hall sensors belong to a brushless motor, whatever the position sensor is; their angle is
-supervised in sinus commutation only, and not with inverted hall sensors; a dual
-loop is any controller structure but 0.
+supervised in sinus commutation only, and not with inverted hall sensors; a dual loop is any controller
+structure but 0.
 """
 
 from collections.abc import Mapping

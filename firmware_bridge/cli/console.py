@@ -34,6 +34,16 @@ def one_message(*errors: type[Exception], status: int = WRONG_INPUT) -> Iterator
         raise refusal(str(error), status) from None
 
 
+@contextmanager
+def written_by(option: str) -> Iterator[None]:
+    """Turn a place that cannot be written into one message, which names the option for another place."""
+    try:
+        yield
+    except OSError as error:
+        place = "" if error.filename is None else f"{error.filename}: "
+        raise refusal(f"{place}cannot be written: {error.strerror}; {option} names another place") from None
+
+
 def refusal(message: str, status: int = WRONG_INPUT) -> typer.Exit:
     """Print one message on standard error, and return what ends the program when it is raised."""
     typer.echo(f"firmware-bridge: {message}", err=True)

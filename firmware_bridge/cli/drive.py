@@ -8,11 +8,11 @@ import typer
 from firmware_bridge.bridge import Bridge, Phase
 from firmware_bridge.cli.console import find_robot, one_message, refusal
 from firmware_bridge.cli.options import (
-    BitRateOption,
     ChannelOption,
     DurationOption,
     InterfaceOption,
     RobotArgument,
+    RobotBitRateOption,
     until,
 )
 from firmware_bridge.cli.real_time import carry
@@ -114,7 +114,7 @@ def drive(
     *,
     interface: InterfaceOption = None,
     channel: ChannelOption = None,
-    bit_rate: BitRateOption = None,
+    bit_rate: RobotBitRateOption = None,
     mavlink: Annotated[
         str,
         typer.Option(

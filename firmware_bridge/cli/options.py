@@ -1,6 +1,6 @@
 """Arguments and options that more than one command takes, so that they are spelt and explained once."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -25,12 +25,16 @@ ChannelOption = Annotated[
     str | None,
     typer.Option("--channel", "-c", help="The bus: can0, vcan0, /dev/ttyACM0 ...", show_default=False),
 ]
-BitRateOption = Annotated[
-    int | None,
-    typer.Option(
-        "--bitrate", "-b", min=10_000, max=1_000_000, help="Bits a second.", show_default="the robot's"
-    ),
-]
+
+
+def _bit_rate(default: str) -> Any:
+    return typer.Option(
+        "--bitrate", "-b", min=10_000, max=1_000_000, help="Bits a second.", show_default=default
+    )
+
+
+RobotBitRateOption = Annotated[int | None, _bit_rate("the robot's")]
+BitRateOption = Annotated[int | None, _bit_rate("1000000")]
 DurationOption = Annotated[
     float | None,
     typer.Option(

@@ -19,7 +19,7 @@ EXAMPLES: Final = """Examples:
 def robots(
     files: Annotated[
         list[Path] | None,
-        typer.Argument(metavar="[FILE]...", help="More robot files to check.", show_default=False),
+        typer.Argument(metavar="FILE", help="More robot files to check.", show_default=False),
     ] = None,
 ) -> None:
     """List the robot files found, each one checked.

@@ -11,6 +11,7 @@ from firmware_bridge.units import SECOND
 from fmu.build import ensure
 from fmu.interface import INPUTS, OUTPUTS
 from fmu.plant import FmuPlant
+from hil_tests.fmu.instance import Instance, Maker
 
 FINE: Final = 50_000
 """A step in ns for closed forms in their limits, where tyres are stiffer or nothing damps: the plant takes
@@ -47,6 +48,24 @@ PlantMaker = Callable[..., Bench]
 @pytest.fixture(scope="session")
 def fmu_file() -> dict[int, Path]:
     return {2: ensure("rars", 2), 3: ensure("rars", 3)}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("unzipped")
+
+
+@pytest.fixture
+def made(fmu_file: dict[int, Path], folder: Path) -> Iterator[Maker]:
+    instances: list[Instance] = []
+
+    def make(fmi: int, kind: str = "slave") -> Instance:
+        instances.append(Instance(fmu_file[fmi], folder / str(fmi), kind, logging=True))
+        return instances[-1]
+
+    yield make
+    for instance in instances:
+        instance.fmu.freeInstance()
 
 
 @pytest.fixture

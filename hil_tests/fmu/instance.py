@@ -1,11 +1,12 @@
 """One FMU instance, of either version and either interface, with the same few verbs for all four."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from ctypes import byref, c_bool, c_double, c_size_t
 from pathlib import Path
 from typing import Any, Final
 
 import fmpy
+import pytest
 from fmpy.fmi2 import FMU2Model, FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 from fmpy.fmi3 import FMU3Model, FMU3Slave
 from fmpy.model_description import read_model_description
@@ -133,3 +134,8 @@ class Instance:
         if self.fmi == 2:
             return self.fmu.deSerializeFMUstate(text)
         return self.fmu.deserializeFMUState(text)
+
+
+Maker = Callable[..., Instance]
+"""Makes an instance of a version of FMI, and of a kind."""
+VERSIONS = pytest.mark.parametrize("fmi", [2, 3])

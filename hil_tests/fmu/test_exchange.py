@@ -1,6 +1,6 @@
 """Model exchange: the same equations with the master's own solver, in both versions of FMI."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from ctypes import c_void_p
 from pathlib import Path
 
@@ -10,29 +10,9 @@ from fmpy import simulate_fmu
 from fmpy.fmi1 import FMICallException
 
 from fmu.interface import INPUTS, OUTPUTS
-from hil_tests.fmu.instance import Instance
+from hil_tests.fmu.instance import VERSIONS, Instance, Maker
 
 ERROR = 3
-Maker = Callable[..., Instance]
-VERSIONS = pytest.mark.parametrize("fmi", [2, 3])
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("unzipped")
-
-
-@pytest.fixture
-def made(fmu_file: dict[int, Path], folder: Path) -> Iterator[Maker]:
-    instances: list[Instance] = []
-
-    def make(fmi: int, kind: str = "model") -> Instance:
-        instances.append(Instance(fmu_file[fmi], folder / str(fmi), kind, logging=True))
-        return instances[-1]
-
-    yield make
-    for instance in instances:
-        instance.fmu.freeInstance()
 
 
 def runge_kutta(model: Instance, h: float) -> None:
@@ -66,7 +46,7 @@ def test_the_same_step_gives_the_same_bits_in_both_interfaces(made: Maker, fmi: 
 
 
 def test_both_versions_give_the_same_rates(made: Maker) -> None:
-    two, three = made(2), made(3)
+    two, three = made(2, "model"), made(3, "model")
     two.initialise()
     three.initialise()
     assert two.state_names == three.state_names
@@ -104,7 +84,7 @@ def test_a_strangers_solver_comes_to_the_same_place(fmu_file: dict[int, Path], f
 
 @VERSIONS
 def test_nominal_values_of_the_states_are_those_of_the_description(made: Maker, fmi: int) -> None:
-    model = made(fmi)
+    model = made(fmi, "model")
     rows = {row.name: row for row in model.description.modelVariables}
     assert model.nominals() == [float(rows[name].nominal) for name in model.state_names]
     assert dict(zip(model.state_names, model.nominals(), strict=True))["speed_left"] == 100.0
@@ -112,7 +92,7 @@ def test_nominal_values_of_the_states_are_those_of_the_description(made: Maker, 
 
 @VERSIONS
 def test_the_event_functions_find_no_events(made: Maker, fmi: int) -> None:
-    model = made(fmi)
+    model = made(fmi, "model")
     model.begin()
     model.fmu.exitInitializationMode()
     fmu = model.fmu
@@ -157,7 +137,7 @@ def test_a_model_is_no_slave_and_the_other_way_round(made: Maker, fmi: int) -> N
 
 @VERSIONS
 def test_a_solver_that_goes_astray_is_told(made: Maker, fmi: int) -> None:
-    model = made(fmi)
+    model = made(fmi, "model")
     model.initialise()
     good = model.states()
     model.set_states([1e200] * len(good))

@@ -1,36 +1,13 @@
 """Saved states: going back replays the same bits, across instances and as bytes; other bytes are refused."""
 
-from collections.abc import Callable, Iterator
-from pathlib import Path
-
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
 from fmu.interface import INPUTS, OUTPUTS
-from hil_tests.fmu.instance import Instance
+from hil_tests.fmu.instance import VERSIONS, Instance, Maker
 
-Maker = Callable[..., Instance]
 READ = (*OUTPUTS, "energy", "friction_lift", "time")
-VERSIONS = pytest.mark.parametrize("fmi", [2, 3])
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("unzipped")
-
-
-@pytest.fixture
-def made(fmu_file: dict[int, Path], folder: Path) -> Iterator[Maker]:
-    instances: list[Instance] = []
-
-    def make(fmi: int, kind: str = "slave") -> Instance:
-        instances.append(Instance(fmu_file[fmi], folder / str(fmi), kind))
-        return instances[-1]
-
-    yield make
-    for instance in instances:
-        instance.fmu.freeInstance()
 
 
 def drive(plant: Instance, first: int, count: int) -> list[list[float]]:

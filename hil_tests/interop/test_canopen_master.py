@@ -10,7 +10,6 @@ from typing import Any, Final
 import canopen
 import pytest
 from canopen.objectdictionary import ODArray, ODRecord, ODVariable, datatypes
-from canopen.profiles.p402 import BaseNode402
 
 from emulators.epos2.drive import Epos2
 from emulators.servo.axis import ServoAxis
@@ -20,7 +19,7 @@ from emulators.wires import CanWire
 from emulators.world import World
 from firmware_bridge.node import CAN
 from firmware_bridge.units import MILLISECOND
-from hil_tests.interop.virtual_master import Listener, VirtualBus
+from hil_tests.interop.virtual_master import Master
 
 NODE: Final = 1
 # RE50 with the platform's mass behind the gear, all at the motor's shaft.
@@ -58,22 +57,14 @@ PDO_MAPPINGS: Final = (0x1600, 0x1A00)
 TUNED: Final = {0x60F6: (50, 20), 0x60F9: (4000, 80), 0x60FB: (600, 60, 900)}
 
 
-class Bench:
+class Bench(Master):
     def __init__(self) -> None:
         axis = ServoAxis("motor", 2000)
         self.plant = DcMotors((MOTOR,))
-        self.wire = CanWire(1_000_000)
-        self.world = World(ServoBank(self.plant, [axis]))
+        world, wire = World(ServoBank(self.plant, [axis])), CanWire(1_000_000)
         self.drive = Epos2(NODE, axis)
-        self.network = canopen.Network()
-        self.ear = Listener(self.network)
-        self.world.attach("motor", self.drive, {CAN: self.wire})
-        station = self.world.attach("master", self.ear, {CAN: self.wire})
-        self.bus = VirtualBus(self.world, self.wire, station)
-        self.network.bus = self.bus
-        self.node = BaseNode402(NODE, dictionary())
-        self.network.add_node(self.node)
-        self.bus.runs(0.05)
+        world.attach("motor", self.drive, {CAN: wire})
+        super().__init__(world, wire, NODE, dictionary())
 
     def speed_rpm(self) -> float:
         return float(self.plant.outputs[2]) * 60.0 / 6.283185307179586
@@ -82,6 +73,15 @@ class Bench:
         for index, values in TUNED.items():
             for subindex, value in enumerate(values, start=1):
                 self.node.sdo[index][subindex].raw = value
+
+    def enabled(self) -> Any:
+        """Take the tuned node to Operation enabled by SDO."""
+        self.tune()
+        self.node.nmt.state = "OPERATIONAL"
+        self.node.setup_402_state_machine(read_pdos=False)
+        self.node.state = "OPERATION ENABLED"
+        self.bus.runs(0.1)
+        return self.node
 
 
 def dictionary() -> Any:
@@ -182,12 +182,7 @@ def test_the_drive_is_taken_through_its_states_and_turns(bench: Bench) -> None:
 
 
 def test_a_positioning_reaches_its_target_and_says_so(bench: Bench) -> None:
-    node = bench.node
-    bench.tune()
-    node.nmt.state = "OPERATIONAL"
-    node.setup_402_state_machine(read_pdos=False)
-    node.state = "OPERATION ENABLED"
-    bench.bus.runs(0.1)
+    node = bench.enabled()
     node.sdo[0x6060].raw = 1
     node.sdo[0x607A].raw = 20_000
     node.sdo[0x6040].raw = 0x001F
@@ -199,12 +194,7 @@ def test_a_positioning_reaches_its_target_and_says_so(bench: Bench) -> None:
 
 
 def test_a_quick_stop_is_left_only_by_command(bench: Bench) -> None:
-    node = bench.node
-    bench.tune()
-    node.nmt.state = "OPERATIONAL"
-    node.setup_402_state_machine(read_pdos=False)
-    node.state = "OPERATION ENABLED"
-    bench.bus.runs(0.1)
+    node = bench.enabled()
     node.sdo[0x6060].raw = 3
     node.sdo[0x60FF].raw = 1000
     bench.bus.runs(0.5)
@@ -215,12 +205,7 @@ def test_a_quick_stop_is_left_only_by_command(bench: Bench) -> None:
 
 
 def test_the_stranger_hears_the_drive_die(bench: Bench) -> None:
-    node = bench.node
-    bench.tune()
-    node.nmt.state = "OPERATIONAL"
-    node.setup_402_state_machine(read_pdos=False)
-    node.state = "OPERATION ENABLED"
-    bench.bus.runs(0.1)
+    node = bench.enabled()
     node.sdo.download(0x1016, 1, (100 | 0x7F << 16).to_bytes(4, "little"))
     bench.network.send_message(0x700 + 0x7F, b"\x05")
     bench.bus.runs(0.5)

@@ -10,46 +10,29 @@ from typing import Any
 
 import canopen
 import pytest
-from canopen.profiles.p402 import BaseNode402
 
-from emulators.documents.eds import eds
 from emulators.epos2.profile import EPOS2_70_10, realistic
 from emulators.single import Order, drives
 from emulators.wires import CanWire
 from emulators.world import World
 from firmware_bridge.node import CAN
 from firmware_bridge.recording import candump_line
-from hil_tests.interop.virtual_master import Listener, VirtualBus
+from hil_tests.interop.virtual_master import PdoMaster
 
 NODES = (1, 2)
 
 
-class Bench:
+class Bench(PdoMaster):
     """Two drives that answer with the published latency, and a master for the first."""
 
     def __init__(self, sheet: Path) -> None:
         made, self.bank = drives(Order(NODES, realistic(EPOS2_70_10), 1_000_000))
-        self.wire = CanWire(1_000_000)
-        self.world = World(self.bank)
+        world, wire = World(self.bank), CanWire(1_000_000)
         self.log: list[str] = []
-        self.wire.observe(lambda now, _, packet: self.log.append(candump_line(now, packet)))
+        wire.observe(lambda now, _, packet: self.log.append(candump_line(now, packet)))
         for name, drive in made.items():
-            self.world.attach(name, drive, {CAN: self.wire})
-        self.network = canopen.Network()
-        self.ear = Listener(self.network)
-        station = self.world.attach("master", self.ear, {CAN: self.wire})
-        self.bus = VirtualBus(self.world, self.wire, station)
-        self.network.bus = self.bus
-        self.node = BaseNode402(1, canopen.import_od(str(sheet), node_id=1))
-        self.node.check_statusword = self._waited
-        self.network.add_node(self.node)
-        self.bus.runs(0.05)
-
-    def _waited(self, timeout: float | None = None) -> int:
-        """Let virtual time pass where `canopen` would wait for a PDO on the real clock."""
-        del timeout
-        self.bus.runs(0.005)
-        return int(self.node.statusword)
+            world.attach(name, drive, {CAN: wire})
+        super().__init__(world, wire, sheet)
 
     def powered(self, mode: str = "PROFILED POSITION") -> Any:
         """Take the node to Operation enabled by PDOs alone.
@@ -63,20 +46,6 @@ class Bench:
         assert node.op_mode == mode
         node.state = "OPERATION ENABLED"
         return node
-
-    def ready(self) -> None:
-        """Have `canopen` read the PDO settings, and start the node, which then tells its statusword."""
-        self.node.nmt.state = "PRE-OPERATIONAL"
-        self.node.setup_402_state_machine(read_pdos=True)
-        self.node.nmt.state = "OPERATIONAL"
-        self.bus.runs(0.01)
-
-
-@pytest.fixture(scope="module")
-def sheet(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("eds") / "epos2.eds"
-    path.write_text(eds(EPOS2_70_10), encoding="ascii")
-    return path
 
 
 @pytest.fixture

@@ -5,13 +5,10 @@ It has our EDS and nothing else. Where home is, the plant's parameters say.
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
-import canopen
 import pytest
-from canopen.profiles.p402 import BaseNode402
 
-from emulators.documents.eds import eds
 from emulators.epos2.profile import EPOS2_70_10, realistic
 from emulators.single import Order, drives
 from emulators.wires import CanWire
@@ -19,7 +16,7 @@ from emulators.world import World
 from firmware_bridge.node import CAN
 from fmu.build import ensure
 from fmu.single_axis.parameters import SETS
-from hil_tests.interop.virtual_master import Listener, VirtualBus
+from hil_tests.interop.virtual_master import PdoMaster
 
 TURN: Final = 2000
 TUNED: Final = {
@@ -36,7 +33,7 @@ TUNED: Final = {
 }
 
 
-class Bench:
+class Bench(PdoMaster):
     """One drive above the bench axis, and a master."""
 
     def __init__(self, sheet: Path) -> None:
@@ -49,44 +46,20 @@ class Bench:
             axes=("axis",),
         )
         made, self.bank = drives(order)
-        self.wire = CanWire(1_000_000)
-        self.world = World(self.bank)
-        self.world.attach("axis", made["axis"], {CAN: self.wire})
-        self.network = canopen.Network()
-        self.ear = Listener(self.network)
-        station = self.world.attach("master", self.ear, {CAN: self.wire})
-        self.bus = VirtualBus(self.world, self.wire, station)
-        self.network.bus = self.bus
-        self.node: Any = BaseNode402(1, canopen.import_od(str(sheet), node_id=1))
-        self.node.check_statusword = self._waited
-        self.network.add_node(self.node)
-        self.bus.runs(0.05)
+        world, wire = World(self.bank), CanWire(1_000_000)
+        world.attach("axis", made["axis"], {CAN: wire})
+        super().__init__(world, wire, sheet)
         for (index, subindex), value in TUNED.items():
             place = self.node.sdo[index]
             (place[subindex] if subindex else place).raw = value
-        self.node.nmt.state = "PRE-OPERATIONAL"
-        self.node.setup_402_state_machine(read_pdos=True)
-        self.node.nmt.state = "OPERATIONAL"
-        self.bus.runs(0.02)
-
-    def _waited(self, timeout: float | None = None) -> int:
-        """Let virtual time pass where `canopen` would wait for a PDO on the real clock."""
-        del timeout
-        self.bus.runs(0.005)
-        return int(self.node.statusword)
+        self.ready()
+        self.bus.runs(0.01)
 
     @property
     def zero(self) -> int:
         """The encoder's count that has the position 0."""
         axis = self.bank.axes[0]
         return axis.encoder - axis.position
-
-
-@pytest.fixture(scope="module")
-def sheet(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("sheet") / "epos2.eds"
-    path.write_text(eds(EPOS2_70_10), encoding="ascii")
-    return path
 
 
 @pytest.fixture

@@ -1,7 +1,5 @@
 """The guard on a serial line: which commands leave, with which values, and what leaves instead."""
 
-from typing import Final
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -9,72 +7,39 @@ from hypothesis import strategies as st
 from firmware_bridge.drivers.epos2_setup import Travel, configuration, farewell, over_serial
 from firmware_bridge.drivers.serial.client import reading, writing
 from firmware_bridge.drivers.serial.link import guarding, heartbeat
-from firmware_bridge.node import CAN, LINE_BACK, LINE_LOST, MAXON, OPERATOR
-from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.robot import Mode, Role, find
-from firmware_bridge.safety.guard import Guarded, Refusal, guarded
-from firmware_bridge.safety.guard_serial_rules import serial_rules_for
-from firmware_bridge.units import MILLISECOND, Nanoseconds
+from firmware_bridge.node import CAN, MAXON, OPERATOR
+from firmware_bridge.packet import Packet
+from firmware_bridge.robot import Mode
 from firmware_bridge.wire.canopen import NmtCommand
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.maxon import messages
-from firmware_bridge.wire.maxon.frame import Answered
-from firmware_bridge.wire.maxon.messages import Done, Request, SendCanFrame, SendNmtService
-from firmware_bridge.wire.maxon.opcodes import ROWS, encode_answer
-from firmware_bridge.wire.maxon.packets import command, outcome_packet, request_of
-from hil_tests.safety.guard_bench import Puppet
-
-ROBOT: Final = find("rars").over_serial()
-RULES: Final = serial_rules_for(ROBOT)
-LEFT, STEER, LIFT = (ROBOT.axis(role) for role in (Role.LEFT_WHEEL, Role.STEERING, Role.LIFT))
-TOP: Final = LEFT.profile.max_velocity_rpm
-ENDS: Final = {rules.axis.name: (rules.low, rules.high) for rules in RULES.axes}
-ENABLE, HALT, NEW_POSITION, QUICK_STOP = 0x000F, 0x010F, 0x003F, 0x000B
-
-
-def word(node: int, controlword: int) -> Packet:
-    return command(writing(node, at.CONTROLWORD, controlword.to_bytes(2, "little")))
-
-
-def number(node: int, address: Address, value: int) -> Packet:
-    return command(writing(node, address, value.to_bytes(4, "little", signed=value < 0)))
-
-
-def speed(rpm: int, node: int = LEFT.node) -> Packet:
-    return number(node, at.TARGET_VELOCITY, rpm)
-
-
-def target(node: int, quadcounts: int) -> Packet:
-    return number(node, at.TARGET_POSITION, quadcounts)
-
-
-def done(packet: Packet) -> Packet:
-    request = request_of(packet)
-    assert request is not None
-    return outcome_packet(packet.address, Answered(encode_answer(request, Done(0))))
-
-
-class Bench:
-    def __init__(self) -> None:
-        self.puppet = Puppet()
-        self.told: list[Refusal] = []
-        self.guard: Guarded = guarded(self.puppet, ROBOT, self.told.append)
-
-    def says(self, *packets: Packet, now: Nanoseconds = 0) -> tuple[Packet, ...]:
-        self.puppet.says = packets
-        return self.guard.wake(now).sent
-
-    def hears(self, packet: Packet, now: Nanoseconds = 0) -> bool:
-        """Whether the node is shown a packet."""
-        before = len([heard for heard, _ in self.puppet.heard if heard is not None])
-        self.guard.receive(packet, now)
-        return len([heard for heard, _ in self.puppet.heard if heard is not None]) > before
+from firmware_bridge.wire.maxon.messages import Request, SendCanFrame, SendNmtService
+from firmware_bridge.wire.maxon.opcodes import ROWS
+from firmware_bridge.wire.maxon.packets import command, request_of
+from hil_tests.safety.serial_bench import (
+    ENABLE,
+    ENDS,
+    HALT,
+    LEFT,
+    LIFT,
+    NEW_POSITION,
+    QUICK_STOP,
+    ROBOT,
+    RULES,
+    STEER,
+    TOP,
+    SerialBench,
+    number,
+    speed,
+    target,
+    word,
+)
 
 
 @pytest.fixture
-def desk() -> Bench:
-    return Bench()
+def desk() -> SerialBench:
+    return SerialBench()
 
 
 @pytest.mark.parametrize("packet", [
@@ -88,12 +53,12 @@ def desk() -> Bench:
     command(guarding(ROBOT)),
     *(command(SendNmtService(node, NmtCommand.START)) for node in (0, 1, 2, 3, 4)),
 ])  # fmt: skip
-def test_what_is_listed_leaves_as_it_is(desk: Bench, packet: Packet) -> None:
+def test_what_is_listed_leaves_as_it_is(desk: SerialBench, packet: Packet) -> None:
     assert desk.says(packet) == (packet,)
     assert desk.guard.refused == 0
 
 
-def test_the_whole_set_up_of_every_drive_leaves_as_it_is(desk: Bench) -> None:
+def test_the_whole_set_up_of_every_drive_leaves_as_it_is(desk: SerialBench) -> None:
     for axis, rules in zip(ROBOT.axes, RULES.axes, strict=True):
         travel = Travel(rules.low, rules.high) if axis.mode is Mode.POSITION else None
         for row in (*configuration(axis, ROBOT.bus, travel, over_serial(axis, ROBOT)), *farewell()):
@@ -134,7 +99,7 @@ def test_the_whole_set_up_of_every_drive_leaves_as_it_is(desk: Bench) -> None:
     (Packet(MAXON, 0x11, speed(5).payload + b"\0\0"), "command 0x11"),
     (Packet(CAN, 0x501, bytes(6)), "link 'can' is not listed"),
 ])  # fmt: skip
-def test_what_is_not_listed_does_not_leave(desk: Bench, packet: Packet, reason: str) -> None:
+def test_what_is_not_listed_does_not_leave(desk: SerialBench, packet: Packet, reason: str) -> None:
     assert packet not in desk.says(packet)
     assert desk.guard.refused == 1
     assert reason in desk.told[0].reason
@@ -153,29 +118,29 @@ def test_every_command_of_the_protocol_has_been_judged() -> None:
             assert RULES.refuses(Packet(MAXON, row.opcode, bytes(8))) is not None
 
 
-def test_a_refused_speed_becomes_speed_0_and_the_power_stays_on(desk: Bench) -> None:
+def test_a_refused_speed_becomes_speed_0_and_the_power_stays_on(desk: SerialBench) -> None:
     desk.says(speed(1000), word(LEFT.node, ENABLE))
     assert desk.says(speed(TOP + 1)) == (speed(0), word(LEFT.node, ENABLE))
 
 
-def test_a_refused_position_becomes_halt(desk: Bench) -> None:
+def test_a_refused_position_becomes_halt(desk: SerialBench) -> None:
     desk.says(target(STEER.node, 100), word(STEER.node, NEW_POSITION))
     assert desk.says(target(STEER.node, ENDS["steer"][1] + 1)) == (word(STEER.node, HALT),)
 
 
 @pytest.mark.parametrize("before", [0, 6, QUICK_STOP])
-def test_the_safe_words_never_put_the_power_on(desk: Bench, before: int) -> None:
+def test_the_safe_words_never_put_the_power_on(desk: SerialBench, before: int) -> None:
     desk.says(word(LEFT.node, before))
     assert desk.says(speed(TOP + 1)) == (speed(0), word(LEFT.node, before))
 
 
-def test_another_refusal_makes_every_axis_with_power_safe(desk: Bench) -> None:
+def test_another_refusal_makes_every_axis_with_power_safe(desk: SerialBench) -> None:
     desk.says(word(LEFT.node, ENABLE), word(LIFT.node, HALT))
     sent = desk.says(command(SendCanFrame(0x401, 6, bytes(8))))
     assert sent == (speed(0), word(LEFT.node, ENABLE), word(LIFT.node, HALT))
 
 
-def test_a_moving_drive_keeps_its_network_state(desk: Bench) -> None:
+def test_a_moving_drive_keeps_its_network_state(desk: SerialBench) -> None:
     desk.says(speed(1000), word(LEFT.node, ENABLE))
     assert desk.says(command(SendNmtService(LEFT.node, NmtCommand.RESET_NODE))) == (
         speed(0),
@@ -183,69 +148,12 @@ def test_a_moving_drive_keeps_its_network_state(desk: Bench) -> None:
     )
 
 
-def test_the_watch_of_a_drive_with_power_is_not_ended(desk: Bench) -> None:
+def test_the_watch_of_a_drive_with_power_is_not_ended(desk: SerialBench) -> None:
     off = number(LEFT.node, at.CONSUMER_HEARTBEAT_1, 0)
     assert desk.says(off) == (off,)
     desk.says(word(LEFT.node, ENABLE))
     assert off not in desk.says(off)
     assert "0x1016:01 set to 0 while node 1 has power" in desk.told[0].reason
-
-
-def test_a_bridge_that_is_silent_is_spoken_for(desk: Bench) -> None:
-    desk.says(speed(1000), word(LEFT.node, ENABLE))
-    assert desk.says(now=150 * MILLISECOND - 1) == ()
-    assert desk.says(now=150 * MILLISECOND) == (speed(0), word(LEFT.node, ENABLE))
-    assert "no set-point for 150 ms" in desk.told[0].reason
-
-
-def test_the_guard_does_not_pile_up_words_on_a_line_that_stands(desk: Bench) -> None:
-    desk.says(speed(1000), word(LEFT.node, ENABLE))
-    for now in range(150, 1000, 10):
-        desk.says(now=now * MILLISECOND)
-    assert desk.guard.refused == 1
-    spoken = desk.told[0].sent
-    assert desk.says(now=1000 * MILLISECOND) == ()
-    later = 1001 * MILLISECOND
-    assert desk.hears(done(speed(1000)), later)
-    assert desk.hears(done(word(LEFT.node, ENABLE)), later)
-    for packet in spoken:
-        assert not desk.hears(done(packet), later)
-    assert desk.says(now=1100 * MILLISECOND) == spoken
-
-
-def test_answers_to_the_guard_s_own_words_are_not_the_node_s(desk: Bench) -> None:
-    desk.says(word(LIFT.node, HALT))
-    assert desk.hears(done(word(LIFT.node, HALT)))
-    desk.says(command(reading(1, at.STATUSWORD)), command(messages.SendLssFrame(bytes(8))))
-    assert desk.hears(Packet(MAXON, 0x10, bytes(8)))
-    assert not desk.hears(done(word(LIFT.node, HALT)))
-
-
-def test_the_answer_to_the_last_safe_word_is_that_to_the_refused_set_point(desk: Bench) -> None:
-    """Or the node would wait for it, and say nothing meanwhile."""
-    first, last = desk.says(speed(TOP + 1))
-    assert not desk.hears(done(first))
-    assert desk.hears(done(last))
-
-
-def test_what_left_before_the_line_was_lost_is_answered_no_more(desk: Bench) -> None:
-    desk.says(speed(TOP + 1), word(LEFT.node, ENABLE))
-    assert desk.hears(Packet(MAXON, LINE_LOST, b""))
-    desk.says(speed(TOP + 1))
-    assert desk.hears(Packet(MAXON, LINE_BACK, b""))
-    desk.says(command(reading(1, at.STATUSWORD)))
-    assert desk.hears(Packet(MAXON, 0x10, bytes(8)))
-
-
-def test_an_answer_that_nobody_has_asked_for_is_not_the_node_s(desk: Bench) -> None:
-    assert not desk.hears(Packet(MAXON, 0x10, bytes(8)))
-
-
-def test_an_answer_that_is_kept_from_the_node_lets_it_act_on_the_time(desk: Bench) -> None:
-    desk.puppet.wake_at = 7 * MILLISECOND
-    reaction = desk.guard.receive(Packet(MAXON, 0x10, bytes(8)), 3 * MILLISECOND)
-    assert reaction == Reaction((), 7 * MILLISECOND)
-    assert desk.puppet.heard == [(None, 3 * MILLISECOND)]
 
 
 @pytest.mark.parametrize(
@@ -259,7 +167,7 @@ def test_an_answer_that_is_kept_from_the_node_lets_it_act_on_the_time(desk: Benc
 )
 @pytest.mark.parametrize("node", [0, STEER.node])
 def test_a_drive_that_was_reset_is_without_power(
-    desk: Bench, network: NmtCommand, after: int, node: int
+    desk: SerialBench, network: NmtCommand, after: int, node: int
 ) -> None:
     """In pre-operational it still hears serial commands, and keeps its power."""
     desk.says(word(STEER.node, HALT))
@@ -268,7 +176,7 @@ def test_a_drive_that_was_reset_is_without_power(
     assert desk.says(target(STEER.node, ENDS["steer"][1] + 1)) == (word(STEER.node, after),)
 
 
-def test_network_commands_to_other_drives_leave_while_one_moves_but_none_to_all(desk: Bench) -> None:
+def test_network_commands_to_other_drives_leave_while_one_moves_but_none_to_all(desk: SerialBench) -> None:
     desk.says(speed(1000), word(LEFT.node, ENABLE))
     other = command(SendNmtService(LIFT.node, NmtCommand.ENTER_PRE_OPERATIONAL))
     assert desk.says(other) == (other,)
@@ -276,7 +184,7 @@ def test_network_commands_to_other_drives_leave_while_one_moves_but_none_to_all(
     assert everybody not in desk.says(everybody)
 
 
-def test_power_is_taken_off_and_a_watch_set_at_any_time(desk: Bench) -> None:
+def test_power_is_taken_off_and_a_watch_set_at_any_time(desk: SerialBench) -> None:
     desk.says(word(LEFT.node, ENABLE))
     watch = number(LEFT.node, at.CONSUMER_HEARTBEAT_1, 2 << 16 | 200)
     for packet in (watch, word(LEFT.node, 0)):
@@ -284,7 +192,7 @@ def test_power_is_taken_off_and_a_watch_set_at_any_time(desk: Bench) -> None:
     assert desk.guard.refused == 0
 
 
-def test_the_operator_s_datagrams_pass(desk: Bench) -> None:
+def test_the_operator_s_datagrams_pass(desk: SerialBench) -> None:
     datagram = Packet(OPERATOR, 0, b"\xfd")
     assert desk.says(datagram) == (datagram,)
 
@@ -303,7 +211,7 @@ REQUESTS: st.SearchStrategy[Request] = st.one_of(
 
 @given(st.lists(REQUESTS, max_size=20))
 def test_whatever_the_node_says_no_target_beyond_its_bounds_leaves(said: list[Request]) -> None:
-    desk = Bench()
+    desk = SerialBench()
     for request in said:
         for packet in desk.says(command(request)):
             left = request_of(packet)

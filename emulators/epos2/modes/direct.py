@@ -3,6 +3,7 @@
 In these modes halt is not heeded, and no profile shapes the way to a new value.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from functools import partial
 from typing import ClassVar
@@ -21,7 +22,7 @@ from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 
 
-class Direct(ModeOfOperation):
+class Direct(ModeOfOperation, ABC):
     """Starts with the set value that its object holds; each has its own regulator."""
 
     setting: ClassVar[Address]
@@ -60,13 +61,13 @@ class Direct(ModeOfOperation):
         if not self.analogue.load(axis, get):
             self.take(get(self.setting))
 
+    @abstractmethod
     def regulate(self) -> None:
         """Let the mode's regulator take over."""
-        raise NotImplementedError
 
+    @abstractmethod
     def take(self, value: int) -> None:
         """Give the regulator a set value."""
-        raise NotImplementedError
 
 
 class Position(Direct):

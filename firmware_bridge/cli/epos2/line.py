@@ -5,6 +5,14 @@ from dataclasses import dataclass
 from typing import Final
 
 from firmware_bridge.cli.console import FAILED, INTERRUPTED, one_message, refusal
+from firmware_bridge.cli.epos2.options import (
+    BaudOption,
+    GatewayOption,
+    LineProtocolOption,
+    NodeOption,
+    SerialPortOption,
+)
+from firmware_bridge.cli.options import BitRateOption, ChannelOption, InterfaceOption
 from firmware_bridge.drivers.commissioning.can_link import CanLink
 from firmware_bridge.drivers.commissioning.client import Client, Script
 from firmware_bridge.drivers.commissioning.errand import ErrandError
@@ -73,15 +81,15 @@ class Line:
 
 
 def line_to(
-    node: int | None,
     *,
-    interface: str | None,
-    channel: str | None,
-    bit_rate: int | None,
-    serial: str | None,
-    baud: int | None,
-    protocol: Generation | None,
-    gateway: int | None,
+    node: NodeOption = None,
+    interface: InterfaceOption = None,
+    channel: ChannelOption = None,
+    bit_rate: BitRateOption = None,
+    serial: SerialPortOption = None,
+    baud: BaudOption = None,
+    protocol: LineProtocolOption = None,
+    gateway: GatewayOption = None,
 ) -> Line:
     """Return the way to a drive; options that do not go together end the program with a message."""
     if serial is None:

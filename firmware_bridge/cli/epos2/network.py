@@ -6,16 +6,9 @@ from typing import Annotated, Final
 
 import typer
 
-from firmware_bridge.cli.epos2.line import line_to
-from firmware_bridge.cli.epos2.options import (
-    BaudOption,
-    GatewayOption,
-    JsonOption,
-    LineProtocolOption,
-    NetworkNodeOption,
-    SerialPortOption,
-)
-from firmware_bridge.cli.options import BitRateOption, ChannelOption, InterfaceOption
+from firmware_bridge.cli.epos2.line import Line
+from firmware_bridge.cli.epos2.one_drive import one_drive
+from firmware_bridge.cli.epos2.options import JsonOption, NetworkNodeOption
 from firmware_bridge.drivers.commissioning.network import NetworkCommand
 from firmware_bridge.wire.canopen import NmtCommand
 
@@ -36,19 +29,13 @@ class Named(Enum):
     RESET_COMMUNICATION = "reset-communication"
 
 
+@one_drive(NetworkNodeOption)
 def nmt(
+    drive: Line,
     command: Annotated[
         Named, typer.Argument(metavar="COMMAND", help=f"One of: {', '.join(each.value for each in Named)}.")
     ],
     *,
-    node: NetworkNodeOption = None,
-    interface: InterfaceOption = None,
-    channel: ChannelOption = None,
-    bit_rate: BitRateOption = None,
-    serial: SerialPortOption = None,
-    baud: BaudOption = None,
-    protocol: LineProtocolOption = None,
-    gateway: GatewayOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Send a network command, and see that one drive obeys it; --node 0 means all, and looks at none.
@@ -56,16 +43,6 @@ def nmt(
     A reset switches the power stage off: a motor that turned runs out, and only a brake holds a load. In
     Stopped a drive answers nothing but network commands. The drive is left in the state that it was sent to.
     """
-    drive = line_to(
-        node,
-        interface=interface,
-        channel=channel,
-        bit_rate=bit_rate,
-        serial=serial,
-        baud=baud,
-        protocol=protocol,
-        gateway=gateway,
-    )
     sent = NetworkCommand(NmtCommand[command.name], drive.node)
     drive.finish(sent.script())
     if as_json:

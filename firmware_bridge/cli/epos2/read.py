@@ -10,17 +10,11 @@ from rich.live import Live
 from rich.text import Text
 
 from firmware_bridge.cli.console import FAILED, one_message, terminal
-from firmware_bridge.cli.epos2.line import Line, line_to
-from firmware_bridge.cli.epos2.options import (
-    BaudOption,
-    GatewayOption,
-    JsonOption,
-    LineProtocolOption,
-    NodeOption,
-    SerialPortOption,
-)
+from firmware_bridge.cli.epos2.line import Line
+from firmware_bridge.cli.epos2.one_drive import one_drive
+from firmware_bridge.cli.epos2.options import JsonOption
 from firmware_bridge.cli.epos2.told import line, record
-from firmware_bridge.cli.options import BitRateOption, ChannelOption, DurationOption, InterfaceOption, until
+from firmware_bridge.cli.options import DurationOption, until
 from firmware_bridge.drivers.commissioning.errand import ErrandError
 from firmware_bridge.drivers.commissioning.explained import explain
 from firmware_bridge.drivers.commissioning.names import UnknownObjectError, find
@@ -36,7 +30,7 @@ EXAMPLES: Final = """Examples:
 ObjectsArgument = Annotated[
     list[str],
     typer.Argument(
-        metavar="OBJECT...",
+        metavar="OBJECT",
         help="Names as `epos2 objects` lists them, dashes for spaces; or 0x6081, or 0x60F6:1.",
         show_default=False,
     ),
@@ -55,17 +49,11 @@ WatchOption = Annotated[
 ]
 
 
+@one_drive()
 def read(
+    drive: Line,
     objects: ObjectsArgument,
     *,
-    node: NodeOption = None,
-    interface: InterfaceOption = None,
-    channel: ChannelOption = None,
-    bit_rate: BitRateOption = None,
-    serial: SerialPortOption = None,
-    baud: BaudOption = None,
-    protocol: LineProtocolOption = None,
-    gateway: GatewayOption = None,
     watch: WatchOption = None,
     duration: DurationOption = None,
     as_json: JsonOption = False,
@@ -76,16 +64,6 @@ def read(
     """
     with one_message(UnknownObjectError):
         reading = Reading([find(each) for each in objects])
-    drive = line_to(
-        node,
-        interface=interface,
-        channel=channel,
-        bit_rate=bit_rate,
-        serial=serial,
-        baud=baud,
-        protocol=protocol,
-        gateway=gateway,
-    )
     if watch is not None:
         _watch(drive, reading, from_seconds(watch), until(duration), as_json=as_json)
         return

@@ -6,18 +6,10 @@ from typing import Annotated, Any, Final
 import typer
 
 from firmware_bridge.cli.epos2.agreed import agreed
-from firmware_bridge.cli.epos2.line import Line, line_to
-from firmware_bridge.cli.epos2.options import (
-    BaudOption,
-    GatewayOption,
-    JsonOption,
-    LineProtocolOption,
-    NodeOption,
-    SerialPortOption,
-    YesOption,
-)
+from firmware_bridge.cli.epos2.line import Line
+from firmware_bridge.cli.epos2.one_drive import one_drive
+from firmware_bridge.cli.epos2.options import JsonOption, YesOption
 from firmware_bridge.cli.epos2.told import record, value_told
-from firmware_bridge.cli.options import BitRateOption, ChannelOption, InterfaceOption
 from firmware_bridge.drivers.commissioning.overview import Overview
 from firmware_bridge.drivers.commissioning.power import PowerCommand, Wanted
 from firmware_bridge.drivers.commissioning.words import title
@@ -33,20 +25,14 @@ EXAMPLES: Final = """Examples:
 `firmware-bridge epos2 state enable --yes -i socketcan -c can0`"""
 
 
+@one_drive()
 def state(
+    drive: Line,
     wanted: Annotated[
         Wanted | None,
-        typer.Argument(metavar="[COMMAND]", help=f"One of: {', '.join(each.value for each in Wanted)}."),
+        typer.Argument(metavar="COMMAND", help=f"One of: {', '.join(each.value for each in Wanted)}."),
     ] = None,
     *,
-    node: NodeOption = None,
-    interface: InterfaceOption = None,
-    channel: ChannelOption = None,
-    bit_rate: BitRateOption = None,
-    serial: SerialPortOption = None,
-    baud: BaudOption = None,
-    protocol: LineProtocolOption = None,
-    gateway: GatewayOption = None,
     yes: YesOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -56,16 +42,6 @@ def state(
     brought to: an enabled drive stays enabled when this program ends, and nothing watches over it.
     `quick-stop` and `disable` are sent before anything else.
     """
-    drive = line_to(
-        node,
-        interface=interface,
-        channel=channel,
-        bit_rate=bit_rate,
-        serial=serial,
-        baud=baud,
-        protocol=protocol,
-        gateway=gateway,
-    )
     overview = Overview(alone=drive.alone)
     command = None if wanted is None else PowerCommand(wanted)
     if command is None:

@@ -5,17 +5,10 @@ from typing import Any, Final
 
 import typer
 
-from firmware_bridge.cli.epos2.line import line_to
-from firmware_bridge.cli.epos2.options import (
-    BaudOption,
-    GatewayOption,
-    JsonOption,
-    LineProtocolOption,
-    NodeOption,
-    SerialPortOption,
-)
+from firmware_bridge.cli.epos2.line import Line
+from firmware_bridge.cli.epos2.one_drive import one_drive
+from firmware_bridge.cli.epos2.options import JsonOption
 from firmware_bridge.cli.epos2.told import record, value_told
-from firmware_bridge.cli.options import BitRateOption, ChannelOption, InterfaceOption
 from firmware_bridge.drivers.commissioning.names import name_of
 from firmware_bridge.drivers.commissioning.overview import IDENTITY
 from firmware_bridge.drivers.commissioning.reading import Reading
@@ -28,29 +21,9 @@ EXAMPLES: Final = """Examples:
 `firmware-bridge epos2 version --serial /dev/ttyUSB0 --protocol v2`"""
 
 
-def version(
-    *,
-    node: NodeOption = None,
-    interface: InterfaceOption = None,
-    channel: ChannelOption = None,
-    bit_rate: BitRateOption = None,
-    serial: SerialPortOption = None,
-    baud: BaudOption = None,
-    protocol: LineProtocolOption = None,
-    gateway: GatewayOption = None,
-    as_json: JsonOption = False,
-) -> None:
+@one_drive()
+def version(drive: Line, *, as_json: JsonOption = False) -> None:
     """Tell a drive's name, hardware, firmware and serial number."""
-    drive = line_to(
-        node,
-        interface=interface,
-        channel=channel,
-        bit_rate=bit_rate,
-        serial=serial,
-        baud=baud,
-        protocol=protocol,
-        gateway=gateway,
-    )
     reading = Reading(IDENTITY)
     drive.finish(reading.once())
     if as_json:

@@ -7,23 +7,16 @@ import typer
 
 from firmware_bridge.cli.console import one_message, refusal
 from firmware_bridge.cli.epos2.agreed import agreed
-from firmware_bridge.cli.epos2.line import line_to
-from firmware_bridge.cli.epos2.options import (
-    BaudOption,
-    GatewayOption,
-    JsonOption,
-    LineProtocolOption,
-    NodeOption,
-    SerialPortOption,
-    YesOption,
-)
+from firmware_bridge.cli.epos2.line import Line
+from firmware_bridge.cli.epos2.one_drive import one_drive
+from firmware_bridge.cli.epos2.options import JsonOption, YesOption
 from firmware_bridge.cli.epos2.told import line, record
-from firmware_bridge.cli.options import BitRateOption, ChannelOption, InterfaceOption
 from firmware_bridge.drivers.commissioning.client import Ask, CommissioningError, need
 from firmware_bridge.drivers.commissioning.errand import Write
 from firmware_bridge.drivers.commissioning.motion import why_it_may_move
 from firmware_bridge.drivers.commissioning.names import called, find
 from firmware_bridge.drivers.commissioning.reading import Reading
+from firmware_bridge.drivers.commissioning.serial_link import SerialLink
 from firmware_bridge.drivers.commissioning.values import LONGEST_WRITE, parse
 
 EXAMPLES: Final = """Examples:
@@ -35,7 +28,9 @@ EXAMPLES: Final = """Examples:
 `firmware-bridge epos2 write target-velocity -200rpm --yes -i socketcan -c can0`"""
 
 
+@one_drive()
 def write(
+    drive: Line,
     wanted: Annotated[
         str,
         typer.Argument(metavar="OBJECT", help="A name as `epos2 objects` lists it, or 0x6081, or 0x60F6:1."),
@@ -48,14 +43,6 @@ def write(
         ),
     ],
     *,
-    node: NodeOption = None,
-    interface: InterfaceOption = None,
-    channel: ChannelOption = None,
-    bit_rate: BitRateOption = None,
-    serial: SerialPortOption = None,
-    baud: BaudOption = None,
-    protocol: LineProtocolOption = None,
-    gateway: GatewayOption = None,
     size: Annotated[
         int | None,
         typer.Option(
@@ -76,18 +63,8 @@ def write(
     with one_message(CommissioningError):
         address = find(wanted)
         raw = parse(address, value, size)
-    if serial is not None and size is not None:
+    if isinstance(drive.link, SerialLink) and size is not None:
         raise refusal("--size: a serial line always carries four bytes; leave it out")
-    drive = line_to(
-        node,
-        interface=interface,
-        channel=channel,
-        bit_rate=bit_rate,
-        serial=serial,
-        baud=baud,
-        protocol=protocol,
-        gateway=gateway,
-    )
     why = why_it_may_move(address, raw)
     if why is not None:
         agreed(f"write {called(address)} of {drive.title}", why, yes=yes)

@@ -19,6 +19,7 @@ _PROBLEMS: Final = {
     errno.EACCES: "not allowed; join the group that owns it, often dialout, and log in again",
     errno.EBUSY: _IN_USE,
     errno.EAGAIN: _IN_USE,
+    errno.ENOTTY: "it is no serial line; `ls /dev/tty*` shows those that there are",
 }
 
 
@@ -53,5 +54,13 @@ def _opened(device: str, baud: int, name: str) -> serial.Serial:
 
 
 def _why(error: BaseException) -> str:
-    number = getattr(error, "errno", None)
-    return _PROBLEMS.get(number or 0) or " ".join(str(error).split())
+    return _PROBLEMS.get(_number(error), " ".join(str(error).split()))
+
+
+def _number(error: BaseException) -> int:
+    """Return the system's number of an error; where pyserial gives its words alone, that of its cause."""
+    for each in (error, error.__context__):
+        number = getattr(each, "errno", None) or next(iter(getattr(each, "args", ())), None)
+        if isinstance(number, int):
+            return number
+    return 0

@@ -2,45 +2,18 @@
 
 import pytest
 
-from emulators.epos2.profile import EPOS2_70_10
 from emulators.servo import kernel
-from emulators.single import Order, drives
-from emulators.wires import CanWire
-from emulators.world import World
-from firmware_bridge.node import CAN
-from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND
-from firmware_bridge.wire.epos2.objects import OBJECTS
-from fmu.build import ensure
-from fmu.single_axis.parameters import SETS
-from hil_tests.unit.bench_axis.axis_bench import TUNED, TURN
-from hil_tests.unit.world.players import Player
+from hil_tests.unit.bench_axis.axis_bench import TURN
+from hil_tests.unit.bench_axis.axis_on_bus import AxisOnBus
 
 # NMT start; 0x6098 := 2; RPDO2 shutdown and homing mode; then RPDO1 enable, and start.
 START = ((0x000, "0100"), (0x601, "2f98600002"), (0x301, "060006"), (0x201, "0F00"), (0x201, "1F00"))
 
 
-class Run:
-    """One drive on the bench axis, and a master that says what stands above."""
-
+class Run(AxisOnBus):
     def __init__(self, monkeypatch: pytest.MonkeyPatch, servo: str) -> None:
-        monkeypatch.setenv(kernel.VARIABLE, servo)
-        plant, parameters = ensure("single_axis"), SETS["between_stops"]
-        order = Order((1,), EPOS2_70_10, 1_000_000, plant=plant, plant_parameters=parameters, axes=("axis",))
-        made, self.bank = drives(order)
-        assert self.bank.native == (servo == kernel.NATIVE)
-        self.world, wire = World(self.bank), CanWire(1_000_000)
-        self.master = Player(
-            *(
-                (100 * MILLISECOND + 10 * MILLISECOND * k, Packet(CAN, address, bytes.fromhex(text)))
-                for k, (address, text) in enumerate(START)
-            )
-        )
-        self.world.attach("axis", made["axis"], {CAN: wire})
-        self.world.attach("master", self.master, {CAN: wire})
-        self.world.run(50 * MILLISECOND)
-        for address, value in TUNED.items():
-            made["axis"].store.write(address, value.to_bytes(OBJECTS[address].type.size, "little"))
+        super().__init__(monkeypatch, servo, START)
 
     def ends(self) -> tuple[int, bytes, str]:
         """Run to the end; return where home is, the axis' record, and the hash of all packets."""

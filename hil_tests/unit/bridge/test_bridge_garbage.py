@@ -14,7 +14,7 @@ from firmware_bridge.units import MILLISECOND, Nanoseconds
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from hil_tests.unit.bridge.conftest import Bench
+    from hil_tests.unit.bridge.bench import Bench
 
 NODES = (0, 1, 2, 3, 4, 5, 100)
 FUNCTIONS = (0x000, 0x080, 0x100, 0x180, 0x200, 0x280, 0x380, 0x480, 0x500, 0x580, 0x600, 0x700, 0x7E4)

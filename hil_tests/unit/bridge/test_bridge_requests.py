@@ -3,35 +3,18 @@
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-import pytest
-
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.units import MILLISECOND
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at
+from hil_tests.unit.bridge.bench import ACCEPTED, ARM, DENIED, RPM_AT_03, TEMPORARILY_REJECTED, driving
 
 if TYPE_CHECKING:
-    from hil_tests.unit.bridge.conftest import Bench
+    from hil_tests.unit.bridge.bench import Bench
 
-ACCEPTED, TEMPORARILY_REJECTED, DENIED = 0, 1, 2
-ARM = dialect.MAV_CMD_COMPONENT_ARM_DISARM
 SAFETY_SWITCH = dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE
 FORCE = 21196.0
 STOP, CLEAR = 0.0, 1.0
-RPM_AT_03 = 1490
-"""0.3 m/s: 6 rad/s at the wheel, times 26, is 1490 rpm at the motor."""
-
-
-@pytest.fixture
-def armed(bench: "Bench") -> "Bench":
-    bench.starts()
-    assert bench.arms() == ACCEPTED
-    return bench
-
-
-def driving(bench: "Bench", speed: float = 0.3) -> None:
-    bench.speed = speed
-    bench.runs(1)
 
 
 def test_arming_while_the_stick_is_deflected_is_denied(bench: "Bench") -> None:

@@ -12,29 +12,14 @@ from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at
+from hil_tests.unit.bridge.bench import ACCEPTED, ARM, RPM_AT_03, driving
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from hil_tests.unit.bridge.conftest import Bench
+    from hil_tests.unit.bridge.bench import Bench
 
-ACCEPTED = 0
-ARM = dialect.MAV_CMD_COMPONENT_ARM_DISARM
 METRES_PER_QC = 0.05 * 2.0 * 3.141592653589793 / 26.0 / 2000.0
-RPM_AT_03 = 1490
-"""0.3 m/s: 6 rad/s at the wheel, times 26, is 1490 rpm at the motor."""
-
-
-@pytest.fixture
-def armed(bench: "Bench") -> "Bench":
-    bench.starts()
-    assert bench.arms() == ACCEPTED
-    return bench
-
-
-def driving(bench: "Bench", speed: float = 0.3) -> None:
-    bench.speed = speed
-    bench.runs(1)
 
 
 def test_a_cycle_is_sync_then_four_answers_then_four_set_points(armed: "Bench") -> None:

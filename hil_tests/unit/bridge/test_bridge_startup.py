@@ -15,7 +15,7 @@ from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 
 if TYPE_CHECKING:
-    from hil_tests.unit.bridge.conftest import Bench
+    from hil_tests.unit.bridge.bench import Bench
 
 # The set-up of node 1 (left wheel) as bytes, computed by hand from the object dictionary (EDS of the 70/10)
 # and the mapping procedure of CiA 301; the heartbeat consumer has the form recorded as

@@ -5,12 +5,11 @@ from typing import TYPE_CHECKING
 import pytest
 
 from firmware_bridge.wire.cia402 import State
+from hil_tests.unit.bridge.bench import ACCEPTED, TEMPORARILY_REJECTED
 
 if TYPE_CHECKING:
     from emulators.rig import Devices
-    from hil_tests.unit.bridge.conftest import Bench
-
-ACCEPTED, TEMPORARILY_REJECTED = 0, 1
+    from hil_tests.unit.bridge.bench import Bench
 
 
 def states(bench: "Bench") -> set[State | None]:

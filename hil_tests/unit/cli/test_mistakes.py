@@ -51,7 +51,15 @@ def test_a_mission_file_that_is_not_there_is_named() -> None:
 def test_a_results_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
     taken = tmp_path / "taken"
     taken.write_text("a file, no folder")
-    assert str(taken) in refused("bench", "rars", "--mission", "line", "--out", str(taken))
+    line = refused("bench", "rars", "--mission", "line", "--out", str(taken))
+    assert f"{taken}: cannot be written" in line
+    assert "--out" in line
+
+
+def test_a_page_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+    line = refused("epos2", "eds", "--out", str(tmp_path / "nowhere" / "epos2.eds"))
+    assert f"{tmp_path}/nowhere/epos2.eds: cannot be written: No such file" in line
+    assert "--out" in line
 
 
 @pytest.mark.parametrize("command", ["bench", "emulate"])

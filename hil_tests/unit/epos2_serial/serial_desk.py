@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+import pytest
+
 from emulators.epos2.drive import Epos2
 from emulators.epos2.profile import EPOS2_70_10, DeviceProfile
 from emulators.epos2.serial.drive import SerialEpos2
@@ -20,6 +22,14 @@ from hil_tests.unit.epos2.quiet_motion import QuietMotion
 
 NEAR = 1
 FAR = 2
+NOBODY = 99
+DOMAIN = 0x201B
+both = pytest.mark.parametrize("generation", Generation)
+nodes = pytest.mark.parametrize("node", [0, NEAR, FAR], ids=["zero", "own", "gateway"])
+
+
+def u32(value: int) -> bytes:
+    return value.to_bytes(4, "little")
 
 
 class Host:

@@ -17,7 +17,7 @@ from firmware_bridge.wire.maxon.messages import (
     SendNmtService,
     WriteObject,
 )
-from hil_tests.unit.epos2_serial.serial_desk import FAR, NEAR, SerialDesk
+from hil_tests.unit.epos2_serial.serial_desk import FAR, NEAR, SerialDesk, with_profile
 
 DEVICE_TYPE = ReadObject(0x1000, 0, 0)
 TOLD = ObjectRead(0, bytes.fromhex("92010200"))
@@ -32,6 +32,26 @@ def test_rs232_takes_the_time_of_each_byte_of_the_dialogue() -> None:
     assert desk.asks(DEVICE_TYPE) == TOLD
     # 1 + O + 7 + O + 00 + O + 11; the host's last O is no part of the wait.
     assert took(desk) == pytest.approx((1 + 1 + 7 + 1 + 1 + 1 + 11) * 10 * SECOND / 115_200, abs=30)
+
+
+def test_the_gateway_costs_130_microseconds_beside_its_frames() -> None:
+    """Application notes, p. 11-168: 10.125 ms instead of 9.995 ms."""
+    times = []
+    for profile in (with_profile(gateway_latency=0), with_profile()):
+        desk = SerialDesk(Generation.V1, profile)
+        desk.asks(ReadObject(0x1000, 0, FAR))
+        times.append(took(desk))
+    assert times[1] - times[0] == 130 * MICROSECOND
+
+
+def test_the_latency_of_the_port_is_the_profile_s() -> None:
+    times = []
+    for profile in (with_profile(), with_profile(serial_latency=MILLISECOND)):
+        desk = SerialDesk(Generation.V1, profile)
+        desk.asks(ReadObject(0x1000, 0, NEAR))
+        times.append(took(desk))
+    # Meanwhile the handshake's byte is on the line, which would have held up the answer's first one.
+    assert times[1] - times[0] == pytest.approx(MILLISECOND - 10 * SECOND / 115_200, abs=2)
 
 
 def test_usb_waits_for_the_converter_s_next_millisecond() -> None:

@@ -12,41 +12,23 @@ from hypothesis import strategies as st
 
 from emulators.servo import kernel
 from emulators.servo.axis import AT_REST, CURRENT_LIMITED, FOLLOWING_ERROR, TARGET_REACHED, UNDER_VOLTAGE
+from hil_tests.unit.servo.campaign import KINDS, PLANNED_KINDS, Draw, digest, legs, tame, wild
 from hil_tests.unit.servo.side_by_side import (
     COMPILERS,
     COUNT,
     KERNEL,
-    KINDS,
-    PLANNED_KINDS,
-    PLANT,
     SANE,
-    Draw,
+    TWIN,
     Leg,
     Motors,
     Order,
     Side,
     compiled,
     difference,
-    digest,
-    legs,
-    tame,
-    wild,
 )
 
-TWIN = kernel.Found(None, "the other side")
 TICKS_OF_THE_CAMPAIGN = 5_000_000
 """Ticks of single axes."""
-
-
-@pytest.fixture(scope="session")
-def plant_library(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
-    return ctypes.CDLL(str(compiled(tmp_path_factory.mktemp("plant"), PLANT, "-O2")))
-
-
-@pytest.fixture(scope="session")
-def native(tmp_path_factory: pytest.TempPathFactory) -> kernel.Found:
-    """The kernel as its sources are now, whatever the package's build has left."""
-    return kernel.load(compiled(tmp_path_factory.mktemp("kernel"), KERNEL, "-O2"))
 
 
 Pair = Callable[..., tuple[Side, Side]]

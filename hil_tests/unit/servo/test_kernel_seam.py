@@ -18,21 +18,24 @@ from fmu.build import ensure
 from fmu.calls import STOPPED_SHORT, WANTS_TO_END, PlantRecord
 from fmu.errors import PlantError
 from fmu.plant import FmuPlant
-from hil_tests.unit.servo.side_by_side import COMPILERS, KERNEL, PLANT, SANE, Leg, Motors, Side, compiled
+from hil_tests.unit.servo.side_by_side import (
+    COMPILERS,
+    KERNEL,
+    PLANT,
+    SANE,
+    TWIN,
+    Leg,
+    Motors,
+    Side,
+    compiled,
+)
 
 AXES = ("left", "right", "steer", "lift")
 
 
 @pytest.fixture(scope="module")
-def built(tmp_path_factory: pytest.TempPathFactory) -> dict[str, kernel.Found]:
-    folder = tmp_path_factory.mktemp("kernel")
-    native = kernel.load(compiled(folder, KERNEL, "-O2"))
-    return {"twin": kernel.Found(None, "asked for"), "native": native}
-
-
-@pytest.fixture(scope="module")
-def motors(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
-    return ctypes.CDLL(str(compiled(tmp_path_factory.mktemp("plant"), PLANT, "-O2")))
+def built(native: kernel.Found) -> dict[str, kernel.Found]:
+    return {"twin": TWIN, "native": native}
 
 
 def test_the_header_is_in_step_with_the_tables() -> None:
@@ -121,9 +124,15 @@ def test_a_plant_without_fmi_functions_is_stepped_by_the_twin(built: dict[str, k
     ],
 )
 def test_a_plant_that_fails_says_where_and_when(
-    *, built: dict[str, kernel.Found], motors: ctypes.CDLL, side: str, fmi: int, failing: int, said: str
+    *,
+    built: dict[str, kernel.Found],
+    plant_library: ctypes.CDLL,
+    side: str,
+    fmi: int,
+    failing: int,
+    said: str,
 ) -> None:
-    one = Side(Motors(motors, fmi), (SANE,) * 4, built[side])
+    one = Side(Motors(plant_library, fmi), (SANE,) * 4, built[side])
     one.plant.breaks(at=57, failing=failing)
     with pytest.raises(PlantError, match=said):
         one.runs(Leg((), 200))
@@ -134,10 +143,10 @@ def test_a_plant_that_fails_says_where_and_when(
 @pytest.mark.parametrize("side", ["twin", "native"])
 @pytest.mark.parametrize("failing", [WANTS_TO_END, STOPPED_SHORT])
 def test_a_plant_that_ends_its_simulation_is_not_stepped_on(
-    built: dict[str, kernel.Found], motors: ctypes.CDLL, side: str, failing: int
+    built: dict[str, kernel.Found], plant_library: ctypes.CDLL, side: str, failing: int
 ) -> None:
     # FMI 3.0.1, 4.2.1: terminateSimulation, and earlyReturn, which nobody has allowed.
-    one = Side(Motors(motors, 3), (SANE,) * 4, built[side])
+    one = Side(Motors(plant_library, 3), (SANE,) * 4, built[side])
     one.plant.breaks(at=57, failing=failing)
     with pytest.raises(PlantError, match=f"doStep failed after 57 steps with {failing}"):
         one.runs(Leg((), 200))
@@ -149,11 +158,11 @@ def test_a_plant_that_ends_its_simulation_is_not_stepped_on(
     ("replaced", "quantity"), [(0, "current"), (1, "angle"), (2, "speed"), (3, "supply")]
 )
 def test_what_is_no_measurement_is_refused_by_both_at_the_same_tick(
-    built: dict[str, kernel.Found], motors: ctypes.CDLL, replaced: int, quantity: str, value: float
+    built: dict[str, kernel.Found], plant_library: ctypes.CDLL, replaced: int, quantity: str, value: float
 ) -> None:
     said, bits = [], []
     for found in built.values():
-        one = Side(Motors(motors), (SANE,) * 4, found)
+        one = Side(Motors(plant_library), (SANE,) * 4, found)
         one.plant.breaks(at=33, failing=4, replaced=replaced, replacement=value)
         with pytest.raises(ServoError, match=f"the plant's {quantity}.* at 0.00[34]") as refusal:
             one.runs(Leg((), 200))

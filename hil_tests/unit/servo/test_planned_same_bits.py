@@ -9,37 +9,22 @@ import pytest
 
 from emulators.servo import kernel
 from emulators.servo.axis import FOLLOW, MOVE, PROFILE_DONE, RAMP, SINE, SPLINE, TARGET_REACHED
+from hil_tests.unit.servo.campaign import PLANNED_KINDS, Draw, legs, tame, wild
 from hil_tests.unit.servo.side_by_side import (
     COUNT,
     KERNEL,
-    PLANNED_KINDS,
-    PLANT,
     SANE,
-    Draw,
+    TWIN,
     Leg,
     Motors,
     Order,
     Side,
     compiled,
     difference,
-    legs,
-    tame,
-    wild,
 )
 
-TWIN = kernel.Found(None, "the other side")
 TICKS = 1_500_000
 """Ticks of single axes, for each way of drawing."""
-
-
-@pytest.fixture(scope="module")
-def plant_library(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
-    return ctypes.CDLL(str(compiled(tmp_path_factory.mktemp("plant"), PLANT, "-O2")))
-
-
-@pytest.fixture(scope="module")
-def native(tmp_path_factory: pytest.TempPathFactory) -> kernel.Found:
-    return kernel.load(compiled(tmp_path_factory.mktemp("kernel"), KERNEL, "-O2"))
 
 
 @pytest.mark.parametrize("draw", [tame, wild])

@@ -3,36 +3,14 @@
 import ctypes
 
 import numpy as np
-import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from emulators.servo import kernel
 from emulators.servo.record import FIELDS
 from emulators.servo.recorder import Recorder
-from hil_tests.unit.servo.side_by_side import (
-    COUNT,
-    KERNEL,
-    PLANT,
-    SANE,
-    Leg,
-    Motors,
-    Order,
-    Side,
-    compiled,
-    difference,
-    legs,
-)
-
-
-@pytest.fixture(scope="session")
-def motors(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
-    return ctypes.CDLL(str(compiled(tmp_path_factory.mktemp("plant"), PLANT, "-O2")))
-
-
-@pytest.fixture(scope="session")
-def native(tmp_path_factory: pytest.TempPathFactory) -> kernel.Found:
-    return kernel.load(compiled(tmp_path_factory.mktemp("kernel"), KERNEL, "-O2"))
+from hil_tests.unit.servo.campaign import legs
+from hil_tests.unit.servo.side_by_side import COUNT, SANE, TWIN, Leg, Motors, Order, Side, difference
 
 
 def recorded(side: Side) -> list[tuple[object, ...]]:
@@ -55,7 +33,7 @@ def recorded(side: Side) -> list[tuple[object, ...]]:
 )
 def test_both_record_the_same(
     *,
-    motors: ctypes.CDLL,
+    plant_library: ctypes.CDLL,
     native: kernel.Found,
     seed: int,
     sources: tuple[str, ...],
@@ -64,7 +42,7 @@ def test_both_record_the_same(
     share: float,
     triggers: int,
 ) -> None:
-    sides = [Side(Motors(motors, seed=seed), (SANE,) * COUNT, each) for each in (kernel.Found(None), native)]
+    sides = [Side(Motors(plant_library, seed=seed), (SANE,) * COUNT, each) for each in (TWIN, native)]
     for number, leg in enumerate(legs(np.random.default_rng(seed), 8)):
         for side in sides:
             if number == 2:
@@ -83,8 +61,8 @@ def test_both_record_the_same(
             return
 
 
-def test_a_recorder_that_is_off_changes_nothing(motors: ctypes.CDLL, native: kernel.Found) -> None:
-    on, off = (Side(Motors(motors), (SANE,) * COUNT, native) for _ in range(2))
+def test_a_recorder_that_is_off_changes_nothing(plant_library: ctypes.CDLL, native: kernel.Found) -> None:
+    on, off = (Side(Motors(plant_library), (SANE,) * COUNT, native) for _ in range(2))
     on.axes[0].recorder.start(on.axes[0], ("position",), capacity=8, period=3, preceding=0)
     power = Leg(tuple(Order(axis, kind, 0, 900, 900, 900) for axis in range(COUNT) for kind in (0, 1)), 500)
     on.runs(power)

@@ -3,7 +3,6 @@
 import ctypes
 
 import numpy as np
-import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -15,18 +14,8 @@ from emulators.servo.motor import DcMotor, DcMotors
 from emulators.servo.sensors import align
 from emulators.servo.surroundings import IndexPulse, SensorWires, Surroundings
 from firmware_bridge.units import MILLISECOND
-from hil_tests.unit.servo.side_by_side import (
-    COUNT,
-    KERNEL,
-    PLANT,
-    SANE,
-    Leg,
-    Motors,
-    Side,
-    compiled,
-    difference,
-    legs,
-)
+from hil_tests.unit.servo.campaign import legs
+from hil_tests.unit.servo.side_by_side import COUNT, SANE, TWIN, Leg, Motors, Side, difference
 
 WIRES = st.builds(
     SensorWires,
@@ -40,16 +29,6 @@ WIRES = st.builds(
 )
 
 
-@pytest.fixture(scope="session")
-def motors(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
-    return ctypes.CDLL(str(compiled(tmp_path_factory.mktemp("plant"), PLANT, "-O2")))
-
-
-@pytest.fixture(scope="session")
-def native(tmp_path_factory: pytest.TempPathFactory) -> kernel.Found:
-    return kernel.load(compiled(tmp_path_factory.mktemp("kernel"), KERNEL, "-O2"))
-
-
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     seed=st.integers(0, 2**16),
@@ -61,7 +40,7 @@ def native(tmp_path_factory: pytest.TempPathFactory) -> kernel.Found:
 )
 def test_whatever_is_wrong_both_notice_alike(
     *,
-    motors: ctypes.CDLL,
+    plant_library: ctypes.CDLL,
     native: kernel.Found,
     seed: int,
     wires: list[SensorWires],
@@ -70,7 +49,7 @@ def test_whatever_is_wrong_both_notice_alike(
     limit: int,
     marks: list[bool],
 ) -> None:
-    sides = [Side(Motors(motors, seed=seed), (SANE,) * COUNT, each) for each in (kernel.Found(None), native)]
+    sides = [Side(Motors(plant_library, seed=seed), (SANE,) * COUNT, each) for each in (TWIN, native)]
     for side in sides:
         for axis, cables in zip(side.axes, wires, strict=True):
             axis.encoder_reversed, axis.encoder_supervised, axis.index_supervised = map(int, marks[:3])
@@ -92,7 +71,7 @@ def test_whatever_is_wrong_both_notice_alike(
             return
 
 
-def test_every_finding_is_met_by_some_campaign(motors: ctypes.CDLL, native: kernel.Found) -> None:
+def test_every_finding_is_met_by_some_campaign(plant_library: ctypes.CDLL, native: kernel.Found) -> None:
     seen, draw = 0, np.random.default_rng(7)
     findings = (
         servo.ENCODER_BROKEN | servo.INDEX_LOST | servo.INDEX_DISTANCE_WRONG | servo.HALL_IMPOSSIBLE
@@ -100,7 +79,7 @@ def test_every_finding_is_met_by_some_campaign(motors: ctypes.CDLL, native: kern
         | servo.OVER_TEMPERATURE
     )  # fmt: skip
     for seed in range(12):
-        sides = [Side(Motors(motors, seed=seed), (SANE,) * COUNT, f) for f in (kernel.Found(None), native)]
+        sides = [Side(Motors(plant_library, seed=seed), (SANE,) * COUNT, f) for f in (TWIN, native)]
         faults = [int(value) for value in draw.integers(0, 1 << 11, COUNT)]
         for side in sides:
             for axis, fault in zip(side.axes, faults, strict=True):

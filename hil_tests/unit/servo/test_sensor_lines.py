@@ -14,13 +14,12 @@ from firmware_bridge.units import MILLISECOND
 from hil_tests.unit.servo.planned_orders import obey_planned
 from hil_tests.unit.servo.side_by_side import (
     COUNT,
-    PLANT,
     SANE,
+    TWIN,
     Leg,
     Motors,
     Order,
     Side,
-    compiled,
     difference,
 )
 
@@ -67,16 +66,11 @@ def test_what_is_no_measurement_is_refused(place: int, value: float) -> None:
         bank.advance(MILLISECOND)
 
 
-@pytest.fixture(scope="module")
-def plant_library(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
-    return ctypes.CDLL(str(compiled(tmp_path_factory.mktemp("plant"), PLANT, "-O2")))
-
-
 def sides(library: ctypes.CDLL) -> tuple[Side, Side]:
     """Axis 0 is geared to the angle of axis 1, and axis 2 driven by volts that are the speed of axis 1."""
     lines = (Line(0, MASTER, COUNT + 1), Line(2, ANALOGUE_2, 2 * COUNT + 1), Line(3, ANALOGUE_1, COUNT + 1))
     made = []
-    for found in (kernel.Found(None, "the twin"), kernel.find()):
+    for found in (TWIN, kernel.find()):
         side = Side(Motors(library), (SANE,) * COUNT, found)
         side.bank = ServoBank(side.plant, side.axes, supply=3 * COUNT, input_lines=lines, servo=found)
         made.append(side)
@@ -115,4 +109,4 @@ def test_the_kernel_refuses_what_the_twin_refuses(plant_library: ctypes.CDLL) ->
 
 
 def one_of(native: bool) -> kernel.Found:  # noqa: FBT001 - which of the two
-    return kernel.find() if native else kernel.Found(None, "the twin")
+    return kernel.find() if native else TWIN

@@ -120,6 +120,8 @@ def test_a_serial_line_whose_other_end_is_gone_is_lost() -> None:
 def test_a_serial_port_that_cannot_be_opened_is_told_with_what_to_do(tmp_path: Path) -> None:
     with pytest.raises(PortError, match=r"no-such at 115200 Bd: there is no such device"):
         SerialLine(str(tmp_path / "no-such"), 115_200)
+    with pytest.raises(PortError, match=r"/dev/null at 115200 Bd: it is no serial line"):
+        SerialLine("/dev/null", 115_200)
     with (
         closing(PseudoTerminal()) as other,
         closing(SerialLine(other.path, 9600)),
@@ -157,10 +159,11 @@ class Client:
         """Do the client's next step, at most one in ten milliseconds."""
         if self._serial is None:
             self._serial = serial.Serial(self._path, 115_200, timeout=0)
-            self._serial.write(b"\x90\x02half" if len(self.answers) % 2 else ASKED_V2)
+            said, self._awaited = (b"\x90\x02half", b"") if len(self.answers) % 2 else (ASKED_V2, ANSWERED_V2)
+            self._serial.write(said)
             self._heard, self._since = b"", now
         self._heard += self._serial.read(100)
-        if now - self._since >= 30 * MILLISECOND:
+        if now - self._since >= 30 * MILLISECOND and len(self._heard) >= len(self._awaited):
             self.answers.append(self._heard)
             self._serial.close()
             self._serial = None

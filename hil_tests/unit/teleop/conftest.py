@@ -80,6 +80,18 @@ class Bench:
         sent = self.operator.report(self.snapshot, holds, self.now)
         return [message for datagram in sent for message in self.station.decode(datagram)]
 
+    def told(self, number: int) -> Any:
+        """Let a cycle pass; ask for one message and return it."""
+        self.report()
+        return self.order(512, number)[0]
+
+    def drives(self, **changes: Any) -> tuple[DriveSnapshot, ...]:
+        """Return the drives of the snapshot, each with the value of its place in each list."""
+        return tuple(
+            replace(drive, **{name: values[place] for name, values in changes.items()})
+            for place, drive in enumerate(self.snapshot.drives)
+        )
+
     def order(
         self, command: int, *params: float, confirmation: int = 0, target: tuple[int, int] = (1, 1)
     ) -> list[Any]:

@@ -18,6 +18,7 @@ from firmware_bridge.intent import (
 )
 from firmware_bridge.teleop.commands import ROWS
 from firmware_bridge.teleop.mavlink import dialect
+from hil_tests.unit.teleop.heard import texts
 
 if TYPE_CHECKING:
     from hil_tests.unit.teleop.conftest import Bench
@@ -62,10 +63,6 @@ def acks(messages: list[Any]) -> list[tuple[int, int]]:
     return [(one.command, one.result) for one in messages if one.get_type() == "COMMAND_ACK"]
 
 
-def texts(messages: list[Any]) -> str:
-    return "".join(one.text for one in messages if one.get_type() == "STATUSTEXT")
-
-
 @pytest.mark.parametrize(("command", "params", "result", "asked"), TABLE)
 def test_a_command_is_answered_once_and_asks_this(
     bench: Bench, command: int, params: tuple[float, ...], result: int, asked: list[Request]
@@ -105,7 +102,7 @@ def test_the_bridges_verdict_and_its_reason_reach_the_operator(
     bench.verdict = verdict
     replies = bench.order(400, 1)
     assert acks(replies) == [(400, result)]
-    assert texts(replies) == ("" if verdict.accepted else verdict.reason)
+    assert "".join(texts(replies)) == ("" if verdict.accepted else verdict.reason)
 
 
 def test_an_ack_names_the_one_who_asked(bench: Bench) -> None:

@@ -6,17 +6,10 @@ import pytest
 
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at
+from hil_tests.unit.motion_control.faults.conftest import RESET, moving
 
 if TYPE_CHECKING:
     from hil_tests.unit.motion_control.conftest import Drive
-
-RESET = 0x80
-
-
-def moving(drive: "Drive") -> None:
-    drive.enable(mode=3)
-    drive.write(at.TARGET_VELOCITY, 3000)
-    drive.run(300)
 
 
 @pytest.mark.emergency(0x3220)

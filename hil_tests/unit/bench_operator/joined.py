@@ -1,0 +1,134 @@
+"""The scripted operator, joined directly to the bridge's Operator: both ends real, only the wire is short."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from emulators.bench.mission import Mission, parse
+from emulators.bench.operator import ScriptedOperator
+from firmware_bridge import robot as robots
+from firmware_bridge.intent import Arm, ClearEmergencyStop, Disarm, EmergencyStop, Intent, Request, Verdict
+from firmware_bridge.motion.odometry import Pose
+from firmware_bridge.node import OPERATOR
+from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.robot import Robot
+from firmware_bridge.safety.snapshot import DriveSnapshot, Hold, Snapshot
+from firmware_bridge.teleop.mavlink import Codec
+from firmware_bridge.teleop.operator import Operator
+from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
+from firmware_bridge.wire.cia402 import State
+
+RARS = robots.find("rars")
+CYCLE = 50 * MILLISECOND
+
+
+def mission(*steps: str, head: str = "") -> Mission:
+    """Make a mission of lines such as "1.0 speed_mps = 0.3; steer_deg = 20"; the keys are the title."""
+    text = f'title = "t"\nduration_s = 100.0\n{head}'
+    for step in steps:
+        at, keys = step.split(" ", 1)
+        text += f"\n[[step]]\nat_s = {at}\ntitle = '{keys}'\n" + keys.replace("; ", "\n") + "\n"
+    return parse(text, "test.toml", RARS)
+
+
+@dataclass
+class Robotlike:
+    """The bridge as far as an operator sees it: Operator, an arming switch, and a cycle of 50 ms."""
+
+    robot: Robot = RARS
+    armed: bool = False
+    stopped: bool = False
+    requests: list[Request] = field(default_factory=list)
+    refusals: int = 0
+    deaf: bool = False
+    pose: Pose = field(default_factory=Pose)
+    holds: tuple[Hold, ...] = ()
+
+    def __post_init__(self) -> None:
+        self.operator = Operator(self.robot)
+
+    def decide(self, request: Request) -> Verdict:
+        self.requests.append(request)
+        if self.refusals:
+            self.refusals -= 1
+            return Verdict(accepted=False, reason="enabling the drives again, arm again", temporary=True)
+        match request:
+            case Arm() if self.stopped:
+                return Verdict(accepted=False, reason="the emergency stop is latched")
+            case Arm() | Disarm():
+                self.armed = isinstance(request, Arm)
+            case EmergencyStop() | ClearEmergencyStop():
+                self.stopped = isinstance(request, EmergencyStop)
+                self.armed = self.armed and not self.stopped
+        return Verdict(accepted=True, reason="")
+
+    def hear(self, payload: bytes, now: Nanoseconds) -> tuple[bytes, ...]:
+        return () if self.deaf else self.operator.hear(payload, now, self.decide)
+
+    def report(self, now: Nanoseconds) -> tuple[bytes, ...]:
+        drives = tuple(
+            DriveSnapshot(axis.name, axis.node, State.OPERATION_ENABLED, now, 0, 0.0, 0, 0)
+            for axis in self.robot.axes
+        )
+        snapshot = Snapshot(
+            now=now,
+            intent=self.operator.intent,
+            armed=self.armed,
+            emergency_stopped=self.stopped,
+            drives=drives,
+            steer_rad=0.1,
+            lift_m=0.2,
+            speed_mps=0.3,
+            yaw_rate_rad_s=0.4,
+            pose=self.pose,
+            demanded_speed_mps=0.0,
+            battery_v=24.0,
+        )
+        return self.operator.report(snapshot, self.holds, now)
+
+
+@dataclass
+class Joined:
+    """Both ends on a wire without length; every datagram of the operator is kept with its time."""
+
+    driver: ScriptedOperator
+    robotlike: Robotlike = field(default_factory=Robotlike)
+    now: Nanoseconds = 0
+    wake_at: Nanoseconds = 0
+    cycle_at: Nanoseconds = 0
+    sent: list[tuple[Nanoseconds, bytes]] = field(default_factory=list)
+
+    def run(self, until_s: float) -> Intent:
+        until = from_seconds(until_s)
+        while min(self.wake_at, self.cycle_at) <= until:
+            if self.wake_at <= self.cycle_at:
+                self.now = self.wake_at
+                self._carry(self.driver.wake(self.now))
+                assert self.wake_at > self.now, "a node must let time pass"
+            else:
+                self.now = self.cycle_at
+                self.cycle_at += CYCLE
+                self._answer(self.robotlike.report(self.now))
+        return self.robotlike.operator.intent
+
+    def messages(self, kind: str) -> list[tuple[Nanoseconds, Any]]:
+        codec = Codec(9, 9)
+        return [
+            (at, one) for at, payload in self.sent for one in codec.decode(payload) if one.get_type() == kind
+        ]
+
+    def _carry(self, reaction: Reaction) -> None:
+        self.wake_at = reaction.wake_at
+        for packet in reaction.sent:
+            assert (packet.link, packet.address) == (OPERATOR, 0)
+            self.sent.append((self.now, packet.payload))
+            self._answer(self.robotlike.hear(packet.payload, self.now))
+
+    def _answer(self, payloads: tuple[bytes, ...]) -> None:
+        for payload in payloads:
+            self._carry(self.driver.receive(Packet(OPERATOR, 0, payload), self.now))
+
+
+def join(script: Mission, seed: int = 1) -> Joined:
+    return Joined(ScriptedOperator(RARS, script, np.random.default_rng(seed)))

@@ -1,0 +1,157 @@
+"""A bus with a bridge and its drives, and a ground station in the test's hand."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from emulators.wires.can import CanWire
+from emulators.wires.datagram import DatagramWire
+from emulators.world import World
+from firmware_bridge.bridge import Bridge, Phase
+from firmware_bridge.node import CAN, OPERATOR
+from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.robot import Robot
+from firmware_bridge.safety.guard import Guarded
+from firmware_bridge.safety.guard_rules import rules_for
+from firmware_bridge.teleop.mavlink import Codec, dialect, text_of
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+
+LIFT_BUTTON = 8
+ACCEPTED, TEMPORARILY_REJECTED, DENIED = 0, 1, 2
+ARM = dialect.MAV_CMD_COMPONENT_ARM_DISARM
+RPM_AT_03 = 1490
+"""0.3 m/s: 6 rad/s at the wheel, times 26, is 1490 rpm at the motor."""
+
+
+class Station:
+    """A ground station that says what the test tells it to, and keeps what it hears."""
+
+    def __init__(self) -> None:
+        self.codec = Codec(255, 190)
+        self.heard: list[Any] = []
+
+    def wake(self, _now: Nanoseconds) -> Reaction:
+        return Reaction()
+
+    def receive(self, packet: Packet, _now: Nanoseconds) -> Reaction:
+        self.heard += self.codec.decode(packet.payload)
+        return Reaction()
+
+
+class Carrier:
+    """Does what the shell does: an exception in the node is followed by `stop`."""
+
+    def __init__(self, node: Guarded) -> None:
+        self.node = node
+        self.failed: Exception | None = None
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        return self._carried(lambda: self.node.receive(packet, now), now)
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        return self._carried(lambda: self.node.wake(now), now)
+
+    def _carried(self, act: Callable[[], Reaction], now: Nanoseconds) -> Reaction:
+        try:
+            return act()
+        except ZeroDivisionError as failed:
+            self.failed = failed
+            return self.node.stop(now)
+
+
+@dataclass
+class Bench:
+    """Everything joined in virtual time."""
+
+    robot: Robot
+    bridge: Bridge
+    drives: Mapping[str, Any]
+    """Paper drives, or emulated ones."""
+    station: Station = field(default_factory=Station)
+    world: World = field(default_factory=World)
+    frames: list[tuple[Nanoseconds, str, Packet]] = field(default_factory=list)
+    speed: float = 0.0
+    steer: float = 0.0
+    lift: float | None = None
+    """The lift's stick, -1 to 1, with its button held; None lets both go."""
+    talks: bool = True
+
+    def __post_init__(self) -> None:
+        bus, air = CanWire(self.robot.bus.bit_rate), DatagramWire()
+        bus.observe(lambda now, sender, packet: self.frames.append((now, sender, packet)))
+        self.guard = Guarded(self.bridge, rules_for(self.robot))
+        self.carrier = Carrier(self.guard)
+        self.at_bridge = self.world.attach("bridge", self.carrier, {CAN: bus, OPERATOR: air})
+        self.places = {
+            name: self.world.attach(name, drive, {CAN: bus}) for name, drive in self.drives.items()
+        }
+        self.at_station = self.world.attach("station", self.station, {OPERATOR: air})
+        self.bus, self.air = bus, air
+
+    @property
+    def now(self) -> Nanoseconds:
+        return self.world.now
+
+    def runs(self, seconds: float) -> None:
+        """Let time pass; the station sends its stick every 50 ms while it talks."""
+        until = self.now + round(seconds * SECOND)
+        while self.now < until:
+            if self.talks:
+                x, r = round(self.speed / 0.5 * 1000), round(-self.steer / 60.0 * 1000)
+                z, buttons = (500, 0) if self.lift is None else (round(self.lift * 1000), LIFT_BUTTON)
+                self.says(dialect.MAVLink_manual_control_message(1, x, 0, z, r, buttons))
+            self.world.run(min(self.now + 50 * MILLISECOND, until))
+
+    def starts(self) -> None:
+        self.runs(1.5)
+        assert self.bridge.phase is Phase.RUNNING
+
+    def stops(self) -> None:
+        """Ask for the orderly end."""
+        for packet in self.guard.stop(self.now).sent:
+            self.bus.carry(self.at_bridge, packet)
+
+    def arms(self) -> int:
+        return self.commands(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1.0)
+
+    def commands(self, command: int, *params: float) -> int:
+        """Send a command; return the MAV_RESULT."""
+        before = len(self.station.heard)
+        padded = (*params, *(0.0,) * (7 - len(params)))
+        self.says(dialect.MAVLink_command_long_message(1, 1, command, 0, *padded))
+        self.world.run(self.now + MILLISECOND)
+        for message in self.station.heard[before:]:
+            if message.get_type() == "COMMAND_ACK":
+                return int(message.result)
+        raise AssertionError("no COMMAND_ACK")
+
+    def says(self, message: Any) -> None:
+        self.air.carry(self.at_station, Packet(OPERATOR, 0, self.station.codec.encode(message)))
+
+    def inject(self, name: str, packets: list[Packet]) -> None:
+        """Let a drive say something by itself."""
+        for packet in packets:
+            self.bus.carry(self.places[name], packet)
+        self.world.run(self.now + MILLISECOND)
+
+    def told(self) -> str:
+        """All texts that the station has heard, joined."""
+        texts = [message.text for message in self.station.heard if message.get_type() == "STATUSTEXT"]
+        return "".join(map(text_of, texts))
+
+    def sent(self, address: int, since: Nanoseconds = 0) -> list[tuple[Nanoseconds, str]]:
+        """What the bridge sent with this identifier, by the end of each frame, in hexadecimal."""
+        return [
+            (now, packet.payload.hex(" "))
+            for now, sender, packet in self.frames
+            if sender == "bridge" and packet.address == address and now >= since
+        ]
+
+    def words(self, name: str, since: Nanoseconds) -> list[tuple[int, int]]:
+        """Controlword and target of each set-point that a drive has heard."""
+        return [(word, target) for now, word, target in self.drives[name].words if now >= since]
+
+
+def driving(bench: Bench, speed: float = 0.3) -> None:
+    bench.speed = speed
+    bench.runs(1)

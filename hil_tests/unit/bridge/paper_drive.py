@@ -1,0 +1,153 @@
+"""A drive as the EPOS2's documents tell it."""
+
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.robot import Axis, Mode
+from firmware_bridge.units import SECOND, Nanoseconds
+from firmware_bridge.wire import sdo
+from firmware_bridge.wire.abort import AbortCode
+from firmware_bridge.wire.canopen import NmtCommand, NmtState
+from firmware_bridge.wire.cia402 import Command, Control, State, command_of
+from firmware_bridge.wire.epos2 import address as at
+
+REMOTE = 1 << 9
+STEPS = {
+    (State.SWITCH_ON_DISABLED, Command.SHUTDOWN): State.READY_TO_SWITCH_ON,
+    (State.READY_TO_SWITCH_ON, Command.DISABLE_OPERATION): State.SWITCHED_ON,
+    (State.READY_TO_SWITCH_ON, Command.ENABLE_OPERATION): State.OPERATION_ENABLED,
+    (State.SWITCHED_ON, Command.ENABLE_OPERATION): State.OPERATION_ENABLED,
+    (State.OPERATION_ENABLED, Command.SHUTDOWN): State.READY_TO_SWITCH_ON,
+    (State.OPERATION_ENABLED, Command.DISABLE_VOLTAGE): State.SWITCH_ON_DISABLED,
+    (State.OPERATION_ENABLED, Command.QUICK_STOP): State.QUICK_STOP_ACTIVE,
+    (State.QUICK_STOP_ACTIVE, Command.ENABLE_OPERATION): State.OPERATION_ENABLED,
+    (State.QUICK_STOP_ACTIVE, Command.DISABLE_VOLTAGE): State.SWITCH_ON_DISABLED,
+    (State.READY_TO_SWITCH_ON, Command.DISABLE_VOLTAGE): State.SWITCH_ON_DISABLED,
+    (State.READY_TO_SWITCH_ON, Command.QUICK_STOP): State.SWITCH_ON_DISABLED,
+}
+
+
+class PaperDrive:
+    """What the EPOS2's documents say of SDO, NMT, states and PDOs, in few lines; it obeys at once.
+
+    Written apart from the emulator: the bridge must agree with the documents, not with our other half.
+    """
+
+    def __init__(self, axis: Axis) -> None:
+        self.axis = axis
+        self.memory: dict[at.Address, bytes] = {
+            at.DEVICE_TYPE: bytes.fromhex("92010200"),
+            at.VENDOR_ID: bytes.fromhex("FB000000"),
+            at.PRODUCT_CODE: bytes.fromhex("00002064"),
+            at.VELOCITY_AVERAGED: bytes(4),
+            at.ANALOGUE_INPUT_1: (4100).to_bytes(2, "little"),
+        }
+        self.written: list[tuple[at.Address, bytes]] = []
+        self.refuses: dict[at.Address, AbortCode] = {}
+        self.forgets: set[at.Address] = set()
+        self.state = State.SWITCH_ON_DISABLED
+        self.nmt = NmtState.PRE_OPERATIONAL
+        self.silent = False
+        self.stuck_in: set[State] = set()
+        self.jammed = False
+        self.words: list[tuple[Nanoseconds, int, int]] = []
+        """Each set-point: when, controlword, target."""
+        self.rpm = 0
+        self.position = 0.0
+        self._word = 0
+        self._moved_at: Nanoseconds = 0
+
+    def wake(self, _now: Nanoseconds) -> Reaction:
+        return Reaction()
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        sent = [] if self.silent else self._heard(packet, now)
+        return Reaction(tuple(Packet(CAN, address, payload) for address, payload in sent))
+
+    def fails(self, code: int) -> list[Packet]:
+        """Go to fault; return what the drive then sends."""
+        self.state = State.FAULT
+        self.rpm = 0
+        node = self.axis.node
+        emergency = code.to_bytes(2, "little") + bytes(6)
+        return [Packet(CAN, 0x080 + node, emergency), Packet(CAN, 0x180 + node, self._status())]
+
+    def boots(self) -> list[Packet]:
+        """Lose everything; return what the drive then sends."""
+        fresh = PaperDrive(self.axis)
+        self.memory, self.state, self.nmt = fresh.memory, fresh.state, fresh.nmt
+        self.rpm, self.position, self._word = 0, 0.0, 0
+        return [Packet(CAN, 0x700 + self.axis.node, b"\0")]
+
+    def _heard(self, packet: Packet, now: Nanoseconds) -> list[tuple[int, bytes]]:
+        node = self.axis.node
+        if packet.address == 0x000 and packet.payload[1] in (0, node):
+            self.nmt = {
+                NmtCommand.START: NmtState.OPERATIONAL,
+                NmtCommand.ENTER_PRE_OPERATIONAL: NmtState.PRE_OPERATIONAL,
+            }[NmtCommand(packet.payload[0])]
+            return [(0x180 + node, self._status())] if self.nmt is NmtState.OPERATIONAL else []
+        if packet.address == 0x600 + node:
+            return self._served(packet.payload)
+        if self.nmt is not NmtState.OPERATIONAL:
+            return []
+        if packet.address == 0x080:
+            self._move(now)
+            position = round(self.position) & 0xFFFF_FFFF
+            return [(0x280 + node, self._status() + position.to_bytes(4, "little") + bytes((7, 0)))]
+        if packet.address == (0x500 if self.axis.mode is Mode.VELOCITY else 0x400) + node:
+            return self._commanded(packet.payload, now)
+        return []
+
+    def _served(self, payload: bytes) -> list[tuple[int, bytes]]:
+        answer = None
+        match sdo.decode_request(payload):
+            case sdo.UploadRequest(address) if address in self.refuses:
+                answer = sdo.encode_abort(address, self.refuses[address])
+            case sdo.UploadRequest(address):
+                raw = self._status() if address == at.STATUSWORD else self.memory.get(address)
+                if raw is None:
+                    answer = sdo.encode_abort(address, AbortCode.NO_OBJECT)
+                else:
+                    answer = sdo.encode_upload_response(address, raw)
+            case sdo.DownloadRequest(address, raw, _) if raw is not None:
+                if address in self.refuses:
+                    answer = sdo.encode_abort(address, self.refuses[address])
+                else:
+                    self.written.append((address, raw))
+                    self.memory[address] = bytes(len(raw)) if address in self.forgets else raw
+                    if address == at.CONTROLWORD:
+                        self._obey(int.from_bytes(raw, "little"))
+                    answer = sdo.encode_download_response(address)
+        return [] if answer is None else [(0x580 + self.axis.node, answer)]
+
+    def _commanded(self, payload: bytes, now: Nanoseconds) -> list[tuple[int, bytes]]:
+        word = int.from_bytes(payload[:2], "little")
+        target = int.from_bytes(payload[2:6], "little", signed=True)
+        self.words.append((now, word, target))
+        before, edge = self.state, word & ~self._word & Control.NEW_SETPOINT
+        self._move(now)
+        self._obey(word)
+        moves = self.state is State.OPERATION_ENABLED
+        if self.axis.mode is Mode.VELOCITY:
+            self.rpm = target if moves else 0
+        elif moves and edge and not self.jammed:
+            self.position = float(target)
+        return [(0x180 + self.axis.node, self._status())] if self.state is not before else []
+
+    def _obey(self, word: int) -> None:
+        reset = word & ~self._word & Control.FAULT_RESET
+        self._word = word
+        if self.state in self.stuck_in:
+            return
+        if self.state is State.FAULT and reset:
+            self.state = State.SWITCH_ON_DISABLED
+        self.state = STEPS.get((self.state, command_of(word)), self.state)
+
+    def _move(self, now: Nanoseconds) -> None:
+        turns = self.rpm / 60.0 * (now - self._moved_at) / SECOND
+        self.position += turns * self.axis.quadcounts_per_turn
+        self._moved_at = now
+
+    def _status(self) -> bytes:
+        remote = REMOTE if self.nmt is NmtState.OPERATIONAL else 0
+        return (self.state.value | remote).to_bytes(2, "little")

@@ -1,0 +1,41 @@
+"""The golden exchanges as dialogues, who says what, and the ways in which they are cut into pieces."""
+
+from collections.abc import Callable
+
+import pytest
+
+from firmware_bridge.wire.maxon.frame import Generation
+from hil_tests.wire.maxon_frames import EXCHANGES, Exchange
+
+Cut = Callable[[bytes], list[bytes]]
+CUTS: dict[str, Cut] = {
+    "whole": lambda raw: [raw] if raw else [],
+    "byte by byte": lambda raw: [raw[i : i + 1] for i in range(len(raw))],
+}
+fragmented = pytest.mark.parametrize("cut", CUTS.values(), ids=CUTS)
+
+
+def golden(exchange: Exchange, generation: Generation) -> tuple[bytes, bytes]:
+    pair = exchange.v1 if generation is Generation.V1 else exchange.v2
+    assert pair is not None
+    return bytes.fromhex(pair[0]), bytes.fromhex(pair[1])
+
+
+def dialogue(exchange: Exchange, generation: Generation) -> list[tuple[str, bytes]]:
+    """Write down who says what: H the host, D the device."""
+    asked, answered = golden(exchange, generation)
+    if generation is Generation.V2:
+        return [("H", asked), ("D", answered)]
+    said = [("H", asked[:1]), ("D", b"O"), ("H", asked[1:]), ("D", b"O")]
+    if answered:
+        said += [("D", answered[:1]), ("H", b"O"), ("D", answered[1:]), ("H", b"O")]
+    return said
+
+
+CASES = [
+    pytest.param(exchange, generation, id=f"{exchange}-{generation.value}")
+    for exchange in EXCHANGES
+    for generation, pair in ((Generation.V1, exchange.v1), (Generation.V2, exchange.v2))
+    if pair is not None
+]
+every_exchange = pytest.mark.parametrize(("exchange", "generation"), CASES)

@@ -1,0 +1,22 @@
+"""Both ends of a serial line, and one command as each protocol writes it."""
+
+import pytest
+
+from firmware_bridge.units import MILLISECOND, Nanoseconds
+from firmware_bridge.wire.maxon.end import DeviceEnd
+from firmware_bridge.wire.maxon.frame import Frame, Generation
+from firmware_bridge.wire.maxon.lines import device_end
+
+TIMEOUT: Nanoseconds = 500 * MILLISECOND
+BAD_CHECKSUM = 0x0504_0004
+both = pytest.mark.parametrize("generation", Generation)
+
+
+def device(generation: Generation = Generation.V1) -> DeviceEnd:
+    return device_end(generation, lambda: TIMEOUT, BAD_CHECKSUM)
+
+
+READ = Frame(0x10, bytes.fromhex("41600001"))
+ASKED_V1 = bytes.fromhex("1001 41600001 ABF0")
+ASKED_V2 = bytes.fromhex("9002 1002 41600001 64CF")
+ASKED = {Generation.V1: ASKED_V1, Generation.V2: ASKED_V2}

@@ -1,0 +1,121 @@
+"""The handshakes of both serial protocols: golden dialogues, fragments and garbage, and both ends joined."""
+
+from collections.abc import Callable
+
+from firmware_bridge.units import NEVER, Nanoseconds
+from firmware_bridge.wire.maxon.end import DeviceEnd, HostEnd
+from firmware_bridge.wire.maxon.frame import Answered, Generation, Outcome
+from firmware_bridge.wire.maxon.lines import host_end
+from firmware_bridge.wire.maxon.opcodes import encode_answer, encode_request, row_of
+from hil_tests.wire.maxon_dialogues import Cut, dialogue, every_exchange, fragmented, golden
+from hil_tests.wire.maxon_ends import TIMEOUT, device
+from hil_tests.wire.maxon_frames import Exchange
+
+
+def serve(
+    end: DeviceEnd, exchange: Exchange, generation: Generation, chunk: bytes, now: Nanoseconds
+) -> bytes:
+    """Give the device bytes and answer what comes out; return what it says."""
+    frame = end.hear(chunk, now)
+    while frame is not None:
+        assert frame == encode_request(exchange.request)
+        silent = generation not in row_of(exchange.request).answered
+        frame = end.answer(None if silent else encode_answer(exchange.request, exchange.answer), now)
+    return end.taken()
+
+
+@fragmented
+@every_exchange
+def test_the_device_says_its_part(exchange: Exchange, generation: Generation, cut: Cut) -> None:
+    end = device(generation)
+    for _ in range(2):  # the second time shows that the first has left nothing behind
+        said = dialogue(exchange, generation)
+        while said:
+            asked = b"".join(raw for who, raw in _turn(said, "H"))
+            expected = b"".join(raw for who, raw in _turn(said, "D"))
+            heard = b"".join(serve(end, exchange, generation, chunk, 0) for chunk in cut(asked))
+            assert heard == expected
+        assert end.due == NEVER
+
+
+@fragmented
+@every_exchange
+def test_the_host_says_its_part(exchange: Exchange, generation: Generation, cut: Cut) -> None:
+    end = host_end(generation, TIMEOUT)
+    answered = generation in row_of(exchange.request).answered
+    for _ in range(2):
+        end.ask(encode_request(exchange.request), 0, answered=answered)
+        said, outcome = dialogue(exchange, generation), None
+        while said:
+            assert end.taken() == b"".join(raw for _, raw in _turn(said, "H"))
+            for chunk in cut(b"".join(raw for _, raw in _turn(said, "D"))):
+                assert outcome is None
+                outcome = end.hear(chunk, 0)
+        assert end.taken() == b""
+        body = encode_answer(exchange.request, exchange.answer) if answered else b""
+        assert outcome == Answered(body)
+        assert not end.busy
+        assert (end.due, end.ready_at) == (NEVER, 0)
+
+
+def _turn(said: list[tuple[str, bytes]], who: str) -> list[tuple[str, bytes]]:
+    turn = []
+    while said and said[0][0] == who:
+        turn.append(said.pop(0))
+    return turn
+
+
+GARBAGE = {
+    # Bytes that are no command; on RS232 each one is refused with an F.
+    Generation.V1: bytes.fromhex("00FF4F46909055AA"),
+    # Half a frame, single DLEs, a DLE before the frame itself.
+    Generation.V2: bytes.fromhex("0211900290904F9002100290"),
+}
+
+
+@fragmented
+@every_exchange
+def test_garbage_before_and_between_commands(exchange: Exchange, generation: Generation, cut: Cut) -> None:
+    end, now = device(generation), 0
+    for _ in range(3):
+        for chunk in cut(GARBAGE[generation]):
+            said = serve(end, exchange, generation, chunk, now)
+            assert said in {b"", b"F" * len(chunk)}
+        now += TIMEOUT
+        for chunk in cut(golden(exchange, generation)[0]):
+            said = serve(end, exchange, generation, chunk, now)
+        assert said[:1] == (b"O" if generation is Generation.V1 else said[:1])
+        assert said
+        answered = generation in row_of(exchange.request).answered
+        if generation is Generation.V1 and answered:
+            said = serve(end, exchange, generation, b"O", now)
+            assert said == golden(exchange, generation)[1][1:]
+            assert serve(end, exchange, generation, b"O", now) == b""
+
+
+def join(
+    host: HostEnd, drive: DeviceEnd, body: bytes | None, spoil: Callable[[bytes], bytes] = lambda raw: raw
+) -> Outcome | None:
+    """Carry bytes between the two ends until nobody says anything."""
+    outcome = None
+    for _ in range(1000):
+        asked = host.taken()
+        frame = drive.hear(asked, 0) if asked else None
+        if frame is not None:
+            drive.answer(body, 0)
+        said = spoil(drive.taken())
+        if not asked and not said:
+            return outcome
+        if said:
+            outcome = host.hear(said, 0) or outcome
+    raise AssertionError("they never stop")
+
+
+@every_exchange
+def test_both_ends_understand_each_other(exchange: Exchange, generation: Generation) -> None:
+    host, drive = host_end(generation, TIMEOUT), device(generation)
+    answered = generation in row_of(exchange.request).answered
+    body = encode_answer(exchange.request, exchange.answer) if answered else None
+    for _ in range(3):
+        host.ask(encode_request(exchange.request), 0, answered=answered)
+        assert join(host, drive, body) == Answered(body or b"")
