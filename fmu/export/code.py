@@ -7,11 +7,12 @@ from typing import Final
 import sympy as sp
 
 from fmu.export.blocks import Block, Program, UnsupportedError
+from fmu.export.loops import Loop
 from fmu.export.model import Expression
 from fmu.export.tangents import TangentBlock, tangents
 from fmu.export.variables import variables
 
-__all__ = ["UnsupportedError", "body", "c_text", "generate"]
+__all__ = ["UnsupportedError", "c_text", "generate"]
 
 _FUNCTIONS: Final[Mapping[str, str]] = {
     "sin": "fb_sine",
@@ -143,14 +144,6 @@ def generate(program: Program, token: str) -> dict[str, str]:
     }
 
 
-def body(block: Block) -> Iterator[tuple[str, str]]:
-    """Yield the lines of a block as (target, value), in order: temporaries, then places."""
-    for symbol, value in block.shared:
-        yield str(symbol), c_text(value)
-    for place, value in block.results:
-        yield f"{block.target}[{place}]", c_text(value)
-
-
 def _table(kind: str, name: str, entries: Sequence[str]) -> str:
     # C knows no empty table.
     rows = "".join(f"  {entry},\n" for entry in entries or ("0",))
@@ -161,8 +154,24 @@ def _function(block: Block) -> str:
     read = [name for name in block.reads if name != block.target]
     signature = ", ".join(f"const double *restrict {name}" for name in read)
     lines = [f"  (void){name};\n" for name in (*read, block.target)]
-    lines += [f"  {'' if '[' in name else 'const double '}{name} = {value};\n" for name, value in body(block)]
+    for step in block.steps:
+        lines += _loop(step) if isinstance(step, Loop) else [_constant(*step)]
+    lines += [f"  {block.target}[{place}] = {c_text(value)};\n" for place, value in block.results]
     return f"void fb_{block.name}({signature}, double *restrict {block.target}) {{\n{''.join(lines)}}}\n"
+
+
+def _loop(loop: Loop) -> Iterator[str]:
+    for name, values in loop.takes:
+        yield f"  const double {name}[{loop.count}] = {{{', '.join(map(c_text, values))}}};\n"
+    yield from (f"  double {name}[{loop.count}];\n" for name, _ in loop.gives)
+    yield f"  for (int i = 0; i < {loop.count}; i++) {{\n"
+    yield from (f"  {_constant(*line)}" for line in loop.shared)
+    yield from (f"    {name}[i] = {c_text(value)};\n" for name, value in loop.gives)
+    yield "  }\n"
+
+
+def _constant(symbol: Expression, value: Expression) -> str:
+    return f"  const double {symbol} = {c_text(value)};\n"
 
 
 def _tangent_function(tangent: TangentBlock) -> str:
@@ -173,6 +182,6 @@ def _tangent_function(tangent: TangentBlock) -> str:
         arrays.insert(0, "s")
     signature = ", ".join(f"const double *restrict {name}" for name in arrays)
     lines = [f"  (void){name};\n" for name in (*arrays, target)]
-    lines += [f"  const double {symbol} = {c_text(value)};\n" for symbol, value in tangent.shared]
+    lines += [_constant(*line) for line in tangent.shared]
     lines += [f"  {target}[{place}] = {c_text(slope)};\n" for place, slope in tangent.results]
     return f"void fb_{block.name}_tangent({signature}, double *restrict {target}) {{\n{''.join(lines)}}}\n"

@@ -34,11 +34,12 @@ def tangents(block: Block) -> TangentBlock:
     """Return the block that computes `block`'s tangent from those of its arrays (d before their letter)."""
     slopes: dict[Expression, Expression] = {}
     lines: list[tuple[Expression, Expression]] = []
-    for symbol, value in block.shared:
+    shared, values = block.straight()
+    for symbol, value in shared:
         tangent = _tangent(value, slopes)
         slopes[symbol] = real(f"d{symbol.name}") if tangent != 0 else sp.S.Zero
         lines += [(symbol, value), (slopes[symbol], tangent)]
-    results = tuple((place, _tangent(value, slopes)) for place, value in block.results)
+    results = tuple((place, _tangent(value, slopes)) for place, value in values)
     needed: set[Expression] = set().union(*(slope.free_symbols for _, slope in results))
     kept = []
     for symbol, value in reversed(lines):

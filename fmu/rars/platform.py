@@ -58,7 +58,7 @@ class Front:
                 f"rolling_{self.name}",
                 "1",
                 sp.S.Zero,
-                bristle(self.spin, self.friction, P["rolling_presliding"]),
+                bristle(self.name, self.spin, self.friction, P["rolling_presliding"]),
             ),
             *self.tyre.states((sp.S.Zero, side_force), load),
         )

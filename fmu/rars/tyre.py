@@ -7,6 +7,7 @@ load does, it takes energy out and adds none. Refuses to know whose wheel it is.
 
 import sympy as sp
 
+from fmu.export.alike import Copy
 from fmu.export.functions import clamped, larger, positive_part, reciprocal
 from fmu.export.model import Expression, State
 from fmu.parts.symbols import HALF, symbol
@@ -29,7 +30,14 @@ class Tyre:
         self.name = name
         self.spring_ahead = P["tyre_stiffness"] * symbol(f"tyre_ahead_{name}")
         self.spring_left = P["tyre_stiffness"] * symbol(f"tyre_left_{name}")
+        self._copy = Copy("tyre", name)
+        taken = {"rim": rim, "ahead": ahead, "left": left}
+        rim, ahead, left = (self._copy.takes(place, value) for place, value in taken.items())
         self._slipping = (rim - ahead, -left)
+        self._springs = (
+            self._copy.takes("spring_ahead", self.spring_ahead),
+            self._copy.takes("spring_left", self.spring_left),
+        )
         # max(|r w|, |v|), the corrected denominator; the print takes the signed one.
         self._rolling = larger(sp.Abs(ahead), sp.Abs(rim))
         self._over = larger(self._rolling, P["slip_speed"])
@@ -38,7 +46,7 @@ class Tyre:
 
     def bears(self, load: Expression) -> None:
         """Tell the tyre its load in N."""
-        self._load = positive_part(load)
+        self._load = positive_part(self._copy.takes("load", load))
         self._ease = reciprocal(P["floor_friction"] * self._load + TRACE)
 
     @property
@@ -53,39 +61,39 @@ class Tyre:
 
     def force_ahead(self) -> Expression:
         """Return the force on the robot along the wheel's way in N."""
-        return self._force(0, self.spring_ahead)
+        return self._copy.gives("force_ahead", self._force(0))
 
     def force_left(self) -> Expression:
         """Return the force on the robot along the wheel's axle in N."""
-        return self._force(1, self.spring_left)
+        return self._copy.gives("force_left", self._force(1))
 
     def states(self, hold: tuple[Expression, Expression], load: Expression) -> tuple[State, ...]:
         """Return the deflections; they start with the forces `hold`, as far as the standing load grips."""
         grip = P["floor_friction"] * load
         ahead, left = (clamped(force, grip) / P["tyre_stiffness"] for force in hold)
-        return (
-            State(f"tyre_ahead_{self.name}", "m", ahead, self._stretching(0, self.spring_ahead)),
-            State(f"tyre_left_{self.name}", "m", left, self._stretching(1, self.spring_left)),
+        return tuple(
+            State(f"tyre_{way}_{self.name}", "m", start, self._copy.gives(f"rate_{way}", self._stretching(i)))
+            for i, (way, start) in enumerate((("ahead", ahead), ("left", left)))
         )
 
     def energy(self) -> Expression:
         """Return the energy of the deflections in J."""
         return HALF * (self.spring_ahead**2 + self.spring_left**2) / P["tyre_stiffness"]
 
-    def _force(self, way: int, spring: Expression) -> Expression:
+    def _force(self, way: int) -> Expression:
         """Return F = k z + (2 e + c) z' - e v_slip, in steady state (3.83); e is 0 but where LAG holds back.
 
         With a, z's rate of decay, no energy is gained while 4 (c + e) (k - e a) >= c^2 a: c fades with slip.
         """
-        loose = self._loose(way)
+        spring, loose = self._springs[way], self._loose(way)
         held_back = P["tyre_stiffness"] * LAG
         excess = held_back * (1 - 1 / larger(held_back * loose, sp.S.One))
         damping = P["tyre_damping"] * positive_part(1 - P["tyre_damping"] * loose) ** 2
-        return spring - excess * self._slipping[way] + (2 * excess + damping) * self._stretching(way, spring)
+        return spring - excess * self._slipping[way] + (2 * excess + damping) * self._stretching(way)
 
-    def _stretching(self, way: int, spring: Expression) -> Expression:
+    def _stretching(self, way: int) -> Expression:
         """Return z' = v_slip - k z D / (mu N): a steady slide is held by mu N v_slip / D."""
-        return self._slipping[way] - spring * clamped(self._loose(way), 1 / (P["tyre_stiffness"] * LAG))
+        return self._slipping[way] - self._springs[way] * clamped(self._loose(way), 1 / (P["tyre_stiffness"] * LAG))
 
     def _loose(self, way: int) -> Expression:
         """Return D / (mu N) in m/(N.s): 0 at rest, where the tyre is a spring."""
