@@ -73,7 +73,7 @@ def export(plant: "Model", fmi: int, target: Path, *, token: str, compiler: str 
     program = blocks.Program(plant)
     shell = [f"fmi{fmi}{part}.c" for part in ("", "_absent", "_exchange", "_states")]
     units = (*_SHARED, *shell, *_GENERATED)
-    written = ("core.h", "elementary.h", f"fmi{fmi}_shell.h", *_SHARED, *shell)
+    written = ("core.h", "elementary.h", "lanes.h", f"fmi{fmi}_shell.h", *_SHARED, *shell)
     files = {name: (_HERE / "export" / "c" / name).read_text(encoding="utf-8") for name in written}
     files |= code.generate(program, token) | _headers(fmi)
     entries = {f"sources/{name}": text.encode() for name, text in files.items()}

@@ -1,6 +1,7 @@
 """Blocks to C: no function but sqrt and our own. Refuses to know what the equations mean."""
 
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
@@ -30,29 +31,41 @@ _FUNCTIONS: Final[Mapping[str, str]] = {
     "root_slope": "fb_root_slope",
 }
 _POWERS: Final[Mapping[int, str]] = {2: "fb_square", 3: "fb_cube", 4: "fb_fourth"}
+_OF_LANES: Final[Mapping[str, str]] = {"fabs": "fb_size", "sqrt": "fb_root"} | {
+    f"fb_{name}": f"fb_{name}"
+    for name in ("square", "cube", "fourth", "positive_part", "clamped", "larger", "reciprocal")
+}
+"""Functions that c/lanes.h has for several copies at once."""
+_ELEMENT: Final = re.compile(r"(\w+_\w+)\[(\d+)\]")
 _HIGHEST_POWER: Final = 5
 """Of a tangent: the slope of 1 / x^4."""
 
 
-def c_text(expression: Expression) -> str:
+def c_text(expression: Expression, *, lanes: bool = False) -> str:
     """Return an expression as C, fully parenthesised, so that every compiler rounds in the same places.
 
-    It is Python, too, with the same meaning.
+    It is Python, too, with the same meaning. `lanes`: for several copies at once, see c/lanes.h.
     """
     if expression.is_Symbol:
-        return str(expression.name)
+        return element_text(str(expression.name))
     if expression.is_number and expression.is_Atom:
         return _number(expression)
     if expression.is_Add:
-        return _sum(expression)
+        return _sum(expression, lanes)
     if expression.is_Mul:
-        return _product(expression)
+        return _product(expression, lanes)
     if expression.is_Pow:
-        return _power(expression.base, expression.exp)
+        return _power(expression.base, expression.exp, lanes)
     name = type(expression).__name__
     if name in _FUNCTIONS:
-        return f"{_FUNCTIONS[name]}({', '.join(c_text(part) for part in expression.args)})"
+        return _call(_FUNCTIONS[name], expression.args, lanes)
     raise UnsupportedError(f"no C for {name} in {expression}")
+
+
+def element_text(name: str) -> str:
+    """Return how one copy's element of a part's array is read; other names stay."""
+    found = _ELEMENT.fullmatch(name)
+    return f"FB_OF({found[1]}, {found[2]})" if found else name
 
 
 def _number(number: Expression) -> str:
@@ -60,16 +73,32 @@ def _number(number: Expression) -> str:
     return repr(value)
 
 
-def _sum(expression: Expression) -> str:
+def _call(name: str, arguments: Sequence[Expression], lanes: bool) -> str:
+    if not lanes:
+        return f"{name}({', '.join(map(c_text, arguments))})"
+    if name not in _OF_LANES:
+        raise UnsupportedError(f"no {name} for several copies at once")
+    texts = (
+        c_text(one, lanes=True) if any(map(_is_of_lanes, one.free_symbols)) else f"FB_ALL({c_text(one)})"
+        for one in arguments
+    )
+    return f"{_OF_LANES[name]}_lanes({', '.join(texts)})"
+
+
+def _is_of_lanes(symbol: Expression) -> bool:
+    return "_" in symbol.name
+
+
+def _sum(expression: Expression, lanes: bool) -> str:
     text = ""
     for term in expression.args:
         negative = term.could_extract_minus_sign()
-        part = c_text(-term if negative else term)
+        part = c_text(-term if negative else term, lanes=lanes)
         text += (" - " if negative else " + ") + part if text else ("-" if negative else "") + part
     return f"({text})"
 
 
-def _product(expression: Expression) -> str:
+def _product(expression: Expression, lanes: bool) -> str:
     over: list[str] = []
     under: list[str] = []
     sign = ""
@@ -77,28 +106,27 @@ def _product(expression: Expression) -> str:
         if factor is sp.S.NegativeOne:
             sign = "-"
         elif factor.is_Pow and factor.exp.is_negative:
-            under.append(_power(factor.base, -factor.exp))
+            under.append(_power(factor.base, -factor.exp, lanes))
         else:
-            over.append(c_text(factor))
+            over.append(c_text(factor, lanes=lanes))
     top = " * ".join(over) or "1.0"
     bottom = f" / {under[0]}" if len(under) == 1 else f" / ({' * '.join(under)})" if under else ""
     return f"({sign}{top}{bottom})"
 
 
-def _power(base: Expression, exponent: Expression) -> str:
+def _power(base: Expression, exponent: Expression, lanes: bool) -> str:
     if exponent.is_negative:
-        return f"(1.0 / {_power(base, -exponent)})"
-    text = c_text(base)
+        return f"(1.0 / {_power(base, -exponent, lanes)})"
     if exponent == 1:
-        return text
+        return c_text(base, lanes=lanes)
     if exponent == sp.Rational(1, 2):
-        return f"sqrt({text})"
+        return _call("sqrt", (base,), lanes)
     if exponent.is_Integer and int(exponent) in _POWERS:
-        return f"{_POWERS[int(exponent)]}({text})"
+        return _call(_POWERS[int(exponent)], (base,), lanes)
     if exponent == _HIGHEST_POWER:
-        return f"(fb_fourth({text}) * {text})"
+        return f"({_call('fb_fourth', (base,), lanes)} * {c_text(base, lanes=lanes)})"
     if exponent.is_Rational and exponent.q == 2:  # noqa: PLR2004 - a half
-        return f"(sqrt({text}) * {_power(base, exponent - sp.Rational(1, 2))})"
+        return f"({_call('sqrt', (base,), lanes)} * {_power(base, exponent - sp.Rational(1, 2), lanes)})"
     raise UnsupportedError(f"no C for the power {exponent} of {base}")
 
 
@@ -120,7 +148,7 @@ def generate(program: Program, token: str) -> dict[str, str]:
     nominals = {row.name: row.nominal for row in rows}
     shown = {real: row.name for row, real in zip(program.readings, program.states_of_readings, strict=True)}
     head = f"/* {model.description}. Written from the equations; do not edit. */\n"
-    include = '#include "core.h"\n#include "elementary.h"\n'
+    include = '#include "core.h"\n#include "lanes.h"\n'
     parts = (
         head,
         include,
@@ -162,11 +190,13 @@ def _function(block: Block) -> str:
 
 def _loop(loop: Loop) -> Iterator[str]:
     for name, values in loop.takes:
-        yield f"  const double {name}[{loop.count}] = {{{', '.join(map(c_text, values))}}};\n"
-    yield from (f"  double {name}[{loop.count}];\n" for name, _ in loop.gives)
-    yield f"  for (int i = 0; i < {loop.count}; i++) {{\n"
-    yield from (f"  {_constant(*line)}" for line in loop.shared)
-    yield from (f"    {name}[i] = {c_text(value)};\n" for name, value in loop.gives)
+        texts = [c_text(value) for value in values]
+        pairs = zip(texts[::2], texts[1::2] + texts[-1:], strict=False)
+        yield f"  const fb_lanes {name}[] = {{{', '.join(f'FB_PAIR({x}, {y})' for x, y in pairs)}}};\n"
+    yield from (f"  fb_lanes {name}[FB_GROUPS({loop.count})];\n" for name, _ in loop.gives)
+    yield f"  for (int i = 0; i < FB_GROUPS({loop.count}); i++) {{\n"
+    yield from (f"    const fb_lanes {name} = {c_text(value, lanes=True)};\n" for name, value in loop.shared)
+    yield from (f"    {name}[i] = {c_text(value, lanes=True)};\n" for name, value in loop.gives)
     yield "  }\n"
 
 

@@ -5,6 +5,7 @@ Python's numbers are IEEE 754 doubles, rounded after every operation and never c
 
 from collections.abc import Callable, Iterator, Sequence
 from math import sqrt
+from operator import getitem
 from typing import Any, Final
 
 from fmu.export.blocks import Block, Program
@@ -115,8 +116,8 @@ def _looped(loop: Loop) -> Iterator[str]:
         yield f"  {name} = [{', '.join(map(c_text, values))}]"
     yield from (f"  {name} = [0.0] * {loop.count}" for name, _ in loop.gives)
     yield f"  for i in range({loop.count}):"
-    yield from (f"    {symbol} = {c_text(value)}" for symbol, value in loop.shared)
-    yield from (f"    {name}[i] = {c_text(value)}" for name, value in loop.gives)
+    yield from (f"    {symbol} = {c_text(value, lanes=True)}" for symbol, value in loop.shared)
+    yield from (f"    {name}[i] = {c_text(value, lanes=True)}" for name, value in loop.gives)
 
 
 def _series(coefficients: Sequence[float], z: float) -> float:
@@ -178,7 +179,9 @@ def arc_tangent(x: float) -> float:
     return -value if x < 0.0 else value
 
 
-_FUNCTIONS: Final[dict[str, Callable[..., float]]] = {
+_FUNCTIONS: Final[dict[str, Callable[..., Any]]] = {
+    "FB_OF": getitem,
+    "FB_ALL": float,
     "sqrt": sqrt,
     "fabs": abs,
     "fb_sine": sine,
@@ -192,3 +195,5 @@ _FUNCTIONS: Final[dict[str, Callable[..., float]]] = {
     "fb_larger": max,
     "fb_reciprocal": lambda x: 1.0 / x,
 }
+_FUNCTIONS |= {f"{name}_lanes": function for name, function in _FUNCTIONS.items()}
+_FUNCTIONS |= {"fb_size_lanes": abs, "fb_root_lanes": sqrt}

@@ -42,12 +42,12 @@ class Tyre:
         self._rolling = larger(sp.Abs(ahead), sp.Abs(rim))
         self._over = larger(self._rolling, P["slip_speed"])
         self._load: Expression = None
-        self._ease: Expression = None
+        self._grip: Expression = None
 
     def bears(self, load: Expression) -> None:
         """Tell the tyre its load in N."""
         self._load = positive_part(self._copy.takes("load", load))
-        self._ease = reciprocal(P["floor_friction"] * self._load + TRACE)
+        self._grip = P["floor_friction"] * self._load + TRACE
 
     @property
     def load(self) -> Expression:
@@ -85,26 +85,43 @@ class Tyre:
 
         With a, z's rate of decay, no energy is gained while 4 (c + e) (k - e a) >= c^2 a: c fades with slip.
         """
-        spring, loose = self._springs[way], self._loose(way)
-        held_back = P["tyre_stiffness"] * LAG
-        excess = held_back * (1 - 1 / larger(held_back * loose, sp.S.One))
+        loose = self._loose(way)
+        excess = P["tyre_stiffness"] * LAG * (1 - self._held_back(way))
         damping = P["tyre_damping"] * positive_part(1 - P["tyre_damping"] * loose) ** 2
-        return spring - excess * self._slipping[way] + (2 * excess + damping) * self._stretching(way)
+        wiped = self._wiped(way)
+        stretching = self._slipping[way] - wiped
+        return self._springs[way] + damping * stretching + excess * (stretching - wiped)
 
     def _stretching(self, way: int) -> Expression:
         """Return z' = v_slip - k z D / (mu N): a steady slide is held by mu N v_slip / D."""
-        return self._slipping[way] - self._springs[way] * clamped(self._loose(way), 1 / (P["tyre_stiffness"] * LAG))
+        return self._slipping[way] - self._wiped(way)
+
+    def _wiped(self, way: int) -> Expression:
+        """Return how fast the deflection is wiped off in m/s, k z D / (mu N), not sooner than in LAG."""
+        slide, _ = self._slide(way)
+        return self._springs[way] * slide * self._per_hold(way)
+
+    def _held_back(self, way: int) -> Expression:
+        """Return the share of the wiping that LAG allows, 1 where it is slow enough."""
+        return self._slide(way)[1] * self._per_hold(way)
+
+    def _per_hold(self, way: int) -> Expression:
+        slide, hold = self._slide(way)
+        return reciprocal(larger(P["tyre_stiffness"] * LAG * slide, hold))
 
     def _loose(self, way: int) -> Expression:
         """Return D / (mu N) in m/(N.s): 0 at rest, where the tyre is a spring."""
-        return self._wiping(way) * self._ease
+        slide, hold = self._slide(way)
+        return slide * reciprocal(hold)
 
-    def _wiping(self, way: int) -> Expression:
-        """Return D in m/s: rolling speed x peak slip up to the peak, slip over (3.83)'s share beyond."""
+    def _slide(self, way: int) -> tuple[Expression, Expression]:
+        """Return D and mu N, both times one speed: so no division has to wait for another one.
+
+        D in m/s: rolling speed x peak slip up to the peak, slip over (3.83)'s share beyond.
+        """
         ahead, left = self._slipping
-        own = sp.Abs(self._slipping[way])
-        slip = own + P["friction_circle"] * (sp.sqrt(ahead**2 + left**2) - own)
-        peak = P["peak_slip"]
-        beyond = positive_part(clamped(slip, self._over) - peak * self._over)
-        share = self._over - FALL / (1 - peak) * beyond
-        return larger(peak * self._rolling, slip * self._over / share)
+        circle, peak = P["friction_circle"], P["peak_slip"]
+        slip = circle * sp.sqrt(ahead**2 + left**2) + (1 - circle) * sp.Abs(self._slipping[way])
+        beyond = positive_part(slip - peak * self._over)
+        share = larger(self._over - FALL / (1 - peak) * beyond, (1 - FALL) * self._over)
+        return larger(peak * self._rolling * share, slip * self._over), self._grip * share
