@@ -48,10 +48,10 @@ class Copy:
 
 @dataclass
 class Part:
-    """All copies of one part: by place what each takes, and once what each gives, in terms of `PART_PLACE[i]`."""
+    """All copies of one part, by name: for each place what each takes, and once what each gives, in terms of `PART_PLACE[i]`."""
 
     name: str
-    copies: list[str] = field(default_factory=list)
+    copies: list[str]
     takes: dict[str, dict[str, Expression]] = field(default_factory=dict)
     gives: dict[str, Expression] = field(default_factory=dict)
 
@@ -92,7 +92,9 @@ def apart(expressions: Sequence[Expression]) -> tuple[list[Expression], tuple[Pa
 
     AlikeError where two copies have not the same equations.
     """
-    parts: dict[str, Part] = {}
+    found = set().union(*(expression.atoms(_given) for expression in expressions))
+    names = sorted({(_text(mark.args[0]), _text(mark.args[1])) for mark in found})
+    parts = {name: Part(name, [copy for part, copy in names if part == name]) for name, _ in names}
     memory: dict[tuple[Expression, str], Expression] = {}
 
     def seen(expression: Expression, within: str) -> Expression:
@@ -114,9 +116,7 @@ def apart(expressions: Sequence[Expression]) -> tuple[list[Expression], tuple[Pa
 
     def _given_by(expression: Expression) -> Expression:
         name, copy, place = map(_text, expression.args[:3])
-        part = parts.setdefault(name, Part(name))
-        if copy not in part.copies:
-            part.copies.append(copy)
+        part = parts[name]
         equation = seen(expression.args[-1], name)
         if part.gives.setdefault(place, equation) != equation:
             raise AlikeError(f"{name} gives {place} by another equation in {copy} than in {part.copies[0]}")

@@ -88,7 +88,8 @@ def bristle(name: str, speed: Expression, state: Expression, presliding: Express
     per_angle = copy.takes("per_angle", 1 / presliding)
     fast = sp.Abs(speed)
     lean = state * (1 - (1 - 1 / STICTION) * positive_part(1 - fast * per_angle / STICKING_RATE) ** 2)
-    share = 1 - positive_part(1 - positive_part(sp.Abs(lean) - HELD) / (LOOSE - HELD))
+    held = clamped(lean, HELD)
+    share = clamped(sp.Abs(lean - held) / (LOOSE - HELD), sp.S.One)
     sliding = share**2 * (3 - 2 * share)  # without a kink, for solvers that choose their steps
-    onward = HALF * (fast + clamped(lean, HELD) / HELD * speed)
+    onward = HALF * (fast + held / HELD * speed)
     return copy.gives("rate", (speed - sliding * lean * onward) * per_angle)

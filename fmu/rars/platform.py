@@ -2,6 +2,7 @@
 
 import sympy as sp
 
+from fmu.export.alike import Copy
 from fmu.export.functions import clamped, reciprocal
 from fmu.export.model import Expression, State
 from fmu.parts.motor import Shaft, bristle
@@ -22,19 +23,35 @@ class Front:
     ) -> None:
         self.name = f"front_{side}"
         self.spin, self.friction = symbol(f"spin_{self.name}"), symbol(f"rolling_{self.name}")
-        across, along = steering.direction(SIDES[side])
+        copy = Copy("front", side)
+        across, along = (
+            copy.takes(place, value)
+            for place, value in zip(("across", "along"), steering.direction(SIDES[side]), strict=True)
+        )
         per_length = reciprocal(sp.sqrt(across**2 + along**2))
         self.sine, self.cosine = across * per_length, along * per_length
         self.lateral = SIDES[side] * P["kingpin_distance"] / 2
-        self.ahead, self.left = self._speeds(motion)
-        self.tyre = Tyre(self.name, rim=P["front_radius"] * self.spin, ahead=self.ahead, left=self.left)
+        ahead, left = self._speeds(motion, copy)
+        self.tyre = Tyre(self.name, rim=P["front_radius"] * self.spin, ahead=copy.gives("ahead", ahead), left=copy.gives("left", left))
+        self.sine, self.cosine = copy.gives("sine", self.sine), copy.gives("cosine", self.cosine)
 
     def push(self) -> tuple[Expression, Expression, Expression]:
         """Return the force ahead and to the left and the moment about the rear axle's middle."""
-        force_ahead, force_left = self.tyre.force_ahead(), self.tyre.force_left()
-        ahead = force_ahead * self.cosine - force_left * self.sine
-        left = force_ahead * self.sine + force_left * self.cosine
-        return ahead, left, P["wheelbase"] * left - self.lateral * ahead
+        taken = {
+            "force_ahead": self.tyre.force_ahead(),
+            "force_left": self.tyre.force_left(),
+            "cosine": self.cosine,
+            "sine": self.sine,
+            "lateral": self.lateral,
+        }
+        copy = Copy("push", self.name)
+        force_ahead, force_left, cosine, sine, lateral = (
+            copy.takes(place, value) for place, value in taken.items()
+        )
+        ahead = force_ahead * cosine - force_left * sine
+        left = force_ahead * sine + force_left * cosine
+        moment = P["wheelbase"] * left - lateral * ahead
+        return copy.gives("ahead", ahead), copy.gives("left", left), copy.gives("moment", moment)
 
     def spring_ahead(self) -> Expression:
         """Return the spring's force along the platform, for the load transfer."""
@@ -49,7 +66,7 @@ class Front:
     ) -> tuple[State, ...]:
         """Return spin and tyre: I_w w' = - r F_s - bearing (3.84); it starts rolling with the platform."""
         torque = -P["front_radius"] * self.tyre.force_ahead() - resistance * self.friction
-        rolling, _ = self._speeds(start)
+        rolling, _ = self._speeds(start, Copy("front", self.name))
         return (
             State(
                 f"spin_{self.name}", "rad/s", rolling / P["front_radius"], torque / P["front_spin_inertia"]
@@ -68,9 +85,12 @@ class Front:
         dry = resistance * P["rolling_presliding"] * self.friction**2
         return HALF * (P["front_spin_inertia"] * self.spin**2 + dry) + self.tyre.energy()
 
-    def _speeds(self, motion: tuple[Expression, Expression, Expression]) -> tuple[Expression, Expression]:
+    def _speeds(
+        self, motion: tuple[Expression, Expression, Expression], copy: Copy
+    ) -> tuple[Expression, Expression]:
         speed, drift, yaw_rate = motion
-        hub, swing = speed - yaw_rate * self.lateral, drift + yaw_rate * P["wheelbase"]
+        hub = copy.takes("hub", speed - yaw_rate * self.lateral)
+        swing = copy.takes("swing", drift + yaw_rate * P["wheelbase"])
         return hub * self.cosine + swing * self.sine, swing * self.cosine - hub * self.sine
 
 

@@ -2,6 +2,7 @@
 
 import sympy as sp
 
+from fmu.export.alike import Copy
 from fmu.export.functions import positive_part, reciprocal
 from fmu.export.model import Expression
 from fmu.parts.motor import Shaft
@@ -22,8 +23,13 @@ class Steering:
         self.across = self.rack * h
         self.along = h**2 + self.b**2
         # (3.96): how far the right and the left wheel turn with the rack, rad/m.
-        self.rate_right = h * reciprocal(h**2 + (self.b + self.rack) ** 2)
-        self.rate_left = h * reciprocal(h**2 + (self.b - self.rack) ** 2)
+        copies = {side: Copy("kingpin", side) for side in ("left", "right")}
+        arms = {"left": self.b - self.rack, "right": self.b + self.rack}
+        rates = {}
+        for side, copy in copies.items():
+            arm = copy.takes("arm", arms[side])
+            rates[side] = h * reciprocal(h**2 + arm**2)
+        self.rate_left, self.rate_right = (copies[side].gives("rate", rates[side]) for side in copies)
         self.pressed_left = positive_part(self.rack - P["rack_travel"])
         self.pressed_right = positive_part(-self.rack - P["rack_travel"])
 
