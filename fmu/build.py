@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from fmu.export.model import Model
 
 FLAGS: Final = (
-    "-std=c99", "-O3", "-fno-math-errno", "-fno-trapping-math",
+    "-std=c99", "-O3", "-fschedule-insns", "-fno-math-errno", "-fno-trapping-math",
     "-ffp-contract=off", "-fPIC", "-fvisibility=hidden",
 )  # fmt: skip
 """Nobody asks for errno or traps, and without them roots and choices take no branches; the bits are the same.

@@ -13,13 +13,14 @@ from fmu.export.model import Expression
 from fmu.export.tangents import TangentBlock, tangents
 from fmu.export.variables import variables
 
-__all__ = ["UnsupportedError", "c_text", "generate"]
+__all__ = ["UnsupportedError", "body", "c_text", "generate"]
 
 _FUNCTIONS: Final[Mapping[str, str]] = {
     "sin": "fb_sine",
     "cos": "fb_cosine",
     "atan": "fb_arc_tangent",
     "Abs": "fabs",
+    "size": "fabs",
     "positive_part": "fb_positive_part",
     "clamped": "fb_clamped",
     "larger": "fb_larger",
@@ -47,7 +48,7 @@ def c_text(expression: Expression, *, lanes: bool = False) -> str:
     It is Python, too, with the same meaning. `lanes`: for several copies at once, see c/lanes.h.
     """
     if expression.is_Symbol:
-        return element_text(str(expression.name))
+        return str(expression.name)
     if expression.is_number and expression.is_Atom:
         return _number(expression)
     if expression.is_Add:
@@ -60,12 +61,6 @@ def c_text(expression: Expression, *, lanes: bool = False) -> str:
     if name in _FUNCTIONS:
         return _call(_FUNCTIONS[name], expression.args, lanes)
     raise UnsupportedError(f"no C for {name} in {expression}")
-
-
-def element_text(name: str) -> str:
-    """Return how one copy's element of a part's array is read; other names stay."""
-    found = _ELEMENT.fullmatch(name)
-    return f"FB_OF({found[1]}, {found[2]})" if found else name
 
 
 def _number(number: Expression) -> str:
@@ -86,7 +81,7 @@ def _call(name: str, arguments: Sequence[Expression], lanes: bool) -> str:
 
 
 def _is_of_lanes(symbol: Expression) -> bool:
-    return "_" in symbol.name
+    return str(symbol.name).endswith("[i]")
 
 
 def _sum(expression: Expression, lanes: bool) -> str:
@@ -178,30 +173,65 @@ def _table(kind: str, name: str, entries: Sequence[str]) -> str:
     return f"const {kind} {name} = {{\n{rows}}};\n"
 
 
+def body(block: Block) -> Iterator[tuple[str, str]]:
+    """Yield the lines of a block as (target, value), in order: temporaries, then places; copy by copy."""
+    for step in block.steps:
+        if isinstance(step, Loop):
+            for copy in range(step.count):
+                yield from ((f"{name}_{copy}", _scalar(values[copy])) for name, values in step.takes)
+                for name, value in step.lines():
+                    yield f"{name}_{copy}", c_text(value).replace("[i]", f"_{copy}")
+        else:
+            yield str(step[0]), _scalar(step[1])
+    for place, value in block.results:
+        yield f"{block.target}[{place}]", _scalar(value)
+
+
+def _scalar(expression: Expression) -> str:
+    return _ELEMENT.sub(r"\1_\2", c_text(expression))
+
+
+def _of_pair(expression: Expression) -> str:
+    return _ELEMENT.sub(
+        lambda found: f"{found[1]}_{int(found[2]) // 2}[{int(found[2]) % 2}]", c_text(expression)
+    )
+
+
+def _side_by_side(block: Block) -> Iterator[tuple[str, str]]:
+    """Yield the same with two copies in each value, and the pairs in turn, so that none waits for another."""
+    for step in block.steps:
+        if isinstance(step, Loop):
+            pairs = range((step.count + 1) // 2)
+            for name, values in step.takes:
+                texts = [*map(_of_pair, values), _of_pair(values[-1])]
+                yield from ((f"{name}_{n}", f"{{{texts[2 * n]}, {texts[2 * n + 1]}}}") for n in pairs)
+            for name, value in step.lines():
+                text = c_text(value, lanes=True)
+                yield from ((f"{name}_{n}", text.replace("[i]", f"_{n}")) for n in pairs)
+        else:
+            yield str(step[0]), _of_pair(step[1])
+    for place, value in block.results:
+        yield f"{block.target}[{place}]", _of_pair(value)
+
+
 def _function(block: Block) -> str:
     read = [name for name in block.reads if name != block.target]
     signature = ", ".join(f"const double *restrict {name}" for name in read)
-    lines = [f"  (void){name};\n" for name in (*read, block.target)]
-    for step in block.steps:
-        lines += _loop(step) if isinstance(step, Loop) else [_constant(*step)]
-    lines += [f"  {block.target}[{place}] = {c_text(value)};\n" for place, value in block.results]
-    return f"void fb_{block.name}({signature}, double *restrict {block.target}) {{\n{''.join(lines)}}}\n"
+    used = "".join(f"  (void){name};\n" for name in (*read, block.target))
+    lines = "".join(_statement("double", *line) for line in body(block))
+    loops = [step for step in block.steps if isinstance(step, Loop)]
+    if loops:
+        pairs = {f"{loop.part}_" for loop in loops}
+        fast = "".join(
+            _statement("fb_lanes" if name.partition("_")[0] + "_" in pairs else "double", name, value)
+            for name, value in _side_by_side(block)
+        )
+        lines = f"#ifdef FB_LANES\n{fast}#else\n{lines}#endif\n"
+    return f"void fb_{block.name}({signature}, double *restrict {block.target}) {{\n{used}{lines}}}\n"
 
 
-def _loop(loop: Loop) -> Iterator[str]:
-    for name, values in loop.takes:
-        texts = [c_text(value) for value in values]
-        pairs = zip(texts[::2], texts[1::2] + texts[-1:], strict=False)
-        yield f"  const fb_lanes {name}[] = {{{', '.join(f'FB_PAIR({x}, {y})' for x, y in pairs)}}};\n"
-    yield from (f"  fb_lanes {name}[FB_GROUPS({loop.count})];\n" for name, _ in loop.gives)
-    yield f"  for (int i = 0; i < FB_GROUPS({loop.count}); i++) {{\n"
-    yield from (f"    const fb_lanes {name} = {c_text(value, lanes=True)};\n" for name, value in loop.shared)
-    yield from (f"    {name}[i] = {c_text(value, lanes=True)};\n" for name, value in loop.gives)
-    yield "  }\n"
-
-
-def _constant(symbol: Expression, value: Expression) -> str:
-    return f"  const double {symbol} = {c_text(value)};\n"
+def _statement(kind: str, target: str, value: str) -> str:
+    return f"  {target} = {value};\n" if target.endswith("]") else f"  const {kind} {target} = {value};\n"
 
 
 def _tangent_function(tangent: TangentBlock) -> str:
@@ -212,6 +242,6 @@ def _tangent_function(tangent: TangentBlock) -> str:
         arrays.insert(0, "s")
     signature = ", ".join(f"const double *restrict {name}" for name in arrays)
     lines = [f"  (void){name};\n" for name in (*arrays, target)]
-    lines += [_constant(*line) for line in tangent.shared]
+    lines += [_statement("double", str(symbol), c_text(value)) for symbol, value in tangent.shared]
     lines += [f"  {target}[{place}] = {c_text(slope)};\n" for place, slope in tangent.results]
     return f"void fb_{block.name}_tangent({signature}, double *restrict {target}) {{\n{''.join(lines)}}}\n"

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import count
 from typing import TypeAlias
 
 import sympy as sp
@@ -15,7 +16,7 @@ Line: TypeAlias = tuple[Expression, Expression]
 
 @dataclass(frozen=True, slots=True)
 class Loop:
-    """All copies of one part. Arrays are called PART_PLACE, their element in the loop's lines is [i]."""
+    """All copies of one part: PART_PLACE[i] in its lines is that of each copy, PART_PLACE[1] elsewhere that of one."""
 
     part: str
     count: int
@@ -25,11 +26,19 @@ class Loop:
     gives: tuple[tuple[str, Expression], ...]
     """Each array that is written."""
 
+    def lines(self) -> Iterator[tuple[str, Expression]]:
+        """Yield what is computed for each copy, in order: the array's name, and its value."""
+        yield from ((_array(line), line[1]) for line in self.shared)
+        yield from self.gives
+
     def unrolled(self) -> Iterator[Line]:
         """Yield the same as temporaries, copy by copy: `PART_PLACE[1]` is called PART_PLACE_1."""
         for copy in range(self.count):
-            own = {_element(name, "i"): _temporary(name, copy) for name, _ in (*self.takes, *self.gives)}
-            own |= {symbol: _temporary(symbol.name, copy) for symbol, _ in self.shared}
+            arrays = [
+                *(name for name, _ in (*self.takes, *self.gives)),
+                *(_array(line) for line in self.shared),
+            ]
+            own = {_element(name, "i"): _temporary(name, copy) for name in arrays}
             yield from ((_temporary(name, copy), scalars(values[copy])) for name, values in self.takes)
             yield from ((own[symbol], value.xreplace(own)) for symbol, value in self.shared)
             yield from ((_temporary(name, copy), value.xreplace(own)) for name, value in self.gives)
@@ -70,9 +79,9 @@ def scalars(expression: Expression) -> Expression:
 def _loop(part: Part, names: Mapping[Expression, Expression]) -> Loop:
     shared, results = sp.cse(
         [value.xreplace(names) for value in part.gives.values()],
-        sp.numbered_symbols(f"{part.name}_t", real=True),
+        (_element(f"{part.name}_t{n}", "i") for n in count()),
     )
-    lines, results = with_reciprocals(tuple(shared), results, prefix=f"{part.name}_r")
+    lines, results = with_reciprocals(tuple(shared), results, f"{part.name}_r{{}}[i]")
     return Loop(
         part.name,
         len(part.copies),
@@ -87,7 +96,10 @@ def _in_order(lines: Sequence[Line], loops: Mapping[str, Loop]) -> Iterator[Step
     waiting, todo = list(lines), dict(loops)
     unknown = {symbol for symbol, _ in lines}
     unknown |= {
-        _element(name, copy) for loop in loops.values() for name, _ in loop.gives for copy in range(loop.count)
+        _element(name, copy)
+        for loop in loops.values()
+        for name, _ in loop.gives
+        for copy in range(loop.count)
     }
     while waiting or todo:
         line = next((line for line in waiting if not line[1].free_symbols & unknown), None)
@@ -102,6 +114,10 @@ def _in_order(lines: Sequence[Line], loops: Mapping[str, Loop]) -> Iterator[Step
         yield loop
         del todo[loop.part]
         unknown -= {_element(name, copy) for name, _ in loop.gives for copy in range(loop.count)}
+
+
+def _array(line: Line) -> str:
+    return str(line[0].name).removesuffix("[i]")
 
 
 def _needs(loop: Loop) -> set[Expression]:

@@ -98,6 +98,7 @@ _SLOPES: Final[Mapping[str, Callable[..., tuple[Expression, ...]]]] = {
     "cos": lambda x: (-sp.sin(x),),
     "atan": lambda x: (1 / (1 + x**2),),
     "Abs": lambda x: (sign(x),),
+    "size": lambda x: (sign(x),),
     "positive_part": lambda x: (step(x),),
     "clamped": lambda x, bound: (inside(x, bound), outside(x, bound)),
     "larger": lambda x, y: (step(x - y), 1 - step(x - y)),

@@ -3,14 +3,12 @@
 Python's numbers are IEEE 754 doubles, rounded after every operation and never contracted. For short runs.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from math import sqrt
-from operator import getitem
 from typing import Any, Final
 
 from fmu.export.blocks import Block, Program
-from fmu.export.code import c_text
-from fmu.export.loops import Loop
+from fmu.export.code import body
 from fmu.fingerprint import Fingerprint, measure
 
 _NS: Final = 1_000_000_000
@@ -100,24 +98,13 @@ def fingerprint(program: Program) -> Fingerprint | None:
 def _compiled(block: Block) -> Callable[..., None]:
     arguments = dict.fromkeys((*block.reads, block.target))
     lines = [f"def {block.name}({', '.join(arguments)}):", "  pass"]
-    for step in block.steps:
-        lines += _looped(step) if isinstance(step, Loop) else [f"  {step[0]} = {c_text(step[1])}"]
-    lines += [f"  {block.target}[{place}] = {c_text(value)}" for place, value in block.results]
+    lines += [f"  {name} = {value}" for name, value in body(block)]
     code = compile("\n".join(lines), f"<{block.name}>", "exec")
     names: dict[str, Any] = dict(_FUNCTIONS)
     # The text is our own generator's, of numbers, arrays and the functions below.
     exec(code, names)  # noqa: S102
     made: Callable[..., None] = names[block.name]
     return made
-
-
-def _looped(loop: Loop) -> Iterator[str]:
-    for name, values in loop.takes:
-        yield f"  {name} = [{', '.join(map(c_text, values))}]"
-    yield from (f"  {name} = [0.0] * {loop.count}" for name, _ in loop.gives)
-    yield f"  for i in range({loop.count}):"
-    yield from (f"    {symbol} = {c_text(value, lanes=True)}" for symbol, value in loop.shared)
-    yield from (f"    {name}[i] = {c_text(value, lanes=True)}" for name, value in loop.gives)
 
 
 def _series(coefficients: Sequence[float], z: float) -> float:
@@ -179,9 +166,7 @@ def arc_tangent(x: float) -> float:
     return -value if x < 0.0 else value
 
 
-_FUNCTIONS: Final[dict[str, Callable[..., Any]]] = {
-    "FB_OF": getitem,
-    "FB_ALL": float,
+_FUNCTIONS: Final[dict[str, Callable[..., float]]] = {
     "sqrt": sqrt,
     "fabs": abs,
     "fb_sine": sine,
@@ -195,5 +180,3 @@ _FUNCTIONS: Final[dict[str, Callable[..., Any]]] = {
     "fb_larger": max,
     "fb_reciprocal": lambda x: 1.0 / x,
 }
-_FUNCTIONS |= {f"{name}_lanes": function for name, function in _FUNCTIONS.items()}
-_FUNCTIONS |= {"fb_size_lanes": abs, "fb_root_lanes": sqrt}

@@ -6,7 +6,7 @@ from typing import Final
 import sympy as sp
 
 from fmu.export.alike import Copy
-from fmu.export.functions import clamped, positive_part
+from fmu.export.functions import clamped, positive_part, size
 from fmu.export.model import Expression, Output, State
 from fmu.parts.symbols import HALF, inner, symbol
 
@@ -52,7 +52,10 @@ class Shaft:
             State(f"angle_{axis}", "rad", sp.S.Zero, self.speed),
             State(f"speed_{axis}", "rad/s", sp.S.Zero, acceleration),
             State(
-                f"friction_{axis}", "1", friction_start, bristle(axis, self.speed, self.friction, p["presliding"])
+                f"friction_{axis}",
+                "1",
+                friction_start,
+                bristle(axis, self.speed, self.friction, p["presliding"]),
             ),
         )
 
@@ -86,10 +89,10 @@ def bristle(name: str, speed: Expression, state: Expression, presliding: Express
     copy = Copy("bristle", name)
     speed, state = copy.takes("speed", speed), copy.takes("state", state)
     per_angle = copy.takes("per_angle", 1 / presliding)
-    fast = sp.Abs(speed)
+    fast = size(speed)
     lean = state * (1 - (1 - 1 / STICTION) * positive_part(1 - fast * per_angle / STICKING_RATE) ** 2)
     held = clamped(lean, HELD)
-    share = clamped(sp.Abs(lean - held) / (LOOSE - HELD), sp.S.One)
+    share = clamped(size(lean - held) / (LOOSE - HELD), sp.S.One)
     sliding = share**2 * (3 - 2 * share)  # without a kink, for solvers that choose their steps
     onward = HALF * (fast + held / HELD * speed)
     return copy.gives("rate", (speed - sliding * lean * onward) * per_angle)

@@ -23,6 +23,7 @@ class Front:
     ) -> None:
         self.name = f"front_{side}"
         self.spin, self.friction = symbol(f"spin_{self.name}"), symbol(f"rolling_{self.name}")
+        self.lateral = SIDES[side] * P["kingpin_distance"] / 2
         copy = Copy("front", side)
         across, along = (
             copy.takes(place, value)
@@ -30,9 +31,16 @@ class Front:
         )
         per_length = reciprocal(sp.sqrt(across**2 + along**2))
         self.sine, self.cosine = across * per_length, along * per_length
-        self.lateral = SIDES[side] * P["kingpin_distance"] / 2
-        ahead, left = self._speeds(motion, copy)
-        self.tyre = Tyre(self.name, rim=P["front_radius"] * self.spin, ahead=copy.gives("ahead", ahead), left=copy.gives("left", left))
+        hub, swing = (
+            copy.takes(place, -value)
+            for place, value in zip(("hub", "swing"), self._kingpin(motion), strict=True)
+        )
+        self.tyre = Tyre(
+            self.name,
+            rim=P["front_radius"] * self.spin,
+            back=copy.gives("back", hub * self.cosine + swing * self.sine),
+            right=copy.gives("right", swing * self.cosine - hub * self.sine),
+        )
         self.sine, self.cosine = copy.gives("sine", self.sine), copy.gives("cosine", self.cosine)
 
     def push(self) -> tuple[Expression, Expression, Expression]:
@@ -66,7 +74,8 @@ class Front:
     ) -> tuple[State, ...]:
         """Return spin and tyre: I_w w' = - r F_s - bearing (3.84); it starts rolling with the platform."""
         torque = -P["front_radius"] * self.tyre.force_ahead() - resistance * self.friction
-        rolling, _ = self._speeds(start, Copy("front", self.name))
+        hub, swing = self._kingpin(start)
+        rolling = hub * self.cosine + swing * self.sine
         return (
             State(
                 f"spin_{self.name}", "rad/s", rolling / P["front_radius"], torque / P["front_spin_inertia"]
@@ -85,13 +94,10 @@ class Front:
         dry = resistance * P["rolling_presliding"] * self.friction**2
         return HALF * (P["front_spin_inertia"] * self.spin**2 + dry) + self.tyre.energy()
 
-    def _speeds(
-        self, motion: tuple[Expression, Expression, Expression], copy: Copy
-    ) -> tuple[Expression, Expression]:
+    def _kingpin(self, motion: tuple[Expression, Expression, Expression]) -> tuple[Expression, Expression]:
+        """Return the kingpin's speed ahead and to the left along the platform."""
         speed, drift, yaw_rate = motion
-        hub = copy.takes("hub", speed - yaw_rate * self.lateral)
-        swing = copy.takes("swing", drift + yaw_rate * P["wheelbase"])
-        return hub * self.cosine + swing * self.sine, swing * self.cosine - hub * self.sine
+        return speed - yaw_rate * self.lateral, drift + yaw_rate * P["wheelbase"]
 
 
 class Platform:
@@ -116,8 +122,8 @@ class Platform:
             side: Tyre(
                 f"rear_{side}",
                 rim=P["wheel_radius"] * shaft.speed / shaft.gear,
-                ahead=self.speed - self.yaw_rate * SIDES[side] * P["rear_track"] / 2,
-                left=self.drift,
+                back=self.yaw_rate * SIDES[side] * P["rear_track"] / 2 - self.speed,
+                right=-self.drift,
             )
             for side, shaft in self.rear.items()
         }

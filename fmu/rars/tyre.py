@@ -8,7 +8,7 @@ load does, it takes energy out and adds none. Refuses to know whose wheel it is.
 import sympy as sp
 
 from fmu.export.alike import Copy
-from fmu.export.functions import clamped, larger, positive_part, reciprocal
+from fmu.export.functions import clamped, larger, positive_part, reciprocal, size
 from fmu.export.model import Expression, State
 from fmu.parts.symbols import HALF, symbol
 from fmu.rars.symbols import P
@@ -24,22 +24,22 @@ TRACE = sp.Float(1e-6)
 
 
 class Tyre:
-    """A wheel's contact; `name` names its states, speeds are those of the wheel's middle and rim."""
+    """A wheel's contact; `name` names its states. Speeds in m/s: the rim's, and how the floor passes back and right."""
 
-    def __init__(self, name: str, *, rim: Expression, ahead: Expression, left: Expression) -> None:
+    def __init__(self, name: str, *, rim: Expression, back: Expression, right: Expression) -> None:
         self.name = name
         self.spring_ahead = P["tyre_stiffness"] * symbol(f"tyre_ahead_{name}")
         self.spring_left = P["tyre_stiffness"] * symbol(f"tyre_left_{name}")
         self._copy = Copy("tyre", name)
-        taken = {"rim": rim, "ahead": ahead, "left": left}
-        rim, ahead, left = (self._copy.takes(place, value) for place, value in taken.items())
-        self._slipping = (rim - ahead, -left)
+        taken = {"rim": rim, "back": back, "right": right}
+        rim, back, right = (self._copy.takes(place, value) for place, value in taken.items())
+        self._slipping = (rim + back, right)
         self._springs = (
             self._copy.takes("spring_ahead", self.spring_ahead),
             self._copy.takes("spring_left", self.spring_left),
         )
         # max(|r w|, |v|), the corrected denominator; the print takes the signed one.
-        self._rolling = larger(sp.Abs(ahead), sp.Abs(rim))
+        self._rolling = larger(size(back), size(rim))
         self._over = larger(self._rolling, P["slip_speed"])
         self._load: Expression = None
         self._grip: Expression = None
@@ -85,7 +85,8 @@ class Tyre:
 
         With a, z's rate of decay, no energy is gained while 4 (c + e) (k - e a) >= c^2 a: c fades with slip.
         """
-        loose = self._loose(way)
+        slide, hold = self._slide(way)
+        loose = slide * reciprocal(hold)  # D / (mu N) in m/(N.s): 0 at rest, where the tyre is a spring
         excess = P["tyre_stiffness"] * LAG * (1 - self._held_back(way))
         damping = P["tyre_damping"] * positive_part(1 - P["tyre_damping"] * loose) ** 2
         wiped = self._wiped(way)
@@ -109,11 +110,6 @@ class Tyre:
         slide, hold = self._slide(way)
         return reciprocal(larger(P["tyre_stiffness"] * LAG * slide, hold))
 
-    def _loose(self, way: int) -> Expression:
-        """Return D / (mu N) in m/(N.s): 0 at rest, where the tyre is a spring."""
-        slide, hold = self._slide(way)
-        return slide * reciprocal(hold)
-
     def _slide(self, way: int) -> tuple[Expression, Expression]:
         """Return D and mu N, both times one speed: so no division has to wait for another one.
 
@@ -121,7 +117,7 @@ class Tyre:
         """
         ahead, left = self._slipping
         circle, peak = P["friction_circle"], P["peak_slip"]
-        slip = circle * sp.sqrt(ahead**2 + left**2) + (1 - circle) * sp.Abs(self._slipping[way])
+        slip = circle * sp.sqrt(ahead**2 + left**2) + (1 - circle) * size(self._slipping[way])
         beyond = positive_part(slip - peak * self._over)
         share = larger(self._over - FALL / (1 - peak) * beyond, (1 - FALL) * self._over)
         return larger(peak * self._rolling * share, slip * self._over), self._grip * share

@@ -72,7 +72,12 @@ class Load:
         return (
             State("load_angle", "rad", motor.angle / motor.gear, self.speed),
             State("load_speed", "rad/s", motor.speed / motor.gear, self.acceleration()),
-            State("load_friction", "1", sp.S.Zero, bristle("load", self.speed, self.friction, P["load_presliding"])),
+            State(
+                "load_friction",
+                "1",
+                sp.S.Zero,
+                bristle("load", self.speed, self.friction, P["load_presliding"]),
+            ),
         )
 
     def energy(self) -> Expression:
