@@ -1,7 +1,7 @@
-"""What a model has several of, such as wheels: its copies run through one loop, side by side.
+"""What a model has several of, such as wheels: two copies go through one vector register, side by side.
 
-A model marks what each copy takes and gives; to everybody else a mark is its value. Compilers make vector
-instructions of such a loop, which they do not find in equations that SymPy has sorted anew for each copy.
+A model marks what each copy takes and gives; to everybody else a mark is its value. Compilers do not find out
+by themselves what is alike in equations that SymPy has sorted anew for each copy.
 """
 
 from collections.abc import Sequence
@@ -42,13 +42,13 @@ class Copy:
         return _taken(_number(self.part), _number(self.name), _number(place), value)
 
     def gives(self, place: str, value: Expression) -> Expression:
-        """Return the value, marked as what this copy computes from what it takes and from parameters alone."""
+        """Return the value, marked as what this copy computes of what it takes and of parameters."""
         return _given(_number(self.part), _number(self.name), _number(place), value)
 
 
 @dataclass
 class Part:
-    """All copies of one part, by name: for each place what each takes, and once what each gives, in terms of `PART_PLACE[i]`."""
+    """All copies of one part: by place what each takes, and once what all give, of `PART_PLACE[i]`."""
 
     name: str
     copies: list[str]
@@ -92,37 +92,44 @@ def apart(expressions: Sequence[Expression]) -> tuple[list[Expression], tuple[Pa
 
     AlikeError where two copies have not the same equations.
     """
-    found = set().union(*(expression.atoms(_given) for expression in expressions))
-    names = sorted({(_text(mark.args[0]), _text(mark.args[1])) for mark in found})
-    parts = {name: Part(name, [copy for part, copy in names if part == name]) for name, _ in names}
-    memory: dict[tuple[Expression, str], Expression] = {}
+    splitter = _Splitter(expressions)
+    return [splitter.seen(expression, "") for expression in expressions], tuple(splitter.parts.values())
 
-    def seen(expression: Expression, within: str) -> Expression:
+
+class _Splitter:
+    """Takes expressions apart at their marks; expressions share their parts, so each is looked at once."""
+
+    def __init__(self, expressions: Sequence[Expression]) -> None:
+        found: set[Expression] = set().union(*(expression.atoms(_given) for expression in expressions))
+        # By name, not as SymPy finds them: the left and the right one of each part lie in the same places.
+        names = sorted({(_text(mark.args[0]), _text(mark.args[1])) for mark in found})
+        self.parts = {name: Part(name, [copy for part, copy in names if part == name]) for name, _ in names}
+        self._memory: dict[tuple[Expression, str], Expression] = {}
+
+    def seen(self, expression: Expression, within: str) -> Expression:
+        """Return an expression that stands within the equations of this part, or of none."""
         if expression.is_Atom:
             return expression
         key = (expression, within)
-        if key not in memory:
-            memory[key] = _given_by(expression) if expression.func == _given else _other(expression, within)
-        return memory[key]
+        if key not in self._memory:
+            self._memory[key] = self._looked_at(expression, within)
+        return self._memory[key]
 
-    def _other(expression: Expression, within: str) -> Expression:
-        if expression.func != _taken:
-            return expression.func(*(seen(part, within) for part in expression.args))
+    def _looked_at(self, expression: Expression, within: str) -> Expression:
+        if not is_mark(expression):
+            return expression.func(*(self.seen(part, within) for part in expression.args))
         name, copy, place = map(_text, expression.args[:3])
+        value = expression.args[-1]
+        if expression.func == _given:
+            part = self.parts[name]
+            equation = self.seen(value, name)
+            if part.gives.setdefault(place, equation) != equation:
+                raise AlikeError(f"{name} gives {place} by another equation in {copy} than in others")
+            return part.element(place, copy)
         if name != within:
-            return seen(expression.args[-1], within)
-        parts[name].takes.setdefault(place, {})[copy] = seen(expression.args[-1], "")
+            return self.seen(value, within)
+        self.parts[name].takes.setdefault(place, {})[copy] = self.seen(value, "")
         return _symbol(f"{name}_{place}[i]")
-
-    def _given_by(expression: Expression) -> Expression:
-        name, copy, place = map(_text, expression.args[:3])
-        part = parts[name]
-        equation = seen(expression.args[-1], name)
-        if part.gives.setdefault(place, equation) != equation:
-            raise AlikeError(f"{name} gives {place} by another equation in {copy} than in {part.copies[0]}")
-        return part.element(place, copy)
-
-    return [seen(expression, "") for expression in expressions], tuple(parts.values())
 
 
 def _symbol(name: str) -> Expression:

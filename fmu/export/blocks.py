@@ -20,7 +20,7 @@ class UnsupportedError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """One function: arrays that it reads (a letter each), what it computes in order, places that it writes."""
+    """One function: arrays that it reads (a letter each), what it computes, places that it writes."""
 
     name: str
     reads: str

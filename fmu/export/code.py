@@ -52,14 +52,14 @@ def c_text(expression: Expression, *, lanes: bool = False) -> str:
     if expression.is_number and expression.is_Atom:
         return _number(expression)
     if expression.is_Add:
-        return _sum(expression, lanes)
+        return _sum(expression, lanes=lanes)
     if expression.is_Mul:
-        return _product(expression, lanes)
+        return _product(expression, lanes=lanes)
     if expression.is_Pow:
-        return _power(expression.base, expression.exp, lanes)
+        return _power(expression.base, expression.exp, lanes=lanes)
     name = type(expression).__name__
     if name in _FUNCTIONS:
-        return _call(_FUNCTIONS[name], expression.args, lanes)
+        return _call(_FUNCTIONS[name], expression.args, lanes=lanes)
     raise UnsupportedError(f"no C for {name} in {expression}")
 
 
@@ -68,13 +68,13 @@ def _number(number: Expression) -> str:
     return repr(value)
 
 
-def _call(name: str, arguments: Sequence[Expression], lanes: bool) -> str:
+def _call(name: str, arguments: Sequence[Expression], *, lanes: bool) -> str:
     if not lanes:
         return f"{name}({', '.join(map(c_text, arguments))})"
     if name not in _OF_LANES:
         raise UnsupportedError(f"no {name} for several copies at once")
     texts = (
-        c_text(one, lanes=True) if any(map(_is_of_lanes, one.free_symbols)) else f"FB_ALL({c_text(one)})"
+        c_text(one, lanes=True) if any(map(_is_of_lanes, one.free_symbols)) else f"fb_both({c_text(one)})"
         for one in arguments
     )
     return f"{_OF_LANES[name]}_lanes({', '.join(texts)})"
@@ -84,7 +84,7 @@ def _is_of_lanes(symbol: Expression) -> bool:
     return str(symbol.name).endswith("[i]")
 
 
-def _sum(expression: Expression, lanes: bool) -> str:
+def _sum(expression: Expression, *, lanes: bool) -> str:
     text = ""
     for term in expression.args:
         negative = term.could_extract_minus_sign()
@@ -93,7 +93,7 @@ def _sum(expression: Expression, lanes: bool) -> str:
     return f"({text})"
 
 
-def _product(expression: Expression, lanes: bool) -> str:
+def _product(expression: Expression, *, lanes: bool) -> str:
     over: list[str] = []
     under: list[str] = []
     sign = ""
@@ -101,7 +101,7 @@ def _product(expression: Expression, lanes: bool) -> str:
         if factor is sp.S.NegativeOne:
             sign = "-"
         elif factor.is_Pow and factor.exp.is_negative:
-            under.append(_power(factor.base, -factor.exp, lanes))
+            under.append(_power(factor.base, -factor.exp, lanes=lanes))
         else:
             over.append(c_text(factor, lanes=lanes))
     top = " * ".join(over) or "1.0"
@@ -109,19 +109,20 @@ def _product(expression: Expression, lanes: bool) -> str:
     return f"({sign}{top}{bottom})"
 
 
-def _power(base: Expression, exponent: Expression, lanes: bool) -> str:
+def _power(base: Expression, exponent: Expression, *, lanes: bool) -> str:
     if exponent.is_negative:
-        return f"(1.0 / {_power(base, -exponent, lanes)})"
+        return f"(1.0 / {_power(base, -exponent, lanes=lanes)})"
     if exponent == 1:
         return c_text(base, lanes=lanes)
     if exponent == sp.Rational(1, 2):
-        return _call("sqrt", (base,), lanes)
+        return _call("sqrt", (base,), lanes=lanes)
     if exponent.is_Integer and int(exponent) in _POWERS:
-        return _call(_POWERS[int(exponent)], (base,), lanes)
+        return _call(_POWERS[int(exponent)], (base,), lanes=lanes)
     if exponent == _HIGHEST_POWER:
-        return f"({_call('fb_fourth', (base,), lanes)} * {c_text(base, lanes=lanes)})"
+        return f"({_call('fb_fourth', (base,), lanes=lanes)} * {c_text(base, lanes=lanes)})"
     if exponent.is_Rational and exponent.q == 2:  # noqa: PLR2004 - a half
-        return f"({_call('sqrt', (base,), lanes)} * {_power(base, exponent - sp.Rational(1, 2), lanes)})"
+        rest = _power(base, exponent - sp.Rational(1, 2), lanes=lanes)
+        return f"({_call('sqrt', (base,), lanes=lanes)} * {rest})"
     raise UnsupportedError(f"no C for the power {exponent} of {base}")
 
 

@@ -16,7 +16,7 @@ Line: TypeAlias = tuple[Expression, Expression]
 
 @dataclass(frozen=True, slots=True)
 class Loop:
-    """All copies of one part: PART_PLACE[i] in its lines is that of each copy, PART_PLACE[1] elsewhere that of one."""
+    """All copies of one part: in its lines PART_PLACE[i] is that of each copy, elsewhere [1] that of one."""
 
     part: str
     count: int
@@ -50,7 +50,7 @@ Step: TypeAlias = Line | Loop
 def steps(
     expressions: Sequence[Expression], names: Mapping[Expression, Expression]
 ) -> tuple[tuple[Step, ...], list[Expression]]:
-    """Return what to compute in order, and the expressions in terms of it; `names` are model symbols' places."""
+    """Return what to compute in order, and the expressions in terms of it; `names` places model symbols."""
     whole, parts = apart(expressions)
     loops = {part.name: _loop(part, names) for part in parts}
     taken = [value for loop in loops.values() for _, values in loop.takes for value in values]

@@ -80,7 +80,7 @@ class Shaft:
 
 
 def bristle(name: str, speed: Expression, state: Expression, presliding: Expression) -> Expression:
-    """Return the rate of the bristle `name`: it follows the motion over `presliding`, then slides at +1 or -1.
+    """Return the rate of a bristle: it follows the motion over `presliding`, then slides at +1 or -1.
 
     Dahl's bristle with an elastic part (Dupont et al., IEEE Trans. Automatic Control 47, 2002): below `HELD`
     of what holds at rest it is a spring, so that a shaft that is shaken at rest does not creep, and it

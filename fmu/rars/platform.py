@@ -25,16 +25,12 @@ class Front:
         self.spin, self.friction = symbol(f"spin_{self.name}"), symbol(f"rolling_{self.name}")
         self.lateral = SIDES[side] * P["kingpin_distance"] / 2
         copy = Copy("front", side)
-        across, along = (
-            copy.takes(place, value)
-            for place, value in zip(("across", "along"), steering.direction(SIDES[side]), strict=True)
-        )
+        across, along = steering.direction(SIDES[side])
+        across, along = copy.takes("across", across), copy.takes("along", along)
         per_length = reciprocal(sp.sqrt(across**2 + along**2))
         self.sine, self.cosine = across * per_length, along * per_length
-        hub, swing = (
-            copy.takes(place, -value)
-            for place, value in zip(("hub", "swing"), self._kingpin(motion), strict=True)
-        )
+        hub, swing = self._kingpin(motion)
+        hub, swing = copy.takes("hub", -hub), copy.takes("swing", -swing)
         self.tyre = Tyre(
             self.name,
             rim=P["front_radius"] * self.spin,

@@ -53,7 +53,7 @@ class Steering:
 
     def acceleration(self) -> Expression:
         """Return the motor's acceleration by (3.97) and (3.98), both corrected."""
-        h, motor = P["davis_h"], self.motor
+        motor = self.motor
         # (3.97) corrected: every term of the bracket is an inertia about the kingpin.
         # (3.98) corrected: factor 1, because the part -dL/dx had been dropped, and f' means df/dx.
         convection = self._wheel_inertia() * (self.bend_right + self.bend_left)

@@ -24,7 +24,10 @@ TRACE = sp.Float(1e-6)
 
 
 class Tyre:
-    """A wheel's contact; `name` names its states. Speeds in m/s: the rim's, and how the floor passes back and right."""
+    """A wheel's contact; `name` names its states.
+
+    Speeds in m/s: the rim's, and those of the floor as the wheel sees it, backwards and to the right.
+    """
 
     def __init__(self, name: str, *, rim: Expression, back: Expression, right: Expression) -> None:
         self.name = name

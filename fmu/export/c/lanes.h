@@ -10,7 +10,7 @@
 
 typedef double fb_lanes __attribute__((vector_size(16)));
 #define FB_LANES 2
-#define FB_ALL(x) ((fb_lanes){x, x})
+static inline fb_lanes fb_both(double x) { return (fb_lanes){x, x}; }
 
 #ifdef __SSE2__
 /* Of a choice for each lane compilers make branches, or three operations for one. */
@@ -30,7 +30,7 @@ static inline fb_lanes fb_size_lanes(fb_lanes x) { return (fb_lanes){fabs(x[0]),
 static inline fb_lanes fb_root_lanes(fb_lanes x) { return (fb_lanes){sqrt(x[0]), sqrt(x[1])}; }
 #endif
 
-static inline fb_lanes fb_positive_part_lanes(fb_lanes x) { return fb_larger_lanes(x, FB_ALL(0.0)); }
+static inline fb_lanes fb_positive_part_lanes(fb_lanes x) { return fb_larger_lanes(x, fb_both(0.0)); }
 static inline fb_lanes fb_clamped_lanes(fb_lanes x, fb_lanes bound) {
   return fb_larger_lanes(-bound, fb_smaller_lanes(bound, x));
 }
