@@ -16,7 +16,7 @@ from fmu.plant import FmuPlant
 from fmu.verify import Verdict
 from hil_tests.fmu.model_bench import OWN
 
-TOKEN = "{alike}"
+VERSION = "{alike}"
 X, Y = symbol("x"), symbol("y")
 
 
@@ -38,7 +38,7 @@ def model(count: int) -> Model:
 @pytest.mark.parametrize("count", [1, 2, 3, 5])
 def test_any_number_of_copies_is_compiled_to_the_bits_of_its_equations(tmp_path: Path, count: int) -> None:
     target = tmp_path / "balls.fmu"
-    export(model(count), 3, target, token=TOKEN)
+    export(model(count), 3, target, token=VERSION)
     names = [f"s{n}" for n in range(count)]
     with FmuPlant(target, (), names, units={}) as plant:
         assert plant.fingerprint is Verdict.SAME
@@ -52,7 +52,7 @@ def test_any_number_of_copies_is_compiled_to_the_bits_of_its_equations(tmp_path:
 
 
 def test_copies_are_written_in_pairs_and_in_turn() -> None:
-    text = generate(Program(model(4)), TOKEN)["model.c"]
+    text = generate(Program(model(4)), VERSION)["model.c"]
     written = [line.split()[2] for line in text.splitlines() if line.startswith("  const fb_lanes ball_")]
     assert written[:4] == ["ball_value_0", "ball_value_1", "ball_rate_0", "ball_rate_1"]
 
