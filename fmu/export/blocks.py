@@ -9,8 +9,9 @@ from functools import cached_property
 
 import sympy as sp
 
+from fmu.export.alike import is_mark, plain
+from fmu.export.loops import Line, Loop, Step, scalars, steps
 from fmu.export.model import Expression, Model, Output
-from fmu.export.reciprocals import with_reciprocals
 
 
 class UnsupportedError(Exception):
@@ -19,13 +20,20 @@ class UnsupportedError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """One function: arrays that it reads (a letter each), temporaries in order, places that it writes."""
+    """One function: arrays that it reads (a letter each), what it computes, places that it writes."""
 
     name: str
     reads: str
     target: str
-    shared: tuple[tuple[Expression, Expression], ...]
+    steps: tuple[Step, ...]
     results: tuple[tuple[int, Expression], ...]
+
+    def straight(self) -> tuple[tuple[Line, ...], tuple[tuple[int, Expression], ...]]:
+        """Return temporaries and results with all loops unrolled."""
+        lines: list[Line] = []
+        for step in self.steps:
+            lines += step.unrolled() if isinstance(step, Loop) else [(step[0], scalars(step[1]))]
+        return tuple(lines), tuple((place, scalars(value)) for place, value in self.results)
 
 
 @dataclass(frozen=True)
@@ -74,8 +82,9 @@ class Program:
         model = self.model
         hoister = _Hoister(frozenset(real(row.name) for row in model.parameters))
         rates = [hoister.hoist(state.rate) for state in model.states]
-        readings = [hoister.hoist(row.expression) for row in self.readings]
-        starts = [hoister.hoist(sp.sympify(state.start)) for state in model.states]
+        # Only the rates are computed often enough for loops.
+        readings = [hoister.hoist(value) for value in plain([row.expression for row in self.readings])]
+        starts = [hoister.hoist(value) for value in plain([state.start for state in model.states])]
         # The shell's reset writes zeros; derived starts follow the parameters.
         derived = [i for i, start in enumerate(starts) if start.free_symbols]
         if any(starts[i] != 0 for i in range(len(starts)) if i not in derived):
@@ -131,6 +140,8 @@ class _Hoister:
     def _is_fixed(self, expression: Expression) -> bool:
         if expression.is_Symbol:
             return expression in self._parameters
+        if is_mark(expression):
+            return False
         if expression not in self._fixed:
             self._fixed[expression] = all(self._is_fixed(part) for part in expression.args)
         return self._fixed[expression]
@@ -161,8 +172,6 @@ def _block(
     names: Mapping[Expression, Expression],
     places: Sequence[int] | None = None,
 ) -> Block:
-    shared, results = sp.cse([e.xreplace(names) for e in expressions], sp.numbered_symbols("t", real=True))
-    if "s" in reads:  # the others are computed once
-        shared, results = with_reciprocals(tuple(shared), results)
+    done, results = steps(expressions, names)
     where = range(len(results)) if places is None else places
-    return Block(name, reads, target, tuple(shared), tuple(zip(where, results, strict=True)))
+    return Block(name, reads, target, done, tuple(zip(where, results, strict=True)))

@@ -1,12 +1,14 @@
 """Blocks to C: no function but sqrt and our own. Refuses to know what the equations mean."""
 
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
 import sympy as sp
 
 from fmu.export.blocks import Block, Program, UnsupportedError
+from fmu.export.loops import Loop
 from fmu.export.model import Expression
 from fmu.export.tangents import TangentBlock, tangents
 from fmu.export.variables import variables
@@ -18,6 +20,7 @@ _FUNCTIONS: Final[Mapping[str, str]] = {
     "cos": "fb_cosine",
     "atan": "fb_arc_tangent",
     "Abs": "fabs",
+    "size": "fabs",
     "positive_part": "fb_positive_part",
     "clamped": "fb_clamped",
     "larger": "fb_larger",
@@ -29,28 +32,34 @@ _FUNCTIONS: Final[Mapping[str, str]] = {
     "root_slope": "fb_root_slope",
 }
 _POWERS: Final[Mapping[int, str]] = {2: "fb_square", 3: "fb_cube", 4: "fb_fourth"}
+_OF_LANES: Final[Mapping[str, str]] = {"fabs": "fb_size", "sqrt": "fb_root"} | {
+    f"fb_{name}": f"fb_{name}"
+    for name in ("square", "cube", "fourth", "positive_part", "clamped", "larger", "reciprocal")
+}
+"""Functions that c/lanes.h has for several copies at once."""
+_ELEMENT: Final = re.compile(r"(\w+_\w+)\[(\d+)\]")
 _HIGHEST_POWER: Final = 5
 """Of a tangent: the slope of 1 / x^4."""
 
 
-def c_text(expression: Expression) -> str:
+def c_text(expression: Expression, *, lanes: bool = False) -> str:
     """Return an expression as C, fully parenthesised, so that every compiler rounds in the same places.
 
-    It is Python, too, with the same meaning.
+    It is Python, too, with the same meaning. `lanes`: for several copies at once, see c/lanes.h.
     """
     if expression.is_Symbol:
         return str(expression.name)
     if expression.is_number and expression.is_Atom:
         return _number(expression)
     if expression.is_Add:
-        return _sum(expression)
+        return _sum(expression, lanes=lanes)
     if expression.is_Mul:
-        return _product(expression)
+        return _product(expression, lanes=lanes)
     if expression.is_Pow:
-        return _power(expression.base, expression.exp)
+        return _power(expression.base, expression.exp, lanes=lanes)
     name = type(expression).__name__
     if name in _FUNCTIONS:
-        return f"{_FUNCTIONS[name]}({', '.join(c_text(part) for part in expression.args)})"
+        return _call(_FUNCTIONS[name], expression.args, lanes=lanes)
     raise UnsupportedError(f"no C for {name} in {expression}")
 
 
@@ -59,16 +68,32 @@ def _number(number: Expression) -> str:
     return repr(value)
 
 
-def _sum(expression: Expression) -> str:
+def _call(name: str, arguments: Sequence[Expression], *, lanes: bool) -> str:
+    if not lanes:
+        return f"{name}({', '.join(map(c_text, arguments))})"
+    if name not in _OF_LANES:
+        raise UnsupportedError(f"no {name} for several copies at once")
+    texts = (
+        c_text(one, lanes=True) if any(map(_is_of_lanes, one.free_symbols)) else f"fb_both({c_text(one)})"
+        for one in arguments
+    )
+    return f"{_OF_LANES[name]}_lanes({', '.join(texts)})"
+
+
+def _is_of_lanes(symbol: Expression) -> bool:
+    return str(symbol.name).endswith("[i]")
+
+
+def _sum(expression: Expression, *, lanes: bool) -> str:
     text = ""
     for term in expression.args:
         negative = term.could_extract_minus_sign()
-        part = c_text(-term if negative else term)
+        part = c_text(-term if negative else term, lanes=lanes)
         text += (" - " if negative else " + ") + part if text else ("-" if negative else "") + part
     return f"({text})"
 
 
-def _product(expression: Expression) -> str:
+def _product(expression: Expression, *, lanes: bool) -> str:
     over: list[str] = []
     under: list[str] = []
     sign = ""
@@ -76,28 +101,28 @@ def _product(expression: Expression) -> str:
         if factor is sp.S.NegativeOne:
             sign = "-"
         elif factor.is_Pow and factor.exp.is_negative:
-            under.append(_power(factor.base, -factor.exp))
+            under.append(_power(factor.base, -factor.exp, lanes=lanes))
         else:
-            over.append(c_text(factor))
+            over.append(c_text(factor, lanes=lanes))
     top = " * ".join(over) or "1.0"
     bottom = f" / {under[0]}" if len(under) == 1 else f" / ({' * '.join(under)})" if under else ""
     return f"({sign}{top}{bottom})"
 
 
-def _power(base: Expression, exponent: Expression) -> str:
+def _power(base: Expression, exponent: Expression, *, lanes: bool) -> str:
     if exponent.is_negative:
-        return f"(1.0 / {_power(base, -exponent)})"
-    text = c_text(base)
+        return f"(1.0 / {_power(base, -exponent, lanes=lanes)})"
     if exponent == 1:
-        return text
+        return c_text(base, lanes=lanes)
     if exponent == sp.Rational(1, 2):
-        return f"sqrt({text})"
+        return _call("sqrt", (base,), lanes=lanes)
     if exponent.is_Integer and int(exponent) in _POWERS:
-        return f"{_POWERS[int(exponent)]}({text})"
+        return _call(_POWERS[int(exponent)], (base,), lanes=lanes)
     if exponent == _HIGHEST_POWER:
-        return f"(fb_fourth({text}) * {text})"
+        return f"({_call('fb_fourth', (base,), lanes=lanes)} * {c_text(base, lanes=lanes)})"
     if exponent.is_Rational and exponent.q == 2:  # noqa: PLR2004 - a half
-        return f"(sqrt({text}) * {_power(base, exponent - sp.Rational(1, 2))})"
+        rest = _power(base, exponent - sp.Rational(1, 2), lanes=lanes)
+        return f"({_call('sqrt', (base,), lanes=lanes)} * {rest})"
     raise UnsupportedError(f"no C for the power {exponent} of {base}")
 
 
@@ -119,7 +144,7 @@ def generate(program: Program, token: str) -> dict[str, str]:
     nominals = {row.name: row.nominal for row in rows}
     shown = {real: row.name for row, real in zip(program.readings, program.states_of_readings, strict=True)}
     head = f"/* {model.description}. Written from the equations; do not edit. */\n"
-    include = '#include "core.h"\n#include "elementary.h"\n'
+    include = '#include "core.h"\n#include "lanes.h"\n'
     parts = (
         head,
         include,
@@ -143,26 +168,71 @@ def generate(program: Program, token: str) -> dict[str, str]:
     }
 
 
-def body(block: Block) -> Iterator[tuple[str, str]]:
-    """Yield the lines of a block as (target, value), in order: temporaries, then places."""
-    for symbol, value in block.shared:
-        yield str(symbol), c_text(value)
-    for place, value in block.results:
-        yield f"{block.target}[{place}]", c_text(value)
-
-
 def _table(kind: str, name: str, entries: Sequence[str]) -> str:
     # C knows no empty table.
     rows = "".join(f"  {entry},\n" for entry in entries or ("0",))
     return f"const {kind} {name} = {{\n{rows}}};\n"
 
 
+def body(block: Block) -> Iterator[tuple[str, str]]:
+    """Yield the lines of a block as (target, value), in order: temporaries, then places; copy by copy."""
+    for step in block.steps:
+        if isinstance(step, Loop):
+            for copy in range(step.count):
+                yield from ((f"{name}_{copy}", _scalar(values[copy])) for name, values in step.takes)
+                for name, value in step.lines():
+                    yield f"{name}_{copy}", c_text(value).replace("[i]", f"_{copy}")
+        else:
+            yield str(step[0]), _scalar(step[1])
+    for place, value in block.results:
+        yield f"{block.target}[{place}]", _scalar(value)
+
+
+def _scalar(expression: Expression) -> str:
+    return _ELEMENT.sub(r"\1_\2", c_text(expression))
+
+
+def _of_pair(expression: Expression) -> str:
+    return _ELEMENT.sub(
+        lambda found: f"{found[1]}_{int(found[2]) // 2}[{int(found[2]) % 2}]", c_text(expression)
+    )
+
+
+def _side_by_side(block: Block) -> Iterator[tuple[str, str]]:
+    """Yield the same with two copies in each value, and the pairs in turn, so that none waits for another."""
+    for step in block.steps:
+        if isinstance(step, Loop):
+            pairs = range((step.count + 1) // 2)
+            for name, values in step.takes:
+                texts = [*map(_of_pair, values), _of_pair(values[-1])]
+                yield from ((f"{name}_{n}", f"{{{texts[2 * n]}, {texts[2 * n + 1]}}}") for n in pairs)
+            for name, value in step.lines():
+                text = c_text(value, lanes=True)
+                yield from ((f"{name}_{n}", text.replace("[i]", f"_{n}")) for n in pairs)
+        else:
+            yield str(step[0]), _of_pair(step[1])
+    for place, value in block.results:
+        yield f"{block.target}[{place}]", _of_pair(value)
+
+
 def _function(block: Block) -> str:
     read = [name for name in block.reads if name != block.target]
     signature = ", ".join(f"const double *restrict {name}" for name in read)
-    lines = [f"  (void){name};\n" for name in (*read, block.target)]
-    lines += [f"  {'' if '[' in name else 'const double '}{name} = {value};\n" for name, value in body(block)]
-    return f"void fb_{block.name}({signature}, double *restrict {block.target}) {{\n{''.join(lines)}}}\n"
+    used = "".join(f"  (void){name};\n" for name in (*read, block.target))
+    lines = "".join(_statement("double", *line) for line in body(block))
+    loops = [step for step in block.steps if isinstance(step, Loop)]
+    if loops:
+        pairs = {f"{loop.part}_" for loop in loops}
+        fast = "".join(
+            _statement("fb_lanes" if name.partition("_")[0] + "_" in pairs else "double", name, value)
+            for name, value in _side_by_side(block)
+        )
+        lines = f"#ifdef FB_LANES\n{fast}#else\n{lines}#endif\n"
+    return f"void fb_{block.name}({signature}, double *restrict {block.target}) {{\n{used}{lines}}}\n"
+
+
+def _statement(kind: str, target: str, value: str) -> str:
+    return f"  {target} = {value};\n" if target.endswith("]") else f"  const {kind} {target} = {value};\n"
 
 
 def _tangent_function(tangent: TangentBlock) -> str:
@@ -173,6 +243,6 @@ def _tangent_function(tangent: TangentBlock) -> str:
         arrays.insert(0, "s")
     signature = ", ".join(f"const double *restrict {name}" for name in arrays)
     lines = [f"  (void){name};\n" for name in (*arrays, target)]
-    lines += [f"  const double {symbol} = {c_text(value)};\n" for symbol, value in tangent.shared]
+    lines += [_statement("double", str(symbol), c_text(value)) for symbol, value in tangent.shared]
     lines += [f"  {target}[{place}] = {c_text(slope)};\n" for place, slope in tangent.results]
     return f"void fb_{block.name}_tangent({signature}, double *restrict {target}) {{\n{''.join(lines)}}}\n"

@@ -3,12 +3,16 @@
 from typing import Final
 
 import sympy as sp
+from sympy.utilities.lambdify import implemented_function
 
 positive_part: Final = sp.Function("positive_part", real=True)
 """positive_part(x): x where it is positive, else exactly 0."""
 
 clamped: Final = sp.Function("clamped", real=True)
 """clamped(x, b): x within -b..b, else the nearer bound."""
+
+size: Final = implemented_function(sp.Function("size", real=True), abs)
+"""size(x): |x|, of x as it is written: SymPy's own turns signs round and takes what is shared apart."""
 
 larger: Final = sp.Function("larger", real=True)
 """larger(x, y): the larger of two numbers."""

@@ -2,7 +2,7 @@
 
 import sympy as sp
 
-from fmu.export.functions import positive_part
+from fmu.export.functions import clamped, positive_part, reciprocal, size
 from fmu.export.model import Expression
 from fmu.parts.motor import Shaft
 from fmu.parts.symbols import HALF
@@ -21,12 +21,13 @@ class Lift:
         self.base = link * sp.cos(P["lift_collapsed_angle"]) - self.travel  # x of (2.16)
         self.rise = sp.sqrt(link**2 - self.base**2)  # y of (2.16)
         self.height = stages * (self.rise - link * sp.sin(P["lift_collapsed_angle"]))
-        self.gain = stages * self.base / self.rise  # dh/dx = N / tan(theta)
+        self.per_rise = reciprocal(self.rise)
+        self.gain = stages * self.base * self.per_rise  # dh/dx = N / tan(theta)
         self.mass = P["lift_mass"] + P["lift_payload"]
         self.load = self.mass * P["gravity"] * self.gain  # F = W N / tan(theta) (2.17)
-        longest = link * (sp.cos(P["lift_collapsed_angle"]) - sp.cos(P["lift_extended_angle"]))
-        self.pressed_low = positive_part(-self.travel - P["lift_clearance"])
-        self.pressed_high = positive_part(self.travel - longest - P["lift_clearance"])
+        middle = HALF * link * (sp.cos(P["lift_collapsed_angle"]) - sp.cos(P["lift_extended_angle"]))
+        from_middle = self.travel - middle
+        self.pressed = from_middle - clamped(from_middle, middle + P["lift_clearance"])
         self._thread = P["screw_friction"] / sp.cos(P["thread_angle"])  # mu sec(alpha)
 
     def friction_start(self) -> Expression:
@@ -51,12 +52,10 @@ class Lift:
     def acceleration(self) -> Expression:
         """Return the motor's acceleration; friction comes from the static load (ASSUME)."""
         motor = self.motor
-        bend = -P["lift_stages"] * P["lift_link_length"] ** 2 / self.rise**3  # d2h/dx2
+        bend = -P["lift_stages"] * P["lift_link_length"] ** 2 * self.per_rise**3  # d2h/dx2
         convection = self.mass * self.gain * bend * self.speed**2
         damping = P["lift_stop_damping"] * self.speed
-        stop = P["lift_stop_stiffness"] * (
-            self.pressed_high * (1 + damping) - self.pressed_low * (1 - damping)
-        )
+        stop = P["lift_stop_stiffness"] * (self.pressed + damping * size(self.pressed))
         dry = motor.coulomb * motor.friction
         torque = motor.free_torque - dry - self.screw_torque() / motor.gear - self.ratio * (convection + stop)
         return torque / (motor.inertia + self.ratio**2 * self.mass * self.gain**2)
@@ -65,7 +64,7 @@ class Lift:
         """Return the energy of load, stops and thread (to first order) in J."""
         kinetic = HALF * self.mass * (self.gain * self.speed) ** 2
         weight = self.mass * P["gravity"] * self.height
-        pressed = HALF * P["lift_stop_stiffness"] * (self.pressed_low**2 + self.pressed_high**2)
+        pressed = HALF * P["lift_stop_stiffness"] * self.pressed**2
         level = self.load * self._thread * P["screw_diameter"] / (2 * self.motor.gear)
         bristle = HALF * level * P["presliding"] * self.motor.friction**2
         return kinetic + weight + pressed + bristle

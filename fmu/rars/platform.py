@@ -2,6 +2,7 @@
 
 import sympy as sp
 
+from fmu.export.alike import Copy
 from fmu.export.functions import clamped, reciprocal
 from fmu.export.model import Expression, State
 from fmu.parts.motor import Shaft, bristle
@@ -22,19 +23,39 @@ class Front:
     ) -> None:
         self.name = f"front_{side}"
         self.spin, self.friction = symbol(f"spin_{self.name}"), symbol(f"rolling_{self.name}")
+        self.lateral = SIDES[side] * P["kingpin_distance"] / 2
+        copy = Copy("front", side)
         across, along = steering.direction(SIDES[side])
+        across, along = copy.takes("across", across), copy.takes("along", along)
         per_length = reciprocal(sp.sqrt(across**2 + along**2))
         self.sine, self.cosine = across * per_length, along * per_length
-        self.lateral = SIDES[side] * P["kingpin_distance"] / 2
-        self.ahead, self.left = self._speeds(motion)
-        self.tyre = Tyre(self.name, rim=P["front_radius"] * self.spin, ahead=self.ahead, left=self.left)
+        hub, swing = self._kingpin(motion)
+        hub, swing = copy.takes("hub", -hub), copy.takes("swing", -swing)
+        self.tyre = Tyre(
+            self.name,
+            rim=P["front_radius"] * self.spin,
+            back=copy.gives("back", hub * self.cosine + swing * self.sine),
+            right=copy.gives("right", swing * self.cosine - hub * self.sine),
+        )
+        self.sine, self.cosine = copy.gives("sine", self.sine), copy.gives("cosine", self.cosine)
 
     def push(self) -> tuple[Expression, Expression, Expression]:
         """Return the force ahead and to the left and the moment about the rear axle's middle."""
-        force_ahead, force_left = self.tyre.force_ahead(), self.tyre.force_left()
-        ahead = force_ahead * self.cosine - force_left * self.sine
-        left = force_ahead * self.sine + force_left * self.cosine
-        return ahead, left, P["wheelbase"] * left - self.lateral * ahead
+        taken = {
+            "force_ahead": self.tyre.force_ahead(),
+            "force_left": self.tyre.force_left(),
+            "cosine": self.cosine,
+            "sine": self.sine,
+            "lateral": self.lateral,
+        }
+        copy = Copy("push", self.name)
+        force_ahead, force_left, cosine, sine, lateral = (
+            copy.takes(place, value) for place, value in taken.items()
+        )
+        ahead = force_ahead * cosine - force_left * sine
+        left = force_ahead * sine + force_left * cosine
+        moment = P["wheelbase"] * left - lateral * ahead
+        return copy.gives("ahead", ahead), copy.gives("left", left), copy.gives("moment", moment)
 
     def spring_ahead(self) -> Expression:
         """Return the spring's force along the platform, for the load transfer."""
@@ -49,7 +70,8 @@ class Front:
     ) -> tuple[State, ...]:
         """Return spin and tyre: I_w w' = - r F_s - bearing (3.84); it starts rolling with the platform."""
         torque = -P["front_radius"] * self.tyre.force_ahead() - resistance * self.friction
-        rolling, _ = self._speeds(start)
+        hub, swing = self._kingpin(start)
+        rolling = hub * self.cosine + swing * self.sine
         return (
             State(
                 f"spin_{self.name}", "rad/s", rolling / P["front_radius"], torque / P["front_spin_inertia"]
@@ -58,7 +80,7 @@ class Front:
                 f"rolling_{self.name}",
                 "1",
                 sp.S.Zero,
-                bristle(self.spin, self.friction, P["rolling_presliding"]),
+                bristle(self.name, self.spin, self.friction, P["rolling_presliding"]),
             ),
             *self.tyre.states((sp.S.Zero, side_force), load),
         )
@@ -68,10 +90,10 @@ class Front:
         dry = resistance * P["rolling_presliding"] * self.friction**2
         return HALF * (P["front_spin_inertia"] * self.spin**2 + dry) + self.tyre.energy()
 
-    def _speeds(self, motion: tuple[Expression, Expression, Expression]) -> tuple[Expression, Expression]:
+    def _kingpin(self, motion: tuple[Expression, Expression, Expression]) -> tuple[Expression, Expression]:
+        """Return the kingpin's speed ahead and to the left along the platform."""
         speed, drift, yaw_rate = motion
-        hub, swing = speed - yaw_rate * self.lateral, drift + yaw_rate * P["wheelbase"]
-        return hub * self.cosine + swing * self.sine, swing * self.cosine - hub * self.sine
+        return speed - yaw_rate * self.lateral, drift + yaw_rate * P["wheelbase"]
 
 
 class Platform:
@@ -96,8 +118,8 @@ class Platform:
             side: Tyre(
                 f"rear_{side}",
                 rim=P["wheel_radius"] * shaft.speed / shaft.gear,
-                ahead=self.speed - self.yaw_rate * SIDES[side] * P["rear_track"] / 2,
-                left=self.drift,
+                back=self.yaw_rate * SIDES[side] * P["rear_track"] / 2 - self.speed,
+                right=-self.drift,
             )
             for side, shaft in self.rear.items()
         }

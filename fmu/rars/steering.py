@@ -2,7 +2,8 @@
 
 import sympy as sp
 
-from fmu.export.functions import positive_part, reciprocal
+from fmu.export.alike import Copy
+from fmu.export.functions import clamped, reciprocal, size
 from fmu.export.model import Expression
 from fmu.parts.motor import Shaft
 from fmu.parts.symbols import HALF
@@ -22,10 +23,9 @@ class Steering:
         self.across = self.rack * h
         self.along = h**2 + self.b**2
         # (3.96): how far the right and the left wheel turn with the rack, rad/m.
-        self.rate_right = h * reciprocal(h**2 + (self.b + self.rack) ** 2)
-        self.rate_left = h * reciprocal(h**2 + (self.b - self.rack) ** 2)
-        self.pressed_left = positive_part(self.rack - P["rack_travel"])
-        self.pressed_right = positive_part(-self.rack - P["rack_travel"])
+        self.rate_right, self.bend_right = self._kingpin("right", -self.b - self.rack)
+        self.rate_left, self.bend_left = self._kingpin("left", self.b - self.rack)
+        self.pressed = self.rack - clamped(self.rack, P["rack_travel"])
 
     def direction(self, side: int) -> tuple[Expression, Expression]:
         """Return sine and cosine, times one length, of the left (+1) or right (-1) wheel's angle (4.6)."""
@@ -40,29 +40,32 @@ class Steering:
         """Return the inner wheel's angle, whichever it is: (4.6) with x = sign(theta) f(|theta|)."""
         return sp.atan(self.across / (self.along - self.b * sp.Abs(self.rack)))
 
+    def _kingpin(self, side: str, arm: Expression) -> tuple[Expression, Expression]:
+        """Return f and f f' of one wheel; `arm` is b - x, for the right wheel with its sign turned round."""
+        copy, h = Copy("kingpin", side), P["davis_h"]
+        arm = copy.takes("arm", arm)
+        rate = h * reciprocal(h**2 + arm**2)
+        return copy.gives("rate", rate), copy.gives("bend", 2 * arm * rate**3 / h)
+
     def tyre_level(self) -> Expression:
         """Return the tyres' resistance at the motor: T_s f(x), of which the printed T_s / h is the middle."""
         return self.ratio * P["tyre_torque"] * (self.rate_right + self.rate_left)
 
     def acceleration(self) -> Expression:
         """Return the motor's acceleration by (3.97) and (3.98), both corrected."""
-        h, motor = P["davis_h"], self.motor
+        motor = self.motor
         # (3.97) corrected: every term of the bracket is an inertia about the kingpin.
         # (3.98) corrected: factor 1, because the part -dL/dx had been dropped, and f' means df/dx.
-        slope_right = -2 * (self.b + self.rack) * self.rate_right**2 / h
-        slope_left = 2 * (self.b - self.rack) * self.rate_left**2 / h
-        convection = self._wheel_inertia() * (self.rate_right * slope_right + self.rate_left * slope_left)
+        convection = self._wheel_inertia() * (self.bend_right + self.bend_left)
         damping = P["rack_stop_damping"] * self.speed
-        stop = P["rack_stop_stiffness"] * (
-            self.pressed_left * (1 + damping) - self.pressed_right * (1 - damping)
-        )
+        stop = P["rack_stop_stiffness"] * (self.pressed + damping * size(self.pressed))
         dry = (motor.coulomb + self.tyre_level()) * motor.friction
         torque = motor.free_torque - dry - self.ratio * (convection * self.speed**2 + stop)
         return torque / (motor.inertia + self.ratio**2 * self._mass())
 
     def energy(self) -> Expression:
         """Return the energy of rack, stops and tyres in J; the motor's own is the shaft's."""
-        pressed = P["rack_stop_stiffness"] * (self.pressed_left**2 + self.pressed_right**2)
+        pressed = P["rack_stop_stiffness"] * self.pressed**2
         bristle = self.tyre_level() * P["presliding"] * self.motor.friction**2
         return HALF * (self._mass() * self.speed**2 + pressed + bristle)
 

@@ -7,7 +7,8 @@ load does, it takes energy out and adds none. Refuses to know whose wheel it is.
 
 import sympy as sp
 
-from fmu.export.functions import clamped, larger, positive_part, reciprocal
+from fmu.export.alike import Copy
+from fmu.export.functions import clamped, larger, positive_part, reciprocal, size
 from fmu.export.model import Expression, State
 from fmu.parts.symbols import HALF, symbol
 from fmu.rars.symbols import P
@@ -23,23 +24,33 @@ TRACE = sp.Float(1e-6)
 
 
 class Tyre:
-    """A wheel's contact; `name` names its states, speeds are those of the wheel's middle and rim."""
+    """A wheel's contact; `name` names its states.
 
-    def __init__(self, name: str, *, rim: Expression, ahead: Expression, left: Expression) -> None:
+    Speeds in m/s: the rim's, and those of the floor as the wheel sees it, backwards and to the right.
+    """
+
+    def __init__(self, name: str, *, rim: Expression, back: Expression, right: Expression) -> None:
         self.name = name
         self.spring_ahead = P["tyre_stiffness"] * symbol(f"tyre_ahead_{name}")
         self.spring_left = P["tyre_stiffness"] * symbol(f"tyre_left_{name}")
-        self._slipping = (rim - ahead, -left)
+        self._copy = Copy("tyre", name)
+        taken = {"rim": rim, "back": back, "right": right}
+        rim, back, right = (self._copy.takes(place, value) for place, value in taken.items())
+        self._slipping = (rim + back, right)
+        self._springs = (
+            self._copy.takes("spring_ahead", self.spring_ahead),
+            self._copy.takes("spring_left", self.spring_left),
+        )
         # max(|r w|, |v|), the corrected denominator; the print takes the signed one.
-        self._rolling = larger(sp.Abs(ahead), sp.Abs(rim))
+        self._rolling = larger(size(back), size(rim))
         self._over = larger(self._rolling, P["slip_speed"])
         self._load: Expression = None
-        self._ease: Expression = None
+        self._grip: Expression = None
 
     def bears(self, load: Expression) -> None:
         """Tell the tyre its load in N."""
-        self._load = positive_part(load)
-        self._ease = reciprocal(P["floor_friction"] * self._load + TRACE)
+        self._load = positive_part(self._copy.takes("load", load))
+        self._grip = P["floor_friction"] * self._load + TRACE
 
     @property
     def load(self) -> Expression:
@@ -53,50 +64,63 @@ class Tyre:
 
     def force_ahead(self) -> Expression:
         """Return the force on the robot along the wheel's way in N."""
-        return self._force(0, self.spring_ahead)
+        return self._copy.gives("force_ahead", self._force(0))
 
     def force_left(self) -> Expression:
         """Return the force on the robot along the wheel's axle in N."""
-        return self._force(1, self.spring_left)
+        return self._copy.gives("force_left", self._force(1))
 
     def states(self, hold: tuple[Expression, Expression], load: Expression) -> tuple[State, ...]:
         """Return the deflections; they start with the forces `hold`, as far as the standing load grips."""
         grip = P["floor_friction"] * load
         ahead, left = (clamped(force, grip) / P["tyre_stiffness"] for force in hold)
-        return (
-            State(f"tyre_ahead_{self.name}", "m", ahead, self._stretching(0, self.spring_ahead)),
-            State(f"tyre_left_{self.name}", "m", left, self._stretching(1, self.spring_left)),
+        return tuple(
+            State(f"tyre_{way}_{self.name}", "m", start, self._copy.gives(f"rate_{way}", self._stretching(i)))
+            for i, (way, start) in enumerate((("ahead", ahead), ("left", left)))
         )
 
     def energy(self) -> Expression:
         """Return the energy of the deflections in J."""
         return HALF * (self.spring_ahead**2 + self.spring_left**2) / P["tyre_stiffness"]
 
-    def _force(self, way: int, spring: Expression) -> Expression:
+    def _force(self, way: int) -> Expression:
         """Return F = k z + (2 e + c) z' - e v_slip, in steady state (3.83); e is 0 but where LAG holds back.
 
         With a, z's rate of decay, no energy is gained while 4 (c + e) (k - e a) >= c^2 a: c fades with slip.
         """
-        loose = self._loose(way)
-        held_back = P["tyre_stiffness"] * LAG
-        excess = held_back * (1 - 1 / larger(held_back * loose, sp.S.One))
+        slide, hold = self._slide(way)
+        loose = slide * reciprocal(hold)  # D / (mu N) in m/(N.s): 0 at rest, where the tyre is a spring
+        excess = P["tyre_stiffness"] * LAG * (1 - self._held_back(way))
         damping = P["tyre_damping"] * positive_part(1 - P["tyre_damping"] * loose) ** 2
-        return spring - excess * self._slipping[way] + (2 * excess + damping) * self._stretching(way, spring)
+        wiped = self._wiped(way)
+        stretching = self._slipping[way] - wiped
+        return self._springs[way] + damping * stretching + excess * (stretching - wiped)
 
-    def _stretching(self, way: int, spring: Expression) -> Expression:
+    def _stretching(self, way: int) -> Expression:
         """Return z' = v_slip - k z D / (mu N): a steady slide is held by mu N v_slip / D."""
-        return self._slipping[way] - spring * clamped(self._loose(way), 1 / (P["tyre_stiffness"] * LAG))
+        return self._slipping[way] - self._wiped(way)
 
-    def _loose(self, way: int) -> Expression:
-        """Return D / (mu N) in m/(N.s): 0 at rest, where the tyre is a spring."""
-        return self._wiping(way) * self._ease
+    def _wiped(self, way: int) -> Expression:
+        """Return how fast the deflection is wiped off in m/s, k z D / (mu N), not sooner than in LAG."""
+        slide, _ = self._slide(way)
+        return self._springs[way] * slide * self._per_hold(way)
 
-    def _wiping(self, way: int) -> Expression:
-        """Return D in m/s: rolling speed x peak slip up to the peak, slip over (3.83)'s share beyond."""
+    def _held_back(self, way: int) -> Expression:
+        """Return the share of the wiping that LAG allows, 1 where it is slow enough."""
+        return self._slide(way)[1] * self._per_hold(way)
+
+    def _per_hold(self, way: int) -> Expression:
+        slide, hold = self._slide(way)
+        return reciprocal(larger(P["tyre_stiffness"] * LAG * slide, hold))
+
+    def _slide(self, way: int) -> tuple[Expression, Expression]:
+        """Return D and mu N, both times one speed: so no division has to wait for another one.
+
+        D in m/s: rolling speed x peak slip up to the peak, slip over (3.83)'s share beyond.
+        """
         ahead, left = self._slipping
-        own = sp.Abs(self._slipping[way])
-        slip = own + P["friction_circle"] * (sp.sqrt(ahead**2 + left**2) - own)
-        peak = P["peak_slip"]
-        beyond = positive_part(clamped(slip, self._over) - peak * self._over)
-        share = self._over - FALL / (1 - peak) * beyond
-        return larger(peak * self._rolling, slip * self._over / share)
+        circle, peak = P["friction_circle"], P["peak_slip"]
+        slip = circle * sp.sqrt(ahead**2 + left**2) + (1 - circle) * size(self._slipping[way])
+        beyond = positive_part(slip - peak * self._over)
+        share = larger(self._over - FALL / (1 - peak) * beyond, (1 - FALL) * self._over)
+        return larger(peak * self._rolling * share, slip * self._over), self._grip * share

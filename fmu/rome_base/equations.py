@@ -86,7 +86,12 @@ class Base:
                 f"roller_{shaft.axis}",
                 "1",
                 sp.S.Zero,
-                bristle(self.across(wheel), symbol(f"roller_{shaft.axis}"), P["roller_presliding"]),
+                bristle(
+                    f"roller_{shaft.axis}",
+                    self.across(wheel),
+                    symbol(f"roller_{shaft.axis}"),
+                    P["roller_presliding"],
+                ),
             )
             for wheel, shaft in enumerate(self.shafts)
         )

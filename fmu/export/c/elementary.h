@@ -15,8 +15,9 @@
 static inline double fb_square(double x) { return x * x; }
 static inline double fb_cube(double x) { return x * x * x; }
 static inline double fb_positive_part(double x) { return x > 0.0 ? x : 0.0; }
-static inline double fb_clamped(double x, double bound) { return x > bound ? bound : x < -bound ? -bound : x; }
 static inline double fb_larger(double x, double y) { return x > y ? x : y; }
+static inline double fb_smaller(double x, double y) { return x < y ? x : y; }
+static inline double fb_clamped(double x, double bound) { return fb_larger(-bound, fb_smaller(bound, x)); }
 static inline double fb_reciprocal(double x) { return 1.0 / x; }
 static inline double fb_fourth(double x) { return fb_square(fb_square(x)); }
 
