@@ -38,6 +38,8 @@ $(READY): pyproject.toml setup.py $(wildcard emulators/servo/native/*.[ch])
 
 # It takes the libraries, and the tests, from here; the program itself is its own.
 $(COMPILED)/.ready: $(READY) $(shell find firmware_bridge emulators fmu -name '*.py')
+	@$(BIN)/python -c 'import pathlib, sysconfig, sys; sys.exit(not pathlib.Path(sysconfig.get_path("include"), "Python.h").exists())' || \
+		{ echo "compiled: Python's headers are missing; on Debian or Ubuntu: apt-get install python3-dev" >&2; exit 1; }
 	@echo "compiled: translating the core to C; this takes two minutes or three"
 	@[ -x $(COMPILED)/bin/python ] || $(BIN)/python -m venv --without-pip $(COMPILED)
 	@FIRMWARE_BRIDGE_COMPILE=1 $(BIN)/python -m pip --python $(COMPILED)/bin/python install --quiet \
