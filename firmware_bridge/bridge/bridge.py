@@ -173,14 +173,11 @@ class Bridge:
     def _wake_at(self) -> Nanoseconds:
         if self.phase is Phase.FINISHED or self._cycle_at is None:
             return NEVER
-        return min(
-            self._cycle_at,
-            self._beat_at,
-            self._collect_until,
-            self._release_at,
-            self._gate_deadline(),
-            self._fleet.wake_at,
-        )
+        first = min(self._cycle_at, self._beat_at)
+        first = min(first, self._collect_until)
+        first = min(first, self._release_at)
+        first = min(first, self._gate_deadline())
+        return min(first, self._fleet.wake_at)
 
     def _gate_deadline(self) -> Nanoseconds:
         return self._pipeline.gate_deadline if self.phase is Phase.RUNNING else NEVER
