@@ -54,6 +54,7 @@ class Bridge:
         self._idle = Reaction()
         """The newest reaction that sent nothing; most are the same."""
         self._fleet = fleet_of(robot)
+        self._drives_link: Final = self._fleet.link.name
         self._operator = Operator(robot)
         self._permission = Permission(robot, self._fleet, self._outbox)
         self._pipeline = Pipeline(robot, self._fleet, self._operator, self._permission)
@@ -94,7 +95,7 @@ class Bridge:
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Take a packet of the drives' link, or an operator's datagram."""
-        if packet.link == self._fleet.link.name:
+        if packet.link == self._drives_link:
             self._outbox += self._fleet.hear(packet, now)
         elif packet.link == OPERATOR and self.phase in (Phase.STARTING, Phase.RUNNING, Phase.FAILED):
             self._hear_operator(packet.payload, now)

@@ -116,10 +116,14 @@ class Gate:
 
         It lies after `seen.now`: a silence that has tripped already asks for nothing.
         """
-        operator = seen.intent.heard_at, interlocks.operator_silent_after(self._robot)
         limit = interlocks.drive_silent_after(self._robot)
-        beats = (operator, *((drive.heard_at, limit) for drive in seen.drives))
-        return min((at + after for at, after in beats if at + after > seen.now), default=NEVER)
+        trips = [drive.heard_at + limit for drive in seen.drives]
+        trips.append(seen.intent.heard_at + interlocks.operator_silent_after(self._robot))
+        first = NEVER
+        for trip in trips:
+            if trip > seen.now:
+                first = min(first, trip)
+        return first
 
     def _stops(self, view: View) -> tuple[tuple[Hold, ...], tuple[Hold, ...]]:
         """Return the holds that stop the base, and those of them that stop the lift as well."""
