@@ -54,6 +54,7 @@ class Bridge:
         self._idle = Reaction()
         """The newest reaction that sent nothing; most are the same."""
         self._fleet = fleet_of(robot)
+        self._drives_link: Final = self._fleet.link.name
         self._operator = Operator(robot)
         self._permission = Permission(robot, self._fleet, self._outbox)
         self._pipeline = Pipeline(robot, self._fleet, self._operator, self._permission)
@@ -94,7 +95,7 @@ class Bridge:
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Take a packet of the drives' link, or an operator's datagram."""
-        if packet.link == self._fleet.link.name:
+        if packet.link == self._drives_link:
             self._outbox += self._fleet.hear(packet, now)
         elif packet.link == OPERATOR and self.phase in (Phase.STARTING, Phase.RUNNING, Phase.FAILED):
             self._hear_operator(packet.payload, now)
@@ -173,14 +174,11 @@ class Bridge:
     def _wake_at(self) -> Nanoseconds:
         if self.phase is Phase.FINISHED or self._cycle_at is None:
             return NEVER
-        return min(
-            self._cycle_at,
-            self._beat_at,
-            self._collect_until,
-            self._release_at,
-            self._gate_deadline(),
-            self._fleet.wake_at,
-        )
+        first = min(self._cycle_at, self._beat_at)
+        first = min(first, self._collect_until)
+        first = min(first, self._release_at)
+        first = min(first, self._gate_deadline())
+        return min(first, self._fleet.wake_at)
 
     def _gate_deadline(self) -> Nanoseconds:
         return self._pipeline.gate_deadline if self.phase is Phase.RUNNING else NEVER

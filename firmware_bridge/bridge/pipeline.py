@@ -5,7 +5,6 @@ have told where they are.
 """
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Final
 
 from firmware_bridge.bridge.lift_aim import LiftAim
@@ -32,16 +31,19 @@ class Pipeline:
     __slots__ = (
         "_counted_at",
         "_demanded_mps",
-        "_drives",
         "_fleet",
         "_gate",
+        "_left",
         "_lift",
+        "_lifting",
         "_odometry",
         "_operator",
         "_permission",
         "_ramp",
         "_ran_at",
+        "_right",
         "_robot",
+        "_steering",
         "gate_deadline",
         "holds",
         "seen",
@@ -52,7 +54,11 @@ class Pipeline:
         self._fleet = fleet
         self._operator = operator
         self._permission = permission
-        self._drives: Mapping[Role, Drive] = {drive.axis.role: drive for drive in fleet.drives}
+        drives: Mapping[Role, Drive] = {drive.axis.role: drive for drive in fleet.drives}
+        self._left = drives[Role.LEFT_WHEEL]
+        self._right = drives[Role.RIGHT_WHEEL]
+        self._steering = drives[Role.STEERING]
+        self._lifting = drives[Role.LIFT]
         self._gate = Gate(robot)
         self._ramp = Ramp.of(robot)
         self._lift = LiftAim(robot)
@@ -77,7 +83,7 @@ class Pipeline:
         self._demanded_mps = self._twist(known, ruling.speed_mps, elapsed)
         sent = self._fleet.command(self._demands(known, ruling, elapsed))
         self._count()
-        self.seen = replace(known, pose=self._odometry.pose, demanded_speed_mps=self._demanded_mps)
+        self.seen = known.counted(self._odometry.pose, self._demanded_mps)
         self.holds = ruling.holds
         return sent, self._operator.report(self.seen, self.holds, now)
 
@@ -98,8 +104,8 @@ class Pipeline:
     def known(self, now: Nanoseconds) -> Snapshot:
         """Return everything known now."""
         robot, permission = self._robot, self._permission
-        left = self._drives[Role.LEFT_WHEEL].heard.speed_rad_s * robot.base.wheel_radius_m
-        right = self._drives[Role.RIGHT_WHEEL].heard.speed_rad_s * robot.base.wheel_radius_m
+        left = self._left.heard.speed_rad_s * robot.base.wheel_radius_m
+        right = self._right.heard.speed_rad_s * robot.base.wheel_radius_m
         return Snapshot(
             now=now,
             intent=self._operator.intent,
@@ -133,29 +139,27 @@ class Pipeline:
         if known.emergency_stopped and at_rest(known) and self._demanded_mps == 0.0:
             return self._all(Stop.QUICK_STOP)
         return {
-            self._drives[Role.STEERING].axis.name: self._steering(ruling),
+            self._steering.axis.name: self._steered(ruling),
             **self._wheels(known),
-            self._drives[Role.LIFT].axis.name: self._lift.demand(ruling, known.lift_m, elapsed),
+            self._lifting.axis.name: self._lift.demand(ruling, known.lift_m, elapsed),
         }
 
-    def _steering(self, ruling: Ruling) -> Demand:
+    def _steered(self, ruling: Ruling) -> Demand:
         if ruling.stopped:
             return Stop.REST
-        axis = self._drives[Role.STEERING].axis
-        return Position(davis.steer_quadcounts(self._robot.base, axis, ruling.steer_rad))
+        return Position(davis.steer_quadcounts(self._robot.base, self._steering.axis, ruling.steer_rad))
 
     def _wheels(self, known: Snapshot) -> dict[str, Demand]:
         """Return both wheels' speeds for the steer angle that the robot has, not the one it shall have."""
-        speeds = davis.wheel_speeds(self._robot.base, self._demanded_mps, known.steer_rad or 0.0)
-        roles = (Role.LEFT_WHEEL, Role.RIGHT_WHEEL)
-        return {self._drives[role].axis.name: Speed(rad_s) for role, rad_s in zip(roles, speeds, strict=True)}
+        left, right = davis.wheel_speeds(self._robot.base, self._demanded_mps, known.steer_rad or 0.0)
+        return {self._left.axis.name: Speed(left), self._right.axis.name: Speed(right)}
 
     def _all(self, demand: Demand) -> Mapping[str, Demand]:
         return {drive.axis.name: demand for drive in self._fleet.drives}
 
     def _count(self) -> None:
         """Carry the pose on where both wheels were sampled at one new SYNC."""
-        left, right = self._drives[Role.LEFT_WHEEL].heard, self._drives[Role.RIGHT_WHEEL].heard
+        left, right = self._left.heard, self._right.heard
         if NEVER_HEARD in (left.sampled_at, right.sampled_at):
             self._odometry.rebase()
         elif left.sampled_at == right.sampled_at != self._counted_at:
@@ -167,13 +171,13 @@ class Pipeline:
         return 0 if before is None else now - before
 
     def _steer(self) -> float | None:
-        drive = self._drives[Role.STEERING]
+        drive = self._steering
         if drive.heard.heard_at == NEVER_HEARD:
             return None
         return davis.steer_from_quadcounts(self._robot.base, drive.axis, drive.heard.position_qc)
 
     def _height(self) -> float | None:
-        drive = self._drives[Role.LIFT]
+        drive = self._lifting
         if drive.heard.heard_at == NEVER_HEARD:
             return None
         return lift.height_from_quadcounts(self._robot.lift, drive.axis, drive.heard.position_qc)

@@ -22,11 +22,23 @@ _ANALOGUE: Final = DataType.INTEGER16
 class Epos2:
     """One drive; a `firmware_bridge.drivers.drive.Drive`."""
 
-    __slots__ = ("_agenda", "_axis", "_client", "_ear", "_performer", "_set_point", "heard", "wake_at")
+    __slots__ = (
+        "_agenda",
+        "_answers",
+        "_axis",
+        "_client",
+        "_ear",
+        "_performer",
+        "_set_point",
+        "heard",
+        "wake_at",
+    )
 
     def __init__(self, axis: Axis, bus: Bus, travel: Travel | None = None) -> None:
         """Take the axis, and the mechanical range of a position axis."""
         self._axis = axis
+        self._answers: Final = canopen.SDO_RESPONSE + axis.node
+        """Where its SDO server answers."""
         self._ear = Ear(axis)
         self.heard: Final[Heard] = self._ear.heard
         """What it has told."""
@@ -89,7 +101,7 @@ class Epos2:
 
     def hear(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Take a packet of this drive; one that makes no sense is ignored."""
-        if packet.address == canopen.SDO_RESPONSE + self._axis.node:
+        if packet.address == self._answers:
             sent = self._client.hear(packet.payload, now) + self._performer.go_on(now)
             return self._went_on(sent, now)
         self._ear.hear(packet.address, packet.payload, now)

@@ -27,6 +27,9 @@ QUICK_STOP: Final = int(ENABLE & ~Control.NO_QUICK_STOP)
 """0x000B. Without power it asks for nothing that moves: it is the word for a drive that is not enabled."""
 FAULT_RESET: Final = int(Control.FAULT_RESET)
 
+_SPEED: Final = SET_POINT[Mode.VELOCITY]
+_POSITION: Final = SET_POINT[Mode.POSITION]
+
 SMALLEST_MOVE_QC: Final = 2
 """A target that changed by less is not sent again: it is the rounding of the steering's arithmetic."""
 
@@ -81,7 +84,7 @@ class VelocitySetPoint:
         """Do nothing: a velocity has no handshake."""
 
     def _frame(self, controlword: int, rpm: int) -> Packet:
-        return Packet(CAN, self._cob_id, SET_POINT[Mode.VELOCITY].pack(controlword, rpm))
+        return Packet(CAN, self._cob_id, _SPEED.pack(controlword, rpm))
 
 
 class PositionSetPoint:
@@ -143,4 +146,4 @@ class PositionSetPoint:
 
     def _frame(self, controlword: int) -> Packet:
         self._bit_is_set = controlword == NEW_POSITION
-        return Packet(CAN, self._cob_id, SET_POINT[Mode.POSITION].pack(controlword, self._target_qc))
+        return Packet(CAN, self._cob_id, _POSITION.pack(controlword, self._target_qc))

@@ -1,7 +1,6 @@
 """All drives of one robot and the link to them. It knows no kind of drive, and no kind of link."""
 
 from collections.abc import Iterable, Mapping
-from itertools import chain
 
 from firmware_bridge.drivers.drive import Demand, Drive, Stop, Task
 from firmware_bridge.drivers.link import Link
@@ -31,7 +30,10 @@ class Fleet:
     @property
     def wake_at(self) -> Nanoseconds:
         """When the link or the first drive wants to be woken."""
-        return min([self.link.wake_at, *[drive.wake_at for drive in self.drives]])
+        first = self.link.wake_at
+        for drive in self.drives:
+            first = min(first, drive.wake_at)
+        return first
 
     def sampled(self, since: Nanoseconds) -> bool:
         """Whether every drive has told its sample of the cycle that began at `since`."""
@@ -39,7 +41,7 @@ class Fleet:
 
     def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
         """Let all drives do these tasks, side by side."""
-        return _joined(drive.begin(tasks, now) for drive in self.drives)
+        return _joined([drive.begin(tasks, now) for drive in self.drives])
 
     def command(self, demands: Mapping[str, Demand]) -> tuple[Packet, ...]:
         """Send each axis its demand; an axis without one rests."""
@@ -47,11 +49,11 @@ class Fleet:
 
     def command_all(self, demand: Demand) -> tuple[Packet, ...]:
         """Send all axes the same demand."""
-        return _joined(drive.command(demand) for drive in self.drives)
+        return _joined([drive.command(demand) for drive in self.drives])
 
     def release(self) -> tuple[Packet, ...]:
         """End the handshakes that are open."""
-        return _joined(drive.release() for drive in self.drives)
+        return _joined([drive.release() for drive in self.drives])
 
     def sample(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Begin a cycle: have all drives tell where they are."""
@@ -67,9 +69,11 @@ class Fleet:
 
     def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Act on the time."""
+        if now < self.wake_at:
+            return ()
         sent = self.link.wake(now) if self.link.wake_at <= now else ()
         return sent + _joined([drive.wake(now) for drive in self.drives if drive.wake_at <= now])
 
 
-def _joined(parts: Iterable[tuple[Packet, ...]]) -> tuple[Packet, ...]:
-    return tuple(chain.from_iterable(parts))
+def _joined(parts: list[tuple[Packet, ...]]) -> tuple[Packet, ...]:
+    return tuple([packet for part in parts for packet in part])

@@ -87,7 +87,7 @@ class Gate:
 
     def rule(self, seen: Snapshot) -> Ruling:
         """Judge the wish in this snapshot; `seen.now` never runs backwards."""
-        view = View(self._robot, seen, self._lift_let_go)
+        view = View(self._robot, seen, lift_let_go=self._lift_let_go)
         base, lift = self._stops(view)
         stopped = bool(base)
         wish, clips = self._clipped(seen, stopped=stopped)
@@ -97,7 +97,7 @@ class Gate:
             self._steer_rad = wish.steer_rad
         clips += self._acceleration(seen, wish.speed_mps, stopped=stopped)
         wanted = _lift_wanted(wish, seen.lift_m)
-        let_go = View(self._robot, seen, self._lift_let_go, speed_let_go_mps=wish.speed_mps)
+        let_go = View(self._robot, seen, lift_let_go=self._lift_let_go, speed_let_go_mps=wish.speed_mps)
         refused = self._lift_refusal(let_go, wanted=wanted)
         lifting = not lift and not refused
         self._lift_let_go = lifting and wanted
@@ -116,10 +116,14 @@ class Gate:
 
         It lies after `seen.now`: a silence that has tripped already asks for nothing.
         """
-        operator = seen.intent.heard_at, interlocks.operator_silent_after(self._robot)
         limit = interlocks.drive_silent_after(self._robot)
-        beats = (operator, *((drive.heard_at, limit) for drive in seen.drives))
-        return min((at + after for at, after in beats if at + after > seen.now), default=NEVER)
+        trips = [drive.heard_at + limit for drive in seen.drives]
+        trips.append(seen.intent.heard_at + interlocks.operator_silent_after(self._robot))
+        first = NEVER
+        for trip in trips:
+            if trip > seen.now:
+                first = min(first, trip)
+        return first
 
     def _stops(self, view: View) -> tuple[tuple[Hold, ...], tuple[Hold, ...]]:
         """Return the holds that stop the base, and those of them that stop the lift as well."""
@@ -158,7 +162,7 @@ class Gate:
             reason = None
             if value is not None:
                 allowed, reason = row.clip(value, self._robot, seen)
-                if allowed is not value:
+                if allowed != value:
                     change: dict[str, Any] = {row.field: allowed}
                     wish = replace(wish, **change)
             holds += self._limit_hold(row.name, None if stopped else reason, row.remedy, seen.now)

@@ -123,8 +123,10 @@ class Guarded:
         return self._sent(safe, asked=axis is not None)
 
     def _sent(self, packets: tuple[Packet, ...], *, asked: bool = False) -> tuple[Packet, ...]:
-        for place, packet in enumerate(packets, 1):
-            self._speech.leaves(packet, asked=asked and place == len(packets))
+        for packet in packets[:-1]:
+            self._speech.leaves(packet, asked=False)
+        for packet in packets[-1:]:
+            self._speech.leaves(packet, asked=asked)
         return packets
 
     def _replaced(
@@ -173,7 +175,10 @@ class Guarded:
 
     def _overdue_at(self) -> Nanoseconds:
         """Return when the first axis is overdue."""
-        return max(min([axis.spoken_at for axis in self._axes]), self._moving_since) + self._patience
+        spoken_at = NEVER
+        for axis in self._axes:
+            spoken_at = min(spoken_at, axis.spoken_at)
+        return max(spoken_at, self._moving_since) + self._patience
 
 
 def _speech(rules: Rules | SerialRules) -> Speech:

@@ -1,23 +1,26 @@
 """One axis as the guard remembers it: what left for its drive last, and the safe frame that follows."""
 
-from dataclasses import dataclass
+from typing import Final
 
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Mode
 from firmware_bridge.safety.guard_rules import ENABLE, HALT, NEW_SET_POINT, POWERED, SET_POINT, AxisRules
-from firmware_bridge.units import Nanoseconds
 
 
-@dataclass(slots=True)
 class GuardedAxis:
     """What one drive was last told; without power until it is told otherwise."""
 
-    rules: AxisRules
-    word: int = 0
-    target: int = 0
-    spoken_at: Nanoseconds = 0
-    """When the node last had a set-point for it, good or bad."""
+    __slots__ = ("_has_speed", "rules", "spoken_at", "target", "word")
+
+    def __init__(self, rules: AxisRules) -> None:
+        self.rules: Final = rules
+        self.word = 0
+        self.target = 0
+        self.spoken_at = 0
+        """When the node last had a set-point for it, good or bad."""
+        self._has_speed: Final = rules.axis.mode is Mode.VELOCITY
+        """Whether its target is a speed; else it is a position."""
 
     @property
     def powered(self) -> bool:
@@ -27,7 +30,7 @@ class GuardedAxis:
     @property
     def under_way(self) -> bool:
         """Whether the newest frame asks for motion."""
-        if self.rules.axis.mode is Mode.VELOCITY:
+        if self._has_speed:
             return self.word == ENABLE and self.target != 0
         return self.word == NEW_SET_POINT
 
@@ -37,7 +40,7 @@ class GuardedAxis:
 
     def safe(self) -> Packet:
         """Return the frame that takes motion away and changes nothing about the power."""
-        if self.rules.axis.mode is Mode.VELOCITY:
+        if self._has_speed:
             word, target = ENABLE, 0
         else:
             word, target = HALT, self.target

@@ -7,6 +7,7 @@ from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.safety.guard_axis import GuardedAxis
 from firmware_bridge.safety.guard_rules import Rules
+from firmware_bridge.safety.guard_speech import Speech
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.canopen import NmtCommand
 from firmware_bridge.wire.epos2.address import CONSUMER_HEARTBEAT_1, CONTROLWORD
@@ -16,19 +17,22 @@ _SDO_DOWNLOAD: Final = 0x23
 _GENERAL_ERROR: Final = 0x0800_0000
 
 
-class CanSpeech:
-    """A `firmware_bridge.safety.guard_speech.Speech`."""
+class CanSpeech(Speech):
+    """Frames that leave when they are handed over, and answers that everybody finds by himself."""
 
     def __init__(self, rules: Rules) -> None:
         self.link = CAN
         self.cycle = rules.cycle
         self.axes = tuple(GuardedAxis(axis) for axis in rules.axes)
-        self.speaking = False
-        """Never: a frame of the guard's has left when it was handed over."""
         self._rules = rules
         self._by_set_point = {axis.rules.set_point_id: axis for axis in self.axes}
         self._by_sdo = {axis.rules.sdo_id: axis for axis in self.axes}
         self._by_node = {axis.rules.axis.node: axis for axis in self.axes}
+
+    @property
+    def speaking(self) -> bool:
+        """Never: a frame of the guard's has left when it was handed over."""
+        return False
 
     def axis_of(self, packet: Packet) -> GuardedAxis | None:
         """Return the axis whose set-point this is."""

@@ -85,6 +85,8 @@ class SetPoint:
     """Controlword and target of one axis."""
 
     axis: Axis
+    words: tuple[int, ...]
+    """Controlwords that its mode knows."""
     low: int
     high: int
 
@@ -92,8 +94,9 @@ class SetPoint:
         """Check length, controlword and target."""
         if len(payload) != SET_POINT.size:
             return f"{len(payload)} bytes where {SET_POINT.size} are mapped"
-        word, target = SET_POINT.unpack(payload)
-        if word not in CONTROLWORDS[self.axis.mode]:
+        told: tuple[int, int] = SET_POINT.unpack(payload)
+        word, target = told
+        if word not in self.words:
             return f"controlword 0x{word:04X} is not listed"
         if not self.low <= target <= self.high:
             unit = _TARGET_UNIT[self.axis.mode]
@@ -141,7 +144,7 @@ class Rules:
 
     cycle: Nanoseconds
     axes: tuple[AxisRules, ...]
-    listed: Mapping[int, Content]
+    listed: dict[int, Content]
 
     def refuses(self, packet: Packet) -> str | None:
         """Return why this CAN frame may not leave, or None."""
@@ -163,7 +166,9 @@ def rules_for(robot: Robot) -> Rules:
     }
     axes = tuple(axis_rules(robot, axis) for axis in robot.axes)
     for rules in axes:
-        listed[rules.set_point_id] = SetPoint(rules.axis, rules.low, rules.high)
+        listed[rules.set_point_id] = SetPoint(
+            rules.axis, CONTROLWORDS[rules.axis.mode], rules.low, rules.high
+        )
         ends = (rules.low, rules.high) if rules.axis.mode is Mode.POSITION else None
         listed[rules.sdo_id] = SdoRequest(writes_for(rules.axis, bus, ends))
     return Rules(bus.cycle_ms * MILLISECOND, axes, listed)

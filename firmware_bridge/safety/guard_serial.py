@@ -13,6 +13,7 @@ from firmware_bridge.robot import Mode
 from firmware_bridge.safety.guard_axis import GuardedAxis
 from firmware_bridge.safety.guard_rules import ENABLE, HALT
 from firmware_bridge.safety.guard_serial_rules import TARGET, SerialRules
+from firmware_bridge.safety.guard_speech import Speech
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.canopen import NmtCommand
 from firmware_bridge.wire.epos2.address import CONSUMER_HEARTBEAT_1, CONTROLWORD, Address
@@ -23,8 +24,8 @@ from firmware_bridge.wire.maxon.packets import command, request_of
 _RAW: Final = 4
 
 
-class SerialSpeech:
-    """A `firmware_bridge.safety.guard_speech.Speech`."""
+class SerialSpeech(Speech):
+    """Commands that wait for their turn, and one answer for each."""
 
     def __init__(self, rules: SerialRules) -> None:
         self.link = MAXON

@@ -36,22 +36,38 @@ BASE_RESTS_MPS: Final = 0.005
 _FAULT_STATES: Final = (State.FAULT, State.FAULT_REACTION_DISABLED, State.FAULT_REACTION_ENABLED)
 
 
-@dataclass(frozen=True, slots=True)
 class View:
     """What an interlock may look at: the robot, the snapshot, and what the gate itself has let through."""
 
-    robot: Robot
-    seen: Snapshot
-    lift_let_go: bool
-    """The gate's ruling before this one let the lift move."""
-    holding: bool = False
-    """The interlock that looks holds already."""
-    speed_let_go_mps: float = 0.0
-    """The base speed of this ruling."""
+    __slots__ = ("holding", "lift_let_go", "robot", "seen", "speed_let_go_mps")
+
+    def __init__(
+        self,
+        robot: Robot,
+        seen: Snapshot,
+        *,
+        lift_let_go: bool,
+        holding: bool = False,
+        speed_let_go_mps: float = 0.0,
+    ) -> None:
+        self.robot: Final = robot
+        self.seen: Final = seen
+        self.lift_let_go: Final = lift_let_go
+        """The gate's ruling before this one let the lift move."""
+        self.holding: Final = holding
+        """The interlock that looks holds already."""
+        self.speed_let_go_mps: Final = speed_let_go_mps
+        """The base speed of this ruling."""
 
     def held(self) -> "View":
         """Return the same for an interlock that holds already."""
-        return View(self.robot, self.seen, self.lift_let_go, True, self.speed_let_go_mps)  # noqa: FBT003 - its field's place
+        return View(
+            self.robot,
+            self.seen,
+            lift_let_go=self.lift_let_go,
+            holding=True,
+            speed_let_go_mps=self.speed_let_go_mps,
+        )
 
 
 Judge: TypeAlias = Callable[[View], str | None]

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Final, TypeAlias
 
-from firmware_bridge.intent import EmergencyStop, Request, ResetOdometry, Verdict
+from firmware_bridge.intent import EmergencyStop, Intent, Request, ResetOdometry, Verdict
 from firmware_bridge.motion.lift import highest
 from firmware_bridge.teleop import setpoints
 from firmware_bridge.teleop.commands import Order, Result, obey
@@ -100,12 +100,13 @@ class Conversation:
             session.dropped.overtaken += 1
             return
         intent = session.intent
-        session.intent = replace(
-            intent,
+        session.intent = Intent(
             speed_mps=wish.speed_mps,
             steer_rad=intent.steer_rad if wish.steer_rad is None else wish.steer_rad,
             lift_m=None if wish.lift_rate_mps else intent.lift_m,
             lift_rate_mps=wish.lift_rate_mps,
+            headlamp=intent.headlamp,
+            detector=intent.detector,
             heard_at=self.now,
         )
 

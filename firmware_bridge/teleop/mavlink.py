@@ -119,8 +119,14 @@ def _frame_at(datagram: bytes, at: int) -> tuple[int, int]:
 
 def concerns(message: Message, system: int, component: int) -> bool:
     """Tell whether a message is for this system and component: by name, to everybody, or without a target."""
-    target = getattr(message, "target_system", getattr(message, "target", ANYONE))
-    part = getattr(message, "target_component", ANYONE)
+    fields: list[str] = message.get_fieldnames()
+    target = part = ANYONE
+    if "target_system" in fields:
+        target = message.target_system
+    elif "target" in fields:
+        target = message.target
+    if "target_component" in fields:
+        part = message.target_component
     return target in (ANYONE, system) and part in (ANYONE, component)
 
 

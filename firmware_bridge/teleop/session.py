@@ -99,7 +99,10 @@ class Session:
 
     def station(self, peer: Peer) -> Station:
         """Return what is remembered of a peer."""
-        return self.stations.setdefault(peer, Station())
+        station = self.stations.get(peer)
+        if station is None:
+            station = self.stations[peer] = Station()
+        return station
 
     def scene(self, snapshot: Snapshot) -> Scene:
         """Return what telemetry tells of a snapshot."""

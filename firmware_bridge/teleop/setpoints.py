@@ -72,16 +72,19 @@ class Unusable:
 def of_stick(message: Message, robot: Robot) -> Setpoint | Unusable:
     """Read the axes of a MANUAL_CONTROL."""
     lift_used = bool(message.buttons & LIFT_BUTTON)
-    axes = {"x": message.x, "y": message.y, "r": message.r, "z": message.z if lift_used else UNUSED}
-    for name, value in axes.items():
+    x: int = message.x
+    y: int = message.y
+    r: int = message.r
+    z: int = message.z if lift_used else UNUSED
+    for name, value in (("x", x), ("y", y), ("r", r), ("z", z)):
         if abs(value) > FULL_STICK and value != UNUSED:
             return Unusable("stick", f"MANUAL_CONTROL refused: {name} = {value} is beyond +-{FULL_STICK}")
-    side = axes["r"] if axes["r"] != UNUSED else axes["y"]
+    side = r if r != UNUSED else y
     limits = robot.limits
     return Setpoint(
-        _share(axes["x"]) * limits.speed_mps,
+        _share(x) * limits.speed_mps,
         None if side == UNUSED else -_share(side) * math.radians(limits.steer_angle_deg),
-        _share(axes["z"], LIFT_DEAD_BAND) * limits.lift_rate_mps,
+        _share(z, LIFT_DEAD_BAND) * limits.lift_rate_mps,
     )
 
 

@@ -22,6 +22,7 @@ _DISTANCES: Final = 16
 _FLOATS: Final = 58
 _CELLS: Final = 10
 _TEMPERATURE_UNKNOWN: Final = 0x7FFF
+_COVARIANCE_UNKNOWN: Final = (NAN,) + (0.0,) * 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +77,6 @@ def _odometry(scene: Scene) -> tuple[Message, ...]:
     snapshot = scene.snapshot
     pose = snapshot.pose
     half = wrapped(-pose.heading_rad) / 2.0
-    unknown = (NAN,) + (0.0,) * 20
     return (
         dialect.MAVLink_odometry_message(
             time_usec=scene.boot_us,
@@ -92,8 +92,8 @@ def _odometry(scene: Scene) -> tuple[Message, ...]:
             rollspeed=0.0,
             pitchspeed=0.0,
             yawspeed=-snapshot.yaw_rate_rad_s,
-            pose_covariance=unknown,
-            velocity_covariance=unknown,
+            pose_covariance=_COVARIANCE_UNKNOWN,
+            velocity_covariance=_COVARIANCE_UNKNOWN,
             reset_counter=scene.resets & 0xFF,
             estimator_type=dialect.MAV_ESTIMATOR_TYPE_NAIVE,
         ),

@@ -63,6 +63,9 @@ class NmtState(IntEnum):
     PRE_OPERATIONAL = 0x7F
 
 
+_STATE_BY_BYTE: Final = {int(state): state for state in NmtState}
+
+
 def encode_nmt(command: NmtCommand, node: int = ALL_NODES) -> bytes:
     """Return the payload of a network management command for one node, or for all."""
     return bytes((command, node))
@@ -85,12 +88,7 @@ def encode_heartbeat(state: NmtState) -> bytes:
 
 def decode_heartbeat(payload: bytes) -> NmtState | None:
     """Return the state that a heartbeat tells; None for what is none. A guarding toggle bit is ignored."""
-    if not payload:
-        return None
-    try:
-        return NmtState(payload[0] & ~TOGGLE)
-    except ValueError:
-        return None
+    return _STATE_BY_BYTE.get(payload[0] & ~TOGGLE) if payload else None
 
 
 @dataclass(frozen=True, slots=True)
