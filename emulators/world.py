@@ -108,6 +108,8 @@ class World:
         self._heap: list[tuple[Nanoseconds, int, Callable[[Any], None], Any]] = []
         self._sequence = 0
         self._trace = Trace()
+        self._digits: dict[int, str] = {}
+        """The addresses that were carried, as the trace writes them."""
         self._rewind = Rewind(self)
 
     def attach(self, name: str, node: Node, links: Mapping[str, Wire]) -> Station:
@@ -201,7 +203,10 @@ class World:
         digits, payload as hexadecimal digits, parted by single spaces and ended by a line feed. A packet is
         one line, however many stations hear it.
         """
-        line = f"{self.now} {wire} {sender} {packet.address:08X} {packet.payload.hex()}\n"
+        digits = self._digits.get(packet.address)
+        if digits is None:
+            digits = self._digits[packet.address] = f"{packet.address:08X}"
+        line = f"{self.now} {wire} {sender} {digits} {packet.payload.hex()}\n"
         self._trace.add(line.encode())
 
     @property

@@ -69,4 +69,5 @@ class DatagramWire:
         world.call_at(world.now + delay, self._arrive, (sender, packet))
 
     def _arrive(self, flight: _Flight) -> None:
-        self._ends.hand_over(*flight)
+        sender, packet = flight
+        self._ends.hand_over(sender, packet)
