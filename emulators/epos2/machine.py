@@ -10,7 +10,7 @@ from typing import Final
 from emulators.epos2 import contradictions, supervision
 from emulators.epos2.modes.motion import Motion
 from emulators.epos2.pins import Pins
-from emulators.epos2.power import BY_TRIGGER, TIMED, Delays, Happening, Ramp, Stage, Transition, Trigger
+from emulators.epos2.power import LEAVING, TIMED, Delays, Happening, Ramp, Stage, Transition, Trigger
 from emulators.epos2.standing_errors import StandingErrors
 from emulators.epos2.store import ObjectStore
 from emulators.epos2.supervision import WATCHED, Reaction
@@ -55,6 +55,10 @@ class PowerMachine:
         self.state = State.START
         self.word = State.START.value
         """The state's bits of the statusword."""
+        self._ways = LEAVING[self.state]
+        """The ways out of the state."""
+        self._transient = False
+        """Whether a controlword waits for the state's end."""
         self._due: Nanoseconds = NEVER
         """When the present state ends by itself."""
         self.errors: Final = StandingErrors(store, axis)
@@ -103,7 +107,7 @@ class PowerMachine:
         elif self._releasing and command_of(word) is not Command.ENABLE_OPERATION:
             self._give_up_release()
             self._obey(word, before)
-        elif self._under_way or self.state in _TRANSIENT:
+        elif self._under_way or self._transient:
             # What waits for the brake keeps its edges; other states have none to keep.
             since = before if self._delayed is None else self._delayed[1]
             self._delayed = word, since if self._releasing else word
@@ -133,7 +137,7 @@ class PowerMachine:
     def _obeys_pins(self) -> bool:
         """Carry out the command that the input pins give; say whether that has moved the machine."""
         command = self._inputs.restriction
-        if command is None or self._completing is not None or (self.state, command) not in BY_TRIGGER:
+        if command is None or self._completing is not None or command not in self._ways:
             return False
         self._give_up_release()
         self._go(command)
@@ -151,7 +155,7 @@ class PowerMachine:
     # Transitions
 
     def _go(self, trigger: Trigger) -> None:
-        row = BY_TRIGGER.get((self.state, trigger))
+        row = self._ways.get(trigger)
         if row is None:
             return
         held = row.stage is Stage.OFF and isinstance(trigger, Command) and self._brake.fitted
@@ -183,6 +187,8 @@ class PowerMachine:
     def _enter(self, state: State) -> None:
         self.state = state
         self.word = state.value
+        self._ways = LEAVING[state]
+        self._transient = state in _TRANSIENT
         self._outputs.show(OutputFunction.READY, active=state not in _FAULTS)
         self._due = NEVER
         if state in TIMED:
