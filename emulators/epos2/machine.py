@@ -55,10 +55,7 @@ class PowerMachine:
         self.state = State.START
         self.word = State.START.value
         """The state's bits of the statusword."""
-        self._ways = LEAVING[self.state]
-        """The ways out of the state."""
-        self._transient = False
-        """Whether a controlword waits for the state's end."""
+        self._ways_out = LEAVING[self.state]
         self._due: Nanoseconds = NEVER
         """When the present state ends by itself."""
         self.errors: Final = StandingErrors(store, axis)
@@ -107,7 +104,7 @@ class PowerMachine:
         elif self._releasing and command_of(word) is not Command.ENABLE_OPERATION:
             self._give_up_release()
             self._obey(word, before)
-        elif self._under_way or self._transient:
+        elif self._under_way or self.state in _TRANSIENT:
             # What waits for the brake keeps its edges; other states have none to keep.
             since = before if self._delayed is None else self._delayed[1]
             self._delayed = word, since if self._releasing else word
@@ -137,7 +134,7 @@ class PowerMachine:
     def _obeys_pins(self) -> bool:
         """Carry out the command that the input pins give; say whether that has moved the machine."""
         command = self._inputs.restriction
-        if command is None or self._completing is not None or command not in self._ways:
+        if command is None or self._completing is not None or command not in self._ways_out:
             return False
         self._give_up_release()
         self._go(command)
@@ -155,7 +152,7 @@ class PowerMachine:
     # Transitions
 
     def _go(self, trigger: Trigger) -> None:
-        row = self._ways.get(trigger)
+        row = self._ways_out.get(trigger)
         if row is None:
             return
         held = row.stage is Stage.OFF and isinstance(trigger, Command) and self._brake.fitted
@@ -185,10 +182,7 @@ class PowerMachine:
         self._enter(row.target)
 
     def _enter(self, state: State) -> None:
-        self.state = state
-        self.word = state.value
-        self._ways = LEAVING[state]
-        self._transient = state in _TRANSIENT
+        self.state, self.word, self._ways_out = state, state.value, LEAVING[state]
         self._outputs.show(OutputFunction.READY, active=state not in _FAULTS)
         self._due = NEVER
         if state in TIMED:
