@@ -228,26 +228,12 @@ class Rig:
         count = len(self.robot.axes)
         values = self.devices.plant.outputs[:]
         _, x, y, heading, speed, yaw_rate, steer, lift = values[self._body : self._body + len(BODY)]
+        currents, motor_speeds = tuple(values[:count]), tuple(values[2 * count : 3 * count])
         seen = self.bridge.seen
         pose = seen.pose
+        believed = (seen.demanded_speed_mps, seen.armed, pose.x_m, pose.y_m, pose.heading_rad)
         self.samples.append(
-            Sample(
-                at=now,
-                x_m=x,
-                y_m=y,
-                heading_rad=heading,
-                speed_mps=speed,
-                yaw_rate_rad_s=yaw_rate,
-                steer_rad=steer,
-                lift_m=lift,
-                currents_a=tuple(values[:count]),
-                motor_speeds_rad_s=tuple(values[2 * count : 3 * count]),
-                demanded_speed_mps=seen.demanded_speed_mps,
-                armed=seen.armed,
-                odometry_x_m=pose.x_m,
-                odometry_y_m=pose.y_m,
-                odometry_heading_rad=pose.heading_rad,
-            )
+            Sample(now, x, y, heading, speed, yaw_rate, steer, lift, currents, motor_speeds, *believed)
         )
         self._note_holds(now)
 

@@ -38,15 +38,21 @@ class ScriptedOperator:
     """One operator and his ground station, system 255; `diary` tells what became of the mission."""
 
     __slots__ = (
-        "_beat_due", "_buttons", "_codec", "_greetings", "_heard", "_input", "_lift_rate", "_listener",
-        "_mission", "_pending", "_period", "_released_at", "_robot", "_send_due", "_silent_until", "_speed",
-        "_steer", "_step", "_tremors", "diary",
+        "_beat_due", "_buttons", "_codec", "_component", "_full_lift_rate", "_full_lock", "_full_speed",
+        "_greetings", "_heard", "_input", "_lift_rate", "_listener", "_mission", "_pending", "_period",
+        "_released_at", "_robot", "_send_due", "_silent_until", "_speed", "_speed_tremor", "_steer",
+        "_steer_tremor", "_step", "_step_at", "_system", "diary",
     )  # fmt: skip
 
     def __init__(self, robot: Robot, mission: Mission, generator: np.random.Generator) -> None:
         """Take the mission in hand; `generator` is drawn from only where the mission has a tremor."""
         self.diary = Diary()
         self._robot = robot
+        self._system: int = robot.operator.system_id
+        self._component: int = robot.operator.component_id
+        self._full_speed: float = robot.limits.speed_mps
+        self._full_lock: float = math.radians(robot.limits.steer_angle_deg)
+        self._full_lift_rate: float = robot.limits.lift_rate_mps
         self._mission = mission
         self._codec = Codec(SYSTEM, COMPONENT)
         self._listener = Listener()
@@ -55,11 +61,13 @@ class ScriptedOperator:
         self._speed = Ramp()
         self._steer = Ramp()
         self._lift_rate = 0.0
-        self._tremors = tuple(Tremor(mission.noise.stick, self._period, generator) for _ in range(2))
+        self._speed_tremor = Tremor(mission.noise.stick, self._period, generator)
+        self._steer_tremor = Tremor(mission.noise.stick, self._period, generator)
         self._buttons = 0
         self._released_at: Nanoseconds = NEVER
         self._pending: list[orders.Pending] = []
         self._step = 0
+        self._step_at = self._due_of_step()
         self._silent_until: Nanoseconds = 0
         self._beat_due: Nanoseconds = 0
         self._send_due: Nanoseconds = 0
@@ -77,17 +85,17 @@ class ScriptedOperator:
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Read telemetry and answers; a command that must be repeated is repeated in time."""
         for message in self._codec.decode(packet.payload, self._heard):
-            if message.get_srcSystem() == self._robot.operator.system_id:
+            if message.get_srcSystem() == self._system:
                 self._heard[message.get_msgId()](message, now)
         return Reaction((), self._wake_at())
 
     def wake(self, now: Nanoseconds) -> Reaction:
         """Take the steps that are due, then send what is due."""
         sent: list[bytes] = []
-        steps = self._mission.step
-        while self._step < len(steps) and from_seconds(steps[self._step].at_s) <= now:
-            sent += self._take(steps[self._step], now)
+        while self._step_at <= now:
+            sent += self._take(self._mission.step[self._step], now)
             self._step += 1
+            self._step_at = self._due_of_step()
         if now >= self._released_at:
             self._buttons = 0
             self._released_at = NEVER
@@ -106,12 +114,19 @@ class ScriptedOperator:
         if mission.step[:done] != before.step[:done] or before.model_copy(update=to_come) != mission:
             raise ValueError(f"'{mission.title}' is not '{before.title}' with other steps to come")
         self._mission = mission
+        self._step_at = self._due_of_step()
+
+    def _due_of_step(self) -> Nanoseconds:
+        steps = self._mission.step
+        return from_seconds(steps[self._step].at_s) if self._step < len(steps) else NEVER
 
     def _wake_at(self) -> Nanoseconds:
-        steps = self._mission.step
-        step_at = from_seconds(steps[self._step].at_s) if self._step < len(steps) else NEVER
-        command_at = min((pending.due for pending in self._pending), default=NEVER)
-        return min(step_at, self._beat_due, self._send_due, command_at, self._released_at)
+        due = min(self._beat_due, self._send_due)
+        due = min(due, self._step_at)
+        due = min(due, self._released_at)
+        for pending in self._pending:
+            due = min(due, pending.due)
+        return due
 
     def _take(self, step: Step, now: Nanoseconds) -> list[bytes]:
         self.diary.note(now, Kind.STEP, step.title)
@@ -123,8 +138,7 @@ class ScriptedOperator:
             self._pending.append(pending)
         if step.stray is None:
             return []
-        link = self._robot.operator
-        return [datagram(step.stray, self._codec, link.system_id, link.component_id)]
+        return [datagram(step.stray, self._codec, self._system, self._component)]
 
     def _move_hand(self, step: Step, now: Nanoseconds) -> None:
         self._input = step.input or self._input
@@ -157,7 +171,6 @@ class ScriptedOperator:
         return [self._codec.encode(message) for message in messages]
 
     def _insisted(self, now: Nanoseconds) -> list[Message]:
-        link = self._robot.operator
         messages: list[Message] = []
         if now < self._silent_until:
             for pending in self._pending:
@@ -168,28 +181,26 @@ class ScriptedOperator:
                 self._pending.remove(pending)
                 self.diary.note(now, Kind.UNANSWERED, pending.title)
             else:
-                messages.append(pending.message(link.system_id, link.component_id, now))
+                messages.append(pending.message(self._system, self._component, now))
         return messages
 
     def _motion(self, now: Nanoseconds) -> Message:
         speed, steer = self._speed.at(now), self._steer.at(now)
-        speed_tremor, steer_tremor = (tremor.step() for tremor in self._tremors)
-        limits, link = self._robot.limits, self._robot.operator
-        full_lock = math.radians(limits.steer_angle_deg)
+        speed_tremor, steer_tremor = self._speed_tremor.step(), self._steer_tremor.step()
         if speed != 0.0:  # a foot that is off the pedal does not tremble
-            speed += speed_tremor * limits.speed_mps
-            steer += steer_tremor * full_lock
+            speed += speed_tremor * self._full_speed
+            steer += steer_tremor * self._full_lock
         if self._input is Input.TWIST:
             yaw_rate = -speed * self._curvature(steer)
-            return velocity(link.system_id, link.component_id, speed, yaw_rate)
-        rate = self._lift_rate / limits.lift_rate_mps
+            return velocity(self._system, self._component, speed, yaw_rate)
+        rate = self._lift_rate / self._full_lift_rate
         buttons = self._buttons | (_LIFT_ENABLE if rate else 0)
         return dialect.MAVLink_manual_control_message(
-            link.system_id,
-            _axis(speed / limits.speed_mps),
+            self._system,
+            _axis(speed / self._full_speed),
             _UNUSED,
             _axis(rate),
-            _axis(-steer / full_lock),
+            _axis(-steer / self._full_lock),
             buttons,
         )
 
@@ -203,10 +214,7 @@ class ScriptedOperator:
     def _heartbeat(self, message: Message, now: Nanoseconds) -> None:
         armed = bool(message.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED)
         if self.diary.armed is None:
-            link = self._robot.operator
-            self._greetings.append(
-                dialect.MAVLink_param_request_list_message(link.system_id, link.component_id)
-            )
+            self._greetings.append(dialect.MAVLink_param_request_list_message(self._system, self._component))
         if armed != self.diary.armed:
             self.diary.note(now, Kind.STATUS, "armed" if armed else "disarmed")
         self.diary.armed = armed

@@ -6,7 +6,7 @@ Computed from the tables that the emulation works with.
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from emulators.epos2.power import BY_TRIGGER, Happening
+from emulators.epos2.power import TRANSITIONS, Happening
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES, Emergency, FaultReaction, Recovery
 
@@ -71,8 +71,4 @@ def states_enabled() -> tuple[State, ...]:
 
 
 def _faulting(target: State) -> tuple[State, ...]:
-    return tuple(
-        source
-        for (source, trigger), row in BY_TRIGGER.items()
-        if trigger is Happening.FAULT and row.target is target
-    )
+    return tuple(row.source for row in TRANSITIONS if row.trigger is Happening.FAULT and row.target is target)

@@ -129,8 +129,15 @@ class Epos2:
         if self.nmt_state is NmtState.OPERATIONAL:
             for address, payload in pdo.changes(now):
                 self._send(address, payload)
-        ours = min(self._boot_due, self._identity.due, self.motion.wake_at())
-        return outbox.reaction(min(errors.due, pdo.due, outbox.answer_due, ours))
+        return outbox.reaction(self._due())
+
+    def _due(self) -> Nanoseconds:
+        """Return when something is due next, whatever the bus brings."""
+        due = min(self._errors.due, self._pdo.due)
+        due = min(due, self._outbox.answer_due)
+        due = min(due, self._identity.due)
+        due = min(due, self._boot_due)
+        return min(due, self.motion.wake_at())
 
     def _send(self, address: int, payload: bytes) -> None:
         self._outbox.send(address, payload)

@@ -141,8 +141,10 @@ class ErrorControl:
     @property
     def due(self) -> Nanoseconds:
         """Return the next instant at which something is due."""
-        first, second = self.consumers
-        return min(self.producer.due, self.guard.due, first.due, second.due)
+        due = min(self.producer.due, self.guard.due)
+        for consumer in self.consumers:
+            due = min(due, consumer.due)
+        return due
 
     @property
     def watched(self) -> frozenset[int]:

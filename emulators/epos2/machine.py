@@ -10,7 +10,7 @@ from typing import Final
 from emulators.epos2 import contradictions, supervision
 from emulators.epos2.modes.motion import Motion
 from emulators.epos2.pins import Pins
-from emulators.epos2.power import BY_TRIGGER, TIMED, Delays, Happening, Ramp, Stage, Transition, Trigger
+from emulators.epos2.power import LEAVING, TIMED, Delays, Happening, Ramp, Stage, Transition, Trigger
 from emulators.epos2.standing_errors import StandingErrors
 from emulators.epos2.store import ObjectStore
 from emulators.epos2.supervision import WATCHED, Reaction
@@ -55,6 +55,7 @@ class PowerMachine:
         self.state = State.START
         self.word = State.START.value
         """The state's bits of the statusword."""
+        self._ways_out = LEAVING[self.state]
         self._due: Nanoseconds = NEVER
         """When the present state ends by itself."""
         self.errors: Final = StandingErrors(store, axis)
@@ -133,7 +134,7 @@ class PowerMachine:
     def _obeys_pins(self) -> bool:
         """Carry out the command that the input pins give; say whether that has moved the machine."""
         command = self._inputs.restriction
-        if command is None or self._completing is not None or (self.state, command) not in BY_TRIGGER:
+        if command is None or self._completing is not None or command not in self._ways_out:
             return False
         self._give_up_release()
         self._go(command)
@@ -151,7 +152,7 @@ class PowerMachine:
     # Transitions
 
     def _go(self, trigger: Trigger) -> None:
-        row = BY_TRIGGER.get((self.state, trigger))
+        row = self._ways_out.get(trigger)
         if row is None:
             return
         held = row.stage is Stage.OFF and isinstance(trigger, Command) and self._brake.fitted
@@ -181,8 +182,7 @@ class PowerMachine:
         self._enter(row.target)
 
     def _enter(self, state: State) -> None:
-        self.state = state
-        self.word = state.value
+        self.state, self.word, self._ways_out = state, state.value, LEAVING[state]
         self._outputs.show(OutputFunction.READY, active=state not in _FAULTS)
         self._due = NEVER
         if state in TIMED:

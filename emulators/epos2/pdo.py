@@ -54,9 +54,9 @@ class ReceivePdo:
         self._pending = ()
 
     def _apply(self, values: tuple[int, ...]) -> None:
-        for accept, value in zip(self._accepts, values, strict=True):
+        for place, accept in enumerate(self._accepts):
             try:
-                accept(value)
+                accept(values[place])
             except SdoAbort:
                 continue
 

@@ -40,6 +40,8 @@ class PositionCompare:
         self._store = store
         self._axis = axis
         self._outputs = outputs
+        self._used = False
+        """Whether it has ever been enabled; until then the axis finds nothing."""
         for address in (CONFIGURATION, REFERENCE, WIDTH, REPETITIONS, PULSE_WIDTH):
             store.on_write(address, partial(self._take, address))
 
@@ -56,12 +58,15 @@ class PositionCompare:
         axis.compare_reference = value(REFERENCE)
         axis.compare_width = value(WIDTH) if mode == SEQUENCE else 0
         if known:
+            self._used = True
             repetitions = value(REPETITIONS)
             axis.compare_first, axis.compare_last = (end * repetitions for end in SIDES[side])
         axis.compare_pulse_ms = max(1, -(-value(PULSE_WIDTH) // MICROSECONDS))
 
     def refresh(self) -> None:
         """Show the output what the axis has found, where it has not been shown yet."""
+        if not self._used:
+            return
         active = self._axis.compare_left > 0
         if active != bool(self._outputs.active & _OUTPUT):
             self._outputs.show(OutputFunction.POSITION_COMPARE, active=active)

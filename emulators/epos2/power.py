@@ -101,9 +101,10 @@ TRANSITIONS: Final = (
 )
 """Transition 19, node reset, leads from every state to Start: see `MotionControl.reset`."""
 
-BY_TRIGGER: Final[Mapping[tuple[State, Trigger], Transition]] = MappingProxyType(
-    {(row.source, row.trigger): row for row in TRANSITIONS}
+LEAVING: Final[Mapping[State, dict[Trigger, Transition]]] = MappingProxyType(
+    {state: {row.trigger: row for row in TRANSITIONS if row.source is state} for state in State}
 )
+"""The rows by the state that they leave."""
 
 TIMED: Final[Mapping[State, Happening]] = MappingProxyType(
     {

@@ -3,7 +3,7 @@
 It refuses to know the objects' meaning and the bus; it gives and takes identifiers and payloads.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 
 from emulators.epos2.pdo import ReceivePdo, TransmitPdo
@@ -125,13 +125,15 @@ class ProcessData:
                 pdo.sync()
         return sent
 
-    def changes(self, now: Nanoseconds) -> Iterator[tuple[int, bytes]]:
-        """Give what has changed and may leave now."""
+    def changes(self, now: Nanoseconds) -> list[tuple[int, bytes]]:
+        """Return what has changed and may leave now."""
+        sent: list[tuple[int, bytes]] = []
         changes = self._store.changes
         for pdo in self._on_change:
             payload = pdo.look(now, changes)
             if payload is not None:
-                yield pdo.address, payload
+                sent.append((pdo.address, payload))
+        return sent
 
     @property
     def due(self) -> Nanoseconds:

@@ -209,9 +209,11 @@ class Kernel:
     def run(self, last: int) -> bool:
         """Run ticks up to number `last`, or to the end of the first one with an event; say which."""
         ended = self._run(self._address, last)
-        if ended > Ended.TOLD:
+        if ended == 0:  # mostly: `Ended.REACHED`
+            return False
+        if ended != Ended.TOLD:
             self._break_off(Ended(ended))
-        return bool(ended)
+        return True
 
     def _break_off(self, ended: Ended) -> NoReturn:
         record = self._record

@@ -44,6 +44,10 @@ class CanWire:
         """How often two nodes began one identifier at once; a real bus answers that with a bit error."""
         self._ends = Ends(name)
         self._controllers: dict[Station, Controller] = {}
+        self._contenders: list[Controller] = []
+        """The controllers in the order in which they joined."""
+        self._ranks: dict[int, int] = {}
+        """The rank in arbitration of each address that was sent."""
         self._idle_from: Nanoseconds = 0
         self._busy = False
         self._recent: deque[tuple[Nanoseconds, Nanoseconds]] = deque()
@@ -55,11 +59,12 @@ class CanWire:
         controller = Controller(station, link, world)
         self._ends.join(controller)
         self._controllers[station] = controller
+        self._contenders.append(controller)
 
     def leave(self, station: Station) -> None:
         """Disconnect a station; a frame that it is sending is destroyed."""
         self._ends.leave(station)
-        del self._controllers[station]
+        self._contenders.remove(self._controllers.pop(station))
 
     def observe(self, observer: Observer) -> None:
         """Call `observer` for every frame that has wholly arrived."""
@@ -72,7 +77,10 @@ class CanWire:
     def carry(self, sender: Station, packet: Packet) -> None:
         """Queue a frame; ValueError for what is no frame."""
         address, controller = packet.address, self._controllers[sender]
-        controller.queue.append((packet, frame_bits(address, packet.payload), arbitration_rank(address)))
+        rank = self._ranks.get(address)
+        if rank is None:
+            rank = self._ranks[address] = arbitration_rank(address)
+        controller.queue.append((packet, frame_bits(address, packet.payload), rank))
         if not self._busy:
             # Not at once: others may begin at this very instant, and then the identifier decides.
             self._busy = True
@@ -95,7 +103,7 @@ class CanWire:
         now = world.now
         winner: Controller | None = None
         best = 0
-        for controller in self._controllers.values():
+        for controller in self._contenders:
             queue = controller.queue
             if not queue:
                 continue
@@ -128,7 +136,7 @@ class CanWire:
 
     def _go_on(self) -> None:
         """Let the next frame begin when the bus is idle again."""
-        for other in self._controllers.values():
+        for other in self._contenders:
             if other.queue:
                 other.world.call_at(self._idle_from, self._arbitrate, other.world)
                 return

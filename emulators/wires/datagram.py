@@ -7,6 +7,7 @@ from typing import TypeAlias
 
 from numpy.random import Generator
 
+from emulators.wires.chance import Chance
 from emulators.wires.ends import End, Ends, Observer
 from emulators.world import Station, World, WorldError
 from firmware_bridge.packet import Packet
@@ -36,7 +37,7 @@ class DatagramWire:
         self.loss = loss
         self.sent = 0
         self.lost = 0
-        self._generator = generator
+        self._chance = None if generator is None else Chance(generator)
         self._ends = Ends(name)
 
     def join(self, world: World, station: Station, link: str) -> None:
@@ -58,15 +59,16 @@ class DatagramWire:
     def carry(self, sender: Station, packet: Packet) -> None:
         """Send a packet on its way, or lose it."""
         self.sent += 1
-        delay = self.delay
-        if self._generator is not None:
-            if self.loss and self._generator.random() < self.loss:
+        delay, chance = self.delay, self._chance
+        if chance is not None:
+            if self.loss and chance.share() < self.loss:
                 self.lost += 1
                 return
             if self.jitter:
-                delay += int(self._generator.integers(0, self.jitter, endpoint=True))
+                delay += chance.up_to(self.jitter)
         world = self._ends.world
         world.call_at(world.now + delay, self._arrive, (sender, packet))
 
     def _arrive(self, flight: _Flight) -> None:
-        self._ends.hand_over(*flight)
+        sender, packet = flight
+        self._ends.hand_over(sender, packet)

@@ -186,7 +186,7 @@ class Homing(ModeOfOperation):
     @property
     def arrived(self) -> bool:
         """Bit 10: at rest, and no homing runs."""
-        return not self._ways and super().arrived
+        return not self._ways and self.shaft.arrived
 
     def status(self, *, failed: bool) -> int:
         """Bit 12: homing attained; bit 13: homing error."""

@@ -59,7 +59,7 @@ class InterpolatedPosition(ModeOfOperation):
     @property
     def arrived(self) -> bool:
         """Bit 10: the path is over, or the halt has come to its end."""
-        return super().arrived and not self._buffer.active
+        return self.shaft.arrived and not self._buffer.active
 
     def halt(self) -> None:
         """Bit 8 has come up."""

@@ -7,7 +7,6 @@ its start signal.
 from typing import ClassVar, Final
 
 from emulators.epos2.modes.shaft import Shaft
-from emulators.servo.axis import PROFILE_DONE, TARGET_REACHED
 from firmware_bridge.wire.cia402 import Status
 from firmware_bridge.wire.epos2.address import Address
 
@@ -80,10 +79,7 @@ class ModeOfOperation:
     @property
     def arrived(self) -> bool:
         """Bit 10: the target is reached, or the halt has come to its end."""
-        axis = self.shaft.axis
-        if self.shaft.halted:
-            return bool(axis.flags & PROFILE_DONE) and axis.velocity_demand == 0
-        return bool(axis.flags & TARGET_REACHED)
+        return self.shaft.arrived
 
     def status(self, *, failed: bool) -> int:
         """Return bits 12 and 13; `failed` says that the following error stands."""

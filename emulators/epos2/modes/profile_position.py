@@ -42,7 +42,7 @@ class ProfilePosition(ModeOfOperation):
     @property
     def arrived(self) -> bool:
         """Bit 10: there, and no set-point waits."""
-        return super().arrived and (self.shaft.halted or self._waiting is None)
+        return self.shaft.arrived and (self.shaft.halted or self._waiting is None)
 
     def status(self, *, failed: bool) -> int:
         """Bit 12: set-point acknowledge; bit 13: following error."""

@@ -15,9 +15,11 @@ from emulators.servo.axis import (
     IDLE,
     MOVE,
     POSITION,
+    PROFILE_DONE,
     RAMP,
     SINE,
     SPLINE,
+    TARGET_REACHED,
     TRAPEZOID,
     ServoAxis,
 )
@@ -52,6 +54,14 @@ class Shaft:
         if axis.profile != RAMP or axis.regulator == IDLE:
             return True
         return axis.velocity_demand == 0 and axis.target_velocity == 0
+
+    @property
+    def arrived(self) -> bool:
+        """The target is reached, or the halt has come to its end."""
+        axis = self.axis
+        if self.halted:
+            return bool(axis.flags & PROFILE_DONE) and axis.velocity_demand == 0
+        return bool(axis.flags & TARGET_REACHED)
 
     @property
     def heading(self) -> int:
@@ -116,7 +126,8 @@ class Shaft:
 
     def ramp(self, velocity: int, acceleration: Address, deceleration: Address) -> None:
         """Go over to `velocity` (velocity units) and keep it."""
-        axis, before = self.axis, self._ramp()
+        axis = self.axis
+        before = self._ramp() if axis.shape == SINE else ()
         if velocity != axis.target_velocity or axis.profile != RAMP:
             judge_anew(axis, there=velocity == axis.velocity_demand)
         axis.target_velocity = velocity
