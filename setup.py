@@ -37,6 +37,7 @@ WAY_OF_A_PACKET: Final = (
     "firmware_bridge/bridge/*.py",
     "firmware_bridge/drivers/*.py",
     "firmware_bridge/drivers/serial/*.py",
+    "firmware_bridge/intent.py",
     "firmware_bridge/motion/*.py",
     "firmware_bridge/packet.py",
     "firmware_bridge/safety/*.py",

@@ -7,7 +7,6 @@ from typing import TypeAlias
 
 from numpy.random import Generator
 
-from emulators.wires.chance import Chance
 from emulators.wires.ends import End, Ends, Observer
 from emulators.world import Station, World, WorldError
 from firmware_bridge.packet import Packet
@@ -37,7 +36,7 @@ class DatagramWire:
         self.loss = loss
         self.sent = 0
         self.lost = 0
-        self._chance = None if generator is None else Chance(generator)
+        self._generator = generator
         self._ends = Ends(name)
 
     def join(self, world: World, station: Station, link: str) -> None:
@@ -59,13 +58,13 @@ class DatagramWire:
     def carry(self, sender: Station, packet: Packet) -> None:
         """Send a packet on its way, or lose it."""
         self.sent += 1
-        delay, chance = self.delay, self._chance
-        if chance is not None:
-            if self.loss and chance.share() < self.loss:
+        delay, generator = self.delay, self._generator
+        if generator is not None:
+            if self.loss and generator.random() < self.loss:
                 self.lost += 1
                 return
             if self.jitter:
-                delay += chance.up_to(self.jitter)
+                delay += int(generator.integers(0, self.jitter, endpoint=True))
         world = self._ends.world
         world.call_at(world.now + delay, self._arrive, (sender, packet))
 
