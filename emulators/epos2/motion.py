@@ -8,6 +8,7 @@ from functools import partial
 from typing import Final
 
 from emulators.epos2.data_recorder import DataRecorder
+from emulators.epos2.device_control import DeviceControl
 from emulators.epos2.machine import PowerMachine
 from emulators.epos2.modes.motion import Motion
 from emulators.epos2.modes.table import HEEDED, MODES
@@ -51,8 +52,9 @@ class MotionControl:
         self._tell = report
         self.pins: Final = Pins(store, axis)
         self._motion = Motion(store, axis, self.pins.inputs)
-        self._machine = PowerMachine(
-            store, axis, self._motion, self.pins, self._report, delays=delays or Delays()
+        self._machine = PowerMachine(store, axis, self._motion, self.pins, delays or Delays())
+        self._control = DeviceControl(
+            store, axis, self._motion, self.pins, self._machine, report=self._report
         )
         self._settings = Settings()
         self._operational = False
@@ -75,22 +77,22 @@ class MotionControl:
     def connection_lost(self) -> None:
         """Heartbeat or guarding failed: report it, and react as 0x6007 says."""
         option = self._store.get(at.ABORT_CONNECTION_OPTION)
-        self._machine.fail(emergency.CONNECTION_LOST, ABORT_OPTIONS.get(option))
+        self._control.fail(emergency.CONNECTION_LOST, ABORT_OPTIONS.get(option))
         self._publish()
 
     def communication_fault(self, code: int) -> None:
         """Report an error that the bus side found, and react as the emergency table says."""
-        self._machine.fail(code)
+        self._control.fail(code)
         self._publish()
 
     def communication_reset(self) -> None:
         """Network command reset communication: errors that only this cures are gone."""
-        self._machine.errors.cured_by_communication_reset()
+        self._control.errors.cured_by_communication_reset()
 
     def refresh(self, now: Nanoseconds) -> None:
         """Take in what the axis found, what the time brought, and what a whole PDO has written."""
         self._axis.now = max(self._axis.now, now)
-        self._machine.attend()
+        self._control.attend()
         self._publish()
 
     def wake_at(self) -> Nanoseconds:
@@ -108,7 +110,7 @@ class MotionControl:
         self.pins.reset()
         self._motion.restart(self._store.get(at.MODE))
         self._store.set(at.MODE_DISPLAY, self._motion.number)
-        self._machine.restart()
+        self._control.restart()
         self._publish()
 
     def _report(self, code: int) -> None:
@@ -146,13 +148,12 @@ class MotionControl:
             raise SdoAbort(AbortCode.DEVICE_STATE, address)
 
     def _take_controlword(self, word: int) -> None:
-        self._machine.command(word)
+        self._control.command(word)
         self._publish()
 
     def _take_mode(self, mode: int) -> None:
         if mode not in MODES:
             raise SdoAbort(AbortCode.RANGE, at.MODE)
-        self._machine.drop_setpoint()
         self._motion.change(mode, enabled=self._machine.free)
         self._store.set(at.MODE_DISPLAY, mode)
         self._publish()
@@ -164,7 +165,7 @@ class MotionControl:
 
     def _take_start(self, code: int, value: int) -> None:
         if value:
-            self._machine.fail(code)
+            self._control.fail(code)
             self._publish()
 
     def _count_setpoint(self) -> None:
@@ -173,7 +174,7 @@ class MotionControl:
             count += self._busy[1]
         self._busy = (millisecond, count)
         if count > SETPOINTS_IN_A_MILLISECOND:
-            self._machine.fail(emergency.OVERLOADED)
+            self._control.fail(emergency.OVERLOADED)
 
     # Statusword
 
@@ -190,5 +191,5 @@ class MotionControl:
         if self._axis.flags & CURRENT_LIMITED:
             word |= _INTERNAL_LIMIT
         self.pins.refresh()
-        failed = emergency.FOLLOWING_ERROR_TOO_LARGE in machine.errors.codes
+        failed = emergency.FOLLOWING_ERROR_TOO_LARGE in self._control.errors.codes
         self._store.set(at.STATUSWORD, word | mode.status(failed=failed))

@@ -15,7 +15,9 @@ from firmware_bridge.wire.cia402 import Control, Mode
 from firmware_bridge.wire.epos2 import emergency
 from firmware_bridge.wire.epos2.address import Address
 
+# The controlword's bits as plain numbers: flags are slow, and every frame is looked at.
 _HALT: Final = int(Control.HALT)
+_NEW_SETPOINT: Final = int(Control.NEW_SETPOINT)
 
 
 class Motion:
@@ -29,6 +31,8 @@ class Motion:
         self.number = int(Mode.PROFILE_POSITION)
         """The mode that is set, as in 0x6060."""
         self.mode = self._modes[self.number]
+        self._latching = False
+        """A rising edge of bit 4 whose target is taken when the whole write has arrived."""
 
     def set(self, number: int) -> None:
         """Set the mode of a drive that is not enabled."""
@@ -47,6 +51,7 @@ class Motion:
     def forget(self) -> None:
         """Drop what was going on: the power stage is off, or a stop has cut in."""
         self.shaft.halted = False
+        self._latching = False
         self.mode.forget()
 
     def hold(self) -> None:
@@ -61,7 +66,8 @@ class Motion:
         self.mode.begin()
 
     def change(self, number: int, *, enabled: bool) -> None:
-        """Take a mode over, with the halt that stands."""
+        """Take a mode over, with the halt that stands and without a set-point that nobody has taken."""
+        self._latching = False
         if number == self.number:
             return
         self.mode.forget()
@@ -69,8 +75,8 @@ class Motion:
         if enabled:
             self.mode.enter()
 
-    def controls(self, controlword: int, before: int) -> bool:
-        """Heed halt and the mode's own bits while enabled; say whether a set-point awaits `take_setpoint`."""
+    def controls(self, controlword: int, before: int) -> None:
+        """Heed halt and the mode's own bits while enabled; a new set-point is taken by `advance`."""
         halt = bool(controlword & _HALT)
         if halt != self.shaft.halted and self.mode.heeds_halt:
             self.shaft.halted = halt
@@ -78,7 +84,18 @@ class Motion:
                 self.mode.halt()
             else:
                 self.mode.release()
-        return self.mode.controls(controlword, before)
+        if self.mode.controls(controlword, before):
+            self._latching = True
+            # The target may follow in the same PDO: it is taken at the next refresh, in 1 ms at most.
+            self.shaft.axis.call = 1
+        elif not controlword & _NEW_SETPOINT:
+            self._latching = False
+
+    def advance(self, controlword: int) -> None:
+        """Go on with what is due; a rising edge of bit 4 counts with the target that is written by now."""
+        self.mode.advance()
+        if self._latching and self.mode.take_setpoint(controlword):
+            self._latching = False
 
     def written(self, address: Address, value: int) -> None:
         """Tell the mode a value that was written, if it heeds that object."""
