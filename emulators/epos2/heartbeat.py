@@ -117,6 +117,7 @@ class ErrorControl:
         self.producer = Producer(toggles=toggles)
         self.guard = Guard()
         self.consumers = (Consumer(), Consumer())
+        self._touched = False
         store.on_write(at.PRODUCER_HEARTBEAT, self._take_period)
         store.on_write(GUARD_TIME, lambda value: self.guard.configure(value, store.get(LIFE_TIME_FACTOR)))
         store.on_write(LIFE_TIME_FACTOR, lambda value: self.guard.configure(store.get(GUARD_TIME), value))
@@ -132,6 +133,7 @@ class ErrorControl:
         self.guard.begin()
         for consumer, address in zip(self.consumers, CONSUMERS, strict=True):
             consumer.configure(store.get(address))
+        self._touched = True
 
     def rest(self) -> None:
         """Fall silent until the next boot-up."""
@@ -150,6 +152,11 @@ class ErrorControl:
     def watched(self) -> frozenset[int]:
         """Return the nodes whose heartbeats count."""
         return frozenset(consumer.node for consumer in self.consumers if consumer.node)
+
+    def renew(self) -> bool:
+        """Return whether `watched` may have changed since the last question."""
+        touched, self._touched = self._touched, False
+        return touched
 
     def hear(self, node: int, payload: bytes, now: Nanoseconds) -> None:
         """Take another node's heartbeat."""
@@ -180,3 +187,4 @@ class ErrorControl:
         if node and word & TIME_MASK and elsewhere & TIME_MASK and node == elsewhere >> 16:
             raise SdoAbort(AbortCode.PARAMETER_CLASH, address)
         self.consumers[place].configure(word)
+        self._touched = True

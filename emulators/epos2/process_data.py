@@ -5,6 +5,7 @@ It refuses to know the objects' meaning and the bus; it gives and takes identifi
 
 from collections.abc import Callable
 from functools import partial
+from typing import TypeAlias
 
 from emulators.epos2.pdo import ReceivePdo, TransmitPdo
 from emulators.epos2.pdo_settings import RECEIVE, TRANSMIT, PdoSettings
@@ -14,6 +15,9 @@ from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire.can import REMOTE
 from firmware_bridge.wire.canopen import NmtState
 from firmware_bridge.wire.epos2.objects_pdo import PDOS
+
+Heard: TypeAlias = Callable[[bytes, Nanoseconds], None]
+"""Takes a frame's payload, and when it came."""
 
 
 class ProcessData:
@@ -89,12 +93,12 @@ class ProcessData:
 
     def routes(
         self,
-        collision: Callable[[bytes], None],
-        request: Callable[[TransmitPdo, bytes], None],
-        received: Callable[[tuple[ReceivePdo, ...], bytes], None],
-    ) -> dict[int, Callable[[bytes], None]]:
+        collision: Heard,
+        request: Callable[[TransmitPdo, bytes, Nanoseconds], None],
+        received: Callable[[tuple[ReceivePdo, ...], bytes, Nanoseconds], None],
+    ) -> dict[int, Heard]:
         """Say which identifiers count in Operational, and who hears them; PDOs may share one."""
-        routes: dict[int, Callable[[bytes], None]] = {}
+        routes: dict[int, Heard] = {}
         for sent in self.transmit:
             routes[sent.address] = collision
             if sent.answers_remote:

@@ -99,7 +99,7 @@ class SerialEpos2(Epos2):
     def _overhear(self, address: int, payload: bytes) -> None:
         heard = self._routes.get(address)
         if heard is not None:
-            heard(payload)
+            heard(payload, self._now)
 
     def _written(self) -> None:
         self.motion.refresh(self._now)
