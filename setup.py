@@ -24,6 +24,7 @@ UNIX_FLAGS: Final = ["-std=c99", "-O2", "-fvisibility=hidden"]
 
 MYPYC: Final = "mypy[mypyc]>=2.4,<3"
 WAY_OF_A_PACKET: Final = (
+    "emulators/bench/controls.py",
     "emulators/bench/hand.py",
     "emulators/bench/operator.py",
     "emulators/epos2/*.py",

@@ -1,35 +1,28 @@
 """A ground station that drives a mission and keeps a diary of what the robot answers: a Node.
 
-It speaks MAVLink as a stranger would: signs, scales and retries are written here anew, not taken from the
-bridge, so that a mistake there is not repeated here.
+It speaks MAVLink as a stranger would: signs, scales and retries are written anew, here and in `controls`, not
+taken from the bridge, so that a mistake there is not repeated here.
 """
 
-import math
 from collections.abc import Callable
 from typing import Final, TypeAlias
 
 import numpy as np
 
 from emulators.bench import orders
+from emulators.bench.controls import Controls
 from emulators.bench.diary import Diary, Kind, place_of
-from emulators.bench.hand import Ramp, Tremor
-from emulators.bench.mission import Button, Input, Mission, Step, steer_of_radius
-from emulators.bench.strays import datagram, velocity
+from emulators.bench.mission import Mission, Step
+from emulators.bench.strays import datagram
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import Robot
 from firmware_bridge.teleop.mavlink import Codec, Message, dialect, text_of
 from firmware_bridge.teleop.texts import Listener
-from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds, from_seconds
+from firmware_bridge.units import NEVER, SECOND, Nanoseconds, from_seconds
 
 SYSTEM: Final = 255
 COMPONENT: Final = dialect.MAV_COMP_ID_MISSIONPLANNER
-PRESS: Final[Nanoseconds] = 120 * MILLISECOND
-"""How long a tapped button is down: at least two messages."""
-_FULL: Final = 1000
-_UNUSED: Final = 0x7FFF
-_BUTTONS: Final = {Button.DETECTOR: 1, Button.HEADLAMP: 2, Button.EMERGENCY_STOP: 4}
-_LIFT_ENABLE: Final = 8
 
 Reader: TypeAlias = Callable[[Message, Nanoseconds], None]
 
@@ -38,10 +31,9 @@ class ScriptedOperator:
     """One operator and his ground station, system 255; `diary` tells what became of the mission."""
 
     __slots__ = (
-        "_beat_due", "_buttons", "_codec", "_component", "_full_lift_rate", "_full_lock", "_full_speed",
-        "_greetings", "_heard", "_input", "_lift_rate", "_listener", "_mission", "_pending", "_period",
-        "_released_at", "_robot", "_send_due", "_silent_until", "_speed", "_speed_tremor", "_steer",
-        "_steer_tremor", "_step", "_step_at", "_system", "diary",
+        "_beat_due", "_codec", "_component", "_controls", "_greetings", "_heard", "_listener", "_mission",
+        "_pending", "_period", "_robot", "_send_due", "_silent_until", "_step", "_step_at", "_system",
+        "diary",
     )  # fmt: skip
 
     def __init__(self, robot: Robot, mission: Mission, generator: np.random.Generator) -> None:
@@ -50,21 +42,11 @@ class ScriptedOperator:
         self._robot = robot
         self._system: int = robot.operator.system_id
         self._component: int = robot.operator.component_id
-        self._full_speed: float = robot.limits.speed_mps
-        self._full_lock: float = math.radians(robot.limits.steer_angle_deg)
-        self._full_lift_rate: float = robot.limits.lift_rate_mps
         self._mission = mission
         self._codec = Codec(SYSTEM, COMPONENT)
         self._listener = Listener()
         self._period = SECOND // mission.send_hz
-        self._input = mission.input
-        self._speed = Ramp()
-        self._steer = Ramp()
-        self._lift_rate = 0.0
-        self._speed_tremor = Tremor(mission.noise.stick, self._period, generator)
-        self._steer_tremor = Tremor(mission.noise.stick, self._period, generator)
-        self._buttons = 0
-        self._released_at: Nanoseconds = NEVER
+        self._controls = Controls(robot, mission, self._period, generator)
         self._pending: list[orders.Pending] = []
         self._step = 0
         self._step_at = self._due_of_step()
@@ -96,9 +78,7 @@ class ScriptedOperator:
             sent += self._take(self._mission.step[self._step], now)
             self._step += 1
             self._step_at = self._due_of_step()
-        if now >= self._released_at:
-            self._buttons = 0
-            self._released_at = NEVER
+        self._controls.release(now)
         sent += self._due(now)
         if now < self._silent_until:
             sent.clear()
@@ -123,14 +103,14 @@ class ScriptedOperator:
     def _wake_at(self) -> Nanoseconds:
         due = min(self._beat_due, self._send_due)
         due = min(due, self._step_at)
-        due = min(due, self._released_at)
+        due = min(due, self._controls.released_at)
         for pending in self._pending:
             due = min(due, pending.due)
         return due
 
     def _take(self, step: Step, now: Nanoseconds) -> list[bytes]:
         self.diary.note(now, Kind.STEP, step.title)
-        self._move_hand(step, now)
+        self._controls.move(step, now)
         if step.silent_s is not None:
             self._silent_until = now + from_seconds(step.silent_s)
         for pending in orders.of_step(step, self._robot, now):
@@ -139,20 +119,6 @@ class ScriptedOperator:
         if step.stray is None:
             return []
         return [datagram(step.stray, self._codec, self._system, self._component)]
-
-    def _move_hand(self, step: Step, now: Nanoseconds) -> None:
-        self._input = step.input or self._input
-        if step.speed_mps is not None:
-            self._speed.go(step.speed_mps, step.ramp_mps2, now)
-        if step.steer_deg is not None:
-            self._steer.go(math.radians(step.steer_deg), None, now)
-        if step.radius_m is not None:
-            self._steer.go(steer_of_radius(self._robot, step.radius_m), None, now)
-        if step.lift_rate_mps is not None:
-            self._lift_rate = step.lift_rate_mps
-        if step.press is not None:
-            self._buttons = _BUTTONS[step.press]
-            self._released_at = now + PRESS
 
     def _due(self, now: Nanoseconds) -> list[bytes]:
         messages: list[Message] = []
@@ -167,7 +133,7 @@ class ScriptedOperator:
         messages += self._insisted(now)
         if now >= self._send_due:
             self._send_due += self._period
-            messages.append(self._motion(now))
+            messages.append(self._controls.message(self._system, self._component, now))
         return [self._codec.encode(message) for message in messages]
 
     def _insisted(self, now: Nanoseconds) -> list[Message]:
@@ -183,33 +149,6 @@ class ScriptedOperator:
             else:
                 messages.append(pending.message(self._system, self._component, now))
         return messages
-
-    def _motion(self, now: Nanoseconds) -> Message:
-        speed, steer = self._speed.at(now), self._steer.at(now)
-        speed_tremor, steer_tremor = self._speed_tremor.step(), self._steer_tremor.step()
-        if speed != 0.0:  # a foot that is off the pedal does not tremble
-            speed += speed_tremor * self._full_speed
-            steer += steer_tremor * self._full_lock
-        if self._input is Input.TWIST:
-            yaw_rate = -speed * self._curvature(steer)
-            return velocity(self._system, self._component, speed, yaw_rate)
-        rate = self._lift_rate / self._full_lift_rate
-        buttons = self._buttons | (_LIFT_ENABLE if rate else 0)
-        return dialect.MAVLink_manual_control_message(
-            self._system,
-            _axis(speed / self._full_speed),
-            _UNUSED,
-            _axis(rate),
-            _axis(-steer / self._full_lock),
-            buttons,
-        )
-
-    def _curvature(self, steer_rad: float) -> float:
-        if steer_rad == 0.0:
-            return 0.0
-        base = self._robot.base
-        radius = base.kingpin_distance_m / 2.0 + base.wheelbase_m / math.tan(abs(steer_rad))
-        return math.copysign(1.0 / radius, steer_rad)
 
     def _heartbeat(self, message: Message, now: Nanoseconds) -> None:
         armed = bool(message.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED)
@@ -246,7 +185,3 @@ class ScriptedOperator:
 
     def _parametrised(self, message: Message, _: Nanoseconds) -> None:
         self.diary.parameters[text_of(message.param_id)] = message.param_value
-
-
-def _axis(share: float) -> int:
-    return max(-_FULL, min(round(_FULL * share), _FULL))
