@@ -12,10 +12,10 @@ from emulators.bench import mission as missions
 from emulators.bench.mission import MissionFileError
 from emulators.bench.report import show
 from emulators.by_name import ByName
+from emulators.devices import devices
 from emulators.epos2.serial.drive import baud_of
 from emulators.epos2_cli import LatencyOption
 from emulators.gateway import Cluster
-from emulators.rig import devices
 from emulators.run import Order, drive
 from emulators.servo.bank import ServoError
 from emulators.servo.kernel import choose

@@ -6,7 +6,7 @@ from typing import Annotated, Final
 import typer
 from rich.table import Table
 
-from emulators.rig import BODY
+from emulators.devices import BODY
 from emulators.servo.bank import plant_inputs, plant_outputs
 from firmware_bridge.cli.console import FAILED, one_message, terminal
 from firmware_bridge.robot import Robot, load, shipped

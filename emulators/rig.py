@@ -1,146 +1,31 @@
-"""One robot put together: operator, bridge, bus, drives and plant in the virtual world.
-
-The same drives and the same plant go onto a real bus through `devices`.
-"""
+"""One robot put together: operator, bridge, bus, drives and plant in the virtual world."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 
 import numpy as np
 
 from emulators.bench.mission import Noise
 from emulators.bench.records import SAMPLE_EVERY, HoldRecord, Sample
-from emulators.epos2.drive import Epos2
-from emulators.epos2.profile import EPOS2_70_10, DeviceProfile, realistic
-from emulators.epos2.serial.drive import SerialEpos2
+from emulators.devices import BODY, devices
 from emulators.line import Line
 from emulators.rewind import Moment, Rewind
-from emulators.servo.axis import ServoAxis
-from emulators.servo.bank import ServoBank, plant_inputs, plant_outputs
-from emulators.servo.pins import input_lines, output_lines, pin_inputs, pin_outputs
-from emulators.servo.sensor_lines import sensor_lines, sensor_outputs
+from emulators.servo.bank import plant_outputs
 from emulators.wires import CanWire, DatagramWire
 from emulators.world import Wire, World
 from firmware_bridge.bridge import Bridge
 from firmware_bridge.node import CAN, OPERATOR, SERIAL, Node
-from firmware_bridge.robot import Link, Robot, RobotFileError
+from firmware_bridge.robot import Link, Robot
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 from firmware_bridge.wire.maxon.frame import Generation
-from fmu.build import ensure
-from fmu.plant import FmuPlant, PlantError
-from fmu.rars.parameters import ROBOT_FILE, SETS
 
-BODY: Final = ("battery_voltage", "x", "y", "heading", "speed", "yaw_rate", "steer", "lift_height")
-"""Outputs of the plant beside those of its axes, in this order."""
 LINK_STREAM: Final = 1
 """Which stream of random numbers the operator's link draws from, beside the run's seed."""
 QUIET: Final = Noise()
-NO_SERIAL: Final[Mapping[str, Generation]] = MappingProxyType({})
-BACK_EMF_UNIT: Final = 1 << 24
-"""Parts of 1 V s/rad in which a servo axis keeps its motor's constant."""
 BRIDGE: Final = "bridge"
 OPERATOR_STATION: Final = "operator"
-
-
-@dataclass(frozen=True, slots=True)
-class Devices:
-    """The emulated half of a robot: its drives by axis name, what moves them, and the plant below."""
-
-    drives: dict[str, Epos2]
-    bank: ServoBank
-    plant: FmuPlant
-
-
-def devices(
-    robot: Robot,
-    plant_path: Path | None = None,
-    *,
-    realistic_latency: bool = False,
-    serial: Mapping[str, Generation] = NO_SERIAL,
-) -> Devices:
-    """Build a robot's drives above its plant; PlantError where the plant cannot be used.
-
-    With `realistic_latency` they take the published time for an SDO answer; otherwise they answer at once.
-    `serial` names the axes whose drives have a host on their serial port, and the protocol that they speak.
-
-    Geometry that both know is set from the robot file into our own plant, so that they agree; a plant of the
-    user's is taken as it is, with the parameters that the robot file lists for it.
-    """
-    names = [axis.name for axis in robot.axes]
-    outputs = plant_outputs(names)
-    if plant_path is None:
-        path, parameters = ensure(robot.plant.fmu), plant_parameters(robot)
-    else:
-        path, parameters = plant_path, robot.plant.parameters
-    plant = FmuPlant(
-        path,
-        plant_inputs(names),
-        (*outputs, *BODY),
-        parameters,
-        optional_inputs=pin_inputs(names),
-        optional_outputs=pin_outputs(names) + sensor_outputs(names),
-    )
-    axes = [
-        ServoAxis(axis.name, axis.quadcounts_per_turn, back_emf=_back_emf(plant, axis.name))
-        for axis in robot.axes
-    ]
-    bank = ServoBank(
-        plant,
-        axes,
-        supply=len(outputs),
-        analogue=(robot.battery.axis, robot.battery.divider),
-        input_lines=input_lines(plant.output_names, names) + sensor_lines(plant.output_names, names),
-        output_lines=output_lines(plant.input_names, names),
-    )
-    kind = realistic(EPOS2_70_10) if realistic_latency else EPOS2_70_10
-    drives = {
-        axis.name: _drive(axis.node, servo, _individual(kind, axis.node), serial.get(axis.name))
-        for axis, servo in zip(robot.axes, axes, strict=True)
-    }
-    return Devices(drives, bank, plant)
-
-
-def _drive(node: int, servo: ServoAxis, profile: DeviceProfile, serial: Generation | None) -> Epos2:
-    if serial is None:
-        return Epos2(node, servo, profile)
-    return SerialEpos2(node, servo, profile, generation=serial)
-
-
-def _individual(kind: DeviceProfile, node: int) -> DeviceProfile:
-    """Return such a drive with a serial number of its own, so that no two on one bus are the same."""
-    return replace(kind, serial_number=kind.serial_number + node)
-
-
-def _back_emf(plant: FmuPlant, axis: str) -> int:
-    """Return the motor's constant as an axis takes it; 0, to be learnt, where the plant does not tell it."""
-    try:
-        return round(plant.read(f"torque_constant_{axis}") * BACK_EMF_UNIT)
-    except PlantError:
-        return 0
-
-
-def plant_parameters(robot: Robot) -> dict[str, float]:
-    """Return the plant's parameters that the robot file knows, under the plant's names and in its units.
-
-    The geometry that bridge and plant share wins over the parameter set, single values win over both.
-    RobotFileError where the set is unknown.
-    """
-    chosen = robot.plant.parameter_set
-    if chosen is not None and chosen not in SETS:
-        known = ", ".join(SETS)
-        problem = f"the plant '{robot.plant.fmu}' has no such set '{chosen}'; it has {known}"
-        raise RobotFileError(robot.name, "plant.parameter_set", problem)
-    found = {} if chosen is None else dict(SETS[chosen])
-    by_role = {axis.role.value: axis for axis in robot.axes}
-    for key, (name, factor) in ROBOT_FILE.items():
-        table, *rest = key.split(".")
-        owner = by_role[rest.pop(0)] if table == "axes" else getattr(robot, table)
-        found[name] = factor * float(getattr(owner, rest[0]))
-    return found | robot.plant.parameters
 
 
 def _served(robot: Robot) -> Mapping[str, Generation]:

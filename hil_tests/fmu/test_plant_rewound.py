@@ -7,7 +7,7 @@ from zipfile import ZIP_DEFLATED, ZipFile
 
 import pytest
 
-from emulators.rig import devices
+from emulators.devices import devices
 from emulators.wires import CanWire
 from emulators.world import World
 from firmware_bridge.node import CAN

@@ -14,8 +14,9 @@ from typer.testing import CliRunner
 
 from emulators.bench.mission import Input, Mission, Noise, Step
 from emulators.bench.operator import ScriptedOperator
+from emulators.devices import BODY, devices
 from emulators.gateway import Cluster
-from emulators.rig import BODY, BRIDGE, OPERATOR_STATION, Rig, build, devices
+from emulators.rig import BRIDGE, OPERATOR_STATION, Rig, build
 from emulators.servo.bank import plant_outputs
 from emulators.wires import CanWire, DatagramWire
 from emulators.world import World

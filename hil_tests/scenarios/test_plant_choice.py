@@ -2,7 +2,7 @@
 
 import pytest
 
-from emulators.rig import plant_parameters
+from emulators.devices import plant_parameters
 from firmware_bridge.robot import PlantFile, RobotFileError, find
 
 

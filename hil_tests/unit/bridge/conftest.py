@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from emulators.rig import Devices, devices
+from emulators.devices import Devices, devices
 from emulators.world import World
 from firmware_bridge import robot as robots
 from firmware_bridge.bridge import Bridge

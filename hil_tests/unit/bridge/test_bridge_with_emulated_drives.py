@@ -8,7 +8,7 @@ from firmware_bridge.wire.cia402 import State
 from hil_tests.unit.bridge.bench import ACCEPTED, TEMPORARILY_REJECTED
 
 if TYPE_CHECKING:
-    from emulators.rig import Devices
+    from emulators.devices import Devices
     from hil_tests.unit.bridge.bench import Bench
 
 
