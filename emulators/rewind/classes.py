@@ -120,7 +120,8 @@ def _hides_state(cls: type) -> bool:
 
 def _is_frozen(cls: type) -> bool:
     if is_dataclass(cls):
-        return bool(cls.__dataclass_params__.frozen)  # type: ignore[attr-defined] # dataclasses say it nowhere else
+        params = cls.__dataclass_params__  # type: ignore[attr-defined] # dataclasses say it nowhere else
+        return bool(params.frozen or params.unsafe_hash)  # a hash by value, too, promises that it stays
     return bool(getattr(cls, "model_config", {}).get("frozen", False))  # pydantic's
 
 
@@ -162,6 +163,6 @@ def _promises(hint: Any) -> bool:
         return hint is Ellipsis or (isinstance(hint, type) and sort_of(hint).plain)
     if origin is Literal:
         return True
-    if origin in (Union, types.UnionType, tuple, frozenset):
+    if origin in (Final, Union, types.UnionType, tuple, frozenset):
         return all(_promises(part) for part in get_args(hint))
     return False

@@ -8,6 +8,8 @@ it refers to is asked of the garbage collector. A number in it would be unseen: 
 
 import gc
 from collections.abc import Callable, Iterable
+from itertools import compress
+from operator import attrgetter, is_not
 from typing import Any, Final
 
 from emulators.rewind.kinds import UNSET, Kind, RewindError
@@ -18,8 +20,13 @@ _MARK: Final = "__internal_mypyc_setup"
 
 
 def is_compiled(cls: type) -> bool:
-    """Return whether all that an instance holds is listed: the class and its bases were compiled."""
-    return _LISTED in vars(cls) and all(_LISTED in vars(base) or base is object for base in cls.__mro__)
+    """Return whether all that an instance holds is listed: its bases were compiled too, or hold nothing."""
+    return _LISTED in vars(cls) and all(_LISTED in vars(base) or _holds_nothing(base) for base in cls.__mro__)
+
+
+def _holds_nothing(cls: type) -> bool:
+    """Return whether instances are no larger than an empty object, as those of `object` and `abc.ABC`."""
+    return cls.__basicsize__ == object.__basicsize__ and cls.__dictoffset__ == 0
 
 
 def attributes_of(cls: type) -> tuple[str, ...]:
@@ -36,24 +43,33 @@ def function_parts(cls: type) -> Callable[[Any], Iterable[object]] | None:
 
 
 def compiled_kind(cls: type) -> Kind:
-    """Return how instances of this compiled class are kept: as a tuple of what they hold."""
+    """Return how instances of this compiled class are kept: as a tuple of what they hold, and their class."""
     names = attributes_of(cls)
+    at_once = attrgetter(*names, "__class__")  # one name alone would give no tuple
 
     def copy(thing: object) -> tuple[object, ...]:
-        return tuple([getattr(thing, name, UNSET) for name in names])
+        try:
+            values: tuple[object, ...] = at_once(thing)
+        except AttributeError:
+            return (*[getattr(thing, name, UNSET) for name in names], cls)
+        return values
 
     def same(thing: object, before: tuple[object, ...]) -> bool:
-        for now, then in zip(copy(thing), before, strict=True):
-            if now is not then and not (type(now) is int and now == then):
-                return False
-        return True
+        values = copy(thing)
+        return not any(map(is_not, values, before)) or _but_for_numbers(values, before)
 
     def put_back(thing: object, copy: tuple[object, ...]) -> None:
-        for name, value in zip(names, copy, strict=True):
+        for name, value in zip(names, copy, strict=False):
             if getattr(thing, name, UNSET) is not value:
                 _put(thing, name, value)
 
     return Kind(copy, iter, put_back, same)
+
+
+def _but_for_numbers(values: tuple[object, ...], before: tuple[object, ...]) -> bool:
+    """Return whether both refer to the same objects, where equal numbers are the same."""
+    others = compress(zip(values, before, strict=True), map(is_not, values, before))
+    return all(type(now) is int and now == then for now, then in others)
 
 
 def _outer(function: Any) -> Iterable[object]:

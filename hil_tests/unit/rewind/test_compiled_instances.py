@@ -1,5 +1,7 @@
 """Instances of compiled classes are kept and put back; classes that look like them stand in for them."""
 
+from abc import ABC
+
 import pytest
 
 from emulators.rewind import Rewind, RewindError
@@ -31,7 +33,7 @@ class Counter:
         return int(self._title)
 
 
-class LateSetter:
+class LateSetter(ABC):
     __slots__ = ("early", "late")
     __mypyc_attrs__ = ("early", "late")
 
