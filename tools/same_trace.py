@@ -4,7 +4,7 @@
 on that is on the path or that pyenv has, and whichever of gcc and clang there is. The package is installed
 from a copy of its sources, as a user would, without what its tests need. Kernel and plant are then built by
 that compiler, and the golden traces are driven with the kernel and with its twin. It exits with 1 where any
-differs.
+differs. With FIRMWARE_BRIDGE_COMPILE=1 in the environment the core is compiled, too.
 """
 
 # ruff: noqa: INP001, T201, S603 - a script, not a package; it prints; it runs programs that it is given
