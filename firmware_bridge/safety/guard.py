@@ -123,10 +123,8 @@ class Guarded:
         return self._sent(safe, asked=axis is not None)
 
     def _sent(self, packets: tuple[Packet, ...], *, asked: bool = False) -> tuple[Packet, ...]:
-        for packet in packets[:-1]:
-            self._speech.leaves(packet, asked=False)
-        for packet in packets[-1:]:
-            self._speech.leaves(packet, asked=asked)
+        for place, packet in enumerate(packets, 1):
+            self._speech.leaves(packet, asked=asked and place == len(packets))
         return packets
 
     def _replaced(
