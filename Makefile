@@ -52,7 +52,8 @@ $(COMPILED)/.ready: $(READY) $(shell find firmware_bridge emulators fmu -name '*
 # What may come out otherwise where the core is compiled: what is on the wires, states put back, whole stories.
 same: $(COMPILED)/.ready ## test that the compiled core does the same to the bit
 	@$(COMPILED)/bin/python -P -m pytest -n $(JOBS) --dist worksteal -q -m 'not interpreted' \
-		hil_tests/golden hil_tests/scenarios hil_tests/wire hil_tests/unit/rewind hil_tests/unit/world
+		hil_tests/golden hil_tests/scenarios hil_tests/wire \
+		hil_tests/unit/epos2_serial hil_tests/unit/rewind hil_tests/unit/world
 
 compiled: $(COMPILED)/.ready ## install the program with its core compiled, in .venv/compiled
 

@@ -102,7 +102,7 @@ def _thing(cls: type) -> Sort:
         return Sort(kinds=(KEEPER,))
     kinds = [kind for base, kind in KINDS if issubclass(cls, base)]
     if not kinds and is_compiled(cls):
-        return Sort(kinds=(compiled_kind(cls),))
+        return Sort(kinds=(compiled_kind(cls),)) if attributes_of(cls) else Sort(plain=True)
     if not kinds and _hides_state(cls):
         return Sort()
     if slots_of(cls):

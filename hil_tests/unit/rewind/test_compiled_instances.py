@@ -43,6 +43,13 @@ class LateSetter(ABC):
         self.early = 1
 
 
+class Nothing:
+    """A compiled class whose instances hold nothing."""
+
+    __slots__ = ()
+    __mypyc_attrs__ = ()
+
+
 class Scope:
     """The variables of a compiled function, as those within it hold them."""
 
@@ -102,6 +109,15 @@ def test_an_attribute_that_was_not_set_yet_is_refused_by_name() -> None:
     thing.late = 2
     with pytest.raises(RewindError, match=r"LateSetter\.late was not set then"):
         rewind.restore(before)
+
+
+def test_what_holds_nothing_needs_no_keeping() -> None:
+    counter = Counter(LARGE)
+    rewind = Rewind([Nothing(), counter])
+    before = rewind.snapshot()
+    counter.count = 1
+    rewind.restore(before)
+    assert counter.count == LARGE
 
 
 def test_what_a_function_within_a_function_changes_is_found() -> None:
