@@ -7,6 +7,7 @@ instant happen in the order in which they were asked for, so two runs are the sa
 import hashlib
 from bisect import insort
 from collections.abc import Callable, Mapping
+from functools import lru_cache
 from typing import Any, Final, Protocol
 
 from emulators.rewind import Moment, Rewind
@@ -16,6 +17,12 @@ from firmware_bridge.units import NEVER, Nanoseconds
 
 LIVELOCK: Final = 100_000
 """So many events at one instant are a mistake of a node that asks to be woken at once, for ever."""
+
+
+@lru_cache(maxsize=4096)
+def _digits(address: int) -> str:
+    """Return an address as the trace writes it; few are carried again and again."""
+    return f"{address:08X}"
 
 
 class WorldError(Exception):
@@ -109,8 +116,6 @@ class World:
         """What is to come, in order. It is short, and so takes less comparing than a heap."""
         self._sequence = 0
         self._trace = Trace()
-        self._digits: dict[int, str] = {}
-        """The addresses that were carried, as the trace writes them."""
         self._rewind = Rewind(self)
 
     def attach(self, name: str, node: Node, links: Mapping[str, Wire]) -> Station:
@@ -204,10 +209,7 @@ class World:
         digits, payload as hexadecimal digits, parted by single spaces and ended by a line feed. A packet is
         one line, however many stations hear it.
         """
-        digits = self._digits.get(packet.address)
-        if digits is None:
-            digits = self._digits[packet.address] = f"{packet.address:08X}"
-        line = f"{self.now} {wire} {sender} {digits} {packet.payload.hex()}\n"
+        line = f"{self.now} {wire} {sender} {_digits(packet.address)} {packet.payload.hex()}\n"
         self._trace.add(line.encode())
 
     @property

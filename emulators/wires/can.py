@@ -46,8 +46,6 @@ class CanWire:
         self._controllers: dict[Station, Controller] = {}
         self._contenders: list[Controller] = []
         """The controllers in the order in which they joined."""
-        self._ranks: dict[int, int] = {}
-        """The rank in arbitration of each address that was sent."""
         self._idle_from: Nanoseconds = 0
         self._busy = False
         self._recent: deque[tuple[Nanoseconds, Nanoseconds]] = deque()
@@ -77,10 +75,7 @@ class CanWire:
     def carry(self, sender: Station, packet: Packet) -> None:
         """Queue a frame; ValueError for what is no frame."""
         address, controller = packet.address, self._controllers[sender]
-        rank = self._ranks.get(address)
-        if rank is None:
-            rank = self._ranks[address] = arbitration_rank(address)
-        controller.queue.append((packet, frame_bits(address, packet.payload), rank))
+        controller.queue.append((packet, frame_bits(address, packet.payload), arbitration_rank(address)))
         if not self._busy:
             # Not at once: others may begin at this very instant, and then the identifier decides.
             self._busy = True

@@ -5,6 +5,7 @@ have told where they are.
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Final
 
 from firmware_bridge.bridge.lift_aim import LiftAim
@@ -83,7 +84,7 @@ class Pipeline:
         self._demanded_mps = self._twist(known, ruling.speed_mps, elapsed)
         sent = self._fleet.command(self._demands(known, ruling, elapsed))
         self._count()
-        self.seen = known.counted(self._odometry.pose, self._demanded_mps)
+        self.seen = replace(known, pose=self._odometry.pose, demanded_speed_mps=self._demanded_mps)
         self.holds = ruling.holds
         return sent, self._operator.report(self.seen, self.holds, now)
 

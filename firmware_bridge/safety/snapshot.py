@@ -107,24 +107,6 @@ class Snapshot:
         self.battery_v = battery_v
         self.link_lost = link_lost
 
-    def counted(self, pose: Pose, demanded_speed_mps: float) -> "Snapshot":
-        """Return the same after the pose was carried on and the next speed demanded."""
-        return Snapshot(
-            now=self.now,
-            intent=self.intent,
-            armed=self.armed,
-            emergency_stopped=self.emergency_stopped,
-            drives=self.drives,
-            steer_rad=self.steer_rad,
-            lift_m=self.lift_m,
-            speed_mps=self.speed_mps,
-            yaw_rate_rad_s=self.yaw_rate_rad_s,
-            pose=pose,
-            demanded_speed_mps=demanded_speed_mps,
-            battery_v=self.battery_v,
-            link_lost=self.link_lost,
-        )
-
 
 @dataclass(frozen=True, slots=True)
 class Hold:
