@@ -1,6 +1,6 @@
 """Everything the bridge knows at one instant, fixed; what is judged, reported and recorded.
 
-Both snapshots write out how they are made, as `firmware_bridge.packet` does: there are five in every cycle,
+Both snapshots write out how they are made, as `firmware_bridge.packet` does: there are six in every cycle,
 and a frozen dataclass takes four times as long to make, fifteen times where this module is compiled.
 """
 
