@@ -1,7 +1,8 @@
-"""Counts lines of code: without blanks, docstrings, comments and imports, so that a shorter file is a simpler one.
+#!/usr/bin/env python3
+"""Counts lines of code: without blanks, docstrings, comments and imports.
 
-`python tools/code_lines.py [FOLDER ...]` prints a row for each folder below the ones named; by default those of
-the product: bridge, emulators, plants. A comment costs nothing, a line that is broken in two counts twice.
+`python tools/code_lines.py [FOLDER ...]` prints a row for each folder below the ones named; by default those
+of the product: bridge, emulators, plants. A comment costs nothing, a line that is broken in two counts twice.
 """
 
 import argparse
