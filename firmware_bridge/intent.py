@@ -1,27 +1,27 @@
 """What the operator wants, in the robot's words, before anything has judged it."""
 
 from dataclasses import dataclass
-from typing import Final, TypeAlias
+from typing import Final, Generic, TypeAlias, TypeVar
 
 from firmware_bridge.units import NEVER, Nanoseconds
 
 NEVER_HEARD: Final[Nanoseconds] = -NEVER
+"""The instant of what has not come yet."""
+
+M_co = TypeVar("M_co", covariant=True)
 
 
-@dataclass(frozen=True, slots=True)
-class Intent:
-    """The newest wish for motion, and when it came; forward and left are positive."""
+class Intent(Generic[M_co]):
+    """The newest wish for motion, and when it came."""
 
-    speed_mps: float = 0.0
-    steer_rad: float = 0.0
-    """Angle of the inner front wheel; its sign is the side of the turn."""
-    lift_m: float | None = None
-    """Height above collapsed to go to; None leaves it to `lift_rate_mps`."""
-    lift_rate_mps: float = 0.0
-    headlamp: bool = False
-    detector: bool = False
-    heard_at: Nanoseconds = NEVER_HEARD
-    """When the newest motion command arrived; `NEVER_HEARD` before the first."""
+    __slots__ = ("heard_at", "said_at", "wish")
+
+    def __init__(self, wish: M_co, heard_at: Nanoseconds = NEVER_HEARD, said_at: Nanoseconds | None = None) -> None:
+        self.wish: Final = wish
+        self.heard_at: Final = heard_at
+        """When the newest motion command arrived; `NEVER_HEARD` before the first."""
+        self.said_at: Final = said_at
+        """When it was sent, by the robot's clock; None where the operator's messages do not tell."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +53,14 @@ class ResetOdometry:
     """Make the present place the origin."""
 
 
-Request: TypeAlias = Arm | Disarm | EmergencyStop | ClearEmergencyStop | ResetOdometry
+@dataclass(frozen=True, slots=True)
+class EnterMode:
+    """Go on in another mode, at rest and disarmed; empty for the whole robot's."""
+
+    mode: str
+
+
+Request: TypeAlias = Arm | Disarm | EmergencyStop | ClearEmergencyStop | ResetOdometry | EnterMode
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,40 +1,40 @@
-"""One robot, one file: the checked table, and where it is read from."""
+"""One robot, one file: the checked table, and how it is read."""
 
-from firmware_bridge.robot.bus import Bus, Link
-from firmware_bridge.robot.file import RobotFileError, find, load, parse, shipped
 from firmware_bridge.robot.model import (
+    AnyLink,
+    AnyRobot,
     Axis,
-    Base,
     Battery,
-    Gains,
-    Lift,
-    Limits,
-    Mode,
+    Command,
+    GuardExclusive,
+    GuardSum,
+    GuardTable,
     OperatorLink,
+    Output,
     PlantFile,
-    Profile,
     Robot,
-    Role,
+    Sensor,
+    Unit,
 )
+from firmware_bridge.robot.problems import Problem, RobotFileError
+from firmware_bridge.robot.table import Table
 
 __all__ = [
+    "AnyLink",
+    "AnyRobot",
     "Axis",
-    "Base",
     "Battery",
-    "Bus",
-    "Gains",
-    "Lift",
-    "Limits",
-    "Link",
-    "Mode",
+    "Command",
+    "GuardExclusive",
+    "GuardSum",
+    "GuardTable",
     "OperatorLink",
+    "Output",
     "PlantFile",
-    "Profile",
+    "Problem",
     "Robot",
     "RobotFileError",
-    "Role",
-    "find",
-    "load",
-    "parse",
-    "shipped",
+    "Sensor",
+    "Table",
+    "Unit",
 ]

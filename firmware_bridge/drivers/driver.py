@@ -1,0 +1,181 @@
+"""A device as the bridge sees it, whatever protocol it speaks: demands in, feedback out; SI units behind the gear.
+
+No base class: a driver is anything that has these methods. It refuses to know why a demand is made.
+"""
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Final, Protocol, TypeAlias
+
+from firmware_bridge.packet import Packet
+from firmware_bridge.robot import Axis
+from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.units import Nanoseconds
+
+
+
+
+@dataclass(frozen=True, slots=True)
+class Speed:
+    """Move at this speed, in the axis's unit a second; for axes that are commanded by speed."""
+
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Position:
+    """Go to this position, in the axis's unit; for axes that are commanded by position."""
+
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Level:
+    """Switch an output."""
+
+    on: bool
+
+
+class Stop(Enum):
+    """Demands that end motion, from the gentlest on."""
+
+    REST = "rest"
+    """Ramp down with the profile's deceleration and hold still with power on: the safe demand."""
+    QUICK_STOP = "quick stop"
+    """Ramp down with the quick stop's deceleration and hold still until enabled again."""
+    POWER_OFF = "power off"
+    """No torque from now on: the shaft coasts."""
+
+
+Demand: TypeAlias = Speed | Position | Stop
+
+
+class Task(Enum):
+    """A step of the device's way to power and back; all devices take one before any takes the next."""
+
+    FIND = "find"
+    """Make the device listen, and wait until it answers."""
+    IDENTIFY = "check identity"
+    CONFIGURE = "configure"
+    """Bring it to rest without power, write the set-up, and read back what safety hangs on."""
+    START = "start"
+    """Let process data flow, and wait until the device tells its state and position."""
+    ENABLE = "enable"
+    """Reset a fault if there is one, and put power on."""
+    LEAVE = "leave"
+    """Take the power off, and end the watch over the bridge's heartbeat. This task never fails."""
+
+
+BRING_UP: Final = (Task.FIND, Task.IDENTIFY, Task.CONFIGURE, Task.START, Task.ENABLE)
+
+
+class StartupError(Exception):
+    """A device that is missing, or refuses: which, what was expected, what came."""
+
+    def __init__(self, axis: Axis, problem: str) -> None:
+        super().__init__(axis.name, problem)
+        self.axis = axis
+        self.problem = problem
+
+    def __str__(self) -> str:
+        """Say it in one line."""
+        return f"{self.axis.called}: {self.problem}"
+
+
+class Power(Enum):
+    """What a device says of its power, in five words that every device can be asked for."""
+
+    UNKNOWN = "unknown"
+    """It has said nothing, or does not listen to set-points."""
+    OFF = "off"
+    STOPPED = "stopped"
+    """It has stopped by itself, or by a quick stop, and wants to be enabled again."""
+    ON = "on"
+    """It follows set-points."""
+    FAULT = "fault"
+
+
+class Tells(Enum):
+    """What a driver's devices can tell; a common interlock that needs more is replaced by a weaker one."""
+
+    POWER = "power"
+    POSITION = "position"
+    VELOCITY = "velocity"
+    CURRENT = "current"
+    STOP = "stop"
+    """That they have come to rest after they were told to."""
+
+
+@dataclass(frozen=True, slots=True)
+class Feedback:
+    """What is known of one axis, behind its gear; positive as the robot file's `direction` makes it."""
+
+    axis: str
+    power: Power = Power.UNKNOWN
+    heard_at: Nanoseconds = NEVER_HEARD
+    """When the newest sample of state and position arrived; a heartbeat alone proves no position."""
+    sampled_at: Nanoseconds = NEVER_HEARD
+    """The begin of the cycle, on CAN the SYNC, at which that sample was taken."""
+    position: float = 0.0
+    """In the axis's unit, counted on across the wrap of the device's own counter."""
+    velocity: float = 0.0
+    """In the axis's unit a second, the mean between the last two samples."""
+    current_a: float | None = None
+    """None where the device does not measure it."""
+    fault: str = ""
+    """The device's code of its newest fault; empty where there is none, or it was reset."""
+    says: str = ""
+    """The device's own word for its state; empty while it is unknown."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """What a sensor told."""
+
+    value: float
+    sampled_at: Nanoseconds
+    heard_at: Nanoseconds
+
+
+class Driver(Protocol):
+    """One device that moves an axis; what a method returns is to be sent."""
+
+    @property
+    def axis(self) -> Axis:
+        """The axis that it moves."""
+
+    @property
+    def tells(self) -> frozenset[Tells]:
+        """What it can tell."""
+
+    @property
+    def feedback(self) -> Feedback:
+        """What it has told."""
+
+    @property
+    def busy(self) -> bool:
+        """Whether tasks are under way."""
+
+    @property
+    def failure(self) -> StartupError | None:
+        """Why the last tasks failed; None where they did not."""
+
+    @property
+    def configured(self) -> bool:
+        """Whether its set-up is in force; not after it restarted."""
+
+    @property
+    def wake_at(self) -> Nanoseconds:
+        """When it wants to be woken."""
+
+    def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
+        """Do these tasks in order, in place of those under way."""
+
+    def command(self, demand: Demand) -> tuple[Packet, ...]:
+        """Send a demand; while tasks are under way only one that ends them: quick stop or power off."""
+
+    def release(self) -> tuple[Packet, ...]:
+        """End a set-point's handshake, where the device has one; due half a cycle after `command`."""
+
+    def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Act on the time."""

@@ -1,0 +1,137 @@
+"""A kind of robot: everything that a folder of `firmware_bridge/robots`, or a stranger's package, tells the bridge.
+
+Three types of its own: G, its geometry and limits, a table of the robot file; M, its motion in its own words,
+which the operator's wish, the gate's ruling and the demand behind the ramp all are; S, what axes and sensors
+tell of its body.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any, Final, Generic, Protocol, TypeAlias, TypeVar
+
+from firmware_bridge.drivers.driver import Demand, Feedback, Level, Reading
+from firmware_bridge.motion.pose import Pose
+from firmware_bridge.robot import Robot
+from firmware_bridge.robot.table import Table
+from firmware_bridge.safety.interlock import Interlock, Limit
+from firmware_bridge.safety.snapshot import Group, Snapshot
+from firmware_bridge.teleop.station import Station
+from firmware_bridge.units import Nanoseconds
+
+G = TypeVar("G", bound=Table)
+M = TypeVar("M")
+S = TypeVar("S")
+
+
+class Body(Protocol[M, S]):
+    """One robot's body: pure, numbers in, numbers out; SI units, axes by their names."""
+
+    @property
+    def rolling(self) -> tuple[str, ...]:
+        """The axes from whose positions the pose is carried on; they are sampled at one instant for it."""
+
+    def sensed(self, axes: Mapping[str, Feedback], sensors: Mapping[str, Reading]) -> S:
+        """Return what they tell of the body; what is not known is None in it."""
+
+    def asked(self, motion: M, state: S) -> frozenset[Group]:
+        """Return the groups that this motion asks to move."""
+
+    def moving(self, state: S) -> frozenset[Group]:
+        """Return the groups that are seen to move."""
+
+    def rested(self, motion: M, groups: frozenset[Group]) -> M:
+        """Return the motion with these groups at rest."""
+
+    def ramped(self, demanded: M, allowed: M, state: S, elapsed: Nanoseconds) -> M:
+        """Return the next demand on the way to what is allowed, `elapsed` after `demanded`."""
+
+    def demands(self, motion: M, state: S) -> Mapping[str, Demand]:
+        """Return the axes' demands for this motion, in the order in which they are sent; an axis left out rests."""
+
+    def advanced(self, pose: Pose, before: Mapping[str, Feedback], after: Mapping[str, Feedback]) -> Pose:
+        """Return the pose after the `rolling` axes moved from one sample to the next."""
+
+
+class Guide(Protocol[M, S]):
+    """Makes a wish from a path; it passes through the same gate as a stick."""
+
+    def wished(self, seen: Snapshot[M, S], elapsed: Nanoseconds) -> M:
+        """Return the next wish."""
+
+    def reset(self) -> None:
+        """Forget what has been added up: the robot was held back."""
+
+
+class Mode(Generic[G, M, S]):
+    """How the robot goes on after an actuator has failed: without its axis, with another body and other rows."""
+
+    __slots__ = ("body", "interlocks", "limits", "without")
+
+    def __init__(
+        self,
+        *,
+        without: frozenset[str],
+        body: Callable[[Robot[G]], Body[M, S]],
+        interlocks: tuple[Interlock[G, M, S], ...],
+        limits: tuple[Limit[G, M, S], ...],
+    ) -> None:
+        self.without: Final = without
+        """The axes, by their roles, that are not used in it: without power, or held."""
+        self.body: Final = body
+        self.interlocks: Final = interlocks
+        self.limits: Final = limits
+
+
+class Kind(Generic[G, M, S]):
+    """One kind of robot, whole."""
+
+    __slots__ = (
+        "body", "file", "geometry", "groups", "guides", "interlocks", "limits", "modes", "name", "numbers",
+        "on_stop", "reach", "rest", "station", "switched",
+    )  # fmt: skip
+
+    def __init__(
+        self,
+        *,
+        name: str,
+        file: Path,
+        geometry: type[G],
+        rest: M,
+        numbers: Mapping[str, Callable[[M], float | None]],
+        body: Callable[[Robot[G]], Body[M, S]],
+        groups: Mapping[Group, frozenset[str]],
+        interlocks: tuple[Interlock[G, M, S], ...],
+        limits: tuple[Limit[G, M, S], ...],
+        reach: Callable[[Robot[G]], Iterable[tuple[M, S]]],
+        station: Station[G, M, S],
+        guides: Mapping[str, Callable[[Robot[G]], Guide[M, S]]] | None = None,
+        modes: Mapping[str, Mode[G, M, S]] | None = None,
+        switched: Callable[[M], Mapping[str, Level]] | None = None,
+        on_stop: Mapping[str, Level] | None = None,
+    ) -> None:
+        self.name: Final = name
+        self.file: Final = file
+        """The robot file that comes with the kind."""
+        self.geometry: Final = geometry
+        self.rest: Final = rest
+        """A motion in which everything rests."""
+        self.numbers: Final = numbers
+        """What in a motion must be a finite number, by its title for people."""
+        self.body: Final = body
+        self.groups: Final = groups
+        """The axes, by their roles, that stop together; every axis is in one group."""
+        self.interlocks: Final = interlocks
+        """The robot's own rows; the common ones come beside them."""
+        self.limits: Final = limits
+        self.reach: Final = reach
+        """The motions at the corners of what the limits allow, with the state in which they ask the most."""
+        self.station: Final = station
+        self.guides: Final[Mapping[str, Callable[[Robot[G]], Guide[M, S]]]] = guides or {}
+        self.modes: Final[Mapping[str, Mode[G, M, S]]] = modes or {}
+        self.switched: Final = switched
+        """What a motion makes of the robot's outputs, by their names; None for a kind without."""
+        self.on_stop: Final[Mapping[str, Level]] = on_stop or {}
+        """The outputs that a stop of all groups sets, whatever the motion says."""
+
+
+AnyKind: TypeAlias = Kind[Any, Any, Any]

@@ -1,0 +1,115 @@
+"""What the tables of a robot file must say of each other: names that exist, once each; links that carry.
+
+It looks at the raw tables, so that these mistakes are told together with those of single keys.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Final, TypeAlias
+
+from firmware_bridge.robot.problems import Problem, near
+
+Raw: TypeAlias = Mapping[str, object]
+SERIAL: Final = "epos2-serial"
+
+
+def cross_checked(table: Raw, roles: Mapping[str, str]) -> Iterator[Problem]:
+    """Yield what does not fit together; `roles` are those that the robot's kind knows, with their group."""
+    axes, sensors, outputs = (_tables(table, key) for key in ("axes", "sensors", "outputs"))
+    links = _named(table, "links")
+    for key, rows in (("axes", axes), ("sensors", sensors), ("outputs", outputs)):
+        yield from _once(rows, key, "name")
+        for index, row in enumerate(rows):
+            link = row.get("link")
+            if isinstance(link, str) and link not in links:
+                yield Problem(f"{key}[{index}].link", f"no link '{link}'; {near(link, links)}")
+    yield from _roles(axes, roles)
+    names = [str(axis.get("name")) for axis in axes]
+    for key, rows in (("sensors", sensors), ("outputs", outputs)):
+        for index, row in enumerate(rows):
+            axis = _within(row, "settings").get("axis")
+            if isinstance(axis, str) and axis not in names:
+                yield Problem(f"{key}[{index}].settings.axis", f"no axis '{axis}'; {near(axis, names)}")
+    yield from _battery(table, [str(sensor.get("name")) for sensor in sensors])
+    yield from _guarded(table, names)
+    for name, link in links.items():
+        yield from _carried(name, link, axes, sensors)
+
+
+def _roles(axes: list[Raw], roles: Mapping[str, str]) -> Iterator[Problem]:
+    told = [str(axis.get("role", axis.get("name"))) for axis in axes]
+    for index, role in enumerate(told):
+        if role not in roles:
+            key = "role" if "role" in axes[index] else "name"
+            yield Problem(f"axes[{index}].{key}", f"'{role}' is no role of this kind; {near(role, roles)}")
+        elif role in told[:index]:
+            yield Problem(f"axes[{index}].role", f"'{role}' is taken by axes[{told.index(role)}], too")
+    for role, group in roles.items():
+        if role not in told:
+            yield Problem("axes", f"no axis has the role '{role}', which the group '{group}' needs")
+
+
+def _battery(table: Raw, sensors: list[str]) -> Iterator[Problem]:
+    sensor = _within(table, "battery").get("sensor")
+    if isinstance(sensor, str) and sensor not in sensors:
+        yield Problem("battery.sensor", f"no sensor '{sensor}'; {near(sensor, sensors)}")
+
+
+def _guarded(table: Raw, names: list[str]) -> Iterator[Problem]:
+    guard = _within(table, "guard")
+    for index, row in enumerate(_tables(guard, "sums")):
+        for axis in _within(row, "of"):
+            if axis not in names:
+                yield Problem(f"guard.sums[{index}].of.{axis}", f"no such axis; {near(axis, names)}")
+    for index, row in enumerate(_tables(guard, "exclusive")):
+        for side in ("one", "other"):
+            listed = row.get(side)
+            for axis in listed if isinstance(listed, list) else ():
+                if axis not in names:
+                    yield Problem(f"guard.exclusive[{index}].{side}", f"no axis '{axis}'; {near(axis, names)}")
+
+
+def _carried(name: str, link: Raw, axes: list[Raw], sensors: list[Raw]) -> Iterator[Problem]:
+    """Check one link: somebody is on it, nobody twice, and a gateway has somebody to watch."""
+    own = [(index, axis) for index, axis in enumerate(axes) if axis.get("link") == name]
+    nodes: dict[object, int] = {}
+    for index, axis in own:
+        node = _within(axis, "settings").get("node")
+        key = f"axes[{index}].settings.node"
+        if node in nodes:
+            yield Problem(key, f"{node} is the node of axes[{nodes[node]}], too")
+        elif node is not None and node == link.get("bridge_node"):
+            yield Problem(key, f"{node} is the bridge's own node, links.{name}.bridge_node")
+        if node is not None:
+            nodes.setdefault(node, index)
+    if not own and not any(sensor.get("link") == name for sensor in sensors):
+        yield Problem(f"links.{name}", "no axis and no sensor is on this link")
+    gateway = link.get("gateway")
+    if link.get("driver") == SERIAL and gateway is not None and nodes:
+        if gateway not in nodes:
+            yield Problem(f"links.{name}.gateway", f"{gateway} is not the node of an axis on this link")
+        elif len(nodes) == 1:
+            yield Problem(f"links.{name}.gateway", "a drive without another one behind it watches nobody")
+
+
+def _once(rows: list[Raw], key: str, field: str) -> Iterator[Problem]:
+    seen: dict[object, int] = {}
+    for index, row in enumerate(rows):
+        value = row.get(field)
+        if value in seen:
+            yield Problem(f"{key}[{index}].{field}", f"'{value}' is taken by {key}[{seen[value]}], too")
+        elif isinstance(value, str):
+            seen[value] = index
+
+
+def _tables(table: Raw, key: str) -> list[Raw]:
+    rows = table.get(key)
+    return [row if isinstance(row, dict) else {} for row in rows] if isinstance(rows, list) else []
+
+
+def _named(table: Raw, key: str) -> dict[str, Raw]:
+    return {name: row for name, row in _within(table, key).items() if isinstance(row, dict)}
+
+
+def _within(table: Raw, key: str) -> Raw:
+    inner = table.get(key)
+    return inner if isinstance(inner, dict) else {}

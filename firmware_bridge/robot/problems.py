@@ -1,0 +1,104 @@
+"""What is wrong with a file of tables: all of it at once, each with its key, and a near name where there is one."""
+
+from collections.abc import Collection, Iterator
+from difflib import get_close_matches
+from typing import NamedTuple, get_args
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+MOST_NAMES = 12
+"""So many known names are listed where none is near."""
+
+
+class Problem(NamedTuple):
+    """One mistake: the key's path, what is wrong, and what to do."""
+
+    key: str
+    problem: str
+
+
+class RobotFileError(Exception):
+    """A robot file that cannot be used: which file, which keys, what is wrong with each."""
+
+    def __init__(self, file: str, *problems: Problem) -> None:
+        super().__init__(file, *problems)
+        self.file = file
+        self.problems = problems
+
+    def __str__(self) -> str:
+        """Say it in a line for each mistake."""
+        return "\n".join(
+            f"{self.file}: {key}: {problem}" if key else f"{self.file}: {problem}" for key, problem in self.problems
+        )
+
+
+def near(name: object, known: Collection[str]) -> str:
+    """Return the ending of a message about a name that is not known."""
+    close = get_close_matches(str(name), known, n=1)
+    if close:
+        return f"perhaps '{close[0]}'?"
+    if len(known) > MOST_NAMES:
+        return f"there are {len(known)}"
+    return f"there are: {', '.join(known)}" if known else "there are none"
+
+
+def problems_of(error: ValidationError, model: type[BaseModel]) -> Iterator[Problem]:
+    """Yield every mistake that a model has found."""
+    for one in error.errors():
+        yield Problem(path(one["loc"]), _said(one, model))
+
+
+def path(location: tuple[int | str, ...]) -> str:
+    """Return a key's path as a person writes it."""
+    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location).lstrip(".")
+
+
+def _said(error: ErrorDetails, model: type[BaseModel]) -> str:
+    location, given = error["loc"], error["input"]
+    if error["type"] == "extra_forbidden":
+        return f"no such key; {near(location[-1], _keys_at(model, location[:-1]))}"
+    if error["type"] == "missing":
+        return "is missing"
+    if error["type"] in {"enum", "literal_error"}:
+        known = [str(getattr(one, "value", one)) for one in _choices_at(model, location)]
+        return f"'{given}' is not known; {near(given, known)}"
+    said = error["msg"].removeprefix("Value error, ")
+    return said if isinstance(given, dict | list) else f"{said}, but it is {given!r}"
+
+
+def _keys_at(model: type[BaseModel], location: tuple[int | str, ...]) -> list[str]:
+    table = model
+    for part in location:
+        if isinstance(part, str) and part in table.model_fields:
+            inner = next(_tables(table.model_fields[part].annotation), None)
+            if inner is None:
+                return []
+            table = inner
+    return list(table.model_fields)
+
+
+def _choices_at(model: type[BaseModel], location: tuple[int | str, ...]) -> list[object]:
+    table = model
+    choices: list[object] = []
+    for part in location:
+        if isinstance(part, str) and part in table.model_fields:
+            annotation = table.model_fields[part].annotation
+            inner = next(_tables(annotation), None)
+            if inner is None:
+                kinds = [annotation, *get_args(annotation)]
+                choices = [
+                    one for kind in kinds if isinstance(kind, type) and hasattr(kind, "__members__") for one in kind
+                ] or list(get_args(annotation))
+            else:
+                table = inner
+    return choices
+
+
+def _tables(annotation: object) -> Iterator[type[BaseModel]]:
+    """Yield the tables that an annotation names, however it wraps them."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    else:
+        for inner in get_args(annotation):
+            yield from _tables(inner)

@@ -1,0 +1,168 @@
+"""EPOS2 drives in a robot file: their bus or serial line, one drive, its analogue inputs, its outputs."""
+
+from collections.abc import Sequence
+from enum import StrEnum
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
+
+from firmware_bridge.robot.table import LinkTable, Name, Positive, Signed16, Table, Unsigned16, Unsigned32
+from firmware_bridge.units import QUADCOUNTS_PER_LINE
+from firmware_bridge.wire.maxon.frame import Generation
+
+NodeId = Annotated[int, Field(ge=1, le=127)]
+
+
+class Epos2Driver(StrEnum):
+    """How the bridge reaches the drives."""
+
+    CAN = "epos2-can"
+    SERIAL = "epos2-serial"
+    """Over the serial port of one drive, the gateway, which passes commands on over CAN."""
+
+
+class Epos2Device(StrEnum):
+    """The type of a drive, as maxon names it behind the word EPOS2."""
+
+    EPOS2_24_2 = "24/2"
+    EPOS2_24_5 = "24/5"
+    MODULE_36_2 = "36/2"
+    EPOS2_50_5 = "50/5"
+    EPOS2_70_10 = "70/10"
+
+
+class Epos2Link(LinkTable):
+    """The CAN bus, the bridge's way to it, and the time-outs."""
+
+    driver: Annotated[Epos2Driver, Field(strict=False)]
+    gateway: NodeId | None = None
+    """The drive whose serial port the bridge is on."""
+    protocol: Annotated[Generation, Field(strict=False)] = Generation.V2
+    """What that port speaks: v1 as on RS232, v2 as on USB."""
+    baud: Annotated[int, Field(ge=9_600, le=1_000_000)] | None = None
+    """Of that port; None for the protocol's default."""
+    port_latency_us: Annotated[int, Field(ge=0, le=20_000)] = 1_000
+    """How long this machine's port may keep what it has heard: the latency timer of a converter on USB."""
+    bit_rate: Annotated[int, Field(ge=10_000, le=1_000_000)]
+    bridge_node: NodeId
+    bridge_heartbeat_ms: Annotated[int, Field(ge=10, le=10_000)]
+    bridge_silent_ms: Annotated[int, Field(ge=10, le=10_000)]
+    """The drives stop by themselves after this silence of the bridge."""
+    drive_heartbeat_ms: Annotated[int, Field(ge=10, le=10_000)]
+
+    @model_validator(mode="after")
+    def _silence_is_longer_than_the_beat(self) -> Self:
+        if self.bridge_silent_ms <= self.bridge_heartbeat_ms:
+            raise ValueError("bridge_silent_ms must be longer than bridge_heartbeat_ms")
+        if self.silent_ms <= self.drive_heartbeat_ms:
+            raise ValueError("silent_ms must be longer than drive_heartbeat_ms")
+        return self
+
+    @model_validator(mode="after")
+    def _a_serial_link_has_a_gateway(self) -> Self:
+        if self.driver is Epos2Driver.SERIAL and self.gateway is None:
+            raise ValueError("driver = 'epos2-serial' needs gateway, the node of the drive with the port")
+        return self
+
+    @property
+    def line_rate(self) -> int:
+        """The serial port's rate in bits a second: RS232 at 115.2 kBd, USB's converter at 1 MBd."""
+        return self.baud or (115_200 if self.protocol is Generation.V1 else 1_000_000)
+
+    def guardian(self, nodes: Sequence[int]) -> int:
+        """Return the node on a serial link whose answers to node guarding the gateway watches."""
+        return next(node for node in nodes if node != self.gateway)
+
+    def watched_by(self, node: int, nodes: Sequence[int]) -> int:
+        """Return the node whose silence stops this drive.
+
+        That is the bridge; but the gateway does not hear what it sends onto the bus for the bridge, so it
+        watches another drive, which speaks only when the bridge asks it.
+        """
+        through = self.driver is Epos2Driver.SERIAL and node == self.gateway
+        return self.guardian(nodes) if through else self.bridge_node
+
+    def over_serial(self, gateway: int, protocol: Generation | None, baud: int | None) -> Self:
+        """Return this bus as it is reached over a serial port, by default that of the drive `gateway`."""
+        said = {
+            "driver": Epos2Driver.SERIAL,
+            "gateway": self.gateway or gateway,
+            "protocol": protocol or self.protocol,
+            "baud": baud if protocol or baud else self.baud,
+        }
+        return self.model_validate(self.model_dump() | said)
+
+
+class Gains(Table):
+    """Regulator gains as the drive's raw integers (EPOS2 objects 0x60F6, 0x60F9, 0x60FB)."""
+
+    current_p: Signed16
+    current_i: Signed16
+    velocity_p: Signed16
+    velocity_i: Signed16
+    velocity_feedforward: Unsigned16 = 0
+    acceleration_feedforward: Unsigned16 = 0
+    position_p: Signed16
+    position_i: Signed16
+    position_d: Signed16
+    position_velocity_feedforward: Unsigned16 = 0
+    position_acceleration_feedforward: Unsigned16 = 0
+
+
+class Profile(Table):
+    """Motion profile in the drive's units: rpm and rpm/s at the motor, quadcounts."""
+
+    velocity_rpm: Unsigned32
+    acceleration_rpm_s: Unsigned32
+    deceleration_rpm_s: Unsigned32
+    quick_stop_rpm_s: Unsigned32
+    max_velocity_rpm: Annotated[int, Field(ge=0, le=25_000)]
+    max_following_error_qc: Unsigned32
+
+
+class Epos2Axis(Table):
+    """One drive, its motor and its encoder."""
+
+    node: NodeId
+    device: Annotated[Epos2Device, Field(strict=False)]
+    product_code: Unsigned32
+    motor: str
+    encoder_lines: Annotated[int, Field(ge=16, le=2_500_000)]
+    motor_type: Unsigned16
+    continuous_current_ma: Unsigned16
+    peak_current_ma: Unsigned16
+    thermal_time_constant_100ms: Annotated[int, Field(ge=1, le=5400)]
+    profile: Profile
+    gains: Gains
+
+    @model_validator(mode="after")
+    def _the_peak_is_the_peak(self) -> Self:
+        if self.peak_current_ma < self.continuous_current_ma:
+            raise ValueError("peak_current_ma must not be below continuous_current_ma")
+        return self
+
+    @property
+    def address(self) -> str:
+        """The drive in words."""
+        return f"node {self.node}"
+
+    @property
+    def quadcounts_per_turn(self) -> int:
+        """Quadcounts in one turn of the motor's shaft."""
+        return QUADCOUNTS_PER_LINE * self.encoder_lines
+
+
+class Epos2AnalogueInput(Table):
+    """A sensor behind an analogue input of one drive (0x207C)."""
+
+    axis: Name
+    input: Annotated[int, Field(ge=1, le=2)]
+    per_volt: Positive
+    """The sensor's value for each volt at the input."""
+
+
+class Epos2DigitalOutput(Table):
+    """A device behind a digital output of one drive, switched as a general purpose output (0x2078)."""
+
+    axis: Name
+    output: Annotated[int, Field(ge=1, le=4)]

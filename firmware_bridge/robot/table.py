@@ -1,0 +1,30 @@
+"""What all tables of a robot file have in common."""
+
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$")]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Unsigned16 = Annotated[int, Field(ge=0, le=0xFFFF)]
+Signed16 = Annotated[int, Field(ge=-0x8000, le=0x7FFF)]
+Unsigned32 = Annotated[int, Field(ge=0, le=0xFFFF_FFFF)]
+
+
+class Table(BaseModel):
+    """A table of a robot file: no unknown key, no value of another kind, nothing changed later."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, str_strip_whitespace=True)
+
+
+class LinkTable(Table):
+    """A link to devices, whatever they are: `[links.NAME]`."""
+
+    every: Annotated[int, Field(ge=1, le=100)] = 1
+    """The link's devices are sampled and commanded in each so many-th cycle of the robot."""
+    silent_ms: Annotated[int, Field(ge=10, le=10_000)]
+    """The bridge stops the robot after this silence of a device on the link."""
+    stops: Annotated[tuple[str, ...] | None, Field(strict=False)] = None
+    """The groups that stop when the link is lost; None for all."""

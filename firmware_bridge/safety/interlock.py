@@ -1,0 +1,149 @@
+"""What an interlock is: one row that says all, and what it may look at.
+
+A predicate tells the reason why it holds, or None. It is told whether it holds already, so that the threshold
+at which it lets go may lie below the one at which it trips. It keeps no state: time-outs are computed from
+instants in the snapshot, and `firmware_bridge.safety.gate` keeps the clear times. What is not a number or not
+known never counts as safe: comparisons are written so that a NaN trips.
+"""
+
+from collections.abc import Callable
+from typing import Final, Generic, TypeAlias, TypeVar
+
+from firmware_bridge.drivers.driver import Feedback, Tells
+from firmware_bridge.robot import Axis, Robot
+from firmware_bridge.robot.table import Table
+from firmware_bridge.safety.row import Row, Severity
+from firmware_bridge.safety.snapshot import Facts, Ruling, Snapshot
+from firmware_bridge.units import Nanoseconds
+
+G = TypeVar("G", bound=Table)
+M = TypeVar("M")
+S = TypeVar("S")
+
+
+class View(Generic[G, M, S]):
+    """What a row may look at: the robot, the snapshot, and what the gate itself has let through."""
+
+    __slots__ = ("allowed", "before", "holding", "robot", "seen")
+
+    def __init__(
+        self, robot: Robot[G], seen: Snapshot[M, S], allowed: M, before: Ruling[M] | None, *, holding: bool = False
+    ) -> None:
+        self.robot: Final = robot
+        self.seen: Final = seen
+        self.allowed: Final = allowed
+        """What this ruling allows so far; the wish where nothing has been judged yet."""
+        self.before: Final = before
+        """The gate's ruling before this one; None at the first."""
+        self.holding: Final = holding
+        """The row that looks holds already."""
+
+    @property
+    def facts(self) -> Facts:
+        """What is known of any robot."""
+        return self.seen.facts
+
+    @property
+    def body(self) -> S:
+        """What is known of this one's body."""
+        return self.seen.body
+
+    @property
+    def geometry(self) -> G:
+        """The robot's geometry and limits."""
+        return self.robot.geometry
+
+    def held(self) -> "View[G, M, S]":
+        """Return the same for a row that holds already."""
+        return View(self.robot, self.seen, self.allowed, self.before, holding=True)
+
+    def with_allowed(self, allowed: M) -> "View[G, M, S]":
+        """Return the same with another motion allowed so far."""
+        return View(self.robot, self.seen, allowed, self.before, holding=self.holding)
+
+
+class Interlock(Row, Generic[G, M, S]):
+    """Stops the groups that it names while it holds."""
+
+    __slots__ = ("after_limits", "judge")
+
+    def __init__(
+        self,
+        name: str,
+        judge: Callable[[View[G, M, S]], str | None],
+        remedy: str,
+        *,
+        stops: frozenset[str] | None = None,
+        clear_after: Nanoseconds = 0,
+        severity: Severity = Severity.WARNING,
+        disarms: bool = False,
+        blocks_arming: bool = True,
+        latches: bool = False,
+        after_limits: bool = False,
+    ) -> None:
+        super().__init__(
+            name,
+            remedy,
+            stops=stops,
+            clear_after=clear_after,
+            severity=severity,
+            disarms=disarms,
+            blocks_arming=blocks_arming,
+            latches=latches,
+        )
+        self.judge: Final = judge
+        self.after_limits: Final = after_limits
+        """It judges what all rows and limits before it have allowed, not the wish."""
+
+
+class Limit(Row, Generic[G, M, S]):
+    """Clips a wish that is otherwise allowed, and says so; it stops nothing."""
+
+    __slots__ = ("clip",)
+
+    def __init__(
+        self,
+        name: str,
+        clip: Callable[[View[G, M, S]], tuple[M, str | None]],
+        remedy: str,
+        *,
+        clear_after: Nanoseconds,
+    ) -> None:
+        super().__init__(name, remedy, stops=frozenset(), clear_after=clear_after, blocks_arming=False)
+        self.clip: Final = clip
+        """Return `view.allowed` within the limit, and the reason where it was outside."""
+
+
+AxisJudge: TypeAlias = Callable[[Axis, Feedback, Facts, Nanoseconds], str | None]
+"""The axis, what is known of it, what is known of the robot, and the silence that its link allows."""
+
+
+class AxisInterlock(Row):
+    """Stops everything while it holds for one axis; the axis's name is added to its name."""
+
+    __slots__ = ("instead", "judge", "needs")
+
+    def __init__(
+        self,
+        name: str,
+        judge: AxisJudge,
+        remedy: str,
+        *,
+        needs: frozenset[Tells] = frozenset(),
+        instead: "AxisInterlock | None" = None,
+        clear_after: Nanoseconds = 0,
+        severity: Severity = Severity.WARNING,
+    ) -> None:
+        super().__init__(name, remedy, clear_after=clear_after, severity=severity, disarms=True)
+        self.judge: Final = judge
+        self.needs: Final = needs
+        """What the axis's driver must tell for it."""
+        self.instead: Final = instead
+        """The weaker row for a driver that does not tell it; None: such a driver is refused."""
+
+    def fitting(self, tells: frozenset[Tells]) -> "AxisInterlock | None":
+        """Return this row, or the first weaker one for which this is enough; None where there is none."""
+        row: AxisInterlock | None = self
+        while row is not None and not row.needs <= tells:
+            row = row.instead
+        return row
