@@ -79,9 +79,14 @@ def _base_drives(view: View) -> str | None:
 
 INTERLOCKS: Final = (
     Interlock(
-        "steer angle unknown", _steer_unknown, "wait for the steering drive's position", severity=Severity.ERROR
+        "steer angle unknown",
+        _steer_unknown,
+        "wait for the steering drive's position",
+        severity=Severity.ERROR,
     ),
-    Interlock("lift height unknown", _lift_unknown, "wait for the lift drive's position", severity=Severity.ERROR),
+    Interlock(
+        "lift height unknown", _lift_unknown, "wait for the lift drive's position", severity=Severity.ERROR
+    ),
     Interlock(
         "lift extended",
         _lift_extended,
@@ -114,7 +119,9 @@ def tipping_speed(robot: Robot[Geometry], steer_rad: float) -> float:
     """Return the speed in m/s at which the turn tips the robot over, sqrt(R g d / Zcg) (2.7)."""
     base = robot.geometry.base
     radius = davis.turn_radius(base, steer_rad)
-    return math.sqrt(radius * STANDARD_GRAVITY * (base.half_support_width_m / base.centre_of_gravity_height_m))
+    return math.sqrt(
+        radius * STANDARD_GRAVITY * (base.half_support_width_m / base.centre_of_gravity_height_m)
+    )
 
 
 def _top_speed(view: View) -> float:
