@@ -7,73 +7,81 @@ sides mirror each other. It refuses to know limits: a caller clips.
 
 import math
 
-from firmware_bridge.robot import Axis, Base
+from firmware_bridge.robot.table import Positive, Table
 
 
-def rack_from_steer(base: Base, steer_rad: float) -> float:
+class DavisBase(Table):
+    """Davis-steered platform, lengths in metres (thesis 2.4, Tab. 3.1)."""
+
+    wheel_radius_m: Positive
+    rear_track_m: Positive
+    wheelbase_m: Positive
+    kingpin_distance_m: Positive
+    davis_h_m: Positive
+    pinion_diameter_m: Positive
+    half_support_width_m: Positive
+    centre_of_gravity_height_m: Positive
+
+    @property
+    def davis_b_m(self) -> float:
+        """Half the tie rod's offset, from 2 b / h = a_k / w (2.12)."""
+        return self.davis_h_m * self.kingpin_distance_m / (2.0 * self.wheelbase_m)
+
+
+def rack_from_steer(base: DavisBase, steer_rad: float) -> float:
     """Return the rack's travel in m for an inner wheel angle (4.7), |steer| below 90 degrees."""
     h, b = base.davis_h_m, base.davis_b_m
     tangent = math.tan(abs(steer_rad))
     return math.copysign(tangent * (h * h + b * b) / (h + b * tangent), steer_rad)
 
 
-def steer_from_rack(base: Base, rack_m: float) -> float:
+def steer_from_rack(base: DavisBase, rack_m: float) -> float:
     """Return the inner wheel's angle for the rack's travel (4.6)."""
     h, b = base.davis_h_m, base.davis_b_m
     travel = abs(rack_m)
     return math.copysign(math.atan2(travel * h, h * h + b * b - b * travel), rack_m)
 
 
-def outer_from_rack(base: Base, rack_m: float) -> float:
+def outer_from_rack(base: DavisBase, rack_m: float) -> float:
     """Return the outer wheel's angle for the rack's travel (4.6)."""
     h, b = base.davis_h_m, base.davis_b_m
     travel = abs(rack_m)
     return math.copysign(math.atan2(travel * h, h * h + b * b + b * travel), rack_m)
 
 
-def pinion_from_rack(base: Base, rack_m: float) -> float:
-    """Return the pinion's angle (4.8), the angle behind the steering gear."""
-    return 2.0 * rack_m / base.pinion_diameter_m
+def pinion_from_steer(base: DavisBase, steer_rad: float) -> float:
+    """Return the pinion's angle (4.8), the angle behind the steering gear, for an inner wheel angle."""
+    return 2.0 * rack_from_steer(base, steer_rad) / base.pinion_diameter_m
 
 
-def rack_from_pinion(base: Base, pinion_rad: float) -> float:
-    """Return the rack's travel for the pinion's angle (4.8)."""
-    return pinion_rad * base.pinion_diameter_m / 2.0
+def steer_from_pinion(base: DavisBase, pinion_rad: float) -> float:
+    """Return the inner wheel's angle for the pinion's angle (4.8)."""
+    return steer_from_rack(base, pinion_rad * base.pinion_diameter_m / 2.0)
 
 
-def steer_quadcounts(base: Base, axis: Axis, steer_rad: float) -> int:
-    """Return the steering drive's position, nearest quadcount; the drive counts from straight ahead."""
-    return round(pinion_from_rack(base, rack_from_steer(base, steer_rad)) * axis.quadcounts_per_radian)
-
-
-def steer_from_quadcounts(base: Base, axis: Axis, position_qc: int) -> float:
-    """Return the inner wheel's angle for the steering drive's position."""
-    return steer_from_rack(base, rack_from_pinion(base, position_qc / axis.quadcounts_per_radian))
-
-
-def curvature(base: Base, steer_rad: float) -> float:
+def curvature(base: DavisBase, steer_rad: float) -> float:
     """Return 1/R of the rear axle's middle in 1/m (2.13), left positive, 0 straight ahead."""
     sine, cosine = math.sin(steer_rad), math.cos(steer_rad)
     return sine / (base.kingpin_distance_m / 2.0 * abs(sine) + base.wheelbase_m * cosine)
 
 
-def turn_radius(base: Base, steer_rad: float) -> float:
+def turn_radius(base: DavisBase, steer_rad: float) -> float:
     """Return the radius in m of the rear axle's middle (2.13), never negative, infinite straight ahead."""
     bend = abs(curvature(base, steer_rad))
     return 1.0 / bend if bend else math.inf
 
 
-def steer_from_curvature(base: Base, bend_per_m: float) -> float:
+def steer_from_curvature(base: DavisBase, curvature_per_m: float) -> float:
     """Return the inner wheel's angle that turns with this curvature; the inverse of `curvature`.
 
     A turn tighter than half the kingpin distance answers with more than 90 degrees.
     """
-    bend = abs(bend_per_m)
+    bend = abs(curvature_per_m)
     angle = math.atan2(base.wheelbase_m * bend, 1.0 - base.kingpin_distance_m / 2.0 * bend)
-    return math.copysign(angle, bend_per_m)
+    return math.copysign(angle, curvature_per_m)
 
 
-def wheel_speeds(base: Base, speed_mps: float, steer_rad: float) -> tuple[float, float]:
+def wheel_speeds(base: DavisBase, speed_mps: float, steer_rad: float) -> tuple[float, float]:
     """Return the left and right rear wheels' speeds in rad/s (4.10), (4.11), for the CURRENT steer angle.
 
     The inner wheel turns with (V/r)(1 - m/R), the outer with (V/r)(1 + m/R), m half the rear track; straight

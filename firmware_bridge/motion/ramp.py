@@ -8,10 +8,9 @@ profile acceleration alone.
 
 import math
 from dataclasses import dataclass
-from typing import Final, Self
+from typing import Final
 
-from firmware_bridge.robot import Robot
-from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
+from firmware_bridge.units import Nanoseconds, to_seconds
 
 MARGIN: Final = 0.80
 """Share of the limit that set-points use: 0.862, because wheels that brake at the limit slip by 13.8 % on a
@@ -28,18 +27,10 @@ class Ramp:
     """Bounds of one robot."""
 
     limit_mps2: float
+    """Of the set-points: `MARGIN` of what the robot stands."""
     half_track_m: float
     longest_step: Nanoseconds
     """A late cycle counts as no more than this: a gap must not become a jump."""
-
-    @classmethod
-    def of(cls, robot: Robot) -> Self:
-        """Take the bounds from a robot file."""
-        return cls(
-            MARGIN * robot.limits.acceleration_mps2,
-            robot.base.rear_track_m / 2.0,
-            robot.bus.cycle_ms * MILLISECOND,
-        )
 
     def step(self, speed_mps: float, target_mps: float, bend_per_m: float, elapsed: Nanoseconds) -> float:
         """Return the next demanded base speed in m/s, `elapsed` after `speed_mps`.

@@ -1,1 +1,1 @@
-"""One robot, one file."""
+"""The bridge's half of each robot that comes with the program: a folder each; they do not know each other."""

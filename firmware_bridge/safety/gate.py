@@ -5,42 +5,24 @@ clears them and come in with the snapshot. A hold ends when its interlock has be
 its clear time; the first clear look starts that time, and a trip in between starts it anew.
 """
 
-import math
-from dataclasses import dataclass, replace
-from typing import Any, Final
+from collections.abc import Mapping
+from typing import Final, Generic, TypeVar
 
-from firmware_bridge.intent import NEVER_HEARD, Intent
-from firmware_bridge.motion import davis
-from firmware_bridge.motion.ramp import Ramp
-from firmware_bridge.robot import Axis, Robot
-from firmware_bridge.safety import interlocks, limits
-from firmware_bridge.safety.interlocks import DRIVE_STOPS, LIFT_REFUSED, STOPS, View
-from firmware_bridge.safety.limits import LIMITS
-from firmware_bridge.safety.snapshot import DriveSnapshot, Hold, Snapshot
-from firmware_bridge.units import NEVER, Nanoseconds
+from firmware_bridge.drivers.driver import Feedback, Tells
+from firmware_bridge.robot import Axis, Problem, Robot, RobotFileError
+from firmware_bridge.robot.table import Table
+from firmware_bridge.safety.common import AXIS_ROWS, LEFT_OUT_ROW, whole_robot_rows
+from firmware_bridge.safety.interlock import AxisInterlock, Interlock, Limit, View
+from firmware_bridge.safety.row import Row
+from firmware_bridge.safety.rules import Rules
+from firmware_bridge.safety.snapshot import Facts, Group, Hold, Ruling, Snapshot
+from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 
-LIFT_TOLERANCE_M: Final = 0.001
-"""A lift this near to the height asked for has arrived: it holds its target, it does not move."""
-SPEED_TOLERANCE_MPS: Final = 1e-4
-"""A step that the ramp shortens by less is not reported; the drives' speed comes in whole rpm, 0.2 mm/s."""
+G = TypeVar("G", bound=Table)
+M = TypeVar("M")
+S = TypeVar("S")
 
-
-@dataclass(frozen=True, slots=True)
-class Ruling:
-    """What may be done now, and why not more."""
-
-    holds: tuple[Hold, ...]
-    stopped: bool
-    """A stop holds: the base ramps to 0 and the steering stays where it is (halt)."""
-    speed_mps: float
-    """Base speed to go to, at the pace of `firmware_bridge.motion.ramp`; 0 while stopped."""
-    steer_rad: float
-    """Inner wheel angle to go to; while stopped the last one that was allowed."""
-    lifting: bool
-    """False: the lift stays where it is (halt)."""
-    lift_m: float | None
-    """Height to go to; None leaves it to the rate."""
-    lift_rate_mps: float
+NO_GROUP: Final[frozenset[Group]] = frozenset()
 
 
 class _Memory:
@@ -55,157 +37,135 @@ class _Memory:
     def holds(self, name: str) -> bool:
         return name in self._holds
 
-    def look(
-        self, name: str, reason: str | None, remedy: str, clear_after: Nanoseconds, now: Nanoseconds
-    ) -> Hold | None:
+    def look(self, name: str, reason: str | None, row: Row, now: Nanoseconds) -> Hold | None:
         """Take one look's outcome; return the hold where there is one."""
         if reason is not None:
             self._clear_since.pop(name, None)
-            return self._holds.setdefault(name, Hold(name, reason, remedy, now))
+            return self._holds.setdefault(name, Hold(name, reason, row, now))
         hold = self._holds.get(name)
-        if hold is not None and now - self._clear_since.setdefault(name, now) >= clear_after:
+        if hold is not None and now - self._clear_since.setdefault(name, now) >= row.clear_after:
             del self._holds[name], self._clear_since[name]
             return None
         return hold
 
 
-class Gate:
+class AxisRows:
+    """One axis, its rows with the names of their holds, and the silence that its link allows."""
+
+    __slots__ = ("axis", "left_out", "rows", "silent_after")
+
+    def __init__(self, axis: Axis, silent_after: Nanoseconds, rows: tuple[AxisInterlock, ...]) -> None:
+        self.axis: Final = axis
+        self.silent_after: Final = silent_after
+        self.rows: Final = tuple((f"{row.name}: {axis.name}", row) for row in rows)
+        self.left_out: Final = ((f"{LEFT_OUT_ROW.name}: {axis.name}", LEFT_OUT_ROW),)
+        """In a mode that does without the axis."""
+
+
+def axis_rows(robot: Robot[G], tells: Mapping[str, frozenset[Tells]]) -> tuple[AxisRows, ...]:
+    """Return every axis's rows by what its driver tells; RobotFileError where that is not enough for one."""
+    found = []
+    for axis in robot.axes:
+        rows = [(row, row.fitting(tells[axis.name])) for row in AXIS_ROWS]
+        missing = [row.name for row, fitting in rows if fitting is None]
+        if missing:
+            problem = f"what is on this link tells too little for: {', '.join(missing)}"
+            raise RobotFileError(robot.name, Problem(f"links.{axis.link}.driver", problem))
+        silent_after = robot.links[axis.link].silent_ms * MILLISECOND
+        found.append(AxisRows(axis, silent_after, tuple(row for _, row in rows if row is not None)))
+    return tuple(found)
+
+
+class Gate(Generic[G, M, S]):
     """The interlocks of one robot."""
 
-    __slots__ = ("_drive_rows", "_lift_let_go", "_memory", "_ramp", "_robot", "_steer_rad")
+    __slots__ = ("_axes", "_before", "_common", "_memory", "_robot", "_rules", "_silent_after")
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(
+        self, robot: Robot[G], rules: Mapping[str, Rules[G, M, S]], tells: Mapping[str, frozenset[Tells]]
+    ) -> None:
+        """Take the robot's own rules for each of its modes, and what the driver of each axis can tell."""
         self._robot = robot
-        self._ramp = Ramp.of(robot)
+        self._rules = rules
+        self._axes = axis_rows(robot, tells)
+        self._common: tuple[Interlock[G, M, S], ...] = whole_robot_rows(rules[""].numbers, robot.links)
+        self._silent_after = robot.operator.silent_ms * MILLISECOND
         self._memory = _Memory()
-        self._drive_rows = {
-            axis.name: tuple((f"{row.name}: {axis.name}", row) for row in DRIVE_STOPS) for axis in robot.axes
-        }
-        """Each axis's interlocks with the names of their holds."""
-        self._lift_let_go = False
-        self._steer_rad: float | None = None
+        self._before: Ruling[M] | None = None
 
-    def rule(self, seen: Snapshot) -> Ruling:
-        """Judge the wish in this snapshot; `seen.now` never runs backwards."""
-        view = View(self._robot, seen, lift_let_go=self._lift_let_go)
-        base, lift = self._stops(view)
-        stopped = bool(base)
-        wish, clips = self._clipped(seen, stopped=stopped)
-        if stopped:
-            wish = replace(wish, speed_mps=0.0, steer_rad=self._held_steer(seen))
-        else:
-            self._steer_rad = wish.steer_rad
-        clips += self._acceleration(seen, wish.speed_mps, stopped=stopped)
-        wanted = _lift_wanted(wish, seen.lift_m)
-        let_go = View(self._robot, seen, lift_let_go=self._lift_let_go, speed_let_go_mps=wish.speed_mps)
-        refused = self._lift_refusal(let_go, wanted=wanted)
-        lifting = not lift and not refused
-        self._lift_let_go = lifting and wanted
-        return Ruling(
-            holds=(*base, *clips, *refused),
-            stopped=stopped,
-            speed_mps=wish.speed_mps,
-            steer_rad=wish.steer_rad,
-            lifting=lifting,
-            lift_m=wish.lift_m if lifting else None,
-            lift_rate_mps=wish.lift_rate_mps if lifting else 0.0,
-        )
+    def rule(self, seen: Snapshot[M, S]) -> Ruling[M]:
+        """Judge the wish in this snapshot; `seen.facts.now` never runs backwards."""
+        rules = self._rules[seen.facts.mode]
+        view = View(self._robot, seen, seen.wish, NO_GROUP, self._before)
+        holds = self._held(self._common, view) + self._held(rules.interlocks, view)
+        holds += self._held_axes(seen.facts)
+        stopped = _stopped(holds, rules.groups)
+        allowed = self._clipped(rules.limits, view, holds, reported=not stopped)
+        allowed = rules.body.rested(allowed, stopped) if stopped else allowed
+        if rules.after_limits:
+            asked = rules.body.asked(allowed, seen.body)
+            late = self._held(rules.after_limits, View(self._robot, seen, allowed, asked, self._before))
+            holds += late
+            stopped_late = _stopped(late, rules.groups)
+            allowed = rules.body.rested(allowed, stopped_late) if stopped_late else allowed
+            stopped |= stopped_late
+        ruling = Ruling(tuple(holds), stopped, allowed, rules.body.asked(allowed, seen.body))
+        self._before = ruling
+        return ruling
 
-    def next_deadline(self, seen: Snapshot) -> Nanoseconds:
+    def next_deadline(self, facts: Facts) -> Nanoseconds:
         """Return the instant at which a silence will trip if nothing more is heard; NEVER where none will.
 
-        It lies after `seen.now`: a silence that has tripped already asks for nothing.
+        It lies after `facts.now`: a silence that has tripped already asks for nothing.
         """
-        limit = interlocks.drive_silent_after(self._robot)
-        trips = [drive.heard_at + limit for drive in seen.drives]
-        trips.append(seen.intent.heard_at + interlocks.operator_silent_after(self._robot))
         first = NEVER
-        for trip in trips:
-            if trip > seen.now:
-                first = min(first, trip)
+        operator = facts.heard_at + self._silent_after
+        if operator > facts.now:
+            first = operator
+        for one in self._axes:
+            feedback = facts.axes.get(one.axis.name)
+            if feedback is not None and feedback.heard_at + one.silent_after > facts.now:
+                first = min(first, feedback.heard_at + one.silent_after)
         return first
 
-    def _stops(self, view: View) -> tuple[tuple[Hold, ...], tuple[Hold, ...]]:
-        """Return the holds that stop the base, and those of them that stop the lift as well."""
-        base: list[Hold] = []
-        lift: list[Hold] = []
-        memory, now = self._memory, view.seen.now
-        for row in STOPS:
-            reason = row.judge(view.held() if memory.holds(row.name) else view)
-            hold = memory.look(row.name, reason, row.remedy, row.clear_after, now)
-            if hold is not None:
-                base.append(hold)
-                if not row.lift_is_free:
-                    lift.append(hold)
-        drives = {drive.axis: drive for drive in view.seen.drives}
-        for axis in self._robot.axes:
-            holds = self._drive_stops(axis, drives.get(axis.name) or _absent(axis), now)
-            base += holds
-            lift += holds
-        return tuple(base), tuple(lift)
-
-    def _drive_stops(self, axis: Axis, drive: DriveSnapshot, now: Nanoseconds) -> list[Hold]:
+    def _held(self, rows: tuple[Interlock[G, M, S], ...], view: View[G, M, S]) -> list[Hold]:
+        memory, now = self._memory, view.seen.facts.now
         holds = []
-        for name, row in self._drive_rows[axis.name]:
-            reason = row.judge(self._robot, axis, drive, now)
-            hold = self._memory.look(name, reason, row.remedy, row.clear_after, now)
+        for row in rows:
+            reason = row.judge(view.held() if memory.holds(row.name) else view)
+            hold = memory.look(row.name, reason, row, now)
             if hold is not None:
                 holds.append(hold)
         return holds
 
-    def _clipped(self, seen: Snapshot, *, stopped: bool) -> tuple[Intent, tuple[Hold, ...]]:
-        """Return the wish within all limits; while stopped it is not the limits that hold it back."""
-        wish = seen.intent
-        holds: list[Hold] = []
-        for row in LIMITS:
-            value = getattr(wish, row.field)
-            reason = None
-            if value is not None:
-                allowed, reason = row.clip(value, self._robot, seen)
-                if allowed != value:
-                    change: dict[str, Any] = {row.field: allowed}
-                    wish = replace(wish, **change)
-            holds += self._limit_hold(row.name, None if stopped else reason, row.remedy, seen.now)
-        return wish, tuple(holds)
+    def _held_axes(self, facts: Facts) -> list[Hold]:
+        holds = []
+        for one in self._axes:
+            axis = one.axis
+            feedback = facts.axes.get(axis.name) or Feedback(axis.name)
+            for name, row in one.left_out if axis.name in facts.without else one.rows:
+                reason = row.judge(axis, feedback, facts, one.silent_after)
+                hold = self._memory.look(name, reason, row, facts.now)
+                if hold is not None:
+                    holds.append(hold)
+        return holds
 
-    def _acceleration(self, seen: Snapshot, speed_mps: float, *, stopped: bool) -> tuple[Hold, ...]:
-        reason = None if stopped else self._haste(seen, speed_mps)
-        return self._limit_hold(limits.ACCELERATION_LIMIT, reason, limits.ACCELERATION_REMEDY, seen.now)
-
-    def _haste(self, seen: Snapshot, speed_mps: float) -> str | None:
-        demanded = seen.demanded_speed_mps
-        bend = davis.curvature(self._robot.base, seen.steer_rad or 0.0)
-        step = self._ramp.step(demanded, speed_mps, bend, self._ramp.longest_step)
-        if abs(speed_mps - step) <= SPEED_TOLERANCE_MPS:
-            return None
-        return (
-            f"asked to go from {demanded:.2f} to {speed_mps:.2f} m/s at once, "
-            f"limit {self._robot.limits.acceleration_mps2:.2f} m/s2"
-        )
-
-    def _limit_hold(self, name: str, reason: str | None, remedy: str, now: Nanoseconds) -> tuple[Hold, ...]:
-        hold = self._memory.look(name, reason, remedy, limits.CLEARS_AFTER, now)
-        return () if hold is None else (hold,)
-
-    def _lift_refusal(self, view: View, *, wanted: bool) -> tuple[Hold, ...]:
-        row = LIFT_REFUSED
-        looked = view.held() if self._memory.holds(row.name) else view
-        reason = row.judge(looked) if wanted else None
-        hold = self._memory.look(row.name, reason, row.remedy, row.clear_after, view.seen.now)
-        return () if hold is None else (hold,)
-
-    def _held_steer(self, seen: Snapshot) -> float:
-        if self._steer_rad is not None:
-            return self._steer_rad
-        actual = seen.steer_rad
-        return actual if actual is not None and math.isfinite(actual) else 0.0
+    def _clipped(
+        self, limits: tuple[Limit[G, M, S], ...], view: View[G, M, S], holds: list[Hold], *, reported: bool
+    ) -> M:
+        """Return the wish within all limits; while something is stopped it is not they that hold it back."""
+        for row in limits:
+            allowed, reason = row.clip(view)
+            hold = self._memory.look(row.name, reason if reported else None, row, view.seen.facts.now)
+            if hold is not None:
+                holds.append(hold)
+            if allowed is not view.allowed:
+                view = View(view.robot, view.seen, allowed, NO_GROUP, view.before)
+        return view.allowed
 
 
-def _lift_wanted(wish: Intent, height_m: float | None) -> bool:
-    if wish.lift_m is None:
-        return wish.lift_rate_mps != 0.0
-    return height_m is None or not abs(wish.lift_m - height_m) <= LIFT_TOLERANCE_M
-
-
-def _absent(axis: Axis) -> DriveSnapshot:
-    return DriveSnapshot(axis.name, axis.node, None, NEVER_HEARD, 0, 0.0, 0, 0)
+def _stopped(holds: list[Hold], groups: frozenset[Group]) -> frozenset[Group]:
+    stopped = NO_GROUP
+    for hold in holds:
+        stopped |= groups if hold.row.stops is None else hold.row.stops
+    return stopped

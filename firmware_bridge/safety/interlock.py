@@ -13,7 +13,7 @@ from firmware_bridge.drivers.driver import Feedback, Tells
 from firmware_bridge.robot import Axis, Robot
 from firmware_bridge.robot.table import Table
 from firmware_bridge.safety.row import Row, Severity
-from firmware_bridge.safety.snapshot import Facts, Ruling, Snapshot
+from firmware_bridge.safety.snapshot import Facts, Group, Ruling, Snapshot
 from firmware_bridge.units import Nanoseconds
 
 G = TypeVar("G", bound=Table)
@@ -24,15 +24,24 @@ S = TypeVar("S")
 class View(Generic[G, M, S]):
     """What a row may look at: the robot, the snapshot, and what the gate itself has let through."""
 
-    __slots__ = ("allowed", "before", "holding", "robot", "seen")
+    __slots__ = ("allowed", "asked", "before", "holding", "robot", "seen")
 
     def __init__(
-        self, robot: Robot[G], seen: Snapshot[M, S], allowed: M, before: Ruling[M] | None, *, holding: bool = False
+        self,
+        robot: Robot[G],
+        seen: Snapshot[M, S],
+        allowed: M,
+        asked: frozenset[Group],
+        before: Ruling[M] | None,
+        *,
+        holding: bool = False,
     ) -> None:
         self.robot: Final = robot
         self.seen: Final = seen
         self.allowed: Final = allowed
         """What this ruling allows so far; the wish where nothing has been judged yet."""
+        self.asked: Final = asked
+        """The groups that `allowed` asks to move; for a row that judges after the limits, else empty."""
         self.before: Final = before
         """The gate's ruling before this one; None at the first."""
         self.holding: Final = holding
@@ -55,11 +64,7 @@ class View(Generic[G, M, S]):
 
     def held(self) -> "View[G, M, S]":
         """Return the same for a row that holds already."""
-        return View(self.robot, self.seen, self.allowed, self.before, holding=True)
-
-    def with_allowed(self, allowed: M) -> "View[G, M, S]":
-        """Return the same with another motion allowed so far."""
-        return View(self.robot, self.seen, allowed, self.before, holding=self.holding)
+        return View(self.robot, self.seen, self.allowed, self.asked, self.before, holding=True)
 
 
 class Interlock(Row, Generic[G, M, S]):

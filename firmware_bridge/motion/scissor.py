@@ -1,0 +1,65 @@
+"""Scissor lift: height above collapsed, screw travel, screw angle (A. P. Das, thesis 2.5, (2.16)); lengths in m.
+
+N stages of links l at angle theta: height N l sin(theta); the screw pulls the foot along x = l cos(theta).
+It refuses to know speeds and limits: a caller clips to `highest`.
+"""
+
+import math
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
+
+from firmware_bridge.robot.table import Positive, Table
+
+
+class ScissorLift(Table):
+    """Scissor lift on a screw: N stages of equal links, driven along the base."""
+
+    stages: Annotated[int, Field(ge=1, le=20)]
+    link_length_m: Positive
+    collapsed_angle_deg: Annotated[float, Field(gt=0, lt=90)]
+    extended_angle_deg: Annotated[float, Field(gt=0, lt=90)]
+    screw_pitch_m: Positive
+
+    @model_validator(mode="after")
+    def _extends_upwards(self) -> Self:
+        if self.extended_angle_deg <= self.collapsed_angle_deg:
+            raise ValueError("extended_angle_deg must be larger than collapsed_angle_deg")
+        return self
+
+
+def highest(lift: ScissorLift) -> float:
+    """Return the height in m of the extended lift above the collapsed one."""
+    return _height(lift, math.radians(lift.extended_angle_deg))
+
+
+def travel_from_height(lift: ScissorLift, height_m: float) -> float:
+    """Return the screw's travel in m from collapsed, growing upwards."""
+    collapsed = math.radians(lift.collapsed_angle_deg)
+    angle = math.asin(height_m / (lift.stages * lift.link_length_m) + math.sin(collapsed))
+    return lift.link_length_m * (math.cos(collapsed) - math.cos(angle))
+
+
+def height_from_travel(lift: ScissorLift, travel_m: float) -> float:
+    """Return the height in m above collapsed.
+
+    A travel that the scissor cannot make counts as its nearest end, 0 or 90 degrees: an encoder that reads
+    nonsense must not end in an exception.
+    """
+    cosine = math.cos(math.radians(lift.collapsed_angle_deg)) - travel_m / lift.link_length_m
+    return _height(lift, math.acos(min(max(cosine, 0.0), 1.0)))
+
+
+def screw_from_height(lift: ScissorLift, height_m: float) -> float:
+    """Return the screw's angle in rad from collapsed."""
+    return 2.0 * math.pi * (travel_from_height(lift, height_m) / lift.screw_pitch_m)
+
+
+def height_from_screw(lift: ScissorLift, screw_rad: float) -> float:
+    """Return the height in m above collapsed for the screw's angle."""
+    return height_from_travel(lift, screw_rad / (2.0 * math.pi) * lift.screw_pitch_m)
+
+
+def _height(lift: ScissorLift, angle_rad: float) -> float:
+    rise = math.sin(angle_rad) - math.sin(math.radians(lift.collapsed_angle_deg))
+    return lift.stages * lift.link_length_m * rise

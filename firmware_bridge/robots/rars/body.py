@@ -1,0 +1,159 @@
+"""RARS's body: from axes to what the robot does, and from a motion to what the axes shall do (thesis 4.2).
+
+The steer set-point follows from what is allowed; the wheel speeds follow from the ACTUAL steer angle.
+"""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Final
+
+from firmware_bridge.drivers.driver import Demand, Feedback, Position, Reading, Speed
+from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.motion import davis, scissor
+from firmware_bridge.motion.odometry import moved
+from firmware_bridge.motion.pose import Pose
+from firmware_bridge.motion.ramp import MARGIN, Ramp
+from firmware_bridge.robot import Robot
+from firmware_bridge.robots.rars.geometry import Geometry
+from firmware_bridge.robots.rars.motion import Motion, State
+from firmware_bridge.units import Nanoseconds, to_seconds
+
+BASE: Final = "base"
+LIFT: Final = "lift"
+LEFT_WHEEL: Final = "left_wheel"
+RIGHT_WHEEL: Final = "right_wheel"
+STEERING: Final = "steering"
+SCREW: Final = "lift"
+GROUPS: Final = {BASE: frozenset({LEFT_WHEEL, RIGHT_WHEEL, STEERING}), LIFT: frozenset({SCREW})}
+NOTHING: Final[frozenset[str]] = frozenset()
+
+BASE_MOVES_MPS: Final = 0.010
+"""Speed at which the base counts as driving; its encoders resolve 0.1 mm/s."""
+LIFT_TOLERANCE_M: Final = 0.001
+"""A lift this near to the height asked for has arrived: it holds its target, it does not move."""
+LEASH_S: Final = 0.3
+"""How far the lift's target may run ahead, in seconds at the highest rate: near the top the screw is slower
+than the rate, and a target that ran away would go on after the stick is let go."""
+
+
+def ramp_of(robot: Robot[Geometry]) -> Ramp:
+    """Return the bounds of the base's speed."""
+    limits, base = robot.geometry.limits, robot.geometry.base
+    return Ramp(MARGIN * limits.acceleration_mps2, base.rear_track_m / 2.0, robot.cycle)
+
+
+class Rars:
+    """A `firmware_bridge.kind.Body`."""
+
+    __slots__ = (
+        "_base", "_highest_m", "_left", "_lift", "_rate_mps", "_ramp", "_right", "_screw", "_steering",
+        "rolling",
+    )  # fmt: skip
+
+    def __init__(self, robot: Robot[Geometry]) -> None:
+        self._base = robot.geometry.base
+        self._lift = robot.geometry.lift
+        self._highest_m = scissor.highest(self._lift)
+        self._rate_mps = robot.geometry.limits.lift_rate_mps
+        self._ramp = ramp_of(robot)
+        self._left = robot.axis(LEFT_WHEEL).name
+        self._right = robot.axis(RIGHT_WHEEL).name
+        self._steering = robot.axis(STEERING).name
+        self._screw = robot.axis(SCREW).name
+        self.rolling: tuple[str, ...] = (self._left, self._right)
+        """The axes from whose positions the pose is carried on."""
+
+    def sensed(self, axes: Mapping[str, Feedback], _sensors: Mapping[str, Reading]) -> State:
+        """Return angle, height and speeds."""
+        steering, screw = axes[self._steering], axes[self._screw]
+        left = axes[self._left].velocity * self._base.wheel_radius_m
+        right = axes[self._right].velocity * self._base.wheel_radius_m
+        steer = lift = turning = None
+        if steering.heard_at != NEVER_HEARD:
+            steer = davis.steer_from_pinion(self._base, steering.position)
+        if screw.heard_at != NEVER_HEARD:
+            lift = scissor.height_from_screw(self._lift, screw.position)
+            turning = screw.velocity
+        return State(steer, lift, turning, (left + right) / 2.0, (right - left) / self._base.rear_track_m)
+
+    def asked(self, motion: Motion, state: State) -> frozenset[str]:
+        """Return the groups that the motion asks to move; a base that shall only steer stands."""
+        base = BASE if motion.speed_mps != 0.0 else ""
+        lift = LIFT if _lift_asked(motion, state.lift_m) else ""
+        return frozenset(group for group in (base, lift) if group)
+
+    def moving(self, state: State) -> frozenset[str]:
+        """Return the base where it drives; the lift is held still by its drive, and judged by rows of its own."""
+        return NOTHING if abs(state.speed_mps) < BASE_MOVES_MPS else frozenset({BASE})
+
+    def rested(self, motion: Motion, groups: frozenset[str]) -> Motion:
+        """Return the motion with base, lift or both at rest: speed 0, and the rest stays where it is."""
+        if BASE in groups:
+            motion = replace(motion, speed_mps=0.0, steer_rad=None)
+        if LIFT in groups:
+            motion = replace(motion, lift_m=None, lift_rate_mps=0.0)
+        return motion
+
+    def ramped(self, demanded: Motion, allowed: Motion, state: State, elapsed: Nanoseconds) -> Motion:
+        """Return the next demand: the speed on its ramp in the turn actually steered, the lift's near target."""
+        bend = davis.curvature(self._base, state.steer_rad or 0.0)
+        speed = self._ramp.step(demanded.speed_mps, allowed.speed_mps, bend, elapsed)
+        height = self._next_height(demanded.lift_m, allowed, state.lift_m, to_seconds(elapsed))
+        return replace(allowed, speed_mps=speed, lift_m=height, lift_rate_mps=0.0)
+
+    def demands(self, motion: Motion, state: State) -> Mapping[str, Demand]:
+        """Return the steering's demand first, as the thesis orders them; the wheels follow the actual angle."""
+        left, right = davis.wheel_speeds(self._base, motion.speed_mps, state.steer_rad or 0.0)
+        demands: dict[str, Demand] = {}
+        if motion.steer_rad is not None:
+            demands[self._steering] = Position(davis.pinion_from_steer(self._base, motion.steer_rad))
+        demands[self._left] = Speed(left)
+        demands[self._right] = Speed(right)
+        if motion.lift_m is not None:
+            demands[self._screw] = Position(scissor.screw_from_height(self._lift, motion.lift_m))
+        return demands
+
+    def advanced(self, pose: Pose, before: Mapping[str, Feedback], after: Mapping[str, Feedback]) -> Pose:
+        """Return the pose after both rear wheels rolled on."""
+        left, right = (after[name].position - before[name].position for name in self.rolling)
+        radius = self._base.wheel_radius_m
+        return moved(pose, left * radius, right * radius, self._base.rear_track_m)
+
+    def _next_height(
+        self, before_m: float | None, allowed: Motion, height_m: float | None, seconds: float
+    ) -> float | None:
+        """Return where the lift shall be now: a target that travels at the allowed rate, near the platform."""
+        if height_m is None or (allowed.lift_m is None and allowed.lift_rate_mps == 0.0):
+            return None
+        start = height_m if before_m is None else before_m
+        if allowed.lift_m is None:
+            target = start + allowed.lift_rate_mps * seconds
+        else:
+            reach = self._rate_mps * seconds
+            target = min(max(allowed.lift_m, start - reach), start + reach)
+        leash = self._rate_mps * LEASH_S
+        target = min(max(target, height_m - leash), height_m + leash)
+        return min(max(target, 0.0), self._highest_m)
+
+
+def reach(robot: Robot[Geometry]) -> Iterator[tuple[Motion, State]]:
+    """Yield full speed both ways at both full locks, straight ahead, and the lift at its ends."""
+    geometry = robot.geometry
+    lock = min(geometry.limits.steer_angle_rad, geometry.tightest_steer_rad)
+    for steer in (-lock, 0.0, lock):
+        for speed in (-geometry.limits.speed_mps, geometry.limits.speed_mps):
+            for height in (0.0, scissor.highest(geometry.lift)):
+                state = State(steer, height, 0.0, speed, speed * davis.curvature(geometry.base, steer))
+                yield Motion(speed, steer, height), state
+
+
+def _lift_asked(motion: Motion, height_m: float | None) -> bool:
+    if motion.lift_m is None:
+        return motion.lift_rate_mps != 0.0
+    return height_m is None or not abs(motion.lift_m - height_m) <= LIFT_TOLERANCE_M
+
+
+def known(value: float | None) -> bool:
+    """Return whether a sensed value is a finite number."""
+    return value is not None and math.isfinite(value)

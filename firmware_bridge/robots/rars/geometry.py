@@ -1,0 +1,45 @@
+"""RARS's table of geometry and limits in its robot file (A. P. Das, PhD thesis, IIT Delhi, 2018)."""
+
+import math
+from typing import Annotated
+
+from pydantic import Field
+
+from firmware_bridge.motion.davis import DavisBase, steer_from_curvature
+from firmware_bridge.motion.scissor import ScissorLift
+from firmware_bridge.robot.table import NonNegative, Positive, Table
+from firmware_bridge.units import STANDARD_GRAVITY
+
+
+class Limits(Table):
+    """What the interlocks hold, whatever the operator wishes (thesis 2.3.1, 4.2.1)."""
+
+    speed_mps: Positive
+    acceleration_g: Positive
+    steer_angle_deg: Annotated[float, Field(gt=0, lt=90)]
+    turn_radius_m: Positive
+    lift_retracted_m: NonNegative
+    lift_rate_mps: Positive
+
+    @property
+    def acceleration_mps2(self) -> float:
+        """The acceleration limit in m/s2."""
+        return self.acceleration_g * STANDARD_GRAVITY
+
+    @property
+    def steer_angle_rad(self) -> float:
+        """The largest angle of the inner front wheel."""
+        return math.radians(self.steer_angle_deg)
+
+
+class Geometry(Table):
+    """Steered base, lift on it, and their limits."""
+
+    base: DavisBase
+    lift: ScissorLift
+    limits: Limits
+
+    @property
+    def tightest_steer_rad(self) -> float:
+        """The inner wheel's angle of the tightest turn, 58.95 degrees for 415 mm (2.13)."""
+        return steer_from_curvature(self.base, 1.0 / self.limits.turn_radius_m)

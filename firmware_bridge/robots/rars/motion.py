@@ -1,0 +1,33 @@
+"""RARS's motion in its own words, and what is known of its body; forward, left and up are positive."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """What the operator wishes, what the gate allows, and what the bridge demands."""
+
+    speed_mps: float = 0.0
+    """Of the rear axle's middle."""
+    steer_rad: float | None = None
+    """Angle of the inner front wheel; its sign is the side of the turn. None: it stays where it is."""
+    lift_m: float | None = None
+    """Height above collapsed to go to; None leaves it to `lift_rate_mps`."""
+    lift_rate_mps: float = 0.0
+    headlamp: bool = False
+    detector: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """What axes and sensors tell."""
+
+    steer_rad: float | None
+    """Actual angle of the inner front wheel; None while it is unknown."""
+    lift_m: float | None
+    """Actual height above collapsed; None while it is unknown."""
+    screw_rad_s: float | None
+    """Actual speed of the lift's screw; None while it is unknown."""
+    speed_mps: float
+    """Actual speed of the rear axle's middle."""
+    yaw_rate_rad_s: float

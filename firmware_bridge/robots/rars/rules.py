@@ -1,0 +1,201 @@
+"""RARS's own interlocks and limits; the common ones of `firmware_bridge.safety.common` come beside them.
+
+Sources: A. P. Das, PhD thesis, IIT Delhi, 2018, 2.3.1 (tipping, acceleration), 4.2, 4.2.1 and Tab. 2.1 (speed,
+turn, lift); the times are choices of this project.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Final, TypeAlias
+
+from firmware_bridge.motion import davis, scissor
+from firmware_bridge.robot import Robot
+from firmware_bridge.robots.rars.body import BASE, BASE_MOVES_MPS, LIFT, known, ramp_of
+from firmware_bridge.robots.rars.geometry import Geometry
+from firmware_bridge.robots.rars.motion import Motion, State
+from firmware_bridge.safety import interlock
+from firmware_bridge.safety.limits import bounded
+from firmware_bridge.safety.row import Severity
+from firmware_bridge.units import MILLISECOND, STANDARD_GRAVITY, Nanoseconds
+
+View: TypeAlias = interlock.View[Geometry, Motion, State]
+Interlock: TypeAlias = interlock.Interlock[Geometry, Motion, State]
+Limit: TypeAlias = interlock.Limit[Geometry, Motion, State]
+
+LIFT_CLEARS_AFTER: Final[Nanoseconds] = 200 * MILLISECOND
+"""Longer than a set-point takes to become a measured speed, so that lift and wheels never overlap."""
+RETRACTED_SHARE: Final = 0.8
+"""An extended lift counts as retracted again below this share of the height at which it tripped."""
+LIFT_MOVES_RAD_S: Final = 0.10
+"""Speed of the screw that counts as moving: one turn a minute, 24 um/s at the foot."""
+LIFT_RESTS_RAD_S: Final = 0.05
+BASE_RESTS_MPS: Final = 0.005
+LIMIT_CLEARS_AFTER: Final[Nanoseconds] = 300 * MILLISECOND
+"""A limit is reported for at least this long, so that a stick at its edge does not flicker."""
+SPEED_TOLERANCE_MPS: Final = 1e-4
+"""A step that the ramp shortens by less is not reported; the drives' speed comes in whole rpm, 0.2 mm/s."""
+_DEGREES: Final = 180.0 / math.pi
+
+
+def _steer_unknown(view: View) -> str | None:
+    return None if known(view.body.steer_rad) else "the actual steer angle is not known"
+
+
+def _lift_unknown(view: View) -> str | None:
+    return None if known(view.body.lift_m) else "the actual lift height is not known"
+
+
+def _lift_extended(view: View) -> str | None:
+    height, limit = view.body.lift_m, view.geometry.limits.lift_retracted_m
+    if height is None or height <= (RETRACTED_SHARE * limit if view.holding else limit):
+        return None
+    return f"the lift stands at {1000.0 * height:.0f} mm, retracted is below {1000.0 * limit:.0f} mm"
+
+
+def _lift_moves(view: View) -> str | None:
+    if view.before is not None and LIFT in view.before.asked:
+        return "the lift has been told to move"
+    limit = LIFT_RESTS_RAD_S if view.holding else LIFT_MOVES_RAD_S
+    turning = view.body.screw_rad_s
+    if turning is None or abs(turning) <= limit:
+        return None
+    return f"the lift's screw turns with {turning:.2f} rad/s"
+
+
+def _base_drives(view: View) -> str | None:
+    """Judge a lift that is asked to move, once it is known how fast the base may drive now."""
+    if LIFT not in view.asked:
+        return None
+    speed = view.body.speed_mps
+    if not abs(speed) <= (BASE_RESTS_MPS if view.holding else BASE_MOVES_MPS):
+        return f"the robot drives with {speed:.2f} m/s"
+    if view.seen.demanded.speed_mps != 0.0:
+        return f"the robot is told to drive with {view.seen.demanded.speed_mps:.2f} m/s"
+    if view.allowed.speed_mps != 0.0:
+        return f"the robot is asked to drive with {view.allowed.speed_mps:.2f} m/s"
+    return None
+
+
+INTERLOCKS: Final = (
+    Interlock(
+        "steer angle unknown",
+        _steer_unknown,
+        "wait for the steering drive's position",
+        severity=Severity.ERROR,
+    ),
+    Interlock(
+        "lift height unknown", _lift_unknown, "wait for the lift drive's position", severity=Severity.ERROR
+    ),
+    Interlock(
+        "lift extended",
+        _lift_extended,
+        "retract the lift",
+        stops=frozenset({BASE}),
+        # A lift that stands extended comes down only when the robot is armed.
+        blocks_arming=False,
+    ),
+    Interlock(
+        "lift moving",
+        _lift_moves,
+        "let the lift come to rest at the height asked for",
+        stops=frozenset({BASE}),
+        clear_after=LIFT_CLEARS_AFTER,
+        blocks_arming=False,
+    ),
+    Interlock(
+        "lift refused",
+        _base_drives,
+        "stop the robot before the lift moves",
+        stops=frozenset({LIFT}),
+        clear_after=LIFT_CLEARS_AFTER,
+        blocks_arming=False,
+        after_limits=True,
+    ),
+)
+
+
+def tipping_speed(robot: Robot[Geometry], steer_rad: float) -> float:
+    """Return the speed in m/s at which the turn tips the robot over, sqrt(R g d / Zcg) (2.7)."""
+    base = robot.geometry.base
+    radius = davis.turn_radius(base, steer_rad)
+    return math.sqrt(
+        radius * STANDARD_GRAVITY * (base.half_support_width_m / base.centre_of_gravity_height_m)
+    )
+
+
+def _top_speed(view: View) -> float:
+    return view.geometry.limits.speed_mps
+
+
+def _tipping_speed(view: View) -> float:
+    # The turn actually steered, not the one asked for: the wheels may still be on their way.
+    steer = view.body.steer_rad
+    return tipping_speed(view.robot, steer) if steer is not None and math.isfinite(steer) else 0.0
+
+
+def _top_steer(view: View) -> float:
+    return view.geometry.limits.steer_angle_rad
+
+
+def _tightest_steer(view: View) -> float:
+    return view.geometry.tightest_steer_rad
+
+
+def _top_lift_rate(view: View) -> float:
+    return view.geometry.limits.lift_rate_mps
+
+
+def _highest_lift(view: View) -> float:
+    return scissor.highest(view.geometry.lift)
+
+
+def _speed(view: View, high: Callable[[View], float]) -> tuple[Motion, str | None]:
+    allowed, reason = bounded(view.allowed.speed_mps, high(view), "m/s")
+    return replace(view.allowed, speed_mps=allowed), reason
+
+
+def _steer(view: View, high: Callable[[View], float]) -> tuple[Motion, str | None]:
+    if view.allowed.steer_rad is None:
+        return view.allowed, None
+    allowed, reason = bounded(view.allowed.steer_rad, high(view), "deg", scale=_DEGREES)
+    return replace(view.allowed, steer_rad=allowed), reason
+
+
+def _lift_rate(view: View) -> tuple[Motion, str | None]:
+    allowed, reason = bounded(view.allowed.lift_rate_mps, _top_lift_rate(view), "m/s")
+    return replace(view.allowed, lift_rate_mps=allowed), reason
+
+
+def _lift_range(view: View) -> tuple[Motion, str | None]:
+    if view.allowed.lift_m is None:
+        return view.allowed, None
+    allowed, reason = bounded(view.allowed.lift_m, _highest_lift(view), "m", low=0.0)
+    return replace(view.allowed, lift_m=allowed), reason
+
+
+def _acceleration(view: View) -> tuple[Motion, str | None]:
+    """Clip nothing, the ramp does; say where it will take more than one cycle."""
+    demanded, speed = view.seen.demanded.speed_mps, view.allowed.speed_mps
+    ramp = ramp_of(view.robot)
+    bend = davis.curvature(view.geometry.base, view.body.steer_rad or 0.0)
+    if abs(speed - ramp.step(demanded, speed, bend, ramp.longest_step)) <= SPEED_TOLERANCE_MPS:
+        return view.allowed, None
+    limit = view.geometry.limits.acceleration_mps2
+    return view.allowed, f"asked to go from {demanded:.2f} to {speed:.2f} m/s at once, limit {limit:.2f} m/s2"
+
+
+def _limit(name: str, clip: Callable[[View], tuple[Motion, str | None]], remedy: str) -> Limit:
+    return Limit(name, clip, remedy, clear_after=LIMIT_CLEARS_AFTER)
+
+
+LIMITS: Final = (
+    _limit("speed limit", lambda view: _speed(view, _top_speed), "ask for less speed"),
+    _limit("tipping limit", lambda view: _speed(view, _tipping_speed), "steer less or ask for less speed"),
+    _limit("steer angle limit", lambda view: _steer(view, _top_steer), "steer less"),
+    _limit("turn radius limit", lambda view: _steer(view, _tightest_steer), "steer less"),
+    _limit("lift rate limit", _lift_rate, "ask for a slower lift"),
+    _limit("lift range limit", _lift_range, "ask for a height within reach"),
+    _limit("acceleration limit", _acceleration, "change the speed more slowly"),
+)
+"""Applied in this order; a later one sees what an earlier one left."""

@@ -1,0 +1,41 @@
+"""What the bridge must be told of a robot's body: from axes to state, from a motion to axes, and what moves."""
+
+from collections.abc import Mapping
+from typing import Protocol, TypeVar
+
+from firmware_bridge.drivers.driver import Demand, Feedback, Reading
+from firmware_bridge.motion.pose import Pose
+from firmware_bridge.safety.snapshot import Group
+from firmware_bridge.units import Nanoseconds
+
+M = TypeVar("M")
+S = TypeVar("S")
+
+
+class Body(Protocol[M, S]):
+    """One robot's body: pure, numbers in, numbers out; SI units, axes by their names."""
+
+    @property
+    def rolling(self) -> tuple[str, ...]:
+        """The axes from whose positions the pose is carried on; they are sampled at one instant for it."""
+
+    def sensed(self, axes: Mapping[str, Feedback], sensors: Mapping[str, Reading]) -> S:
+        """Return what they tell of the body; what is not known is None in it."""
+
+    def asked(self, motion: M, state: S) -> frozenset[Group]:
+        """Return the groups that this motion asks to move."""
+
+    def moving(self, state: S) -> frozenset[Group]:
+        """Return the groups that are seen to move."""
+
+    def rested(self, motion: M, groups: frozenset[Group]) -> M:
+        """Return the motion with these groups at rest."""
+
+    def ramped(self, demanded: M, allowed: M, state: S, elapsed: Nanoseconds) -> M:
+        """Return the next demand on the way to what is allowed, `elapsed` after `demanded`."""
+
+    def demands(self, motion: M, state: S) -> Mapping[str, Demand]:
+        """Return the axes' demands for this motion, in the order in which they are sent; an axis left out rests."""
+
+    def advanced(self, pose: Pose, before: Mapping[str, Feedback], after: Mapping[str, Feedback]) -> Pose:
+        """Return the pose after the `rolling` axes moved from one sample to the next."""
