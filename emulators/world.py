@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Any, Final, Protocol
 
-from emulators.rewind import Moment, Rewind
+from emulators.rewind import Checkpoint, Rewind
 from firmware_bridge.node import Node, Selective, Stoppable
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import NEVER, Nanoseconds
@@ -177,7 +177,7 @@ class World:
             self.events += 1
         self.now = until
 
-    def snapshot(self) -> Moment:
+    def snapshot(self) -> Checkpoint:
         """Keep this instant, whole: clock, wires, nodes, physics, chance, trace. Between two calls of `run`.
 
         What is outside is not kept: observers, and what they write. RewindError where somebody has a state
@@ -185,9 +185,9 @@ class World:
         """
         return self._rewind.snapshot()
 
-    def restore(self, moment: Moment) -> None:
+    def restore(self, checkpoint: Checkpoint) -> None:
         """Go to an instant that this world has kept, earlier or later; the run goes on as it went then."""
-        self._rewind.restore(moment)
+        self._rewind.restore(checkpoint)
 
     def call_at(self, at: Nanoseconds, call: Callable[[Any], None], argument: object = None) -> None:
         """Call a wire back at an instant that is not in the past."""
