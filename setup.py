@@ -32,6 +32,7 @@ WAY_OF_A_PACKET: Final = (
     "emulators/rig.py",
     "emulators/servo/bank.py",
     "emulators/servo/scaling.py",
+    "emulators/trace.py",
     "emulators/wires/*.py",
     "emulators/world.py",
     "firmware_bridge/bridge/*.py",
