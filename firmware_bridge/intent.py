@@ -60,7 +60,14 @@ class EnterMode:
     mode: str
 
 
-Request: TypeAlias = Arm | Disarm | EmergencyStop | ClearEmergencyStop | ResetOdometry | EnterMode
+@dataclass(frozen=True, slots=True)
+class Follow:
+    """Let a guide of this name make the wishes, until the operator moves a stick; empty for none."""
+
+    guide: str
+
+
+Request: TypeAlias = Arm | Disarm | EmergencyStop | ClearEmergencyStop | ResetOdometry | EnterMode | Follow
 
 
 @dataclass(frozen=True, slots=True)

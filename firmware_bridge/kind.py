@@ -14,6 +14,7 @@ from firmware_bridge.robot import Robot
 from firmware_bridge.robot.table import Table
 from firmware_bridge.safety.body import Body
 from firmware_bridge.safety.interlock import Interlock, Limit
+from firmware_bridge.safety.rules import Rules
 from firmware_bridge.safety.snapshot import Group, Snapshot
 from firmware_bridge.teleop.station import Station
 from firmware_bridge.units import Nanoseconds
@@ -21,12 +22,13 @@ from firmware_bridge.units import Nanoseconds
 G = TypeVar("G", bound=Table)
 M = TypeVar("M")
 S = TypeVar("S")
+S_contra = TypeVar("S_contra", contravariant=True)
 
 
-class Guide(Protocol[M, S]):
+class Guide(Protocol[M, S_contra]):
     """Makes a wish from a path; it passes through the same gate as a stick."""
 
-    def wished(self, seen: Snapshot[M, S], elapsed: Nanoseconds) -> M:
+    def wished(self, seen: Snapshot[M, S_contra], elapsed: Nanoseconds) -> M:
         """Return the next wish."""
 
     def reset(self) -> None:
@@ -58,7 +60,7 @@ class Kind(Generic[G, M, S]):
 
     __slots__ = (
         "body", "file", "geometry", "groups", "guides", "interlocks", "limits", "modes", "name", "numbers",
-        "on_stop", "reach", "rest", "station", "switched",
+        "on_stop", "reach", "rest", "station", "switched", "travelling",
     )  # fmt: skip
 
     def __init__(
@@ -71,6 +73,7 @@ class Kind(Generic[G, M, S]):
         numbers: Mapping[str, Callable[[M], float | None]],
         body: Callable[[Robot[G]], Body[M, S]],
         groups: Mapping[Group, frozenset[str]],
+        travelling: frozenset[Group],
         interlocks: tuple[Interlock[G, M, S], ...],
         limits: tuple[Limit[G, M, S], ...],
         reach: Callable[[Robot[G]], Iterable[tuple[M, S]]],
@@ -91,6 +94,8 @@ class Kind(Generic[G, M, S]):
         self.body: Final = body
         self.groups: Final = groups
         """The axes, by their roles, that stop together; every axis is in one group."""
+        self.travelling: Final = travelling
+        """The groups that take the robot from its place; they stand before it is armed, disarmed or cleared."""
         self.interlocks: Final = interlocks
         """The robot's own rows; the common ones come beside them."""
         self.limits: Final = limits
@@ -103,6 +108,22 @@ class Kind(Generic[G, M, S]):
         """What a motion makes of the robot's outputs, by their names; None for a kind without."""
         self.on_stop: Final[Mapping[str, Level]] = on_stop or {}
         """The outputs that a stop of all groups sets, whatever the motion says."""
+
+    def rules(self, robot: Robot[G]) -> dict[str, Rules[G, M, S]]:
+        """Return what the gate judges by in each mode; the whole robot's is the empty name's."""
+        whole = Mode(without=frozenset(), body=self.body, interlocks=self.interlocks, limits=self.limits)
+        return {name: self._rules(robot, mode) for name, mode in {"": whole, **self.modes}.items()}
+
+    def _rules(self, robot: Robot[G], mode: Mode[G, M, S]) -> Rules[G, M, S]:
+        return Rules(
+            body=mode.body(robot),
+            without=frozenset(robot.axis(role).name for role in mode.without),
+            groups=frozenset(self.groups),
+            travelling=self.travelling,
+            numbers=self.numbers,
+            interlocks=mode.interlocks,
+            limits=mode.limits,
+        )
 
 
 AnyKind: TypeAlias = Kind[Any, Any, Any]

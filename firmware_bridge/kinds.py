@@ -91,7 +91,7 @@ def beyond_bounds(robot: AnyRobot, kind: AnyKind) -> Iterator[Problem]:
                     most[key] = max(most.get(key, -math.inf), value)
     for index, axis in enumerate(robot.axes):
         low, high = axis.travel or (-math.inf, math.inf)
-        for what, bound, key, sign in (
+        for what, bound, field, sign in (
             ("speed", axis.top_speed, "top_speed", 1.0),
             ("low", -low, "travel", -1.0),
             ("high", high, "travel", 1.0),
@@ -100,7 +100,7 @@ def beyond_bounds(robot: AnyRobot, kind: AnyKind) -> Iterator[Problem]:
             if asked is not None and asked > bound + ROUNDING * abs(bound):
                 unit = axis.unit.value + ("/s" if what == "speed" else "")
                 yield Problem(
-                    f"axes[{index}].{key}",
+                    f"axes[{index}].{field}",
                     f"the robot's limits let '{axis.name}' be asked for {sign * asked:.5g} {unit}, "
                     f"the bound is {sign * bound:.5g} {unit}; widen it, or narrow the limits",
                 )

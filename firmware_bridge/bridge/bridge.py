@@ -1,31 +1,34 @@
 """The bridge as one node: when things happen. What happens in a cycle is `firmware_bridge.bridge.pipeline`'s.
 
-A cycle: all drives are sampled, on CAN by SYNC; when they have answered, or after the link's time for it (on
-CAN 10 ms), the pipeline runs and its set-points leave; half a cycle after its begin the handshakes of new
-positions end. An exception passes through to whoever carries the node; `stop` then brings the drives to rest
+A cycle: the devices of all links that are due are sampled, on CAN by SYNC; when they have answered, or after
+the links' time for it (on CAN 10 ms), the pipeline runs and its set-points leave; half a cycle after its begin
+the handshakes of new positions end. An exception passes through to whoever carries the node; `stop` then brings the drives to rest
 by a path that asks neither interlocks nor operator.
 """
 
 from collections import deque
 from enum import Enum
-from typing import Final
+from typing import Any, Final
 
-from firmware_bridge.bridge.fleet_of import fleet_of
+from firmware_bridge.bridge.fleets import Fleets
 from firmware_bridge.bridge.permission import Permission
 from firmware_bridge.bridge.pipeline import Pipeline
-from firmware_bridge.drivers.drive import BRING_UP, Task
-from firmware_bridge.drivers.link import Link
+from firmware_bridge.drivers.driver import BRING_UP, Task
+from firmware_bridge.drivers.registry import fleets_of
 from firmware_bridge.intent import EmergencyStop, Request, Verdict
+from firmware_bridge.kind import AnyKind
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.robot import Robot
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.safety.row import Row
 from firmware_bridge.safety.snapshot import Hold, Snapshot
 from firmware_bridge.teleop.operator import Operator
-from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
+from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
 REST_WITHIN: Final[Nanoseconds] = 3 * SECOND
 """The longest way to rest at an orderly end; then the power goes off all the same."""
-BATTERY_PERIOD: Final[Nanoseconds] = SECOND
+STARTING: Final = Row("starting", "wait")
+FAILED: Final = Row("start-up failed", "correct it and start the bridge again")
 
 
 class Phase(Enum):
@@ -43,27 +46,29 @@ class Phase(Enum):
 
 
 class Bridge:
-    """Between the drives' link and "operator"; a `firmware_bridge.node.Node`."""
+    """Between the links of the devices and "operator"; a `firmware_bridge.node.Node`."""
 
-    def __init__(self, robot: Robot) -> None:
-        bus = robot.bus
-        self._robot = robot
-        self._cycle: Final[Nanoseconds] = bus.cycle_ms * MILLISECOND
-        self._beat: Final[Nanoseconds] = bus.bridge_heartbeat_ms * MILLISECOND
+    def __init__(self, robot: AnyRobot, kind: AnyKind) -> None:
+        """Take a robot file and its kind; PlanError where a cycle does not fit on a link."""
+        self._cycle: Final = robot.cycle
         self._outbox: list[Packet] = []
         self._idle = Reaction()
         """The newest reaction that sent nothing; most are the same."""
-        self._fleet = fleet_of(robot)
-        self._drives_link: Final = self._fleet.link.name
-        self._operator = Operator(robot)
-        self._permission = Permission(robot, self._fleet, self._outbox)
-        self._pipeline = Pipeline(robot, self._fleet, self._operator, self._permission)
+        self._fleets: Final = Fleets(fleets_of(robot))
+        rules = kind.rules(robot)
+        self._operator: Operator[Any, Any, Any] = Operator(
+            robot, kind.station, kind.rest, rolling=rules[""].body.rolling, modes=tuple(kind.modes)
+        )
+        self._permission: Permission[Any, Any, Any] = Permission(robot, rules, self._fleets, self._outbox)
+        self._pipeline: Pipeline[Any, Any, Any] = Pipeline(
+            robot, kind, rules, self._fleets, self._operator, self._permission
+        )
         self._tasks = deque(BRING_UP)
         self._task: Task | None = None
         self._cycle_at: Nanoseconds | None = None
         """None before the first wake."""
-        self._beat_at: Nanoseconds = 0
-        self._battery_at: Nanoseconds = 0
+        self._cycles = 0
+        """How many have begun."""
         self._synchronised_at: Nanoseconds = 0
         self._collect_until: Nanoseconds = NEVER
         self._release_at: Nanoseconds = NEVER
@@ -79,12 +84,12 @@ class Bridge:
         return self.phase is Phase.FINISHED
 
     @property
-    def link(self) -> Link:
-        """The way to the drives."""
-        return self._fleet.link
+    def fleets(self) -> Fleets:
+        """The ways to the devices."""
+        return self._fleets
 
     @property
-    def seen(self) -> Snapshot:
+    def seen(self) -> Snapshot[Any, Any]:
         """What the bridge knew when it last reported."""
         return self._pipeline.seen
 
@@ -94,10 +99,10 @@ class Bridge:
         return self._pipeline.holds
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        """Take a packet of the drives' link, or an operator's datagram."""
-        if packet.link == self._drives_link:
-            self._outbox += self._fleet.hear(packet, now)
-        elif packet.link == OPERATOR and self.phase in (Phase.STARTING, Phase.RUNNING, Phase.FAILED):
+        """Take a packet of a link, or an operator's datagram."""
+        if packet.link != OPERATOR:
+            self._outbox += self._fleets.hear(packet, now) or ()
+        elif self.phase in (Phase.STARTING, Phase.RUNNING, Phase.FAILED):
             self._hear_operator(packet.payload, now)
         return self._reaction(now)
 
@@ -105,8 +110,9 @@ class Bridge:
         """Act on the time; the first call starts the bridge."""
         if self.phase is not Phase.FINISHED:
             if self._cycle_at is None:
-                self._cycle_at = self._beat_at = self._battery_at = self._began_at = now
-            self._outbox += self._fleet.wake(now)
+                self._cycle_at = self._began_at = now
+                self._fleets.begin_beats(now)
+            self._outbox += self._fleets.wake(now)
             self._keep_time(now, self._cycle_at)
         return self._reaction(now)
 
@@ -128,12 +134,10 @@ class Bridge:
             # A late wake skips the cycles that it missed: two in a row would be worse than one too few.
             self._cycle_at = cycle_at + ((now - cycle_at) // self._cycle + 1) * self._cycle
             self._begin_cycle(now)
-        if now >= self._beat_at:
-            self._beat_at += ((now - self._beat_at) // self._beat + 1) * self._beat
-            self._outbox += self._fleet.beat(now)
+        self._outbox += self._fleets.beat(now)
         if now >= self._release_at:
             self._release_at = NEVER
-            self._outbox += self._fleet.release()
+            self._outbox += self._fleets.release()
         late = now >= self._collect_until
         if late:
             self._collect_until = NEVER
@@ -143,24 +147,25 @@ class Bridge:
     def _begin_cycle(self, now: Nanoseconds) -> None:
         if self._task in (Task.START, Task.ENABLE):
             self._synchronised_at = now
-            self._outbox += self._fleet.sample(now)
+            self._outbox += self._fleets.sample(self._cycles, now)
+        self._cycles += 1
         if self.phase is Phase.RUNNING:
-            self._collect_until = now + self._fleet.link.answers_within
+            self._collect_until = now + self._fleets.answers_within()
             self._release_at = now + self._cycle // 2
-            self._measure_battery(now)
+            self._outbox += self._fleets.ask_sensors(now)
         elif self.phase is Phase.STOPPING:
             self._come_to_rest(now)
         elif self.phase in (Phase.STARTING, Phase.FAILED):
-            self._tell(self._pipeline.told((self._waiting(),), now))
+            self._report(self._pipeline.reported((self._waiting(),), now))
 
     def _reaction(self, now: Nanoseconds) -> Reaction:
         """Carry on what the newest packet or instant made possible, and hand out what is to be sent."""
-        if self.phase is Phase.STARTING and self._cycle_at is not None and not self._fleet.busy:
+        if self.phase is Phase.STARTING and self._cycle_at is not None and not self._fleets.busy:
             self._start_up(now)
-        elif self._collect_until != NEVER and self._fleet.sampled(self._synchronised_at):
+        elif self._collect_until != NEVER and self._fleets.sampled(self._synchronised_at):
             self._collect_until = NEVER
             self._run(now)
-        elif self.phase is Phase.LEAVING and not self._fleet.busy:
+        elif self.phase is Phase.LEAVING and not self._fleets.busy:
             self.phase = Phase.FINISHED
         wake_at = self._wake_at()
         if not self._outbox:
@@ -174,31 +179,30 @@ class Bridge:
     def _wake_at(self) -> Nanoseconds:
         if self.phase is Phase.FINISHED or self._cycle_at is None:
             return NEVER
-        first = min(self._cycle_at, self._beat_at)
-        first = min(first, self._collect_until)
+        first = min(self._cycle_at, self._collect_until)
         first = min(first, self._release_at)
         first = min(first, self._gate_deadline())
-        return min(first, self._fleet.wake_at)
+        return min(first, self._fleets.wake_at)
 
     def _gate_deadline(self) -> Nanoseconds:
         return self._pipeline.gate_deadline if self.phase is Phase.RUNNING else NEVER
 
     def _run(self, now: Nanoseconds) -> None:
         """Run the pipeline once, for the samples of this cycle or at a deadline in between."""
-        demanded, told = self._pipeline.run(now)
+        demanded, reported = self._pipeline.run(now)
         self._outbox += demanded
-        self._tell(told)
+        self._report(reported)
 
     def _start_up(self, now: Nanoseconds) -> None:
         """Take all drives to the next task; where one failed, switch all of them off and say so."""
-        failures = self._fleet.failures
+        failures = self._fleets.failures
         if failures:
             self.failure = "; ".join(failures)
             self.phase = Phase.FAILED
-            self._outbox += self._fleet.begin((Task.LEAVE,), now)
+            self._outbox += self._fleets.begin((Task.LEAVE,), now)
         elif self._tasks:
             self._task = self._tasks.popleft()
-            self._outbox += self._fleet.begin((self._task,), now)
+            self._outbox += self._fleets.begin((self._task,), now)
         else:
             self.phase = Phase.RUNNING
 
@@ -211,11 +215,11 @@ class Bridge:
     def _leave(self, now: Nanoseconds) -> None:
         self.phase = Phase.LEAVING
         self._collect_until = self._release_at = NEVER
-        self._outbox += self._fleet.begin((Task.LEAVE,), now)
+        self._outbox += self._fleets.begin((Task.LEAVE,), now)
 
     def _hear_operator(self, datagram: bytes, now: Nanoseconds) -> None:
         stopped = self._permission.emergency_stopped
-        self._tell(self._operator.hear(datagram, now, lambda request: self._decide(request, now)))
+        self._report(self._operator.hear(datagram, now, lambda request: self._decide(request, now)))
         if self.phase is Phase.RUNNING and self._permission.emergency_stopped and not stopped:
             self._run(now)
 
@@ -228,21 +232,10 @@ class Bridge:
     def _waiting(self) -> Hold:
         """Say why nothing moves before the drives are ready, or after they failed."""
         if self.failure is not None:
-            return Hold(
-                "start-up failed", self.failure, "correct it and start the bridge again", self._began_at
-            )
-        waiting = [drive.axis.title for drive in self._fleet.drives if drive.busy]
+            return Hold(FAILED.name, self.failure, FAILED, self._began_at)
+        waiting = [driver.axis.title for driver in self._fleets.drivers if driver.busy]
         step = "" if self._task is None else f" ({self._task.value}: {', '.join(waiting)})"
-        return Hold("starting", f"the drives are being set up{step}", "wait", self._began_at)
+        return Hold(STARTING.name, f"the drives are being set up{step}", STARTING, self._began_at)
 
-    def _measure_battery(self, now: Nanoseconds) -> None:
-        if now < self._battery_at:
-            return
-        self._battery_at = now + BATTERY_PERIOD
-        battery = self._robot.battery
-        for drive in self._fleet.drives:
-            if drive.axis.name == battery.axis:
-                self._outbox += drive.measure(battery.analogue_input, now)
-
-    def _tell(self, datagrams: tuple[bytes, ...]) -> None:
+    def _report(self, datagrams: tuple[bytes, ...]) -> None:
         self._outbox += [Packet(OPERATOR, 0, datagram) for datagram in datagrams]

@@ -1,57 +1,65 @@
-"""Whether the robot may move: armed or not, the emergency stop's latch, and what an operator's request does.
+"""Whether the robot may move: armed or not, the emergency stop's latch, its mode, and what a request does.
 
 It answers every request with a reason. What the interlocks say comes in with the holds; it judges no motion.
 """
 
-from typing import Final
+from typing import Final, Generic, TypeVar
 
-from firmware_bridge.drivers.drive import BRING_UP, Drive, Stop, Task
-from firmware_bridge.drivers.fleet import Fleet
-from firmware_bridge.intent import Arm, ClearEmergencyStop, Disarm, EmergencyStop, Request, Verdict
+from firmware_bridge.bridge.fleets import Fleets
+from firmware_bridge.drivers.driver import BRING_UP, Driver, Power, Stop, Task
+from firmware_bridge.intent import Arm, ClearEmergencyStop, Disarm, EmergencyStop, EnterMode, Request, Verdict
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot import Robot
-from firmware_bridge.safety.interlocks import BASE_MOVES_MPS, DRIVE_STOPS, STOPS, drive_silent_after
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.table import Table
+from firmware_bridge.safety.rules import Rules
 from firmware_bridge.safety.snapshot import Hold, Snapshot
-from firmware_bridge.units import Nanoseconds
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.units import MILLISECOND, Nanoseconds
 
-_DRIVE_STOPS: Final = frozenset((*(row.name for row in DRIVE_STOPS), "drives out of reach"))
-_STOPS_EVERYTHING: Final = frozenset(row.name for row in STOPS if not row.lift_is_free) - {
-    "not armed",
-    "operator silent",
-}
-"""Arming waits for these to let go. What leaves the lift free does not count: a lift that stands extended
-comes down only when the robot is armed. Nor does silence: many stations arm first and speak of motion then,
-and until they do the silence holds the robot itself."""
+G = TypeVar("G", bound=Table)
+M = TypeVar("M")
+S = TypeVar("S")
 
 
-def at_rest(seen: Snapshot) -> bool:
-    """Return whether the base stands, and is not told otherwise."""
-    return seen.demanded_speed_mps == 0.0 and abs(seen.speed_mps) < BASE_MOVES_MPS
-
-
-class Permission:
+class Permission(Generic[G, M, S]):
     """The leave to move, and who may change it."""
 
-    __slots__ = ("_final", "_fleet", "_outbox", "_silent_after", "armed", "emergency_stopped", "powered_off")
+    __slots__ = (
+        "_final", "_fleets", "_outbox", "_rules", "_silent_after", "armed", "emergency_stopped", "mode",
+        "powered_off",
+    )  # fmt: skip
 
-    def __init__(self, robot: Robot, fleet: Fleet, outbox: list[Packet]) -> None:
+    def __init__(
+        self, robot: AnyRobot, rules: dict[str, Rules[G, M, S]], fleets: Fleets, outbox: list[Packet]
+    ) -> None:
         """Take the drives that a request may switch, and where to put what is to be sent at once."""
-        self._fleet = fleet
+        self._rules: Final = rules
+        self._fleets = fleets
         self._outbox = outbox
-        self._silent_after = drive_silent_after(robot)
+        self._silent_after = {
+            axis.name: robot.links[axis.link].silent_ms * MILLISECOND for axis in robot.axes
+        }
         self._final = False
         self.armed = False
         self.emergency_stopped = False
+        self.mode = ""
+        """The mode after a failed actuator; empty while the robot is whole."""
         self.powered_off = False
         """A forced disarm took the power off; it stays off until arming puts it on again."""
 
-    def watch(self, holds: tuple[Hold, ...]) -> None:
-        """Take the leave away where a drive fails or the emergency stop is latched: to go on, arm again."""
-        if self.emergency_stopped or any(_kind(hold) in _DRIVE_STOPS for hold in holds):
-            self.armed = False
+    @property
+    def rules(self) -> Rules[G, M, S]:
+        """Those of the mode."""
+        return self._rules[self.mode]
 
-    def decide(self, request: Request, seen: Snapshot, holds: tuple[Hold, ...]) -> Verdict:
+    def watch(self, holds: tuple[Hold, ...]) -> None:
+        """Do what the holds' rows say: take the leave away, latch the emergency stop."""
+        for hold in holds:
+            if hold.row.latches:
+                self.emergency_stopped = True
+            if hold.row.disarms or hold.row.latches:
+                self.armed = False
+
+    def decide(self, request: Request, seen: Snapshot[M, S], holds: tuple[Hold, ...]) -> Verdict:
         """Answer one request; `seen` and `holds` are of this instant."""
         match request:
             case Arm():
@@ -59,7 +67,7 @@ class Permission:
             case Disarm(force=True):
                 self.armed = False
                 self.powered_off = True
-                self._outbox += self._fleet.command_all(Stop.POWER_OFF)
+                self._outbox += self._fleets.command_all(Stop.POWER_OFF)
                 return Verdict(accepted=True, reason="disarmed by force: the drives are without power")
             case Disarm():
                 return self._disarm(seen)
@@ -70,76 +78,87 @@ class Permission:
                 return Verdict(accepted=True, reason="emergency stop: it stays until it is cleared")
             case ClearEmergencyStop():
                 return self._clear(seen)
+            case EnterMode(mode=mode):
+                return self._enter(mode, seen)
         return Verdict(accepted=True, reason="")
 
-    def _arm(self, seen: Snapshot, holds: tuple[Hold, ...]) -> Verdict:
+    def _arm(self, seen: Snapshot[M, S], holds: tuple[Hold, ...]) -> Verdict:
         if self.armed:
             return Verdict(accepted=True, reason="armed already")
         premature = self._premature(seen)
         if premature is not None:
             return premature
-        asleep = [drive for drive in self._fleet.drives if not self._ready(drive, seen.now)]
+        now = seen.facts.now
+        asleep = [driver for driver in self._used() if not self._ready(driver, now)]
         if asleep:
-            return self._awaken(asleep, seen.now)
+            return self._awaken(asleep, now)
         for hold in holds:
-            if _kind(hold) in _STOPS_EVERYTHING | _DRIVE_STOPS:
+            if hold.row.blocks_arming:
                 return Verdict(accepted=False, reason=f"arm: {hold.reason}; {hold.remedy}", temporary=True)
         self.armed = True
         return Verdict(accepted=True, reason="armed")
 
-    def _premature(self, seen: Snapshot) -> Verdict | None:
+    def _premature(self, seen: Snapshot[M, S]) -> Verdict | None:
         if self.emergency_stopped:
             return Verdict(accepted=False, reason="arm: the emergency stop is latched; clear it first")
-        if seen.link_lost is not None:
-            return Verdict(accepted=False, reason=f"arm: {seen.link_lost}; plug it in again", temporary=True)
-        wish = seen.intent
-        if wish.speed_mps != 0.0 or wish.lift_rate_mps != 0.0:
-            asked = f"{wish.speed_mps:.2f} m/s, lift {wish.lift_rate_mps:.2f} m/s"
-            return Verdict(accepted=False, reason=f"arm: the stick asks for {asked}; let it go first")
-        if not at_rest(seen):
+        for lost in seen.facts.links_lost.values():
+            return Verdict(accepted=False, reason=f"arm: {lost}; plug it in again", temporary=True)
+        asked = self.rules.body.asked(seen.wish, seen.body)
+        if asked:
+            moved = " and ".join(sorted(asked))
+            return Verdict(accepted=False, reason=f"arm: the stick asks the {moved} to move; let it go first")
+        if not self.rules.at_rest(seen):
             return Verdict(accepted=False, reason="arm: the robot still moves", temporary=True)
         return None
 
-    def _awaken(self, asleep: list[Drive], now: Nanoseconds) -> Verdict:
+    def _used(self) -> list[Driver]:
+        without = self.rules.without
+        return [driver for driver in self._fleets.drivers if driver.axis.name not in without]
+
+    def _awaken(self, asleep: list[Driver], now: Nanoseconds) -> Verdict:
         """Begin to enable drives again; the operator arms again when they are."""
         self.powered_off = False
-        told = []
-        for drive in asleep:
-            before = f" (last try: {drive.failure.problem})" if drive.failure is not None else ""
-            told.append(f"drive {drive.axis.node} ({drive.axis.title}){before}")
-            if not drive.busy:
-                lost = not drive.configured or self._silent(drive, now)
-                self._outbox += drive.begin(BRING_UP if lost else (Task.ENABLE,), now)
-        return Verdict(accepted=False, reason=f"enabling {', '.join(told)} again, arm again", temporary=True)
+        named = []
+        for driver in asleep:
+            before = f" (last try: {driver.failure.problem})" if driver.failure is not None else ""
+            named.append(f"{driver.axis.called}{before}")
+            if not driver.busy:
+                lost = not driver.configured or self._silent(driver, now)
+                self._outbox += driver.begin(BRING_UP if lost else (Task.ENABLE,), now)
+        return Verdict(accepted=False, reason=f"enabling {', '.join(named)} again, arm again", temporary=True)
 
-    def _disarm(self, seen: Snapshot) -> Verdict:
-        if self.armed and not at_rest(seen):
-            reason = f"disarm: the robot drives with {seen.speed_mps:.2f} m/s; stop it first, or force"
+    def _disarm(self, seen: Snapshot[M, S]) -> Verdict:
+        if self.armed and not self.rules.at_rest(seen):
+            reason = "disarm: the robot still moves; stop it first, or force"
             return Verdict(accepted=False, reason=reason, temporary=True)
         self.armed = False
         return Verdict(accepted=True, reason="disarmed: the drives hold still")
 
-    def _clear(self, seen: Snapshot) -> Verdict:
+    def _clear(self, seen: Snapshot[M, S]) -> Verdict:
         if not self.emergency_stopped:
             return Verdict(accepted=True, reason="no emergency stop is latched")
         if self._final:
             return Verdict(
                 accepted=False, reason="this emergency stop is cleared by a restart of the bridge only"
             )
-        if not at_rest(seen):
+        if not self.rules.at_rest(seen):
             return Verdict(accepted=False, reason="clear: the robot still moves", temporary=True)
         self.emergency_stopped = False
         return Verdict(accepted=True, reason="emergency stop cleared; arm to move")
 
-    def _ready(self, drive: Drive, now: Nanoseconds) -> bool:
-        heard = drive.heard
-        fit = drive.configured and not drive.busy and not self._silent(drive, now)
-        return fit and heard.state is State.OPERATION_ENABLED and not heard.fault
+    def _enter(self, mode: str, seen: Snapshot[M, S]) -> Verdict:
+        if mode not in self._rules:
+            known = ", ".join(name for name in self._rules if name) or "none"
+            return Verdict(accepted=False, reason=f"mode: this robot has no '{mode}'; it has {known}")
+        if self.armed or not self.rules.at_rest(seen):
+            return Verdict(accepted=False, reason="mode: stop and disarm first", temporary=True)
+        self.mode = mode
+        return Verdict(accepted=True, reason=f"mode: {mode or 'the whole robot'}; arm to move")
 
-    def _silent(self, drive: Drive, now: Nanoseconds) -> bool:
-        return now - drive.heard.heard_at >= self._silent_after
+    def _ready(self, driver: Driver, now: Nanoseconds) -> bool:
+        feedback = driver.feedback
+        fit = driver.configured and not driver.busy and not self._silent(driver, now)
+        return fit and feedback.power is Power.ON and not feedback.fault
 
-
-def _kind(hold: Hold) -> str:
-    """Return a hold's name without the axis."""
-    return hold.name.split(":")[0]
+    def _silent(self, driver: Driver, now: Nanoseconds) -> bool:
+        return now - driver.feedback.heard_at >= self._silent_after[driver.axis.name]

@@ -33,6 +33,7 @@ def cross_checked(table: Raw, roles: Mapping[str, str]) -> Iterator[Problem]:
     yield from _guarded(table, names)
     for name, link in links.items():
         yield from _carried(name, link, axes, sensors)
+        yield from _in_time(name, link, table.get("cycle_ms"))
 
 
 def _roles(axes: list[Raw], roles: Mapping[str, str]) -> Iterator[Problem]:
@@ -65,7 +66,9 @@ def _guarded(table: Raw, names: list[str]) -> Iterator[Problem]:
             listed = row.get(side)
             for axis in listed if isinstance(listed, list) else ():
                 if axis not in names:
-                    yield Problem(f"guard.exclusive[{index}].{side}", f"no axis '{axis}'; {near(axis, names)}")
+                    yield Problem(
+                        f"guard.exclusive[{index}].{side}", f"no axis '{axis}'; {near(axis, names)}"
+                    )
 
 
 def _carried(name: str, link: Raw, axes: list[Raw], sensors: list[Raw]) -> Iterator[Problem]:
@@ -89,6 +92,16 @@ def _carried(name: str, link: Raw, axes: list[Raw], sensors: list[Raw]) -> Itera
             yield Problem(f"links.{name}.gateway", f"{gateway} is not the node of an axis on this link")
         elif len(nodes) == 1:
             yield Problem(f"links.{name}.gateway", "a drive without another one behind it watches nobody")
+
+
+def _in_time(name: str, link: Raw, cycle_ms: object) -> Iterator[Problem]:
+    every, silent_ms = link.get("every", 1), link.get("silent_ms")
+    if isinstance(cycle_ms, int) and isinstance(every, int) and isinstance(silent_ms, int):
+        if silent_ms <= every * cycle_ms:
+            yield Problem(
+                f"links.{name}.silent_ms",
+                f"{silent_ms} is not longer than a cycle of the link, {every * cycle_ms}",
+            )
 
 
 def _once(rows: list[Raw], key: str, field: str) -> Iterator[Problem]:

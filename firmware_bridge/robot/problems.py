@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Iterator
 from difflib import get_close_matches
+from enum import EnumType
 from typing import NamedTuple, get_args
 
 from pydantic import BaseModel, ValidationError
@@ -29,7 +30,8 @@ class RobotFileError(Exception):
     def __str__(self) -> str:
         """Say it in a line for each mistake."""
         return "\n".join(
-            f"{self.file}: {key}: {problem}" if key else f"{self.file}: {problem}" for key, problem in self.problems
+            f"{self.file}: {key}: {problem}" if key else f"{self.file}: {problem}"
+            for key, problem in self.problems
         )
 
 
@@ -87,9 +89,7 @@ def _choices_at(model: type[BaseModel], location: tuple[int | str, ...]) -> list
             inner = next(_tables(annotation), None)
             if inner is None:
                 kinds = [annotation, *get_args(annotation)]
-                choices = [
-                    one for kind in kinds if isinstance(kind, type) and hasattr(kind, "__members__") for one in kind
-                ] or list(get_args(annotation))
+                choices = [one for kind in kinds if isinstance(kind, EnumType) for one in kind] or kinds[1:]
             else:
                 table = inner
     return choices

@@ -6,7 +6,7 @@ from typing import Final, Generic, TypeVar
 from firmware_bridge.robot.table import Table
 from firmware_bridge.safety.body import Body
 from firmware_bridge.safety.interlock import Interlock, Limit
-from firmware_bridge.safety.snapshot import Group
+from firmware_bridge.safety.snapshot import Group, Snapshot
 
 G = TypeVar("G", bound=Table)
 M = TypeVar("M")
@@ -16,22 +16,33 @@ S = TypeVar("S")
 class Rules(Generic[G, M, S]):
     """One mode's body, groups, interlocks and limits, in their order."""
 
-    __slots__ = ("after_limits", "body", "groups", "interlocks", "limits", "numbers")
+    __slots__ = ("after_limits", "body", "groups", "interlocks", "limits", "numbers", "travelling", "without")
 
     def __init__(
         self,
         *,
         body: Body[M, S],
+        without: frozenset[str],
         groups: frozenset[Group],
+        travelling: frozenset[Group],
         numbers: Mapping[str, Callable[[M], float | None]],
         interlocks: tuple[Interlock[G, M, S], ...],
         limits: tuple[Limit[G, M, S], ...],
     ) -> None:
         self.body: Final = body
+        self.without: Final = without
+        """The names of the axes that the mode does without."""
         self.groups: Final = groups
+        self.travelling: Final = travelling
+        """The groups that take the robot from its place."""
         self.numbers: Final = numbers
         """What in a motion must be a finite number, by its title for people."""
         self.interlocks: Final = tuple(row for row in interlocks if not row.after_limits)
         self.limits: Final = limits
         self.after_limits: Final = tuple(row for row in interlocks if row.after_limits)
         """Those that judge what all rows and limits before them have allowed."""
+
+    def at_rest(self, seen: Snapshot[M, S]) -> bool:
+        """Return whether the robot stands where it is, and is not told otherwise."""
+        under_way = self.body.asked(seen.demanded, seen.body) | self.body.moving(seen.body)
+        return not under_way & self.travelling

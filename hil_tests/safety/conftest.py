@@ -1,64 +1,30 @@
-"""A robot that is well in every respect, to be made unwell in one."""
+"""RARS from its file, and a healthy snapshot of it."""
 
 from collections.abc import Callable
-from dataclasses import replace
-from typing import Any, TypeAlias
+from functools import partial
+from typing import TypeAlias
 
 import pytest
 
-from firmware_bridge.intent import Intent
-from firmware_bridge.motion.odometry import Pose
-from firmware_bridge.robot import Robot, find
-from firmware_bridge.safety.snapshot import DriveSnapshot, Snapshot
-from firmware_bridge.units import Nanoseconds
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.kinds import find
+from hil_tests.safety import gate_bench
+from hil_tests.safety.gate_bench import Rars, Snapshot
 from hil_tests.safety.guard_bench import Bench
 
 Well: TypeAlias = Callable[..., Snapshot]
 
 
 @pytest.fixture(scope="session")
-def robot() -> Robot:
+def robot() -> Rars:
     return find("rars")
 
 
 @pytest.fixture
-def bench(robot: Robot) -> Bench:
+def bench(robot: Rars) -> Bench:
     return Bench(robot)
 
 
 @pytest.fixture(scope="session")
-def well(robot: Robot) -> Well:
-    """Make a healthy snapshot; `intent` and one drive's fields are given as dictionaries."""
-
-    def made(
-        now: Nanoseconds,
-        *,
-        intent: dict[str, Any] | None = None,
-        drives: dict[str, dict[str, Any]] | None = None,
-        **changes: Any,
-    ) -> Snapshot:
-        told = drives or {}
-        snapshot = Snapshot(
-            now=now,
-            intent=replace(Intent(heard_at=now), **(intent or {})),
-            armed=True,
-            emergency_stopped=False,
-            drives=tuple(
-                replace(
-                    DriveSnapshot(axis.name, axis.node, State.OPERATION_ENABLED, now, 0, 0.0, 0, 0),
-                    **told.get(axis.name, {}),
-                )
-                for axis in robot.axes
-            ),
-            steer_rad=0.0,
-            lift_m=0.0,
-            speed_mps=0.0,
-            yaw_rate_rad_s=0.0,
-            pose=Pose(),
-            demanded_speed_mps=0.0,
-            battery_v=24.0,
-        )
-        return replace(snapshot, **changes)
-
-    return made
+def well(robot: Rars) -> Well:
+    """Make a healthy snapshot; `intent` and one axis's fields are given as dictionaries."""
+    return partial(gate_bench.well, robot)

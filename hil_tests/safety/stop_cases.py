@@ -7,6 +7,7 @@ from typing import Any, Final
 from firmware_bridge.intent import NEVER_HEARD
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.cia402 import State
+from hil_tests.safety.gate_bench import said
 
 START: Final = 100 * SECOND
 NAN: Final = math.nan
@@ -61,7 +62,7 @@ CASES: Final = (
     ),
     Case("operator silent", intent(heard_at=NEVER_HEARD), {}, "no motion command has come yet", LINK),
     Case(
-        "drives out of reach",
+        "link lost: drives",
         {"link_lost": "the serial line to the drives is gone"},
         {},
         "the serial line to the drives is gone",
@@ -94,8 +95,8 @@ CASES: Final = (
     *(
         Case(
             "lift moving",
-            drive("lift", speed_rad_s=sign * above(0.10)),
-            drive("lift", speed_rad_s=sign * 0.10),
+            drive("lift", velocity=sign * above(0.10)),
+            drive("lift", velocity=sign * 0.10),
             f"the lift's screw turns with {sign * 0.10:.2f} rad/s",
             LINK,
             lift_is_free=True,
@@ -104,15 +105,15 @@ CASES: Final = (
     ),
     Case(
         "lift moving",
-        drive("lift", speed_rad_s=NAN),
-        drive("left", speed_rad_s=9.0),
+        drive("lift", velocity=NAN),
+        drive("left", velocity=9.0),
         "the lift's screw turns with nan rad/s",
         LINK,
         lift_is_free=True,
     ),
     *(
         Case(
-            f"drive silent: {name}",
+            f"axis silent: {name}",
             drive(name, heard_at=START - DRIVE_LIMIT),
             drive(name, heard_at=START - DRIVE_LIMIT + 1),
             f"{TITLES[name]} silent for 0.25 s, limit 0.25 s",
@@ -122,8 +123,8 @@ CASES: Final = (
     ),
     *(
         Case(
-            f"drive silent: {name}",
-            drive(name, heard_at=NEVER_HEARD, state=None),
+            f"axis silent: {name}",
+            drive(name, heard_at=NEVER_HEARD, **said(None)),
             {},
             f"{TITLES[name]} has never been heard",
             LINK,
@@ -132,18 +133,18 @@ CASES: Final = (
     ),
     *(
         Case(
-            f"drive fault: {name}",
-            drive(name, fault=0x8611),
-            drive(name, fault=0),
+            f"axis fault: {name}",
+            drive(name, fault="0x8611"),
+            drive(name, fault=""),
             f"{TITLES[name]} reports fault 0x8611",
         )
         for name in AXES
     ),
-    Case("drive fault: steer", drive("steer", fault=1), {}, f"{TITLES['steer']} reports fault 0x0001"),
+    Case("axis fault: steer", drive("steer", fault="0x0001"), {}, f"{TITLES['steer']} reports fault 0x0001"),
     *(
         Case(
-            f"drive fault: {name}",
-            drive(name, state=state),
+            f"axis fault: {name}",
+            drive(name, **said(state)),
             {},
             f"{TITLES[name]} is in fault, code unknown",
         )
@@ -155,8 +156,8 @@ CASES: Final = (
     ),
     *(
         Case(
-            f"drive not enabled: {name}",
-            drive(name, state=state),
+            f"axis not enabled: {name}",
+            drive(name, **said(state)),
             {},
             f"{TITLES[name]} is not enabled: {state.title if state else 'state unknown'}",
         )

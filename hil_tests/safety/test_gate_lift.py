@@ -2,23 +2,16 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any, Final, TypeAlias
 
 import pytest
 
 from firmware_bridge.intent import NEVER_HEARD
-from firmware_bridge.robot import Robot
-from firmware_bridge.safety.gate import Gate, Ruling
-from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND
+from hil_tests.safety.gate_bench import Rars, Snapshot, base_stopped, gate_of, lift_free, names, with_facts
 
 Well: TypeAlias = Callable[..., Snapshot]
 START: Final = 100 * SECOND
-
-
-def names(ruling: Ruling) -> tuple[str, ...]:
-    return tuple(hold.name for hold in ruling.holds)
 
 
 @pytest.mark.parametrize(
@@ -33,30 +26,33 @@ def names(ruling: Ruling) -> tuple[str, ...]:
 )
 @pytest.mark.parametrize("wish", [{"lift_m": 0.3}, {"lift_rate_mps": 0.05}, {"lift_rate_mps": -0.05}])
 def test_the_lift_does_not_move_while_the_robot_drives(
-    robot: Robot, well: Well, changes: dict[str, Any], reason: str, wish: dict[str, float]
+    robot: Rars, well: Well, changes: dict[str, Any], reason: str, wish: dict[str, float]
 ) -> None:
-    gate = Gate(robot)
+    gate = gate_of(robot)
     ruling = gate.rule(well(START, intent=wish, **changes))
     assert [(hold.name, hold.reason) for hold in ruling.holds if hold.name == "lift refused"] == [
         ("lift refused", reason)
     ]
-    assert (ruling.lifting, ruling.lift_m, ruling.lift_rate_mps) == (False, None, 0.0)
+    assert (lift_free(ruling), ruling.allowed.lift_m, ruling.allowed.lift_rate_mps) == (False, None, 0.0)
     rests = START + SECOND
     assert names(gate.rule(well(rests, intent=wish))) == ("lift refused",)
-    assert not gate.rule(well(rests + 200 * MILLISECOND - 1, intent=wish)).lifting
+    assert not lift_free(gate.rule(well(rests + 200 * MILLISECOND - 1, intent=wish)))
     ruling = gate.rule(well(rests + 200 * MILLISECOND, intent=wish))
-    assert ruling.lifting
-    assert (ruling.lift_m, ruling.lift_rate_mps) == (wish.get("lift_m"), wish.get("lift_rate_mps", 0.0))
+    assert lift_free(ruling)
+    assert (ruling.allowed.lift_m, ruling.allowed.lift_rate_mps) == (
+        wish.get("lift_m"),
+        wish.get("lift_rate_mps", 0.0),
+    )
 
 
 @pytest.mark.parametrize("speed", [0.0, 0.010, -0.010])
-def test_the_lift_moves_at_standstill(robot: Robot, well: Well, speed: float) -> None:
-    ruling = Gate(robot).rule(well(START, intent={"lift_m": 0.3}, speed_mps=speed))
-    assert (names(ruling), ruling.lifting, ruling.lift_m) == ((), True, 0.3)
+def test_the_lift_moves_at_standstill(robot: Rars, well: Well, speed: float) -> None:
+    ruling = gate_of(robot).rule(well(START, intent={"lift_m": 0.3}, speed_mps=speed))
+    assert (names(ruling), lift_free(ruling), ruling.allowed.lift_m) == ((), True, 0.3)
 
 
-def test_the_base_counts_as_standing_only_well_below_its_threshold(robot: Robot, well: Well) -> None:
-    gate = Gate(robot)
+def test_the_base_counts_as_standing_only_well_below_its_threshold(robot: Rars, well: Well) -> None:
+    gate = gate_of(robot)
     wish = {"lift_m": 0.3}
     gate.rule(well(START, intent=wish, speed_mps=0.1))
     for now, speed, lifting in (
@@ -65,12 +61,14 @@ def test_the_base_counts_as_standing_only_well_below_its_threshold(robot: Robot,
         (START + 3 * SECOND, 0.005, False),
         (START + 3 * SECOND + 200 * MILLISECOND, -0.005, True),
     ):
-        assert gate.rule(well(now, intent=wish, speed_mps=speed)).lifting is lifting
+        assert lift_free(gate.rule(well(now, intent=wish, speed_mps=speed))) is lifting
 
 
-def test_a_lift_that_is_not_wished_is_not_refused(robot: Robot, well: Well) -> None:
-    ruling = Gate(robot).rule(well(START, intent={"speed_mps": 0.01}, speed_mps=0.3, demanded_speed_mps=0.01))
-    assert (ruling.holds, ruling.lifting) == ((), True)
+def test_a_lift_that_is_not_wished_is_not_refused(robot: Rars, well: Well) -> None:
+    ruling = gate_of(robot).rule(
+        well(START, intent={"speed_mps": 0.01}, speed_mps=0.3, demanded_speed_mps=0.01)
+    )
+    assert (ruling.holds, lift_free(ruling)) == ((), True)
 
 
 @pytest.mark.parametrize(
@@ -88,37 +86,37 @@ def test_a_lift_that_is_not_wished_is_not_refused(robot: Robot, well: Well) -> N
     ],
 )
 def test_a_lift_within_a_millimetre_has_arrived(
-    robot: Robot, well: Well, wish: float, height: float | None, *, wanted: bool
+    robot: Rars, well: Well, wish: float, height: float | None, *, wanted: bool
 ) -> None:
-    ruling = Gate(robot).rule(well(START, intent={"lift_m": wish}, lift_m=height, speed_mps=0.3))
+    ruling = gate_of(robot).rule(well(START, intent={"lift_m": wish}, lift_m=height, speed_mps=0.3))
     assert ("lift refused" in names(ruling)) is wanted
-    assert ruling.lifting is not wanted
+    assert lift_free(ruling) is not wanted
 
 
-def test_who_asks_for_both_at_once_drives(robot: Robot, well: Well) -> None:
-    ruling = Gate(robot).rule(well(START, intent={"speed_mps": 0.05, "lift_m": 0.3}))
+def test_who_asks_for_both_at_once_drives(robot: Rars, well: Well) -> None:
+    ruling = gate_of(robot).rule(well(START, intent={"speed_mps": 0.05, "lift_m": 0.3}))
     assert names(ruling) == ("lift refused",)
-    assert (ruling.speed_mps, ruling.lifting) == (0.05, False)
+    assert (ruling.allowed.speed_mps, lift_free(ruling)) == (0.05, False)
 
 
-def test_a_lift_that_was_let_go_stops_the_base_before_it_is_seen_to_move(robot: Robot, well: Well) -> None:
-    gate = Gate(robot)
-    assert gate.rule(well(START, intent={"lift_m": 0.3})).lifting
+def test_a_lift_that_was_let_go_stops_the_base_before_it_is_seen_to_move(robot: Rars, well: Well) -> None:
+    gate = gate_of(robot)
+    assert lift_free(gate.rule(well(START, intent={"lift_m": 0.3})))
     ruling = gate.rule(well(START + 1, intent={"lift_m": 0.3, "speed_mps": 0.05}))
     assert [(hold.name, hold.reason) for hold in ruling.holds] == [
         ("lift moving", "the lift has been told to move")
     ]
-    assert (ruling.speed_mps, ruling.lifting) == (0.0, True)
+    assert (ruling.allowed.speed_mps, lift_free(ruling)) == (0.0, True)
     # The wish for the lift is given up: after its clear time the base is free.
     drive = {"speed_mps": 0.05}
-    assert gate.rule(well(START + 2, intent=drive)).stopped
-    assert gate.rule(well(START + 3, intent=drive)).stopped
-    assert gate.rule(well(START + 3 + 200 * MILLISECOND - 1, intent=drive)).stopped
-    assert not gate.rule(well(START + 3 + 200 * MILLISECOND, intent=drive)).stopped
+    assert base_stopped(gate.rule(well(START + 2, intent=drive)))
+    assert base_stopped(gate.rule(well(START + 3, intent=drive)))
+    assert base_stopped(gate.rule(well(START + 3 + 200 * MILLISECOND - 1, intent=drive)))
+    assert not base_stopped(gate.rule(well(START + 3 + 200 * MILLISECOND, intent=drive)))
 
 
-def test_a_refused_lift_does_not_stop_the_base(robot: Robot, well: Well) -> None:
-    gate = Gate(robot)
+def test_a_refused_lift_does_not_stop_the_base(robot: Rars, well: Well) -> None:
+    gate = gate_of(robot)
     for n in range(3):
         snapshot = well(
             START + n * SECOND,
@@ -126,12 +124,12 @@ def test_a_refused_lift_does_not_stop_the_base(robot: Robot, well: Well) -> None
             speed_mps=0.05,
             demanded_speed_mps=0.05,
         )
-        assert not gate.rule(snapshot).stopped
+        assert not base_stopped(gate.rule(snapshot))
 
 
-def test_an_extended_lift_comes_down_while_the_base_is_held(robot: Robot, well: Well) -> None:
-    ruling = Gate(robot).rule(well(START, intent={"lift_m": 0.0, "speed_mps": 0.3}, lift_m=0.4))
-    assert (ruling.speed_mps, ruling.lifting, ruling.lift_m) == (0.0, True, 0.0)
+def test_an_extended_lift_comes_down_while_the_base_is_held(robot: Rars, well: Well) -> None:
+    ruling = gate_of(robot).rule(well(START, intent={"lift_m": 0.0, "speed_mps": 0.3}, lift_m=0.4))
+    assert (ruling.allowed.speed_mps, lift_free(ruling), ruling.allowed.lift_m) == (0.0, True, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -148,22 +146,22 @@ def test_an_extended_lift_comes_down_while_the_base_is_held(robot: Robot, well: 
     ],
 )
 def test_the_next_deadline_is_the_first_silence_that_will_trip(
-    robot: Robot, well: Well, operator: int, steer: int, deadline: int
+    robot: Rars, well: Well, operator: int, steer: int, deadline: int
 ) -> None:
     snapshot = well(START, intent={"heard_at": operator}, drives={"steer": {"heard_at": steer}})
-    assert Gate(robot).next_deadline(snapshot) == deadline
+    assert gate_of(robot).next_deadline(snapshot.facts) == deadline
 
 
-def test_without_a_silence_to_come_there_is_no_deadline(robot: Robot, well: Well) -> None:
+def test_without_a_silence_to_come_there_is_no_deadline(robot: Rars, well: Well) -> None:
     never = {"heard_at": NEVER_HEARD}
     snapshot = well(START, intent=never, drives=dict.fromkeys(("left", "right", "steer", "lift"), never))
-    assert Gate(robot).next_deadline(snapshot) == NEVER
+    assert gate_of(robot).next_deadline(snapshot.facts) == NEVER
 
 
-def test_at_the_deadline_a_silence_trips_and_not_before(robot: Robot, well: Well) -> None:
+def test_at_the_deadline_a_silence_trips_and_not_before(robot: Rars, well: Well) -> None:
     heard = well(START)
-    for deadline in (Gate(robot).next_deadline(heard),):
-        early = Gate(robot).rule(replace(heard, now=deadline - 1))
-        late = Gate(robot).rule(replace(heard, now=deadline))
+    for deadline in (gate_of(robot).next_deadline(heard.facts),):
+        early = gate_of(robot).rule(with_facts(heard, now=deadline - 1))
+        late = gate_of(robot).rule(with_facts(heard, now=deadline))
         assert names(early) == ()
-        assert {name.split(":")[0] for name in names(late)} == {"drive silent"}
+        assert {name.split(":")[0] for name in names(late)} == {"axis silent"}

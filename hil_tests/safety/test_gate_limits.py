@@ -2,17 +2,13 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any, Final, TypeAlias
 
 import pytest
 
-from firmware_bridge.robot import Limits, Robot
-from firmware_bridge.safety import limits
-from firmware_bridge.safety.gate import Gate, Ruling
-from firmware_bridge.safety.limits import LIMITS, tightest_steer, tipping_speed
-from firmware_bridge.safety.snapshot import Snapshot
+from firmware_bridge.robots.rars.rules import LIMITS, tipping_speed
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+from hil_tests.safety.gate_bench import Rars, Snapshot, base_stopped, gate_of, lift_free, names
 
 Well: TypeAlias = Callable[..., Snapshot]
 START: Final = 100 * SECOND
@@ -25,22 +21,21 @@ STEP: Final = 0.80 * 0.144 * 9.81 * 0.050
 """The largest change of speed in one cycle, straight on."""
 
 
-def names(ruling: Ruling) -> tuple[str, ...]:
-    return tuple(hold.name for hold in ruling.holds)
-
-
 def asked(well: Well, now: Nanoseconds = START, **wish: Any) -> Snapshot:
     """Make a wish that the ramp has reached already, so that acceleration is no matter."""
     return well(now, intent=wish, demanded_speed_mps=wish.get("speed_mps", 0.0))
 
 
-def reckless(robot: Robot) -> Robot:
+def limited(robot: Rars, **limits: float) -> Rars:
+    """Return a robot with other limits."""
+    geometry = robot.geometry
+    changed = geometry.model_copy(update={"limits": geometry.limits.model_copy(update=limits)})
+    return robot.model_copy(update={"geometry": changed})
+
+
+def reckless(robot: Rars) -> Rars:
     """Return a robot whose other limits never bind."""
-    wide = Limits.model_validate(
-        robot.limits.model_dump()
-        | {"speed_mps": 9.0, "acceleration_g": 90.0, "turn_radius_m": 0.2, "steer_angle_deg": 85.0}
-    )
-    return robot.model_copy(update={"limits": wide})
+    return limited(robot, speed_mps=9.0, acceleration_g=90.0, turn_radius_m=0.2, steer_angle_deg=85.0)
 
 
 @pytest.mark.parametrize("sign", [1, -1])
@@ -57,13 +52,13 @@ def reckless(robot: Robot) -> Robot:
     ],
 )
 def test_speed_is_clipped_to_half_a_metre_a_second(
-    robot: Robot, well: Well, sign: int, wish: float, allowed: float, *, held: bool
+    robot: Rars, well: Well, sign: int, wish: float, allowed: float, *, held: bool
 ) -> None:
-    snapshot = replace(asked(well, speed_mps=sign * wish), demanded_speed_mps=sign * allowed)
-    ruling = Gate(robot).rule(snapshot)
-    assert ruling.speed_mps == sign * allowed
+    snapshot = well(START, intent={"speed_mps": sign * wish}, demanded_speed_mps=sign * allowed)
+    ruling = gate_of(robot).rule(snapshot)
+    assert ruling.allowed.speed_mps == sign * allowed
     assert names(ruling) == (("speed limit",) if held else ())
-    assert not ruling.stopped
+    assert not base_stopped(ruling)
 
 
 @pytest.mark.parametrize("sign", [1, -1])
@@ -81,17 +76,17 @@ def test_speed_is_clipped_to_half_a_metre_a_second(
     ],
 )
 def test_steering_is_clipped_to_60_degrees_and_415_millimetres(
-    robot: Robot, well: Well, sign: int, wish: float, *, allowed: float, held: tuple[str, ...]
+    robot: Rars, well: Well, sign: int, wish: float, *, allowed: float, held: tuple[str, ...]
 ) -> None:
-    ruling = Gate(robot).rule(asked(well, steer_rad=sign * wish))
-    assert ruling.steer_rad == pytest.approx(sign * allowed, rel=1e-12)
+    ruling = gate_of(robot).rule(asked(well, steer_rad=sign * wish))
+    assert ruling.allowed.steer_rad == pytest.approx(sign * allowed, rel=1e-12)
     assert names(ruling) == held
 
 
-def test_60_degrees_bind_where_the_robot_could_turn_more_tightly(robot: Robot, well: Well) -> None:
-    nimble = robot.model_copy(update={"limits": robot.limits.model_copy(update={"turn_radius_m": 0.3})})
-    ruling = Gate(nimble).rule(asked(well, steer_rad=math.radians(61)))
-    assert ruling.steer_rad == FULL_STEER
+def test_60_degrees_bind_where_the_robot_could_turn_more_tightly(robot: Rars, well: Well) -> None:
+    nimble = limited(robot, turn_radius_m=0.3)
+    ruling = gate_of(nimble).rule(asked(well, steer_rad=math.radians(61)))
+    assert ruling.allowed.steer_rad == FULL_STEER
     assert names(ruling) == ("steer angle limit",)
 
 
@@ -103,12 +98,12 @@ def test_the_printed_tipping_speed() -> None:
 @pytest.mark.parametrize("side", [1, -1])
 @pytest.mark.parametrize("way", [1, -1])
 def test_the_tipping_limit_is_that_of_the_turn_actually_steered(
-    robot: Robot, well: Well, side: int, way: int
+    robot: Rars, well: Well, side: int, way: int
 ) -> None:
     machine = reckless(robot)
     top = tipping_speed(machine, TIGHTEST)
     assert top == pytest.approx(1.897, abs=1e-3)
-    assert tightest_steer(robot) == pytest.approx(TIGHTEST)
+    assert robot.geometry.tightest_steer_rad == pytest.approx(TIGHTEST)
     for wish, steered, allowed, held in (
         (top * 1.1, side * TIGHTEST, top, ("tipping limit",)),
         (top, side * TIGHTEST, top, ()),
@@ -120,8 +115,8 @@ def test_the_tipping_limit_is_that_of_the_turn_actually_steered(
             steer_rad=steered,
             demanded_speed_mps=way * allowed,
         )
-        ruling = Gate(machine).rule(snapshot)
-        assert ruling.speed_mps == pytest.approx(way * allowed)
+        ruling = gate_of(machine).rule(snapshot)
+        assert ruling.allowed.speed_mps == pytest.approx(way * allowed)
         assert names(ruling) == held
 
 
@@ -139,12 +134,12 @@ def test_the_tipping_limit_is_that_of_the_turn_actually_steered(
     ],
 )
 def test_the_lift_is_kept_within_its_rate_and_range(
-    robot: Robot, well: Well, field: str, wish: float, *, allowed: float, held: tuple[str, ...]
+    robot: Rars, well: Well, field: str, wish: float, *, allowed: float, held: tuple[str, ...]
 ) -> None:
-    ruling = Gate(robot).rule(well(START, intent={field: wish}))
-    assert getattr(ruling, field) == pytest.approx(allowed)
+    ruling = gate_of(robot).rule(well(START, intent={field: wish}))
+    assert getattr(ruling.allowed, field) == pytest.approx(allowed)
     assert names(ruling) == held
-    assert ruling.lifting
+    assert lift_free(ruling)
 
 
 @pytest.mark.parametrize(
@@ -161,20 +156,20 @@ def test_the_lift_is_kept_within_its_rate_and_range(
     ],
 )
 def test_a_wish_that_the_ramp_delays_is_told(
-    robot: Robot, well: Well, demanded: float, wish: float, *, held: bool
+    robot: Rars, well: Well, demanded: float, wish: float, *, held: bool
 ) -> None:
-    ruling = Gate(robot).rule(well(START, intent={"speed_mps": wish}, demanded_speed_mps=demanded))
-    assert ruling.speed_mps == wish
+    ruling = gate_of(robot).rule(well(START, intent={"speed_mps": wish}, demanded_speed_mps=demanded))
+    assert ruling.allowed.speed_mps == wish
     assert names(ruling) == (("acceleration limit",) if held else ())
 
 
-def test_in_a_turn_the_ramp_delays_more(robot: Robot, well: Well) -> None:
+def test_in_a_turn_the_ramp_delays_more(robot: Rars, well: Well) -> None:
     snapshot = well(START, intent={"speed_mps": STEP}, steer_rad=TIGHTEST)
-    assert names(Gate(robot).rule(snapshot)) == ("acceleration limit",)
+    assert names(gate_of(robot).rule(snapshot)) == ("acceleration limit",)
 
 
-def test_reasons_give_the_numbers(robot: Robot, well: Well) -> None:
-    gate = Gate(robot)
+def test_reasons_give_the_numbers(robot: Rars, well: Well) -> None:
+    gate = gate_of(robot)
     snapshot = well(
         START, intent={"speed_mps": 0.8, "steer_rad": math.radians(65), "lift_m": 2.0, "lift_rate_mps": 0.5}
     )
@@ -202,15 +197,15 @@ TRIPS: Final = {
 
 
 def test_every_limit_has_a_case() -> None:
-    assert set(TRIPS) | {"tipping limit"} == {row.name for row in LIMITS} | {limits.ACCELERATION_LIMIT}
+    assert set(TRIPS) | {"tipping limit"} == {row.name for row in LIMITS}
 
 
 @pytest.mark.parametrize("name", TRIPS)
 @pytest.mark.parametrize("between", [(), (1, 2)])
 def test_a_limit_is_shown_until_it_has_not_clipped_for_300_milliseconds(
-    robot: Robot, well: Well, name: str, between: tuple[int, ...]
+    robot: Rars, well: Well, name: str, between: tuple[int, ...]
 ) -> None:
-    gate = Gate(robot)
+    gate = gate_of(robot)
     first = [hold for hold in gate.rule(well(START, intent=TRIPS[name])).holds if hold.name == name]
     assert first
     clear = START + SECOND
@@ -221,26 +216,19 @@ def test_a_limit_is_shown_until_it_has_not_clipped_for_300_milliseconds(
 
 @pytest.mark.parametrize("name", TRIPS)
 def test_while_stopped_no_limit_is_told_and_one_that_was_told_runs_out(
-    robot: Robot, well: Well, name: str
+    robot: Rars, well: Well, name: str
 ) -> None:
-    assert name not in names(Gate(robot).rule(well(START, intent=TRIPS[name], armed=False)))
-    gate = Gate(robot)
+    assert name not in names(gate_of(robot).rule(well(START, intent=TRIPS[name], armed=False)))
+    gate = gate_of(robot)
     assert name in names(gate.rule(well(START, intent=TRIPS[name])))
     assert name in names(gate.rule(well(START + 1, intent=TRIPS[name], armed=False)))
     assert name not in names(gate.rule(well(START + 1 + SHOWN_FOR, intent=TRIPS[name], armed=False)))
 
 
-def test_while_stopped_the_steering_keeps_the_last_allowed_angle(robot: Robot, well: Well) -> None:
-    gate = Gate(robot)
+def test_while_stopped_the_steering_stays_where_it_is(robot: Rars, well: Well) -> None:
+    gate = gate_of(robot)
     gate.rule(well(START, intent={"steer_rad": 0.3}))
     ruling = gate.rule(well(START + 1, intent={"steer_rad": -0.3, "speed_mps": 0.2}, armed=False))
-    assert (ruling.stopped, ruling.steer_rad, ruling.speed_mps) == (True, 0.3, 0.0)
-    assert gate.rule(well(START + 2, intent={"steer_rad": -0.3})).steer_rad == -0.3
-
-
-@pytest.mark.parametrize(("actual", "kept"), [(0.2, 0.2), (None, 0.0), (math.nan, 0.0)])
-def test_stopped_from_the_first_look_on_the_steering_stays_where_it_is(
-    robot: Robot, well: Well, actual: float | None, kept: float
-) -> None:
-    ruling = Gate(robot).rule(well(START, intent={"steer_rad": 0.5}, armed=False, steer_rad=actual))
-    assert ruling.steer_rad == kept
+    assert base_stopped(ruling)
+    assert (ruling.allowed.steer_rad, ruling.allowed.speed_mps) == (None, 0.0)
+    assert gate.rule(well(START + 2, intent={"steer_rad": -0.3})).allowed.steer_rad == -0.3

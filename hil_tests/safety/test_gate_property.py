@@ -8,14 +8,14 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
-from firmware_bridge.intent import NEVER_HEARD, Intent
-from firmware_bridge.motion.odometry import Pose
-from firmware_bridge.robot import find
-from firmware_bridge.safety.gate import Gate, Ruling
-from firmware_bridge.safety.limits import tipping_speed
-from firmware_bridge.safety.snapshot import DriveSnapshot, Hold, Snapshot
+from firmware_bridge.drivers.driver import Power
+from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.kinds import find
+from firmware_bridge.robots.rars.rules import tipping_speed
+from firmware_bridge.safety.snapshot import Hold
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND
 from firmware_bridge.wire.cia402 import State
+from hil_tests.safety.gate_bench import Ruling, Snapshot, base_stopped, gate_of, lift_free, said, well
 
 ROBOT: Final = find("rars")
 ANY: Final = st.floats(width=32) | st.sampled_from([0.0, 0.3, -0.5, 0.5, 0.501])
@@ -34,8 +34,8 @@ DRIVES: Final = st.fixed_dictionaries(
     {
         "state": st.sampled_from([State.OPERATION_ENABLED] * 8 + list(State)) | st.none(),
         "age": AGES | st.just(0) | st.none(),
-        "speed_rad_s": st.just(0.0) | ANY,
-        "fault": st.sampled_from([0, 0, 0, 0x8611]),
+        "velocity": st.just(0.0) | ANY,
+        "fault": st.sampled_from(["", "", "", "0x8611"]),
     }
 )
 
@@ -45,7 +45,7 @@ class AnyOrder(RuleBasedStateMachine):
 
     def __init__(self) -> None:
         super().__init__()
-        self.gate = Gate(ROBOT)
+        self.gate = gate_of(ROBOT)
         self.now = SECOND
         self.seen: Snapshot | None = None
         self.ruling: Ruling | None = None
@@ -55,46 +55,19 @@ class AnyOrder(RuleBasedStateMachine):
         """Show one snapshot; what is not given is well."""
         if self.ruling is not None:
             self.before = {hold.name: hold for hold in self.ruling.holds}
-        fields: dict[str, Any] = {
-            "armed": True,
-            "emergency_stopped": False,
-            "steer_rad": 0.0,
-            "lift_m": 0.0,
-            "speed_mps": 0.0,
-            "demanded_speed_mps": 0.0,
-            "intent": {},
-            "age": 0,
-            "drives": [{}] * len(ROBOT.axes),
-        } | changes
-        drives = fields.pop("drives")
-        heard_at = self._heard_at(fields.pop("age"))
-        intent = Intent(heard_at=heard_at, **fields.pop("intent"))
-        self.seen = Snapshot(
-            now=self.now,
-            intent=intent,
-            drives=tuple(self._drive(n, one) for n, one in enumerate(drives)),
-            yaw_rate_rad_s=0.0,
-            pose=Pose(),
-            battery_v=None,
-            **fields,
-        )
+        drives = changes.pop("drives", [{}] * len(ROBOT.axes))
+        intent = {"heard_at": self._heard_at(changes.pop("age", 0)), **changes.pop("intent", {})}
+        axes = {axis.name: self._drive(one) for axis, one in zip(ROBOT.axes, drives, strict=True)}
+        self.seen = well(ROBOT, self.now, intent=intent, drives=axes, **changes)
         self.ruling = self.gate.rule(self.seen)
 
     def _heard_at(self, age: int | None) -> int:
         return NEVER_HEARD if age is None else self.now - age
 
-    def _drive(self, number: int, fields: dict[str, Any]) -> DriveSnapshot:
-        axis = ROBOT.axes[number]
-        return DriveSnapshot(
-            axis.name,
-            axis.node,
-            fields.get("state", State.OPERATION_ENABLED),
-            self._heard_at(fields.get("age", 0)),
-            0,
-            fields.get("speed_rad_s", 0.0),
-            0,
-            fields.get("fault", 0),
-        )
+    def _drive(self, fields: dict[str, Any]) -> dict[str, Any]:
+        given = dict(fields)
+        state = given.pop("state", State.OPERATION_ENABLED)
+        return {"heard_at": self._heard_at(given.pop("age", 0)), **said(state), **given}
 
     @rule(ms=st.sampled_from([0, 1, 50, 199, 200, 300, 5000]))
     def time_passes(self, ms: int) -> None:
@@ -131,45 +104,47 @@ class AnyOrder(RuleBasedStateMachine):
     def no_speed_while_a_stop_holds(self) -> None:
         if self.ruling is None or self.seen is None:
             return
-        if self.ruling.stopped:
-            assert self.ruling.speed_mps == 0.0
+        if base_stopped(self.ruling):
+            assert self.ruling.allowed.speed_mps == 0.0
             assert self.ruling.holds
-        unfit = not self.seen.armed or self.seen.emergency_stopped
-        silent = self.now - self.seen.intent.heard_at >= 500 * MILLISECOND
-        extended = self.seen.lift_m is None or not self.seen.lift_m <= 0.005
+        facts, body = self.seen.facts, self.seen.body
+        unfit = not facts.armed or facts.emergency_stopped
+        silent = self.now - facts.heard_at >= 500 * MILLISECOND
+        extended = body.lift_m is None or not body.lift_m <= 0.005
         broken = any(
-            drive.state is not State.OPERATION_ENABLED
-            or drive.fault
-            or self.seen.now - drive.heard_at >= 250 * MILLISECOND
-            for drive in self.seen.drives
+            axis.power is not Power.ON or axis.fault or facts.now - axis.heard_at >= 250 * MILLISECOND
+            for axis in facts.axes.values()
         )
-        if self.seen.now == self.now and (unfit or silent or extended or broken):
-            assert self.ruling.stopped
-        if self.seen.now == self.now and (unfit or silent or broken):
-            assert not self.ruling.lifting
+        if self.seen.facts.now == self.now and (unfit or silent or extended or broken):
+            assert base_stopped(self.ruling)
+        if self.seen.facts.now == self.now and (unfit or silent or broken):
+            assert not lift_free(self.ruling)
 
     @invariant()
     def nothing_beyond_a_limit(self) -> None:
         if self.ruling is None or self.seen is None:
             return
         ruling = self.ruling
-        assert math.isfinite(ruling.speed_mps)
-        assert abs(ruling.speed_mps) <= 0.5
-        if not ruling.stopped:
-            assert self.seen.steer_rad is not None
-            assert abs(ruling.speed_mps) <= tipping_speed(ROBOT, self.seen.steer_rad)
-            assert abs(ruling.steer_rad) <= math.atan(0.515 / 0.310) + 1e-9
-        assert abs(ruling.lift_rate_mps) <= 0.1
-        assert ruling.lift_m is None or 0.0 <= ruling.lift_m <= 1.2
+        assert math.isfinite(ruling.allowed.speed_mps)
+        assert abs(ruling.allowed.speed_mps) <= 0.5
+        if not base_stopped(ruling):
+            assert self.seen.body.steer_rad is not None
+            assert abs(ruling.allowed.speed_mps) <= tipping_speed(ROBOT, self.seen.body.steer_rad)
+            assert ruling.allowed.steer_rad is not None
+            assert abs(ruling.allowed.steer_rad) <= math.atan(0.515 / 0.310) + 1e-9
+        assert abs(ruling.allowed.lift_rate_mps) <= 0.1
+        assert ruling.allowed.lift_m is None or 0.0 <= ruling.allowed.lift_m <= 1.2
 
     @invariant()
     def lift_and_wheels_never_together(self) -> None:
-        if self.ruling is None or self.seen is None or self.ruling.speed_mps == 0.0:
+        if self.ruling is None or self.seen is None or self.ruling.allowed.speed_mps == 0.0:
             return
-        height = self.seen.lift_m
-        moves = self.ruling.lift_rate_mps != 0.0 and self.ruling.lift_m is None
+        height = self.seen.body.lift_m
+        moves = self.ruling.allowed.lift_rate_mps != 0.0 and self.ruling.allowed.lift_m is None
         goes = (
-            self.ruling.lift_m is not None and height is not None and abs(self.ruling.lift_m - height) > 0.001
+            self.ruling.allowed.lift_m is not None
+            and height is not None
+            and abs(self.ruling.allowed.lift_m - height) > 0.001
         )
         assert not moves
         assert not goes
@@ -184,13 +159,15 @@ class AnyOrder(RuleBasedStateMachine):
             assert hold.reason
             assert hold.remedy
             before = self.before.get(name)
-            assert hold == before or hold.since == self.seen.now
+            assert hold == before or hold.since == self.seen.facts.now
 
     @invariant()
     def a_deadline_lies_ahead(self) -> None:
         if self.seen is not None:
-            deadline = self.gate.next_deadline(self.seen)
-            assert deadline == NEVER or self.seen.now < deadline <= self.seen.now + 500 * MILLISECOND
+            deadline = self.gate.next_deadline(self.seen.facts)
+            assert (
+                deadline == NEVER or self.seen.facts.now < deadline <= self.seen.facts.now + 500 * MILLISECOND
+            )
 
 
 TestAnyOrder = pytest.mark.timeout(60)(AnyOrder.TestCase)

@@ -1,17 +1,25 @@
 """Every stop interlock at both edges of its threshold and its clear time, with and without looks between."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any, TypeAlias
 
 import pytest
 
 from firmware_bridge.intent import NEVER_HEARD
-from firmware_bridge.robot import Robot
-from firmware_bridge.safety.gate import Gate, Ruling
-from firmware_bridge.safety.interlocks import DRIVE_STOPS, STOPS
-from firmware_bridge.safety.snapshot import Hold, Snapshot
+from firmware_bridge.robots.rars import KIND
+from firmware_bridge.safety.common import AXIS_ROWS, whole_robot_rows
+from firmware_bridge.safety.snapshot import Hold
 from firmware_bridge.units import SECOND, Nanoseconds
+from hil_tests.safety.gate_bench import (
+    Rars,
+    Snapshot,
+    base_stopped,
+    gate_of,
+    lift_free,
+    names,
+    shifted,
+    with_facts,
+)
 from hil_tests.safety.stop_cases import CASES, LINK, START, Case, above, drive
 
 Well: TypeAlias = Callable[..., Snapshot]
@@ -22,62 +30,47 @@ with_or_without_a_look = pytest.mark.parametrize(
 )
 
 
-def names(ruling: Ruling) -> tuple[str, ...]:
-    return tuple(hold.name for hold in ruling.holds)
-
-
 def tripped(well: Well, case: Case, now: Nanoseconds = START, **changes: Any) -> Snapshot:
     """Make the case's snapshot at another instant; silences move along."""
-    snapshot = well(START, **(case.trips | changes))
-    return _shifted(snapshot, now - START)
+    return shifted(well(START, **(case.trips | changes)), now - START)
 
 
-def _shifted(snapshot: Snapshot, by: Nanoseconds) -> Snapshot:
-    def later(at: Nanoseconds) -> Nanoseconds:
-        return at if at == NEVER_HEARD else at + by
-
-    return replace(
-        snapshot,
-        now=snapshot.now + by,
-        intent=replace(snapshot.intent, heard_at=later(snapshot.intent.heard_at)),
-        drives=tuple(replace(one, heard_at=later(one.heard_at)) for one in snapshot.drives),
-    )
+def test_every_interlock_in_the_tables_has_a_case(robot: Rars) -> None:
+    rules = KIND.rules(robot)[""]
+    rows = (*whole_robot_rows(rules.numbers, robot.links), *rules.interlocks, *AXIS_ROWS)
+    held = {case.hold for case in CASES} | {case.hold.split(":")[0] for case in CASES}
+    assert {row.name for row in rows} <= held
+    assert len({row.name for row in rows}) == len(rows)
 
 
-def test_every_interlock_in_the_tables_has_a_case() -> None:
-    kinds = {case.hold.split(":")[0] for case in CASES}
-    assert kinds == {row.name for row in STOPS} | {row.name for row in DRIVE_STOPS}
-    assert len({row.name for row in (*STOPS, *DRIVE_STOPS)}) == len(STOPS) + len(DRIVE_STOPS)
-
-
-def test_a_robot_that_is_well_holds_nothing_from_the_first_look_on(robot: Robot, well: Well) -> None:
-    gate = Gate(robot)
+def test_a_robot_that_is_well_holds_nothing_from_the_first_look_on(robot: Rars, well: Well) -> None:
+    gate = gate_of(robot)
     for now in (0, 1, START):
         ruling = gate.rule(well(now))
         assert ruling.holds == ()
-        assert not ruling.stopped
-        assert ruling.lifting
+        assert not base_stopped(ruling)
+        assert lift_free(ruling)
 
 
 @each
 @with_or_without_a_look
 def test_just_below_its_threshold_it_lets_the_robot_drive(
-    robot: Robot, well: Well, case: Case, between: tuple[int, ...]
+    robot: Rars, well: Well, case: Case, between: tuple[int, ...]
 ) -> None:
-    gate = Gate(robot)
+    gate = gate_of(robot)
     for n in between:
         gate.rule(well(START - 10 + n))
     ruling = gate.rule(well(START, **case.spares))
     assert names(ruling) == ()
-    assert not ruling.stopped
+    assert not base_stopped(ruling)
 
 
 @each
 @with_or_without_a_look
 def test_at_its_threshold_it_stops_the_robot_and_says_why(
-    robot: Robot, well: Well, case: Case, between: tuple[int, ...]
+    robot: Rars, well: Well, case: Case, between: tuple[int, ...]
 ) -> None:
-    gate = Gate(robot)
+    gate = gate_of(robot)
     for n in between:
         gate.rule(well(START - 10 + n))
     wish = {"speed_mps": 0.3, "steer_rad": 0.1, "lift_rate_mps": 0.0} | case.trips.get("intent", {})
@@ -85,16 +78,16 @@ def test_at_its_threshold_it_stops_the_robot_and_says_why(
     # A wish that is no number is a wish to move the lift as well, and the robot drives.
     assert set(names(ruling)) - {"lift refused"} == {case.hold, *case.also}
     hold = next(hold for hold in ruling.holds if hold.name == case.hold)
-    assert hold == Hold(case.hold, case.reason, hold.remedy, START)
+    assert hold == Hold(case.hold, case.reason, hold.row, START)
     assert hold.remedy
-    assert ruling.stopped
-    assert ruling.speed_mps == 0.0
-    assert ruling.lifting is case.lift_is_free
+    assert base_stopped(ruling)
+    assert ruling.allowed.speed_mps == 0.0
+    assert lift_free(ruling) is case.lift_is_free
 
 
 @each
-def test_it_holds_on_from_when_it_began(robot: Robot, well: Well, case: Case) -> None:
-    gate = Gate(robot)
+def test_it_holds_on_from_when_it_began(robot: Rars, well: Well, case: Case) -> None:
+    gate = gate_of(robot)
     first = gate.rule(tripped(well, case)).holds
     for n in range(1, 4):
         assert gate.rule(tripped(well, case, START + n * SECOND)).holds == first
@@ -103,9 +96,9 @@ def test_it_holds_on_from_when_it_began(robot: Robot, well: Well, case: Case) ->
 @each
 @with_or_without_a_look
 def test_it_lets_go_when_it_was_clear_for_its_clear_time(
-    robot: Robot, well: Well, case: Case, between: tuple[int, ...]
+    robot: Rars, well: Well, case: Case, between: tuple[int, ...]
 ) -> None:
-    gate = Gate(robot)
+    gate = gate_of(robot)
     gate.rule(tripped(well, case))
     clear_at = START + SECOND
     ends_at = clear_at + case.clear_after
@@ -117,9 +110,9 @@ def test_it_lets_go_when_it_was_clear_for_its_clear_time(
 
 @each
 def test_the_first_clear_look_starts_the_clear_time_however_late_it_comes(
-    robot: Robot, well: Well, case: Case
+    robot: Rars, well: Well, case: Case
 ) -> None:
-    gate = Gate(robot)
+    gate = gate_of(robot)
     gate.rule(tripped(well, case))
     late = START + 60 * SECOND
     assert (case.hold in names(gate.rule(well(late)))) == (case.clear_after > 0)
@@ -127,8 +120,8 @@ def test_the_first_clear_look_starts_the_clear_time_however_late_it_comes(
 
 
 @each
-def test_a_trip_in_between_starts_the_clear_time_anew(robot: Robot, well: Well, case: Case) -> None:
-    gate = Gate(robot)
+def test_a_trip_in_between_starts_the_clear_time_anew(robot: Rars, well: Well, case: Case) -> None:
+    gate = gate_of(robot)
     began = gate.rule(tripped(well, case)).holds
     gate.rule(well(START + SECOND))
     again = START + SECOND + case.clear_after // 2
@@ -143,8 +136,8 @@ def test_a_trip_in_between_starts_the_clear_time_anew(robot: Robot, well: Well, 
 
 
 @each
-def test_it_trips_again_at_once_after_it_has_let_go(robot: Robot, well: Well, case: Case) -> None:
-    gate = Gate(robot)
+def test_it_trips_again_at_once_after_it_has_let_go(robot: Rars, well: Well, case: Case) -> None:
+    gate = gate_of(robot)
     for round_trip in range(3):
         start = START + round_trip * 10 * SECOND
         ruling = gate.rule(tripped(well, case, start))
@@ -155,11 +148,11 @@ def test_it_trips_again_at_once_after_it_has_let_go(robot: Robot, well: Well, ca
 
 
 def _at(hold: Hold, now: Nanoseconds) -> Hold:
-    return Hold(hold.name, hold.reason, hold.remedy, now)
+    return Hold(hold.name, hold.reason, hold.row, now)
 
 
-def test_an_extended_lift_counts_as_retracted_only_well_below_the_threshold(robot: Robot, well: Well) -> None:
-    gate = Gate(robot)
+def test_an_extended_lift_counts_as_retracted_only_well_below_the_threshold(robot: Rars, well: Well) -> None:
+    gate = gate_of(robot)
     assert gate.rule(well(START, lift_m=0.5)).holds[0].reason == (
         "the lift stands at 500 mm, retracted is below 5 mm"
     )
@@ -169,37 +162,38 @@ def test_an_extended_lift_counts_as_retracted_only_well_below_the_threshold(robo
     assert names(gate.rule(well(START + 4, lift_m=0.005))) == ()
 
 
-def test_a_lift_comes_to_rest_only_well_below_its_threshold(robot: Robot, well: Well) -> None:
-    gate = Gate(robot)
-    gate.rule(well(START, **drive("lift", speed_rad_s=1.0)))
+def test_a_lift_comes_to_rest_only_well_below_its_threshold(robot: Rars, well: Well) -> None:
+    gate = gate_of(robot)
+    gate.rule(well(START, **drive("lift", velocity=1.0)))
     resting = above(0.05)
-    assert names(gate.rule(well(START + SECOND, **drive("lift", speed_rad_s=resting)))) == ("lift moving",)
-    assert names(gate.rule(well(START + 2 * SECOND, **drive("lift", speed_rad_s=-0.05)))) == ("lift moving",)
-    ruling = gate.rule(well(START + 2 * SECOND + LINK, **drive("lift", speed_rad_s=0.05)))
+    assert names(gate.rule(well(START + SECOND, **drive("lift", velocity=resting)))) == ("lift moving",)
+    assert names(gate.rule(well(START + 2 * SECOND, **drive("lift", velocity=-0.05)))) == ("lift moving",)
+    ruling = gate.rule(well(START + 2 * SECOND + LINK, **drive("lift", velocity=0.05)))
     assert names(ruling) == ()
 
 
-def test_a_drive_that_is_missing_from_the_snapshot_was_never_heard(robot: Robot, well: Well) -> None:
+def test_a_drive_that_is_missing_from_the_snapshot_was_never_heard(robot: Rars, well: Well) -> None:
     snapshot = well(START)
-    ruling = Gate(robot).rule(replace(snapshot, drives=snapshot.drives[1:]))
+    others = {name: one for name, one in snapshot.facts.axes.items() if name != "left"}
+    ruling = gate_of(robot).rule(with_facts(snapshot, axes=others))
     assert [hold.reason for hold in ruling.holds] == ["node 1 (left rear wheel) has never been heard"]
 
 
-def test_holds_come_in_the_order_of_the_tables(robot: Robot, well: Well) -> None:
-    ruling = Gate(robot).rule(
+def test_holds_come_in_the_order_of_the_tables(robot: Rars, well: Well) -> None:
+    ruling = gate_of(robot).rule(
         well(
             START,
             armed=False,
             emergency_stopped=True,
             lift_m=0.5,
-            drives={"right": {"fault": 0x2310, "heard_at": NEVER_HEARD}, "left": {"fault": 0x2310}},
+            drives={"right": {"fault": "0x2310", "heard_at": NEVER_HEARD}, "left": {"fault": "0x2310"}},
         )
     )
     assert names(ruling) == (
         "emergency stop",
         "not armed",
         "lift extended",
-        "drive fault: left",
-        "drive silent: right",
-        "drive fault: right",
+        "axis fault: left",
+        "axis silent: right",
+        "axis fault: right",
     )

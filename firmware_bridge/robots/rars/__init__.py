@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Final
 
 from firmware_bridge.kind import Kind
-from firmware_bridge.robots.rars.body import GROUPS, Rars, reach
+from firmware_bridge.robots.rars.body import BASE, GROUPS, Rars, reach
 from firmware_bridge.robots.rars.geometry import Geometry
 from firmware_bridge.robots.rars.motion import Motion, State
 from firmware_bridge.robots.rars.rules import INTERLOCKS, LIMITS
@@ -23,6 +23,7 @@ KIND: Final[Kind[Geometry, Motion, State]] = Kind(
     },
     body=Rars,
     groups=GROUPS,
+    travelling=frozenset({BASE}),
     interlocks=INTERLOCKS,
     limits=LIMITS,
     reach=reach,

@@ -11,7 +11,7 @@ from typing import Final, TypeAlias
 
 from firmware_bridge.motion import davis, scissor
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.rars.body import BASE, BASE_MOVES_MPS, LIFT, known, ramp_of
+from firmware_bridge.robots.rars.body import BASE, BASE_MOVES_MPS, LIFT, known, ramp_of, steered
 from firmware_bridge.robots.rars.geometry import Geometry
 from firmware_bridge.robots.rars.motion import Motion, State
 from firmware_bridge.safety import interlock
@@ -79,9 +79,14 @@ def _base_drives(view: View) -> str | None:
 
 INTERLOCKS: Final = (
     Interlock(
-        "steer angle unknown", _steer_unknown, "wait for the steering drive's position", severity=Severity.ERROR
+        "steer angle unknown",
+        _steer_unknown,
+        "wait for the steering drive's position",
+        severity=Severity.ERROR,
     ),
-    Interlock("lift height unknown", _lift_unknown, "wait for the lift drive's position", severity=Severity.ERROR),
+    Interlock(
+        "lift height unknown", _lift_unknown, "wait for the lift drive's position", severity=Severity.ERROR
+    ),
     Interlock(
         "lift extended",
         _lift_extended,
@@ -114,7 +119,9 @@ def tipping_speed(robot: Robot[Geometry], steer_rad: float) -> float:
     """Return the speed in m/s at which the turn tips the robot over, sqrt(R g d / Zcg) (2.7)."""
     base = robot.geometry.base
     radius = davis.turn_radius(base, steer_rad)
-    return math.sqrt(radius * STANDARD_GRAVITY * (base.half_support_width_m / base.centre_of_gravity_height_m))
+    return math.sqrt(
+        radius * STANDARD_GRAVITY * (base.half_support_width_m / base.centre_of_gravity_height_m)
+    )
 
 
 def _top_speed(view: View) -> float:
@@ -171,7 +178,7 @@ def _acceleration(view: View) -> tuple[Motion, str | None]:
     """Clip nothing, the ramp does; say where it will take more than one cycle."""
     demanded, speed = view.seen.demanded.speed_mps, view.allowed.speed_mps
     ramp = ramp_of(view.robot)
-    bend = davis.curvature(view.geometry.base, view.body.steer_rad or 0.0)
+    bend = davis.curvature(view.geometry.base, steered(view.body))
     if abs(speed - ramp.step(demanded, speed, bend, ramp.longest_step)) <= SPEED_TOLERANCE_MPS:
         return view.allowed, None
     limit = view.geometry.limits.acceleration_mps2

@@ -1,0 +1,119 @@
+"""RARS that is well in every respect, to be made unwell in one, and the gate that judges it."""
+
+from dataclasses import replace
+from typing import Any, Final, TypeAlias
+
+from firmware_bridge.drivers.driver import Feedback, Power, Tells
+from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.motion.pose import Pose
+from firmware_bridge.robot import Robot
+from firmware_bridge.robots.rars import KIND
+from firmware_bridge.robots.rars.geometry import Geometry
+from firmware_bridge.robots.rars.motion import Motion, State
+from firmware_bridge.safety import gate, snapshot
+from firmware_bridge.units import Nanoseconds
+from firmware_bridge.wire import cia402
+
+Rars: TypeAlias = Robot[Geometry]
+Gate: TypeAlias = gate.Gate[Geometry, Motion, State]
+Snapshot: TypeAlias = snapshot.Snapshot[Motion, State]
+Ruling: TypeAlias = snapshot.Ruling[Motion]
+
+FAULTS: Final = (
+    cia402.State.FAULT,
+    cia402.State.FAULT_REACTION_DISABLED,
+    cia402.State.FAULT_REACTION_ENABLED,
+)
+_MOTION: Final = frozenset({"speed_mps", "steer_rad", "lift_m", "lift_rate_mps"})
+
+
+def gate_of(robot: Rars) -> Gate:
+    """Return RARS's gate; its drives tell everything."""
+    return gate.Gate(robot, KIND.rules(robot), {axis.name: frozenset(Tells) for axis in robot.axes})
+
+
+def said(state: cia402.State | None) -> dict[str, Any]:
+    """Return what a drive in this state is known by."""
+    if state is None:
+        return {"power": Power.UNKNOWN, "says": ""}
+    if state is cia402.State.OPERATION_ENABLED:
+        power = Power.ON
+    elif state is cia402.State.QUICK_STOP_ACTIVE:
+        power = Power.STOPPED
+    else:
+        power = Power.FAULT if state in FAULTS else Power.OFF
+    return {"power": power, "says": state.title}
+
+
+def well(
+    robot: Rars,
+    now: Nanoseconds,
+    *,
+    intent: dict[str, Any] | None = None,
+    drives: dict[str, dict[str, Any]] | None = None,
+    demanded_speed_mps: float = 0.0,
+    link_lost: str | None = None,
+    **changes: Any,
+) -> Snapshot:
+    """Make a healthy snapshot; the wish and one axis's fields are given as dictionaries."""
+    changed = drives or {}
+    wished = dict(intent or {})
+    enabled = said(cia402.State.OPERATION_ENABLED)
+    axes = {
+        axis.name: Feedback(axis.name, **{**enabled, "heard_at": now, **changed.get(axis.name, {})})
+        for axis in robot.axes
+    }
+    body = {"steer_rad": 0.0, "lift_m": 0.0, "speed_mps": 0.0}
+    body |= {key: changes.pop(key) for key in tuple(changes) if key in body}
+    facts = {"armed": True, "emergency_stopped": False} | changes
+    return snapshot.Snapshot(
+        facts=snapshot.Facts(
+            now=now,
+            heard_at=wished.pop("heard_at", now),
+            axes=axes,
+            sensors={},
+            links_lost={} if link_lost is None else {"drives": link_lost},
+            **facts,
+        ),
+        wish=Motion(**{"steer_rad": 0.0, **wished}),
+        demanded=Motion(demanded_speed_mps),
+        body=State(screw_rad_s=axes["lift"].velocity, yaw_rate_rad_s=0.0, **body),
+        pose=Pose(),
+    )
+
+
+def with_facts(seen: Snapshot, **changes: Any) -> Snapshot:
+    """Return the same snapshot with other facts."""
+    return snapshot.Snapshot(
+        facts=replace(seen.facts, **changes),
+        wish=seen.wish,
+        demanded=seen.demanded,
+        body=seen.body,
+        pose=seen.pose,
+    )
+
+
+def shifted(seen: Snapshot, by: Nanoseconds) -> Snapshot:
+    """Return the same snapshot at a later instant, everything that was heard as much later."""
+
+    def later(at: Nanoseconds) -> Nanoseconds:
+        return at if at == NEVER_HEARD else at + by
+
+    facts = seen.facts
+    axes = {name: replace(one, heard_at=later(one.heard_at)) for name, one in facts.axes.items()}
+    return with_facts(seen, now=facts.now + by, heard_at=later(facts.heard_at), axes=axes)
+
+
+def names(ruling: Ruling) -> tuple[str, ...]:
+    """Return the names of what holds."""
+    return tuple(hold.name for hold in ruling.holds)
+
+
+def base_stopped(ruling: Ruling) -> bool:
+    """Return whether the base is held."""
+    return "base" in ruling.stopped
+
+
+def lift_free(ruling: Ruling) -> bool:
+    """Return whether the lift may move."""
+    return "lift" not in ruling.stopped
