@@ -1,4 +1,4 @@
-"""Robots for the drivers' tests: RARS as its file says, and what is changed in it. No kind is needed for that."""
+"""Robots for the drivers' tests: RARS as its file says, and what is changed in it; no kind is needed."""
 
 import copy
 from collections.abc import Callable, Mapping
