@@ -55,8 +55,10 @@ class Bridge:
         self._idle = Reaction()
         """The newest reaction that sent nothing; most are the same."""
         self._fleets: Final = Fleets(fleets_of(robot))
-        self._operator: Operator[Any, Any, Any] = Operator(robot, kind)
         rules = kind.rules(robot)
+        self._operator: Operator[Any, Any, Any] = Operator(
+            robot, kind.station, kind.rest, rolling=rules[""].body.rolling, modes=tuple(kind.modes)
+        )
         self._permission: Permission[Any, Any, Any] = Permission(robot, rules, self._fleets, self._outbox)
         self._pipeline: Pipeline[Any, Any, Any] = Pipeline(
             robot, kind, rules, self._fleets, self._operator, self._permission

@@ -2,50 +2,48 @@
 
 It opens no socket, reads no clock and judges nothing: requests go to the bridge through `decide`, limits are
 the interlocks'. Every station that speaks to us is obeyed and the newest word counts; an echo of our own
-words and messages for other systems are left alone.
+words and messages for other systems are left alone. What a robot makes of it stands in its station's rows.
 """
 
-from typing import Final
+from typing import Final, Generic, TypeVar
 
 from firmware_bridge.intent import Intent
-from firmware_bridge.robot import Robot
+from firmware_bridge.robot import Robot, Table
+from firmware_bridge.safety.row import Severity
 from firmware_bridge.safety.snapshot import Hold, Snapshot
-from firmware_bridge.teleop.conversation import HEARD, Conversation, Decide
-from firmware_bridge.teleop.mavlink import Codec, Counters, Message, concerns
-from firmware_bridge.teleop.parameters import PARAMETERS, Store
-from firmware_bridge.teleop.schedule import Schedule
-from firmware_bridge.teleop.session import LISTING_GAP, Dropped, Peer, Session
-from firmware_bridge.teleop.texts import Severity
-from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
+from firmware_bridge.teleop.exchange import HANDLERS, Decide, Exchange
+from firmware_bridge.teleop.mavlink import Counters, Message, concerns
+from firmware_bridge.teleop.session import LISTING_GAP, Address, Dropped, Session
+from firmware_bridge.teleop.station import Station
+from firmware_bridge.units import NEVER, Nanoseconds
 
-SEVERITIES: Final = {
-    "not armed": Severity.NOTICE,
-    "emergency stop": Severity.CRITICAL,
-    "drive silent": Severity.CRITICAL,
-    "drive fault": Severity.CRITICAL,
-    "steer angle unknown": Severity.ERROR,
-    "lift height unknown": Severity.ERROR,
-}
-"""How loud a hold is; a name's part behind a colon tells the axis. All others are warnings."""
+G = TypeVar("G", bound=Table)
+M = TypeVar("M")
+S = TypeVar("S")
 
 
-class Operator:
+class Operator(Generic[G, M, S]):
     """One robot's place on MAVLink."""
 
-    __slots__ = ("_faults", "_holds", "_session")
+    __slots__ = ("_called", "_faults", "_holds", "_session")
 
-    def __init__(self, robot: Robot) -> None:
-        self._session = Session(
-            robot=robot,
-            codec=Codec(robot.operator.system_id, robot.operator.component_id),
-            store=Store(robot),
-            schedule=Schedule(robot.bus.cycle_ms * MILLISECOND),
-        )
+    def __init__(
+        self,
+        robot: Robot[G],
+        station: Station[G, M, S],
+        rest: M,
+        *,
+        rolling: tuple[str, ...],
+        modes: tuple[str, ...] = (),
+    ) -> None:
+        """Take the robot, its kind's rows and motion at rest, its body's rolling axes, its kind's modes."""
+        self._session: Final[Session[G, M, S]] = Session(robot, station, rest, rolling=rolling, modes=modes)
         self._holds: dict[str, Hold] = {}
-        self._faults: dict[str, int] = {}
+        self._called: Final = {axis.name: axis.called for axis in robot.axes}
+        self._faults: Final[dict[str, str]] = {}
 
     @property
-    def intent(self) -> Intent:
+    def intent(self) -> Intent[M]:
         """What the operator wants now."""
         return self._session.intent
 
@@ -74,29 +72,33 @@ class Operator:
         codec = session.codec
         replies: list[Message] = []
         for message in codec.decode(datagram):
-            peer = Peer(message.get_srcSystem(), message.get_srcComponent())
-            if peer == (codec.system, codec.component):
+            sender = Address(message.get_srcSystem(), message.get_srcComponent())
+            if sender == (codec.system, codec.component):
                 session.dropped.echoed += 1
             elif not concerns(message, codec.system, codec.component):
                 session.dropped.foreign += 1
-            elif (row := HEARD.get(message.get_msgId())) is not None:
-                row(Conversation(session, message, peer, now, decide, replies))
+            elif (handle := HANDLERS.get(message.get_msgId())) is not None:
+                exchange: Exchange[G, M, S] = Exchange(session, message, sender, now, decide)
+                handle(exchange)
+                replies += exchange.replies
         return tuple(codec.encode(message) for message in replies)
 
-    def report(self, snapshot: Snapshot, holds: tuple[Hold, ...], now: Nanoseconds) -> tuple[bytes, ...]:
+    def report(
+        self, snapshot: Snapshot[M, S], holds: tuple[Hold, ...], now: Nanoseconds
+    ) -> tuple[bytes, ...]:
         """Return what is due now, in order: texts of what began or ended, telemetry, listed parameters."""
         session = self._session
         session.snapshot = snapshot
-        messages = self._told_holds(holds) + self._told_faults(snapshot)
+        messages = self._hold_texts(holds) + self._fault_texts(snapshot)
         due = session.schedule.due(now)
         if due:
-            scene = session.scene(snapshot)
-            for stream in due:
-                messages += stream.encode(scene)
-        messages += self._listed(now)
+            context = session.context(snapshot)
+            for place in due:
+                messages += session.streams[place].encode(context)
+        messages += self._parameters(now)
         return tuple(session.codec.encode(message) for message in messages)
 
-    def _told_holds(self, holds: tuple[Hold, ...]) -> list[Message]:
+    def _hold_texts(self, holds: tuple[Hold, ...]) -> list[Message]:
         current = {hold.name: hold for hold in holds}
         if current.keys() == self._holds.keys():
             return []
@@ -108,31 +110,31 @@ class Operator:
         for name, hold in current.items():
             if name not in self._holds:
                 remedy = f"; {hold.remedy}" if hold.remedy else ""
-                messages += say(
-                    SEVERITIES.get(name.split(":")[0], Severity.WARNING), f"{hold.reason}{remedy}"
-                )
+                messages += say(hold.row.severity, f"{hold.reason}{remedy}")
         self._holds = current
         return messages
 
-    def _told_faults(self, snapshot: Snapshot) -> list[Message]:
+    def _fault_texts(self, snapshot: Snapshot[M, S]) -> list[Message]:
         messages: list[Message] = []
         say = self._session.speaker.say
-        for drive in snapshot.drives:
-            before = self._faults.get(drive.axis, 0)
-            if drive.fault == before:
+        for axis in snapshot.facts.axes.values():
+            before = self._faults.get(axis.axis, "")
+            if axis.fault == before:
                 continue
-            self._faults[drive.axis] = drive.fault
-            if drive.fault:
-                messages += say(Severity.CRITICAL, f"EPOS {drive.node} 0x{drive.fault:04X} ({drive.axis})")
+            self._faults[axis.axis] = axis.fault
+            called = self._called[axis.axis]
+            if axis.fault:
+                messages += say(Severity.CRITICAL, f"{called}: fault {axis.fault}")
             else:
-                messages += say(Severity.INFO, f"EPOS {drive.node} fault cleared ({drive.axis})")
+                messages += say(Severity.INFO, f"{called}: fault cleared")
         return messages
 
-    def _listed(self, now: Nanoseconds) -> list[Message]:
+    def _parameters(self, now: Nanoseconds) -> list[Message]:
         session = self._session
         messages: list[Message] = []
         while session.list_due <= now:
             messages.append(session.store.message(session.listed))
             session.listed += 1
-            session.list_due = session.list_due + LISTING_GAP if session.listed < len(PARAMETERS) else NEVER
+            last = session.listed >= len(session.store.rows)
+            session.list_due = NEVER if last else session.list_due + LISTING_GAP
         return messages

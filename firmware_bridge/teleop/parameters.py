@@ -6,22 +6,24 @@ what the interlocks hold is changed in the robot file, by someone who is near th
 
 import math
 import struct
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, TypeVar
 
-from firmware_bridge.robot import Robot
+from firmware_bridge.robot import AnyRobot, Robot, Table
 from firmware_bridge.teleop.mavlink import Message, dialect, text_of
+from firmware_bridge.teleop.station import Fixed
 
-NAME_LENGTH: Final = 16
+G = TypeVar("G", bound=Table)
+
+FASTEST_HZ: Final = 20.0
 
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """One row: its name on the link, where its first value comes from, and how far it may be set."""
+    """One row: its name on the link, its first value, and how far it may be set."""
 
     name: str
-    first: Callable[[Robot], float]
+    first: float
     unit: str
     writable: tuple[float, float] | None = None
     """Smallest and largest value that a station may set; None for a read-only row."""
@@ -29,46 +31,52 @@ class Parameter:
     """The message whose rate in Hz this row is."""
 
 
-PARAMETERS: Final = (
-    Parameter("WHEEL_R", lambda robot: robot.base.wheel_radius_m, "m"),
-    Parameter("TRACK_L", lambda robot: robot.base.rear_track_m, "m"),
-    Parameter("BASE_L", lambda robot: robot.base.wheelbase_m, "m"),
-    Parameter("KINGPIN_L", lambda robot: robot.base.kingpin_distance_m, "m"),
-    Parameter("SPD_MAX", lambda robot: robot.limits.speed_mps, "m/s"),
-    Parameter("ACC_MAX", lambda robot: robot.limits.acceleration_mps2, "m/s2"),
-    Parameter("STR_MAX", lambda robot: robot.limits.steer_angle_deg, "deg"),
-    Parameter("RAD_MIN", lambda robot: robot.limits.turn_radius_m, "m"),
-    Parameter("LIFT_RETR", lambda robot: robot.limits.lift_retracted_m, "m"),
-    Parameter("LIFT_RATE", lambda robot: robot.limits.lift_rate_mps, "m/s"),
-    Parameter("CMD_TMO", lambda robot: robot.operator.silent_ms / 1000.0, "s"),
-    Parameter("CYCLE", lambda robot: robot.bus.cycle_ms / 1000.0, "s"),
-    Parameter("BAT_VLOW", lambda robot: robot.battery.low_v, "V"),
-    Parameter("MAV_SYSID", lambda robot: float(robot.operator.system_id), ""),
-    Parameter("MAV_COMPID", lambda robot: float(robot.operator.component_id), ""),
-    Parameter("RATE_ODOM", lambda _: 20.0, "Hz", (0.0, 20.0), dialect.MAVLINK_MSG_ID_ODOMETRY),
-    Parameter("RATE_POS", lambda _: 20.0, "Hz", (0.0, 20.0), dialect.MAVLINK_MSG_ID_LOCAL_POSITION_NED),
-    Parameter("RATE_ATT", lambda _: 20.0, "Hz", (0.0, 20.0), dialect.MAVLINK_MSG_ID_ATTITUDE),
-)
+def parameters_of(robot: Robot[G], fixed: tuple[Fixed[G], ...]) -> tuple[Parameter, ...]:
+    """Return one robot's rows: its kind's, then those that all have; ValueError where a name stands twice."""
+    rows = (*(Parameter(row.name, row.value(robot), row.unit) for row in fixed), *_common(robot))
+    names = [row.name for row in rows]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise ValueError(f"station: parameters stand twice: {', '.join(twice)}")
+    return rows
+
+
+def _common(robot: AnyRobot) -> tuple[Parameter, ...]:
+    return (
+        Parameter("CMD_TMO", robot.operator.silent_ms / 1000.0, "s"),
+        Parameter("CYCLE", robot.cycle_ms / 1000.0, "s"),
+        *(() if robot.battery is None else (Parameter("BAT_VLOW", robot.battery.low_v, "V"),)),
+        Parameter("MAV_SYSID", float(robot.operator.system_id), ""),
+        Parameter("MAV_COMPID", float(robot.operator.component_id), ""),
+        _rate("RATE_ODOM", dialect.MAVLINK_MSG_ID_ODOMETRY),
+        _rate("RATE_POS", dialect.MAVLINK_MSG_ID_LOCAL_POSITION_NED),
+        _rate("RATE_ATT", dialect.MAVLINK_MSG_ID_ATTITUDE),
+    )
+
+
+def _rate(name: str, stream: int) -> Parameter:
+    return Parameter(name, FASTEST_HZ, "Hz", (0.0, FASTEST_HZ), stream)
 
 
 class Store:
-    """The values of one bridge, in the table's order, which never changes while it runs."""
+    """The values of one bridge, in the rows' order, which never changes while it runs."""
 
-    __slots__ = ("_index", "_values")
+    __slots__ = ("_index", "_values", "rows")
 
-    def __init__(self, robot: Robot) -> None:
-        self._values = [_as_float32(row.first(robot)) for row in PARAMETERS]
-        self._index = {row.name: index for index, row in enumerate(PARAMETERS)}
+    def __init__(self, rows: tuple[Parameter, ...]) -> None:
+        self.rows: Final = rows
+        self._values = [_as_float32(row.first) for row in rows]
+        self._index = {row.name: index for index, row in enumerate(rows)}
 
     def find(self, index: int, name: bytes | str) -> int | None:
         """Return the index that a message means: by name where `index` is -1."""
         if index == -1:
             return self._index.get(text_of(name))
-        return index if 0 <= index < len(PARAMETERS) else None
+        return index if 0 <= index < len(self.rows) else None
 
     def change(self, index: int, value: float) -> str | None:
         """Set a value, or return the reason for which the old one stays."""
-        row = PARAMETERS[index]
+        row = self.rows[index]
         if row.writable is None:
             return f"{row.name} is read-only; it comes from the robot file"
         low, high = row.writable
@@ -79,7 +87,7 @@ class Store:
 
     def rate(self, index: int) -> tuple[int | None, float]:
         """Return the message whose rate this parameter is, and the rate in Hz."""
-        return PARAMETERS[index].stream, self._values[index]
+        return self.rows[index].stream, self._values[index]
 
     def value(self, index: int) -> float:
         """Return a value as the link carries it."""
@@ -87,9 +95,9 @@ class Store:
 
     def message(self, index: int) -> Message:
         """Return the PARAM_VALUE of a row."""
-        name = PARAMETERS[index].name.encode("ascii")
+        name = self.rows[index].name.encode("ascii")
         kind = dialect.MAV_PARAM_TYPE_REAL32
-        return dialect.MAVLink_param_value_message(name, self._values[index], kind, len(PARAMETERS), index)
+        return dialect.MAVLink_param_value_message(name, self._values[index], kind, len(self.rows), index)
 
 
 def _as_float32(value: float) -> float:

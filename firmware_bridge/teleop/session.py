@@ -1,17 +1,23 @@
-"""What the bridge remembers of its operators between two datagrams, and the scene for its telemetry."""
+"""What the bridge remembers of its operators between two datagrams, and what its telemetry tells."""
 
-from dataclasses import dataclass, field
-from typing import Final, NamedTuple
+from dataclasses import dataclass
+from typing import Any, Final, Generic, NamedTuple, TypeAlias, TypeVar
 
-from firmware_bridge.intent import Intent
-from firmware_bridge.robot import Robot
-from firmware_bridge.safety.snapshot import Snapshot
+from firmware_bridge.drivers.driver import Power
+from firmware_bridge.intent import NEVER_HEARD, Intent
+from firmware_bridge.robot import Robot, Table
+from firmware_bridge.safety.snapshot import Facts, Snapshot
 from firmware_bridge.teleop.mavlink import Codec, Message, dialect
-from firmware_bridge.teleop.parameters import PARAMETERS, Store
+from firmware_bridge.teleop.parameters import Store, parameters_of
 from firmware_bridge.teleop.schedule import Schedule
-from firmware_bridge.teleop.telemetry import STREAMS, Scene, tell
+from firmware_bridge.teleop.station import Station
+from firmware_bridge.teleop.telemetry import TelemetryContext, streams_of
 from firmware_bridge.teleop.texts import Speaker
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
+
+G = TypeVar("G", bound=Table)
+M = TypeVar("M")
+S = TypeVar("S")
 
 VERSION: Final = (0, 1, 0)
 CAPABILITIES: Final = (
@@ -29,7 +35,7 @@ OUT_OF_ORDER: Final[Nanoseconds] = 250 * MILLISECOND
 """How long an older sequence number is taken for a datagram that was overtaken, not for a new start."""
 
 
-class Peer(NamedTuple):
+class Address(NamedTuple):
     """Who speaks: system and component."""
 
     system: int
@@ -46,11 +52,11 @@ class Answered(NamedTuple):
 
 
 @dataclass(slots=True)
-class Station:
-    """One peer's last words."""
+class Peer:
+    """One ground station's last words."""
 
     sequence: int | None = None
-    moved_at: Nanoseconds = -NEVER
+    moved_at: Nanoseconds = NEVER_HEARD
     buttons: int | None = None
     answered: Answered | None = None
 
@@ -79,41 +85,67 @@ class Dropped:
     """Motion commands that made no sense."""
 
 
-@dataclass(slots=True)
-class Session:
+class Session(Generic[G, M, S]):
     """The whole memory; one for each bridge."""
 
-    robot: Robot
-    codec: Codec
-    store: Store
-    schedule: Schedule
-    speaker: Speaker = field(default_factory=Speaker)
-    intent: Intent = field(default_factory=Intent)
-    snapshot: Snapshot | None = None
-    stations: dict[Peer, Station] = field(default_factory=dict)
-    dropped: Dropped = field(default_factory=Dropped)
-    terminated: bool = False
-    resets: int = 0
-    listed: int = len(PARAMETERS)
-    list_due: Nanoseconds = NEVER
+    __slots__ = (
+        "codec", "dropped", "intent", "list_due", "listed", "modes", "peers", "resets", "robot", "rolling",
+        "schedule", "snapshot", "speaker", "station", "store", "streams", "terminated",
+    )  # fmt: skip
 
-    def station(self, peer: Peer) -> Station:
-        """Return what is remembered of a peer."""
-        station = self.stations.get(peer)
-        if station is None:
-            station = self.stations[peer] = Station()
-        return station
+    def __init__(
+        self,
+        robot: Robot[G],
+        station: Station[G, M, S],
+        rest: M,
+        *,
+        rolling: tuple[str, ...],
+        modes: tuple[str, ...],
+    ) -> None:
+        self.robot: Final = robot
+        self.station: Final = station
+        self.rolling: Final = rolling
+        self.modes: Final = ("", *modes)
+        """By custom mode; the first is the whole robot's."""
+        self.codec: Final = Codec(robot.operator.system_id, robot.operator.component_id)
+        self.store: Final = Store(parameters_of(robot, station.parameters))
+        self.streams: Final = streams_of(robot, station)
+        self.schedule: Final = Schedule(tuple((row.number, row.period) for row in self.streams), robot.cycle)
+        self.speaker: Final = Speaker()
+        self.intent: Intent[M] = Intent(rest)
+        self.snapshot: Snapshot[M, S] | None = None
+        self.peers: Final[dict[Address, Peer]] = {}
+        self.dropped: Final = Dropped()
+        self.terminated = False
+        self.resets = 0
+        self.listed = len(self.store.rows)
+        self.list_due: Nanoseconds = NEVER
 
-    def scene(self, snapshot: Snapshot) -> Scene:
+    def peer(self, address: Address) -> Peer:
+        """Return what is remembered of a ground station."""
+        peer = self.peers.get(address)
+        if peer is None:
+            peer = self.peers[address] = Peer()
+        return peer
+
+    def wish(self, wish: M) -> None:
+        """Change the wish; what is no motion command is no sign of life."""
+        self.intent = Intent(wish, self.intent.heard_at, self.intent.said_at)
+
+    def context(self, snapshot: Snapshot[M, S]) -> TelemetryContext[G, M, S]:
         """Return what telemetry tells of a snapshot."""
-        status = self._status(snapshot)
+        facts = snapshot.facts
+        status = self._status(facts)
         mode = dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | dialect.MAV_MODE_FLAG_MANUAL_INPUT_ENABLED
-        if snapshot.armed:
+        if facts.armed:
             mode |= dialect.MAV_MODE_FLAG_SAFETY_ARMED
-        return Scene(
+        return TelemetryContext(
             robot=self.robot,
+            station=self.station,
+            rolling=self.rolling,
             snapshot=snapshot,
             base_mode=mode,
+            custom_mode=self.modes.index(facts.mode),
             system_status=status,
             healthy=status in (dialect.MAV_STATE_STANDBY, dialect.MAV_STATE_ACTIVE),
             corrupt=self.codec.counters.corrupt,
@@ -124,22 +156,28 @@ class Session:
         """Return a message for a station that asks for it once; None where the bridge has no such message."""
         if number == dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION:
             return (_version(),)
-        if self.snapshot is None or all(stream.number != number for stream in STREAMS):
+        streams = [stream for stream in self.streams if stream.number == number]
+        if self.snapshot is None or not streams:
             return None
-        return tell(number, self.scene(self.snapshot))
+        context = self.context(self.snapshot)
+        return tuple(message for stream in streams for message in stream.encode(context))
 
-    def _status(self, snapshot: Snapshot) -> int:
-        silent = snapshot.now - self.intent.heard_at > self.robot.operator.silent_ms * MILLISECOND
+    def _status(self, facts: Facts) -> int:
+        silent = facts.now - self.intent.heard_at > self.robot.operator.silent_ms * MILLISECOND
+        axes = facts.axes.values()
         rows: tuple[tuple[bool, int], ...] = (
             (self.terminated, dialect.MAV_STATE_FLIGHT_TERMINATION),
-            (snapshot.emergency_stopped, dialect.MAV_STATE_EMERGENCY),
-            (any(drive.fault for drive in snapshot.drives), dialect.MAV_STATE_CRITICAL),
-            (any(drive.state is None for drive in snapshot.drives), dialect.MAV_STATE_BOOT),
-            (not snapshot.armed, dialect.MAV_STATE_STANDBY),
+            (facts.emergency_stopped, dialect.MAV_STATE_EMERGENCY),
+            (any(axis.fault for axis in axes), dialect.MAV_STATE_CRITICAL),
+            (any(axis.power is Power.UNKNOWN for axis in axes), dialect.MAV_STATE_BOOT),
+            (not facts.armed, dialect.MAV_STATE_STANDBY),
             (silent, dialect.MAV_STATE_CRITICAL),
         )
         active: int = dialect.MAV_STATE_ACTIVE
         return next((state for holds, state in rows if holds), active)
+
+
+AnySession: TypeAlias = Session[Any, Any, Any]
 
 
 def _version() -> Message:

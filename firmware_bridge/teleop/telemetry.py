@@ -5,160 +5,272 @@ clockwise: y, yaw and yaw rate change their sign here, and only here.
 """
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Final, TypeAlias
+from collections.abc import Callable
+from typing import Final, Generic, TypeVar
 
-from firmware_bridge.robot import Axis, Robot, Role
-from firmware_bridge.safety.snapshot import DriveSnapshot, Snapshot
+from firmware_bridge.drivers.driver import Feedback
+from firmware_bridge.robot import Robot, Table
+from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.teleop.mavlink import Message, dialect
+from firmware_bridge.teleop.station import Station, Twist, Value
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+
+G = TypeVar("G", bound=Table)
+M = TypeVar("M")
+S = TypeVar("S")
 
 UNKNOWN_U16: Final = 0xFFFF
 UNKNOWN: Final = -1
 NAN: Final = math.nan
-_WHEELS: Final = (Role.LEFT_WHEEL, Role.RIGHT_WHEEL)
 _DISTANCES: Final = 16
 _FLOATS: Final = 58
 _CELLS: Final = 10
+_LARGEST_I16: Final = 0x7FFF
 _TEMPERATURE_UNKNOWN: Final = 0x7FFF
 _COVARIANCE_UNKNOWN: Final = (NAN,) + (0.0,) * 20
 
 
-@dataclass(frozen=True, slots=True)
-class Scene:
+class TelemetryContext(Generic[G, M, S]):
     """Everything that a message may tell."""
 
-    robot: Robot
-    snapshot: Snapshot
-    base_mode: int
-    system_status: int
-    healthy: bool
-    """Nothing but the operator stands between the robot and motion: no emergency stop, no drive fault."""
-    corrupt: int
-    resets: int
-    """How often the odometry was set to zero."""
+    __slots__ = (
+        "base_mode", "corrupt", "custom_mode", "healthy", "resets", "robot", "rolling", "snapshot", "station",
+        "system_status", "twist",
+    )  # fmt: skip
+
+    def __init__(
+        self,
+        *,
+        robot: Robot[G],
+        station: Station[G, M, S],
+        rolling: tuple[str, ...],
+        snapshot: Snapshot[M, S],
+        base_mode: int,
+        custom_mode: int,
+        system_status: int,
+        healthy: bool,
+        corrupt: int,
+        resets: int,
+    ) -> None:
+        self.robot: Final = robot
+        self.station: Final = station
+        self.rolling: Final = rolling
+        """The axes from whose positions the pose is carried on."""
+        self.snapshot: Final = snapshot
+        self.twist: Final[Twist] = station.twist(snapshot.body)
+        self.base_mode: Final = base_mode
+        self.custom_mode: Final = custom_mode
+        self.system_status: Final = system_status
+        self.healthy: Final = healthy
+        """Nothing but the operator stands between the robot and motion: no emergency stop, no fault."""
+        self.corrupt: Final = corrupt
+        self.resets: Final = resets
+        """How often the odometry was set to zero."""
 
     @property
     def boot_ms(self) -> int:
         """Time since the start of the run, as most messages carry it."""
-        return self.snapshot.now // MILLISECOND & 0xFFFF_FFFF
+        return self.snapshot.facts.now // MILLISECOND & 0xFFFF_FFFF
 
     @property
     def boot_us(self) -> int:
         """Time since the start of the run, as the wide messages carry it."""
-        return self.snapshot.now // 1000
+        return self.snapshot.facts.now // 1000
+
+    @property
+    def axes(self) -> list[Feedback]:
+        """All axes, in the robot file's order."""
+        return list(self.snapshot.facts.axes.values())
+
+    @property
+    def wheels(self) -> list[Feedback]:
+        """The rolling axes of which something is known."""
+        axes = self.snapshot.facts.axes
+        return [axes[name] for name in self.rolling if name in axes]
+
+    @property
+    def battery_v(self) -> float | None:
+        """The battery's voltage; None while it is not known, or the robot measures none."""
+        battery = self.robot.battery
+        reading = None if battery is None else self.snapshot.facts.sensors.get(battery.sensor)
+        return None if reading is None else reading.value
+
+    @property
+    def low_battery(self) -> bool:
+        """Whether the voltage is known and low; what is no number counts as low."""
+        battery, volts = self.robot.battery, self.battery_v
+        return battery is not None and volts is not None and not volts >= battery.low_v
 
 
-Encoder: TypeAlias = Callable[[Scene], tuple[Message, ...]]
+class Stream(Generic[G, M, S]):
+    """One message that is sent by the clock."""
+
+    __slots__ = ("encode", "number", "period", "tells")
+
+    def __init__(
+        self,
+        number: int,
+        period: Nanoseconds,
+        encode: Callable[[TelemetryContext[G, M, S]], tuple[Message, ...]],
+        tells: str,
+    ) -> None:
+        self.number: Final = number
+        self.period: Final = period
+        self.encode: Final = encode
+        self.tells: Final = tells
 
 
-def _heartbeat(scene: Scene) -> tuple[Message, ...]:
+def streams_of(robot: Robot[G], station: Station[G, M, S]) -> tuple[Stream[G, M, S], ...]:
+    """Return what one robot sends, in the order in which it is sent: heartbeat, then the fastest first."""
+    switches = ", ".join(switch.telemetry for switch in station.switches if switch.telemetry)
+    rows: list[Stream[G, M, S]] = [
+        Stream(dialect.MAVLINK_MSG_ID_ODOMETRY, SECOND // 20, _odometry, "pose, speed and yaw rate"),
+        Stream(dialect.MAVLINK_MSG_ID_LOCAL_POSITION_NED, SECOND // 20, _position, "X, Y"),
+        Stream(dialect.MAVLINK_MSG_ID_ATTITUDE, SECOND // 20, _attitude, "heading"),
+        Stream(dialect.MAVLINK_MSG_ID_WHEEL_DISTANCE, SECOND // 5, _distances, "m, in the order of wheels"),
+        *(_stream_of(value) for value in station.values),
+        Stream(dialect.MAVLINK_MSG_ID_DEBUG_FLOAT_ARRAY, SECOND // 10, _wheels, "wheels: units a second"),
+        Stream(dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT, SECOND // 5, _currents, "I1, I2, ...: A, all axes"),
+        Stream(dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT, SECOND // 2, _switches, f"{switches}: 0 or 1"),
+        Stream(dialect.MAVLINK_MSG_ID_SYS_STATUS, SECOND, _system, "voltage, health, corrupt frames, faults"),
+        Stream(dialect.MAVLINK_MSG_ID_EXTENDED_SYS_STATE, SECOND, _landed, "on the ground"),
+        Stream(dialect.MAVLINK_MSG_ID_BATTERY_STATUS, 2 * SECOND, _battery, "voltage, sum of the currents"),
+    ]
+    lacking = {
+        dialect.MAVLINK_MSG_ID_WHEEL_DISTANCE: station.wheel_radius is None,
+        dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT: not switches,
+        dialect.MAVLINK_MSG_ID_BATTERY_STATUS: robot.battery is None,
+    }
+    sent = [row for row in rows if not lacking.get(row.number)]
+    heartbeat: Stream[G, M, S] = Stream(
+        dialect.MAVLINK_MSG_ID_HEARTBEAT, SECOND, _heartbeat, "rover, armed or not, mode, status"
+    )
+    return (heartbeat, *sorted(sent, key=lambda row: row.period))
+
+
+def wrapped(angle_rad: float) -> float:
+    """Return the same direction within -pi to pi."""
+    return math.remainder(angle_rad, math.tau)
+
+
+def _stream_of(value: Value[M, S]) -> Stream[G, M, S]:
+    def encode(context: TelemetryContext[G, M, S]) -> tuple[Message, ...]:
+        number = value.read(context.snapshot)
+        return () if number is None else (_named(context.boot_ms, value.name, number),)
+
+    tells = f"{value.name}: {value.tells}"
+    return Stream(dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT, value.period, encode, tells)
+
+
+def _heartbeat(context: TelemetryContext[G, M, S]) -> tuple[Message, ...]:
     kind, nobody = dialect.MAV_TYPE_GROUND_ROVER, dialect.MAV_AUTOPILOT_GENERIC
-    return (dialect.MAVLink_heartbeat_message(kind, nobody, scene.base_mode, 0, scene.system_status, 3),)
-
-
-def _attitude(scene: Scene) -> tuple[Message, ...]:
-    yaw = wrapped(-scene.snapshot.pose.heading_rad)
-    rate = -scene.snapshot.yaw_rate_rad_s
-    return (dialect.MAVLink_attitude_message(scene.boot_ms, 0.0, 0.0, yaw, 0.0, 0.0, rate),)
-
-
-def _position(scene: Scene) -> tuple[Message, ...]:
-    pose, speed = scene.snapshot.pose, scene.snapshot.speed_mps
-    north = speed * math.cos(pose.heading_rad)
-    east = -speed * math.sin(pose.heading_rad)
     return (
-        dialect.MAVLink_local_position_ned_message(scene.boot_ms, pose.x_m, -pose.y_m, 0.0, north, east, 0.0),
+        dialect.MAVLink_heartbeat_message(
+            kind, nobody, context.base_mode, context.custom_mode, context.system_status, 3
+        ),
     )
 
 
-def _odometry(scene: Scene) -> tuple[Message, ...]:
-    snapshot = scene.snapshot
-    pose = snapshot.pose
+def _attitude(context: TelemetryContext[G, M, S]) -> tuple[Message, ...]:
+    yaw = wrapped(-context.snapshot.pose.heading_rad)
+    rate = -context.twist.yaw_rate_rad_s
+    return (dialect.MAVLink_attitude_message(context.boot_ms, 0.0, 0.0, yaw, 0.0, 0.0, rate),)
+
+
+def _position(context: TelemetryContext[G, M, S]) -> tuple[Message, ...]:
+    pose, twist = context.snapshot.pose, context.twist
+    cosine, sine = math.cos(pose.heading_rad), math.sin(pose.heading_rad)
+    north = twist.forward_mps * cosine - twist.left_mps * sine
+    east = -twist.forward_mps * sine - twist.left_mps * cosine
+    return (
+        dialect.MAVLink_local_position_ned_message(
+            context.boot_ms, pose.x_m, -pose.y_m, 0.0, north, east, 0.0
+        ),
+    )
+
+
+def _odometry(context: TelemetryContext[G, M, S]) -> tuple[Message, ...]:
+    pose, twist = context.snapshot.pose, context.twist
     half = wrapped(-pose.heading_rad) / 2.0
     return (
         dialect.MAVLink_odometry_message(
-            time_usec=scene.boot_us,
+            time_usec=context.boot_us,
             frame_id=dialect.MAV_FRAME_LOCAL_NED,
             child_frame_id=dialect.MAV_FRAME_BODY_FRD,
             x=pose.x_m,
             y=-pose.y_m,
             z=0.0,
             q=(math.cos(half), 0.0, 0.0, math.sin(half)),
-            vx=snapshot.speed_mps,
-            vy=0.0,
+            vx=twist.forward_mps,
+            vy=0.0 - twist.left_mps,  # of a zero no negative one
             vz=0.0,
             rollspeed=0.0,
             pitchspeed=0.0,
-            yawspeed=-snapshot.yaw_rate_rad_s,
+            yawspeed=-twist.yaw_rate_rad_s,
             pose_covariance=_COVARIANCE_UNKNOWN,
             velocity_covariance=_COVARIANCE_UNKNOWN,
-            reset_counter=scene.resets & 0xFF,
+            reset_counter=context.resets & 0xFF,
             estimator_type=dialect.MAV_ESTIMATOR_TYPE_NAIVE,
         ),
     )
 
 
-def _steer(scene: Scene) -> tuple[Message, ...]:
-    angle = scene.snapshot.steer_rad
-    return () if angle is None else (_named(scene, "STEER", math.degrees(angle)),)
+def _wheels(context: TelemetryContext[G, M, S]) -> tuple[Message, ...]:
+    speeds = _padded([wheel.velocity for wheel in context.wheels], _FLOATS)
+    return (dialect.MAVLink_debug_float_array_message(context.boot_us, b"wheels", 1, speeds),)
 
 
-def _lift(scene: Scene) -> tuple[Message, ...]:
-    height = scene.snapshot.lift_m
-    return () if height is None else (_named(scene, "ZPOS", height),)
-
-
-def _wheels(scene: Scene) -> tuple[Message, ...]:
-    speeds = [drive.speed_rad_s for _, drive in _rolling(scene)]
-    padded = speeds + [0.0] * (_FLOATS - len(speeds))
-    return (dialect.MAVLink_debug_float_array_message(scene.boot_us, b"wheels", 1, padded),)
-
-
-def _distances(scene: Scene) -> tuple[Message, ...]:
-    radius = scene.robot.base.wheel_radius_m
-    rolled = [drive.position_qc / axis.quadcounts_per_radian * radius for axis, drive in _rolling(scene)]
-    padded = rolled + [0.0] * (_DISTANCES - len(rolled))
-    return (dialect.MAVLink_wheel_distance_message(scene.boot_us, len(rolled), padded),)
-
-
-def _currents(scene: Scene) -> tuple[Message, ...]:
-    drives = scene.snapshot.drives
-    return tuple(_named(scene, f"I{n}", drive.current_ma / 1000.0) for n, drive in enumerate(drives, 1))
-
-
-def _switches(scene: Scene) -> tuple[Message, ...]:
-    intent, at = scene.snapshot.intent, scene.boot_ms
+def _distances(context: TelemetryContext[G, M, S]) -> tuple[Message, ...]:
+    find = context.station.wheel_radius
+    radius = NAN if find is None else find(context.robot)
+    rolled = [wheel.position * radius for wheel in context.wheels][:_DISTANCES]
     return (
-        dialect.MAVLink_named_value_int_message(at, b"DETECT", int(intent.detector)),
-        dialect.MAVLink_named_value_int_message(at, b"LAMP", int(intent.headlamp)),
+        dialect.MAVLink_wheel_distance_message(context.boot_us, len(rolled), _padded(rolled, _DISTANCES)),
     )
 
 
-def _landed(_: Scene) -> tuple[Message, ...]:
+def _currents(context: TelemetryContext[G, M, S]) -> tuple[Message, ...]:
+    return tuple(
+        _named(context.boot_ms, f"I{place}", axis.current_a)
+        for place, axis in enumerate(context.axes, 1)
+        if axis.current_a is not None
+    )
+
+
+def _switches(context: TelemetryContext[G, M, S]) -> tuple[Message, ...]:
+    wish, at = context.snapshot.wish, context.boot_ms
+    return tuple(
+        dialect.MAVLink_named_value_int_message(at, switch.telemetry.encode("ascii"), int(switch.read(wish)))
+        for switch in context.station.switches
+        if switch.telemetry
+    )
+
+
+def _landed(_: TelemetryContext[G, M, S]) -> tuple[Message, ...]:
     vtol, ground = dialect.MAV_VTOL_STATE_UNDEFINED, dialect.MAV_LANDED_STATE_ON_GROUND
     return (dialect.MAVLink_extended_sys_state_message(vtol, ground),)
 
 
-def _system(scene: Scene) -> tuple[Message, ...]:
-    snapshot = scene.snapshot
-    motors, battery = dialect.MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS, dialect.MAV_SYS_STATUS_SENSOR_BATTERY
-    ready, drive = dialect.MAV_SYS_STATUS_PREARM_CHECK, dialect.MAV_SYS_STATUS_SENSOR_PROPULSION
-    charged = snapshot.battery_v is not None and snapshot.battery_v >= scene.robot.battery.low_v
+def _system(context: TelemetryContext[G, M, S]) -> tuple[Message, ...]:
+    motors, ready = dialect.MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS, dialect.MAV_SYS_STATUS_PREARM_CHECK
+    drive = dialect.MAV_SYS_STATUS_SENSOR_PROPULSION
+    battery = 0 if context.robot.battery is None else dialect.MAV_SYS_STATUS_SENSOR_BATTERY
+    charged = context.battery_v is not None and not context.low_battery
     return (
         dialect.MAVLink_sys_status_message(
             onboard_control_sensors_present=motors | battery | ready | drive,
-            onboard_control_sensors_enabled=battery | ready | (motors | drive if snapshot.armed else 0),
-            onboard_control_sensors_health=(motors | ready | drive if scene.healthy else 0)
+            onboard_control_sensors_enabled=battery
+            | ready
+            | (motors | drive if context.snapshot.facts.armed else 0),
+            onboard_control_sensors_health=(motors | ready | drive if context.healthy else 0)
             | (battery if charged else 0),
             load=0,
-            voltage_battery=_millivolts(snapshot),
-            current_battery=_centiamperes(snapshot),
+            voltage_battery=_millivolts(context.battery_v),
+            current_battery=_centiamperes(context.axes),
             battery_remaining=UNKNOWN,
             drop_rate_comm=0,
-            errors_comm=min(scene.corrupt, UNKNOWN_U16),
-            errors_count1=sum(1 for one in snapshot.drives if one.fault),
+            errors_comm=min(context.corrupt, UNKNOWN_U16),
+            errors_count1=sum(1 for axis in context.axes if axis.fault),
             errors_count2=0,
             errors_count3=0,
             errors_count4=0,
@@ -166,20 +278,19 @@ def _system(scene: Scene) -> tuple[Message, ...]:
     )
 
 
-def _battery(scene: Scene) -> tuple[Message, ...]:
-    volts = scene.snapshot.battery_v
+def _battery(context: TelemetryContext[G, M, S]) -> tuple[Message, ...]:
     charge = dialect.MAV_BATTERY_CHARGE_STATE_UNDEFINED
-    if volts is not None:
-        low = volts < scene.robot.battery.low_v
-        charge = dialect.MAV_BATTERY_CHARGE_STATE_LOW if low else dialect.MAV_BATTERY_CHARGE_STATE_OK
+    if context.battery_v is not None:
+        low, okay = dialect.MAV_BATTERY_CHARGE_STATE_LOW, dialect.MAV_BATTERY_CHARGE_STATE_OK
+        charge = low if context.low_battery else okay
     return (
         dialect.MAVLink_battery_status_message(
             id=0,
             battery_function=dialect.MAV_BATTERY_FUNCTION_ALL,
             type=dialect.MAV_BATTERY_TYPE_UNKNOWN,
             temperature=_TEMPERATURE_UNKNOWN,
-            voltages=(_millivolts(scene.snapshot),) + (UNKNOWN_U16,) * (_CELLS - 1),
-            current_battery=_centiamperes(scene.snapshot),
+            voltages=(_millivolts(context.battery_v),) + (UNKNOWN_U16,) * (_CELLS - 1),
+            current_battery=_centiamperes(context.axes),
             current_consumed=UNKNOWN,
             energy_consumed=UNKNOWN,
             battery_remaining=UNKNOWN,
@@ -188,73 +299,23 @@ def _battery(scene: Scene) -> tuple[Message, ...]:
     )
 
 
-@dataclass(frozen=True, slots=True)
-class Stream:
-    """One message that is sent by the clock."""
-
-    number: int
-    period: Nanoseconds
-    encode: Encoder
-    tells: str
+def _named(boot_ms: int, name: str, value: float) -> Message:
+    return dialect.MAVLink_named_value_float_message(boot_ms, name.encode("ascii"), value)
 
 
-STREAMS: Final = (
-    Stream(dialect.MAVLINK_MSG_ID_HEARTBEAT, SECOND, _heartbeat, "rover, armed or not, status"),
-    Stream(dialect.MAVLINK_MSG_ID_ODOMETRY, SECOND // 20, _odometry, "pose, speed and yaw rate"),
-    Stream(dialect.MAVLINK_MSG_ID_LOCAL_POSITION_NED, SECOND // 20, _position, "X, Y"),
-    Stream(dialect.MAVLINK_MSG_ID_ATTITUDE, SECOND // 20, _attitude, "heading"),
-    Stream(
-        dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT,
-        SECOND // 10,
-        _steer,
-        "STEER: inner wheel, deg, left positive",
-    ),
-    Stream(dialect.MAVLINK_MSG_ID_DEBUG_FLOAT_ARRAY, SECOND // 10, _wheels, "wheels: rad/s, left and right"),
-    Stream(dialect.MAVLINK_MSG_ID_WHEEL_DISTANCE, SECOND // 5, _distances, "m, left and right"),
-    Stream(dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT, SECOND // 5, _lift, "ZPOS: m above collapsed"),
-    Stream(
-        dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT,
-        SECOND // 5,
-        _currents,
-        "I1, I2, ...: A, in the robot file's order",
-    ),
-    Stream(dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT, SECOND // 2, _switches, "DETECT, LAMP: 0 or 1"),
-    Stream(
-        dialect.MAVLINK_MSG_ID_SYS_STATUS, SECOND, _system, "battery, health, corrupt frames, faulted drives"
-    ),
-    Stream(dialect.MAVLINK_MSG_ID_EXTENDED_SYS_STATE, SECOND, _landed, "on the ground"),
-    Stream(
-        dialect.MAVLINK_MSG_ID_BATTERY_STATUS, 2 * SECOND, _battery, "voltage, sum of the motors' currents"
-    ),
-)
+def _padded(values: list[float], length: int) -> list[float]:
+    return values[:length] + [0.0] * (length - len(values))
 
 
-def tell(number: int, scene: Scene) -> tuple[Message, ...]:
-    """Return one message of every stream with this number, for a station that asks for it."""
-    return tuple(message for stream in STREAMS if stream.number == number for message in stream.encode(scene))
+def _millivolts(volts: float | None) -> int:
+    if volts is None or math.isnan(volts):
+        return UNKNOWN_U16
+    return round(max(0.0, min(volts * 1000.0, UNKNOWN_U16 - 1.0)))
 
 
-def wrapped(angle_rad: float) -> float:
-    """Return the same direction within -pi to pi."""
-    return math.remainder(angle_rad, math.tau)
-
-
-def _rolling(scene: Scene) -> list[tuple[Axis, DriveSnapshot]]:
-    drives: Mapping[str, DriveSnapshot] = {drive.axis: drive for drive in scene.snapshot.drives}
-    return [
-        (axis, drives[axis.name]) for axis in scene.robot.axes if axis.role in _WHEELS and axis.name in drives
-    ]
-
-
-def _named(scene: Scene, name: str, value: float) -> Message:
-    return dialect.MAVLink_named_value_float_message(scene.boot_ms, name.encode("ascii"), value)
-
-
-def _millivolts(snapshot: Snapshot) -> int:
-    volts = snapshot.battery_v
-    return UNKNOWN_U16 if volts is None else max(0, min(round(volts * 1000.0), UNKNOWN_U16 - 1))
-
-
-def _centiamperes(snapshot: Snapshot) -> int:
-    """Return the sum of the motors' currents, an upper bound of what the battery gives; 10 mA."""
-    return min(sum(abs(drive.current_ma) for drive in snapshot.drives) // 10, 0x7FFF)
+def _centiamperes(axes: list[Feedback]) -> int:
+    """Return the sum of the motors' currents in 10 mA, at least what the battery gives; -1: unknown."""
+    known = [abs(axis.current_a) for axis in axes if axis.current_a is not None]
+    if not known or not math.isfinite(sum(known)):
+        return UNKNOWN
+    return min(round(sum(known) * 1000.0) // 10, _LARGEST_I16)

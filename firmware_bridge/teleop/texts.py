@@ -1,9 +1,9 @@
-"""STATUSTEXT: severities, and long texts cut into chunks and put together again."""
+"""STATUSTEXT: long texts cut into chunks and put together again."""
 
 from dataclasses import dataclass
-from enum import IntEnum
 from typing import Final
 
+from firmware_bridge.safety.row import Severity
 from firmware_bridge.teleop.mavlink import Message, dialect, text_of
 from firmware_bridge.units import SECOND, Nanoseconds
 
@@ -12,16 +12,6 @@ CHUNK: Final = 50
 
 _LAST_ID: Final = 0xFFFF
 _PLAIN: Final = str.maketrans({"\u00b0": " deg", "\u00b2": "2", "\u2013": "-", "\u2212": "-", "\n": " "})
-
-
-class Severity(IntEnum):
-    """MAV_SEVERITY, the ones that the bridge uses."""
-
-    CRITICAL = 2
-    ERROR = 3
-    WARNING = 4
-    NOTICE = 5
-    INFO = 6
 
 
 def chunks(text: str) -> list[bytes]:

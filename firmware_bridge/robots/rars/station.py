@@ -1,0 +1,131 @@
+"""RARS's rows on MAVLink: stick and velocity to a motion, switches, the lift as an actuator, its values.
+
+Full stick is the speed limit, full turn the largest steer angle; with `r` unused `y` steers. The lift's stick
+counts while button 3 is held. Buttons: 0 detector, 1 headlamp, 2 emergency stop, 3 lift.
+"""
+
+import math
+from dataclasses import replace
+from typing import Final
+
+from firmware_bridge.motion.davis import DavisBase, steer_from_curvature
+from firmware_bridge.motion.scissor import highest
+from firmware_bridge.robot import Robot
+from firmware_bridge.robots.rars.geometry import Geometry
+from firmware_bridge.robots.rars.motion import Motion, State
+from firmware_bridge.safety.snapshot import Snapshot
+from firmware_bridge.teleop.station import (
+    Actuator,
+    Fixed,
+    Station,
+    Stick,
+    Switch,
+    Twist,
+    Unusable,
+    Value,
+    Velocity,
+)
+from firmware_bridge.units import SECOND
+
+STANDSTILL_MPS: Final = 0.001
+"""Below this speed a yaw rate tells no steering angle."""
+
+
+def steer_for(speed_mps: float, yaw_rate_rad_s: float, base: DavisBase) -> float | None:
+    """Return the inner front wheel's angle for a speed and a yaw rate, left positive; None at standstill."""
+    if abs(speed_mps) < STANDSTILL_MPS:
+        return None
+    return steer_from_curvature(base, yaw_rate_rad_s / speed_mps)
+
+
+def of_stick(stick: Stick, wish: Motion, robot: Robot[Geometry]) -> Motion:
+    """Return the wish for a stick; an axis that is not used leaves steering and lift target as they are."""
+    limits = robot.geometry.limits
+    side = stick.left if stick.turn is None else stick.turn
+    return replace(
+        wish,
+        speed_mps=(stick.forward or 0.0) * limits.speed_mps,
+        steer_rad=wish.steer_rad if side is None else side * limits.steer_angle_rad,
+        lift_m=wish.lift_m if stick.up is None else None,
+        lift_rate_mps=(stick.up or 0.0) * limits.lift_rate_mps,
+    )
+
+
+def of_target(velocity: Velocity, wish: Motion, robot: Robot[Geometry]) -> Motion | Unusable:
+    """Return the wish for a velocity: forward speed, and the steering that gives the yaw rate."""
+    if velocity.left_mps != 0.0:
+        return Unusable("sideways", "this robot moves forward and backward only")
+    speed, yaw_rate = velocity.forward_mps, velocity.yaw_rate_rad_s
+    steer = 0.0 if yaw_rate is None else steer_for(speed, yaw_rate, robot.geometry.base)
+    return replace(
+        wish, speed_mps=speed, steer_rad=wish.steer_rad if steer is None else steer, lift_rate_mps=0.0
+    )
+
+
+def _lifted(wish: Motion, share: float, robot: Robot[Geometry]) -> Motion:
+    return replace(wish, lift_m=share * highest(robot.geometry.lift), lift_rate_mps=0.0)
+
+
+def _forgotten(wish: Motion) -> Motion:
+    return replace(wish, lift_m=None, lift_rate_mps=0.0)
+
+
+def _twist(state: State) -> Twist:
+    return Twist(state.speed_mps, 0.0, state.yaw_rate_rad_s)
+
+
+def _largest(robot: Robot[Geometry]) -> Twist:
+    limits = robot.geometry.limits
+    return Twist(limits.speed_mps, 0.0, limits.speed_mps / limits.turn_radius_m)
+
+
+def _steer_deg(seen: Snapshot[Motion, State]) -> float | None:
+    return None if seen.body.steer_rad is None else math.degrees(seen.body.steer_rad)
+
+
+STATION: Final[Station[Geometry, Motion, State]] = Station(
+    stick=of_stick,
+    target=of_target,
+    twist=_twist,
+    forgotten=_forgotten,
+    largest=_largest,
+    wheel_radius=lambda robot: robot.geometry.base.wheel_radius_m,
+    stop_button=2,
+    up_button=3,
+    switches=(
+        Switch(
+            "detector",
+            read=lambda wish: wish.detector,
+            write=lambda wish, on: replace(wish, detector=on),
+            relay=0,
+            button=0,
+            telemetry="DETECT",
+        ),
+        Switch(
+            "headlamp",
+            read=lambda wish: wish.headlamp,
+            write=lambda wish, on: replace(wish, headlamp=on),
+            relay=1,
+            button=1,
+            illuminates=True,
+            telemetry="LAMP",
+        ),
+    ),
+    actuators=(Actuator("lift", _lifted),),
+    values=(
+        Value("STEER", SECOND // 10, _steer_deg, "inner wheel, deg, left positive"),
+        Value("ZPOS", SECOND // 5, lambda seen: seen.body.lift_m, "m above collapsed"),
+    ),
+    parameters=(
+        Fixed("WHEEL_R", lambda robot: robot.geometry.base.wheel_radius_m, "m"),
+        Fixed("TRACK_L", lambda robot: robot.geometry.base.rear_track_m, "m"),
+        Fixed("BASE_L", lambda robot: robot.geometry.base.wheelbase_m, "m"),
+        Fixed("KINGPIN_L", lambda robot: robot.geometry.base.kingpin_distance_m, "m"),
+        Fixed("SPD_MAX", lambda robot: robot.geometry.limits.speed_mps, "m/s"),
+        Fixed("ACC_MAX", lambda robot: robot.geometry.limits.acceleration_mps2, "m/s2"),
+        Fixed("STR_MAX", lambda robot: robot.geometry.limits.steer_angle_deg, "deg"),
+        Fixed("RAD_MIN", lambda robot: robot.geometry.limits.turn_radius_m, "m"),
+        Fixed("LIFT_RETR", lambda robot: robot.geometry.limits.lift_retracted_m, "m"),
+        Fixed("LIFT_RATE", lambda robot: robot.geometry.limits.lift_rate_mps, "m/s"),
+    ),
+)
