@@ -1,10 +1,10 @@
 """Rules over several axes: a sum of speeds that stays within its bound, and sides that never move together.
 
-Set-points of one cycle leave one after the other, so between two vectors of speeds that are both within a bound
-lie mixtures that are not. A mixture is let through while another axis of the sum may still mend it: until each
-of them has been sent a set-point, and no longer than a cycle. Over any length of time the sum's integral exceeds
-its bound by no more than a fixed amount, which the mixtures of an honest bridge cannot reach; so nobody can go
-on from one mixture to the next.
+Set-points of one cycle leave one after the other, so between two vectors of speeds that are both within a
+bound lie mixtures that are not. A mixture is let through while another axis of the sum may still mend it:
+until each of them has been sent a set-point, and no longer than a cycle. Over any length of time the sum's
+integral exceeds its bound by no more than a fixed amount, which no honest bridge can reach with mixtures;
+so nobody can go on from one mixture to the next.
 """
 
 from abc import ABC, abstractmethod

@@ -1,4 +1,4 @@
-"""One axis as the guard knows it: what was sent to its drive, what the drive reported, what it may be sent."""
+"""One axis as the guard knows it: what was sent to its drive, what that reported, what it may be sent."""
 
 from typing import Final
 
@@ -51,7 +51,7 @@ class GuardedAxis:
         self._word: int | None = None
         """The controlword that was sent last; None where none is in force."""
         self._has_goal = False
-        """Whether a position was sent since the power came on; the drive goes there while nothing stops it."""
+        """Whether a position was sent since the power came on: the drive goes there unless it is stopped."""
         self._rpm_per_unit: Final = rpm_per_unit(axis)
 
     @property

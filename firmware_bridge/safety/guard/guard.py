@@ -1,9 +1,9 @@
 """The guard: a node around the bridge that judges whatever it sends, and speaks for it when it is silent.
 
 It shares neither state nor code with the interlocks and trusts nothing before it. What may leave stands in
-one set of wire rules for each link, by its protocol; what several axes may do together, whatever link they are
-on, stands in `firmware_bridge.safety.guard.across_axes`. Behind it a controller, or a line's end, adds check
-sum and handshake. A refusal puts safe words in the place of the refused ones, because a drive that hears nothing
+one set of wire rules for each link, by its protocol; what several axes may do together, on whatever links,
+stands in `firmware_bridge.safety.guard.across_axes`. Behind it a controller, or a line's end, adds check sum
+and handshake. A refusal puts safe words in the place of the refused ones, because a drive that hears nothing
 keeps its last target. Operator datagrams pass untouched. It sends no heartbeat: a bridge that hangs is also
 stopped by the drives' own watch.
 """
