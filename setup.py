@@ -44,6 +44,7 @@ WAY_OF_A_PACKET: Final = (
     "firmware_bridge/motion/*.py",
     "firmware_bridge/packet.py",
     "firmware_bridge/safety/*.py",
+    "firmware_bridge/safety/guard/*.py",
     "firmware_bridge/teleop/*.py",
     "firmware_bridge/wire/*.py",
 )
