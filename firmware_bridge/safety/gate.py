@@ -100,10 +100,10 @@ class Gate(Generic[G, M, S]):
         holds = self._held(self._common, view) + self._held(rules.interlocks, view)
         holds += self._held_axes(seen.facts)
         stopped = _stopped(holds, rules.groups)
-        allowed = self._clipped(rules.limits, view, holds, reported=not stopped)
-        allowed = rules.body.rested(allowed, stopped) if stopped else allowed
+        clipped = self._clipped(rules.limits, view, holds, reported=not stopped)
+        allowed = rules.body.rested(clipped, stopped) if stopped else clipped
         if rules.after_limits:
-            asked = rules.body.asked(allowed, seen.body)
+            asked = rules.body.asked(clipped, seen.body)
             late = self._held(rules.after_limits, View(self._robot, seen, allowed, asked, self._before))
             holds += late
             stopped_late = _stopped(late, rules.groups)

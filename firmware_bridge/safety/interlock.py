@@ -41,7 +41,7 @@ class View(Generic[G, M, S]):
         self.allowed: Final = allowed
         """What this ruling allows so far; the wish where nothing has been judged yet."""
         self.asked: Final = asked
-        """The groups that `allowed` asks to move; for a row that judges after the limits, else empty."""
+        """The groups that the clipped wish asks to move, stopped or not; only for rows after the limits."""
         self.before: Final = before
         """The gate's ruling before this one; None at the first."""
         self.holding: Final = holding

@@ -97,14 +97,14 @@ class Rars:
 
     def ramped(self, demanded: Motion, allowed: Motion, state: State, elapsed: Nanoseconds) -> Motion:
         """Return the next demand: the speed on its ramp in the turn actually steered, the lift's near target."""
-        bend = davis.curvature(self._base, state.steer_rad or 0.0)
+        bend = davis.curvature(self._base, steered(state))
         speed = self._ramp.step(demanded.speed_mps, allowed.speed_mps, bend, elapsed)
         height = self._next_height(demanded.lift_m, allowed, state.lift_m, to_seconds(elapsed))
         return replace(allowed, speed_mps=speed, lift_m=height, lift_rate_mps=0.0)
 
     def demands(self, motion: Motion, state: State) -> Mapping[str, Demand]:
         """Return the steering's demand first, as the thesis orders them; the wheels follow the actual angle."""
-        left, right = davis.wheel_speeds(self._base, motion.speed_mps, state.steer_rad or 0.0)
+        left, right = davis.wheel_speeds(self._base, motion.speed_mps, steered(state))
         demands: dict[str, Demand] = {}
         if motion.steer_rad is not None:
             demands[self._steering] = Position(davis.pinion_from_steer(self._base, motion.steer_rad))
@@ -157,3 +157,9 @@ def _lift_asked(motion: Motion, height_m: float | None) -> bool:
 def known(value: float | None) -> bool:
     """Return whether a sensed value is a finite number."""
     return value is not None and math.isfinite(value)
+
+
+def steered(state: State) -> float:
+    """Return the angle that the inner wheel has; straight ahead while it is not known, and an interlock holds."""
+    steer = state.steer_rad
+    return steer if steer is not None and math.isfinite(steer) else 0.0

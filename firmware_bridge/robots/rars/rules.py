@@ -11,7 +11,7 @@ from typing import Final, TypeAlias
 
 from firmware_bridge.motion import davis, scissor
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.rars.body import BASE, BASE_MOVES_MPS, LIFT, known, ramp_of
+from firmware_bridge.robots.rars.body import BASE, BASE_MOVES_MPS, LIFT, known, ramp_of, steered
 from firmware_bridge.robots.rars.geometry import Geometry
 from firmware_bridge.robots.rars.motion import Motion, State
 from firmware_bridge.safety import interlock
@@ -178,7 +178,7 @@ def _acceleration(view: View) -> tuple[Motion, str | None]:
     """Clip nothing, the ramp does; say where it will take more than one cycle."""
     demanded, speed = view.seen.demanded.speed_mps, view.allowed.speed_mps
     ramp = ramp_of(view.robot)
-    bend = davis.curvature(view.geometry.base, view.body.steer_rad or 0.0)
+    bend = davis.curvature(view.geometry.base, steered(view.body))
     if abs(speed - ramp.step(demanded, speed, bend, ramp.longest_step)) <= SPEED_TOLERANCE_MPS:
         return view.allowed, None
     limit = view.geometry.limits.acceleration_mps2
