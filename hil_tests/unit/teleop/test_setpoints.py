@@ -15,9 +15,9 @@ from hil_tests.unit.teleop.bench import target_message
 LARGEST = Twist(0.5, 0.0, 1.25)
 
 
-def stick(x: int = 0, y: int = 0, z: int = 0, r: int = 0, *, up: bool = True) -> Stick | Unusable:
+def stick(x: int = 0, y: int = 0, z: int = 0, r: int = 0, up: int = 1) -> Stick | Unusable:
     message = dialect.MAVLink_manual_control_message(1, x, y, z, r, 0)
-    return stick_of(message, up=up, dead_band=0.05)
+    return stick_of(message, up=bool(up), dead_band=0.05)
 
 
 def target(vx: float = 0.0, yaw_rate: float = 0.0, **other: Any) -> Velocity | Unusable:
@@ -53,7 +53,7 @@ def test_an_axis_is_a_share_with_the_robots_sign(given_axes: dict[str, int], sha
 
 @pytest.mark.parametrize("z", [-0x8000, -1000, 0, 500, 1000])
 def test_what_z_does_is_nobodys_business_while_it_does_not_count(z: int) -> None:
-    assert stick(z=z, up=False) == Stick(0.0, 0.0, 0.0, None)
+    assert stick(z=z, up=0) == Stick(0.0, 0.0, 0.0, None)
 
 
 @pytest.mark.parametrize("axis", ["x", "y", "r", "z"])
