@@ -1,0 +1,157 @@
+"""Demands to one EPOS2's set-point frames: controlword and target, the handshake of positions included.
+
+It refuses to know whether a demand is wise, and when frames are sent. Controlwords: EPOS Firmware
+Specification, profile velocity and profile position mode; halt as maxon's command library writes it, quick
+stop as the EPOS2 Application Notes do.
+"""
+
+import math
+from typing import Final, Protocol
+
+from firmware_bridge.drivers.driver import Demand, Position, Speed, Stop
+from firmware_bridge.drivers.epos2.feedback import DriveFeedback
+from firmware_bridge.drivers.epos2.process_data import SET_POINT, SET_POINT_COB_ID
+from firmware_bridge.drivers.epos2.scale import WHOLE_COUNTER, Scale, highest_rpm, travel_of, wrapped
+from firmware_bridge.packet import Packet
+from firmware_bridge.robot import Axis, Command
+from firmware_bridge.wire.cia402 import Control, State
+
+DISABLE_VOLTAGE: Final = 0x0000
+SHUTDOWN: Final = int(Control.NO_QUICK_STOP | Control.ENABLE_VOLTAGE)
+SWITCH_ON: Final = int(SHUTDOWN | Control.SWITCH_ON)
+ENABLE: Final = int(SWITCH_ON | Control.ENABLE_OPERATION)
+HALT: Final = int(ENABLE | Control.HALT)
+NEW_POSITION: Final = int(ENABLE | Control.NEW_SETPOINT | Control.CHANGE_IMMEDIATELY)
+QUICK_STOP: Final = int(ENABLE & ~Control.NO_QUICK_STOP)
+"""0x000B. Without power it asks for nothing that moves: it is the word for a drive that is not enabled."""
+FAULT_RESET: Final = int(Control.FAULT_RESET)
+
+_SPEED: Final = SET_POINT[Command.SPEED]
+_POSITION: Final = SET_POINT[Command.POSITION]
+
+SMALLEST_MOVE_QC: Final = 2
+"""A target that changed by less is not sent again: it is the rounding of the steering's arithmetic."""
+
+
+class SetPoint(Protocol):
+    """The set-point frame of one drive."""
+
+    def word(self, controlword: int) -> Packet:
+        """Return a frame with this controlword and a target that moves nothing."""
+
+    def demand(self, demand: Demand) -> Packet:
+        """Return the frame for a demand; to a drive that is not enabled never one to move."""
+
+    def release(self) -> Packet | None:
+        """Return the frame that ends a handshake; None where none is open."""
+
+
+def set_point(axis: Axis, feedback: DriveFeedback) -> SetPoint:
+    """Return the kind of set-point that the axis's command needs."""
+    if axis.command is Command.SPEED:
+        return VelocitySetPoint(axis, feedback)
+    return PositionSetPoint(axis, feedback)
+
+
+class VelocitySetPoint:
+    """Controlword and target velocity in rpm."""
+
+    __slots__ = ("_cob_id", "_feedback", "_highest_rpm", "_link", "_scale")
+
+    def __init__(self, axis: Axis, feedback: DriveFeedback) -> None:
+        self._link = axis.link
+        self._cob_id = SET_POINT_COB_ID[Command.SPEED] + axis.settings.node
+        self._feedback = feedback
+        self._scale = Scale.of(axis)
+        self._highest_rpm = highest_rpm(axis)
+
+    def word(self, controlword: int) -> Packet:
+        """Return a frame with this controlword and speed 0."""
+        return self._frame(controlword, 0)
+
+    def demand(self, demand: Demand) -> Packet:
+        """Return the frame for a demand; a position, or what is no finite speed, counts as rest."""
+        if demand is Stop.POWER_OFF:
+            return self._frame(DISABLE_VOLTAGE, 0)
+        if demand is Stop.QUICK_STOP or self._feedback.state is not State.OPERATION_ENABLED:
+            return self._frame(QUICK_STOP, 0)
+        if isinstance(demand, Speed) and math.isfinite(demand.value):
+            rpm = self._scale.rpm(demand.value)
+            return self._frame(ENABLE, round(min(max(rpm, -self._highest_rpm), self._highest_rpm)))
+        return self._frame(ENABLE, 0)
+
+    def release(self) -> None:
+        """Do nothing: a velocity has no handshake."""
+
+    def _frame(self, controlword: int, rpm: int) -> Packet:
+        return Packet(self._link, self._cob_id, _SPEED.pack(controlword, rpm))
+
+
+class PositionSetPoint:
+    """Controlword and target position in quadcounts.
+
+    A drive takes a target at the rising edge of the new set-point bit, so the bit is released between two.
+    """
+
+    __slots__ = (
+        "_bit_is_set",
+        "_cob_id",
+        "_feedback",
+        "_link",
+        "_scale",
+        "_target_qc",
+        "_travel",
+        "_under_way",
+    )
+
+    def __init__(self, axis: Axis, feedback: DriveFeedback) -> None:
+        self._link = axis.link
+        self._cob_id = SET_POINT_COB_ID[Command.POSITION] + axis.settings.node
+        self._feedback = feedback
+        self._scale = Scale.of(axis)
+        self._travel = travel_of(axis) or WHOLE_COUNTER
+        self._target_qc = 0
+        self._bit_is_set = False
+        self._under_way = False
+        """Whether the drive moves to, or holds, `_target_qc`."""
+
+    def word(self, controlword: int) -> Packet:
+        """Return a frame with this controlword and the actual position."""
+        self._under_way = False
+        self._target_qc = self._travel.clip(wrapped(self._feedback.position_qc))
+        return self._frame(controlword)
+
+    def demand(self, demand: Demand) -> Packet:
+        """Return the frame for a demand; a speed, or what is no finite position, counts as rest."""
+        if demand is Stop.POWER_OFF:
+            return self.word(DISABLE_VOLTAGE)
+        if demand is Stop.QUICK_STOP or self._stopped():
+            return self.word(QUICK_STOP)
+        if isinstance(demand, Position) and math.isfinite(demand.value):
+            return self._go(self._travel.clip(self._scale.quadcounts(demand.value)))
+        self._under_way = False
+        return self._frame(HALT)
+
+    def release(self) -> Packet | None:
+        """Return the frame that ends the handshake of a new position; None where none is open."""
+        if not self._bit_is_set:
+            return None
+        # In a drive that stopped by itself since, 0x000F would put the power on again.
+        return self.demand(Stop.QUICK_STOP) if self._stopped() else self._frame(ENABLE)
+
+    def _go(self, target_qc: int) -> Packet:
+        if self._bit_is_set:
+            # Not released yet: an edge is not possible now, the next cycle will bring it.
+            return self._frame(NEW_POSITION)
+        if self._under_way and abs(target_qc - self._target_qc) < SMALLEST_MOVE_QC:
+            return self._frame(ENABLE)
+        self._target_qc = target_qc
+        self._under_way = True
+        return self._frame(NEW_POSITION)
+
+    def _stopped(self) -> bool:
+        return self._feedback.state is not State.OPERATION_ENABLED
+
+    def _frame(self, controlword: int) -> Packet:
+        self._bit_is_set = controlword == NEW_POSITION
+        return Packet(self._link, self._cob_id, _POSITION.pack(controlword, self._target_qc))

@@ -1,0 +1,264 @@
+"""How one EPOS2 is set up before it may move: rows of (object, value, why, source) from the robot file.
+
+It knows no time and no answers; `firmware_bridge.drivers.epos2.tasks` carries the rows to the drive.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, NamedTuple
+
+from firmware_bridge.drivers.epos2.process_data import Pdo, pdos
+from firmware_bridge.drivers.epos2.scale import Travel, travel_of
+from firmware_bridge.robot import Axis, Command, Output
+from firmware_bridge.robot.settings.epos2 import Epos2Link
+from firmware_bridge.wire import cia402
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.functions import OUTPUT_MASK, OUTPUT_PINS, OutputFunction
+from firmware_bridge.wire.epos2.rows import APPLICATION_NOTES, CIA_301, EDS, FIRMWARE_SPECIFICATION, DataType
+
+U8: Final = DataType.UNSIGNED8
+U16: Final = DataType.UNSIGNED16
+U32: Final = DataType.UNSIGNED32
+I8: Final = DataType.INTEGER8
+I16: Final = DataType.INTEGER16
+I32: Final = DataType.INTEGER32
+
+SERVO_DRIVE: Final = 0x0002_0192
+MAXON: Final = 0xFB
+QUICK_STOP_ON_LOST_CONNECTION: Final = 3
+QUICK_STOP_ON_FAULT: Final = 2
+TRAPEZOID: Final = 0
+INHIBIT_100US: Final = 10
+MODE: Final = {
+    Command.SPEED: cia402.Mode.PROFILE_VELOCITY,
+    Command.POSITION: cia402.Mode.PROFILE_POSITION,
+}
+_MAPPING_SOURCE: Final = f"{FIRMWARE_SPECIFICATION}; {CIA_301}"
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One object: the value that it must have, or is given, and why."""
+
+    address: Address
+    type: DataType
+    value: int
+    name: str
+    why: str
+    source: str = EDS
+    read_back: bool = False
+    """Safety hangs on this value: it is read again after it was written."""
+
+    @property
+    def raw(self) -> bytes:
+        """The value as it stands on the wire."""
+        return self.type.encode(self.value)
+
+    @property
+    def expected(self) -> str:
+        """The name and the value for people, unsigned 32-bit values in hexadecimal as in the manuals."""
+        return f"{self.name} {self.show(self.raw)}"
+
+    def show(self, raw: bytes) -> str:
+        """Write what came for this object."""
+        if len(raw) != self.type.size:
+            return f"{len(raw)} bytes {raw.hex(' ')}"
+        value = self.type.decode(raw)
+        return f"0x{value:08X}" if self.type is U32 else str(value)
+
+
+class Traffic(NamedTuple):
+    """What flows between bridge and drive beside reading and writing objects."""
+
+    pdos: tuple[Pdo, ...]
+    watched: int
+    """The node whose silence stops the drive."""
+    heartbeat_ms: int
+    """How often the drive says that it lives; 0: not at all."""
+
+
+def general_purpose(pin: int) -> OutputFunction:
+    """Return the function of an output pin, from 1, that the bridge switches: A at the first (EDS)."""
+    return OutputFunction(OutputFunction.GENERAL_A + 1 - pin)
+
+
+def over_can(axis: Axis, link: Epos2Link) -> Traffic:
+    """Return what flows where the bridge is on the CAN bus."""
+    return Traffic(pdos(axis.command), link.bridge_node, link.drive_heartbeat_ms)
+
+
+def through_gateway(axis: Axis, link: Epos2Link, nodes: Sequence[int]) -> Traffic:
+    """Return what flows where the bridge is on the gateway's serial port: no process data, no heartbeat.
+
+    Nobody there would hear either; and a drive with a heartbeat of its own does not answer node guarding,
+    which the gateway's watch hangs on.
+    """
+    off = tuple(replace(pdo, layout=None) for pdo in pdos(axis.command))
+    return Traffic(off, link.watched_by(axis.settings.node, nodes), 0)
+
+
+def identity(axis: Axis) -> tuple[Row, ...]:
+    """Return what the drive must answer before anything is written to it."""
+    return (
+        Row(at.DEVICE_TYPE, U32, SERVO_DRIVE, "device type", "a CiA 402 servo drive answers"),
+        Row(at.VENDOR_ID, U32, MAXON, "vendor", "the objects below are maxon's"),
+        Row(
+            at.PRODUCT_CODE,
+            U32,
+            axis.settings.product_code,
+            "product code",
+            "the drive that the robot file names",
+        ),
+    )
+
+
+def configuration(
+    axis: Axis, link: Epos2Link, outputs: Sequence[Output] = (), traffic: Traffic | None = None
+) -> tuple[Row, ...]:
+    """Return what is written in pre-operational, with the power stage off, in this order.
+
+    An axis without `travel` leaves the drive's position limits alone. `outputs` are those at this drive.
+    `traffic` is what flows on the link, without it what flows on CAN.
+    """
+    flows, travel = traffic or over_can(axis, link), travel_of(axis)
+    return (
+        *(row for pdo in flows.pdos for row in _process_data(pdo, axis.settings.node)),
+        *_supervision(link, flows),
+        *_protection(axis),
+        *(() if travel is None else _range(travel, axis.settings.profile.max_following_error_qc)),
+        *_motion(axis),
+        *_gains(axis),
+        *_switched(outputs),
+    )
+
+
+def farewell() -> tuple[Row, ...]:
+    """Return what is written before the bridge leaves for good."""
+    return (
+        Row(at.CONSUMER_HEARTBEAT_1, U32, 0, "heartbeat consumer", "the bridge's silence is no fault now"),
+    )
+
+
+def _process_data(pdo: Pdo, node: int) -> Iterator[Row]:
+    """Give the procedure of a mapping: invalid, empty, entries, how many, how sent, valid."""
+    title = f"PDO 0x{pdo.communication:04X}"
+    cob_id = Address(pdo.communication, 1)
+    count = Address(pdo.mapping, 0)
+    off = pdo.cob_id_entry(node, valid=False)
+    on = pdo.cob_id_entry(node, valid=True)
+    if pdo.layout is None:
+        yield Row(cob_id, U32, off, f"{title} COB-ID", "not used", read_back=True)
+        return
+    yield Row(cob_id, U32, off, f"{title} COB-ID", "a mapping changes only while it is off", _MAPPING_SOURCE)
+    yield Row(count, U8, 0, f"{title} entries", "a mapping changes only while it is empty", _MAPPING_SOURCE)
+    entries = pdo.layout.entries()
+    for number, entry in enumerate(entries, 1):
+        where = Address(pdo.mapping, number)
+        yield Row(where, U32, entry.encode(), f"{title} entry {number}", f"carries {entry.address}")
+    yield Row(count, U8, len(entries), f"{title} entries", "the drive checks length and objects now")
+    kind = Address(pdo.communication, 2)
+    yield Row(kind, U8, pdo.transmission, f"{title} type", "1 with each SYNC, 255 on change")
+    if pdo.transmits:
+        inhibit = Address(pdo.communication, 3)
+        why = "a chattering statusword must not fill the bus; unit 100 us"
+        yield Row(inhibit, U16, INHIBIT_100US, f"{title} inhibit time", why)
+    yield Row(cob_id, U32, on, f"{title} COB-ID", "on", _MAPPING_SOURCE, read_back=True)
+
+
+def _supervision(link: Epos2Link, flows: Traffic) -> Iterator[Row]:
+    watch = flows.watched << 16 | link.bridge_silent_ms
+    why = "the bridge sees that the drive lives; without, it answers node guarding"
+    yield Row(at.PRODUCER_HEARTBEAT, U16, flows.heartbeat_ms, "heartbeat producer", why, APPLICATION_NOTES)
+    why = "a dead bridge stops the drive"
+    yield Row(
+        at.CONSUMER_HEARTBEAT_1, U32, watch, "heartbeat consumer", why, APPLICATION_NOTES, read_back=True
+    )
+    why = "a dead bridge means a quick stop, not a coasting motor"
+    reaction = QUICK_STOP_ON_LOST_CONNECTION
+    yield Row(at.ABORT_CONNECTION_OPTION, I16, reaction, "abort connection option", why, read_back=True)
+    why = "a fault ends in a quick stop"
+    yield Row(
+        at.FAULT_REACTION_OPTION, I16, QUICK_STOP_ON_FAULT, "fault reaction option", why, read_back=True
+    )
+
+
+def _protection(axis: Axis) -> Iterator[Row]:
+    motor, profile = axis.settings, axis.settings.profile
+    protects = "protects the motor and whoever stands near"
+    yield Row(at.MOTOR_TYPE, U16, motor.motor_type, "motor type", "how the winding is driven", read_back=True)
+    for address, kind, value, name, why in (
+        (at.ENCODER_PULSES, U32, motor.encoder_lines, "encoder lines", "every position is counted in them"),
+        (at.CONTINUOUS_CURRENT_LIMIT, U16, motor.continuous_current_ma, "continuous current limit", protects),
+        (at.OUTPUT_CURRENT_LIMIT, U16, motor.peak_current_ma, "output current limit", protects),
+        (at.THERMAL_TIME_CONSTANT, U16, motor.thermal_time_constant_100ms, "thermal time constant", protects),
+        (at.MAX_MOTOR_SPEED, U32, profile.max_velocity_rpm, "motor speed limit", protects),
+        (at.MAX_PROFILE_VELOCITY, U32, profile.max_velocity_rpm, "profile velocity limit", protects),
+        (at.MAX_FOLLOWING_ERROR, U32, profile.max_following_error_qc, "following error limit", protects),
+    ):
+        yield Row(address, kind, value, name, why, read_back=True)
+
+
+def _range(travel: Travel, margin_qc: int) -> Iterator[Row]:
+    # The drive judges the actual position, too: without the margin an overshoot at the end would be a fault.
+    why = "no target beyond the mechanics; the margin is the following error, within which all is well"
+    low, high = travel.low_qc - margin_qc, travel.high_qc + margin_qc
+    yield Row(at.MIN_POSITION_LIMIT, I32, low, "lower position limit", why, read_back=True)
+    yield Row(at.MAX_POSITION_LIMIT, I32, high, "upper position limit", why, read_back=True)
+
+
+def _motion(axis: Axis) -> Iterator[Row]:
+    profile, mode = axis.settings.profile, MODE[axis.command]
+    yield Row(at.MODE, I8, mode, "mode of operation", "as the robot file says", read_back=True)
+    why = "a trapezoid: its acceleration is bounded"
+    yield Row(at.MOTION_PROFILE_TYPE, I16, TRAPEZOID, "motion profile type", why)
+    for address, value, name in (
+        (at.PROFILE_VELOCITY, profile.velocity_rpm, "profile velocity"),
+        (at.PROFILE_ACCELERATION, profile.acceleration_rpm_s, "profile acceleration"),
+        (at.PROFILE_DECELERATION, profile.deceleration_rpm_s, "profile deceleration"),
+        (at.QUICK_STOP_DECELERATION, profile.quick_stop_rpm_s, "quick stop deceleration"),
+    ):
+        yield Row(address, U32, value, name, "how the axis starts and stops", read_back=True)
+
+
+def _gains(axis: Axis) -> Iterator[Row]:
+    gains = axis.settings.gains
+    for address, kind, value, name in (
+        (at.CURRENT_P, I16, gains.current_p, "current P gain"),
+        (at.CURRENT_I, I16, gains.current_i, "current I gain"),
+        (at.VELOCITY_P, I16, gains.velocity_p, "velocity P gain"),
+        (at.VELOCITY_I, I16, gains.velocity_i, "velocity I gain"),
+        (at.VELOCITY_FEEDFORWARD, U16, gains.velocity_feedforward, "velocity feed-forward"),
+        (at.VELOCITY_ACCELERATION_FEEDFORWARD, U16, gains.acceleration_feedforward, "its acceleration part"),
+        (at.POSITION_P, I16, gains.position_p, "position P gain"),
+        (at.POSITION_I, I16, gains.position_i, "position I gain"),
+        (at.POSITION_D, I16, gains.position_d, "position D gain"),
+        (
+            at.POSITION_VELOCITY_FEEDFORWARD,
+            U16,
+            gains.position_velocity_feedforward,
+            "position feed-forward",
+        ),
+        (
+            at.POSITION_ACCELERATION_FEEDFORWARD,
+            U16,
+            gains.position_acceleration_feedforward,
+            "position feed-forward of acceleration",
+        ),
+    ):
+        yield Row(address, kind, value, name, "the regulators as tuned for this axis")
+
+
+def _switched(outputs: Sequence[Output]) -> Iterator[Row]:
+    """Give pins to the bridge; their polarity stays as the wiring needs it, their state is not touched."""
+    if not outputs:
+        return
+    mask = 0
+    for output in outputs:
+        pin = output.settings.output
+        function = general_purpose(pin)
+        mask |= function.bit
+        why = f"switched by the bridge: {output.title}"
+        yield Row(OUTPUT_PINS[pin - 1], U16, function, f"digital output {pin}", why, read_back=True)
+    why = "lets the bridge's outputs through, and no others"
+    yield Row(OUTPUT_MASK, U16, mask, "digital outputs' mask", why, FIRMWARE_SPECIFICATION, read_back=True)

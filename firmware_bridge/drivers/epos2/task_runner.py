@@ -1,0 +1,132 @@
+"""The tasks of one EPOS2: which one is under way, and why one failed. It refuses to know the link."""
+
+from collections import deque
+from collections.abc import Callable
+from typing import Final
+
+from firmware_bridge.drivers.driver import StartupError, Task
+from firmware_bridge.drivers.epos2 import tasks as scripts
+from firmware_bridge.drivers.epos2.feedback import DriveFeedback
+from firmware_bridge.drivers.epos2.set_point import SetPoint
+from firmware_bridge.drivers.epos2.setup import Row
+from firmware_bridge.drivers.script_runner import Do, Script, ScriptRunner
+from firmware_bridge.packet import Packet
+from firmware_bridge.robot import Axis
+from firmware_bridge.units import Nanoseconds
+
+_NEEDS_SET_UP: Final = (Task.IDENTIFY, Task.CONFIGURE, Task.START, Task.ENABLE)
+
+
+class TaskRunner:
+    """Tasks in their order; what a method returns is to be sent."""
+
+    __slots__ = (
+        "_axis",
+        "_configuration",
+        "_feedback",
+        "_scripts",
+        "_set_point",
+        "_started",
+        "_task",
+        "_tasks",
+        "failure",
+        "set_up",
+    )
+
+    def __init__(
+        self,
+        axis: Axis,
+        feedback: DriveFeedback,
+        set_point: SetPoint,
+        runner: ScriptRunner,
+        configuration: tuple[Row, ...],
+        *,
+        started: Callable[[], Script] = tuple,
+    ) -> None:
+        """Take the drive's parts and its set-up; `started` is what the link wants done after that task."""
+        self._axis = axis
+        self._feedback = feedback
+        self._set_point = set_point
+        self._scripts = runner
+        self._configuration = configuration
+        self._started = started
+        self._tasks: deque[Task] = deque()
+        self._task: Task | None = None
+        self.set_up = False
+        """Whether its set-up was written since it was found."""
+        self.failure: StartupError | None = None
+        """Why the last tasks failed; None where they did not."""
+
+    @property
+    def busy(self) -> bool:
+        """Whether tasks are under way."""
+        return self._task is not None
+
+    @property
+    def configured(self) -> bool:
+        """Whether the set-up is in force and the drive listens to set-points."""
+        feedback = self._feedback
+        return self.set_up and feedback.operational and not feedback.restarted
+
+    def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
+        """Do these tasks in order, in place of those under way."""
+        self.end()
+        self.failure = None
+        self._tasks.extend(tasks)
+        return self.go_on((), now)
+
+    def end(self) -> None:
+        """Forget the tasks under way."""
+        self._scripts.stop()
+        self._tasks.clear()
+        self._task = None
+
+    def fail(self, problem: str, now: Nanoseconds) -> None:
+        """End the tasks under way, if any, with this problem."""
+        if self.busy:
+            self._scripts.stop(StartupError(self._axis, problem))
+            self.go_on((), now)
+
+    def proceed(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Go on where what the drive has sent is what was waited for, or end where it lost its set-up."""
+        if not self.busy:
+            return ()
+        if self._feedback.restarted and self._task in _NEEDS_SET_UP:
+            self._scripts.stop(StartupError(self._axis, "it restarted by itself and lost its set-up"))
+            return self.go_on((), now)
+        return self.go_on(self._scripts.go_on(now), now)
+
+    def go_on(self, sent: tuple[Packet, ...], now: Nanoseconds) -> tuple[Packet, ...]:
+        """Add what the next tasks send, where one has ended."""
+        if not self.busy and not self._tasks:
+            return sent
+        while not self._scripts.busy:
+            if self._scripts.failure is not None:
+                failure = self._scripts.failure
+                self.end()
+                self.failure = failure
+                break
+            if self._task is Task.CONFIGURE:
+                self.set_up = True
+            self._task = self._tasks.popleft() if self._tasks else None
+            if self._task is None:
+                break
+            sent += self._scripts.run(self._script(self._task), now)
+        return sent
+
+    def _script(self, task: Task) -> Script:
+        axis, feedback = self._axis, self._feedback
+        match task:
+            case Task.FIND:
+                self.set_up = False
+                return scripts.find(axis, feedback)
+            case Task.IDENTIFY:
+                return scripts.identify(axis)
+            case Task.CONFIGURE:
+                return scripts.configure(axis, self._configuration)
+            case Task.START:
+                return (*scripts.start(axis, feedback), Do(self._started))
+            case Task.ENABLE:
+                return scripts.enable(axis, feedback, self._set_point)
+            case Task.LEAVE:
+                return scripts.leave(axis, feedback, self._set_point)

@@ -1,0 +1,251 @@
+"""The tasks of one EPOS2 as scripts: tuples of steps, in the order of the procedure in the manual.
+
+`firmware_bridge.drivers.script_runner` carries them over bus and time. It refuses to know either. A script
+keeps nothing but its steps, so that its place in the procedure is data.
+"""
+
+from collections.abc import Mapping
+from typing import Final
+
+from firmware_bridge.drivers.driver import StartupError
+from firmware_bridge.drivers.epos2 import setup
+from firmware_bridge.drivers.epos2.feedback import DriveFeedback
+from firmware_bridge.drivers.epos2.set_point import (
+    DISABLE_VOLTAGE,
+    ENABLE,
+    FAULT_RESET,
+    QUICK_STOP,
+    SHUTDOWN,
+    SWITCH_ON,
+    SetPoint,
+)
+from firmware_bridge.drivers.epos2.setup import Row
+from firmware_bridge.drivers.epos2.steps import controlled, expected, failing, nmt, pause, read, written
+from firmware_bridge.drivers.script_runner import Ask, Do, Script, Step, Until
+from firmware_bridge.drivers.sdo_client import TIMEOUT, Outcome, SdoError, Transfer
+from firmware_bridge.robot import Axis
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+from firmware_bridge.wire.canopen import NmtCommand
+from firmware_bridge.wire.cia402 import State, state_of
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.emergency import EMERGENCIES
+from firmware_bridge.wire.epos2.rows import DataType
+
+FIND_WITHIN: Final[Nanoseconds] = 2 * SECOND
+STATE_WITHIN: Final[Nanoseconds] = SECOND
+"""For one transition; measuring the current offset and the rotor's start takes some 100 ms (ASSUME)."""
+SAMPLE_WITHIN: Final[Nanoseconds] = 500 * MILLISECOND
+LEAVE_WITHIN: Final[Nanoseconds] = 200 * MILLISECOND
+POLL: Final[Nanoseconds] = 20 * MILLISECOND
+STANDSTILL_WITHIN: Final[Nanoseconds] = 3 * SECOND
+STANDSTILL_RPM: Final = 5
+"""At the motor; the averaged velocity of a resting shaft shows one or two."""
+FAULT_RESETS: Final = 2
+NEWEST_ERROR: Final = at.Address(at.ERROR_HISTORY_COUNT.index, 1)
+"""The code is its low word (EPOS Firmware Specification)."""
+
+POWERED: Final = (
+    State.REFRESH,
+    State.MEASURE_INIT,
+    State.OPERATION_ENABLED,
+    State.QUICK_STOP_ACTIVE,
+    State.FAULT_REACTION_ENABLED,
+)
+"""States in which the motor may have torque."""
+
+TOWARDS_ENABLED: Final[Mapping[State | None, int]] = {
+    State.SWITCH_ON_DISABLED: SHUTDOWN,
+    State.READY_TO_SWITCH_ON: SWITCH_ON,
+    State.SWITCHED_ON: ENABLE,
+    State.QUICK_STOP_ACTIVE: ENABLE,
+}
+"""The next controlword on the way to operation enabled; in other states the drive is on its way by itself."""
+
+
+def find(axis: Axis, feedback: DriveFeedback) -> Script:
+    """Take the node to pre-operational, no reset: it may be moving. Wait until it answers."""
+    feedback.expected = False
+    row = setup.identity(axis)[0]
+    return (
+        nmt(axis, NmtCommand.ENTER_PRE_OPERATIONAL),
+        expected(axis, row, attempts=FIND_WITHIN // TIMEOUT),
+        Do(lambda: _found(feedback)),
+        # A node that booted meanwhile did not hear the first one.
+        nmt(axis, NmtCommand.ENTER_PRE_OPERATIONAL),
+    )
+
+
+def identify(axis: Axis) -> Script:
+    """Check that it is the drive that the robot file names."""
+    return tuple(expected(axis, row) for row in setup.identity(axis))
+
+
+def configure(axis: Axis, rows: tuple[Row, ...]) -> Script:
+    """Bring the drive to rest without power, write the set-up, read back what safety hangs on."""
+    steps: list[Step] = [*_come_to_rest(axis)]
+    for row in rows:
+        steps.append(written(axis, Transfer(row.address, row.raw), f"writing {row.expected}"))
+        if row.read_back:
+            steps.append(expected(axis, row))
+    return tuple(steps)
+
+
+def start(axis: Axis, feedback: DriveFeedback) -> Script:
+    """Let process data flow; wait for the first state and position."""
+    before = feedback.heard_at
+    feedback.state = None
+    feedback.expected = True
+    return (
+        nmt(axis, NmtCommand.START),
+        Until(
+            lambda: feedback.heard_at != before and feedback.state is not None,
+            SAMPLE_WITHIN,
+            lambda: StartupError(
+                axis, f"no statusword and position within {SAMPLE_WITHIN // MILLISECOND} ms after NMT start"
+            ),
+        ),
+    )
+
+
+def enable(axis: Axis, feedback: DriveFeedback, set_point: SetPoint) -> Script:
+    """Walk to operation enabled, over a fault reset where there is a fault."""
+    return (Do(lambda: _towards_enabled(axis, feedback, set_point, 0)),)
+
+
+def leave(axis: Axis, feedback: DriveFeedback, set_point: SetPoint) -> Script:
+    """Take the power off in order, end the watch over the bridge, stop process data."""
+    farewell = _farewell(axis, setup.farewell())
+    if not feedback.operational:
+        return farewell
+    return (
+        set_point.word(SHUTDOWN),
+        Until(lambda: feedback.state not in POWERED, LEAVE_WITHIN),
+        Do(lambda: (set_point.word(DISABLE_VOLTAGE),)),
+        Until(lambda: feedback.state in (State.SWITCH_ON_DISABLED, State.FAULT), LEAVE_WITHIN),
+        *farewell,
+    )
+
+
+def _found(feedback: DriveFeedback) -> Script:
+    feedback.restarted = False
+    return ()
+
+
+def _come_to_rest(axis: Axis) -> Script:
+    """Stop a drive that an earlier run left with power on: with power it refuses part of the set-up."""
+    power_off = (controlled(axis, DISABLE_VOLTAGE), _without_power(axis, STATE_WITHIN // POLL))
+
+    def judge(statusword: int) -> Script:
+        if state_of(statusword) not in POWERED:
+            return power_off
+        return (controlled(axis, QUICK_STOP), _standing(axis, STANDSTILL_WITHIN // POLL), *power_off)
+
+    return (read(axis, at.STATUSWORD, DataType.UNSIGNED16, judge),)
+
+
+def _standing(axis: Axis, looks: int) -> Ask:
+    """Wait until the motor stands; so many looks are left."""
+
+    def judge(rpm: int) -> Script:
+        if abs(rpm) <= STANDSTILL_RPM:
+            return ()
+        if looks > 1:
+            return (pause(POLL), _standing(axis, looks - 1))
+        problem = f"the motor still turns with {rpm} rpm {STANDSTILL_WITHIN // SECOND} s after a quick stop"
+        return (pause(POLL), failing(axis, problem))
+
+    return read(axis, at.VELOCITY_AVERAGED, DataType.INTEGER32, judge)
+
+
+def _without_power(axis: Axis, looks: int) -> Ask:
+    """Wait until the power is off; so many looks are left."""
+
+    def judge(statusword: int) -> Script:
+        if state_of(statusword) in (State.SWITCH_ON_DISABLED, State.FAULT):
+            return ()
+        if looks > 1:
+            return (pause(POLL), _without_power(axis, looks - 1))
+        problem = f"the power did not go off (statusword 0x{statusword:04X}, expected 0x0140)"
+        return (pause(POLL), failing(axis, problem))
+
+    return read(axis, at.STATUSWORD, DataType.UNSIGNED16, judge)
+
+
+def _farewell(axis: Axis, rows: tuple[Row, ...]) -> Script:
+    """Write what is written before leaving; a drive that refuses is left as it is."""
+    if not rows:
+        return (nmt(axis, NmtCommand.ENTER_PRE_OPERATIONAL),)
+
+    def judge(outcome: Outcome) -> Script:
+        # Its own watch over the heartbeat will stop it: that is what the watch is for.
+        return () if isinstance(outcome, SdoError) else _farewell(axis, rows[1:])
+
+    return (Ask(Transfer(rows[0].address, rows[0].raw, attempts=1), judge),)
+
+
+def _towards_enabled(axis: Axis, feedback: DriveFeedback, set_point: SetPoint, resets: int) -> Script:
+    """Take the next step from the present state; `resets` faults were reset so far."""
+    if feedback.state is State.OPERATION_ENABLED:
+        feedback.fault = 0
+        return ()
+    if feedback.state is not State.FAULT:
+        word = TOWARDS_ENABLED.get(feedback.state)
+        go_on = Do(lambda: _towards_enabled(axis, feedback, set_point, resets))
+        return (*_turn(axis, feedback, set_point, word), go_on)
+    if resets == FAULT_RESETS:
+        raise StartupError(axis, f"the fault came back after {resets} resets{_fault(feedback)}")
+    return (
+        *_ask_for_fault(feedback),
+        Do(lambda: (set_point.word(DISABLE_VOLTAGE),)),
+        pause(POLL),
+        Do(lambda: _turn(axis, feedback, set_point, FAULT_RESET)),
+        Do(lambda: _cured(feedback)),
+        Do(lambda: _towards_enabled(axis, feedback, set_point, resets + 1)),
+    )
+
+
+def _cured(feedback: DriveFeedback) -> Script:
+    feedback.fault = 0
+    return ()
+
+
+def _ask_for_fault(feedback: DriveFeedback) -> Script:
+    """Learn the code of a fault from before this bridge listened; without an answer it stays unknown."""
+
+    def learn(outcome: Outcome) -> Script:
+        if not isinstance(outcome, SdoError):
+            feedback.fault = int.from_bytes(outcome[:2], "little")
+        return ()
+
+    return () if feedback.fault else (Ask(Transfer(NEWEST_ERROR), learn),)
+
+
+def _turn(axis: Axis, feedback: DriveFeedback, set_point: SetPoint, controlword: int | None) -> Script:
+    """Send a controlword, or none, and wait until the drive leaves its present state."""
+    state = feedback.state
+    return (
+        *(() if controlword is None else (set_point.word(controlword),)),
+        Until(
+            lambda: feedback.state is not state,
+            STATE_WITHIN,
+            lambda: StartupError(axis, _stuck(feedback, state, controlword)),
+        ),
+    )
+
+
+def _stuck(feedback: DriveFeedback, state: State | None, controlword: int | None) -> str:
+    where = "its state stayed unknown" if state is None else f"it stayed in '{state.title}'"
+    after = "" if controlword is None else f" after controlword 0x{controlword:04X}"
+    return (
+        f"{where} for {STATE_WITHIN // MILLISECOND} ms{after} "
+        f"(expected '{State.OPERATION_ENABLED.title}', statusword 0x{feedback.statusword:04X})"
+        f"{_fault(feedback)}"
+    )
+
+
+def _fault(feedback: DriveFeedback) -> str:
+    code = feedback.fault
+    if not code:
+        return ""
+    known = EMERGENCIES.get(code)
+    return f"; fault 0x{code:04X}" + (f", {known.cause}" if known else "")

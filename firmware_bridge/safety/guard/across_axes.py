@@ -1,0 +1,135 @@
+"""Rules over several axes: a sum of speeds that stays within its bound, and sides that never move together.
+
+Set-points of one cycle leave one after the other, so between two vectors of speeds that are both within a
+bound lie mixtures that are not. A mixture is let through while another axis of the sum may still mend it:
+until each of them has been sent a set-point, and no longer than a cycle. Over any length of time the sum's
+integral exceeds its bound by no more than a fixed amount, which no honest bridge can reach with mixtures;
+so nobody can go on from one mixture to the next.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import Final
+
+from firmware_bridge.robot import AnyRobot, GuardExclusive, GuardSum
+from firmware_bridge.safety.guard.axis import GuardedAxis
+from firmware_bridge.safety.guard.epos2_words import SetPoint
+from firmware_bridge.units import NEVER, Nanoseconds
+
+
+class AxesRule(ABC):
+    """A rule over several axes."""
+
+    name: str
+    axes: tuple[GuardedAxis, ...]
+    """To whose set-points it applies."""
+    due: Nanoseconds
+    """When all its axes must be stopped; NEVER while the rule is kept."""
+
+    @abstractmethod
+    def refuses(self, axis: GuardedAxis, set_point: SetPoint, now: Nanoseconds) -> str | None:
+        """Return why a set-point may not come into force, or None."""
+
+    @abstractmethod
+    def stops_with(self, axis: GuardedAxis) -> tuple[GuardedAxis, ...]:
+        """Return which axes come to rest together with one whose set-point was refused."""
+
+    @abstractmethod
+    def sent(self, axis: GuardedAxis, now: Nanoseconds) -> None:
+        """Note that an axis was sent a set-point."""
+
+
+class SpeedBound(AxesRule):
+    """One side of a sum: the axes' speeds, each with its factor, together not beyond a bound."""
+
+    def __init__(self, row: GuardSum, axes: Mapping[str, GuardedAxis], sign: float) -> None:
+        self.name = row.name
+        self.axes = tuple(axes[axis] for axis in row.of)
+        self.due = NEVER
+        self._sign: Final = sign
+        self._terms: Final = tuple((axes[axis], sign * factor) for axis, factor in row.of.items())
+        self._bound: Final = row.bound
+        self._patience: Final = max(axis.cycle for axis in self.axes)
+        reach = sum(abs(factor) * axis.axis.top_speed for axis, factor in self._terms)
+        self._most_excess: Final = 2.0 * reach * self._patience
+        """What all axes together make in two cycles at their top speeds; in the sum's unit times ns."""
+        self._to_come: tuple[GuardedAxis, ...] = ()
+        """While the bound is passed: who has not been sent a set-point since."""
+        self._passed_at: Nanoseconds = NEVER
+        """Since when the bound is passed."""
+        self._value = 0.0
+        """The sum in force."""
+        self._excess = 0.0
+        """The integral of what the sum is beyond its bound; it falls while the sum is within, down to 0."""
+        self._summed_at: Nanoseconds = 0
+
+    def refuses(self, axis: GuardedAxis, set_point: SetPoint, now: Nanoseconds) -> str | None:
+        """Refuse what passes the bound when nobody is left to mend it; rest is never refused."""
+        own = axis.speed_with(set_point)
+        if own == 0.0:
+            return None
+        value = sum(factor * (own if one is axis else one.speed) for one, factor in self._terms)
+        if value <= self._bound or (self._may_be_mended(axis) and self._excess_at(now) < self._most_excess):
+            return None
+        return f"{self.name} of {self._sign * value:.4f} is beyond {self._sign * self._bound:.4f}"
+
+    def stops_with(self, axis: GuardedAxis) -> tuple[GuardedAxis, ...]:
+        """Stop all: what is left of a sum without one of its axes may be further beyond."""
+        return tuple(one for one in self.axes if one is not axis and one.moving)
+
+    def sent(self, axis: GuardedAxis, now: Nanoseconds) -> None:
+        """Sum up anew, and find out until when that may stand."""
+        self._excess = self._excess_at(now)
+        self._summed_at = now
+        self._value = sum(factor * one.speed for one, factor in self._terms)
+        beyond = self._value - self._bound
+        if beyond <= 0.0:
+            self._passed_at = self.due = NEVER
+            return
+        to_come = self.axes if self._passed_at == NEVER else self._to_come
+        self._to_come = tuple(one for one in to_come if one is not axis)
+        self._passed_at = min(self._passed_at, now)
+        exhausted = now + int((self._most_excess - self._excess) / beyond)
+        self.due = min(self._passed_at + self._patience, exhausted) if self._to_come else now
+
+    def _may_be_mended(self, axis: GuardedAxis) -> bool:
+        to_come = self.axes if self._passed_at == NEVER else self._to_come
+        return any(one is not axis for one in to_come)
+
+    def _excess_at(self, now: Nanoseconds) -> float:
+        return max(0.0, self._excess + (self._value - self._bound) * (now - self._summed_at))
+
+
+class Exclusion(AxesRule):
+    """Two sides of which one may be told to move; the other must have been told to rest before."""
+
+    def __init__(self, row: GuardExclusive, axes: Mapping[str, GuardedAxis]) -> None:
+        self.name = row.name
+        self.due = NEVER
+        one, other = (tuple(axes[axis] for axis in side) for side in (row.one, row.other))
+        self.axes = (*one, *other)
+        self._against: Final = {**dict.fromkeys(row.one, other), **dict.fromkeys(row.other, one)}
+
+    def refuses(self, axis: GuardedAxis, set_point: SetPoint, now: Nanoseconds) -> str | None:
+        """Refuse motion while the other side is told to move; rest is never refused."""
+        del now
+        moving = [other.axis.title for other in self._against[axis.axis.name] if other.moving]
+        if not moving or not axis.moves_with(set_point):
+            return None
+        return f"{self.name}: {axis.axis.title} may not move while {', '.join(moving)} may"
+
+    def stops_with(self, axis: GuardedAxis) -> tuple[GuardedAxis, ...]:
+        """Stop nobody else: whoever moves already may go on."""
+        del axis
+        return ()
+
+    def sent(self, axis: GuardedAxis, now: Nanoseconds) -> None:
+        """Do nothing: each axis knows what is in force."""
+
+
+def rules_across(robot: AnyRobot, axes: Mapping[str, GuardedAxis]) -> tuple[AxesRule, ...]:
+    """Return the rules of a robot file over several axes; `axes` by their names."""
+    return (
+        *(SpeedBound(row, axes, sign) for row in robot.guard.sums for sign in (1.0, -1.0)),
+        *(Exclusion(row, axes) for row in robot.guard.exclusive),
+    )

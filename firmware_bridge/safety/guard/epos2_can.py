@@ -1,0 +1,234 @@
+"""What may leave towards EPOS2 drives over CAN: identifiers, what each may carry, and what that does.
+
+An identifier that is not in the list is refused; so is one with a flag (extended, remote).
+
+How fast a set-point may CHANGE is not judged here: a late cycle or a substituted frame makes honest jumps.
+The drive's own profile acceleration bounds every jump; this list lets nobody raise it above the robot file,
+and the bridge reads it back at start-up.
+
+Source: CiA 301 for identifiers and services.
+"""
+
+import struct
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Final, Protocol
+
+from firmware_bridge.packet import Packet
+from firmware_bridge.robot import AnyRobot, Command
+from firmware_bridge.safety.guard.axis import GuardedAxis
+from firmware_bridge.safety.guard.epos2_words import CONTROLWORDS, LISTED_NMT, TARGET_UNIT, SetPoint
+from firmware_bridge.safety.guard.wire_rules import WireRules
+from firmware_bridge.safety.guard.writes import STATUS_PDOS, Writes, writes_on_can
+from firmware_bridge.wire import canopen
+from firmware_bridge.wire.canopen import NmtCommand, NmtState
+from firmware_bridge.wire.epos2.address import CONSUMER_HEARTBEAT_1, CONTROLWORD, STATUSWORD, Address
+
+_SET_POINT: Final = struct.Struct("<Hi")
+"""Controlword and target, as the bridge maps them."""
+_SET_POINT_ID: Final = {Command.SPEED: canopen.RECEIVE_PDO[3], Command.POSITION: canopen.RECEIVE_PDO[2]}
+_STATUSWORD: Final = struct.Struct("<H")
+_SDO_LENGTH: Final = 8
+_SPECIFIER: Final = 0xE0
+_DOWNLOAD: Final = 0x20
+_UPLOADED: Final = 0x40
+"""From the server: initiate upload."""
+_READING: Final = (0x40, 0x60, 0x80)
+"""Initiate upload, upload segment, abort: they change nothing in a drive."""
+_EXPEDITED_SIZED: Final = 0x23
+_EXPEDITED_BITS: Final = 0x33
+_ABORT: Final = 0x80
+_GENERAL_ERROR: Final = 0x0800_0000
+
+
+class Content(Protocol):
+    """What one identifier may carry."""
+
+    def refuses(self, payload: bytes) -> str | None:
+        """Return why these bytes may not leave, or None."""
+
+
+@dataclass(frozen=True, slots=True)
+class Exactly:
+    """One of a few payloads."""
+
+    payloads: tuple[bytes, ...]
+
+    def refuses(self, payload: bytes) -> str | None:
+        """Compare."""
+        return None if payload in self.payloads else f"content '{payload.hex(' ')}' is not listed"
+
+
+@dataclass(frozen=True, slots=True)
+class AxisSetPoint:
+    """Controlword and target of one axis."""
+
+    command: Command
+    targets: range
+
+    def refuses(self, payload: bytes) -> str | None:
+        """Check length, controlword and target."""
+        if len(payload) != _SET_POINT.size:
+            return f"{len(payload)} bytes where {_SET_POINT.size} are mapped"
+        word, target = SetPoint(*_SET_POINT.unpack(payload))
+        if word not in CONTROLWORDS[self.command]:
+            return f"controlword 0x{word:04X} is not listed"
+        if target not in self.targets:
+            unit = TARGET_UNIT[self.command]
+            return f"target {target} {unit} is not within {self.targets[0]} to {self.targets[-1]} {unit}"
+        return None
+
+
+@dataclass(frozen=True, slots=True)
+class SdoRequest:
+    """Requests to one drive: uploads of anything, expedited downloads of what is listed."""
+
+    writes: Writes
+
+    def refuses(self, payload: bytes) -> str | None:
+        """Check length, service, object, size and value."""
+        if len(payload) != _SDO_LENGTH:
+            return f"an SDO request of {len(payload)} bytes"
+        if payload[0] & _SPECIFIER in _READING:
+            return None
+        if payload[0] & _EXPEDITED_BITS != _EXPEDITED_SIZED or payload[0] & _SPECIFIER != _DOWNLOAD:
+            return f"SDO command 0x{payload[0]:02X} is not listed"
+        address = Address(int.from_bytes(payload[1:3], "little"), payload[3])
+        values = self.writes.get(address)
+        if values is None:
+            return f"{address} is not an object that may be written"
+        unused = payload[0] >> 2 & 0b11
+        return values.refuses(address, payload[4 : _SDO_LENGTH - unused])
+
+
+class Epos2CanRules(WireRules):
+    """Frames that leave when they are handed over, and answers that everybody finds by himself."""
+
+    def __init__(self, robot: AnyRobot, link: str) -> None:
+        self.link = link
+        self.axes = tuple(GuardedAxis(axis, robot) for axis in robot.axes_on(link))
+        self.listed: Final = _listed(robot, link, self.axes)
+        """What may leave, by identifier."""
+        self._by_node = {axis.node: axis for axis in self.axes}
+        self._by_set_point = {_set_point_id(axis): axis for axis in self.axes}
+        self._by_request = {canopen.SDO_REQUEST + axis.node: axis for axis in self.axes}
+        self._by_response = {canopen.SDO_RESPONSE + axis.node: axis for axis in self.axes}
+        self._by_status = {
+            canopen.TRANSMIT_PDO[number] + axis.node: axis for axis in self.axes for number in STATUS_PDOS
+        }
+
+    @property
+    def waiting(self) -> bool:
+        """Never: a frame of the guard's has left when it was handed over."""
+        return False
+
+    def axis_of(self, packet: Packet) -> GuardedAxis | None:
+        """Return the axis whose set-point this is."""
+        return self._by_set_point.get(packet.address)
+
+    def set_point_of(self, packet: Packet, _axis: GuardedAxis) -> SetPoint:
+        """Return what the frame carries."""
+        return SetPoint(*_SET_POINT.unpack(packet.payload))
+
+    def refuses(self, packet: Packet) -> str | None:
+        """Look into the list, and at what is in force."""
+        content = self.listed.get(packet.address)
+        if content is None:
+            return f"identifier 0x{packet.address:X} is not listed"
+        reason = content.refuses(packet.payload)
+        if reason is not None:
+            return reason
+        if packet.address == canopen.NMT and packet.payload[0] != NmtCommand.START:
+            for axis in self._addressed(packet.payload[1]):
+                if axis.moving:
+                    return f"node {axis.node} moves and would no longer hear set-points"
+        requested = self._by_request.get(packet.address)
+        if requested is not None and requested.powered and _ends_watch(packet.payload):
+            return f"{CONSUMER_HEARTBEAT_1} set to 0 while node {requested.node} has power"
+        return None
+
+    def safe(self, axis: GuardedAxis) -> tuple[Packet, ...]:
+        """Return the axis's safe frame."""
+        return (Packet(self.link, _set_point_id(axis), _SET_POINT.pack(*axis.safe)),)
+
+    def instead_of(self, packet: Packet) -> tuple[Packet, ...] | None:
+        """Return the abort of a request."""
+        if packet.address not in self._by_request:
+            return None
+        address = packet.payload[1:4].ljust(3, b"\0")
+        abort = bytes((_ABORT,)) + address + _GENERAL_ERROR.to_bytes(4, "little")
+        return (Packet(self.link, packet.address, abort),)
+
+    def sends(self, packet: Packet, *, asked: bool) -> GuardedAxis | None:
+        """Note what a frame does to the drives."""
+        del asked
+        axis = self._by_set_point.get(packet.address)
+        if axis is not None:
+            axis.sent(self.set_point_of(packet, axis))
+            return axis
+        if packet.address == canopen.NMT:
+            self._commands(packet.payload[0], packet.payload[1])
+            return None
+        axis = self._by_request.get(packet.address)
+        if axis is None or not _writes(packet.payload, CONTROLWORD.index):
+            return None
+        axis.sent(SetPoint(int.from_bytes(packet.payload[4:6], "little"), axis.target))
+        return axis
+
+    def receives(self, packet: Packet) -> bool:
+        """Let everything in; read the statusword where it comes by itself, or where it was asked for."""
+        payload = packet.payload
+        axis = self._by_status.get(packet.address)
+        if axis is not None and len(payload) >= _STATUSWORD.size:
+            axis.reports(_STATUSWORD.unpack_from(payload)[0])
+        axis = self._by_response.get(packet.address)
+        if axis is not None and _tells_statusword(payload):
+            axis.reports(_STATUSWORD.unpack_from(payload, 4)[0])
+        return True
+
+    def _commands(self, command: int, node: int) -> None:
+        for axis in self._addressed(node):
+            if command in {NmtCommand.RESET_NODE, NmtCommand.RESET_COMMUNICATION}:
+                axis.restarted()
+            elif command != NmtCommand.START:
+                # In pre-operational a drive hears no set-points, and keeps none.
+                axis.deaf()
+
+    def _addressed(self, node: int) -> Iterable[GuardedAxis]:
+        return self.axes if node == canopen.ALL_NODES else (self._by_node[node],)
+
+
+def _listed(robot: AnyRobot, link: str, axes: tuple[GuardedAxis, ...]) -> dict[int, Content]:
+    nodes = (canopen.ALL_NODES, *(axis.node for axis in axes))
+    states = (NmtState.OPERATIONAL, NmtState.PRE_OPERATIONAL, NmtState.STOPPED, NmtState.BOOT_UP)
+    listed: dict[int, Content] = {
+        canopen.NMT: Exactly(tuple(bytes((command, node)) for command in LISTED_NMT for node in nodes)),
+        canopen.SYNC: Exactly((b"",)),
+        canopen.ERROR_CONTROL + robot.links[link].bridge_node: Exactly(
+            tuple(bytes((one,)) for one in states)
+        ),
+    }
+    for axis in axes:
+        listed[_set_point_id(axis)] = AxisSetPoint(axis.axis.command, axis.targets)
+        listed[canopen.SDO_REQUEST + axis.node] = SdoRequest(writes_on_can(axis.axis, robot, axis.targets))
+    return listed
+
+
+def _set_point_id(axis: GuardedAxis) -> int:
+    return _SET_POINT_ID[axis.axis.command] + axis.node
+
+
+def _ends_watch(payload: bytes) -> bool:
+    return _writes(payload, CONSUMER_HEARTBEAT_1.index) and payload[4:] == bytes(4)
+
+
+def _writes(payload: bytes, index: int) -> bool:
+    return payload[0] & _EXPEDITED_SIZED == _EXPEDITED_SIZED and payload[1:3] == index.to_bytes(2, "little")
+
+
+def _tells_statusword(payload: bytes) -> bool:
+    return (
+        len(payload) == _SDO_LENGTH
+        and payload[0] & _SPECIFIER == _UPLOADED
+        and payload[1:4] == STATUSWORD.index.to_bytes(2, "little") + bytes((STATUSWORD.subindex,))
+    )

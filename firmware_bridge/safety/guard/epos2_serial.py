@@ -1,0 +1,222 @@
+"""What may leave towards EPOS2 drives as commands of maxon's serial protocol: nodes, objects, values.
+
+Commands are answered one by one, in their order; the answers to its own commands the guard keeps to itself. A
+command that has no row here is refused, and so is one with a byte too many.
+
+Source: maxon's command library.
+"""
+
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping
+from types import MappingProxyType
+from typing import Any, Final, TypeAlias
+
+from firmware_bridge.node import LINE_BACK, LINE_LOST
+from firmware_bridge.packet import Packet
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.safety.guard.axis import GuardedAxis
+from firmware_bridge.safety.guard.epos2_words import CONTROLWORDS, LISTED_NMT, TARGET, SetPoint
+from firmware_bridge.safety.guard.wire_rules import WireRules
+from firmware_bridge.safety.guard.writes import Values, Writes, writes_over_serial
+from firmware_bridge.wire import canopen
+from firmware_bridge.wire.can import MAX_PAYLOAD
+from firmware_bridge.wire.canopen import NmtCommand, NmtState
+from firmware_bridge.wire.epos2.address import CONSUMER_HEARTBEAT_1, CONTROLWORD, STATUSWORD, Address
+from firmware_bridge.wire.epos2.rows import DataType
+from firmware_bridge.wire.maxon.frame import Answered
+from firmware_bridge.wire.maxon.messages import (
+    ObjectRead,
+    ReadObject,
+    Request,
+    RequestCanFrame,
+    SendCanFrame,
+    SendNmtService,
+    WriteObject,
+    address_of,
+)
+from firmware_bridge.wire.maxon.opcodes import decode_answer, encode_request
+from firmware_bridge.wire.maxon.packets import outcome_of, request_of
+
+_RAW: Final = 4
+_STATES: Final = (NmtState.OPERATIONAL, NmtState.PRE_OPERATIONAL, NmtState.STOPPED, NmtState.BOOT_UP)
+_Judge: TypeAlias = Callable[["Epos2SerialRules", Any], str | None]
+
+
+class Epos2SerialRules(WireRules):
+    """Commands that wait for their turn, and one answer for each."""
+
+    def __init__(self, robot: AnyRobot, link: str) -> None:
+        self.link = link
+        self.axes = tuple(GuardedAxis(axis, robot) for axis in robot.axes_on(link))
+        bus = robot.links[link]
+        self.writes: Final[Mapping[int, Writes]] = {axis.node: _all_writes(axis, robot) for axis in self.axes}
+        """By node."""
+        self.beat_id: Final = canopen.ERROR_CONTROL + bus.bridge_node
+        """Of the bridge's heartbeat."""
+        self.guarding_id: Final = canopen.ERROR_CONTROL + bus.guardian(robot.nodes_on(link))
+        """Of the remote frame that has a drive say what the gateway watches."""
+        self._by_node = {axis.node: axis for axis in self.axes}
+        self._unanswered: deque[tuple[Request | None, bool]] = deque()
+        """Each command that has left and has no answer yet, and whether the node waits for it."""
+
+    @property
+    def waiting(self) -> bool:
+        """Whether words of the guard itself still wait for the line."""
+        return not all(asked for _, asked in self._unanswered)
+
+    def axis_of(self, packet: Packet) -> GuardedAxis | None:
+        """Return the axis whose controlword or target this writes."""
+        request = request_of(packet)
+        if not isinstance(request, WriteObject):
+            return None
+        axis = self._by_node.get(request.node)
+        return axis if axis is not None and address_of(request) in (CONTROLWORD, _target(axis)) else None
+
+    def set_point_of(self, packet: Packet, axis: GuardedAxis) -> SetPoint:
+        """Return what is in force with what the command writes."""
+        request = request_of(packet)
+        return _written(request, axis) if isinstance(request, WriteObject) else axis.set_point
+
+    def refuses(self, packet: Packet) -> str | None:
+        """Look into the list, and at what is in force."""
+        request = request_of(packet)
+        judge = None if request is None else _JUDGES.get(type(request))
+        if judge is None:
+            return f"command 0x{packet.address:02X} '{packet.payload.hex(' ')}' is not listed"
+        return judge(self, request)
+
+    def safe(self, axis: GuardedAxis) -> tuple[Packet, ...]:
+        """Return target 0 for an axis that is commanded by speed, and the word that stops it."""
+        word, target = axis.safe
+        control = self._writing(axis, CONTROLWORD, word)
+        return (self._writing(axis, _target(axis), target), control) if axis.by_speed else (control,)
+
+    def instead_of(self, packet: Packet) -> None:
+        """Stop every axis, whatever command it is."""
+
+    def sends(self, packet: Packet, *, asked: bool) -> GuardedAxis | None:
+        """Note what a command does to the drives, and whether the node waits for the answer."""
+        request = request_of(packet)
+        self._unanswered.append((request, asked))
+        if isinstance(request, SendNmtService):
+            if request.command in {NmtCommand.RESET_NODE, NmtCommand.RESET_COMMUNICATION}:
+                for addressed in self.addressed(request.node):
+                    addressed.restarted()
+            return None
+        axis = self.axis_of(packet)
+        if axis is not None and isinstance(request, WriteObject):
+            written = _written(request, axis)
+            if address_of(request) == CONTROLWORD:
+                axis.sent(written)
+            else:
+                axis.target = written.target
+        return axis
+
+    def receives(self, packet: Packet) -> bool:
+        """Let in what is the node's; a line that is gone answers nothing any more."""
+        if packet.address in {LINE_LOST, LINE_BACK}:
+            # What has left before, or in between, is never answered.
+            self._unanswered.clear()
+            return True
+        if not self._unanswered:
+            return False
+        request, asked = self._unanswered.popleft()
+        if isinstance(request, ReadObject) and address_of(request) == STATUSWORD:
+            self._reads(request, packet)
+        return asked
+
+    def addressed(self, node: int) -> Iterable[GuardedAxis]:
+        """Return whom a network command is for."""
+        return self.axes if node == canopen.ALL_NODES else (self._by_node[node],)
+
+    def powered(self, node: int) -> bool:
+        """Tell whether a listed drive may have power."""
+        return self._by_node[node].powered
+
+    def _reads(self, request: ReadObject, packet: Packet) -> None:
+        _, outcome = outcome_of(packet)
+        answer = decode_answer(request, outcome.body) if isinstance(outcome, Answered) else None
+        if isinstance(answer, ObjectRead) and answer.error == 0:
+            self._by_node[request.node].reports(DataType.UNSIGNED16.decode(answer.raw[:2]))
+
+    def _writing(self, axis: GuardedAxis, address: Address, value: int) -> Packet:
+        raw = (value & 0xFFFF_FFFF).to_bytes(_RAW, "little")
+        frame = encode_request(WriteObject(address.index, address.subindex, axis.node, raw))
+        return Packet(self.link, frame.opcode, frame.body)
+
+
+def _all_writes(axis: GuardedAxis, robot: AnyRobot) -> Writes:
+    return {
+        **writes_over_serial(axis.axis, robot, axis.targets),
+        CONTROLWORD: Values(DataType.UNSIGNED16, CONTROLWORDS[axis.axis.command]),
+        _target(axis): Values(DataType.INTEGER32, axis.targets),
+    }
+
+
+def _target(axis: GuardedAxis) -> Address:
+    return TARGET[axis.axis.command]
+
+
+def _written(request: WriteObject, axis: GuardedAxis) -> SetPoint:
+    """Return what is in force at an axis when its controlword or target was written."""
+    word, target = axis.set_point
+    if address_of(request) == CONTROLWORD:
+        return SetPoint(DataType.UNSIGNED32.decode(request.raw), target)
+    return SetPoint(word, DataType.INTEGER32.decode(request.raw))
+
+
+def _read(rules: Epos2SerialRules, request: ReadObject) -> str | None:
+    return None if request.node in rules.writes else f"node {request.node} is not listed"
+
+
+def _write(rules: Epos2SerialRules, request: WriteObject) -> str | None:
+    writes = rules.writes.get(request.node)
+    if writes is None:
+        return f"node {request.node} is not listed"
+    address = address_of(request)
+    values = writes.get(address)
+    if values is None:
+        return f"{address} is not an object that may be written"
+    size = values.type.size
+    if any(request.raw[size:]):
+        return f"{address} written with more than its {size} bytes"
+    if address == CONSUMER_HEARTBEAT_1 and request.raw == bytes(_RAW) and rules.powered(request.node):
+        return f"{address} set to 0 while node {request.node} has power"
+    return values.refuses(address, request.raw[:size])
+
+
+def _command(rules: Epos2SerialRules, request: SendNmtService) -> str | None:
+    if request.node != canopen.ALL_NODES and request.node not in rules.writes:
+        return f"node {request.node} is not listed"
+    if request.command not in LISTED_NMT:
+        return f"network command {request.command} is not listed"
+    if request.command != NmtCommand.START:
+        for axis in rules.addressed(request.node):
+            if axis.moving:
+                return f"node {axis.node} moves and would look as if it had restarted"
+    return None
+
+
+def _frame(rules: Epos2SerialRules, request: SendCanFrame) -> str | None:
+    beats = tuple(bytes((state,)).ljust(MAX_PAYLOAD, b"\0") for state in _STATES)
+    if request.identifier == rules.beat_id and request.length == 1 and request.raw in beats:
+        return None
+    content = request.raw[: request.length].hex(" ")
+    return f"frame 0x{request.identifier:X} '{content}' is not listed"
+
+
+def _remote(rules: Epos2SerialRules, request: RequestCanFrame) -> str | None:
+    guarding = request.identifier == rules.guarding_id
+    return None if guarding else f"remote frame 0x{request.identifier:X} is not listed"
+
+
+_JUDGES: Final[Mapping[type[Request], _Judge]] = MappingProxyType(
+    {
+        ReadObject: _read,
+        WriteObject: _write,
+        SendNmtService: _command,
+        SendCanFrame: _frame,
+        RequestCanFrame: _remote,
+    }
+)
+"""No segmented transfer: nothing that the bridge writes or needs is longer than four bytes."""

@@ -1,0 +1,59 @@
+"""Words of the EPOS2 that both of its protocols carry: controlwords, set-points, network commands, states.
+
+Sources: EPOS Firmware Specification and maxon's command library for controlwords; CiA 301 for the network.
+"""
+
+from typing import Final, NamedTuple
+
+from firmware_bridge.robot import Command
+from firmware_bridge.wire.canopen import NmtCommand
+from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.epos2 import address as at
+
+TARGET: Final = {Command.SPEED: at.TARGET_VELOCITY, Command.POSITION: at.TARGET_POSITION}
+TARGET_UNIT: Final = {Command.SPEED: "rpm", Command.POSITION: "qc"}
+
+NEW_SET_POINT: Final = 0x003F
+"""Go to the target now."""
+ENABLE: Final = 0x000F
+HALT: Final = 0x010F
+FAULT_RESET: Final = 0x0080
+DISABLE_VOLTAGE: Final = 0x0000
+QUICK_STOP: Final = 0x000B
+"""A drive with power ramps down and keeps it; one without gets none."""
+UNPOWERED: Final = (DISABLE_VOLTAGE, 0x0002, 0x0006, 0x0007, QUICK_STOP)
+"""Disable voltage, quick stop (twice), shutdown, switch on: none puts the power on or asks for motion."""
+POWERED: Final = (ENABLE, HALT, NEW_SET_POINT)
+"""Words after which the drive has power and may have torque."""
+STOP_WORDS: Final = (DISABLE_VOLTAGE, 0x0002, QUICK_STOP)
+CONTROLWORDS: Final = {
+    Command.SPEED: (*UNPOWERED, FAULT_RESET, ENABLE, HALT),
+    Command.POSITION: (*UNPOWERED, FAULT_RESET, *POWERED),
+}
+
+POWERED_STATES: Final = frozenset(
+    {
+        State.REFRESH,
+        State.MEASURE_INIT,
+        State.OPERATION_ENABLED,
+        State.QUICK_STOP_ACTIVE,
+        State.FAULT_REACTION_ENABLED,
+    }
+)
+"""In which the motor may have torque."""
+
+LISTED_NMT: Final = (
+    NmtCommand.START,
+    NmtCommand.ENTER_PRE_OPERATIONAL,
+    NmtCommand.RESET_NODE,
+    NmtCommand.RESET_COMMUNICATION,
+)
+"""Not STOP: a stopped drive hears neither set-points nor SDO."""
+
+
+class SetPoint(NamedTuple):
+    """What is in force for a drive."""
+
+    word: int
+    target: int
+    """rpm or quadcounts."""

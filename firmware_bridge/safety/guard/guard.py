@@ -1,0 +1,235 @@
+"""The guard: a node around the bridge that judges whatever it sends, and speaks for it when it is silent.
+
+It shares neither state nor code with the interlocks and trusts nothing before it. What may leave stands in
+one set of wire rules for each link, by its protocol; what several axes may do together, on whatever links,
+stands in `firmware_bridge.safety.guard.across_axes`. Behind it a controller, or a line's end, adds check sum
+and handshake. A refusal puts safe words in the place of the refused ones, because a drive that hears nothing
+keeps its last target. Operator datagrams pass untouched. It sends no heartbeat: a bridge that hangs is also
+stopped by the drives' own watch.
+"""
+
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Final, TypeAlias
+
+from firmware_bridge.node import OPERATOR, Node, Stoppable
+from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.epos2 import Epos2Driver
+from firmware_bridge.safety.guard.across_axes import AxesRule, rules_across
+from firmware_bridge.safety.guard.axis import GuardedAxis
+from firmware_bridge.safety.guard.epos2_can import Epos2CanRules
+from firmware_bridge.safety.guard.epos2_serial import Epos2SerialRules
+from firmware_bridge.safety.guard.wire_rules import WireRules
+from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
+
+SILENT_CYCLES: Final = 3
+"""So many cycles without a set-point for an axis while some axis moves, and the guard speaks itself."""
+REMEMBERED: Final = 100
+"""The newest refusals that are kept; all are counted."""
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """One packet that did not leave, or one silence that the guard filled."""
+
+    at: Nanoseconds
+    packet: Packet | None
+    """None: nothing was refused, the bridge was silent, failed, or left something standing."""
+    reason: str
+    sent: tuple[Packet, ...]
+    """What left in its place."""
+
+
+Listener: TypeAlias = Callable[[Refusal], None]
+
+
+class Guarded:
+    """A node behind the guard; itself a node that can be stopped."""
+
+    def __init__(
+        self,
+        node: Node,
+        links: Iterable[WireRules],
+        across: tuple[AxesRule, ...],
+        listener: Listener | None = None,
+    ) -> None:
+        self.node = node
+        self.refused = 0
+        """Refusals so far."""
+        self.links: Final = {rules.link: rules for rules in links}
+        self._listener = listener
+        self._refusals: deque[Refusal] = deque(maxlen=REMEMBERED)
+        self._axes = tuple(axis for rules in self.links.values() for axis in rules.axes)
+        self._across = across
+        self._across_of = {
+            axis.axis.name: tuple(rule for rule in across if axis in rule.axes) for axis in self._axes
+        }
+        self._moving_since: Nanoseconds = NEVER
+        """Since when some axis has been moving; NEVER while none is."""
+        self._speak_at: Nanoseconds = NEVER
+        """When the guard repeats itself while the bridge stays silent; NEVER while it does not."""
+        self._deadline: Nanoseconds = NEVER
+        """When the guard must look again, whatever happens."""
+        self._stopping = False
+
+    @property
+    def refusals(self) -> tuple[Refusal, ...]:
+        """The newest refusals, oldest first."""
+        return tuple(self._refusals)
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        """Pass a packet on, and judge what the node sends."""
+        rules = self.links.get(packet.link)
+        if rules is not None and not rules.receives(packet):
+            return self.wake(now)
+        return self._judged(self.node.receive(packet, now), now)
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        """Wake the node, judge what it sends, and speak for it when it is silent."""
+        return self._judged(self.node.wake(now), now)
+
+    def stop(self, now: Nanoseconds) -> Reaction:
+        """Pass the wish to end on, and judge what the node sends; a node that cannot stop is made safe."""
+        self._stopping = True
+        if not isinstance(self.node, Stoppable):
+            return Reaction(self._sent(self._all_safe(), now))
+        try:
+            reaction = self.node.stop(now)
+        except Exception as error:  # noqa: BLE001 - whatever broke the bridge, the drives must hear something
+            reason = f"the bridge failed while stopping: {error!r}"
+            return Reaction(self._replaced(None, reason, self._all_safe(), now))
+        return self._judged(reaction, now)
+
+    def _judged(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
+        sent: list[Packet] = []
+        for packet in reaction.sent:
+            if packet.link == OPERATOR:
+                sent.append(packet)
+                continue
+            rules = self.links.get(packet.link)
+            if rules is None:
+                reason = f"link '{packet.link}' is not listed"
+                sent += self._replaced(packet, reason, self._all_safe(), now)
+            else:
+                sent += self._admitted(packet, rules, now)
+        if self._stopping and reaction.wake_at == NEVER:
+            # It has ended in good order; whoever carries it takes NEVER for the end.
+            return Reaction(tuple(sent))
+        for rule in self._across:
+            if rule.due <= now:
+                sent += self._cleared(rule, now)
+        sent += self._spoken_for(now)
+        wake_at = min(reaction.wake_at, self._deadline)
+        for rule in self._across:
+            wake_at = min(wake_at, rule.due)
+        return Reaction(tuple(sent), wake_at)
+
+    def _admitted(self, packet: Packet, rules: WireRules, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Return the packet itself, or what leaves in its place."""
+        axis = rules.axis_of(packet)
+        reason = rules.refuses(packet)
+        if axis is None:
+            if reason is None:
+                return self._sent((packet,), now, asked=packet)
+            instead = rules.instead_of(packet)
+            return self._replaced(packet, reason, self._all_safe() if instead is None else instead, now)
+        axis.commanded_at = now
+        others: tuple[GuardedAxis, ...] = ()
+        if reason is None:
+            set_point = rules.set_point_of(packet, axis)
+            for rule in self._across_of[axis.axis.name]:
+                reason = rule.refuses(axis, set_point, now)
+                if reason is not None:
+                    others = rule.stops_with(axis)
+                    break
+            else:
+                return self._sent((packet,), now, asked=packet)
+        safe = (*(safe for other in others for safe in self._safe(other)), *rules.safe(axis))
+        # The node goes on when its set-point is answered, whatever became of it; other words it misses.
+        return self._replaced(packet, reason, safe, now, asked=safe[-1])
+
+    def _sent(
+        self, packets: tuple[Packet, ...], now: Nanoseconds, asked: Packet | None = None
+    ) -> tuple[Packet, ...]:
+        """Note what leaves; to `asked`, which is one of them, the node waits for an answer."""
+        for packet in packets:
+            axis = self.links[packet.link].sends(packet, asked=packet is asked)
+            if axis is not None:
+                for rule in self._across_of[axis.axis.name]:
+                    rule.sent(axis, now)
+        return packets
+
+    def _replaced(
+        self,
+        packet: Packet | None,
+        reason: str,
+        safe: tuple[Packet, ...],
+        now: Nanoseconds,
+        asked: Packet | None = None,
+    ) -> tuple[Packet, ...]:
+        refusal = Refusal(now, packet, reason, safe)
+        self.refused += 1
+        self._refusals.append(refusal)
+        if self._listener is not None:
+            self._listener(refusal)
+        return self._sent(safe, now, asked)
+
+    def _safe(self, axis: GuardedAxis) -> tuple[Packet, ...]:
+        return self.links[axis.axis.link].safe(axis)
+
+    def _all_safe(self, *, heard: bool = False) -> tuple[Packet, ...]:
+        """Return the safe words of every axis with power; `heard`: on links where none of them wait still."""
+        return tuple(
+            safe
+            for rules in self.links.values()
+            if not (heard and rules.waiting)
+            for axis in rules.axes
+            if axis.powered
+            for safe in rules.safe(axis)
+        )
+
+    def _cleared(self, rule: AxesRule, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Stop the axes of a rule that nobody has mended in time."""
+        safe = tuple(safe for axis in rule.axes if axis.moving for safe in self._safe(axis))
+        return self._replaced(None, f"{rule.name} stayed beyond its bound", safe, now)
+
+    def _spoken_for(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Return safe demands for all axes when some axis moves and some axis was forgotten for too long."""
+        alarmed = self._speak_at != NEVER
+        if not alarmed and not any(axis.moving for axis in self._axes):
+            self._moving_since = NEVER
+        elif self._moving_since == NEVER:
+            self._moving_since = now
+        overdue_at = min(self._overdue_at(axis) for axis in self._axes)
+        if now < overdue_at:
+            self._speak_at = NEVER
+            self._deadline = min(NEVER, overdue_at)
+            return ()
+        if alarmed and now < self._speak_at:
+            return ()
+        self._speak_at = self._deadline = now + min(axis.cycle for axis in self._axes)
+        if alarmed:
+            return self._sent(self._all_safe(heard=True), now)
+        silent = [axis for axis in self._axes if now >= self._overdue_at(axis)]
+        patience = SILENT_CYCLES * min(axis.cycle for axis in silent) // MILLISECOND
+        titles = ", ".join(axis.axis.title for axis in silent)
+        return self._replaced(None, f"no set-point for {patience} ms: {titles}", self._all_safe(), now)
+
+    def _overdue_at(self, axis: GuardedAxis) -> Nanoseconds:
+        """Return when the axis is overdue: so long after its set-point, or after the motion began."""
+        return max(axis.commanded_at, self._moving_since) + SILENT_CYCLES * axis.cycle
+
+
+def guarded(node: Node, robot: AnyRobot, listener: Listener | None = None) -> Guarded:
+    """Put a guard around a node, with the rules of every link that the robot's file names."""
+    links = [_RULES[table.driver](robot, link) for link, table in robot.links.items()]
+    axes = {axis.axis.name: axis for rules in links for axis in rules.axes}
+    return Guarded(node, links, rules_across(robot, axes), listener)
+
+
+_RULES: Final[Mapping[Epos2Driver, Callable[[AnyRobot, str], WireRules]]] = {
+    Epos2Driver.CAN: Epos2CanRules,
+    Epos2Driver.SERIAL: Epos2SerialRules,
+}

@@ -1,0 +1,231 @@
+"""Which objects of a drive may be written over SDO, and within which bounds; never a set-point.
+
+The controlword is in the list with words that only take power or motion away: an earlier run may have left
+the drive with power on, and in pre-operational no set-point frame reaches it.
+
+Sources: EPOS2 EDS for objects and types; robot file for values.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final, TypeAlias
+
+from firmware_bridge.robot import AnyLink, AnyRobot, Axis, Command, Output
+from firmware_bridge.safety.guard.bounds import highest_rpm
+from firmware_bridge.safety.guard.epos2_words import STOP_WORDS
+from firmware_bridge.wire import canopen
+from firmware_bridge.wire.cia402 import Mode
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2 import functions
+from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.functions import OutputFunction
+from firmware_bridge.wire.epos2.rows import DataType
+
+I8: Final = DataType.INTEGER8
+I16: Final = DataType.INTEGER16
+I32: Final = DataType.INTEGER32
+U8: Final = DataType.UNSIGNED8
+U16: Final = DataType.UNSIGNED16
+U32: Final = DataType.UNSIGNED32
+
+QUICK_STOP_ON_LOST_CONNECTION: Final = 3
+QUICK_STOP_ON_FAULT: Final = 2
+TRANSMISSIONS: Final = (1, 255)
+"""At each SYNC, on change: what the EPOS2 supports and the bridge uses."""
+_MODES: Final = {Command.SPEED: Mode.PROFILE_VELOCITY, Command.POSITION: Mode.PROFILE_POSITION}
+_MAPPED: Final = {Command.SPEED: 0x60FF_0020, Command.POSITION: 0x607A_0020}
+_CONTROLWORD_MAPPED: Final = 0x6040_0010
+_STATUSWORD_MAPPED: Final = 0x6041_0010
+_SET_POINT_PDO: Final = {Command.SPEED: 3, Command.POSITION: 2}
+STATUS_PDOS: Final = (0, 1)
+"""Which transmit PDOs begin with the statusword: the guard reads it there."""
+_RECEIVE: Final = (0x1400, 0x1600)
+_TRANSMIT: Final = (0x1800, 0x1A00)
+_PDOS: Final = range(4)
+_MAX_ENTRIES: Final = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Bits:
+    """Any of these bits, and no other."""
+
+    mask: int
+
+    def __contains__(self, value: int) -> bool:
+        return not value & ~self.mask
+
+
+@dataclass(frozen=True, slots=True)
+class Values:
+    """What one object may be set to: a range, a few values, or some bits."""
+
+    type: DataType
+    allowed: range | tuple[int, ...] | Bits
+
+    def refuses(self, address: Address, raw: bytes) -> str | None:
+        """Return why these bytes may not be written, or None."""
+        if len(raw) != self.type.size:
+            return f"{address} written with {len(raw)} bytes, it has {self.type.size}"
+        value = self.type.decode(raw)
+        return None if value in self.allowed else f"{address} set to {value}, allowed is {self._shown()}"
+
+    def _shown(self) -> str:
+        if isinstance(self.allowed, range):
+            return f"{self.allowed.start} to {self.allowed.stop - 1}"
+        if isinstance(self.allowed, Bits):
+            return f"the bits 0x{self.allowed.mask:04X}"
+        return " or ".join(str(value) for value in self.allowed)
+
+
+Writes: TypeAlias = Mapping[Address, Values]
+
+
+def output_function(output: Output) -> OutputFunction:
+    """Return the function that the output's pin must have: general purpose A for pin 1 to D for pin 4.
+
+    That is how the drive leaves the factory (EPOS2 EDS).
+    """
+    return OutputFunction(OutputFunction.GENERAL_A - (output.settings.output - 1))
+
+
+def writes_on_can(axis: Axis, robot: AnyRobot, targets: range) -> Writes:
+    """Return the objects of one drive that the bridge reaches over CAN."""
+    link = robot.links[axis.link]
+    return _writes(axis, robot, targets, _watch(link, link.bridge_node), link.drive_heartbeat_ms)
+
+
+def writes_over_serial(axis: Axis, robot: AnyRobot, targets: range) -> Writes:
+    """Return the objects of one drive that the bridge reaches by serial commands, set-points left out.
+
+    The drive has no heartbeat there, and watches whom the robot file makes it watch.
+    """
+    link = robot.links[axis.link]
+    watched = link.watched_by(axis.settings.node, robot.nodes_on(axis.link))
+    return _writes(axis, robot, targets, _watch(link, watched), 0)
+
+
+def _writes(axis: Axis, robot: AnyRobot, targets: range, watch: int, heartbeat_ms: int) -> Writes:
+    outputs = [row for row in robot.outputs if row.link == axis.link and row.settings.axis == axis.name]
+    return dict(
+        (
+            *_process_data(axis),
+            *_supervision(watch, heartbeat_ms),
+            *_protection(axis),
+            *_range(axis, targets),
+            *_motion(axis),
+            *_gains(axis),
+            *_outputs(outputs),
+        )
+    )
+
+
+def _watch(link: AnyLink, watched: int) -> int:
+    """Return the heartbeat consumer entry with which a drive watches a node (0x1016)."""
+    return watched << 16 | link.bridge_silent_ms
+
+
+def _exactly(kind: DataType, *values: int) -> Values:
+    return Values(kind, values)
+
+
+def _within(kind: DataType, low: int, high: int) -> Values:
+    return Values(kind, range(low, high + 1))
+
+
+def _process_data(axis: Axis) -> Iterator[tuple[Address, Values]]:
+    for number in _PDOS:
+        communication, mapping = (first + number for first in _RECEIVE)
+        identifier = canopen.RECEIVE_PDO[number] + axis.settings.node
+        off = canopen.COB_ID_INVALID | identifier
+        used = number == _SET_POINT_PDO[axis.command]
+        yield Address(communication, 1), _exactly(U32, *((off, identifier) if used else (off,)))
+        if used:
+            yield Address(communication, 2), _exactly(U8, *TRANSMISSIONS)
+            yield Address(mapping, 0), _exactly(U8, 0, 2)
+            yield Address(mapping, 1), _exactly(U32, _CONTROLWORD_MAPPED)
+            yield Address(mapping, 2), _exactly(U32, _MAPPED[axis.command])
+    for number in _PDOS:
+        communication, mapping = (first + number for first in _TRANSMIT)
+        identifier = canopen.COB_ID_NO_REMOTE | canopen.TRANSMIT_PDO[number] + axis.settings.node
+        yield Address(communication, 1), _exactly(U32, canopen.COB_ID_INVALID | identifier, identifier)
+        yield Address(communication, 2), _exactly(U8, *TRANSMISSIONS)
+        yield Address(communication, 3), _within(U16, U16.lowest, U16.highest)
+        yield Address(mapping, 0), _within(U8, 0, _MAX_ENTRIES)
+        anything = _within(U32, U32.lowest, U32.highest)
+        yield Address(mapping, 1), _exactly(U32, _STATUSWORD_MAPPED) if number in STATUS_PDOS else anything
+        for entry in range(2, _MAX_ENTRIES + 1):
+            yield Address(mapping, entry), anything
+
+
+def _supervision(watch: int, heartbeat_ms: int) -> Iterator[tuple[Address, Values]]:
+    yield at.PRODUCER_HEARTBEAT, _exactly(U16, heartbeat_ms)
+    # 0 ends the watch; the guard lets it through for a drive without power only.
+    yield at.CONSUMER_HEARTBEAT_1, _exactly(U32, watch, 0)
+    yield at.ABORT_CONNECTION_OPTION, _exactly(I16, QUICK_STOP_ON_LOST_CONNECTION)
+    yield at.FAULT_REACTION_OPTION, _exactly(I16, QUICK_STOP_ON_FAULT)
+    yield at.ERROR_HISTORY_COUNT, _exactly(U8, 0)
+    yield at.CONTROLWORD, _exactly(U16, *STOP_WORDS)
+
+
+def _protection(axis: Axis) -> Iterator[tuple[Address, Values]]:
+    drive = axis.settings
+    profile = drive.profile
+    yield at.MOTOR_TYPE, _exactly(U16, drive.motor_type)
+    yield at.ENCODER_PULSES, _exactly(U32, drive.encoder_lines)
+    yield at.CONTINUOUS_CURRENT_LIMIT, _within(U16, 0, drive.continuous_current_ma)
+    yield at.OUTPUT_CURRENT_LIMIT, _within(U16, 0, drive.peak_current_ma)
+    yield at.THERMAL_TIME_CONSTANT, _within(U16, 1, drive.thermal_time_constant_100ms)
+    yield at.MAX_MOTOR_SPEED, _within(U32, 1, profile.max_velocity_rpm)
+    yield at.MAX_PROFILE_VELOCITY, _within(U32, 1, profile.max_velocity_rpm)
+    yield at.MAX_FOLLOWING_ERROR, _within(U32, 1, profile.max_following_error_qc)
+
+
+def _range(axis: Axis, targets: range) -> Iterator[tuple[Address, Values]]:
+    if axis.command is not Command.POSITION:
+        return
+    margin = axis.settings.profile.max_following_error_qc
+    for address in (at.MIN_POSITION_LIMIT, at.MAX_POSITION_LIMIT):
+        yield address, _within(I32, targets[0] - margin, targets[-1] + margin)
+
+
+def _motion(axis: Axis) -> Iterator[tuple[Address, Values]]:
+    profile = axis.settings.profile
+    yield at.MODE, _exactly(I8, _MODES[axis.command])
+    yield at.MOTION_PROFILE_TYPE, _exactly(I16, 0)
+    top_rpm = highest_rpm(axis) if axis.command is Command.POSITION else profile.max_velocity_rpm
+    yield at.PROFILE_VELOCITY, _within(U32, 1, top_rpm)
+    yield at.PROFILE_ACCELERATION, _within(U32, 1, profile.acceleration_rpm_s)
+    # Exactly, both: a weaker one would brake too late, a stronger one beyond the limit.
+    yield at.PROFILE_DECELERATION, _exactly(U32, profile.deceleration_rpm_s)
+    yield at.QUICK_STOP_DECELERATION, _exactly(U32, profile.quick_stop_rpm_s)
+
+
+def _gains(axis: Axis) -> Iterator[tuple[Address, Values]]:
+    gains = axis.settings.gains
+    for address, kind, value in (
+        (at.CURRENT_P, I16, gains.current_p),
+        (at.CURRENT_I, I16, gains.current_i),
+        (at.VELOCITY_P, I16, gains.velocity_p),
+        (at.VELOCITY_I, I16, gains.velocity_i),
+        (at.VELOCITY_FEEDFORWARD, U16, gains.velocity_feedforward),
+        (at.VELOCITY_ACCELERATION_FEEDFORWARD, U16, gains.acceleration_feedforward),
+        (at.POSITION_P, I16, gains.position_p),
+        (at.POSITION_I, I16, gains.position_i),
+        (at.POSITION_D, I16, gains.position_d),
+        (at.POSITION_VELOCITY_FEEDFORWARD, U16, gains.position_velocity_feedforward),
+        (at.POSITION_ACCELERATION_FEEDFORWARD, U16, gains.position_acceleration_feedforward),
+    ):
+        yield address, _exactly(kind, value)
+
+
+def _outputs(outputs: Sequence[Output]) -> Iterator[tuple[Address, Values]]:
+    if not outputs:
+        return
+    bits = 0
+    for output in outputs:
+        function = output_function(output)
+        bits |= function.bit
+        yield functions.OUTPUT_PINS[output.settings.output - 1], _exactly(U16, function)
+    yield functions.OUTPUT_STATE, Values(U16, Bits(bits))
+    yield functions.OUTPUT_MASK, Values(U16, Bits(bits))
+    yield functions.OUTPUT_POLARITY, _exactly(U16, 0)
