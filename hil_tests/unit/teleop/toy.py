@@ -80,7 +80,7 @@ ROWS: Final[Station[Sizes, Glide, Felt]] = Station(
     twist=lambda felt: Twist(felt.ahead, -felt.right, -felt.spin),
     forgotten=lambda wish: replace(wish, boom=None, grip=None),
     largest=lambda robot: Twist(robot.geometry.top_mps, robot.geometry.top_mps, math.pi),
-    wheel_radius=lambda robot: robot.geometry.roller_m,
+    metres_rolled=lambda robot: robot.geometry.roller_m,
     stop_button=15,
     dead_band=0.2,
     switches=(
