@@ -1,18 +1,17 @@
-"""A device as the bridge sees it, whatever protocol it speaks: demands in, feedback out; SI units behind the gear.
+"""A device as the bridge sees it, whatever it speaks: demands in, feedback out; SI units behind the gear.
 
 No base class: a driver is anything that has these methods. It refuses to know why a demand is made.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 from typing import Final, Protocol, TypeAlias
 
-from firmware_bridge.packet import Packet
-from firmware_bridge.robot import Axis
 from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.packet import Packet
+from firmware_bridge.robot import Axis, Output, Sensor
 from firmware_bridge.units import Nanoseconds
-
-
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +129,7 @@ class Feedback:
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """What a sensor told."""
+    """What a sensor has reported."""
 
     value: float
     sampled_at: Nanoseconds
@@ -150,7 +149,11 @@ class Driver(Protocol):
 
     @property
     def feedback(self) -> Feedback:
-        """What it has told."""
+        """What it has reported."""
+
+    @property
+    def sampled_at(self) -> Nanoseconds:
+        """The same as in `feedback`; asked for after every packet."""
 
     @property
     def busy(self) -> bool:
@@ -179,3 +182,29 @@ class Driver(Protocol):
 
     def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Act on the time."""
+
+
+class SensorDriver(Protocol):
+    """A sensor beside the axes."""
+
+    @property
+    def sensor(self) -> Sensor:
+        """Its table in the robot file."""
+
+    @property
+    def reading(self) -> Reading | None:
+        """What it has reported last; None where it has not, or says that there is nothing to report."""
+
+    def measure(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Ask it."""
+
+
+class OutputDriver(Protocol):
+    """Outputs of one device, which are switched together."""
+
+    @property
+    def outputs(self) -> tuple[Output, ...]:
+        """Their tables in the robot file."""
+
+    def switch(self, levels: Mapping[str, Level], now: Nanoseconds) -> tuple[Packet, ...]:
+        """Bring each named output to its level, unless the device has confirmed it already."""

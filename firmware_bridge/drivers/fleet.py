@@ -1,63 +1,171 @@
-"""All drives of one robot and the link to them. It knows no kind of drive, and no kind of link."""
+"""All devices on one link of a robot: drives, sensors, outputs. It knows no kind of them, nor of link."""
 
 from collections.abc import Iterable, Mapping
+from typing import Final, Protocol
 
-from firmware_bridge.drivers.drive import Demand, Drive, Stop, Task
-from firmware_bridge.drivers.link import Link
+from firmware_bridge.drivers.driver import (
+    Demand,
+    Driver,
+    Level,
+    OutputDriver,
+    Reading,
+    SensorDriver,
+    Stop,
+    Task,
+)
 from firmware_bridge.packet import Packet
-from firmware_bridge.units import Nanoseconds
+from firmware_bridge.robot.table import LinkTable
+from firmware_bridge.units import MILLISECOND, Nanoseconds
+
+
+class Link(Protocol):
+    """The way to the devices: how they are asked, how they know that the bridge lives.
+
+    It refuses to know what a drive is commanded.
+    """
+
+    name: str
+    """The link's name in the robot file, which its packets have."""
+    answers_within: Nanoseconds
+    """How long after the begin of a cycle the drives' samples are waited for."""
+    beat_every: Nanoseconds
+    """How often the devices are to be shown that the bridge lives."""
+
+    late: int
+    """Cycles that began before the samples of the one before were in."""
+
+    @property
+    def lost(self) -> str | None:
+        """Why no drive can be reached, in words; None while the link stands."""
+
+    @property
+    def wake_at(self) -> Nanoseconds:
+        """When it wants to be woken, beside its drives."""
+
+    def sample(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Begin a cycle: have all drives tell where they are."""
+
+    def beat(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Let the drives know that the bridge lives."""
+
+    def hear(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Take a packet; what belongs to no drive is ignored."""
+
+    def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Act on the time."""
 
 
 class Fleet:
-    """The drives in the order of the robot file; what a method returns is to be sent."""
+    """The devices in the order of the robot file; what a method returns is to be sent."""
 
-    __slots__ = ("drives", "link")
+    __slots__ = ("_ask_at", "drivers", "every", "link", "outputs", "sensors")
 
-    def __init__(self, drives: Iterable[Drive], link: Link) -> None:
-        self.drives = tuple(drives)
-        self.link = link
+    def __init__(
+        self,
+        link: Link,
+        table: LinkTable,
+        drivers: Iterable[Driver],
+        sensors: Iterable[SensorDriver] = (),
+        outputs: Iterable[OutputDriver] = (),
+    ) -> None:
+        self.link: Final = link
+        self.every: Final = table.every
+        """The devices are sampled and commanded in each so many-th cycle of the robot."""
+        self.drivers: Final = tuple(drivers)
+        self.sensors: Final = tuple(sensors)
+        self.outputs: Final = tuple(outputs)
+        self._ask_at: dict[str, Nanoseconds] = {}
+        """When each sensor is to be asked again."""
+
+    @property
+    def name(self) -> str:
+        """The link's name in the robot file."""
+        return self.link.name
+
+    @property
+    def lost(self) -> str | None:
+        """Why no device can be reached, in words; None while the link stands."""
+        return self.link.lost
+
+    @property
+    def late(self) -> int:
+        """Cycles that began before the samples of the one before were in."""
+        return self.link.late
+
+    @property
+    def answers_within(self) -> Nanoseconds:
+        """How long after the begin of a cycle the samples are waited for."""
+        return self.link.answers_within
+
+    @property
+    def beat_every(self) -> Nanoseconds:
+        """How often `beat` is due."""
+        return self.link.beat_every
 
     @property
     def busy(self) -> bool:
         """Whether any drive has tasks under way."""
-        return any(drive.busy for drive in self.drives)
+        return any(driver.busy for driver in self.drivers)
 
     @property
     def failures(self) -> tuple[str, ...]:
         """Why tasks failed, one line for each drive that did."""
-        return tuple(str(drive.failure) for drive in self.drives if drive.failure is not None)
+        return tuple(str(driver.failure) for driver in self.drivers if driver.failure is not None)
 
     @property
     def wake_at(self) -> Nanoseconds:
         """When the link or the first drive wants to be woken."""
         first = self.link.wake_at
-        for drive in self.drives:
-            first = min(first, drive.wake_at)
+        for driver in self.drivers:
+            first = min(first, driver.wake_at)
         return first
 
     def sampled(self, since: Nanoseconds) -> bool:
-        """Whether every drive has told its sample of the cycle that began at `since`."""
-        return all(drive.heard.sampled_at >= since for drive in self.drives)
+        """Whether every drive has reported its sample of the cycle that began at `since`."""
+        return all(driver.sampled_at >= since for driver in self.drivers)
+
+    def readings(self, now: Nanoseconds) -> Mapping[str, Reading]:
+        """Return what the sensors have reported, by their names; what is silent for too long is left out."""
+        known = {driver.sensor.name: (driver.reading, driver.sensor.silent_ms) for driver in self.sensors}
+        return {
+            name: reading
+            for name, (reading, silent_ms) in known.items()
+            if reading is not None and now - reading.heard_at <= silent_ms * MILLISECOND
+        }
 
     def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
         """Let all drives do these tasks, side by side."""
-        return _joined([drive.begin(tasks, now) for drive in self.drives])
+        return _joined([driver.begin(tasks, now) for driver in self.drivers])
 
     def command(self, demands: Mapping[str, Demand]) -> tuple[Packet, ...]:
         """Send each axis its demand; an axis without one rests."""
-        return _joined([drive.command(demands.get(drive.axis.name, Stop.REST)) for drive in self.drives])
+        return _joined([driver.command(demands.get(driver.axis.name, Stop.REST)) for driver in self.drivers])
 
     def command_all(self, demand: Demand) -> tuple[Packet, ...]:
         """Send all axes the same demand."""
-        return _joined([drive.command(demand) for drive in self.drives])
+        return _joined([driver.command(demand) for driver in self.drivers])
 
     def release(self) -> tuple[Packet, ...]:
         """End the handshakes that are open."""
-        return _joined([drive.release() for drive in self.drives])
+        return _joined([driver.release() for driver in self.drivers])
+
+    def switch(self, levels: Mapping[str, Level], now: Nanoseconds) -> tuple[Packet, ...]:
+        """Bring outputs to these levels; one that is left out stays, and is off before it was ever named."""
+        return _joined([driver.switch(levels, now) for driver in self.outputs])
 
     def sample(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Begin a cycle: have all drives tell where they are."""
         return self.link.sample(now)
+
+    def measure(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Ask the sensors that are due; called at the begin of a cycle while the robot runs."""
+        sent: tuple[Packet, ...] = ()
+        for driver in self.sensors:
+            sensor = driver.sensor
+            if now >= self._ask_at.get(sensor.name, now):
+                self._ask_at[sensor.name] = now + sensor.every_ms * MILLISECOND
+                sent += driver.measure(now)
+        return sent
 
     def beat(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Let the drives know that the bridge lives."""
@@ -72,7 +180,7 @@ class Fleet:
         if now < self.wake_at:
             return ()
         sent = self.link.wake(now) if self.link.wake_at <= now else ()
-        return sent + _joined([drive.wake(now) for drive in self.drives if drive.wake_at <= now])
+        return sent + _joined([driver.wake(now) for driver in self.drivers if driver.wake_at <= now])
 
 
 def _joined(parts: list[tuple[Packet, ...]]) -> tuple[Packet, ...]:

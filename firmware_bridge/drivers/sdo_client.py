@@ -9,7 +9,6 @@ any object that the bridge writes.
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 from firmware_bridge.wire import canopen, sdo
@@ -197,11 +196,13 @@ class SdoClient:
 
 
 class NodeClient:
-    """An SDO client whose requests are frames on the CAN bus; a `firmware_bridge.drivers.script.Client`."""
+    """An SDO client whose requests are CAN frames; a `firmware_bridge.drivers.script_runner.Client`."""
 
-    __slots__ = ("_client", "_node", "wake_at")
+    __slots__ = ("_client", "_link", "_node", "wake_at")
 
-    def __init__(self, node: int) -> None:
+    def __init__(self, link: str, node: int) -> None:
+        """Take the name of the bus, and the node on it."""
+        self._link = link
         self._node = node
         self._client = SdoClient()
         self.wake_at: Nanoseconds = NEVER
@@ -235,4 +236,4 @@ class NodeClient:
 
     def _requests(self, payloads: tuple[bytes, ...]) -> tuple[Packet, ...]:
         self.wake_at = self._client.wake_at
-        return tuple(Packet(CAN, canopen.SDO_REQUEST + self._node, payload) for payload in payloads)
+        return tuple(Packet(self._link, canopen.SDO_REQUEST + self._node, payload) for payload in payloads)

@@ -83,10 +83,10 @@ class Epos2Link(LinkTable):
         return self.guardian(nodes) if through else self.bridge_node
 
     def over_serial(self, gateway: int, protocol: Generation | None, baud: int | None) -> Self:
-        """Return this bus as it is reached over a serial port, by default that of the drive `gateway`."""
+        """Return this bus as it is reached over the serial port of the drive `gateway`."""
         said = {
             "driver": Epos2Driver.SERIAL,
-            "gateway": self.gateway or gateway,
+            "gateway": gateway,
             "protocol": protocol or self.protocol,
             "baud": baud if protocol or baud else self.baud,
         }

@@ -18,10 +18,10 @@ _OPCODE: Final = 0xFF
 _FAILURES: Final = {failure.value.encode(): failure for failure in Failure}
 
 
-def command(request: Request) -> Packet:
-    """Return a request as a packet."""
+def command(request: Request, link: str = MAXON) -> Packet:
+    """Return a request as a packet on a link."""
     frame = encode_request(request)
-    return Packet(MAXON, frame.opcode, frame.body)
+    return Packet(link, frame.opcode, frame.body)
 
 
 def request_of(packet: Packet) -> Request | None:
@@ -33,11 +33,11 @@ def request_of(packet: Packet) -> Request | None:
     return request if request is not None and encode_request(request).body == packet.payload else None
 
 
-def outcome_packet(opcode: int, outcome: Outcome) -> Packet:
-    """Return how a command ended as a packet."""
+def outcome_packet(opcode: int, outcome: Outcome, link: str = MAXON) -> Packet:
+    """Return how a command ended as a packet on a link."""
     if isinstance(outcome, Answered):
-        return Packet(MAXON, opcode, outcome.body)
-    return Packet(MAXON, opcode | FAILED, outcome.value.encode())
+        return Packet(link, opcode, outcome.body)
+    return Packet(link, opcode | FAILED, outcome.value.encode())
 
 
 def outcome_of(packet: Packet) -> tuple[int, Outcome]:

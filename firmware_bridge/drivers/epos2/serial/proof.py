@@ -4,11 +4,11 @@ No power is on then. On CAN the watch rests on what maxon documents; behind a se
 gateway, on more than that, and no bridge shall move a robot on an assumption.
 """
 
-from firmware_bridge.drivers.drive import StartupError
-from firmware_bridge.drivers.epos2_steps import pause, read
-from firmware_bridge.drivers.epos2_tasks import NEWEST_ERROR, Ear
-from firmware_bridge.drivers.script import Do, Script, Until
-from firmware_bridge.drivers.serial.heard import FAULT_STATES
+from firmware_bridge.drivers.driver import StartupError
+from firmware_bridge.drivers.epos2.feedback import FAULT_STATES, DriveFeedback
+from firmware_bridge.drivers.epos2.steps import pause, read
+from firmware_bridge.drivers.epos2.tasks import NEWEST_ERROR
+from firmware_bridge.drivers.script_runner import Do, Script, Until
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.epos2.emergency import CONNECTION_LOST
@@ -18,16 +18,16 @@ _CODE = 0xFFFF
 
 
 class Proof:
-    """One drive's proof. While it `listens` nobody may tell the drive that the bridge lives."""
+    """One drive's proof. While it `listens` nobody may show the drive that the bridge lives."""
 
-    __slots__ = ("_axis", "_ear", "_heard", "_watched", "_within", "given", "listens")
+    __slots__ = ("_axis", "_feedback", "_heard", "_watched", "_within", "given", "listens")
 
     def __init__(
-        self, axis: Axis, ear: Ear, watched: int, *, heard: Nanoseconds, within: Nanoseconds
+        self, axis: Axis, feedback: DriveFeedback, watched: int, *, heard: Nanoseconds, within: Nanoseconds
     ) -> None:
         """Take the node whose silence the drive shall notice, how long it speaks before, and how soon."""
         self._axis = axis
-        self._ear = ear
+        self._feedback = feedback
         self._watched = watched
         self._heard = heard
         self._within = within
@@ -51,7 +51,7 @@ class Proof:
         return ()
 
     def _noticed(self) -> bool:
-        return self._ear.heard.state in FAULT_STATES
+        return self._feedback.state in FAULT_STATES
 
     def _missing(self) -> StartupError:
         self.listens = False

@@ -1,15 +1,16 @@
 """The tasks of one EPOS2 as scripts: tuples of steps, in the order of the procedure in the manual.
 
-`firmware_bridge.drivers.script` carries them over bus and time. It refuses to know either. A script keeps
-nothing but its steps, so that its place in the procedure is data.
+`firmware_bridge.drivers.script_runner` carries them over bus and time. It refuses to know either. A script
+keeps nothing but its steps, so that its place in the procedure is data.
 """
 
 from collections.abc import Mapping
-from typing import Final, Protocol
+from typing import Final
 
-from firmware_bridge.drivers import epos2_setup as setup
-from firmware_bridge.drivers.drive import Heard, StartupError
-from firmware_bridge.drivers.epos2_setpoint import (
+from firmware_bridge.drivers.driver import StartupError
+from firmware_bridge.drivers.epos2 import setup
+from firmware_bridge.drivers.epos2.feedback import DriveFeedback
+from firmware_bridge.drivers.epos2.set_point import (
     DISABLE_VOLTAGE,
     ENABLE,
     FAULT_RESET,
@@ -18,9 +19,9 @@ from firmware_bridge.drivers.epos2_setpoint import (
     SWITCH_ON,
     SetPoint,
 )
-from firmware_bridge.drivers.epos2_setup import Row
-from firmware_bridge.drivers.epos2_steps import controlled, expected, failing, nmt, pause, read, written
-from firmware_bridge.drivers.script import Ask, Do, Script, Step, Until
+from firmware_bridge.drivers.epos2.setup import Row
+from firmware_bridge.drivers.epos2.steps import controlled, expected, failing, nmt, pause, read, written
+from firmware_bridge.drivers.script_runner import Ask, Do, Script, Step, Until
 from firmware_bridge.drivers.sdo_client import TIMEOUT, Outcome, SdoError, Transfer
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
@@ -61,22 +62,14 @@ TOWARDS_ENABLED: Final[Mapping[State | None, int]] = {
 """The next controlword on the way to operation enabled; in other states the drive is on its way by itself."""
 
 
-class Ear(Protocol):
-    """Where what the drive has told is kept, whatever link it came over."""
-
-    heard: Heard
-    knows_mapping: bool
-    """What is told in every cycle counts only once this bridge has said what it is."""
-
-
-def find(axis: Axis, ear: Ear) -> Script:
+def find(axis: Axis, feedback: DriveFeedback) -> Script:
     """Take the node to pre-operational, no reset: it may be moving. Wait until it answers."""
-    ear.knows_mapping = False
+    feedback.expected = False
     row = setup.identity(axis)[0]
     return (
         nmt(axis, NmtCommand.ENTER_PRE_OPERATIONAL),
         expected(axis, row, attempts=FIND_WITHIN // TIMEOUT),
-        Do(lambda: _found(ear)),
+        Do(lambda: _found(feedback)),
         # A node that booted meanwhile did not hear the first one.
         nmt(axis, NmtCommand.ENTER_PRE_OPERATIONAL),
     )
@@ -97,16 +90,15 @@ def configure(axis: Axis, rows: tuple[Row, ...]) -> Script:
     return tuple(steps)
 
 
-def start(axis: Axis, ear: Ear) -> Script:
+def start(axis: Axis, feedback: DriveFeedback) -> Script:
     """Let process data flow; wait for the first state and position."""
-    heard = ear.heard
-    before = heard.heard_at
-    heard.state = None
-    ear.knows_mapping = True
+    before = feedback.heard_at
+    feedback.state = None
+    feedback.expected = True
     return (
         nmt(axis, NmtCommand.START),
         Until(
-            lambda: heard.heard_at != before and heard.state is not None,
+            lambda: feedback.heard_at != before and feedback.state is not None,
             SAMPLE_WITHIN,
             lambda: StartupError(
                 axis, f"no statusword and position within {SAMPLE_WITHIN // MILLISECOND} ms after NMT start"
@@ -115,28 +107,27 @@ def start(axis: Axis, ear: Ear) -> Script:
     )
 
 
-def enable(axis: Axis, ear: Ear, set_point: SetPoint) -> Script:
+def enable(axis: Axis, feedback: DriveFeedback, set_point: SetPoint) -> Script:
     """Walk to operation enabled, over a fault reset where there is a fault."""
-    return (Do(lambda: _towards_enabled(axis, ear, set_point, 0)),)
+    return (Do(lambda: _towards_enabled(axis, feedback, set_point, 0)),)
 
 
-def leave(axis: Axis, ear: Ear, set_point: SetPoint) -> Script:
+def leave(axis: Axis, feedback: DriveFeedback, set_point: SetPoint) -> Script:
     """Take the power off in order, end the watch over the bridge, stop process data."""
-    heard = ear.heard
     farewell = _farewell(axis, setup.farewell())
-    if not heard.operational:
+    if not feedback.operational:
         return farewell
     return (
         set_point.word(SHUTDOWN),
-        Until(lambda: heard.state not in POWERED, LEAVE_WITHIN),
+        Until(lambda: feedback.state not in POWERED, LEAVE_WITHIN),
         Do(lambda: (set_point.word(DISABLE_VOLTAGE),)),
-        Until(lambda: heard.state in (State.SWITCH_ON_DISABLED, State.FAULT), LEAVE_WITHIN),
+        Until(lambda: feedback.state in (State.SWITCH_ON_DISABLED, State.FAULT), LEAVE_WITHIN),
         *farewell,
     )
 
 
-def _found(ear: Ear) -> Script:
-    ear.heard.restarted = False
+def _found(feedback: DriveFeedback) -> Script:
+    feedback.restarted = False
     return ()
 
 
@@ -192,68 +183,68 @@ def _farewell(axis: Axis, rows: tuple[Row, ...]) -> Script:
     return (Ask(Transfer(rows[0].address, rows[0].raw, attempts=1), judge),)
 
 
-def _towards_enabled(axis: Axis, ear: Ear, set_point: SetPoint, resets: int) -> Script:
+def _towards_enabled(axis: Axis, feedback: DriveFeedback, set_point: SetPoint, resets: int) -> Script:
     """Take the next step from the present state; `resets` faults were reset so far."""
-    heard = ear.heard
-    if heard.state is State.OPERATION_ENABLED:
-        heard.fault = 0
+    if feedback.state is State.OPERATION_ENABLED:
+        feedback.fault = 0
         return ()
-    if heard.state is not State.FAULT:
-        word = TOWARDS_ENABLED.get(heard.state)
-        go_on = Do(lambda: _towards_enabled(axis, ear, set_point, resets))
-        return (*_turn(axis, ear, set_point, word), go_on)
+    if feedback.state is not State.FAULT:
+        word = TOWARDS_ENABLED.get(feedback.state)
+        go_on = Do(lambda: _towards_enabled(axis, feedback, set_point, resets))
+        return (*_turn(axis, feedback, set_point, word), go_on)
     if resets == FAULT_RESETS:
-        raise StartupError(axis, f"the fault came back after {resets} resets{_fault(ear)}")
+        raise StartupError(axis, f"the fault came back after {resets} resets{_fault(feedback)}")
     return (
-        *_ask_for_fault(ear),
+        *_ask_for_fault(feedback),
         Do(lambda: (set_point.word(DISABLE_VOLTAGE),)),
         pause(POLL),
-        Do(lambda: _turn(axis, ear, set_point, FAULT_RESET)),
-        Do(lambda: _cured(ear)),
-        Do(lambda: _towards_enabled(axis, ear, set_point, resets + 1)),
+        Do(lambda: _turn(axis, feedback, set_point, FAULT_RESET)),
+        Do(lambda: _cured(feedback)),
+        Do(lambda: _towards_enabled(axis, feedback, set_point, resets + 1)),
     )
 
 
-def _cured(ear: Ear) -> Script:
-    ear.heard.fault = 0
+def _cured(feedback: DriveFeedback) -> Script:
+    feedback.fault = 0
     return ()
 
 
-def _ask_for_fault(ear: Ear) -> Script:
+def _ask_for_fault(feedback: DriveFeedback) -> Script:
     """Learn the code of a fault from before this bridge listened; without an answer it stays unknown."""
 
     def learn(outcome: Outcome) -> Script:
         if not isinstance(outcome, SdoError):
-            ear.heard.fault = int.from_bytes(outcome[:2], "little")
+            feedback.fault = int.from_bytes(outcome[:2], "little")
         return ()
 
-    return () if ear.heard.fault else (Ask(Transfer(NEWEST_ERROR), learn),)
+    return () if feedback.fault else (Ask(Transfer(NEWEST_ERROR), learn),)
 
 
-def _turn(axis: Axis, ear: Ear, set_point: SetPoint, controlword: int | None) -> Script:
+def _turn(axis: Axis, feedback: DriveFeedback, set_point: SetPoint, controlword: int | None) -> Script:
     """Send a controlword, or none, and wait until the drive leaves its present state."""
-    state = ear.heard.state
+    state = feedback.state
     return (
         *(() if controlword is None else (set_point.word(controlword),)),
         Until(
-            lambda: ear.heard.state is not state,
+            lambda: feedback.state is not state,
             STATE_WITHIN,
-            lambda: StartupError(axis, _stuck(ear, state, controlword)),
+            lambda: StartupError(axis, _stuck(feedback, state, controlword)),
         ),
     )
 
 
-def _stuck(ear: Ear, state: State | None, controlword: int | None) -> str:
+def _stuck(feedback: DriveFeedback, state: State | None, controlword: int | None) -> str:
     where = "its state stayed unknown" if state is None else f"it stayed in '{state.title}'"
     after = "" if controlword is None else f" after controlword 0x{controlword:04X}"
     return (
         f"{where} for {STATE_WITHIN // MILLISECOND} ms{after} "
-        f"(expected '{State.OPERATION_ENABLED.title}', statusword 0x{ear.heard.statusword:04X}){_fault(ear)}"
+        f"(expected '{State.OPERATION_ENABLED.title}', statusword 0x{feedback.statusword:04X})"
+        f"{_fault(feedback)}"
     )
 
 
-def _fault(ear: Ear) -> str:
-    code = ear.heard.fault
+def _fault(feedback: DriveFeedback) -> str:
+    code = feedback.fault
     if not code:
         return ""
     known = EMERGENCIES.get(code)

@@ -1,12 +1,14 @@
-"""The CAN bus as the bridge's link: SYNC makes the drives tell, the heartbeat tells of the bridge."""
+"""The CAN bus as one link of the robot: SYNC makes the drives report, the heartbeat tells of the bridge."""
 
 from collections.abc import Iterable
 from typing import Final
 
-from firmware_bridge.drivers.epos2 import Epos2
-from firmware_bridge.node import CAN
+from firmware_bridge.drivers.epos2.can.drive import Epos2OnCan
+from firmware_bridge.drivers.epos2.inputs_outputs import inputs_of, outputs_at, outputs_of
+from firmware_bridge.drivers.fleet import Fleet
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot import Bus
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 from firmware_bridge.wire import can, canopen
 from firmware_bridge.wire.canopen import NODE_MASK, NmtState
@@ -15,29 +17,50 @@ ANSWERS_WITHIN: Final[Nanoseconds] = 10 * MILLISECOND
 """The drives answer a SYNC within a millisecond; later ones are not waited for."""
 
 
+def can_fleet(robot: AnyRobot, name: str) -> Fleet:
+    """Return the devices on the robot's CAN link of this name."""
+    table = robot.links[name]
+    drives = tuple(Epos2OnCan(axis, table, outputs_at(robot, axis)) for axis in robot.axes_on(name))
+    link = CanLink(name, drives, table)
+    return Fleet(link, table, drives, inputs_of(robot, name, drives), outputs_of(robot, drives))
+
+
 class CanLink:
-    """A `firmware_bridge.drivers.link.Link`."""
+    """A `firmware_bridge.drivers.fleet.Link`."""
 
-    __slots__ = ("_beat", "_by_node", "_drives", "answers_within", "late", "lost", "name", "wake_at")
+    __slots__ = (
+        "_beat",
+        "_by_node",
+        "_drives",
+        "_sync",
+        "answers_within",
+        "beat_every",
+        "late",
+        "lost",
+        "name",
+        "wake_at",
+    )
 
-    def __init__(self, drives: Iterable[Epos2], bus: Bus) -> None:
-        self.name = CAN
+    def __init__(self, name: str, drives: Iterable[Epos2OnCan], table: Epos2Link) -> None:
+        self.name = name
         self.answers_within = ANSWERS_WITHIN
+        self.beat_every = table.bridge_heartbeat_ms * MILLISECOND
         self.late = 0
         """Always: the samples of a cycle leave at its SYNC."""
         self.lost: str | None = None
         """Always None: a port that loses its bus ends the program."""
         self.wake_at: Nanoseconds = NEVER
         self._drives = tuple(drives)
-        self._by_node = {drive.axis.node: drive for drive in self._drives}
+        self._by_node = {drive.axis.settings.node: drive for drive in self._drives}
         beat = canopen.encode_heartbeat(NmtState.OPERATIONAL)
-        self._beat = Packet(CAN, canopen.ERROR_CONTROL + bus.bridge_node, beat)
+        self._beat = Packet(name, canopen.ERROR_CONTROL + table.bridge_node, beat)
+        self._sync = Packet(name, canopen.SYNC, b"")
 
     def sample(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Send SYNC."""
         for drive in self._drives:
             drive.synchronised(now)
-        return (Packet(CAN, canopen.SYNC, b""),)
+        return (self._sync,)
 
     def beat(self, _now: Nanoseconds) -> tuple[Packet, ...]:
         """Send the bridge's heartbeat."""

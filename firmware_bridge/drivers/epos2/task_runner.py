@@ -4,12 +4,12 @@ from collections import deque
 from collections.abc import Callable
 from typing import Final
 
-from firmware_bridge.drivers import epos2_tasks
-from firmware_bridge.drivers.drive import StartupError, Task
-from firmware_bridge.drivers.epos2_setpoint import SetPoint
-from firmware_bridge.drivers.epos2_setup import Row
-from firmware_bridge.drivers.epos2_tasks import Ear
-from firmware_bridge.drivers.script import Do, Performer, Script
+from firmware_bridge.drivers.driver import StartupError, Task
+from firmware_bridge.drivers.epos2 import tasks as scripts
+from firmware_bridge.drivers.epos2.feedback import DriveFeedback
+from firmware_bridge.drivers.epos2.set_point import SetPoint
+from firmware_bridge.drivers.epos2.setup import Row
+from firmware_bridge.drivers.script_runner import Do, Script, ScriptRunner
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds
@@ -17,14 +17,14 @@ from firmware_bridge.units import Nanoseconds
 _NEEDS_SET_UP: Final = (Task.IDENTIFY, Task.CONFIGURE, Task.START, Task.ENABLE)
 
 
-class Agenda:
+class TaskRunner:
     """Tasks in their order; what a method returns is to be sent."""
 
     __slots__ = (
         "_axis",
         "_configuration",
-        "_ear",
-        "_performer",
+        "_feedback",
+        "_scripts",
         "_set_point",
         "_started",
         "_task",
@@ -36,18 +36,18 @@ class Agenda:
     def __init__(
         self,
         axis: Axis,
-        ear: Ear,
+        feedback: DriveFeedback,
         set_point: SetPoint,
-        performer: Performer,
+        runner: ScriptRunner,
         configuration: tuple[Row, ...],
         *,
         started: Callable[[], Script] = tuple,
     ) -> None:
-        """Take the drive's parts and its set-up; `started` is what the link wants done once it tells."""
+        """Take the drive's parts and its set-up; `started` is what the link wants done after that task."""
         self._axis = axis
-        self._ear = ear
+        self._feedback = feedback
         self._set_point = set_point
-        self._performer = performer
+        self._scripts = runner
         self._configuration = configuration
         self._started = started
         self._tasks: deque[Task] = deque()
@@ -65,8 +65,8 @@ class Agenda:
     @property
     def configured(self) -> bool:
         """Whether the set-up is in force and the drive listens to set-points."""
-        heard = self._ear.heard
-        return self.set_up and heard.operational and not heard.restarted
+        feedback = self._feedback
+        return self.set_up and feedback.operational and not feedback.restarted
 
     def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
         """Do these tasks in order, in place of those under way."""
@@ -77,32 +77,32 @@ class Agenda:
 
     def end(self) -> None:
         """Forget the tasks under way."""
-        self._performer.stop()
+        self._scripts.stop()
         self._tasks.clear()
         self._task = None
 
     def fail(self, problem: str, now: Nanoseconds) -> None:
         """End the tasks under way, if any, with this problem."""
         if self.busy:
-            self._performer.stop(StartupError(self._axis, problem))
+            self._scripts.stop(StartupError(self._axis, problem))
             self.go_on((), now)
 
-    def look(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Go on where what the drive has told is what was waited for, or end where it lost its set-up."""
+    def proceed(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Go on where what the drive has sent is what was waited for, or end where it lost its set-up."""
         if not self.busy:
             return ()
-        if self._ear.heard.restarted and self._task in _NEEDS_SET_UP:
-            self._performer.stop(StartupError(self._axis, "it restarted by itself and lost its set-up"))
+        if self._feedback.restarted and self._task in _NEEDS_SET_UP:
+            self._scripts.stop(StartupError(self._axis, "it restarted by itself and lost its set-up"))
             return self.go_on((), now)
-        return self.go_on(self._performer.go_on(now), now)
+        return self.go_on(self._scripts.go_on(now), now)
 
     def go_on(self, sent: tuple[Packet, ...], now: Nanoseconds) -> tuple[Packet, ...]:
         """Add what the next tasks send, where one has ended."""
         if not self.busy and not self._tasks:
             return sent
-        while not self._performer.busy:
-            if self._performer.failure is not None:
-                failure = self._performer.failure
+        while not self._scripts.busy:
+            if self._scripts.failure is not None:
+                failure = self._scripts.failure
                 self.end()
                 self.failure = failure
                 break
@@ -111,22 +111,22 @@ class Agenda:
             self._task = self._tasks.popleft() if self._tasks else None
             if self._task is None:
                 break
-            sent += self._performer.perform(self._script(self._task), now)
+            sent += self._scripts.run(self._script(self._task), now)
         return sent
 
     def _script(self, task: Task) -> Script:
-        axis, ear = self._axis, self._ear
+        axis, feedback = self._axis, self._feedback
         match task:
             case Task.FIND:
                 self.set_up = False
-                return epos2_tasks.find(axis, ear)
+                return scripts.find(axis, feedback)
             case Task.IDENTIFY:
-                return epos2_tasks.identify(axis)
+                return scripts.identify(axis)
             case Task.CONFIGURE:
-                return epos2_tasks.configure(axis, self._configuration)
+                return scripts.configure(axis, self._configuration)
             case Task.START:
-                return (*epos2_tasks.start(axis, ear), Do(self._started))
+                return (*scripts.start(axis, feedback), Do(self._started))
             case Task.ENABLE:
-                return epos2_tasks.enable(axis, ear, self._set_point)
+                return scripts.enable(axis, feedback, self._set_point)
             case Task.LEAVE:
-                return epos2_tasks.leave(axis, ear, self._set_point)
+                return scripts.leave(axis, feedback, self._set_point)

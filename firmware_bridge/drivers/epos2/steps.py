@@ -7,11 +7,10 @@ world that can be rewound looks into each closure at each moment.
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from firmware_bridge.drivers.drive import StartupError
-from firmware_bridge.drivers.epos2_setup import Row
-from firmware_bridge.drivers.script import Ask, Do, Script, Until
+from firmware_bridge.drivers.driver import StartupError
+from firmware_bridge.drivers.epos2.setup import Row
+from firmware_bridge.drivers.script_runner import Ask, Do, Script, Until
 from firmware_bridge.drivers.sdo_client import Outcome, SdoError, Transfer
-from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds
@@ -23,7 +22,7 @@ from firmware_bridge.wire.epos2.rows import DataType
 
 def nmt(axis: Axis, command: NmtCommand) -> Packet:
     """Return the network command to this node."""
-    return Packet(CAN, canopen.NMT, canopen.encode_nmt(command, axis.node))
+    return Packet(axis.link, canopen.NMT, canopen.encode_nmt(command, axis.settings.node))
 
 
 @dataclass(frozen=True, slots=True)

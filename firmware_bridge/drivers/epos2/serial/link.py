@@ -5,16 +5,15 @@ heartbeat, which the gateway puts on the bus. The gateway itself does not hear w
 answers of another drive to node guarding, which come only as long as the bridge has them asked for.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Final
 
-from firmware_bridge.drivers.serial.epos import EposSerial
-from firmware_bridge.drivers.serial.errands import Errand, Exchange, Rank, Result
-from firmware_bridge.drivers.serial.rows import IN_EVERY_CYCLE, IN_TURN
-from firmware_bridge.node import MAXON
+from firmware_bridge.drivers.epos2.serial.drive import Epos2OnSerial
+from firmware_bridge.drivers.epos2.serial.exchange import Exchange, Job, Rank, Result
+from firmware_bridge.drivers.epos2.serial.feedback import IN_EVERY_CYCLE, IN_TURN
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot import Robot
-from firmware_bridge.units import Nanoseconds
+from firmware_bridge.robot.settings.epos2 import Epos2Link
+from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.can import MAX_PAYLOAD
 from firmware_bridge.wire.canopen import NmtState
@@ -23,20 +22,20 @@ from firmware_bridge.wire.maxon.messages import Request, RequestCanFrame, SendCa
 LOST: Final = "the serial line to the drives is gone"
 
 
-def heartbeat(robot: Robot) -> SendCanFrame:
+def heartbeat(link: Epos2Link) -> SendCanFrame:
     """Return the command that puts the bridge's heartbeat on the bus."""
     beat = canopen.encode_heartbeat(NmtState.OPERATIONAL)
-    own = canopen.ERROR_CONTROL + robot.bus.bridge_node
+    own = canopen.ERROR_CONTROL + link.bridge_node
     return SendCanFrame(own, len(beat), beat.ljust(MAX_PAYLOAD, b"\0"))
 
 
-def guarding(robot: Robot) -> RequestCanFrame:
+def guarding(link: Epos2Link, nodes: Sequence[int]) -> RequestCanFrame:
     """Return the command that has the guardian say what the gateway watches."""
-    return RequestCanFrame(canopen.ERROR_CONTROL + robot.guardian, 1)
+    return RequestCanFrame(canopen.ERROR_CONTROL + link.guardian(nodes), 1)
 
 
 class SerialLink:
-    """A `firmware_bridge.drivers.link.Link`."""
+    """A `firmware_bridge.drivers.fleet.Link`."""
 
     __slots__ = (
         "_began_at",
@@ -51,6 +50,7 @@ class SerialLink:
         "_newest",
         "_samples",
         "answers_within",
+        "beat_every",
         "late",
         "longest_cycle",
         "name",
@@ -58,25 +58,28 @@ class SerialLink:
 
     def __init__(
         self,
-        drives: Iterable[EposSerial],
+        name: str,
+        drives: Iterable[Epos2OnSerial],
         exchange: Exchange,
-        robot: Robot,
+        table: Epos2Link,
         answers_within: Nanoseconds,
     ) -> None:
-        self.name = MAXON
+        self.name = name
         self.answers_within = answers_within
+        self.beat_every = table.bridge_heartbeat_ms * MILLISECOND
         self.late = 0
         self.longest_cycle: Nanoseconds = 0
         """From the begin of a cycle to the end of its last command, where no drive had tasks to do."""
         self._drives = tuple(drives)
         self._exchange = exchange
-        self._heartbeat = heartbeat(robot)
-        self._guarding = guarding(robot)
-        self._guardian = next(drive for drive in self._drives if drive.axis.node == robot.guardian)
-        self._newest: list[Errand] = []
+        nodes = tuple(drive.axis.settings.node for drive in self._drives)
+        self._heartbeat = heartbeat(table)
+        self._guarding = guarding(table, nodes)
+        self._guardian = self._drives[nodes.index(table.guardian(nodes))]
+        self._newest: list[Job] = []
         """The newest beats."""
-        self._samples: list[Errand] = []
-        self._in_turn: list[Errand] = []
+        self._samples: list[Job] = []
+        self._in_turn: list[Job] = []
         self._cycle = 0
         self._began_at: Nanoseconds = 0
         self._calm = False
@@ -95,7 +98,7 @@ class SerialLink:
     def sample(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Ask all drives that answer for what is due in this cycle, unless the last one is not through."""
         self._exchange.clock = now
-        if not all(errand.over for errand in self._samples):
+        if not all(job.over for job in self._samples):
             self.late += 1
             return self._exchange.go_on()
         if self._calm:
@@ -106,7 +109,7 @@ class SerialLink:
         for drive in self._drives:
             drive.synchronised(now)
         self._samples = [drive.read(row, Rank.SAMPLE) for row in IN_EVERY_CYCLE for _, drive in present]
-        if all(errand.over for errand in self._in_turn):
+        if all(job.over for job in self._in_turn):
             self._in_turn = [
                 drive.read(row, Rank.ROTATING)
                 for row in IN_TURN
@@ -121,16 +124,16 @@ class SerialLink:
         self._exchange.clock = now
         if any(drive.listens for drive in self._drives):
             return self._exchange.go_on()
-        if all(errand.over for errand in self._newest):
+        if all(job.over for job in self._newest):
             requests: list[Request] = [self._heartbeat]
             if self._guardian.guarded:
                 requests.append(self._guarding)
-            self._newest = [Errand(Rank.BEAT, self, (request,)) for request in requests]
-            for errand in self._newest:
-                self._exchange.put(errand)
+            self._newest = [Job(Rank.BEAT, self, (request,)) for request in requests]
+            for job in self._newest:
+                self._exchange.put(job)
         return self._exchange.go_on()
 
-    def ended(self, _errand: Errand, _request: Request, _result: Result, _now: Nanoseconds) -> None:
+    def ended(self, _job: Job, _request: Request, _result: Result, _now: Nanoseconds) -> None:
         """Do nothing: who misses a beat says so itself."""
 
     def hear(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
@@ -140,15 +143,15 @@ class SerialLink:
         if self._exchange.gone and not gone:
             for drive in self._drives:
                 drive.lose(now)
-        return sent + self._looked(now)
+        return sent + self._proceeded(now)
 
     def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Act on the time."""
-        return self._exchange.wake(now) + self._looked(now)
+        return self._exchange.wake(now) + self._proceeded(now)
 
-    def _looked(self, now: Nanoseconds) -> tuple[Packet, ...]:
+    def _proceeded(self, now: Nanoseconds) -> tuple[Packet, ...]:
         sent: tuple[Packet, ...] = ()
         for drive in self._drives:
             if drive.busy:
-                sent += drive.look(now)
+                sent += drive.proceed(now)
         return sent

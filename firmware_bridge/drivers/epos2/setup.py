@@ -1,17 +1,20 @@
 """How one EPOS2 is set up before it may move: rows of (object, value, why, source) from the robot file.
 
-It knows no time and no answers; `firmware_bridge.drivers.epos2_tasks` carries the rows to the drive.
+It knows no time and no answers; `firmware_bridge.drivers.epos2.tasks` carries the rows to the drive.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
 
-from firmware_bridge.drivers.epos2_pdo import Pdo, pdos
-from firmware_bridge.robot import Axis, Bus, Mode, Robot
+from firmware_bridge.drivers.epos2.process_data import Pdo, pdos
+from firmware_bridge.drivers.epos2.scale import Travel, travel_of
+from firmware_bridge.robot import Axis, Command, Output
+from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.wire import cia402
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.functions import OUTPUT_MASK, OUTPUT_PINS, OutputFunction
 from firmware_bridge.wire.epos2.rows import APPLICATION_NOTES, CIA_301, EDS, FIRMWARE_SPECIFICATION, DataType
 
 U8: Final = DataType.UNSIGNED8
@@ -27,9 +30,9 @@ QUICK_STOP_ON_LOST_CONNECTION: Final = 3
 QUICK_STOP_ON_FAULT: Final = 2
 TRAPEZOID: Final = 0
 INHIBIT_100US: Final = 10
-CIA402_MODE: Final = {
-    Mode.VELOCITY: cia402.Mode.PROFILE_VELOCITY,
-    Mode.POSITION: cia402.Mode.PROFILE_POSITION,
+MODE: Final = {
+    Command.SPEED: cia402.Mode.PROFILE_VELOCITY,
+    Command.POSITION: cia402.Mode.PROFILE_POSITION,
 }
 _MAPPING_SOURCE: Final = f"{FIRMWARE_SPECIFICATION}; {CIA_301}"
 
@@ -65,17 +68,6 @@ class Row:
         return f"0x{value:08X}" if self.type is U32 else str(value)
 
 
-class Travel(NamedTuple):
-    """How far a position axis may go, in quadcounts, both ends included."""
-
-    low_qc: int
-    high_qc: int
-
-    def clip(self, position_qc: int) -> int:
-        """Return the nearest position within."""
-        return min(max(position_qc, self.low_qc), self.high_qc)
-
-
 class Traffic(NamedTuple):
     """What flows between bridge and drive beside reading and writing objects."""
 
@@ -83,21 +75,27 @@ class Traffic(NamedTuple):
     watched: int
     """The node whose silence stops the drive."""
     heartbeat_ms: int
-    """How often the drive tells that it lives; 0: not at all."""
+    """How often the drive says that it lives; 0: not at all."""
 
 
-def on_can(axis: Axis, bus: Bus) -> Traffic:
+def general_purpose(pin: int) -> OutputFunction:
+    """Return the function of an output pin, from 1, that the bridge switches: A at the first (EDS)."""
+    return OutputFunction(OutputFunction.GENERAL_A + 1 - pin)
+
+
+def over_can(axis: Axis, link: Epos2Link) -> Traffic:
     """Return what flows where the bridge is on the CAN bus."""
-    return Traffic(pdos(axis.mode), bus.bridge_node, bus.drive_heartbeat_ms)
+    return Traffic(pdos(axis.command), link.bridge_node, link.drive_heartbeat_ms)
 
 
-def over_serial(axis: Axis, robot: Robot) -> Traffic:
+def through_gateway(axis: Axis, link: Epos2Link, nodes: Sequence[int]) -> Traffic:
     """Return what flows where the bridge is on the gateway's serial port: no process data, no heartbeat.
 
     Nobody there would hear either; and a drive with a heartbeat of its own does not answer node guarding,
     which the gateway's watch hangs on.
     """
-    return Traffic(tuple(replace(pdo, layout=None) for pdo in pdos(axis.mode)), robot.watched_by(axis), 0)
+    off = tuple(replace(pdo, layout=None) for pdo in pdos(axis.command))
+    return Traffic(off, link.watched_by(axis.settings.node, nodes), 0)
 
 
 def identity(axis: Axis) -> tuple[Row, ...]:
@@ -105,26 +103,33 @@ def identity(axis: Axis) -> tuple[Row, ...]:
     return (
         Row(at.DEVICE_TYPE, U32, SERVO_DRIVE, "device type", "a CiA 402 servo drive answers"),
         Row(at.VENDOR_ID, U32, MAXON, "vendor", "the objects below are maxon's"),
-        Row(at.PRODUCT_CODE, U32, axis.product_code, "product code", "the drive that the robot file names"),
+        Row(
+            at.PRODUCT_CODE,
+            U32,
+            axis.settings.product_code,
+            "product code",
+            "the drive that the robot file names",
+        ),
     )
 
 
 def configuration(
-    axis: Axis, bus: Bus, travel: Travel | None, traffic: Traffic | None = None
+    axis: Axis, link: Epos2Link, outputs: Sequence[Output] = (), traffic: Traffic | None = None
 ) -> tuple[Row, ...]:
     """Return what is written in pre-operational, with the power stage off, in this order.
 
-    `travel` is a position axis's mechanical range; None leaves the drive's position limits alone. `traffic`
-    is what flows on the link, without it what flows on CAN.
+    An axis without `travel` leaves the drive's position limits alone. `outputs` are those at this drive.
+    `traffic` is what flows on the link, without it what flows on CAN.
     """
-    flows = traffic or on_can(axis, bus)
+    flows, travel = traffic or over_can(axis, link), travel_of(axis)
     return (
-        *(row for pdo in flows.pdos for row in _process_data(pdo, axis.node)),
-        *_supervision(bus, flows),
+        *(row for pdo in flows.pdos for row in _process_data(pdo, axis.settings.node)),
+        *_supervision(link, flows),
         *_protection(axis),
-        *(() if travel is None else _range(travel, axis.profile.max_following_error_qc)),
+        *(() if travel is None else _range(travel, axis.settings.profile.max_following_error_qc)),
         *_motion(axis),
         *_gains(axis),
+        *_switched(outputs),
     )
 
 
@@ -161,8 +166,8 @@ def _process_data(pdo: Pdo, node: int) -> Iterator[Row]:
     yield Row(cob_id, U32, on, f"{title} COB-ID", "on", _MAPPING_SOURCE, read_back=True)
 
 
-def _supervision(bus: Bus, flows: Traffic) -> Iterator[Row]:
-    watch = flows.watched << 16 | bus.bridge_silent_ms
+def _supervision(link: Epos2Link, flows: Traffic) -> Iterator[Row]:
+    watch = flows.watched << 16 | link.bridge_silent_ms
     why = "the bridge sees that the drive lives; without, it answers node guarding"
     yield Row(at.PRODUCER_HEARTBEAT, U16, flows.heartbeat_ms, "heartbeat producer", why, APPLICATION_NOTES)
     why = "a dead bridge stops the drive"
@@ -179,14 +184,14 @@ def _supervision(bus: Bus, flows: Traffic) -> Iterator[Row]:
 
 
 def _protection(axis: Axis) -> Iterator[Row]:
-    profile = axis.profile
+    motor, profile = axis.settings, axis.settings.profile
     protects = "protects the motor and whoever stands near"
-    yield Row(at.MOTOR_TYPE, U16, axis.motor_type, "motor type", "how the winding is driven", read_back=True)
+    yield Row(at.MOTOR_TYPE, U16, motor.motor_type, "motor type", "how the winding is driven", read_back=True)
     for address, kind, value, name, why in (
-        (at.ENCODER_PULSES, U32, axis.encoder_lines, "encoder lines", "every position is counted in them"),
-        (at.CONTINUOUS_CURRENT_LIMIT, U16, axis.continuous_current_ma, "continuous current limit", protects),
-        (at.OUTPUT_CURRENT_LIMIT, U16, axis.peak_current_ma, "output current limit", protects),
-        (at.THERMAL_TIME_CONSTANT, U16, axis.thermal_time_constant_100ms, "thermal time constant", protects),
+        (at.ENCODER_PULSES, U32, motor.encoder_lines, "encoder lines", "every position is counted in them"),
+        (at.CONTINUOUS_CURRENT_LIMIT, U16, motor.continuous_current_ma, "continuous current limit", protects),
+        (at.OUTPUT_CURRENT_LIMIT, U16, motor.peak_current_ma, "output current limit", protects),
+        (at.THERMAL_TIME_CONSTANT, U16, motor.thermal_time_constant_100ms, "thermal time constant", protects),
         (at.MAX_MOTOR_SPEED, U32, profile.max_velocity_rpm, "motor speed limit", protects),
         (at.MAX_PROFILE_VELOCITY, U32, profile.max_velocity_rpm, "profile velocity limit", protects),
         (at.MAX_FOLLOWING_ERROR, U32, profile.max_following_error_qc, "following error limit", protects),
@@ -203,8 +208,7 @@ def _range(travel: Travel, margin_qc: int) -> Iterator[Row]:
 
 
 def _motion(axis: Axis) -> Iterator[Row]:
-    profile = axis.profile
-    mode = CIA402_MODE[axis.mode]
+    profile, mode = axis.settings.profile, MODE[axis.command]
     yield Row(at.MODE, I8, mode, "mode of operation", "as the robot file says", read_back=True)
     why = "a trapezoid: its acceleration is bounded"
     yield Row(at.MOTION_PROFILE_TYPE, I16, TRAPEZOID, "motion profile type", why)
@@ -218,7 +222,7 @@ def _motion(axis: Axis) -> Iterator[Row]:
 
 
 def _gains(axis: Axis) -> Iterator[Row]:
-    gains = axis.gains
+    gains = axis.settings.gains
     for address, kind, value, name in (
         (at.CURRENT_P, I16, gains.current_p, "current P gain"),
         (at.CURRENT_I, I16, gains.current_i, "current I gain"),
@@ -243,3 +247,18 @@ def _gains(axis: Axis) -> Iterator[Row]:
         ),
     ):
         yield Row(address, kind, value, name, "the regulators as tuned for this axis")
+
+
+def _switched(outputs: Sequence[Output]) -> Iterator[Row]:
+    """Give pins to the bridge; their polarity stays as the wiring needs it, their state is not touched."""
+    if not outputs:
+        return
+    mask = 0
+    for output in outputs:
+        pin = output.settings.output
+        function = general_purpose(pin)
+        mask |= function.bit
+        why = f"switched by the bridge: {output.title}"
+        yield Row(OUTPUT_PINS[pin - 1], U16, function, f"digital output {pin}", why, read_back=True)
+    why = "lets the bridge's outputs through, and no others"
+    yield Row(OUTPUT_MASK, U16, mask, "digital outputs' mask", why, FIRMWARE_SPECIFICATION, read_back=True)

@@ -1,13 +1,13 @@
-"""A node on the link "maxon" put on a serial line: its commands become bytes, one after the other.
+"""A node's commands on one link put on a serial line: they become bytes, one after the other.
 
 It is to commands what a controller is to CAN frames: behind it is only the wire. It refuses to know what a
-command means. Commands for a line that is gone are dropped; the node has been told.
+command means. Commands for a line that is gone are dropped; the node knows.
 """
 
 from collections import deque
 from typing import Final
 
-from firmware_bridge.node import LINE_BACK, LINE_LOST, MAXON, SERIAL, Node, Stoppable
+from firmware_bridge.node import LINE_BACK, LINE_LOST, Node, Stoppable
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 from firmware_bridge.wire.maxon.frame import Frame, Generation, Outcome
@@ -21,10 +21,12 @@ be taken for that of the next command."""
 
 
 class MaxonLine:
-    """A node whose packets on the link "maxon" go over a serial line; its other links are left alone."""
+    """A node whose commands on this link go over a serial line; its other links are left alone."""
 
-    def __init__(self, node: Node, generation: Generation) -> None:
+    def __init__(self, node: Node, generation: Generation, link: str) -> None:
+        """Take the node, what the line speaks, and the name that the link has on both sides."""
         self.node = node
+        self._link = link
         self.commands = 0
         """Commands that have begun so far."""
         self.busy: Nanoseconds = 0
@@ -41,13 +43,13 @@ class MaxonLine:
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Take bytes of the line, or a packet of another link."""
-        if packet.link != SERIAL:
+        if packet.link != self._link:
             self._take(self.node.receive(packet, now))
         elif packet.address == LINE_LOST:
             self._lose(now)
         elif packet.address == LINE_BACK:
             self._gone = False
-            self._take(self.node.receive(Packet(MAXON, LINE_BACK, b""), now))
+            self._take(self.node.receive(Packet(self._link, LINE_BACK, b""), now))
         else:
             self._end(self._host.hear(packet.payload, now), now)
         return self._reaction(now)
@@ -69,19 +71,19 @@ class MaxonLine:
         self._gone = True
         self._waiting.clear()
         self._host = host_end(self._generation, TIMEOUT)
-        self._take(self.node.receive(Packet(MAXON, LINE_LOST, b""), now))
+        self._take(self.node.receive(Packet(self._link, LINE_LOST, b""), now))
 
     def _end(self, outcome: Outcome | None, now: Nanoseconds) -> None:
         if outcome is not None:
             self.busy += now - self._begun_at
             # What the protocol still owes the drive leaves before the next command.
             self._say()
-            self._take(self.node.receive(outcome_packet(self._under_way, outcome), now))
+            self._take(self.node.receive(outcome_packet(self._under_way, outcome, self._link), now))
 
     def _take(self, reaction: Reaction) -> None:
         self._wake_at = reaction.wake_at
         for packet in reaction.sent:
-            if packet.link != MAXON:
+            if packet.link != self._link:
                 self._outbox.append(packet)
             elif not self._gone:
                 self._waiting.append(packet)
@@ -103,4 +105,4 @@ class MaxonLine:
     def _say(self) -> None:
         said = self._host.taken()
         if said:
-            self._outbox.append(Packet(SERIAL, 0, said))
+            self._outbox.append(Packet(self._link, 0, said))

@@ -1,4 +1,4 @@
-"""Objects of one node read and written over a serial line; a `firmware_bridge.drivers.script.Client`.
+"""Objects of one node read and written over a serial line; a `firmware_bridge.drivers.script_runner.Client`.
 
 Both commands may be repeated: reading changes nothing, and writing the same value twice is writing it once.
 """
@@ -6,13 +6,8 @@ Both commands may be repeated: reading changes nothing, and writing the same val
 from collections.abc import Callable
 from typing import Final
 
-from firmware_bridge.drivers.sdo_client import (
-    Outcome,
-    SdoRefusedError,
-    SdoTimeoutError,
-    Transfer,
-)
-from firmware_bridge.drivers.serial.errands import Errand, Exchange, Rank, Result, succeeded
+from firmware_bridge.drivers.epos2.serial.exchange import Exchange, Job, Rank, Result, succeeded
+from firmware_bridge.drivers.sdo_client import Outcome, SdoRefusedError, SdoTimeoutError, Transfer
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire.abort import AbortCode
@@ -48,14 +43,30 @@ def silent(result: Result) -> bool:
     return isinstance(result, Failure) or result.error == AbortCode.TIMEOUT
 
 
+def request_for(node: int, transfer: Transfer) -> Request:
+    """Return the command that does a transfer."""
+    if transfer.raw is None:
+        return reading(node, transfer.address)
+    return writing(node, transfer.address, transfer.raw)
+
+
+def outcome_of(transfer: Transfer, result: Result, waited: Nanoseconds) -> Outcome:
+    """Return what a command's end means for the transfer that it did."""
+    if isinstance(result, Failure) or silent(result):
+        return SdoTimeoutError(transfer, waited)
+    if not succeeded(result):
+        return SdoRefusedError(transfer, result.error)
+    return value_in(transfer.address, result) if isinstance(result, ObjectRead) else b""
+
+
 class SerialClient:
     """The transfers of one node, one after the other."""
 
     __slots__ = (
         "_attempts_left",
         "_begun_at",
-        "_errand",
         "_exchange",
+        "_job",
         "_node",
         "_note",
         "_outcome",
@@ -63,12 +74,12 @@ class SerialClient:
     )
 
     def __init__(self, node: int, exchange: Exchange, note: Callable[[Result], None]) -> None:
-        """Take the node, the line, and whom to tell how every single command ended."""
+        """Take the node, the line, and who notes how every single command ended."""
         self._node = node
         self._note = note
         self._exchange = exchange
         self._transfer: Transfer | None = None
-        self._errand: Errand | None = None
+        self._job: Job | None = None
         self._outcome: Outcome | None = None
         self._attempts_left = 0
         self._begun_at: Nanoseconds = 0
@@ -84,13 +95,13 @@ class SerialClient:
         return NEVER
 
     def start(self, transfer: Transfer, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Begin a transfer; ValueError while another is under way."""
+        """Put a transfer in the line; ValueError while another is under way."""
         if self._transfer is not None:
             raise ValueError(f"{transfer} while {self._transfer} is under way")
         self._transfer, self._outcome = transfer, None
         self._attempts_left, self._begun_at = transfer.attempts, now
         self._ask(transfer)
-        return self._exchange.go_on()
+        return ()
 
     def wake(self, _now: Nanoseconds) -> tuple[Packet, ...]:
         """Do nothing: the line keeps the time."""
@@ -103,37 +114,24 @@ class SerialClient:
 
     def cancel(self) -> None:
         """Forget the transfer under way; what it has written stays written."""
-        if self._errand is not None:
-            self._exchange.drop(self._errand)
-        self._transfer = self._errand = self._outcome = None
+        if self._job is not None:
+            self._exchange.drop(self._job)
+        self._transfer = self._job = self._outcome = None
 
-    def ended(self, errand: Errand, _request: Request, result: Result, now: Nanoseconds) -> None:
+    def ended(self, job: Job, _request: Request, result: Result, now: Nanoseconds) -> None:
         """Learn how the command ended; try again where nobody answered and attempts are left."""
         transfer = self._transfer
-        if transfer is None or errand is not self._errand:
+        if transfer is None or job is not self._job:
             return
         self._note(result)
         again = self._attempts_left and now - self._begun_at < TRY_WITHIN
         if silent(result) and again and not self._exchange.gone:
             self._ask(transfer)
             return
-        self._transfer = self._errand = None
-        self._outcome = self._judged(transfer, result, now - self._begun_at)
+        self._transfer = self._job = None
+        self._outcome = outcome_of(transfer, result, now - self._begun_at)
 
     def _ask(self, transfer: Transfer) -> None:
         self._attempts_left -= 1
-        address = transfer.address
-        request: Request = (
-            reading(self._node, address)
-            if transfer.raw is None
-            else writing(self._node, address, transfer.raw)
-        )
-        self._errand = Errand(Rank.TASK, self, (request,))
-        self._exchange.put(self._errand)
-
-    def _judged(self, transfer: Transfer, result: Result, waited: Nanoseconds) -> Outcome:
-        if isinstance(result, Failure) or silent(result):
-            return SdoTimeoutError(transfer, waited)
-        if not succeeded(result):
-            return SdoRefusedError(transfer, result.error)
-        return value_in(transfer.address, result) if isinstance(result, ObjectRead) else b""
+        self._job = Job(Rank.TASK, self, (request_for(self._node, transfer),))
+        self._exchange.put(self._job)

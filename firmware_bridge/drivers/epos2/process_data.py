@@ -1,13 +1,13 @@
 """Which process data the bridge and one EPOS2 exchange; the same for every robot.
 
-A drive hears one set-point frame, tells its statusword when it changes, and answers each SYNC with its
+A drive takes one set-point frame, sends its statusword when it changes, and answers each SYNC with its
 statusword, position and current, all sampled at that SYNC. The other PDOs are off.
 """
 
 from dataclasses import dataclass
 from typing import Final
 
-from firmware_bridge.robot import Mode
+from firmware_bridge.robot import Command
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.rows import DataType
@@ -17,8 +17,8 @@ SYNCHRONOUS: Final = 1
 ON_CHANGE: Final = 255
 
 SET_POINT: Final = {
-    Mode.VELOCITY: Layout((at.CONTROLWORD, DataType.UNSIGNED16), (at.TARGET_VELOCITY, DataType.INTEGER32)),
-    Mode.POSITION: Layout((at.CONTROLWORD, DataType.UNSIGNED16), (at.TARGET_POSITION, DataType.INTEGER32)),
+    Command.SPEED: Layout((at.CONTROLWORD, DataType.UNSIGNED16), (at.TARGET_VELOCITY, DataType.INTEGER32)),
+    Command.POSITION: Layout((at.CONTROLWORD, DataType.UNSIGNED16), (at.TARGET_POSITION, DataType.INTEGER32)),
 }
 STATUS: Final = Layout((at.STATUSWORD, DataType.UNSIGNED16))
 SAMPLE: Final = Layout(
@@ -27,7 +27,7 @@ SAMPLE: Final = Layout(
     (at.CURRENT_AVERAGED, DataType.INTEGER16),
 )
 
-SET_POINT_COB_ID: Final = {Mode.VELOCITY: canopen.RECEIVE_PDO[3], Mode.POSITION: canopen.RECEIVE_PDO[2]}
+SET_POINT_COB_ID: Final = {Command.SPEED: canopen.RECEIVE_PDO[3], Command.POSITION: canopen.RECEIVE_PDO[2]}
 """Add the node's number."""
 STATUS_COB_ID: Final = canopen.TRANSMIT_PDO[0]
 SAMPLE_COB_ID: Final = canopen.TRANSMIT_PDO[1]
@@ -55,14 +55,14 @@ class Pdo:
         return flags | (self.cob_id + node)
 
 
-def pdos(mode: Mode) -> tuple[Pdo, ...]:
-    """Return the eight PDOs of a drive that is commanded in this mode."""
-    heard = {SET_POINT_COB_ID[mode]: SET_POINT[mode]}
-    told = {STATUS_COB_ID: STATUS, SAMPLE_COB_ID: SAMPLE}
+def pdos(command: Command) -> tuple[Pdo, ...]:
+    """Return the eight PDOs of a drive that is commanded like this."""
+    received = {SET_POINT_COB_ID[command]: SET_POINT[command]}
+    sent = {STATUS_COB_ID: STATUS, SAMPLE_COB_ID: SAMPLE}
     timing = {SAMPLE_COB_ID: SYNCHRONOUS}
     return (
         *(
-            Pdo(0x1400 + i, 0x1600 + i, cob_id, transmits=False, layout=heard.get(cob_id))
+            Pdo(0x1400 + i, 0x1600 + i, cob_id, transmits=False, layout=received.get(cob_id))
             for i, cob_id in enumerate(canopen.RECEIVE_PDO)
         ),
         *(
@@ -71,7 +71,7 @@ def pdos(mode: Mode) -> tuple[Pdo, ...]:
                 0x1A00 + i,
                 cob_id,
                 transmits=True,
-                layout=told.get(cob_id),
+                layout=sent.get(cob_id),
                 transmission=timing.get(cob_id, ON_CHANGE),
             )
             for i, cob_id in enumerate(canopen.TRANSMIT_PDO)

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol, TypeAlias, Union
 
-from firmware_bridge.drivers.drive import StartupError
+from firmware_bridge.drivers.driver import StartupError
 from firmware_bridge.drivers.sdo_client import Outcome, Transfer
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, Nanoseconds
@@ -69,7 +69,7 @@ class Client(Protocol):
         """Forget the transfer under way."""
 
 
-class Performer:
+class ScriptRunner:
     """One script at a time on one node, and single transfers in between."""
 
     __slots__ = ("_asked", "_client", "_rest", "_until", "_until_at", "failure")
@@ -100,7 +100,7 @@ class Performer:
         until, late = self._until_at, self._client.wake_at
         return min(until, late)
 
-    def perform(self, script: Script, now: Nanoseconds) -> Sent:
+    def run(self, script: Script, now: Nanoseconds) -> Sent:
         """Begin a script in place of whatever was under way."""
         self.stop()
         return self._advance(script, now)

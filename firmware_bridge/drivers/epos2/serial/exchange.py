@@ -1,6 +1,7 @@
 """What the drivers want from one serial line, in order of urgency; the line carries one command at a time.
 
-Bytes and handshake are `firmware_bridge.drivers.serial.line`'s. It refuses to know what a command means.
+Bytes and handshake are `firmware_bridge.drivers.epos2.serial.line`'s. It refuses to know what a command
+means.
 """
 
 from dataclasses import dataclass
@@ -23,7 +24,7 @@ Result: TypeAlias = Answer | Failure
 
 
 class Rank(IntEnum):
-    """Which errand goes first."""
+    """Which job goes first."""
 
     SET_POINT = 0
     BEAT = 1
@@ -33,14 +34,14 @@ class Rank(IntEnum):
 
 
 class Owner(Protocol):
-    """Whoever sends errands."""
+    """Whoever has jobs done."""
 
-    def ended(self, errand: "Errand", request: Request, result: Result, now: Nanoseconds) -> None:
-        """Learn how a command ended; the rest of the errand follows only after a success."""
+    def ended(self, job: "Job", request: Request, result: Result, now: Nanoseconds) -> None:
+        """Learn how a command ended; the rest of the job follows only after a success."""
 
 
 @dataclass(slots=True, eq=False)
-class Errand:
+class Job:
     """Commands that belong together, in order."""
 
     rank: Rank
@@ -52,21 +53,33 @@ class Errand:
 
 
 class Exchange:
-    """The errands of one line. Each method returns the command that is to be sent, if any."""
+    """The jobs of one line. Each method returns the command that is to be sent, if any."""
 
-    __slots__ = ("_request", "_until", "_waiting", "asked_at", "clock", "gone", "idle_at", "under_way")
+    __slots__ = (
+        "_link",
+        "_request",
+        "_until",
+        "_waiting",
+        "asked_at",
+        "clock",
+        "gone",
+        "idle_at",
+        "under_way",
+    )
 
-    def __init__(self) -> None:
+    def __init__(self, link: str) -> None:
+        """Take the name of the line."""
+        self._link = link
         self.gone = False
-        """Whether the line has vanished; errands fail until it is back."""
+        """Whether the line has vanished; jobs fail until it is back."""
         self.idle_at: Nanoseconds = 0
         """When the last command ended that had nothing behind it."""
-        self.under_way: Errand | None = None
+        self.under_way: Job | None = None
         self._request: Request | None = None
         self._until: Nanoseconds = NEVER
-        self._waiting: list[Errand] = []
+        self._waiting: list[Job] = []
         self.clock: Nanoseconds = 0
-        """The newest instant that anybody has told."""
+        """The newest instant that is known."""
         self.asked_at: Nanoseconds = 0
         """When the newest command began."""
 
@@ -75,28 +88,28 @@ class Exchange:
         """When it wants to be woken."""
         return 0 if self.gone and self._waiting else self._until
 
-    def put(self, errand: Errand) -> None:
-        """Add an errand behind those of the same rank."""
-        self._waiting.append(errand)
+    def put(self, job: Job) -> None:
+        """Add a job behind those of the same rank."""
+        self._waiting.append(job)
 
-    def drop(self, errand: Errand) -> None:
-        """Forget what is left of an errand; a command of it that is under way still ends."""
-        errand.left, errand.over = (), True
-        if errand in self._waiting:
-            self._waiting.remove(errand)
+    def drop(self, job: Job) -> None:
+        """Forget what is left of a job; a command of it that is under way still ends."""
+        job.left, job.over = (), True
+        if job in self._waiting:
+            self._waiting.remove(job)
 
     def go_on(self) -> tuple[Packet, ...]:
         """Begin the most urgent command where none is under way."""
         if self.under_way is not None or self.gone or not self._waiting:
             return ()
-        errand = min(self._waiting, key=_rank)
-        request, *left = errand.left
-        errand.begun, errand.left = True, tuple(left)
-        self._waiting.remove(errand)
-        self.under_way, self._request = errand, request
+        job = min(self._waiting, key=_rank)
+        request, *left = job.left
+        job.begun, job.left = True, tuple(left)
+        self._waiting.remove(job)
+        self.under_way, self._request = job, request
         self.asked_at = self.clock
         self._until = self.clock + PATIENCE
-        return (command(request),)
+        return (command(request, self._link),)
 
     def hear(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Take what the line says; what answers no command of ours is ignored."""
@@ -108,7 +121,7 @@ class Exchange:
             self.gone = False
         elif (request := self._request) is not None:
             opcode, outcome = outcome_of(packet)
-            if opcode == command(request).address:
+            if opcode == command(request, self._link).address:
                 self._end(_result(request, outcome), now)
         return self.go_on()
 
@@ -122,26 +135,26 @@ class Exchange:
         return self.go_on()
 
     def _end(self, result: Result, now: Nanoseconds) -> None:
-        errand, request = self.under_way, self._request
+        job, request = self.under_way, self._request
         self.under_way = self._request = None
         self._until = NEVER
-        if errand is None or request is None:
+        if job is None or request is None:
             return
-        if errand.left and succeeded(result):
-            self._waiting.insert(0, errand)
+        if job.left and succeeded(result):
+            self._waiting.insert(0, job)
         else:
-            errand.over = True
+            job.over = True
         if not self._waiting:
             self.idle_at = now
-        errand.owner.ended(errand, request, result, now)
+        job.owner.ended(job, request, result, now)
 
     def _fail(self, now: Nanoseconds) -> None:
         """End everything that was under way or has waited; what is begun anew now waits for another call."""
         waiting, self._waiting = self._waiting, []
         self._end(Failure.SILENCE, now)
-        for errand in waiting:
-            request, errand.left, errand.over = errand.left[0], (), True
-            errand.owner.ended(errand, request, Failure.SILENCE, now)
+        for job in waiting:
+            request, job.left, job.over = job.left[0], (), True
+            job.owner.ended(job, request, Failure.SILENCE, now)
 
 
 def succeeded(result: Result) -> bool:
@@ -149,8 +162,8 @@ def succeeded(result: Result) -> bool:
     return not isinstance(result, Failure) and result.error == 0
 
 
-def _rank(errand: Errand) -> Rank:
-    return errand.rank
+def _rank(job: Job) -> Rank:
+    return job.rank
 
 
 def _result(request: Request, outcome: Answered | Failure) -> Result:

@@ -8,13 +8,12 @@ stop as the EPOS2 Application Notes do.
 import math
 from typing import Final, Protocol
 
-from firmware_bridge.drivers.drive import Demand, Heard, Position, Speed, Stop
-from firmware_bridge.drivers.epos2_pdo import SET_POINT, SET_POINT_COB_ID
-from firmware_bridge.drivers.epos2_setup import Travel
-from firmware_bridge.node import CAN
+from firmware_bridge.drivers.driver import Demand, Position, Speed, Stop
+from firmware_bridge.drivers.epos2.feedback import DriveFeedback
+from firmware_bridge.drivers.epos2.process_data import SET_POINT, SET_POINT_COB_ID
+from firmware_bridge.drivers.epos2.scale import WHOLE_COUNTER, Scale, highest_rpm, travel_of, wrapped
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot import Axis, Mode
-from firmware_bridge.units import RPM_PER_RAD_S
+from firmware_bridge.robot import Axis, Command
 from firmware_bridge.wire.cia402 import Control, State
 
 DISABLE_VOLTAGE: Final = 0x0000
@@ -27,8 +26,8 @@ QUICK_STOP: Final = int(ENABLE & ~Control.NO_QUICK_STOP)
 """0x000B. Without power it asks for nothing that moves: it is the word for a drive that is not enabled."""
 FAULT_RESET: Final = int(Control.FAULT_RESET)
 
-_SPEED: Final = SET_POINT[Mode.VELOCITY]
-_POSITION: Final = SET_POINT[Mode.POSITION]
+_SPEED: Final = SET_POINT[Command.SPEED]
+_POSITION: Final = SET_POINT[Command.POSITION]
 
 SMALLEST_MOVE_QC: Final = 2
 """A target that changed by less is not sent again: it is the rounding of the steering's arithmetic."""
@@ -41,29 +40,30 @@ class SetPoint(Protocol):
         """Return a frame with this controlword and a target that moves nothing."""
 
     def demand(self, demand: Demand) -> Packet:
-        """Return the frame for a demand; a drive that is not enabled is never told to move."""
+        """Return the frame for a demand; to a drive that is not enabled never one to move."""
 
     def release(self) -> Packet | None:
         """Return the frame that ends a handshake; None where none is open."""
 
 
-def set_point(axis: Axis, heard: Heard, travel: Travel | None) -> SetPoint:
-    """Return the kind of set-point that the axis's mode needs."""
-    if axis.mode is Mode.VELOCITY:
-        return VelocitySetPoint(axis, heard)
-    return PositionSetPoint(axis, heard, travel)
+def set_point(axis: Axis, feedback: DriveFeedback) -> SetPoint:
+    """Return the kind of set-point that the axis's command needs."""
+    if axis.command is Command.SPEED:
+        return VelocitySetPoint(axis, feedback)
+    return PositionSetPoint(axis, feedback)
 
 
 class VelocitySetPoint:
     """Controlword and target velocity in rpm."""
 
-    __slots__ = ("_cob_id", "_heard", "_highest_rpm", "_rpm_per_rad_s")
+    __slots__ = ("_cob_id", "_feedback", "_highest_rpm", "_link", "_scale")
 
-    def __init__(self, axis: Axis, heard: Heard) -> None:
-        self._cob_id = SET_POINT_COB_ID[Mode.VELOCITY] + axis.node
-        self._heard = heard
-        self._rpm_per_rad_s = axis.direction * axis.gear_ratio * RPM_PER_RAD_S
-        self._highest_rpm = axis.profile.max_velocity_rpm
+    def __init__(self, axis: Axis, feedback: DriveFeedback) -> None:
+        self._link = axis.link
+        self._cob_id = SET_POINT_COB_ID[Command.SPEED] + axis.settings.node
+        self._feedback = feedback
+        self._scale = Scale.of(axis)
+        self._highest_rpm = highest_rpm(axis)
 
     def word(self, controlword: int) -> Packet:
         """Return a frame with this controlword and speed 0."""
@@ -73,10 +73,10 @@ class VelocitySetPoint:
         """Return the frame for a demand; a position, or what is no finite speed, counts as rest."""
         if demand is Stop.POWER_OFF:
             return self._frame(DISABLE_VOLTAGE, 0)
-        if demand is Stop.QUICK_STOP or self._heard.state is not State.OPERATION_ENABLED:
+        if demand is Stop.QUICK_STOP or self._feedback.state is not State.OPERATION_ENABLED:
             return self._frame(QUICK_STOP, 0)
-        if isinstance(demand, Speed) and math.isfinite(demand.rad_s):
-            rpm = demand.rad_s * self._rpm_per_rad_s
+        if isinstance(demand, Speed) and math.isfinite(demand.value):
+            rpm = self._scale.rpm(demand.value)
             return self._frame(ENABLE, round(min(max(rpm, -self._highest_rpm), self._highest_rpm)))
         return self._frame(ENABLE, 0)
 
@@ -84,7 +84,7 @@ class VelocitySetPoint:
         """Do nothing: a velocity has no handshake."""
 
     def _frame(self, controlword: int, rpm: int) -> Packet:
-        return Packet(CAN, self._cob_id, _SPEED.pack(controlword, rpm))
+        return Packet(self._link, self._cob_id, _SPEED.pack(controlword, rpm))
 
 
 class PositionSetPoint:
@@ -93,12 +93,23 @@ class PositionSetPoint:
     A drive takes a target at the rising edge of the new set-point bit, so the bit is released between two.
     """
 
-    __slots__ = ("_bit_is_set", "_cob_id", "_heard", "_target_qc", "_travel", "_under_way")
+    __slots__ = (
+        "_bit_is_set",
+        "_cob_id",
+        "_feedback",
+        "_link",
+        "_scale",
+        "_target_qc",
+        "_travel",
+        "_under_way",
+    )
 
-    def __init__(self, axis: Axis, heard: Heard, travel: Travel | None) -> None:
-        self._cob_id = SET_POINT_COB_ID[Mode.POSITION] + axis.node
-        self._heard = heard
-        self._travel = travel
+    def __init__(self, axis: Axis, feedback: DriveFeedback) -> None:
+        self._link = axis.link
+        self._cob_id = SET_POINT_COB_ID[Command.POSITION] + axis.settings.node
+        self._feedback = feedback
+        self._scale = Scale.of(axis)
+        self._travel = travel_of(axis) or WHOLE_COUNTER
         self._target_qc = 0
         self._bit_is_set = False
         self._under_way = False
@@ -107,17 +118,17 @@ class PositionSetPoint:
     def word(self, controlword: int) -> Packet:
         """Return a frame with this controlword and the actual position."""
         self._under_way = False
-        self._target_qc = self._clipped(self._heard.position_qc)
+        self._target_qc = self._travel.clip(wrapped(self._feedback.position_qc))
         return self._frame(controlword)
 
     def demand(self, demand: Demand) -> Packet:
-        """Return the frame for a demand; a speed counts as rest."""
+        """Return the frame for a demand; a speed, or what is no finite position, counts as rest."""
         if demand is Stop.POWER_OFF:
             return self.word(DISABLE_VOLTAGE)
         if demand is Stop.QUICK_STOP or self._stopped():
             return self.word(QUICK_STOP)
-        if isinstance(demand, Position):
-            return self._go(self._clipped(demand.quadcounts))
+        if isinstance(demand, Position) and math.isfinite(demand.value):
+            return self._go(self._travel.clip(self._scale.quadcounts(demand.value)))
         self._under_way = False
         return self._frame(HALT)
 
@@ -139,11 +150,8 @@ class PositionSetPoint:
         return self._frame(NEW_POSITION)
 
     def _stopped(self) -> bool:
-        return self._heard.state is not State.OPERATION_ENABLED
-
-    def _clipped(self, position_qc: int) -> int:
-        return position_qc if self._travel is None else self._travel.clip(position_qc)
+        return self._feedback.state is not State.OPERATION_ENABLED
 
     def _frame(self, controlword: int) -> Packet:
         self._bit_is_set = controlword == NEW_POSITION
-        return Packet(CAN, self._cob_id, _POSITION.pack(controlword, self._target_qc))
+        return Packet(self._link, self._cob_id, _POSITION.pack(controlword, self._target_qc))

@@ -1,0 +1,77 @@
+"""What a robot brings to the bench: what a mission's step may ask, how a station says it, and what is drawn.
+
+A mission's input is one field of the robot's step: its annotation says what the hand does about it. A figure
+is one column, which may be drawn in a panel and told in the summary.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Final
+
+from emulators.bench.columns import Column, Panel
+from emulators.bench.step import Step
+from firmware_bridge.robot import AnyRobot
+
+GROUP: Final = "firmware_bridge.rehearsals"
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """One thing that the operator's hand holds until a later step, by stick or as a twist; SI."""
+
+    name: str
+    full: Callable[[AnyRobot], float]
+    """Its value at full stick."""
+    trembles_with: str = ""
+    """The channel with which the hand's tremor comes and goes: a foot off the pedal does not tremble."""
+    stick_only: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class StickAxes:
+    """MANUAL_CONTROL's axes as shares of full stick, -1 to 1, with MAVLink's signs; None for an unused one."""
+
+    x: float | None = None
+    y: float | None = None
+    z: float | None = None
+    r: float | None = None
+    buttons: int = 0
+    """The buttons that must be down for this."""
+
+
+@dataclass(frozen=True, slots=True)
+class Twist:
+    """SET_POSITION_TARGET_LOCAL_NED's velocities with MAVLink's signs: forward, right, clockwise; SI."""
+
+    vx: float
+    vy: float = 0.0
+    yaw_rate: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Rehearsal:
+    """One robot on the bench."""
+
+    step: type[Step]
+    missions: Path
+    """The folder of its shipped missions."""
+    channels: tuple[Channel, ...]
+    stick: Callable[[Mapping[str, float], AnyRobot], StickAxes]
+    """Return what a station sends for these values of the channels; signs and scales are its own."""
+    twist: Callable[[Mapping[str, float], AnyRobot], Twist]
+    columns: tuple[Column, ...]
+    panels: tuple[Panel, ...]
+
+    def shipped(self) -> dict[str, Path]:
+        """Return the shipped missions by their names, in alphabetical order."""
+        return {path.stem: path for path in sorted(self.missions.glob("*.toml"))}
+
+
+def rehearsal_of(robot: AnyRobot) -> Rehearsal:
+    """Return the rehearsal of a robot's kind; LookupError where its package brings none."""
+    for entry in entry_points(group=GROUP, name=robot.kind):
+        rehearsal: Rehearsal = entry.load()
+        return rehearsal
+    raise LookupError(f"the package of the robot '{robot.kind}' brings no rehearsal (entry point {GROUP})")

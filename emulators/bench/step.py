@@ -1,0 +1,128 @@
+"""One step of a mission: what any robot's operator can do at one instant, and how a robot's own inputs are said."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Annotated, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from emulators.bench.strays import Stray
+from firmware_bridge.robot import AnyRobot
+
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Share = Annotated[float, Field(ge=0, le=1)]
+
+
+@dataclass(frozen=True, slots=True)
+class Holds:
+    """The step's value goes to a channel of the hand, and stays there until a later step."""
+
+    channel: str
+    into: Callable[[float, AnyRobot], float] = lambda value, _robot: value
+    """From the key's unit to the channel's."""
+
+
+@dataclass(frozen=True, slots=True)
+class Slope:
+    """The step's value is how fast a channel goes where another key sends it, per second."""
+
+    channel: str
+
+
+@dataclass(frozen=True, slots=True)
+class Sends:
+    """The step's value is a command, which the station repeats until it is answered."""
+
+    command: int
+    """MAV_CMD."""
+    params: Callable[[float, AnyRobot], tuple[float, ...]]
+    urgency: int = 0
+    """The highest goes first: stops before everything else."""
+
+
+@dataclass(frozen=True, slots=True)
+class Presses:
+    """The step taps a button of the stick."""
+
+    buttons: dict[str, int]
+    """Their bits, by the words that a mission may say."""
+
+
+class Input(StrEnum):
+    """With which message the operator drives."""
+
+    STICK = "stick"
+    """MANUAL_CONTROL: shares of the robot's limits; cannot ask for more than those."""
+    TWIST = "twist"
+    """SET_POSITION_TARGET_LOCAL_NED: speed and yaw rate; asks for anything."""
+
+
+class Table(BaseModel):
+    """A table of a mission file: no unknown key, no value of another kind."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, str_strip_whitespace=True)
+
+
+_ARM_DISARM = 400
+_SAFETY_SWITCH = 5300
+_TERMINATE = 185
+_FORCE = 21196
+
+
+class Step(Table):
+    """What the operator does at one instant; a robot's own step adds its inputs as fields."""
+
+    at_s: NonNegative
+    title: Annotated[str, Field(min_length=1, max_length=100)]
+    input: Annotated[Input | None, Field(strict=False)] = None
+    arm: Annotated[Literal[True] | None, Sends(_ARM_DISARM, lambda _, __: (1.0,))] = None
+    disarm: Annotated[Literal[True] | None, Sends(_ARM_DISARM, lambda _, __: (0.0,), 1)] = None
+    force_disarm: Annotated[Literal[True] | None, Sends(_ARM_DISARM, lambda _, __: (0.0, _FORCE), 2)] = None
+    emergency_stop: Annotated[Literal[True] | None, Sends(_SAFETY_SWITCH, lambda _, __: (0.0,), 5)] = None
+    clear: Annotated[Literal[True] | None, Sends(_SAFETY_SWITCH, lambda _, __: (1.0,), 3)] = None
+    """Clear the emergency stop."""
+    terminate: Annotated[Literal[True] | None, Sends(_TERMINATE, lambda _, __: (1.0,), 4)] = None
+    """Emergency stop for good."""
+    mode: Annotated[int | None, Field(ge=0), Sends(176, lambda mode, _: (1.0, mode))] = None
+    """DO_SET_MODE's custom mode: 0 is the whole robot, others are its modes after a failed actuator."""
+    silent_s: Positive | None = None
+    """Say nothing at all for this long."""
+    stray: Annotated[Stray | None, Field(strict=False)] = None
+    """Send one thing that no operator should."""
+
+    @model_validator(mode="after")
+    def _does_something_once(self) -> Self:
+        given = self.model_fields_set - {"at_s", "title"}
+        rows = {key: of_key(type(self), key) for key in given}
+        if not given - {key for key, row in rows.items() if isinstance(row, Slope)}:
+            raise ValueError("the step does nothing")
+        held: dict[str, str] = {}
+        for key, row in rows.items():
+            if isinstance(row, Holds) and getattr(self, key) is not None:
+                if row.channel in held:
+                    both = " and ".join(sorted((held[row.channel], key), reverse=True))
+                    raise ValueError(f"{both} say the same thing: give one of them")
+                held[row.channel] = key
+        for key, row in rows.items():
+            if isinstance(row, Slope) and row.channel not in held:
+                others = [name for name, of in inputs(type(self)).items() if _holds(of, row.channel)]
+                raise ValueError(f"{key} needs {' or '.join(others)}")
+        return self
+
+
+def of_key(step: type[Step], key: str) -> object:
+    """Return what the hand does about a key of a step; None where the key says it by itself."""
+    rows = (row for row in step.model_fields[key].metadata if isinstance(row, Holds | Slope | Sends | Presses))
+    return next(rows, None)
+
+
+def inputs(step: type[Step]) -> dict[str, object]:
+    """Return what the hand does about each key, in the order of the fields; keys without a row are left out."""
+    return {key: row for key in step.model_fields if (row := of_key(step, key)) is not None}
+
+
+def _holds(row: object, channel: str) -> bool:
+    return isinstance(row, Holds) and row.channel == channel

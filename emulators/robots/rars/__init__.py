@@ -1,0 +1,138 @@
+"""RARS on the bench: what a mission's step may ask of it, how a station says it, and what is drawn.
+
+Signs and scales are written here anew, not taken from the bridge, so that a mistake there is not repeated.
+"""
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Final, Literal, Self, TypeAlias
+
+from pydantic import Field, model_validator
+
+from emulators.bench.columns import PLANAR, Column, Curve, Panel
+from emulators.bench.rehearsal import Channel, Rehearsal, StickAxes, Twist
+from emulators.bench.step import Finite, Holds, NonNegative, Positive, Presses, Sends, Slope, Step
+from firmware_bridge.robot import Robot
+from firmware_bridge.robots.rars.geometry import Geometry
+from firmware_bridge.robots.rars.motion import Motion, State
+from firmware_bridge.safety.snapshot import Snapshot
+
+Rars: TypeAlias = Robot[Geometry]
+BUTTONS: Final = {"detector": 1, "headlamp": 2, "emergency_stop": 4}
+LIFT_ENABLE: Final = 8
+_ILLUMINATOR: Final = 405
+_RELAY: Final = 181
+_ACTUATOR: Final = 187
+
+
+def steer_of_radius(radius_m: float, robot: Rars) -> float:
+    """Return the inner wheel's angle in rad for a turn, R = a_k / 2 + w cot(theta) (thesis 2.13)."""
+    base = robot.geometry.base
+    inner = math.atan2(base.wheelbase_m, abs(radius_m) - base.kingpin_distance_m / 2.0)
+    return math.copysign(inner, radius_m)
+
+
+def lift_travel(robot: Rars) -> float:
+    """Return how far the platform rises: N l (sin extended - sin collapsed) (thesis 2.16)."""
+    lift = robot.geometry.lift
+    low, high = math.radians(lift.collapsed_angle_deg), math.radians(lift.extended_angle_deg)
+    return lift.stages * lift.link_length_m * (math.sin(high) - math.sin(low))
+
+
+class RarsStep(Step):
+    """What RARS's operator does at one instant. Speed, steering and lift rate stay until a later step."""
+
+    speed_mps: Annotated[Finite | None, Holds("speed")] = None
+    """Forward positive; at once, or with `ramp_mps2`."""
+    ramp_mps2: Annotated[Positive | None, Slope("speed")] = None
+    steer_deg: Annotated[
+        float | None, Field(gt=-90, lt=90), Holds("steer", lambda angle, _: math.radians(angle))
+    ] = None
+    """Inner front wheel, left positive."""
+    radius_m: Annotated[Finite | None, Holds("steer", steer_of_radius)] = None
+    """Of the rear axle's middle, left positive; another way to say `steer_deg`."""
+    lift_m: Annotated[
+        NonNegative | None, Sends(_ACTUATOR, lambda height, robot: (2.0 * height / lift_travel(robot) - 1.0,), -3)
+    ] = None
+    """Go to this height above collapsed."""
+    lift_rate_mps: Annotated[Finite | None, Holds("lift rate")] = None
+    """Move the lift by stick, up positive, until a later step says otherwise."""
+    headlamp: Annotated[bool | None, Sends(_ILLUMINATOR, lambda on, _: (float(on),), -1)] = None
+    detector: Annotated[bool | None, Sends(_RELAY, lambda on, _: (0.0, float(on)), -2)] = None
+    press: Annotated[Literal["detector", "headlamp", "emergency_stop"] | None, Presses(BUTTONS)] = None
+    """Tap a button of the stick."""
+
+    @model_validator(mode="after")
+    def _a_turn_has_a_radius(self) -> Self:
+        if self.radius_m == 0:
+            raise ValueError("radius_m must not be 0; straight ahead is steer_deg = 0")
+        return self
+
+
+def _stick(values: Mapping[str, float], robot: Rars) -> StickAxes:
+    limits = robot.geometry.limits
+    rate = values["lift rate"] / limits.lift_rate_mps
+    return StickAxes(
+        x=values["speed"] / limits.speed_mps,
+        z=rate,
+        r=-values["steer"] / math.radians(limits.steer_angle_deg),
+        buttons=LIFT_ENABLE if rate else 0,
+    )
+
+
+def _twist(values: Mapping[str, float], robot: Rars) -> Twist:
+    speed, steer = values["speed"], values["steer"]
+    if steer == 0.0:
+        return Twist(speed, yaw_rate=-speed * 0.0)
+    base = robot.geometry.base
+    radius = base.kingpin_distance_m / 2.0 + base.wheelbase_m / math.tan(abs(steer))
+    return Twist(speed, yaw_rate=-speed * math.copysign(1.0 / radius, steer))
+
+
+def _demanded(seen: Snapshot[Motion, State]) -> float:
+    return seen.demanded.speed_mps
+
+
+REHEARSAL: Final = Rehearsal(
+    step=RarsStep,
+    missions=Path(__file__).with_name("missions"),
+    channels=(
+        Channel("speed", lambda robot: robot.geometry.limits.speed_mps, trembles_with="speed"),
+        Channel(
+            "steer", lambda robot: math.radians(robot.geometry.limits.steer_angle_deg), trembles_with="speed"
+        ),
+        Channel("lift rate", lambda robot: robot.geometry.limits.lift_rate_mps, stick_only=True),
+    ),
+    stick=_stick,
+    twist=_twist,
+    columns=(
+        *PLANAR,
+        Column("steer_rad", "inner front wheel, left positive", "rad", plant="steer"),
+        Column("lift_m", "height above collapsed", "m", plant="lift_height"),
+        Column("demanded_speed_mps", "what the bridge asks of the wheels", "m/s", seen=_demanded),
+    ),
+    panels=(
+        Panel(
+            "Forward speed",
+            "speed [m/s]",
+            (
+                Curve("demanded_speed_mps", "demanded", step=True),
+                Curve("speed_mps", "plant"),
+            ),
+            limit=lambda robot: (robot.geometry.limits.speed_mps, "m/s"),
+            shaded=True,
+            height=3.0,
+        ),
+        Panel(
+            "Turning, left is positive",
+            "[°], [°/s]",
+            (
+                Curve("steer_rad", "steer angle, inner wheel [°]", scale=180.0 / math.pi),
+                Curve("yaw_rate_rad_s", "yaw rate [°/s]", scale=180.0 / math.pi),
+            ),
+            height=2.0,
+        ),
+        Panel("Lift", "height [mm]", (Curve("lift_m", "height above collapsed", scale=1000.0),), least=20.0),
+    ),
+)

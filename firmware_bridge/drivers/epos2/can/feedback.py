@@ -1,0 +1,82 @@
+"""One EPOS2's frames to what it has sent. Frames that make no sense are ignored: a bus is a public place."""
+
+from firmware_bridge.drivers.epos2.feedback import DriveFeedback
+from firmware_bridge.drivers.epos2.process_data import SAMPLE, SAMPLE_COB_ID, STATUS, STATUS_COB_ID
+from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.robot import Axis
+from firmware_bridge.units import Nanoseconds
+from firmware_bridge.wire import canopen
+from firmware_bridge.wire.canopen import NODE_MASK, NmtState
+from firmware_bridge.wire.cia402 import state_of
+
+
+class CanFeedback(DriveFeedback):
+    """Filled in from the frames of one drive."""
+
+    __slots__ = ("_readers", "_synchronised_at")
+
+    def __init__(self, axis: Axis) -> None:
+        super().__init__(axis)
+        self._synchronised_at: Nanoseconds = NEVER_HEARD
+        self._readers = {
+            STATUS_COB_ID: self._status,
+            SAMPLE_COB_ID: self._sample,
+            canopen.EMERGENCY: self._emergency,
+            canopen.ERROR_CONTROL: self._heartbeat,
+        }
+
+    def synchronised(self, now: Nanoseconds) -> None:
+        """Learn that a SYNC left: the next sample was taken then."""
+        self._synchronised_at = now
+
+    def hear(self, cob_id: int, payload: bytes, now: Nanoseconds) -> None:
+        """Take a frame with this identifier, 11 bits without flags."""
+        reader = self._readers.get(cob_id & ~NODE_MASK)
+        if reader is not None:
+            reader(payload, now)
+
+    def _status(self, payload: bytes, _now: Nanoseconds) -> None:
+        if self.expected and len(payload) >= STATUS.size:
+            (statusword,) = STATUS.unpack(payload)
+            self._state(statusword)
+
+    def _sample(self, payload: bytes, now: Nanoseconds) -> None:
+        if not self.expected or len(payload) < SAMPLE.size:
+            return
+        statusword, counter, current = SAMPLE.unpack(payload)
+        self._state(statusword)
+        if self.sampled_at == NEVER_HEARD:
+            self.position_qc = counter
+        else:
+            moved = self.moved_to(counter)
+            elapsed = self._synchronised_at - self.sampled_at
+            if elapsed > 0:
+                self.move(moved, elapsed)
+            self.position_qc += moved
+        self.current_ma = current
+        self.sampled_at = self._synchronised_at
+        self.heard_at = now
+
+    def _state(self, statusword: int) -> None:
+        # Process data comes in NMT operational only.
+        self.operational = True
+        self.statusword = statusword
+        self.state = state_of(statusword)
+
+    def _emergency(self, payload: bytes, _now: Nanoseconds) -> None:
+        message = canopen.decode_emergency(payload)
+        if message is not None:
+            self.fault = message.code
+
+    def _heartbeat(self, payload: bytes, _now: Nanoseconds) -> None:
+        state = canopen.decode_heartbeat(payload)
+        if state is None:
+            return
+        self.operational = state is NmtState.OPERATIONAL
+        if not self.operational:
+            self.state = None
+        if state is NmtState.BOOT_UP:
+            self.restarted = True
+            self.expected = False
+            # The counter starts from zero again.
+            self.forget_motion()

@@ -1,0 +1,93 @@
+"""What one EPOS2 has sent, newest first thing only, and what the bridge makes of it: SI units, five powers.
+
+CAN frames and serial answers fill it in; tasks and set-points look into it.
+"""
+
+from typing import Final
+
+from firmware_bridge.drivers.driver import Feedback, Power, Tells
+from firmware_bridge.drivers.epos2.scale import Scale, wrapped
+from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.robot import Axis
+from firmware_bridge.units import Nanoseconds, to_seconds
+from firmware_bridge.wire.cia402 import State
+
+TELLS: Final = frozenset(Tells)
+"""An EPOS2 tells all that there is."""
+FAULT_STATES: Final = (State.FAULT, State.FAULT_REACTION_DISABLED, State.FAULT_REACTION_ENABLED)
+_POWERS: Final = {
+    State.OPERATION_ENABLED: Power.ON,
+    State.QUICK_STOP_ACTIVE: Power.STOPPED,
+    **dict.fromkeys(FAULT_STATES, Power.FAULT),
+}
+MILLIAMPERES: Final = 1000.0
+
+
+class DriveFeedback:
+    """One drive's record."""
+
+    __slots__ = (
+        "_axis",
+        "_scale",
+        "current_ma",
+        "expected",
+        "fault",
+        "heard_at",
+        "operational",
+        "position_qc",
+        "restarted",
+        "sampled_at",
+        "state",
+        "statusword",
+        "velocity",
+    )
+
+    def __init__(self, axis: Axis) -> None:
+        self._axis: Final = axis.name
+        self._scale: Final = Scale.of(axis)
+        self.state: State | None = None
+        """None while it is unknown, or the drive does not listen to set-points."""
+        self.statusword = 0
+        self.operational = False
+        """Whether the drive listens to set-points."""
+        self.restarted = False
+        """Whether it booted since it was found: its set-up is lost."""
+        self.expected = False
+        """What is sent in every cycle counts only once this bridge has said what it is."""
+        self.heard_at: Nanoseconds = NEVER_HEARD
+        self.sampled_at: Nanoseconds = NEVER_HEARD
+        self.position_qc = 0
+        """Counted on across the wrap of the drive's counter."""
+        self.velocity = 0.0
+        """In the axis's unit a second, the mean between the last two samples."""
+        self.current_ma = 0
+        self.fault = 0
+        """Code of the newest emergency; 0 where there is none, or it was reset."""
+
+    def moved_to(self, counter: int) -> int:
+        """Return the way in quadcounts from the newest position to what the drive's counter shows now."""
+        return wrapped(counter - self.position_qc)
+
+    def move(self, quadcounts: int, elapsed: Nanoseconds) -> None:
+        """Take the mean velocity from a way and its time."""
+        self.velocity = quadcounts / self._scale.quadcounts_per_unit / to_seconds(elapsed)
+
+    def forget_motion(self) -> None:
+        """Count anew from the next sample on: no way and no velocity from before to after."""
+        self.sampled_at = NEVER_HEARD
+        self.velocity = 0.0
+
+    def published(self) -> Feedback:
+        """Return what everybody may know of it."""
+        state, fault = self.state, self.fault
+        return Feedback(
+            axis=self._axis,
+            power=Power.UNKNOWN if state is None else _POWERS.get(state, Power.OFF),
+            heard_at=self.heard_at,
+            sampled_at=self.sampled_at,
+            position=self._scale.position(self.position_qc),
+            velocity=self.velocity,
+            current_a=self.current_ma / MILLIAMPERES,
+            fault=f"0x{fault:04X}" if fault else "",
+            says="" if state is None else state.title,
+        )

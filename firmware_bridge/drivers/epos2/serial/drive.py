@@ -1,0 +1,291 @@
+"""One EPOS2 on a serial line, or behind the gateway of the one that is: what it is sent, what it reports.
+
+Set-points are those of the CAN driver, written object by object: the target first, then the controlword that
+makes it count. A set-point that has not wholly left when the next one comes is not sent any more.
+"""
+
+from collections.abc import Callable
+from typing import Final
+
+from firmware_bridge.drivers.driver import Demand, Feedback, StartupError, Stop, Task, Tells
+from firmware_bridge.drivers.epos2.feedback import FAULT_STATES, TELLS
+from firmware_bridge.drivers.epos2.inputs_outputs import ObjectRequest, outputs_at
+from firmware_bridge.drivers.epos2.process_data import SET_POINT
+from firmware_bridge.drivers.epos2.serial.client import (
+    SerialClient,
+    outcome_of,
+    reading,
+    request_for,
+    silent,
+    value_in,
+    writing,
+)
+from firmware_bridge.drivers.epos2.serial.exchange import Exchange, Job, Rank, Result, succeeded
+from firmware_bridge.drivers.epos2.serial.feedback import (
+    CURRENT,
+    ERROR_REGISTER,
+    POSITION,
+    STATUSWORD,
+    ReadRow,
+    SerialFeedback,
+)
+from firmware_bridge.drivers.epos2.serial.proof import Proof
+from firmware_bridge.drivers.epos2.set_point import DISABLE_VOLTAGE, ENABLE, NEW_POSITION, set_point
+from firmware_bridge.drivers.epos2.setup import configuration, through_gateway
+from firmware_bridge.drivers.epos2.task_runner import TaskRunner
+from firmware_bridge.drivers.epos2.tasks import NEWEST_ERROR
+from firmware_bridge.drivers.script_runner import ScriptRunner
+from firmware_bridge.packet import Packet
+from firmware_bridge.robot import AnyRobot, Axis, Command
+from firmware_bridge.units import MILLISECOND, Nanoseconds
+from firmware_bridge.wire import canopen
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.rows import DataType
+from firmware_bridge.wire.maxon.messages import ObjectRead, ReadObject, Request, SendNmtService, WriteObject
+
+TARGET: Final = {Command.SPEED: at.TARGET_VELOCITY, Command.POSITION: at.TARGET_POSITION}
+_NEWEST_ERROR: Final = ReadRow(NEWEST_ERROR, DataType.UNSIGNED32, "newest error")
+HEARD_BEATS: Final = 3
+"""After so many beats a drive has begun to watch; it does so at the first that it hears (CiA 301)."""
+NOTICED_CYCLES: Final = 4
+"""So many cycles after its watch has ended at the latest a drive's fault is read."""
+
+
+class Epos2OnSerial:
+    """One drive; a `firmware_bridge.drivers.driver.Driver`."""
+
+    __slots__ = (
+        "_axis",
+        "_client",
+        "_exchange",
+        "_feedback",
+        "_proof",
+        "_scripts",
+        "_set_point",
+        "_taken",
+        "_tasks",
+        "_writes",
+        "present",
+    )
+
+    def __init__(self, axis: Axis, robot: AnyRobot, exchange: Exchange) -> None:
+        """Take the axis, its robot, and the line."""
+        self.present = False
+        """Whether it answered last; one that does not is not asked in every cycle."""
+        self._axis = axis
+        self._exchange = exchange
+        self._feedback = SerialFeedback(axis)
+        self._set_point = set_point(axis, self._feedback)
+        self._client = SerialClient(axis.settings.node, exchange, self._note)
+        self._scripts = ScriptRunner(self._client)
+        link = robot.links[axis.link]
+        traffic = through_gateway(axis, link, robot.nodes_on(axis.link))
+        rows = configuration(axis, link, outputs_at(robot, axis), traffic)
+        self._proof = Proof(
+            axis,
+            self._feedback,
+            traffic.watched,
+            heard=HEARD_BEATS * link.bridge_heartbeat_ms * MILLISECOND,
+            within=link.bridge_silent_ms * MILLISECOND + NOTICED_CYCLES * link.every * robot.cycle,
+        )
+        self._tasks = TaskRunner(
+            axis, self._feedback, self._set_point, self._scripts, rows, started=self._proof.script
+        )
+        self._writes: Job | None = None
+        """The newest set-point."""
+        self._taken: dict[Address, int] = {}
+        """Controlword and target as the drive has taken them."""
+
+    @property
+    def axis(self) -> Axis:
+        """The axis that it moves."""
+        return self._axis
+
+    @property
+    def tells(self) -> frozenset[Tells]:
+        """What it can tell."""
+        return TELLS
+
+    @property
+    def feedback(self) -> Feedback:
+        """What it has reported."""
+        return self._feedback.published()
+
+    @property
+    def sampled_at(self) -> Nanoseconds:
+        """When its newest sample was taken."""
+        return self._feedback.sampled_at
+
+    @property
+    def busy(self) -> bool:
+        """Whether tasks are under way."""
+        return self._tasks.busy
+
+    @property
+    def failure(self) -> StartupError | None:
+        """Why the last tasks failed; None where they did not."""
+        return self._tasks.failure
+
+    @property
+    def configured(self) -> bool:
+        """Whether its set-up is in force and it listens to set-points."""
+        return self._tasks.configured
+
+    @property
+    def guarded(self) -> bool:
+        """Whether it answers node guarding: it is there, and its own heartbeat has been switched off."""
+        return self.present and self._tasks.set_up
+
+    @property
+    def listens(self) -> bool:
+        """Whether nobody may speak to it: it shall notice the bridge's silence."""
+        return self.busy and self._proof.listens
+
+    @property
+    def wake_at(self) -> Nanoseconds:
+        """When it wants to be woken."""
+        return self._scripts.wake_at
+
+    def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
+        """Do these tasks in order, in place of those under way."""
+        # It may have restarted since, and its target with it.
+        self._taken.clear()
+        return self._sent(self._tasks.begin(tasks, now))
+
+    def command(self, demand: Demand) -> tuple[Packet, ...]:
+        """Send a demand; while tasks are under way only one that ends them: quick stop or power off."""
+        if self.busy:
+            if demand not in (Stop.QUICK_STOP, Stop.POWER_OFF):
+                return ()
+            self._tasks.end()
+        self._forget_unsent()
+        return self._sent((self._set_point.demand(demand),))
+
+    def release(self) -> tuple[Packet, ...]:
+        """End the handshake of a new position, where one is open."""
+        if self.busy or (self._writes is not None and not self._writes.over):
+            return ()
+        packet = self._set_point.release()
+        return () if packet is None else self._sent((packet,))
+
+    def synchronised(self, now: Nanoseconds) -> None:
+        """Begin a cycle: what is read from now on makes a new sample."""
+        self._feedback.begin(now)
+
+    def read(self, row: ReadRow, rank: Rank) -> Job:
+        """Ask for an object."""
+        job = Job(rank, self, (reading(self._axis.settings.node, row.address),))
+        self._exchange.put(job)
+        return job
+
+    def request(self, request: ObjectRequest, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Read an object when the line has time, or write one; dropped where the drive does not answer."""
+        if self.present:
+            rank = Rank.ROTATING if request.transfer.raw is None else Rank.TASK
+            commands = (request_for(self._axis.settings.node, request.transfer),)
+            self._exchange.put(Job(rank, _Requested(request, self._note, now), commands))
+        else:
+            request.over = True
+        return self._exchange.go_on()
+
+    def proceed(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Go on with what the newest answer has made possible; it has come by `ended`."""
+        return self._sent(self._tasks.proceed(now))
+
+    def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Act on the time."""
+        return self._sent(self._tasks.go_on(self._scripts.wake(now), now))
+
+    def lose(self, now: Nanoseconds) -> None:
+        """Take notice that the line is gone: the set-up counts no longer, somebody may have changed it."""
+        self.present = self._tasks.set_up = False
+        self._taken.clear()
+        self._feedback.lose()
+        self._tasks.fail("the serial line is gone", now)
+
+    def ended(self, job: Job, request: Request, result: Result, now: Nanoseconds) -> None:
+        """Take the answer to a set-point, a network command, or an object that was asked for."""
+        self._note(result)
+        if not succeeded(result):
+            if job is self._writes:
+                self._forget()
+        elif isinstance(request, WriteObject):
+            address = Address(request.index, request.subindex)
+            self._taken[address] = int.from_bytes(request.raw, "little")
+        elif isinstance(request, ReadObject) and isinstance(result, ObjectRead):
+            self._hear(Address(request.index, request.subindex), result, now)
+
+    def _note(self, result: Result) -> None:
+        self.present = not silent(result)
+
+    def _hear(self, address: Address, result: ObjectRead, now: Nanoseconds) -> None:
+        raw, feedback = value_in(address, result), self._feedback
+        if address == POSITION.address:
+            feedback.position_read(POSITION.type.decode(raw), self._exchange.asked_at)
+        elif address == STATUSWORD.address:
+            feedback.statusword_read(STATUSWORD.type.decode(raw), now)
+            if feedback.state in FAULT_STATES and not feedback.fault:
+                self.read(_NEWEST_ERROR, Rank.SAMPLE)
+        elif address == CURRENT.address:
+            feedback.current_ma = CURRENT.type.decode(raw)
+        elif address == ERROR_REGISTER.address and raw != b"\0" and not feedback.fault and not self.busy:
+            self.read(_NEWEST_ERROR, Rank.ROTATING)
+        elif address == NEWEST_ERROR:
+            feedback.fault = int.from_bytes(raw[:2], "little")
+
+    def _sent(self, frames: tuple[Packet, ...]) -> tuple[Packet, ...]:
+        """Turn what the CAN driver would send into jobs."""
+        node = self._axis.settings.node
+        for frame in frames:
+            if frame.address == canopen.NMT:
+                self._exchange.put(Job(Rank.TASK, self, (SendNmtService(node, frame.payload[0]),)))
+            else:
+                self._write(frame.payload)
+        return self._exchange.go_on()
+
+    def _write(self, frame: bytes) -> None:
+        """Write a set-point: the target where it counts, and the controlword."""
+        axis, taken = self._axis, self._taken
+        word, target = SET_POINT[axis.command].unpack(frame)
+        address = TARGET[axis.command]
+        raw = target.to_bytes(4, "little", signed=True)
+        writes: list[Request] = []
+        if axis.command is Command.SPEED or taken.get(address) != int.from_bytes(raw, "little"):
+            writes.append(writing(axis.settings.node, address, raw))
+        if word == NEW_POSITION and taken.get(at.CONTROLWORD, NEW_POSITION) == NEW_POSITION:
+            # The drive takes a position at the bit's rising edge, and the bit may be set.
+            writes.append(self._word(ENABLE))
+        writes.append(self._word(word))
+        self._writes = Job(Rank.SET_POINT, self, tuple(writes))
+        self._exchange.put(self._writes)
+
+    def _word(self, controlword: int) -> WriteObject:
+        return writing(self._axis.settings.node, at.CONTROLWORD, DataType.UNSIGNED16.encode(controlword))
+
+    def _forget_unsent(self) -> None:
+        """Drop what has not left of the newest set-point; what the drive holds then is not known."""
+        writes = self._writes
+        if writes is not None and not writes.over:
+            self._exchange.drop(writes)
+            self._forget()
+
+    def _forget(self) -> None:
+        self._taken.clear()
+        self._set_point.word(DISABLE_VOLTAGE)
+
+
+class _Requested:
+    """Ends a request when its command has ended."""
+
+    __slots__ = ("_asked_at", "_note", "_request")
+
+    def __init__(self, request: ObjectRequest, note: Callable[[Result], None], now: Nanoseconds) -> None:
+        self._request = request
+        self._note = note
+        self._asked_at = now
+
+    def ended(self, _job: Job, _request: Request, result: Result, now: Nanoseconds) -> None:
+        """Take how the command ended."""
+        self._note(result)
+        self._request.end(outcome_of(self._request.transfer, result, now - self._asked_at), now)

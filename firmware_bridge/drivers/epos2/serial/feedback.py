@@ -1,0 +1,118 @@
+"""What is read from every drive over a serial line, how often, and what the answers make known.
+
+A serial line carries one command at a time. What safety and odometry hang on is read in every cycle; the rest
+takes turns, so that no cycle has more of it than one object.
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+from firmware_bridge.drivers.epos2.feedback import DriveFeedback
+from firmware_bridge.drivers.epos2.scale import wrapped
+from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.robot import Axis
+from firmware_bridge.units import Nanoseconds
+from firmware_bridge.wire.cia402 import Status, state_of
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.rows import DataType
+
+
+@dataclass(frozen=True, slots=True)
+class ReadRow:
+    """One object, read once in so many cycles."""
+
+    address: Address
+    type: DataType
+    name: str
+    every: int = 1
+    """Cycles."""
+    phase: int = 0
+    """The cycle of the first drive's turn."""
+    step: int = 0
+    """So many cycles later it is the next drive's."""
+
+    def due(self, cycle: int, place: int) -> bool:
+        """Return whether the drive at this place, from 0, is read in this cycle."""
+        return (cycle - self.phase - place * self.step) % self.every == 0
+
+
+POSITION: Final = ReadRow(at.POSITION_ACTUAL, DataType.INTEGER32, "position")
+STATUSWORD: Final = ReadRow(at.STATUSWORD, DataType.UNSIGNED16, "statusword")
+CURRENT: Final = ReadRow(at.CURRENT_AVERAGED, DataType.INTEGER16, "current", every=8, step=2)
+ERROR_REGISTER: Final = ReadRow(
+    at.ERROR_REGISTER, DataType.UNSIGNED8, "error register", every=20, phase=1, step=2
+)
+
+IN_EVERY_CYCLE: Final = (POSITION, STATUSWORD)
+"""All drives' positions first, so that they are of nearly one instant; the statuswords are newer."""
+IN_TURN: Final = (CURRENT, ERROR_REGISTER)
+
+
+class SerialFeedback(DriveFeedback):
+    """Filled in from the objects of one drive. A sample is whole when both have come in one cycle."""
+
+    __slots__ = ("_before", "_cycle_at", "_position")
+
+    def __init__(self, axis: Axis) -> None:
+        super().__init__(axis)
+        self._cycle_at: Nanoseconds = NEVER_HEARD
+        self._position: tuple[int, Nanoseconds] | None = None
+        """What this cycle has read, and when it was asked for."""
+        self._before: tuple[int, Nanoseconds] | None = None
+        """The same of the sample before, counted on across the counter's wrap."""
+
+    def begin(self, now: Nanoseconds) -> None:
+        """Begin a cycle: what is read from now on makes a new sample."""
+        self._cycle_at = now
+        self._position = None
+
+    def position_read(self, counter: int, asked_at: Nanoseconds) -> None:
+        """Take the position. The drive read it when it was asked, whenever this machine's port gave it."""
+        self._position = counter, asked_at
+
+    def statusword_read(self, word: int, now: Nanoseconds) -> None:
+        """Take the statusword, and with this cycle's position the sample.
+
+        A drive that is not remote any more after it was has restarted: only then it leaves NMT operational
+        without our command (EPOS Firmware Specification, statusword bit 9).
+        """
+        remote = bool(word & Status.REMOTE)
+        if self.expected and self.operational and not remote:
+            self.restarted = True
+            self.expected = False
+            self.forget_motion()
+        self.operational = remote
+        self.statusword = word
+        self.state = state_of(word) if remote else None
+        if self._position is not None and self.expected:
+            self._sample(*self._position, now)
+
+    def forget_motion(self) -> None:
+        """Count anew from the next sample on."""
+        super().forget_motion()
+        self._before = None
+
+    def lose(self) -> None:
+        """Forget the state: the line is gone, and whatever the drive does now, it does by itself."""
+        self.state, self.operational = None, False
+        self.expected = False
+        self.forget_motion()
+
+    def _sample(self, counter: int, asked_at: Nanoseconds, now: Nanoseconds) -> None:
+        """Take a whole sample, and shift it to the begin of the cycle: to the same instant for all drives.
+
+        Two wheels that are read one after the other would look like a robot that turns a little.
+        """
+        position, shift = counter, 0
+        if self._before is not None:
+            before, before_at = self._before
+            moved = wrapped(counter - before)
+            position = before + moved
+            elapsed = max(asked_at - before_at, 1)
+            self.move(moved, elapsed)
+            shift = round(moved * (asked_at - self._cycle_at) / elapsed)
+        self._before = position, asked_at
+        self.position_qc = position - shift
+        self.sampled_at = self._cycle_at
+        self.heard_at = now

@@ -1,0 +1,189 @@
+"""Whether a robot's cycle fits on a serial line of it: each command with its price, from the bytes up.
+
+A command costs the time of its bytes, what this machine's port keeps back at each turn of the talk, and,
+where it goes through the gateway, 0.13 ms (EPOS2 Application Notes, p. 168) and its frames on the CAN bus at
+their longest. A plan that does not fit is refused before anything moves: a line that is too slow would
+otherwise make every cycle late, and nobody would know.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from firmware_bridge.drivers.epos2.serial.client import reading, writing
+from firmware_bridge.drivers.epos2.serial.drive import TARGET
+from firmware_bridge.drivers.epos2.serial.feedback import IN_EVERY_CYCLE, IN_TURN, ReadRow
+from firmware_bridge.drivers.epos2.serial.link import guarding, heartbeat
+from firmware_bridge.robot import AnyRobot, Axis, Command
+from firmware_bridge.robot.settings.epos2 import Epos2Link
+from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.functions import OUTPUT_STATE
+from firmware_bridge.wire.epos2.objects import OBJECTS
+from firmware_bridge.wire.maxon.frame import ANSWER, Frame, Generation, encode_v1, encode_v2
+from firmware_bridge.wire.maxon.messages import Request
+from firmware_bridge.wire.maxon.opcodes import encode_request, row_of
+
+BITS_PER_BYTE: Final = 10
+GATEWAY: Final[Nanoseconds] = 130 * MICROSECOND
+LONGEST_FRAME: Final = 138
+"""Bits of a CAN frame with eight bytes, all stuff bits and the space behind it (CIA 301, CAN 2.0A)."""
+FRAMES: Final = 2
+"""Request and response."""
+HANDSHAKES: Final = {True: 4, False: 2}
+"""V1's single bytes beside the frames, where a command is answered and where it is not."""
+TURNS: Final = {True: 3, False: 2}
+"""How often in V1's dialogue the host waits for the device; in V2's it does once."""
+WORDS: Final = {Command.SPEED: ("controlword",), Command.POSITION: ("controlword", "released controlword")}
+"""Of one set-point: a position's bit is released in the middle of the cycle, too."""
+LONGEST_CYCLE_MS: Final = 1_000
+"""What a robot file may say."""
+
+
+class PlanError(Exception):
+    """A cycle that does not fit on the line: which object is too many, by how much, and what to do."""
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One command of a cycle."""
+
+    what: str
+    time: Nanoseconds
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """The fullest cycle, in the order in which its commands leave."""
+
+    cycle: Nanoseconds
+    samples: tuple[Entry, ...]
+    """What keeps the drives' watch quiet, and what is read in every cycle."""
+    set_points: tuple[Entry, ...]
+    in_turn: tuple[Entry, ...]
+
+    @property
+    def entries(self) -> tuple[Entry, ...]:
+        """Everything."""
+        return (*self.samples, *self.set_points, *self.in_turn)
+
+    @property
+    def time(self) -> Nanoseconds:
+        """How long the line is busy in the fullest cycle."""
+        return sum(entry.time for entry in self.entries)
+
+    @property
+    def answers_within(self) -> Nanoseconds:
+        """How long all samples take at most; one command more may have begun before them."""
+        return sum(entry.time for entry in self.samples) + max(entry.time for entry in self.entries)
+
+    def excess(self) -> tuple[Entry, Nanoseconds] | None:
+        """Return the first command that the cycle does not hold, and by how much; None where it holds all."""
+        spent: Nanoseconds = 0
+        for entry in self.entries:
+            spent += entry.time
+            if spent > self.cycle:
+                return entry, spent - self.cycle
+        return None
+
+
+def fitting_plan(robot: AnyRobot, name: str) -> Plan:
+    """Lay out the fullest cycle of the serial link of this name; PlanError where the cycle is too short."""
+    plan = plan_for(robot, name)
+    excess = plan.excess()
+    if excess is None:
+        return plan
+    entry, late = excess
+    raise PlanError(
+        f"link '{name}': a cycle of {plan.cycle // MILLISECOND} ms does not hold {entry.what}: it would end "
+        f"{late / MILLISECOND:.1f} ms too late, and the whole cycle takes {plan.time / MILLISECOND:.1f} ms. "
+        f"{_remedy(robot, name)}, or use a faster line: protocol v2, a higher baud, a port with less latency "
+        f"(links.{name}.port_latency_us)"
+    )
+
+
+def _remedy(robot: AnyRobot, name: str) -> str:
+    """Name the shortest cycle that fits; a longer one has to hold more heartbeats."""
+    for cycle_ms in range(robot.cycle_ms, LONGEST_CYCLE_MS + 1):
+        if plan_for(robot.model_copy(update={"cycle_ms": cycle_ms}), name).excess() is None:
+            return f"Say cycle_ms = {cycle_ms} or more in the robot file"
+    return "No longer cycle holds it"
+
+
+def plan_for(robot: AnyRobot, name: str) -> Plan:
+    """Lay out the fullest cycle of the serial link of this name."""
+    link, axes, nodes = robot.links[name], robot.axes_on(name), robot.nodes_on(name)
+    cycle = robot.cycle * link.every
+    beats = (
+        Entry("the bridge's heartbeat", _cost(link, heartbeat(link), through=False)),
+        Entry(f"guarding of node {link.guardian(nodes)}", _cost(link, guarding(link, nodes), through=True)),
+    ) * -(-cycle // (link.bridge_heartbeat_ms * MILLISECOND))
+    reads = [_read(link, row, axis) for row in IN_EVERY_CYCLE for axis in axes]
+    writes = [entry for axis in axes for entry in _written(link, axis)]
+    turn = max(
+        (tuple(_in_turn(link, axes, cycle)) for cycle in range(_period())),
+        key=lambda entries: sum(entry.time for entry in entries),
+    )
+    return Plan(cycle, (*beats, *reads), tuple(writes), (*turn, *_at_pins(robot, name, axes)))
+
+
+def _period() -> int:
+    period = 1
+    for row in IN_TURN:
+        period *= row.every
+    return period
+
+
+def _in_turn(link: Epos2Link, axes: Sequence[Axis], cycle: int) -> Iterator[Entry]:
+    for row in IN_TURN:
+        for place, axis in enumerate(axes):
+            if row.due(cycle, place):
+                yield _read(link, row, axis)
+
+
+def _at_pins(robot: AnyRobot, name: str, axes: Sequence[Axis]) -> Iterator[Entry]:
+    """Give the reads of the sensors on a link, and one write for each drive with outputs."""
+    link, by_name = robot.links[name], {axis.name: axis for axis in axes}
+    for axis in axes:
+        if any(output.settings.axis == axis.name for output in robot.outputs):
+            write = writing(axis.settings.node, OUTPUT_STATE, b"")
+            yield Entry(f"outputs of {axis.called}", _through(link, axis, write))
+    for sensor in robot.sensors:
+        if sensor.link == name:
+            address = Address(at.ANALOGUE_INPUT_1.index, sensor.settings.input)
+            row = ReadRow(address, OBJECTS[address].type, sensor.name)
+            yield _read(link, row, by_name[sensor.settings.axis])
+
+
+def _read(link: Epos2Link, row: ReadRow, axis: Axis) -> Entry:
+    request = reading(axis.settings.node, row.address)
+    return Entry(f"{row.name} of {axis.called}", _through(link, axis, request))
+
+
+def _written(link: Epos2Link, axis: Axis) -> Iterator[Entry]:
+    """Give the writes of one set-point."""
+    node = axis.settings.node
+    yield Entry(f"target of {axis.called}", _through(link, axis, writing(node, TARGET[axis.command], b"")))
+    for word in WORDS[axis.command]:
+        yield Entry(f"{word} of {axis.called}", _through(link, axis, writing(node, at.CONTROLWORD, b"")))
+
+
+def _through(link: Epos2Link, axis: Axis, request: Request) -> Nanoseconds:
+    return _cost(link, request, through=axis.settings.node != link.gateway)
+
+
+def _cost(link: Epos2Link, request: Request, *, through: bool) -> Nanoseconds:
+    """Return the longest time that one command keeps the line busy."""
+    row = row_of(request)
+    layout = row.answer.layout.size
+    frame, answer = encode_request(request), Frame(ANSWER, bytes(layout + layout % 2))
+    if link.protocol is Generation.V1:
+        answered = Generation.V1 in row.answered
+        size = len(encode_v1(frame)) + answered * len(encode_v1(answer)) + HANDSHAKES[answered]
+        turns = TURNS[answered]
+    else:
+        size, turns = len(encode_v2(frame)) + len(encode_v2(answer)), 1
+    on_line = size * BITS_PER_BYTE * SECOND // link.line_rate
+    on_bus = GATEWAY + FRAMES * LONGEST_FRAME * SECOND // link.bit_rate if through else 0
+    return on_line + turns * link.port_latency_us * MICROSECOND + on_bus

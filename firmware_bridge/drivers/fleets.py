@@ -1,0 +1,21 @@
+"""The drivers of one robot, link by link: the one place that knows which kinds of drivers there are."""
+
+from collections.abc import Callable, Mapping
+from typing import Final
+
+from firmware_bridge.drivers.epos2.can.fleet import can_fleet
+from firmware_bridge.drivers.epos2.serial.fleet import serial_fleet
+from firmware_bridge.drivers.fleet import Fleet
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.epos2 import Epos2Driver
+
+DRIVERS: Final[Mapping[str, Callable[[AnyRobot, str], Fleet]]] = {
+    Epos2Driver.CAN: can_fleet,
+    Epos2Driver.SERIAL: serial_fleet,
+}
+"""How a link's devices are made, by the driver that the robot file names."""
+
+
+def fleets_of(robot: AnyRobot) -> tuple[Fleet, ...]:
+    """Return the devices of each link, in the robot file's order; PlanError where a cycle does not fit."""
+    return tuple(DRIVERS[link.driver](robot, name) for name, link in robot.links.items())
