@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final
 
 from emulators.epos2.drive import Epos2
 from emulators.epos2.objects.catalogue import PROFILES
@@ -131,7 +131,7 @@ def plant_parameters(robot: AnyRobot) -> dict[str, float]:
     by_role = {axis.role: axis for axis in robot.axes}
     for key, (name, factor) in ROBOT_FILE.items():
         table, *rest = key.split(".")
-        owner = by_role[rest.pop(0)] if table == "axes" else getattr(robot, table)
+        owner: Any = by_role[rest.pop(0)] if table == "axes" else getattr(robot, table)
         for part in rest:
             owner = getattr(owner, part)
         found[name] = factor * float(owner)
