@@ -89,7 +89,8 @@ def _choices_at(model: type[BaseModel], location: tuple[int | str, ...]) -> list
             inner = next(_tables(annotation), None)
             if inner is None:
                 kinds = [annotation, *get_args(annotation)]
-                choices = [one for kind in kinds if isinstance(kind, EnumType) for one in kind] or kinds[1:]
+                members = [list(kind.__members__.values()) for kind in kinds if isinstance(kind, EnumType)]
+                choices = [one for listed in members for one in listed] or kinds[1:]
             else:
                 table = inner
     return choices

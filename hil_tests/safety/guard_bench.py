@@ -2,13 +2,15 @@
 
 import struct
 from dataclasses import dataclass, field
+from typing import Final
 
-from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.robot import Robot
-from firmware_bridge.safety.guard import Guarded, Refusal
-from firmware_bridge.safety.guard_rules import rules_for
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.safety.guard import Refusal, guarded
 from firmware_bridge.units import NEVER, Nanoseconds
+
+LINK: Final = "drives"
+"""The name of RARS's link."""
 
 
 @dataclass
@@ -46,14 +48,18 @@ class Stopping(Puppet):
 class Bench:
     """A puppet behind a guard."""
 
-    def __init__(self, robot: Robot, puppet: Puppet | None = None) -> None:
+    def __init__(self, robot: AnyRobot, puppet: Puppet | None = None) -> None:
         self.puppet = puppet or Puppet()
-        self.told: list[Refusal] = []
-        self.guard = Guarded(self.puppet, rules_for(robot), self.told.append)
+        self.refusals: list[Refusal] = []
+        self.guard = guarded(self.puppet, robot, self.refusals.append)
 
     def says(self, *packets: Packet, now: Nanoseconds = 0) -> tuple[Packet, ...]:
         self.puppet.says = packets
         return self.guard.wake(now).sent
+
+    def hears(self, *packets: Packet, now: Nanoseconds = 0) -> tuple[Packet, ...]:
+        """Bring packets to the guard; return what leaves meanwhile."""
+        return tuple(sent for packet in packets for sent in self.guard.receive(packet, now).sent)
 
     def refuses(self, packet: Packet, now: Nanoseconds = 0) -> tuple[str, tuple[Packet, ...]]:
         before = self.guard.refused
@@ -61,33 +67,48 @@ class Bench:
         assert self.guard.refused == before + 1
         refusal = self.guard.refusals[-1]
         assert (refusal.at, refusal.packet, refusal.sent) == (now, packet, sent)
-        assert self.told[-1] is refusal
+        assert self.refusals[-1] is refusal
         return refusal.reason, sent
 
 
 def frame(address: int, text: str) -> Packet:
-    return Packet(CAN, address, bytes.fromhex(text))
+    return Packet(LINK, address, bytes.fromhex(text))
 
 
 def wheel(node: int, word: int, rpm: int) -> Packet:
-    return Packet(CAN, 0x500 + node, struct.pack("<Hi", word, rpm))
+    return Packet(LINK, 0x500 + node, struct.pack("<Hi", word, rpm))
 
 
 def position(node: int, word: int, counts: int) -> Packet:
-    return Packet(CAN, 0x400 + node, struct.pack("<Hi", word, counts))
+    return Packet(LINK, 0x400 + node, struct.pack("<Hi", word, counts))
 
 
 def write(node: int, index: int, subindex: int, raw: bytes) -> Packet:
     """Expedited download with its size, CiA 301."""
     command = 0x23 | (4 - len(raw)) << 2
     return Packet(
-        CAN, 0x600 + node, bytes((command,)) + struct.pack("<HB", index, subindex) + raw.ljust(4, b"\0")
+        LINK, 0x600 + node, bytes((command,)) + struct.pack("<HB", index, subindex) + raw.ljust(4, b"\0")
     )
 
 
 def aborted(node: int, index: int, subindex: int) -> tuple[Packet, ...]:
-    return (Packet(CAN, 0x600 + node, b"\x80" + struct.pack("<HBI", index, subindex, 0x0800_0000)),)
+    return (Packet(LINK, 0x600 + node, b"\x80" + struct.pack("<HBI", index, subindex, 0x0800_0000)),)
 
 
 def raw(value: int, size: int) -> bytes:
     return (value & ((1 << 8 * size) - 1)).to_bytes(size, "little")
+
+
+def status(node: int, statusword: int) -> Packet:
+    """The first transmit PDO, which tells the statusword when it changes."""
+    return Packet(LINK, 0x180 + node, struct.pack("<H", statusword))
+
+
+def sample(node: int, statusword: int) -> Packet:
+    """The second transmit PDO: statusword, position, current."""
+    return Packet(LINK, 0x280 + node, struct.pack("<Hih", statusword, 4711, 12))
+
+
+def status_read(node: int, statusword: int) -> Packet:
+    """The answer to a read of 0x6041, CiA 301."""
+    return Packet(LINK, 0x580 + node, b"\x4b\x41\x60\x00" + struct.pack("<HH", statusword, 0))

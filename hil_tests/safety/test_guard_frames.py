@@ -7,14 +7,16 @@ import pytest
 
 from firmware_bridge.node import CAN, OPERATOR, SERIAL
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.robot import Robot
-from firmware_bridge.safety.guard import REMEMBERED, Guarded
-from firmware_bridge.safety.guard_rules import rules_for
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.safety.guard import guarded
+from firmware_bridge.safety.guard.guard import REMEMBERED
 from firmware_bridge.wire.can import ERROR, EXTENDED, REMOTE
-from hil_tests.safety.guard_bench import Bench, Puppet, frame, position, wheel
+from hil_tests.safety.guard_bench import LINK, Bench, Puppet, frame, position, wheel
 
 STEER_END: Final = 134_953
 """60 degrees: rack 40.0 mm (4.7), 2.666 rad of pinion (4.8), 159 times 2000 quadcounts a turn."""
+TOP_RPM: Final = 3_972
+"""16 rad/s at the wheel, 26 times, are 3972.5 turns a minute."""
 LIFT_END: Final = 2_890_879
 """86.7 mm of screw, 57.8 turns of 1.5 mm, 25 times 2000 quadcounts a turn."""
 
@@ -26,7 +28,7 @@ ADMITTED: Final = (
         wheel(node, word, rpm)
         for node in (1, 2)
         for word in (0x0000, 0x0002, 0x0006, 0x0007, 0x000B, 0x000F, 0x0080, 0x010F)
-        for rpm in (-4000, -1, 0, 1, 4000)
+        for rpm in (-TOP_RPM, -TOP_RPM + 1, -1, 0, 1, TOP_RPM - 1, TOP_RPM)
     ),
     *(
         position(node, word, counts)
@@ -57,7 +59,7 @@ REFUSED: Final = (
     (frame(0x764, "0505"), "content '05 05' is not listed"),
     # Identifiers: PDOs that are off, other nodes, the drives' own, flags.
     *(
-        (Packet(CAN, address, bytes(6)), f"identifier 0x{address:X} is not listed")
+        (Packet(LINK, address, bytes(6)), f"identifier 0x{address:X} is not listed")
         for address in (
             0x001, 0x07F, 0x081, 0x181, 0x201, 0x301, 0x401, 0x402, 0x403 | EXTENDED, 0x405, 0x500, 0x503,
             0x504, 0x501 | EXTENDED, 0x501 | REMOTE, 0x501 | ERROR, 0x581, 0x600, 0x605, 0x701, 0x763, 0x765,
@@ -68,9 +70,9 @@ REFUSED: Final = (
 
 SET_POINTS_REFUSED: Final = (
     *(
-        (wheel(node, 0x000F, rpm), f"target {rpm} rpm is not within -4000 to 4000 rpm")
+        (wheel(node, 0x000F, rpm), f"target {rpm} rpm is not within -3972 to 3972 rpm")
         for node in (1, 2)
-        for rpm in (4001, -4001, 2**31 - 1, -(2**31))
+        for rpm in (TOP_RPM + 1, -TOP_RPM - 1, 4000, 2**31 - 1, -(2**31))
     ),
     *(
         (position(3, 0x003F, counts), f"target {counts} qc is not within {-STEER_END} to {STEER_END} qc")
@@ -154,8 +156,9 @@ def test_datagrams_of_the_operator_pass_untouched(bench: Bench) -> None:
 
 def test_a_link_that_is_not_listed_is_refused(bench: Bench) -> None:
     bench.says(wheel(1, 0x000F, 100))
-    packet = Packet(SERIAL, 0x501, struct.pack("<Hi", 0x000F, 200))
-    assert bench.refuses(packet) == ("link 'serial' is not listed", (wheel(1, 0x000F, 0),))
+    for link in (SERIAL, CAN, ""):
+        packet = Packet(link, 0x501, struct.pack("<Hi", 0x000F, 200))
+        assert bench.refuses(packet) == (f"link '{link}' is not listed", (wheel(1, 0x000F, 0),))
 
 
 def test_packets_and_wakes_reach_the_node(bench: Bench) -> None:
@@ -171,8 +174,8 @@ def test_what_a_node_says_to_a_packet_is_judged_as_well(bench: Bench) -> None:
     assert bench.guard.refusals[0].at == 3
 
 
-def test_refusals_are_all_counted_and_the_newest_kept(robot: Robot) -> None:
-    guard = Guarded(Puppet(), rules_for(robot))
+def test_refusals_are_all_counted_and_the_newest_kept(robot: AnyRobot) -> None:
+    guard = guarded(Puppet(), robot)
     for n in range(REMEMBERED + 5):
         guard.node = Puppet((frame(0x123, f"{n % 256:02x}"),))
         guard.wake(n)
@@ -180,7 +183,7 @@ def test_refusals_are_all_counted_and_the_newest_kept(robot: Robot) -> None:
     assert [refusal.at for refusal in guard.refusals] == list(range(5, 105))
 
 
-def test_a_mirrored_lift_counts_downwards(robot: Robot) -> None:
+def test_a_mirrored_lift_counts_downwards(robot: AnyRobot) -> None:
     axes = tuple(axis.model_copy(update={"direction": -1}) for axis in robot.axes)
     bench = Bench(robot.model_copy(update={"axes": axes}))
     for low, high, node in ((-LIFT_END, 0, 4), (-STEER_END, STEER_END, 3)):

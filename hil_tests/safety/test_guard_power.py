@@ -4,11 +4,10 @@ from typing import Final
 
 import pytest
 
-from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
-from hil_tests.safety.guard_bench import Bench, aborted, frame, position, raw, wheel, write
+from hil_tests.safety.guard_bench import LINK, Bench, aborted, frame, position, raw, wheel, write
 
-START_NODE: Final = Packet(CAN, 0x000, b"\x01\x00")
+START_NODE: Final = Packet(LINK, 0x000, b"\x01\x00")
 
 
 def test_a_drive_with_power_keeps_its_watch_over_the_bridge(bench: Bench) -> None:
@@ -31,7 +30,7 @@ def test_a_drive_with_power_keeps_its_watch_over_the_bridge(bench: Bench) -> Non
 @pytest.mark.parametrize("command", [0x80, 0x81, 0x82])
 @pytest.mark.parametrize("addressed", [0, 2])
 def test_a_drive_that_moves_is_not_taken_off_the_bus(bench: Bench, command: int, addressed: int) -> None:
-    leave = Packet(CAN, 0x000, bytes((command, addressed)))
+    leave = Packet(LINK, 0x000, bytes((command, addressed)))
     bench.says(wheel(1, 0x000F, 0), wheel(2, 0x000F, 1), position(3, 0x000F, 5))
     assert bench.says(START_NODE) == (START_NODE,)
     reason, sent = bench.refuses(leave)
@@ -45,7 +44,7 @@ def test_a_drive_that_moves_is_not_taken_off_the_bus(bench: Bench, command: int,
 
 @pytest.mark.parametrize("addressed", [0, 2])
 def test_a_drive_that_left_the_bus_counts_as_without_power(bench: Bench, addressed: int) -> None:
-    bench.says(wheel(2, 0x000F, 0), Packet(CAN, 0x000, bytes((0x81, addressed))))
+    bench.says(wheel(2, 0x000F, 0), Packet(LINK, 0x000, bytes((0x81, addressed))))
     assert bench.refuses(wheel(2, 0x000F, 9999))[1] == (wheel(2, 0x0000, 0),)
 
 

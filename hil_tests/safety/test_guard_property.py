@@ -8,28 +8,29 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
-from firmware_bridge.node import CAN, OPERATOR
+from firmware_bridge.kinds import find
+from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot import Mode, find
-from firmware_bridge.safety.guard_rules import rules_for
+from firmware_bridge.robot import Command
+from firmware_bridge.safety.guard.epos2_can import Epos2CanRules
 from firmware_bridge.units import MILLISECOND, NEVER
-from hil_tests.safety.guard_bench import Bench
+from hil_tests.safety.guard_bench import LINK, Bench
 
 ROBOT: Final = find("rars")
-RULES: Final = rules_for(ROBOT)
+RULES: Final = Epos2CanRules(ROBOT, LINK)
 IDENTIFIERS: Final = st.sampled_from([*RULES.listed, 0x503, 0x404, 0x605, 0x123]) | st.integers(0, 2**32 - 1)
 WORDS: Final = st.sampled_from([0x0006, 0x0007, 0x000F, 0x003F, 0x010F, 0x0080, 0x000B, 0x0000, 0x001F])
 TARGETS: Final = st.sampled_from(
-    [0, 1, -1, 500, 4000, 4001, -4001, 134_953, 134_954, 2_890_879]
+    [0, 1, -1, 500, 3972, 3973, -3973, 134_953, 134_954, 2_890_879]
 ) | st.integers(-(2**31), 2**31 - 1)
 SET_POINTS: Final = st.builds(
-    lambda address, word, target: Packet(CAN, address, struct.pack("<Hi", word, target)),
+    lambda address, word, target: Packet(LINK, address, struct.pack("<Hi", word, target)),
     st.sampled_from([0x501, 0x502, 0x403, 0x404]),
     WORDS,
     TARGETS,
 )
 REQUESTS: Final = st.builds(
-    lambda node, head, rest: Packet(CAN, 0x600 + node, head + rest),
+    lambda node, head, rest: Packet(LINK, 0x600 + node, head + rest),
     st.integers(0, 5),
     st.sampled_from(
         [
@@ -40,16 +41,16 @@ REQUESTS: Final = st.builds(
     st.binary(max_size=4),
 )
 NETWORK: Final = st.builds(
-    lambda command, node: Packet(CAN, 0x000, bytes((command, node))),
+    lambda command, node: Packet(LINK, 0x000, bytes((command, node))),
     st.sampled_from([0x01, 0x02, 0x80, 0x81, 0x82]),
     st.integers(0, 5),
 )
 ANYTHING: Final = st.builds(
-    Packet, st.sampled_from([CAN, OPERATOR, "serial"]), IDENTIFIERS, st.binary(max_size=9)
+    Packet, st.sampled_from([LINK, OPERATOR, "serial"]), IDENTIFIERS, st.binary(max_size=9)
 )
 SPEECH: Final = st.lists(SET_POINTS | SET_POINTS | REQUESTS | NETWORK | ANYTHING, max_size=6)
-NODE_OF: Final = {rules.set_point_id: rules.axis.node for rules in RULES.axes}
-MODE_OF: Final = {axis.node: axis.mode for axis in ROBOT.axes}
+NODE_OF: Final = {0x501: 1, 0x502: 2, 0x403: 3, 0x404: 4}
+COMMAND_OF: Final = {axis.settings.node: axis.command for axis in ROBOT.axes}
 
 
 class AnySpeech(RuleBasedStateMachine):
@@ -60,8 +61,10 @@ class AnySpeech(RuleBasedStateMachine):
         self.bench = Bench(ROBOT)
         self.now = 0
         self.refused = 0
-        self.power = dict.fromkeys(MODE_OF, False)
-        self.moves = dict.fromkeys(MODE_OF, False)
+        self.power = dict.fromkeys(COMMAND_OF, False)
+        self.moves = dict.fromkeys(COMMAND_OF, False)
+        self.goal = dict.fromkeys(COMMAND_OF, False)
+        """Whether a position was sent since the power came on."""
 
     @rule(said=SPEECH, ms=st.sampled_from([0, 1, 49, 50, 149, 150, 400]))
     def the_bridge_speaks(self, said: list[Packet], ms: int) -> None:
@@ -88,7 +91,7 @@ class AnySpeech(RuleBasedStateMachine):
         for packet in sent:
             if packet.link == OPERATOR:
                 continue
-            assert packet.link == CAN
+            assert packet.link == LINK
             assert RULES.refuses(packet) is None
             if packet.address in NODE_OF:
                 self.obey(packet, said)
@@ -99,15 +102,15 @@ class AnySpeech(RuleBasedStateMachine):
 
     def leave(self, command: int, addressed: int) -> None:
         """Take a network command: all but the start make a drive deaf."""
-        for node in MODE_OF if addressed == 0 else (addressed,):
+        for node in COMMAND_OF if addressed == 0 else (addressed,):
             if command != 1:
                 assert not self.moves[node]
-                self.power[node] = False
+                self.power[node] = self.goal[node] = False
 
     def write(self, node: int, payload: bytes) -> None:
         """Take an SDO request, or a frame that drives do not mind."""
         if payload[:3] == b"\x2b\x40\x60":
-            self.power[node] = self.moves[node] = False
+            self.power[node] = self.moves[node] = self.goal[node] = False
         elif payload == bytes.fromhex("2316100100000000"):
             assert not self.power[node]
 
@@ -117,7 +120,9 @@ class AnySpeech(RuleBasedStateMachine):
         word, target = struct.unpack("<Hi", packet.payload)
         power = word in {0x000F, 0x003F, 0x010F}
         drives = word == 0x000F and target != 0
-        moves = drives if MODE_OF[node] is Mode.VELOCITY else word == 0x003F
+        self.goal[node] = word == 0x003F or (power and self.goal[node])
+        goes = self.goal[node] and word in {0x000F, 0x003F}
+        moves = drives if COMMAND_OF[node] is Command.SPEED else goes
         if packet not in said:
             assert not moves
             assert power == self.power[node]
@@ -127,7 +132,7 @@ class AnySpeech(RuleBasedStateMachine):
     @invariant()
     def refusals_are_told_and_counted(self) -> None:
         guard = self.bench.guard
-        assert guard.refused == len(self.bench.told) >= self.refused
+        assert guard.refused == len(self.bench.refusals) >= self.refused
         assert all(refusal.reason for refusal in guard.refusals)
         self.refused = guard.refused
 

@@ -4,13 +4,12 @@ from typing import Final
 
 import pytest
 
-from firmware_bridge.node import CAN, OPERATOR, Node
+from firmware_bridge.node import OPERATOR, Node
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.robot import Robot
-from firmware_bridge.safety.guard import Guarded
-from firmware_bridge.safety.guard_rules import rules_for
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.safety.guard import guarded
 from firmware_bridge.units import MILLISECOND, NEVER
-from hil_tests.safety.guard_bench import Bench, Puppet, Stopping, frame, position, wheel
+from hil_tests.safety.guard_bench import LINK, Bench, Puppet, Stopping, frame, position, wheel
 
 CYCLE: Final = 50 * MILLISECOND
 PATIENCE: Final = 3 * CYCLE
@@ -105,7 +104,7 @@ def test_it_stays_watchful_until_every_axis_is_spoken_for_again(bench: Bench) ->
         (frame(0x080, ""),),
         (wheel(1, 0x000F, 0), position(3, 0x000F, 7)),
         (wheel(1, 0x0006, 0), position(3, 0x010F, 7)),
-        (*MOVES, wheel(1, 0x000F, 0), wheel(2, 0x000F, 0), position(3, 0x000F, 700)),
+        (*MOVES, wheel(1, 0x000F, 0), wheel(2, 0x000F, 0), position(3, 0x010F, 700)),
     ],
 )
 def test_a_robot_that_is_told_to_rest_is_not_watched(bench: Bench, packets: tuple[Packet, ...]) -> None:
@@ -137,7 +136,7 @@ def test_the_earlier_of_both_wishes_wins(bench: Bench) -> None:
     assert bench.guard.wake(CYCLE).wake_at == CYCLE + PATIENCE
 
 
-def test_a_stop_is_passed_on_and_its_frames_judged(robot: Robot) -> None:
+def test_a_stop_is_passed_on_and_its_frames_judged(robot: AnyRobot) -> None:
     puppet = Stopping(wake_at=9)
     bench = Bench(robot, puppet)
     puppet.says = (wheel(1, 0x000F, 9999), wheel(2, 0x000F, 3))
@@ -145,7 +144,7 @@ def test_a_stop_is_passed_on_and_its_frames_judged(robot: Robot) -> None:
     assert puppet.heard == [(None, 4)]
 
 
-def test_while_it_ends_a_bridge_is_still_watched_and_then_let_go(robot: Robot) -> None:
+def test_while_it_ends_a_bridge_is_still_watched_and_then_let_go(robot: AnyRobot) -> None:
     puppet = Stopping(wake_at=99 * CYCLE)
     bench = Bench(robot, puppet)
     bench.says(*MOVES, now=CYCLE)
@@ -156,7 +155,7 @@ def test_while_it_ends_a_bridge_is_still_watched_and_then_let_go(robot: Robot) -
     assert bench.guard.wake(99 * CYCLE) == Reaction((), NEVER)
 
 
-def test_a_bridge_that_fails_while_stopping_is_made_safe(robot: Robot) -> None:
+def test_a_bridge_that_fails_while_stopping_is_made_safe(robot: AnyRobot) -> None:
     puppet = Stopping(wake_at=99 * CYCLE)
     bench = Bench(robot, puppet)
     bench.says(*MOVES, now=CYCLE)
@@ -172,17 +171,17 @@ def test_a_node_that_cannot_stop_is_made_safe(bench: Bench) -> None:
     assert bench.guard.stop(CYCLE) == Reaction(SAFE, NEVER)
 
 
-def test_a_node_that_fails_is_not_hidden(robot: Robot) -> None:
+def test_a_node_that_fails_is_not_hidden(robot: AnyRobot) -> None:
     class Broken(Puppet):
         def wake(self, now: int) -> Reaction:
             raise ValueError(now)
 
-    node: Node = Guarded(Broken(), rules_for(robot))
+    node: Node = guarded(Broken(), robot)
     with pytest.raises(ValueError, match="7"):
         node.wake(7)
 
 
-def test_a_guard_needs_no_listener(robot: Robot) -> None:
-    guard = Guarded(Puppet((Packet(CAN, 0x123, b""),)), rules_for(robot))
+def test_a_guard_needs_no_listener(robot: AnyRobot) -> None:
+    guard = guarded(Puppet((Packet(LINK, 0x123, b""),)), robot)
     assert guard.wake(0) == Reaction((), NEVER)
     assert guard.refused == 1

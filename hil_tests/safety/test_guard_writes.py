@@ -5,10 +5,9 @@ from typing import Final
 
 import pytest
 
-from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot import Robot
-from hil_tests.safety.guard_bench import Bench, aborted, frame, raw, write
+from firmware_bridge.robot import AnyRobot
+from hil_tests.safety.guard_bench import LINK, Bench, aborted, frame, raw, write
 
 STEER_END: Final = 134_953
 """60 degrees: rack 40.0 mm (4.7), 2.666 rad of pinion (4.8), 159 times 2000 quadcounts a turn."""
@@ -36,6 +35,8 @@ WRITES: Final = (
     (3, 0x6060, 0, 1, (1,), (0, 2, 3, 0xFF)),
     (1, 0x6086, 0, 2, (0,), (1,)),
     (1, 0x6081, 0, 4, (1, 4_000), (0, 4_001)),
+    (3, 0x6081, 0, 4, (1, 6_984), (0, 6_985)),
+    (4, 0x6081, 0, 4, (1, 6_994), (0, 6_995)),
     (1, 0x6083, 0, 4, (1, 5_700), (0, 5_701)),
     (1, 0x6084, 0, 4, (5_700,), (5_699, 5_701)),
     (1, 0x6085, 0, 4, (5_400,), (5_399, 5_401)),
@@ -52,7 +53,7 @@ WRITES: Final = (
     (1, 0x1603, 1, 4, (0x6040_0010,), (0x6060_0008, 0)),
     (1, 0x1603, 2, 4, (0x60FF_0020,), (0x607A_0020, 0x6083_0020)),
     (3, 0x1602, 2, 4, (0x607A_0020,), (0x60FF_0020,)),
-    # Transmit PDOs carry what they like under their own identifiers.
+    # Transmit PDOs carry what they like under their own identifiers; the first two begin with the statusword.
     *(
         (2, 0x1800 + n, 1, 4, (0x4000_0182 + 0x100 * n, 0xC000_0182 + 0x100 * n), (0x182 + 0x100 * n, 0))
         for n in range(4)
@@ -60,7 +61,9 @@ WRITES: Final = (
     *((2, 0x1800 + n, 2, 1, (1, 255), (0, 2, 254)) for n in range(4)),
     *((2, 0x1800 + n, 3, 2, (0, 10, 0xFFFF), ()) for n in range(4)),
     *((2, 0x1A00 + n, 0, 1, (0, 3, 8), (9,)) for n in range(4)),
-    *((2, 0x1A00 + n, 1, 4, (0, 0x6041_0010, 2**32 - 1), ()) for n in range(4)),
+    *((2, 0x1A00 + n, 1, 4, (0x6041_0010,), (0, 0x6041_0008, 0x6064_0020)) for n in (0, 1)),
+    *((2, 0x1A00 + n, 1, 4, (0, 0x6041_0010, 2**32 - 1), ()) for n in (2, 3)),
+    *((2, 0x1A01, entry, 4, (0, 2**32 - 1), ()) for entry in range(2, 9)),
     *((2, 0x1A03, entry, 4, (0, 2**32 - 1), ()) for entry in range(1, 9)),
 )
 GAINS: Final = (
@@ -110,15 +113,15 @@ def test_a_refused_write_is_told_with_its_bounds(bench: Bench, packet: Packet, r
 
 
 @pytest.mark.parametrize(("index", "subindex", "name"), GAINS)
-def test_gains_are_those_of_the_robot_file(robot: Robot, index: int, subindex: int, name: str) -> None:
+def test_gains_are_those_of_the_robot_file(robot: AnyRobot, index: int, subindex: int, name: str) -> None:
     for axis in robot.axes:
         bench = Bench(robot)
-        gain = getattr(axis.gains, name)
-        packet = write(axis.node, index, subindex, raw(gain, 2))
+        gain = getattr(axis.settings.gains, name)
+        packet = write(axis.settings.node, index, subindex, raw(gain, 2))
         assert bench.says(packet) == (packet,)
         for other in (gain + 1, gain - 1):
-            assert bench.refuses(write(axis.node, index, subindex, raw(other, 2)))[1] == aborted(
-                axis.node, index, subindex
+            assert bench.refuses(write(axis.settings.node, index, subindex, raw(other, 2)))[1] == aborted(
+                axis.settings.node, index, subindex
             )
 
 
@@ -159,5 +162,5 @@ def test_other_services_are_answered_with_an_abort(bench: Bench, payload: str, r
     told, sent = bench.refuses(packet)
     assert told == reason
     assert sent == (
-        Packet(CAN, 0x602, b"\x80" + packet.payload[1:4].ljust(3, b"\0") + bytes.fromhex("00000008")),
+        Packet(LINK, 0x602, b"\x80" + packet.payload[1:4].ljust(3, b"\0") + bytes.fromhex("00000008")),
     )
