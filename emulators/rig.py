@@ -1,18 +1,19 @@
 """One robot put together: operator, bridge, bus, drives and plant in the virtual world."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
+from emulators.bench.faults import BRIDGE, OPERATOR_STATION, Fault, Faults, Site
 from emulators.bench.mission import Noise
 from emulators.bench.records import SAMPLE_EVERY, HoldRecord, Sample
 from emulators.devices import BODY, devices
 from emulators.line import Line
 from emulators.rewind import Moment, Rewind
 from emulators.servo.bank import plant_outputs
-from emulators.wires import CanWire, DatagramWire
+from emulators.wires import DatagramWire, FaultyCanWire
 from emulators.world import Wire, World
 from firmware_bridge.bridge import Bridge
 from firmware_bridge.node import CAN, OPERATOR, SERIAL, Node
@@ -24,8 +25,7 @@ from firmware_bridge.wire.maxon.frame import Generation
 LINK_STREAM: Final = 1
 """Which stream of random numbers the operator's link draws from, beside the run's seed."""
 QUIET: Final = Noise()
-BRIDGE: Final = "bridge"
-OPERATOR_STATION: Final = "operator"
+__all__ = ["BRIDGE", "OPERATOR_STATION", "QUIET", "Rig", "build"]
 
 
 def _served(robot: Robot) -> Mapping[str, Generation]:
@@ -50,6 +50,7 @@ class Rig:
         seed: int = 0,
         noise: Noise = QUIET,
         realistic_latency: bool = False,
+        faults: Sequence[Fault] = (),
     ) -> None:
         self.robot: Final = robot
         self.devices: Final = devices(
@@ -57,7 +58,7 @@ class Rig:
         )
         self.bridge: Final = Bridge(robot)
         self.guard: Final = guarded(self.bridge, robot)
-        self.can_wire: Final = CanWire(robot.bus.bit_rate)
+        self.can_wire: Final = FaultyCanWire(robot.bus.bit_rate)
         self.operator_wire: Final = DatagramWire(
             round(noise.delay_ms * MILLISECOND),
             round(noise.jitter_ms * MILLISECOND),
@@ -77,6 +78,12 @@ class Rig:
             links = {SERIAL: self.line.wire, OPERATOR: self.operator_wire}
             self.world.attach(BRIDGE, self.line.adapter, links)
         self.world.attach(OPERATOR_STATION, operator, {OPERATOR: self.operator_wire})
+        adapter = None if self.line is None else self.line.adapter
+        axes = {axis.name: axis for axis in self.devices.bank.axes}
+        wires = self.can_wire, self.operator_wire
+        site = Site(robot, self.world, *wires, drives=self.devices.drives, axes=axes, adapter=adapter)
+        self.faults: Final = Faults(site, seed)
+        self.faults.plan(faults)
         self.samples: Final[list[Sample]] = []
         self.holds: Final[list[HoldRecord]] = []
         self._noted = self.bridge.holds
@@ -140,7 +147,13 @@ class Rig:
 
 
 def build(
-    robot: Robot, operator: Node, *, plant_path: Path | None = None, seed: int = 0, noise: Noise = QUIET
+    robot: Robot,
+    operator: Node,
+    *,
+    plant_path: Path | None = None,
+    seed: int = 0,
+    noise: Noise = QUIET,
+    faults: Sequence[Fault] = (),
 ) -> Rig:
-    """Put a robot on the bench."""
-    return Rig(robot, operator, plant_path=plant_path, seed=seed, noise=noise)
+    """Put a robot on the bench; FaultError for faults that it cannot meet."""
+    return Rig(robot, operator, plant_path=plant_path, seed=seed, noise=noise, faults=faults)

@@ -53,7 +53,14 @@ def drive(order: Order, progress: Progress) -> Summary:
     order.folder.mkdir(parents=True, exist_ok=True)
     hand = np.random.default_rng([order.seed, HAND_STREAM])
     operator = ScriptedOperator(order.robot, order.mission, hand)
-    rig = build(order.robot, operator, plant_path=order.plant, seed=order.seed, noise=order.mission.noise)
+    rig = build(
+        order.robot,
+        operator,
+        plant_path=order.plant,
+        seed=order.seed,
+        noise=order.mission.noise,
+        faults=order.mission.fault,
+    )
     begun = time.perf_counter()
     with _recorded(rig, order.folder):
         until = 0

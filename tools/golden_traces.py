@@ -52,7 +52,7 @@ def trace(name: str) -> str:
     robot = find(ROBOT)
     script = mission.find(name, robot)
     operator = ScriptedOperator(robot, script, np.random.default_rng([SEED, HAND_STREAM]))
-    rig = build(robot, operator, seed=SEED, noise=script.noise)
+    rig = build(robot, operator, seed=SEED, noise=script.noise, faults=script.fault)
     rig.run(from_seconds(SECONDS))
     rig.finish()
     return rig.world.trace_sha256

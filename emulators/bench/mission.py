@@ -6,6 +6,7 @@ mission asks is nobody's business here: missions exist to ask for too much.
 
 import math
 import tomllib
+from collections.abc import Sequence
 from difflib import get_close_matches
 from enum import StrEnum
 from importlib import resources
@@ -16,6 +17,7 @@ from typing import Annotated, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 from pydantic_core import ErrorDetails
 
+from emulators.bench.faults import WRONG, FaultTable, misfits
 from emulators.bench.strays import Stray
 from firmware_bridge.robot import Robot
 
@@ -134,6 +136,8 @@ class Mission(_Table):
     input: Annotated[Input, Field(strict=False)] = Input.STICK
     noise: Noise = Noise()
     step: Annotated[tuple[Step, ...], Field(min_length=1, strict=False)]
+    fault: Annotated[tuple[FaultTable, ...], Field(strict=False)] = ()
+    """What goes wrong meanwhile: `docs/faults.md`."""
 
     @model_validator(mode="after")
     def _steps_are_in_order(self) -> Self:
@@ -146,6 +150,12 @@ class Mission(_Table):
             raise ValueError(
                 f"step '{self.step[-1].title}' is not before the end, duration_s = {self.duration_s:g}"
             )
+        for fault in self.fault:
+            if fault.at_s >= self.duration_s:
+                raise ValueError(
+                    f"fault '{fault.kind}' at {fault.at_s:g} s is not before the end,"
+                    f" duration_s = {self.duration_s:g}"
+                )
         return self
 
 
@@ -158,9 +168,11 @@ def parse(text: str, file: str, robot: Robot) -> Mission:
     try:
         mission = Mission.model_validate(table)
     except ValidationError as error:
-        first = error.errors()[0]
-        raise MissionFileError(file, _path(first["loc"]), _problem(first)) from error
+        raise _all(file, [(_path(each["loc"]), _problem(each)) for each in error.errors()]) from error
     _fit(mission, robot, file)
+    problems = list(misfits(mission.fault, robot))
+    if problems:
+        raise _all(file, problems)
     return mission
 
 
@@ -224,8 +236,17 @@ def _fit(mission: Mission, robot: Robot, file: str) -> None:
                 raise MissionFileError(file, f"step[{index}].{key}", f"'{step.title}' {problem}")
 
 
+def _all(file: str, problems: Sequence[tuple[str, str]]) -> MissionFileError:
+    """Return one error that says everything, a line each."""
+    (key, problem), *others = problems
+    more = "".join(f"\n{MissionFileError(file, *other)}" for other in others)
+    return MissionFileError(file, key, problem + more)
+
+
 def _problem(error: ErrorDetails) -> str:
     location = error["loc"]
+    if error["type"] == WRONG:
+        return error["msg"]
     if error["type"] == "extra_forbidden":
         inner = {"step": list(Step.model_fields), "noise": list(Noise.model_fields)}
         known = inner[str(location[0])] if len(location) > 1 else list(Mission.model_fields)

@@ -1,7 +1,7 @@
 """Damaged frames on the CAN bus: sent again, counted by the rules of ISO 11898-1, off the bus and back."""
 
 from emulators.wires.confinement import Condition, Confinement
-from emulators.wires.disturbed import Disturbance, DisturbedCanWire
+from emulators.wires.faulty_can import Disturbance, FaultyCanWire
 from emulators.world import World
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
@@ -9,11 +9,11 @@ from firmware_bridge.wire.can import ERROR, frame_bits
 from firmware_bridge.wire.can_error import BUS_OFF, CONTROLLER, RESTARTED, TRANSMIT_PASSIVE, decode_report
 from hil_tests.unit.world.players import Player, frame
 
-Bus = tuple[World, DisturbedCanWire, list[Player]]
+Bus = tuple[World, FaultyCanWire, list[Player]]
 
 
 def bus_of(*players: Player, depth: int | None = None) -> Bus:
-    world, wire = World(), DisturbedCanWire(1_000_000, depth=depth)
+    world, wire = World(), FaultyCanWire(1_000_000, depth=depth)
     for number, player in enumerate(players):
         world.attach(f"node{number}", player, {"can": wire})
     return world, wire, list(players)
