@@ -107,6 +107,9 @@ class FaultyCanWire(CanWire):
         self._parked: dict[Station, deque[Packet]] = {}
         """What waits where a controller is off the bus, or finds nobody to acknowledge its frames."""
         self._full: set[Station] = set()
+        """Whose transmit queue, ..."""
+        self._overrun: set[Station] = set()
+        """... or receive queue overflows, and has reported it."""
         self._beyond: frozenset[str] = frozenset()
         """The stations on the far side of a cut."""
         self._swapped: frozenset[str] = frozenset()
@@ -174,6 +177,7 @@ class FaultyCanWire(CanWire):
         del self._counters[station]
         self._parked.pop(station, None)
         self._full.discard(station)
+        self._overrun.discard(station)
 
     def carry(self, sender: Station, packet: Packet) -> None:
         """Queue a frame; a station that cannot send now sends it when it can."""
@@ -265,8 +269,12 @@ class FaultyCanWire(CanWire):
             counters = self._counters[station]
             missed = station is wrong
             self._tell(station, changed=counters.failed_to_hear(first=True) if missed else counters.heard())
-        if full is not None and full in hearers:
-            self._report(full, CONTROLLER, RECEIVE_OVERFLOW, Loss.OBJECT)
+        for station in hearers:
+            if station is not full:
+                self._overrun.discard(station)
+            elif full not in self._overrun:  # told once, until a frame gets through
+                self._overrun.add(full)
+                self._report(full, CONTROLLER, RECEIVE_OVERFLOW, Loss.OBJECT)
 
     def _damage(self, controller: Controller, first: Station | None, hearers: list[Station]) -> None:
         """End a frame with an error flag: everybody counts, and it waits to be sent again."""

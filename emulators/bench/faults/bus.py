@@ -31,6 +31,8 @@ _COMMANDS: Final = {
     "reset_node": NmtCommand.RESET_NODE,
     "reset_communication": NmtCommand.RESET_COMMUNICATION,
 }
+_AHEAD: Final = 2
+"""Frames in a babbler's queue: with one under way and one behind it the bus is never idle."""
 Sender = Annotated[Node | None, Field(description="whose frames; without it everybody's")]
 Receiver = Annotated[Node, Field(description="who sees them wrongly")]
 
@@ -179,10 +181,11 @@ class BabblingNode(Lasting):
     """A stranger floods the bus."""
 
     kind: ClassVar = "babbling_node"
+    among: ClassVar = Stations.NONE
     identifier: Annotated[int, Field(ge=1, le=0x7FF, description="of its frames; the lowest goes first")] = 1
     every_us: Annotated[
         int, Field(ge=50, le=1_000_000, description="between two frames of 8 bytes, in us")
-    ] = 150
+    ] = 200
 
     def put_on(self, site: Site, chance: Generator) -> None:
         """Begin to babble."""
@@ -192,7 +195,7 @@ class BabblingNode(Lasting):
     def _babble(self, site: Site) -> None:
         world = site.world
         if world.now < self.end:
-            if not site.still_sending:
+            if site.waiting < _AHEAD:
                 site.send(self.identifier, bytes(8))
             world.call_at(world.now + self.every_us * MICROSECOND, self._babble, site)
 

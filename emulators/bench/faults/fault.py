@@ -28,9 +28,12 @@ class Stations(Enum):
     DRIVES = "a drive"
     ON_THE_BUS = "a node on the CAN bus"
     ALL = "a drive or the bridge"
+    NONE = "nobody"
 
     def of(self, robot: Robot) -> list[str]:
         """Return their names; on the bus in the order in which they lie on the cable."""
+        if self is Stations.NONE:
+            return []
         drives = [axis.name for axis in robot.axes]
         bridge = self is Stations.ALL or (self is Stations.ON_THE_BUS and robot.bus.link is Link.CAN)
         return [BRIDGE, *drives] if bridge else drives

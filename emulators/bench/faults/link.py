@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar, Literal
 from numpy.random import Generator
 from pydantic import Field
 
-from emulators.bench.faults.fault import Lasting, NonNegative, Positive, Problem, Share
+from emulators.bench.faults.fault import Lasting, NonNegative, Positive, Problem, Share, Stations
 from emulators.bench.faults.site import Site
 from emulators.wires import Impairment
 from emulators.world import WorldError
@@ -20,6 +20,7 @@ Sender = Annotated[
 
 
 class _Datagrams(Lasting, ABC):
+    among: ClassVar = Stations.NONE
     sender: Sender = None
     share: Share = 1.0
 
@@ -70,6 +71,7 @@ class SerialUnplugged(Lasting):
     """The adapter between the bridge and the serial line is pulled out."""
 
     kind: ClassVar = "serial_unplugged"
+    among: ClassVar = Stations.NONE
 
     def problems(self, robot: Robot) -> Iterator[Problem]:
         """Give what this robot lacks for it."""

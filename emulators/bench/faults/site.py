@@ -72,9 +72,9 @@ class Site:
         self.can.carry(self._stranger, Packet(CAN, address, payload))
 
     @property
-    def still_sending(self) -> bool:
-        """Whether a frame of the stranger's waits or is under way."""
-        return self._stranger is not None and self.can.waiting(self._stranger) > 0
+    def waiting(self) -> int:
+        """How many frames of the stranger's wait or are under way."""
+        return 0 if self._stranger is None else self.can.waiting(self._stranger)
 
     def switch_off(self, name: str) -> None:
         """Take the supply from a drive, logic included: it is off its wires, its motor without power."""

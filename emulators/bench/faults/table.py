@@ -265,10 +265,9 @@ def _collision(one: Fault, other: Fault, robot: Robot) -> str | None:
     thing = KINDS[one.kind].acts_on
     if not thing or thing != KINDS[other.kind].acts_on:
         return None
-    apart = one.end <= other.begin or other.end <= one.begin
-    if apart or not one.targets(robot) & other.targets(robot):
-        return None
-    return thing
+    mine, yours = one.targets(robot), other.targets(robot)
+    together = one.begin < other.end and other.begin < one.end and (mine & yours or not mine)
+    return thing if together else None
 
 
 def _said(kind: Kind, error: ErrorDetails) -> InitErrorDetails:
