@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from emulators.epos2.catalogue import PROFILES
+from emulators.epos2.objects.catalogue import PROFILES
 from emulators.single import SUPPLY_MV, Order, drives
 from emulators.wires import CanWire, SerialWire, usb_line
 from emulators.world import World
