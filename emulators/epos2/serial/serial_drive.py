@@ -11,7 +11,7 @@ from emulators.epos2.control.motion_control import MotionControl
 from emulators.epos2.drive import Epos2
 from emulators.epos2.objects.device_profile import EPOS2_70_10, DeviceProfile
 from emulators.epos2.objects.saved_parameters import Storage
-from emulators.epos2.serial.bus import Bus
+from emulators.epos2.serial.can_gateway import DriveOnBus
 from emulators.epos2.serial.serial_port import BAUDS, SerialPort
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.node import SERIAL
@@ -37,8 +37,8 @@ class SerialEpos2(Epos2):
     ) -> None:
         """Give the drive a port, V1 on RS232 or V2 on USB; the rest is as in `Epos2`."""
         super().__init__(node_id, axis, profile, motion, storage=storage, bus_rate=bus_rate)
-        bus = Bus(lambda: self.node_id, super()._send, self._overhear, self._written)
-        self._port: Final = SerialPort(self.store, profile, generation, bus)
+        drive = DriveOnBus(lambda: self.node_id, super()._send, self._overhear, self._written)
+        self._port: Final = SerialPort(self.store, profile, generation, drive)
 
     @property
     def baud(self) -> int:
@@ -81,7 +81,7 @@ class SerialEpos2(Epos2):
         said = self._port.taken()
         wake_at = min(reaction.wake_at, self._port.due)
         if wake_at != reaction.wake_at:
-            self._outbox.idle = Reaction((), wake_at)
+            self._transmit.idle = Reaction((), wake_at)
         if not said:
             return Reaction(reaction.sent, wake_at)
         return Reaction((*reaction.sent, Packet(SERIAL, 0, said)), wake_at)
