@@ -82,10 +82,10 @@ def drive(order: Order, progress: Progress) -> Summary:
         links_sha256=rig.world.links_sha256,
         line=None if rig.line is None else rig.line.told(order.robot, order.duration),
     )
-    summary = summarise(run, rig.samples, rig.holds)
+    summary = summarise(run, rig.samples, rig.holds, rig.faults.records)
     (order.folder / "summary.json").write_text(as_json(summary), encoding="utf-8")
     title = f"{order.robot.name} · {order.mission_name} · seed {order.seed}"
-    draw(order.folder, title, order.robot, rig.samples, rig.holds)
+    draw(order.folder, title, order.robot, rig.samples, rig.holds, faults=rig.faults.records)
     return summary
 
 

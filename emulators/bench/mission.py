@@ -168,7 +168,7 @@ def parse(text: str, file: str, robot: Robot) -> Mission:
     try:
         mission = Mission.model_validate(table)
     except ValidationError as error:
-        raise _all(file, [(_path(each["loc"]), _problem(each)) for each in error.errors()]) from error
+        raise _all(file, [(_path(each["loc"]), _problem(each)) for each in _causes(error)]) from error
     _fit(mission, robot, file)
     problems = list(misfits(mission.fault, robot))
     if problems:
@@ -234,6 +234,12 @@ def _fit(mission: Mission, robot: Robot, file: str) -> None:
         for key, is_wrong in wrong.items():
             if is_wrong:
                 raise MissionFileError(file, f"step[{index}].{key}", f"'{step.title}' {problem}")
+
+
+def _causes(error: ValidationError) -> list[ErrorDetails]:
+    """Return what is wrong without what is wrong only because something inside of it is."""
+    inner = {each["loc"][:length] for each in error.errors() for length in range(len(each["loc"]))}
+    return [each for each in error.errors() if each["loc"] not in inner or not each["loc"]]
 
 
 def _all(file: str, problems: Sequence[tuple[str, str]]) -> MissionFileError:

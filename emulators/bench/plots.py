@@ -11,11 +11,13 @@ from matplotlib import style
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from emulators.bench.fault_marks import mark_faults
 from emulators.bench.look import PALE, STYLE
 from emulators.bench.path_picture import path_picture
-from emulators.bench.records import HoldRecord, Sample
+from emulators.bench.records import FaultRecord, HoldRecord, Sample
 from emulators.bench.time_pictures import currents_picture, holds_picture, speeds_picture
 from firmware_bridge.robot import Robot
+from firmware_bridge.units import to_seconds
 
 Draw: TypeAlias = Callable[[Figure, Robot, Sequence[Sample], Sequence[HoldRecord]], None]
 
@@ -26,9 +28,18 @@ PICTURES: Final[Mapping[str, Draw]] = {
     "holds": holds_picture,
 }
 
+OVER_TIME: Final = frozenset({"speeds", "currents", "holds"})
+"""Pictures whose axes are seconds."""
+
 
 def draw(
-    folder: Path, title: str, robot: Robot, samples: Sequence[Sample], holds: Sequence[HoldRecord]
+    folder: Path,
+    title: str,
+    robot: Robot,
+    samples: Sequence[Sample],
+    holds: Sequence[HoldRecord],
+    *,
+    faults: Sequence[FaultRecord] = (),
 ) -> list[Path]:
     """Write one PNG for each picture into `folder` and return their paths; no rows, no pictures."""
     written = []
@@ -37,6 +48,8 @@ def draw(
             figure = Figure(layout="constrained")
             FigureCanvasAgg(figure)
             picture(figure, robot, samples, holds)
+            if name in OVER_TIME:
+                mark_faults(figure.axes, faults, to_seconds(samples[-1].at))
             figure.suptitle(title, x=0.01, ha="left", fontsize=9.5, color=PALE)
             path = folder / f"{name}.png"
             figure.savefig(path, metadata={"Software": None})

@@ -8,7 +8,7 @@ from typing import Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from emulators.bench.records import SAMPLE_EVERY, HoldRecord, Sample
+from emulators.bench.records import SAMPLE_EVERY, FaultRecord, HoldRecord, Sample
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
 ACCELERATION_WINDOW: Final[Nanoseconds] = 50 * MILLISECOND
@@ -62,6 +62,17 @@ class Held:
 
 
 @dataclass(frozen=True, slots=True)
+class Faulted:
+    """One fault that was put on, in seconds from the start of the run."""
+
+    kind: str
+    title: str
+    nodes: tuple[str, ...]
+    began_s: float
+    ended_s: float | None
+
+
+@dataclass(frozen=True, slots=True)
 class Summary:
     """What `summary.json` holds; the names of the fields are its keys."""
 
@@ -89,11 +100,14 @@ class Summary:
     links_sha256: dict[str, str]
     """Of each link alone, by its name: which one a change has reached."""
     holds: tuple[Held, ...]
+    faults: tuple[Faulted, ...] = ()
     line: LineRun | None = None
     """None where the bridge is on the CAN bus itself."""
 
 
-def summarise(run: Run, samples: Sequence[Sample], holds: Sequence[HoldRecord]) -> Summary:
+def summarise(
+    run: Run, samples: Sequence[Sample], holds: Sequence[HoldRecord], faults: Sequence[FaultRecord] = ()
+) -> Summary:
     """Turn a run's rows into its numbers; a run without rows has not moved."""
     speed = _column([row.speed_mps for row in samples])
     lateral = speed * _column([row.yaw_rate_rad_s for row in samples])
@@ -127,6 +141,16 @@ def summarise(run: Run, samples: Sequence[Sample], holds: Sequence[HoldRecord]) 
                 ended_s=None if hold.ended is None else to_seconds(hold.ended),
             )
             for hold in holds
+        ),
+        faults=tuple(
+            Faulted(
+                kind=fault.kind,
+                title=fault.title,
+                nodes=fault.nodes,
+                began_s=to_seconds(fault.began),
+                ended_s=None if fault.ended is None else to_seconds(fault.ended),
+            )
+            for fault in faults
         ),
         line=run.line,
     )

@@ -252,7 +252,9 @@ class FaultyCanWire(CanWire):
 
     def _jammed(self) -> bool:
         """Whether a station with swapped wires repeats a frame: its dominant bits cancel everybody's."""
-        return any(station.name in self._swapped for station in self._parked)
+        if not self._swapped:
+            return False
+        return any(self.waiting(one) > 0 for one in self._counters if one.name in self._swapped)
 
     def _pass(self, controller: Controller, wrong: Station | None, hearers: list[Station]) -> None:
         """End a frame that has gone well for all but one at most."""

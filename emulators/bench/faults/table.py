@@ -237,9 +237,9 @@ def read(table: Any) -> Fault:
     try:
         return kind.fault.model_validate(rest)
     except ValidationError as error:
-        raise ValidationError.from_exception_data(
-            WRONG, [_said(kind, each) for each in error.errors()]
-        ) from None
+        # One line for a key: of a value that is neither a name nor a number pydantic would say two things.
+        said = {each["loc"][:1]: _said(kind, each) for each in reversed(error.errors())}
+        raise ValidationError.from_exception_data(WRONG, list(reversed(said.values()))) from None
 
 
 FaultTable: TypeAlias = Annotated[InstanceOf[Fault], BeforeValidator(read)]
