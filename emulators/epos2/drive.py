@@ -91,12 +91,12 @@ class Epos2:
         """Take one frame of the bus."""
         if not self._powered:
             return self.wake(now)
-        heard = self._routes.get(packet.address)
-        if heard is None:
+        handle = self._routes.get(packet.address)
+        if handle is None:
             return self._transmit.idle
         self._now = now
         self.motion.refresh(now)
-        heard(packet.payload, now)
+        handle(packet.payload, now)
         return self._settle()
 
     def wake(self, now: Nanoseconds) -> Reaction:

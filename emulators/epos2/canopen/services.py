@@ -14,7 +14,7 @@ from emulators.epos2.canopen.heartbeat import ErrorControl
 from emulators.epos2.canopen.identity import Identity
 from emulators.epos2.canopen.motion_protocol import MotionProtocol
 from emulators.epos2.canopen.nmt import SERVICES, Service
-from emulators.epos2.canopen.process_data import Heard, ProcessData, ReceivePdo, TransmitPdo
+from emulators.epos2.canopen.process_data import FrameHandler, ProcessData, ReceivePdo, TransmitPdo
 from emulators.epos2.canopen.sdo_server import SdoServer
 from emulators.epos2.canopen.transmit_queue import TransmitQueue
 from emulators.epos2.objects.device_profile import DeviceProfile
@@ -90,10 +90,10 @@ class Services:
                 self._send(address, payload)
         return others
 
-    def routes(self) -> dict[int, Heard]:
-        """Say which identifiers count in this state, and who hears them."""
+    def routes(self) -> dict[int, FrameHandler]:
+        """Say which identifiers count in this state, and who takes their frames."""
         services, node = SERVICES[self.state], self._identity.node
-        routes: dict[int, Heard] = {}
+        routes: dict[int, FrameHandler] = {}
         if Service.PDO in services:
             routes = self.pdo.routes(self._hear_collision, self._hear_request, self._hear_pdo)
         if Service.ERROR_CONTROL in services:

@@ -1,7 +1,7 @@
 """Device control: controlwords, input pins and errors, one after the other, each moves the power state.
 
-Source: CiA 402, device control; maxon's part of it in `power_states`. It refuses to know what a transition
-does to power stage and brake.
+Source: CiA 402, device control; maxon's part of it in `power_states`. What a transition does to power stage
+and brake is `power_sequence`'s.
 """
 
 from collections.abc import Callable
@@ -59,7 +59,7 @@ class DeviceControl:
         inputs, modes, power = self._inputs, self._modes, self._power
         inputs.refresh()
         if self._axis.flags & WATCHED:
-            for code in self.errors.found(power.state):  # each is told once until it is reset
+            for code in self.errors.found(power.state):  # each is reported once until it is reset
                 self.fail(code)
         self._heed()
         self._advance()

@@ -7,8 +7,7 @@ from firmware_bridge.drivers.commissioning.client import Ask, CommissioningError
 from firmware_bridge.drivers.commissioning.errand import SilentError, Write
 from firmware_bridge.drivers.commissioning.network import NetworkCommand
 from firmware_bridge.drivers.commissioning.overview import Overview
-from firmware_bridge.drivers.commissioning.power import WAYS as POWER
-from firmware_bridge.drivers.commissioning.power import PowerCommand, Wanted
+from firmware_bridge.drivers.commissioning.power import PROCEDURES, PowerCommand, Wanted
 from firmware_bridge.drivers.commissioning.serial_link import SerialLink
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
@@ -91,7 +90,7 @@ def test_quick_stop_active_is_not_left_by_shutdown() -> None:
 
 def test_what_stops_is_written_before_anything_is_read() -> None:
     for wanted in (W.QUICK_STOP, W.DISABLE):
-        assert POWER[wanted].at_once is not None
+        assert PROCEDURES[wanted].at_once is not None
         (first, *_) = PowerCommand(wanted).script()
         assert isinstance(first, Ask)
         assert isinstance(first.errand, Write)
