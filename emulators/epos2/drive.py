@@ -140,6 +140,14 @@ class Epos2:
         if NodeService.LAYER_SETTING in services:
             self._routes[canopen.LSS_REQUEST] = self._hear_lss
 
+    def switch_off(self) -> None:
+        """Lose the supply, logic included: nothing is told, the motor is without power.
+
+        The next packet or waking switches the drive on again; whoever cuts the supply keeps them away.
+        """
+        self._powered = False
+        self.motion.reset()
+
     # Network management
 
     def _boot(self, command: NmtCommand) -> None:
