@@ -28,8 +28,8 @@ PICTURES: Final[Mapping[str, Draw]] = {
     "holds": holds_picture,
 }
 
-OVER_TIME: Final = frozenset({"speeds", "currents", "holds"})
-"""Pictures whose axes are seconds."""
+OVER_TIME: Final = {"speeds": True, "currents": True, "holds": False}
+"""Pictures whose axes are seconds, and whether they have room for the names of faults."""
 
 
 def draw(
@@ -49,7 +49,7 @@ def draw(
             FigureCanvasAgg(figure)
             picture(figure, robot, samples, holds)
             if name in OVER_TIME:
-                mark_faults(figure.axes, faults, to_seconds(samples[-1].at))
+                mark_faults(figure.axes, faults, to_seconds(samples[-1].at), named=OVER_TIME[name])
             figure.suptitle(title, x=0.01, ha="left", fontsize=9.5, color=PALE)
             path = folder / f"{name}.png"
             figure.savefig(path, metadata={"Software": None})
