@@ -130,7 +130,7 @@ def bench(
 
     Leaves `summary.json`, `can.log` (candump's format), `operator.tlog` and plots in the results' folder.
 
-    Shipped missions: `line`, `circles`, `interlocks`.
+    Shipped missions: `line`, `circles`, `interlocks`, `faults`.
     """
     machine = find_robot(robot)
     if serial is not None:

@@ -13,15 +13,18 @@ LEAST_SHARE: Final = 1 / 400
 """Of the picture's width: so that an instant is seen at all."""
 
 
-def mark_faults(rows: Sequence[Axes], faults: Sequence[FaultRecord], end_s: float) -> None:
-    """Shade all rows of a picture, and name the faults in the first one."""
+def mark_faults(
+    rows: Sequence[Axes], faults: Sequence[FaultRecord], end_s: float, *, named: bool = True
+) -> None:
+    """Shade all rows of a picture, behind everything else, and name the faults in the first one."""
     for fault in faults:
         began = to_seconds(fault.began)
         ended = end_s if fault.ended is None else to_seconds(fault.ended)
         for axes in rows:
-            axes.axvspan(
-                began, max(ended, began + LEAST_SHARE * end_s), color=VERMILION, alpha=0.18, linewidth=0
-            )
+            least = began + LEAST_SHARE * end_s
+            axes.axvspan(began, max(ended, least), color=VERMILION, alpha=0.18, linewidth=0, zorder=0)
+        if not named:
+            continue
         rows[0].annotate(
             fault.kind.replace("_", " "),
             (began, 0.98),

@@ -19,8 +19,8 @@ from emulators.bench.style import PALE, STYLE
 from emulators.bench.time_pictures import currents_picture, holds_picture, panels_picture
 from firmware_bridge.robot import AnyRobot
 
-OVER_TIME: Final = frozenset({"speeds", "currents", "holds"})
-"""Pictures whose axes are seconds."""
+OVER_TIME: Final = {"speeds": True, "currents": True, "holds": False}
+"""Pictures whose axes are seconds, and whether they have room for the names of faults."""
 
 
 def draw(
@@ -47,7 +47,7 @@ def draw(
             FigureCanvasAgg(figure)
             picture(figure)
             if name in OVER_TIME:
-                mark_faults(figure.axes, faults, float(samples.seconds[-1]))
+                mark_faults(figure.axes, faults, float(samples.seconds[-1]), named=OVER_TIME[name])
             figure.suptitle(title, x=0.01, ha="left", fontsize=9.5, color=PALE)
             path = folder / f"{name}.png"
             figure.savefig(path, metadata={"Software": None})

@@ -13,6 +13,7 @@ from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 
 from emulators.bench.faults import bus, device, link
 from emulators.bench.faults.fault import Fault, Lasting, Problem, near
+from emulators.wires.faulty_can import WAITING
 from firmware_bridge.robot import AnyRobot
 
 WRONG: Final = "fault"
@@ -50,8 +51,9 @@ _ROWS: Final = (
     Kind(
         bus.FrameError,
         "A disturbance on the cable flips a bit. All nodes see it, an error flag ends the frame, and its"
-        " sender sends it again at once. With every frame of a node damaged its controller is passive"
-        " after 16 and off the bus after 32.",
+        " sender sends it again at once. Each costs 8 and each good frame gives 1 back, so above one in"
+        " nine the counters climb: with every frame of a node damaged its controller is passive after 16"
+        " and off the bus after 32.",
         "Counts 8 for each frame of its own, 1 for each of others, by ISO 11898-1. EMCY 0x8120 when it"
         " grows passive, 0x81FD when it is back from bus off; both stop the motor, and 0x8120 is cured by"
         " NMT reset communication only.",
@@ -79,14 +81,17 @@ _ROWS: Final = (
         "All frames of a node are damaged until its controller leaves the bus (32 of them, some 4 ms);"
         " nobody restarts the controller before the end. A bridge on a real bus ends then; this one goes"
         " on when its controller is back.",
-        "Is mute and deaf; the heartbeat of the bridge is missed. Back on the bus it reports EMCY 0x81FD.",
+        "Is mute and deaf, and misses the bridge's heartbeat. Back on the bus it reports EMCY 0x81FD,"
+        " and 0x8130 if that took long enough; 0x8120, on its way off, was heard by nobody and stays in"
+        " its history.",
         _CONNECTION,
     ),
     Kind(
         bus.CanCut,
         "The bus falls into two that hear nothing of each other. A node that is alone on its part gets"
         " no acknowledgement, repeats its frame until it is passive, and sends it when the cable is whole"
-        f" again, with up to {10} frames that have waited. Reflections at the open ends are not emulated.",
+        f" again, with up to {WAITING} frames that have waited. Reflections at the open ends are not"
+        " emulated.",
         "On the far side: misses the bridge's heartbeat, EMCY 0x8130, stops as 0x6007 says. Alone: EMCY"
         " 0x8120, too.",
         _CONNECTION,
@@ -134,8 +139,8 @@ _ROWS: Final = (
         device.SupplySag,
         "A weak battery, a long cable or a bad contact: so many volts are left at the drives. The logic"
         " lives on.",
-        "Below its limit: EMCY 0x3220, power stage off at once; the motor rolls out. Above it: less"
-        " voltage for the winding.",
+        "Below its limit (10 V, ASSUME): EMCY 0x3220, power stage off at once; the motor rolls out."
+        " Above it: less voltage for the winding.",
         _SUPPLY,
     ),
     Kind(
@@ -165,14 +170,16 @@ _ROWS: Final = (
     Kind(
         device.EncoderCut,
         "The encoder's cable is out: no count, no index.",
-        "EMCY 0xFF0A, power stage off at once; the position is not referenced any more.",
+        "EMCY 0xFF0A, power stage off at once; the position is not referenced any more. When the cable"
+        " is back, the first index comes at a wrong count: 0xFF03 where 0x2210 has it watch the index.",
         "the encoder's cable",
     ),
     Kind(
         device.EncoderSwapped,
-        "Channels A and B are exchanged: the count runs against the motor, and the regulator drives it away.",
-        "EMCY 0xFF11 when it finds the motor at full voltage and the count running the other way, or"
-        " 0x8611 when the following error is too large before that.",
+        "Channels A and B are exchanged: the count runs against the motor, and the regulator drives it"
+        " away. At rest nothing shows.",
+        "EMCY 0xFF02 or 0xFF03 within a turn where 0x2210 has it watch the index; else 0xFF11, at full"
+        " voltage with the count running the other way, or 0x8611, when the following error is too large.",
         "the encoder's channels",
     ),
     Kind(

@@ -5,6 +5,7 @@ from pydantic import ValidationError
 
 from emulators.bench.faults import KINDS, Fault, FaultError, Kind, misfits, read
 from emulators.bench.mission import Mission, MissionFileError, parse
+from emulators.documents.faults import parameters, target
 from firmware_bridge import robot as robots
 from firmware_bridge.units import NEVER, from_seconds
 
@@ -195,3 +196,13 @@ def test_a_fault_from_python_is_checked_alike() -> None:
         str(FaultError([("fault[0].node", "no"), ("fault[1]", "neither")]))
         == "fault[0].node: no\nfault[1]: neither"
     )
+
+
+@pytest.mark.parametrize("kind", KINDS.values(), ids=lambda kind: kind.name)
+def test_every_key_of_every_kind_is_explained(kind: Kind) -> None:
+    keys = {key: (text, values) for key, text, values, _ in parameters(kind)}
+    assert all(text for text, _ in keys.values())
+    assert all(values for key, (_, values) in keys.items() if key not in {"`node`", "`between`"})
+    assert kind.happens.endswith(".")
+    assert kind.does.endswith(".")
+    assert target(kind)
