@@ -79,14 +79,16 @@ def replay(
     for name in without or ():
         if name not in SERVICE_NAMES:
             raise refusal(f"--without {name}: no such service; there are: {', '.join(SERVICE_NAMES)}")
-    with one_message(RecordingFileError, PlanError, PlantError, ServoError, OverflowError, ValueError):
+    with one_message(ValueError, OverflowError):
+        limit = None if until is None else from_seconds(until)
+    with one_message(RecordingFileError, PlanError, PlantError, ServoError):
         order = Order(
             machine,
             recording,
             operator,
             into,
             channel,
-            None if until is None else from_seconds(until),
+            limit,
             round(tolerance_us * MICROSECOND),
             frozenset(without or ()),
             plant,

@@ -37,10 +37,12 @@ from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Link
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
-from firmware_bridge.wire.canopen import ERROR_CONTROL, NmtState, encode_heartbeat
+from firmware_bridge.wire.canopen import ERROR_CONTROL, LSS_RESPONSE, NmtState, encode_heartbeat
 
 LEAD: Final[Nanoseconds] = SECOND
 """A drive that was there before a recording has had this time to initialise."""
+SHARED: Final = LSS_RESPONSE
+"""Every drive answers with this identifier, so nobody can tell whose answer it is."""
 RECORDING: Final = "recording"
 """The station that plays what was recorded."""
 
@@ -80,13 +82,13 @@ def _drives(order: Order) -> Stage:
             world.silence(name, 0)
         if first and not boots:
             _at(world, max(lead, 1), partial(world.silence, name, NEVER))
-    played = [one for one in frames if one.sender not in firsts]
+    played = [one for one in frames if one.sender not in firsts and one.entry.packet.address != SHARED]
     world.attach(RECORDING, Player(_script(played, bus.bit_time)), {CAN: bus})
     end = _end(order, frames)
     comparison = Frames(_compared(order, frames, firsts), firsts, order.tolerance, end)
 
     def note(now: Nanoseconds, sender: str, packet: Packet) -> None:
-        if service_name(packet) not in order.without:
+        if service_name(packet) not in order.without and packet.address != SHARED:
             comparison.take(now, sender, packet)
 
     bus.observe(note)
