@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 
-from firmware_bridge.robot import Robot
+from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import Nanoseconds
 
 
@@ -23,7 +23,7 @@ class Into(StrEnum):
 class Order:
     """One replay."""
 
-    robot: Robot
+    robot: AnyRobot
     recording: Path
     """A CAN log; for the bench a telemetry log."""
     operator: Path | None = None
@@ -40,3 +40,9 @@ class Order:
     """Services that are not compared, by the names of `dissector.canopen.service_name`."""
     plant: Path | None = None
     """Another plant below the drives."""
+
+    @property
+    def link(self) -> str:
+        """The link on whose bus the CAN log was recorded: the channel's where that is one, else the first."""
+        links = self.robot.links
+        return self.channel if self.channel in links else next(iter(links))

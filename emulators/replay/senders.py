@@ -6,7 +6,7 @@ from typing import Final
 from emulators.replay.recordings import Entry, Recording
 from firmware_bridge.dissector.canopen import MASTER, Canopen
 from firmware_bridge.recording import mavlink_origin
-from firmware_bridge.robot import Robot
+from firmware_bridge.robot import AnyRobot
 
 BRIDGE: Final = "bridge"
 OPERATOR_STATION: Final = "operator"
@@ -21,15 +21,15 @@ class Sent:
     sender: str
 
 
-def frames_of(recording: Recording, robot: Robot) -> list[Sent]:
-    """Name the sender of each frame: the identifiers are CANopen's, PDOs' as somebody was seen to set them.
+def frames_of(recording: Recording, robot: AnyRobot, link: str) -> list[Sent]:
+    """Name the sender of each frame on a link's bus: the identifiers are CANopen's, PDOs' as somebody was seen to set them.
 
     Any network master's frames are the bridge's, whoever that was.
     """
     reader = Canopen()
-    names = {axis.node: axis.name for axis in robot.axes} | {
+    names = {axis.settings.node: axis.name for axis in robot.axes_on(link)} | {
         MASTER: BRIDGE,
-        robot.bus.bridge_node: BRIDGE,
+        robot.links[link].bridge_node: BRIDGE,
     }
     named = []
     for entry in recording.entries:
@@ -40,7 +40,7 @@ def frames_of(recording: Recording, robot: Robot) -> list[Sent]:
     return named
 
 
-def messages_of(recording: Recording, robot: Robot) -> list[Sent]:
+def messages_of(recording: Recording, robot: AnyRobot) -> list[Sent]:
     """Name the sender of each message: the bridge by the numbers in the robot file, or else the operator."""
     own = (robot.operator.system_id, robot.operator.component_id)
     return [

@@ -27,14 +27,16 @@ from emulators.replay.recordings import (
     read_telemetry,
 )
 from emulators.replay.senders import BRIDGE, OPERATOR_STATION, Sent, frames_of, messages_of
-from emulators.rig import build
+from emulators.bench.rehearsal import rehearsal_of
+from emulators.rig import Rig
 from emulators.wires import CanWire, DatagramWire
 from emulators.world import Wire, World
 from firmware_bridge.bridge import Bridge
 from firmware_bridge.dissector.canopen import service_name
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot import Link
+from firmware_bridge.kinds import kind_of
+from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire.canopen import ERROR_CONTROL, LSS_RESPONSE, NmtState, encode_heartbeat
@@ -64,18 +66,18 @@ class Stage:
 
 def _drives(order: Order) -> Stage:
     """Put the drives of the recording on a bus with whoever else was there."""
-    robot = order.robot
+    robot, link = order.robot, order.link
     recording = _can_log(order, LEAD)
     lead = 0 if recording.virtual else LEAD
-    frames = _until(order, frames_of(recording, robot), lead)
-    firsts = {axis.name: one for axis in robot.axes if (one := _first_of(frames, axis.name))}
+    frames = _until(order, frames_of(recording, robot, order.link), lead)
+    firsts = {axis.name: one for axis in robot.axes_on(link) if (one := _first_of(frames, axis.name))}
     if not firsts:
         raise RecordingFileError(f"{recording.name}: holds no frame of a drive of {robot.name}")
     emulated = devices(robot, order.plant)
-    world, bus = World(emulated.bank), CanWire(robot.bus.bit_rate)
-    for axis in robot.axes:
+    world, bus = World(emulated.bank), CanWire(robot.links[link].bit_rate)
+    for axis in robot.axes_on(link):
         name, first = axis.name, firsts.get(axis.name)
-        boots = first is not None and _boots(first, axis.node)
+        boots = first is not None and _boots(first, axis.settings.node)
         start = _begin(first, bus.bit_time) if first and boots and not recording.virtual else 0
         _at(world, start, partial(world.attach, name, emulated.drives[name], {CAN: bus}))
         if not boots:
@@ -100,13 +102,13 @@ def _bridge(order: Order) -> Stage:
 
     On a real bus its first frame went out when it was started.
     """
-    robot = order.robot
-    if robot.bus.link is not Link.CAN:
+    robot, name = order.robot, order.link
+    if robot.links[name].driver is not Epos2Driver.CAN:
         raise RecordingFileError(
             f"{order.recording.name}: the bridge of {robot.name} is on a serial line, and sends no CAN frame"
         )
     recording = _can_log(order)
-    frames = _until(order, frames_of(recording, robot))
+    frames = _until(order, frames_of(recording, robot, order.link))
     own = _first_of(frames, BRIDGE)
     if own is None:
         raise RecordingFileError(f"{recording.name}: holds no frame of a bridge")
@@ -116,11 +118,11 @@ def _bridge(order: Order) -> Stage:
     end = _end(order, frames, messages)
     comparison = Frames(_compared(order, frames, (BRIDGE,)), (BRIDGE,), order.tolerance, end)
     answers = Messages((one for one in messages if one.sender == BRIDGE), BRIDGE)
-    world, bus, link = World(), CanWire(robot.bus.bit_rate), DatagramWire()
+    world, bus, link = World(), CanWire(robot.links[name].bit_rate), DatagramWire()
     start = 0 if recording.virtual else _begin(own, bus.bit_time)
     world.attach(RECORDING, Player(_script(played, bus.bit_time)), {CAN: bus})
-    links: dict[str, Wire] = {CAN: bus, OPERATOR: link}
-    _at(world, start, partial(world.attach, BRIDGE, guarded(Bridge(robot), robot), links))
+    links: dict[str, Wire] = {name: bus, OPERATOR: link}
+    _at(world, start, partial(world.attach, BRIDGE, guarded(Bridge(robot, kind_of(robot)), robot), links))
     world.attach(OPERATOR_STATION, Player(_script(said, bus.bit_time)), {OPERATOR: link})
 
     def note(now: Nanoseconds, sender: str, packet: Packet) -> None:
@@ -144,7 +146,7 @@ def _bench(order: Order) -> Stage:
     messages = _until(order, messages_of(recording.since(recording.start(0)), robot))
     said = [one for one in messages if one.sender != BRIDGE]
     answers = Messages((one for one in messages if one.sender == BRIDGE), BRIDGE)
-    rig = build(robot, Player(_script(said, 0)), plant_path=order.plant)
+    rig = Rig(robot, rehearsal_of(robot), Player(_script(said, 0)), plant_path=order.plant)
     rig.operator_wire.observe(answers.take)
     return Stage(rig.run, (answers,), messages, len(said), _end(order, messages), finish=rig.finish)
 
@@ -165,7 +167,7 @@ def _can_log(order: Order, lead: Nanoseconds = 0) -> Recording:
     if order.into is Into.DRIVES and order.operator is not None:
         raise RecordingFileError(f"{order.operator.name}: the drives hear no operator")
     recording = read_can(order.recording, order.channel)
-    start = recording.start(CanWire(order.robot.bus.bit_rate).bit_time)
+    start = recording.start(CanWire(order.robot.links[order.link].bit_rate).bit_time)
     return recording.since(start if recording.virtual else start - lead)
 
 
