@@ -1,28 +1,14 @@
-"""How the program speaks: tables on a terminal, and one message for what is wrong, with an exit status."""
+"""How the program says what is wrong: one message, with an exit status."""
 
-import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Final
 
 import typer
-from rich.console import Console
-
-from firmware_bridge.robot import Robot, RobotFileError, find
 
 FAILED: Final = 1
 WRONG_INPUT: Final = 2
 INTERRUPTED: Final = 130
-NO_TERMINAL_WIDTH: Final = 120
-"""A table written to a file or a pipe is not cut to the 80 columns of a terminal that is not there."""
-
-
-def terminal(*, stderr: bool = False) -> Console:
-    """Return the console to print tables and progress on."""
-    console = Console(stderr=stderr, highlight=False)
-    if not console.is_terminal and "COLUMNS" not in os.environ:
-        console.width = NO_TERMINAL_WIDTH
-    return console
 
 
 @contextmanager
@@ -48,9 +34,3 @@ def refusal(message: str, status: int = WRONG_INPUT) -> typer.Exit:
     """Print one message on standard error, and return what ends the program when it is raised."""
     typer.echo(f"firmware-bridge: {message}", err=True)
     return typer.Exit(status)
-
-
-def find_robot(name: str) -> Robot:
-    """Return the robot of this name or file; where there is none, say so and end the program."""
-    with one_message(RobotFileError):
-        return find(name)

@@ -6,6 +6,7 @@ from typing import Annotated, Final
 
 import typer
 
+from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.epos2.line import Line
 from firmware_bridge.cli.epos2.one_drive import one_drive
 from firmware_bridge.cli.epos2.options import JsonOption, NetworkNodeOption
@@ -29,6 +30,7 @@ class Named(Enum):
     RESET_COMMUNICATION = "reset-communication"
 
 
+@command(EXAMPLES)
 @one_drive(NetworkNodeOption)
 def nmt(
     drive: Line,

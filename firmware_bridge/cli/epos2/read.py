@@ -9,12 +9,15 @@ import typer
 from rich.live import Live
 from rich.text import Text
 
-from firmware_bridge.cli.console import FAILED, one_message, terminal
+from firmware_bridge.cli.commands import command
+from firmware_bridge.cli.console import FAILED, one_message
+from firmware_bridge.cli.epos2.arguments import OptionalPeriod
 from firmware_bridge.cli.epos2.line import Line
 from firmware_bridge.cli.epos2.one_drive import one_drive
 from firmware_bridge.cli.epos2.options import JsonOption
 from firmware_bridge.cli.epos2.told import line, record
 from firmware_bridge.cli.options import DurationOption, until
+from firmware_bridge.cli.tables import terminal
 from firmware_bridge.drivers.commissioning.errand import ErrandError
 from firmware_bridge.drivers.commissioning.explained import explain
 from firmware_bridge.drivers.commissioning.names import UnknownObjectError, find
@@ -49,6 +52,7 @@ WatchOption = Annotated[
 ]
 
 
+@command(EXAMPLES, kind=OptionalPeriod)
 @one_drive()
 def read(
     drive: Line,

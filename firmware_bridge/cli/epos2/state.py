@@ -5,6 +5,7 @@ from typing import Annotated, Any, Final
 
 import typer
 
+from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.epos2.agreed import agreed
 from firmware_bridge.cli.epos2.line import Line
 from firmware_bridge.cli.epos2.one_drive import one_drive
@@ -25,6 +26,7 @@ EXAMPLES: Final = """Examples:
 `firmware-bridge epos2 state enable --yes -i socketcan -c can0`"""
 
 
+@command(EXAMPLES)
 @one_drive()
 def state(
     drive: Line,

@@ -5,6 +5,7 @@ from typing import Any, Final
 
 import typer
 
+from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.epos2.line import Line
 from firmware_bridge.cli.epos2.one_drive import one_drive
 from firmware_bridge.cli.epos2.options import JsonOption
@@ -21,6 +22,7 @@ EXAMPLES: Final = """Examples:
 `firmware-bridge epos2 version --serial /dev/ttyUSB0 --protocol v2`"""
 
 
+@command(EXAMPLES)
 @one_drive()
 def version(drive: Line, *, as_json: JsonOption = False) -> None:
     """Tell a drive's name, hardware, firmware and serial number."""

@@ -1,0 +1,146 @@
+"""Which commands there are: rows with one line of help each; a command is imported when it is called.
+
+So `--help` lists everything that is installed and imports none of it.
+"""
+
+import importlib
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import wraps
+from importlib import metadata
+from typing import Any, Final, TypeAlias
+
+import typer
+from typer.core import TyperCommand, TyperGroup
+
+from firmware_bridge.cli.console import refusal
+
+COMMAND_GROUP: Final = "firmware_bridge.commands"
+"""Entry points of this group are tuples of rows."""
+MARKUP: Final = "markdown"
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """One command."""
+
+    words: str
+    """How it is called: "drive", or, in a group, "epos2 read"."""
+    made_in: str
+    """"module:name" of what `command` has made there."""
+    line: str
+    """What it does, as the list of commands says it: how its own help begins."""
+
+    def load(self) -> TyperCommand:
+        """Import the command; see `imported`."""
+        found = imported(self.made_in)
+        if not isinstance(found, TyperCommand):
+            raise TypeError(f"{self.made_in} is no command, but {found!r}; make it with @command")
+        return found
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """A word with commands behind it."""
+
+    words: str
+    line: str
+    epilog: str
+    kind: type[TyperGroup] = TyperGroup
+    context_settings: Mapping[str, Any] = field(default_factory=dict)
+
+
+Row: TypeAlias = Command | Group
+
+
+class Promised(TyperCommand):
+    """Stands in its group for a command that is imported only when somebody calls it."""
+
+    def __init__(self, row: Command) -> None:
+        super().__init__(row.words.split()[-1], help=row.line, rich_markup_mode=MARKUP)
+        self._row = row
+
+    def make_context(self, info_name: str | None, args: list[str], parent: Any = None, **extra: Any) -> Any:
+        """Let the command itself read its words."""
+        return self._row.load().make_context(info_name, args, parent, **extra)
+
+
+def command(
+    examples: str, *, kind: type[TyperCommand] = TyperCommand, work: str | None = None
+) -> Callable[[Callable[..., None]], TyperCommand]:
+    """Make a command of a function: its parameters are the options, its docstring is the help.
+
+    `work` is "module:function" of what is imported and done when all words are understood, with the same
+    parameters, where that needs much that help and mistakes do not need.
+    """
+
+    def made(function: Callable[..., None]) -> TyperCommand:
+        alone = typer.Typer(add_completion=False, rich_markup_mode=MARKUP, pretty_exceptions_enable=False)
+        alone.command(epilog=examples, cls=kind)(function if work is None else _worked(function, work))
+        found = typer.main.get_command(alone)
+        assert isinstance(found, TyperCommand)  # noqa: S101 - one function alone makes no group
+        return found
+
+    return made
+
+
+def imported(place: str) -> Any:
+    """Return what "module:name" names; one that cannot be imported ends the program with a message."""
+    module, _, name = place.partition(":")
+    try:
+        return getattr(importlib.import_module(module), name)
+    except ImportError as error:
+        raise refusal(f"this command cannot be loaded: {error}; is all of it installed?") from None
+
+
+def completing(place: str) -> Callable[[], list[str]]:
+    """Return a completion that imports "module:function" when the shell asks for it."""
+
+    def words() -> list[str]:
+        return list(imported(place)())
+
+    return words
+
+
+def _worked(function: Callable[..., None], work: str) -> Callable[..., None]:
+    @wraps(function)
+    def called(**given: Any) -> None:
+        imported(work)(**given)
+
+    return called
+
+
+def installed() -> Iterable[Row]:
+    """Return the rows of every installed package that has some, in the order of the packages' names.
+
+    A package that cannot be imported must not keep the bridge from running: it is named and left out.
+    """
+    for entry in sorted(metadata.entry_points(group=COMMAND_GROUP), key=lambda entry: entry.name):
+        try:
+            yield from entry.load()
+        except (ImportError, AttributeError) as error:
+            typer.echo(f"firmware-bridge: the commands of '{entry.name}' are left out: {error}", err=True)
+
+
+def fill(root: TyperGroup, rows: Iterable[Row]) -> None:
+    """Put commands and groups into their places below `root`; a group's row comes before its commands'."""
+    groups = {"": root}
+    for row in rows:
+        place, _, name = row.words.rpartition(" ")
+        if place not in groups:
+            typer.echo(f"firmware-bridge: '{row.words}' is left out: there is no group '{place}'", err=True)
+        elif isinstance(row, Command):
+            groups[place].commands[name] = Promised(row)
+        else:
+            groups[row.words] = groups[place].commands[name] = _group(row, name)
+
+
+def _group(row: Group, name: str) -> TyperGroup:
+    return row.kind(
+        name=name,
+        help=row.line,
+        epilog=row.epilog,
+        no_args_is_help=True,
+        rich_markup_mode=MARKUP,
+        context_settings=dict(row.context_settings),
+    )
