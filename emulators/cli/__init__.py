@@ -1,1 +1,1 @@
-"""The simulation at the command line: what a command asks for, and in `*_work` what it does, imported last."""
+"""The simulation at the command line: what a command asks for; `*_work`, imported last, is what it does."""

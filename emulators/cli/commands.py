@@ -2,12 +2,10 @@
 
 from typing import Any, Final
 
-from typer.core import TyperGroup
-
-from firmware_bridge.cli.commands import Command, Group, Row
+from firmware_bridge.cli.commands import Command, Group, Row, Rows
 
 
-class ByName(TyperGroup):
+class ByName(Rows):
     """Runs `robot` for words that are no command of the group, options in front included: `emulate ROBOT`."""
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:

@@ -6,9 +6,9 @@ from typing import Annotated, Final
 import typer
 
 from emulators.cli.options import LatencyOption
-from emulators.epos2.catalogue import PROFILES
-from emulators.epos2.serial.port import BAUDS
-from emulators.single import MOTOR, SUPPLY_MV
+from emulators.epos2.objects.catalogue import PROFILES
+from emulators.epos2.objects.device_profile import BAUDS
+from emulators.servo.motor import MOTOR, SUPPLY_MV
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.options import (
     BitRateOption,

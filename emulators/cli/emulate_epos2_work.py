@@ -6,15 +6,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
-from emulators.epos2.catalogue import PROFILES
-from emulators.epos2.memory import StorageError
-from emulators.epos2.profile import BIT_RATES, DeviceProfile, realistic
-from emulators.epos2.serial.drive import baud_of
-from emulators.epos2.serial.port import BAUDS
+from emulators.epos2.objects.catalogue import PROFILES
+from emulators.epos2.objects.device_profile import BAUDS, BIT_RATES, DeviceProfile, realistic
+from emulators.epos2.objects.saved_parameters import StorageError
+from emulators.epos2.serial.serial_drive import baud_of
 from emulators.gateway import Cluster
 from emulators.servo.bank import ServoError
-from emulators.servo.motor import DcMotor
-from emulators.single import MOTOR, Order, drives
+from emulators.servo.motor import MOTOR, DcMotor
+from emulators.single import Order, drives
 from firmware_bridge.cli.console import one_message, refusal
 from firmware_bridge.cli.links import Outside, on_the_line
 from firmware_bridge.cli.options import until

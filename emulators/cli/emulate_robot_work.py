@@ -8,7 +8,7 @@ import typer
 
 from emulators.cli.twin import tell_of_twin
 from emulators.devices import devices
-from emulators.epos2.serial.drive import baud_of
+from emulators.epos2.serial.serial_drive import baud_of
 from emulators.gateway import Cluster
 from emulators.servo.bank import ServoError
 from firmware_bridge.cli.console import one_message, refusal

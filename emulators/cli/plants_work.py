@@ -40,9 +40,7 @@ def list_models() -> None:
     typer.echo("each as FMI 2.0 or 3.0, with co-simulation and model exchange in one file")
 
 
-def build_model(
-    model: str, *, fmi: int, out: Path | None
-) -> None:
+def build_model(model: str, *, fmi: int, out: Path | None) -> None:
     """Do what `fmu build` says."""
     target = out or Path(f"{model}.fmu")
     with one_message(PlantError, OSError):

@@ -9,7 +9,7 @@ from itertools import groupby
 from typing import Final
 
 from emulators.documents.objects import Entry, entries
-from emulators.epos2.profile import BIT_RATES, SERIAL_NUMBER_64, DeviceProfile
+from emulators.epos2.objects.device_profile import BIT_RATES, SERIAL_NUMBER_64, DeviceProfile
 from firmware_bridge.wire.canopen import COB_ID_MASK
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address

@@ -12,9 +12,9 @@ from typing import Final
 
 import emulators
 from emulators.documents.objects import entries
-from emulators.epos2.catalogue import PROFILES
-from emulators.epos2.profile import EPOS2_70_10, choices
-from emulators.epos2.rules import RULES
+from emulators.epos2.control.value_ranges import RULES
+from emulators.epos2.objects.catalogue import PROFILES
+from emulators.epos2.objects.device_profile import EPOS2_70_10, choices
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES
 from firmware_bridge.wire.epos2.objects import OBJECTS
 from firmware_bridge.wire.epos2.rows import Provenance

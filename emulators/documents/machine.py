@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from emulators.epos2.power import TRANSITIONS, Happening, Ramp, Stage, Transition
+from emulators.epos2.control.power_states import TRANSITIONS, Happening, Ramp, Stage, Transition
 from firmware_bridge.wire.cia402 import Command, State
 
 HEADINGS: Final = ("no.", "from", "on", "to", "power stage", "slow-down asked by")

@@ -7,8 +7,8 @@ import json
 from dataclasses import dataclass, replace
 from typing import Final
 
-from emulators.epos2.memory import is_parameter
-from emulators.epos2.profile import DeviceProfile
+from emulators.epos2.objects.device_profile import DeviceProfile
+from emulators.epos2.objects.saved_parameters import is_parameter
 from firmware_bridge.wire.epos2.objects import OBJECTS
 from firmware_bridge.wire.epos2.rows import DataType, ObjectRow
 

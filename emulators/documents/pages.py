@@ -4,9 +4,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
 from emulators.documents import emergencies, fidelity, machine, objects, opcodes
-from emulators.epos2.catalogue import PROFILES
-from emulators.epos2.power import TRANSITIONS
-from emulators.epos2.profile import EPOS2_70_10
+from emulators.epos2.control.power_states import TRANSITIONS
+from emulators.epos2.objects.catalogue import PROFILES
+from emulators.epos2.objects.device_profile import EPOS2_70_10
 
 MADE: Final = "This page is made by `make docs` from the tables in the code; change those."
 OBJECTS_TEXT: Final = """{objects} objects under {indexes} indexes, as a 70/10 has them; the other types

@@ -7,7 +7,6 @@ import importlib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import wraps
-from importlib import metadata
 from typing import Any, Final, TypeAlias
 
 import typer
@@ -46,7 +45,7 @@ class Group:
     words: str
     line: str
     epilog: str
-    kind: type[TyperGroup] = TyperGroup
+    kind: "type[Rows] | None" = None
     context_settings: Mapping[str, Any] = field(default_factory=dict)
 
 
@@ -110,11 +109,80 @@ def _worked(function: Callable[..., None], work: str) -> Callable[..., None]:
     return called
 
 
+class Rows(TyperGroup):
+    """A group that has the program's own commands at hand, and looks for others only when they are wanted.
+
+    So nothing that is installed beside the program delays a stop, or takes a command's place.
+    """
+
+    tree: "Tree | None" = None
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Return the command of this name."""
+        if cmd_name not in self.commands:
+            self.complete()
+        return super().get_command(ctx, cmd_name)
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the names of all commands."""
+        self.complete()
+        return super().list_commands(ctx)
+
+    def complete(self) -> None:
+        """Add the commands of the installed packages, once."""
+        if self.tree is not None:
+            self.tree.complete()
+
+
+class Tree:
+    """Groups by their words, filled with rows."""
+
+    def __init__(self, root: Rows, own: Iterable[Row]) -> None:
+        self._groups = {"": root}
+        self._complete = False
+        root.tree = self
+        self._put(own)
+
+    def complete(self) -> None:
+        """Add the rows of the installed packages, once."""
+        if not self._complete:
+            self._complete = True
+            self._put(installed())
+
+    def _put(self, rows: Iterable[Row]) -> None:
+        for row in rows:
+            place, _, name = row.words.rpartition(" ")
+            group = self._groups.get(place)
+            if group is None:
+                _left_out(row.words, f"there is no group '{place}'")
+            elif name in group.commands:
+                _left_out(row.words, "there is one of this name")
+            elif isinstance(row, Command):
+                group.commands[name] = Promised(row)
+            else:
+                self._groups[row.words] = group.commands[name] = self._group(row, name)
+
+    def _group(self, row: Group, name: str) -> Rows:
+        made = (row.kind or Rows)(
+            name=name,
+            help=row.line,
+            epilog=row.epilog,
+            no_args_is_help=True,
+            rich_markup_mode=MARKUP,
+            context_settings=dict(row.context_settings),
+        )
+        made.tree = self
+        return made
+
+
 def installed() -> Iterable[Row]:
     """Return the rows of every installed package that has some, in the order of the packages' names.
 
     A package that cannot be imported must not keep the bridge from running: it is named and left out.
     """
+    # To read what is installed takes as long as a stop may.
+    from importlib import metadata  # noqa: PLC0415 - see above
+
     for entry in sorted(metadata.entry_points(group=COMMAND_GROUP), key=lambda entry: entry.name):
         try:
             yield from entry.load()
@@ -122,25 +190,5 @@ def installed() -> Iterable[Row]:
             typer.echo(f"firmware-bridge: the commands of '{entry.name}' are left out: {error}", err=True)
 
 
-def fill(root: TyperGroup, rows: Iterable[Row]) -> None:
-    """Put commands and groups into their places below `root`; a group's row comes before its commands'."""
-    groups = {"": root}
-    for row in rows:
-        place, _, name = row.words.rpartition(" ")
-        if place not in groups:
-            typer.echo(f"firmware-bridge: '{row.words}' is left out: there is no group '{place}'", err=True)
-        elif isinstance(row, Command):
-            groups[place].commands[name] = Promised(row)
-        else:
-            groups[row.words] = groups[place].commands[name] = _group(row, name)
-
-
-def _group(row: Group, name: str) -> TyperGroup:
-    return row.kind(
-        name=name,
-        help=row.line,
-        epilog=row.epilog,
-        no_args_is_help=True,
-        rich_markup_mode=MARKUP,
-        context_settings=dict(row.context_settings),
-    )
+def _left_out(words: str, why: str) -> None:
+    typer.echo(f"firmware-bridge: the command '{words}' is left out: {why}", err=True)

@@ -5,7 +5,13 @@ from typing import Annotated, Final
 import typer
 
 from firmware_bridge.cli.commands import command
-from firmware_bridge.cli.options import ChannelOption, DurationOption, InterfaceOption, RobotArgument, RobotBitRateOption
+from firmware_bridge.cli.options import (
+    ChannelOption,
+    DurationOption,
+    InterfaceOption,
+    RobotArgument,
+    RobotBitRateOption,
+)
 from firmware_bridge.wire.maxon.frame import Generation
 
 EXAMPLES: Final = """Examples:

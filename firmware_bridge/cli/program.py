@@ -2,13 +2,11 @@
 
 import sys
 import warnings
-from importlib import metadata
 from typing import Annotated, Any, Final
 
 import typer
-from typer.core import TyperGroup
 
-from firmware_bridge.cli.commands import MARKUP, Command, Group, Row, fill, installed
+from firmware_bridge.cli.commands import MARKUP, Command, Group, Row, Rows, Tree
 from firmware_bridge.cli.console import INTERRUPTED
 
 COMMANDS: Final[tuple[Row, ...]] = (
@@ -57,12 +55,12 @@ COMMANDS: Final[tuple[Row, ...]] = (
 )
 
 
-class Program(TyperGroup):
+class Program(Rows):
     """The program's own commands, and those of every installed package that has some."""
 
     def __init__(self, **attributes: Any) -> None:
         super().__init__(**attributes)
-        fill(self, (*COMMANDS, *installed()))
+        Tree(self, COMMANDS)
 
 
 program = typer.Typer(
@@ -108,6 +106,8 @@ def _warn(message: Warning | str, *_place: object, **_more: object) -> None:
 
 def _print_version(*, asked: bool) -> None:
     if asked:
+        from importlib import metadata  # noqa: PLC0415 - no other command of the program's own needs it
+
         typer.echo(f"firmware-bridge {metadata.version('firmware-bridge')}")
         raise typer.Exit
 

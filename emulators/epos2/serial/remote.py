@@ -14,8 +14,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from emulators.epos2.profile import DeviceProfile
-from emulators.epos2.serial.transfer import payload_of
+from emulators.epos2.objects.device_profile import DeviceProfile
+from emulators.epos2.serial.segmented_transfer import payload_of
 from firmware_bridge.wire import canopen, sdo
 from firmware_bridge.wire.abort import AbortCode, SdoAbort
 from firmware_bridge.wire.epos2.address import Address

@@ -8,11 +8,11 @@ frame that the host puts on the bus by SendCANFrame is not heard by that drive i
 from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
-from emulators.epos2.profile import DeviceProfile
+from emulators.epos2.objects.device_profile import DeviceProfile
+from emulators.epos2.objects.store import ObjectStore
 from emulators.epos2.serial.bus import Bus
-from emulators.epos2.serial.gateway import Gateway, Result
-from emulators.epos2.serial.transfer import Transfer
-from emulators.epos2.store import ObjectStore
+from emulators.epos2.serial.can_gateway import Gateway, Result
+from emulators.epos2.serial.segmented_transfer import Transfer
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.abort import AbortCode, SdoAbort

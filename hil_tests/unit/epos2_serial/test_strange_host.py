@@ -8,8 +8,8 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, rule
 
-from emulators.epos2.profile import EPOS2_70_10
-from emulators.epos2.serial.drive import SerialEpos2
+from emulators.epos2.objects.device_profile import EPOS2_70_10
+from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.packet import Packet, Reaction

@@ -6,7 +6,7 @@ import pytest
 from typer.testing import CliRunner
 
 from emulators.cli.emulate_epos2_work import numbers
-from emulators.epos2.catalogue import PROFILES
+from emulators.epos2.objects.catalogue import PROFILES
 from emulators.single import Order, drives
 from emulators.wires import CanWire
 from emulators.world import World
