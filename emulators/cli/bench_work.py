@@ -3,16 +3,15 @@
 from pathlib import Path
 from typing import Final
 
-import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from emulators.bench import mission as missions
 from emulators.bench.mission import MissionFileError
 from emulators.bench.report import show
-from emulators.cli.twin import tell_of_twin
+from emulators.cli.beginning import tell_of_beginning
 from emulators.run import Order, drive
 from emulators.servo.bank import ServoError
-from firmware_bridge.cli.console import one_message, written_by
+from firmware_bridge.cli.console import one_message, say, written_by
 from firmware_bridge.cli.robot_argument import find_robot
 from firmware_bridge.cli.tables import terminal
 from firmware_bridge.drivers.serial.plan import PlanError
@@ -38,12 +37,12 @@ def bench(
         name = Path(mission).stem
         folder = out or RESULTS / f"{machine.name}-{name}"
         order = Order(machine, name, script, seed, folder, plant)
-        tell_of_twin()
+        tell_of_beginning(machine, plant)
         with _bar() as bar:
             task = bar.add_task(f"{machine.name}, {name}", total=order.duration)
             summary = drive(order, lambda now: bar.update(task, completed=now))
     show(terminal(), summary, machine.limits)
-    typer.echo(f"results: {folder}/")
+    say(f"results: {folder}/")
 
 
 def _bar() -> Progress:

@@ -13,7 +13,7 @@ from emulators.documents.reader import SilentNodeError, read_all
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import BIT_RATE_IN_USE, BIT_RATES, DeviceProfile
 from firmware_bridge.cli.commands import command
-from firmware_bridge.cli.console import FAILED, one_message, refusal, written_by
+from firmware_bridge.cli.console import FAILED, one_message, refusal, say, written_by
 from firmware_bridge.cli.options import BitRateOption, ChannelOption, InterfaceOption
 from firmware_bridge.cli.tables import terminal
 from firmware_bridge.shell.ports import LostPort, PortError, open_can
@@ -48,7 +48,7 @@ def objects(
     """List every object: type, access, PDO, range, default, and how far it is known."""
     found = _profile(profile)
     if json:
-        typer.echo(dictionary.as_json(found, node))
+        say(dictionary.as_json(found, node))
         return
     table = Table(title=f"objects of the {found.name}, node {node}")
     for heading in dictionary.HEADINGS:
@@ -120,8 +120,8 @@ def _profile(name: str) -> DeviceProfile:
 
 def _deliver(text: str, out: Path | None) -> None:
     if out is None:
-        typer.echo(text)
+        say(text)
         return
     with written_by("--out"):
         out.write_text(text + "\n", encoding="ascii")
-    typer.echo(f"written: {out}", err=True)
+    say(f"written: {out}", err=True)

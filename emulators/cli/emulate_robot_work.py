@@ -4,14 +4,12 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-import typer
-
-from emulators.cli.twin import tell_of_twin
+from emulators.cli.beginning import tell_of_beginning
 from emulators.devices import devices
 from emulators.epos2.serial.serial_drive import baud_of
 from emulators.gateway import Cluster
 from emulators.servo.bank import ServoError
-from firmware_bridge.cli.console import one_message, refusal
+from firmware_bridge.cli.console import one_message, refusal, say
 from firmware_bridge.cli.links import Outside, on_the_line
 from firmware_bridge.cli.options import until
 from firmware_bridge.cli.real_time import carry
@@ -43,7 +41,7 @@ def emulate(
     cuts = [_cut(machine, text) for text in silence or ()]
     near = on_the_line(serial_node, [axis.node for axis in machine.axes], serial=serial)
     with one_message(RobotFileError, PlantError, ServoError):
-        tell_of_twin()
+        tell_of_beginning(machine, plant)
         owner = next(axis.name for axis in machine.axes if axis.node == near)
         emulated = devices(
             machine,
@@ -54,7 +52,7 @@ def emulate(
     cluster = Cluster(emulated.drives, emulated.bank, owners={SERIAL: owner})
     for name, at in cuts:
         cluster.silence(name, at)
-        typer.echo(f"'{name}' falls silent after {to_seconds(at):g} s")
+        say(f"'{name}' falls silent after {to_seconds(at):g} s")
     rate = machine.bus.bit_rate
     nodes = ", ".join(f"{axis.node} {axis.title}" for axis in machine.axes)
     outside = Outside(serial, serial_link, protocol, interface, channel, bit_rate, rate)

@@ -8,7 +8,7 @@ from rich.table import Table
 
 from emulators.devices import BODY
 from emulators.servo.bank import plant_inputs, plant_outputs
-from firmware_bridge.cli.console import FAILED, one_message
+from firmware_bridge.cli.console import FAILED, one_message, say
 from firmware_bridge.cli.tables import terminal
 from firmware_bridge.robot import Robot, load, shipped
 from fmu.build import build, described, models
@@ -37,7 +37,7 @@ def list_models() -> None:
             counts = (len(model.states), len(model.inputs), outputs, len(model.parameters))
             table.add_row(name, model.description, *map(str, counts), used)
     terminal().print(table)
-    typer.echo("each as FMI 2.0 or 3.0, with co-simulation and model exchange in one file")
+    say("each as FMI 2.0 or 3.0, with co-simulation and model exchange in one file")
 
 
 def build_model(model: str, *, fmi: int, out: Path | None) -> None:
@@ -46,7 +46,7 @@ def build_model(model: str, *, fmi: int, out: Path | None) -> None:
     with one_message(PlantError, OSError):
         build(model, fmi, target)
         size = target.stat().st_size
-    typer.echo(f"{target}: {model}, FMI {fmi}.0, co-simulation and model exchange, {size // 1024} KiB")
+    say(f"{target}: {model}, FMI {fmi}.0, co-simulation and model exchange, {size // 1024} KiB")
 
 
 def check(file: Path) -> None:
@@ -67,9 +67,9 @@ def check(file: Path) -> None:
         "fits": ", ".join(fits) or f"no robot ({', '.join(lacking)})",
     }
     for name, value in rows.items():
-        typer.echo(f"{name + ':':<13}{value}")
+        say(f"{name + ':':<13}{value}")
     for problem in dict.fromkeys(problems):
-        typer.echo(f"problem: {problem}", err=True)
+        say(f"problem: {problem}", err=True)
     if problems:
         raise typer.Exit(FAILED)
 

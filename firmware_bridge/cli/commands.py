@@ -12,7 +12,7 @@ from typing import Any, Final, TypeAlias
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from firmware_bridge.cli.console import refusal
+from firmware_bridge.cli.console import refusal, say
 
 COMMAND_GROUP: Final = "firmware_bridge.commands"
 """Entry points of this group are tuples of rows."""
@@ -187,8 +187,8 @@ def installed() -> Iterable[Row]:
         try:
             yield from entry.load()
         except (ImportError, AttributeError) as error:
-            typer.echo(f"firmware-bridge: the commands of '{entry.name}' are left out: {error}", err=True)
+            say(f"firmware-bridge: the commands of '{entry.name}' are left out: {error}", err=True)
 
 
 def _left_out(words: str, why: str) -> None:
-    typer.echo(f"firmware-bridge: the command '{words}' is left out: {why}", err=True)
+    say(f"firmware-bridge: the command '{words}' is left out: {why}", err=True)

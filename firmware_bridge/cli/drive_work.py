@@ -3,10 +3,8 @@
 from collections.abc import Callable, Mapping
 from typing import NamedTuple, TypeAlias
 
-import typer
-
 from firmware_bridge.bridge import Bridge, Phase
-from firmware_bridge.cli.console import one_message, refusal
+from firmware_bridge.cli.console import one_message, refusal, say
 from firmware_bridge.cli.options import until
 from firmware_bridge.cli.real_time import carry
 from firmware_bridge.cli.robot_argument import find_robot
@@ -117,7 +115,7 @@ def drive(
     else:
         way = _can_way(machine, guard, interface, channel, bit_rate)
     carry(
-        Narrated(bridge, way.node, typer.echo),
+        Narrated(bridge, way.node, say),
         {way.link: way.opener, OPERATOR: lambda: UdpPort(mavlink)},
         until(duration),
         f"{machine.name}: bridge on {way.title}, operator on {mavlink}",

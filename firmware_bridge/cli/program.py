@@ -7,7 +7,7 @@ from typing import Annotated, Any, Final
 import typer
 
 from firmware_bridge.cli.commands import MARKUP, Command, Group, Row, Rows, Tree
-from firmware_bridge.cli.console import INTERRUPTED
+from firmware_bridge.cli.console import INTERRUPTED, say, speak_plainly
 
 COMMANDS: Final[tuple[Row, ...]] = (
     Command(
@@ -101,19 +101,20 @@ def _options(
 
 def _warn(message: Warning | str, *_place: object, **_more: object) -> None:
     """Print a warning in one line, without the place in the code that it comes from."""
-    typer.echo(f"firmware-bridge: warning: {message}", err=True)
+    say(f"firmware-bridge: warning: {message}", err=True)
 
 
 def _print_version(*, asked: bool) -> None:
     if asked:
         from importlib import metadata  # noqa: PLC0415 - no other command of the program's own needs it
 
-        typer.echo(f"firmware-bridge {metadata.version('firmware-bridge')}")
+        say(f"firmware-bridge {metadata.version('firmware-bridge')}")
         raise typer.Exit
 
 
 def main() -> None:
     """Run the command line."""
+    speak_plainly()
     warnings.showwarning = _warn
     try:
         program()

@@ -92,11 +92,8 @@ def test_a_command_of_a_group_that_is_not_there_is_left_out(monkeypatch: pytest.
 
 
 def test_a_package_adds_a_group_with_commands(monkeypatch: pytest.MonkeyPatch) -> None:
-    rows: list[Row] = [
-        Group("own", "A group.", "Example: none"),
-        Command("own thing", "somewhere:it", "It does it."),
-    ]
-    with_strangers(monkeypatch, Stranger("own", rows))
+    group, thing = Group("own", "A group.", "No example"), Command("own thing", "somewhere:it", "It does it.")
+    with_strangers(monkeypatch, Stranger("own", (group, thing)))
     assert "It does it." in run("own", "--help").stdout
 
 
