@@ -44,7 +44,9 @@ $(READY): pyproject.toml setup.py $(wildcard emulators/servo/native/*.[ch])
 	@$(BIN)/python -m pip install --quiet --quiet --disable-pip-version-check --upgrade 'pip>=25.1'
 	@echo "setup: 3 of 3, the program, the libraries that it needs, and those that its tests need"
 	@set -o pipefail; $(BIN)/python -m pip install --disable-pip-version-check --progress-bar off \
-		--editable . --group dev | $(FETCHED)
+		--editable . --group dev 2>&1 | tee .venv/pip.log | $(FETCHED) || \
+		{ echo "setup: pip could not do it; it says:" >&2; cat .venv/pip.log >&2; exit 1; }
+	@echo "setup: done"
 	@touch $@
 
 # It takes the libraries, and the tests, from here; the program itself is its own.
