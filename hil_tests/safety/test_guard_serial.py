@@ -61,7 +61,10 @@ def test_what_is_listed_leaves_as_it_is(desk: SerialBench, packet: Packet) -> No
 def test_the_whole_set_up_of_every_drive_leaves_as_it_is(desk: SerialBench) -> None:
     for axis, rules in zip(ROBOT.axes, RULES.axes, strict=True):
         travel = Travel(rules.low, rules.high) if axis.command is Command.POSITION else None
-        for row in (*configuration(axis, ROBOT.links["drives"], travel, over_serial(axis, ROBOT)), *farewell()):
+        for row in (
+            *configuration(axis, ROBOT.links["drives"], travel, over_serial(axis, ROBOT)),
+            *farewell(),
+        ):
             packet = command(writing(axis.settings.node, row.address, row.raw))
             assert desk.says(packet) == (packet,), row
     assert desk.guard.refused == 0

@@ -10,6 +10,7 @@ from typing import Any, Final
 import pytest
 
 from emulators.bench import mission as missions
+from emulators.robots.rars import REHEARSAL
 from emulators.run import Order, drive
 from firmware_bridge.kinds import find
 from firmware_bridge.recording import parse_candump
@@ -37,7 +38,7 @@ def driven(tmp_path_factory: pytest.TempPathFactory) -> Driven:
 
 def run(name: str, folder: Path, seed: int = 0) -> str:
     rars = find("rars")
-    order = Order(rars, name, missions.find(name, rars), seed, folder)
+    order = Order(rars, REHEARSAL, name, missions.find(name, rars, REHEARSAL), seed, folder)
     return drive(order, lambda _: None).trace_sha256
 
 
@@ -91,7 +92,9 @@ def test_nothing_rolls_while_the_lift_is_extended(driven: Driven) -> None:
             ]
             assert len(counts) > 10
             metres = (
-                (max(counts) - min(counts)) / rars.axes[0].quadcounts_per_radian * rars.geometry.base.wheel_radius_m
+                (max(counts) - min(counts))
+                / rars.axes[0].quadcounts_per_radian
+                * rars.geometry.base.wheel_radius_m
             )
             assert metres < 0.002
 

@@ -87,7 +87,10 @@ def test_faults_are_marked_in_the_pictures_over_time_and_in_no_other(tmp_path: P
         folder = tmp_path / name
         folder.mkdir()
         drawn.append(
-            {path.stem: path.read_bytes() for path in draw(folder, "rars", RARS, PANELS, table, HOLDS, faults=some)}
+            {
+                path.stem: path.read_bytes()
+                for path in draw(folder, "rars", RARS, PANELS, table, HOLDS, faults=some)
+            }
         )
     sound, faulty, again = drawn
     assert {name for name in sound if sound[name] != faulty[name]} == {"speeds", "currents", "holds"}

@@ -6,9 +6,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from firmware_bridge.cli import attach_commands, program
+from firmware_bridge.cli import program
 
-attach_commands()
 RECORDING = Path(__file__).parents[2] / "recordings" / "rars" / "canopen-master.log.xz"
 
 
