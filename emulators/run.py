@@ -11,8 +11,8 @@ import numpy as np
 
 from emulators.bench.mission import Mission
 from emulators.bench.operator import ScriptedOperator
-from emulators.bench.summary import Run, Summary, as_json, summarise
 from emulators.bench.rehearsal import Rehearsal
+from emulators.bench.summary import Run, Summary, as_json, summarise
 from emulators.rig import Rig
 from emulators.wires.ends import Observer
 from firmware_bridge.packet import Packet

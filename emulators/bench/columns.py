@@ -150,6 +150,11 @@ class Samples(Sequence[Sample]):
         self._at.append(at)
         self._rows.append(values)
 
+    def clear(self) -> None:
+        """Forget all rows."""
+        self._at.clear()
+        self._rows.clear()
+
     def has(self, *names: str) -> bool:
         """Return whether all these columns are in the table."""
         return all(name in self._places for name in names)

@@ -7,9 +7,9 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 
 from emulators.bench import mission as missions
 from emulators.bench.mission import MissionFileError
+from emulators.bench.rehearsal import rehearsal_of
 from emulators.bench.report import show
 from emulators.cli.beginning import tell_of_beginning
-from emulators.bench.rehearsal import rehearsal_of
 from emulators.run import Order, drive
 from emulators.servo.bank import ServoError
 from firmware_bridge.cli.console import one_message, say, written_by

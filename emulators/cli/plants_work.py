@@ -9,9 +9,9 @@ from rich.table import Table
 from emulators.bench.rehearsal import rehearsal_of
 from emulators.devices import SUPPLY
 from emulators.servo.bank import plant_inputs, plant_outputs
+from firmware_bridge import kinds
 from firmware_bridge.cli.console import FAILED, one_message, say
 from firmware_bridge.cli.tables import terminal
-from firmware_bridge import kinds
 from firmware_bridge.robot import AnyRobot
 from fmu.build import build, described, models
 from fmu.check import Findings, examine

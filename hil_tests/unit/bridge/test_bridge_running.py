@@ -9,6 +9,7 @@ from firmware_bridge.bridge import Bridge, Phase
 from firmware_bridge.drivers.epos2.scale import Scale
 from firmware_bridge.motion.scissor import screw_from_height
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robots.rars import KIND
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.cia402 import State
@@ -199,7 +200,7 @@ class FailsWhenTold(Bridge):
 def test_an_exception_in_the_pipeline_ends_in_the_same_orderly_stop(
     bench_with: "Callable[[Bridge], Bench]", robot: AnyRobot
 ) -> None:
-    bridge = FailsWhenTold(robot)
+    bridge = FailsWhenTold(robot, KIND)
     bench = bench_with(bridge)
     bench.starts()
     bench.arms()
