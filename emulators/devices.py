@@ -1,26 +1,27 @@
 """The emulated half of a robot: its drives and the plant below them, for the bench and for a real bus."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final
 
 from emulators.epos2.drive import Epos2
-from emulators.epos2.objects.device_profile import EPOS2_70_10, DeviceProfile, realistic
+from emulators.epos2.objects.catalogue import PROFILES
+from emulators.epos2.objects.device_profile import DeviceProfile, realistic
 from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, plant_inputs, plant_outputs
 from emulators.servo.pins import input_lines, output_lines, pin_inputs, pin_outputs
 from emulators.servo.sensor_lines import sensor_lines, sensor_outputs
-from firmware_bridge.robot import Robot, RobotFileError
+from firmware_bridge.robot import AnyRobot, Axis, Problem, RobotFileError
 from firmware_bridge.wire.maxon.frame import Generation
 from fmu.build import ensure
 from fmu.plant import FmuPlant, PlantError
 from fmu.rars.parameters import ROBOT_FILE, SETS
 
-BODY: Final = ("battery_voltage", "x", "y", "heading", "speed", "yaw_rate", "steer", "lift_height")
-"""Outputs of the plant beside those of its axes, in this order."""
+SUPPLY: Final = "battery_voltage"
+"""The plant's output that feeds the drives, V."""
 NO_SERIAL: Final[Mapping[str, Generation]] = MappingProxyType({})
 BACK_EMF_UNIT: Final = 1 << 24
 """Parts of 1 V s/rad in which a servo axis keeps its motor's constant."""
@@ -36,22 +37,24 @@ class Devices:
 
 
 def devices(
-    robot: Robot,
+    robot: AnyRobot,
     plant_path: Path | None = None,
     *,
+    outputs: Sequence[str] = (),
     realistic_latency: bool = False,
     serial: Mapping[str, Generation] = NO_SERIAL,
 ) -> Devices:
     """Build a robot's drives above its plant; PlantError where the plant cannot be used.
 
-    With `realistic_latency` they take the published time for an SDO answer; otherwise they answer at once.
-    `serial` names the axes whose drives have a host on their serial port, and the protocol that they speak.
+    `outputs` are the plant's that somebody wants to look at, whether an axis needs them or not. With `realistic_latency` the drives take the published time for an SDO
+    answer; otherwise they answer at once. `serial` names the axes whose drives have a host on their serial
+    port, and the protocol that they speak.
 
     Geometry that both know is set from the robot file into our own plant, so that they agree; a plant of the
     user's is taken as it is, with the parameters that the robot file lists for it.
     """
     names = [axis.name for axis in robot.axes]
-    outputs = plant_outputs(names)
+    first = plant_outputs(names)
     if plant_path is None:
         path, parameters = ensure(robot.plant.fmu), plant_parameters(robot)
     else:
@@ -59,40 +62,50 @@ def devices(
     plant = FmuPlant(
         path,
         plant_inputs(names),
-        (*outputs, *BODY),
+        tuple(dict.fromkeys((*first, SUPPLY, *outputs))),
         parameters,
         optional_inputs=pin_inputs(names),
         optional_outputs=pin_outputs(names) + sensor_outputs(names),
     )
     axes = [
-        ServoAxis(axis.name, axis.quadcounts_per_turn, back_emf=_back_emf(plant, axis.name))
+        ServoAxis(axis.name, axis.settings.quadcounts_per_turn, back_emf=_back_emf(plant, axis.name))
         for axis in robot.axes
     ]
     bank = ServoBank(
         plant,
         axes,
-        supply=len(outputs),
-        analogue=(robot.battery.axis, robot.battery.divider),
+        supply=len(first),
+        analogue=_supply_input(robot),
         input_lines=input_lines(plant.output_names, names) + sensor_lines(plant.output_names, names),
         output_lines=output_lines(plant.input_names, names),
     )
-    kind = realistic(EPOS2_70_10) if realistic_latency else EPOS2_70_10
     drives = {
-        axis.name: _drive(axis.node, servo, _individual(kind, axis.node), serial.get(axis.name))
+        axis.name: _drive(axis, servo, _profile(axis, realistic_latency=realistic_latency), serial)
         for axis, servo in zip(robot.axes, axes, strict=True)
     }
     return Devices(drives, bank, plant)
 
 
-def _drive(node: int, servo: ServoAxis, profile: DeviceProfile, serial: Generation | None) -> Epos2:
-    if serial is None:
-        return Epos2(node, servo, profile)
-    return SerialEpos2(node, servo, profile, generation=serial)
+def _supply_input(robot: AnyRobot) -> tuple[str, float] | None:
+    """Return the axis whose first analogue input sees the supply, and the divider before that input."""
+    if robot.battery is None:
+        return None
+    sensor = next(sensor for sensor in robot.sensors if sensor.name == robot.battery.sensor)
+    return sensor.settings.axis, sensor.settings.per_volt
 
 
-def _individual(kind: DeviceProfile, node: int) -> DeviceProfile:
-    """Return such a drive with a serial number of its own, so that no two on one bus are the same."""
-    return replace(kind, serial_number=kind.serial_number + node)
+def _drive(axis: Axis, servo: ServoAxis, profile: DeviceProfile, serial: Mapping[str, Generation]) -> Epos2:
+    generation = serial.get(axis.name)
+    if generation is None:
+        return Epos2(axis.settings.node, servo, profile)
+    return SerialEpos2(axis.settings.node, servo, profile, generation=generation)
+
+
+def _profile(axis: Axis, *, realistic_latency: bool) -> DeviceProfile:
+    """Return the type of drive that the file names, with a serial number of its own: no two are the same."""
+    kind = PROFILES[axis.settings.device.value]
+    kind = realistic(kind) if realistic_latency else kind
+    return replace(kind, serial_number=kind.serial_number + axis.settings.node)
 
 
 def _back_emf(plant: FmuPlant, axis: str) -> int:
@@ -103,7 +116,7 @@ def _back_emf(plant: FmuPlant, axis: str) -> int:
         return 0
 
 
-def plant_parameters(robot: Robot) -> dict[str, float]:
+def plant_parameters(robot: AnyRobot) -> dict[str, float]:
     """Return the plant's parameters that the robot file knows, under the plant's names and in its units.
 
     The geometry that bridge and plant share wins over the parameter set, single values win over both.
@@ -113,11 +126,13 @@ def plant_parameters(robot: Robot) -> dict[str, float]:
     if chosen is not None and chosen not in SETS:
         known = ", ".join(SETS)
         problem = f"the plant '{robot.plant.fmu}' has no such set '{chosen}'; it has {known}"
-        raise RobotFileError(robot.name, "plant.parameter_set", problem)
+        raise RobotFileError(robot.name, Problem("plant.parameter_set", problem))
     found = {} if chosen is None else dict(SETS[chosen])
-    by_role = {axis.role.value: axis for axis in robot.axes}
+    by_role = {axis.role: axis for axis in robot.axes}
     for key, (name, factor) in ROBOT_FILE.items():
         table, *rest = key.split(".")
-        owner = by_role[rest.pop(0)] if table == "axes" else getattr(robot, table)
-        found[name] = factor * float(getattr(owner, rest[0]))
+        owner: Any = by_role[rest.pop(0)] if table == "axes" else getattr(robot, table)
+        for part in rest:
+            owner = getattr(owner, part)
+        found[name] = factor * float(owner)
     return found | robot.plant.parameters

@@ -6,17 +6,17 @@ from emulators.bench.adapter import Adapter
 from emulators.bench.summary import LineRun
 from emulators.wires import SerialWire, usb
 from emulators.wires.serial import Inbox
-from firmware_bridge.drivers.link import Link
-from firmware_bridge.drivers.serial.line import MaxonLine
-from firmware_bridge.drivers.serial.link import SerialLink
+from firmware_bridge.drivers.epos2.serial.line import MaxonLine
+from firmware_bridge.drivers.epos2.serial.link import SerialLink
+from firmware_bridge.drivers.fleet import Link
 from firmware_bridge.node import Node
-from firmware_bridge.robot import Robot
+from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import MICROSECOND, MILLISECOND, Nanoseconds
 
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """The line of one robot."""
+    """One serial line of one robot."""
 
     wire: SerialWire
     adapter: Adapter
@@ -25,26 +25,27 @@ class Line:
     link: SerialLink
 
     @classmethod
-    def of(cls, robot: Robot, node: Node, link: Link, host: str) -> "Line | None":
-        """Put a node on a line, under the name `host`; None where the bridge's link is no serial one."""
+    def of(cls, robot: AnyRobot, node: Node, link: Link, host: str) -> "Line | None":
+        """Put a node on a line, under the name `host`; None where this link is no serial one."""
         if not isinstance(link, SerialLink):
             return None
-        bus = robot.bus
-        latency = bus.port_latency_us * MICROSECOND
+        table = robot.links[link.name]
+        latency = table.port_latency_us * MICROSECOND
         inboxes = {host: Inbox(usb.BUFFER, latency)} if latency else {}
-        end = MaxonLine(node, bus.protocol)
-        return cls(SerialWire(bus.line_rate, inboxes), Adapter(end), end, link)
+        end = MaxonLine(node, table.protocol, link.name)
+        return cls(SerialWire(table.line_rate, inboxes), Adapter(end, link.name), end, link)
 
-    def told(self, robot: Robot, duration: Nanoseconds) -> LineRun:
+    def carried(self, robot: AnyRobot, duration: Nanoseconds) -> LineRun:
         """Return what the line has carried in a run so long."""
-        bus = robot.bus
+        table = robot.links[self.link.name]
         return LineRun(
-            protocol=bus.protocol.value,
-            baud=bus.line_rate,
+            link=self.link.name,
+            protocol=table.protocol.value,
+            baud=table.line_rate,
             bytes=self.wire.bytes,
             commands=self.end.commands,
             busy_percent=round(100.0 * self.end.busy / duration, 3),
-            cycle_ms=float(bus.cycle_ms),
+            cycle_ms=float(robot.cycle_ms),
             longest_cycle_ms=self.link.longest_cycle / MILLISECOND,
             late_cycles=self.link.late,
         )

@@ -1,22 +1,26 @@
-"""One robot put together: operator, bridge, bus, drives and plant in the virtual world."""
+"""One robot put together: operator, bridge, links, drives and plant in the virtual world."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
+from emulators.bench.columns import SAMPLE_EVERY, Column, Samples, columns_of
+from emulators.bench.faults import BRIDGE, OPERATOR_STATION, Fault, Faults, Site
 from emulators.bench.mission import Noise
-from emulators.bench.records import SAMPLE_EVERY, HoldRecord, Sample
-from emulators.devices import BODY, devices
+from emulators.bench.records import HoldRecord
+from emulators.bench.rehearsal import Rehearsal
+from emulators.devices import devices
 from emulators.line import Line
 from emulators.rewind import Checkpoint, Rewind
-from emulators.servo.bank import plant_outputs
-from emulators.wires import CanWire, DatagramWire
+from emulators.wires import DatagramWire, FaultyCanWire
 from emulators.world import Wire, World
 from firmware_bridge.bridge import Bridge
+from firmware_bridge.kinds import kind_of
 from firmware_bridge.node import CAN, OPERATOR, SERIAL, Node
-from firmware_bridge.robot import Link, Robot
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 from firmware_bridge.wire.maxon.frame import Generation
@@ -24,15 +28,20 @@ from firmware_bridge.wire.maxon.frame import Generation
 LINK_STREAM: Final = 1
 """Which stream of random numbers the operator's link draws from, beside the run's seed."""
 QUIET: Final = Noise()
-BRIDGE: Final = "bridge"
-OPERATOR_STATION: Final = "operator"
+__all__ = ["BRIDGE", "OPERATOR_STATION", "QUIET", "Rig"]
 
 
-def _served(robot: Robot) -> Mapping[str, Generation]:
-    """Return which axis has a host on its serial port."""
-    bus = robot.bus
-    through = bus.link is Link.SERIAL
-    return {axis.name: bus.protocol for axis in robot.axes if through and axis.node == bus.gateway}
+def _served(robot: AnyRobot) -> Mapping[str, Generation]:
+    """Return which axes have a host on their serial port."""
+    return {
+        axis.name: robot.links[axis.link].protocol for axis in robot.axes if _is_gateway(robot, axis.name)
+    }
+
+
+def _is_gateway(robot: AnyRobot, name: str) -> bool:
+    axis = next(axis for axis in robot.axes if axis.name == name)
+    link = robot.links[axis.link]
+    return link.driver is Epos2Driver.SERIAL and axis.settings.node == link.gateway
 
 
 class Rig:
@@ -43,21 +52,30 @@ class Rig:
 
     def __init__(
         self,
-        robot: Robot,
+        robot: AnyRobot,
+        rehearsal: Rehearsal,
         operator: Node,
         *,
         plant_path: Path | None = None,
         seed: int = 0,
         noise: Noise = QUIET,
         realistic_latency: bool = False,
+        faults: Sequence[Fault] = (),
     ) -> None:
         self.robot: Final = robot
+        columns = columns_of([axis.name for axis in robot.axes], rehearsal.columns)
+        outputs = [column.plant for column in columns if column.plant]
         self.devices: Final = devices(
-            robot, plant_path, realistic_latency=realistic_latency, serial=_served(robot)
+            robot, plant_path, outputs=outputs, realistic_latency=realistic_latency, serial=_served(robot)
         )
-        self.bridge: Final = Bridge(robot)
+        self._reads: Final = _reads(columns, self.devices.plant.output_names)
+        self.bridge: Final = Bridge(robot, kind_of(robot))
         self.guard: Final = guarded(self.bridge, robot)
-        self.can_wire: Final = CanWire(robot.bus.bit_rate)
+        single = len(robot.links) == 1
+        self.can_wires: Final = {
+            name: FaultyCanWire(link.bit_rate, CAN if single else name) for name, link in robot.links.items()
+        }
+        """The drives' buses by the links' names."""
         self.operator_wire: Final = DatagramWire(
             round(noise.delay_ms * MILLISECOND),
             round(noise.jitter_ms * MILLISECOND),
@@ -65,25 +83,27 @@ class Rig:
             np.random.default_rng([seed, LINK_STREAM]),
         )
         self.world: Final = World(self.devices.bank)
-        self.line: Final = Line.of(robot, self.guard, self.bridge.link, BRIDGE)
-        for axis, drive in zip(robot.axes, self.devices.drives.values(), strict=True):
-            links: dict[str, Wire] = {CAN: self.can_wire}
-            if self.line is not None and axis.node == robot.bus.gateway:
-                links[SERIAL] = self.line.wire
-            self.world.attach(axis.name, drive, links)
-        if self.line is None:
-            self.world.attach(BRIDGE, self.guard, {CAN: self.can_wire, OPERATOR: self.operator_wire})
-        else:
-            links = {SERIAL: self.line.wire, OPERATOR: self.operator_wire}
-            self.world.attach(BRIDGE, self.line.adapter, links)
-        self.world.attach(OPERATOR_STATION, operator, {OPERATOR: self.operator_wire})
-        self.samples: Final[list[Sample]] = []
+        self.lines: Final[dict[str, Line]] = {}
+        """The serial lines by the links' names."""
+        self._attach(operator)
+        self.faults: Final = Faults(self._site(), seed)
+        self.faults.plan(faults)
+        self.samples: Final = Samples(columns)
         self.holds: Final[list[HoldRecord]] = []
         self._noted = self.bridge.holds
         """The holds as they were noted last."""
         self._next_sample: Nanoseconds = 0
         self._rewind = Rewind(self)
-        self._body = len(plant_outputs([axis.name for axis in robot.axes]))
+
+    @property
+    def can_wire(self) -> FaultyCanWire:
+        """The drives' bus of a robot that has one."""
+        return next(iter(self.can_wires.values()))
+
+    @property
+    def line(self) -> Line | None:
+        """The serial line of a robot that has one."""
+        return next(iter(self.lines.values()), None)
 
     def run(self, until: Nanoseconds) -> None:
         """Let everything happen up to `until`, and take a sample every 10 ms."""
@@ -101,25 +121,49 @@ class Rig:
         """Keep this instant of the world, with what was sampled so far; see `World.snapshot`."""
         return self._rewind.snapshot()
 
-    def restore(self, checkpoint: Checkpoint) -> None:
+    def restore(self, moment: Checkpoint) -> None:
         """Go to an instant that this rig has kept."""
-        self._rewind.restore(checkpoint)
+        self._rewind.restore(moment)
 
     def finish(self) -> None:
         """Let go of the plant."""
         self.devices.plant.close()
 
-    def _sample(self, now: Nanoseconds) -> None:
-        count = len(self.robot.axes)
-        values = self.devices.plant.outputs[:]
-        _, x, y, heading, speed, yaw_rate, steer, lift = values[self._body : self._body + len(BODY)]
-        currents, motor_speeds = tuple(values[:count]), tuple(values[2 * count : 3 * count])
-        seen = self.bridge.seen
-        pose = seen.pose
-        believed = (seen.demanded_speed_mps, seen.armed, pose.x_m, pose.y_m, pose.heading_rad)
-        self.samples.append(
-            Sample(now, x, y, heading, speed, yaw_rate, steer, lift, currents, motor_speeds, *believed)
+    def _attach(self, operator: Node) -> None:
+        """Put everybody on their wires: the drives, the bridge behind its lines, and the operator."""
+        node: Node = self.guard
+        wires: dict[str, Wire] = dict(self.can_wires)
+        for fleet in self.bridge.fleets.all:
+            line = Line.of(self.robot, node, fleet.link, BRIDGE)
+            if line is not None:
+                self.lines[fleet.name] = line
+                node, wires[fleet.name] = line.adapter, line.wire
+        for axis, drive in zip(self.robot.axes, self.devices.drives.values(), strict=True):
+            links: dict[str, Wire] = {CAN: self.can_wires[axis.link]}
+            if _is_gateway(self.robot, axis.name):
+                links[SERIAL] = self.lines[axis.link].wire
+            self.world.attach(axis.name, drive, links)
+        self.world.attach(BRIDGE, node, {**wires, OPERATOR: self.operator_wire})
+        self.world.attach(OPERATOR_STATION, operator, {OPERATOR: self.operator_wire})
+
+    def _site(self) -> Site:
+        """Return where faults are put on."""
+        return Site(
+            self.robot,
+            self.world,
+            self.can_wires,
+            self.operator_wire,
+            drives=self.devices.drives,
+            axes={axis.name: axis for axis in self.devices.bank.axes},
+            adapters={link: line.adapter for link, line in self.lines.items()},
         )
+
+    def _sample(self, now: Nanoseconds) -> None:
+        outputs, seen = self.devices.plant.outputs[:], self.bridge.seen
+        values = [
+            outputs[place] if column.seen is None else column.seen(seen) for column, place in self._reads
+        ]
+        self.samples.add(now, tuple(values))
         self._note_holds(now)
 
     def _note_holds(self, now: Nanoseconds) -> None:
@@ -139,8 +183,6 @@ class Rig:
             self.holds.append(HoldRecord(hold.name, hold.reason, hold.since))
 
 
-def build(
-    robot: Robot, operator: Node, *, plant_path: Path | None = None, seed: int = 0, noise: Noise = QUIET
-) -> Rig:
-    """Put a robot on the bench."""
-    return Rig(robot, operator, plant_path=plant_path, seed=seed, noise=noise)
+def _reads(columns: tuple[Column, ...], outputs: Sequence[str]) -> tuple[tuple[Column, int], ...]:
+    """Return each column with the place of its output in the plant's."""
+    return tuple((column, outputs.index(column.plant) if column.plant else 0) for column in columns)

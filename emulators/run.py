@@ -13,10 +13,12 @@ from emulators.bench.mission import Mission
 from emulators.bench.operator import ScriptedOperator
 from emulators.bench.plots import draw
 from emulators.bench.summary import Run, Summary, as_json, summarise
-from emulators.rig import Rig, build
+from emulators.bench.rehearsal import Rehearsal
+from emulators.rig import Rig
+from emulators.wires.ends import Observer
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import candump_line, tlog_records
-from firmware_bridge.robot import Robot
+from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 
 HAND_STREAM: Final = 0
@@ -32,7 +34,8 @@ Progress: TypeAlias = Callable[[Nanoseconds], None]
 class Order:
     """What is to be driven, and where the results go."""
 
-    robot: Robot
+    robot: AnyRobot
+    rehearsal: Rehearsal
     mission_name: str
     mission: Mission
     seed: int
@@ -52,8 +55,16 @@ def drive(order: Order, progress: Progress) -> Summary:
     """
     order.folder.mkdir(parents=True, exist_ok=True)
     hand = np.random.default_rng([order.seed, HAND_STREAM])
-    operator = ScriptedOperator(order.robot, order.mission, hand)
-    rig = build(order.robot, operator, plant_path=order.plant, seed=order.seed, noise=order.mission.noise)
+    operator = ScriptedOperator(order.robot, order.rehearsal, order.mission, hand)
+    rig = Rig(
+        order.robot,
+        order.rehearsal,
+        operator,
+        plant_path=order.plant,
+        seed=order.seed,
+        noise=order.mission.noise,
+        faults=order.mission.fault,
+    )
     begun = time.perf_counter()
     with _recorded(rig, order.folder):
         until = 0
@@ -69,16 +80,19 @@ def drive(order: Order, progress: Progress) -> Summary:
         seed=order.seed,
         simulated=order.duration,
         wall_s=wall_s,
-        frames=rig.can_wire.frames,
-        bus_load_percent=rig.can_wire.load_percent(),
+        frames=sum(wire.frames for wire in rig.can_wires.values()),
+        bus_load_percent=max(wire.load_percent() for wire in rig.can_wires.values()),
         trace_sha256=rig.world.trace_sha256,
         links_sha256=rig.world.links_sha256,
-        line=None if rig.line is None else rig.line.told(order.robot, order.duration),
+        lines=tuple(line.carried(order.robot, order.duration) for line in rig.lines.values()),
     )
-    summary = summarise(run, rig.samples, rig.holds)
+    axes = [axis.name for axis in order.robot.axes]
+    faults = rig.faults.records
+    summary = summarise(run, axes, rig.samples, rig.holds, faults)
     (order.folder / "summary.json").write_text(as_json(summary), encoding="utf-8")
+    (order.folder / "samples.csv").write_text(rig.samples.csv(), encoding="ascii")
     title = f"{order.robot.name} · {order.mission_name} · seed {order.seed}"
-    draw(order.folder, title, order.robot, rig.samples, rig.holds)
+    draw(order.folder, title, order.robot, order.rehearsal.panels, rig.samples, rig.holds, faults=faults)
     return summary
 
 
@@ -90,12 +104,16 @@ def _recorded(rig: Rig, folder: Path) -> Iterator[None]:
         (folder / "operator.tlog").open("wb") as words,
     ):
 
-        def note_frame(now: Nanoseconds, _sender: str, packet: Packet) -> None:
-            frames.write(candump_line(now, packet) + "\n")
+        def note_frames(channel: str) -> Observer:
+            def note(now: Nanoseconds, _sender: str, packet: Packet) -> None:
+                frames.write(candump_line(now, packet, channel) + "\n")
+
+            return note
 
         def note_datagram(now: Nanoseconds, _sender: str, packet: Packet) -> None:
             words.write(tlog_records(now, packet.payload))
 
-        rig.can_wire.observe(note_frame)
+        for link, wire in rig.can_wires.items():
+            wire.observe(note_frames(link))
         rig.operator_wire.observe(note_datagram)
         yield

@@ -16,7 +16,9 @@ class Intent(Generic[M_co]):
 
     __slots__ = ("heard_at", "said_at", "wish")
 
-    def __init__(self, wish: M_co, heard_at: Nanoseconds = NEVER_HEARD, said_at: Nanoseconds | None = None) -> None:
+    def __init__(
+        self, wish: M_co, heard_at: Nanoseconds = NEVER_HEARD, said_at: Nanoseconds | None = None
+    ) -> None:
         self.wish: Final = wish
         self.heard_at: Final = heard_at
         """When the newest motion command arrived; `NEVER_HEARD` before the first."""

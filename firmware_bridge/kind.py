@@ -1,4 +1,4 @@
-"""A kind of robot: everything that a folder of `firmware_bridge/robots`, or a stranger's package, tells the bridge.
+"""A kind of robot: all that a folder of `firmware_bridge/robots`, or a stranger's package, tells the bridge.
 
 Three types of its own: G, its geometry and limits, a table of the robot file; M, its motion in its own words,
 which the operator's wish, the gate's ruling and the demand behind the ramp all are; S, what axes and sensors
@@ -36,7 +36,7 @@ class Guide(Protocol[M, S_contra]):
 
 
 class Mode(Generic[G, M, S]):
-    """How the robot goes on after an actuator has failed: without its axis, with another body and other rows."""
+    """How the robot goes on after an actuator has failed: without its axis, by another body and other rows."""
 
     __slots__ = ("body", "interlocks", "limits", "without")
 
@@ -95,7 +95,7 @@ class Kind(Generic[G, M, S]):
         self.groups: Final = groups
         """The axes, by their roles, that stop together; every axis is in one group."""
         self.travelling: Final = travelling
-        """The groups that take the robot from its place; they stand before it is armed, disarmed or cleared."""
+        """The groups that take the robot from its place; they stand before it is armed or disarmed."""
         self.interlocks: Final = interlocks
         """The robot's own rows; the common ones come beside them."""
         self.limits: Final = limits

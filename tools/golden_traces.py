@@ -20,12 +20,13 @@ import numpy as np
 
 from emulators.bench import mission
 from emulators.bench.operator import ScriptedOperator
-from emulators.rig import build
+from emulators.bench.rehearsal import rehearsal_of
+from emulators.rig import Rig
 from emulators.run import HAND_STREAM
 from emulators.servo import kernel
 from emulators.trace import parse_trace_line
 from firmware_bridge.dissector import Carried, first_difference
-from firmware_bridge.robot import find
+from firmware_bridge.kinds import find
 from firmware_bridge.units import from_seconds
 from fmu.build import ensure
 from fmu.verify import recorded
@@ -52,7 +53,7 @@ class Driven:
 
 def missions() -> list[str]:
     """Return the names of the shipped missions."""
-    return [path.stem for path in mission.shipped()]
+    return list(rehearsal_of(find(ROBOT)).shipped())
 
 
 def plant() -> str:
@@ -66,9 +67,10 @@ def plant() -> str:
 def drive(name: str) -> Driven:
     """Drive the first seconds of a mission."""
     robot = find(ROBOT)
-    script = mission.find(name, robot)
-    operator = ScriptedOperator(robot, script, np.random.default_rng([SEED, HAND_STREAM]))
-    rig = build(robot, operator, seed=SEED, noise=script.noise)
+    rehearsal = rehearsal_of(robot)
+    script = mission.find(name, robot, rehearsal)
+    operator = ScriptedOperator(robot, rehearsal, script, np.random.default_rng([SEED, HAND_STREAM]))
+    rig = Rig(robot, rehearsal, operator, seed=SEED, noise=script.noise, faults=script.fault)
     lines: list[bytes] = []
     rig.world.observe(lines.append)
     rig.run(from_seconds(SECONDS))

@@ -1,17 +1,18 @@
 """The adapter between a computer and a drive's serial port: it can be unplugged in the middle of a run."""
 
-from firmware_bridge.node import LINE_BACK, LINE_LOST, SERIAL, Node, Stoppable
+from firmware_bridge.node import LINE_BACK, LINE_LOST, Node, Stoppable
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import Nanoseconds
 
 
 class Adapter:
-    """Around a node on the link "serial": while unplugged nothing comes in or goes out, and the node is told.
+    """Around a node, on one of its links: while unplugged nothing comes in or goes out, and the node is told.
 
     The node learns it at its next turn, as from a port of the real shell.
     """
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: Node, link: str) -> None:
+        self._link = link
         self.node = node
         self.plugged = True
         """To be changed by whoever pulls the plug."""
@@ -19,7 +20,7 @@ class Adapter:
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Pass a packet on, unless it is of a line that is not there."""
-        if packet.link == SERIAL and not self.plugged:
+        if packet.link == self._link and not self.plugged:
             return self.wake(now)
         before = self._tells(now)
         return self._left(before, self.node.receive(packet, now))
@@ -38,10 +39,10 @@ class Adapter:
             return ()
         self._told = self.plugged
         event = LINE_BACK if self.plugged else LINE_LOST
-        return self.node.receive(Packet(SERIAL, event, b""), now).sent
+        return self.node.receive(Packet(self._link, event, b""), now).sent
 
     def _left(self, before: tuple[Packet, ...], reaction: Reaction) -> Reaction:
         sent = before + reaction.sent
         if not self.plugged:
-            sent = tuple(packet for packet in sent if packet.link != SERIAL)
+            sent = tuple(packet for packet in sent if packet.link != self._link)
         return Reaction(sent, reaction.wake_at)

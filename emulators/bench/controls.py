@@ -1,17 +1,18 @@
 """The ground station's sticks and buttons, as the mission's steps move them, and what they say to the robot.
 
-Signs and scales are written here anew, not taken from the bridge.
+Signs and scales are those of the robot's rehearsal, written anew, not taken from the bridge.
 """
 
-import math
 from typing import Final
 
 import numpy as np
 
-from emulators.bench.hand import Ramp, Tremor
-from emulators.bench.mission import Button, Input, Mission, Step, steer_of_radius
+from emulators.bench.stick import Ramp, Tremor
+from emulators.bench.mission import Mission
+from emulators.bench.rehearsal import Rehearsal
+from emulators.bench.step import Holds, Input, Presses, Slope, Step, inputs
 from emulators.bench.strays import velocity
-from firmware_bridge.robot import Robot
+from firmware_bridge.robot import AnyRobot
 from firmware_bridge.teleop.mavlink import Message, dialect
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 
@@ -19,50 +20,53 @@ PRESS: Final[Nanoseconds] = 120 * MILLISECOND
 """How long a tapped button is down: at least two messages."""
 _FULL: Final = 1000
 _UNUSED: Final = 0x7FFF
-_BUTTONS: Final = {Button.DETECTOR: 1, Button.HEADLAMP: 2, Button.EMERGENCY_STOP: 4}
-_LIFT_ENABLE: Final = 8
 
 
 class Controls:
-    """Speed, steer and lift as they are asked for, by sticks or as a twist, and the buttons."""
+    """What is asked for, channel by channel, by stick or as a twist, and the buttons."""
 
     __slots__ = (
-        "_buttons", "_full_lift_rate", "_full_lock", "_full_speed", "_input", "_lift_rate", "_robot",
-        "_speed", "_speed_tremor", "_steer", "_steer_tremor", "released_at",
+        "_buttons", "_full", "_input", "_ramps", "_rehearsal", "_robot", "_tremors", "_trembles_with",
+        "released_at",
     )  # fmt: skip
 
     def __init__(
-        self, robot: Robot, mission: Mission, period: Nanoseconds, generator: np.random.Generator
+        self,
+        robot: AnyRobot,
+        rehearsal: Rehearsal,
+        mission: Mission,
+        period: Nanoseconds,
+        generator: np.random.Generator,
     ) -> None:
         """Say something every `period`; `generator` is drawn from only where the mission has a tremor."""
         self.released_at: Nanoseconds = NEVER
         """When the button that is down comes up."""
         self._robot = robot
-        self._full_speed: float = robot.limits.speed_mps
-        self._full_lock: float = math.radians(robot.limits.steer_angle_deg)
-        self._full_lift_rate: float = robot.limits.lift_rate_mps
+        self._rehearsal = rehearsal
         self._input = mission.input
-        self._speed = Ramp()
-        self._steer = Ramp()
-        self._lift_rate = 0.0
-        self._speed_tremor = Tremor(mission.noise.stick, period, generator)
-        self._steer_tremor = Tremor(mission.noise.stick, period, generator)
+        self._ramps = {channel.name: Ramp() for channel in rehearsal.channels}
+        self._full = {channel.name: channel.full(robot) for channel in rehearsal.channels}
+        trembling = [channel for channel in rehearsal.channels if channel.trembles_with]
+        self._trembles_with = {channel.name: channel.trembles_with for channel in trembling}
+        self._tremors = {
+            channel.name: Tremor(mission.noise.stick, period, generator) for channel in trembling
+        }
         self._buttons = 0
 
     def move(self, step: Step, now: Nanoseconds) -> None:
         """Do with the hands what a step of the mission says."""
         self._input = step.input or self._input
-        if step.speed_mps is not None:
-            self._speed.go(step.speed_mps, step.ramp_mps2, now)
-        if step.steer_deg is not None:
-            self._steer.go(math.radians(step.steer_deg), None, now)
-        if step.radius_m is not None:
-            self._steer.go(steer_of_radius(self._robot, step.radius_m), None, now)
-        if step.lift_rate_mps is not None:
-            self._lift_rate = step.lift_rate_mps
-        if step.press is not None:
-            self._buttons = _BUTTONS[step.press]
-            self.released_at = now + PRESS
+        rows = inputs(type(step))
+        slopes = {row.channel: getattr(step, key) for key, row in rows.items() if isinstance(row, Slope)}
+        for key, row in rows.items():
+            value = getattr(step, key)
+            if value is None:
+                continue
+            if isinstance(row, Holds):
+                self._ramps[row.channel].go(row.into(value, self._robot), slopes.get(row.channel), now)
+            elif isinstance(row, Presses):
+                self._buttons = row.buttons[value]
+                self.released_at = now + PRESS
 
     def release(self, now: Nanoseconds) -> None:
         """Let go of a button whose time is over."""
@@ -72,32 +76,20 @@ class Controls:
 
     def message(self, system: int, component: int, now: Nanoseconds) -> Message:
         """Return what the station says to this robot once a period: MANUAL_CONTROL, or a velocity."""
-        speed, steer = self._speed.at(now), self._steer.at(now)
-        speed_tremor, steer_tremor = self._speed_tremor.step(), self._steer_tremor.step()
-        if speed != 0.0:  # a foot that is off the pedal does not tremble
-            speed += speed_tremor * self._full_speed
-            steer += steer_tremor * self._full_lock
+        still = {name: ramp.at(now) for name, ramp in self._ramps.items()}
+        values = dict(still)
+        for name, tremor in self._tremors.items():
+            kick = tremor.step()
+            if still[self._trembles_with[name]] != 0.0:
+                values[name] += kick * self._full[name]
         if self._input is Input.TWIST:
-            yaw_rate = -speed * self._curvature(steer)
-            return velocity(system, component, speed, yaw_rate)
-        rate = self._lift_rate / self._full_lift_rate
-        buttons = self._buttons | (_LIFT_ENABLE if rate else 0)
+            twist = self._rehearsal.twist(values, self._robot)
+            return velocity(system, component, twist.vx, twist.yaw_rate, vy=twist.vy)
+        axes = self._rehearsal.stick(values, self._robot)
         return dialect.MAVLink_manual_control_message(
-            system,
-            _axis(speed / self._full_speed),
-            _UNUSED,
-            _axis(rate),
-            _axis(-steer / self._full_lock),
-            buttons,
+            system, _axis(axes.x), _axis(axes.y), _axis(axes.z), _axis(axes.r), self._buttons | axes.buttons
         )
 
-    def _curvature(self, steer_rad: float) -> float:
-        if steer_rad == 0.0:
-            return 0.0
-        base = self._robot.base
-        radius = base.kingpin_distance_m / 2.0 + base.wheelbase_m / math.tan(abs(steer_rad))
-        return math.copysign(1.0 / radius, steer_rad)
 
-
-def _axis(share: float) -> int:
-    return max(-_FULL, min(round(_FULL * share), _FULL))
+def _axis(share: float | None) -> int:
+    return _UNUSED if share is None else max(-_FULL, min(round(_FULL * share), _FULL))

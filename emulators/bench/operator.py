@@ -11,12 +11,14 @@ import numpy as np
 
 from emulators.bench import orders
 from emulators.bench.controls import Controls
-from emulators.bench.diary import Diary, Kind, place_of
-from emulators.bench.mission import Mission, Step
+from emulators.bench.log import Diary, Kind, place_of
+from emulators.bench.mission import Mission
+from emulators.bench.rehearsal import Rehearsal
+from emulators.bench.step import Step
 from emulators.bench.strays import datagram
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.robot import Robot
+from firmware_bridge.robot import AnyRobot
 from firmware_bridge.teleop.mavlink import Codec, Message, dialect, text_of
 from firmware_bridge.teleop.texts import Listener
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds, from_seconds
@@ -36,7 +38,9 @@ class ScriptedOperator:
         "diary",
     )  # fmt: skip
 
-    def __init__(self, robot: Robot, mission: Mission, generator: np.random.Generator) -> None:
+    def __init__(
+        self, robot: AnyRobot, rehearsal: Rehearsal, mission: Mission, generator: np.random.Generator
+    ) -> None:
         """Take the mission in hand; `generator` is drawn from only where the mission has a tremor."""
         self.diary = Diary()
         self._robot = robot
@@ -46,7 +50,7 @@ class ScriptedOperator:
         self._codec = Codec(SYSTEM, COMPONENT)
         self._listener = Listener()
         self._period = SECOND // mission.send_hz
-        self._controls = Controls(robot, mission, self._period, generator)
+        self._controls = Controls(robot, rehearsal, mission, self._period, generator)
         self._pending: list[orders.Pending] = []
         self._step = 0
         self._step_at = self._due_of_step()

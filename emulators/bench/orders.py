@@ -1,13 +1,12 @@
 """The commands of a mission's step, and how a ground station insists on an answer to each."""
 
-import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
-from emulators.bench.mission import Step
+from emulators.bench.step import Sends, Step, inputs
 from emulators.bench.strays import command
-from firmware_bridge.robot import Lift, Robot
+from firmware_bridge.robot import AnyRobot
 from firmware_bridge.teleop.mavlink import Message, dialect
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
@@ -16,7 +15,6 @@ RETRY_AFTER: Final[Nanoseconds] = 500 * MILLISECOND
 MOST_TRIES: Final = 4
 MOST_REJECTIONS: Final = 20
 """How often an operator tries again what the robot rejects for the moment: 10 s long."""
-_FORCE: Final = 21196
 
 RESULTS: Final = {
     dialect.MAV_RESULT_ACCEPTED: "accepted",
@@ -53,43 +51,11 @@ class Pending:
         return self.rejections <= MOST_REJECTIONS
 
 
-@dataclass(frozen=True, slots=True)
-class Row:
-    """One key of a step that is a command."""
-
-    key: str
-    number: int
-    params: Callable[[float, Robot], tuple[float, ...]]
-
-
-def _travel(lift: Lift) -> float:
-    """Return how far the platform rises: N l (sin extended - sin collapsed) (thesis 2.16)."""
-    low, high = math.radians(lift.collapsed_angle_deg), math.radians(lift.extended_angle_deg)
-    return lift.stages * lift.link_length_m * (math.sin(high) - math.sin(low))
-
-
-ROWS: Final = (
-    Row("emergency_stop", dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE, lambda _, __: (0.0,)),
-    Row("terminate", dialect.MAV_CMD_DO_FLIGHTTERMINATION, lambda _, __: (1.0,)),
-    Row("clear", dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE, lambda _, __: (1.0,)),
-    Row("force_disarm", dialect.MAV_CMD_COMPONENT_ARM_DISARM, lambda _, __: (0.0, _FORCE)),
-    Row("disarm", dialect.MAV_CMD_COMPONENT_ARM_DISARM, lambda _, __: (0.0,)),
-    Row("arm", dialect.MAV_CMD_COMPONENT_ARM_DISARM, lambda _, __: (1.0,)),
-    Row("headlamp", dialect.MAV_CMD_ILLUMINATOR_ON_OFF, lambda on, _: (float(on),)),
-    Row("detector", dialect.MAV_CMD_DO_SET_RELAY, lambda on, _: (0.0, float(on))),
-    Row(
-        "lift_m",
-        dialect.MAV_CMD_DO_SET_ACTUATOR,
-        lambda height, robot: (2.0 * height / _travel(robot.lift) - 1.0,),
-    ),
-)
-
-
-def of_step(step: Step, robot: Robot, now: Nanoseconds) -> Iterator[Pending]:
-    """Yield the commands of a step, the stops first."""
-    for row in ROWS:
-        value = getattr(step, row.key)
+def of_step(step: Step, robot: AnyRobot, now: Nanoseconds) -> Iterator[Pending]:
+    """Yield the commands of a step, the most urgent first."""
+    rows = [(key, row) for key, row in inputs(type(step)).items() if isinstance(row, Sends)]
+    for key, row in sorted(rows, key=lambda pair: -pair[1].urgency):
+        value = getattr(step, key)
         if value is not None:
-            yield Pending(
-                row.key.removesuffix("_m").replace("_", " "), row.number, row.params(value, robot), now
-            )
+            title = key.removesuffix("_m").replace("_", " ")
+            yield Pending(title, row.command, row.params(value, robot), now)

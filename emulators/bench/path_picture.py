@@ -7,36 +7,34 @@ from typing import Final
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from emulators.bench.look import BLUE, GREEN, HALO, INK, VERMILION
-from emulators.bench.records import SAMPLE_EVERY, HoldRecord, Sample
-from firmware_bridge.robot import Robot
+from emulators.bench.style import BLUE, GREEN, HALO, INK, VERMILION
+from emulators.bench.columns import SAMPLE_EVERY, Floats, Samples
+from emulators.bench.records import HoldRecord
 from firmware_bridge.units import to_seconds
 
 MOVING_MPS: Final = 0.01
 
 
-def path_picture(
-    figure: Figure, _robot: Robot, samples: Sequence[Sample], holds: Sequence[HoldRecord]
-) -> None:
+def path_picture(figure: Figure, samples: Samples, holds: Sequence[HoldRecord]) -> None:
     """Draw where the robot went, and where it believed to be."""
     figure.set_size_inches(7.6, 7.4)
     axes = figure.add_subplot()
-    x, y = [row.x_m for row in samples], [row.y_m for row in samples]
+    x, y = samples.column("x_m"), samples.column("y_m")
     axes.plot(x, y, color=BLUE, linewidth=3.2, alpha=0.45, label="plant", solid_capstyle="round")
     axes.plot(
-        [row.odometry_x_m for row in samples],
-        [row.odometry_y_m for row in samples],
+        samples.column("odometry_x_m"),
+        samples.column("odometry_y_m"),
         color=INK,
         linewidth=0.7,
         label="odometry",
     )
     _time_marks(axes, samples)
     began = {hold.began // SAMPLE_EVERY for hold in holds}
-    held = [row for row in samples if row.at // SAMPLE_EVERY in began and abs(row.speed_mps) > MOVING_MPS]
+    held = [row for row in samples if row.at // SAMPLE_EVERY in began and abs(row["speed_mps"]) > MOVING_MPS]
     if held:
         axes.scatter(
-            [row.x_m for row in held],
-            [row.y_m for row in held],
+            [row["x_m"] for row in held],
+            [row["y_m"] for row in held],
             marker="X",
             s=46,
             color=VERMILION,
@@ -50,21 +48,20 @@ def path_picture(
     )
     axes.scatter(x[-1:], y[-1:], s=54, color=GREEN, zorder=5, label="end")
     _square(axes, x, y)
-    axes.set(
-        title="Path of the rear axle's middle", xlabel="x, forward at the start [m]", ylabel="y, left [m]"
-    )
+    axes.set(title="Path of the reference point", xlabel="x, forward at the start [m]", ylabel="y, left [m]")
     axes.legend(loc="best")
 
 
-def _time_marks(axes: Axes, samples: Sequence[Sample]) -> None:
+def _time_marks(axes: Axes, samples: Samples) -> None:
     """Write the time beside the path, some eight times, but not twice at one place."""
     last: tuple[float, float] | None = None
-    span = max(_extent([row.x_m for row in samples]), _extent([row.y_m for row in samples]), 0.1)
+    span = max(_extent(samples.column("x_m")), _extent(samples.column("y_m")), 0.1)
     step = max(len(samples) // 8, 1)
     for row in samples[step::step]:
-        if last is not None and math.dist(last, (row.x_m, row.y_m)) < span * 0.07:
+        place = row["x_m"], row["y_m"]
+        if last is not None and math.dist(last, place) < span * 0.07:
             continue
-        last = (row.x_m, row.y_m)
+        last = place
         axes.plot(*last, marker="o", markersize=4, color=BLUE)
         axes.annotate(
             f"{to_seconds(row.at):.0f} s",
@@ -77,15 +74,15 @@ def _time_marks(axes: Axes, samples: Sequence[Sample]) -> None:
         )
 
 
-def _square(axes: Axes, x: Sequence[float], y: Sequence[float]) -> None:
+def _square(axes: Axes, x: Floats, y: Floats) -> None:
     """Give both directions one scale, and room around a path that is a line."""
     half = max(_extent(x), 0.2) * 0.5, max(_extent(y), 0.2) * 0.5
     half = max(half[0], half[1] * 0.35), max(half[1], half[0] * 0.35)
     for limits, values, reach in ((axes.set_xlim, x, half[0]), (axes.set_ylim, y, half[1])):
-        middle = (max(values) + min(values)) * 0.5
+        middle = float(values.max() + values.min()) * 0.5
         limits(middle - reach * 1.12, middle + reach * 1.12)
     axes.set_aspect("equal")
 
 
-def _extent(values: Sequence[float]) -> float:
-    return max(values) - min(values)
+def _extent(values: Floats) -> float:
+    return float(values.max() - values.min())

@@ -62,7 +62,10 @@ class Rehearsal:
     """Return what a station sends for these values of the channels; signs and scales are its own."""
     twist: Callable[[Mapping[str, float], AnyRobot], Twist]
     columns: tuple[Column, ...]
+    """Its own, beside those of `emulators.bench.columns.columns_of`; the planar ones are needed."""
     panels: tuple[Panel, ...]
+    remarks: Callable[[AnyRobot], Mapping[str, str]]
+    """What stands beside the summary's numbers, by their keys: the robot's limits."""
 
     def shipped(self) -> dict[str, Path]:
         """Return the shipped missions by their names, in alphabetical order."""

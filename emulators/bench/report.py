@@ -1,42 +1,42 @@
-"""A run's summary as two tables on the terminal: its numbers, and what held."""
+"""A run's summary as tables on the terminal: its numbers, which faults were put on, and what held."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from emulators.bench.summary import Held, Summary
-from firmware_bridge.robot import Limits
+from emulators.bench.summary import Faulted, Held, Summary
 
 TRACE_DIGITS = 16
 """Enough of the hash to compare two runs by eye; the whole one is in `summary.json`."""
 
 
-def show(console: Console, summary: Summary, limits: Limits) -> None:
-    """Print both tables."""
+def show(console: Console, summary: Summary, remarks: Mapping[str, str]) -> None:
+    """Print the tables; `remarks` stand beside the numbers, by their keys in the summary."""
     numbers = Table(box=SIMPLE_HEAD, title=f"{summary.robot}, {summary.mission}, seed {summary.seed}")
     numbers.title_justify = "left"
     numbers.add_column("measured")
     numbers.add_column("value", justify="right")
     numbers.add_column("unit")
     numbers.add_column("remark", style="dim")
-    for row in _numbers(summary, limits):
+    for row in _numbers(summary, remarks):
         numbers.add_row(*row)
     console.print(numbers)
+    if summary.faults:
+        console.print(_faulted(summary.faults))
     console.print(_held(summary.holds) if summary.holds else "no interlock held\n")
 
 
-def _numbers(summary: Summary, limits: Limits) -> Iterator[tuple[str, str, str, str]]:
-    speed, acceleration = limits.speed_mps, limits.acceleration_mps2
+def _numbers(summary: Summary, remarks: Mapping[str, str]) -> Iterator[tuple[str, str, str, str]]:
     yield "simulated time", f"{summary.simulated_s:.1f}", "s", f"in {summary.wall_s:.1f} s on the wall clock"
     yield "real-time factor", f"{summary.realtime_factor:.1f}", "", ""
-    yield "largest speed", f"{summary.max_speed_mps:.3f}", "m/s", f"limit {speed:g}"
+    yield "largest speed", f"{summary.max_speed_mps:.3f}", "m/s", remarks.get("max_speed_mps", "")
     yield (
         "largest acceleration",
         f"{summary.max_acceleration_mps2:.3f}",
         "m/s²",
-        f"forward, over 50 ms; limit {acceleration:.3f}",
+        "; ".join(filter(None, ("forward, over 50 ms", remarks.get("max_acceleration_mps2")))),
     )
     yield "largest motor current", f"{summary.max_current_a:.2f}", "A", ""
     yield "path length", f"{summary.path_length_m:.3f}", "m", ""
@@ -47,8 +47,7 @@ def _numbers(summary: Summary, limits: Limits) -> Iterator[tuple[str, str, str, 
         f"against the plant; at most {summary.max_odometry_error_m * 1000.0:.1f} on the way",
     )
     yield "CAN frames", f"{summary.frames}", "", f"bus load {summary.bus_load_percent:.2f} %"
-    line = summary.line
-    if line is not None:
+    for line in summary.lines:
         yield (
             "serial bytes",
             f"{line.bytes}",
@@ -59,6 +58,20 @@ def _numbers(summary: Summary, limits: Limits) -> Iterator[tuple[str, str, str, 
         late = f"cycle {line.cycle_ms:g} ms; {line.late_cycles} late"
         yield "longest cycle on the line", f"{line.longest_cycle_ms:.1f}", "ms", late
     yield "trace", summary.trace_sha256[:TRACE_DIGITS], "", "the same run gives the same trace"
+
+
+def _faulted(faults: tuple[Faulted, ...]) -> Table:
+    table = Table(box=SIMPLE_HEAD, title="faults that were put on")
+    table.title_justify = "left"
+    table.add_column("from", justify="right")
+    table.add_column("to", justify="right")
+    table.add_column("fault")
+    table.add_column("where")
+    table.add_column("title")
+    for fault in faults:
+        ended = "end" if fault.ended_s is None else f"{fault.ended_s:.2f} s"
+        table.add_row(f"{fault.began_s:.2f} s", ended, fault.kind, ", ".join(fault.nodes), fault.title)
+    return table
 
 
 def _held(holds: tuple[Held, ...]) -> Table:

@@ -115,7 +115,9 @@ class Step(Table):
 
 def of_key(step: type[Step], key: str) -> object:
     """Return what the hand does about a key of a step; None where the key says it by itself."""
-    rows = (row for row in step.model_fields[key].metadata if isinstance(row, Holds | Slope | Sends | Presses))
+    rows = (
+        row for row in step.model_fields[key].metadata if isinstance(row, Holds | Slope | Sends | Presses)
+    )
     return next(rows, None)
 
 

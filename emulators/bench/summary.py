@@ -3,24 +3,24 @@
 import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from typing import Final, TypeAlias
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from emulators.bench.records import SAMPLE_EVERY, HoldRecord, Sample
+from emulators.bench.columns import ODOMETRY, POSE, SAMPLE_EVERY, Floats, Samples, current
+from emulators.bench.records import FaultRecord, HoldRecord
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
 ACCELERATION_WINDOW: Final[Nanoseconds] = 50 * MILLISECOND
 """Acceleration is averaged over one cycle of the set-points: a motor's ripple does not move the platform."""
-
-Floats: TypeAlias = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
 class LineRun:
     """What a serial line to the drives has carried."""
 
+    link: str
+    """The link's name in the robot file."""
     protocol: str
     baud: int
     bytes: int
@@ -48,7 +48,7 @@ class Run:
     bus_load_percent: float
     trace_sha256: str
     links_sha256: dict[str, str]
-    line: LineRun | None = None
+    lines: tuple[LineRun, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +57,17 @@ class Held:
 
     name: str
     reason: str
+    began_s: float
+    ended_s: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Faulted:
+    """One fault that was put on, in seconds from the start of the run."""
+
+    kind: str
+    title: str
+    nodes: tuple[str, ...]
     began_s: float
     ended_s: float | None
 
@@ -82,6 +93,8 @@ class Summary:
     max_odometry_error_m: float
     """The largest such distance; while the robot moves it holds up to one cycle's travel of pure delay."""
     max_current_a: float
+    largest: dict[str, float]
+    """Of the robot's columns that say so: the largest absolute value, in the column's unit."""
     frames: int
     bus_load_percent: float
     trace_sha256: str
@@ -89,17 +102,24 @@ class Summary:
     links_sha256: dict[str, str]
     """Of each link alone, by its name: which one a change has reached."""
     holds: tuple[Held, ...]
-    line: LineRun | None = None
-    """None where the bridge is on the CAN bus itself."""
+    faults: tuple[Faulted, ...] = ()
+    lines: tuple[LineRun, ...] = ()
+    """The serial lines between bridge and drives; none where the bridge is on the CAN bus itself."""
 
 
-def summarise(run: Run, samples: Sequence[Sample], holds: Sequence[HoldRecord]) -> Summary:
+def summarise(
+    run: Run,
+    axes: Sequence[str],
+    samples: Samples,
+    holds: Sequence[HoldRecord],
+    faults: Sequence[FaultRecord] = (),
+) -> Summary:
     """Turn a run's rows into its numbers; a run without rows has not moved."""
-    speed = _column([row.speed_mps for row in samples])
-    lateral = speed * _column([row.yaw_rate_rad_s for row in samples])
-    steps = np.hypot(np.diff([row.x_m for row in samples]), np.diff([row.y_m for row in samples]))
+    speed = samples.column("speed_mps")
+    lateral = speed * samples.column("yaw_rate_rad_s")
+    steps = np.hypot(np.diff(samples.column("x_m")), np.diff(samples.column("y_m")))
     errors = odometry_errors(samples)
-    currents = _column([current for row in samples for current in row.currents_a])
+    currents = np.concatenate([samples.column(current(axis)) for axis in axes])
     simulated_s = to_seconds(run.simulated)
     return Summary(
         robot=run.robot,
@@ -115,6 +135,9 @@ def summarise(run: Run, samples: Sequence[Sample], holds: Sequence[HoldRecord]) 
         odometry_error_m=float(errors[-1]) if errors.size else 0.0,
         max_odometry_error_m=_largest(errors),
         max_current_a=_largest(currents),
+        largest={
+            column.name: _largest(samples.column(column.name)) for column in samples.columns if column.most
+        },
         frames=run.frames,
         bus_load_percent=round(run.bus_load_percent, 3),
         trace_sha256=run.trace_sha256,
@@ -128,7 +151,17 @@ def summarise(run: Run, samples: Sequence[Sample], holds: Sequence[HoldRecord]) 
             )
             for hold in holds
         ),
-        line=run.line,
+        faults=tuple(
+            Faulted(
+                kind=fault.kind,
+                title=fault.title,
+                nodes=fault.nodes,
+                began_s=to_seconds(fault.began),
+                ended_s=None if fault.ended is None else to_seconds(fault.ended),
+            )
+            for fault in faults
+        ),
+        lines=run.lines,
     )
 
 
@@ -138,21 +171,19 @@ def mean_acceleration(speed_mps: Floats) -> Floats:
     return (speed_mps[window:] - speed_mps[:-window]) / to_seconds(ACCELERATION_WINDOW)
 
 
-def odometry_errors(samples: Sequence[Sample]) -> Floats:
+def odometry_errors(samples: Samples) -> Floats:
     """Return the distance in metres between the bridge's pose and the plant's, row by row.
 
     The bridge counts from where it began, the plant from its own origin: the first row makes them agree.
     """
-    if not samples:
-        return _column([])
-    first = samples[0]
-    turn = first.heading_rad - first.odometry_heading_rad
-    believed = _column([row.odometry_x_m - first.odometry_x_m for row in samples]) + 1j * _column(
-        [row.odometry_y_m - first.odometry_y_m for row in samples]
+    if not len(samples):
+        return np.array([], dtype=np.float64)
+    (x, y, heading), (ox, oy, odometry_heading) = (
+        [samples.column(name) for name in names] for names in (POSE, ODOMETRY)
     )
-    true = _column([row.x_m - first.x_m for row in samples]) + 1j * _column(
-        [row.y_m - first.y_m for row in samples]
-    )
+    turn = heading[0] - odometry_heading[0]
+    believed = (ox - ox[0]) + 1j * (oy - oy[0])
+    true = (x - x[0]) + 1j * (y - y[0])
     apart: Floats = np.abs(true - believed * np.exp(1j * turn))
     return apart
 
@@ -160,10 +191,6 @@ def odometry_errors(samples: Sequence[Sample]) -> Floats:
 def as_json(summary: Summary) -> str:
     """Write a summary as JSON, one key a line, ending in a new line."""
     return json.dumps(asdict(summary), indent=2, ensure_ascii=False) + "\n"
-
-
-def _column(values: Sequence[float]) -> Floats:
-    return np.array(values, dtype=np.float64)
 
 
 def _largest(values: Floats) -> float:

@@ -1,9 +1,9 @@
 """The bridge as one node: when things happen. What happens in a cycle is `firmware_bridge.bridge.pipeline`'s.
 
 A cycle: the devices of all links that are due are sampled, on CAN by SYNC; when they have answered, or after
-the links' time for it (on CAN 10 ms), the pipeline runs and its set-points leave; half a cycle after its begin
-the handshakes of new positions end. An exception passes through to whoever carries the node; `stop` then brings the drives to rest
-by a path that asks neither interlocks nor operator.
+the links' time for it (on CAN 10 ms), the pipeline runs and its set-points leave; half a cycle after its
+begin the handshakes of new positions end. An exception passes through to whoever carries the node; `stop` then
+brings the drives to rest by a path that asks neither interlocks nor operator.
 """
 
 from collections import deque
@@ -14,7 +14,7 @@ from firmware_bridge.bridge.fleets import Fleets
 from firmware_bridge.bridge.permission import Permission
 from firmware_bridge.bridge.pipeline import Pipeline
 from firmware_bridge.drivers.driver import BRING_UP, Task
-from firmware_bridge.drivers.registry import fleets_of
+from firmware_bridge.drivers.fleets import fleets_of
 from firmware_bridge.intent import EmergencyStop, Request, Verdict
 from firmware_bridge.kind import AnyKind
 from firmware_bridge.node import OPERATOR
@@ -152,7 +152,7 @@ class Bridge:
         if self.phase is Phase.RUNNING:
             self._collect_until = now + self._fleets.answers_within()
             self._release_at = now + self._cycle // 2
-            self._outbox += self._fleets.ask_sensors(now)
+            self._outbox += self._fleets.measure(now)
         elif self.phase is Phase.STOPPING:
             self._come_to_rest(now)
         elif self.phase in (Phase.STARTING, Phase.FAILED):

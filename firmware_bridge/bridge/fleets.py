@@ -12,11 +12,11 @@ from firmware_bridge.units import NEVER, Nanoseconds
 class Fleets:
     """The fleets in the order of the robot file's links; what a method returns is to be sent."""
 
-    __slots__ = ("_all", "_beats", "_by_link", "_due", "_stopped", "drivers")
+    __slots__ = ("_beats", "_by_link", "_due", "_stopped", "all", "drivers")
 
     def __init__(self, fleets: tuple[Fleet, ...]) -> None:
-        self._all: Final = fleets
-        self._by_link: Final = {fleet.link: fleet for fleet in fleets}
+        self.all: Final = fleets
+        self._by_link: Final = {fleet.name: fleet for fleet in fleets}
         self._due = fleets
         """Those that are sampled in this cycle."""
         self._stopped: set[str] = set()
@@ -30,23 +30,23 @@ class Fleets:
     @property
     def busy(self) -> bool:
         """Whether any device has tasks under way."""
-        return any(fleet.busy for fleet in self._all)
+        return any(fleet.busy for fleet in self.all)
 
     @property
     def failures(self) -> tuple[str, ...]:
         """Why tasks failed, one line for each device that did."""
-        return tuple(failure for fleet in self._all for failure in fleet.failures)
+        return tuple(failure for fleet in self.all for failure in fleet.failures)
 
     @property
     def late(self) -> int:
         """Cycles that began before the samples of the one before were in."""
-        return sum(fleet.late for fleet in self._all)
+        return sum(fleet.late for fleet in self.all)
 
     @property
     def wake_at(self) -> Nanoseconds:
         """When a link, a device, or a beat is due."""
         first = NEVER
-        for fleet in self._all:
+        for fleet in self.all:
             first = min(first, fleet.wake_at)
         for at in self._beats:
             first = min(first, at)
@@ -60,11 +60,11 @@ class Fleets:
     @property
     def links_lost(self) -> dict[str, str]:
         """Why no device on a link can be reached, by the link's name."""
-        return {fleet.link: fleet.lost for fleet in self._all if fleet.lost is not None}
+        return {fleet.name: fleet.lost for fleet in self.all if fleet.lost is not None}
 
     def readings(self, now: Nanoseconds) -> dict[str, Reading]:
         """Return what the sensors have told, by their names; what is too old is left out."""
-        return {name: reading for fleet in self._all for name, reading in fleet.readings(now).items()}
+        return {name: reading for fleet in self.all for name, reading in fleet.readings(now).items()}
 
     def hear(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...] | None:
         """Take a packet; None where it came over no link of these."""
@@ -73,16 +73,16 @@ class Fleets:
 
     def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Act on the time, beats left out."""
-        return _joined([fleet.wake(now) for fleet in self._all])
+        return _joined([fleet.wake(now) for fleet in self.all])
 
     def begin_beats(self, now: Nanoseconds) -> None:
         """Beat from now on."""
-        self._beats = [now] * len(self._all)
+        self._beats = [now] * len(self.all)
 
     def beat(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Let the devices know that the bridge lives, where that is due; late beats are not made up for."""
         sent: tuple[Packet, ...] = ()
-        for index, fleet in enumerate(self._all):
+        for index, fleet in enumerate(self.all):
             at = self._beats[index]
             if now >= at:
                 self._beats[index] = at + ((now - at) // fleet.beat_every + 1) * fleet.beat_every
@@ -91,11 +91,11 @@ class Fleets:
 
     def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
         """Let all devices do these tasks, side by side."""
-        return _joined([fleet.begin(tasks, now) for fleet in self._all])
+        return _joined([fleet.begin(tasks, now) for fleet in self.all])
 
     def sample(self, cycle: int, now: Nanoseconds) -> tuple[Packet, ...]:
         """Begin a cycle, the `cycle`-th: have the devices of each link that is due tell where they are."""
-        self._due = tuple([fleet for fleet in self._all if cycle % fleet.every == 0])
+        self._due = tuple([fleet for fleet in self.all if cycle % fleet.every == 0])
         return _joined([fleet.sample(now) for fleet in self._due])
 
     def answers_within(self) -> Nanoseconds:
@@ -104,41 +104,41 @@ class Fleets:
 
     def sampled(self, since: Nanoseconds) -> bool:
         """Whether every device that was asked has told its sample of the cycle that began at `since`."""
-        return all([fleet.sampled(since) for fleet in self._due])
+        return all(fleet.sampled(since) for fleet in self._due)
 
-    def ask_sensors(self, now: Nanoseconds) -> tuple[Packet, ...]:
+    def measure(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Ask the sensors that are due."""
-        return _joined([fleet.ask_sensors(now) for fleet in self._all])
+        return _joined([fleet.measure(now) for fleet in self.all])
 
     def command(
         self, demands: Mapping[str, Demand], levels: Mapping[str, Level], now: Nanoseconds
     ) -> tuple[Packet, ...]:
         """Send each axis its demand, one without rests; switch the outputs that are named.
 
-        A link that is not due in this cycle is told nothing, unless all of it shall stop and was not told yet.
+        A link that is not due in this cycle is left alone, unless all of it shall stop and was not told yet.
         """
         sent: tuple[Packet, ...] = ()
-        for fleet in self._all:
+        for fleet in self.all:
             stops = all(
-                [isinstance(demands.get(driver.axis.name, Stop.REST), Stop) for driver in fleet.drivers]
+                isinstance(demands.get(driver.axis.name, Stop.REST), Stop) for driver in fleet.drivers
             )
-            if fleet in self._due or (stops and fleet.link not in self._stopped):
+            if fleet in self._due or (stops and fleet.name not in self._stopped):
                 sent += fleet.command(demands)
             if stops:
-                self._stopped.add(fleet.link)
+                self._stopped.add(fleet.name)
             else:
-                self._stopped.discard(fleet.link)
+                self._stopped.discard(fleet.name)
             if levels:
                 sent += fleet.switch(levels, now)
         return sent
 
     def command_all(self, demand: Stop) -> tuple[Packet, ...]:
         """Send all axes the same demand."""
-        return _joined([fleet.command_all(demand) for fleet in self._all])
+        return _joined([fleet.command_all(demand) for fleet in self.all])
 
     def release(self) -> tuple[Packet, ...]:
         """End the handshakes that are open."""
-        return _joined([fleet.release() for fleet in self._all])
+        return _joined([fleet.release() for fleet in self.all])
 
 
 def _joined(parts: list[tuple[Packet, ...]]) -> tuple[Packet, ...]:

@@ -142,8 +142,8 @@ class Station(Generic[G, M, S]):
     """One kind of robot's rows; ValueError where MAVLink could not carry them."""
 
     __slots__ = (
-        "actuators", "dead_band", "forgotten", "largest", "parameters", "stick", "stop_button", "switches",
-        "target", "twist", "up_button", "values", "wheel_radius",
+        "actuators", "dead_band", "forgotten", "largest", "metres_rolled", "parameters", "stick",
+        "stop_button", "switches", "target", "twist", "up_button", "values",
     )  # fmt: skip
 
     def __init__(
@@ -154,7 +154,7 @@ class Station(Generic[G, M, S]):
         twist: Callable[[S], Twist],
         forgotten: Callable[[M], M],
         largest: Callable[[Robot[G]], Twist],
-        wheel_radius: Callable[[Robot[G]], float] | None = None,
+        metres_rolled: Callable[[Robot[G]], float] | None = None,
         stop_button: int | None = None,
         up_button: int | None = None,
         dead_band: float = 0.05,
@@ -172,8 +172,8 @@ class Station(Generic[G, M, S]):
         """Return what of a wish outlives a change of state: a target that is kept would act unasked later."""
         self.largest: Final = largest
         """The robot's limits: what is ten times faster is absurd, and refused as no wish at all."""
-        self.wheel_radius: Final = wheel_radius
-        """Metres that the robot rolls for each unit of a rolling axis; None: it tells no distances."""
+        self.metres_rolled: Final = metres_rolled
+        """Metres rolled for each unit of a rolling axis: a wheel's radius; None: no distances are told."""
         self.stop_button: Final = stop_button
         """The button of MANUAL_CONTROL that is the emergency stop, counted from 0; None for none."""
         self.up_button: Final = up_button

@@ -83,7 +83,7 @@ class TelemetryContext(Generic[G, M, S]):
         return list(self.snapshot.facts.axes.values())
 
     @property
-    def wheels(self) -> list[Feedback]:
+    def rolled(self) -> list[Feedback]:
         """The rolling axes of which something is known."""
         axes = self.snapshot.facts.axes
         return [axes[name] for name in self.rolling if name in axes]
@@ -129,7 +129,7 @@ def streams_of(robot: Robot[G], station: Station[G, M, S]) -> tuple[Stream[G, M,
         Stream(dialect.MAVLINK_MSG_ID_ATTITUDE, SECOND // 20, _attitude, "heading"),
         Stream(dialect.MAVLINK_MSG_ID_WHEEL_DISTANCE, SECOND // 5, _distances, "m, in the order of wheels"),
         *(_stream_of(value) for value in station.values),
-        Stream(dialect.MAVLINK_MSG_ID_DEBUG_FLOAT_ARRAY, SECOND // 10, _wheels, "wheels: units a second"),
+        Stream(dialect.MAVLINK_MSG_ID_DEBUG_FLOAT_ARRAY, SECOND // 10, _speeds, "wheels: units a second"),
         Stream(dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT, SECOND // 5, _currents, "I1, I2, ...: A, all axes"),
         Stream(dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT, SECOND // 2, _switches, f"{switches}: 0 or 1"),
         Stream(dialect.MAVLINK_MSG_ID_SYS_STATUS, SECOND, _system, "voltage, health, corrupt frames, faults"),
@@ -137,7 +137,7 @@ def streams_of(robot: Robot[G], station: Station[G, M, S]) -> tuple[Stream[G, M,
         Stream(dialect.MAVLINK_MSG_ID_BATTERY_STATUS, 2 * SECOND, _battery, "voltage, sum of the currents"),
     ]
     lacking = {
-        dialect.MAVLINK_MSG_ID_WHEEL_DISTANCE: station.wheel_radius is None,
+        dialect.MAVLINK_MSG_ID_WHEEL_DISTANCE: station.metres_rolled is None,
         dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT: not switches,
         dialect.MAVLINK_MSG_ID_BATTERY_STATUS: robot.battery is None,
     }
@@ -215,15 +215,15 @@ def _odometry(context: TelemetryContext[G, M, S]) -> tuple[Message, ...]:
     )
 
 
-def _wheels(context: TelemetryContext[G, M, S]) -> tuple[Message, ...]:
-    speeds = _padded([wheel.velocity for wheel in context.wheels], _FLOATS)
+def _speeds(context: TelemetryContext[G, M, S]) -> tuple[Message, ...]:
+    speeds = _padded([axis.velocity for axis in context.rolled], _FLOATS)
     return (dialect.MAVLink_debug_float_array_message(context.boot_us, b"wheels", 1, speeds),)
 
 
 def _distances(context: TelemetryContext[G, M, S]) -> tuple[Message, ...]:
-    find = context.station.wheel_radius
-    radius = NAN if find is None else find(context.robot)
-    rolled = [wheel.position * radius for wheel in context.wheels][:_DISTANCES]
+    find = context.station.metres_rolled
+    each = NAN if find is None else find(context.robot)
+    rolled = [axis.position * each for axis in context.rolled][:_DISTANCES]
     return (
         dialect.MAVLink_wheel_distance_message(context.boot_us, len(rolled), _padded(rolled, _DISTANCES)),
     )

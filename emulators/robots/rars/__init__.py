@@ -53,7 +53,8 @@ class RarsStep(Step):
     radius_m: Annotated[Finite | None, Holds("steer", steer_of_radius)] = None
     """Of the rear axle's middle, left positive; another way to say `steer_deg`."""
     lift_m: Annotated[
-        NonNegative | None, Sends(_ACTUATOR, lambda height, robot: (2.0 * height / lift_travel(robot) - 1.0,), -3)
+        NonNegative | None,
+        Sends(_ACTUATOR, lambda height, robot: (2.0 * height / lift_travel(robot) - 1.0,), -3),
     ] = None
     """Go to this height above collapsed."""
     lift_rate_mps: Annotated[Finite | None, Holds("lift rate")] = None
@@ -92,6 +93,14 @@ def _twist(values: Mapping[str, float], robot: Rars) -> Twist:
 
 def _demanded(seen: Snapshot[Motion, State]) -> float:
     return seen.demanded.speed_mps
+
+
+def _remarks(robot: Rars) -> Mapping[str, str]:
+    limits = robot.geometry.limits
+    return {
+        "max_speed_mps": f"limit {limits.speed_mps:g}",
+        "max_acceleration_mps2": f"limit {limits.acceleration_mps2:.3f}",
+    }
 
 
 REHEARSAL: Final = Rehearsal(
@@ -135,4 +144,5 @@ REHEARSAL: Final = Rehearsal(
         ),
         Panel("Lift", "height [mm]", (Curve("lift_m", "height above collapsed", scale=1000.0),), least=20.0),
     ),
+    remarks=_remarks,
 )

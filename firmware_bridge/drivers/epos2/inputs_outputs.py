@@ -53,6 +53,10 @@ class Drive(Protocol):
     def configured(self) -> bool:
         """Whether its set-up is in force."""
 
+    @property
+    def set_ups(self) -> int:
+        """How often its set-up was written so far; before each one the drive may have restarted."""
+
     def request(self, request: ObjectRequest, now: Nanoseconds) -> tuple[Packet, ...]:
         """Do this when nothing more urgent is to be done, or drop it."""
 
@@ -104,7 +108,7 @@ class DigitalOutputs:
     Leaving, the bridge does not touch them: whether a magnet or a lamp goes out then is for the robot.
     """
 
-    __slots__ = ("_bits", "_confirmed", "_drive", "_request", "_wanted", "outputs")
+    __slots__ = ("_bits", "_confirmed", "_drive", "_request", "_set_up", "_wanted", "outputs")
 
     def __init__(self, outputs: tuple[Output, ...], drive: Drive) -> None:
         self.outputs: Final = outputs
@@ -113,6 +117,8 @@ class DigitalOutputs:
         self._wanted = 0
         self._confirmed: int | None = None
         """What the drive has taken last; None where that is not known."""
+        self._set_up = 0
+        """In which set-up of the drive that was."""
         self._request: ObjectRequest | None = None
 
     def switch(self, levels: Mapping[str, Level], now: Nanoseconds) -> tuple[Packet, ...]:
@@ -123,9 +129,10 @@ class DigitalOutputs:
                 self._wanted = self._wanted | bit if level.on else self._wanted & ~bit
         self._take()
         if self._drive.busy or not self._drive.configured:
-            # After a restart the pins are as the drive makes them, and what was confirmed counts no longer.
-            self._confirmed = None
             return ()
+        if self._set_up != self._drive.set_ups:
+            # The drive may have restarted before: its pins are as it makes them then.
+            self._set_up, self._confirmed = self._drive.set_ups, None
         if self._request is not None or self._wanted == self._confirmed:
             return ()
         raw = _STATE.encode(self._wanted)

@@ -14,12 +14,12 @@ from firmware_bridge.drivers.epos2.process_data import SET_POINT, SET_POINT_COB_
 from firmware_bridge.drivers.epos2.scale import WHOLE_COUNTER, Scale, highest_rpm, travel_of, wrapped
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis, Command
-from firmware_bridge.wire.cia402 import Control, State
+from firmware_bridge.wire import cia402
+from firmware_bridge.wire.cia402 import Control, State, word_of
 
-DISABLE_VOLTAGE: Final = 0x0000
-SHUTDOWN: Final = int(Control.NO_QUICK_STOP | Control.ENABLE_VOLTAGE)
-SWITCH_ON: Final = int(SHUTDOWN | Control.SWITCH_ON)
-ENABLE: Final = int(SWITCH_ON | Control.ENABLE_OPERATION)
+DISABLE_VOLTAGE: Final = word_of(cia402.Command.DISABLE_VOLTAGE)
+SHUTDOWN: Final = word_of(cia402.Command.SHUTDOWN)
+ENABLE: Final = word_of(cia402.Command.ENABLE_OPERATION)
 HALT: Final = int(ENABLE | Control.HALT)
 NEW_POSITION: Final = int(ENABLE | Control.NEW_SETPOINT | Control.CHANGE_IMMEDIATELY)
 QUICK_STOP: Final = int(ENABLE & ~Control.NO_QUICK_STOP)

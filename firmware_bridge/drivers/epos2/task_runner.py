@@ -31,6 +31,7 @@ class TaskRunner:
         "_tasks",
         "failure",
         "set_up",
+        "set_ups",
     )
 
     def __init__(
@@ -54,6 +55,8 @@ class TaskRunner:
         self._task: Task | None = None
         self.set_up = False
         """Whether its set-up was written since it was found."""
+        self.set_ups = 0
+        """How often it was written so far."""
         self.failure: StartupError | None = None
         """Why the last tasks failed; None where they did not."""
 
@@ -108,6 +111,7 @@ class TaskRunner:
                 break
             if self._task is Task.CONFIGURE:
                 self.set_up = True
+                self.set_ups += 1
             self._task = self._tasks.popleft() if self._tasks else None
             if self._task is None:
                 break

@@ -4,7 +4,6 @@
 keeps nothing but its steps, so that its place in the procedure is data.
 """
 
-from collections.abc import Mapping
 from typing import Final
 
 from firmware_bridge.drivers.driver import StartupError
@@ -12,11 +11,9 @@ from firmware_bridge.drivers.epos2 import setup
 from firmware_bridge.drivers.epos2.feedback import DriveFeedback
 from firmware_bridge.drivers.epos2.set_point import (
     DISABLE_VOLTAGE,
-    ENABLE,
     FAULT_RESET,
     QUICK_STOP,
     SHUTDOWN,
-    SWITCH_ON,
     SetPoint,
 )
 from firmware_bridge.drivers.epos2.setup import Row
@@ -26,7 +23,7 @@ from firmware_bridge.drivers.sdo_client import TIMEOUT, Outcome, SdoError, Trans
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.canopen import NmtCommand
-from firmware_bridge.wire.cia402 import State, state_of
+from firmware_bridge.wire.cia402 import State, state_of, towards, word_of
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES
 from firmware_bridge.wire.epos2.rows import DataType
@@ -52,14 +49,6 @@ POWERED: Final = (
     State.FAULT_REACTION_ENABLED,
 )
 """States in which the motor may have torque."""
-
-TOWARDS_ENABLED: Final[Mapping[State | None, int]] = {
-    State.SWITCH_ON_DISABLED: SHUTDOWN,
-    State.READY_TO_SWITCH_ON: SWITCH_ON,
-    State.SWITCHED_ON: ENABLE,
-    State.QUICK_STOP_ACTIVE: ENABLE,
-}
-"""The next controlword on the way to operation enabled; in other states the drive is on its way by itself."""
 
 
 def find(axis: Axis, feedback: DriveFeedback) -> Script:
@@ -189,7 +178,9 @@ def _towards_enabled(axis: Axis, feedback: DriveFeedback, set_point: SetPoint, r
         feedback.fault = 0
         return ()
     if feedback.state is not State.FAULT:
-        word = TOWARDS_ENABLED.get(feedback.state)
+        # In a state that has none the drive is on its way by itself.
+        command = towards(feedback.state, State.OPERATION_ENABLED)
+        word = None if command is None else word_of(command)
         go_on = Do(lambda: _towards_enabled(axis, feedback, set_point, resets))
         return (*_turn(axis, feedback, set_point, word), go_on)
     if resets == FAULT_RESETS:

@@ -84,7 +84,7 @@ class Rars:
         return frozenset(group for group in (base, lift) if group)
 
     def moving(self, state: State) -> frozenset[str]:
-        """Return the base where it drives; the lift is held still by its drive, and judged by rows of its own."""
+        """Return the base where it drives; the lift is judged by rows of its own."""
         return NOTHING if abs(state.speed_mps) < BASE_MOVES_MPS else frozenset({BASE})
 
     def rested(self, motion: Motion, groups: frozenset[str]) -> Motion:
@@ -96,14 +96,14 @@ class Rars:
         return motion
 
     def ramped(self, demanded: Motion, allowed: Motion, state: State, elapsed: Nanoseconds) -> Motion:
-        """Return the next demand: the speed on its ramp in the turn actually steered, the lift's near target."""
+        """Return the next demand: the speed on its ramp in the turn actually steered, a near height."""
         bend = davis.curvature(self._base, steered(state))
         speed = self._ramp.step(demanded.speed_mps, allowed.speed_mps, bend, elapsed)
         height = self._next_height(demanded.lift_m, allowed, state.lift_m, to_seconds(elapsed))
         return replace(allowed, speed_mps=speed, lift_m=height, lift_rate_mps=0.0)
 
     def demands(self, motion: Motion, state: State) -> Mapping[str, Demand]:
-        """Return the steering's demand first, as the thesis orders them; the wheels follow the actual angle."""
+        """Return the steering's demand first, as in the thesis; the wheels follow the actual angle."""
         left, right = davis.wheel_speeds(self._base, motion.speed_mps, steered(state))
         demands: dict[str, Demand] = {}
         if motion.steer_rad is not None:
@@ -123,7 +123,7 @@ class Rars:
     def _next_height(
         self, before_m: float | None, allowed: Motion, height_m: float | None, seconds: float
     ) -> float | None:
-        """Return where the lift shall be now: a target that travels at the allowed rate, near the platform."""
+        """Return where the lift shall be now: a target that travels at its rate, near the platform."""
         if height_m is None or (allowed.lift_m is None and allowed.lift_rate_mps == 0.0):
             return None
         start = height_m if before_m is None else before_m
@@ -160,6 +160,6 @@ def known(value: float | None) -> bool:
 
 
 def steered(state: State) -> float:
-    """Return the angle that the inner wheel has; straight ahead while it is not known, and an interlock holds."""
+    """Return the angle that the inner wheel has; 0 while it is not known, and an interlock holds."""
     steer = state.steer_rad
     return steer if steer is not None and math.isfinite(steer) else 0.0

@@ -1,4 +1,4 @@
-"""Robots for the drivers' tests: RARS as its file says, and what is changed in it. No kind is needed for that."""
+"""Robots for the drivers' tests: RARS as its file says, and what is changed in it; no kind is needed."""
 
 import copy
 from collections.abc import Callable, Mapping
@@ -30,7 +30,7 @@ def changed(change: Callable[[dict[str, Any]], None] = lambda _table: None) -> A
     return robot_of(table, "test.toml", Geometry, groups)
 
 
-def with_link(robot: AnyRobot, changes: Mapping[str, object], link: str = LINK) -> AnyRobot:
+def with_link(robot: AnyRobot, changes: dict[str, object], link: str = LINK) -> AnyRobot:
     """The same robot with other settings of a link, checked."""
     table = robot.links[link]
     return robot.with_links({link: type(table).model_validate(table.model_dump() | changes)})

@@ -4,15 +4,15 @@ from typing import Final
 
 import pytest
 
+from firmware_bridge.drivers.epos2.serial.client import TRY_WITHIN, SerialClient, reading, writing
+from firmware_bridge.drivers.epos2.serial.exchange import Exchange, Result
 from firmware_bridge.drivers.sdo_client import (
     SdoError,
     SdoRefusedError,
     SdoTimeoutError,
     Transfer,
 )
-from firmware_bridge.drivers.serial.client import TRY_WITHIN, SerialClient, reading, writing
-from firmware_bridge.drivers.serial.errands import Exchange, Result
-from firmware_bridge.node import LINE_LOST, MAXON
+from firmware_bridge.node import LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.abort import AbortCode
@@ -29,8 +29,11 @@ WRITE: Final = Transfer(at.CONTROLWORD, b"\x06\x00")
 class Desk:
     def __init__(self) -> None:
         self.noted: list[Result] = []
-        self.exchange = Exchange()
+        self.exchange = Exchange("line")
         self.client = SerialClient(3, self.exchange, self.noted.append)
+
+    def starts(self, transfer: Transfer) -> tuple[Packet, ...]:
+        return self.client.start(transfer, 0) + self.exchange.go_on()
 
     def ends(self, request: Request, outcome: Outcome, now: Nanoseconds = 0) -> tuple[Packet, ...]:
         return self.exchange.hear(outcome_packet(command(request).address, outcome), now)
@@ -44,7 +47,7 @@ def desk() -> Desk:
 def test_a_value_is_as_long_as_its_object(desk: Desk) -> None:
     """The two bytes behind a statusword mean nothing (EPOS Communication Guide, October 2006)."""
     request = reading(3, at.STATUSWORD)
-    assert desk.client.start(READ, 0) == (command(request),)
+    assert desk.starts(READ) == (command(request, "line"),)
     desk.ends(request, Answered(encode_answer(request, ObjectRead(0, b"\x37\x03\x10\x62"))))
     assert desk.client.take() == b"\x37\x03"
     assert desk.client.take() is None
@@ -53,7 +56,7 @@ def test_a_value_is_as_long_as_its_object(desk: Desk) -> None:
 
 def test_a_write_carries_four_bytes(desk: Desk) -> None:
     request = writing(3, at.CONTROLWORD, b"\x06\x00\x00\x00")
-    assert desk.client.start(WRITE, 0) == (command(request),)
+    assert desk.starts(WRITE) == (command(request, "line"),)
     desk.ends(request, Answered(encode_answer(request, Done(0))))
     assert desk.client.take() == b""
 
@@ -69,8 +72,8 @@ def test_a_write_carries_four_bytes(desk: Desk) -> None:
 )
 def test_where_nobody_answered_it_is_tried_once_more(desk: Desk, outcome: Outcome) -> None:
     request = reading(3, at.STATUSWORD)
-    desk.client.start(READ, 0)
-    assert desk.ends(request, outcome, SECOND) == (command(request),)
+    desk.starts(READ)
+    assert desk.ends(request, outcome, SECOND) == (command(request, "line"),)
     assert desk.ends(request, outcome, 2 * SECOND) == ()
     error = desk.client.take()
     assert isinstance(error, SdoTimeoutError)
@@ -80,7 +83,7 @@ def test_where_nobody_answered_it_is_tried_once_more(desk: Desk, outcome: Outcom
 
 def test_a_refusal_is_not_tried_again(desk: Desk) -> None:
     request = reading(3, at.STATUSWORD)
-    desk.client.start(READ, 0)
+    desk.starts(READ)
     refusal = Answered(encode_answer(request, ObjectRead(AbortCode.NO_OBJECT, bytes(4))))
     assert desk.ends(request, refusal) == ()
     error = desk.client.take()
@@ -90,7 +93,7 @@ def test_a_refusal_is_not_tried_again(desk: Desk) -> None:
 
 def test_an_answer_too_short_to_be_one_is_no_answer(desk: Desk) -> None:
     request = reading(3, at.STATUSWORD)
-    desk.client.start(Transfer(at.STATUSWORD, attempts=1), 0)
+    desk.starts(Transfer(at.STATUSWORD, attempts=1))
     desk.ends(request, Answered(b"\0\0"))
     assert isinstance(desk.client.take(), SdoTimeoutError)
 
@@ -98,7 +101,7 @@ def test_an_answer_too_short_to_be_one_is_no_answer(desk: Desk) -> None:
 def test_many_attempts_end_with_the_time_for_them(desk: Desk) -> None:
     """Each one that goes through the gateway holds up the whole line for half a second."""
     request = reading(3, at.STATUSWORD)
-    desk.client.start(Transfer(at.STATUSWORD, attempts=10), 0)
+    desk.starts(Transfer(at.STATUSWORD, attempts=10))
     asked, now = 1, 0
     while desk.client.busy:
         now += 500 * MILLISECOND
@@ -108,23 +111,23 @@ def test_many_attempts_end_with_the_time_for_them(desk: Desk) -> None:
 
 
 def test_a_lost_line_is_not_waited_for(desk: Desk) -> None:
-    desk.client.start(READ, 0)
-    desk.exchange.hear(Packet(MAXON, LINE_LOST, b""), 0)
+    desk.starts(READ)
+    desk.exchange.hear(Packet("line", LINE_LOST, b""), 0)
     assert isinstance(desk.client.take(), SdoError)
 
 
 def test_a_cancelled_transfer_has_no_outcome_and_the_next_may_begin(desk: Desk) -> None:
-    desk.client.start(WRITE, 0)
+    desk.starts(WRITE)
     desk.client.cancel()
-    assert desk.client.start(READ, 0) == ()
+    assert desk.starts(READ) == ()
     request = writing(3, at.CONTROLWORD, b"\x06\x00\x00\x00")
     assert desk.ends(request, Answered(encode_answer(request, Done(0)))) == (
-        command(reading(3, at.STATUSWORD)),
+        command(reading(3, at.STATUSWORD), "line"),
     )
     assert desk.client.take() is None
 
 
 def test_one_transfer_at_a_time(desk: Desk) -> None:
-    desk.client.start(WRITE, 0)
+    desk.starts(WRITE)
     with pytest.raises(ValueError, match=r"SDO upload 0x6041 while SDO download 0x6040"):
-        desk.client.start(READ, 0)
+        desk.starts(READ)

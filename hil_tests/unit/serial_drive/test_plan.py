@@ -4,24 +4,23 @@ import re
 
 import pytest
 
-from firmware_bridge.bridge import Bridge
-from firmware_bridge.drivers.serial.plan import PlanError, fitting_plan, plan_for
-from firmware_bridge.drivers.serial.rows import IN_TURN
-from firmware_bridge.robot import Robot, find
+from firmware_bridge.drivers.epos2.serial.feedback import IN_TURN
+from firmware_bridge.drivers.epos2.serial.fleet import over_serial
+from firmware_bridge.drivers.epos2.serial.plan import PlanError, fitting_plan, plan_for
+from firmware_bridge.drivers.fleets import fleets_of
+from firmware_bridge.robot import AnyRobot, Output
 from firmware_bridge.units import MICROSECOND, MILLISECOND
 from firmware_bridge.wire.maxon.frame import Generation
-
-RARS = find("rars")
-
-
-def over(generation: Generation, **changes: object) -> Robot:
-    robot = RARS.over_serial(generation)
-    bus = type(robot.bus).model_validate(robot.bus.model_dump() | changes)
-    return robot.model_copy(update={"bus": bus})
+from hil_tests.unit.drivers.robots import LINK, RARS, with_link
 
 
-def price(robot: Robot, what: str) -> int:
-    return next(entry.time for entry in plan_for(robot).entries if entry.what.startswith(what))
+def over(generation: Generation, cycle_ms: int = 50, **changes: object) -> AnyRobot:
+    robot = RARS.model_copy(update={"cycle_ms": cycle_ms})
+    return with_link(over_serial(robot, generation), changes)
+
+
+def price(robot: AnyRobot, what: str) -> int:
+    return next(entry.time for entry in plan_for(robot, LINK).entries if entry.what.startswith(what))
 
 
 @pytest.mark.parametrize(
@@ -37,7 +36,7 @@ def price(robot: Robot, what: str) -> int:
     ],
     ids=["v1", "v1 38400", "v2", "v2 usb", "v1 usb"],
 )
-def test_a_read_costs_its_bytes_and_the_port_s_patience(robot: Robot, low_us: int, high_us: int) -> None:
+def test_a_read_costs_its_bytes_and_the_port_s_patience(robot: AnyRobot, low_us: int, high_us: int) -> None:
     assert low_us * MICROSECOND <= price(robot, "position of node 1") <= high_us * MICROSECOND
 
 
@@ -49,33 +48,53 @@ def test_the_gateway_costs_130_microseconds_and_two_frames() -> None:
 
 @pytest.mark.parametrize("cycle_ms", [34, 35, 50])
 def test_usb_holds_the_cycle_of_50_ms(cycle_ms: int) -> None:
-    plan = fitting_plan(over(Generation.V2, cycle_ms=cycle_ms))
+    plan = fitting_plan(over(Generation.V2, cycle_ms=cycle_ms), LINK)
     assert plan.time <= cycle_ms * MILLISECOND
     assert plan.answers_within < plan.time
 
 
 def test_a_cycle_one_millisecond_too_short_is_refused() -> None:
     with pytest.raises(PlanError, match=r"battery of node 1 .* 0\.9 ms too late.* cycle_ms = 34 or more"):
-        fitting_plan(over(Generation.V2, cycle_ms=33))
+        fitting_plan(over(Generation.V2, cycle_ms=33), LINK)
 
 
 def test_rs232_is_refused_with_the_object_and_what_would_help() -> None:
     """At the start, before a byte leaves: a line that is too slow must not make every cycle late."""
     with pytest.raises(PlanError) as refusal:
-        Bridge(over(Generation.V1))
-    told = str(refusal.value)
-    assert "a cycle of 50 ms does not hold statusword of node 4 (scissor lift)" in told
-    assert "2.5 ms too late" in told
-    least = re.search(r"cycle_ms = (\d+)", told)
+        fleets_of(over(Generation.V1))
+    said = str(refusal.value)
+    assert "link 'drives': a cycle of 50 ms does not hold statusword of node 4 (scissor lift)" in said
+    assert "2.5 ms too late" in said
+    assert "or more in the robot file" in said
+    assert "(links.drives.port_latency_us)" in said
+    least = re.search(r"cycle_ms = (\d+)", said)
     assert least is not None
-    Bridge(over(Generation.V1, cycle_ms=int(least[1])))
+    fleets_of(over(Generation.V1, cycle_ms=int(least[1])))
     with pytest.raises(PlanError):
-        Bridge(over(Generation.V1, cycle_ms=int(least[1]) - 1))
+        fleets_of(over(Generation.V1, cycle_ms=int(least[1]) - 1))
 
 
 def test_a_line_that_no_cycle_holds_is_told_so() -> None:
     with pytest.raises(PlanError, match="No longer cycle holds it"):
-        fitting_plan(over(Generation.V1, baud=9_600, bridge_heartbeat_ms=10, port_latency_us=20_000))
+        fitting_plan(over(Generation.V1, baud=9_600, bridge_heartbeat_ms=10, port_latency_us=20_000), LINK)
+
+
+def test_a_link_that_is_served_every_second_time_has_twice_the_time() -> None:
+    least = next(ms for ms in range(30, 140) if plan_for(over(Generation.V1, ms), LINK).excess() is None)
+    fitting_plan(over(Generation.V1, -(-least // 2), every=2), LINK)
+    with pytest.raises(PlanError, match=rf"cycle_ms = {-(-least // 2)} or more"):
+        fitting_plan(over(Generation.V1, -(-least // 2) - 1, every=2), LINK)
+
+
+def test_outputs_cost_a_write_for_each_drive_that_has_any() -> None:
+    settings = [{"axis": "right", "output": pin} for pin in (1, 2)]
+    lamps = tuple(
+        Output.model_validate({"name": f"lamp{i}", "title": "lamp", "link": LINK, "settings": one})
+        for i, one in enumerate(settings)
+    )
+    robot = over(Generation.V2).model_copy(update={"outputs": lamps})
+    more = plan_for(robot, LINK).time - plan_for(over(Generation.V2), LINK).time
+    assert more == price(robot, "outputs of node 2") == price(robot, "controlword of node 2")
 
 
 def test_every_drive_has_its_turn_and_no_cycle_has_two() -> None:

@@ -8,18 +8,18 @@ from typing import Final
 
 import pytest
 
-from firmware_bridge.drivers.serial.client import reading, writing
-from firmware_bridge.drivers.serial.line import MaxonLine
-from firmware_bridge.node import MAXON, SERIAL
+from firmware_bridge.drivers.epos2.serial.client import reading, writing
+from firmware_bridge.drivers.epos2.serial.fleet import over_serial
+from firmware_bridge.drivers.epos2.serial.line import MaxonLine
+from firmware_bridge.kinds import find
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.robot import Robot, find
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.maxon.frame import Generation
 from firmware_bridge.wire.maxon.messages import Request, SendNmtService
 from firmware_bridge.wire.maxon.packets import command
 from hil_tests.scenarios.ride import ARMED, ride
 
-RARS: Final = find("rars")
+LINE: Final = "line"
 V1, V2 = Generation.V1, Generation.V2
 
 COMMANDS: Final = (
@@ -48,7 +48,7 @@ class Asking:
     """A node that asks once, and notes what comes of it."""
 
     def __init__(self, request: Request) -> None:
-        self.left: tuple[Packet, ...] = (command(request),)
+        self.left: tuple[Packet, ...] = (command(request, LINE),)
         self.heard: list[Packet] = []
 
     def receive(self, packet: Packet, _now: int) -> Reaction:
@@ -66,42 +66,41 @@ def said(reaction: Reaction) -> bytes:
 
 @pytest.mark.parametrize(("generation", "request_", "wire"), COMMANDS)
 def test_a_command_is_the_recorded_bytes(generation: Generation, request_: Request, wire: str) -> None:
-    line = MaxonLine(Asking(request_), generation)
+    line = MaxonLine(Asking(request_), generation, LINE)
     raw = said(line.wake(0))
     if generation is V1:
-        raw += said(line.receive(Packet(SERIAL, 0, b"O"), 1))
+        raw += said(line.receive(Packet(LINE, 0, b"O"), 1))
     assert raw == bytes.fromhex(wire)
 
 
 def test_the_recorded_dialogue_on_rs232() -> None:
     """Application Notes p. 11-166, with the handshake that the guide tells."""
     node = Asking(reading(2, at.DEVICE_TYPE))
-    line = MaxonLine(node, V1)
+    line = MaxonLine(node, V1, LINE)
     assert said(line.wake(0)) == b"\x10"
-    assert said(line.receive(Packet(SERIAL, 0, b"\x4f"), 1)) == bytes.fromhex("01 00 10 00 02 10 CD")
-    assert said(line.receive(Packet(SERIAL, 0, b"\x4f"), 2)) == b""
-    assert said(line.receive(Packet(SERIAL, 0, b"\x00"), 3)) == b"\x4f"
+    assert said(line.receive(Packet(LINE, 0, b"\x4f"), 1)) == bytes.fromhex("01 00 10 00 02 10 CD")
+    assert said(line.receive(Packet(LINE, 0, b"\x4f"), 2)) == b""
+    assert said(line.receive(Packet(LINE, 0, b"\x00"), 3)) == b"\x4f"
     answer = bytes.fromhex("03 00 00 00 00 92 01 02 00 EB 6D")
-    assert said(line.receive(Packet(SERIAL, 0, answer), 4)) == b"\x4f"
-    assert node.heard == [Packet(MAXON, 0x10, bytes.fromhex("00000000 92010200"))]
+    assert said(line.receive(Packet(LINE, 0, answer), 4)) == b"\x4f"
+    assert node.heard == [Packet(LINE, 0x10, bytes.fromhex("00000000 92010200"))]
 
 
 def test_the_recorded_exchange_on_usb() -> None:
     """Application Notes p. 11-164."""
     node = Asking(reading(2, at.DEVICE_TYPE))
-    line = MaxonLine(node, V2)
+    line = MaxonLine(node, V2, LINE)
     line.wake(0)
-    line.receive(Packet(SERIAL, 0, bytes.fromhex("90 02 00 04 00 00 00 00 92 01 02 00 9A ED")), 1)
-    assert node.heard == [Packet(MAXON, 0x10, bytes.fromhex("00000000 92010200"))]
+    line.receive(Packet(LINE, 0, bytes.fromhex("90 02 00 04 00 00 00 00 92 01 02 00 9A ED")), 1)
+    assert node.heard == [Packet(LINE, 0x10, bytes.fromhex("00000000 92010200"))]
 
 
 @pytest.mark.parametrize("generation", Generation)
 def test_a_whole_start_up_says_them(generation: Generation) -> None:
     """The reads of drive 2's device type and of the first drive's statusword, in the bridge's stream."""
-    robot: Robot = RARS.over_serial(generation)
+    robot = over_serial(find("rars"), generation)
     if generation is V1:
-        bus = type(robot.bus).model_validate(robot.bus.model_dump() | {"cycle_ms": 140})
-        robot = robot.model_copy(update={"bus": bus})
+        robot = robot.model_copy(update={"cycle_ms": 140})
     one = ride(ARMED, seconds=5, robot=robot)
     stream = bytearray()
     assert one.rig.line is not None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -18,10 +18,11 @@ from firmware_bridge.intent import (
 )
 from firmware_bridge.teleop.commands import ROWS
 from firmware_bridge.teleop.mavlink import dialect
+from hil_tests.unit.teleop.bench import acks
 from hil_tests.unit.teleop.heard import texts
 
 if TYPE_CHECKING:
-    from hil_tests.unit.teleop.conftest import Bench
+    from hil_tests.unit.teleop.bench import RarsBench
 
 ACCEPTED, TEMPORARILY_REJECTED, DENIED, UNSUPPORTED = 0, 1, 2, 3
 NAN = math.nan
@@ -59,13 +60,9 @@ TABLE: list[tuple[int, tuple[float, ...], int, list[Request]]] = [
 ]
 
 
-def acks(messages: list[Any]) -> list[tuple[int, int]]:
-    return [(one.command, one.result) for one in messages if one.get_type() == "COMMAND_ACK"]
-
-
 @pytest.mark.parametrize(("command", "params", "result", "asked"), TABLE)
 def test_a_command_is_answered_once_and_asks_this(
-    bench: Bench, command: int, params: tuple[float, ...], result: int, asked: list[Request]
+    bench: RarsBench, command: int, params: tuple[float, ...], result: int, asked: list[Request]
 ) -> None:
     replies = bench.order(command, *params)
     assert acks(replies) == [(command, result)]
@@ -75,7 +72,7 @@ def test_a_command_is_answered_once_and_asks_this(
 
 @pytest.mark.parametrize(("command", "params", "result", "asked"), TABLE)
 def test_the_other_message_for_commands_does_the_same(
-    bench: Bench, command: int, params: tuple[float, ...], result: int, asked: list[Request]
+    bench: RarsBench, command: int, params: tuple[float, ...], result: int, asked: list[Request]
 ) -> None:
     four = (*params, *(0.0,) * (4 - len(params)))
     replies = bench.say(dialect.MAVLink_command_int_message(1, 1, 0, command, 0, 0, *four, 0, 0, 0.0))
@@ -97,7 +94,7 @@ def test_every_row_is_tested_here() -> None:
     ],
 )
 def test_the_bridges_verdict_and_its_reason_reach_the_operator(
-    bench: Bench, verdict: Verdict, result: int
+    bench: RarsBench, verdict: Verdict, result: int
 ) -> None:
     bench.verdict = verdict
     replies = bench.order(400, 1)
@@ -105,20 +102,20 @@ def test_the_bridges_verdict_and_its_reason_reach_the_operator(
     assert "".join(texts(replies)) == ("" if verdict.accepted else verdict.reason)
 
 
-def test_an_ack_names_the_one_who_asked(bench: Bench) -> None:
+def test_an_ack_names_the_one_who_asked(bench: RarsBench) -> None:
     [ack] = bench.order(400, 1)
     assert (ack.target_system, ack.target_component) == (255, 190)
     assert (ack.get_srcSystem(), ack.get_srcComponent()) == (1, 1)
 
 
-def test_a_repetition_is_answered_and_not_obeyed_again(bench: Bench) -> None:
+def test_a_repetition_is_answered_and_not_obeyed_again(bench: RarsBench) -> None:
     first = bench.order(400, 1, confirmation=0)
     again = bench.order(400, 1, confirmation=1)
     assert acks(first) == acks(again) == [(400, ACCEPTED)]
     assert bench.asked == [Arm()]
 
 
-def test_a_repetition_whose_first_was_lost_is_obeyed(bench: Bench) -> None:
+def test_a_repetition_whose_first_was_lost_is_obeyed(bench: RarsBench) -> None:
     assert acks(bench.order(400, 1, confirmation=1)) == [(400, ACCEPTED)]
     assert bench.asked == [Arm()]
 
@@ -126,14 +123,14 @@ def test_a_repetition_whose_first_was_lost_is_obeyed(bench: Bench) -> None:
 @pytest.mark.parametrize(
     ("later_ns", "params"), [(3_000_000_000, (1.0,)), (0, (0.0,))], ids=["too late", "other parameters"]
 )
-def test_what_is_no_repetition_is_obeyed(bench: Bench, later_ns: int, params: tuple[float, ...]) -> None:
+def test_what_is_no_repetition_is_obeyed(bench: RarsBench, later_ns: int, params: tuple[float, ...]) -> None:
     bench.order(400, 1, confirmation=0)
     bench.now += later_ns
     bench.order(400, *params, confirmation=1)
     assert len(bench.asked) == 2
 
 
-def test_the_same_command_asked_anew_is_obeyed_anew(bench: Bench) -> None:
+def test_the_same_command_asked_anew_is_obeyed_anew(bench: RarsBench) -> None:
     bench.order(400, 1)
     bench.order(400, 1)
     assert bench.asked == [Arm(), Arm()]
@@ -153,10 +150,14 @@ def test_the_same_command_asked_anew_is_obeyed_anew(bench: Bench) -> None:
     ],
 )
 def test_lamp_and_detector(
-    bench: Bench, command: int, params: tuple[float, ...], result: int, lamp_and_detector: tuple[bool, bool]
+    bench: RarsBench,
+    command: int,
+    params: tuple[float, ...],
+    result: int,
+    lamp_and_detector: tuple[bool, bool],
 ) -> None:
     assert acks(bench.order(command, *params)) == [(command, result)]
-    assert (bench.operator.intent.headlamp, bench.operator.intent.detector) == lamp_and_detector
+    assert (bench.wish.headlamp, bench.wish.detector) == lamp_and_detector
 
 
 # N l (sin 45 - sin 5) = 6 x 0.3 m x 0.61995 (thesis 2.16)
@@ -164,41 +165,41 @@ TRAVEL = 1.11591
 
 
 @pytest.mark.parametrize(("share", "height"), [(-1, 0.0), (0, TRAVEL / 2), (1, TRAVEL), (-0.5, TRAVEL / 4)])
-def test_the_lift_goes_to_a_share_of_its_travel(bench: Bench, share: float, height: float) -> None:
+def test_the_lift_goes_to_a_share_of_its_travel(bench: RarsBench, share: float, height: float) -> None:
     bench.order(400, 1)
     bench.report()
     assert acks(bench.order(187, share)) == [(187, ACCEPTED)]
-    assert bench.operator.intent.lift_m == pytest.approx(height, abs=1e-5)
+    assert bench.wish.lift_m == pytest.approx(height, abs=1e-5)
 
 
 @pytest.mark.parametrize(
     "params", [(1.001,), (-1.001,), (NAN,), (0, 0, 0, 0, 0, 0, 1), (0, 0, 0, 0, 0, 0, NAN)]
 )
-def test_a_lift_command_that_cannot_be_meant_is_denied(bench: Bench, params: tuple[float, ...]) -> None:
+def test_a_lift_command_that_cannot_be_meant_is_denied(bench: RarsBench, params: tuple[float, ...]) -> None:
     bench.order(400, 1)
     bench.report()
     assert acks(bench.order(187, *params)) == [(187, DENIED)]
-    assert bench.operator.intent.lift_m is None
+    assert bench.wish.lift_m is None
 
 
-def test_a_disarmed_robot_keeps_no_lift_target_for_later(bench: Bench) -> None:
+def test_a_disarmed_robot_keeps_no_lift_target_for_later(bench: RarsBench) -> None:
     bench.report()
     assert acks(bench.order(187, 0.5)) == [(187, DENIED)]
     bench.order(400, 1)
     bench.report()
     bench.order(187, 0.5)
     bench.order(5300, 0)
-    assert bench.operator.intent.lift_m is None
+    assert bench.wish.lift_m is None
 
 
-def test_a_reboot_from_afar_does_not_happen(bench: Bench) -> None:
+def test_a_reboot_from_afar_does_not_happen(bench: RarsBench) -> None:
     bench.order(400, 1)
     bench.report()
     assert acks(bench.order(246, 1)) == [(246, DENIED)]
 
 
 @pytest.mark.parametrize("number", [0, 1, 30, 32, 147, 148, 245, 251, 252, 331, 350, 9000])
-def test_a_message_is_sent_on_request(bench: Bench, number: int) -> None:
+def test_a_message_is_sent_on_request(bench: RarsBench, number: int) -> None:
     bench.report()
     replies = bench.order(512, number)
     assert replies[0].get_msgId() == number
@@ -206,13 +207,13 @@ def test_a_message_is_sent_on_request(bench: Bench, number: int) -> None:
 
 
 @pytest.mark.parametrize("number", [2, 300, 435, 397, 999_999, -1, 0.5, NAN, math.inf])
-def test_a_message_that_we_lack_is_unsupported(bench: Bench, number: float) -> None:
+def test_a_message_that_we_lack_is_unsupported(bench: RarsBench, number: float) -> None:
     bench.report()
     assert [one.get_type() for one in bench.order(512, number)] == ["COMMAND_ACK"]
     assert acks(bench.order(512, number)) == [(512, UNSUPPORTED)]
 
 
-def test_capabilities_are_told_on_request(bench: Bench) -> None:
+def test_capabilities_are_told_on_request(bench: RarsBench) -> None:
     version, ack = bench.order(520, 1)
     # COMMAND_INT, SET_POSITION_TARGET_LOCAL_NED, FLIGHT_TERMINATION, MAVLINK2, C-cast parameters
     assert version.capabilities == 8 + 128 + 2048 + 8192 + 131072
@@ -221,7 +222,7 @@ def test_capabilities_are_told_on_request(bench: Bench) -> None:
     assert acks(bench.order(520, 0)) == [(520, ACCEPTED)]
 
 
-def test_the_rate_of_a_message_can_be_changed(bench: Bench) -> None:
+def test_the_rate_of_a_message_can_be_changed(bench: RarsBench) -> None:
     def count() -> int:
         return sum(one.get_msgId() == 331 for _ in range(20) for one in bench.report())
 
@@ -247,18 +248,20 @@ def test_the_rate_of_a_message_can_be_changed(bench: Bench) -> None:
         ((NAN, 1000), UNSUPPORTED),
     ],
 )
-def test_rates_that_make_no_sense_are_refused(bench: Bench, params: tuple[float, ...], result: int) -> None:
+def test_rates_that_make_no_sense_are_refused(
+    bench: RarsBench, params: tuple[float, ...], result: int
+) -> None:
     assert acks(bench.order(511, *params)) == [(511, result)]
 
 
 @pytest.mark.parametrize(("number", "interval_us"), [(331, 50_000), (0, 1_000_000), (147, 2_000_000), (2, 0)])
-def test_the_rate_of_a_message_is_told(bench: Bench, number: int, interval_us: int) -> None:
+def test_the_rate_of_a_message_is_told(bench: RarsBench, number: int, interval_us: int) -> None:
     told, ack = bench.order(510, number)
     assert (told.get_type(), told.message_id, told.interval_us) == ("MESSAGE_INTERVAL", number, interval_us)
     assert ack.result == ACCEPTED
 
 
-def test_a_message_that_is_off_is_told_as_off(bench: Bench) -> None:
+def test_a_message_that_is_off_is_told_as_off(bench: RarsBench) -> None:
     bench.order(511, 331, -1)
     assert bench.order(510, 331)[0].interval_us == -1
     bench.order(511, 331, 1e30)
@@ -266,19 +269,19 @@ def test_a_message_that_is_off_is_told_as_off(bench: Bench) -> None:
     assert acks(bench.order(510, 70_000)) == [(510, DENIED)]
 
 
-def test_old_mode_messages_are_answered_under_their_own_number(bench: Bench) -> None:
+def test_old_mode_messages_are_answered_under_their_own_number(bench: RarsBench) -> None:
     assert acks(bench.say(dialect.MAVLink_set_mode_message(1, 1, 0))) == [(11, ACCEPTED)]
     assert acks(bench.say(dialect.MAVLink_set_mode_message(1, 0x81, 15))) == [(11, DENIED)]
     assert bench.asked == []
 
 
 @pytest.mark.parametrize("target", [(2, 1), (1, 2), (255, 0)])
-def test_commands_for_others_are_left_alone(bench: Bench, target: tuple[int, int]) -> None:
+def test_commands_for_others_are_left_alone(bench: RarsBench, target: tuple[int, int]) -> None:
     assert bench.order(400, 1, target=target) == []
     assert bench.asked == []
     assert bench.operator.dropped.foreign == 1
 
 
 @pytest.mark.parametrize("target", [(0, 0), (1, 0), (0, 1), (1, 1)])
-def test_commands_for_everybody_are_for_us(bench: Bench, target: tuple[int, int]) -> None:
+def test_commands_for_everybody_are_for_us(bench: RarsBench, target: tuple[int, int]) -> None:
     assert acks(bench.order(400, 1, target=target)) == [(400, ACCEPTED)]

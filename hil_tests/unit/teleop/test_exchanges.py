@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING
 import pytest
 
 from firmware_bridge.teleop.mavlink import dialect
-from firmware_bridge.teleop.operator import Operator
 from firmware_bridge.units import MILLISECOND
 from hil_tests.unit.teleop.heard import types
 
 if TYPE_CHECKING:
-    from hil_tests.unit.teleop.conftest import Bench
+    from hil_tests.unit.teleop.bench import RarsBench
 
 
 def zeros(count: int) -> str:
@@ -46,23 +45,23 @@ EXCHANGES = {
 
 
 @pytest.mark.parametrize(("asked", "answered"), EXCHANGES.values(), ids=EXCHANGES.keys())
-def test_exchanges_byte_for_byte(bench: Bench, asked: str, answered: str) -> None:
+def test_exchanges_byte_for_byte(bench: RarsBench, asked: str, answered: str) -> None:
     replies = bench.operator.hear(bytes.fromhex(asked), 0, bench.decide)
     assert b"".join(replies) == bytes.fromhex(answered)
 
 
-def test_the_frames_of_the_two_set_points_mean_this(bench: Bench) -> None:
+def test_the_frames_of_the_two_set_points_mean_this(bench: RarsBench) -> None:
     bench.send(bytes.fromhex(EXCHANGES["half speed, a quarter left"][0]))
-    intent = bench.operator.intent
-    assert (intent.speed_mps, intent.steer_rad) == pytest.approx((0.25, math.radians(15.0)))
-    bench.operator = Operator(bench.robot)
+    assert bench.wish.speed_mps == 0.25
+    assert bench.wish.steer_rad == pytest.approx(math.radians(15.0))
+    bench.restart()
     bench.send(bytes.fromhex(EXCHANGES["60 mm/s and 0.1 rad/s"][0]))
-    intent = bench.operator.intent
     # clockwise with R = 0.6 m: atan(0.515 / (0.6 - 0.105)) to the right
-    assert (intent.speed_mps, math.degrees(intent.steer_rad)) == pytest.approx((0.06, -46.134), abs=1e-3)
+    assert bench.wish.speed_mps == pytest.approx(0.06)
+    assert bench.wish.steer_rad == pytest.approx(math.radians(-46.134), abs=1e-5)
 
 
-def test_qgroundcontrol_gets_through_its_connection(bench: Bench) -> None:
+def test_qgroundcontrol_gets_through_its_connection(bench: RarsBench) -> None:
     bench.report()
     version, ack = bench.order(512, 148)
     assert (version.get_type(), ack.result) == ("AUTOPILOT_VERSION", 0)
@@ -78,12 +77,12 @@ def test_qgroundcontrol_gets_through_its_connection(bench: Bench) -> None:
     assert (count.get_type(), count.count) == ("MISSION_COUNT", 0)
 
 
-def test_mavsdk_learns_the_version_before_the_first_report(bench: Bench) -> None:
+def test_mavsdk_learns_the_version_before_the_first_report(bench: RarsBench) -> None:
     assert types(bench.order(512, 148)) == ["AUTOPILOT_VERSION", "COMMAND_ACK"]
 
 
 @pytest.mark.parametrize("kind", [0, 1, 2, 255])
-def test_there_is_no_mission(bench: Bench, kind: int) -> None:
+def test_there_is_no_mission(bench: RarsBench, kind: int) -> None:
     [count] = bench.say(dialect.MAVLink_mission_request_list_message(1, 1, kind))
     assert (count.count, count.mission_type, count.target_system) == (0, kind, 255)
     [ack] = bench.say(dialect.MAVLink_mission_count_message(1, 1, 5, kind))
@@ -99,7 +98,7 @@ def test_there_is_no_mission(bench: Bench, kind: int) -> None:
         assert ack.type == dialect.MAV_MISSION_INVALID_SEQUENCE
 
 
-def test_clocks_are_compared(bench: Bench) -> None:
+def test_clocks_are_compared(bench: RarsBench) -> None:
     bench.now = 123_456_789
     [reply] = bench.say(dialect.MAVLink_timesync_message(0, 987))
     assert (reply.tc1, reply.ts1) == (123_456_789, 987)
@@ -109,7 +108,7 @@ def test_clocks_are_compared(bench: Bench) -> None:
     assert reply.tc1 != 0
 
 
-def test_a_ping_is_answered_and_an_answer_is_not(bench: Bench) -> None:
+def test_a_ping_is_answered_and_an_answer_is_not(bench: RarsBench) -> None:
     [reply] = bench.say(dialect.MAVLink_ping_message(11, 7, 0, 0))
     assert (reply.time_usec, reply.seq, reply.target_system, reply.target_component) == (11, 7, 255, 190)
     assert bench.say(dialect.MAVLink_ping_message(11, 7, 1, 1)) == []

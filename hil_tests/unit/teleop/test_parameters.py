@@ -8,14 +8,17 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from firmware_bridge.teleop.mavlink import dialect
-from firmware_bridge.teleop.parameters import PARAMETERS
+from firmware_bridge.teleop.parameters import parameters_of
+from hil_tests.unit.teleop.bench import rars
 from hil_tests.unit.teleop.heard import texts
 
 if TYPE_CHECKING:
-    from hil_tests.unit.teleop.conftest import Bench
+    from hil_tests.unit.teleop.bench import RarsBench
+
+PARAMETERS = parameters_of(rars().robot, rars().rows.parameters)
 
 
-def test_parameters_are_listed_once_each_and_slowly(bench: Bench) -> None:
+def test_parameters_are_listed_once_each_and_slowly(bench: RarsBench) -> None:
     bench.say(dialect.MAVLink_param_request_list_message(1, 1))
     cycles = [[one for one in bench.report() if one.get_type() == "PARAM_VALUE"] for _ in range(10)]
     assert max(map(len, cycles)) <= 6
@@ -26,7 +29,7 @@ def test_parameters_are_listed_once_each_and_slowly(bench: Bench) -> None:
     assert {one.param_type for one in listed} == {9}
 
 
-def test_a_list_asked_for_again_begins_again(bench: Bench) -> None:
+def test_a_list_asked_for_again_begins_again(bench: RarsBench) -> None:
     bench.say(dialect.MAVLink_param_request_list_message(1, 1))
     bench.report()
     bench.say(dialect.MAVLink_param_request_list_message(1, 1))
@@ -51,7 +54,7 @@ def test_parameter_names_fit_and_are_distinct() -> None:
         ("ACC_MAX", 1.41264),
     ],
 )
-def test_a_parameter_is_read_by_name_and_by_index(bench: Bench, name: str, value: float) -> None:
+def test_a_parameter_is_read_by_name_and_by_index(bench: RarsBench, name: str, value: float) -> None:
     [by_name] = bench.say(dialect.MAVLink_param_request_read_message(1, 1, name.encode(), -1))
     assert by_name.param_value == pytest.approx(value)
     [by_index] = bench.say(dialect.MAVLink_param_request_read_message(1, 1, b"", by_name.param_index))
@@ -61,26 +64,26 @@ def test_a_parameter_is_read_by_name_and_by_index(bench: Bench, name: str, value
 @pytest.mark.parametrize(
     ("name", "index"), [("NO_SUCH", -1), ("", -1), ("WHEEL_R", len(PARAMETERS)), ("WHEEL_R", -2)]
 )
-def test_an_unknown_parameter_is_an_error(bench: Bench, name: str, index: int) -> None:
+def test_an_unknown_parameter_is_an_error(bench: RarsBench, name: str, index: int) -> None:
     [error] = bench.say(dialect.MAVLink_param_request_read_message(1, 1, name.encode(), index))
     assert (error.get_type(), error.error, error.param_id) == ("PARAM_ERROR", 1, name)
     assert (error.target_system, error.target_component) == (255, 190)
 
 
-def set_parameter(bench: Bench, name: str, value: float) -> list[Any]:
+def set_parameter(bench: RarsBench, name: str, value: float) -> list[Any]:
     return bench.say(dialect.MAVLink_param_set_message(1, 1, name.encode(), value, 9))
 
 
 @pytest.mark.parametrize("row", [row for row in PARAMETERS if row.writable is None], ids=lambda row: row.name)
-def test_a_limit_cannot_be_changed_from_afar(bench: Bench, row: Any) -> None:
+def test_a_limit_cannot_be_changed_from_afar(bench: RarsBench, row: Any) -> None:
     replies = set_parameter(bench, row.name, 99.0)
     [value] = [one for one in replies if one.get_type() == "PARAM_VALUE"]
-    assert value.param_value == struct.unpack("<f", struct.pack("<f", row.first(bench.robot)))[0]
+    assert value.param_value == struct.unpack("<f", struct.pack("<f", row.first))[0]
     assert any("read-only" in text for text in texts(replies))
 
 
 @pytest.mark.parametrize("wrong", [20.1, -0.1, float("nan"), float("inf"), -float("inf")])
-def test_a_rate_out_of_range_is_answered_with_the_old_value(bench: Bench, wrong: float) -> None:
+def test_a_rate_out_of_range_is_answered_with_the_old_value(bench: RarsBench, wrong: float) -> None:
     replies = set_parameter(bench, "RATE_ODOM", wrong)
     [value] = [one for one in replies if one.get_type() == "PARAM_VALUE"]
     assert value.param_value == 20.0
@@ -88,12 +91,12 @@ def test_a_rate_out_of_range_is_answered_with_the_old_value(bench: Bench, wrong:
 
 
 @pytest.mark.parametrize(("rate", "messages"), [(20.0, 20), (5.0, 1 + 5), (0.0, 0)])
-def test_a_rate_is_set_and_kept(bench: Bench, rate: float, messages: int) -> None:
+def test_a_rate_is_set_and_kept(bench: RarsBench, rate: float, messages: int) -> None:
     [value] = set_parameter(bench, "RATE_ODOM", rate)
     assert value.param_value == rate
     assert sum(one.get_type() == "ODOMETRY" for _ in range(20) for one in bench.report()) == messages
 
 
-def test_a_name_goes_up_to_its_first_nul(bench: Bench) -> None:
+def test_a_name_goes_up_to_its_first_nul(bench: RarsBench) -> None:
     [value] = bench.say(dialect.MAVLink_param_request_read_message(1, 1, b"SPD_MAX\0junk", -1))
     assert value.param_id == "SPD_MAX"

@@ -1,4 +1,4 @@
-"""What a stick and a velocity mean for the robot; forward and left are positive."""
+"""What a stick and a velocity are before a robot gives them a meaning; forward, left and up are positive."""
 
 import math
 from typing import Any
@@ -7,184 +7,142 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_bridge import robot as robots
 from firmware_bridge.teleop.mavlink import dialect
-from firmware_bridge.teleop.setpoints import Setpoint, Unusable, of_stick, of_target, steer_for
+from firmware_bridge.teleop.setpoints import UNUSED, pressed, stick_of, velocity_of
+from firmware_bridge.teleop.station import Stick, Twist, Unusable, Velocity
+from hil_tests.unit.teleop.bench import target_message
 
-RARS = robots.find("rars")
-DEG = math.pi / 180.0
-
-
-def stick(x: int = 0, y: int = 0x7FFF, z: int = 0, r: int = 0, buttons: int = 0) -> Setpoint | Unusable:
-    return of_stick(dialect.MAVLink_manual_control_message(1, x, y, z, r, buttons), RARS)
+LARGEST = Twist(0.5, 0.0, 1.25)
 
 
-def target(vx: float = 0.0, yaw_rate: float = 0.0, **other: Any) -> Setpoint | Unusable:
-    fields = {"vy": 0.0, "vz": 0.0, "mask": 1511, "frame": 8} | other
-    rest = (0.0,) * 4
-    return of_target(
-        dialect.MAVLink_set_position_target_local_ned_message(
-            0,
-            1,
-            1,
-            fields["frame"],
-            fields["mask"],
-            0.0,
-            0.0,
-            0.0,
-            vx,
-            fields["vy"],
-            fields["vz"],
-            *rest,
-            yaw_rate,
-        ),
-        RARS,
-    )
+def stick(x: int = 0, y: int = 0, z: int = 0, r: int = 0, up: int = 1) -> Stick | Unusable:
+    message = dialect.MAVLink_manual_control_message(1, x, y, z, r, 0)
+    return stick_of(message, up=bool(up), dead_band=0.05)
+
+
+def target(vx: float = 0.0, yaw_rate: float = 0.0, **other: Any) -> Velocity | Unusable:
+    return velocity_of(target_message(vx, yaw_rate, **other), LARGEST)
 
 
 @pytest.mark.parametrize(
-    ("given_axes", "speed", "steer", "lift_rate"),
+    ("given_axes", "share"),
     [
-        ({"x": 0}, 0.0, 0.0, 0.0),
-        ({"x": 1000}, 0.5, 0.0, 0.0),
-        ({"x": -1000}, -0.5, 0.0, 0.0),
-        ({"x": 500, "r": -250}, 0.25, 15 * DEG, 0.0),
-        ({"r": 1000}, 0.0, -60 * DEG, 0.0),
-        ({"r": -1000}, 0.0, 60 * DEG, 0.0),
-        ({"r": 0x7FFF, "y": 500}, 0.0, -30 * DEG, 0.0),
-        ({"r": 0, "y": 500}, 0.0, 0.0, 0.0),
-        ({"r": 0x7FFF, "y": 0x7FFF}, 0.0, None, 0.0),
-        ({"x": 0x7FFF}, 0.0, 0.0, 0.0),
-        ({"z": 0}, 0.0, 0.0, 0.0),
-        ({"z": 500}, 0.0, 0.0, 0.0),
-        ({"z": 1000}, 0.0, 0.0, 0.0),
-        ({"z": -1000, "buttons": 0b0111}, 0.0, 0.0, 0.0),
-        ({"z": 1000, "buttons": 0b1000}, 0.0, 0.0, 0.1),
-        ({"z": -500, "buttons": 0b1000}, 0.0, 0.0, -0.05),
-        ({"z": 50, "buttons": 0b1000}, 0.0, 0.0, 0.0),
-        ({"z": 51, "buttons": 0b1000}, 0.0, 0.0, 0.0051),
-        ({"z": 0x7FFF, "buttons": 0b1000}, 0.0, 0.0, 0.0),
+        ({"x": 0}, {"forward": 0.0}),
+        ({"x": 1000}, {"forward": 1.0}),
+        ({"x": -250}, {"forward": -0.25}),
+        ({"x": UNUSED}, {"forward": None}),
+        ({"y": 500}, {"left": -0.5}),
+        ({"y": -1000}, {"left": 1.0}),
+        ({"y": UNUSED}, {"left": None}),
+        ({"r": 1000}, {"turn": -1.0}),
+        ({"r": -500}, {"turn": 0.5}),
+        ({"r": UNUSED}, {"turn": None}),
+        ({"z": 1000}, {"up": 1.0}),
+        ({"z": -500}, {"up": -0.5}),
+        ({"z": 51}, {"up": 0.051}),
+        ({"z": -51}, {"up": -0.051}),
+        ({"z": 50}, {"up": None}),
+        ({"z": -50}, {"up": None}),
+        ({"z": UNUSED}, {"up": None}),
     ],
 )
-def test_a_stick(given_axes: dict[str, int], speed: float, steer: float | None, lift_rate: float) -> None:
-    wish = stick(**given_axes)
-    assert isinstance(wish, Setpoint)
-    assert wish.speed_mps == pytest.approx(speed)
-    assert wish.steer_rad == (None if steer is None else pytest.approx(steer))
-    assert wish.lift_rate_mps == pytest.approx(lift_rate)
+def test_an_axis_is_a_share_with_the_robots_sign(given_axes: dict[str, int], share: dict[str, Any]) -> None:
+    rest = {"forward": 0.0, "left": 0.0, "turn": 0.0, "up": None}
+    assert stick(**given_axes) == Stick(**(rest | share))
+
+
+@pytest.mark.parametrize("z", [-0x8000, -1000, 0, 500, 1000])
+def test_what_z_does_is_nobodys_business_while_it_does_not_count(z: int) -> None:
+    assert stick(z=z, up=0) == Stick(0.0, 0.0, 0.0, None)
 
 
 @pytest.mark.parametrize("axis", ["x", "y", "r", "z"])
 @pytest.mark.parametrize("value", [1001, -1001, 0x7FFE, -0x8000])
 def test_a_stick_beyond_its_stop_is_refused(axis: str, value: int) -> None:
-    wish = stick(**{axis: value}, buttons=0b1000)
-    assert isinstance(wish, Unusable)
-    assert f"{axis} = {value}" in wish.reason
+    found = stick(**{axis: value})
+    assert isinstance(found, Unusable)
+    assert f"{axis} = {value}" in found.reason
 
 
-def test_what_z_does_is_nobodys_business_while_its_button_is_up() -> None:
-    assert isinstance(stick(z=-0x8000), Setpoint)
-
-
-# R = a_k / 2 + w cot(theta), a_k = 0.21 m, w = 0.515 m (thesis 2.13): 45 degrees turn with R = 0.62 m.
-@pytest.mark.parametrize(
-    ("vx", "yaw_rate", "steer_deg"),
-    [
-        (0.31, -0.5, 45.0),
-        (0.31, 0.5, -45.0),
-        (-0.31, 0.5, 45.0),
-        (-0.31, -0.5, -45.0),
-        (0.3, 0.0, 0.0),
-        (0.105, -1.0, 90.0),
-    ],
-)
-def test_a_yaw_rate_becomes_the_inner_wheels_angle(vx: float, yaw_rate: float, steer_deg: float) -> None:
-    wish = target(vx, yaw_rate)
-    assert isinstance(wish, Setpoint)
-    assert wish.steer_rad == pytest.approx(steer_deg * DEG)
-    assert wish.speed_mps == vx
-
-
-def test_a_robot_that_stands_keeps_its_steering() -> None:
-    assert target(0.0, 0.5) == Setpoint(0.0, None)
-    assert target(0.0, 0.0) == Setpoint(0.0, None)
-
-
-@given(st.floats(-0.5, 0.5).filter(lambda v: abs(v) >= 0.001), st.floats(-60.0, 60.0))
-def test_the_angle_gives_the_yaw_rate_back(speed: float, steer_deg: float) -> None:
-    base = RARS.base
-    steer = steer_deg * DEG
-    bend = (
-        math.copysign(1.0 / (base.kingpin_distance_m / 2.0 + base.wheelbase_m / math.tan(abs(steer))), steer)
-        if steer
-        else 0.0
-    )
-    found = steer_for(speed, speed * bend, base)
-    assert found is not None
-    assert found == pytest.approx(steer, abs=1e-9)
+@given(st.integers(0, 0xFFFF), st.integers(0, 15))
+def test_a_button_is_a_bit(buttons: int, button: int) -> None:
+    assert pressed(buttons, button) is (format(buttons, "016b")[15 - button] == "1")
+    assert not pressed(buttons, None)
 
 
 @pytest.mark.parametrize("frame", [8, 9, 12])
 def test_frames_along_the_robot_are_followed(frame: int) -> None:
-    assert target(0.2, 0.0, frame=frame) == Setpoint(0.2, 0.0)
+    assert target(0.2, 0.0, frame=frame) == Velocity(0.2, 0.0, 0.0)
 
 
 @pytest.mark.parametrize("frame", sorted(set(range(22)) - {8, 9, 12}))
 def test_other_frames_are_refused(frame: int) -> None:
-    wish = target(0.2, 0.0, frame=frame)
-    assert isinstance(wish, Unusable)
-    assert f"frame {frame}" in wish.reason
+    found = target(0.2, 0.0, frame=frame)
+    assert isinstance(found, Unusable)
+    assert f"frame {frame}" in found.reason
 
 
 @pytest.mark.parametrize(
-    ("mask", "steer"),
-    [(0x05E7, True), (0x05C7, True), (0x0DE7, False), (0x0DC7, False)],
+    ("mask", "yaw_rate"),
+    [(0x05E7, 0.5), (0x05C7, 0.5), (0x0DE7, None), (0x0DC7, None)],
     ids=["velocity and yaw rate", "the same with vz", "velocity only", "velocity only with vz"],
 )
-def test_masks_of_velocity_are_followed(mask: int, steer: bool) -> None:  # noqa: FBT001 - a table
-    wish = target(0.31, -0.5, mask=mask)
-    assert isinstance(wish, Setpoint)
-    assert wish.steer_rad == pytest.approx(45.0 * DEG if steer else 0.0)
+def test_masks_of_velocity_are_followed(mask: int, yaw_rate: float | None) -> None:
+    assert target(0.31, -0.5, mask=mask) == Velocity(0.31, 0.0, yaw_rate)
 
 
 @pytest.mark.parametrize(
     "mask", [0x0000, 0x0DFC, 0x09FF, 0x05FF, 0x0FFF, 0x0DE6, 0x09E7, 0x05E7 | 0x200, 0xFFFF, 0x05EF]
 )
 def test_other_masks_are_refused(mask: int) -> None:
-    wish = target(0.2, 0.0, mask=mask)
-    assert isinstance(wish, Unusable)
-    assert f"mask {mask}" in wish.reason
+    found = target(0.2, 0.0, mask=mask)
+    assert isinstance(found, Unusable)
+    assert f"mask {mask}" in found.reason
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
 @pytest.mark.parametrize("field", ["vx", "vy", "yaw_rate"])
 def test_what_is_not_finite_is_refused(field: str, value: float) -> None:
-    wish = target(**{field: value})
-    assert isinstance(wish, Unusable)
-    assert wish.key == "not finite"
+    found = target(**{field: value})
+    assert isinstance(found, Unusable)
+    assert found.key == "not finite"
 
 
 def test_fields_that_the_mask_ignores_may_hold_anything() -> None:
-    assert target(0.2, math.nan, mask=0x0DE7) == Setpoint(0.2, 0.0)
-    assert target(0.2, 0.0, vz=math.nan) == Setpoint(0.2, 0.0)
+    assert target(0.2, math.nan, mask=0x0DE7) == Velocity(0.2, 0.0, None)
+    assert target(0.2, 0.0, vz=math.nan) == Velocity(0.2, 0.0, 0.0)
 
 
-@pytest.mark.parametrize("other", [{"vy": 0.01}, {"vz": 0.01, "mask": 0x05C7}])
-def test_the_robot_moves_neither_sideways_nor_up(other: dict[str, Any]) -> None:
-    wish = target(0.2, 0.0, **other)
-    assert isinstance(wish, Unusable)
-    assert wish.key == "sideways"
+def test_right_and_clockwise_become_left_and_counter_clockwise() -> None:
+    assert target(0.2, 0.3, vy=0.1) == Velocity(0.2, -0.1, -0.3)
+
+
+def test_no_robot_here_climbs() -> None:
+    found = target(0.2, 0.0, vz=0.01, mask=0x05C7)
+    assert isinstance(found, Unusable)
+    assert found.key == "vertical"
 
 
 @pytest.mark.parametrize(
-    ("vx", "yaw_rate"), [(5.01, 0.0), (-5.01, 0.0), (0.2, 12.1), (0.2, -12.1), (3e38, 0.0)]
+    ("vx", "vy", "yaw_rate"),
+    [
+        (5.01, 0.0, 0.0),
+        (-5.01, 0.0, 0.0),
+        (0.0, 5.01, 0.0),
+        (4.0, -4.0, 0.0),
+        (0.2, 0.0, 12.6),
+        (0.2, 0.0, -12.6),
+        (3e38, 3e38, 0.0),
+    ],
 )
-def test_the_absurd_is_refused(vx: float, yaw_rate: float) -> None:
-    wish = target(vx, yaw_rate)
-    assert isinstance(wish, Unusable)
-    assert wish.key == "absurd"
+def test_the_absurd_is_refused(vx: float, vy: float, yaw_rate: float) -> None:
+    found = target(vx, yaw_rate, vy=vy)
+    assert isinstance(found, Unusable)
+    assert found.key == "absurd"
 
 
-@pytest.mark.parametrize(("vx", "yaw_rate"), [(5.0, 0.0), (-0.8, 0.0), (0.1, 2.0)])
-def test_what_is_merely_too_much_is_left_to_the_interlocks(vx: float, yaw_rate: float) -> None:
-    assert isinstance(target(vx, yaw_rate), Setpoint)
+@pytest.mark.parametrize(
+    ("vx", "vy", "yaw_rate"), [(5.0, 0.0, 0.0), (0.0, -5.0, 0.0), (-0.8, 0.1, 0.0), (0.1, 0.0, 12.4)]
+)
+def test_what_is_merely_too_much_is_left_to_the_interlocks(vx: float, vy: float, yaw_rate: float) -> None:
+    assert target(vx, yaw_rate, vy=vy) == Velocity(vx, -vy, -yaw_rate)

@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from firmware_bridge.safety.snapshot import Hold
+from firmware_bridge.drivers.driver import Power
+from firmware_bridge.safety.row import Severity
 from firmware_bridge.units import MILLISECOND, SECOND
-from firmware_bridge.wire.cia402 import State
+from hil_tests.unit.teleop.bench import RarsBench, hold
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-
-    from hil_tests.unit.teleop.conftest import Bench
 
 
 def texts(messages: list[Any]) -> list[tuple[int, str]]:
@@ -33,7 +32,7 @@ def texts(messages: list[Any]) -> list[tuple[int, str]]:
 BOOT, STANDBY, ACTIVE, CRITICAL, EMERGENCY, TERMINATED = 1, 3, 4, 5, 6, 8
 
 
-def status(bench: Bench) -> tuple[int, int]:
+def status(bench: RarsBench) -> tuple[int, int]:
     heartbeat = bench.told(0)
     assert (heartbeat.type, heartbeat.autopilot, heartbeat.custom_mode, heartbeat.mavlink_version) == (
         10,
@@ -44,11 +43,11 @@ def status(bench: Bench) -> tuple[int, int]:
     return heartbeat.base_mode, heartbeat.system_status
 
 
-def test_the_heartbeat_of_a_robot_that_waits(bench: Bench) -> None:
+def test_the_heartbeat_of_a_robot_that_waits(bench: RarsBench) -> None:
     assert status(bench) == (0x41, STANDBY)
 
 
-def test_the_heartbeat_of_a_robot_that_is_driven(bench: Bench) -> None:
+def test_the_heartbeat_of_a_robot_that_is_driven(bench: RarsBench) -> None:
     bench.order(400, 1)
     bench.stick()
     assert status(bench) == (0xC1, ACTIVE)
@@ -56,10 +55,10 @@ def test_the_heartbeat_of_a_robot_that_is_driven(bench: Bench) -> None:
     assert status(bench) == (0xC1, CRITICAL)
 
 
-def test_the_heartbeat_of_a_robot_in_trouble(bench: Bench) -> None:
-    bench.snapshot = replace(bench.snapshot, drives=bench.drives(state=[State.FAULT, None, None, None]))
+def test_the_heartbeat_of_a_robot_in_trouble(bench: RarsBench) -> None:
+    bench.axes(power=[Power.FAULT, Power.UNKNOWN, Power.UNKNOWN, Power.UNKNOWN])
     assert status(bench) == (0x41, BOOT)
-    bench.snapshot = replace(bench.snapshot, drives=bench.drives(fault=[0x8611, 0, 0, 0]))
+    bench.axes(fault=["0x8611", "", "", ""])
     assert status(bench) == (0x41, CRITICAL)
     bench.order(5300, 0)
     assert status(bench) == (0x41, EMERGENCY)
@@ -67,10 +66,10 @@ def test_the_heartbeat_of_a_robot_in_trouble(bench: Bench) -> None:
     assert status(bench) == (0x41, TERMINATED)
 
 
-HOLD = Hold("lift extended", "the lift stands at 100 mm, retracted is below 5 mm", "retract the lift", 0)
+HOLD = hold("lift extended", "the lift stands at 100 mm, retracted is below 5 mm", "retract the lift")
 
 
-def test_a_hold_is_told_with_its_reason_when_it_begins_and_when_it_ends(bench: Bench) -> None:
+def test_a_hold_is_told_with_its_reason_when_it_begins_and_when_it_ends(bench: RarsBench) -> None:
     assert texts(bench.report()) == []
     assert texts(bench.report(HOLD)) == [
         (4, "the lift stands at 100 mm, retracted is below 5 mm; retract the lift")
@@ -80,23 +79,13 @@ def test_a_hold_is_told_with_its_reason_when_it_begins_and_when_it_ends(bench: B
     assert texts(bench.report()) == []
 
 
-@pytest.mark.parametrize(
-    ("name", "severity"),
-    [
-        ("emergency stop", 2),
-        ("drive silent: left", 2),
-        ("drive fault: lift", 2),
-        ("not armed", 5),
-        ("steer angle unknown", 3),
-        ("anything else", 4),
-    ],
-)
-def test_how_loud_a_hold_is(bench: Bench, name: str, severity: int) -> None:
-    assert texts(bench.report(replace(HOLD, name=name, reason="why", remedy=""))) == [(severity, "why")]
+@pytest.mark.parametrize("severity", Severity)
+def test_a_hold_is_as_loud_as_its_row_says(bench: RarsBench, severity: Severity) -> None:
+    assert texts(bench.report(hold("any", "why", severity=severity))) == [(severity, "why")]
 
 
-def test_one_hold_that_follows_another_is_told(bench: Bench) -> None:
-    other = replace(HOLD, name="not armed", reason="the robot is not armed", remedy="arm the robot")
+def test_one_hold_that_follows_another_is_told(bench: RarsBench) -> None:
+    other = hold("not armed", "the robot is not armed", "arm the robot", Severity.NOTICE)
     bench.report(HOLD)
     assert texts(bench.report(other)) == [
         (6, "released: lift extended"),
@@ -105,25 +94,24 @@ def test_one_hold_that_follows_another_is_told(bench: Bench) -> None:
     assert texts(bench.report(other, HOLD))[0][1].startswith("the lift stands")
 
 
-def test_a_drives_fault_is_told_once_and_its_end_as_well(bench: Bench) -> None:
+def test_a_drives_fault_is_told_once_and_its_end_as_well(bench: RarsBench) -> None:
     bench.report()
-    healthy = bench.snapshot
-    bench.snapshot = replace(healthy, drives=bench.drives(fault=[0, 0x8611, 0, 0]))
-    assert texts(bench.report()) == [(2, "EPOS 2 0x8611 (right)")]
+    bench.axes(fault=["", "0x8611", "", ""])
+    assert texts(bench.report()) == [(2, "node 2 (right rear wheel): fault 0x8611")]
     assert texts(bench.report()) == []
-    bench.snapshot = replace(healthy, drives=bench.drives(fault=[0, 0x2310, 0, 0]))
-    assert texts(bench.report()) == [(2, "EPOS 2 0x2310 (right)")]
-    bench.snapshot = healthy
-    assert texts(bench.report()) == [(6, "EPOS 2 fault cleared (right)")]
+    bench.axes(fault=["", "0x2310", "", ""])
+    assert texts(bench.report()) == [(2, "node 2 (right rear wheel): fault 0x2310")]
+    bench.axes(fault=["", "", "", ""])
+    assert texts(bench.report()) == [(6, "node 2 (right rear wheel): fault cleared")]
 
 
-def test_two_runs_tell_the_same_bytes(make_bench: Callable[[], Bench]) -> None:
+def test_two_runs_tell_the_same_bytes(make_bench: Callable[[], RarsBench]) -> None:
     def run() -> list[tuple[bytes, ...]]:
         bench = make_bench()
-        operator = bench.operator
-        return [
-            operator.report(replace(bench.snapshot, now=now), (HOLD,), now)
-            for now in range(0, SECOND, 50 * MILLISECOND)
-        ]
+        sent = []
+        for now in range(0, SECOND, 50 * MILLISECOND):
+            bench.facts = replace(bench.facts, now=now)
+            sent.append(bench.operator.report(bench.snapshot(), (HOLD,), now))
+        return sent
 
     assert run() == run()

@@ -7,36 +7,36 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from firmware_bridge.intent import NEVER_HEARD, Arm, ClearEmergencyStop, EmergencyStop, Intent
+from firmware_bridge.intent import NEVER_HEARD, Arm, ClearEmergencyStop, EmergencyStop
+from firmware_bridge.robots.rars.motion import Motion
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.unit.teleop.heard import texts
 
 if TYPE_CHECKING:
-    from hil_tests.unit.teleop.conftest import Bench
+    from hil_tests.unit.teleop.bench import RarsBench
 
 
-def test_before_anybody_speaks_nothing_is_wanted(bench: Bench) -> None:
-    assert bench.operator.intent == Intent()
+def test_before_anybody_speaks_nothing_is_wanted(bench: RarsBench) -> None:
+    assert bench.wish == Motion()
     assert bench.operator.intent.heard_at == NEVER_HEARD
 
 
-def test_a_stick_becomes_the_intent_and_its_time(bench: Bench) -> None:
+def test_a_stick_becomes_the_intent_and_its_time(bench: RarsBench) -> None:
     bench.now = 7 * SECOND
     assert bench.stick(x=500, r=-500) == []
-    intent = bench.operator.intent
-    assert (intent.speed_mps, intent.heard_at) == (0.25, 7 * SECOND)
-    assert intent.steer_rad == pytest.approx(0.5236, abs=1e-4)
+    assert (bench.wish.speed_mps, bench.operator.intent.heard_at) == (0.25, 7 * SECOND)
+    assert bench.wish.steer_rad == pytest.approx(0.5236, abs=1e-4)
 
 
-def test_a_set_point_at_standstill_keeps_the_steering(bench: Bench) -> None:
+def test_a_set_point_at_standstill_keeps_the_steering(bench: RarsBench) -> None:
     bench.stick(r=-500)
-    steer = bench.operator.intent.steer_rad
+    steer = bench.wish.steer_rad
     bench.target(0.0, 0.3)
-    assert bench.operator.intent.steer_rad == steer
+    assert bench.wish.steer_rad == steer
 
 
-def test_what_is_refused_changes_nothing_and_is_no_sign_of_life(bench: Bench) -> None:
+def test_what_is_refused_changes_nothing_and_is_no_sign_of_life(bench: RarsBench) -> None:
     bench.stick(x=500)
     before = bench.operator.intent
     bench.now += SECOND
@@ -47,7 +47,7 @@ def test_what_is_refused_changes_nothing_and_is_no_sign_of_life(bench: Bench) ->
     assert bench.operator.dropped.refused == 3
 
 
-def test_refusals_are_not_told_at_the_rate_of_a_joystick(bench: Bench) -> None:
+def test_refusals_are_not_told_at_the_rate_of_a_joystick(bench: RarsBench) -> None:
     told = 0
     for _ in range(100):
         told += bool(bench.target(0.2, frame=1))
@@ -55,18 +55,18 @@ def test_refusals_are_not_told_at_the_rate_of_a_joystick(bench: Bench) -> None:
     assert told == 3
 
 
-def test_an_overtaken_set_point_is_forgotten(bench: Bench) -> None:
+def test_an_overtaken_set_point_is_forgotten(bench: RarsBench) -> None:
     early = bench.station.encode(dialect.MAVLink_manual_control_message(1, 1000, 0, 0, 0, 0))
     bench.stick(x=0)
     bench.now += 20 * MILLISECOND
     bench.send(early)
-    assert bench.operator.intent.speed_mps == 0.0
+    assert bench.wish.speed_mps == 0.0
     assert bench.operator.dropped.overtaken == 1
     bench.send(early)
     assert bench.operator.dropped.overtaken == 2
 
 
-def test_a_datagram_that_arrives_twice_is_one_sign_of_life(bench: Bench) -> None:
+def test_a_datagram_that_arrives_twice_is_one_sign_of_life(bench: RarsBench) -> None:
     twice = bench.station.encode(dialect.MAVLink_manual_control_message(1, 100, 0, 0, 0, 0))
     bench.send(twice)
     bench.now += 20 * MILLISECOND
@@ -75,31 +75,31 @@ def test_a_datagram_that_arrives_twice_is_one_sign_of_life(bench: Bench) -> None
     assert bench.operator.dropped.overtaken == 1
 
 
-def test_a_station_that_starts_anew_is_heard_after_a_quarter_of_a_second(bench: Bench) -> None:
+def test_a_station_that_starts_anew_is_heard_after_a_quarter_of_a_second(bench: RarsBench) -> None:
     for _ in range(100):
         bench.stick()
     bench.station = Codec(255, 190)
     bench.now += 249 * MILLISECOND
     bench.stick(x=100)
-    assert bench.operator.intent.speed_mps == 0.0
+    assert bench.wish.speed_mps == 0.0
     bench.now += 1 * MILLISECOND
     bench.stick(x=100)
-    assert bench.operator.intent.speed_mps == pytest.approx(0.05)
+    assert bench.wish.speed_mps == pytest.approx(0.05)
 
 
-def test_an_overtaken_stop_button_still_stops(bench: Bench) -> None:
+def test_an_overtaken_stop_button_still_stops(bench: RarsBench) -> None:
     early = bench.station.encode(dialect.MAVLink_manual_control_message(1, 0, 0, 0, 0, 4))
     bench.stick()
     bench.send(early)
     assert bench.asked == [EmergencyStop()]
 
 
-def test_a_stop_button_on_a_broken_stick_still_stops(bench: Bench) -> None:
+def test_a_stop_button_on_a_broken_stick_still_stops(bench: RarsBench) -> None:
     bench.stick(x=0x7FFE, buttons=4)
     assert bench.asked == [EmergencyStop()]
 
 
-def test_the_stop_button_asks_until_the_robot_is_stopped_and_not_on(bench: Bench) -> None:
+def test_the_stop_button_asks_until_the_robot_is_stopped_and_not_on(bench: RarsBench) -> None:
     bench.report()
     bench.stick(buttons=4)
     bench.stick(buttons=4)
@@ -109,40 +109,39 @@ def test_the_stop_button_asks_until_the_robot_is_stopped_and_not_on(bench: Bench
     assert len(bench.asked) == 2
 
 
-def test_buttons_switch_when_they_go_down(bench: Bench) -> None:
+def test_buttons_switch_when_they_go_down(bench: RarsBench) -> None:
     seen = []
     for buttons in (0, 1, 1, 0, 2, 3, 0, 3):
         bench.stick(buttons=buttons)
-        seen.append((bench.operator.intent.detector, bench.operator.intent.headlamp))
+        seen.append((bench.wish.detector, bench.wish.headlamp))
     assert seen == [
         (False, False), (True, False), (True, False), (True, False),
         (True, True), (False, True), (False, True), (True, False),
     ]  # fmt: skip
 
 
-def test_a_button_that_is_down_from_the_start_switches_nothing(bench: Bench) -> None:
+def test_a_button_that_is_down_from_the_start_switches_nothing(bench: RarsBench) -> None:
     bench.stick(buttons=3)
-    assert (bench.operator.intent.detector, bench.operator.intent.headlamp) == (False, False)
+    assert (bench.wish.detector, bench.wish.headlamp) == (False, False)
 
 
-def test_the_lifts_stick_takes_over_from_its_target_and_not_before(bench: Bench) -> None:
+def test_the_lifts_stick_takes_over_from_its_target_and_not_before(bench: RarsBench) -> None:
     bench.order(400, 1)
     bench.report()
     bench.order(187, 0)
     seen = []
     for buttons in (0, 8, 0):
         bench.stick(z=500, buttons=buttons)
-        intent = bench.operator.intent
-        seen.append((intent.lift_m is not None, round(intent.lift_rate_mps, 6)))
+        seen.append((bench.wish.lift_m is not None, round(bench.wish.lift_rate_mps, 6)))
     assert seen == [(True, 0.0), (False, 0.05), (False, 0.0)]
 
 
-def test_arming_and_clearing_take_the_lifts_target_away(bench: Bench) -> None:
+def test_arming_and_clearing_take_the_lifts_target_away(bench: RarsBench) -> None:
     for command, params, request in ((400, (1,), Arm), (5300, (1,), ClearEmergencyStop)):
-        bench.snapshot = replace(bench.snapshot, armed=True)
+        bench.facts = replace(bench.facts, armed=True)
         bench.report()
         bench.order(187, 0)
-        assert bench.operator.intent.lift_m is not None
+        assert bench.wish.lift_m is not None
         bench.order(command, *params)
         assert isinstance(bench.asked[-1], request)
-        assert bench.operator.intent.lift_m is None
+        assert bench.wish.lift_m is None

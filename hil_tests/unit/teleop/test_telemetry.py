@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from firmware_bridge.motion.odometry import Pose
+from firmware_bridge.motion.pose import Pose
 from firmware_bridge.units import MILLISECOND, SECOND
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from hil_tests.unit.teleop.conftest import Bench
+    from hil_tests.unit.teleop.bench import RarsBench
 
 
-def named(bench: Bench, name: str) -> float | None:
+def named(bench: RarsBench, name: str) -> float | None:
     bench.report()
     replies = bench.order(512, 251) + bench.order(512, 252)
     values = {one.name: one.value for one in replies if one.get_type().startswith("NAMED")}
@@ -26,7 +26,7 @@ def named(bench: Bench, name: str) -> float | None:
     return value
 
 
-def test_rates_of_two_seconds(bench: Bench) -> None:
+def test_rates_of_two_seconds(bench: RarsBench) -> None:
     bench.now = -CYCLE  # the first report at 0
     counts = Counter(one.get_type() for _ in range(40) for one in bench.report())
     assert counts == {
@@ -44,8 +44,17 @@ def test_rates_of_two_seconds(bench: Bench) -> None:
     }
 
 
+def test_one_report_is_sent_in_this_order(bench: RarsBench) -> None:
+    bench.now = -CYCLE
+    sent = [getattr(one, "name", one.get_type()) for one in bench.report()]
+    assert sent == [
+        "HEARTBEAT", "ODOMETRY", "LOCAL_POSITION_NED", "ATTITUDE", "STEER", "wheels", "WHEEL_DISTANCE",
+        "ZPOS", "I1", "I2", "I3", "I4", "DETECT", "LAMP", "SYS_STATUS", "EXTENDED_SYS_STATE", "BATTERY_STATUS",
+    ]  # fmt: skip
+
+
 @pytest.mark.parametrize("jitter_ms", [0, 3, 12])
-def test_a_report_that_jitters_keeps_the_rates(make_bench: Callable[[], Bench], jitter_ms: int) -> None:
+def test_a_report_that_jitters_keeps_the_rates(make_bench: Callable[[], RarsBench], jitter_ms: int) -> None:
     bench = make_bench()
     counts: Counter[str] = Counter()
     for cycle in range(200):
@@ -56,24 +65,23 @@ def test_a_report_that_jitters_keeps_the_rates(make_bench: Callable[[], Bench], 
     assert counts["HEARTBEAT"] == 10
 
 
-def test_after_a_gap_nothing_is_sent_in_a_burst(bench: Bench) -> None:
+def test_after_a_gap_nothing_is_sent_in_a_burst(bench: RarsBench) -> None:
     bench.report()
     bench.now += 10 * SECOND
     assert Counter(one.get_type() for one in bench.report())["ODOMETRY"] == 1
     assert Counter(one.get_type() for one in bench.report())["ODOMETRY"] == 1
 
 
-def test_the_next_message_is_announced(bench: Bench) -> None:
+def test_the_next_message_is_announced(bench: RarsBench) -> None:
     assert bench.operator.next_due == 0
     bench.report()
     due = bench.operator.next_due
     assert bench.now < due <= bench.now + 50 * MILLISECOND
 
 
-def test_left_of_the_start_is_west_in_the_telemetry(bench: Bench) -> None:
-    bench.snapshot = replace(
-        bench.snapshot, pose=Pose(1.0, 2.0, math.radians(30)), speed_mps=0.4, yaw_rate_rad_s=0.2
-    )
+def test_left_of_the_start_is_west_in_the_telemetry(bench: RarsBench) -> None:
+    bench.pose = Pose(1.0, 2.0, math.radians(30))
+    bench.body = replace(bench.body, speed_mps=0.4, yaw_rate_rad_s=0.2)
     odometry = bench.told(331)
     assert (odometry.x, odometry.y, odometry.z) == (1.0, -2.0, 0.0)
     assert 2.0 * math.atan2(odometry.q[3], odometry.q[0]) == pytest.approx(-math.radians(30))
@@ -92,12 +100,12 @@ def test_left_of_the_start_is_west_in_the_telemetry(bench: Bench) -> None:
 
 
 @pytest.mark.parametrize(("turns", "yaw"), [(1.25, -math.pi / 2), (-2.25, math.pi / 2), (3.0, 0.0)])
-def test_many_turns_are_told_as_a_direction(bench: Bench, turns: float, yaw: float) -> None:
-    bench.snapshot = replace(bench.snapshot, pose=Pose(0.0, 0.0, turns * 2.0 * math.pi))
+def test_many_turns_are_told_as_a_direction(bench: RarsBench, turns: float, yaw: float) -> None:
+    bench.pose = Pose(0.0, 0.0, turns * 2.0 * math.pi)
     assert bench.told(30).yaw == pytest.approx(yaw, abs=1e-6)
 
 
-def test_times_are_those_of_the_snapshot(bench: Bench) -> None:
+def test_times_are_those_of_the_snapshot(bench: RarsBench) -> None:
     bench.now = 12_300_000_000
     assert bench.told(30).time_boot_ms == 12_350
     assert bench.told(331).time_usec == 12_400_000
@@ -105,32 +113,30 @@ def test_times_are_those_of_the_snapshot(bench: Bench) -> None:
     assert bench.told(30).time_boot_ms == 50
 
 
-def test_steering_is_told_in_degrees_left_positive(bench: Bench) -> None:
-    bench.snapshot = replace(bench.snapshot, steer_rad=math.radians(12.5))
+def test_steering_is_told_in_degrees_left_positive(bench: RarsBench) -> None:
+    bench.body = replace(bench.body, steer_rad=math.radians(12.5))
     assert named(bench, "STEER") == pytest.approx(12.5)
-    bench.snapshot = replace(bench.snapshot, steer_rad=None)
+    bench.body = replace(bench.body, steer_rad=None)
     assert named(bench, "STEER") is None
 
 
-def test_the_lift_is_told_in_metres(bench: Bench) -> None:
-    bench.snapshot = replace(bench.snapshot, lift_m=0.75)
+def test_the_lift_is_told_in_metres(bench: RarsBench) -> None:
+    bench.body = replace(bench.body, lift_m=0.75)
     assert named(bench, "ZPOS") == 0.75
-    bench.snapshot = replace(bench.snapshot, lift_m=None)
+    bench.body = replace(bench.body, lift_m=None)
     assert named(bench, "ZPOS") is None
 
 
-def test_wheels_and_currents(bench: Bench) -> None:
-    bench.snapshot = replace(
-        bench.snapshot,
-        drives=bench.drives(
-            speed_rad_s=[1.0, 2.0, 3.0, 4.0],
-            current_ma=[100, -200, 300, 4],
-            position_qc=[52_000, -26_000, 1, 1],
-        ),
+def test_wheels_and_currents(bench: RarsBench) -> None:
+    turn = 2.0 * math.pi
+    bench.axes(
+        velocity=[1.0, 2.0, 3.0, 4.0],
+        current_a=[0.1, -0.2, 0.3, 0.004],
+        position=[turn, -turn / 2.0, 1.0, 1.0],
     )
     wheels = bench.told(350)
     assert (wheels.name, wheels.data[:3]) == ("wheels", [1.0, 2.0, 0.0])
-    # 52000 qc are one turn behind the gear of 26 on 500 lines: 2 pi x 50 mm
+    # one turn of a wheel: 2 pi x 50 mm
     distance = bench.told(9000)
     assert distance.count == 2
     assert distance.distance[:3] == pytest.approx([0.314159, -0.157080, 0.0], abs=1e-6)
@@ -148,10 +154,14 @@ def test_wheels_and_currents(bench: Bench) -> None:
         (None, 65_535, 0, False),
         (99.0, 65_534, 1, True),
         (-1.0, 0, 2, False),
+        (float("nan"), 65_535, 2, False),
+        (float("inf"), 65_534, 1, True),
     ],
 )
-def test_the_battery(bench: Bench, volts: float | None, millivolts: int, charge: int, healthy: bool) -> None:  # noqa: FBT001 - a table
-    bench.snapshot = replace(bench.snapshot, battery_v=volts)
+def test_the_battery(
+    bench: RarsBench, volts: float | None, millivolts: int, charge: int, *, healthy: bool
+) -> None:
+    bench.sensors({} if volts is None else {"battery": volts})
     battery = bench.told(147)
     assert battery.voltages == [millivolts] + [65_535] * 9
     assert (battery.charge_state, battery.battery_remaining) == (charge, -1)
@@ -160,22 +170,22 @@ def test_the_battery(bench: Bench, volts: float | None, millivolts: int, charge:
     assert bool(system.onboard_control_sensors_health & 33_554_432) is healthy
 
 
-def test_lamp_and_detector_are_told(bench: Bench) -> None:
+def test_lamp_and_detector_are_told(bench: RarsBench) -> None:
     bench.order(405, 1)
     assert (named(bench, "LAMP"), named(bench, "DETECT")) == (1, 0)
     bench.order(181, 0, 1)
     assert (named(bench, "LAMP"), named(bench, "DETECT")) == (1, 1)
 
 
-def test_corrupt_bytes_and_faulted_drives_are_counted(bench: Bench) -> None:
+def test_corrupt_bytes_and_faulted_drives_are_counted(bench: RarsBench) -> None:
     bench.send(b"nonsense")
     bench.send(b"\xfdnonsense")
-    bench.snapshot = replace(bench.snapshot, drives=bench.drives(fault=[0, 0x8611, 0x2310, 0]))
+    bench.axes(fault=["", "0x8611", "0x2310", ""])
     system = bench.told(1)
     assert (system.errors_comm, system.errors_count1) == (2, 2)
 
 
-def test_odometry_tells_how_often_it_was_reset(bench: Bench) -> None:
+def test_odometry_tells_how_often_it_was_reset(bench: RarsBench) -> None:
     bench.order(179, 1)
     bench.order(179, 1)
     assert bench.told(331).reset_counter == 2

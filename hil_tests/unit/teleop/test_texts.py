@@ -3,8 +3,9 @@
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from firmware_bridge.safety.row import Severity
 from firmware_bridge.teleop.mavlink import Codec
-from firmware_bridge.teleop.texts import Heard, Listener, Severity, Speaker, chunks
+from firmware_bridge.teleop.texts import Heard, Listener, Speaker, chunks
 from firmware_bridge.units import SECOND
 
 PLAIN = st.text(st.characters(min_codepoint=32, max_codepoint=126), min_size=1, max_size=400)

@@ -8,53 +8,51 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from firmware_bridge import robot as robots
-from firmware_bridge.intent import Intent, Verdict
+from firmware_bridge.intent import Verdict
+from firmware_bridge.robots.rars.motion import Motion
 from firmware_bridge.teleop.mavlink import Codec, dialect
-from firmware_bridge.teleop.operator import Operator
+from hil_tests.unit.teleop.bench import rars
 from hil_tests.unit.teleop.heard import types
 
 if TYPE_CHECKING:
-    from hil_tests.unit.teleop.conftest import Bench
-
-RARS = robots.find("rars")
+    from hil_tests.unit.teleop.bench import RarsBench
 
 
-def test_the_newest_of_two_stations_counts(bench: Bench) -> None:
+def test_the_newest_of_two_stations_counts(bench: RarsBench) -> None:
     other = Codec(254, 190)
     bench.stick(x=500)
     bench.send(other.encode(dialect.MAVLink_manual_control_message(1, 100, 0x7FFF, 0, 0, 0)))
-    assert bench.operator.intent.speed_mps == pytest.approx(0.05)
+    assert bench.wish.speed_mps == pytest.approx(0.05)
     bench.stick(x=-500)
-    assert bench.operator.intent.speed_mps == pytest.approx(-0.25)
+    assert bench.wish.speed_mps == pytest.approx(-0.25)
 
 
 @pytest.mark.parametrize("target", [0, 1])
-def test_sticks_for_us(bench: Bench, target: int) -> None:
+def test_sticks_for_us(bench: RarsBench, target: int) -> None:
     bench.stick(x=100, target=target)
-    assert bench.operator.intent.speed_mps > 0.0
+    assert bench.wish.speed_mps > 0.0
 
 
-def test_sticks_for_others(bench: Bench) -> None:
+def test_sticks_for_others(bench: RarsBench) -> None:
     bench.stick(x=100, target=2)
-    assert bench.operator.intent == Intent()
+    assert bench.wish == Motion()
     assert bench.operator.dropped.foreign == 1
 
 
-def test_our_own_words_come_back_unheard(bench: Bench) -> None:
+def test_our_own_words_come_back_unheard(bench: RarsBench) -> None:
     echo = Codec(1, 1).encode(dialect.MAVLink_command_long_message(0, 0, 400, 0, 1, 0, 0, 0, 0, 0, 0))
     assert bench.send(echo) == []
     assert bench.asked == []
     assert bench.operator.dropped.echoed == 1
 
 
-def test_several_messages_in_one_datagram_are_heard_in_order(bench: Bench) -> None:
+def test_several_messages_in_one_datagram_are_heard_in_order(bench: RarsBench) -> None:
     encode = bench.station.encode
     first = encode(dialect.MAVLink_manual_control_message(1, 100, 0, 0, 0, 0))
     second = encode(dialect.MAVLink_command_long_message(1, 1, 400, 0, 1, 0, 0, 0, 0, 0, 0))
     third = encode(dialect.MAVLink_manual_control_message(1, 200, 0, 0, 0, 0))
     assert types(bench.send(first + b"noise" + second + third)) == ["COMMAND_ACK"]
-    assert bench.operator.intent.speed_mps == pytest.approx(0.1)
+    assert bench.wish.speed_mps == pytest.approx(0.1)
     assert bench.operator.counters.corrupt == 1
 
 
@@ -73,7 +71,7 @@ ADDRESSED = [number for number, kind in dialect.mavlink_map.items() if number < 
 def test_whatever_strangers_send_is_answered_without_an_exception(
     frames: list[tuple[int, bytes, bytes]],
 ) -> None:
-    operator = Operator(RARS)
+    operator = rars().operator
     datagram = b""
     for number, payload, junk in frames:
         body = bytes([len(payload), 0, 0, 0, 255, 190]) + number.to_bytes(3, "little") + payload
@@ -94,7 +92,7 @@ floats = st.floats(width=32)
 )
 @settings(max_examples=300)
 def test_every_command_has_exactly_one_answer(command: int, params: tuple[float, ...]) -> None:
-    operator, station = Operator(RARS), Codec(255, 190)
+    operator, station = rars().operator, Codec(255, 190)
     order = station.encode(dialect.MAVLink_command_long_message(1, 1, command, 0, *params))
     replies = operator.hear(order, 5, lambda _: Verdict(accepted=True, reason=""))
     answers = [message for reply in replies for message in station.decode(reply)]

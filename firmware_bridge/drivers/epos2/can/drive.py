@@ -85,6 +85,11 @@ class Epos2OnCan:
         """Whether its set-up is in force and it listens to set-points."""
         return self._tasks.configured
 
+    @property
+    def set_ups(self) -> int:
+        """How often its set-up was written so far."""
+        return self._tasks.set_ups
+
     def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
         """Do these tasks in order, in place of those under way."""
         for request in self._requests:

@@ -133,6 +133,11 @@ class Epos2OnSerial:
         return self._tasks.configured
 
     @property
+    def set_ups(self) -> int:
+        """How often its set-up was written so far."""
+        return self._tasks.set_ups
+
+    @property
     def guarded(self) -> bool:
         """Whether it answers node guarding: it is there, and its own heartbeat has been switched off."""
         return self.present and self._tasks.set_up

@@ -2,17 +2,16 @@
 
 import pytest
 
-from firmware_bridge import robot as robots
-from firmware_bridge.drivers import epos2_setup as setup
-from firmware_bridge.drivers.epos2_pdo import pdos
-from firmware_bridge.drivers.epos2_setup import Travel
-from firmware_bridge.robot import Axis, Mode
+from firmware_bridge.drivers.epos2 import setup
+from firmware_bridge.drivers.epos2.process_data import pdos
+from firmware_bridge.robot import Axis, Command, Output
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.functions import OUTPUT_MASK, OUTPUT_PINS, OUTPUT_POLARITY, OUTPUT_STATE
+from hil_tests.unit.drivers.robots import LINK, RARS, with_axis
 
-ROBOT = robots.find("rars")
-AXES = pytest.mark.parametrize("axis", ROBOT.axes, ids=[axis.name for axis in ROBOT.axes])
-TRAVEL = Travel(-100_000, 100_000)
+TABLE = RARS.links[LINK]
+AXES = pytest.mark.parametrize("axis", RARS.axes, ids=[axis.name for axis in RARS.axes])
 SAFETY = (
     at.CONSUMER_HEARTBEAT_1, at.ABORT_CONNECTION_OPTION, at.FAULT_REACTION_OPTION, at.PROFILE_DECELERATION,
     at.QUICK_STOP_DECELERATION, at.MAX_PROFILE_VELOCITY, at.OUTPUT_CURRENT_LIMIT, at.CONTINUOUS_CURRENT_LIMIT,
@@ -21,7 +20,7 @@ SAFETY = (
 
 
 def rows(axis: Axis) -> tuple[setup.Row, ...]:
-    return setup.configuration(axis, ROBOT.bus, TRAVEL)
+    return setup.configuration(axis if axis.travel else with_axis(axis, travel=(-9.0, 9.0)), TABLE)
 
 
 @AXES
@@ -44,7 +43,7 @@ def test_every_row_says_why_and_from_where(axis: Axis) -> None:
 
 @AXES
 def test_a_mapping_is_written_while_its_pdo_is_off_and_empty(axis: Axis) -> None:
-    for pdo in pdos(axis.mode):
+    for pdo in pdos(axis.command):
         steps = [row for row in rows(axis) if row.address.index in (pdo.communication, pdo.mapping)]
         cob_ids = [row.value for row in steps if row.address == Address(pdo.communication, 1)]
         assert cob_ids[0] >> 31 == 1
@@ -59,29 +58,51 @@ def test_a_mapping_is_written_while_its_pdo_is_off_and_empty(axis: Axis) -> None
 
 @AXES
 def test_one_set_point_one_status_and_one_sample_are_on(axis: Axis) -> None:
-    on = {pdo.cob_id: (pdo.layout.size, pdo.transmission) for pdo in pdos(axis.mode) if pdo.layout}
-    set_point = 0x500 if axis.mode is Mode.VELOCITY else 0x400
+    on = {pdo.cob_id: (pdo.layout.size, pdo.transmission) for pdo in pdos(axis.command) if pdo.layout}
+    set_point = 0x500 if axis.command is Command.SPEED else 0x400
     assert on == {set_point: (6, 255), 0x180: (2, 255), 0x280: (8, 1)}
 
 
 def test_the_heartbeat_consumer_names_the_bridge_and_its_time_out() -> None:
-    (watch,) = [row for row in rows(ROBOT.axes[0]) if row.address == at.CONSUMER_HEARTBEAT_1]
+    (watch,) = [row for row in rows(RARS.axes[0]) if row.address == at.CONSUMER_HEARTBEAT_1]
     assert watch.value == 100 << 16 | 200
 
 
-def test_a_wheel_has_no_position_limits() -> None:
-    without = setup.configuration(ROBOT.axes[0], ROBOT.bus, None)
+def test_an_axis_without_travel_has_no_position_limits() -> None:
+    without = setup.configuration(RARS.axes[0], TABLE)
     assert not {at.MIN_POSITION_LIMIT, at.MAX_POSITION_LIMIT} & {row.address for row in without}
 
 
 def test_an_answer_of_the_wrong_length_is_shown_as_bytes() -> None:
-    row = setup.identity(ROBOT.axes[0])[2]
+    row = setup.identity(RARS.axes[0])[2]
     assert row.expected == "product code 0x64200000"
     assert row.show(b"\1\2") == "2 bytes 01 02"
 
 
-@pytest.mark.parametrize(
-    ("wish", "allowed"), [(-100_001, -100_000), (-100_000, -100_000), (0, 0), (100_001, 100_000)]
-)
-def test_a_travel_clips_at_both_ends(wish: int, allowed: int) -> None:
-    assert TRAVEL.clip(wish) == allowed
+@pytest.mark.parametrize("direction", [1, -1])
+def test_the_position_limits_are_the_travel_and_the_following_error(direction: int) -> None:
+    """RARS's lift: extended, it has turned its motor by 2890879 quadcounts (thesis 2.5)."""
+    lift = with_axis(RARS.axis("lift"), direction=direction)
+    limits = {row.address: row.value for row in setup.configuration(lift, TABLE)}
+    low, high = sorted((0, direction * 2_890_879))
+    assert limits[at.MIN_POSITION_LIMIT] == low - 4_000
+    assert limits[at.MAX_POSITION_LIMIT] == high + 4_000
+
+
+def output(pin: int) -> Output:
+    settings = {"axis": "left", "output": pin}
+    return Output.model_validate({"name": f"lamp{pin}", "title": "lamp", "link": LINK, "settings": settings})
+
+
+def test_a_drive_without_outputs_keeps_its_pins() -> None:
+    pins = {0x2078, 0x2079}
+    assert not [row for row in setup.configuration(RARS.axes[0], TABLE) if row.address.index in pins]
+
+
+def test_an_output_gets_a_pin_and_a_bit_in_the_mask() -> None:
+    """Pin 1 is general purpose A, bit 15, as in the EDS; polarity and state are left alone."""
+    rows = {row.address: row for row in setup.configuration(RARS.axes[0], TABLE, (output(1), output(4)))}
+    assert [rows[OUTPUT_PINS[pin - 1]].value for pin in (1, 4)] == [15, 12]
+    assert rows[OUTPUT_MASK].value == 0x9000
+    assert rows[OUTPUT_MASK].read_back
+    assert not {OUTPUT_POLARITY, OUTPUT_STATE, OUTPUT_PINS[1]} & set(rows)

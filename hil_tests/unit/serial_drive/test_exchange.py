@@ -1,12 +1,12 @@
-"""The errands of one line: one command at a time, the most urgent first, each with exactly one ending."""
+"""The jobs of one line: one command at a time, the most urgent first, each with exactly one ending."""
 
 from dataclasses import dataclass, field
 
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_bridge.drivers.serial.errands import PATIENCE, Errand, Exchange, Rank, Result
-from firmware_bridge.node import LINE_BACK, LINE_LOST, MAXON
+from firmware_bridge.drivers.epos2.serial.exchange import PATIENCE, Exchange, Job, Rank, Result
+from firmware_bridge.node import LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire.maxon.frame import Answered, Failure
@@ -17,11 +17,11 @@ from firmware_bridge.wire.maxon.packets import command, outcome_packet
 
 @dataclass
 class Notes:
-    """An owner who writes down what became of his errands."""
+    """An owner who writes down what became of his jobs."""
 
     ends: list[tuple[Request, Result]] = field(default_factory=list)
 
-    def ended(self, _errand: Errand, request: Request, result: Result, _now: Nanoseconds) -> None:
+    def ended(self, _job: Job, request: Request, result: Result, _now: Nanoseconds) -> None:
         self.ends.append((request, result))
 
 
@@ -38,10 +38,10 @@ def failed(request: Request) -> Packet:
 
 
 def test_the_most_urgent_goes_first_and_equals_in_their_order() -> None:
-    notes, exchange = Notes(), Exchange()
+    notes, exchange = Notes(), Exchange("line")
     ranks = [Rank.ROTATING, Rank.TASK, Rank.SAMPLE, Rank.SAMPLE, Rank.BEAT, Rank.SET_POINT]
     for number, rank in enumerate(ranks, 1):
-        exchange.put(Errand(rank, notes, (write(number),)))
+        exchange.put(Job(rank, notes, (write(number),)))
     order = []
     sent = exchange.go_on()
     while sent:
@@ -52,46 +52,46 @@ def test_the_most_urgent_goes_first_and_equals_in_their_order() -> None:
 
 
 def test_one_command_is_under_way_at_a_time() -> None:
-    notes, exchange = Notes(), Exchange()
-    exchange.put(Errand(Rank.TASK, notes, (write(1), write(2))))
-    assert exchange.go_on() == (command(write(1)),)
+    notes, exchange = Notes(), Exchange("line")
+    exchange.put(Job(Rank.TASK, notes, (write(1), write(2))))
+    assert exchange.go_on() == (command(write(1), "line"),)
     assert exchange.go_on() == ()
-    assert exchange.hear(done(write(1)), 5) == (command(write(2)),)
+    assert exchange.hear(done(write(1)), 5) == (command(write(2), "line"),)
 
 
-def test_the_rest_of_an_errand_follows_only_a_success() -> None:
+def test_the_rest_of_an_job_follows_only_a_success() -> None:
     """A controlword must not make a target count that the drive did not take."""
     for answer in (done(write(1), 0x0609_0030), failed(write(1))):
-        notes, exchange = Notes(), Exchange()
-        errand = Errand(Rank.SET_POINT, notes, (write(1), write(2)))
-        exchange.put(errand)
+        notes, exchange = Notes(), Exchange("line")
+        job = Job(Rank.SET_POINT, notes, (write(1), write(2)))
+        exchange.put(job)
         exchange.go_on()
         assert exchange.hear(answer, 0) == ()
-        assert errand.over
+        assert job.over
         assert [request for request, _ in notes.ends] == [write(1)]
 
 
-def test_a_dropped_errand_ends_with_the_command_that_is_under_way() -> None:
-    notes, exchange = Notes(), Exchange()
-    errand = Errand(Rank.SET_POINT, notes, (write(1), write(2)))
-    exchange.put(errand)
+def test_a_dropped_job_ends_with_the_command_that_is_under_way() -> None:
+    notes, exchange = Notes(), Exchange("line")
+    job = Job(Rank.SET_POINT, notes, (write(1), write(2)))
+    exchange.put(job)
     exchange.go_on()
-    exchange.drop(errand)
+    exchange.drop(job)
     assert exchange.hear(done(write(1)), 0) == ()
 
 
 def test_what_answers_nothing_is_ignored() -> None:
-    notes, exchange = Notes(), Exchange()
+    notes, exchange = Notes(), Exchange("line")
     assert exchange.hear(done(write(1)), 0) == ()
-    exchange.put(Errand(Rank.TASK, notes, (ReadObject(0x6041, 0, 1),)))
+    exchange.put(Job(Rank.TASK, notes, (ReadObject(0x6041, 0, 1),)))
     exchange.go_on()
     exchange.hear(done(write(1)), 0)
     assert notes.ends == []
 
 
 def test_a_command_that_nobody_answers_for_ends_at_last() -> None:
-    notes, exchange = Notes(), Exchange()
-    exchange.put(Errand(Rank.TASK, notes, (write(1),)))
+    notes, exchange = Notes(), Exchange("line")
+    exchange.put(Job(Rank.TASK, notes, (write(1),)))
     exchange.go_on()
     assert exchange.wake_at == PATIENCE
     exchange.wake(PATIENCE - 1)
@@ -101,44 +101,44 @@ def test_a_command_that_nobody_answers_for_ends_at_last() -> None:
 
 
 def test_on_a_lost_line_everything_fails_and_nothing_leaves_until_it_is_back() -> None:
-    notes, exchange = Notes(), Exchange()
+    notes, exchange = Notes(), Exchange("line")
     for number in (1, 2):
-        exchange.put(Errand(Rank.TASK, notes, (write(number),)))
+        exchange.put(Job(Rank.TASK, notes, (write(number),)))
     exchange.go_on()
-    assert exchange.hear(Packet(MAXON, LINE_LOST, b""), 7) == ()
+    assert exchange.hear(Packet("line", LINE_LOST, b""), 7) == ()
     assert notes.ends == [(write(1), Failure.SILENCE), (write(2), Failure.SILENCE)]
-    exchange.put(Errand(Rank.TASK, notes, (write(3),)))
+    exchange.put(Job(Rank.TASK, notes, (write(3),)))
     assert exchange.go_on() == ()
     assert exchange.wake_at == 0
     exchange.wake(8)
     assert notes.ends[-1] == (write(3), Failure.SILENCE)
-    exchange.hear(Packet(MAXON, LINE_BACK, b""), 9)
-    exchange.put(Errand(Rank.TASK, notes, (write(4),)))
-    assert exchange.go_on() == (command(write(4)),)
+    exchange.hear(Packet("line", LINE_BACK, b""), 9)
+    exchange.put(Job(Rank.TASK, notes, (write(4),)))
+    assert exchange.go_on() == (command(write(4), "line"),)
 
 
 ANSWERS = {"done": done(write(1)), "refused": done(write(1), 1), "failed": failed(write(1))}
 LINE = {
-    "lost": Packet(MAXON, LINE_LOST, b""),
-    "back": Packet(MAXON, LINE_BACK, b""),
-    "garbage": Packet(MAXON, 0x99, b"\xff"),
+    "lost": Packet("line", LINE_LOST, b""),
+    "back": Packet("line", LINE_BACK, b""),
+    "garbage": Packet("line", 0x99, b"\xff"),
 }
 PUTS = st.tuples(st.sampled_from(Rank), st.integers(1, 3))
 EVENTS = st.lists(st.one_of(PUTS, st.sampled_from([*ANSWERS, *LINE])), max_size=60)
 
 
 @given(EVENTS)
-def test_whatever_happens_every_errand_ends_once_and_one_command_is_on_the_line(
+def test_whatever_happens_every_job_ends_once_and_one_command_is_on_the_line(
     events: list[tuple[Rank, int] | str],
 ) -> None:
-    notes, exchange = Notes(), Exchange()
-    errands: list[Errand] = []
+    notes, exchange = Notes(), Exchange("line")
+    jobs: list[Job] = []
     on_line: list[Packet] = []
     for now, event in enumerate(events):
         if isinstance(event, tuple):
             rank, length = event
-            errands.append(Errand(rank, notes, tuple(write(n) for n in range(1, length + 1))))
-            exchange.put(errands[-1])
+            jobs.append(Job(rank, notes, tuple(write(n) for n in range(1, length + 1))))
+            exchange.put(jobs[-1])
             on_line += exchange.go_on()
         elif event in LINE or on_line:
             on_line = on_line if event in {"back", "garbage"} else []
@@ -146,4 +146,4 @@ def test_whatever_happens_every_errand_ends_once_and_one_command_is_on_the_line(
         assert len(on_line) <= 1
     exchange.hear(LINE["lost"], len(events))
     exchange.wake(len(events))
-    assert all(errand.over for errand in errands)
+    assert all(job.over for job in jobs)

@@ -1,0 +1,145 @@
+"""A robot's fleets before emulated drives, without a bridge: start-up by stages, then cycle after cycle."""
+
+from collections.abc import Mapping
+from typing import Final
+
+from emulators.epos2.objects.catalogue import PROFILES
+from emulators.single import Order, drives
+from emulators.wires import CanWire, SerialWire
+from emulators.world import Wire, World
+from firmware_bridge.drivers.driver import BRING_UP, Demand, Feedback, Level, Reading, Task
+from firmware_bridge.drivers.epos2.serial.line import MaxonLine
+from firmware_bridge.drivers.fleets import fleets_of
+from firmware_bridge.node import CAN, SERIAL, Node
+from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.epos2 import Epos2Driver
+from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
+
+HOST: Final = "host"
+
+
+class Host:
+    """Does with fleets what a bridge does, and judges nothing; a `firmware_bridge.node.Node`."""
+
+    def __init__(self, robot: AnyRobot) -> None:
+        self.fleets: Final = {fleet.name: fleet for fleet in fleets_of(robot)}
+        self.demands: dict[str, Demand] = {}
+        self.levels: dict[str, Level] = {}
+        self.running = False
+        self.repairs = True
+        """Whether a drive that has lost its set-up is brought up again."""
+        self._cycle = robot.cycle
+        self._cycle_at: Nanoseconds = 0
+        self._release_at: Nanoseconds = NEVER
+        self._beats = dict.fromkeys(self.fleets, 0)
+        self._tasks = list(BRING_UP)
+        self._task: Task | None = None
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        return self._reaction(self.fleets[packet.link].hear(packet, now), now)
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        sent: tuple[Packet, ...] = ()
+        for fleet in self.fleets.values():
+            sent += fleet.wake(now)
+            if now >= self._beats[fleet.name]:
+                self._beats[fleet.name] = now + fleet.beat_every
+                sent += fleet.beat(now)
+        if now >= self._cycle_at:
+            self._cycle_at += self._cycle
+            sent += self._begin_cycle(now)
+        if now >= self._release_at:
+            self._release_at = NEVER
+            for fleet in self.fleets.values():
+                sent += fleet.release()
+        return self._reaction(sent, now)
+
+    def _begin_cycle(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        sent: tuple[Packet, ...] = ()
+        for fleet in self.fleets.values():
+            if self.running or self._task in (Task.START, Task.ENABLE):
+                sent += fleet.sample(now)
+            for driver in fleet.drivers if self.running and self.repairs else ():
+                if not driver.configured and not driver.busy:
+                    sent += driver.begin(BRING_UP, now)
+            if self.running:
+                sent += fleet.measure(now) + fleet.command(self.demands) + fleet.switch(self.levels, now)
+                self._release_at = now + self._cycle // 2
+        return sent
+
+    def _reaction(self, sent: tuple[Packet, ...], now: Nanoseconds) -> Reaction:
+        if not self.running and not any(fleet.busy for fleet in self.fleets.values()):
+            failures = [failure for fleet in self.fleets.values() for failure in fleet.failures]
+            assert not failures, failures
+            if self._tasks:
+                self._task = self._tasks.pop(0)
+                for fleet in self.fleets.values():
+                    sent += fleet.begin((self._task,), now)
+            else:
+                self.running = True
+        wake_at = min([self._cycle_at, self._release_at, *self._beats.values()])
+        return Reaction(sent, min([wake_at, *(fleet.wake_at for fleet in self.fleets.values())]))
+
+
+class Bench:
+    """One emulated drive for each axis of the robot, with a motor of its own, on the axis's link."""
+
+    def __init__(self, robot: AnyRobot) -> None:
+        self.robot: Final = robot
+        names = [axis.name for axis in robot.axes]
+        gateways = {
+            axis.settings.node: robot.links[axis.link].protocol
+            for axis in robot.axes
+            if robot.links[axis.link].driver is Epos2Driver.SERIAL
+            and robot.links[axis.link].gateway == axis.settings.node
+        }
+        nodes = [axis.settings.node for axis in robot.axes]
+        order = Order(nodes, PROFILES["70/10"], 1_000_000, axes=names, serial=gateways)
+        made, bank = drives(order)
+        self.drives: Final = made
+        self.axes: Final = {axis.name: axis for axis in bank.axes}
+        self.world: Final = World(bank)
+        self.host: Final = Host(robot)
+        self.buses: Final = {name: CanWire(link.bit_rate, name) for name, link in robot.links.items()}
+        node: Node = self.host
+        wires: dict[str, Wire] = {}
+        for name, link in robot.links.items():
+            if link.driver is Epos2Driver.SERIAL:
+                wires[name] = SerialWire(link.line_rate, name=f"{name} line")
+                node = MaxonLine(node, link.protocol, name)
+            else:
+                wires[name] = self.buses[name]
+        for axis in robot.axes:
+            links: dict[str, Wire] = {CAN: self.buses[axis.link]}
+            if robot.links[axis.link].driver is Epos2Driver.SERIAL and axis.settings.node in gateways:
+                links[SERIAL] = wires[axis.link]
+            self.world.attach(axis.name, self.drives[axis.name], links)
+        self.world.attach(HOST, node, wires)
+
+    def runs(self, seconds: float) -> None:
+        """Let time pass."""
+        self.world.run(self.world.now + from_seconds(seconds))
+
+    def starts(self) -> None:
+        """Bring all drives up."""
+        for _ in range(40):
+            self.runs(0.25)
+            if self.host.running:
+                return
+        raise AssertionError("the drives did not come up within 10 s")
+
+    def feedback(self, axis: str) -> Feedback:
+        found = [
+            driver.feedback
+            for fleet in self.host.fleets.values()
+            for driver in fleet.drivers
+            if driver.axis.name == axis
+        ]
+        return found[0]
+
+    def readings(self) -> Mapping[str, Reading]:
+        known: dict[str, Reading] = {}
+        for fleet in self.host.fleets.values():
+            known |= fleet.readings(self.world.now)
+        return known

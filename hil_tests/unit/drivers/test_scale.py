@@ -1,0 +1,112 @@
+"""SI units to the drive's and back: signs, units, ends, and what is kept on the way there and back."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from firmware_bridge.drivers.epos2.scale import Scale, Travel, highest_rpm, travel_of, wrapped
+from firmware_bridge.robot import Axis
+from hil_tests.unit.drivers.robots import RARS, with_axis
+
+WHEEL = RARS.axis("left_wheel")
+"""500 lines, 2000 quadcounts a turn, behind 26:1; top speed 16 rad/s, the drive's limit 4000 rpm."""
+
+RATIOS = st.floats(0.001, 100_000.0)
+DIRECTIONS = st.sampled_from((1, -1))
+QUADCOUNTS = st.integers(-(2**31), 2**31 - 1)
+
+
+def axis(ratio: float, direction: int) -> Axis:
+    return with_axis(WHEEL, ratio=ratio, direction=direction)
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_one_turn_behind_the_gear_is_so_many_of_the_motor(direction: int) -> None:
+    scale = Scale.of(with_axis(WHEEL, direction=direction))
+    assert scale.quadcounts(2.0 * math.pi) == direction * 26 * 2000
+    assert scale.rpm(2.0 * math.pi) == pytest.approx(direction * 26 * 60)
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_of_an_axis_in_metres_the_ratio_is_radians_a_metre(direction: int) -> None:
+    """A wheel of 50 mm behind 26:1 turns its motor by 520 rad in a metre."""
+    scale = Scale.of(with_axis(WHEEL, unit="m", ratio=26.0 / 0.05, direction=direction))
+    assert scale.quadcounts(1.0) == direction * round(520 * 2000 / (2.0 * math.pi))
+    assert scale.rpm(0.5) == pytest.approx(direction * 260 * 60 / (2.0 * math.pi))
+
+
+@given(RATIOS, DIRECTIONS, QUADCOUNTS)
+def test_every_quadcount_comes_back(ratio: float, direction: int, quadcounts: int) -> None:
+    scale = Scale.of(axis(ratio, direction))
+    assert scale.quadcounts(scale.position(quadcounts)) == quadcounts
+
+
+@given(RATIOS, DIRECTIONS, st.floats(-1e6, 1e6))
+def test_a_position_comes_back_within_half_a_quadcount(ratio: float, direction: int, position: float) -> None:
+    scale = Scale.of(axis(ratio, direction))
+    quantum = abs(1.0 / scale.quadcounts_per_unit)
+    back = scale.position(scale.quadcounts(position))
+    assert abs(back - position) <= 0.5 * quantum + 4.0 * math.ulp(position)
+
+
+@given(RATIOS, DIRECTIONS, st.floats(-1e6, 1e6), st.floats(-1e6, 1e6))
+def test_more_is_further_the_way_that_the_direction_says(
+    ratio: float, direction: int, one: float, other: float
+) -> None:
+    scale = Scale.of(axis(ratio, direction))
+    low, high = sorted((one, other))
+    assert direction * scale.quadcounts(low) <= direction * scale.quadcounts(high)
+    assert direction * scale.rpm(low) <= direction * scale.rpm(high)
+
+
+@pytest.mark.parametrize(
+    ("direction", "travel", "ends"),
+    [
+        (1, (-0.5, 2.0), (-500, 2000)),
+        (-1, (-0.5, 2.0), (-2000, 500)),
+        (1, (1.0, 2.0), (1000, 2000)),
+        (-1, (1.0, 2.0), (-2000, -1000)),
+        (1, (-0.0004, 0.0004), (0, 0)),
+        (1, (-0.0006, 0.0006), (-1, 1)),
+    ],
+)
+@pytest.mark.parametrize("unit", ["rad", "m"])
+def test_a_travel_in_quadcounts_rises(
+    direction: int, travel: tuple[float, float], ends: tuple[int, int], unit: str
+) -> None:
+    """At pi rad for each unit: half a turn, a thousand quadcounts."""
+    slide = with_axis(WHEEL, unit=unit, ratio=math.pi, direction=direction, travel=travel)
+    assert travel_of(slide) == Travel(*ends)
+
+
+def test_an_axis_that_turns_on_and_on_has_none() -> None:
+    assert travel_of(WHEEL) is None
+
+
+def test_rars_s_travels_are_those_of_its_mechanics() -> None:
+    """60 degrees of the inner wheel (thesis 2.4, 4.2), and the extended lift (2.5)."""
+    assert travel_of(RARS.axis("steering")) == Travel(-134_953, 134_953)
+    assert travel_of(RARS.axis("lift")) == Travel(0, 2_890_879)
+
+
+@pytest.mark.parametrize(
+    ("wish", "allowed"), [(-100_001, -100_000), (-100_000, -100_000), (0, 0), (100_001, 100_000)]
+)
+def test_a_travel_clips_at_both_ends(wish: int, allowed: int) -> None:
+    assert Travel(-100_000, 100_000).clip(wish) == allowed
+
+
+@pytest.mark.parametrize(("top_speed", "rpm"), [(16.0, 3972), (0.001, 0), (20.0, 4000), (1e6, 4000)])
+@pytest.mark.parametrize("direction", [1, -1])
+def test_the_highest_rpm_is_below_both_limits(top_speed: float, rpm: int, direction: int) -> None:
+    limited = with_axis(WHEEL, top_speed=top_speed, direction=direction)
+    assert highest_rpm(limited) == rpm
+
+
+@given(st.integers(-(2**40), 2**40))
+def test_wrapped_is_what_a_counter_of_32_bits_shows(quadcounts: int) -> None:
+    shown = wrapped(quadcounts)
+    assert -(2**31) <= shown < 2**31
+    assert (shown - quadcounts) % 2**32 == 0

@@ -1,0 +1,115 @@
+"""Two links in one robot, with equal node numbers on both: neither may take the other's word for its own."""
+
+from collections.abc import Callable
+from typing import Any, Final
+
+import pytest
+
+from firmware_bridge.drivers.driver import BRING_UP, Demand, Power, Speed, Stop
+from firmware_bridge.drivers.epos2.serial.fleet import over_serial
+from firmware_bridge.drivers.fleets import DRIVERS, fleets_of
+from firmware_bridge.packet import Packet
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.epos2 import Epos2Driver
+from firmware_bridge.wire.epos2 import address as at
+from hil_tests.unit.drivers.fleet_bench import Bench
+from hil_tests.unit.drivers.robots import LINK, changed
+
+FRONT: Final = LINK
+REAR: Final = "rear"
+
+
+def four_wheels(table: dict[str, Any]) -> None:
+    """Two wheels on each of two links, nodes 1 and 2 on both."""
+    table["links"][REAR] = dict(table["links"][FRONT], bridge_node=101)
+    wheels = table["axes"][:2]
+    behind = [
+        wheel | {"name": f"rear_{wheel['name']}", "role": f"rear_{wheel['role']}", "link": REAR}
+        for wheel in wheels
+    ]
+    table["axes"] = [*wheels, *behind]
+    del table["guard"]
+
+
+def on_can() -> AnyRobot:
+    return changed(four_wheels)
+
+
+def on_lines() -> AnyRobot:
+    return over_serial(changed(four_wheels))
+
+
+def on_both() -> AnyRobot:
+    def change(table: dict[str, Any]) -> None:
+        four_wheels(table)
+        table["links"][REAR] |= {"driver": "epos2-serial", "gateway": 2}
+
+    return changed(change)
+
+
+ROBOTS = pytest.mark.parametrize("make", [on_can, on_lines, on_both])
+
+
+def test_every_driver_of_the_robot_file_makes_a_fleet() -> None:
+    assert set(DRIVERS) == set(Epos2Driver)
+
+
+@ROBOTS
+def test_each_link_has_a_fleet_of_its_own_in_the_file_s_order(make: Callable[[], AnyRobot]) -> None:
+    front, rear = fleets_of(make())
+    assert [front.name, rear.name] == [FRONT, REAR]
+    assert [driver.axis.name for driver in rear.drivers] == ["rear_left", "rear_right"]
+
+
+@ROBOTS
+def test_what_is_sent_has_the_link_s_name(make: Callable[[], AnyRobot]) -> None:
+    for fleet in fleets_of(make()):
+        demands: dict[str, Demand] = {driver.axis.name: Speed(1.0) for driver in fleet.drivers}
+        sent = (*fleet.begin(BRING_UP, 0), *fleet.sample(0), *fleet.beat(0))
+        sent += (*fleet.command_all(Stop.QUICK_STOP), *fleet.command(demands))
+        assert sent
+        assert {packet.link for packet in sent} == {fleet.name}
+
+
+def test_a_sample_on_one_link_is_none_on_the_other() -> None:
+    front, rear = fleets_of(on_can())
+    for fleet in (front, rear):
+        fleet.begin(BRING_UP, 0)
+    before = [driver.feedback for driver in rear.drivers]
+    front.hear(Packet(FRONT, 0x701, b"\x05"), 1)
+    front.hear(Packet(FRONT, 0x081, bytes.fromhex("11 86 20 00 00 00 00 00")), 1)
+    assert front.drivers[0].feedback.fault == "0x8611"
+    assert [driver.feedback for driver in rear.drivers] == before
+
+
+@ROBOTS
+def test_both_links_come_up_and_each_drive_takes_its_own_demand(make: Callable[[], AnyRobot]) -> None:
+    bench = Bench(make())
+    bench.starts()
+    wanted = {"left": 2.0, "right": -2.0, "rear_left": 4.0, "rear_right": 0.0}
+    bench.host.demands = {name: Speed(speed) for name, speed in wanted.items()}
+    bench.runs(1.0)
+    for name, speed in wanted.items():
+        feedback = bench.feedback(name)
+        assert feedback.power is Power.ON
+        assert feedback.velocity == pytest.approx(speed, abs=0.1)
+        assert feedback.position * speed >= 0.0
+
+
+@ROBOTS
+def test_a_link_that_is_cut_leaves_the_other_one_alone(make: Callable[[], AnyRobot]) -> None:
+    bench = Bench(make())
+    bench.starts()
+    bench.host.repairs = False
+    bench.host.demands = dict.fromkeys(("left", "right", "rear_left", "rear_right"), Speed(2.0))
+    bench.runs(0.5)
+    cut_at = bench.world.now
+    for name in ("rear_left", "rear_right"):
+        bench.world.silence(name, cut_at)
+    bench.runs(0.5)
+    for name in ("left", "right"):
+        assert bench.feedback(name).sampled_at > cut_at
+        assert bench.feedback(name).velocity == pytest.approx(2.0, abs=0.1)
+    for name in ("rear_left", "rear_right"):
+        assert bench.feedback(name).sampled_at <= cut_at
+        assert bench.drives[name].store.get(at.VELOCITY_AVERAGED) == 0, "the drive stopped by itself"

@@ -1,0 +1,193 @@
+"""A ground station and an Operator, joined directly: what one sends, the other hears."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cache
+from typing import Any, Generic, TypeVar
+
+from firmware_bridge import kinds
+from firmware_bridge.drivers.driver import Feedback, Power, Reading
+from firmware_bridge.intent import NEVER_HEARD, Arm, Disarm, EmergencyStop, EnterMode, Request, Verdict
+from firmware_bridge.motion.pose import Pose
+from firmware_bridge.robot import Robot, Table
+from firmware_bridge.robots.rars.geometry import Geometry
+from firmware_bridge.robots.rars.motion import Motion, State
+from firmware_bridge.robots.rars.station import STATION
+from firmware_bridge.safety.row import Row, Severity
+from firmware_bridge.safety.snapshot import Facts, Hold, Snapshot
+from firmware_bridge.teleop.mavlink import Codec, dialect
+from firmware_bridge.teleop.operator import Operator
+from firmware_bridge.teleop.station import Station
+from firmware_bridge.units import MILLISECOND, Nanoseconds
+
+G = TypeVar("G", bound=Table)
+M = TypeVar("M")
+S = TypeVar("S")
+
+CYCLE = 50 * MILLISECOND
+
+
+def hold(name: str, reason: str, remedy: str = "", severity: Severity = Severity.WARNING) -> Hold:
+    """Return a hold that began at once."""
+    return Hold(name, reason, Row(name, remedy, severity=severity), 0)
+
+
+@dataclass
+class Bench(Generic[G, M, S]):
+    """One station (255/190), one robot (1/1), and a bridge that says yes unless told otherwise."""
+
+    robot: Robot[G]
+    rows: Station[G, M, S]
+    rest: M
+    body: S
+    rolling: tuple[str, ...]
+    modes: tuple[str, ...] = ()
+    facts: Facts = field(init=False)
+    pose: Pose = field(default_factory=Pose)
+    operator: Operator[G, M, S] = field(init=False)
+    station: Codec = field(default_factory=lambda: Codec(255, 190))
+    now: Nanoseconds = 0
+    asked: list[Request] = field(default_factory=list)
+    verdict: Verdict | None = None
+
+    def __post_init__(self) -> None:
+        self.restart()
+        sensors = {} if self.robot.battery is None else {self.robot.battery.sensor: Reading(24.6, 0, 0)}
+        self.facts = Facts(
+            now=0,
+            armed=False,
+            emergency_stopped=False,
+            heard_at=NEVER_HEARD,
+            axes={axis.name: standing(axis.name) for axis in self.robot.axes},
+            sensors=sensors,
+            links_lost={},
+        )
+
+    def restart(self) -> None:
+        """Begin with an operator that has heard nothing."""
+        self.operator = Operator(self.robot, self.rows, self.rest, rolling=self.rolling, modes=self.modes)
+
+    @property
+    def wish(self) -> M:
+        """What the operator wants now."""
+        return self.operator.intent.wish
+
+    def decide(self, request: Request) -> Verdict:
+        self.asked.append(request)
+        verdict = self.verdict or Verdict(accepted=True, reason="")
+        if verdict.accepted:
+            match request:
+                case Arm():
+                    self.facts = replace(self.facts, armed=True)
+                case Disarm():
+                    self.facts = replace(self.facts, armed=False)
+                case EmergencyStop():
+                    self.facts = replace(self.facts, armed=False, emergency_stopped=True)
+                case EnterMode(mode=mode):
+                    self.facts = replace(self.facts, mode=mode)
+        return verdict
+
+    def say(self, message: Any) -> list[Any]:
+        """Send one message; return what comes back, decoded."""
+        return self.send(self.station.encode(message))
+
+    def send(self, datagram: bytes) -> list[Any]:
+        replies = self.operator.hear(datagram, self.now, self.decide)
+        return [message for reply in replies for message in self.station.decode(reply)]
+
+    def snapshot(self) -> Snapshot[M, S]:
+        """Return what the bridge knows now."""
+        return Snapshot(facts=self.facts, wish=self.wish, demanded=self.rest, body=self.body, pose=self.pose)
+
+    def report(self, *holds: Hold) -> list[Any]:
+        """Let a cycle pass; return what the station hears of it."""
+        self.now += CYCLE
+        self.facts = replace(self.facts, now=self.now, heard_at=self.operator.intent.heard_at)
+        sent = self.operator.report(self.snapshot(), holds, self.now)
+        return [message for datagram in sent for message in self.station.decode(datagram)]
+
+    def told(self, number: int) -> Any:
+        """Let a cycle pass; ask for one message and return it."""
+        self.report()
+        return self.order(512, number)[0]
+
+    def axes(self, **changes: list[Any]) -> None:
+        """Give each axis the value of its place in each list."""
+        self.facts = replace(
+            self.facts,
+            axes={
+                name: replace(axis, **{key: values[place] for key, values in changes.items()})
+                for place, (name, axis) in enumerate(self.facts.axes.items())
+            },
+        )
+
+    def sensors(self, values: Mapping[str, float]) -> None:
+        """Let the sensors tell these values, and no others anything."""
+        self.facts = replace(
+            self.facts, sensors={name: Reading(value, self.now, self.now) for name, value in values.items()}
+        )
+
+    def order(
+        self, command: int, *params: float, confirmation: int = 0, target: tuple[int, int] = (1, 1)
+    ) -> list[Any]:
+        seven = (*params, *(0.0,) * (7 - len(params)))
+        return self.say(dialect.MAVLink_command_long_message(*target, command, confirmation, *seven))
+
+    def stick(
+        self, *, x: int = 0, y: int = 0x7FFF, z: int = 0, r: int = 0, buttons: int = 0, target: int = 1
+    ) -> list[Any]:
+        return self.say(dialect.MAVLink_manual_control_message(target, x, y, z, r, buttons))
+
+    def target(
+        self,
+        vx: float = 0.0,
+        yaw_rate: float = 0.0,
+        *,
+        vy: float = 0.0,
+        vz: float = 0.0,
+        mask: int = 1511,
+        frame: int = 8,
+    ) -> list[Any]:
+        return self.say(target_message(vx, yaw_rate, vy=vy, vz=vz, mask=mask, frame=frame))
+
+
+def target_message(
+    vx: float = 0.0,
+    yaw_rate: float = 0.0,
+    *,
+    vy: float = 0.0,
+    vz: float = 0.0,
+    mask: int = 1511,
+    frame: int = 8,
+) -> Any:
+    """Return a SET_POSITION_TARGET_LOCAL_NED, by default of velocity and yaw rate along the robot."""
+    rest = (0.0,) * 4
+    return dialect.MAVLink_set_position_target_local_ned_message(
+        0, 1, 1, frame, mask, 0.0, 0.0, 0.0, vx, vy, vz, *rest, yaw_rate
+    )
+
+
+def standing(axis: str) -> Feedback:
+    """Return an axis that has power and stands at its zero."""
+    return Feedback(axis, Power.ON, heard_at=0, sampled_at=0, current_a=0.0)
+
+
+class RarsBench(Bench[Geometry, Motion, State]):
+    """RARS and its operator."""
+
+
+@cache
+def rars_file() -> Robot[Geometry]:
+    """Return RARS's robot file, read once."""
+    return kinds.find("rars")
+
+
+def rars() -> RarsBench:
+    """Return RARS, standing, lift collapsed."""
+    body = State(steer_rad=0.0, lift_m=0.0, screw_rad_s=0.0, speed_mps=0.0, yaw_rate_rad_s=0.0)
+    return RarsBench(rars_file(), STATION, Motion(), body, ("left", "right"))
+
+
+def acks(messages: list[Any]) -> list[tuple[int, int]]:
+    """Return command and result of each COMMAND_ACK."""
+    return [(one.command, one.result) for one in messages if one.get_type() == "COMMAND_ACK"]
