@@ -1,15 +1,10 @@
 """Sides that never move together: who may move while whom, and what a position counts for."""
 
-import struct
 from typing import Final
 
 import pytest
-from hypothesis import settings
-from hypothesis import strategies as st
-from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 from firmware_bridge.packet import Packet
-from firmware_bridge.units import MILLISECOND
 from hil_tests.safety.guard_bench import Bench, position, wheel, write
 from hil_tests.safety.guard_robots import RARS
 
@@ -84,47 +79,3 @@ def test_a_lift_that_left_the_bus_forgets_its_target(pair: Bench, command: str) 
     )
     pair.says(position(4, ENABLE, 500))
     assert pair.says(wheel(1, ENABLE, 100)) == (wheel(1, ENABLE, 100),)
-
-
-NODES: Final = {1: "wheels", 2: "wheels", 4: "lift"}
-WORDS: Final = st.sampled_from([OFF, SHUTDOWN, ENABLE, ENABLE, GO, HALT, 0x000B])
-
-
-class NeverBoth(RuleBasedStateMachine):
-    """A bridge that says anything to three drives, of which either two or one may be told to move."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.bench = Bench(RARS)
-        self.now = 0
-        self.moves = dict.fromkeys(NODES, False)
-        self.goal = False
-
-    @rule(node=st.sampled_from(sorted(NODES)), word=WORDS, aim=st.sampled_from([0, 1, -1, 500, 9999]))
-    def speaks(self, node: int, word: int, aim: int) -> None:
-        said = (position if node == 4 else wheel)(node, word, aim)
-        self.hear(said, self.bench.says(said, now=self.now))
-
-    @rule(ms=st.sampled_from([1, 50, 150]))
-    def is_silent(self, ms: int) -> None:
-        self.now += ms * MILLISECOND
-        self.hear(None, self.bench.says(now=self.now))
-
-    def hear(self, said: Packet | None, sent: tuple[Packet, ...]) -> None:
-        for packet in sent:
-            word, target = struct.unpack("<Hi", packet.payload)
-            node = packet.address & 0x7F
-            if node == 4:
-                self.goal = word == GO or (self.goal and word in {ENABLE, HALT})
-                self.moves[4] = self.goal and word != HALT
-            elif node in NODES:
-                self.moves[node] = word == ENABLE and target != 0
-            assert packet is said or not self.moves.get(node)
-
-    @invariant()
-    def one_side_at_most(self) -> None:
-        assert len({NODES[node] for node, moves in self.moves.items() if moves}) <= 1
-
-
-TestNeverBoth = pytest.mark.timeout(60)(NeverBoth.TestCase)
-NeverBoth.TestCase.settings = settings(max_examples=60, stateful_step_count=20, deadline=None)

@@ -208,7 +208,9 @@ RAW = st.one_of(
     st.binary(min_size=4, max_size=4), st.integers(0, 0x13F).map(lambda value: value.to_bytes(4, "little"))
 )
 REQUESTS: st.SearchStrategy[Request] = st.one_of(
-    st.builds(lambda node, where, raw: WriteObject(where.index, where.subindex, node, raw), ANY_NODE, OBJECTS, RAW),
+    st.builds(
+        lambda node, where, raw: WriteObject(where.index, where.subindex, node, raw), ANY_NODE, OBJECTS, RAW
+    ),
     st.builds(SendCanFrame, st.integers(0x180, 0x77F), st.just(8), st.binary(min_size=8, max_size=8)),
     st.builds(SendNmtService, ANY_NODE, st.integers(0, 255)),
 )
