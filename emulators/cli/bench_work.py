@@ -25,7 +25,13 @@ RESULTS: Final = Path("out")
 
 
 def bench(
-    robot: str, *, mission: str | None, seed: int, out: Path | None, plant: Path | None, serial: Generation | None
+    robot: str,
+    *,
+    mission: str | None,
+    seed: int,
+    out: Path | None,
+    plant: Path | None,
+    serial: Generation | None,
 ) -> None:
     """Do what `bench` says; what is wrong ends the program with a message."""
     machine = find_robot(robot)

@@ -18,7 +18,7 @@ from firmware_bridge.cli.console import one_message, refusal
 from firmware_bridge.cli.links import Outside, on_the_line
 from firmware_bridge.cli.options import until
 from firmware_bridge.cli.real_time import carry
-from firmware_bridge.node import SERIAL
+from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.wire.canopen import FIRST_NODE, LAST_NODE
 from firmware_bridge.wire.maxon.frame import Generation
 from fmu.errors import PlantError
@@ -80,7 +80,7 @@ def emulate(
     ).openers(baud_of(made[owner]))
     line = "" if serial is None else f", node {near} on the line"
     carry(
-        Cluster(made, bank, owners={SERIAL: owner}),
+        Cluster(made, bank, links={owner: {CAN: CAN, SERIAL: SERIAL}}),
         openers,
         until(duration),
         f"{order.profile.name} on {where}: node {node}{line}",
