@@ -30,7 +30,8 @@ def cross_checked(table: Raw, roles: Mapping[str, str]) -> Iterator[Problem]:
             if isinstance(axis, str) and axis not in names:
                 yield Problem(f"{key}[{index}].settings.axis", f"no axis '{axis}'; {near(axis, names)}")
     yield from _battery(table, [str(sensor.get("name")) for sensor in sensors])
-    yield from _guarded(table, names)
+    by_speed = [str(axis.get("name")) for axis in axes if axis.get("command") == "speed"]
+    yield from _guarded(table, names, by_speed)
     for name, link in links.items():
         yield from _carried(name, link, axes, sensors)
         yield from _in_time(name, link, table.get("cycle_ms"))
@@ -55,12 +56,15 @@ def _battery(table: Raw, sensors: list[str]) -> Iterator[Problem]:
         yield Problem("battery.sensor", f"no sensor '{sensor}'; {near(sensor, sensors)}")
 
 
-def _guarded(table: Raw, names: list[str]) -> Iterator[Problem]:
+def _guarded(table: Raw, names: list[str], by_speed: list[str]) -> Iterator[Problem]:
     guard = _within(table, "guard")
     for index, row in enumerate(_tables(guard, "sums")):
         for axis in _within(row, "of"):
             if axis not in names:
                 yield Problem(f"guard.sums[{index}].of.{axis}", f"no such axis; {near(axis, names)}")
+            elif axis not in by_speed:
+                problem = "is commanded by position; a sum is of axes with command = 'speed'"
+                yield Problem(f"guard.sums[{index}].of.{axis}", problem)
     for index, row in enumerate(_tables(guard, "exclusive")):
         for side in ("one", "other"):
             listed = row.get(side)
