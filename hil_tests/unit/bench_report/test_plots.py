@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from emulators.bench.columns import SAMPLE_EVERY, FaultRecord, HoldRecord, Sample
 from emulators.bench.plots import PICTURES, draw
-from emulators.bench.records import SAMPLE_EVERY, FaultRecord, HoldRecord, Sample
 from firmware_bridge import robot as robot_file
 from firmware_bridge.units import SECOND, to_seconds
 

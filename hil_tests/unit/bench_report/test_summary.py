@@ -8,10 +8,10 @@ from io import StringIO
 import pytest
 from rich.console import Console
 
-from emulators.bench.records import SAMPLE_EVERY, FaultRecord, HoldRecord, Sample
+from emulators.bench.columns import SAMPLE_EVERY, FaultRecord, HoldRecord, Sample
 from emulators.bench.report import show
 from emulators.bench.summary import Run, as_json, summarise
-from firmware_bridge.robot import find
+from firmware_bridge.kinds import find
 from firmware_bridge.units import MILLISECOND, SECOND, to_seconds
 
 RUN = Run("rars", "line", 7, 4 * SECOND, 2.0, 1000, 3.21, "ab" * 32, {"can": "cd" * 32})
@@ -80,10 +80,10 @@ def test_the_two_frames_are_laid_upon_each_other_at_the_first_row() -> None:
     turned = [
         Sample(
             at=row.at,
-            x_m=row.y_m + 5.0,
-            y_m=row.x_m,
+            x_m=row["y_m"] + 5.0,
+            y_m=row["x_m"],
             heading_rad=math.pi / 2.0,
-            speed_mps=row.speed_mps,
+            speed_mps=row["speed_mps"],
             yaw_rate_rad_s=0.0,
             steer_rad=0.0,
             lift_m=0.0,
@@ -91,7 +91,7 @@ def test_the_two_frames_are_laid_upon_each_other_at_the_first_row() -> None:
             motor_speeds_rad_s=row.motor_speeds_rad_s,
             demanded_speed_mps=0.0,
             armed=True,
-            odometry_x_m=row.x_m,
+            odometry_x_m=row["x_m"],
             odometry_y_m=0.0,
             odometry_heading_rad=0.0,
         )

@@ -6,12 +6,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from firmware_bridge.kinds import find
 from firmware_bridge.motion import davis
-from firmware_bridge.robot import Role, find
 
 ROBOT = find("rars")
-BASE = ROBOT.base
-STEERING = ROBOT.axis(Role.STEERING)
+BASE = ROBOT.geometry.base
+STEERING = ROBOT.axis("steering")
 ANGLES = st.floats(-math.radians(60), math.radians(60))
 
 

@@ -6,12 +6,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from firmware_bridge.kinds import find
 from firmware_bridge.motion import lift
-from firmware_bridge.robot import Role, find
 
 ROBOT = find("rars")
-LIFT = ROBOT.lift
-AXIS = ROBOT.axis(Role.LIFT)
+LIFT = ROBOT.geometry.lift
+AXIS = ROBOT.axis("lift")
 TOP = lift.highest(LIFT)
 
 

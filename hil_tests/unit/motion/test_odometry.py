@@ -6,12 +6,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from firmware_bridge.kinds import find
 from firmware_bridge.motion import davis
 from firmware_bridge.motion.odometry import Odometry, Pose, counted, moved
-from firmware_bridge.robot import Axis, Robot, Role, find
+from firmware_bridge.robot import Axis
 
 ROBOT = find("rars")
-QC_PER_M = ROBOT.axis(Role.LEFT_WHEEL).quadcounts_per_radian / ROBOT.base.wheel_radius_m
+QC_PER_M = ROBOT.axis("left_wheel").quadcounts_per_radian / ROBOT.geometry.base.wheel_radius_m
 
 
 @pytest.mark.parametrize(
@@ -99,11 +100,11 @@ def test_a_mirrored_wheel_counts_backwards() -> None:
 
 
 def _mirrored(axis: Axis) -> Axis:
-    return axis.model_copy(update={"direction": -1}) if axis.role is Role.RIGHT_WHEEL else axis
+    return axis.model_copy(update={"direction": -1}) if axis.role == "right_wheel" else axis
 
 
 @given(st.floats(-0.5, 0.5), st.floats(-math.radians(60), math.radians(60)))
 def test_odometry_agrees_with_the_steering_geometry(speed: float, steer: float) -> None:
-    left, right = davis.wheel_speeds(ROBOT.base, speed, steer)
+    left, right = davis.wheel_speeds(ROBOT.geometry.base, speed, steer)
     pose = moved(Pose(), left * 0.05, right * 0.05, 0.4)
-    assert pose.heading_rad == pytest.approx(speed * davis.curvature(ROBOT.base, steer), abs=1e-12)
+    assert pose.heading_rad == pytest.approx(speed * davis.curvature(ROBOT.geometry.base, steer), abs=1e-12)

@@ -5,8 +5,8 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 
+from firmware_bridge.kinds import find
 from firmware_bridge.motion.ramp import Ramp
-from firmware_bridge.robot import find
 from firmware_bridge.units import MILLISECOND, to_seconds
 
 RAMP = Ramp.of(find("rars"))
