@@ -43,9 +43,7 @@ def robot_with(
     links = {axis.link: link | {"every": (every or {}).get(axis.link, 1)} for axis in axes}
     rules: dict[str, Any] = {
         "sums": [{"name": name, "of": of, "bound": bound} for name, (of, bound) in (sums or {}).items()],
-        "exclusive": []
-        if exclusive is None
-        else [{"name": "one", "one": exclusive[0], "other": exclusive[1]}],
+        "exclusive": [] if exclusive is None else [_sides(*exclusive)],
     }
     made = table | {
         "links": links,
@@ -65,6 +63,10 @@ def robot_with(
         ],
     }
     return robot_of(made, "a test", Nothing, {"all": frozenset(axis.name for axis in axes)})
+
+
+def _sides(one: tuple[str, ...], other: tuple[str, ...]) -> dict[str, Any]:
+    return {"name": "one", "one": list(one), "other": list(other)}
 
 
 def _axis(axis: AnAxis, settings: dict[str, Any]) -> dict[str, Any]:

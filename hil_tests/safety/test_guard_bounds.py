@@ -1,13 +1,14 @@
 """The guard's own arithmetic: what travel and top speed are in rpm and quadcounts, to the last one."""
 
 import math
+from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from firmware_bridge.drivers.epos2.scale import travel_of
-from firmware_bridge.robot import Axis
+from firmware_bridge.robot import Axis, RobotFileError
 from firmware_bridge.safety.guard.bounds import ends_qc, highest_rpm, rpm_per_unit, targets
 from hil_tests.safety.guard_robots import RARS, AnAxis, robot_with
 
@@ -94,3 +95,28 @@ def test_guard_and_driver_agree_on_the_ends(
     theirs = travel_of(one)
     assert theirs is not None
     assert ends_qc(one) == (theirs.low_qc, theirs.high_qc)
+
+
+PAIR = (AnAxis("left", 1), AnAxis("right", 2), AnAxis("arm", 3, travel=(0.0, 1.0)))
+
+
+@pytest.mark.parametrize(
+    ("rules", "problem"),
+    [
+        (
+            {"sums": {"all": ({"left": 1.0, "arm": 1.0}, 1.0)}},
+            "guard.sums[0].of.arm: is commanded by position",
+        ),
+        ({"sums": {"all": ({"lift": 1.0}, 1.0)}}, "guard.sums[0].of.lift: no such axis; perhaps 'left'?"),
+        (
+            {"exclusive": (("left", "right"), ("right",))},
+            "guard.exclusive[0].other: 'right' is on the side 'one'",
+        ),
+        ({"exclusive": (("left",), ("harm",))}, "guard.exclusive[0].other: no axis 'harm'; perhaps 'arm'?"),
+        ({"exclusive": (("rigth",), ("arm",))}, "guard.exclusive[0].one: no axis 'rigth'; perhaps 'right'?"),
+    ],
+)
+def test_rules_that_make_no_sense_are_refused_by_their_key(rules: dict[str, Any], problem: str) -> None:
+    with pytest.raises(RobotFileError) as refused:
+        robot_with(PAIR, **rules)
+    assert str(refused.value).startswith(f"a test: {problem}")
