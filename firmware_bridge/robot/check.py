@@ -30,7 +30,8 @@ def cross_checked(table: Raw, roles: Mapping[str, str]) -> Iterator[Problem]:
             if isinstance(axis, str) and axis not in names:
                 yield Problem(f"{key}[{index}].settings.axis", f"no axis '{axis}'; {near(axis, names)}")
     yield from _battery(table, [str(sensor.get("name")) for sensor in sensors])
-    yield from _guarded(table, names)
+    by_speed = [str(axis.get("name")) for axis in axes if axis.get("command") == "speed"]
+    yield from _guarded(table, names, by_speed)
     for name, link in links.items():
         yield from _carried(name, link, axes, sensors)
         yield from _in_time(name, link, table.get("cycle_ms"))
@@ -55,20 +56,35 @@ def _battery(table: Raw, sensors: list[str]) -> Iterator[Problem]:
         yield Problem("battery.sensor", f"no sensor '{sensor}'; {near(sensor, sensors)}")
 
 
-def _guarded(table: Raw, names: list[str]) -> Iterator[Problem]:
+def _guarded(table: Raw, names: list[str], by_speed: list[str]) -> Iterator[Problem]:
     guard = _within(table, "guard")
     for index, row in enumerate(_tables(guard, "sums")):
         for axis in _within(row, "of"):
+            key = f"guard.sums[{index}].of.{axis}"
             if axis not in names:
-                yield Problem(f"guard.sums[{index}].of.{axis}", f"no such axis; {near(axis, names)}")
+                yield Problem(key, f"no such axis; {near(axis, names)}")
+            elif axis not in by_speed:
+                yield Problem(key, "is commanded by position; a sum is of axes with command = 'speed'")
     for index, row in enumerate(_tables(guard, "exclusive")):
-        for side in ("one", "other"):
-            listed = row.get(side)
-            for axis in listed if isinstance(listed, list) else ():
-                if axis not in names:
-                    yield Problem(
-                        f"guard.exclusive[{index}].{side}", f"no axis '{axis}'; {near(axis, names)}"
-                    )
+        yield from _apart(f"guard.exclusive[{index}]", row, names)
+
+
+def _apart(key: str, row: Raw, names: list[str]) -> Iterator[Problem]:
+    """Check two sides that exclude each other: axes that exist, each on one of them."""
+    one, other = ([axis for axis in side if isinstance(axis, str)] for side in _sides(row))
+    for name, side in (("one", one), ("other", other)):
+        for axis in side:
+            if axis not in names:
+                yield Problem(f"{key}.{name}", f"no axis '{axis}'; {near(axis, names)}")
+    for axis in other:
+        if axis in one:
+            yield Problem(f"{key}.other", f"'{axis}' is on the side 'one', too; it would exclude itself")
+
+
+def _sides(row: Raw) -> Iterator[list[object]]:
+    for name in ("one", "other"):
+        side = row.get(name)
+        yield side if isinstance(side, list) else []
 
 
 def _carried(name: str, link: Raw, axes: list[Raw], sensors: list[Raw]) -> Iterator[Problem]:

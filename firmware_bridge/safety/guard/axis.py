@@ -44,7 +44,7 @@ class GuardedAxis:
         self.cycle: Final = robot.cycle * robot.links[axis.link].every
         """The time from one of its set-points to the next."""
         self.target = 0
-        self.commanded_at = 0
+        self.commanded_at = -1
         """When the node last had a set-point for it, good or bad."""
         self.reported: State | None = None
         """The drive's state by its newest statusword; None while it has told none."""

@@ -210,7 +210,7 @@ def _listed(robot: AnyRobot, link: str, axes: tuple[GuardedAxis, ...]) -> dict[i
     }
     for axis in axes:
         listed[_set_point_id(axis)] = AxisSetPoint(axis.axis.command, axis.targets)
-        listed[canopen.SDO_REQUEST + axis.node] = SdoRequest(writes_on_can(axis.axis, robot, axis.targets))
+        listed[canopen.SDO_REQUEST + axis.node] = SdoRequest(writes_on_can(axis.axis, robot))
     return listed
 
 

@@ -147,7 +147,7 @@ class Epos2SerialRules(WireRules):
 
 def _all_writes(axis: GuardedAxis, robot: AnyRobot) -> Writes:
     return {
-        **writes_over_serial(axis.axis, robot, axis.targets),
+        **writes_over_serial(axis.axis, robot),
         CONTROLWORD: Values(DataType.UNSIGNED16, CONTROLWORDS[axis.axis.command]),
         _target(axis): Values(DataType.INTEGER32, axis.targets),
     }
