@@ -7,7 +7,7 @@ from typing import Annotated, Final
 import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from emulators import documents_cli, epos2_cli
+from emulators import documents_cli, epos2_cli, replay_cli
 from emulators.bench import mission as missions
 from emulators.bench.mission import MissionFileError
 from emulators.bench.report import show
@@ -96,6 +96,7 @@ def attach(program: typer.Typer) -> None:
     devices_and_robots.command("epos2", epilog=epos2_cli.EXAMPLES)(epos2_cli.emulate)
     program.add_typer(devices_and_robots, name="emulate")
     documents_cli.attach(epos2.group)
+    replay_cli.attach(program)
 
 
 def bench(
@@ -130,7 +131,7 @@ def bench(
 
     Leaves `summary.json`, `can.log` (candump's format), `operator.tlog` and plots in the results' folder.
 
-    Shipped missions: `line`, `circles`, `interlocks`.
+    Shipped missions: `line`, `circles`, `interlocks`, `faults`.
     """
     machine = find_robot(robot)
     if serial is not None:

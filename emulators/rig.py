@@ -7,13 +7,14 @@ from typing import Final
 import numpy as np
 
 from emulators.bench.columns import SAMPLE_EVERY, Column, Samples, columns_of
+from emulators.bench.faults import BRIDGE, OPERATOR_STATION, Fault, Faults, Site
 from emulators.bench.mission import Noise
 from emulators.bench.records import HoldRecord
 from emulators.bench.rehearsal import Rehearsal
 from emulators.devices import devices
 from emulators.line import Line
 from emulators.rewind import Checkpoint, Rewind
-from emulators.wires import CanWire, DatagramWire
+from emulators.wires import DatagramWire, FaultyCanWire
 from emulators.world import Wire, World
 from firmware_bridge.bridge import Bridge
 from firmware_bridge.kinds import kind_of
@@ -27,8 +28,7 @@ from firmware_bridge.wire.maxon.frame import Generation
 LINK_STREAM: Final = 1
 """Which stream of random numbers the operator's link draws from, beside the run's seed."""
 QUIET: Final = Noise()
-BRIDGE: Final = "bridge"
-OPERATOR_STATION: Final = "operator"
+__all__ = ["BRIDGE", "OPERATOR_STATION", "QUIET", "Rig"]
 
 
 def _served(robot: AnyRobot) -> Mapping[str, Generation]:
@@ -60,6 +60,7 @@ class Rig:
         seed: int = 0,
         noise: Noise = QUIET,
         realistic_latency: bool = False,
+        faults: Sequence[Fault] = (),
     ) -> None:
         self.robot: Final = robot
         columns = columns_of([axis.name for axis in robot.axes], rehearsal.columns)
@@ -72,7 +73,7 @@ class Rig:
         self.guard: Final = guarded(self.bridge, robot)
         single = len(robot.links) == 1
         self.can_wires: Final = {
-            name: CanWire(link.bit_rate, CAN if single else name) for name, link in robot.links.items()
+            name: FaultyCanWire(link.bit_rate, CAN if single else name) for name, link in robot.links.items()
         }
         """The drives' buses by the links' names."""
         self.operator_wire: Final = DatagramWire(
@@ -85,6 +86,8 @@ class Rig:
         self.lines: Final[dict[str, Line]] = {}
         """The serial lines by the links' names."""
         self._attach(operator)
+        self.faults: Final = Faults(self._site(), seed)
+        self.faults.plan(faults)
         self.samples: Final = Samples(columns)
         self.holds: Final[list[HoldRecord]] = []
         self._noted = self.bridge.holds
@@ -93,7 +96,7 @@ class Rig:
         self._rewind = Rewind(self)
 
     @property
-    def can_wire(self) -> CanWire:
+    def can_wire(self) -> FaultyCanWire:
         """The drives' bus of a robot that has one."""
         return next(iter(self.can_wires.values()))
 
@@ -142,6 +145,18 @@ class Rig:
             self.world.attach(axis.name, drive, links)
         self.world.attach(BRIDGE, node, {**wires, OPERATOR: self.operator_wire})
         self.world.attach(OPERATOR_STATION, operator, {OPERATOR: self.operator_wire})
+
+    def _site(self) -> Site:
+        """Return where faults are put on."""
+        return Site(
+            self.robot,
+            self.world,
+            self.can_wires,
+            self.operator_wire,
+            drives=self.devices.drives,
+            axes={axis.name: axis for axis in self.devices.bank.axes},
+            adapters={link: line.adapter for link, line in self.lines.items()},
+        )
 
     def _sample(self, now: Nanoseconds) -> None:
         outputs, seen = self.devices.plant.outputs[:], self.bridge.seen

@@ -63,6 +63,7 @@ def drive(order: Order, progress: Progress) -> Summary:
         plant_path=order.plant,
         seed=order.seed,
         noise=order.mission.noise,
+        faults=order.mission.fault,
     )
     begun = time.perf_counter()
     with _recorded(rig, order.folder):
@@ -85,11 +86,13 @@ def drive(order: Order, progress: Progress) -> Summary:
         links_sha256=rig.world.links_sha256,
         lines=tuple(line.carried(order.robot, order.duration) for line in rig.lines.values()),
     )
-    summary = summarise(run, [axis.name for axis in order.robot.axes], rig.samples, rig.holds)
+    axes = [axis.name for axis in order.robot.axes]
+    faults = rig.faults.records
+    summary = summarise(run, axes, rig.samples, rig.holds, faults)
     (order.folder / "summary.json").write_text(as_json(summary), encoding="utf-8")
-    title = f"{order.robot.name} · {order.mission_name} · seed {order.seed}"
     (order.folder / "samples.csv").write_text(rig.samples.csv(), encoding="ascii")
-    draw(order.folder, title, order.robot, order.rehearsal.panels, rig.samples, rig.holds)
+    title = f"{order.robot.name} · {order.mission_name} · seed {order.seed}"
+    draw(order.folder, title, order.robot, order.rehearsal.panels, rig.samples, rig.holds, faults=faults)
     return summary
 
 

@@ -113,6 +113,10 @@ class World:
         for wire in station.links.values():
             wire.leave(station)
 
+    def links(self, name: str) -> Mapping[str, Wire]:
+        """Return the wires of a node, by the names that it has for them."""
+        return dict(self._station(name).links)
+
     def silence(self, name: str, from_time: Nanoseconds) -> None:
         """Cut a node off its wires from an instant on. It lives on and may notice; `NEVER` mends the cut."""
         self._station(name).silent_from = from_time

@@ -22,6 +22,8 @@ MAVLINK_2: Final = 0xFD
 _MAVLINK_1_EXTRA: Final = 8
 _MAVLINK_2_EXTRA: Final = 12
 _MAVLINK_2_SIGNED: Final = 0x01
+_MAVLINK_1_SEQUENCE: Final = 2
+_MAVLINK_2_SEQUENCE: Final = 4
 _SIGNATURE: Final = 13
 _STAMP: Final = 8
 
@@ -139,6 +141,13 @@ def mavlink_messages(datagram: bytes) -> Iterator[bytes]:
         else:
             yield datagram[start:end]
             start = end
+
+
+def mavlink_origin(message: bytes) -> tuple[int, int, int]:
+    """Return system, component and sequence number of a whole message, as its header tells them."""
+    at = _MAVLINK_2_SEQUENCE if message[0] == MAVLINK_2 else _MAVLINK_1_SEQUENCE
+    sequence, system, component = message[at : at + 3]
+    return system, component, sequence
 
 
 def _message_end(log: bytes, start: int) -> int | None:

@@ -70,7 +70,7 @@ def drive(name: str) -> Driven:
     rehearsal = rehearsal_of(robot)
     script = mission.find(name, robot, rehearsal)
     operator = ScriptedOperator(robot, rehearsal, script, np.random.default_rng([SEED, HAND_STREAM]))
-    rig = Rig(robot, rehearsal, operator, seed=SEED, noise=script.noise)
+    rig = Rig(robot, rehearsal, operator, seed=SEED, noise=script.noise, faults=script.fault)
     lines: list[bytes] = []
     rig.world.observe(lines.append)
     rig.run(from_seconds(SECONDS))

@@ -6,12 +6,13 @@ allows what a mission asks is nobody's business here: missions exist to ask for 
 
 import tomllib
 from collections.abc import Iterator
-from itertools import pairwise
+from itertools import pairwise, starmap
 from pathlib import Path
 from typing import Annotated, Self
 
 from pydantic import Field, ValidationError, create_model, model_validator
 
+from emulators.bench.faults import FaultTable, misfits
 from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.step import Holds, Input, NonNegative, Positive, Presses, Share, Step, Table, inputs
 from firmware_bridge.robot import AnyRobot
@@ -60,6 +61,8 @@ class Mission(Table):
     input: Annotated[Input, Field(strict=False)] = Input.STICK
     noise: Noise = Noise()
     step: Annotated[tuple[Step, ...], Field(min_length=1, strict=False)]
+    fault: Annotated[tuple[FaultTable, ...], Field(strict=False)] = ()
+    """What goes wrong meanwhile: `docs/faults.md`."""
 
     @model_validator(mode="after")
     def _steps_are_in_order(self) -> Self:
@@ -72,6 +75,12 @@ class Mission(Table):
             raise ValueError(
                 f"step '{self.step[-1].title}' is not before the end, duration_s = {self.duration_s:g}"
             )
+        for fault in self.fault:
+            if fault.at_s >= self.duration_s:
+                raise ValueError(
+                    f"fault '{fault.kind}' at {fault.at_s:g} s is not before the end,"
+                    f" duration_s = {self.duration_s:g}"
+                )
         return self
 
 
@@ -87,7 +96,7 @@ def parse(text: str, file: str, robot: AnyRobot, rehearsal: Rehearsal) -> Missio
         mission = model.model_validate(table)
     except ValidationError as error:
         raise MissionFileError(file, *problems_of(error, model)) from error
-    problems = tuple(_misfits(mission, robot, rehearsal))
+    problems = (*_misfits(mission, robot, rehearsal), *starmap(Problem, misfits(mission.fault, robot)))
     if problems:
         raise MissionFileError(file, *problems)
     return mission

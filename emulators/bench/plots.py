@@ -5,17 +5,22 @@ The same rows give the same bytes: no date, no random colour, no window system.
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import Final
 
 from matplotlib import style
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from emulators.bench.columns import Panel, Samples
+from emulators.bench.fault_marks import mark_faults
 from emulators.bench.path_picture import path_picture
-from emulators.bench.records import HoldRecord
+from emulators.bench.records import FaultRecord, HoldRecord
 from emulators.bench.style import PALE, STYLE
 from emulators.bench.time_pictures import currents_picture, holds_picture, panels_picture
 from firmware_bridge.robot import AnyRobot
+
+OVER_TIME: Final = {"speeds": True, "currents": True, "holds": False}
+"""Pictures whose axes are seconds, and whether they have room for the names of faults."""
 
 
 def draw(
@@ -25,6 +30,8 @@ def draw(
     panels: Sequence[Panel],
     samples: Samples,
     holds: Sequence[HoldRecord],
+    *,
+    faults: Sequence[FaultRecord] = (),
 ) -> list[Path]:
     """Write one PNG for each picture into `folder` and return their paths; no rows, no pictures."""
     pictures: Mapping[str, Callable[[Figure], None]] = {
@@ -39,6 +46,8 @@ def draw(
             figure = Figure(layout="constrained")
             FigureCanvasAgg(figure)
             picture(figure)
+            if name in OVER_TIME:
+                mark_faults(figure.axes, faults, float(samples.seconds[-1]), named=OVER_TIME[name])
             figure.suptitle(title, x=0.01, ha="left", fontsize=9.5, color=PALE)
             path = folder / f"{name}.png"
             figure.savefig(path, metadata={"Software": None})

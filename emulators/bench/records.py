@@ -6,6 +6,19 @@ from firmware_bridge.units import Nanoseconds
 
 
 @dataclass(frozen=True, slots=True)
+class FaultRecord:
+    """One fault from the instant at which it was put on to the instant at which it was taken off."""
+
+    kind: str
+    title: str
+    nodes: tuple[str, ...]
+    """Whom it could meet."""
+    began: Nanoseconds
+    ended: Nanoseconds | None = None
+    """The same instant for a fault that has no length; None where it was still on when the run was over."""
+
+
+@dataclass(frozen=True, slots=True)
 class HoldRecord:
     """One interlock from the instant at which it held to the instant at which it let go."""
 

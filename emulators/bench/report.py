@@ -1,4 +1,4 @@
-"""A run's summary as two tables on the terminal: its numbers, and what held."""
+"""A run's summary as tables on the terminal: its numbers, which faults were put on, and what held."""
 
 from collections.abc import Iterator, Mapping
 
@@ -6,14 +6,14 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from emulators.bench.summary import Held, Summary
+from emulators.bench.summary import Faulted, Held, Summary
 
 TRACE_DIGITS = 16
 """Enough of the hash to compare two runs by eye; the whole one is in `summary.json`."""
 
 
 def show(console: Console, summary: Summary, remarks: Mapping[str, str]) -> None:
-    """Print both tables; `remarks` stand beside the numbers, by their keys in the summary."""
+    """Print the tables; `remarks` stand beside the numbers, by their keys in the summary."""
     numbers = Table(box=SIMPLE_HEAD, title=f"{summary.robot}, {summary.mission}, seed {summary.seed}")
     numbers.title_justify = "left"
     numbers.add_column("measured")
@@ -23,6 +23,8 @@ def show(console: Console, summary: Summary, remarks: Mapping[str, str]) -> None
     for row in _numbers(summary, remarks):
         numbers.add_row(*row)
     console.print(numbers)
+    if summary.faults:
+        console.print(_faulted(summary.faults))
     console.print(_held(summary.holds) if summary.holds else "no interlock held\n")
 
 
@@ -56,6 +58,20 @@ def _numbers(summary: Summary, remarks: Mapping[str, str]) -> Iterator[tuple[str
         late = f"cycle {line.cycle_ms:g} ms; {line.late_cycles} late"
         yield "longest cycle on the line", f"{line.longest_cycle_ms:.1f}", "ms", late
     yield "trace", summary.trace_sha256[:TRACE_DIGITS], "", "the same run gives the same trace"
+
+
+def _faulted(faults: tuple[Faulted, ...]) -> Table:
+    table = Table(box=SIMPLE_HEAD, title="faults that were put on")
+    table.title_justify = "left"
+    table.add_column("from", justify="right")
+    table.add_column("to", justify="right")
+    table.add_column("fault")
+    table.add_column("where")
+    table.add_column("title")
+    for fault in faults:
+        ended = "end" if fault.ended_s is None else f"{fault.ended_s:.2f} s"
+        table.add_row(f"{fault.began_s:.2f} s", ended, fault.kind, ", ".join(fault.nodes), fault.title)
+    return table
 
 
 def _held(holds: tuple[Held, ...]) -> Table:

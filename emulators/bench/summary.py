@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from emulators.bench.columns import ODOMETRY, POSE, SAMPLE_EVERY, Floats, Samples, current
-from emulators.bench.records import HoldRecord
+from emulators.bench.records import FaultRecord, HoldRecord
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
 ACCELERATION_WINDOW: Final[Nanoseconds] = 50 * MILLISECOND
@@ -62,6 +62,17 @@ class Held:
 
 
 @dataclass(frozen=True, slots=True)
+class Faulted:
+    """One fault that was put on, in seconds from the start of the run."""
+
+    kind: str
+    title: str
+    nodes: tuple[str, ...]
+    began_s: float
+    ended_s: float | None
+
+
+@dataclass(frozen=True, slots=True)
 class Summary:
     """What `summary.json` holds; the names of the fields are its keys."""
 
@@ -91,11 +102,18 @@ class Summary:
     links_sha256: dict[str, str]
     """Of each link alone, by its name: which one a change has reached."""
     holds: tuple[Held, ...]
+    faults: tuple[Faulted, ...] = ()
     lines: tuple[LineRun, ...] = ()
     """The serial lines between bridge and drives; none where the bridge is on the CAN bus itself."""
 
 
-def summarise(run: Run, axes: Sequence[str], samples: Samples, holds: Sequence[HoldRecord]) -> Summary:
+def summarise(
+    run: Run,
+    axes: Sequence[str],
+    samples: Samples,
+    holds: Sequence[HoldRecord],
+    faults: Sequence[FaultRecord] = (),
+) -> Summary:
     """Turn a run's rows into its numbers; a run without rows has not moved."""
     speed = samples.column("speed_mps")
     lateral = speed * samples.column("yaw_rate_rad_s")
@@ -132,6 +150,16 @@ def summarise(run: Run, axes: Sequence[str], samples: Samples, holds: Sequence[H
                 ended_s=None if hold.ended is None else to_seconds(hold.ended),
             )
             for hold in holds
+        ),
+        faults=tuple(
+            Faulted(
+                kind=fault.kind,
+                title=fault.title,
+                nodes=fault.nodes,
+                began_s=to_seconds(fault.began),
+                ended_s=None if fault.ended is None else to_seconds(fault.ended),
+            )
+            for fault in faults
         ),
         lines=run.lines,
     )

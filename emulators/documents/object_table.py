@@ -1,7 +1,4 @@
-"""The object dictionary of one type of drive as a table: for people, as JSON, as a page.
-
-It refuses to know what the objects do.
-"""
+"""The object dictionary of one type of drive as a table: for people, as JSON, as a page."""
 
 import json
 from dataclasses import dataclass, replace

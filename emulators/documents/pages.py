@@ -3,7 +3,8 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
-from emulators.documents import emergencies, fidelity, object_table, serial_commands, state_diagram
+from emulators.bench.faults import CABLE_ORDER, KINDS
+from emulators.documents import emergencies, faults, fidelity, object_table, serial_commands, state_diagram
 from emulators.epos2.control.power_states import TRANSITIONS
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import EPOS2_70_10
@@ -59,6 +60,32 @@ of the abort codes of SDO; it has its whole layout also on error, the rest being
 `firmware-bridge epos2 read --serial DEVICE` speaks both. A test is named here when it sends the command to
 the emulated drive, or has it refused there."""
 
+FAULTS_TEXT: Final = """A mission names what shall go wrong, beside its steps:
+
+```toml
+[[fault]]
+kind = "frame_loss"
+title = "a loose contact at the steering"
+at_s = 6.0
+for_s = 0.4             # or until_s = 6.4; with neither it stays to the end
+node = "steer"          # the axis' name or its node number
+share = 0.3
+```
+
+`firmware-bridge bench rars --mission faults` shows most of them. A fault begins at `at_s` and ends at
+`until_s`, or after `for_s`; one that is an instant has no end. The summary tells which faults were on, the
+pictures shade them. Chance comes from the run's seed, from a stream of each fault's own. Of two faults that
+act on the same thing of the same node one must end before the other begins. From Python:
+
+```python
+from emulators.bench.faults import read
+
+rig.faults.plan([read({{"kind": "frame_loss", "at_s": 6.0, "for_s": 0.4, "node": "steer"}})])
+```
+
+{kinds} kinds; `EMCY` codes are explained [here](emergencies.md). Stations lie on the CAN cable in this order:
+{cable} (ASSUME)."""
+
 
 def pages(tests: emergencies.Tests, commands: serial_commands.Tests) -> Mapping[str, str]:
     """Return every page by its file name.
@@ -71,6 +98,7 @@ def pages(tests: emergencies.Tests, commands: serial_commands.Tests) -> Mapping[
         "emergencies.md": _emergencies(tests),
         "power-machine.md": _machine(),
         "opcodes.md": _opcodes(commands),
+        "faults.md": _faults(),
     }
 
 
@@ -145,3 +173,14 @@ def _machine() -> str:
 def _opcodes(commands: serial_commands.Tests) -> str:
     rows = table(serial_commands.HEADINGS, serial_commands.table(commands))
     return _page("The serial protocols, command by command", OPCODES_TEXT, rows)
+
+
+def _faults() -> str:
+    parts = [FAULTS_TEXT.format(kinds=len(KINDS), cable=CABLE_ORDER)]
+    for kind, keys in faults.sections():
+        parts.append(f"## `{kind.name}`")
+        parts.append(f"{kind.happens}")
+        parts.append(f"* **Device**: {kind.does}\n* **Meets**: {faults.target(kind)}.")
+        if keys:
+            parts.append(table(faults.HEADINGS, keys))
+    return _page("Faults that a mission can name", *parts)

@@ -11,7 +11,7 @@ from typing import Final
 from emulators.epos2.canopen.identity import Identity
 from emulators.epos2.canopen.lss_slave import LssSlave
 from emulators.epos2.canopen.motion_protocol import MotionFactory
-from emulators.epos2.canopen.nmt import SERVICES, TARGETS, Service, command_for
+from emulators.epos2.canopen.nmt import SERVICES, TARGETS, NodeService, command_for
 from emulators.epos2.canopen.services import Services
 from emulators.epos2.canopen.transmit_queue import TransmitQueue
 from emulators.epos2.control import value_ranges
@@ -91,12 +91,12 @@ class Epos2:
         """Take one frame of the bus."""
         if not self._powered:
             return self.wake(now)
-        heard = self._routes.get(packet.address)
-        if heard is None:
+        handle = self._routes.get(packet.address)
+        if handle is None:
             return self._transmit.idle
         self._now = now
         self.motion.refresh(now)
-        heard(packet.payload, now)
+        handle(packet.payload, now)
         return self._settle()
 
     def wake(self, now: Nanoseconds) -> Reaction:
@@ -135,10 +135,18 @@ class Epos2:
             return
         self._routes = self._services.routes()
         services = SERVICES[self.nmt_state]
-        if Service.ERROR_CONTROL in services:
+        if NodeService.ERROR_CONTROL in services:
             self._routes[canopen.NMT] = self._hear_command
-        if Service.LAYER_SETTING in services:
+        if NodeService.LAYER_SETTING in services:
             self._routes[canopen.LSS_REQUEST] = self._hear_lss
+
+    def switch_off(self) -> None:
+        """Lose the supply, logic included: nothing is told, the motor is without power.
+
+        The next packet or waking switches the drive on again; whoever cuts the supply keeps them away.
+        """
+        self._powered = False
+        self.motion.reset()
 
     # Network management
 

@@ -60,6 +60,12 @@ AUXILIARY_AGAINST_MAIN: Final = 1 << 26
 
 AVERAGE_PLACES: Final = 16
 """Binary places of the averaged current, which is in mA."""
+LOGIC_MV: Final = 5_000
+"""The drive's own supply, when nothing is wrong with it."""
+GATE_MV: Final = 12_000
+"""The supply of the power stage's gate drivers, likewise."""
+AMBIENT_MC: Final = 25_000
+"""The air at the drive's heat sink."""
 STAGE_RISE_MC: Final = 50_000
 LARGEST_SPEED: Final = 1 << 29
 """25 000 rpm, the fastest that any object allows, lies below this many velocity units."""
@@ -118,9 +124,10 @@ class ServoAxis(Record, ctypes.Structure):
 
     def _undisturbed(self) -> None:
         """Begin in surroundings in which nothing is wrong."""
-        self.logic_mv = 5_000
-        self.gate_mv = 12_000
-        self.ambient_mc = 25_000
+        self.forced_supply_mv = 0
+        self.logic_mv = LOGIC_MV
+        self.gate_mv = GATE_MV
+        self.ambient_mc = AMBIENT_MC
         # ASSUME: the continuous current, 10 A for the 70/10, heats the power stage by 50 K.
         self.square_per_mc = 10_000**2 // STAGE_RISE_MC
         self.sensor_faults = self.encoder_loss = self.mounted_pole_pairs = 0

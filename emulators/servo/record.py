@@ -16,7 +16,9 @@ class Record:
     supply_mv: int
     analogue_1_mv: int
     analogue_2_mv: int
-    # ... and those that a bench test sets: rails of the drive, air at its heat sink, wires and motor.
+    # ... and those that a bench test sets: supply (0: as the plant has it) and rails of the drive, air at its
+    # heat sink, wires and motor.
+    forced_supply_mv: int
     logic_mv: int
     gate_mv: int
     ambient_mc: int

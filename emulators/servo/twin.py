@@ -137,9 +137,9 @@ class Twin:
         volts = self._plant.outputs[supply : supply + 1][0]
         supply_mv = self._reading("supply voltage", None, volts)
         for axis, divider in zip(self._axes, self._wiring.dividers, strict=True):
-            axis.supply_mv = supply_mv
+            axis.supply_mv = axis.forced_supply_mv or supply_mv
             if divider:
-                axis.analogue_1_mv = int(supply_mv / divider)
+                axis.analogue_1_mv = int(axis.supply_mv / divider)
 
     def _sample_pins(self) -> None:
         """Read the input pins, and write the output pins, that are wired to the plant."""

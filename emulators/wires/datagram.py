@@ -1,8 +1,10 @@
 """A datagram link: delay, jitter and loss; packets may overtake one another, as they may on a network.
 
-Chance comes from the generator that is passed in, and is drawn once for each packet.
+Chance comes from the generator that is passed in, and is drawn once for each packet. An impairment draws from
+a generator of its own, so that it leaves the chance of the others as it is.
 """
 
+from dataclasses import dataclass
 from typing import TypeAlias
 
 from numpy.random import Generator
@@ -10,9 +12,34 @@ from numpy.random import Generator
 from emulators.wires.ends import End, Ends, Observer
 from emulators.world import Station, World, WorldError
 from firmware_bridge.packet import Packet
-from firmware_bridge.units import Nanoseconds
+from firmware_bridge.units import NEVER, Nanoseconds
 
 _Flight: TypeAlias = tuple[Station, Packet]
+
+
+@dataclass(frozen=True, slots=True)
+class Impairment:
+    """What becomes of packets from `begin` until `end`, beside the link's own delay, jitter and loss.
+
+    `sender` names whose packets (None: everybody's). It meets a `share` of them, which `generator` draws; a
+    share of 1 draws nothing. One that is met is `lost`, or comes `late` by so much, or comes again after
+    `again` (None: it does not).
+    """
+
+    sender: str | None = None
+    begin: Nanoseconds = 0
+    end: Nanoseconds = NEVER
+    share: float = 1.0
+    generator: Generator | None = None
+    lost: bool = False
+    late: Nanoseconds = 0
+    again: Nanoseconds | None = None
+
+    def meets(self, sender: str, now: Nanoseconds) -> bool:
+        """Return whether it meets the packet that is sent now; drawn anew at every call."""
+        if self.sender not in (None, sender) or not self.begin <= now < self.end:
+            return False
+        return self.share >= 1.0 or self.generator is None or bool(self.generator.random() < self.share)
 
 
 class DatagramWire:
@@ -37,6 +64,7 @@ class DatagramWire:
         self.sent = 0
         self.lost = 0
         self._generator = generator
+        self._impairments: list[Impairment] = []
         self._ends = Ends(name)
 
     def join(self, world: World, station: Station, link: str) -> None:
@@ -55,6 +83,10 @@ class DatagramWire:
         """Let go of all observers."""
         self._ends.observers.clear()
 
+    def impair(self, what: Impairment) -> None:
+        """Lose, delay or double packets from now on, as described."""
+        self._impairments.append(what)
+
     def carry(self, sender: Station, packet: Packet) -> None:
         """Send a packet on its way, or lose it."""
         self.sent += 1
@@ -66,7 +98,24 @@ class DatagramWire:
             if self.jitter:
                 delay += int(generator.integers(0, self.jitter, endpoint=True))
         world = self._ends.world
-        world.call_at(world.now + delay, self._arrive, (sender, packet))
+        if self._impairments:
+            self._carry_impaired(sender, packet, world.now + delay)
+        else:
+            world.call_at(world.now + delay, self._arrive, (sender, packet))
+
+    def _carry_impaired(self, sender: Station, packet: Packet, at: Nanoseconds) -> None:
+        world = self._ends.world
+        now = world.now
+        self._impairments = [one for one in self._impairments if now < one.end]
+        met = [one for one in self._impairments if one.meets(sender.name, now)]
+        if any(one.lost for one in met):
+            self.lost += 1
+            return
+        at += sum(one.late for one in met)
+        world.call_at(at, self._arrive, (sender, packet))
+        for one in met:
+            if one.again is not None:
+                world.call_at(at + one.again, self._arrive, (sender, packet))
 
     def _arrive(self, flight: _Flight) -> None:
         sender, packet = flight

@@ -44,16 +44,25 @@ _IN_BITS: Final = frozenset({at.CONTROLWORD, at.STATUSWORD, at.ERROR_REGISTER}) 
 }
 """Objects whose value is written in hexadecimal digits."""
 _LSS: Final = {int(command): command for command in LssCommand}
+MASTER: Final = 0
+"""Stands for the network's master where a sender's number is asked for."""
+ADDED: Final = -1
+PDO: Final = "pdo"
+OTHER: Final = "other"
 _FIRST_PDO: Final = 0x180
 _LAST_PDO: Final = 0x57F
 
 
 @dataclass(frozen=True, slots=True)
 class Service:
-    """Identifiers from `base` on, and who reads what comes with them; a node's number is added to `base`."""
+    """Identifiers from `base` on, who sends them, and who reads what comes with them."""
 
+    name: str
     base: int
     added: range
+    """A node's number, where there is one, is added to `base`."""
+    sender: int | None
+    """`MASTER`, `ADDED` for the node whose number is added, None where the identifier does not tell it."""
     read: "Callable[[Canopen, int, bytes], str]"
 
 
@@ -84,6 +93,20 @@ class Canopen:
             self._pdo(number, packet.payload) if _FIRST_PDO <= number <= _LAST_PDO else "no CANopen service"
         )
 
+    def sender(self, packet: Packet) -> int | None:
+        """Return the number of the node that sends such a frame, or `MASTER`; None where nobody can tell."""
+        number = identifier(packet.address)
+        if packet.address & (ERROR | EXTENDED):
+            return None
+        if packet.address & REMOTE:
+            return MASTER
+        service = service_of(packet)
+        if service is not None:
+            return number - service.base if service.sender == ADDED else service.sender
+        for node, _, mapping in self._candidates(number):
+            return node if mapping >= TRANSMIT_MAPPING else MASTER
+        return None
+
     # Services
 
     def nmt(self, _node: int, payload: bytes) -> str:
@@ -97,10 +120,12 @@ class Canopen:
                 self._forget(one)
         return f"NMT {_plain(command.name)}, {f'node {node}' if node else 'all nodes'}"
 
-    def sync_or_emergency(self, node: int, payload: bytes) -> str:
-        """Read a SYNC, or the emergency of a node."""
-        if not node:
-            return "SYNC"
+    def sync(self, _node: int, _payload: bytes) -> str:
+        """Read a SYNC."""
+        return "SYNC"
+
+    def emergency(self, node: int, payload: bytes) -> str:
+        """Read the emergency of a node."""
         told = canopen.decode_emergency(payload)
         if told is None:
             return f"EMCY node {node}: too short"
@@ -157,11 +182,11 @@ class Canopen:
             return f"boot-up, node {node}"
         return f"heartbeat, node {node}: {'no state' if state is None else _plain(state.name)}"
 
-    def lss(self, answer: int, payload: bytes) -> str:
+    def lss(self, _node: int, payload: bytes) -> str:
         """Read a layer setting service's frame."""
         command = _LSS.get(payload[0]) if payload else None
         said = "no command" if command is None else f"{_plain(command.name)} {payload[1:].hex(' ').upper()}"
-        return f"LSS {'request' if answer else 'response'}: {said}"
+        return f"LSS: {said}"
 
     # What is written, and by whom it is read again
 
@@ -254,15 +279,40 @@ class Canopen:
 _NODES: Final = range(canopen.FIRST_NODE, canopen.LAST_NODE + 1)
 
 SERVICES: Final = (
-    Service(canopen.NMT, range(1), Canopen.nmt),
-    Service(canopen.SYNC, range(canopen.LAST_NODE + 1), Canopen.sync_or_emergency),
-    Service(canopen.TIME_STAMP, range(1), Canopen.time_stamp),
-    Service(canopen.SDO_RESPONSE, _NODES, Canopen.sdo_response),
-    Service(canopen.SDO_REQUEST, _NODES, Canopen.sdo_request),
-    Service(canopen.ERROR_CONTROL, _NODES, Canopen.error_control),
-    Service(canopen.LSS_RESPONSE, range(2), Canopen.lss),
+    Service("nmt", canopen.NMT, range(1), MASTER, Canopen.nmt),
+    Service("sync", canopen.SYNC, range(1), MASTER, Canopen.sync),
+    Service("emergency", canopen.EMERGENCY, _NODES, ADDED, Canopen.emergency),
+    Service("time", canopen.TIME_STAMP, range(1), MASTER, Canopen.time_stamp),
+    Service("sdo", canopen.SDO_RESPONSE, _NODES, ADDED, Canopen.sdo_response),
+    Service("sdo", canopen.SDO_REQUEST, _NODES, MASTER, Canopen.sdo_request),
+    Service("heartbeat", canopen.ERROR_CONTROL, _NODES, ADDED, Canopen.error_control),
+    Service("lss", canopen.LSS_RESPONSE, range(1), None, Canopen.lss),
+    Service("lss", canopen.LSS_REQUEST, range(1), MASTER, Canopen.lss),
 )
-"""Identifiers beside those of PDOs, which may be changed."""
+"""Services beside PDOs, whose identifiers may be changed."""
+
+
+SERVICE_NAMES: Final = (*dict.fromkeys(service.name for service in SERVICES), PDO, OTHER)
+"""What a frame may be; see `service_name`."""
+
+
+def service_of(packet: Packet) -> Service | None:
+    """Return the service that a data frame with 11 bits belongs to; None for a PDO, and for no CANopen."""
+    number = identifier(packet.address)
+    for service in SERVICES:
+        if number - service.base in service.added:
+            return service
+    return None
+
+
+def service_name(packet: Packet) -> str:
+    """Return what a CAN frame is: a service's name, `PDO`, or `OTHER`."""
+    if packet.address & (ERROR | EXTENDED):
+        return OTHER
+    service = service_of(packet)
+    if service is not None:
+        return service.name
+    return PDO if _FIRST_PDO <= identifier(packet.address) <= _LAST_PDO else OTHER
 
 
 def _plain(name: str) -> str:

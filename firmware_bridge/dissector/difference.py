@@ -21,22 +21,24 @@ def first_difference(
     """
     for place, (wanted, came) in enumerate(zip_longest(expected, actual)):
         if wanted != came:
-            return told(expected[:place], wanted, came, kinds)
+            head = f"packet {place + 1} is the first that differs"
+            return told(head, expected[:place], wanted, came, kinds)
     return None
 
 
 def told(
+    head: str,
     before: Sequence[Carried],
     wanted: Carried | None,
     came: Carried | None,
     kinds: Mapping[str, str] = MappingProxyType({}),
 ) -> str:
-    """Return some lines on two packets that should be one, after those that both runs had before."""
+    """Return some lines on two packets that should be one: `head`, those that came before, and both."""
     dissector, other = Dissector(kinds), Dissector(kinds)
     context = [(dissector.read(one), other.read(one))[0] for one in before]
     pair = (_line(wanted, dissector), _line(came, other))
     lines = [
-        f"packet {len(before) + 1} is the first that differs",
+        head,
         *(f"          {line}" for line in context[-BEFORE:]),
         f"expected  {pair[0]}",
         f"but came  {pair[1]}",

@@ -89,11 +89,14 @@ def _choices_at(model: type[BaseModel], location: tuple[int | str, ...]) -> list
             inner = next(_tables(annotation), None)
             if inner is None:
                 kinds = [annotation, *get_args(annotation)]
-                members = [list(kind.__members__.values()) for kind in kinds if isinstance(kind, EnumType)]
-                choices = [one for listed in members for one in listed] or kinds[1:]
+                choices = [one for kind in kinds for one in _members(kind)] or kinds[1:]
             else:
                 table = inner
     return choices
+
+
+def _members(kind: object) -> list[object]:
+    return list(kind.__members__.values()) if isinstance(kind, EnumType) else []
 
 
 def _tables(annotation: object) -> Iterator[type[BaseModel]]:

@@ -69,8 +69,8 @@ class CommandContext(Protocol):
         """What each relay's number switches."""
 
     @property
-    def illuminates(self) -> bool:
-        """Whether there is anything that ILLUMINATOR_ON_OFF switches."""
+    def illuminators(self) -> tuple[str, ...]:
+        """What ILLUMINATOR_ON_OFF switches."""
 
     @property
     def actuators(self) -> tuple[str, ...]:
@@ -160,10 +160,10 @@ def _relay(order: Order, context: CommandContext) -> Answer:
 
 
 def _illuminate(order: Order, context: CommandContext) -> Answer:
-    if not context.illuminates:
+    if not context.illuminators:
         return Answer(Result.UNSUPPORTED)
     if order.params[0] not in (0.0, 1.0):
-        return _denied("illuminator: parameter 1 must be 0 or 1")
+        return _denied(f"{', '.join(context.illuminators)}: parameter 1 must be 0 or 1")
     context.illuminate(on=bool(order.params[0]))
     return ACCEPTED
 

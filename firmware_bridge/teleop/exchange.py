@@ -54,9 +54,9 @@ class Exchange(Generic[G, M, S]):
         return {switch.relay: switch.name for switch in self.session.station.switches}
 
     @property
-    def illuminates(self) -> bool:
-        """Whether there is anything that ILLUMINATOR_ON_OFF switches."""
-        return any(switch.illuminates for switch in self.session.station.switches)
+    def illuminators(self) -> tuple[str, ...]:
+        """What ILLUMINATOR_ON_OFF switches."""
+        return tuple(switch.name for switch in self.session.station.switches if switch.illuminates)
 
     @property
     def actuators(self) -> tuple[str, ...]:

@@ -77,10 +77,13 @@ def velocity_of(message: Message, largest: Twist) -> Velocity | Unusable:
     if climb != 0.0:
         return Unusable("vertical", "this robot stays on its plane")
     fastest = _ABSURD * math.hypot(largest.forward_mps, largest.left_mps)
-    along = math.hypot(message.vx, message.vy)
-    if along > fastest or abs(yaw_rate) > _ABSURD * largest.yaw_rate_rad_s:
-        return Unusable("absurd", f"{along:.3g} m/s, {yaw_rate:.3g} rad/s left")
-    return Velocity(message.vx, -message.vy, None if mask & _NO_YAW_RATE else yaw_rate)
+    forward, left = message.vx, 0.0 - message.vy  # of a zero no negative one
+    if math.hypot(forward, left) > fastest or abs(yaw_rate) > _ABSURD * largest.yaw_rate_rad_s:
+        return Unusable(
+            "absurd",
+            f"{forward:.3g} m/s forward, {left:.3g} m/s left, {yaw_rate:.3g} rad/s counter-clockwise",
+        )
+    return Velocity(forward, left, None if mask & _NO_YAW_RATE else yaw_rate)
 
 
 def _share(axis: int) -> float | None:

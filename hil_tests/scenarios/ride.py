@@ -1,11 +1,12 @@
 """A ride: a short mission on the whole bench, written inside a test, and what became of it."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
+from emulators.bench.faults import Fault, read
 from emulators.bench.mission import Input, Mission, Noise, Step
 from emulators.bench.operator import ScriptedOperator
 from emulators.bench.records import Sample
@@ -75,13 +76,18 @@ Ridden = Callable[..., Ride]
 
 
 def ride(
-    *steps: Step, seconds: float, robot: Robot | None = None, noise: Noise | None = None, seed: int = 0
+    *steps: Step,
+    seconds: float,
+    robot: Robot | None = None,
+    noise: Noise | None = None,
+    seed: int = 0,
+    faults: Sequence[Fault] = (),
 ) -> Ride:
     """Build the bench with an operator who does these steps; nothing has run yet."""
     machine = find("rars") if robot is None else robot
     mission = story(*steps, seconds=seconds, noise=noise)
     operator = ScriptedOperator(machine, mission, np.random.default_rng(seed))
-    return Ride(build(machine, operator, seed=seed, noise=mission.noise), operator)
+    return Ride(build(machine, operator, seed=seed, noise=mission.noise, faults=faults), operator)
 
 
 def story(*steps: Step, seconds: float, noise: Noise | None = None) -> Mission:
@@ -100,6 +106,11 @@ def step(at_s: float, **does: object) -> Step:
     return Step.model_validate({"at_s": at_s, "title": f"at {at_s:g} s", **does})
 
 
+def fault(kind: str, at_s: float, **how: object) -> Fault:
+    """One fault, as a mission file names it."""
+    return read({"kind": kind, "at_s": at_s, **how})
+
+
 class Armed:
     """A quiet bench whose robot has just been armed: a story that begins so may go on from there."""
 
@@ -111,16 +122,20 @@ class Armed:
     @staticmethod
     def suits(steps: tuple[Step, ...], how: Mapping[str, object]) -> bool:
         """Whether a ride with these steps and options is the same until then."""
-        later = [step for step in steps if step is not ARMED]
-        return len(later) < len(steps) and set(how) == {"seconds"} and all(s.at_s >= FIRST_S for s in later)
+        faults = how.get("faults", ())
+        assert isinstance(faults, Sequence)
+        later = [*(step for step in steps if step is not ARMED), *faults]
+        known = {"seconds"} <= set(how) <= {"seconds", "faults"}
+        return ARMED in steps and known and all(each.at_s >= FIRST_S for each in later)
 
-    def fork(self, *steps: Step, seconds: float) -> Ride:
-        """Go back to the settled robot, and on with these steps; the ride before ends."""
+    def fork(self, *steps: Step, seconds: float, faults: Sequence[Fault] = ()) -> Ride:
+        """Go back to the settled robot, and on with these steps and faults; the ride before ends."""
         one = self._ride
         one.rig.restore(self._moment)
         one.rig.can_wire.unobserved()
         one.rig.operator_wire.unobserved()
         one.operator.take_over(story(*steps, seconds=seconds))
+        one.rig.faults.plan(faults)
         return Ride(one.rig, one.operator)
 
     def finish(self) -> None:

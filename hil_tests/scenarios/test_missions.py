@@ -103,6 +103,29 @@ def test_the_line_reaches_its_speed_at_its_acceleration(driven: Driven) -> None:
     assert told["odometry_error_m"] < 0.005
 
 
+def test_what_goes_wrong_in_the_mission_of_faults_is_held_and_named(driven: Driven) -> None:
+    told = summary(driven("faults"))
+    assert told["max_speed_mps"] <= LARGEST_SPEED_MPS
+    assert told["max_acceleration_mps2"] <= LARGEST_ACCELERATION_MPS2
+    assert len(told["faults"]) == len(missions.find("faults", find("rars")).fault)
+    assert all(fault["title"] for fault in told["faults"])
+    reasons = " ".join(hold["reason"] for hold in told["holds"])
+    for code in ("0x8110", "0x3220", "0x4210", "0xFF0A", "0xFF02", "0xFF03", "0x81FD", "0x8130"):
+        assert code in reasons
+    names = {hold["name"].split(":")[0] for hold in told["holds"]}
+    assert {"operator silent", "drive silent", "drive fault", "drive not enabled", "not armed"} <= names
+
+
+def test_nothing_but_rolling_out_follows_a_fault_that_stops_the_robot(driven: Driven) -> None:
+    """From the titles: until the seventeenth second nobody stops; after each later fault all do."""
+    told = summary(driven("faults"))
+    stopped = [hold["began_s"] for hold in told["holds"] if hold["name"] in {"not armed", "operator silent"}]
+    for fault in told["faults"]:
+        soon = [at for at in stopped if fault["began_s"] <= at <= fault["began_s"] + 1.0]
+        armed = fault["began_s"] < 110.0
+        assert bool(soon) is (fault["began_s"] >= 17.0 and armed), fault["title"]
+
+
 def test_a_run_leaves_everything_that_it_promises(driven: Driven) -> None:
     folder = driven("line")
     names = {path.name for path in folder.iterdir()}

@@ -1,6 +1,6 @@
 """Network management of one drive: where a command leads, and which services live in which state.
 
-Source: CiA 301 v4.02, NMT state machine, table of states and services. It refuses to know the services.
+Source: CiA 301 v4.02, NMT state machine, table of states and services.
 """
 
 from collections.abc import Mapping
@@ -11,7 +11,7 @@ from typing import Final
 from firmware_bridge.wire.canopen import ALL_NODES, NmtCommand, NmtState, decode_nmt
 
 
-class Service(Enum):
+class NodeService(Enum):
     """What a node does in some states only. Network commands are taken in all of them."""
 
     SDO = "service data"
@@ -22,12 +22,12 @@ class Service(Enum):
     LAYER_SETTING = "layer setting"
 
 
-SERVICES: Final[Mapping[NmtState, frozenset[Service]]] = MappingProxyType(
+SERVICES: Final[Mapping[NmtState, frozenset[NodeService]]] = MappingProxyType(
     {
         NmtState.BOOT_UP: frozenset(),
-        NmtState.PRE_OPERATIONAL: frozenset(Service) - {Service.PDO, Service.LAYER_SETTING},
-        NmtState.OPERATIONAL: frozenset(Service) - {Service.LAYER_SETTING},
-        NmtState.STOPPED: frozenset({Service.ERROR_CONTROL, Service.LAYER_SETTING}),
+        NmtState.PRE_OPERATIONAL: frozenset(NodeService) - {NodeService.PDO, NodeService.LAYER_SETTING},
+        NmtState.OPERATIONAL: frozenset(NodeService) - {NodeService.LAYER_SETTING},
+        NmtState.STOPPED: frozenset({NodeService.ERROR_CONTROL, NodeService.LAYER_SETTING}),
     }
 )
 

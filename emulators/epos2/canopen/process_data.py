@@ -140,12 +140,12 @@ class TransmitPdo:
         return None
 
     def requested(self) -> bytes:
-        """Return the payload for a remote request; a PDO on change has then told it."""
+        """Return the payload for a remote request; a PDO on change has then sent it."""
         self._last = self.payload()
         return self._last
 
 
-Heard: TypeAlias = Callable[[bytes, Nanoseconds], None]
+FrameHandler: TypeAlias = Callable[[bytes, Nanoseconds], None]
 """Takes a frame's payload, and when it came."""
 
 
@@ -222,12 +222,12 @@ class ProcessData:
 
     def routes(
         self,
-        collision: Heard,
+        collision: FrameHandler,
         request: Callable[[TransmitPdo, bytes, Nanoseconds], None],
         received: Callable[[tuple[ReceivePdo, ...], bytes, Nanoseconds], None],
-    ) -> dict[int, Heard]:
-        """Say which identifiers count in Operational, and who hears them; PDOs may share one."""
-        routes: dict[int, Heard] = {}
+    ) -> dict[int, FrameHandler]:
+        """Say which identifiers count in Operational, and who takes their frames; PDOs may share one."""
+        routes: dict[int, FrameHandler] = {}
         for sent in self.transmit:
             routes[sent.address] = collision
             if sent.answers_remote:

@@ -1,7 +1,7 @@
 """Device control: controlwords, input pins and errors, one after the other, each moves the power state.
 
-Source: CiA 402, device control; maxon's part of it in `power_states`. It refuses to know what a transition
-does to power stage and brake.
+Source: CiA 402, device control; maxon's part of it in `power_states`. What a transition does to power stage
+and brake is `power_sequence`'s.
 """
 
 from collections.abc import Callable
@@ -12,7 +12,7 @@ from emulators.epos2.control.power_sequence import PowerSequence
 from emulators.epos2.control.power_states import TIMED, Happening
 from emulators.epos2.control.standing_errors import StandingErrors
 from emulators.epos2.control.supervision import WATCHED, ErrorReaction
-from emulators.epos2.io.pins import Pins
+from emulators.epos2.io.drive_pins import Pins
 from emulators.epos2.modes.mode_selector import ModeSelector
 from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
@@ -59,7 +59,7 @@ class DeviceControl:
         inputs, modes, power = self._inputs, self._modes, self._power
         inputs.refresh()
         if self._axis.flags & WATCHED:
-            for code in self.errors.found(power.state):  # each is told once until it is reset
+            for code in self.errors.found(power.state):  # each is reported once until it is reset
                 self.fail(code)
         self._heed()
         self._advance()

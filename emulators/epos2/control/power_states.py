@@ -1,7 +1,7 @@
 """The power states of CiA 402 as one table: where each may go, on what, and what happens to the power stage.
 
 Source: EPOS Firmware Specification, state transitions (by analogy for the EPOS2), numbered as there, with
-maxon's own states Refresh and Measure init. It refuses to know time, profiles and the bus.
+maxon's own states Refresh and Measure init.
 """
 
 from collections.abc import Mapping

@@ -1,6 +1,6 @@
 """The errors that stand since the last fault reset: what the axis finds, how to react, what may be reset.
 
-It refuses to know states and ramps: the power sequence brings the motor to rest.
+The power sequence brings the motor to rest.
 """
 
 from typing import Final

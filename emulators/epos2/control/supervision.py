@@ -69,14 +69,14 @@ POSITION_LOST: Final = frozenset(
 WATCHED: Final = reduce(or_, (watch.flag for watch in WATCHES))
 
 
-def findings(flags: int, state: State, sensor_type: int, told: Collection[int]) -> tuple[int, ...]:
-    """Return the emergencies that the axis' flags stand for, but for those that have been told."""
+def findings(flags: int, state: State, sensor_type: int, reported: Collection[int]) -> tuple[int, ...]:
+    """Return the emergencies that the axis' flags stand for, but for those that have been reported."""
     return tuple(
         code
         for watch in WATCHES
         if flags & watch.flag
-        and (code := watch.code_in(state, sensor_type)) not in told
-        and watch.measuring not in told
+        and (code := watch.code_in(state, sensor_type)) not in reported
+        and watch.measuring not in reported
     )
 
 
@@ -100,7 +100,7 @@ ASSUME: the number."""
 class ErrorReaction(Enum):
     """How the motor is brought to rest before the fault state."""
 
-    NONE = "only told"
+    NONE = "only reported"
     DISABLE = "power stage off at once"
     SLOW_DOWN = "ramp with 0x6084, then off"
     QUICK_STOP = "ramp with 0x6085, then off"

@@ -1,6 +1,6 @@
 """Which objects shape the servo axis, which report from it, and which rest while the power stage is on.
 
-It refuses to know what the values do: `emulators.servo.scaling` does.
+What the values do, `emulators.servo.scaling` says.
 """
 
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""The gateway: what a serial host wants from the CAN bus, one errand at a time, each with its time-out.
+"""The gateway: what a serial host wants from the CAN bus, one request at a time, each with its time-out.
 
 Sources: EPOS2 Application Notes Collection, April 2013, p. 11-162 to 168, which gives what it costs; EPOS
 Communication Guide, October 2006 (EPOS1), for CAN frames and layer setting services. ASSUME: the cost falls
@@ -39,11 +39,11 @@ Result: TypeAlias = Answer | int | None
 
 
 class CanGateway:
-    """Runs errands on the bus."""
+    """Carries out requests on the bus."""
 
     def __init__(self, profile: DeviceProfile, drive: DriveOnBus) -> None:
         self.awaits = NOBODY
-        """The identifier of the frame that the errand waits for."""
+        """The identifier of the frame that the request waits for."""
         self.due: Nanoseconds = NEVER
         """When to call `wake`."""
         self._profile = profile

@@ -1,7 +1,6 @@
 """An EPOS2 with a host on its serial port, beside the CAN bus: both see the same objects and the same state.
 
-It refuses to know the serial protocols. Other drives of a bus need no port of their own: the gateway reaches
-them.
+Other drives of a bus need no port of their own: the gateway reaches them.
 """
 
 from typing import Final
@@ -97,9 +96,9 @@ class SerialEpos2(Epos2):
             self._port.restart(self._now)
 
     def _overhear(self, address: int, payload: bytes) -> None:
-        heard = self._routes.get(address)
-        if heard is not None:
-            heard(payload, self._now)
+        handle = self._routes.get(address)
+        if handle is not None:
+            handle(payload, self._now)
 
     def _written(self) -> None:
         self.motion.refresh(self._now)

@@ -1,6 +1,6 @@
 """The drive's serial port as its node sees it: bytes and bus frames in, bytes out, and when to come back.
 
-It refuses to know the commands. Sources: EPOS Firmware Specification for 0x2002 and 0x2005 (by analogy);
+Sources: EPOS Firmware Specification for 0x2002 and 0x2005 (by analogy);
 maxon's command library for the USB side, a converter at 1 MBd. ASSUME: a time-out of 0 means its default.
 """
 

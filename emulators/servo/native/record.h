@@ -120,6 +120,7 @@ typedef struct {
     int64_t supply_mv;
     int64_t analogue_1_mv;
     int64_t analogue_2_mv;
+    int64_t forced_supply_mv;
     int64_t logic_mv;
     int64_t gate_mv;
     int64_t ambient_mc;

@@ -16,9 +16,10 @@ static int64_t sample_supply(servo_bank *bank, double volts)
         return refuse(bank, ENDED_SUPPLY, -1, volts);
     for (k = 0; k < bank->count; k++) {
         double divider = ((const double *)bank->dividers)[k];
-        axis_at(bank, k)->supply_mv = supply_mv;
+        servo_axis *axis = axis_at(bank, k);
+        axis->supply_mv = axis->forced_supply_mv ? axis->forced_supply_mv : supply_mv;
         if (divider != 0.0)
-            axis_at(bank, k)->analogue_1_mv = (int64_t)((double)supply_mv / divider);
+            axis->analogue_1_mv = (int64_t)((double)axis->supply_mv / divider);
     }
     return ENDED_REACHED;
 }

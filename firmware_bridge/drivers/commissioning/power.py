@@ -12,7 +12,7 @@ from functools import partial
 from typing import Final
 
 from firmware_bridge.drivers.commissioning.client import Ask, CommissioningError, Pause, Script, need
-from firmware_bridge.drivers.commissioning.errand import Read, Write
+from firmware_bridge.drivers.commissioning.job import ReadJob, WriteJob
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 from firmware_bridge.wire.cia402 import (
     FAULT_RESET_WORDS,
@@ -120,7 +120,7 @@ class PowerCommand:
         return self._looks() if word is None else (*_writes((word,)), *self._looks())
 
     def _looks(self) -> Script:
-        return (Ask(Read(at.STATUSWORD), need(partial(self._look))),)
+        return (Ask(ReadJob(at.STATUSWORD), need(partial(self._look))),)
 
     def _look(self, raw: bytes) -> Script:
         statusword = int.from_bytes(raw, "little")
@@ -153,5 +153,5 @@ class PowerCommand:
 
 def _writes(words: tuple[int, ...]) -> Script:
     return tuple(
-        Ask(Write(at.CONTROLWORD, word.to_bytes(2, "little")), need(lambda _raw: ())) for word in words
+        Ask(WriteJob(at.CONTROLWORD, word.to_bytes(2, "little")), need(lambda _raw: ())) for word in words
     )

@@ -1,7 +1,4 @@
-"""One frame of the serial protocols: an opcode, whole words of data, a check sum; its bytes on either line.
-
-It refuses to know what a frame means, and when its parts may be sent.
-"""
+"""One frame of the serial protocols: an opcode, whole words of data, check sum; its bytes on either line."""
 
 from binascii import crc_hqx
 from dataclasses import dataclass

@@ -1,6 +1,6 @@
 """The commands of the serial protocols, one row each, and the codecs that come from the rows.
 
-It refuses to know the lines' handshakes. An answer always has its command's full layout, also on error: of
+An answer always has its command's full layout, also on error: of
 ReadObject maxon's library demands it, for the others it is an assumption.
 """
 

@@ -19,8 +19,8 @@ def refusal(text: str) -> str:
     return str(caught.value)
 
 
-def test_three_missions_are_shipped() -> None:
-    assert [path.stem for path in shipped()] == ["circles", "interlocks", "line"]
+def test_four_missions_are_shipped() -> None:
+    assert [path.stem for path in shipped()] == ["circles", "faults", "interlocks", "line"]
 
 
 def test_line_is_the_line_of_the_thesis() -> None:
@@ -44,6 +44,13 @@ def test_interlocks_gives_each_attempt_a_title() -> None:
     assert mission.input is Input.TWIST
     assert len(mission.step) > 50
     assert all(step.title for step in mission.step)
+
+
+def test_faults_gives_each_of_them_a_title_and_most_of_them_an_end() -> None:
+    mission = find("faults", RARS)
+    assert len({fault.kind for fault in mission.fault}) > 15
+    assert all(fault.title for fault in mission.fault)
+    assert {fault.kind for fault in mission.fault if fault.end == fault.begin} == {"nmt_stranger"}
 
 
 def test_a_mission_is_a_few_lines() -> None:
@@ -124,7 +131,7 @@ def test_the_input_may_change_on_the_way() -> None:
 
 def test_a_mission_that_is_not_there_names_those_that_are() -> None:
     with pytest.raises(
-        MissionFileError, match=r"^lines: no such mission; there are: circles, interlocks, line\."
+        MissionFileError, match=r"^lines: no such mission; there are: circles, faults, interlocks, line\."
     ):
         find("lines", RARS)
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from emulators.bench.plots import PICTURES, draw
-from emulators.bench.records import SAMPLE_EVERY, HoldRecord, Sample
+from emulators.bench.records import SAMPLE_EVERY, FaultRecord, HoldRecord, Sample
 from firmware_bridge import robot as robot_file
 from firmware_bridge.units import SECOND, to_seconds
 
@@ -68,3 +68,22 @@ def test_short_and_dull_runs_are_drawn_without_complaint(
 
 def test_a_run_without_rows_has_no_pictures(tmp_path: Path) -> None:
     assert draw(tmp_path, "rars", RARS, [], []) == []
+
+
+def test_faults_are_marked_in_the_pictures_over_time_and_in_no_other(tmp_path: Path) -> None:
+    rows = [row(index, 0.3) for index in range(200)]
+    faults = [
+        FaultRecord("frame_loss", "a loose contact", ("steer",), SECOND // 2, SECOND),
+        FaultRecord("nmt_stranger", "", (), SECOND, SECOND),
+        FaultRecord("can_cut", "", ("left",), SECOND),
+    ]
+    drawn = []
+    for name, some in (("sound", []), ("faulty", faults), ("again", faults)):
+        folder = tmp_path / name
+        folder.mkdir()
+        drawn.append(
+            {path.stem: path.read_bytes() for path in draw(folder, "rars", RARS, rows, HOLDS, faults=some)}
+        )
+    sound, faulty, again = drawn
+    assert {name for name in sound if sound[name] != faulty[name]} == {"speeds", "currents", "holds"}
+    assert faulty == again

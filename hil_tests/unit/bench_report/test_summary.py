@@ -3,11 +3,15 @@
 import json
 import math
 from collections.abc import Callable
+from io import StringIO
 
 import pytest
+from rich.console import Console
 
-from emulators.bench.records import SAMPLE_EVERY, HoldRecord, Sample
+from emulators.bench.records import SAMPLE_EVERY, FaultRecord, HoldRecord, Sample
+from emulators.bench.report import show
 from emulators.bench.summary import Run, as_json, summarise
+from firmware_bridge.robot import find
 from firmware_bridge.units import MILLISECOND, SECOND, to_seconds
 
 RUN = Run("rars", "line", 7, 4 * SECOND, 2.0, 1000, 3.21, "ab" * 32, {"can": "cd" * 32})
@@ -131,3 +135,27 @@ def test_the_file_has_the_keys_that_its_readers_rely_on() -> None:
         {"name": "lift extended", "reason": "lift is 50 mm up", "began_s": 0.1, "ended_s": 2.0},
         {"name": "operator silent", "reason": "nothing heard for 500 ms", "began_s": 3.0, "ended_s": None},
     ]
+
+
+def test_the_faults_that_were_put_on_are_told_with_their_beginning_and_end() -> None:
+    faults = [
+        FaultRecord("frame_loss", "a loose contact", ("steer",), SECOND, 3 * SECOND // 2),
+        FaultRecord("can_cut", "", ("bridge", "left"), 2 * SECOND),
+    ]
+    summary = summarise(RUN, rows(11, lambda _: 0.1), [], faults)
+    told = json.loads(as_json(summary))["faults"]
+    assert told == [
+        {
+            "kind": "frame_loss",
+            "title": "a loose contact",
+            "nodes": ["steer"],
+            "began_s": 1.0,
+            "ended_s": 1.5,
+        },
+        {"kind": "can_cut", "title": "", "nodes": ["bridge", "left"], "began_s": 2.0, "ended_s": None},
+    ]
+    console = Console(width=120, record=True, file=StringIO())
+    show(console, summary, find("rars").limits)
+    text = console.export_text()
+    assert "faults that were put on" in text
+    assert all(word in text for word in ("1.50 s", "end", "frame_loss", "a loose contact", "bridge, left"))

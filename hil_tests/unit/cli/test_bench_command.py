@@ -83,3 +83,11 @@ def test_one_seed_gives_the_same_bytes_and_another_seed_others(results: Path) ->
         assert (first / name).read_bytes() == (second / name).read_bytes(), name
     traces = [json.loads((it / "summary.json").read_text())["trace_sha256"] for it in (first, second, other)]
     assert traces[0] == traces[1] != traces[2]
+
+
+def test_what_it_recorded_plays_again(results: Path) -> None:
+    folder = results / "first"
+    frames, words = str(folder / "can.log"), str(folder / "operator.tlog")
+    for files in ((frames,), (frames, "--operator", words), (words,)):
+        result = CliRunner().invoke(program, ["replay", files[0], "rars", *files[1:]])
+        assert result.exit_code == 0, result.output

@@ -50,7 +50,7 @@ ROWS = [
     (0x703, "33", "heartbeat, node 3: no state"),
     (0x703 | REMOTE, "00", "remote request of 0x703"),
     (0x183 | REMOTE, "", "remote request of TPDO 1, node 3"),
-    (0x7E5, "0401000000000000", "LSS request: switch global 01 00 00 00 00 00 00"),
+    (0x7E5, "0401000000000000", "LSS: switch global 01 00 00 00 00 00 00"),
     (
         0x183,
         "3707",

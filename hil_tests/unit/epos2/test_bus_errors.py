@@ -8,7 +8,7 @@ from emulators.epos2.canopen.emergency_producer import HISTORY
 from emulators.epos2.drive import Epos2
 from emulators.servo.axis import ServoAxis
 from emulators.wires.confinement import Condition
-from emulators.wires.disturbed import Disturbance, DisturbedCanWire
+from emulators.wires.faulty_can import Disturbance, FaultyCanWire
 from emulators.world import World
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
@@ -36,7 +36,7 @@ class Bench:
         self.master = Player(*((t * MILLISECOND, Packet(CAN, a, bytes.fromhex(b))) for t, a, b in story))
         self.axis = ServoAxis("drive", 2000)
         self.drive = Epos2(1, self.axis)
-        self.wire = DisturbedCanWire(1_000_000, depth=depth)
+        self.wire = FaultyCanWire(1_000_000, depth=depth)
         self.world = World()
         self.world.attach("drive", self.drive, {CAN: self.wire})
         self.world.attach("master", self.master, {CAN: self.wire})

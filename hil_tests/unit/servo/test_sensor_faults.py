@@ -35,6 +35,7 @@ WIRES = st.builds(
     wires=st.lists(WIRES, min_size=COUNT, max_size=COUNT),
     pairs=st.tuples(st.integers(0, 255), st.integers(0, 255)),
     air=st.floats(-40, 120),
+    supply=st.one_of(st.just(0), st.integers(1, 100_000)),
     limit=st.integers(0, 5000),
     marks=st.lists(st.booleans(), min_size=6, max_size=6),
 )
@@ -46,6 +47,7 @@ def test_whatever_is_wrong_both_notice_alike(
     wires: list[SensorWires],
     pairs: tuple[int, int],
     air: float,
+    supply: int,
     limit: int,
     marks: list[bool],
 ) -> None:
@@ -54,7 +56,7 @@ def test_whatever_is_wrong_both_notice_alike(
         for axis, cables in zip(side.axes, wires, strict=True):
             axis.encoder_reversed, axis.encoder_supervised, axis.index_supervised = map(int, marks[:3])
             axis.hall_angle_supervised, axis.auxiliary_supervised, axis.position_limited = map(int, marks[3:])
-            axis.hall_pole_pairs = pairs[0]
+            axis.hall_pole_pairs, axis.forced_supply_mv = pairs[0], supply
             axis.lowest_qc, axis.highest_qc = -limit, limit
             axis.compare_direction, axis.compare_width = seed % 4, limit
             axis.compare_first, axis.compare_last = -(seed % 3), seed % 5
@@ -114,3 +116,21 @@ def test_faults_are_rewound_with_everything_else() -> None:
         rewind.restore(moment)
         assert axis.sensor_faults == axis.encoder_loss == 0
     assert ends[0] == ends[1]
+
+
+def test_a_forced_supply_is_what_its_axis_sees_and_no_other(
+    plant_library: ctypes.CDLL, native: kernel.Found
+) -> None:
+    sides = [Side(Motors(plant_library, seed=3), (SANE,) * COUNT, each) for each in (TWIN, native)]
+    for side in sides:
+        side.bank.advance(2 * MILLISECOND)
+        plants = side.axes[1].supply_mv
+        assert plants > 0
+        for axis, forced in ((side.axes[0], 9_000), (side.axes[0], 0)):
+            axis.forced_supply_mv = forced
+            side.bank.advance(side.bank.now + 2 * MILLISECOND)
+            assert axis.supply_mv == (forced or side.axes[1].supply_mv)
+            assert axis.analogue_1_mv == int(axis.supply_mv / 6.0)
+            assert bool(axis.flags & servo.UNDER_VOLTAGE) is (axis.supply_mv < axis.under_voltage_mv)
+            assert side.axes[1].supply_mv != 9_000
+    assert not difference(*sides)

@@ -44,6 +44,15 @@ def test_rates_of_two_seconds(bench: RarsBench) -> None:
     }
 
 
+def test_one_report_is_sent_in_this_order(bench: RarsBench) -> None:
+    bench.now = -CYCLE
+    sent = [getattr(one, "name", one.get_type()) for one in bench.report()]
+    assert sent == [
+        "HEARTBEAT", "ODOMETRY", "LOCAL_POSITION_NED", "ATTITUDE", "STEER", "wheels", "WHEEL_DISTANCE",
+        "ZPOS", "I1", "I2", "I3", "I4", "DETECT", "LAMP", "SYS_STATUS", "EXTENDED_SYS_STATE", "BATTERY_STATUS",
+    ]  # fmt: skip
+
+
 @pytest.mark.parametrize("jitter_ms", [0, 3, 12])
 def test_a_report_that_jitters_keeps_the_rates(make_bench: Callable[[], RarsBench], jitter_ms: int) -> None:
     bench = make_bench()

@@ -1,0 +1,23 @@
+"""Faults that a mission, or a program, names by the field's names: a table of kinds, put on and taken off."""
+
+from emulators.bench.faults.fault import CABLE_ORDER, Fault, Lasting
+from emulators.bench.faults.schedule import FaultError, Faults
+from emulators.bench.faults.site import BRIDGE, OPERATOR_STATION, Site
+from emulators.bench.faults.table import KINDS, WRONG, FaultTable, Kind, misfits, read
+
+__all__ = [
+    "BRIDGE",
+    "CABLE_ORDER",
+    "KINDS",
+    "OPERATOR_STATION",
+    "WRONG",
+    "Fault",
+    "FaultError",
+    "FaultTable",
+    "Faults",
+    "Kind",
+    "Lasting",
+    "Site",
+    "misfits",
+    "read",
+]

@@ -1,0 +1,238 @@
+"""Faults of the CAN bus: frames, cables, controllers, strangers."""
+
+from collections.abc import Iterator
+from typing import Annotated, ClassVar, Final, Literal
+
+from numpy.random import Generator
+from pydantic import Field
+
+from emulators.bench.faults.fault import (
+    CABLE_ORDER,
+    Fault,
+    Lasting,
+    OnBus,
+    Node,
+    Problem,
+    Share,
+    Stations,
+    absent,
+    named,
+)
+from emulators.bench.faults.site import Site
+from emulators.wires import Disturbance, Effect
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.units import MICROSECOND, NEVER
+from firmware_bridge.wire import canopen
+from firmware_bridge.wire.canopen import NmtCommand
+
+_COMMANDS: Final = {
+    "start": NmtCommand.START,
+    "stop": NmtCommand.STOP,
+    "enter_pre_operational": NmtCommand.ENTER_PRE_OPERATIONAL,
+    "reset_node": NmtCommand.RESET_NODE,
+    "reset_communication": NmtCommand.RESET_COMMUNICATION,
+}
+_AHEAD: Final = 2
+"""Frames in a babbler's queue: with one under way and one behind it the bus is never idle."""
+Sender = Annotated[Node | None, Field(description="whose frames; without it everybody's")]
+Receiver = Annotated[Node, Field(description="who sees them wrongly")]
+
+
+class FrameError(OnBus, Lasting):
+    """Frames are damaged on the bus."""
+
+    kind: ClassVar = "frame_error"
+    among: ClassVar = Stations.ON_THE_BUS
+    node: Sender = None
+    share: Share = 1.0
+    count: Annotated[int | None, Field(ge=1, description="at most so many frames")] = None
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Damage frames."""
+        sender = None if self.node is None else named(site.robot, self.node)
+        site.cans[self.on(site.robot)].disturb(
+            Disturbance(sender, None, self.begin, self.end, self.count, Effect.ERROR, self.share, chance)
+        )
+
+
+class ReceptionError(OnBus, Lasting):
+    """One node sees frames wrongly."""
+
+    kind: ClassVar = "reception_error"
+    among: ClassVar = Stations.ON_THE_BUS
+    node: Receiver
+    share: Share = 1.0
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Spoil frames at one receiver."""
+        receiver = named(site.robot, self.node)
+        site.cans[self.on(site.robot)].disturb(
+            Disturbance(None, receiver, self.begin, self.end, None, Effect.ERROR, self.share, chance)
+        )
+
+
+class FrameLoss(OnBus, Lasting):
+    """Frames are lost between a node and the bus."""
+
+    kind: ClassVar = "frame_loss"
+    among: ClassVar = Stations.ON_THE_BUS
+    node: Sender = None
+    share: Share = 1.0
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Lose frames."""
+        sender = None if self.node is None else named(site.robot, self.node)
+        site.cans[self.on(site.robot)].disturb(
+            Disturbance(sender, None, self.begin, self.end, None, Effect.LOSS, self.share, chance)
+        )
+
+
+class ReceiveOverrun(OnBus, Lasting):
+    """A node's controller has no room for frames."""
+
+    kind: ClassVar = "receive_overrun"
+    among: ClassVar = Stations.ON_THE_BUS
+    node: Annotated[Node, Field(description="whose controller is too slow")]
+    share: Share = 1.0
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Lose frames at one receiver."""
+        receiver = named(site.robot, self.node)
+        site.cans[self.on(site.robot)].disturb(
+            Disturbance(None, receiver, self.begin, self.end, None, Effect.OVERRUN, self.share, chance)
+        )
+
+
+class _Station(OnBus, Lasting):
+    """A fault of one named node on the bus."""
+
+    among: ClassVar = Stations.ON_THE_BUS
+    node: Annotated[Node, Field(description="at which node")]
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Let it begin at the node."""
+        del chance
+        self.meet(site, next(iter(self.targets(site.robot))))
+
+    def meet(self, site: Site, name: str) -> None:
+        """Let it begin at the node of this name."""
+        raise NotImplementedError
+
+
+class BusOff(_Station):
+    """A controller leaves the bus."""
+
+    kind: ClassVar = "bus_off"
+
+    def meet(self, site: Site, name: str) -> None:
+        """Damage all its frames until it is off, and keep it there."""
+        site.cans[self.on(site.robot)].throw_off(name, self.end)
+
+
+class CanSwapped(_Station):
+    """CAN high and CAN low are exchanged at a node."""
+
+    kind: ClassVar = "can_swapped"
+
+    def meet(self, site: Site, name: str) -> None:
+        """Exchange the wires."""
+        site.cans[self.on(site.robot)].swap([name])
+
+    def take_off(self, site: Site) -> None:
+        """Put them right, and send what waited."""
+        site.cans[self.on(site.robot)].mend()
+
+
+class CanCut(OnBus, Lasting):
+    """The CAN cable is cut between two neighbours."""
+
+    kind: ClassVar = "can_cut"
+    among: ClassVar = Stations.ON_THE_BUS
+    between: Annotated[
+        tuple[Node, Node],
+        Field(
+            strict=False, description=f"two neighbours on the cable, which are in this order: {CABLE_ORDER}"
+        ),
+    ]
+
+    def problems(self, robot: AnyRobot) -> Iterator[Problem]:
+        """Give what this robot lacks for it."""
+        found = [problem for node in self.between for problem in absent("between", node, self.among, robot)]
+        yield from found
+        if found:
+            return
+        cable = self.among.of(robot)
+        one, other = sorted(cable.index(named(robot, node) or "") for node in self.between)
+        if other != one + 1:
+            yield "between", f"these two are not neighbours on the cable: {', '.join(cable)}"
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Cut it."""
+        del chance
+        cable = self.among.of(site.robot)
+        far = max(cable.index(named(site.robot, node) or "") for node in self.between)
+        site.cans[self.on(site.robot)].cut(cable[far:])
+
+    def take_off(self, site: Site) -> None:
+        """Mend it, and send what waited."""
+        site.cans[self.on(site.robot)].mend()
+
+
+class BabblingNode(OnBus, Lasting):
+    """A stranger floods the bus."""
+
+    kind: ClassVar = "babbling_node"
+    among: ClassVar = Stations.NONE
+    identifier: Annotated[int, Field(ge=1, le=0x7FF, description="of its frames; the lowest goes first")] = 1
+    every_us: Annotated[
+        int, Field(ge=50, le=1_000_000, description="between two frames of 8 bytes, in us")
+    ] = 200
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Begin to babble."""
+        del chance
+        self._babble(site)
+
+    def _babble(self, site: Site) -> None:
+        world = site.world
+        if world.now < self.end:
+            if site.waiting(self.on(site.robot)) < _AHEAD:
+                site.send(self.on(site.robot), self.identifier, bytes(8))
+            world.call_at(world.now + self.every_us * MICROSECOND, self._babble, site)
+
+
+class NmtStranger(OnBus):
+    """A stranger sends a network command."""
+
+    kind: ClassVar = "nmt_stranger"
+    command: Annotated[
+        Literal["start", "stop", "enter_pre_operational", "reset_node", "reset_communication"],
+        Field(description="network command of CiA 301"),
+    ]
+    node: Annotated[Node | None, Field(description="to whom; without it to all nodes")] = None
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Send it."""
+        del chance
+        name = None if self.node is None else named(site.robot, self.node)
+        number = next(
+            (axis.settings.node for axis in site.robot.axes if axis.name == name), canopen.ALL_NODES
+        )
+        site.send(self.on(site.robot), canopen.NMT, canopen.encode_nmt(_COMMANDS[self.command], number))
+
+
+class NodeSilent(Lasting):
+    """A node is cut off all its links."""
+
+    kind: ClassVar = "node_silent"
+    among: ClassVar = Stations.ALL
+    node: Annotated[Node, Field(description="who; the bridge is off the operator's link, too")]
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Cut it off."""
+        del chance
+        site.world.silence(next(iter(self.targets(site.robot))), site.world.now)
+
+    def take_off(self, site: Site) -> None:
+        """Connect it again."""
+        site.world.silence(next(iter(self.targets(site.robot))), NEVER)

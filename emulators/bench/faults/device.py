@@ -1,0 +1,208 @@
+"""Faults of one drive: its supplies, its air, its encoder."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from typing import Annotated, ClassVar
+
+from numpy.random import Generator
+from pydantic import Field
+
+from emulators.bench.faults.fault import Lasting, Node, Positive, Problem
+from emulators.bench.faults.site import Site
+from emulators.servo.axis import AMBIENT_MC, GATE_MV, LOGIC_MV, ServoAxis
+from emulators.servo.sensors import BROKEN, INDEX_MISSING, INDEX_SPURIOUS, SWAPPED
+from firmware_bridge.robot import AnyRobot
+
+MILLI = 1000
+One = Annotated[Node, Field(description="which drive")]
+Any = Annotated[Node | None, Field(description="which drive; without it all of them")]
+
+
+class DriveRestart(Lasting):
+    """A drive loses its supply and starts anew."""
+
+    kind: ClassVar = "drive_restart"
+    node: One
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Switch it off."""
+        del chance
+        for name in self.targets(site.robot):
+            site.switch_off(name)
+
+    def take_off(self, site: Site) -> None:
+        """Switch it on."""
+        for name in self.targets(site.robot):
+            site.switch_on(name)
+
+
+class _OnAxes(Lasting, ABC):
+    """A fault that is a state of the servo axes."""
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Let it begin at all that it meets."""
+        del chance
+        for name in self.targets(site.robot):
+            self.begin_at(site.axes[name])
+
+    def take_off(self, site: Site) -> None:
+        """Let it end at all that it meets."""
+        for name in self.targets(site.robot):
+            self.end_at(site.axes[name])
+
+    @abstractmethod
+    def begin_at(self, axis: ServoAxis) -> None:
+        """Let it begin at one axis."""
+
+    @abstractmethod
+    def end_at(self, axis: ServoAxis) -> None:
+        """Let it end at one axis."""
+
+
+class _Supply(_OnAxes):
+    """Another voltage at the drives than the battery's."""
+
+    node: Any = None
+    to_v: Annotated[float, Field(gt=0, le=1000, description="voltage at the drive, in V")]
+
+    def begin_at(self, axis: ServoAxis) -> None:
+        """Put the voltage on."""
+        axis.forced_supply_mv = max(1, round(self.to_v * MILLI))
+
+    def end_at(self, axis: ServoAxis) -> None:
+        """Leave the drive to the battery."""
+        axis.forced_supply_mv = 0
+
+
+class SupplySag(_Supply):
+    """The supply sags."""
+
+    kind: ClassVar = "supply_sag"
+
+    def problems(self, robot: AnyRobot) -> Iterator[Problem]:
+        """Give what is wrong with it on this robot."""
+        yield from super().problems(robot)
+        if robot.battery is not None and self.to_v >= robot.battery.nominal_v:
+            yield "to_v", f"{self.to_v:g} V is no sag of a supply of {robot.battery.nominal_v:g} V"
+
+
+class SupplySurge(_Supply):
+    """The supply rises."""
+
+    kind: ClassVar = "supply_surge"
+
+    def problems(self, robot: AnyRobot) -> Iterator[Problem]:
+        """Give what is wrong with it on this robot."""
+        yield from super().problems(robot)
+        if robot.battery is not None and self.to_v <= robot.battery.nominal_v:
+            yield "to_v", f"{self.to_v:g} V is no surge of a supply of {robot.battery.nominal_v:g} V"
+
+
+class LogicSupplySag(_OnAxes):
+    """The drive's own 5 V sag."""
+
+    kind: ClassVar = "logic_supply_sag"
+    node: One
+    to_v: Annotated[float, Field(ge=0, lt=LOGIC_MV / MILLI, description="of 5 V so many are left, in V")]
+
+    def begin_at(self, axis: ServoAxis) -> None:
+        """Pull it down."""
+        axis.logic_mv = round(self.to_v * MILLI)
+
+    def end_at(self, axis: ServoAxis) -> None:
+        """Let it rise."""
+        axis.logic_mv = LOGIC_MV
+
+
+class GateSupplySag(_OnAxes):
+    """The gate drivers' supply sags."""
+
+    kind: ClassVar = "gate_supply_sag"
+    node: One
+    to_v: Annotated[float, Field(ge=0, lt=GATE_MV / MILLI, description="of 12 V so many are left, in V")]
+
+    def begin_at(self, axis: ServoAxis) -> None:
+        """Pull it down."""
+        axis.gate_mv = round(self.to_v * MILLI)
+
+    def end_at(self, axis: ServoAxis) -> None:
+        """Let it rise."""
+        axis.gate_mv = GATE_MV
+
+
+class Overheating(_OnAxes):
+    """The air at the heat sink is hot."""
+
+    kind: ClassVar = "overheating"
+    node: Any = None
+    to_celsius: Annotated[
+        float, Field(gt=AMBIENT_MC / MILLI, le=500, description="air at the heat sink, in degree Celsius")
+    ]
+
+    def begin_at(self, axis: ServoAxis) -> None:
+        """Heat it."""
+        axis.ambient_mc = round(self.to_celsius * MILLI)
+
+    def end_at(self, axis: ServoAxis) -> None:
+        """Cool it."""
+        axis.ambient_mc = AMBIENT_MC
+
+
+class _Wires(_OnAxes):
+    """Something is wrong with the wires of the encoder."""
+
+    node: One
+    wrong: ClassVar[int]
+    """Bit of the axis' `sensor_faults`."""
+
+    def begin_at(self, axis: ServoAxis) -> None:
+        """Spoil them."""
+        axis.sensor_faults |= self.wrong
+
+    def end_at(self, axis: ServoAxis) -> None:
+        """Mend them."""
+        axis.sensor_faults &= ~self.wrong
+
+
+class EncoderCut(_Wires):
+    """The encoder's cable is cut."""
+
+    kind: ClassVar = "encoder_cut"
+    wrong: ClassVar = BROKEN
+
+
+class EncoderSwapped(_Wires):
+    """The encoder's channels are exchanged."""
+
+    kind: ClassVar = "encoder_swapped"
+    wrong: ClassVar = SWAPPED
+
+
+class IndexMissing(_Wires):
+    """The encoder's index does not come."""
+
+    kind: ClassVar = "index_missing"
+    wrong: ClassVar = INDEX_MISSING
+
+
+class IndexSpurious(_Wires):
+    """A second index comes in each turn."""
+
+    kind: ClassVar = "index_spurious"
+    wrong: ClassVar = INDEX_SPURIOUS
+
+
+class EncoderCountsLost(_OnAxes):
+    """Counts of the encoder do not arrive."""
+
+    kind: ClassVar = "encoder_counts_lost"
+    node: One
+    share: Annotated[Positive, Field(ge=0.001, le=1, description="of the quadcounts, in steps of 0.001")]
+
+    def begin_at(self, axis: ServoAxis) -> None:
+        """Lose counts."""
+        axis.encoder_loss = round(self.share * MILLI)
+
+    def end_at(self, axis: ServoAxis) -> None:
+        """Lose no more."""
+        axis.encoder_loss = 0

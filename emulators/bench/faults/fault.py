@@ -1,0 +1,165 @@
+"""What all faults share: when they begin and end, whom they meet, and how they are put on and taken off."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Sequence
+from difflib import get_close_matches
+from enum import Enum
+from typing import Annotated, ClassVar, Final, Self, TypeAlias
+
+from numpy.random import Generator
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from emulators.bench.faults.site import BRIDGE, Site
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.epos2 import Epos2Driver
+from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
+
+NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Share = Annotated[float, Field(gt=0, le=1, description="of the frames or datagrams it meets so many")]
+Node: TypeAlias = Annotated[str, Field(min_length=1)] | Annotated[int, Field(ge=1, le=127)]
+
+Problem: TypeAlias = tuple[str, str]
+"""A key, and what is wrong with it."""
+
+
+class Stations(Enum):
+    """Among whom `node` chooses."""
+
+    DRIVES = "a drive"
+    ON_THE_BUS = "a node on the CAN bus"
+    ALL = "a drive or the bridge"
+    NONE = "nobody"
+
+    def of(self, robot: AnyRobot) -> list[str]:
+        """Return their names; on the bus in the order in which they lie on the cable."""
+        if self is Stations.NONE:
+            return []
+        drives = [axis.name for axis in robot.axes]
+        on_can = any(link.driver is Epos2Driver.CAN for link in robot.links.values())
+        bridge = self is Stations.ALL or (self is Stations.ON_THE_BUS and on_can)
+        return [BRIDGE, *drives] if bridge else drives
+
+
+class Fault(BaseModel, ABC):
+    """One thing that goes wrong at one instant of a mission."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, str_strip_whitespace=True)
+
+    kind: ClassVar[str]
+    """The field's name for it."""
+    among: ClassVar[Stations] = Stations.DRIVES
+    """Whom its `node` may name, where it has one."""
+
+    at_s: NonNegative
+    title: Annotated[str, Field(max_length=100)] = ""
+
+    @property
+    def begin(self) -> Nanoseconds:
+        """When it is put on."""
+        return from_seconds(self.at_s)
+
+    @property
+    def end(self) -> Nanoseconds:
+        """When it is taken off; NEVER: not in this run."""
+        return self.begin
+
+    def targets(self, robot: AnyRobot) -> frozenset[str]:
+        """Return the names of those that it meets; all of them where it names none."""
+        node = getattr(self, "node", None)
+        everybody = self.among.of(robot)
+        return frozenset(everybody if node is None else [named(robot, node) or str(node)])
+
+    def problems(self, robot: AnyRobot) -> Iterator[Problem]:
+        """Give what this robot lacks for it, key by key."""
+        yield from _absent("node", getattr(self, "node", None), self.among, robot)
+
+    @abstractmethod
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Let it begin, now; `chance` is its own."""
+
+    def take_off(self, site: Site) -> None:
+        """Let it end, now; what ends by itself needs nothing."""
+
+
+class Lasting(Fault, ABC):
+    """A fault that has an end: given as `until_s` or `for_s`; with neither it stays."""
+
+    until_s: Annotated[Positive | None, Field(description="when it ends")] = None
+    for_s: Annotated[
+        Positive | None, Field(description="how long it lasts; another way to say `until_s`")
+    ] = None
+
+    @model_validator(mode="after")
+    def _ends_after_it_begins(self) -> Self:
+        if self.until_s is not None and self.for_s is not None:
+            raise ValueError("until_s and for_s say the same thing: give one of them")
+        if self.until_s is not None and self.until_s <= self.at_s:
+            raise ValueError(f"until_s = {self.until_s:g} is not after at_s = {self.at_s:g}")
+        return self
+
+    @property
+    def end(self) -> Nanoseconds:
+        """When it is taken off; NEVER: not in this run."""
+        if self.for_s is not None:
+            return self.begin + from_seconds(self.for_s)
+        return NEVER if self.until_s is None else from_seconds(self.until_s)
+
+
+class OnBus(Fault, ABC):
+    """A fault on the bus of one link."""
+
+    link: Annotated[
+        str | None, Field(description="on which link; needed where there are several, and no axis tells it")
+    ] = None
+
+    def on(self, robot: AnyRobot) -> str:
+        """Return the link's name: the one given, that of the axis, or the robot's first."""
+        if self.link is not None:
+            return self.link
+        name = named(robot, node) if (node := getattr(self, "node", None)) is not None else None
+        return next((axis.link for axis in robot.axes if axis.name == name), next(iter(robot.links)))
+
+    def problems(self, robot: AnyRobot) -> Iterator[Problem]:
+        """Give what this robot lacks for it, key by key."""
+        yield from super().problems(robot)
+        node = getattr(self, "node", None)
+        if self.link is not None and self.link not in robot.links:
+            yield "link", f"{robot.name} has no link '{self.link}'; {near(self.link, list(robot.links))}"
+        elif self.link is None and len(robot.links) > 1 and named(robot, node or BRIDGE) == BRIDGE:
+            yield "link", f"on which link? there are: {', '.join(robot.links)}"
+
+
+def named(robot: AnyRobot, node: str | int) -> str | None:
+    """Return the name of a station that is given by name or number; None where the robot has none."""
+    if node == BRIDGE:
+        return BRIDGE
+    for axis in robot.axes:
+        if node in {axis.name, axis.settings.node}:
+            return axis.name
+    return None
+
+
+def near(word: str, known: Sequence[str]) -> str:
+    """Return a hint at a word that is meant, or all that there are."""
+    close = get_close_matches(word, known, n=1)
+    return f"perhaps '{close[0]}'?" if close else f"there are: {', '.join(known)}"
+
+
+def absent(key: str, node: str | int, among: Stations, robot: AnyRobot) -> Iterator[Problem]:
+    """Give the problem with a node that is not there, or not among those that this fault can meet."""
+    known = among.of(robot)
+    name = named(robot, node)
+    if name is None:
+        yield key, f"{robot.name} has no node '{node}'; {near(str(node), known)}"
+    elif name not in known:
+        yield key, f"'{node}' is not {among.value}; {near(str(node), known)}"
+
+
+def _absent(key: str, node: str | int | None, among: Stations, robot: AnyRobot) -> Iterator[Problem]:
+    if node is not None:
+        yield from absent(key, node, among, robot)
+
+
+CABLE_ORDER: Final = "the bridge, then the axes as the robot file lists them"
+"""How the stations lie on the CAN cable (ASSUME)."""

@@ -1,0 +1,95 @@
+"""Faults of the operator's link, and of the serial line between bridge and drives."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from typing import Annotated, ClassVar, Literal
+
+from numpy.random import Generator
+from pydantic import Field
+
+from emulators.bench.faults.fault import Lasting, NonNegative, Positive, Problem, Share, Stations
+from emulators.bench.faults.site import Site
+from emulators.wires import Impairment
+from emulators.world import WorldError
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.epos2 import Epos2Driver
+from firmware_bridge.units import MILLISECOND
+
+Sender = Annotated[
+    Literal["operator", "bridge"] | None, Field(description="whose datagrams; without it both ways")
+]
+
+
+class _Datagrams(Lasting, ABC):
+    among: ClassVar = Stations.NONE
+    sender: Sender = None
+    share: Share = 1.0
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Impair the link."""
+        site.operator.impair(self.impairment(chance))
+
+    @abstractmethod
+    def impairment(self, chance: Generator) -> Impairment:
+        """Return what becomes of the datagrams."""
+
+
+class DatagramLoss(_Datagrams):
+    """Datagrams are lost."""
+
+    kind: ClassVar = "datagram_loss"
+
+    def impairment(self, chance: Generator) -> Impairment:
+        """Lose them."""
+        return Impairment(self.sender, self.begin, self.end, self.share, chance, lost=True)
+
+
+class DatagramLate(_Datagrams):
+    """Datagrams come late."""
+
+    kind: ClassVar = "datagram_late"
+    by_ms: Annotated[Positive, Field(description="later than the link's own delay, in ms")]
+
+    def impairment(self, chance: Generator) -> Impairment:
+        """Delay them."""
+        late = round(self.by_ms * MILLISECOND)
+        return Impairment(self.sender, self.begin, self.end, self.share, chance, late=late)
+
+
+class DatagramDoubled(_Datagrams):
+    """Datagrams come twice."""
+
+    kind: ClassVar = "datagram_doubled"
+    after_ms: Annotated[NonNegative, Field(description="between the two, in ms")] = 0.0
+
+    def impairment(self, chance: Generator) -> Impairment:
+        """Double them."""
+        again = round(self.after_ms * MILLISECOND)
+        return Impairment(self.sender, self.begin, self.end, self.share, chance, again=again)
+
+
+class SerialUnplugged(Lasting):
+    """The adapter between the bridge and the serial line is pulled out."""
+
+    kind: ClassVar = "serial_unplugged"
+    among: ClassVar = Stations.NONE
+
+    def problems(self, robot: AnyRobot) -> Iterator[Problem]:
+        """Give what this robot lacks for it."""
+        if all(link.driver is not Epos2Driver.SERIAL for link in robot.links.values()):
+            yield "kind", f"{robot.name} is not on a serial line; --serial v1 or v2 puts it there"
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Pull it out."""
+        del chance
+        self._plug(site, plugged=False)
+
+    def take_off(self, site: Site) -> None:
+        """Plug it in."""
+        self._plug(site, plugged=True)
+
+    def _plug(self, site: Site, *, plugged: bool) -> None:
+        if not site.adapters:
+            raise WorldError(f"{self.kind}: this bench has no serial line")
+        for adapter in site.adapters.values():
+            adapter.plugged = plugged

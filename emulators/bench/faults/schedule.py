@@ -1,0 +1,80 @@
+"""Puts faults on a bench and takes them off, at their instants of the world's clock, and keeps a record.
+
+All of its state hangs on the world's agenda and on itself, so a run can be rewound across faults.
+"""
+
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+
+from emulators.bench.faults.fault import Fault, Problem
+from emulators.bench.faults.site import Site
+from emulators.bench.faults.table import misfits
+from emulators.bench.records import FaultRecord
+from firmware_bridge.units import NEVER, to_seconds
+
+FAULT_STREAM: Final = 2
+"""The first number beside the run's seed; the second is the fault's own, counted from 0 on this bench."""
+
+
+class FaultError(Exception):
+    """Faults that this bench cannot meet: every key, and what is wrong with it."""
+
+    def __init__(self, problems: Sequence[Problem]) -> None:
+        super().__init__(*problems)
+        self.problems = tuple(problems)
+
+    def __str__(self) -> str:
+        """Say it, a line for each."""
+        return "\n".join(f"{key}: {problem}" for key, problem in self.problems)
+
+
+class Faults:
+    """The faults of one bench; `records` tells which of them were on, and when."""
+
+    def __init__(self, site: Site, seed: int = 0) -> None:
+        self.records: Final[list[FaultRecord]] = []
+        self._site: Final = site
+        self._seed: Final = seed
+        self._planned: list[Fault] = []
+        self._record_of: dict[int, int] = {}
+
+    def plan(self, faults: Sequence[Fault]) -> None:
+        """Have these faults happen, beside those that were planned before; FaultError for any that cannot."""
+        now, first = self._site.world.now, len(self._planned)
+        everything = [*self._planned, *faults]
+        problems = [
+            (key.replace(f"fault[{number}]", f"fault[{number - first}]", 1), problem)
+            for key, problem in misfits(everything, self._site.robot)
+            for number in [int(key[key.index("[") + 1 : key.index("]")])]
+        ]
+        problems += [
+            (f"fault[{index}].at_s", f"{fault.at_s:g} s is over: it is {to_seconds(now):g} s")
+            for index, fault in enumerate(faults)
+            if fault.begin < now
+        ]
+        if problems:
+            raise FaultError(problems)
+        self._planned = everything
+        for number, fault in enumerate(faults, start=first):
+            self._site.world.call_at(fault.begin, self._begin, number)
+
+    def _begin(self, number: int) -> None:
+        fault, world = self._planned[number], self._site.world
+        lasts = fault.end > fault.begin
+        self._record_of[number] = len(self.records)
+        targets = tuple(sorted(fault.targets(self._site.robot)))
+        ended = None if lasts else world.now
+        self.records.append(FaultRecord(fault.kind, fault.title, targets, world.now, ended))
+        fault.put_on(self._site, np.random.default_rng([self._seed, FAULT_STREAM, number]))
+        if lasts and fault.end != NEVER:
+            world.call_at(fault.end, self._end, number)
+
+    def _end(self, number: int) -> None:
+        at = self._record_of[number]
+        record = self.records[at]
+        self._planned[number].take_off(self._site)
+        self.records[at] = FaultRecord(
+            record.kind, record.title, record.nodes, record.began, self._site.world.now
+        )

@@ -1,0 +1,301 @@
+"""Every kind of fault, one row each: what happens physically, what the emulated device makes of it.
+
+Here a table of a mission file becomes a fault, and is compared with the robot that shall meet it.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Annotated, Any, Final, TypeAlias
+
+from pydantic import BeforeValidator, InstanceOf, ValidationError
+from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
+
+from emulators.bench.faults import bus, device, link
+from emulators.bench.faults.fault import Fault, Lasting, Problem, near
+from emulators.wires.faulty_can import WAITING
+from firmware_bridge.robot import AnyRobot
+
+WRONG: Final = "fault"
+"""Type of pydantic's error where the message says all."""
+_ENDS: Final = frozenset({"until_s", "for_s"})
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """One kind of fault."""
+
+    fault: type[Fault]
+    happens: str
+    """What happens physically."""
+    does: str
+    """What the emulated device does."""
+    acts_on: str = ""
+    """Of two faults that act on the same thing of the same node one must end before the other begins."""
+
+    @property
+    def name(self) -> str:
+        """The field's name for it."""
+        return self.fault.kind
+
+    @property
+    def lasts(self) -> bool:
+        """Whether it has an end; else it is an instant."""
+        return issubclass(self.fault, Lasting)
+
+
+_CONNECTION: Final = "the connection"
+_SUPPLY: Final = "the supply"
+
+_ROWS: Final = (
+    Kind(
+        bus.FrameError,
+        "A disturbance on the cable flips a bit. All nodes see it, an error flag ends the frame, and its"
+        " sender sends it again at once. Each costs 8 and each good frame gives 1 back, so above one in"
+        " nine the counters climb: with every frame of a node damaged its controller is passive after 16"
+        " and off the bus after 32.",
+        "Counts 8 for each frame of its own, 1 for each of others, by ISO 11898-1. EMCY 0x8120 when it"
+        " grows passive, 0x81FD when it is back from bus off; both stop the motor, and 0x8120 is cured by"
+        " NMT reset communication only.",
+    ),
+    Kind(
+        bus.ReceptionError,
+        "A bad plug or termination at one node: it alone sees frames wrongly, and its error flag"
+        " destroys them for all, until it is passive after some 15; from then on it misses them alone.",
+        "As with `frame_error`: EMCY 0x8120 when it is passive. It hears no set-point and no heartbeat"
+        " any more, so EMCY 0x8130 follows after 0x1016.",
+    ),
+    Kind(
+        bus.FrameLoss,
+        "A driver, an adapter or a full queue between a node's program and its controller swallows"
+        " frames: nothing is on the cable, nobody notices.",
+        "Sends as ever and is not heard. It misses nothing itself.",
+    ),
+    Kind(
+        bus.ReceiveOverrun,
+        "The bus is right, but a node's program does not fetch frames from its controller in time.",
+        "Does not get them, and reports EMCY 0x8110 (object lost), which stops its motor.",
+    ),
+    Kind(
+        bus.BusOff,
+        "All frames of a node are damaged until its controller leaves the bus (32 of them, some 4 ms);"
+        " nobody restarts the controller before the end. A bridge on a real bus ends then; this one goes"
+        " on when its controller is back.",
+        "Is mute and deaf, and misses the bridge's heartbeat. Back on the bus it reports EMCY 0x81FD,"
+        " and 0x8130 if that took long enough; 0x8120, on its way off, was heard by nobody and stays in"
+        " its history.",
+        _CONNECTION,
+    ),
+    Kind(
+        bus.CanCut,
+        "The bus falls into two that hear nothing of each other. A node that is alone on its part gets"
+        " no acknowledgement, repeats its frame until it is passive, and sends it when the cable is whole"
+        f" again, with up to {WAITING} frames that have waited. Reflections at the open ends are not"
+        " emulated.",
+        "On the far side: misses the bridge's heartbeat, EMCY 0x8130, stops as 0x6007 says. Alone: EMCY"
+        " 0x8120, too.",
+        _CONNECTION,
+    ),
+    Kind(
+        bus.CanSwapped,
+        "The node hears nothing and is not understood. As soon as it has a frame to send nobody"
+        " acknowledges it, and its repetitions pull the bus the wrong way: they destroy everybody's"
+        " frames, until all controllers are off the bus, again and again.",
+        "Everybody: EMCY 0x8120 and 0x81FD, and 0x8130 as nobody hears the bridge. Nothing is heard of"
+        " these before the wires are right.",
+        _CONNECTION,
+    ),
+    Kind(
+        bus.BabblingNode,
+        "A node that nobody knows sends without end. Lower identifiers win the bus, so frames of others"
+        " come late or not at all.",
+        "Its frames wait; heartbeats may come too late for those who watch them (EMCY 0x8130).",
+        "the stranger",
+    ),
+    Kind(
+        bus.NmtStranger,
+        "Another master, or a tool that somebody has plugged in, sends a network command. An instant: no"
+        " end.",
+        "Obeys. Stopped or pre-operational it takes no set-point and sends no process data, and by"
+        " itself stops no motion (ASSUME); a reset takes the power off, and the position counter begins"
+        " at 0.",
+    ),
+    Kind(
+        bus.NodeSilent,
+        "All cables of a node are out, or its transceiver is dead; it lives on.",
+        "Misses the bridge's heartbeat: EMCY 0x8130, which nobody hears, and it stops as 0x6007 says."
+        " Was it the bridge, all drives do so.",
+        _CONNECTION,
+    ),
+    Kind(
+        device.DriveRestart,
+        "The supply of one drive is interrupted, logic included (a loose plug). The motor is without"
+        " power and rolls out; with the supply the drive starts anew.",
+        "Sends the boot-up message after its boot time, is pre-operational and not enabled, has its"
+        " saved parameters, and counts positions from 0.",
+        _CONNECTION,
+    ),
+    Kind(
+        device.SupplySag,
+        "A weak battery, a long cable or a bad contact: so many volts are left at the drives. The logic"
+        " lives on.",
+        "Below its limit (10 V, ASSUME): EMCY 0x3220, power stage off at once; the motor rolls out."
+        " Above it: less voltage for the winding.",
+        _SUPPLY,
+    ),
+    Kind(
+        device.SupplySurge,
+        "A charger, or energy that braking motors feed back into a supply that cannot take it.",
+        "Above its limit: EMCY 0x3210, power stage off at once; the motor rolls out.",
+        _SUPPLY,
+    ),
+    Kind(
+        device.LogicSupplySag,
+        "A short in a sensor's cable pulls the drive's 5 V down.",
+        "EMCY 0x5113, power stage off at once.",
+        "the logic supply",
+    ),
+    Kind(
+        device.GateSupplySag,
+        "The supply of the power stage's gate drivers fails.",
+        "EMCY 0x5114, power stage off at once.",
+        "the gate supply",
+    ),
+    Kind(
+        device.Overheating,
+        "The air at the heat sink is hot: a fan has stopped, the sun shines on the box.",
+        "The current's own heat is added; too hot: EMCY 0x4210, power stage off at once.",
+        "the air",
+    ),
+    Kind(
+        device.EncoderCut,
+        "The encoder's cable is out: no count, no index.",
+        "EMCY 0xFF0A, power stage off at once; the position is not referenced any more. When the cable"
+        " is back, the first index comes at a wrong count: 0xFF03 where 0x2210 has it watch the index.",
+        "the encoder's cable",
+    ),
+    Kind(
+        device.EncoderSwapped,
+        "Channels A and B are exchanged: the count runs against the motor, and the regulator drives it"
+        " away. At rest nothing shows.",
+        "EMCY 0xFF02 or 0xFF03 within a turn where 0x2210 has it watch the index; else 0xFF11, at full"
+        " voltage with the count running the other way, or 0x8611, when the following error is too large.",
+        "the encoder's channels",
+    ),
+    Kind(
+        device.EncoderCountsLost,
+        "Disturbed lines or a dirty disc: of the quadcounts a share does not arrive, so the shaft turns"
+        " further than the drive counts.",
+        "Counts less. It notices only where 0x2210 has it watch the index (EMCY 0xFF02, 0xFF03).",
+        "the encoder's counts",
+    ),
+    Kind(
+        device.IndexMissing,
+        "The index line of the encoder is broken.",
+        "EMCY 0xFF02 after some turns where 0x2210 has it watch the index; else nothing.",
+        "the index",
+    ),
+    Kind(
+        device.IndexSpurious,
+        "A disturbance on the index line: a second pulse an eighth of a turn after the first.",
+        "EMCY 0xFF02 or 0xFF03 where 0x2210 has it watch the index; else nothing.",
+        "the index",
+    ),
+    Kind(
+        link.DatagramLoss,
+        "The radio link loses datagrams.",
+        "No device: the bridge holds `operator silent` after `operator.silent_ms`.",
+    ),
+    Kind(
+        link.DatagramLate,
+        "Datagrams queue up somewhere and come late. At the end later ones overtake them.",
+        "No device: when it begins the bridge hears nothing for so long, and then old wishes as if they"
+        " were new: MANUAL_CONTROL carries no time.",
+    ),
+    Kind(
+        link.DatagramDoubled,
+        "The network delivers datagrams twice.",
+        "No device: a command counts once, and its repetition is answered again.",
+    ),
+    Kind(
+        link.SerialUnplugged,
+        "The USB or RS232 adapter of a bridge on a serial line is pulled out.",
+        "The gateway misses its host; its own watch over another drive stops the motors. The bridge"
+        " holds `link lost`.",
+        "the serial line",
+    ),
+)
+
+KINDS: Final[Mapping[str, Kind]] = MappingProxyType({row.name: row for row in _ROWS})
+"""Every kind by its name."""
+
+
+def read(table: Any) -> Fault:
+    """Return the fault that a table of TOML describes; ValidationError with every key that is wrong."""
+    if isinstance(table, Fault):
+        return table
+    if not isinstance(table, dict):
+        raise PydanticCustomError(WRONG, "a fault is a table: [[fault]]")
+    rest = {key: value for key, value in table.items() if key != "kind"}
+    kind = KINDS.get(str(table.get("kind")))
+    if kind is None:
+        problem = "which fault? " if "kind" not in table else f"no such fault as '{table['kind']}'; "
+        raise _refused([("kind", problem + near(str(table.get("kind")), list(KINDS)))])
+    try:
+        return kind.fault.model_validate(rest)
+    except ValidationError as error:
+        # One line for a key: of a value that is neither a name nor a number pydantic would say two things.
+        said = {each["loc"][:1]: _said(kind, each) for each in reversed(error.errors())}
+        raise ValidationError.from_exception_data(WRONG, list(reversed(said.values()))) from None
+
+
+FaultTable: TypeAlias = Annotated[InstanceOf[Fault], BeforeValidator(read)]
+"""A fault where pydantic reads a file."""
+
+
+def misfits(faults: Sequence[Fault], robot: AnyRobot) -> Iterator[Problem]:
+    """Give what is wrong with these faults on this robot: all of it, with keys as `fault[2].node`."""
+    for index, fault in enumerate(faults):
+        problems = [(f"fault[{index}].{key}", problem) for key, problem in fault.problems(robot)]
+        yield from problems
+        if problems:
+            continue
+        for earlier, other in enumerate(faults[:index]):
+            thing = _collision(fault, other, robot)
+            if thing is not None:
+                where = f"fault[{earlier}], '{other.kind}'"
+                problem = f"acts on {thing} of the same node while {where}, still does"
+                yield f"fault[{index}]", f"{problem}: let one end before the other begins"
+
+
+def _collision(one: Fault, other: Fault, robot: AnyRobot) -> str | None:
+    thing = KINDS[one.kind].acts_on
+    if not thing or thing != KINDS[other.kind].acts_on:
+        return None
+    mine, yours = one.targets(robot), other.targets(robot)
+    together = one.begin < other.end and other.begin < one.end and (mine & yours or not mine)
+    return thing if together else None
+
+
+def _said(kind: Kind, error: ErrorDetails) -> InitErrorDetails:
+    """Say in one sentence what pydantic found, with a near name for a key that is not there."""
+    location = error["loc"]
+    key = str(location[0]) if location else ""
+    problem = error["msg"].removeprefix("Value error, ")
+    if error["type"] == "extra_forbidden":
+        known = [name for name in kind.fault.model_fields if name != "kind"]
+        problem = f"no such key of '{kind.name}'; {near(key, known)}"
+        if key in _ENDS:
+            problem = f"'{kind.name}' is an instant: it has no end"
+    elif error["type"] != "missing" and not isinstance(error["input"], dict):
+        problem = f"{problem}, but it is {error['input']!r}"
+    return _error(tuple(location[:1]), problem)
+
+
+def _refused(problems: Sequence[Problem]) -> ValidationError:
+    return ValidationError.from_exception_data(WRONG, [_error((key,), text) for key, text in problems])
+
+
+def _error(location: tuple[int | str, ...], problem: str) -> InitErrorDetails:
+    message = problem.replace("{", "{{").replace("}", "}}")
+    return InitErrorDetails(type=PydanticCustomError(WRONG, message), loc=location, input=None)

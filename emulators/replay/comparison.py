@@ -1,0 +1,161 @@
+"""What should come, by the recording, beside what comes: sender by sender, and the first that differs.
+
+Frames are compared in their order and at their instants. A datagram link delays, loses and overtakes, and a
+recording tells when a message had arrived: so each recorded message must be among those sent before, found by
+its sequence number.
+"""
+
+from collections import deque
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Final, Protocol
+
+from emulators.replay.recordings import RESOLUTION
+from emulators.replay.senders import Sent
+from firmware_bridge.dissector import Carried, told
+from firmware_bridge.packet import Packet
+from firmware_bridge.recording import mavlink_messages, mavlink_origin
+from firmware_bridge.units import MICROSECOND, NEVER, Nanoseconds
+
+_SEQUENCE_NUMBERS: Final = 256
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """A packet that should have come, and the one that came in its place; either may be missing."""
+
+    wanted: Sent | None
+    came: Carried | None
+
+    @property
+    def at(self) -> Nanoseconds:
+        """The first of the two instants."""
+        wanted = NEVER if self.wanted is None else self.wanted.entry.at
+        return min(wanted, NEVER if self.came is None else self.came.at)
+
+
+class Comparison(Protocol):
+    """Is told what comes; knows what should."""
+
+    compared: int
+    """So many recorded packets have come as they should."""
+
+    def take(self, now: Nanoseconds, sender: str, packet: Packet) -> None:
+        """Compare what comes."""
+
+    def differences(self, now: Nanoseconds) -> Iterable[Difference]:
+        """Return what differs up to `now`; one for each sender at most."""
+
+
+class Frames:
+    """Compares frames; `recorded` holds those of `senders` that are to be compared."""
+
+    def __init__(
+        self, recorded: Iterable[Sent], senders: Iterable[str], tolerance: Nanoseconds, until: Nanoseconds
+    ) -> None:
+        self.compared = 0
+        self._expected: dict[str, deque[Sent]] = {name: deque() for name in senders}
+        for sent in recorded:
+            self._expected[sent.sender].append(sent)
+        self._slack = RESOLUTION + tolerance
+        self._until = until
+        self._found: dict[str, Difference] = {}
+
+    def take(self, now: Nanoseconds, sender: str, packet: Packet) -> None:
+        """Compare a frame with the next one of its sender."""
+        expected = self._expected.get(sender)
+        if expected is None or sender in self._found:
+            return
+        came = Carried(now, packet.link, sender, packet)
+        if not expected:
+            if now < self._until:
+                self._found[sender] = Difference(None, came)
+            return
+        wanted = expected.popleft()
+        if packet != wanted.entry.packet or abs(now - wanted.entry.at) >= self._slack:
+            self._found[sender] = Difference(wanted, came)
+        else:
+            self.compared += 1
+
+    def differences(self, now: Nanoseconds) -> Iterable[Difference]:
+        """Return what differs; a frame has not come when its time and the tolerance are over."""
+        for sender, expected in self._expected.items():
+            if expected and sender not in self._found and expected[0].entry.at + self._slack < now:
+                self._found[sender] = Difference(expected[0], None)
+        return self._found.values()
+
+
+class Messages:
+    """Compares the messages of one MAVLink system."""
+
+    def __init__(self, recorded: Iterable[Sent], sender: str) -> None:
+        self.compared = 0
+        self._expected = deque(recorded)
+        self._sender = sender
+        self._sent: list[deque[Carried]] = [deque() for _ in range(_SEQUENCE_NUMBERS)]
+        """By sequence number; those that were recorded, and all before them, are dropped."""
+        self._found: Difference | None = None
+
+    def take(self, now: Nanoseconds, sender: str, packet: Packet) -> None:
+        """Keep the messages of a datagram until their arrival is due."""
+        if sender == self._sender:
+            for message in mavlink_messages(packet.payload):
+                sequence = mavlink_origin(message)[2]
+                carried = Carried(now, packet.link, sender, Packet(packet.link, 0, message))
+                self._sent[sequence].append(carried)
+
+    def differences(self, now: Nanoseconds) -> Iterable[Difference]:
+        """Return what differs among the messages that had arrived before `now`."""
+        while self._found is None and self._expected:
+            wanted = self._expected[0].entry
+            if wanted.at + RESOLUTION > now:
+                break
+            self._expected.popleft()
+            came = self._newest(mavlink_origin(wanted.packet.payload)[2], wanted.at + RESOLUTION)
+            if came is None or came.packet != wanted.packet:
+                self._found = Difference(Sent(wanted, self._sender), came)
+            else:
+                self.compared += 1
+        return () if self._found is None else (self._found,)
+
+    def _newest(self, sequence: int, before: Nanoseconds) -> Carried | None:
+        """Return the last message with this number that was sent before an instant."""
+        sent = self._sent[sequence]
+        while len(sent) > 1 and sent[1].at < before:
+            sent.popleft()
+        return sent[0] if sent and sent[0].at < before else None
+
+
+def first(comparisons: Sequence[Comparison], now: Nanoseconds) -> Difference | None:
+    """Return the earliest difference up to `now`."""
+    found = [one for comparison in comparisons for one in comparison.differences(now)]
+    return min(found, key=lambda one: one.at, default=None)
+
+
+def in_words(difference: Difference, recorded: Sequence[Sent], lead: Nanoseconds = 0) -> str:
+    """Return the place in the recording, what stands before it there, and both packets as texts.
+
+    Instants are told from `lead` on, which is when the recording begins.
+    """
+    wanted, came = difference.wanted, difference.came
+    if wanted is not None:
+        place = recorded.index(wanted)
+        head = f"{wanted.entry.where} is the first that differs"
+    else:
+        place = next((i for i, one in enumerate(recorded) if one.entry.at > difference.at), len(recorded))
+        head = "what came is not in the recording; "
+        head += (
+            f"it belongs before {recorded[place].entry.where}" if place < len(recorded) else "it is the last"
+        )
+    before = [_carried(one, lead) for one in recorded[:place]]
+    expected = None if wanted is None else _carried(wanted, lead)
+    lines = told(head, before, expected, None if came is None else replace(came, at=came.at - lead))
+    if wanted is not None and came is not None and wanted.entry.packet == came.packet:
+        late = (came.at - wanted.entry.at) / MICROSECOND
+        lines += f"\nthe same, but {abs(late):g} us {'later' if late > 0 else 'earlier'}"
+    return lines
+
+
+def _carried(sent: Sent, lead: Nanoseconds) -> Carried:
+    entry = sent.entry
+    return Carried(entry.at - lead, entry.packet.link, sent.sender, entry.packet)

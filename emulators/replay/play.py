@@ -1,0 +1,60 @@
+"""Plays a recording in virtual time, until something differs from it or it ends."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final, TypeAlias
+
+from emulators.replay.comparison import first, in_words
+from emulators.replay.order import Into, Order
+from emulators.replay.recordings import is_telemetry
+from emulators.replay.stages import STAGES
+from firmware_bridge.units import MILLISECOND, Nanoseconds
+
+SLICE: Final[Nanoseconds] = 250 * MILLISECOND
+"""So much simulated time between two looks at what differs."""
+
+Progress: TypeAlias = Callable[[Nanoseconds, Nanoseconds], None]
+"""Told how far the replay is, and where it ends."""
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """How a replay ended."""
+
+    into: Into
+    played: int
+    """Packets of the recording that were put on the links."""
+    compared: int
+    """Packets that came as they were recorded."""
+    until: Nanoseconds
+    """The end of the recording, or the first difference."""
+    difference: str | None
+    """The first difference in words; None where there is none."""
+
+
+def replay(order: Order, progress: Progress = lambda _now, _end: None) -> Outcome:
+    """Play a recording; RecordingFileError where a file cannot be used, PlantError where the plant cannot."""
+    into = order.into or _suitable(order)
+    stage = STAGES[into](order)
+    now = 0
+    try:
+        while True:
+            now = min(now + SLICE, stage.end)
+            stage.run(now)
+            progress(now, stage.end)
+            difference = first(stage.comparisons, now)
+            if difference is not None or now == stage.end:
+                break
+    finally:
+        stage.finish()
+    compared = sum(one.compared for one in stage.comparisons)
+    if difference is None:
+        return Outcome(into, stage.played, compared, stage.end - stage.lead, None)
+    words = in_words(difference, stage.recorded, stage.lead)
+    return Outcome(into, stage.played, compared, difference.at - stage.lead, words)
+
+
+def _suitable(order: Order) -> Into:
+    if is_telemetry(order.recording):
+        return Into.BENCH
+    return Into.DRIVES if order.operator is None else Into.BRIDGE

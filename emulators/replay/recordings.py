@@ -1,0 +1,158 @@
+"""Recordings from files: a CAN log of candump, a telemetry log of MAVLink; each packet with its place.
+
+Compressed ones are read as they are (`.gz`, `.xz`). Instants count from the start of the recording: that of
+the bench is the start of its virtual run, any other one starts where its first frame began.
+"""
+
+import gzip
+import lzma
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final
+
+from firmware_bridge.node import OPERATOR
+from firmware_bridge.packet import Packet
+from firmware_bridge.recording import RecordingError, parse_candump, parse_tlog
+from firmware_bridge.units import MICROSECOND, SECOND, Nanoseconds
+from firmware_bridge.wire.can import ERROR, frame_bits
+
+RESOLUTION: Final[Nanoseconds] = MICROSECOND
+"""Of the instants in both formats, which are cut and not rounded."""
+TELEMETRY: Final = ".tlog"
+BENCH_WITHIN: Final[Nanoseconds] = SECOND
+"""So soon after its epoch the bench's own recordings begin; nobody's clock says that day any more."""
+_OPENERS: Final[Mapping[str, Callable[[Path], bytes]]] = MappingProxyType(
+    {
+        ".gz": lambda path: gzip.decompress(path.read_bytes()),
+        ".xz": lambda path: lzma.decompress(path.read_bytes()),
+    }
+)
+_SHOWN: Final = 80
+"""So many characters of a line that cannot be read are shown."""
+
+
+class RecordingFileError(Exception):
+    """A recording that cannot be used: which file, where in it, and what is wrong."""
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One packet of a recording; it had wholly arrived at `at`."""
+
+    at: Nanoseconds
+    packet: Packet
+    where: str
+    """File and line, or file and message."""
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """The packets of one file, in order."""
+
+    name: str
+    entries: tuple[Entry, ...]
+    origin: Nanoseconds = 0
+    """The instant from which those of the packets count, from the bench's epoch on."""
+
+    @property
+    def virtual(self) -> bool:
+        """Whether it is the bench's own: its instants count from the start of the run already."""
+        return 0 <= self.entries[0].at + self.origin < BENCH_WITHIN
+
+    def start(self, bit_time: Nanoseconds) -> Nanoseconds:
+        """Return the instant from which its instants should count."""
+        first = self.entries[0]
+        return 0 if self.virtual else first.at - duration_of(first.packet, bit_time)
+
+    def since(self, origin: Nanoseconds) -> "Recording":
+        """Return the same packets with instants that count from `origin`."""
+        moved = tuple(replace(one, at=one.at - origin) for one in self.entries)
+        return Recording(self.name, moved, self.origin + origin)
+
+
+def is_telemetry(path: Path) -> bool:
+    """Tell whether a file's name is that of a telemetry log, compressed or not."""
+    return TELEMETRY in path.suffixes[-2:]
+
+
+def read_can(path: Path, channel: str | None) -> Recording:
+    """Read a CAN log; RecordingFileError. Reports of the recorder's own controller are left out.
+
+    `channel` chooses one where frames of several buses stand in the log.
+    """
+    found: dict[str, list[Entry]] = {}
+    for number, line in enumerate(_lines(path), start=1):
+        if not line.strip():
+            continue
+        where = f"{path.name}, line {number}"
+        try:
+            at, bus, packet = parse_candump(line)
+        except RecordingError:
+            raise RecordingFileError(
+                f"{where}: no line of a candump log, as '(12.345678) can0 123#DEADBEEF': {_shown(line)}"
+            ) from None
+        if not packet.address & ERROR:
+            found.setdefault(bus, []).append(Entry(at, packet, where))
+    if not found:
+        raise RecordingFileError(f"{path.name}: holds no CAN frame")
+    buses = ", ".join(sorted(found))
+    if channel is not None and channel not in found:
+        raise RecordingFileError(f"{path.name}: holds no frame of '{channel}', but of {buses}")
+    if channel is None and len(found) > 1:
+        raise RecordingFileError(f"{path.name}: holds frames of {buses}; choose one with --channel")
+    return _in_order(path.name, found[channel] if channel else next(iter(found.values())))
+
+
+def read_telemetry(path: Path) -> Recording:
+    """Read a telemetry log; RecordingFileError."""
+    entries: list[Entry] = []
+    try:
+        for at, message in parse_tlog(_content(path)):
+            where = f"{path.name}, message {len(entries) + 1}"
+            entries.append(Entry(at, Packet(OPERATOR, 0, message), where))
+    except RecordingError as error:
+        raise RecordingFileError(f"{path.name}: {error}") from None
+    if not entries:
+        raise RecordingFileError(f"{path.name}: holds no MAVLink message")
+    return _in_order(path.name, entries)
+
+
+def duration_of(packet: Packet, bit_time: Nanoseconds) -> Nanoseconds:
+    """Return how long a packet takes on its link: a frame its bits, a datagram nothing."""
+    return 0 if packet.link == OPERATOR else frame_bits(packet.address, packet.payload) * bit_time
+
+
+def _content(path: Path) -> bytes:
+    """Return a file's bytes as they were before they were compressed."""
+    try:
+        return _OPENERS.get(path.suffix, Path.read_bytes)(path)
+    except (EOFError, gzip.BadGzipFile, lzma.LZMAError) as error:
+        raise RecordingFileError(f"{path.name}: cannot be unpacked: {error}") from None
+    except OSError as error:
+        raise RecordingFileError(f"{path}: cannot be read: {error.strerror}") from None
+
+
+def _lines(path: Path) -> Iterator[str]:
+    """Yield the lines of a text; RecordingFileError where bytes are none."""
+    for number, line in enumerate(_content(path).split(b"\n"), start=1):
+        try:
+            yield line.decode("ascii").rstrip("\r")
+        except UnicodeDecodeError:
+            raise RecordingFileError(
+                f"{path.name}, line {number}: no text; a CAN log has a line for each frame,"
+                " as `candump -l` writes it"
+            ) from None
+
+
+def _in_order(name: str, entries: list[Entry]) -> Recording:
+    for before, after in pairwise(entries):
+        if after.at < before.at:
+            raise RecordingFileError(f"{after.where}: its instant is before that of the one above it")
+    return Recording(name, tuple(entries))
+
+
+def _shown(line: str) -> str:
+    return repr(line if len(line) <= _SHOWN else line[:_SHOWN] + "...")

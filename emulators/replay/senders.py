@@ -1,0 +1,49 @@
+"""Who has sent a recorded packet: by its CAN identifier, or by what a MAVLink message says of its origin."""
+
+from dataclasses import dataclass
+from typing import Final
+
+from emulators.replay.recordings import Entry, Recording
+from firmware_bridge.dissector.canopen import MASTER, Canopen
+from firmware_bridge.recording import mavlink_origin
+from firmware_bridge.robot import AnyRobot
+
+BRIDGE: Final = "bridge"
+OPERATOR_STATION: Final = "operator"
+UNKNOWN: Final = "unknown"
+
+
+@dataclass(frozen=True, slots=True)
+class Sent:
+    """A recorded packet, and who has sent it: `BRIDGE`, an axis, or a name for somebody else."""
+
+    entry: Entry
+    sender: str
+
+
+def frames_of(recording: Recording, robot: AnyRobot, link: str) -> list[Sent]:
+    """Name the sender of each frame on a link's bus: the identifiers are CANopen's, PDOs' as somebody was seen to set them.
+
+    Any network master's frames are the bridge's, whoever that was.
+    """
+    reader = Canopen()
+    names = {axis.settings.node: axis.name for axis in robot.axes_on(link)} | {
+        MASTER: BRIDGE,
+        robot.links[link].bridge_node: BRIDGE,
+    }
+    named = []
+    for entry in recording.entries:
+        node = reader.sender(entry.packet)
+        sender = UNKNOWN if node is None else names.get(node, f"node {node}")
+        named.append(Sent(entry, sender))
+        reader.read(sender, entry.packet)
+    return named
+
+
+def messages_of(recording: Recording, robot: AnyRobot) -> list[Sent]:
+    """Name the sender of each message: the bridge by the numbers in the robot file, or else the operator."""
+    own = (robot.operator.system_id, robot.operator.component_id)
+    return [
+        Sent(entry, BRIDGE if mavlink_origin(entry.packet.payload)[:2] == own else OPERATOR_STATION)
+        for entry in recording.entries
+    ]

@@ -1,0 +1,365 @@
+"""A CAN bus with faults: damaged and lost frames, cut and swapped cables, controllers that leave the bus.
+
+Damaged frames are sent again, controllers grow passive, fall off, return. While nothing is wrong it is as any
+other bus. Source: ISO 11898-1. Simplified: a damage is noticed when the frame ends; a passive sender does not
+wait eight bits more than the others; a controller returns after the least time, 128 x 11 bits; the two halves
+of a cut cable still take turns; a frame that nobody acknowledges is repeated until its sender is passive, and
+then waits, in a queue of `WAITING`, until somebody is there.
+"""
+
+from collections import deque
+from collections.abc import Collection
+from dataclasses import dataclass
+from enum import Enum
+from typing import Final
+
+from numpy.random import Generator
+
+from emulators.wires.can import CanWire, Controller
+from emulators.wires.confinement import RECOVERY_BITS, Condition, Confinement
+from emulators.world import Station, World, WorldError
+from firmware_bridge.packet import Packet
+from firmware_bridge.units import NEVER, Nanoseconds
+from firmware_bridge.wire.can import INTERFRAME_BITS
+from firmware_bridge.wire.can_error import (
+    ACTIVE_AGAIN,
+    BUS_OFF,
+    CONTROLLER,
+    RECEIVE_OVERFLOW,
+    RECEIVE_PASSIVE,
+    RESTARTED,
+    TRANSMIT_OVERFLOW,
+    TRANSMIT_PASSIVE,
+    Loss,
+    encode_report,
+)
+
+UNSENT_BITS: Final = 7
+"""The end of frame, which a damaged frame does not come to."""
+FLAG_BITS: Final = 6 + 8
+"""Error flag and error delimiter."""
+WAITING: Final = 10
+"""Frames that wait while a station cannot send; further ones are dropped (Linux' default queue, txqueuelen;
+ASSUME for a drive)."""
+
+
+class Effect(Enum):
+    """What a disturbance does to a frame."""
+
+    ERROR = "it is damaged on the bus, and ends in an error flag"
+    LOSS = "it is lost between its sender and the bus, unnoticed"
+    OVERRUN = "a receiver's controller has no room for it, and reports that"
+
+
+@dataclass(frozen=True, slots=True)
+class Disturbance:
+    """What becomes of frames from `begin` until `end`, at most of `count` of them.
+
+    `sender` names whose frames (None: everybody's); `receiver` names the only station that sees them wrongly,
+    as with a bad plug there (None: everybody does). Of the frames that it could meet it meets a `share`,
+    which `generator` draws; a share of 1 draws nothing.
+    """
+
+    sender: str | None = None
+    receiver: str | None = None
+    begin: Nanoseconds = 0
+    end: Nanoseconds = NEVER
+    count: int | None = None
+    effect: Effect = Effect.ERROR
+    share: float = 1.0
+    generator: Generator | None = None
+
+
+class _Standing:
+    __slots__ = ("left", "what")
+
+    def __init__(self, what: Disturbance) -> None:
+        self.what = what
+        self.left = what.count
+
+    def hits(self, sender: str, now: Nanoseconds) -> bool:
+        what = self.what
+        if what.sender not in (None, sender) or not what.begin <= now < what.end or self.left == 0:
+            return False
+        if what.receiver == sender:
+            return False
+        if what.share < 1.0 and what.generator is not None and what.generator.random() >= what.share:
+            return False
+        if self.left is not None:
+            self.left -= 1
+        return True
+
+
+class FaultyCanWire(CanWire):
+    """A CAN bus on which frames can be damaged and lost, cables cut and swapped, and controllers overrun."""
+
+    def __init__(self, bit_rate: int, name: str = "can", depth: int | None = None) -> None:
+        """`depth` is how many frames a station's transmit queue holds; None: any number."""
+        super().__init__(bit_rate, name)
+        self.damaged = 0
+        self.lost = 0
+        """Frames that were lost before the bus, and those dropped because a queue was full."""
+        self._depth = depth
+        self._sound = depth is None
+        """Nothing is wrong, and no counter remembers that anything was."""
+        self._standing: list[_Standing] = []
+        self._counters: dict[Station, Confinement] = {}
+        self._parked: dict[Station, deque[Packet]] = {}
+        """What waits where a controller is off the bus, or finds nobody to acknowledge its frames."""
+        self._full: set[Station] = set()
+        """Whose transmit queue, ..."""
+        self._overrun: set[Station] = set()
+        """... or receive queue overflows, and has reported it."""
+        self._beyond: frozenset[str] = frozenset()
+        """The stations on the far side of a cut."""
+        self._swapped: frozenset[str] = frozenset()
+        """The stations at which CAN high and CAN low are exchanged."""
+        self._thrown_off: dict[str, Nanoseconds] = {}
+        """Stations on their way off the bus, and until when they are to stay away."""
+
+    def disturb(self, what: Disturbance) -> None:
+        """Damage or lose frames from now on, as described; WorldError where a name is not on this wire."""
+        for name in (what.sender, what.receiver):
+            if name is not None:
+                self._named(name)
+        self._standing.append(_Standing(what))
+        self._sound = False
+
+    def calm(self) -> None:
+        """End all disturbances."""
+        self._standing.clear()
+
+    def cut(self, beyond: Collection[str]) -> None:
+        """Cut the cable: the stations of these names hear each other only, and the others do, too."""
+        self._beyond = frozenset(self._named(name).name for name in beyond)
+        self._sound = False
+
+    def swap(self, names: Collection[str]) -> None:
+        """Exchange CAN high and CAN low at these stations.
+
+        Such a station hears nothing and is not understood; while it has a frame that nobody acknowledges, its
+        repetitions destroy everybody else's frames.
+        """
+        self._swapped = frozenset(self._named(name).name for name in names)
+        self._sound = False
+
+    def mend(self) -> None:
+        """Put the cable right: neither cut nor swapped. What waited for an acknowledgement is sent."""
+        self._beyond = self._swapped = frozenset()
+        self._try_again()
+
+    def throw_off(self, name: str, until: Nanoseconds) -> None:
+        """Damage a station's frames until its controller is off the bus; nobody restarts it till `until`."""
+        self._thrown_off[self._named(name).name] = until
+        self._sound = False
+
+    def overrun(self, name: str, loss: Loss = Loss.UNKNOWN) -> None:
+        """Have a station's controller report that it has lost a frame; what was lost is not told."""
+        self._report(self._named(name), CONTROLLER, RECEIVE_OVERFLOW, loss)
+
+    def waiting(self, station: Station) -> int:
+        """Return how many frames of a station have not wholly left."""
+        return len(self._controllers[station].queue) + len(self._parked.get(station, ()))
+
+    def confinement(self, name: str) -> Confinement:
+        """Return a station's error counters; WorldError where there is none of this name."""
+        return self._counters[self._named(name)]
+
+    def join(self, world: World, station: Station, link: str) -> None:
+        """Connect a station, which calls this wire `link`."""
+        super().join(world, station, link)
+        self._counters[station] = Confinement()
+        self._try_again()
+
+    def leave(self, station: Station) -> None:
+        """Disconnect a station."""
+        super().leave(station)
+        del self._counters[station]
+        self._parked.pop(station, None)
+        self._full.discard(station)
+        self._overrun.discard(station)
+
+    def carry(self, sender: Station, packet: Packet) -> None:
+        """Queue a frame; a station that cannot send now sends it when it can."""
+        if self._sound:
+            super().carry(sender, packet)
+            return
+        if self._met(Effect.LOSS, sender) is not None:
+            self.lost += 1
+            return
+        parked = self._parked.get(sender)
+        waiting = self._controllers[sender].queue if parked is None else parked
+        depth = self._depth if parked is None or self._depth is not None else WAITING
+        if depth is not None and len(waiting) >= depth:
+            self.lost += 1
+            if sender not in self._full:  # told once, until there is room again
+                self._full.add(sender)
+                self._report(sender, CONTROLLER, TRANSMIT_OVERFLOW, Loss.QUEUE)
+        elif parked is None:
+            super().carry(sender, packet)
+        else:
+            parked.append(packet)
+
+    # Frames
+
+    def _met(self, effect: Effect, sender: Station) -> Disturbance | None:
+        """Return the disturbance with this effect that meets a frame of this sender now."""
+        now = self._ends.world.now
+        for standing in self._standing:
+            if standing.what.effect is effect and standing.hits(sender.name, now):
+                return standing.what
+        return None
+
+    def _spoilt(self, fault: Disturbance | None) -> tuple[Station | None, bool]:
+        """Return who alone sees a frame wrongly, if that is so, and whether its flag damages it for all."""
+        if fault is None:
+            return None, False
+        if fault.receiver is None:
+            return None, True
+        receiver = self._named(fault.receiver)
+        # The flag of a passive controller is recessive: it spoils the frame for itself only.
+        return receiver, self._counters[receiver].condition is Condition.ACTIVE
+
+    def _finish(self, controller: Controller) -> None:
+        sender = controller.station
+        if self._sound or sender not in self._counters or controller.world.now >= sender.silent_from:
+            super()._finish(controller)
+            return
+        hearers = self._hearers(sender)
+        if not hearers:
+            self._repeat(controller)
+        else:
+            wrong, damaged = self._spoilt(self._met(Effect.ERROR, sender))
+            if damaged or sender.name in self._thrown_off or self._jammed():
+                self._damage(controller, wrong, hearers)
+            else:
+                self._pass(controller, wrong, hearers)
+        self._sound = self._is_sound()
+
+    def _hearers(self, sender: Station) -> list[Station]:
+        """Return the stations whose controllers hear a frame of this one, and acknowledge it."""
+        if sender.name in self._swapped:
+            return []
+        side = sender.name in self._beyond
+        return [
+            station
+            for station in self._counters
+            if station is not sender
+            and station not in self._parked
+            and station.name not in self._swapped
+            and (station.name in self._beyond) is side
+        ]
+
+    def _jammed(self) -> bool:
+        """Whether a station with swapped wires repeats a frame: its dominant bits cancel everybody's."""
+        if not self._swapped:
+            return False
+        return any(self.waiting(one) > 0 for one in self._counters if one.name in self._swapped)
+
+    def _pass(self, controller: Controller, wrong: Station | None, hearers: list[Station]) -> None:
+        """End a frame that has gone well for all but one at most."""
+        sender = controller.station
+        overrun = self._met(Effect.OVERRUN, sender)
+        full = None if overrun is None or overrun.receiver is None else self._named(overrun.receiver)
+        deaf = {station for station in self._counters if station not in hearers} | {wrong, full}
+        self._ends.deaf = frozenset(station for station in deaf if station is not None)
+        super()._finish(controller)
+        self._ends.deaf = frozenset()
+        self._full.discard(sender)
+        self._tell(sender, changed=self._counters[sender].sent())
+        for station in hearers:
+            counters = self._counters[station]
+            missed = station is wrong
+            self._tell(station, changed=counters.failed_to_hear(first=True) if missed else counters.heard())
+        for station in hearers:
+            if station is not full:
+                self._overrun.discard(station)
+            elif full not in self._overrun:  # told once, until a frame gets through
+                self._overrun.add(full)
+                self._report(full, CONTROLLER, RECEIVE_OVERFLOW, Loss.OBJECT)
+
+    def _damage(self, controller: Controller, first: Station | None, hearers: list[Station]) -> None:
+        """End a frame with an error flag: everybody counts, and it waits to be sent again."""
+        self.damaged += 1
+        self._idle_after_flag(controller)
+        self._tell(controller.station, changed=self._counters[controller.station].failed_to_send())
+        for station in hearers:
+            self._tell(station, changed=self._counters[station].failed_to_hear(first=station is first))
+        self._go_on()
+
+    def _repeat(self, controller: Controller) -> None:
+        """End a frame that nobody acknowledges: until it is passive its sender counts, and sends it again."""
+        sender = controller.station
+        self._idle_after_flag(controller)
+        counters = self._counters[sender]
+        if counters.condition is Condition.ACTIVE:
+            self._tell(sender, changed=counters.failed_to_send())
+        else:
+            self._parked[sender] = deque(packet for packet, _, _ in controller.queue)
+            controller.queue.clear()
+        self._go_on()
+
+    def _idle_after_flag(self, controller: Controller) -> None:
+        world, bits = controller.world, controller.queue[0][1]
+        taken = (FLAG_BITS - UNSENT_BITS + INTERFRAME_BITS) * self.bit_time
+        self._idle_from = world.now + taken
+        self._measure(world.now, bits * self.bit_time + taken)
+
+    def _is_sound(self) -> bool:
+        """Whether all is well again, so that the next frame needs no second look."""
+        now = self._ends.world.now
+        self._standing = [one for one in self._standing if now < one.what.end and one.left != 0]
+        faulty = (
+            self._standing or self._parked or self._beyond or self._swapped or self._thrown_off or self._full
+        )
+        if faulty or self._depth is not None:
+            return False
+        return not any(one.transmit or one.receive for one in self._counters.values())
+
+    # Controllers
+
+    def _tell(self, station: Station, *, changed: bool) -> None:
+        if not changed:
+            return
+        counters = self._counters[station]
+        if counters.condition is Condition.OFF:
+            self._controllers[station].queue.clear()
+            self._parked[station] = deque()
+            world = self._ends.world
+            back = world.now + RECOVERY_BITS * self.bit_time
+            world.call_at(max(back, self._thrown_off.pop(station.name, 0)), self._return, station)
+            self._report(station, BUS_OFF)
+        elif counters.condition is Condition.PASSIVE:
+            receiving = counters.receive > counters.transmit
+            self._report(station, CONTROLLER, RECEIVE_PASSIVE if receiving else TRANSMIT_PASSIVE)
+        else:
+            self._report(station, CONTROLLER, ACTIVE_AGAIN)
+
+    def _return(self, station: Station) -> None:
+        if station in self._parked and station in self._counters:
+            self._counters[station].recover()
+            self._report(station, RESTARTED)
+            self._send_parked(station)
+            self._try_again()
+
+    def _try_again(self) -> None:
+        """Send what waited for an acknowledgement, where there is somebody to give it now."""
+        for station in tuple(self._parked):
+            if self._counters[station].condition is not Condition.OFF and self._hearers(station):
+                self._send_parked(station)
+
+    def _send_parked(self, station: Station) -> None:
+        for packet in self._parked.pop(station, ()):
+            super().carry(station, packet)
+
+    def _report(self, station: Station, address: int, state: int = 0, loss: Loss = Loss.UNKNOWN) -> None:
+        counters = self._counters[station]
+        payload = encode_report(state, loss, counters.transmit, counters.receive)
+        link = self._controllers[station].link
+        self._ends.world.deliver(station, Packet(link, address, payload))
+
+    def _named(self, name: str) -> Station:
+        for station in self._counters:
+            if station.name == name:
+                return station
+        raise WorldError(f"there is no node '{name}' on wire '{self.name}'")
