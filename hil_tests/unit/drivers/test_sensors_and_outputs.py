@@ -1,6 +1,6 @@
 """Sensors and outputs at the pins of emulated drives, over CAN and over a serial line."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
@@ -47,13 +47,15 @@ def on_line() -> AnyRobot:
 
 
 @pytest.fixture(params=[on_can, on_line])
-def bench(request: pytest.FixtureRequest) -> Bench:
+def bench(request: pytest.FixtureRequest) -> Iterator[Bench]:
+    """A robot that runs; whatever it says, the guard has nothing against it."""
     make: Callable[[], AnyRobot] = request.param
     made = Bench(make())
     made.axes["left"].analogue_1_mv = 4_000
     made.axes["left"].analogue_2_mv = -1_500
     made.starts()
-    return made
+    yield made
+    assert made.guard.refusals == ()
 
 
 def pins(bench: Bench, axis: str) -> int:
