@@ -26,7 +26,7 @@ from emulators.bench.operator import ScriptedOperator
 from emulators.rig import build
 from emulators.run import HAND_STREAM
 from emulators.servo import kernel
-from firmware_bridge.robot import find
+from firmware_bridge.kinds import find
 from firmware_bridge.units import from_seconds
 from fmu.build import ensure
 from fmu.plant import FmuPlant

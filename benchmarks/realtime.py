@@ -28,7 +28,7 @@ from emulators.servo import kernel
 from emulators.servo.axis import TICK
 from emulators.servo.bank import ServoBank
 from emulators.world import Physics
-from firmware_bridge.robot import find
+from firmware_bridge.kinds import find
 from firmware_bridge.units import SECOND, Nanoseconds, from_seconds
 
 MISSION: Final = "circles"

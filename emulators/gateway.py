@@ -6,21 +6,27 @@ Between its members packets are exchanged at once; the real bus carries them to 
 from collections import deque
 from collections.abc import Mapping
 from types import MappingProxyType
+from typing import Final
 
 from emulators.world import Physics
-from firmware_bridge.node import Node
+from firmware_bridge.node import CAN, Node
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 
 
+ON_CAN: Final[Mapping[str, str]] = MappingProxyType({CAN: CAN})
+
+
 class _Member:
-    """A node in the cluster, when it wants to be woken, and from when on it is cut off."""
+    """A node in the cluster, its links, when it wants to be woken, and from when on it is cut off."""
 
-    __slots__ = ("name", "node", "silent_from", "wake_at")
+    __slots__ = ("inner", "node", "outer", "silent_from", "wake_at")
 
-    def __init__(self, name: str, node: Node) -> None:
-        self.name = name
+    def __init__(self, node: Node, links: Mapping[str, str]) -> None:
         self.node = node
+        self.outer = dict(links)
+        """What the node's links are called outside."""
+        self.inner = {outer: inner for inner, outer in links.items()}
         self.wake_at: Nanoseconds = 0
         self.silent_from: Nanoseconds = NEVER
 
@@ -33,11 +39,14 @@ class Cluster:
         members: Mapping[str, Node],
         physics: Physics | None = None,
         poll: Nanoseconds = MILLISECOND,
-        owners: Mapping[str, str] = MappingProxyType({}),
+        links: Mapping[str, Mapping[str, str]] = MappingProxyType({}),
     ) -> None:
-        """Keep a link that is one member's own, as a serial line, to that owner; all are on the others."""
-        self._owners = dict(owners)
-        self._members = {name: _Member(name, node) for name, node in members.items()}
+        """Take the members; `links` says by member what its links are called outside.
+
+        Who is not in it has one link, CAN, under its own name. Members with one link in common hear each
+        other on it.
+        """
+        self._members = {name: _Member(node, links.get(name, ON_CAN)) for name, node in members.items()}
         self._physics = physics
         self._poll = poll
         self._outbox: list[Packet] = []
@@ -50,10 +59,8 @@ class Cluster:
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Move the physics to now and give the packet to every member that is on its link."""
         self._advance(now)
-        owner = self._owners.get(packet.link)
         for member in self._members.values():
-            if now < member.silent_from and (owner is None or owner == member.name):
-                self._take(member, member.node.receive(packet, now), now)
+            self._give(member, packet, now)
         return self._reaction(now)
 
     def wake(self, now: Nanoseconds) -> Reaction:
@@ -80,9 +87,9 @@ class Cluster:
     def _take(self, member: _Member, reaction: Reaction, now: Nanoseconds) -> None:
         member.wake_at = reaction.wake_at
         if reaction.sent and now < member.silent_from:
-            self._outbox.extend(reaction.sent)
-            owners = self._owners
-            self._between.extend((member, packet) for packet in reaction.sent if packet.link not in owners)
+            sent = [_renamed(packet, member.outer[packet.link]) for packet in reaction.sent]
+            self._outbox.extend(sent)
+            self._between.extend((member, packet) for packet in sent)
 
     def _exchange(self, now: Nanoseconds) -> None:
         """Let the members hear one another, until nobody has anything to add."""
@@ -90,8 +97,14 @@ class Cluster:
         while between:
             sender, packet = between.popleft()
             for member in self._members.values():
-                if member is not sender and now < member.silent_from:
-                    self._take(member, member.node.receive(packet, now), now)
+                if member is not sender:
+                    self._give(member, packet, now)
+
+    def _give(self, member: _Member, packet: Packet, now: Nanoseconds) -> None:
+        """Let a member hear a packet of a link that it is on."""
+        link = member.inner.get(packet.link)
+        if link is not None and now < member.silent_from:
+            self._take(member, member.node.receive(_renamed(packet, link), now), now)
 
     def _reaction(self, now: Nanoseconds) -> Reaction:
         self._exchange(now)
@@ -101,3 +114,7 @@ class Cluster:
         sent = tuple(self._outbox)
         self._outbox.clear()
         return Reaction(sent, wake_at)
+
+
+def _renamed(packet: Packet, link: str) -> Packet:
+    return packet if packet.link == link else Packet(link, packet.address, packet.payload)

@@ -11,7 +11,6 @@ import numpy as np
 
 from emulators.bench.mission import Mission
 from emulators.bench.operator import ScriptedOperator
-from emulators.bench.plots import draw
 from emulators.bench.summary import Run, Summary, as_json, summarise
 from emulators.bench.rehearsal import Rehearsal
 from emulators.rig import Rig
@@ -92,6 +91,9 @@ def drive(order: Order, progress: Progress) -> Summary:
     (order.folder / "summary.json").write_text(as_json(summary), encoding="utf-8")
     (order.folder / "samples.csv").write_text(rig.samples.csv(), encoding="ascii")
     title = f"{order.robot.name} · {order.mission_name} · seed {order.seed}"
+    # Half a second for Matplotlib, which nobody needs before the run is over.
+    from emulators.bench.plots import draw  # noqa: PLC0415 - see above
+
     draw(order.folder, title, order.robot, order.rehearsal.panels, rig.samples, rig.holds, faults=faults)
     return summary
 

@@ -13,8 +13,11 @@ from typing import Final
 from firmware_bridge.drivers.driver import Position, Speed
 from firmware_bridge.kind import AnyKind
 from firmware_bridge.robot import AnyRobot, Problem, RobotFileError
-from firmware_bridge.robot.file import robot_of, table_of, text_of
+from firmware_bridge.drivers.fleets import TELLS
+from firmware_bridge.robot.file import robot_of, schema, table_of, text_of
 from firmware_bridge.robot.problems import near
+from firmware_bridge.safety.common import AXIS_ROWS
+from firmware_bridge.safety.interlock import AxisInterlock
 
 GROUP: Final = "firmware_bridge.robots"
 ROUNDING: Final = 1e-9
@@ -72,6 +75,22 @@ def parse(text: str, file: str) -> AnyRobot:
     if excess:
         raise RobotFileError(file, *excess)
     return robot
+
+
+def schema_of(name: str) -> dict[str, object]:
+    """Return the JSON schema of a kind's robot files, for editors; RobotFileError where there is no such kind."""
+    if name not in _entries():
+        raise RobotFileError(name, Problem("", f"no such kind of robot; {near(name, names())}"))
+    return schema(kind_named(name).geometry)
+
+
+def weaker_rows(robot: AnyRobot) -> Iterator[tuple[str, AxisInterlock, AxisInterlock]]:
+    """Yield each axis whose driver tells too little for a common row, that row, and what stands in for it."""
+    for axis in robot.axes:
+        for row in AXIS_ROWS:
+            fitting = row.fitting(TELLS[robot.links[axis.link].driver])
+            if fitting is not None and fitting is not row:
+                yield axis.name, row, fitting
 
 
 def beyond_bounds(robot: AnyRobot, kind: AnyKind) -> Iterator[Problem]:

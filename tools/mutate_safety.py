@@ -20,11 +20,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from types import CodeType, ModuleType
 from typing import Final
 
+import firmware_bridge.motion.lift
 import pytest
 from mutants import ROOT, Mutant, mutants, path_of
 
 import firmware_bridge.motion.davis
-import firmware_bridge.motion.lift
 import firmware_bridge.robot
 import firmware_bridge.wire.cia402
 import firmware_bridge.wire.epos2.rows  # noqa: F401 - all of these: paid for once, before the forks

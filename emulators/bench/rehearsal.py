@@ -72,6 +72,12 @@ class Rehearsal:
         return {path.stem: path for path in sorted(self.missions.glob("*.toml"))}
 
 
+def mission_names() -> list[str]:
+    """Return the names of all shipped missions, of whichever robot."""
+    found = {name for entry in entry_points(group=GROUP) for name in entry.load().shipped()}
+    return sorted(found)
+
+
 def rehearsal_of(robot: AnyRobot) -> Rehearsal:
     """Return the rehearsal of a robot's kind; LookupError where its package brings none."""
     for entry in entry_points(group=GROUP, name=robot.kind):

@@ -4,12 +4,17 @@ from typing import Annotated, Any
 
 import typer
 
+from firmware_bridge.cli.commands import completing
 from firmware_bridge.cli.console import one_message
 from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
 
 RobotArgument = Annotated[
     str,
-    typer.Argument(metavar="ROBOT", help="A robot that `robots` lists, or the path of a robot file (.toml)."),
+    typer.Argument(
+        metavar="ROBOT",
+        help="A robot that `robots` lists, or the path of a robot file (.toml).",
+        autocompletion=completing("firmware_bridge.cli.robot_argument:names"),
+    ),
 ]
 InterfaceOption = Annotated[
     str | None,
@@ -35,6 +40,15 @@ def _bit_rate(default: str) -> Any:
 
 RobotBitRateOption = Annotated[int | None, _bit_rate("the robot's")]
 BitRateOption = Annotated[int | None, _bit_rate("1000000")]
+LinkOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--link",
+        metavar="NAME=PLACE",
+        help="Where one of a robot's several links is: INTERFACE:CHANNEL for CAN, or serial:DEVICE; may be repeated.",
+        show_default=False,
+    ),
+]
 DurationOption = Annotated[
     float | None,
     typer.Option(

@@ -1,45 +1,75 @@
-"""`robots`: the robot files found, each one checked."""
+"""`robots`: the installed robots and their files, each one checked; and the schema of a kind's robot file."""
 
+import json
 from pathlib import Path
 from typing import Annotated, Final
 
 import typer
 from rich.table import Table
 
-from firmware_bridge.cli.console import refusal, terminal
-from firmware_bridge.robot import RobotFileError, load, shipped
+from firmware_bridge import kinds
+from firmware_bridge.cli.commands import command, completing
+from firmware_bridge.cli.console import one_message, refusal, say
+from firmware_bridge.cli.tables import terminal
+from firmware_bridge.robot import AnyRobot, RobotFileError
 
 EXAMPLES: Final = """Examples:
 
 `firmware-bridge robots`
 
-`firmware-bridge robots my_robot.toml` checks one of your own."""
+`firmware-bridge robots my_robot.toml` checks one of your own.
+
+`firmware-bridge robots --schema rars > rars.schema.json` tells an editor every key of such a file."""
 
 
+@command(EXAMPLES)
 def robots(
     files: Annotated[
         list[Path] | None,
         typer.Argument(metavar="FILE", help="More robot files to check.", show_default=False),
     ] = None,
+    *,
+    schema: Annotated[
+        str | None,
+        typer.Option(
+            metavar="KIND",
+            help="Print the JSON schema of this kind's robot files instead.",
+            show_default=False,
+            autocompletion=completing("firmware_bridge.cli.robot_argument:names"),
+        ),
+    ] = None,
 ) -> None:
-    """List the robot files found, each one checked.
+    """List the robots that are installed, each file checked, with all its mistakes at once.
 
-    Checks the files that come with the program and those given.
+    Checks the files that come with the installed kinds and those given.
     """
-    table = Table(title="robot files")
-    for heading in ("robot", "axes", "bus", "file", "check"):
+    if schema is not None:
+        with one_message(RobotFileError):
+            say(json.dumps(kinds.schema_of(schema), indent=2))
+        return
+    table = Table(title="robots")
+    for heading in ("robot", "axes", "links", "file", "check"):
         table.add_column(heading, overflow="fold")
     wrong = []
-    for path in [*shipped(), *(files or [])]:
+    for path in [*(kinds.kind_named(name).file for name in kinds.names()), *(files or [])]:
         try:
-            robot = load(path)
+            table.add_row(*_row(kinds.load(path), path))
         except RobotFileError as error:
             wrong.append(error)
             table.add_row(path.stem, "", "", str(path), "[red]wrong[/]")
-            continue
-        axes = "\n".join(f"{axis.node} {axis.title}" for axis in robot.axes)
-        bus = f"{robot.bus.bit_rate // 1000} kbit/s\nevery {robot.bus.cycle_ms} ms"
-        table.add_row(f"{robot.name}\n[dim]{robot.title}[/]", axes, bus, str(path), "[green]good[/]")
     terminal().print(table)
     if wrong:
         raise refusal("\n".join(map(str, wrong)))
+
+
+def _row(robot: AnyRobot, path: Path) -> tuple[str, str, str, str, str]:
+    axes = "\n".join(f"{axis.settings.node} {axis.title}" for axis in robot.axes)
+    links = "\n".join(
+        f"{name}: {link.driver.value}, {link.bit_rate // 1000} kbit/s\nevery {link.every * robot.cycle_ms} ms"
+        for name, link in robot.links.items()
+    )
+    weaker = [
+        f"{axis}: {row.name} in place of {strong.name}" for axis, strong, row in kinds.weaker_rows(robot)
+    ]
+    check = "\n".join(["[green]good[/]", *weaker])
+    return f"{robot.name}\n[dim]{robot.title}[/]", axes, links, str(path), check

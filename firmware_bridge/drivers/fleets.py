@@ -3,6 +3,8 @@
 from collections.abc import Callable, Mapping
 from typing import Final
 
+from firmware_bridge.drivers.driver import Tells
+from firmware_bridge.drivers.epos2 import feedback as epos2
 from firmware_bridge.drivers.epos2.can.fleet import can_fleet
 from firmware_bridge.drivers.epos2.serial.fleet import serial_fleet
 from firmware_bridge.drivers.fleet import Fleet
@@ -14,6 +16,9 @@ DRIVERS: Final[Mapping[str, Callable[[AnyRobot, str], Fleet]]] = {
     Epos2Driver.SERIAL: serial_fleet,
 }
 """How a link's devices are made, by the driver that the robot file names."""
+
+TELLS: Final[Mapping[str, frozenset[Tells]]] = dict.fromkeys(Epos2Driver, epos2.TELLS)
+"""What the devices of each driver can tell, before there are any."""
 
 
 def fleets_of(robot: AnyRobot) -> tuple[Fleet, ...]:

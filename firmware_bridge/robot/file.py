@@ -50,3 +50,9 @@ def robot_of(
     if problems:
         raise RobotFileError(file, *problems)
     return robot
+
+
+def schema(geometry: type[Table]) -> dict[str, object]:
+    """Return the JSON schema of the robot files of a kind with this geometry."""
+    model = Robot[geometry]  # type: ignore[valid-type] # as above
+    return model.model_json_schema()

@@ -10,8 +10,8 @@ import pytest
 from emulators.devices import devices
 from emulators.wires import CanWire
 from emulators.world import World
+from firmware_bridge.kinds import find
 from firmware_bridge.node import CAN
-from firmware_bridge.robot import find
 from fmu.interface import INPUTS
 from fmu.plant import PlantError
 from hil_tests.fmu.conftest import Bench, PlantMaker

@@ -21,18 +21,18 @@ from emulators.servo.bank import plant_outputs
 from emulators.wires import CanWire, DatagramWire
 from emulators.world import World
 from firmware_bridge.bridge import Bridge
-from firmware_bridge.cli import attach_commands, program
+from firmware_bridge.cli import program
+from firmware_bridge.kinds import find
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.robot import Robot, find, shipped
+from firmware_bridge.robot import AnyRobot, shipped
+from firmware_bridge.robots.rars import KIND
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, from_seconds
 from fmu.build import export
 from fmu.errors import PlantError
 from fmu.export.model import Expression, Model, Output, Parameter, State
 from fmu.export.model import Input as Voltage
 from fmu.interface import AXES, INPUTS, OUTPUTS
-
-attach_commands()
 
 STEPS = (
     Step(at_s=3.0, title="arm", arm=True),
@@ -136,7 +136,7 @@ def changed(original: Path, target: Path, *changes: tuple[str, str]) -> Path:
     return target
 
 
-def robot_with(**parameters: float) -> Robot:
+def robot_with(**parameters: float) -> AnyRobot:
     robot = find("rars")
     plant = robot.plant.model_copy(update={"parameters": parameters})
     return robot.model_copy(update={"plant": plant})
@@ -165,7 +165,7 @@ class Process:
             return Reaction()
 
 
-def operator(robot: Robot) -> ScriptedOperator:
+def operator(robot: AnyRobot) -> ScriptedOperator:
     mission = Mission(title="a ride", duration_s=20, input=Input.STICK, noise=Noise(), step=STEPS)
     return ScriptedOperator(robot, mission, np.random.default_rng(0))
 
@@ -184,10 +184,10 @@ def test_a_strangers_plant_drives_the_robot(strangers: dict[str, Path], rigs: li
     rigs.append(rig := build(robot, operator(robot), plant_path=strangers[who]))
     rig.run(from_seconds(5.0))
     last = rig.samples[-1]
-    assert last.speed_mps == pytest.approx(0.2, rel=0.02)
-    assert last.steer_rad == pytest.approx(np.deg2rad(10.0), rel=0.03)
-    assert last.heading_rad > 0.03
-    assert last.odometry_x_m == pytest.approx(last.x_m, rel=0.06)
+    assert last["speed_mps"] == pytest.approx(0.2, rel=0.02)
+    assert last["steer_rad"] == pytest.approx(np.deg2rad(10.0), rel=0.03)
+    assert last["heading_rad"] > 0.03
+    assert last["odometry_x_m"] == pytest.approx(last["x_m"], rel=0.06)
     assert not [hold for hold in rig.holds if hold.ended is None]
 
 
@@ -242,8 +242,8 @@ def test_a_plant_that_fails_under_way_ends_the_run_with_its_time(
 def test_when_the_emulated_robot_dies_of_its_plant_the_bridge_is_safe(strangers: dict[str, Path]) -> None:
     robot = robot_with(fails_at=3.6)
     emulated = devices(robot, strangers["PythonFMU"])
-    bus, air = CanWire(robot.bus.bit_rate), DatagramWire(0, 0, 0.0, np.random.default_rng(0))
-    bridge, world = Bridge(robot), World()
+    bus, air = CanWire(robot.links["drives"].bit_rate), DatagramWire(0, 0, 0.0, np.random.default_rng(0))
+    bridge, world = Bridge(robot, KIND), World()
     process = Process(Cluster(emulated.drives, emulated.bank))
     world.attach("emulator", process, {CAN: bus})
     world.attach(BRIDGE, bridge, {CAN: bus, OPERATOR: air})
@@ -263,7 +263,7 @@ def test_when_the_emulated_robot_dies_of_its_plant_the_bridge_is_safe(strangers:
     late = [target for at, target in targets if at > failed_at + 500 * MILLISECOND]
     assert set(late) == {0}
     assert bridge.seen.demanded_speed_mps == 0.0
-    assert {f"drive silent: {axis}" for axis in AXES} <= {hold.name for hold in bridge.holds}
+    assert {f"axis silent: {axis}" for axis in AXES} <= {hold.name for hold in bridge.holds}
 
 
 def test_the_command_line_says_it_in_one_line(strangers: dict[str, Path], tmp_path: Path) -> None:

@@ -10,9 +10,9 @@ from emulators.devices import Devices, devices
 from emulators.replay import Into, Order, replay
 from emulators.wires import CanWire
 from emulators.world import World
+from firmware_bridge.kinds import find
 from firmware_bridge.node import CAN
 from firmware_bridge.recording import candump_line
-from firmware_bridge.robot import find
 from firmware_bridge.units import SECOND
 from hil_tests.interop.virtual_master import PdoMaster
 
@@ -33,7 +33,7 @@ def session(emulated: Devices, sheet: Path) -> list[str]:
     `hil_tests/recordings/rars/canopen-master.log.xz` is such a session.
     """
     log: list[str] = []
-    world, wire = World(emulated.bank), CanWire(RARS.bus.bit_rate)
+    world, wire = World(emulated.bank), CanWire(RARS.links["drives"].bit_rate)
     wire.observe(lambda now, _, packet: log.append(candump_line(now, packet, "can0", REAL)))
     for name, drive in emulated.drives.items():
         world.attach(name, drive, {CAN: wire})

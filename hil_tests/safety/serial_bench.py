@@ -3,10 +3,11 @@
 from typing import Final
 
 from firmware_bridge.drivers.serial.client import writing
-from firmware_bridge.packet import Packet
-from firmware_bridge.robot import Role, find
-from firmware_bridge.safety.guard import Guarded, Refusal, guarded
 from firmware_bridge.safety.guard_serial_rules import serial_rules_for
+
+from firmware_bridge.kinds import find
+from firmware_bridge.packet import Packet
+from firmware_bridge.safety.guard import Guarded, Refusal, guarded
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
@@ -18,7 +19,7 @@ from hil_tests.safety.guard_bench import Puppet
 
 ROBOT: Final = find("rars").over_serial()
 RULES: Final = serial_rules_for(ROBOT)
-LEFT, STEER, LIFT = (ROBOT.axis(role) for role in (Role.LEFT_WHEEL, Role.STEERING, Role.LIFT))
+LEFT, STEER, LIFT = (ROBOT.axis(role) for role in ("left_wheel", "steering", "lift"))
 TOP: Final = LEFT.profile.max_velocity_rpm
 ENDS: Final = {rules.axis.name: (rules.low, rules.high) for rules in RULES.axes}
 ENABLE, HALT, NEW_POSITION, QUICK_STOP = 0x000F, 0x010F, 0x003F, 0x000B

@@ -1,15 +1,15 @@
 """The guard on a serial line: which commands leave, with which values, and what leaves instead."""
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-
 from firmware_bridge.drivers.epos2_setup import Travel, configuration, farewell, over_serial
 from firmware_bridge.drivers.serial.client import reading, writing
 from firmware_bridge.drivers.serial.link import guarding, heartbeat
+from hypothesis import given
+from hypothesis import strategies as st
+
 from firmware_bridge.node import CAN, MAXON, OPERATOR
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot import Mode
+from firmware_bridge.robot import Command
 from firmware_bridge.wire.canopen import NmtCommand
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
@@ -60,9 +60,9 @@ def test_what_is_listed_leaves_as_it_is(desk: SerialBench, packet: Packet) -> No
 
 def test_the_whole_set_up_of_every_drive_leaves_as_it_is(desk: SerialBench) -> None:
     for axis, rules in zip(ROBOT.axes, RULES.axes, strict=True):
-        travel = Travel(rules.low, rules.high) if axis.mode is Mode.POSITION else None
-        for row in (*configuration(axis, ROBOT.bus, travel, over_serial(axis, ROBOT)), *farewell()):
-            packet = command(writing(axis.node, row.address, row.raw))
+        travel = Travel(rules.low, rules.high) if axis.command is Command.POSITION else None
+        for row in (*configuration(axis, ROBOT.links["drives"], travel, over_serial(axis, ROBOT)), *farewell()):
+            packet = command(writing(axis.settings.node, row.address, row.raw))
             assert desk.says(packet) == (packet,), row
     assert desk.guard.refused == 0
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from emulators.bench.mission import Step
+from emulators.robots.rars import RarsStep as Step
 from hil_tests.scenarios.ride import Armed, Ridden, Ride, ride
 
 

@@ -6,13 +6,17 @@ from typing import Final
 
 import numpy as np
 
+from emulators.bench.columns import Sample
 from emulators.bench.faults import Fault, read
-from emulators.bench.mission import Input, Mission, Noise, Step
+from emulators.bench.mission import Mission, Noise
 from emulators.bench.operator import ScriptedOperator
-from emulators.bench.records import Sample
+from emulators.bench.step import Input
 from emulators.bench.summary import mean_acceleration
-from emulators.rig import BRIDGE, Rig, build
-from firmware_bridge.robot import Robot, find
+from emulators.rig import BRIDGE, Rig
+from emulators.robots.rars import REHEARSAL
+from emulators.robots.rars import RarsStep as Step
+from firmware_bridge.kinds import find
+from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import from_seconds, to_seconds
 
 READY_S: Final = 3.0
@@ -42,7 +46,8 @@ class Ride:
 
     @property
     def now(self) -> Sample:
-        return self.rig.samples[-1]
+        newest: Sample = self.rig.samples[-1]
+        return newest
 
     @property
     def holding(self) -> set[str]:
@@ -60,15 +65,15 @@ class Ride:
         return [row for row in self.rig.samples if from_seconds(began) <= row.at <= from_seconds(ended)]
 
     def fastest(self, began: float = 0.0, ended: float = 1e6) -> float:
-        return max(abs(row.speed_mps) for row in self.rows(began, ended))
+        return max(abs(row["speed_mps"]) for row in self.rows(began, ended))
 
     def hardest(self, began: float = 0.0, ended: float = 1e6) -> float:
-        speed = np.array([row.speed_mps for row in self.rows(began, ended)])
+        speed = np.array([row["speed_mps"] for row in self.rows(began, ended)])
         return float(np.abs(mean_acceleration(speed)).max())
 
     def stands_from(self, began: float, slower_than: float = 0.002) -> float:
         """The second from which the base stands for good, counted from the first row at or after `began`."""
-        moving = [row.at for row in self.rows(began, 1e6) if abs(row.speed_mps) >= slower_than]
+        moving = [row.at for row in self.rows(began, 1e6) if abs(row["speed_mps"]) >= slower_than]
         return to_seconds(max(moving)) if moving else began
 
 
@@ -78,7 +83,7 @@ Ridden = Callable[..., Ride]
 def ride(
     *steps: Step,
     seconds: float,
-    robot: Robot | None = None,
+    robot: AnyRobot | None = None,
     noise: Noise | None = None,
     seed: int = 0,
     faults: Sequence[Fault] = (),
@@ -86,8 +91,9 @@ def ride(
     """Build the bench with an operator who does these steps; nothing has run yet."""
     machine = find("rars") if robot is None else robot
     mission = story(*steps, seconds=seconds, noise=noise)
-    operator = ScriptedOperator(machine, mission, np.random.default_rng(seed))
-    return Ride(build(machine, operator, seed=seed, noise=mission.noise, faults=faults), operator)
+    operator = ScriptedOperator(machine, REHEARSAL, mission, np.random.default_rng(seed))
+    rig = Rig(machine, REHEARSAL, operator, seed=seed, noise=mission.noise, faults=faults)
+    return Ride(rig, operator)
 
 
 def story(*steps: Step, seconds: float, noise: Noise | None = None) -> Mission:

@@ -2,8 +2,8 @@
 
 import pytest
 
+from firmware_bridge.kinds import find
 from firmware_bridge.motion.ramp import MARGIN
-from firmware_bridge.robot import find
 from hil_tests.scenarios.ride import ARMED, ride, step
 
 RARS = find("rars")
@@ -34,7 +34,7 @@ def test_a_loaded_robot_lowers_the_voltage_that_its_drives_see(payload_kg: float
         lowest = min(lowest, now)
     assert bench.fastest() > 0.3
     # Accelerating takes m a v out of 50 mOhm; the windings' heat and friction do not take as much again.
-    power = (70.0 + payload_kg) * MARGIN * RARS.limits.acceleration_mps2 * bench.fastest()
+    power = (70.0 + payload_kg) * MARGIN * RARS.geometry.limits.acceleration_mps2 * bench.fastest()
     mechanical_mv = 1000 * BATTERY_OHM * power / EMPTY_V
     assert mechanical_mv < standing - lowest < 2 * mechanical_mv
     bench.rig.finish()

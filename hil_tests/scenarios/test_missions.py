@@ -11,8 +11,8 @@ import pytest
 
 from emulators.bench import mission as missions
 from emulators.run import Order, drive
+from firmware_bridge.kinds import find
 from firmware_bridge.recording import parse_candump
-from firmware_bridge.robot import find
 from firmware_bridge.units import from_seconds
 
 TSHARK: Final = shutil.which("tshark") or "tshark: not installed"
@@ -66,7 +66,7 @@ def test_every_interlock_that_an_operator_can_trip_is_tripped_and_says_why(drive
         "lift extended",
         "operator silent",
         "emergency stop",
-        "drive not enabled: left",
+        "axis not enabled: left",
     } <= {hold["name"] for hold in holds}
 
 
@@ -81,7 +81,7 @@ def test_nothing_rolls_while_the_lift_is_extended(driven: Driven) -> None:
         if hold["name"] == "lift extended"
     ]
     assert len(lifted) >= 2
-    assert rars.limits.lift_retracted_m == retracted
+    assert rars.geometry.limits.lift_retracted_m == retracted
     for began, ended in lifted:
         for address in (0x281, 0x282):
             counts = [
@@ -91,7 +91,7 @@ def test_nothing_rolls_while_the_lift_is_extended(driven: Driven) -> None:
             ]
             assert len(counts) > 10
             metres = (
-                (max(counts) - min(counts)) / rars.axes[0].quadcounts_per_radian * rars.base.wheel_radius_m
+                (max(counts) - min(counts)) / rars.axes[0].quadcounts_per_radian * rars.geometry.base.wheel_radius_m
             )
             assert metres < 0.002
 
@@ -113,7 +113,7 @@ def test_what_goes_wrong_in_the_mission_of_faults_is_held_and_named(driven: Driv
     for code in ("0x8110", "0x3220", "0x4210", "0xFF0A", "0xFF02", "0xFF03", "0x81FD", "0x8130"):
         assert code in reasons
     names = {hold["name"].split(":")[0] for hold in told["holds"]}
-    assert {"operator silent", "drive silent", "drive fault", "drive not enabled", "not armed"} <= names
+    assert {"operator silent", "axis silent", "axis fault", "axis not enabled", "not armed"} <= names
 
 
 def test_nothing_but_rolling_out_follows_a_fault_that_stops_the_robot(driven: Driven) -> None:

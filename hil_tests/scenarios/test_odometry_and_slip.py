@@ -15,13 +15,13 @@ import numpy.typing as npt
 import pytest
 
 from emulators.bench import mission
+from emulators.bench.columns import SAMPLE_EVERY, Sample
 from emulators.bench.operator import ScriptedOperator
-from emulators.bench.records import SAMPLE_EVERY, Sample
 from emulators.bench.summary import mean_acceleration, odometry_errors
 from emulators.rig import build
 from emulators.run import HAND_STREAM
+from firmware_bridge.kinds import find
 from firmware_bridge.motion.ramp import MARGIN
-from firmware_bridge.robot import find
 from firmware_bridge.units import from_seconds, to_seconds
 from fmu.rars.parameters import PARAMETERS
 
@@ -62,8 +62,8 @@ def driven(plant: tuple[tuple[str, float], ...] = ()) -> Drive:
 def rolled(drive: Drive) -> complex:
     """Return where the rear wheels have rolled, (4.13)-(4.15) with the middle of each step's heading."""
     rars = find("rars")
-    ways = rars.base.wheel_radius_m / rars.axes[0].quadcounts_per_radian * np.diff(drive.counts, axis=0)
-    turns = (ways[:, 1] - ways[:, 0]) / rars.base.rear_track_m
+    ways = rars.geometry.base.wheel_radius_m / rars.axes[0].quadcounts_per_radian * np.diff(drive.counts, axis=0)
+    turns = (ways[:, 1] - ways[:, 0]) / rars.geometry.base.rear_track_m
     heading = drive.rows[0].odometry_heading_rad + np.cumsum(turns) - turns / 2
     return complex(np.sum(ways.mean(axis=1) * np.exp(1j * heading)))
 
@@ -79,7 +79,7 @@ def slip(acceleration: float) -> float:
 
 def test_odometry_counts_what_the_wheels_roll() -> None:
     first, last = driven().rows[0], driven().rows[-1]
-    believed = complex(last.odometry_x_m - first.odometry_x_m, last.odometry_y_m - first.odometry_y_m)
+    believed = complex(last["odometry_x_m"] - first.odometry_x_m, last["odometry_y_m"] - first.odometry_y_m)
     assert abs(believed - rolled(driven())) < BOUND_M
 
 
@@ -90,8 +90,8 @@ def test_where_the_wheels_grip_odometry_is_right() -> None:
 def test_on_the_thesis_own_floor_it_errs_by_what_the_tyres_slip() -> None:
     """Along the way by the slip that the acceleration takes, across it by that of the turn's."""
     rows = driven().rows
-    speed = np.array([row.speed_mps for row in rows])
-    turning = np.abs(speed * np.array([row.yaw_rate_rad_s for row in rows]))
+    speed = np.array([row["speed_mps"] for row in rows])
+    turning = np.abs(speed * np.array([row["yaw_rate_rad_s"] for row in rows]))
     changing = np.zeros_like(speed)
     changing[5:] = np.abs(mean_acceleration(speed))
     slips = [slip(float(a)) for a in changing] + P["peak_slip"] * turning / (P["floor_friction"] * 9.81)

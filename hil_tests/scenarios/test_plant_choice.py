@@ -3,7 +3,8 @@
 import pytest
 
 from emulators.devices import plant_parameters
-from firmware_bridge.robot import PlantFile, RobotFileError, find
+from firmware_bridge.kinds import find
+from firmware_bridge.robot import PlantFile, RobotFileError
 
 
 def rars(**plant: object) -> dict[str, float]:

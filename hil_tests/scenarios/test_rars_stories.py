@@ -5,8 +5,8 @@ import math
 import pytest
 
 from emulators.bench.mission import Noise
+from firmware_bridge.kinds import find
 from firmware_bridge.motion import davis
-from firmware_bridge.robot import Role, find
 from firmware_bridge.units import from_seconds, to_seconds
 from firmware_bridge.wire.cia402 import State, state_of
 from firmware_bridge.wire.epos2.address import STATUSWORD
@@ -16,17 +16,17 @@ from hil_tests.scenarios.ride import ARMED, Ridden, step
 def test_the_robot_drives_where_the_operator_wants(rides: Ridden) -> None:
     ride = rides(ARMED, step(4.0, speed_mps=0.3), seconds=20)
     ride.runs_until(8.0)
-    assert ride.now.speed_mps == pytest.approx(0.3, rel=0.01)
-    assert ride.now.y_m == pytest.approx(0.0, abs=0.002)
-    assert ride.now.x_m == pytest.approx(0.3 * 4.0, abs=0.15)
+    assert ride.now["speed_mps"] == pytest.approx(0.3, rel=0.01)
+    assert ride.now["y_m"] == pytest.approx(0.0, abs=0.002)
+    assert ride.now["x_m"] == pytest.approx(0.3 * 4.0, abs=0.15)
 
 
 def test_nothing_moves_before_arming(rides: Ridden) -> None:
     ride = rides(step(3.0, speed_mps=0.3), step(3.5, steer_deg=30), step(4.0, lift_m=0.1), seconds=20)
     ride.runs_until(6.0)
     assert ride.fastest() < 1e-3
-    assert abs(ride.now.steer_rad) < 1e-3
-    assert ride.now.lift_m < 1e-4
+    assert abs(ride.now["steer_rad"]) < 1e-3
+    assert ride.now["lift_m"] < 1e-4
     assert "not armed" in ride.holding
 
 
@@ -34,7 +34,7 @@ def test_a_silent_operator_brings_the_robot_to_rest(rides: Ridden) -> None:
     ride = rides(ARMED, step(4.0, speed_mps=0.5), step(6.0, silent_s=10), seconds=30)
     ride.runs_until(8.0)
     assert ride.fastest(5.0, 6.0) == pytest.approx(0.5, rel=0.02)
-    assert ride.now.speed_mps == pytest.approx(0, abs=0.002)
+    assert ride.now["speed_mps"] == pytest.approx(0, abs=0.002)
     assert "operator silent" in ride.holding
     assert ride.hardest() < 1.45
 
@@ -49,7 +49,7 @@ def test_a_silent_operator_stops_a_slow_robot_within_0_6_s(rides: Ridden, speed:
 def test_a_motion_returns_with_the_operator(rides: Ridden) -> None:
     ride = rides(ARMED, step(4.0, speed_mps=0.2), step(5.0, silent_s=2), seconds=30)
     ride.runs_until(10.0)
-    assert ride.now.speed_mps == pytest.approx(0.2, rel=0.02)
+    assert ride.now["speed_mps"] == pytest.approx(0.2, rel=0.02)
     assert "operator silent" not in ride.holding
 
 
@@ -67,11 +67,11 @@ def test_an_emergency_stop_latches_until_cleared_and_armed_again(rides: Ridden) 
         seconds=30,
     )
     ride.runs_until(6.6)
-    assert abs(ride.now.speed_mps) < 0.01
+    assert abs(ride.now["speed_mps"]) < 0.01
     ride.runs_until(12.4)
     assert ride.fastest(6.6, 12.4) < 0.01, "neither arming nor clearing alone lets it move"
     ride.runs_until(18.0)
-    assert ride.now.speed_mps == pytest.approx(0.2, rel=0.02)
+    assert ride.now["speed_mps"] == pytest.approx(0.2, rel=0.02)
     assert ride.hardest() < 1.45
 
 
@@ -87,24 +87,24 @@ def test_the_lift_rises_at_rest_only_and_holds_the_wheels(rides: Ridden) -> None
         seconds=40,
     )
     ride.runs_until(6.0)
-    assert ride.now.lift_m < 1e-3
+    assert ride.now["lift_m"] < 1e-3
     ride.runs_until(12.0)
-    raised = ride.now.lift_m
+    raised = ride.now["lift_m"]
     ride.runs_until(14.0)
     assert ride.fastest(12.0, 14.0) < 1e-3
     assert raised > 0.05
     assert ride.held("lift extended")
     ride.runs_until(24.0)
-    assert ride.now.lift_m < 0.005
-    assert ride.now.speed_mps == pytest.approx(0.2, rel=0.02)
+    assert ride.now["lift_m"] < 0.005
+    assert ride.now["speed_mps"] == pytest.approx(0.2, rel=0.02)
 
 
 def test_the_wheels_follow_the_angle_that_is_steered(rides: Ridden) -> None:
     """A step from 0 to 30 degrees at 0.3 m/s: each cycle's set-points fit the angle read in that cycle."""
     ride = rides(ARMED, step(4.0, speed_mps=0.3), step(6.0, steer_deg=30), seconds=20)
     rars = find("rars")
-    half = rars.base.rear_track_m / 2.0
-    steering = rars.axis(Role.STEERING)
+    half = rars.geometry.base.rear_track_m / 2.0
+    steering = rars.axis("steering")
     angle: list[float] = []
     sent: dict[int, int] = {}
     ratios: list[tuple[float, float]] = []
@@ -113,7 +113,7 @@ def test_the_wheels_follow_the_angle_that_is_steered(rides: Ridden) -> None:
         address, payload = packet.address, packet.payload  # type: ignore[attr-defined]
         if address == 0x280 + steering.node:
             counts = int.from_bytes(payload[2:6], "little", signed=True)
-            angle[:] = [davis.steer_from_quadcounts(rars.base, steering, counts)]
+            angle[:] = [davis.steer_from_quadcounts(rars.geometry.base, steering, counts)]
         if sender == "bridge" and address in (0x501, 0x502):
             sent[address] = int.from_bytes(payload[2:6], "little", signed=True)
             if len(sent) == 2:
@@ -126,12 +126,12 @@ def test_the_wheels_follow_the_angle_that_is_steered(rides: Ridden) -> None:
     assert len(ratios) >= 60
     assert ratios[-1][1] == pytest.approx(math.radians(30), abs=0.002)
     for ratio, steer in ratios:
-        radius = math.inf if steer == 0 else davis.turn_radius(rars.base, steer)
+        radius = math.inf if steer == 0 else davis.turn_radius(rars.geometry.base, steer)
         expected = 1.0 if math.isinf(radius) else (radius + half) / (radius - half)
         assert ratio == pytest.approx(expected, rel=0.02)
     end = ride.now
     left, right = end.motor_speeds_rad_s[0], end.motor_speeds_rad_s[1]
-    radius = davis.turn_radius(rars.base, end.steer_rad)
+    radius = davis.turn_radius(rars.geometry.base, end.steer_rad)
     assert right / left == pytest.approx((radius + half) / (radius - half), rel=0.02)
     assert end.yaw_rate_rad_s == pytest.approx(end.speed_mps / radius, rel=0.02)
 
@@ -141,11 +141,11 @@ def test_a_drive_that_falls_silent_stops_the_robot_and_is_named(rides: Ridden) -
     ride.runs_until(6.0)
     ride.rig.world.silence("steer", from_seconds(6.0))
     ride.runs_until(8.0)
-    assert abs(ride.now.speed_mps) < 0.002
-    (reason,) = ride.held("drive silent")[:1]
+    assert abs(ride.now["speed_mps"]) < 0.002
+    (reason,) = ride.held("axis silent")[:1]
     assert "3" in reason
     assert "steering" in reason
-    assert not ride.now.armed, "a drive that was lost needs a new arm"
+    assert not ride.now["armed"], "a drive that was lost needs a new arm"
 
 
 @pytest.mark.parametrize("lost", ["left", "right"])
@@ -172,7 +172,7 @@ def test_an_orderly_end_leaves_every_drive_without_power(rides: Ridden) -> None:
     ride.runs_until(6.0)
     ride.ends()
     ride.runs_until(9.0)
-    assert abs(ride.now.speed_mps) < 0.002
+    assert abs(ride.now["speed_mps"]) < 0.002
     for drive in ride.rig.devices.drives.values():
         state = state_of(drive.store.get(STATUSWORD))
         assert state in (State.SWITCH_ON_DISABLED, State.READY_TO_SWITCH_ON)
@@ -184,8 +184,8 @@ def test_a_forced_disarm_takes_the_power_off_and_the_robot_rolls_out(rides: Ridd
     for drive in ride.rig.devices.drives.values():
         assert state_of(drive.store.get(STATUSWORD)) is State.SWITCH_ON_DISABLED, "within one cycle"
     ride.runs_until(7.0)
-    assert ride.now.speed_mps > 0.35, "nothing brakes it but friction"
-    assert not ride.held("drive fault")
+    assert ride.now["speed_mps"] > 0.35, "nothing brakes it but friction"
+    assert not ride.held("axis fault")
     assert ride.hardest() < 1.45
     assert max(map(abs, ride.now.currents_a)) < 0.1
 

@@ -6,7 +6,7 @@ import pytest
 from emulators.bench.mission import Input, Mission
 from emulators.bench.operator import ScriptedOperator
 from emulators.rig import Rig
-from firmware_bridge.robot import find
+from firmware_bridge.kinds import find
 from hil_tests.scenarios.ride import ARMED, Ride, step
 
 
@@ -22,7 +22,7 @@ def test_the_robot_drives_with_the_published_answer_times() -> None:
     rig = Rig(robot, operator, realistic_latency=True)
     told = Ride(rig, operator)
     told.runs_until(8.0)
-    assert told.now.armed
-    assert told.now.speed_mps == pytest.approx(0.2, abs=0.01)
+    assert told.now["armed"]
+    assert told.now["speed_mps"] == pytest.approx(0.2, abs=0.01)
     assert told.holding == set()
     rig.finish()

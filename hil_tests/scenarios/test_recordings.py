@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from emulators.replay import Into, Order, replay
-from firmware_bridge.robot import find
+from firmware_bridge.kinds import find
 from firmware_bridge.units import MICROSECOND, from_seconds
 
 FOLDER = Path(__file__).parents[1] / "recordings"

@@ -8,9 +8,9 @@ import pytest
 
 from emulators.replay import Into, Order, Outcome, replay
 from emulators.trace import parse_trace_line
+from firmware_bridge.kinds import find
 from firmware_bridge.node import CAN
 from firmware_bridge.recording import candump_line, tlog_records
-from firmware_bridge.robot import find
 from firmware_bridge.units import MILLISECOND, SECOND
 
 GOLDEN = Path(__file__).parents[1] / "golden"

@@ -125,11 +125,11 @@ def kept() -> Iterator[Kept]:
 
 def test_the_story_has_everything_that_may_be_forgotten(straight: Straight) -> None:
     held = {hold.name.split(":")[0] for hold in straight.one.rig.holds}
-    assert {"starting", "not armed", "drive silent", "drive fault", "emergency stop", "lift moving"} <= held
+    assert {"starting", "not armed", "axis silent", "axis fault", "emergency stop", "lift moving"} <= held
     assert straight.one.rig.operator_wire.lost > 0
     assert straight.one.rig.can_wire.destroyed == 0
     assert straight.one.fastest(13.0, 14.0) > 0.2, "it drives again after the fault"
-    assert max(row.lift_m for row in straight.one.rig.samples) > 0.01
+    assert max(row["lift_m"] for row in straight.one.rig.samples) > 0.01
     assert straight.one.rig.bridge.finished
 
 

@@ -13,7 +13,7 @@ from hil_tests.scenarios.ride import ARMED, Ridden, step
 def test_a_wheel_whose_encoder_is_cut_off_stops_the_robot(rides: Ridden, wheel: str) -> None:
     ride = rides(ARMED, step(4.0, speed_mps=0.3), seconds=20)
     ride.runs_until(7.0)
-    assert ride.now.speed_mps == pytest.approx(0.3, rel=0.02)
+    assert ride.now["speed_mps"] == pytest.approx(0.3, rel=0.02)
     axes = {axis.name: axis for axis in ride.rig.devices.bank.axes}
     Surroundings(axes[wheel]).wires(SensorWires(broken=True))
     ride.runs_until(7.1)
@@ -22,7 +22,7 @@ def test_a_wheel_whose_encoder_is_cut_off_stops_the_robot(rides: Ridden, wheel: 
     assert drive.store.get(ERROR_HISTORY_COUNT) == 1
     assert not axes[wheel].powered
     ride.runs_until(12.0)
-    assert ride.held("drive fault")
-    assert f"0x{SENSOR_BREACH:04X}" in " ".join(ride.held("drive fault"))
+    assert ride.held("axis fault")
+    assert f"0x{SENSOR_BREACH:04X}" in " ".join(ride.held("axis fault"))
     assert ride.stands_from(7.0) < 9.0
     assert ride.fastest(9.0) < 0.002

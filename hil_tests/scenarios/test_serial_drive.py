@@ -13,9 +13,10 @@ from emulators.line import Line
 from emulators.rig import BRIDGE
 from emulators.run import Order, drive
 from firmware_bridge.bridge import Phase
+from firmware_bridge.kinds import find
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot import Robot, find
+from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.canopen import NmtCommand
@@ -34,8 +35,8 @@ BRAKED_S: Final = 0.45
 """The watch, one heartbeat that had just come, and the quick stop from 0.3 m/s."""
 
 
-def with_bus(robot: Robot, **changes: object) -> Robot:
-    bus = type(robot.bus).model_validate(robot.bus.model_dump() | changes)
+def with_bus(robot: AnyRobot, **changes: object) -> AnyRobot:
+    bus = type(robot.links["drives"]).model_validate(robot.links["drives"].model_dump() | changes)
     return robot.model_copy(update={"bus": bus})
 
 
@@ -55,12 +56,12 @@ def armed(one: Ride) -> bool:
 
 
 @pytest.fixture(scope="module")
-def driven(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Robot, str], Path]:
+def driven(tmp_path_factory: pytest.TempPathFactory) -> Callable[[AnyRobot, str], Path]:
     """Drive a shipped mission with each robot once, and return the folder of its results."""
     folders: dict[tuple[str, str], Path] = {}
 
-    def results(robot: Robot, mission: str) -> Path:
-        link = robot.bus.link.value
+    def results(robot: AnyRobot, mission: str) -> Path:
+        link = robot.links["drives"].link.value
         if (link, mission) not in folders:
             folder = folders[link, mission] = tmp_path_factory.mktemp(f"{link}-{mission}")
             drive(Order(robot, mission, missions.find(mission, robot), 0, folder), lambda _: None)
@@ -70,7 +71,7 @@ def driven(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Robot, str], P
 
 
 @pytest.mark.timeout(240)
-def test_the_line_mission_arrives_as_over_can(driven: Callable[[Robot, str], Path]) -> None:
+def test_the_line_mission_arrives_as_over_can(driven: Callable[[AnyRobot, str], Path]) -> None:
     over_can, over_serial = (
         json.loads((driven(robot, "line") / "summary.json").read_text()) for robot in (RARS, USB)
     )
@@ -89,7 +90,7 @@ def test_the_line_mission_arrives_as_over_can(driven: Callable[[Robot, str], Pat
 
 
 @pytest.mark.timeout(240)
-def test_every_interlock_holds_as_over_can(driven: Callable[[Robot, str], Path]) -> None:
+def test_every_interlock_holds_as_over_can(driven: Callable[[AnyRobot, str], Path]) -> None:
     """The operator who tries everything that is forbidden: the same holds in the same order, to 0.15 s."""
     over_can, over_serial = (
         json.loads((driven(robot, "interlocks") / "summary.json").read_text()) for robot in (RARS, USB)
@@ -111,7 +112,7 @@ def test_rs232_drives_with_the_longer_cycle_that_its_robot_file_says(rides: Ridd
     slow = with_bus(RARS.over_serial(Generation.V1), cycle_ms=140)
     one = rides(ARMED, step(4.0, speed_mps=0.2, ramp_mps2=0.2), seconds=8, robot=slow)
     one.runs(7)
-    assert one.now.speed_mps == pytest.approx(0.2, abs=0.002)
+    assert one.now["speed_mps"] == pytest.approx(0.2, abs=0.002)
     assert line_of(one).told(slow, one.rig.world.now).late_cycles == 0
     assert one.rig.guard.refused == 0
 
@@ -126,10 +127,10 @@ def test_steering_and_lift_reach_their_targets_through_the_gateway(rides: Ridden
         robot=USB,
     )
     one.runs_until(5.9)
-    assert one.now.steer_rad == pytest.approx(0.349, abs=0.005)
-    assert one.now.speed_mps == pytest.approx(0.2, abs=0.005)
+    assert one.now["steer_rad"] == pytest.approx(0.349, abs=0.005)
+    assert one.now["speed_mps"] == pytest.approx(0.2, abs=0.005)
     one.runs_until(11.5)
-    assert one.now.lift_m == pytest.approx(0.05, abs=0.002)
+    assert one.now["lift_m"] == pytest.approx(0.05, abs=0.002)
     assert one.rig.guard.refused == 0
 
 
@@ -137,7 +138,7 @@ def test_when_the_bridge_dies_all_four_drives_stop_by_their_own_watch(rides: Rid
     """The gateway, too, which hears no heartbeat of the bridge: it misses the guarding of node 2."""
     one = rides(*DRIVING, seconds=8, robot=USB)
     one.runs_until(CUT_S)
-    assert one.now.speed_mps == pytest.approx(0.3, abs=0.005)
+    assert one.now["speed_mps"] == pytest.approx(0.3, abs=0.005)
     one.rig.world.silence(BRIDGE, one.rig.world.now)
     one.runs_until(CUT_S + WATCH_S + 0.06)
     assert State.OPERATION_ENABLED not in states(one)
@@ -158,25 +159,25 @@ def test_an_adapter_that_is_unplugged_is_told_within_a_cycle_and_needs_a_new_arm
     one.runs_until(CUT_S)
     line_of(one).adapter.plugged = False
     one.runs_until(CUT_S + 0.05)
-    assert "drives out of reach" in one.holding
+    assert "link lost: drives" in one.holding
     one.runs_until(CUT_S + 0.1)
     assert not armed(one)
     one.runs_until(CUT_S + 1)
     assert states(one) == [State.FAULT] * 4
     assert one.stands_from(CUT_S, slower_than=0.01) < CUT_S + BRAKED_S
-    assert one.held("drives out of reach") == ["the serial line to the drives is gone"]
+    assert one.held("link lost: drives") == ["the serial line to the drives is gone"]
     line_of(one).adapter.plugged = True
     one.runs_until(6.9)
-    assert "drives out of reach" not in one.holding
-    assert one.held("drive fault: left")[0].endswith("reports fault 0x8130")
-    assert one.held("drive fault: lift")[0].endswith("reports fault 0x8130")
+    assert "link lost: drives" not in one.holding
+    assert one.held("axis fault: left")[0].endswith("reports fault 0x8130")
+    assert one.held("axis fault: lift")[0].endswith("reports fault 0x8130")
     assert states(one) == [State.FAULT] * 4
     assert not armed(one)
     one.runs_until(8.9)
     assert states(one) == [State.OPERATION_ENABLED] * 4
     assert armed(one)
     one.runs_until(10.0)
-    assert one.now.speed_mps == pytest.approx(0.2, abs=0.01)
+    assert one.now["speed_mps"] == pytest.approx(0.2, abs=0.01)
     assert one.rig.guard.refused == 1  # it spoke for the axes while the line was gone
 
 
@@ -196,7 +197,7 @@ def test_a_drive_behind_the_gateway_that_falls_silent_stops_the_robot(rides: Rid
     one.runs_until(CUT_S)
     one.rig.world.silence("steer", one.rig.world.now)
     one.runs_until(CUT_S + 0.35)
-    assert "drive silent: steer" in one.holding
+    assert "axis silent: steer" in one.holding
     assert not armed(one)
     assert one.stands_from(CUT_S, slower_than=0.01) < CUT_S + 0.6
     one.rig.world.silence("steer", NEVER)
@@ -223,7 +224,7 @@ def test_a_drive_that_restarts_behind_the_gateway_is_noticed_and_set_up_again(ri
     one.rig.can_wire.carry(one.rig.world._stations["left"], reset)  # noqa: SLF001 - a stranger's word
     one.runs_until(6.0)
     assert steering.get(at.TARGET_POSITION) != target
-    assert "drive not enabled: steer" in one.holding
+    assert "axis not enabled: steer" in one.holding
     assert not armed(one)
     one.runs_until(9.5)
     assert states(one) == [State.OPERATION_ENABLED] * 4

@@ -6,10 +6,10 @@ from pydantic import ValidationError
 from emulators.bench.faults import KINDS, Fault, FaultError, Kind, misfits, read
 from emulators.bench.mission import Mission, MissionFileError, parse
 from emulators.documents.faults import parameters, target
-from firmware_bridge import robot as robots
+from firmware_bridge import kinds
 from firmware_bridge.units import NEVER, from_seconds
 
-RARS = robots.find("rars")
+RARS = kinds.find("rars")
 SERIAL = RARS.over_serial()
 HEAD = 'title = "t"\nduration_s = 10.0\n[[step]]\nat_s = 1.0\ntitle = "s"\narm = true\n'
 LEAST = {

@@ -7,19 +7,19 @@ import numpy as np
 
 from emulators.bench.mission import Mission, parse
 from emulators.bench.operator import ScriptedOperator
-from firmware_bridge import robot as robots
+from firmware_bridge import kinds
 from firmware_bridge.intent import Arm, ClearEmergencyStop, Disarm, EmergencyStop, Intent, Request, Verdict
-from firmware_bridge.motion.odometry import Pose
+from firmware_bridge.motion.pose import Pose
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.robot import Robot
+from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.snapshot import DriveSnapshot, Hold, Snapshot
 from firmware_bridge.teleop.mavlink import Codec
 from firmware_bridge.teleop.operator import Operator
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 from firmware_bridge.wire.cia402 import State
 
-RARS = robots.find("rars")
+RARS = kinds.find("rars")
 CYCLE = 50 * MILLISECOND
 
 
@@ -36,7 +36,7 @@ def mission(*steps: str, head: str = "") -> Mission:
 class Robotlike:
     """The bridge as far as an operator sees it: Operator, an arming switch, and a cycle of 50 ms."""
 
-    robot: Robot = RARS
+    robot: AnyRobot = RARS
     armed: bool = False
     stopped: bool = False
     requests: list[Request] = field(default_factory=list)
@@ -68,7 +68,7 @@ class Robotlike:
 
     def report(self, now: Nanoseconds) -> tuple[bytes, ...]:
         drives = tuple(
-            DriveSnapshot(axis.name, axis.node, State.OPERATION_ENABLED, now, 0, 0.0, 0, 0)
+            DriveSnapshot(axis.name, axis.settings.node, State.OPERATION_ENABLED, now, 0, 0.0, 0, 0)
             for axis in self.robot.axes
         )
         snapshot = Snapshot(

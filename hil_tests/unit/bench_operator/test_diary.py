@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from emulators.bench.diary import Kind
-from firmware_bridge.motion.odometry import Pose
+from emulators.bench.log import Kind
+from firmware_bridge.motion.pose import Pose
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.safety.snapshot import Hold

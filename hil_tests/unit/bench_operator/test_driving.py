@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from emulators.bench.diary import Kind
+from emulators.bench.log import Kind
 from emulators.bench.mission import find
 from firmware_bridge.intent import Arm, Disarm
 from hil_tests.unit.bench_operator.joined import RARS, join, mission

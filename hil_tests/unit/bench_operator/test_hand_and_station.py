@@ -5,9 +5,9 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from emulators.bench.hand import Ramp, Tremor
 from emulators.bench.mission import find
 from emulators.bench.operator import ScriptedOperator
+from emulators.bench.stick import Ramp, Tremor
 from firmware_bridge.intent import Arm
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, from_seconds
 from hil_tests.unit.bench_operator.joined import CYCLE, RARS, Joined, join, mission

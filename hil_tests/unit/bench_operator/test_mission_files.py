@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from emulators.bench.mission import Input, MissionFileError, find, load, parse, shipped
-from firmware_bridge import robot as robots
+from firmware_bridge import kinds
 
-RARS = robots.find("rars")
+RARS = kinds.find("rars")
 HEAD = 'title = "t"\nduration_s = 10.0\n'
 ARM = "arm = true"
 STEP = '[[step]]\nat_s = 1.0\ntitle = "s"\n'

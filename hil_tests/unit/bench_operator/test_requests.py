@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from emulators.bench.diary import Kind
+from emulators.bench.log import Kind
 from emulators.bench.strays import Stray
 from firmware_bridge.intent import Arm, ClearEmergencyStop, Disarm, EmergencyStop, Intent, Request
 from firmware_bridge.node import OPERATOR

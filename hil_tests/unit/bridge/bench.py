@@ -10,12 +10,13 @@ from emulators.world import World
 from firmware_bridge.bridge import Bridge, Phase
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.robot import Robot
-from firmware_bridge.safety.guard import Guarded
-from firmware_bridge.safety.guard_rules import rules_for
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.safety.guard import Guarded, guarded
 from firmware_bridge.teleop.mavlink import Codec, dialect, text_of
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
+LINK = "drives"
+"""What the robot file calls the drives' bus."""
 LIFT_BUTTON = 8
 ACCEPTED, TEMPORARILY_REJECTED, DENIED = 0, 1, 2
 ARM = dialect.MAV_CMD_COMPONENT_ARM_DISARM
@@ -63,7 +64,7 @@ class Carrier:
 class Bench:
     """Everything joined in virtual time."""
 
-    robot: Robot
+    robot: AnyRobot
     bridge: Bridge
     drives: Mapping[str, Any]
     """Paper drives, or emulated ones."""
@@ -77,11 +78,11 @@ class Bench:
     talks: bool = True
 
     def __post_init__(self) -> None:
-        bus, air = CanWire(self.robot.bus.bit_rate), DatagramWire()
+        bus, air = CanWire(self.robot.links["drives"].bit_rate), DatagramWire()
         bus.observe(lambda now, sender, packet: self.frames.append((now, sender, packet)))
-        self.guard = Guarded(self.bridge, rules_for(self.robot))
+        self.guard = guarded(self.bridge, self.robot)
         self.carrier = Carrier(self.guard)
-        self.at_bridge = self.world.attach("bridge", self.carrier, {CAN: bus, OPERATOR: air})
+        self.at_bridge = self.world.attach("bridge", self.carrier, {LINK: bus, OPERATOR: air})
         self.places = {
             name: self.world.attach(name, drive, {CAN: bus}) for name, drive in self.drives.items()
         }

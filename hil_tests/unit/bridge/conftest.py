@@ -6,26 +6,26 @@ import pytest
 
 from emulators.devices import Devices, devices
 from emulators.world import World
-from firmware_bridge import robot as robots
+from firmware_bridge import kinds
 from firmware_bridge.bridge import Bridge
-from firmware_bridge.robot import Robot
+from firmware_bridge.robot import AnyRobot
 from hil_tests.unit.bridge.bench import ACCEPTED, Bench
 from hil_tests.unit.bridge.paper_drive import PaperDrive
 
 
 def joined() -> Bench:
-    return joined_with(Bridge(robots.find("rars")))
+    return joined_with(Bridge(kinds.find("rars"), KIND))
 
 
 def joined_with(bridge: Bridge) -> Bench:
     """Join a bridge of the test's own to four drives and a station."""
-    robot = robots.find("rars")
+    robot = kinds.find("rars")
     return Bench(robot, bridge, {axis.name: PaperDrive(axis) for axis in robot.axes})
 
 
 @pytest.fixture
-def robot() -> Robot:
-    return robots.find("rars")
+def robot() -> AnyRobot:
+    return kinds.find("rars")
 
 
 @pytest.fixture
@@ -46,9 +46,9 @@ def armed(bench: Bench) -> Bench:
 @pytest.fixture
 def emulated() -> Iterator[tuple[Bench, Devices]]:
     """The same with four emulated drives above the plant."""
-    robot = robots.find("rars")
+    robot = kinds.find("rars")
     below = devices(robot)
-    bench = Bench(robot, Bridge(robot), below.drives, world=World(below.bank))
+    bench = Bench(robot, Bridge(robot, KIND), below.drives, world=World(below.bank))
     yield bench, below
     assert [refusal.reason for refusal in bench.guard.refusals] == []
     below.plant.close()

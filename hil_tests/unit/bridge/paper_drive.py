@@ -2,7 +2,8 @@
 
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.robot import Axis, Mode
+from firmware_bridge.robot import Axis
+from firmware_bridge.robot import Command as Commanded
 from firmware_bridge.units import SECOND, Nanoseconds
 from firmware_bridge.wire import sdo
 from firmware_bridge.wire.abort import AbortCode
@@ -67,7 +68,7 @@ class PaperDrive:
         """Go to fault; return what the drive then sends."""
         self.state = State.FAULT
         self.rpm = 0
-        node = self.axis.node
+        node = self.axis.settings.node
         emergency = code.to_bytes(2, "little") + bytes(6)
         return [Packet(CAN, 0x080 + node, emergency), Packet(CAN, 0x180 + node, self._status())]
 
@@ -76,10 +77,10 @@ class PaperDrive:
         fresh = PaperDrive(self.axis)
         self.memory, self.state, self.nmt = fresh.memory, fresh.state, fresh.nmt
         self.rpm, self.position, self._word = 0, 0.0, 0
-        return [Packet(CAN, 0x700 + self.axis.node, b"\0")]
+        return [Packet(CAN, 0x700 + self.axis.settings.node, b"\0")]
 
     def _heard(self, packet: Packet, now: Nanoseconds) -> list[tuple[int, bytes]]:
-        node = self.axis.node
+        node = self.axis.settings.node
         if packet.address == 0x000 and packet.payload[1] in (0, node):
             self.nmt = {
                 NmtCommand.START: NmtState.OPERATIONAL,
@@ -94,7 +95,7 @@ class PaperDrive:
             self._move(now)
             position = round(self.position) & 0xFFFF_FFFF
             return [(0x280 + node, self._status() + position.to_bytes(4, "little") + bytes((7, 0)))]
-        if packet.address == (0x500 if self.axis.mode is Mode.VELOCITY else 0x400) + node:
+        if packet.address == (0x500 if self.axis.command is Commanded.SPEED else 0x400) + node:
             return self._commanded(packet.payload, now)
         return []
 
@@ -118,7 +119,7 @@ class PaperDrive:
                     if address == at.CONTROLWORD:
                         self._obey(int.from_bytes(raw, "little"))
                     answer = sdo.encode_download_response(address)
-        return [] if answer is None else [(0x580 + self.axis.node, answer)]
+        return [] if answer is None else [(0x580 + self.axis.settings.node, answer)]
 
     def _commanded(self, payload: bytes, now: Nanoseconds) -> list[tuple[int, bytes]]:
         word = int.from_bytes(payload[:2], "little")
@@ -128,11 +129,11 @@ class PaperDrive:
         self._move(now)
         self._obey(word)
         moves = self.state is State.OPERATION_ENABLED
-        if self.axis.mode is Mode.VELOCITY:
+        if self.axis.command is Commanded.SPEED:
             self.rpm = target if moves else 0
         elif moves and edge and not self.jammed:
             self.position = float(target)
-        return [(0x180 + self.axis.node, self._status())] if self.state is not before else []
+        return [(0x180 + self.axis.settings.node, self._status())] if self.state is not before else []
 
     def _obey(self, word: int) -> None:
         reset = word & ~self._word & Control.FAULT_RESET
@@ -145,7 +146,7 @@ class PaperDrive:
 
     def _move(self, now: Nanoseconds) -> None:
         turns = self.rpm / 60.0 * (now - self._moved_at) / SECOND
-        self.position += turns * self.axis.quadcounts_per_turn
+        self.position += turns * self.axis.settings.quadcounts_per_turn
         self._moved_at = now
 
     def _status(self) -> bytes:

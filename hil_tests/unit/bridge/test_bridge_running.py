@@ -4,10 +4,10 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import pytest
+from firmware_bridge.motion.lift import lift_quadcounts
 
 from firmware_bridge.bridge import Bridge, Phase
-from firmware_bridge.motion.lift import lift_quadcounts
-from firmware_bridge.robot import Robot, Role
+from firmware_bridge.robot import AnyRobot
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.cia402 import State
@@ -196,7 +196,7 @@ class FailsWhenTold(Bridge):
 
 @pytest.mark.interpreted
 def test_an_exception_in_the_pipeline_ends_in_the_same_orderly_stop(
-    bench_with: "Callable[[Bridge], Bench]", robot: Robot
+    bench_with: "Callable[[Bridge], Bench]", robot: AnyRobot
 ) -> None:
     bridge = FailsWhenTold(robot)
     bench = bench_with(bridge)
@@ -248,7 +248,7 @@ def test_a_lift_that_cannot_follow_is_not_left_behind(armed: "Bench") -> None:
     armed.runs(3)
     target = armed.drives["lift"].words[-1][2]
     # 30 mm above collapsed are 0.3 s at 0.10 m/s.
-    assert lift_quadcounts(armed.robot.lift, armed.robot.axis(Role.LIFT), 0.030) == pytest.approx(
+    assert lift_quadcounts(armed.robot.geometry.lift, armed.robot.axis("lift"), 0.030) == pytest.approx(
         target, abs=2
     )
 

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from firmware_bridge.bridge import Bridge, Phase
-from firmware_bridge.robot import Robot
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robots.rars import KIND
 from firmware_bridge.units import MILLISECOND
 from firmware_bridge.wire.abort import AbortCode
 from firmware_bridge.wire.cia402 import State
@@ -236,8 +237,8 @@ def test_after_a_failure_arming_is_denied_with_the_failure(bench: "Bench") -> No
     assert "no answer to SDO upload 0x1000" in bench.told()
 
 
-def test_a_bridge_that_never_woke_ends_at_once(robot: Robot) -> None:
-    bridge = Bridge(robot)
+def test_a_bridge_that_never_woke_ends_at_once(robot: AnyRobot) -> None:
+    bridge = Bridge(robot, KIND)
     assert bridge.stop(0).sent == ()
     assert bridge.finished
 

@@ -12,9 +12,9 @@ from typer.testing import CliRunner
 from emulators.replay import Into, Order, RecordingFileError, replay
 from emulators.replay.recordings import read_can, read_telemetry
 from firmware_bridge.cli import attach_commands, program
+from firmware_bridge.kinds import find
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import candump_line, tlog_records
-from firmware_bridge.robot import find
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.units import SECOND
 from firmware_bridge.wire.maxon.frame import Generation

@@ -1,5 +1,7 @@
 """A serial line as one link of the robot, and any robot of EPOS2 drives as it is reached over their ports."""
 
+from collections.abc import Sequence
+
 from firmware_bridge.drivers.epos2.inputs_outputs import inputs_of, outputs_of
 from firmware_bridge.drivers.epos2.serial.drive import Epos2OnSerial
 from firmware_bridge.drivers.epos2.serial.exchange import Exchange
@@ -23,15 +25,17 @@ def over_serial(
     protocol: Generation | None = None,
     baud: int | None = None,
     gateway: int | None = None,
+    links: Sequence[str] | None = None,
 ) -> AnyRobot:
-    """Return this robot with each link over the serial port of one drive on it, the gateway.
+    """Return this robot with these links, or all, over the serial port of one drive on each, the gateway.
 
     That is the first drive where neither the caller nor the file names one; what is not given stays the
     file's. RobotFileError where a link has no such drive, or no second one: then nobody would stop the
     gateway when the line breaks.
     """
-    links = {}
-    for name, link in robot.links.items():
+    changed = {}
+    for name in robot.links if links is None else links:
+        link = robot.links[name]
         nodes = robot.nodes_on(name)
         chosen = gateway or link.gateway or nodes[0]
         problem = (
@@ -41,5 +45,5 @@ def over_serial(
         )
         if chosen not in nodes or len(nodes) == 1:
             raise RobotFileError(robot.name, Problem(f"links.{name}.gateway", problem))
-        links[name] = link.over_serial(chosen, protocol, baud)
-    return robot.with_links(links)
+        changed[name] = link.over_serial(chosen, protocol, baud)
+    return robot.with_links(changed)

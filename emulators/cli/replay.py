@@ -1,19 +1,14 @@
-"""The command `replay`: a recording played again, and the first packet that differs."""
+"""`replay`: a recording played again, and the first packet that differs, at the command line."""
 
 from pathlib import Path
 from typing import Annotated, Final
 
 import typer
 
-from emulators.replay import Into, Order, RecordingFileError
-from emulators.replay import replay as play
-from emulators.servo.bank import ServoError
-from firmware_bridge.cli.console import FAILED, find_robot, one_message, refusal
+from emulators.replay.order import Into
+from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.options import RobotArgument
 from firmware_bridge.dissector.canopen import SERVICE_NAMES
-from firmware_bridge.drivers.serial.plan import PlanError
-from firmware_bridge.units import MICROSECOND, from_seconds, to_seconds
-from fmu.errors import PlantError
 
 EXAMPLES: Final = """Examples:
 
@@ -27,6 +22,7 @@ and operator have sent into the bridge.
 `firmware-bridge replay robot.log rars --without pdo --tolerance-us 5000` suits the bus of a real robot."""
 
 
+@command(EXAMPLES, work="emulators.cli.replay_work:replay")
 def replay(
     recording: Annotated[
         Path,
@@ -75,34 +71,3 @@ def replay(
 
     Exit status 0 where none differs, 1 where one does, 2 for a recording that cannot be used.
     """
-    machine = find_robot(robot)
-    for name in without or ():
-        if name not in SERVICE_NAMES:
-            raise refusal(f"--without {name}: no such service; there are: {', '.join(SERVICE_NAMES)}")
-    with one_message(ValueError, OverflowError):
-        limit = None if until is None else from_seconds(until)
-    with one_message(RecordingFileError, PlanError, PlantError, ServoError):
-        order = Order(
-            machine,
-            recording,
-            operator,
-            into,
-            channel,
-            limit,
-            round(tolerance_us * MICROSECOND),
-            frozenset(without or ()),
-            plant,
-        )
-        outcome = play(order)
-    if outcome.difference is not None:
-        typer.echo(outcome.difference)
-        raise typer.Exit(FAILED)
-    typer.echo(
-        f"no difference: {outcome.compared} packets of the {outcome.into} are as recorded,"
-        f" {outcome.played} others were played, in {to_seconds(outcome.until):.3f} s"
-    )
-
-
-def attach(program: typer.Typer) -> None:
-    """Add the command to the program."""
-    program.command(epilog=EXAMPLES)(replay)

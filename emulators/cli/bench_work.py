@@ -1,0 +1,71 @@
+"""Drives a mission, with a progress bar, and shows its summary."""
+
+from pathlib import Path
+from typing import Final
+
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from emulators.bench import mission as missions
+from emulators.bench.mission import MissionFileError
+from emulators.bench.report import show
+from emulators.cli.beginning import tell_of_beginning
+from emulators.bench.rehearsal import rehearsal_of
+from emulators.run import Order, drive
+from emulators.servo.bank import ServoError
+from firmware_bridge.cli.console import one_message, say, written_by
+from firmware_bridge.cli.robot_argument import find_robot
+from firmware_bridge.cli.tables import terminal
+from firmware_bridge.drivers.epos2.serial.fleet import over_serial
+from firmware_bridge.drivers.epos2.serial.plan import PlanError
+from firmware_bridge.robot import RobotFileError
+from firmware_bridge.wire.maxon.frame import Generation
+from fmu.errors import PlantError
+
+RESULTS: Final = Path("out")
+
+
+def bench(
+    robot: str,
+    *,
+    mission: str | None,
+    seed: int,
+    out: Path | None,
+    plant: Path | None,
+    serial: Generation | None,
+) -> None:
+    """Do what `bench` says; what is wrong ends the program with a message."""
+    machine = find_robot(robot)
+    with (
+        one_message(MissionFileError, RobotFileError, PlanError, PlantError, ServoError, LookupError),
+        written_by("--out"),
+    ):
+        if serial is not None:
+            machine = over_serial(machine, serial)
+        rehearsal = rehearsal_of(machine)
+        chosen = mission or next(iter(rehearsal.shipped()), "none")
+        script = missions.find(chosen, machine, rehearsal)
+        name = Path(chosen).stem
+        folder = out or RESULTS / f"{machine.name}-{name}"
+        order = Order(machine, rehearsal, name, script, seed, folder, plant)
+        tell_of_beginning(machine, plant)
+        with _bar() as bar:
+            task = bar.add_task(f"{machine.name}, {name}", total=order.duration)
+            summary = drive(order, lambda now: bar.update(task, completed=now))
+    show(terminal(), summary, rehearsal.remarks(machine))
+    say(f"results: {folder}/")
+
+
+def _bar() -> Progress:
+    """Return a progress bar that shows on a terminal only."""
+    console = terminal(stderr=True)
+    return Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.percentage:>3.0f} %"),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+        console=console,
+        disable=not console.is_terminal,
+        transient=True,
+    )

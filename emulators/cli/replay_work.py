@@ -1,0 +1,57 @@
+"""Plays a recording again and says what came of it."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import typer
+
+from emulators.replay import Into, Order, RecordingFileError
+from emulators.replay import replay as play
+from emulators.servo.bank import ServoError
+from firmware_bridge.cli.console import FAILED, one_message, refusal, say
+from firmware_bridge.cli.robot_argument import find_robot
+from firmware_bridge.dissector.canopen import SERVICE_NAMES
+from firmware_bridge.drivers.epos2.serial.plan import PlanError
+from firmware_bridge.units import MICROSECOND, from_seconds, to_seconds
+from fmu.errors import PlantError
+
+
+def replay(
+    recording: Path,
+    robot: str,
+    *,
+    into: Into | None,
+    operator: Path | None,
+    channel: str | None,
+    until: float | None,
+    tolerance_us: float,
+    without: Sequence[str] | None,
+    plant: Path | None,
+) -> None:
+    """Do what `replay` says; what is wrong ends the program with a message."""
+    machine = find_robot(robot)
+    for name in without or ():
+        if name not in SERVICE_NAMES:
+            raise refusal(f"--without {name}: no such service; there are: {', '.join(SERVICE_NAMES)}")
+    with one_message(ValueError, OverflowError):
+        limit = None if until is None else from_seconds(until)
+    with one_message(RecordingFileError, PlanError, PlantError, ServoError):
+        order = Order(
+            machine,
+            recording,
+            operator,
+            into,
+            channel,
+            limit,
+            round(tolerance_us * MICROSECOND),
+            frozenset(without or ()),
+            plant,
+        )
+        outcome = play(order)
+    if outcome.difference is not None:
+        say(outcome.difference)
+        raise typer.Exit(FAILED)
+    say(
+        f"no difference: {outcome.compared} packets of the {outcome.into} are as recorded,"
+        f" {outcome.played} others were played, in {to_seconds(outcome.until):.3f} s"
+    )

@@ -1,0 +1,167 @@
+"""Runs the bridge on real links, telling the user what it does."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TypeAlias
+
+from firmware_bridge.bridge import Bridge, Phase
+from firmware_bridge.cli.console import one_message, refusal, say
+from firmware_bridge.cli.options import until
+from firmware_bridge.cli.places import Place, places_of
+from firmware_bridge.cli.real_time import carry
+from firmware_bridge.cli.robot_argument import find_robot
+from firmware_bridge.drivers.epos2.serial.fleet import over_serial
+from firmware_bridge.drivers.epos2.serial.line import MaxonLine
+from firmware_bridge.drivers.epos2.serial.plan import PlanError
+from firmware_bridge.kinds import kind_of
+from firmware_bridge.node import OPERATOR, Node, Stoppable
+from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.robot import AnyRobot, RobotFileError
+from firmware_bridge.robot.settings.epos2 import Epos2Driver
+from firmware_bridge.safety.guard import guarded
+from firmware_bridge.safety.snapshot import Hold
+from firmware_bridge.shell.ports import Port, ReturningLine, UdpPort, open_can
+from firmware_bridge.units import SECOND, Nanoseconds, to_seconds
+from firmware_bridge.wire.maxon.frame import Generation
+
+Tell: TypeAlias = Callable[[str], None]
+
+
+class StartUpFailedError(Exception):
+    """The robot's drives could not be set up: which one, what was expected, what came."""
+
+
+class Narrated:
+    """A bridge whose steps, holds and leave to move are told as they change.
+
+    It ends the run when the start-up has failed. `node` is what is carried: the bridge, or a node around it.
+    """
+
+    def __init__(self, bridge: Bridge, node: Node, tell: Tell) -> None:
+        self._bridge = bridge
+        self._node = node
+        self._tell = tell
+        self._phase: Phase | None = None
+        self._armed = False
+        self._late = 0
+        self._late_told_at: Nanoseconds = 0
+        self._holds: tuple[Hold, ...] = ()
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        """Pass the packet on, and tell what has changed."""
+        self._end_failed_start_up()
+        return self._told(self._node.receive(packet, now), now)
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        """Wake the bridge, and tell what has changed."""
+        self._end_failed_start_up()
+        return self._told(self._node.wake(now), now)
+
+    def stop(self, now: Nanoseconds) -> Reaction:
+        """Stop the bridge, and tell what has changed."""
+        reaction = self._node.stop(now) if isinstance(self._node, Stoppable) else Reaction()
+        return self._told(reaction, now)
+
+    def _end_failed_start_up(self) -> None:
+        """End the run one call after the failure, so that what the bridge sent because of it has left."""
+        bridge = self._bridge
+        if bridge.failure is not None and bridge.phase is Phase.FAILED:
+            raise StartUpFailedError(f"start-up failed: {bridge.failure}")
+
+    def _told(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
+        bridge = self._bridge
+        if bridge.phase is not self._phase:
+            self._phase = bridge.phase
+            self._say(self._phase.value, now)
+        if bridge.seen.facts.armed != self._armed:
+            self._armed = bridge.seen.facts.armed
+            self._say("armed" if self._armed else "disarmed", now)
+        late = bridge.fleets.late
+        if late != self._late and now - self._late_told_at >= SECOND:
+            self._say(f"late: {late - self._late} cycles were longer than the robot file says", now)
+            self._late, self._late_told_at = late, now
+        if bridge.holds != self._holds and bridge.phase is not Phase.FAILED:  # what failed is told at the end
+            self._tell_holds({hold.name: hold for hold in bridge.holds}, now)
+            self._holds = bridge.holds
+        return reaction
+
+    def _tell_holds(self, standing: Mapping[str, Hold], now: Nanoseconds) -> None:
+        known = {hold.name: hold.reason for hold in self._holds}
+        for name in known:
+            if name not in standing:
+                self._say(f"lets go: {name}", now)
+        for name, hold in standing.items():
+            if known.get(name) != hold.reason:
+                self._say(f"holds: {name}: {hold.reason} ({hold.remedy})", now)
+
+    def _say(self, text: str, now: Nanoseconds) -> None:
+        self._tell(f"{to_seconds(now):9.3f} s  {text}")
+
+
+def drive(
+    robot: str,
+    *,
+    interface: str | None,
+    channel: str | None,
+    bit_rate: int | None,
+    mavlink: str,
+    serial: str | None,
+    baud: int | None,
+    protocol: Generation | None,
+    link: Sequence[str] | None,
+    duration: float | None,
+) -> None:
+    """Do what `drive` says; what is wrong ends the program with a message."""
+    machine = find_robot(robot)
+    places = places_of(machine, link, Place(interface, channel, serial))
+    with one_message(PlanError, RobotFileError):
+        machine = _with_lines(machine, places, protocol, baud)
+        bridge = Bridge(machine, kind_of(machine))
+    node: Node = guarded(bridge, machine)
+    openers: dict[str, Callable[[], Port]] = {}
+    for name, place in places.items():
+        table = machine.links[name]
+        if table.driver is Epos2Driver.SERIAL:
+            node = MaxonLine(node, table.protocol, name)
+            openers[name] = _serial_opener(machine, name, place)
+        else:
+            openers[name] = _can_opener(place, bit_rate, table.bit_rate)
+    where = ", ".join(_title(machine, name, place) for name, place in places.items())
+    carry(
+        Narrated(bridge, node, say),
+        {**openers, OPERATOR: lambda: UdpPort(mavlink)},
+        until(duration),
+        f"{machine.name}: bridge on {where}, operator on {mavlink}",
+        StartUpFailedError,
+    )
+
+
+def _with_lines(
+    machine: AnyRobot, places: Mapping[str, Place], protocol: Generation | None, baud: int | None
+) -> AnyRobot:
+    """Return the robot with those links on serial lines that are at a serial port."""
+    on_lines = [name for name, place in places.items() if place.device is not None]
+    serial = any(table.driver is Epos2Driver.SERIAL for table in machine.links.values())
+    if not on_lines and not serial:
+        if protocol is not None or baud is not None:
+            raise refusal("--protocol and --baud are of a serial port; name it with --serial DEVICE")
+        return machine
+    return over_serial(machine, protocol, baud, links=on_lines or None)
+
+
+def _serial_opener(machine: AnyRobot, name: str, place: Place) -> Callable[[], Port]:
+    device, rate = place.device, machine.links[name].line_rate
+    if device is None:
+        raise refusal(f"{machine.name} is driven over a serial line; name its port with --serial DEVICE")
+    return lambda: ReturningLine(device, rate)
+
+
+def _can_opener(place: Place, bit_rate: int | None, default: int) -> Callable[[], Port]:
+    return lambda: open_can(place.interface, place.channel, bit_rate, default_bit_rate=default)
+
+
+def _title(machine: AnyRobot, name: str, place: Place) -> str:
+    table = machine.links[name]
+    if table.driver is not Epos2Driver.SERIAL:
+        return place.title
+    line = f"{table.protocol.value}, {table.line_rate} Bd"
+    return f"{place.title} ({line}), node {table.gateway} passes on to the others"

@@ -1,0 +1,49 @@
+"""Where the links of a robot are on this machine: one place for each, from the options of a command."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from firmware_bridge.cli.console import refusal
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.problems import near
+
+SERIAL_WORD = "serial"
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A CAN bus by interface and channel, or a serial device."""
+
+    interface: str | None = None
+    channel: str | None = None
+    device: str | None = None
+
+    @property
+    def title(self) -> str:
+        """The place in words."""
+        return self.device or self.channel or "the configured bus"
+
+
+def places_of(robot: AnyRobot, texts: Sequence[str] | None, only: Place) -> dict[str, Place]:
+    """Return the place of each link; `only` is that of a robot with one link. What is wrong ends the program."""
+    if not texts:
+        if len(robot.links) > 1:
+            known = ", ".join(robot.links)
+            raise refusal(f"{robot.name} has several links ({known}); say --link NAME=PLACE for each")
+        return dict.fromkeys(robot.links, only)
+    if only != Place():
+        raise refusal("--link names every place; leave out -i, -c and --serial")
+    places = {}
+    for text in texts:
+        name, sign, place = text.partition("=")
+        interface, colon, channel = place.partition(":")
+        if not sign or not colon or not interface or not channel:
+            raise refusal(f"--link {text}: say NAME=INTERFACE:CHANNEL or NAME=serial:DEVICE")
+        if name not in robot.links:
+            raise refusal(f"--link {text}: {robot.name} has no link '{name}'; {near(name, robot.links)}")
+        serial = interface == SERIAL_WORD
+        places[name] = Place(device=channel) if serial else Place(interface, channel)
+    missing = [name for name in robot.links if name not in places]
+    if missing:
+        raise refusal(f"{robot.name}: no place for {', '.join(missing)}; say --link {missing[0]}=PLACE, too")
+    return places
