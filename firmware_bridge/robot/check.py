@@ -25,10 +25,7 @@ def cross_checked(table: Raw, roles: Mapping[str, str]) -> Iterator[Problem]:
     yield from _roles(axes, roles)
     names = [str(axis.get("name")) for axis in axes]
     for key, rows in (("sensors", sensors), ("outputs", outputs)):
-        for index, row in enumerate(rows):
-            axis = _within(row, "settings").get("axis")
-            if isinstance(axis, str) and axis not in names:
-                yield Problem(f"{key}[{index}].settings.axis", f"no axis '{axis}'; {near(axis, names)}")
+        yield from _at_drives(key, rows, axes)
     yield from _battery(table, [str(sensor.get("name")) for sensor in sensors])
     by_speed = [str(axis.get("name")) for axis in axes if axis.get("command") == "speed"]
     yield from _guarded(table, names, by_speed)
@@ -48,6 +45,24 @@ def _roles(axes: list[Raw], roles: Mapping[str, str]) -> Iterator[Problem]:
     for role, group in roles.items():
         if role not in told:
             yield Problem("axes", f"no axis has the role '{role}', which the group '{group}' needs")
+
+
+def _at_drives(key: str, rows: list[Raw], axes: list[Raw]) -> Iterator[Problem]:
+    """Check that each row is at the drive of an axis on its own link, and alone at its pin."""
+    links = {str(axis.get("name")): axis.get("link") for axis in axes}
+    pins: dict[tuple[object, object], int] = {}
+    for index, row in enumerate(rows):
+        settings = _within(row, "settings")
+        axis, pin = settings.get("axis"), (settings.get("axis"), settings.get("output"))
+        if not isinstance(axis, str):
+            continue
+        if axis not in links:
+            yield Problem(f"{key}[{index}].settings.axis", f"no axis '{axis}'; {near(axis, links)}")
+        elif links[axis] != row.get("link"):
+            yield Problem(f"{key}[{index}].link", f"the axis '{axis}' is on the link '{links[axis]}'")
+        if None not in pin and pin in pins:
+            yield Problem(f"{key}[{index}].settings.output", f"{pin[1]} is that of {key}[{pins[pin]}], too")
+        pins.setdefault(pin, index)
 
 
 def _battery(table: Raw, sensors: list[str]) -> Iterator[Problem]:
