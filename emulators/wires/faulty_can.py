@@ -1,9 +1,9 @@
 """A CAN bus with faults: damaged and lost frames, cut and swapped cables, controllers that leave the bus.
 
 While nothing is wrong it is as any other bus. Source: ISO 11898-1. Simplified: a damage is noticed when the
-frame ends; a passive sender does not wait eight bits more than the others; a controller returns after the least
-time, 128 x 11 bits; the two halves of a cut cable still take turns; a frame that nobody acknowledges is repeated
-until its sender is passive, and then waits, in a queue of `WAITING`, until somebody is there.
+frame ends; a passive sender does not wait eight bits more than the others; a controller returns after the
+least time, 128 x 11 bits; the two halves of a cut cable still take turns; a frame that nobody acknowledges is
+repeated until its sender is passive, and then waits, in a queue of `WAITING`, until somebody is there.
 """
 
 from collections import deque
