@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Annotated, Final
 
 import typer
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from emulators import documents_cli, epos2_cli, replay_cli
 from emulators.bench import mission as missions
@@ -16,6 +15,7 @@ from emulators.devices import devices
 from emulators.epos2.serial.serial_drive import baud_of
 from emulators.epos2_cli import LatencyOption
 from emulators.gateway import Cluster
+from emulators.progress_bar import progress_bar
 from emulators.run import Order, drive
 from emulators.servo.bank import ServoError
 from emulators.servo.kernel import choose
@@ -145,7 +145,7 @@ def bench(
         folder = out or RESULTS / f"{machine.name}-{name}"
         order = Order(machine, name, script, seed, folder, plant)
         _tell_of_twin()
-        with _bar() as bar:
+        with progress_bar() as bar:
             task = bar.add_task(f"{machine.name}, {name}", total=order.duration)
             summary = drive(order, lambda now: bar.update(task, completed=now))
     show(terminal(), summary, machine.limits)
@@ -224,19 +224,3 @@ def _cut(robot: Robot, text: str) -> tuple[str, Nanoseconds]:
             return axis.name, from_seconds(float(seconds))
     known = ", ".join(f"{axis.node} ({axis.name})" for axis in robot.axes)
     raise refusal(f"--silence {text}: {robot.name} has no node '{node}'; it has {known}")
-
-
-def _bar() -> Progress:
-    """Return a progress bar that shows on a terminal only."""
-    console = terminal(stderr=True)
-    return Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.percentage:>3.0f} %"),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
-        console=console,
-        disable=not console.is_terminal,
-        transient=True,
-    )

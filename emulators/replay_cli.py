@@ -5,6 +5,7 @@ from typing import Annotated, Final
 
 import typer
 
+from emulators.progress_bar import progress_bar
 from emulators.replay import Into, Order, RecordingFileError
 from emulators.replay import replay as play
 from emulators.servo.bank import ServoError
@@ -93,7 +94,9 @@ def replay(
             frozenset(without or ()),
             plant,
         )
-        outcome = play(order)
+        with progress_bar() as bar:
+            task = bar.add_task(recording.name, total=None)
+            outcome = play(order, lambda now, end: bar.update(task, completed=now, total=end))
     if outcome.difference is not None:
         typer.echo(outcome.difference)
         raise typer.Exit(FAILED)

@@ -12,7 +12,7 @@ from typing import Final, Protocol
 
 from emulators.replay.recordings import RESOLUTION
 from emulators.replay.senders import Sent
-from firmware_bridge.dissector import Carried, told
+from firmware_bridge.dissector import Carried, difference_text
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import mavlink_messages, mavlink_origin
 from firmware_bridge.units import MICROSECOND, NEVER, Nanoseconds
@@ -149,7 +149,9 @@ def in_words(difference: Difference, recorded: Sequence[Sent], lead: Nanoseconds
         )
     before = [_carried(one, lead) for one in recorded[:place]]
     expected = None if wanted is None else _carried(wanted, lead)
-    lines = told(head, before, expected, None if came is None else replace(came, at=came.at - lead))
+    lines = difference_text(
+        head, before, expected, None if came is None else replace(came, at=came.at - lead)
+    )
     if wanted is not None and came is not None and wanted.entry.packet == came.packet:
         late = (came.at - wanted.entry.at) / MICROSECOND
         lines += f"\nthe same, but {abs(late):g} us {'later' if late > 0 else 'earlier'}"
