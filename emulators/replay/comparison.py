@@ -2,7 +2,7 @@
 
 Frames are compared in their order and at their instants. A datagram link delays, loses and overtakes, and a
 recording tells when a message had arrived: so each recorded message must be among those sent before, found by
-its sequence number.
+its sequence number. What a link is called where the packets came from does not count.
 """
 
 from collections import deque
@@ -13,6 +13,7 @@ from typing import Final, Protocol
 from emulators.replay.recordings import RESOLUTION
 from emulators.replay.senders import Sent
 from firmware_bridge.dissector import Carried, difference_text
+from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import mavlink_messages, mavlink_origin
 from firmware_bridge.units import MICROSECOND, NEVER, Nanoseconds
@@ -66,13 +67,13 @@ class Frames:
         expected = self._expected.get(sender)
         if expected is None or sender in self._found:
             return
-        came = Carried(now, packet.link, sender, packet)
+        came = Carried(now, CAN, sender, Packet(CAN, packet.address, packet.payload))
         if not expected:
             if now < self._until:
                 self._found[sender] = Difference(None, came)
             return
         wanted = expected.popleft()
-        if packet != wanted.entry.packet or abs(now - wanted.entry.at) >= self._slack:
+        if came.packet != wanted.entry.packet or abs(now - wanted.entry.at) >= self._slack:
             self._found[sender] = Difference(wanted, came)
         else:
             self.compared += 1
@@ -101,8 +102,7 @@ class Messages:
         if sender == self._sender:
             for message in mavlink_messages(packet.payload):
                 sequence = mavlink_origin(message)[2]
-                carried = Carried(now, packet.link, sender, Packet(packet.link, 0, message))
-                self._sent[sequence].append(carried)
+                self._sent[sequence].append(Carried(now, OPERATOR, sender, Packet(OPERATOR, 0, message)))
 
     def differences(self, now: Nanoseconds) -> Iterable[Difference]:
         """Return what differs among the messages that had arrived before `now`."""
