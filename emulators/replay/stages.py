@@ -144,6 +144,8 @@ def _bench(order: Order) -> Stage:
     robot = order.robot
     recording = read_telemetry(order.recording)
     messages = _until(order, messages_of(recording.since(recording.start(0)), robot))
+    if _first_of(messages, BRIDGE) is None:
+        raise RecordingFileError(f"{recording.name}: holds no message of the bridge of {robot.name}")
     said = [one for one in messages if one.sender != BRIDGE]
     answers = Messages((one for one in messages if one.sender == BRIDGE), BRIDGE)
     rig = Rig(robot, rehearsal_of(robot), Player(_script(said, 0)), plant_path=order.plant)
