@@ -8,7 +8,7 @@ from bisect import insort
 from collections.abc import Callable, Mapping
 from typing import Any, Final, Protocol
 
-from emulators.rewind import Moment, Outside, Rewind
+from emulators.rewind import Checkpoint, External, Rewind
 from emulators.trace import Trace, trace_line
 from firmware_bridge.node import Node, Selective, Stoppable
 from firmware_bridge.packet import Packet, Reaction
@@ -88,7 +88,7 @@ class World:
         self._trace = Trace()
         self._traces: dict[str, Trace] = {}
         """Those of each wire alone, by its name."""
-        self._observers: Outside[Callable[[bytes], None]] = Outside()
+        self._observers: External[Callable[[bytes], None]] = External()
         self._rewind = Rewind(self)
 
     def attach(self, name: str, node: Node, links: Mapping[str, Wire]) -> Station:
@@ -150,7 +150,7 @@ class World:
             self.events += 1
         self.now = until
 
-    def snapshot(self) -> Moment:
+    def snapshot(self) -> Checkpoint:
         """Keep this instant, whole: clock, wires, nodes, physics, chance, trace. Between two calls of `run`.
 
         What is outside is not kept: observers, and what they write. RewindError where somebody has a state
@@ -158,9 +158,9 @@ class World:
         """
         return self._rewind.snapshot()
 
-    def restore(self, moment: Moment) -> None:
+    def restore(self, checkpoint: Checkpoint) -> None:
         """Go to an instant that this world has kept, earlier or later; the run goes on as it went then."""
-        self._rewind.restore(moment)
+        self._rewind.restore(checkpoint)
 
     def call_at(self, at: Nanoseconds, call: Callable[[Any], None], argument: object = None) -> None:
         """Call a wire back at an instant that is not in the past."""

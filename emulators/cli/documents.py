@@ -8,8 +8,8 @@ from rich.table import Table
 
 from emulators.documents import eds as sheets
 from emulators.documents import fidelity as known
-from emulators.documents import objects as dictionary
-from emulators.documents.reader import SilentNodeError, read_all
+from emulators.documents import object_table as dictionary
+from emulators.documents.object_reader import SilentNodeError, read_all
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import BIT_RATE_IN_USE, BIT_RATES, DeviceProfile
 from firmware_bridge.cli.commands import command

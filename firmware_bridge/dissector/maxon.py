@@ -13,7 +13,7 @@ from firmware_bridge.wire.maxon.frame import ANSWER, DLE, Failure, Frame
 from firmware_bridge.wire.maxon.messages import Answer, Request
 from firmware_bridge.wire.maxon.opcodes import COMMANDS, decode_answer, decode_request
 from firmware_bridge.wire.maxon.packets import outcome_of
-from firmware_bridge.wire.maxon.v2 import Damaged, Reader
+from firmware_bridge.wire.maxon.v2 import Damaged, FrameReader
 
 _HANDSHAKE: Final = {v1.OKAY: "okay", v1.FAILED: "failed"}
 _OBJECT: Final = ("index", "subindex")
@@ -75,7 +75,7 @@ class _Stream:
     """What one end of a line sends, byte by byte."""
 
     def __init__(self) -> None:
-        self._second = Reader()
+        self._second = FrameReader()
         self._first: v1.Rest | None = None
 
     def take_v2(self, byte: int) -> Frame | str | None:

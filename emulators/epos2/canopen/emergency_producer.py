@@ -1,7 +1,6 @@
 """Emergency producer: error register 0x1001, history 0x1003, the message itself.
 
 Sources: CiA 301 v4.02, emergency object; frames recorded from an EPOS2 (code, register, five zero bytes).
-It refuses to know what an error does to the motor.
 """
 
 from typing import Final

@@ -165,7 +165,7 @@ class ErrorControl:
                 consumer.hear(payload, now)
 
     def lost(self, now: Nanoseconds) -> bool:
-        """Whether a watch has just ended in silence; each silence is told once."""
+        """Whether a watch has just ended in silence; each silence is reported once."""
         if self.due > now:
             return False
         silent = [watch for watch in (*self.consumers, self.guard) if watch.due <= now]

@@ -10,7 +10,7 @@ from typing import Final
 
 from emulators.epos2.canopen.lss_slave import NODE_NUMBER, LssSlave
 from emulators.epos2.objects.device_profile import BIT_RATE, BIT_RATE_IN_USE, BIT_RATES
-from emulators.epos2.objects.saved_parameters import Memory
+from emulators.epos2.objects.saved_parameters import SavedParameters
 from emulators.epos2.objects.store import ObjectStore
 from firmware_bridge.units import NEVER, Nanoseconds
 
@@ -38,7 +38,7 @@ class Identity:
         """Whether the drive hears the bus and is heard."""
         return not self._quiet and (self._bus_rate is None or self._rate == self._bus_rate)
 
-    def restart(self, store: ObjectStore, memory: Memory, lss: LssSlave) -> None:
+    def restart(self, store: ObjectStore, memory: SavedParameters, lss: LssSlave) -> None:
         """Begin as after power-on: number and bit rate from switch, copy or default, and all objects."""
         lss.pending_node = None
         store.node_id = self.dip_switch or FIRST_NUMBER

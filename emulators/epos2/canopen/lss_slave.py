@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import Final
 
 from emulators.epos2.objects.device_profile import BIT_RATE, BIT_RATES
-from emulators.epos2.objects.saved_parameters import Memory
+from emulators.epos2.objects.saved_parameters import SavedParameters
 from emulators.epos2.objects.store import ObjectStore
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.abort import SdoAbort
@@ -44,7 +44,7 @@ class LssSlave:
     def __init__(
         self,
         store: ObjectStore,
-        memory: Memory,
+        memory: SavedParameters,
         node: Callable[[], int],
         switch: Callable[[int, Nanoseconds], None],
     ) -> None:

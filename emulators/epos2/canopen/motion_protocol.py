@@ -8,7 +8,7 @@ from emulators.servo.axis import ServoAxis
 from firmware_bridge.units import Nanoseconds
 
 
-class Motion(Protocol):
+class MotionProtocol(Protocol):
     """What the node needs of motion control."""
 
     def nmt_changed(self, operational: bool) -> None:  # noqa: FBT001 - as MotionControl has it
@@ -33,4 +33,4 @@ class Motion(Protocol):
         """Begin as after power-on."""
 
 
-MotionFactory: TypeAlias = Callable[[ObjectStore, ServoAxis, Callable[[int], None]], Motion]
+MotionFactory: TypeAlias = Callable[[ObjectStore, ServoAxis, Callable[[int], None]], MotionProtocol]

@@ -1,6 +1,6 @@
 """Network management of one drive: where a command leads, and which services live in which state.
 
-Source: CiA 301 v4.02, NMT state machine, table of states and services. It refuses to know the services.
+Source: CiA 301 v4.02, NMT state machine, table of states and services.
 """
 
 from collections.abc import Mapping

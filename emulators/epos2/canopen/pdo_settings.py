@@ -35,7 +35,7 @@ INHIBIT_UNIT: Final[Nanoseconds] = 100 * MICROSECOND
 
 
 @dataclass(frozen=True, slots=True)
-class Direction:
+class PdoDirection:
     """What is common to the four PDOs of one direction."""
 
     parameter: int
@@ -46,14 +46,14 @@ class Direction:
     has_inhibit: bool
 
 
-RECEIVE: Final = Direction(
+RECEIVE: Final = PdoDirection(
     RECEIVE_PARAMETER,
     RECEIVE_MAPPING,
     frozenset({SYNCHRONOUS, ON_CHANGE}),
     lambda row: row.receivable,
     has_inhibit=False,
 )
-TRANSMIT: Final = Direction(
+TRANSMIT: Final = PdoDirection(
     TRANSMIT_PARAMETER,
     TRANSMIT_MAPPING,
     frozenset({SYNCHRONOUS, ON_REQUEST, ON_CHANGE}),
@@ -68,7 +68,7 @@ class PdoSettings:
     def __init__(
         self,
         store: ObjectStore,
-        direction: Direction,
+        direction: PdoDirection,
         number: int,
         state: Callable[[], NmtState],
         touched: Callable[[], None],

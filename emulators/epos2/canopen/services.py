@@ -12,12 +12,11 @@ from emulators.epos2.canopen.clock import HighResolutionClock
 from emulators.epos2.canopen.emergency_producer import EmergencyProducer
 from emulators.epos2.canopen.heartbeat import ErrorControl
 from emulators.epos2.canopen.identity import Identity
-from emulators.epos2.canopen.motion_protocol import Motion
+from emulators.epos2.canopen.motion_protocol import MotionProtocol
 from emulators.epos2.canopen.nmt import SERVICES, Service
-from emulators.epos2.canopen.outbox import Outbox
-from emulators.epos2.canopen.pdo_transmission import ReceivePdo, TransmitPdo
-from emulators.epos2.canopen.process_data import Heard, ProcessData
+from emulators.epos2.canopen.process_data import FrameHandler, ProcessData, ReceivePdo, TransmitPdo
 from emulators.epos2.canopen.sdo_server import SdoServer
+from emulators.epos2.canopen.transmit_queue import TransmitQueue
 from emulators.epos2.objects.device_profile import DeviceProfile
 from emulators.epos2.objects.store import ObjectStore
 from firmware_bridge.units import Nanoseconds
@@ -35,14 +34,14 @@ class Services:
         store: ObjectStore,
         profile: DeviceProfile,
         identity: Identity,
-        outbox: Outbox,
+        transmit: TransmitQueue,
         *,
         send: Callable[[int, bytes], None],
-        motion: Callable[[Callable[[int], None]], Motion],
+        motion: Callable[[Callable[[int], None]], MotionProtocol],
     ) -> None:
         """`send` puts a frame on the bus; `motion` makes motion control that reports its errors here."""
         self._identity = identity
-        self._outbox = outbox
+        self._transmit = transmit
         self._send = send
         self.state = NmtState.BOOT_UP
         """The network state."""
@@ -56,14 +55,14 @@ class Services:
     @property
     def due(self) -> Nanoseconds:
         """When some service has to speak or to look, whatever the bus brings."""
-        return min(self.errors.due, self.pdo.due, self._outbox.answer_due)
+        return min(self.errors.due, self.pdo.due, self._transmit.answer_due)
 
     def enter(self, state: NmtState) -> None:
         """Let the services live that live in this state, and no others."""
         before, self.state = self.state, state
         if Service.SDO not in SERVICES[state]:
             self._sdo.reset()
-            self._outbox.drop_answers()
+            self._transmit.drop_answers()
         self.motion.nmt_changed(state is NmtState.OPERATIONAL)
         if before is not state:
             if state is NmtState.OPERATIONAL:
@@ -78,9 +77,9 @@ class Services:
 
     def speak(self, now: Nanoseconds) -> bool:
         """Send what is due or has changed; say whether other identifiers count from here on."""
-        errors, pdo, outbox = self.errors, self.pdo, self._outbox
-        if outbox.answer_due <= now:
-            for answer in outbox.released(now):
+        errors, pdo, transmit = self.errors, self.pdo, self._transmit
+        if transmit.answer_due <= now:
+            for answer in transmit.released(now):
                 self._send(canopen.SDO_RESPONSE + self._identity.node, answer)
         if errors.producer.due <= now:
             heartbeat = errors.producer.produce(self.state, now)
@@ -91,10 +90,10 @@ class Services:
                 self._send(address, payload)
         return others
 
-    def routes(self) -> dict[int, Heard]:
-        """Say which identifiers count in this state, and who hears them."""
+    def routes(self) -> dict[int, FrameHandler]:
+        """Say which identifiers count in this state, and who takes their frames."""
         services, node = SERVICES[self.state], self._identity.node
-        routes: dict[int, Heard] = {}
+        routes: dict[int, FrameHandler] = {}
         if Service.PDO in services:
             routes = self.pdo.routes(self._hear_collision, self._hear_request, self._hear_pdo)
         if Service.ERROR_CONTROL in services:
@@ -112,7 +111,7 @@ class Services:
     def _hear_sdo(self, payload: bytes, now: Nanoseconds) -> None:
         answer = self._sdo.answer(payload)
         if answer is not None:
-            self._outbox.answer(answer, now)
+            self._transmit.answer(answer, now)
         self.motion.refresh(now)
 
     def _hear_pdo(self, sharing: tuple[ReceivePdo, ...], payload: bytes, now: Nanoseconds) -> None:

@@ -8,15 +8,19 @@ from functools import partial
 from typing import Final
 
 from emulators.epos2.control.device_control import DeviceControl
-from emulators.epos2.control.power_sequence import PowerMachine
+from emulators.epos2.control.power_sequence import PowerSequence
 from emulators.epos2.control.power_states import Delays
 from emulators.epos2.control.sensing import Sensing
 from emulators.epos2.control.supervision import ABORT_OPTIONS, NOT_CARRIED_OUT, SETPOINTS_IN_A_MILLISECOND
 from emulators.epos2.io.data_recorder import DataRecorder
 from emulators.epos2.io.pins import Pins
-from emulators.epos2.modes.mode_selector import Motion
-from emulators.epos2.modes.mode_table import HEEDED, MODES
-from emulators.epos2.objects.axis_parameters import ACTUAL_VALUES, ONLY_WITHOUT_POWER, PARAMETERS, Parameter
+from emulators.epos2.modes.mode_selector import HEEDED, MODES, ModeSelector
+from emulators.epos2.objects.axis_parameters import (
+    ACTUAL_VALUES,
+    ONLY_WITHOUT_POWER,
+    PARAMETERS,
+    AxisParameter,
+)
 from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import CURRENT_LIMITED, ServoAxis
 from emulators.servo.scaling import Settings, configure
@@ -36,7 +40,7 @@ _INTERNAL_LIMIT: Final = int(Status.INTERNAL_LIMIT)
 
 
 class MotionControl:
-    """One drive's state machine, modes and supervision."""
+    """One drive's power states, modes and supervision."""
 
     def __init__(
         self,
@@ -51,11 +55,9 @@ class MotionControl:
         self._recorder = DataRecorder(store, axis)
         self._tell = report
         self.pins: Final = Pins(store, axis)
-        self._motion = Motion(store, axis, self.pins.inputs)
-        self._machine = PowerMachine(store, axis, self._motion, self.pins, delays or Delays())
-        self._control = DeviceControl(
-            store, axis, self._motion, self.pins, self._machine, report=self._report
-        )
+        self._modes = ModeSelector(store, axis, self.pins.inputs)
+        self._power = PowerSequence(store, axis, self._modes, self.pins, delays or Delays())
+        self._control = DeviceControl(store, axis, self._modes, self.pins, self._power, report=self._report)
         self._settings = Settings()
         self._operational = False
         self._busy = (0, 0)
@@ -66,8 +68,8 @@ class MotionControl:
 
     @property
     def state(self) -> State:
-        """The state of the power machine."""
-        return self._machine.state
+        """The power state of CiA 402."""
+        return self._power.state
 
     def nmt_changed(self, operational: bool) -> None:  # noqa: FBT001 - one fact, and the method names it
         """Follow the network state: statusword bit 9. ASSUME: leaving Operational stops no motion."""
@@ -97,7 +99,7 @@ class MotionControl:
 
     def wake_at(self) -> Nanoseconds:
         """Return when `refresh` is needed next even if the axis raises no event."""
-        return self._machine.due
+        return self._power.due
 
     def reset(self) -> None:
         """Begin as after power-on, with the store's present values (transition 19)."""
@@ -108,8 +110,8 @@ class MotionControl:
         configure(self._axis, self._settings)
         self._sensing.apply()
         self.pins.reset()
-        self._motion.restart(self._store.get(at.MODE))
-        self._store.set(at.MODE_DISPLAY, self._motion.number)
+        self._modes.restart(self._store.get(at.MODE))
+        self._store.set(at.MODE_DISPLAY, self._modes.number)
         self._control.restart()
         self._publish()
 
@@ -137,7 +139,7 @@ class MotionControl:
         for address in HEEDED:
             store.on_write(address, partial(self._take_value, address))
 
-    def _take_parameter(self, row: Parameter, value: int) -> None:
+    def _take_parameter(self, row: AxisParameter, value: int) -> None:
         if row.address in ONLY_WITHOUT_POWER:
             self._refuse_with_power(row.address, value)
         setattr(self._settings, row.setting, value)
@@ -154,13 +156,13 @@ class MotionControl:
     def _take_mode(self, mode: int) -> None:
         if mode not in MODES:
             raise SdoAbort(AbortCode.RANGE, at.MODE)
-        self._motion.change(mode, enabled=self._machine.free)
+        self._modes.change(mode, enabled=self._power.free)
         self._store.set(at.MODE_DISPLAY, mode)
         self._publish()
 
     def _take_value(self, address: Address, value: int) -> None:
-        if self._machine.free:
-            self._motion.written(address, value)
+        if self._power.free:
+            self._modes.written(address, value)
             self._count_setpoint()
 
     def _take_start(self, code: int, value: int) -> None:
@@ -179,14 +181,14 @@ class MotionControl:
     # Statusword
 
     def _publish(self) -> None:
-        machine, motion = self._machine, self._motion
-        word, mode = machine.word, motion.mode
+        power, modes = self._power, self._modes
+        word, mode = power.word, modes.mode
         # Recorded: bit 10 is 1 while the drive is disabled.
         if not word & _STAGE_ON or mode.arrived:
             word |= _TARGET_REACHED
         if self._operational:
             word |= _REMOTE
-        if motion.shaft.referenced:
+        if modes.shaft.referenced:
             word |= _REFERENCED
         if self._axis.flags & CURRENT_LIMITED:
             word |= _INTERNAL_LIMIT

@@ -1,4 +1,4 @@
-"""The power machine at work: its transitions, what they do to stage and brake, ramps before power goes.
+"""The power sequence: transitions in their order, what they do to stage and brake, ramps before power goes.
 
 The rules are rows in `power_states`; here is their order in time. It refuses to know who commands and which
 errors stand, and objects other than the option codes and decelerations that its ramps need.
@@ -12,13 +12,13 @@ from emulators.epos2.control.power_states import (
     TIMED,
     Delays,
     Happening,
-    Ramp,
+    RampOption,
     Stage,
     Transition,
     Trigger,
 )
 from emulators.epos2.io.pins import Pins
-from emulators.epos2.modes.mode_selector import Motion
+from emulators.epos2.modes.mode_selector import ModeSelector
 from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
 from emulators.servo.sensors import align
@@ -30,17 +30,17 @@ from firmware_bridge.wire.epos2.functions import OutputFunction
 _FAULTS: Final = frozenset({State.FAULT, State.FAULT_REACTION_ENABLED, State.FAULT_REACTION_DISABLED})
 
 
-class PowerMachine:
+class PowerSequence:
     """The state of one drive, and what moves it."""
 
     def __init__(
-        self, store: ObjectStore, axis: ServoAxis, motion: Motion, pins: Pins, delays: Delays
+        self, store: ObjectStore, axis: ServoAxis, modes: ModeSelector, pins: Pins, delays: Delays
     ) -> None:
         self._store = store
         self._outputs = pins.outputs
         self._brake = pins.brake
         self._axis = axis
-        self._motion = motion
+        self._modes = modes
         self._delays = delays
         self.state = State.START
         self.word = State.START.value
@@ -91,7 +91,7 @@ class PowerMachine:
         if held or self._slows_down(row.ramp):
             self._completing = row
             if self.state is not State.QUICK_STOP_ACTIVE:
-                self._motion.shaft.brake()
+                self._modes.shaft.brake()
             return
         self._complete(row)
         if row.goes_on:
@@ -119,7 +119,7 @@ class PowerMachine:
             self.go(TIMED[self.state])
         elif self.releasing and self._brake.released():
             self.releasing = False
-            self._motion.begin(self.controlword)
+            self._modes.begin(self.controlword)
         elif self._completing is not None and self._at_rest():
             self._complete(self._completing)
         elif self.state is State.FAULT_REACTION_ENABLED and self._at_rest():
@@ -129,10 +129,10 @@ class PowerMachine:
         return True
 
     def _at_rest(self) -> bool:
-        return self._motion.shaft.stopped and self._brake.closes()
+        return self._modes.shaft.stopped and self._brake.closes()
 
-    def _slows_down(self, ramp: Ramp) -> bool:
-        return ramp is not Ramp.NONE and self._store.get(supervision.RAMP_OPTIONS[ramp]) == 1
+    def _slows_down(self, ramp: RampOption) -> bool:
+        return ramp is not RampOption.NONE and self._store.get(supervision.RAMP_OPTIONS[ramp]) == 1
 
     def _complete(self, row: Transition) -> None:
         self._completing = None
@@ -143,7 +143,7 @@ class PowerMachine:
             self._brake.close()
             self.releasing = False
             self._axis.switch_off()
-            self._motion.forget()
+            self._modes.forget()
         self._enter(row.target)
 
     def _enter(self, state: State) -> None:
@@ -155,12 +155,12 @@ class PowerMachine:
         elif state is State.OPERATION_ENABLED:
             self.releasing = self._brake.release()
             if self.releasing:
-                self._motion.hold()
+                self._modes.hold()
             else:
-                self._motion.begin(self.controlword)
+                self._modes.begin(self.controlword)
         elif state is State.QUICK_STOP_ACTIVE:
             self._stop(at.QUICK_STOP_DECELERATION)
 
     def _stop(self, deceleration: at.Address) -> None:
-        self._motion.forget()
-        self._motion.shaft.brake(deceleration)
+        self._modes.forget()
+        self._modes.shaft.brake(deceleration)

@@ -1,7 +1,7 @@
-"""The CiA 402 power machine as one table: where a state may go, on what, and what happens to the power stage.
+"""The power states of CiA 402 as one table: where each may go, on what, and what happens to the power stage.
 
 Source: EPOS Firmware Specification, state transitions (by analogy for the EPOS2), numbered as there, with
-maxon's own states Refresh and Measure init. It refuses to know time, profiles and the bus.
+maxon's own states Refresh and Measure init.
 """
 
 from collections.abc import Mapping
@@ -15,7 +15,7 @@ from firmware_bridge.wire.cia402 import Command, State
 
 
 class Happening(Enum):
-    """What moves the machine beside the controlword's commands."""
+    """What moves the drive beside the controlword's commands."""
 
     STARTED = "firmware started"
     OFFSET_MEASURED = "current offset measured"
@@ -34,7 +34,7 @@ class Stage(Enum):
     OFF = "off"
 
 
-class Ramp(Enum):
+class RampOption(Enum):
     """The option code that may ask for a slow-down before the transition is completed."""
 
     NONE = "none"
@@ -54,7 +54,7 @@ class Transition:
     trigger: Trigger
     target: State
     stage: Stage = Stage.KEEP
-    ramp: Ramp = Ramp.NONE
+    ramp: RampOption = RampOption.NONE
     goes_on: bool = False
     """The same command counts once more in the new state: switch on with bit 3 does 3, then 4."""
 
@@ -73,11 +73,11 @@ TRANSITIONS: Final = (
     Transition(3, State.READY_TO_SWITCH_ON, _SWITCH_ON, State.SWITCHED_ON),
     Transition(3, State.READY_TO_SWITCH_ON, _ENABLE, State.SWITCHED_ON, goes_on=True),
     Transition(4, State.SWITCHED_ON, _ENABLE, State.REFRESH),
-    Transition(5, State.OPERATION_ENABLED, _SWITCH_ON, State.SWITCHED_ON, _OFF, Ramp.DISABLE),
+    Transition(5, State.OPERATION_ENABLED, _SWITCH_ON, State.SWITCHED_ON, _OFF, RampOption.DISABLE),
     Transition(6, State.SWITCHED_ON, _SHUTDOWN, State.READY_TO_SWITCH_ON),
     Transition(7, State.READY_TO_SWITCH_ON, _QUICK, State.SWITCH_ON_DISABLED),
     Transition(7, State.READY_TO_SWITCH_ON, _DISABLE, State.SWITCH_ON_DISABLED),
-    Transition(8, State.OPERATION_ENABLED, _SHUTDOWN, State.READY_TO_SWITCH_ON, _OFF, Ramp.SHUTDOWN),
+    Transition(8, State.OPERATION_ENABLED, _SHUTDOWN, State.READY_TO_SWITCH_ON, _OFF, RampOption.SHUTDOWN),
     Transition(9, State.OPERATION_ENABLED, _DISABLE, State.SWITCH_ON_DISABLED, _OFF),
     Transition(10, State.SWITCHED_ON, _QUICK, State.SWITCH_ON_DISABLED),
     Transition(10, State.SWITCHED_ON, _DISABLE, State.SWITCH_ON_DISABLED),

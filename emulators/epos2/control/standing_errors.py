@@ -1,12 +1,12 @@
 """The errors that stand since the last fault reset: what the axis finds, how to react, what may be reset.
 
-It refuses to know states and ramps: the power machine brings the motor to rest.
+The power sequence brings the motor to rest.
 """
 
 from typing import Final
 
 from emulators.epos2.control import enable_checks, supervision
-from emulators.epos2.control.supervision import WATCHED, Reaction
+from emulators.epos2.control.supervision import WATCHED, ErrorReaction
 from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.wire.cia402 import State
@@ -37,7 +37,7 @@ class StandingErrors:
             return ()
         return tuple(supervision.findings(flags, state, self._store.get(at.SENSOR_TYPE), self.codes))
 
-    def reaction_to(self, code: int) -> Reaction:
+    def reaction_to(self, code: int) -> ErrorReaction:
         """Return how the drive reacts to an error, as table and 0x605E say."""
         return supervision.reaction_to(code, self._store.get(at.FAULT_REACTION_OPTION))
 

@@ -12,7 +12,7 @@ from operator import or_
 from types import MappingProxyType
 from typing import Final
 
-from emulators.epos2.control.power_states import Ramp
+from emulators.epos2.control.power_states import RampOption
 from emulators.epos2.control.sensing import ABSOLUTE
 from emulators.servo import axis as servo
 from firmware_bridge.wire.cia402 import State
@@ -69,14 +69,14 @@ POSITION_LOST: Final = frozenset(
 WATCHED: Final = reduce(or_, (watch.flag for watch in WATCHES))
 
 
-def findings(flags: int, state: State, sensor_type: int, told: Collection[int]) -> tuple[int, ...]:
-    """Return the emergencies that the axis' flags stand for, but for those that have been told."""
+def findings(flags: int, state: State, sensor_type: int, reported: Collection[int]) -> tuple[int, ...]:
+    """Return the emergencies that the axis' flags stand for, but for those that have been reported."""
     return tuple(
         code
         for watch in WATCHES
         if flags & watch.flag
-        and (code := watch.code_in(state, sensor_type)) not in told
-        and watch.measuring not in told
+        and (code := watch.code_in(state, sensor_type)) not in reported
+        and watch.measuring not in reported
     )
 
 
@@ -97,52 +97,52 @@ SETPOINTS_IN_A_MILLISECOND: Final = 8
 ASSUME: the number."""
 
 
-class Reaction(Enum):
+class ErrorReaction(Enum):
     """How the motor is brought to rest before the fault state."""
 
-    NONE = "only told"
+    NONE = "only reported"
     DISABLE = "power stage off at once"
     SLOW_DOWN = "ramp with 0x6084, then off"
     QUICK_STOP = "ramp with 0x6085, then off"
 
 
-RAMP_OPTIONS: Final[Mapping[Ramp, Address]] = MappingProxyType(
-    {Ramp.SHUTDOWN: at.SHUTDOWN_OPTION, Ramp.DISABLE: at.DISABLE_OPTION}
+RAMP_OPTIONS: Final[Mapping[RampOption, Address]] = MappingProxyType(
+    {RampOption.SHUTDOWN: at.SHUTDOWN_OPTION, RampOption.DISABLE: at.DISABLE_OPTION}
 )
 """Where it stands whether the way out slows down first: 1."""
-DECELERATIONS: Final[Mapping[Reaction, Address]] = MappingProxyType(
-    {Reaction.SLOW_DOWN: at.PROFILE_DECELERATION, Reaction.QUICK_STOP: at.QUICK_STOP_DECELERATION}
+DECELERATIONS: Final[Mapping[ErrorReaction, Address]] = MappingProxyType(
+    {ErrorReaction.SLOW_DOWN: at.PROFILE_DECELERATION, ErrorReaction.QUICK_STOP: at.QUICK_STOP_DECELERATION}
 )
 """What a ramp brakes with."""
 
-FAULT_OPTIONS: Final[Mapping[int, Reaction]] = MappingProxyType(
+FAULT_OPTIONS: Final[Mapping[int, ErrorReaction]] = MappingProxyType(
     {
-        -1: Reaction.NONE,
-        0: Reaction.DISABLE,
-        1: Reaction.SLOW_DOWN,
-        2: Reaction.QUICK_STOP,
+        -1: ErrorReaction.NONE,
+        0: ErrorReaction.DISABLE,
+        1: ErrorReaction.SLOW_DOWN,
+        2: ErrorReaction.QUICK_STOP,
     }
 )
 """0x605E, for the errors that allow a ramp; -1 is uncertain. Others count as the default, 2 (ASSUME)."""
 
-ABORT_OPTIONS: Final[Mapping[int, Reaction]] = MappingProxyType(
+ABORT_OPTIONS: Final[Mapping[int, ErrorReaction]] = MappingProxyType(
     {
-        0: Reaction.NONE,
-        2: Reaction.DISABLE,
-        3: Reaction.QUICK_STOP,
+        0: ErrorReaction.NONE,
+        2: ErrorReaction.DISABLE,
+        3: ErrorReaction.QUICK_STOP,
     }
 )
 """0x6007 for a lost connection; 1, and others, react as 0x605E says. Each but 0 ends in Fault."""
 
 
-def reaction_to(code: int, fault_option: int) -> Reaction:
+def reaction_to(code: int, fault_option: int) -> ErrorReaction:
     """Return the reaction to an emergency; a code that the table does not know switches off."""
     row = EMERGENCIES.get(code)
     if row is None or row.reaction is FaultReaction.DISABLE:
-        return Reaction.DISABLE
+        return ErrorReaction.DISABLE
     if row.reaction is FaultReaction.NONE:
-        return Reaction.NONE
-    return FAULT_OPTIONS.get(fault_option, Reaction.QUICK_STOP)
+        return ErrorReaction.NONE
+    return FAULT_OPTIONS.get(fault_option, ErrorReaction.QUICK_STOP)
 
 
 def curable(errors: Collection[int]) -> bool:

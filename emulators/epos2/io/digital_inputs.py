@@ -3,7 +3,6 @@
 Sources: EPOS Firmware Specification, digital inputs (by analogy). A pin has one function (0x2070); the
 polarity turns its sense round. The mask filters what a client reads; the execution mask says which functions
 act by themselves. ASSUME: two pins of one function act as if wired together.
-It refuses to know states and modes.
 """
 
 from collections.abc import Mapping

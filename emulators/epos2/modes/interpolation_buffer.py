@@ -1,7 +1,7 @@
 """The buffer of interpolated position mode: records in, one after the other out, and its objects.
 
 Sources: application note Interpolation Position Mode, December 2008; maxon EDS (0x20C1, 0x20C4, 0x60C4).
-It refuses to know how a path is run. Where they are silent:
+Where they are silent:
 * a record counts until the segment that begins with it is over;
 * a record for a buffer without access is refused with 0x08000022, one for a full buffer with 0x05040005, and
   the overflow is an error of the mode, too;
@@ -48,7 +48,7 @@ class InterpolationBuffer:
     """First in, first out."""
 
     def __init__(self, store: ObjectStore, overflow: Callable[[], None]) -> None:
-        """Attach to the store; `overflow` is told of a record that found no place."""
+        """Attach to the store; `overflow` is called for a record that found no place."""
         self._store = store
         self.records: list[PvtRecord] = []
         """The first one begins the segment that runs, or would."""

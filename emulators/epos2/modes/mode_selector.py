@@ -1,13 +1,20 @@
-"""Gives one of the modes of operation the shaft, and passes on what concerns it.
+"""Which modes of operation an EPOS2 has, and which of them has the shaft.
 
-It refuses to know what a mode does with it.
+ASSUME: in diagnostic mode, of which nothing is published, the drive holds its position and does nothing else.
 """
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Final
 
 from emulators.epos2.io.digital_inputs import DigitalInputs
+from emulators.epos2.modes.digital_position import DigitalPosition
+from emulators.epos2.modes.direct import CurrentMode, PositionMode, VelocityMode
+from emulators.epos2.modes.homing import Homing
+from emulators.epos2.modes.interpolated_position import InterpolatedPosition
 from emulators.epos2.modes.mode import ModeOfOperation
-from emulators.epos2.modes.mode_table import MODES
+from emulators.epos2.modes.profile_position import ProfilePosition
+from emulators.epos2.modes.profile_velocity import ProfileVelocity
 from emulators.epos2.modes.shaft import Shaft
 from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
@@ -15,12 +22,34 @@ from firmware_bridge.wire.cia402 import Control, Mode
 from firmware_bridge.wire.epos2 import emergency
 from firmware_bridge.wire.epos2.address import Address
 
+MODES: Final[Mapping[int, type[ModeOfOperation]]] = MappingProxyType(
+    {
+        Mode.INTERPOLATED_POSITION: InterpolatedPosition,
+        Mode.HOMING: Homing,
+        Mode.PROFILE_VELOCITY: ProfileVelocity,
+        Mode.PROFILE_POSITION: ProfilePosition,
+        Mode.POSITION: PositionMode,
+        Mode.VELOCITY: VelocityMode,
+        Mode.CURRENT: CurrentMode,
+        Mode.DIAGNOSTIC: ModeOfOperation,
+        Mode.MASTER_ENCODER: DigitalPosition,
+        Mode.STEP_DIRECTION: DigitalPosition,
+    }
+)
+"""Every mode by its number in 0x6060."""
+
+HEEDED: Final[tuple[Address, ...]] = tuple(
+    sorted({address for mode in MODES.values() for address in mode.heeds})
+)
+"""Objects whose writes one of the modes heeds."""
+
+
 # The controlword's bits as plain numbers: flags are slow, and every frame is looked at.
 _HALT: Final = int(Control.HALT)
 _NEW_SETPOINT: Final = int(Control.NEW_SETPOINT)
 
 
-class Motion:
+class ModeSelector:
     """The mode that is set, and all others. Every method but those of the status needs power."""
 
     def __init__(self, store: ObjectStore, axis: ServoAxis, inputs: DigitalInputs) -> None:

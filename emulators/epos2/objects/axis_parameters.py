@@ -1,6 +1,6 @@
 """Which objects shape the servo axis, which report from it, and which rest while the power stage is on.
 
-It refuses to know what the values do: `emulators.servo.scaling` does.
+What the values do, `emulators.servo.scaling` says.
 """
 
 from collections.abc import Callable
@@ -22,7 +22,7 @@ DIGITAL_POSITION: Final = Address(0x2300, 1)
 
 
 @dataclass(frozen=True, slots=True)
-class Parameter:
+class AxisParameter:
     """An object and the setting that follows it."""
 
     address: Address
@@ -30,29 +30,29 @@ class Parameter:
 
 
 PARAMETERS: Final = (
-    Parameter(at.ENCODER_PULSES, "encoder_pulses"),
-    Parameter(at.CURRENT_P, "current_p"),
-    Parameter(at.CURRENT_I, "current_i"),
-    Parameter(at.VELOCITY_P, "velocity_p"),
-    Parameter(at.VELOCITY_I, "velocity_i"),
-    Parameter(at.VELOCITY_FEEDFORWARD, "velocity_speed_forward"),
-    Parameter(at.VELOCITY_ACCELERATION_FEEDFORWARD, "velocity_acceleration_forward"),
-    Parameter(at.POSITION_P, "position_p"),
-    Parameter(at.POSITION_I, "position_i"),
-    Parameter(at.POSITION_D, "position_d"),
-    Parameter(at.POSITION_VELOCITY_FEEDFORWARD, "position_speed_forward"),
-    Parameter(at.POSITION_ACCELERATION_FEEDFORWARD, "position_acceleration_forward"),
-    Parameter(at.CONTINUOUS_CURRENT_LIMIT, "continuous_current"),
-    Parameter(at.OUTPUT_CURRENT_LIMIT, "peak_current"),
-    Parameter(at.THERMAL_TIME_CONSTANT, "thermal_time"),
-    Parameter(at.MAX_MOTOR_SPEED, "max_speed"),
-    Parameter(at.MAX_FOLLOWING_ERROR, "following_error"),
-    Parameter(at.POSITION_WINDOW, "position_window"),
-    Parameter(at.POSITION_WINDOW_TIME, "position_window_time"),
-    Parameter(at.VELOCITY_WINDOW, "velocity_window"),
-    Parameter(at.VELOCITY_WINDOW_TIME, "velocity_window_time"),
-    Parameter(STANDSTILL_WINDOW, "standstill_window"),
-    Parameter(STANDSTILL_TIME, "standstill_time"),
+    AxisParameter(at.ENCODER_PULSES, "encoder_pulses"),
+    AxisParameter(at.CURRENT_P, "current_p"),
+    AxisParameter(at.CURRENT_I, "current_i"),
+    AxisParameter(at.VELOCITY_P, "velocity_p"),
+    AxisParameter(at.VELOCITY_I, "velocity_i"),
+    AxisParameter(at.VELOCITY_FEEDFORWARD, "velocity_speed_forward"),
+    AxisParameter(at.VELOCITY_ACCELERATION_FEEDFORWARD, "velocity_acceleration_forward"),
+    AxisParameter(at.POSITION_P, "position_p"),
+    AxisParameter(at.POSITION_I, "position_i"),
+    AxisParameter(at.POSITION_D, "position_d"),
+    AxisParameter(at.POSITION_VELOCITY_FEEDFORWARD, "position_speed_forward"),
+    AxisParameter(at.POSITION_ACCELERATION_FEEDFORWARD, "position_acceleration_forward"),
+    AxisParameter(at.CONTINUOUS_CURRENT_LIMIT, "continuous_current"),
+    AxisParameter(at.OUTPUT_CURRENT_LIMIT, "peak_current"),
+    AxisParameter(at.THERMAL_TIME_CONSTANT, "thermal_time"),
+    AxisParameter(at.MAX_MOTOR_SPEED, "max_speed"),
+    AxisParameter(at.MAX_FOLLOWING_ERROR, "following_error"),
+    AxisParameter(at.POSITION_WINDOW, "position_window"),
+    AxisParameter(at.POSITION_WINDOW_TIME, "position_window_time"),
+    AxisParameter(at.VELOCITY_WINDOW, "velocity_window"),
+    AxisParameter(at.VELOCITY_WINDOW_TIME, "velocity_window_time"),
+    AxisParameter(STANDSTILL_WINDOW, "standstill_window"),
+    AxisParameter(STANDSTILL_TIME, "standstill_time"),
 )
 
 ONLY_WITHOUT_POWER: Final = (

@@ -1,7 +1,7 @@
 """What tells one drive type from another, and every choice that the sources leave open.
 
 Each open choice is a field, annotated with its provenance and source, so that a document can list them and a
-user can change them. It refuses to know how a choice is carried out.
+user can change them.
 """
 
 from collections.abc import Mapping

@@ -69,7 +69,7 @@ class Volatile:
         self._values = dict(values)
 
 
-class Memory:
+class SavedParameters:
     """The saved parameters of one drive."""
 
     def __init__(

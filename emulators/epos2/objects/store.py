@@ -91,7 +91,7 @@ class ObjectStore:
             self._texts[address] = bytes(raw)
 
     def check_writable(self, address: Address, size: int | None) -> ObjectRow:
-        """Refuse a write to come, or return the object's row; `size` in bytes, None while it is not told."""
+        """Refuse a write to come, or return the object's row; `size` in bytes, None while it is not known."""
         row = self.row(address)
         if not row.access.writable:
             raise SdoAbort(AbortCode.READ_ONLY, address)

@@ -1,14 +1,15 @@
-"""The gateway: what a serial host wants from the CAN bus, one errand at a time, each with its time-out.
+"""The gateway: what a serial host wants from the CAN bus, one request at a time, each with its time-out.
 
 Sources: EPOS2 Application Notes Collection, April 2013, p. 11-162 to 168, which gives what it costs; EPOS
 Communication Guide, October 2006 (EPOS1), for CAN frames and layer setting services. ASSUME: the cost falls
 on SDO only, and no abort goes to a node that has not answered in time.
 """
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Final, TypeAlias
 
 from emulators.epos2.objects.device_profile import DeviceProfile
-from emulators.epos2.serial.bus import Bus
 from emulators.epos2.serial.remote import Remote
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 from firmware_bridge.wire import canopen, sdo
@@ -17,21 +18,36 @@ from firmware_bridge.wire.can import MAX_PAYLOAD, REMOTE, STANDARD_MASK
 from firmware_bridge.wire.maxon import messages
 from firmware_bridge.wire.maxon.messages import Answer, FrameRead, Request
 
+
+@dataclass(frozen=True, slots=True)
+class DriveOnBus:
+    """The drive's own side, and the CAN bus that it is on."""
+
+    node: Callable[[], int]
+    """The drive's own node number."""
+    send: Callable[[int, bytes], None]
+    """Put a frame on the bus."""
+    hear: Callable[[int, bytes], None]
+    """Let the drive hear a frame as if it came from the bus: a command to all is one to itself, too."""
+    written: Callable[[], None]
+    """Tell the drive that an object has a new value."""
+
+
 NOBODY: Final = -1
 Result: TypeAlias = Answer | int | None
 """An answer, an error code, or nothing yet."""
 
 
-class Gateway:
-    """Runs errands on the bus."""
+class CanGateway:
+    """Carries out requests on the bus."""
 
-    def __init__(self, profile: DeviceProfile, bus: Bus) -> None:
+    def __init__(self, profile: DeviceProfile, drive: DriveOnBus) -> None:
         self.awaits = NOBODY
-        """The identifier of the frame that the errand waits for."""
+        """The identifier of the frame that the request waits for."""
         self.due: Nanoseconds = NEVER
         """When to call `wake`."""
         self._profile = profile
-        self._bus = bus
+        self._drive = drive
         self._remote = Remote(profile)
         self._request: Request | None = None
         self._leaving: tuple[int, bytes] | None = None
@@ -59,15 +75,15 @@ class Gateway:
         if request.length > MAX_PAYLOAD:
             raise SdoAbort(AbortCode.LENGTH)
         self._begin(request, request.identifier, now + self._profile.gateway_timeout)
-        self._bus.send(request.identifier | REMOTE, bytes(request.length))
+        self._drive.send(request.identifier | REMOTE, bytes(request.length))
         # What this very drive answers, it hears at once, through `hear`.
-        self._bus.hear(request.identifier | REMOTE, bytes(request.length))
+        self._drive.hear(request.identifier | REMOTE, bytes(request.length))
         return None
 
     def send_lss(self, payload: bytes) -> None:
         """Speak to the slaves of the layer setting services; forget what they said before."""
         self._lss, self._hears_lss = None, True
-        self._bus.send(canopen.LSS_REQUEST, payload)
+        self._drive.send(canopen.LSS_REQUEST, payload)
 
     def read_lss(self, request: messages.ReadLssFrame, now: Nanoseconds) -> Result:
         """Return what a slave has said since, or wait for it."""
@@ -86,7 +102,7 @@ class Gateway:
             self._end()
             return AbortCode.TIMEOUT
         self.due = now + self._profile.gateway_timeout
-        self._bus.send(*leaving)
+        self._drive.send(*leaving)
         return None
 
     def hear(self, address: int, payload: bytes) -> Result:
@@ -107,7 +123,7 @@ class Gateway:
         self._end()
         if complaint is not None and isinstance(response, sdo.UploadResponse):
             server = address - canopen.SDO_RESPONSE + canopen.SDO_REQUEST
-            self._bus.send(server, sdo.encode_abort(response.address, complaint))
+            self._drive.send(server, sdo.encode_abort(response.address, complaint))
             return complaint
         return result
 

@@ -21,14 +21,14 @@ from firmware_bridge.wire.maxon.messages import (
 
 
 @dataclass(slots=True)
-class _Read:
+class _SegmentedRead:
     address: Address
     rest: bytes
     toggle: bool = False
 
 
 @dataclass(slots=True)
-class _Write:
+class _SegmentedWrite:
     address: Address
     length: int
     taken: bytearray = field(default_factory=bytearray)
@@ -43,12 +43,12 @@ def payload_of(segment: SegmentWrite) -> bytes:
     return segment.raw[:length]
 
 
-class Transfer:
+class SegmentedTransfer:
     """What the host reads or writes piece by piece."""
 
     def __init__(self, store: ObjectStore) -> None:
         self._store = store
-        self._under_way: _Read | _Write | None = None
+        self._under_way: _SegmentedRead | _SegmentedWrite | None = None
 
     def end(self) -> None:
         """Forget a transfer that is under way."""
@@ -57,18 +57,18 @@ class Transfer:
     def begin_read(self, address: Address) -> None:
         """Take the object's bytes as they are now; SdoAbort."""
         self._under_way = None
-        self._under_way = _Read(address, self._store.read(address))
+        self._under_way = _SegmentedRead(address, self._store.read(address))
 
     def begin_write(self, address: Address, length: int) -> None:
         """Expect so many bytes; SdoAbort where the object does not take them."""
         self._under_way = None
         self._store.check_writable(address, length)
-        self._under_way = _Write(address, length)
+        self._under_way = _SegmentedWrite(address, length)
 
     def read(self, segment: SegmentRead) -> SegmentOut:
         """Return the next segment; SdoAbort."""
         transfer = self._under_way
-        if not isinstance(transfer, _Read):
+        if not isinstance(transfer, _SegmentedRead):
             raise SdoAbort(AbortCode.UNKNOWN_COMMAND)
         self._check(transfer, toggle=toggle_of(segment))
         chunk, transfer.rest = transfer.rest[:DIRECT_SEGMENT], transfer.rest[DIRECT_SEGMENT:]
@@ -80,7 +80,7 @@ class Transfer:
     def write(self, segment: SegmentWrite) -> SegmentTaken:
         """Take the next segment, with the last one write the object; SdoAbort."""
         transfer = self._under_way
-        if not isinstance(transfer, _Write):
+        if not isinstance(transfer, _SegmentedWrite):
             raise SdoAbort(AbortCode.UNKNOWN_COMMAND)
         self._check(transfer, toggle=toggle_of(segment))
         self._under_way = None  # until the segment has been taken
@@ -94,7 +94,7 @@ class Transfer:
             self._under_way = transfer
         return SegmentTaken(0, control(len(chunk), toggle=toggle_of(segment)))
 
-    def _check(self, transfer: _Read | _Write, *, toggle: bool) -> None:
+    def _check(self, transfer: _SegmentedRead | _SegmentedWrite, *, toggle: bool) -> None:
         if toggle is not transfer.toggle:
             self._under_way = None
             raise SdoAbort(AbortCode.TOGGLE, transfer.address)

@@ -1,7 +1,6 @@
 """An EPOS2 with a host on its serial port, beside the CAN bus: both see the same objects and the same state.
 
-It refuses to know the serial protocols. Other drives of a bus need no port of their own: the gateway reaches
-them.
+Other drives of a bus need no port of their own: the gateway reaches them.
 """
 
 from typing import Final
@@ -11,7 +10,7 @@ from emulators.epos2.control.motion_control import MotionControl
 from emulators.epos2.drive import Epos2
 from emulators.epos2.objects.device_profile import BAUDS, EPOS2_70_10, DeviceProfile
 from emulators.epos2.objects.saved_parameters import Storage
-from emulators.epos2.serial.bus import Bus
+from emulators.epos2.serial.can_gateway import DriveOnBus
 from emulators.epos2.serial.serial_port import SerialPort
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.node import SERIAL
@@ -37,8 +36,8 @@ class SerialEpos2(Epos2):
     ) -> None:
         """Give the drive a port, V1 on RS232 or V2 on USB; the rest is as in `Epos2`."""
         super().__init__(node_id, axis, profile, motion, storage=storage, bus_rate=bus_rate)
-        bus = Bus(lambda: self.node_id, super()._send, self._overhear, self._written)
-        self._port: Final = SerialPort(self.store, profile, generation, bus)
+        drive = DriveOnBus(lambda: self.node_id, super()._send, self._overhear, self._written)
+        self._port: Final = SerialPort(self.store, profile, generation, drive)
 
     @property
     def baud(self) -> int:
@@ -81,7 +80,7 @@ class SerialEpos2(Epos2):
         said = self._port.taken()
         wake_at = min(reaction.wake_at, self._port.due)
         if wake_at != reaction.wake_at:
-            self._outbox.idle = Reaction((), wake_at)
+            self._transmit.idle = Reaction((), wake_at)
         if not said:
             return Reaction(reaction.sent, wake_at)
         return Reaction((*reaction.sent, Packet(SERIAL, 0, said)), wake_at)
@@ -97,9 +96,9 @@ class SerialEpos2(Epos2):
             self._port.restart(self._now)
 
     def _overhear(self, address: int, payload: bytes) -> None:
-        heard = self._routes.get(address)
-        if heard is not None:
-            heard(payload, self._now)
+        handle = self._routes.get(address)
+        if handle is not None:
+            handle(payload, self._now)
 
     def _written(self) -> None:
         self.motion.refresh(self._now)

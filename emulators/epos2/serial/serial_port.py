@@ -1,6 +1,6 @@
 """The drive's serial port as its node sees it: bytes and bus frames in, bytes out, and when to come back.
 
-It refuses to know the commands. Sources: EPOS Firmware Specification for 0x2002 and 0x2005 (by analogy);
+Sources: EPOS Firmware Specification for 0x2002 and 0x2005 (by analogy);
 maxon's command library for the USB side, a converter at 1 MBd. ASSUME: a time-out of 0 means its default.
 """
 
@@ -9,7 +9,7 @@ from typing import Final
 
 from emulators.epos2.objects.device_profile import BAUDS, RS232_RATE, DeviceProfile
 from emulators.epos2.objects.store import ObjectStore
-from emulators.epos2.serial.bus import Bus
+from emulators.epos2.serial.can_gateway import DriveOnBus
 from emulators.epos2.serial.server import SerialServer
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire.epos2.address import Address
@@ -30,13 +30,15 @@ DEFAULT_TIMEOUT_MS: Final = 500
 class SerialPort:
     """One port with one protocol."""
 
-    def __init__(self, store: ObjectStore, profile: DeviceProfile, generation: Generation, bus: Bus) -> None:
+    def __init__(
+        self, store: ObjectStore, profile: DeviceProfile, generation: Generation, drive: DriveOnBus
+    ) -> None:
         self.generation: Final = generation
         self.baud = USB_BAUD
         """Bits a second on the line; on RS232 as 0x2002 was at the last start."""
         self._store = store
         self._latency = profile.serial_latency
-        self._server = SerialServer(store, profile, bus)
+        self._server = SerialServer(store, profile, drive)
         self._line = device_end(generation, self._timeout, profile.bad_checksum)
         self._silent = False
         self._serving = False

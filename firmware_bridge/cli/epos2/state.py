@@ -50,7 +50,7 @@ def state(
     if command is None:
         drive.finish(overview.script())
     else:
-        if command.way.may_move:
+        if command.procedure.may_move:
             agreed(f"{command.wanted.value} {drive.title}", "it may start to move", yes=yes)
         drive.finish((*command.script(), *overview.script()))
     if as_json:
@@ -58,7 +58,7 @@ def state(
         return
     say(_text(drive, overview))
     if command is not None:
-        say(f"left so: {command.way.leaves}")
+        say(f"left so: {command.procedure.leaves}")
 
 
 def _text(drive: Line, overview: Overview) -> str:

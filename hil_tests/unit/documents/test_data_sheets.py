@@ -14,8 +14,8 @@ from canopen.objectdictionary import ODVariable
 from typer.testing import CliRunner
 
 from emulators.documents.eds import dcf, eds
-from emulators.documents.objects import as_json, entries
-from emulators.documents.reader import SilentNodeError, read_all
+from emulators.documents.object_reader import SilentNodeError, read_all
+from emulators.documents.object_table import as_json, entries
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import EPOS2_70_10
 from firmware_bridge.cli import program

@@ -4,7 +4,7 @@ import pytest
 
 from emulators.epos2.objects.device_profile import BAUDS
 from emulators.epos2.objects.saved_parameters import SAVE
-from emulators.wires.bits import heard_as
+from emulators.wires.serial import heard_as
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MICROSECOND, MILLISECOND, NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire.maxon.frame import Failure, Generation

@@ -9,7 +9,7 @@ from dataclasses import fields
 from typing import Final
 
 from firmware_bridge.wire.maxon.frame import Generation
-from firmware_bridge.wire.maxon.opcodes import ROWS, Row, Shape
+from firmware_bridge.wire.maxon.opcodes import ROWS, Opcode, Shape
 
 HEADINGS: Final = ("opcode", "command", "data", "answer", "V1", "V2", "known", "source", "tests")
 UNTESTED: Final = "none"
@@ -32,7 +32,7 @@ def layout(shape: Shape) -> str:
     return ", ".join(f"`{name}` {kind}" for name, kind in zip(names, kinds, strict=True))
 
 
-def cells(row: Row, tests: Tests) -> tuple[str, ...]:
+def cells(row: Opcode, tests: Tests) -> tuple[str, ...]:
     """Return the texts of one line, as `HEADINGS` names them."""
     known = row.request is not None
     return (

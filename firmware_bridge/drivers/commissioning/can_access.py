@@ -6,18 +6,18 @@ other's question about the same object.
 
 from typing import Final
 
-from firmware_bridge.drivers.commissioning.errand import (
+from firmware_bridge.drivers.commissioning.job import (
     BrokenAnswerError,
-    Errand,
-    Network,
+    Job,
+    NetworkJob,
     Outcome,
     RefusedError,
+    Sent,
     SilentError,
-    Write,
+    WriteJob,
     attempts,
     patience,
 )
-from firmware_bridge.drivers.commissioning.link import Sent
 from firmware_bridge.drivers.sdo_client import (
     ATTEMPTS,
     TIMEOUT,
@@ -33,14 +33,14 @@ from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire import canopen
 
 
-class CanLink:
+class CanAccess:
     """One drive by its node number."""
 
     def __init__(self, node: int, timeout: Nanoseconds = TIMEOUT) -> None:
         self.node: Final = node
         self._timeout = timeout
         self._client = SdoClient(timeout)
-        self._errand: Errand | None = None
+        self._job: Job | None = None
         self._sent_only = False
 
     @property
@@ -48,19 +48,17 @@ class CanLink:
         """When the answer is late."""
         return self._client.wake_at
 
-    def begin(self, errand: Errand, now: Nanoseconds) -> Sent:
-        """Begin an errand; ValueError while another is under way."""
+    def begin(self, job: Job, now: Nanoseconds) -> Sent:
+        """Begin a job; ValueError while another is under way."""
         if self._client.busy:
-            raise ValueError(f"{errand} while {self._errand} is under way")
-        if isinstance(errand, Network):
+            raise ValueError(f"{job} while {self._job} is under way")
+        if isinstance(job, NetworkJob):
             self._sent_only = True
-            return (Packet(CAN, canopen.NMT, canopen.encode_nmt(errand.command, errand.node)),)
-        self._errand = errand
-        self._client = SdoClient(patience(errand, self._timeout))
-        raw = errand.raw if isinstance(errand, Write) else None
-        return self._requests(
-            self._client.start(Transfer(errand.address, raw, attempts(errand, ATTEMPTS)), now)
-        )
+            return (Packet(CAN, canopen.NMT, canopen.encode_nmt(job.command, job.node)),)
+        self._job = job
+        self._client = SdoClient(patience(job, self._timeout))
+        raw = job.raw if isinstance(job, WriteJob) else None
+        return self._requests(self._client.start(Transfer(job.address, raw, attempts(job, ATTEMPTS)), now))
 
     def hear(self, packet: Packet, now: Nanoseconds) -> Sent:
         """Take a frame of the bus; all but those of the drive's SDO server are somebody else's."""
@@ -73,18 +71,18 @@ class CanLink:
         return self._requests(self._client.wake(now))
 
     def take(self) -> Outcome | None:
-        """Return how the errand ended, once."""
+        """Return how the job ended, once."""
         if self._sent_only:
             self._sent_only = False
             return b""
-        outcome, errand = self._client.take(), self._errand
-        if not isinstance(outcome, SdoError) or errand is None:
+        outcome, job = self._client.take(), self._job
+        if not isinstance(outcome, SdoError) or job is None:
             return outcome if isinstance(outcome, bytes) else None
         if isinstance(outcome, SdoRefusedError):
-            return RefusedError(errand, outcome.code)
+            return RefusedError(job, outcome.code)
         if isinstance(outcome, NoAnswer):
-            return SilentError(errand, outcome.transfer.attempts * patience(errand, self._timeout))
-        return BrokenAnswerError(errand, outcome.problem)
+            return SilentError(job, outcome.transfer.attempts * patience(job, self._timeout))
+        return BrokenAnswerError(job, outcome.problem)
 
     def _requests(self, payloads: tuple[bytes, ...]) -> Sent:
         return tuple(Packet(CAN, canopen.SDO_REQUEST + self.node, payload) for payload in payloads)

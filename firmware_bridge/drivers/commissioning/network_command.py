@@ -8,8 +8,8 @@ from functools import partial
 from typing import Final
 
 from firmware_bridge.drivers.commissioning.client import Ask, CommissioningError, Do, Pause, Script, need
-from firmware_bridge.drivers.commissioning.errand import ErrandError, Network, Outcome, Read, SilentError
-from firmware_bridge.drivers.commissioning.serial_link import OWN, SerialLink
+from firmware_bridge.drivers.commissioning.job import JobError, NetworkJob, Outcome, ReadJob, SilentError
+from firmware_bridge.drivers.commissioning.serial_access import OWN, SerialAccess
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.canopen import ALL_NODES, NODE_MASK, NmtCommand
 from firmware_bridge.wire.cia402 import Status
@@ -37,8 +37,8 @@ class NetworkCommand:
     def script(self) -> Script:
         """Send it, and look where there is one drive to look at."""
         if self.node is None:
-            return (Ask(Read(SDO_SERVER), need(self._numbered)),)
-        return (Ask(Network(self.command, self.node), need(lambda _raw: ())), *self._looks())
+            return (Ask(ReadJob(SDO_SERVER), need(self._numbered)),)
+        return (Ask(NetworkJob(self.command, self.node), need(lambda _raw: ())), *self._looks())
 
     def _numbered(self, raw: bytes) -> Script:
         self.node = int.from_bytes(raw, "little") & NODE_MASK
@@ -48,16 +48,16 @@ class NetworkCommand:
         if self.node == ALL_NODES or self.command is NmtCommand.STOP:
             return ()
         if self.command in _RESETS:
-            return (Pause(SETTLE), Ask(Read(at.ERROR_REGISTER), self._back))
-        return (Pause(SETTLE), Ask(Read(at.STATUSWORD), need(partial(self._look))))
+            return (Pause(SETTLE), Ask(ReadJob(at.ERROR_REGISTER), self._back))
+        return (Pause(SETTLE), Ask(ReadJob(at.STATUSWORD), need(partial(self._look))))
 
     def _back(self, outcome: Outcome) -> Script:
         self._time_left -= SETTLE
         if isinstance(outcome, SilentError):
             self._time_left -= outcome.waited
-        if isinstance(outcome, ErrandError) and self._time_left > 0:
-            return (Pause(SETTLE), Ask(Read(at.ERROR_REGISTER), self._back))
-        if isinstance(outcome, ErrandError):
+        if isinstance(outcome, JobError) and self._time_left > 0:
+            return (Pause(SETTLE), Ask(ReadJob(at.ERROR_REGISTER), self._back))
+        if isinstance(outcome, JobError):
             raise outcome
         self.seen = True
         return ()
@@ -65,16 +65,16 @@ class NetworkCommand:
     def _look(self, raw: bytes) -> Script:
         operational = bool(int.from_bytes(raw, "little") & Status.REMOTE)
         if operational is not _OPERATIONAL[self.command]:
-            told = "operational" if operational else "not operational"
-            raise CommissioningError(f"node {self.node} is {told} after it; does another master command it?")
+            found = "operational" if operational else "not operational"
+            raise CommissioningError(f"node {self.node} is {found} after it; does another master command it?")
         self.seen = True
         return ()
 
 
-class Gateway:
+class GatewayCheck:
     """Sees that the drive on a serial line is the one that is meant, before anything else is done."""
 
-    def __init__(self, link: SerialLink, node: int) -> None:
+    def __init__(self, link: SerialAccess, node: int) -> None:
         self.node: Final = node
         self._link = link
         self._target = OWN if link.node == node else link.node
@@ -85,7 +85,7 @@ class Gateway:
 
     def _ask(self) -> Script:
         self._link.node = OWN
-        return (Ask(Read(SDO_SERVER), need(self._compare)),)
+        return (Ask(ReadJob(SDO_SERVER), need(self._compare)),)
 
     def _compare(self, raw: bytes) -> Script:
         self._link.node = self._target

@@ -23,18 +23,18 @@ class RewindError(Exception):
     """Something has a state that cannot be kept or put back; the message says what, and where it hangs."""
 
 
-class Apart:
+class NotCaptured:
     """Marks a class whose instances are no part of the run: they are neither kept nor looked into."""
 
     __slots__ = ()
 
 
-class Outside(Apart, list[Item]):
+class External(NotCaptured, list[Item]):
     """A list whose content belongs to somebody outside of the run."""
 
 
 @runtime_checkable
-class Keeper(Protocol):
+class SavesState(Protocol):
     """A thing whose state Python cannot see, and which keeps it itself."""
 
     def save_state(self) -> object:
@@ -61,7 +61,7 @@ def _same_attributes(thing: dict[str, Any], copy: dict[str, Any]) -> bool:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Kind:
+class Capture:
     """What one kind of thing needs."""
 
     copy: Callable[[Any], Any]
@@ -135,23 +135,25 @@ def _put_array(thing: Any, copy: Any) -> None:
 _SIMPLE: Final = ctypes.c_double.__bases__[0]
 """The base of ctypes' numbers."""
 
-ATTRIBUTES: Final = Kind(dict.copy, dict.values, _put_attributes, _same_attributes)
+ATTRIBUTES: Final = Capture(dict.copy, dict.values, _put_attributes, _same_attributes)
 """An instance's `__dict__`. Its order means nothing, its shared keys mean speed: so it is not emptied."""
-KEEPER: Final = Kind(lambda thing: thing.save_state(), None, lambda thing, copy: thing.restore_state(copy))
+SAVES_STATE: Final = Capture(
+    lambda thing: thing.save_state(), None, lambda thing, copy: thing.restore_state(copy)
+)
 
-KINDS: Final[tuple[tuple[type, Kind], ...]] = (
-    (dict, Kind(dict.copy, lambda copy: chain(copy, copy.values()), _put_members, _same_members)),
-    (list, Kind(list.copy, iter, _put_items)),
-    (deque, Kind(list, iter, _put_elements)),
-    (set, Kind(set.copy, iter, _put_members)),
-    (bytearray, Kind(bytes, None, _put_items)),
-    (array, Kind(lambda thing: thing[:], None, _put_items)),
-    (CellType, Kind(_cell_content, iter, _put_content, _same_content)),
-    (ctypes.Structure, Kind(bytes, None, _put_bytes)),
-    (ctypes.Array, Kind(bytes, None, _put_bytes)),
-    (_SIMPLE, Kind(bytes, None, _put_bytes)),
-    (np.random.Generator, Kind(lambda thing: thing.bit_generator.state, None, _put_generator)),
-    (np.ndarray, Kind(np.ndarray.copy, None, _put_array)),
+CAPTURES: Final[tuple[tuple[type, Capture], ...]] = (
+    (dict, Capture(dict.copy, lambda copy: chain(copy, copy.values()), _put_members, _same_members)),
+    (list, Capture(list.copy, iter, _put_items)),
+    (deque, Capture(list, iter, _put_elements)),
+    (set, Capture(set.copy, iter, _put_members)),
+    (bytearray, Capture(bytes, None, _put_items)),
+    (array, Capture(lambda thing: thing[:], None, _put_items)),
+    (CellType, Capture(_cell_content, iter, _put_content, _same_content)),
+    (ctypes.Structure, Capture(bytes, None, _put_bytes)),
+    (ctypes.Array, Capture(bytes, None, _put_bytes)),
+    (_SIMPLE, Capture(bytes, None, _put_bytes)),
+    (np.random.Generator, Capture(lambda thing: thing.bit_generator.state, None, _put_generator)),
+    (np.ndarray, Capture(np.ndarray.copy, None, _put_array)),
 )
 
 
@@ -166,7 +168,7 @@ def slots_of(cls: type) -> dict[str, MemberDescriptorType]:
     }
 
 
-def slots_kind(cls: type) -> Kind:
+def slots_capture(cls: type) -> Capture:
     """Return how the slots of this class are kept: as a tuple, in one call where all of them are assigned."""
     members = tuple(slots_of(cls).values())
     names = [member.__name__ for member in members]
@@ -191,7 +193,7 @@ def slots_kind(cls: type) -> Kind:
     def same(thing: object, before: tuple[object, ...]) -> bool:
         return _same_items(copy(thing), before)
 
-    return Kind(copy, iter, put_back, same)
+    return Capture(copy, iter, put_back, same)
 
 
 def _slot(member: MemberDescriptorType, thing: object) -> object:

@@ -1,7 +1,4 @@
-"""The object dictionary of one type of drive as a table: for people, as JSON, as a page.
-
-It refuses to know what the objects do.
-"""
+"""The object dictionary of one type of drive as a table: for people, as JSON, as a page."""
 
 import json
 from dataclasses import dataclass, replace
@@ -30,7 +27,7 @@ _WIDE: Final = frozenset({DataType.UNSIGNED32, DataType.UNSIGNED64})
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class ObjectEntry:
     """One object as this type of drive has it."""
 
     row: ObjectRow
@@ -75,14 +72,14 @@ class Entry:
         )
 
 
-def entries(profile: DeviceProfile, node: int = 1) -> tuple[Entry, ...]:
+def entries(profile: DeviceProfile, node: int = 1) -> tuple[ObjectEntry, ...]:
     """Return every object of such a drive with this number, in the order of the addresses."""
     differing, bounds = profile.differing(node), profile.bounds()
     made = []
     for address, row in OBJECTS.items():
         low, high = bounds.get(address, (row.minimum, row.maximum))
         default = differing.get(address, row.default_for(node))
-        made.append(Entry(_marked(row, profile), default, low, high))
+        made.append(ObjectEntry(_marked(row, profile), default, low, high))
     return tuple(made)
 
 
@@ -103,7 +100,7 @@ def as_json(profile: DeviceProfile, node: int = 1) -> str:
     return json.dumps([_as_record(entry) for entry in entries(profile, node)], indent=1)
 
 
-def _as_record(entry: Entry) -> dict[str, object]:
+def _as_record(entry: ObjectEntry) -> dict[str, object]:
     row = entry.row
     default = entry.default.decode("ascii") if isinstance(entry.default, bytes) else entry.default
     return {

@@ -4,14 +4,14 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
-from firmware_bridge.drivers.commissioning.errand import (
-    Errand,
-    ErrandError,
-    Network,
-    Read,
+from firmware_bridge.drivers.commissioning.job import (
+    Job,
+    JobError,
+    NetworkJob,
+    ReadJob,
     RefusedError,
     SilentError,
-    Write,
+    WriteJob,
 )
 from firmware_bridge.drivers.commissioning.names import called
 from firmware_bridge.units import MILLISECOND
@@ -46,43 +46,41 @@ REMEDIES: Final[Mapping[int, str]] = MappingProxyType(
 """What to do about a refusal."""
 
 
-def explain(failure: ErrandError, where: str, silence: str) -> str:
+def error_text(failure: JobError, where: str, silence: str) -> str:
     """Return what failed, `where` (a drive for people), and what to do; `silence` is the link's advice."""
-    errand = failure.errand
-    what = _what(errand)
+    job = failure.job
+    what = _what(job)
     if isinstance(failure, RefusedError):
         if failure.code == AbortCode.TIMEOUT:
             return f"{where} does not answer through the drive on the line ({what}): {REMEDIES[failure.code]}"
         remedy = REMEDIES.get(failure.code)
-        told = f"{where} refuses {what}: {meaning_of(failure.code)}"
-        return f"{told}{_range(errand, failure.code)}" + (f"; {remedy}" if remedy else "")
+        text = f"{where} refuses {what}: {meaning_of(failure.code)}"
+        return f"{text}{_range(job, failure.code)}" + (f"; {remedy}" if remedy else "")
     if isinstance(failure, SilentError):
         return f"{where} does not answer ({what}, {failure.waited // MILLISECOND} ms): {silence}"
     return f"{where} answers {what} with what cannot be understood: {failure.problem}; {silence}"
 
 
-def _what(errand: Errand) -> str:
-    if isinstance(errand, Network):
-        return str(errand)
-    if isinstance(errand, Read):
-        return f"to read {called(errand.address)}"
-    return f"to write {_told(errand)} to {called(errand.address)}"
+def _what(job: Job) -> str:
+    if isinstance(job, NetworkJob):
+        return str(job)
+    if isinstance(job, ReadJob):
+        return f"to read {called(job.address)}"
+    return f"to write {_value(job)} to {called(job.address)}"
 
 
-def _told(errand: Write) -> str:
-    row = OBJECTS.get(errand.address)
-    known = row is not None and row.type.size == len(errand.raw)
-    value = row.type.decode(errand.raw) if known and row is not None else None
-    return (
-        f"0x{int.from_bytes(errand.raw, 'little'):0{2 * len(errand.raw)}X}" if value is None else f"{value}"
-    )
+def _value(job: WriteJob) -> str:
+    row = OBJECTS.get(job.address)
+    known = row is not None and row.type.size == len(job.raw)
+    value = row.type.decode(job.raw) if known and row is not None else None
+    return f"0x{int.from_bytes(job.raw, 'little'):0{2 * len(job.raw)}X}" if value is None else f"{value}"
 
 
-def _range(errand: Errand, code: int) -> str:
+def _range(job: Job, code: int) -> str:
     """Return the bounds that the table knows, where they may be the reason."""
-    if code not in {AbortCode.RANGE, AbortCode.TOO_HIGH, AbortCode.TOO_LOW} or isinstance(errand, Network):
+    if code not in {AbortCode.RANGE, AbortCode.TOO_HIGH, AbortCode.TOO_LOW} or isinstance(job, NetworkJob):
         return ""
-    return _bounds(errand.address)
+    return _bounds(job.address)
 
 
 def _bounds(address: Address) -> str:

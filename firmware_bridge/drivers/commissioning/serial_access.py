@@ -7,18 +7,18 @@ is the same value, and a controlword without a new edge starts nothing.
 
 from typing import Final
 
-from firmware_bridge.drivers.commissioning.errand import (
+from firmware_bridge.drivers.commissioning.job import (
     BrokenAnswerError,
-    Errand,
-    Network,
+    Job,
+    NetworkJob,
     Outcome,
-    Read,
+    ReadJob,
     RefusedError,
+    Sent,
     SilentError,
     attempts,
     patience,
 )
-from firmware_bridge.drivers.commissioning.link import Sent
 from firmware_bridge.node import SERIAL
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
@@ -44,7 +44,7 @@ LARGEST_READ: Final = 64 * 1024
 """Bytes after which an object that does not end is given up."""
 
 
-class SerialLink:
+class SerialAccess:
     """One drive by its node number, `OWN` for the one on the line."""
 
     def __init__(self, generation: Generation, node: int = OWN, timeout: Nanoseconds = TIMEOUT) -> None:
@@ -52,7 +52,7 @@ class SerialLink:
         self.generation: Final = generation
         self._timeout = timeout
         self._host = host_end(generation, timeout)
-        self._errand: Errand | None = None
+        self._job: Job | None = None
         self._request: Request | None = None
         self._begin_at: Nanoseconds = NEVER
         self._attempts_left = 0
@@ -65,13 +65,13 @@ class SerialLink:
         """When a step is late, or the line is free again."""
         return min(self._begin_at, self._host.due)
 
-    def begin(self, errand: Errand, now: Nanoseconds) -> Sent:
-        """Begin an errand; ValueError while another is under way."""
-        if self._errand is not None:
-            raise ValueError(f"{errand} while {self._errand} is under way")
-        self._errand = errand
+    def begin(self, job: Job, now: Nanoseconds) -> Sent:
+        """Begin a job; ValueError while another is under way."""
+        if self._job is not None:
+            raise ValueError(f"{job} while {self._job} is under way")
+        self._job = job
         self._attempts_left = ATTEMPTS
-        return self._try(errand, now)
+        return self._try(job, now)
 
     def hear(self, packet: Packet, now: Nanoseconds) -> Sent:
         """Take bytes of the line."""
@@ -86,30 +86,30 @@ class SerialLink:
         return self._ended(self._host.wake(now), now)
 
     def take(self) -> Outcome | None:
-        """Return how the errand ended, once."""
+        """Return how the job ended, once."""
         outcome, self._outcome = self._outcome, None
         return outcome
 
-    def _try(self, errand: Errand, now: Nanoseconds) -> Sent:
+    def _try(self, job: Job, now: Nanoseconds) -> Sent:
         """Begin from the start, when the line is free."""
         self._attempts_left -= 1
         self._gathered = None
         free_at = self._host.ready_at
-        self._host = host_end(self.generation, patience(errand, self._timeout))
+        self._host = host_end(self.generation, patience(job, self._timeout))
         self._host.ready_at = free_at
-        self._request = request = self._first(errand)
+        self._request = request = self._first(job)
         if free_at > now:
             self._begin_at = free_at
             return ()
         return self._ask(request, now)
 
-    def _first(self, errand: Errand) -> Request:
-        if isinstance(errand, Network):
-            return messages.SendNmtService(errand.node, errand.command)
-        index, subindex = errand.address.index, errand.address.subindex
-        if not isinstance(errand, Read):
-            return messages.WriteObject(index, subindex, self.node, errand.raw.ljust(DIRECT, b"\0"))
-        if 0 < size_of(errand.address) <= DIRECT:
+    def _first(self, job: Job) -> Request:
+        if isinstance(job, NetworkJob):
+            return messages.SendNmtService(job.node, job.command)
+        index, subindex = job.address.index, job.address.subindex
+        if not isinstance(job, ReadJob):
+            return messages.WriteObject(index, subindex, self.node, job.raw.ljust(DIRECT, b"\0"))
+        if 0 < size_of(job.address) <= DIRECT:
             return messages.ReadObject(index, subindex, self.node)
         return messages.InitiateSegmentedRead(index, subindex, self.node)
 
@@ -121,27 +121,27 @@ class SerialLink:
 
     def _ended(self, outcome: LineOutcome | None, now: Nanoseconds) -> Sent:
         """Act on the end of a command, if this is one."""
-        errand, request = self._errand, self._request
+        job, request = self._job, self._request
         said = self._said()
-        if outcome is None or errand is None or request is None:
+        if outcome is None or job is None or request is None:
             return said
         if isinstance(outcome, Failure):
-            return said + self._failed(errand, outcome, now)
-        if not outcome.body and isinstance(errand, Network):
+            return said + self._failed(job, outcome, now)
+        if not outcome.body and isinstance(job, NetworkJob):
             self._end(b"")
             return said
-        return said + self._answered(errand, request, outcome.body, now)
+        return said + self._answered(job, request, outcome.body, now)
 
-    def _answered(self, errand: Errand, request: Request, body: bytes, now: Nanoseconds) -> Sent:
+    def _answered(self, job: Job, request: Request, body: bytes, now: Nanoseconds) -> Sent:
         answer = decode_answer(request, body)
         if answer is None:
-            self._end(BrokenAnswerError(errand, f"{len(body)} bytes are no answer to it"))
+            self._end(BrokenAnswerError(job, f"{len(body)} bytes are no answer to it"))
         elif answer.error:
-            self._end(RefusedError(errand, answer.error))
-        elif isinstance(answer, messages.ObjectRead) and isinstance(errand, Read):
-            self._end(answer.raw[: size_of(errand.address)])
+            self._end(RefusedError(job, answer.error))
+        elif isinstance(answer, messages.ObjectRead) and isinstance(job, ReadJob):
+            self._end(answer.raw[: size_of(job.address)])
         elif isinstance(answer, messages.SegmentOut):
-            return self._gather(errand, answer, now)
+            return self._gather(job, answer, now)
         elif isinstance(request, messages.InitiateSegmentedRead):
             self._gathered, self._toggle = bytearray(), False
             return self._ask(messages.SegmentRead(messages.control(0, toggle=False)), now)
@@ -149,33 +149,33 @@ class SerialLink:
             self._end(b"")
         return ()
 
-    def _gather(self, errand: Errand, segment: messages.SegmentOut, now: Nanoseconds) -> Sent:
+    def _gather(self, job: Job, segment: messages.SegmentOut, now: Nanoseconds) -> Sent:
         gathered = self._gathered
         if gathered is None or messages.toggle_of(segment) is not self._toggle:
-            self._end(BrokenAnswerError(errand, "the toggle bit did not alternate"))
+            self._end(BrokenAnswerError(job, "the toggle bit did not alternate"))
             return ()
         gathered += segment.raw[: messages.length_of(segment)]
         if not messages.more_of(segment):
             self._end(bytes(gathered))
             return ()
         if len(gathered) > LARGEST_READ:
-            self._end(BrokenAnswerError(errand, f"it does not end after {len(gathered)} bytes"))
+            self._end(BrokenAnswerError(job, f"it does not end after {len(gathered)} bytes"))
             return ()
         self._toggle = not self._toggle
         return self._ask(messages.SegmentRead(messages.control(0, toggle=self._toggle)), now)
 
-    def _failed(self, errand: Errand, failure: Failure, now: Nanoseconds) -> Sent:
-        if self._attempts_left and (failure in _NOT_TAKEN or attempts(errand, ATTEMPTS) > 1):
-            return self._try(errand, now)
+    def _failed(self, job: Job, failure: Failure, now: Nanoseconds) -> Sent:
+        if self._attempts_left and (failure in _NOT_TAKEN or attempts(job, ATTEMPTS) > 1):
+            return self._try(job, now)
         if failure is Failure.SILENCE:
-            waited = attempts(errand, ATTEMPTS) * patience(errand, self._timeout)
-            self._end(SilentError(errand, waited))
+            waited = attempts(job, ATTEMPTS) * patience(job, self._timeout)
+            self._end(SilentError(job, waited))
         else:
-            self._end(BrokenAnswerError(errand, failure.value))
+            self._end(BrokenAnswerError(job, failure.value))
         return ()
 
     def _end(self, outcome: Outcome) -> None:
-        self._errand = self._request = self._gathered = None
+        self._job = self._request = self._gathered = None
         self._outcome = outcome
 
     def _said(self) -> Sent:

@@ -1,6 +1,6 @@
 """Reads every object of a running drive over its bus, one SDO transfer after the other.
 
-It works with a real drive as well. It refuses to know what the values mean.
+It works with a real drive as well.
 """
 
 from typing import Final

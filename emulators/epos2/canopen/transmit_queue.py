@@ -9,7 +9,7 @@ from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import NEVER, Nanoseconds
 
 
-class Outbox:
+class TransmitQueue:
     """Frames on their way to the controller. A drive that its bit rate keeps off the bus sends none."""
 
     def __init__(self, identity: Identity, latency: Nanoseconds) -> None:

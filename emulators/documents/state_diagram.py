@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from emulators.epos2.control.power_states import TRANSITIONS, Happening, Ramp, Stage, Transition
+from emulators.epos2.control.power_states import TRANSITIONS, Happening, RampOption, Stage, Transition
 from firmware_bridge.wire.cia402 import Command, State
 
 HEADINGS: Final = ("no.", "from", "on", "to", "power stage", "slow-down asked by")
@@ -25,7 +25,7 @@ def trigger(row: Transition) -> str:
 def cells(row: Transition) -> tuple[str, ...]:
     """Return the texts of one line, as `HEADINGS` names them."""
     goes_on = ", then once more from there" if row.goes_on else ""
-    ramp = "" if row.ramp is Ramp.NONE else f"{row.ramp.value} = 1"
+    ramp = "" if row.ramp is RampOption.NONE else f"{row.ramp.value} = 1"
     stage = "" if row.stage is Stage.KEEP else row.stage.value
     return (str(row.number), title(row.source), trigger(row), title(row.target) + goes_on, stage, ramp)
 
