@@ -2,8 +2,7 @@
 
 import sympy as sp
 
-from fmu.export.alike import Copy
-from fmu.export.functions import clamped, reciprocal
+from fmu.export.functions import clamped, reciprocal, shared
 from fmu.export.model import Expression, State
 from fmu.parts.motor import Shaft, bristle
 from fmu.parts.symbols import HALF, symbol
@@ -24,38 +23,23 @@ class Front:
         self.name = f"front_{side}"
         self.spin, self.friction = symbol(f"spin_{self.name}"), symbol(f"rolling_{self.name}")
         self.lateral = SIDES[side] * P["kingpin_distance"] / 2
-        copy = Copy("front", side)
         across, along = steering.direction(SIDES[side])
-        across, along = copy.takes("across", across), copy.takes("along", along)
         per_length = reciprocal(sp.sqrt(across**2 + along**2))
-        self.sine, self.cosine = across * per_length, along * per_length
+        self.sine, self.cosine = shared(across * per_length), shared(along * per_length)
         hub, swing = self._kingpin(motion)
-        hub, swing = copy.takes("hub", -hub), copy.takes("swing", -swing)
         self.tyre = Tyre(
             self.name,
             rim=P["front_radius"] * self.spin,
-            back=copy.gives("back", hub * self.cosine + swing * self.sine),
-            right=copy.gives("right", swing * self.cosine - hub * self.sine),
+            back=-hub * self.cosine - swing * self.sine,
+            right=hub * self.sine - swing * self.cosine,
         )
-        self.sine, self.cosine = copy.gives("sine", self.sine), copy.gives("cosine", self.cosine)
 
     def push(self) -> tuple[Expression, Expression, Expression]:
         """Return the force ahead and to the left and the moment about the rear axle's middle."""
-        taken = {
-            "force_ahead": self.tyre.force_ahead(),
-            "force_left": self.tyre.force_left(),
-            "cosine": self.cosine,
-            "sine": self.sine,
-            "lateral": self.lateral,
-        }
-        copy = Copy("push", self.name)
-        force_ahead, force_left, cosine, sine, lateral = (
-            copy.takes(place, value) for place, value in taken.items()
-        )
-        ahead = force_ahead * cosine - force_left * sine
-        left = force_ahead * sine + force_left * cosine
-        moment = P["wheelbase"] * left - lateral * ahead
-        return copy.gives("ahead", ahead), copy.gives("left", left), copy.gives("moment", moment)
+        force_ahead, force_left = self.tyre.force_ahead(), self.tyre.force_left()
+        ahead = force_ahead * self.cosine - force_left * self.sine
+        left = force_ahead * self.sine + force_left * self.cosine
+        return ahead, left, P["wheelbase"] * left - self.lateral * ahead
 
     def spring_ahead(self) -> Expression:
         """Return the spring's force along the platform, for the load transfer."""
@@ -80,7 +64,7 @@ class Front:
                 f"rolling_{self.name}",
                 "1",
                 sp.S.Zero,
-                bristle(self.name, self.spin, self.friction, P["rolling_presliding"]),
+                bristle(self.spin, self.friction, P["rolling_presliding"]),
             ),
             *self.tyre.states((sp.S.Zero, side_force), load),
         )

@@ -7,8 +7,7 @@ load does, it takes energy out and adds none. Refuses to know whose wheel it is.
 
 import sympy as sp
 
-from fmu.export.alike import Copy
-from fmu.export.functions import clamped, larger, positive_part, reciprocal, size
+from fmu.export.functions import clamped, larger, positive_part, reciprocal, shared, size
 from fmu.export.model import Expression, State
 from fmu.parts.symbols import HALF, symbol
 from fmu.rars.symbols import P
@@ -31,16 +30,11 @@ class Tyre:
 
     def __init__(self, name: str, *, rim: Expression, back: Expression, right: Expression) -> None:
         self.name = name
-        self.spring_ahead = P["tyre_stiffness"] * symbol(f"tyre_ahead_{name}")
-        self.spring_left = P["tyre_stiffness"] * symbol(f"tyre_left_{name}")
-        self._copy = Copy("tyre", name)
-        taken = {"rim": rim, "back": back, "right": right}
-        rim, back, right = (self._copy.takes(place, value) for place, value in taken.items())
-        self._slipping = (rim + back, right)
-        self._springs = (
-            self._copy.takes("spring_ahead", self.spring_ahead),
-            self._copy.takes("spring_left", self.spring_left),
-        )
+        self.spring_ahead = shared(P["tyre_stiffness"] * symbol(f"tyre_ahead_{name}"))
+        self.spring_left = shared(P["tyre_stiffness"] * symbol(f"tyre_left_{name}"))
+        rim, back, right = map(shared, (rim, back, right))
+        self._slipping = (shared(rim + back), right)
+        self._springs = (self.spring_ahead, self.spring_left)
         # max(|r w|, |v|), the corrected denominator; the print takes the signed one.
         self._rolling = larger(size(back), size(rim))
         self._over = larger(self._rolling, P["slip_speed"])
@@ -49,7 +43,7 @@ class Tyre:
 
     def bears(self, load: Expression) -> None:
         """Tell the tyre its load in N."""
-        self._load = positive_part(self._copy.takes("load", load))
+        self._load = positive_part(load)
         self._grip = P["floor_friction"] * self._load + TRACE
 
     @property
@@ -64,18 +58,18 @@ class Tyre:
 
     def force_ahead(self) -> Expression:
         """Return the force on the robot along the wheel's way in N."""
-        return self._copy.gives("force_ahead", self._force(0))
+        return self._force(0)
 
     def force_left(self) -> Expression:
         """Return the force on the robot along the wheel's axle in N."""
-        return self._copy.gives("force_left", self._force(1))
+        return self._force(1)
 
     def states(self, hold: tuple[Expression, Expression], load: Expression) -> tuple[State, ...]:
         """Return the deflections; they start with the forces `hold`, as far as the standing load grips."""
         grip = P["floor_friction"] * load
         ahead, left = (clamped(force, grip) / P["tyre_stiffness"] for force in hold)
         return tuple(
-            State(f"tyre_{way}_{self.name}", "m", start, self._copy.gives(f"rate_{way}", self._stretching(i)))
+            State(f"tyre_{way}_{self.name}", "m", start, self._stretching(i))
             for i, (way, start) in enumerate((("ahead", ahead), ("left", left)))
         )
 
@@ -86,28 +80,30 @@ class Tyre:
     def _force(self, way: int) -> Expression:
         """Return F = k z + (2 e + c) z' - e v_slip, in steady state (3.83); e is 0 but where LAG holds back.
 
-        With a, z's rate of decay, no energy is gained while 4 (c + e) (k - e a) >= c^2 a: c fades with slip.
+        With a, z's rate of decay, no energy is gained while 4 (c + e) (k - e a) >= c^2 a: c fades with slip,
+        and sooner where LAG holds back.
         """
-        slide, hold = self._slide(way)
-        loose = slide * reciprocal(hold)  # D / (mu N) in m/(N.s): 0 at rest, where the tyre is a spring
         excess = P["tyre_stiffness"] * LAG * (1 - self._held_back(way))
-        damping = P["tyre_damping"] * positive_part(1 - P["tyre_damping"] * loose) ** 2
-        wiped = self._wiped(way)
-        stretching = self._slipping[way] - wiped
-        return self._springs[way] + damping * stretching + excess * (stretching - wiped)
+        # 1 at rest, where the tyre is a spring.
+        fade = positive_part(self._held_back(way) - P["tyre_damping"] * self._loose(way))
+        wiped, stretching = self._wiped(way), self._stretching(way)
+        return self._springs[way] + P["tyre_damping"] * fade**2 * stretching + excess * (stretching - wiped)
 
     def _stretching(self, way: int) -> Expression:
         """Return z' = v_slip - k z D / (mu N): a steady slide is held by mu N v_slip / D."""
-        return self._slipping[way] - self._wiped(way)
+        return shared(self._slipping[way] - self._wiped(way))
 
     def _wiped(self, way: int) -> Expression:
         """Return how fast the deflection is wiped off in m/s, k z D / (mu N), not sooner than in LAG."""
-        slide, _ = self._slide(way)
-        return self._springs[way] * slide * self._per_hold(way)
+        return shared(self._springs[way] * self._loose(way))
+
+    def _loose(self, way: int) -> Expression:
+        """Return D / (mu N) in m/(N.s), not more than LAG allows."""
+        return shared(self._slide(way)[0] * self._per_hold(way))
 
     def _held_back(self, way: int) -> Expression:
         """Return the share of the wiping that LAG allows, 1 where it is slow enough."""
-        return self._slide(way)[1] * self._per_hold(way)
+        return shared(self._slide(way)[1] * self._per_hold(way))
 
     def _per_hold(self, way: int) -> Expression:
         slide, hold = self._slide(way)

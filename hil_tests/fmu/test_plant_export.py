@@ -107,7 +107,7 @@ def test_fmi_2_and_3_agree_bit_for_bit(fmu_file: dict[int, Path]) -> None:
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)
-@pytest.mark.parametrize("flags", ["-O0", "-O1", "-O2", "-O3", "-O3 -march=native", "-O3 -DFB_ALONE"])
+@pytest.mark.parametrize("flags", ["-O0", "-O1", "-O2", "-O3", "-O3 -march=native"])
 def test_every_compiler_gives_the_same_bits(
     fmu_file: dict[int, Path], tmp_path: Path, compiler: str, flags: str
 ) -> None:
