@@ -10,9 +10,11 @@ from emulators.devices import BODY
 from emulators.servo.bank import plant_inputs, plant_outputs
 from firmware_bridge.cli.console import FAILED, one_message, terminal
 from firmware_bridge.robot import Robot, load, shipped
-from fmu.build import build, described, models
+from fmu.build import build
 from fmu.check import Findings, examine
 from fmu.errors import PlantError
+from fmu.interface import units
+from fmu.plants import find, names
 from fmu.verify import Verdict
 
 BITS: Final = {
@@ -38,25 +40,33 @@ def attach(program: typer.Typer) -> None:
 
 @plants.command("list", epilog=LIST_EXAMPLE)
 def list_models() -> None:
-    """List the models that can be built."""
+    """List the plants that can be built, ours and those of other installed packages."""
     table = Table(title="plants")
     for heading in ("model", "what it is", "states", "inputs", "outputs", "parameters", "robots"):
         table.add_column(heading, overflow="fold")
     robots = [load(path) for path in shipped()]
-    with one_message(PlantError):
-        for name in models():
-            model = described(name)
+    failed = False
+    for name in names():
+        try:
+            model = find(name).model()
+        except PlantError as error:
+            # A stranger's mistake hides no other plant.
+            table.add_row(name, str(error), *["-"] * 5)
+            failed = True
+        else:
             outputs = sum(not row.local for row in model.outputs)
             used = ", ".join(robot.name for robot in robots if robot.plant.fmu == name) or "none"
             counts = (len(model.states), len(model.inputs), outputs, len(model.parameters))
             table.add_row(name, model.description, *map(str, counts), used)
     terminal().print(table)
+    if failed:
+        raise typer.Exit(FAILED)
     typer.echo("each as FMI 2.0 or 3.0, with co-simulation and model exchange in one file")
 
 
 @plants.command("build", epilog=BUILD_EXAMPLES)
 def build_model(
-    model: Annotated[str, typer.Argument(metavar="MODEL", help="A model that `fmu list` shows.")],
+    model: Annotated[str, typer.Argument(metavar="MODEL", help="A plant that `fmu list` shows.")],
     *,
     fmi: Annotated[int, typer.Option("--fmi", min=2, max=3, help="The version of FMI: 2 or 3.")] = 3,
     out: Annotated[
@@ -83,7 +93,7 @@ def check(file: Annotated[Path, typer.Argument(metavar="FILE", help="An FMU, who
     lacking = {robot.name: _lacking(robot, found) for robot in (load(path) for path in shipped())}
     fits = [name for name, reasons in lacking.items() if not reasons]
     # A model of ours may be made for something else than the bench of a robot.
-    needed = not fits and found.model not in models()
+    needed = not fits and found.model not in names()
     problems = [*found.problems, *(reason for reasons in lacking.values() for reason in reasons if needed)]
     rows = {
         "model": f"{found.model}, {found.variables} variables",
@@ -102,8 +112,8 @@ def check(file: Annotated[Path, typer.Argument(metavar="FILE", help="An FMU, who
 
 
 def _lacking(robot: Robot, found: Findings) -> tuple[str, ...]:
-    names = [axis.name for axis in robot.axes]
-    reasons = found.lacking(plant_inputs(names), (*plant_outputs(names), *BODY))
+    axes = [axis.name for axis in robot.axes]
+    reasons = found.lacking(plant_inputs(axes), (*plant_outputs(axes), *BODY), units(axes))
     if "co-simulation" not in found.interfaces:
         return (*reasons, "it offers no co-simulation; export it with its solver")
     return reasons

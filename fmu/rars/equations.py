@@ -3,11 +3,11 @@
 [R] is A. P. Das, PhD thesis, IIT Delhi, 2018; the same equations in mathematical writing: README.md.
 """
 
-from fmu import interface
 from fmu.export.model import Expression, Input, Model, Output
 from fmu.parts.battery import terminal_voltage
 from fmu.parts.motor import Shaft
 from fmu.parts.symbols import inner, symbol
+from fmu.rars import interface
 from fmu.rars.lift import Lift
 from fmu.rars.parameters import PARAMETERS
 from fmu.rars.platform import LEFT, RIGHT, Platform

@@ -30,7 +30,7 @@ from fmu.build import export
 from fmu.errors import PlantError
 from fmu.export.model import Expression, Model, Output, Parameter, State
 from fmu.export.model import Input as Voltage
-from fmu.interface import AXES, INPUTS, OUTPUTS
+from fmu.rars.interface import AXES, INPUTS, OUTPUTS
 
 attach_commands()
 
