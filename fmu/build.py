@@ -56,7 +56,7 @@ def ensure(plant: str | Plant, fmi: int = 3) -> Path:
 
 
 def build(plant: str | Plant, fmi: int, target: Path, *, compiler: str | None = None) -> None:
-    """Write the FMU of this plant, or of the installed one of this name, to `target`, replacing it at once."""
+    """Write the FMU of this plant, or of the installed one of this name, replacing `target` at once."""
     chosen = find(plant) if isinstance(plant, str) else plant
     export(chosen.model(), fmi, target, token=f"{{{_token(chosen)}}}", compiler=compiler)
 

@@ -23,7 +23,7 @@ PARAMETERS_PY = """
     from fmu.plants import Plant
 
     PARAMETERS = (Parameter("length", 1.0, "m", "from pivot to bob", "ASSUME"),)
-    PLANT = Plant("pendulum", "swinging", PARAMETERS, {"long": {"length": 4.0}}, {"rope.mm": ("length", 1e-3)})
+    PLANT = Plant("pendulum", "swinging", PARAMETERS, {"long": {"length": 4.0}}, {"rope": ("length", 1.0)})
 """
 EQUATIONS_PY = """
     import sympy as sp
