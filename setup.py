@@ -28,11 +28,11 @@ WAY_OF_A_PACKET: Final = (
     "emulators/bench/hand.py",
     "emulators/bench/operator.py",
     "emulators/epos2/*.py",
-    "emulators/epos2/modes/*.py",
-    "emulators/epos2/serial/*.py",
+    "emulators/epos2/*/*.py",
     "emulators/rig.py",
     "emulators/servo/bank.py",
     "emulators/servo/scaling.py",
+    "emulators/trace.py",
     "emulators/wires/*.py",
     "emulators/world.py",
     "firmware_bridge/bridge/*.py",
@@ -48,7 +48,7 @@ WAY_OF_A_PACKET: Final = (
 """What runs again and again in a mission; tables, and what runs once, stay as they are."""
 INTERPRETED: Final = frozenset(
     {
-        "emulators/epos2/profile.py",  # its annotations carry sources, which are read at run time
+        "emulators/epos2/objects/device_profile.py",  # its annotations carry sources, read at run time
         "firmware_bridge/wire/abort.py",  # an enumeration with a __new__ of its own
     }
 )

@@ -21,8 +21,8 @@ from typing import Final
 from benchmarks import strangers
 from benchmarks.drives import BIT_RATE, crowd, only_sync
 from benchmarks.measure import both_clocks, interleaved, processor_seconds, show
+from emulators.epos2.canopen.sdo_server import SdoServer
 from emulators.epos2.drive import Epos2
-from emulators.epos2.sdo_server import SdoServer
 from emulators.servo.axis import ServoAxis
 from emulators.single import QUADCOUNTS
 from emulators.wires import CanWire

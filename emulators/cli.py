@@ -13,7 +13,7 @@ from emulators.bench.mission import MissionFileError
 from emulators.bench.report import show
 from emulators.by_name import ByName
 from emulators.devices import devices
-from emulators.epos2.serial.drive import baud_of
+from emulators.epos2.serial.serial_drive import baud_of
 from emulators.epos2_cli import LatencyOption
 from emulators.gateway import Cluster
 from emulators.run import Order, drive

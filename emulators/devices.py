@@ -7,8 +7,8 @@ from types import MappingProxyType
 from typing import Final
 
 from emulators.epos2.drive import Epos2
-from emulators.epos2.profile import EPOS2_70_10, DeviceProfile, realistic
-from emulators.epos2.serial.drive import SerialEpos2
+from emulators.epos2.objects.device_profile import EPOS2_70_10, DeviceProfile, realistic
+from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, plant_inputs, plant_outputs
 from emulators.servo.pins import input_lines, output_lines, pin_inputs, pin_outputs

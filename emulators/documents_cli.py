@@ -8,10 +8,10 @@ from rich.table import Table
 
 from emulators.documents import eds as sheets
 from emulators.documents import fidelity as known
-from emulators.documents import objects as dictionary
-from emulators.documents.reader import SilentNodeError, read_all
-from emulators.epos2.catalogue import PROFILES
-from emulators.epos2.profile import BIT_RATE_IN_USE, BIT_RATES, DeviceProfile
+from emulators.documents import object_table as dictionary
+from emulators.documents.object_reader import SilentNodeError, read_all
+from emulators.epos2.objects.catalogue import PROFILES
+from emulators.epos2.objects.device_profile import BIT_RATE_IN_USE, BIT_RATES, DeviceProfile
 from firmware_bridge.cli.console import FAILED, one_message, refusal, terminal, written_by
 from firmware_bridge.cli.options import BitRateOption, ChannelOption, InterfaceOption
 from firmware_bridge.shell.ports import LostPort, PortError, open_can

@@ -8,11 +8,11 @@ from typing import Annotated, Final
 
 import typer
 
-from emulators.epos2.catalogue import PROFILES
-from emulators.epos2.memory import StorageError
-from emulators.epos2.profile import BIT_RATES, DeviceProfile, realistic
-from emulators.epos2.serial.drive import baud_of
-from emulators.epos2.serial.port import BAUDS
+from emulators.epos2.objects.catalogue import PROFILES
+from emulators.epos2.objects.device_profile import BIT_RATES, DeviceProfile, realistic
+from emulators.epos2.objects.saved_parameters import StorageError
+from emulators.epos2.serial.serial_drive import baud_of
+from emulators.epos2.serial.serial_port import BAUDS
 from emulators.gateway import Cluster
 from emulators.servo.bank import ServoError
 from emulators.servo.motor import DcMotor

@@ -10,7 +10,7 @@ from emulators.bench.mission import Noise
 from emulators.bench.records import SAMPLE_EVERY, HoldRecord, Sample
 from emulators.devices import BODY, devices
 from emulators.line import Line
-from emulators.rewind import Moment, Rewind
+from emulators.rewind import Checkpoint, Rewind
 from emulators.servo.bank import plant_outputs
 from emulators.wires import CanWire, DatagramWire
 from emulators.world import Wire, World
@@ -97,13 +97,13 @@ class Rig:
         """Run on for some seconds."""
         self.run(self.world.now + from_seconds(seconds))
 
-    def snapshot(self) -> Moment:
+    def snapshot(self) -> Checkpoint:
         """Keep this instant of the world, with what was sampled so far; see `World.snapshot`."""
         return self._rewind.snapshot()
 
-    def restore(self, moment: Moment) -> None:
+    def restore(self, checkpoint: Checkpoint) -> None:
         """Go to an instant that this rig has kept."""
-        self._rewind.restore(moment)
+        self._rewind.restore(checkpoint)
 
     def finish(self) -> None:
         """Let go of the plant."""

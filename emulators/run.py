@@ -72,6 +72,7 @@ def drive(order: Order, progress: Progress) -> Summary:
         frames=rig.can_wire.frames,
         bus_load_percent=rig.can_wire.load_percent(),
         trace_sha256=rig.world.trace_sha256,
+        links_sha256=rig.world.links_sha256,
         line=None if rig.line is None else rig.line.told(order.robot, order.duration),
     )
     summary = summarise(run, rig.samples, rig.holds)

@@ -10,8 +10,8 @@ from types import MappingProxyType
 from typing import Final
 
 from emulators.epos2.drive import Epos2
-from emulators.epos2.profile import DeviceProfile
-from emulators.epos2.serial.drive import SerialEpos2
+from emulators.epos2.objects.device_profile import DeviceProfile
+from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import Plant, ServoBank, plant_inputs, plant_outputs
 from emulators.servo.motor import DcMotor, DcMotors

@@ -10,7 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
 
-from emulators.epos2.memory import StorageError
+from emulators.epos2.objects.saved_parameters import StorageError
 from firmware_bridge.wire.epos2.address import Address
 
 FORMAT: Final = "EPOS2 parameters 1"

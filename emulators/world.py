@@ -4,25 +4,18 @@ It refuses to know what a node or a wire is made of, and it never looks at a rea
 instant happen in the order in which they were asked for, so two runs are the same byte for byte.
 """
 
-import hashlib
 from bisect import insort
 from collections.abc import Callable, Mapping
-from functools import lru_cache
 from typing import Any, Final, Protocol
 
-from emulators.rewind import Moment, Rewind
+from emulators.rewind import Checkpoint, External, Rewind
+from emulators.trace import Trace, trace_line
 from firmware_bridge.node import Node, Selective, Stoppable
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import NEVER, Nanoseconds
 
 LIVELOCK: Final = 100_000
 """So many events at one instant are a mistake of a node that asks to be woken at once, for ever."""
-
-
-@lru_cache(maxsize=4096)
-def _digits(address: int) -> str:
-    """Return an address as the trace writes it; few are carried again and again."""
-    return f"{address:08X}"
 
 
 class WorldError(Exception):
@@ -78,29 +71,6 @@ class Station:
         self.silent_from: Nanoseconds = NEVER
 
 
-class Trace:
-    """The running hash of what was carried; it can go back to an earlier instant."""
-
-    __slots__ = ("_hash", "add")
-
-    def __init__(self) -> None:
-        self.restore_state(hashlib.sha256())
-
-    @property
-    def sha256(self) -> str:
-        """The hash so far, in hexadecimal digits."""
-        return self._hash.hexdigest()
-
-    def save_state(self) -> "hashlib._Hash":
-        """Keep what has been added so far."""
-        return self._hash.copy()
-
-    def restore_state(self, state: "hashlib._Hash") -> None:
-        """Go on from what had been added then."""
-        self._hash = state.copy()
-        self.add: Callable[[bytes], None] = self._hash.update
-
-
 class World:
     """Nodes, wires and physics in virtual time. Times in nanoseconds from the start of the run."""
 
@@ -116,6 +86,9 @@ class World:
         """What is to come, in order. It is short, and so takes less comparing than a heap."""
         self._sequence = 0
         self._trace = Trace()
+        self._traces: dict[str, Trace] = {}
+        """Those of each wire alone, by its name."""
+        self._observers: External[Callable[[bytes], None]] = External()
         self._rewind = Rewind(self)
 
     def attach(self, name: str, node: Node, links: Mapping[str, Wire]) -> Station:
@@ -177,7 +150,7 @@ class World:
             self.events += 1
         self.now = until
 
-    def snapshot(self) -> Moment:
+    def snapshot(self) -> Checkpoint:
         """Keep this instant, whole: clock, wires, nodes, physics, chance, trace. Between two calls of `run`.
 
         What is outside is not kept: observers, and what they write. RewindError where somebody has a state
@@ -185,9 +158,9 @@ class World:
         """
         return self._rewind.snapshot()
 
-    def restore(self, moment: Moment) -> None:
+    def restore(self, checkpoint: Checkpoint) -> None:
         """Go to an instant that this world has kept, earlier or later; the run goes on as it went then."""
-        self._rewind.restore(moment)
+        self._rewind.restore(checkpoint)
 
     def call_at(self, at: Nanoseconds, call: Callable[[Any], None], argument: object = None) -> None:
         """Call a wire back at an instant that is not in the past."""
@@ -202,20 +175,30 @@ class World:
             if reaction.sent or reaction.wake_at != station.wake_at:
                 self._take(station, reaction)
 
-    def note(self, wire: str, sender: str, packet: Packet) -> None:
-        """Add one carried packet to the trace.
+    def observe(self, observer: Callable[[bytes], None]) -> None:
+        """Call `observer` with each line of the trace; see `emulators.trace`."""
+        self._observers.append(observer)
 
-        Its canonical form is a line of ASCII: instant in ns, wire, sender, address as eight hexadecimal
-        digits, payload as hexadecimal digits, parted by single spaces and ended by a line feed. A packet is
-        one line, however many stations hear it.
-        """
-        line = f"{self.now} {wire} {sender} {_digits(packet.address)} {packet.payload.hex()}\n"
-        self._trace.add(line.encode())
+    def note(self, wire: str, sender: str, packet: Packet) -> None:
+        """Add one carried packet to the trace."""
+        line = trace_line(self.now, wire, sender, packet)
+        self._trace.add(line)
+        own = self._traces.get(wire)
+        if own is None:
+            own = self._traces[wire] = Trace()
+        own.add(line)
+        for observer in self._observers:
+            observer(line)
 
     @property
     def trace_sha256(self) -> str:
-        """The SHA-256 of every packet carried so far, in order, in the form that `note` tells."""
+        """The SHA-256 of the trace so far: every packet carried, in order."""
         return self._trace.sha256
+
+    @property
+    def links_sha256(self) -> dict[str, str]:
+        """The SHA-256 of each wire's own lines of the trace, by the wire's name; none before its first."""
+        return {wire: trace.sha256 for wire, trace in sorted(self._traces.items())}
 
     def _station(self, name: str) -> Station:
         if name not in self._stations:

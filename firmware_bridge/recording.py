@@ -72,9 +72,8 @@ class Recorded:
         return reaction
 
 
-def candump_line(at: Nanoseconds, packet: Packet, channel: str = "vcan0", epoch: Nanoseconds = EPOCH) -> str:
-    """Return a frame as `candump -l` logs it, without the line's end; instants are cut to microseconds."""
-    seconds, rest = divmod(epoch + at, SECOND)
+def candump_frame(packet: Packet) -> str:
+    """Return a frame as candump writes it, identifier and content: 284#3706, 18DAF110#R8."""
     address = packet.address
     if address & ERROR:
         name = f"{address & (ERROR | EXTENDED_MASK):08X}"
@@ -84,7 +83,13 @@ def candump_line(at: Nanoseconds, packet: Packet, channel: str = "vcan0", epoch:
         name = f"{address & STANDARD_MASK:03X}"
     length = len(packet.payload)
     content = f"R{length or ''}" if address & REMOTE else packet.payload.hex().upper()
-    return f"({seconds:010d}.{rest // MICROSECOND:06d}) {channel} {name}#{content}"
+    return f"{name}#{content}"
+
+
+def candump_line(at: Nanoseconds, packet: Packet, channel: str = "vcan0", epoch: Nanoseconds = EPOCH) -> str:
+    """Return a frame as `candump -l` logs it, without the line's end; instants are cut to microseconds."""
+    seconds, rest = divmod(epoch + at, SECOND)
+    return f"({seconds:010d}.{rest // MICROSECOND:06d}) {channel} {candump_frame(packet)}"
 
 
 def parse_candump(line: str, epoch: Nanoseconds = EPOCH) -> tuple[Nanoseconds, str, Packet]:

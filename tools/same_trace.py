@@ -117,15 +117,19 @@ class Environment:
         if (b"clang version" in kernel.read_bytes()) is not ("clang" in compiler):
             raise FailedError(f"the kernel was built by another compiler than {compiler}")
 
-    def traces(self, compiler: str, servo: str) -> dict[str, str]:
-        """Drive the golden traces; the plant is built by this compiler, too."""
+    def traces(self, compiler: str, servo: str) -> tuple[dict[str, str], str]:
+        """Drive the golden traces; return the hashes, and in words where packets differ.
+
+        The plant is built by this compiler, too.
+        """
         chosen = {"CC": compiler, "FIRMWARE_BRIDGE_SERVO": servo}
         cache = {"XDG_CACHE_HOME": str(self._folder / f"cache-{compiler}")}
-        hashes, served = said([self._python, str(SCRIPT)], os.environ | chosen | cache)
-        if served.splitlines()[-1] != SERVOS[servo]:
+        hashes, remarks = said([self._python, str(SCRIPT)], os.environ | chosen | cache)
+        *packets, served = remarks.splitlines()
+        if served != SERVOS[servo]:
             raise FailedError(f"the {SERVOS[servo]} did not serve")
         traces: dict[str, str] = json.loads(hashes)
-        return traces
+        return traces, "\n".join(packets)
 
 
 def difference(traces: Mapping[str, str], golden: Mapping[str, str]) -> str:
@@ -141,16 +145,20 @@ def compare(one: Interpreter, compilers: Sequence[str], golden: Mapping[str, str
         environment: Environment | None = None
         built = ""
         for compiler, servo in rows:
+            packets = ""
             try:
                 environment = environment or Environment(one, Path(folder))
                 if compiler != built:
                     environment.build(compiler)
                     built = compiler
-                other = difference(environment.traces(compiler, servo), golden)
+                traces, packets = environment.traces(compiler, servo)
+                other = difference(traces, golden)
                 verdict = f"differs: {other}" if other else "same bytes"
             except FailedError as failure:
                 other = verdict = f"failed: {failure}"
             print(f"Python {one.version:8s} {compiler:8s} {SERVOS[servo]:8s} {verdict}", flush=True)
+            if packets:
+                print(packets, flush=True)
             same = same and not other
     return same
 

@@ -47,6 +47,7 @@ class Run:
     frames: int
     bus_load_percent: float
     trace_sha256: str
+    links_sha256: dict[str, str]
     line: LineRun | None = None
 
 
@@ -84,6 +85,9 @@ class Summary:
     frames: int
     bus_load_percent: float
     trace_sha256: str
+    """Of every packet on every link."""
+    links_sha256: dict[str, str]
+    """Of each link alone, by its name: which one a change has reached."""
     holds: tuple[Held, ...]
     line: LineRun | None = None
     """None where the bridge is on the CAN bus itself."""
@@ -114,6 +118,7 @@ def summarise(run: Run, samples: Sequence[Sample], holds: Sequence[HoldRecord]) 
         frames=run.frames,
         bus_load_percent=round(run.bus_load_percent, 3),
         trace_sha256=run.trace_sha256,
+        links_sha256=run.links_sha256,
         holds=tuple(
             Held(
                 name=hold.name,

@@ -8,8 +8,8 @@ from collections.abc import Iterator, Mapping
 from itertools import groupby
 from typing import Final
 
-from emulators.documents.objects import Entry, entries
-from emulators.epos2.profile import BIT_RATES, SERIAL_NUMBER_64, DeviceProfile
+from emulators.documents.object_table import ObjectEntry, entries
+from emulators.epos2.objects.device_profile import BIT_RATES, SERIAL_NUMBER_64, DeviceProfile
 from firmware_bridge.wire.canopen import COB_ID_MASK
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
@@ -131,7 +131,7 @@ def _comments(profile: DeviceProfile) -> dict[str, str]:
     return {"Lines": str(len(lines)), **{f"Line{place}": line for place, line in enumerate(lines, start=1)}}
 
 
-def _object(index: int, rows: tuple[Entry, ...], values: Values) -> Iterator[str]:
+def _object(index: int, rows: tuple[ObjectEntry, ...], values: Values) -> Iterator[str]:
     first = rows[0].row
     if len(rows) == 1 and first.address.subindex == 0:
         yield from _section(f"{index:04X}", {"ParameterName": first.name, **_variable(rows[0], values)})
@@ -156,7 +156,7 @@ def _parent(index: int, name: str) -> str:
     return name.split(": ", maxsplit=1)[0].replace("Number of Objects Mapped in", "Mapping of")
 
 
-def _kind(rows: tuple[Entry, ...]) -> int:
+def _kind(rows: tuple[ObjectEntry, ...]) -> int:
     """Tell an array, whose entries are alike and without gaps, from a record."""
     members = rows[1:]
     alike = len({entry.row.type for entry in members}) == 1
@@ -167,7 +167,7 @@ def _kind(rows: tuple[Entry, ...]) -> int:
 _ARRAYS: Final = frozenset({0x1003, 0x1010, 0x1016, 0x2015, 0x2016, 0x200C})
 
 
-def _variable(entry: Entry, values: Values) -> dict[str, str]:
+def _variable(entry: ObjectEntry, values: Values) -> dict[str, str]:
     row = entry.row
     made = {
         "ObjectType": f"{VAR:#x}",
@@ -187,7 +187,7 @@ def _variable(entry: Entry, values: Values) -> dict[str, str]:
     return made
 
 
-def _default(entry: Entry) -> str:
+def _default(entry: ObjectEntry) -> str:
     if isinstance(entry.default, bytes):
         return entry.default.decode("ascii")
     row = entry.row

@@ -6,7 +6,7 @@ Computed from the tables that the emulation works with.
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from emulators.epos2.power import TRANSITIONS, Happening
+from emulators.epos2.control.power_states import TRANSITIONS, Happening
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES, Emergency, FaultReaction, Recovery
 

@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Final
 
 import emulators
-from emulators.documents.objects import entries
-from emulators.epos2.catalogue import PROFILES
-from emulators.epos2.profile import EPOS2_70_10, choices
-from emulators.epos2.rules import RULES
+from emulators.documents.object_table import entries
+from emulators.epos2.control.value_ranges import RULES
+from emulators.epos2.objects.catalogue import PROFILES
+from emulators.epos2.objects.device_profile import EPOS2_70_10, choices
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES
 from firmware_bridge.wire.epos2.objects import OBJECTS
 from firmware_bridge.wire.epos2.rows import Provenance
@@ -38,7 +38,7 @@ _SILENT: Final = re.compile(r"Where (?:it is|they are|the sources are) silent: (
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class LedgerLine:
     """One thing that the emulation does, and how far it is known."""
 
     part: str
@@ -47,7 +47,7 @@ class Line:
     source: str
 
 
-def ledger() -> tuple[Line, ...]:
+def ledger() -> tuple[LedgerLine, ...]:
     """Return every line, part by part."""
     return (*_objects(), *_defaults(), *_rules(), *_choices(), *_types(), *_emergencies(), *_stated())
 
@@ -60,22 +60,22 @@ def counted() -> dict[str, Counter[Provenance]]:
     return found
 
 
-def _objects() -> Iterator[Line]:
+def _objects() -> Iterator[LedgerLine]:
     for row in OBJECTS.values():
-        yield Line("objects", f"{row.address} {row.name}", row.provenance, row.source)
+        yield LedgerLine("objects", f"{row.address} {row.name}", row.provenance, row.source)
 
 
-def _defaults() -> Iterator[Line]:
+def _defaults() -> Iterator[LedgerLine]:
     for entry in entries(EPOS2_70_10):
         row = entry.row
         what = f"{row.address} {row.name}: {entry.default_text or 'empty'}"
-        yield Line("defaults of the 70/10", what, row.default_provenance, row.default_source)
+        yield LedgerLine("defaults of the 70/10", what, row.default_provenance, row.default_source)
 
 
-def _rules() -> Iterator[Line]:
+def _rules() -> Iterator[LedgerLine]:
     for rule in RULES:
         what = f"{rule.address} {OBJECTS[rule.address].name} takes only {_span(tuple(rule.allowed))}"
-        yield Line("refused values", what, rule.provenance, rule.source)
+        yield LedgerLine("refused values", what, rule.provenance, rule.source)
 
 
 def _span(values: tuple[int, ...]) -> str:
@@ -85,12 +85,12 @@ def _span(values: tuple[int, ...]) -> str:
     return ", ".join(map(str, ordered))
 
 
-def _choices() -> Iterator[Line]:
+def _choices() -> Iterator[LedgerLine]:
     for name, value, provenance, source in choices():
-        yield Line("choices of the profile", f"{name} = {value}", provenance, source)
+        yield LedgerLine("choices of the profile", f"{name} = {value}", provenance, source)
 
 
-def _types() -> Iterator[Line]:
+def _types() -> Iterator[LedgerLine]:
     for profile in PROFILES.values():
         for name in _FIGURES:
             mark = profile.known(name)
@@ -100,21 +100,21 @@ def _types() -> Iterator[Line]:
             elif isinstance(value, tuple):
                 value = ", ".join(value)
             what = f"{profile.name}: {name} = {value or 'not known'}"
-            yield Line("figures of the types", what, mark.provenance, mark.source)
+            yield LedgerLine("figures of the types", what, mark.provenance, mark.source)
 
 
-def _emergencies() -> Iterator[Line]:
+def _emergencies() -> Iterator[LedgerLine]:
     for row in EMERGENCIES.values():
-        yield Line("emergencies", f"0x{row.code:04X} {row.cause}", row.provenance, row.source)
+        yield LedgerLine("emergencies", f"0x{row.code:04X} {row.cause}", row.provenance, row.source)
 
 
-def _stated() -> Iterator[Line]:
+def _stated() -> Iterator[LedgerLine]:
     """Give the assumptions that the modules of the drive state where they make them."""
     for folder in _MODULES:
         for path in sorted((_ROOT / folder).rglob("*.py")):
             where = path.relative_to(_ROOT.parent).as_posix()
             for what in stated(path.read_text(encoding="utf-8")):
-                yield Line("stated assumptions", what, Provenance.ASSUMED, where)
+                yield LedgerLine("stated assumptions", what, Provenance.ASSUMED, where)
 
 
 def stated(text: str) -> list[str]:

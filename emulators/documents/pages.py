@@ -3,10 +3,10 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
-from emulators.documents import emergencies, fidelity, machine, objects, opcodes
-from emulators.epos2.catalogue import PROFILES
-from emulators.epos2.power import TRANSITIONS
-from emulators.epos2.profile import EPOS2_70_10
+from emulators.documents import emergencies, fidelity, object_table, serial_commands, state_diagram
+from emulators.epos2.control.power_states import TRANSITIONS
+from emulators.epos2.objects.catalogue import PROFILES
+from emulators.epos2.objects.device_profile import EPOS2_70_10
 
 MADE: Final = "This page is made by `make docs` from the tables in the code; change those."
 OBJECTS_TEXT: Final = """{objects} objects under {indexes} indexes, as a 70/10 has them; the other types
@@ -60,7 +60,7 @@ of the abort codes of SDO; it has its whole layout also on error, the rest being
 the emulated drive, or has it refused there."""
 
 
-def pages(tests: emergencies.Tests, commands: opcodes.Tests) -> Mapping[str, str]:
+def pages(tests: emergencies.Tests, commands: serial_commands.Tests) -> Mapping[str, str]:
     """Return every page by its file name.
 
     `tests` tells which tests reach which emergency, `commands` which go through which serial command.
@@ -89,12 +89,12 @@ def _page(title: str, *parts: str) -> str:
 
 
 def _objects() -> str:
-    found = objects.entries(EPOS2_70_10)
+    found = object_table.entries(EPOS2_70_10)
     indexes = len({entry.row.address.index for entry in found})
     return _page(
         "The objects of the emulated EPOS2",
         OBJECTS_TEXT.format(objects=len(found), indexes=indexes),
-        table(objects.HEADINGS, (entry.cells() for entry in found)),
+        table(object_table.HEADINGS, (entry.cells() for entry in found)),
     )
 
 
@@ -123,8 +123,8 @@ def _fidelity() -> str:
 
 
 def _emergencies(tests: emergencies.Tests) -> str:
-    disabled = ", ".join(machine.title(state) for state in emergencies.states_not_enabled())
-    enabled = ", ".join(machine.title(state) for state in emergencies.states_enabled())
+    disabled = ", ".join(state_diagram.title(state) for state in emergencies.states_not_enabled())
+    enabled = ", ".join(state_diagram.title(state) for state in emergencies.states_enabled())
     return _page(
         "Emergencies against states",
         EMERGENCIES_TEXT.format(disabled=disabled, enabled=enabled),
@@ -136,12 +136,12 @@ def _machine() -> str:
     return _page(
         "The power machine",
         MACHINE_TEXT.format(types=", ".join(PROFILES)),
-        f"```mermaid\n{machine.diagram()}\n```",
-        table(machine.HEADINGS, (machine.cells(row) for row in TRANSITIONS)),
+        f"```mermaid\n{state_diagram.diagram()}\n```",
+        table(state_diagram.HEADINGS, (state_diagram.cells(row) for row in TRANSITIONS)),
         MACHINE_END,
     )
 
 
-def _opcodes(commands: opcodes.Tests) -> str:
-    rows = table(opcodes.HEADINGS, opcodes.table(commands))
+def _opcodes(commands: serial_commands.Tests) -> str:
+    rows = table(serial_commands.HEADINGS, serial_commands.table(commands))
     return _page("The serial protocols, command by command", OPCODES_TEXT, rows)

@@ -1,25 +1,24 @@
 """One emulated EPOS2 on a CAN bus: the node that starts, follows network commands and lets its services work.
 
 Source: CiA 301 v4.02, network management. It refuses to know what the services do and how a motor moves
-(`emulators.epos2.services` and `.motion` do), and who carries its frames. It ignores every frame that no
-service of its number takes in the present state: extended identifiers, remote requests to identifiers that
-have none.
+(the rooms `canopen` and `control` do), and who carries its frames. It ignores every frame that no service of
+its number takes in the present state: extended identifiers, remote requests to identifiers that have none.
 """
 
 from functools import partial
 from typing import Final
 
-from emulators.epos2 import rules
-from emulators.epos2.contract import MotionFactory
-from emulators.epos2.identity import Identity
-from emulators.epos2.lss import LssSlave
-from emulators.epos2.memory import Memory, Storage, Volatile
-from emulators.epos2.motion import MotionControl
-from emulators.epos2.nmt import SERVICES, TARGETS, Service, command_for
-from emulators.epos2.outbox import Outbox
-from emulators.epos2.profile import EPOS2_70_10, DeviceProfile
-from emulators.epos2.services import Services
-from emulators.epos2.store import ObjectStore
+from emulators.epos2.canopen.identity import Identity
+from emulators.epos2.canopen.lss_slave import LssSlave
+from emulators.epos2.canopen.motion_protocol import MotionFactory
+from emulators.epos2.canopen.nmt import SERVICES, TARGETS, Service, command_for
+from emulators.epos2.canopen.services import Services
+from emulators.epos2.canopen.transmit_queue import TransmitQueue
+from emulators.epos2.control import value_ranges
+from emulators.epos2.control.motion_control import MotionControl
+from emulators.epos2.objects.device_profile import EPOS2_70_10, DeviceProfile
+from emulators.epos2.objects.saved_parameters import SavedParameters, Storage, Volatile
+from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import STAGE_RISE_MC, ServoAxis
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import NEVER, Nanoseconds
@@ -50,9 +49,9 @@ class Epos2:
         self._now: Nanoseconds = 0
         self._boot_due: Nanoseconds = NEVER
         self._powered = False
-        self._outbox = Outbox(self._identity, profile.sdo_latency)
-        rules.keep(self.store)
-        self._memory = Memory(self.store, profile, self._restored, storage or Volatile())
+        self._transmit = TransmitQueue(self._identity, profile.sdo_latency)
+        value_ranges.keep(self.store)
+        self._memory = SavedParameters(self.store, profile, self._restored, storage or Volatile())
         self._lss = LssSlave(self.store, self._memory, lambda: self.node_id, self._switch_rate)
         axis.over_current_ma, axis.over_voltage_mv = profile.over_current_ma, profile.over_voltage_mv
         axis.square_per_mc = profile.continuous_current_ma**2 // STAGE_RISE_MC
@@ -60,7 +59,7 @@ class Epos2:
             self.store,
             profile,
             self._identity,
-            self._outbox,
+            self._transmit,
             send=self._send,
             motion=partial(motion, self.store, axis),
         )
@@ -92,12 +91,12 @@ class Epos2:
         """Take one frame of the bus."""
         if not self._powered:
             return self.wake(now)
-        heard = self._routes.get(packet.address)
-        if heard is None:
-            return self._outbox.idle
+        handle = self._routes.get(packet.address)
+        if handle is None:
+            return self._transmit.idle
         self._now = now
         self.motion.refresh(now)
-        heard(packet.payload, now)
+        handle(packet.payload, now)
         return self._settle()
 
     def wake(self, now: Nanoseconds) -> Reaction:
@@ -118,7 +117,7 @@ class Epos2:
         """Send what is due or has changed, and say when to come back."""
         if self._services.speak(self._now):
             self._route()
-        return self._outbox.reaction(self._due())
+        return self._transmit.reaction(self._due())
 
     def _due(self) -> Nanoseconds:
         """Return when something is due next, whatever the bus brings."""
@@ -127,7 +126,7 @@ class Epos2:
         return min(due, self.motion.wake_at())
 
     def _send(self, address: int, payload: bytes) -> None:
-        self._outbox.send(address, payload)
+        self._transmit.send(address, payload)
 
     def _route(self) -> None:
         """Say which identifiers count in this state, and who hears them."""

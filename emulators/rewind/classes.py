@@ -19,8 +19,16 @@ from typing import Any, Final, ForwardRef, Literal, Union, get_args, get_origin,
 
 import numpy as np
 
-from emulators.rewind.compiled import attributes_of, compiled_kind, function_parts, is_compiled
-from emulators.rewind.kinds import KEEPER, KINDS, Apart, Keeper, Kind, slots_kind, slots_of
+from emulators.rewind.capture import (
+    CAPTURES,
+    SAVES_STATE,
+    Capture,
+    NotCaptured,
+    SavesState,
+    slots_capture,
+    slots_of,
+)
+from emulators.rewind.compiled import attributes_of, compiled_capture, function_parts, is_compiled
 from firmware_bridge.packet import Packet, Reaction
 
 PLAIN: Final[tuple[type, ...]] = (
@@ -30,7 +38,7 @@ PLAIN: Final[tuple[type, ...]] = (
     # Addresses of native functions and memory; the memory itself is found as what it is.
     ctypes.CDLL, *ctypes.CFUNCTYPE(None).__bases__, *ctypes.POINTER(ctypes.c_int).__bases__,
     type(ctypes.byref(ctypes.c_int())),
-    Packet, Reaction, Apart,
+    Packet, Reaction, NotCaptured,
 )  # fmt: skip
 """Nothing that one of these holds changes in a run, or is part of it. Classes and modules are among them."""
 
@@ -57,14 +65,14 @@ CARRIERS: Final[Mapping[type, Callable[[Any], Iterable[object]]]] = {
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sort:
+class Treatment:
     """How the instances of one class are treated."""
 
     plain: bool = False
     """They cannot change, and lead to nothing that can."""
     parts: Callable[[Any], Iterable[object]] | None = None
     """They cannot change; this is what they lead to."""
-    kinds: tuple[Kind, ...] = ()
+    captures: tuple[Capture, ...] = ()
     """They change as a whole in these ways."""
     attributes: bool = False
     """They have a `__dict__` that changes."""
@@ -72,43 +80,43 @@ class Sort:
     @property
     def known(self) -> bool:
         """Whether anything is known of them."""
-        return self.plain or self.parts is not None or bool(self.kinds) or self.attributes
+        return self.plain or self.parts is not None or bool(self.captures) or self.attributes
 
 
-_SORTS: Final[dict[type, Sort]] = {}
+_TREATMENTS: Final[dict[type, Treatment]] = {}
 
 
-def sort_of(cls: type) -> Sort:
+def treatment_of(cls: type) -> Treatment:
     """Return how instances of this class are treated; one that is not `known` must be refused."""
-    sort = _SORTS.get(cls)
-    if sort is None:
-        sort = _SORTS[cls] = _judged(cls)
-    return sort
+    treatment = _TREATMENTS.get(cls)
+    if treatment is None:
+        treatment = _TREATMENTS[cls] = _judged(cls)
+    return treatment
 
 
-def _judged(cls: type) -> Sort:
+def _judged(cls: type) -> Treatment:
     if issubclass(cls, PLAIN) or _is_plain(cls):
-        return Sort(plain=True)
+        return Treatment(plain=True)
     parts = next((parts for base, parts in CARRIERS.items() if issubclass(cls, base)), None)
     if parts is None and _is_frozen(cls):
         parts = _frozen_parts(cls)
     parts = parts or function_parts(cls)
-    return _thing(cls) if parts is None else Sort(parts=parts)
+    return _thing(cls) if parts is None else Treatment(parts=parts)
 
 
-def _thing(cls: type) -> Sort:
+def _thing(cls: type) -> Treatment:
     """Return how instances are kept that can change; nothing is known of those that hide something."""
-    if issubclass(cls, Keeper):
-        return Sort(kinds=(KEEPER,))
-    kinds = [kind for base, kind in KINDS if issubclass(cls, base)]
-    if not kinds and is_compiled(cls):
-        return Sort(kinds=(compiled_kind(cls),)) if attributes_of(cls) else Sort(plain=True)
-    if not kinds and _hides_state(cls):
-        return Sort()
+    if issubclass(cls, SavesState):
+        return Treatment(captures=(SAVES_STATE,))
+    captures = [capture for base, capture in CAPTURES if issubclass(cls, base)]
+    if not captures and is_compiled(cls):
+        return Treatment(captures=(compiled_capture(cls),)) if attributes_of(cls) else Treatment(plain=True)
+    if not captures and _hides_state(cls):
+        return Treatment()
     if slots_of(cls):
-        kinds.append(slots_kind(cls))
+        captures.append(slots_capture(cls))
     attributes = cls.__dictoffset__ != 0
-    return Sort(plain=not kinds and not attributes, kinds=tuple(kinds), attributes=attributes)
+    return Treatment(plain=not captures and not attributes, captures=tuple(captures), attributes=attributes)
 
 
 def _hides_state(cls: type) -> bool:
@@ -160,7 +168,7 @@ def _promises(hint: Any) -> bool:
         return False
     origin = get_origin(hint)
     if origin is None:
-        return hint is Ellipsis or (isinstance(hint, type) and sort_of(hint).plain)
+        return hint is Ellipsis or (isinstance(hint, type) and treatment_of(hint).plain)
     if origin is Literal:
         return True
     if origin in (Final, Union, types.UnionType, tuple, frozenset):

@@ -12,7 +12,7 @@ from itertools import compress
 from operator import attrgetter, is_not
 from typing import Any, Final
 
-from emulators.rewind.kinds import UNSET, Kind, RewindError
+from emulators.rewind.capture import UNSET, Capture, RewindError
 
 _LISTED: Final = "__mypyc_attrs__"
 _OUTER: Final = "__mypyc_env__"
@@ -42,7 +42,7 @@ def function_parts(cls: type) -> Callable[[Any], Iterable[object]] | None:
     return _outer if hasattr(cls, _OUTER) else gc.get_referents
 
 
-def compiled_kind(cls: type) -> Kind:
+def compiled_capture(cls: type) -> Capture:
     """Return how instances of this compiled class are kept: as a tuple of what they hold, and their class."""
     names = attributes_of(cls)
     at_once = attrgetter(*names, "__class__")  # one name alone would give no tuple
@@ -63,7 +63,7 @@ def compiled_kind(cls: type) -> Kind:
             if getattr(thing, name, UNSET) is not value:
                 _put(thing, name, value)
 
-    return Kind(copy, iter, put_back, same)
+    return Capture(copy, iter, put_back, same)
 
 
 def _but_for_numbers(values: tuple[object, ...], before: tuple[object, ...]) -> bool:

@@ -8,8 +8,8 @@ Things keep their identity, so whoever refers to one finds it as it was.
 from collections.abc import Iterable
 from typing import Any, Final, TypeAlias
 
-from emulators.rewind.classes import sort_of
-from emulators.rewind.kinds import ATTRIBUTES, KEEPER, Apart, Kind, RewindError
+from emulators.rewind.capture import ATTRIBUTES, SAVES_STATE, Capture, NotCaptured, RewindError
+from emulators.rewind.classes import treatment_of
 
 _LEAST_GROWTH: Final = 256
 """So many new things, and half as many as there were, make a fresh walk worth while: many are gone again."""
@@ -19,37 +19,37 @@ _Trail: TypeAlias = tuple[object, Any] | None
 
 
 class _Group:
-    """All known things of one kind in the order in which they were found, and what they last held."""
+    """All known things that are captured in one way, in the order of finding, and what they last held."""
 
-    __slots__ = ("kind", "states", "things")
+    __slots__ = ("capture", "states", "things")
 
-    def __init__(self, kind: Kind) -> None:
-        self.kind = kind
+    def __init__(self, capture: Capture) -> None:
+        self.capture = capture
         self.things: list[Any] = []
         self.states: list[Any] = []
 
 
-class Moment(Apart):
+class Checkpoint(NotCaptured):
     """One instant of a run; it can be restored as often as one likes, and in any order with others."""
 
     __slots__ = ("_kept", "_owner")
 
-    def __init__(self, owner: "Rewind", kept: tuple[tuple[Kind, list[Any], list[Any]], ...]) -> None:
+    def __init__(self, owner: "Rewind", kept: tuple[tuple[Capture, list[Any], list[Any]], ...]) -> None:
         self._owner = owner
         self._kept = kept
 
     def put_back(self, owner: "Rewind") -> None:
         """Give all things their state of this instant."""
         if owner is not self._owner:
-            raise RewindError("this moment was taken elsewhere: restore it where it was taken")
-        for kind, things, states in self._kept:
-            put_back = kind.put_back
+            raise RewindError("this checkpoint was taken elsewhere: restore it where it was taken")
+        for capture, things, states in self._kept:
+            put_back = capture.put_back
             for thing, state in zip(things, states, strict=False):  # what was found later stands behind
                 put_back(thing, state)
 
 
-class Rewind(Apart):
-    """Takes moments of everything that `root` leads to."""
+class Rewind(NotCaptured):
+    """Takes checkpoints of everything that `root` leads to."""
 
     def __init__(self, root: object) -> None:
         self._root = root
@@ -57,7 +57,7 @@ class Rewind(Apart):
         """Things found since the walk."""
         self._forget()
 
-    def snapshot(self) -> Moment:
+    def snapshot(self) -> Checkpoint:
         """Keep this instant; RewindError where something has a state that cannot be kept."""
         if self._found > max(_LEAST_GROWTH, len(self._ids) // 3):
             self._forget()
@@ -71,17 +71,17 @@ class Rewind(Apart):
         except BaseException:
             self._forget()  # half a walk must not pass for a whole one
             raise
-        kept = tuple((group.kind, group.things, list(group.states)) for group in self._groups.values())
-        return Moment(self, kept)
+        kept = tuple((group.capture, group.things, list(group.states)) for group in self._groups.values())
+        return Checkpoint(self, kept)
 
-    def restore(self, moment: Moment) -> None:
-        """Go back, or forward, to a moment that was taken here."""
-        moment.put_back(self)
+    def restore(self, checkpoint: Checkpoint) -> None:
+        """Go back, or forward, to a checkpoint that was taken here."""
+        checkpoint.put_back(self)
 
     def _forget(self) -> None:
-        """Know nothing: the next moment walks anew. Moments keep what they know."""
-        # Keepers come first: they alone can refuse, and then nothing has been put back yet.
-        self._groups: dict[Kind, _Group] = {KEEPER: _Group(KEEPER)}
+        """Know nothing: the next checkpoint walks anew. Checkpoints keep what they know."""
+        # What saves its own state comes first: that alone can refuse, and then nothing has been put back yet.
+        self._groups: dict[Capture, _Group] = {SAVES_STATE: _Group(SAVES_STATE)}
         self._ids: set[int] = set()
         self._alive: list[object] = []
         """Whose id stands in `_ids`: while they live no other object can have it."""
@@ -89,11 +89,11 @@ class Rewind(Apart):
 
     def _look(self, group: _Group) -> None:
         """Copy the things of a group that have changed, and find what has come into reach through them."""
-        kind, things, states = group.kind, group.things, group.states
-        if kind.parts is None:
-            group.states = list(map(kind.copy, things))
+        capture, things, states = group.capture, group.things, group.states
+        if capture.parts is None:
+            group.states = list(map(capture.copy, things))
             return
-        copy, parts, same, plain = kind.copy, kind.parts, kind.same, self._plain
+        copy, parts, same, plain = capture.copy, capture.parts, capture.same, self._plain
         # Those that are found meanwhile stand behind, with their states of now.
         for at in range(len(states)):
             thing, before = things[at], states[at]
@@ -116,34 +116,34 @@ class Rewind(Apart):
             cls = type(thing)
             if cls in self._plain or id(thing) in ids or id(thing) in carriers:
                 continue
-            sort = sort_of(cls)
-            if sort.plain:
+            treatment = treatment_of(cls)
+            if treatment.plain:
                 self._plain.add(cls)
                 continue
-            if not sort.known:
+            if not treatment.known:
                 raise RewindError(_refusal(thing, trail))
             here = (thing, trail)
-            if sort.parts is not None:
+            if treatment.parts is not None:
                 carriers[id(thing)] = thing
-                stack += [(part, here) for part in sort.parts(thing)]
+                stack += [(part, here) for part in treatment.parts(thing)]
                 continue
             ids.add(id(thing))
             alive.append(thing)
-            for kind in sort.kinds:
-                stack += [(part, here) for part in self._note(kind, thing)]
-            if sort.attributes:
+            for capture in treatment.captures:
+                stack += [(part, here) for part in self._note(capture, thing)]
+            if treatment.attributes:
                 stack += [(part, here) for part in self._note(ATTRIBUTES, vars(thing))]
 
-    def _note(self, kind: Kind, thing: object) -> Iterable[object]:
-        """Add a thing to those of its kind, and return what it leads to."""
-        group = self._groups.get(kind)
+    def _note(self, capture: Capture, thing: object) -> Iterable[object]:
+        """Add a thing to those that are captured alike, and return what it leads to."""
+        group = self._groups.get(capture)
         if group is None:
-            group = self._groups[kind] = _Group(kind)
-        copy = kind.copy(thing)
+            group = self._groups[capture] = _Group(capture)
+        copy = capture.copy(thing)
         group.things.append(thing)
         group.states.append(copy)
         self._found += 1
-        return () if kind.parts is None else kind.parts(copy)
+        return () if capture.parts is None else capture.parts(copy)
 
 
 def _refusal(thing: object, trail: _Trail) -> str:

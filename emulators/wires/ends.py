@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import TypeAlias
 
-from emulators.rewind import Outside
+from emulators.rewind import External
 from emulators.world import Station, World, WorldError
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import Nanoseconds
@@ -29,7 +29,7 @@ class Ends:
     def __init__(self, wire: str) -> None:
         self.wire = wire
         self.all: list[End] = []
-        self.observers: Outside[Observer] = Outside()
+        self.observers: External[Observer] = External()
         self.deaf: frozenset[Station] = frozenset()
         """Stations that the packet in hand does not reach."""
         self._world: World | None = None

@@ -1,6 +1,7 @@
 """A serial line between two ends, both ways at once: real byte times, receive buffers of real size.
 
-It refuses to know parity. A byte is ten bits: start, eight data bits, stop.
+A byte is ten bits: start (0), eight data bits from the lowest, stop (1); the line rests at 1. It refuses to
+know parity.
 """
 
 from collections import deque
@@ -9,12 +10,32 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final
 
-from emulators.wires.bits import heard_as
 from emulators.wires.ends import End, Ends, Observer
 from emulators.world import Station, World, WorldError
 from firmware_bridge.node import Clocked
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import SECOND, Nanoseconds
+
+DATA_BITS: Final = 8
+STOP: Final = DATA_BITS + 1
+
+
+def heard_as(byte: int, sent_at: int, heard_at: int) -> int | None:
+    """Return the byte that a receiver at another rate reads; None where the stop bit is missing.
+
+    Rates in bits a second. The receiver looks at the middle of each of its own bits, from the falling edge of
+    the start bit on; what it hears of a slow sender's byte as a second one is left out.
+    """
+    if sent_at == heard_at:
+        return byte
+    read = 0
+    for place in range(1, STOP + 1):
+        # The bit that is on the line place + 1/2 of the receiver's bit times after the edge.
+        on_line = (2 * place + 1) * sent_at // (2 * heard_at)
+        level = 1 if on_line >= STOP else 0 if on_line == 0 else byte >> (on_line - 1) & 1
+        read |= level << place
+    return read >> 1 & 0xFF if read >> STOP else None
+
 
 BITS_PER_BYTE: Final = 10
 _ENDS: Final = 2

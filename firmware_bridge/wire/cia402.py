@@ -4,8 +4,10 @@ Sources: EPOS Firmware Specification, sections on the state machine and the cont
 EPOS2), names as in maxon's command library.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum, IntEnum, IntFlag
+from types import MappingProxyType
 from typing import Final
 
 
@@ -113,6 +115,62 @@ def command_of(controlword: int) -> Command:
         if controlword & pattern.mask == pattern.value:
             return pattern.command
     raise AssertionError(controlword)
+
+
+_WORDS: Final = {pattern.command: pattern.value for pattern in COMMANDS}
+
+
+def word_of(command: Command) -> int:
+    """Return the plainest controlword of a command: no bit but those that make it."""
+    return _WORDS[command]
+
+
+FAULT_RESET_WORDS: Final = (0x0000, int(Control.FAULT_RESET))
+"""What resets a fault, one after the other: the reset is a rising edge; in Fault the first does nothing."""
+
+PASSING: Final = frozenset(
+    {
+        State.START,
+        State.NOT_READY_TO_SWITCH_ON,
+        State.REFRESH,
+        State.MEASURE_INIT,
+        State.FAULT_REACTION_DISABLED,
+        State.FAULT_REACTION_ENABLED,
+    }
+)
+"""States that the drive leaves by itself."""
+
+TOWARDS: Final[Mapping[State, Mapping[State, Command]]] = MappingProxyType(
+    {
+        State.OPERATION_ENABLED: {
+            State.SWITCH_ON_DISABLED: Command.SHUTDOWN,
+            State.READY_TO_SWITCH_ON: Command.DISABLE_OPERATION,
+            State.SWITCHED_ON: Command.ENABLE_OPERATION,
+            State.QUICK_STOP_ACTIVE: Command.ENABLE_OPERATION,
+        },
+        State.READY_TO_SWITCH_ON: {
+            State.SWITCH_ON_DISABLED: Command.SHUTDOWN,
+            State.SWITCHED_ON: Command.SHUTDOWN,
+            State.OPERATION_ENABLED: Command.SHUTDOWN,
+        },
+        State.QUICK_STOP_ACTIVE: {State.OPERATION_ENABLED: Command.QUICK_STOP},
+        State.SWITCH_ON_DISABLED: {
+            State.READY_TO_SWITCH_ON: Command.DISABLE_VOLTAGE,
+            State.SWITCHED_ON: Command.DISABLE_VOLTAGE,
+            State.OPERATION_ENABLED: Command.DISABLE_VOLTAGE,
+            State.QUICK_STOP_ACTIVE: Command.DISABLE_VOLTAGE,
+        },
+    }
+)
+"""The ways that a master takes: by the wanted state, the next command in each state on the way to it.
+
+None leads out of Fault, which somebody must want to reset, nor out of Quick stop active but by enabling or by
+disabling: a shaft that is held there is let go only where that was asked for."""
+
+
+def towards(state: State | None, wanted: State) -> Command | None:
+    """Return the next command on the way; None at its end, where there is none, or where waiting leads on."""
+    return None if state is None else TOWARDS.get(wanted, {}).get(state)
 
 
 class Mode(IntEnum):

@@ -1,7 +1,7 @@
 """SDO frames, both directions: expedited and segmented transfers.
 
 Source: CiA 301 v4.02, service data object. It refuses to know any object, and keeps no transfer's state:
-`emulators.epos2.sdo_server` and the bridge's client do.
+`emulators.epos2.canopen.sdo_server` and the bridge's client do.
 """
 
 from collections.abc import Callable, Mapping

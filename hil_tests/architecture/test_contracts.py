@@ -69,4 +69,5 @@ def test_every_package_has_its_place_in_the_contracts() -> None:
     contracts = {contract["id"]: contract for contract in project["tool"]["importlinter"]["contracts"]}
     assert contracts["bridge"]["exhaustive"]
     assert contracts["emulators"]["exhaustive"]
+    assert contracts["epos2"]["exhaustive"]
     assert set(project["tool"]["importlinter"]["root_packages"]) == set(PACKAGES)

@@ -6,7 +6,7 @@ from types import ModuleType
 
 import pytest
 
-from firmware_bridge.wire.maxon.opcodes import ROWS, Row
+from firmware_bridge.wire.maxon.opcodes import ROWS, Opcode
 
 ROOT = Path(__file__).parents[2]
 
@@ -34,5 +34,5 @@ def test_an_emergency_that_names_a_test_names_one_that_is_there() -> None:
 
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row.name)
-def test_every_serial_command_names_tests_that_go_through_it(row: Row) -> None:
+def test_every_serial_command_names_tests_that_go_through_it(row: Opcode) -> None:
     assert MAKER.marked("opcode").get(row.opcode), f"mark the tests of 0x{row.opcode:02X}"

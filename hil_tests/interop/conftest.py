@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from emulators.documents.eds import eds
-from emulators.epos2.profile import EPOS2_70_10
+from emulators.epos2.objects.device_profile import EPOS2_70_10
 
 
 @pytest.fixture(scope="session")

@@ -9,7 +9,7 @@ from typing import Final
 
 import pytest
 
-from emulators.epos2.profile import EPOS2_70_10, realistic
+from emulators.epos2.objects.device_profile import EPOS2_70_10, realistic
 from emulators.single import Order, drives
 from emulators.wires import CanWire
 from emulators.world import World

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from emulators.bench.mission import Noise
-from emulators.rewind import Moment, RewindError
+from emulators.rewind import Checkpoint, RewindError
 from emulators.rig import BRIDGE
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds, from_seconds
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, ride, step, story
@@ -94,7 +94,7 @@ class Kept:
     """A second run of the same kind, and the moments that were taken of it on the way."""
 
     one: Ride
-    moments: list[tuple[Nanoseconds, Moment]] = field(default_factory=list)
+    moments: list[tuple[Nanoseconds, Checkpoint]] = field(default_factory=list)
     costs: list[float] = field(default_factory=list)
     digests: dict[Nanoseconds, str] = field(default_factory=dict)
     """Of the first time through; two rigs differ in addresses, so this rig is compared with itself."""

@@ -8,7 +8,7 @@ from typing import Final
 import pytest
 
 from emulators.bench import mission as missions
-from emulators.epos2.heartbeat import Consumer
+from emulators.epos2.canopen.heartbeat import Consumer
 from emulators.line import Line
 from emulators.rig import BRIDGE
 from emulators.run import Order, drive

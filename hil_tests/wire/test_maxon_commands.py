@@ -4,8 +4,7 @@ import pytest
 
 from firmware_bridge.wire.epos2.rows import Provenance
 from firmware_bridge.wire.maxon import messages
-from firmware_bridge.wire.maxon.crc import checksum
-from firmware_bridge.wire.maxon.frame import ANSWER, Frame, Generation, encode_v1, encode_v2
+from firmware_bridge.wire.maxon.frame import ANSWER, Frame, Generation, checksum, encode_v1, encode_v2
 from firmware_bridge.wire.maxon.messages import (
     Answer,
     Done,
@@ -30,7 +29,7 @@ from firmware_bridge.wire.maxon.opcodes import (
     row_of,
 )
 from firmware_bridge.wire.maxon.v1 import Rest
-from firmware_bridge.wire.maxon.v2 import Damaged, Reader
+from firmware_bridge.wire.maxon.v2 import Damaged, FrameReader
 from hil_tests.wire.maxon_frames import EPOS4_STUFFED, EXCHANGES, Exchange
 
 TABLE: tuple[tuple[int, Request, str, Answer, str], ...] = (
@@ -133,7 +132,7 @@ def read_v1(raw: bytes) -> Frame | None:
 
 
 def read_v2(raw: bytes) -> list[Frame | Damaged]:
-    reader = Reader()
+    reader = FrameReader()
     return [found for byte in raw if (found := reader.take(byte)) is not None]
 
 

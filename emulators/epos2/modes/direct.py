@@ -22,7 +22,7 @@ from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 
 
-class Direct(ModeOfOperation, ABC):
+class DirectMode(ModeOfOperation, ABC):
     """Starts with the set value that its object holds; each has its own regulator."""
 
     setting: ClassVar[Address]
@@ -70,7 +70,7 @@ class Direct(ModeOfOperation, ABC):
         """Give the regulator a set value."""
 
 
-class Position(Direct):
+class PositionMode(DirectMode):
     """Holds the position 0x2062, within 0x607D."""
 
     setting: ClassVar[Address] = at.POSITION_MODE_SETTING
@@ -89,7 +89,7 @@ class Position(Direct):
         axis.velocity_demand = 0
 
 
-class Velocity(Direct):
+class VelocityMode(DirectMode):
     """Keeps the velocity 0x206B, within 0x607F and 0x6410:4."""
 
     setting: ClassVar[Address] = at.VELOCITY_MODE_SETTING
@@ -106,7 +106,7 @@ class Velocity(Direct):
         axis.velocity_demand = axis.target_velocity = self.shaft.bounded(value)
 
 
-class Current(Direct):
+class CurrentMode(DirectMode):
     """Keeps the current 0x2030, within 0x6410."""
 
     setting: ClassVar[Address] = at.CURRENT_MODE_SETTING

@@ -8,7 +8,7 @@ a homing error at once.
 
 from typing import ClassVar, Final
 
-from emulators.epos2.modes.homing_methods import ACTUAL_POSITION, METHODS, NOTHING_TO_DO, Goal, Way
+from emulators.epos2.modes.homing_methods import ACTUAL_POSITION, METHODS, NOTHING_TO_DO, Goal, HomingWay
 from emulators.epos2.modes.mode import ModeOfOperation
 from emulators.epos2.modes.profile_position import HIGHEST, LOWEST
 from emulators.epos2.modes.shaft import Shaft
@@ -31,7 +31,7 @@ class Homing(ModeOfOperation):
 
     def __init__(self, shaft: Shaft) -> None:
         super().__init__(shaft)
-        self._ways: tuple[Way, ...] = ()
+        self._ways: tuple[HomingWay, ...] = ()
         """What is gone; empty while no homing runs."""
         self._number = 0
         """Which of them; past the last one it is the offset."""
@@ -88,7 +88,7 @@ class Homing(ModeOfOperation):
             self._fail()
         return True
 
-    def _can(self, ways: tuple[Way, ...]) -> bool:
+    def _can(self, ways: tuple[HomingWay, ...]) -> bool:
         store, fitted = self.shaft.store, self.shaft.inputs.fitted
         return all(
             fitted >> way.switch & 1
@@ -139,7 +139,7 @@ class Homing(ModeOfOperation):
         cruise = shaft.bounded(shaft.store.get(at.HOMING_SPEED_SWITCH))
         shaft.move(cruise, at.HOMING_ACCELERATION, at.HOMING_ACCELERATION)
 
-    def _reached(self, way: Way) -> bool:
+    def _reached(self, way: HomingWay) -> bool:
         """Say whether a way has come to its end, and note where that is.
 
         What happens before the ramp has turned round belongs to the way before: it is only taken note of.
@@ -164,7 +164,7 @@ class Homing(ModeOfOperation):
         self._left = closed
         return bool(left) and turned
 
-    def _closed(self, way: Way) -> int:
+    def _closed(self, way: HomingWay) -> int:
         return 0 if way.switch is None else self.shaft.inputs.active >> way.switch & 1
 
     def _settle(self, place: int) -> None:

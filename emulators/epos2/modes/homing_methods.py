@@ -2,7 +2,7 @@
 
 Source: EPOS Firmware Specification, homing mode (by analogy), as CiA 402 draws them. The shaft goes to a
 switch or into a stop fast (0x6099:1), and leaves it, or looks for the index, slowly (0x6099:2). Where the
-last way ends, the reference lies. It refuses to know how a way is gone.
+last way ends, the reference lies.
 """
 
 from collections.abc import Mapping
@@ -26,7 +26,7 @@ class Goal(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class HomingWay:
     """One way: with which sign, at the speed of which object, to what."""
 
     direction: int
@@ -35,28 +35,28 @@ class Way:
     switch: InputFunction | None = None
 
 
-def _to(switch: InputFunction, direction: int) -> Way:
-    return Way(direction, at.HOMING_SPEED_SWITCH, Goal.CLOSED, switch)
+def _to(switch: InputFunction, direction: int) -> HomingWay:
+    return HomingWay(direction, at.HOMING_SPEED_SWITCH, Goal.CLOSED, switch)
 
 
-def _off(switch: InputFunction, direction: int) -> Way:
-    return Way(direction, at.HOMING_SPEED_ZERO, Goal.OPEN, switch)
+def _off(switch: InputFunction, direction: int) -> HomingWay:
+    return HomingWay(direction, at.HOMING_SPEED_ZERO, Goal.OPEN, switch)
 
 
 _NEGATIVE: Final = InputFunction.NEGATIVE_LIMIT
 _POSITIVE: Final = InputFunction.POSITIVE_LIMIT
 _HOME: Final = InputFunction.HOME
-_INDEX_BELOW: Final = Way(-1, at.HOMING_SPEED_ZERO, Goal.INDEX)
-_INDEX_ABOVE: Final = Way(1, at.HOMING_SPEED_ZERO, Goal.INDEX)
-_STOP_BELOW: Final = Way(-1, at.HOMING_SPEED_SWITCH, Goal.STOP)
-_STOP_ABOVE: Final = Way(1, at.HOMING_SPEED_SWITCH, Goal.STOP)
+_INDEX_BELOW: Final = HomingWay(-1, at.HOMING_SPEED_ZERO, Goal.INDEX)
+_INDEX_ABOVE: Final = HomingWay(1, at.HOMING_SPEED_ZERO, Goal.INDEX)
+_STOP_BELOW: Final = HomingWay(-1, at.HOMING_SPEED_SWITCH, Goal.STOP)
+_STOP_ABOVE: Final = HomingWay(1, at.HOMING_SPEED_SWITCH, Goal.STOP)
 
 NOTHING_TO_DO: Final = 0
 """The method that needs no homing. ASSUME: the position counts as referenced where it is."""
 ACTUAL_POSITION: Final = 35
 """The method that takes the actual position for home."""
 
-METHODS: Final[Mapping[int, tuple[Way, ...]]] = MappingProxyType(
+METHODS: Final[Mapping[int, tuple[HomingWay, ...]]] = MappingProxyType(
     {
         -4: (_STOP_BELOW,),
         -3: (_STOP_ABOVE,),

@@ -12,7 +12,7 @@ Source: application note Interpolation Position Mode, December 2008. Where it is
 
 from typing import ClassVar, Final
 
-from emulators.epos2.interpolation import BufferStatus, InterpolationBuffer
+from emulators.epos2.modes.interpolation_buffer import BufferStatus, InterpolationBuffer
 from emulators.epos2.modes.mode import ModeOfOperation
 from emulators.epos2.modes.shaft import Shaft
 from emulators.servo import spline_plan

@@ -19,7 +19,7 @@ class ModeOfOperation:
     heeds_halt: ClassVar[bool] = False
     """Whether bit 8 of the controlword counts."""
     heeds: ClassVar[tuple[Address, ...]] = ()
-    """Objects whose writes `written` is told."""
+    """Objects whose writes `written` takes."""
 
     def __init__(self, shaft: Shaft) -> None:
         self.shaft: Final = shaft

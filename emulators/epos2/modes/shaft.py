@@ -5,8 +5,8 @@ It refuses to know modes and states.
 
 from typing import Final
 
-from emulators.epos2.digital_inputs import DigitalInputs
-from emulators.epos2.store import ObjectStore
+from emulators.epos2.io.digital_inputs import DigitalInputs
+from emulators.epos2.objects.store import ObjectStore
 from emulators.servo import sine_plan
 from emulators.servo.axis import (
     CURRENT,

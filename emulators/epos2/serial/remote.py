@@ -14,8 +14,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from emulators.epos2.profile import DeviceProfile
-from emulators.epos2.serial.transfer import payload_of
+from emulators.epos2.objects.device_profile import DeviceProfile
+from emulators.epos2.serial.segmented_transfer import payload_of
 from firmware_bridge.wire import canopen, sdo
 from firmware_bridge.wire.abort import AbortCode, SdoAbort
 from firmware_bridge.wire.epos2.address import Address
@@ -29,7 +29,7 @@ _Reading: TypeAlias = Mapping[type[Request], Callable[[Any, Any], Answer | None]
 
 
 @dataclass(slots=True)
-class _Transfer:
+class _RemoteTransfer:
     """A segmented transfer with another node."""
 
     node: int
@@ -46,7 +46,7 @@ class Remote:
 
     def __init__(self, profile: DeviceProfile) -> None:
         self._profile = profile
-        self._transfer: _Transfer | None = None
+        self._transfer: _RemoteTransfer | None = None
         self._asked: _Asking = {
             messages.ReadObject: self._upload,
             messages.WriteObject: self._download,
@@ -133,7 +133,7 @@ class Remote:
         last = transfer.length == 0
         return transfer.node, sdo.encode_download_segment(chunk, toggle=transfer.toggle, last=last)
 
-    def _under_way(self, *, toggle: bool) -> _Transfer:
+    def _under_way(self, *, toggle: bool) -> _RemoteTransfer:
         transfer = self._transfer
         if transfer is None:
             raise SdoAbort(AbortCode.UNKNOWN_COMMAND)
@@ -157,7 +157,7 @@ class Remote:
     def _upload_begun(self, request: messages.InitiateSegmentedRead, response: sdo.Response) -> Answer | None:
         if not isinstance(response, sdo.UploadResponse) or response.address != address_of(request):
             return None
-        self._transfer = _Transfer(request.node, response.address, kept=response.raw)
+        self._transfer = _RemoteTransfer(request.node, response.address, kept=response.raw)
         return Done(0)
 
     def _download_begun(
@@ -165,7 +165,7 @@ class Remote:
     ) -> Answer | None:
         if not isinstance(response, sdo.DownloadResponse) or response.address != address_of(request):
             return None
-        self._transfer = _Transfer(request.node, response.address, request.length)
+        self._transfer = _RemoteTransfer(request.node, response.address, request.length)
         return Done(0)
 
     def _segment_read(self, _request: messages.SegmentRead, response: sdo.Response) -> Answer | None:

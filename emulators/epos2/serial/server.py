@@ -8,11 +8,10 @@ frame that the host puts on the bus by SendCANFrame is not heard by that drive i
 from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
-from emulators.epos2.profile import DeviceProfile
-from emulators.epos2.serial.bus import Bus
-from emulators.epos2.serial.gateway import Gateway, Result
-from emulators.epos2.serial.transfer import Transfer
-from emulators.epos2.store import ObjectStore
+from emulators.epos2.objects.device_profile import DeviceProfile
+from emulators.epos2.objects.store import ObjectStore
+from emulators.epos2.serial.can_gateway import CanGateway, DriveOnBus, Result
+from emulators.epos2.serial.segmented_transfer import SegmentedTransfer
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.abort import AbortCode, SdoAbort
@@ -29,12 +28,12 @@ _Carried: TypeAlias = Mapping[type[Request], Callable[[Any, Nanoseconds], Result
 class SerialServer:
     """Takes one command at a time; what it has to say comes from `begin`, `hear` or `wake`."""
 
-    def __init__(self, store: ObjectStore, profile: DeviceProfile, bus: Bus) -> None:
-        self.gateway = Gateway(profile, bus)
+    def __init__(self, store: ObjectStore, profile: DeviceProfile, drive: DriveOnBus) -> None:
+        self.gateway = CanGateway(profile, drive)
         self._store = store
         self._profile = profile
-        self._bus = bus
-        self._transfer = Transfer(store)
+        self._drive = drive
+        self._transfer = SegmentedTransfer(store)
         self._segments_go_out = False
         self._request: Request | None = None
         self._carried: _Carried = {
@@ -82,7 +81,7 @@ class SerialServer:
     # Objects
 
     def _is_own(self, node: int) -> bool:
-        return node in {0, self._bus.node()}
+        return node in {0, self._drive.node()}
 
     def _read(self, request: messages.ReadObject, now: Nanoseconds) -> Result:
         if not self._is_own(request.node):
@@ -98,7 +97,7 @@ class SerialServer:
         address = address_of(request)
         size = self._store.row(address).type.size
         self._store.write(address, request.raw[:size] if size else request.raw)
-        self._bus.written()
+        self._drive.written()
         return Done(0)
 
     def _begin_read(self, request: messages.InitiateSegmentedRead, now: Nanoseconds) -> Result:
@@ -124,7 +123,7 @@ class SerialServer:
         if self._segments_go_out:
             return self.gateway.ask(request, now)
         taken = self._transfer.write(request)
-        self._bus.written()
+        self._drive.written()
         return taken
 
     def _end_transfers(self, *, goes_out: bool) -> None:
@@ -140,11 +139,11 @@ class SerialServer:
         if request.command not in set(NmtCommand):
             raise SdoAbort(AbortCode.RANGE)
         payload = canopen.encode_nmt(NmtCommand(request.command), request.node)
-        own = self._bus.node()
+        own = self._drive.node()
         if request.node != own:
-            self._bus.send(canopen.NMT, payload)
+            self._drive.send(canopen.NMT, payload)
         if request.node in {ALL_NODES, own}:
-            self._bus.hear(canopen.NMT, payload)
+            self._drive.hear(canopen.NMT, payload)
         return Done(0)
 
     def _send_frame(self, request: messages.SendCanFrame, _now: Nanoseconds) -> Result:
@@ -152,7 +151,7 @@ class SerialServer:
             raise SdoAbort(AbortCode.WRONG_NODE)
         if request.length > MAX_PAYLOAD:
             raise SdoAbort(AbortCode.LENGTH)
-        self._bus.send(request.identifier, request.raw[: request.length])
+        self._drive.send(request.identifier, request.raw[: request.length])
         return Done(0)
 
     def _request_frame(self, request: messages.RequestCanFrame, now: Nanoseconds) -> Result:
@@ -160,5 +159,5 @@ class SerialServer:
 
     def _send_lss(self, request: messages.SendLssFrame, _now: Nanoseconds) -> Result:
         self.gateway.send_lss(request.raw)
-        self._bus.hear(canopen.LSS_REQUEST, request.raw)
+        self._drive.hear(canopen.LSS_REQUEST, request.raw)
         return Done(0)

@@ -13,12 +13,12 @@ from firmware_bridge.cli.epos2.options import (
     SerialPortOption,
 )
 from firmware_bridge.cli.options import BitRateOption, ChannelOption, InterfaceOption
-from firmware_bridge.drivers.commissioning.can_link import CanLink
-from firmware_bridge.drivers.commissioning.client import Client, Script
-from firmware_bridge.drivers.commissioning.errand import ErrandError
-from firmware_bridge.drivers.commissioning.explained import explain
-from firmware_bridge.drivers.commissioning.network import Gateway
-from firmware_bridge.drivers.commissioning.serial_link import OWN, SerialLink
+from firmware_bridge.drivers.commissioning.can_access import CanAccess
+from firmware_bridge.drivers.commissioning.client import JobClient, Script
+from firmware_bridge.drivers.commissioning.error_text import error_text
+from firmware_bridge.drivers.commissioning.job import JobError
+from firmware_bridge.drivers.commissioning.network_command import GatewayCheck
+from firmware_bridge.drivers.commissioning.serial_access import OWN, SerialAccess
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.shell.clock import Clock
 from firmware_bridge.shell.ports import LostPort, Port, PortError, SerialLine, open_can
@@ -40,26 +40,26 @@ class Line:
     title: str
     silence: str
     """What to look at when nobody answers."""
-    link: CanLink | SerialLink
+    link: CanAccess | SerialAccess
     opener: Callable[[], Port]
     gateway: int | None = None
 
     @property
     def alone(self) -> bool:
         """Whether the drive is asked on its own line, with no bus in between."""
-        return isinstance(self.link, SerialLink) and self.link.node in {OWN, self.gateway}
+        return isinstance(self.link, SerialAccess) and self.link.node in {OWN, self.gateway}
 
-    def converse(self, script: Script, until: Nanoseconds = NEVER) -> Client:
+    def converse(self, script: Script, until: Nanoseconds = NEVER) -> JobClient:
         """Carry a script out in real time; what goes wrong ends the program with one message.
 
         Returns also where the time was over, or the user had enough, before the script was done.
         """
-        checked = () if self.gateway is None or isinstance(self.link, CanLink) else self._checked(self.link)
-        client = Client(self.link, (*checked, *script))
+        checked = () if self.gateway is None or isinstance(self.link, CanAccess) else self._checked(self.link)
+        client = JobClient(self.link, (*checked, *script))
         with one_message(PortError):
             port = self.opener()
         with one_message(LostPort, status=FAILED):
-            run(client, {SERIAL if isinstance(self.link, SerialLink) else CAN: port}, Clock(), until=until)
+            run(client, {SERIAL if isinstance(self.link, SerialAccess) else CAN: port}, Clock(), until=until)
         if client.failure is not None:
             raise refusal(self._explained(client.failure), FAILED)
         return client
@@ -71,12 +71,12 @@ class Line:
                 f"interrupted; {self.title} is left as the last command that reached it left it", INTERRUPTED
             )
 
-    def _checked(self, link: SerialLink) -> Script:
-        return () if self.gateway is None else Gateway(link, self.gateway).script()
+    def _checked(self, link: SerialAccess) -> Script:
+        return () if self.gateway is None else GatewayCheck(link, self.gateway).script()
 
     def _explained(self, failure: Exception) -> str:
-        if isinstance(failure, ErrandError):
-            return explain(failure, self.title, self.silence)
+        if isinstance(failure, JobError):
+            return error_text(failure, self.title, self.silence)
         return f"{self.title}: {failure}"
 
 
@@ -101,7 +101,7 @@ def line_to(
             number,
             _title(number, channel or "the configured bus"),
             "is it on, on this bus, at this bit rate, with this --node? In Stopped it is silent, too",
-            CanLink(number),
+            CanAccess(number),
             lambda: open_can(interface, channel, bit_rate),
         )
     _only("the CAN bus", "no --serial", {"-i": interface, "-c": channel, "-b": bit_rate})
@@ -113,7 +113,7 @@ def line_to(
         f"the drive on {serial}" if wanted is None else _title(wanted, serial),
         f"is it on, at {rate} Bd (--baud), and does the line speak {spoken.value}, "
         f"not {_OTHER[spoken]} (--protocol)?",
-        SerialLink(spoken, wanted or OWN),
+        SerialAccess(spoken, wanted or OWN),
         lambda: SerialLine(serial, rate),
         gateway,
     )

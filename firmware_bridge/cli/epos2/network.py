@@ -9,7 +9,7 @@ import typer
 from firmware_bridge.cli.epos2.line import Line
 from firmware_bridge.cli.epos2.one_drive import one_drive
 from firmware_bridge.cli.epos2.options import JsonOption, NetworkNodeOption
-from firmware_bridge.drivers.commissioning.network import NetworkCommand
+from firmware_bridge.drivers.commissioning.network_command import NetworkCommand
 from firmware_bridge.wire.canopen import NmtCommand
 
 EXAMPLES: Final = """Examples:

@@ -15,8 +15,8 @@ from firmware_bridge.cli.epos2.one_drive import one_drive
 from firmware_bridge.cli.epos2.options import JsonOption
 from firmware_bridge.cli.epos2.told import line, record
 from firmware_bridge.cli.options import DurationOption, until
-from firmware_bridge.drivers.commissioning.errand import ErrandError
-from firmware_bridge.drivers.commissioning.explained import explain
+from firmware_bridge.drivers.commissioning.error_text import error_text
+from firmware_bridge.drivers.commissioning.job import JobError
 from firmware_bridge.drivers.commissioning.names import UnknownObjectError, find
 from firmware_bridge.drivers.commissioning.reading import Reading
 from firmware_bridge.units import Nanoseconds, from_seconds
@@ -83,9 +83,9 @@ def _record(drive: Line, reading: Reading, indent: int | None = 2) -> str:
 
 def _end_where_refused(drive: Line, reading: Reading) -> None:
     found = (reading.found.get(address) for address in reading.addresses)
-    refused = [each for each in found if isinstance(each, ErrandError)]
+    refused = [each for each in found if isinstance(each, JobError)]
     for each in refused:
-        typer.echo(f"firmware-bridge: {explain(each, drive.title, drive.silence)}", err=True)
+        typer.echo(f"firmware-bridge: {error_text(each, drive.title, drive.silence)}", err=True)
     if refused:
         raise typer.Exit(FAILED)
 

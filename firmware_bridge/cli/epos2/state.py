@@ -47,7 +47,7 @@ def state(
     if command is None:
         drive.finish(overview.script())
     else:
-        if command.way.may_move:
+        if command.procedure.may_move:
             agreed(f"{command.wanted.value} {drive.title}", "it may start to move", yes=yes)
         drive.finish((*command.script(), *overview.script()))
     if as_json:
@@ -55,7 +55,7 @@ def state(
         return
     typer.echo(_text(drive, overview))
     if command is not None:
-        typer.echo(f"left so: {command.way.leaves}")
+        typer.echo(f"left so: {command.procedure.leaves}")
 
 
 def _text(drive: Line, overview: Overview) -> str:

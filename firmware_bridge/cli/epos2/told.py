@@ -3,7 +3,7 @@
 import re
 from typing import Any, Final
 
-from firmware_bridge.drivers.commissioning.errand import ErrandError, RefusedError
+from firmware_bridge.drivers.commissioning.job import JobError, RefusedError
 from firmware_bridge.drivers.commissioning.names import name_of
 from firmware_bridge.drivers.commissioning.reading import Reading
 from firmware_bridge.drivers.commissioning.values import unit_of
@@ -27,7 +27,7 @@ def line(reading: Reading, address: Address) -> str:
 def value_told(reading: Reading, address: Address) -> str:
     """Return a value with its unit, or in words with its bits, or why there is none."""
     raw = reading.found.get(address)
-    if isinstance(raw, ErrandError):
+    if isinstance(raw, JobError):
         return f"- {raw.problem}"
     value = reading.value(address)
     if raw is None or value is None:

@@ -12,11 +12,11 @@ from firmware_bridge.cli.epos2.one_drive import one_drive
 from firmware_bridge.cli.epos2.options import JsonOption, YesOption
 from firmware_bridge.cli.epos2.told import line, record
 from firmware_bridge.drivers.commissioning.client import Ask, CommissioningError, need
-from firmware_bridge.drivers.commissioning.errand import Write
+from firmware_bridge.drivers.commissioning.job import WriteJob
 from firmware_bridge.drivers.commissioning.motion import why_it_may_move
 from firmware_bridge.drivers.commissioning.names import called, find
 from firmware_bridge.drivers.commissioning.reading import Reading
-from firmware_bridge.drivers.commissioning.serial_link import SerialLink
+from firmware_bridge.drivers.commissioning.serial_access import SerialAccess
 from firmware_bridge.drivers.commissioning.values import LONGEST_WRITE, parse
 
 EXAMPLES: Final = """Examples:
@@ -63,12 +63,12 @@ def write(
     with one_message(CommissioningError):
         address = find(wanted)
         raw = parse(address, value, size)
-    if isinstance(drive.link, SerialLink) and size is not None:
+    if isinstance(drive.link, SerialAccess) and size is not None:
         raise refusal("--size: a serial line always carries four bytes; leave it out")
     why = why_it_may_move(address, raw)
     if why is not None:
         agreed(f"write {called(address)} of {drive.title}", why, yes=yes)
-    drive.finish((Ask(Write(address, raw), need(lambda _raw: ())),))
+    drive.finish((Ask(WriteJob(address, raw), need(lambda _raw: ())),))
     written = Reading([address])
     written.found[address] = raw
     if as_json:

@@ -1,1 +1,1 @@
-"""One drive in an engineer's hands: objects and states over CAN or a serial line, one errand at a time."""
+"""One drive in an engineer's hands: objects and states over CAN or a serial line, one job at a time."""

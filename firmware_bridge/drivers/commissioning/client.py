@@ -1,4 +1,4 @@
-"""The engineer's side as a node: carries a script of errands out on one link, and is finished with it.
+"""The engineer's side as a node: carries a script of jobs out on one link, and is finished with it.
 
 A script is a tuple of steps; a step may put further steps before the rest. It refuses to know what a script
 is for, and which link it goes over.
@@ -8,8 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias, Union
 
-from firmware_bridge.drivers.commissioning.errand import Errand, ErrandError, Outcome
-from firmware_bridge.drivers.commissioning.link import DriveLink, Sent
+from firmware_bridge.drivers.commissioning.job import DriveAccess, Job, JobError, Outcome, Sent
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import NEVER, Nanoseconds
 
@@ -20,9 +19,9 @@ class CommissioningError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Ask:
-    """Do one errand; `then` takes its outcome, and may raise it."""
+    """Do one job; `then` takes its outcome, and may raise it."""
 
-    errand: Errand
+    job: Job
     then: Callable[[Outcome], "Script"]
 
 
@@ -48,18 +47,18 @@ def need(then: Callable[[bytes], Script]) -> Callable[[Outcome], Script]:
     """Return a continuation for outcomes of which only success is of use."""
 
     def go_on(outcome: Outcome) -> Script:
-        if isinstance(outcome, ErrandError):
+        if isinstance(outcome, JobError):
             raise outcome
         return then(outcome)
 
     return go_on
 
 
-class Client:
+class JobClient:
     """One script on one link. `failure` says why it ended early, where it did."""
 
-    def __init__(self, link: DriveLink, script: Script) -> None:
-        self.failure: ErrandError | CommissioningError | None = None
+    def __init__(self, link: DriveAccess, script: Script) -> None:
+        self.failure: JobError | CommissioningError | None = None
         self._link = link
         self._rest = script
         self._asked: Ask | None = None
@@ -82,7 +81,7 @@ class Client:
         return self._go_on(self._link.wake(now), now)
 
     def stop(self, _now: Nanoseconds) -> Reaction:
-        """Send nothing more: the drive is left as the last errand left it."""
+        """Send nothing more: the drive is left as the last job left it."""
         self._stopped = True
         return Reaction()
 
@@ -92,7 +91,7 @@ class Client:
         outbox = list(sent)
         try:
             self._advance(outbox, now)
-        except (ErrandError, CommissioningError) as failure:
+        except (JobError, CommissioningError) as failure:
             self.failure = failure
             self._rest, self._asked, self._paused_until = (), None, NEVER
         wake_at = NEVER if self.finished else min(self._link.wake_at, self._paused_until)
@@ -104,9 +103,9 @@ class Client:
             step, *rest = self._rest
             self._rest = tuple(rest)
             match step:
-                case Ask(errand):
+                case Ask(job):
                     self._asked = step
-                    outbox += self._link.begin(errand, now)
+                    outbox += self._link.begin(job, now)
                 case Pause(duration):
                     self._paused_until = now + duration
                 case Do(act):

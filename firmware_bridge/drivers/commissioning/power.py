@@ -12,31 +12,31 @@ from functools import partial
 from typing import Final
 
 from firmware_bridge.drivers.commissioning.client import Ask, CommissioningError, Pause, Script, need
-from firmware_bridge.drivers.commissioning.errand import Read, Write
+from firmware_bridge.drivers.commissioning.job import ReadJob, WriteJob
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
-from firmware_bridge.wire.cia402 import State, state_of
+from firmware_bridge.wire.cia402 import (
+    FAULT_RESET_WORDS,
+    PASSING,
+    TOWARDS,
+    Command,
+    Control,
+    State,
+    state_of,
+    word_of,
+)
 from firmware_bridge.wire.epos2 import address as at
 
 LOOK_EVERY: Final[Nanoseconds] = 10 * MILLISECOND
 LOOKS: Final = 500
 """So many looks, 5 s, as maxon's command library does."""
 
-SHUTDOWN: Final = 0x0006
-ENABLE_WITH_HALT: Final = 0x010F
-QUICK_STOP: Final = 0x0002
-DISABLE_VOLTAGE: Final = 0x0000
-FAULT_RESET: Final = 0x0080
-_PASSING: Final = frozenset(
-    {
-        State.START,
-        State.NOT_READY_TO_SWITCH_ON,
-        State.REFRESH,
-        State.MEASURE_INIT,
-        State.FAULT_REACTION_DISABLED,
-        State.FAULT_REACTION_ENABLED,
-    }
-)
-"""States that the drive leaves by itself."""
+ENABLE_WITH_HALT: Final = word_of(Command.ENABLE_OPERATION) | Control.HALT
+_WORDS: Final[Mapping[Command, int]] = {
+    # Enabling while only ready switches on first: transition 3, then 4.
+    Command.DISABLE_OPERATION: ENABLE_WITH_HALT,
+    Command.ENABLE_OPERATION: ENABLE_WITH_HALT,
+}
+"""Controlwords that are not the plainest ones of their commands."""
 _HINTS: Final = {
     State.FAULT: "read `state` for the cause, then `state reset-fault`",
     State.QUICK_STOP_ACTIVE: "`state disable` first",
@@ -45,7 +45,7 @@ _OFF: Final = frozenset({State.SWITCH_ON_DISABLED, State.FAULT})
 
 
 class Wanted(Enum):
-    """What an engineer asks of the power machine."""
+    """What an engineer asks of the drive."""
 
     ENABLE = "enable"
     SHUTDOWN = "shutdown"
@@ -55,7 +55,7 @@ class Wanted(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class Procedure:
     """How to get there: the words to write in each state, and the states in which it is done."""
 
     words: Mapping[State, tuple[int, ...]]
@@ -67,44 +67,38 @@ class Way:
     may_move: bool = False
 
 
-WAYS: Final[Mapping[Wanted, Way]] = {
-    Wanted.ENABLE: Way(
-        {
-            State.SWITCH_ON_DISABLED: (SHUTDOWN,),
-            State.READY_TO_SWITCH_ON: (ENABLE_WITH_HALT,),
-            State.SWITCHED_ON: (ENABLE_WITH_HALT,),
-            State.QUICK_STOP_ACTIVE: (ENABLE_WITH_HALT,),
-        },
+def _words_towards(wanted: State) -> Mapping[State, tuple[int, ...]]:
+    return {state: (_WORDS.get(command, word_of(command)),) for state, command in TOWARDS[wanted].items()}
+
+
+PROCEDURES: Final[Mapping[Wanted, Procedure]] = {
+    Wanted.ENABLE: Procedure(
+        _words_towards(State.OPERATION_ENABLED),
         frozenset({State.OPERATION_ENABLED}),
         "the power stage is on and stays on when this program ends; halt is set where this command "
         "enabled it; `state disable` switches it off",
         may_move=True,
     ),
-    Wanted.SHUTDOWN: Way(
-        {
-            State.SWITCH_ON_DISABLED: (SHUTDOWN,),
-            State.SWITCHED_ON: (SHUTDOWN,),
-            State.OPERATION_ENABLED: (SHUTDOWN,),
-        },
+    Wanted.SHUTDOWN: Procedure(
+        _words_towards(State.READY_TO_SWITCH_ON),
         frozenset({State.READY_TO_SWITCH_ON}),
         "the power stage is off; what turned is slowed down or runs out, as 0x605B says",
     ),
-    Wanted.QUICK_STOP: Way(
+    Wanted.QUICK_STOP: Procedure(
         {},
         frozenset({State.QUICK_STOP_ACTIVE}) | _OFF,
         "an enabled drive ramps down with 0x6085 and then holds with power; `state disable` switches it off",
-        at_once=QUICK_STOP,
+        at_once=word_of(Command.QUICK_STOP),
     ),
-    Wanted.DISABLE: Way(
+    Wanted.DISABLE: Procedure(
         {},
         _OFF,
         "the power stage is off; a motor that turned runs out, and only a brake holds a load",
-        at_once=DISABLE_VOLTAGE,
+        at_once=word_of(Command.DISABLE_VOLTAGE),
     ),
-    Wanted.RESET_FAULT: Way(
-        # The reset is a rising edge, and in Fault the other commands do nothing.
-        {State.FAULT: (DISABLE_VOLTAGE, FAULT_RESET)},
-        frozenset(State) - _PASSING - {State.FAULT},
+    Wanted.RESET_FAULT: Procedure(
+        {State.FAULT: FAULT_RESET_WORDS},
+        frozenset(State) - PASSING - {State.FAULT},
         "the power stage is as it was, off after a fault; the error history is kept, "
         "`write number-of-errors 0` clears it",
     ),
@@ -112,34 +106,34 @@ WAYS: Final[Mapping[Wanted, Way]] = {
 
 
 class PowerCommand:
-    """One way, walked."""
+    """One procedure, carried out."""
 
     def __init__(self, wanted: Wanted) -> None:
         self.wanted: Final = wanted
-        self.way: Final = WAYS[wanted]
+        self.procedure: Final = PROCEDURES[wanted]
         self._looks_left = LOOKS
         self._written_in: State | None = None
 
     def script(self) -> Script:
         """Write what has to be written, and look until the drive is where it is wanted."""
-        word = self.way.at_once
+        word = self.procedure.at_once
         return self._looks() if word is None else (*_writes((word,)), *self._looks())
 
     def _looks(self) -> Script:
-        return (Ask(Read(at.STATUSWORD), need(partial(self._look))),)
+        return (Ask(ReadJob(at.STATUSWORD), need(partial(self._look))),)
 
     def _look(self, raw: bytes) -> Script:
         statusword = int.from_bytes(raw, "little")
         state = state_of(statusword)
         if state is None:
             raise CommissioningError(f"the statusword 0x{statusword:04X} tells no state; is this an EPOS2?")
-        if state in self.way.done:
+        if state in self.procedure.done:
             return ()
-        words = () if state is self._written_in else self.way.words.get(state, ())
+        words = () if state is self._written_in else self.procedure.words.get(state, ())
         if words:
             self._written_in = state
             return (*_writes(words), *self._looks())
-        waits = state in _PASSING or state is self._written_in or self.way.at_once is not None
+        waits = state in PASSING or state is self._written_in or self.procedure.at_once is not None
         if not waits:
             raise CommissioningError(f"{self._stuck(state)}; {_HINTS.get(state, 'see `state`')}")
         self._looks_left -= 1
@@ -159,5 +153,5 @@ class PowerCommand:
 
 def _writes(words: tuple[int, ...]) -> Script:
     return tuple(
-        Ask(Write(at.CONTROLWORD, word.to_bytes(2, "little")), need(lambda _raw: ())) for word in words
+        Ask(WriteJob(at.CONTROLWORD, word.to_bytes(2, "little")), need(lambda _raw: ())) for word in words
     )

@@ -5,7 +5,7 @@ from functools import partial
 from typing import Final
 
 from firmware_bridge.drivers.commissioning.client import Ask, Do, Pause, Script
-from firmware_bridge.drivers.commissioning.errand import ErrandError, Outcome, Read
+from firmware_bridge.drivers.commissioning.job import JobError, Outcome, ReadJob
 from firmware_bridge.drivers.commissioning.values import decode
 from firmware_bridge.drivers.commissioning.words import BY_MODE, mode_of
 from firmware_bridge.units import Nanoseconds
@@ -36,24 +36,24 @@ class Reading:
 
     def once(self) -> Script:
         """Read each object once. A refusal is kept; a drive that does not answer ends the script."""
-        return tuple(Ask(Read(address), partial(self._keep, address)) for address in self._asked)
+        return tuple(Ask(ReadJob(address), partial(self._keep, address)) for address in self._asked)
 
-    def again_and_again(self, period: Nanoseconds, told: Callable[[], None]) -> Script:
-        """Read them for ever, with a pause in between, and call `told` after each round that brought news."""
-        return (Do(partial(self._round, period, told, {})),)
+    def again_and_again(self, period: Nanoseconds, changed: Callable[[], None]) -> Script:
+        """Read them for ever, with a pause in between; call `changed` after each round that brought news."""
+        return (Do(partial(self._round, period, changed, {})),)
 
-    def _round(self, period: Nanoseconds, told: Callable[[], None], before: dict[Address, str]) -> Script:
-        after = Do(partial(self._after, period, told, before))
+    def _round(self, period: Nanoseconds, changed: Callable[[], None], before: dict[Address, str]) -> Script:
+        after = Do(partial(self._after, period, changed, before))
         return (*self.once(), after)
 
-    def _after(self, period: Nanoseconds, told: Callable[[], None], before: dict[Address, str]) -> Script:
+    def _after(self, period: Nanoseconds, changed: Callable[[], None], before: dict[Address, str]) -> Script:
         now = {address: str(outcome) for address, outcome in self.found.items()}
         if now != before:
-            told()
-        return (Pause(period), Do(partial(self._round, period, told, now)))
+            changed()
+        return (Pause(period), Do(partial(self._round, period, changed, now)))
 
     def _keep(self, address: Address, outcome: Outcome) -> Script:
-        if isinstance(outcome, ErrandError) and outcome.unheard:
+        if isinstance(outcome, JobError) and outcome.unheard:
             raise outcome
         self.found[address] = outcome
         return ()

@@ -46,7 +46,7 @@ class ValueTextError(CommissioningError):
     """A value that cannot be made of this text."""
 
 
-def size_told(address: Address, size: int | None) -> int:
+def size_of_write(address: Address, size: int | None) -> int:
     """Return how many bytes to write: those asked for, or the object's own; ValueTextError."""
     row = OBJECTS.get(address)
     own = LONGEST_WRITE if row is None else row.type.size
@@ -63,7 +63,7 @@ def parse(address: Address, text: str, size: int | None = None) -> bytes:
 
     `size` in bytes overrides the object's own. ValueTextError where the text, its unit or its size cannot be.
     """
-    length = size_told(address, size)
+    length = size_of_write(address, size)
     row = OBJECTS.get(address)
     number = _WORDS.get(address, {}).get(squashed(text))
     if number is None:

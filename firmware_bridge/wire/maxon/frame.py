@@ -1,18 +1,15 @@
-"""One frame of the serial protocols: an opcode and whole words of data, and its bytes on either line.
+"""One frame of the serial protocols: an opcode, whole words of data, check sum; its bytes on either line."""
 
-It refuses to know what a frame means, and when its parts may be sent.
-"""
-
+from binascii import crc_hqx
 from dataclasses import dataclass
 from enum import Enum
 from typing import Final, TypeAlias
-
-from firmware_bridge.wire.maxon.crc import checksum
 
 ANSWER: Final = 0x00
 """The opcode of every answer."""
 DLE: Final = 0x90
 STX: Final = 0x02
+CHECKSUM_SIZE: Final = 2
 MOST_WORDS: Final = 143
 """Data words that V2's length may tell (EPOS4 Communication Guide, by analogy)."""
 _MOST_WORDS_V1: Final = 256
@@ -58,6 +55,19 @@ class Answered:
 
 
 Outcome: TypeAlias = Answered | Failure
+
+
+def checksum(first: int, body: bytes) -> int:
+    """Return the check sum of the frame's first word and its data, whole words with the low byte first.
+
+    CRC-CCITT over 16-bit words, high byte first: polynomial 0x1021, start value 0; the final word of zeros
+    that maxon's guides name is what makes it the plain form. Source: EPOS2 Application Notes Collection,
+    April 2013, p. 11-164 to 166, checked on the frames there.
+    """
+    swapped = bytearray(len(body))
+    swapped[0::2] = body[1::2]
+    swapped[1::2] = body[0::2]
+    return crc_hqx(swapped, crc_hqx(first.to_bytes(2, "big"), 0))
 
 
 def encode_v1(frame: Frame) -> bytes:

@@ -5,10 +5,8 @@ from collections.abc import Callable
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire.maxon.end import DeviceEnd, HostEnd
 from firmware_bridge.wire.maxon.frame import Generation
-from firmware_bridge.wire.maxon.v1_device import V1Device
-from firmware_bridge.wire.maxon.v1_host import V1Host
-from firmware_bridge.wire.maxon.v2_device import V2Device
-from firmware_bridge.wire.maxon.v2_host import V2Host
+from firmware_bridge.wire.maxon.v1 import V1Device, V1Host
+from firmware_bridge.wire.maxon.v2 import V2Device, V2Host
 
 
 def device_end(generation: Generation, timeout: Callable[[], Nanoseconds], bad_checksum: int) -> DeviceEnd:

@@ -22,22 +22,22 @@ def control(length: int, *, toggle: bool, more: bool = False) -> int:
     return length | toggle * _TOGGLE | more * _MORE
 
 
-class _Segment(Protocol):
+class _WithControlByte(Protocol):
     @property
     def control(self) -> int: ...
 
 
-def toggle_of(segment: _Segment) -> bool:
+def toggle_of(segment: _WithControlByte) -> bool:
     """Return the toggle bit of a segment's control byte."""
     return bool(segment.control & _TOGGLE)
 
 
-def more_of(segment: _Segment) -> bool:
+def more_of(segment: _WithControlByte) -> bool:
     """Tell whether more segments follow."""
     return bool(segment.control & _MORE)
 
 
-def length_of(segment: _Segment) -> int:
+def length_of(segment: _WithControlByte) -> int:
     """Return how many bytes a segment carries, by its control byte."""
     return segment.control & _LENGTH
 

@@ -1,6 +1,6 @@
 """The commands of the serial protocols, one row each, and the codecs that come from the rows.
 
-It refuses to know the lines' handshakes. An answer always has its command's full layout, also on error: of
+An answer always has its command's full layout, also on error: of
 ReadObject maxon's library demands it, for the others it is an assumption.
 """
 
@@ -52,7 +52,7 @@ class Shape:
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class Opcode:
     """One command: its opcode, what it asks and answers, and on which lines it is answered."""
 
     opcode: int
@@ -73,11 +73,11 @@ _DONE: Final = _shape(Done, "I")
 _FRAME: Final = _shape(messages.FrameRead, "I8s")
 _BY_NAME: Final = "a name in maxon's command library, never sent"
 
-ROWS: Final[tuple[Row, ...]] = (
-    Row(0x0E, "SendNMTService", _shape(messages.SendNmtService, "HH"), _DONE, V2_ONLY),
-    Row(0x10, "ReadObject", _shape(messages.ReadObject, "HBB"), _shape(messages.ObjectRead, "I4s")),
-    Row(0x11, "WriteObject", _shape(messages.WriteObject, "HBB4s"), _DONE),
-    Row(
+ROWS: Final[tuple[Opcode, ...]] = (
+    Opcode(0x0E, "SendNMTService", _shape(messages.SendNmtService, "HH"), _DONE, V2_ONLY),
+    Opcode(0x10, "ReadObject", _shape(messages.ReadObject, "HBB"), _shape(messages.ObjectRead, "I4s")),
+    Opcode(0x11, "WriteObject", _shape(messages.WriteObject, "HBB4s"), _DONE),
+    Opcode(
         0x12,
         "InitiateSegmentedRead",
         _shape(messages.InitiateSegmentedRead, "HBB"),
@@ -85,8 +85,8 @@ ROWS: Final[tuple[Row, ...]] = (
         source=COMMUNICATION_GUIDE,
         provenance=Provenance.BY_ANALOGY,
     ),
-    Row(0x13, "InitiateSegmentedWrite", _shape(messages.InitiateSegmentedWrite, "HBBI"), _DONE),
-    Row(
+    Opcode(0x13, "InitiateSegmentedWrite", _shape(messages.InitiateSegmentedWrite, "HBBI"), _DONE),
+    Opcode(
         0x14,
         "SegmentRead",
         _shape(messages.SegmentRead, "BB"),
@@ -94,17 +94,17 @@ ROWS: Final[tuple[Row, ...]] = (
         source=COMMUNICATION_GUIDE,
         provenance=Provenance.BY_ANALOGY,
     ),
-    Row(
+    Opcode(
         0x15,
         "SegmentWrite",
         _shape(messages.SegmentWrite, "B", open_ended=True),
         _shape(messages.SegmentTaken, "IBB"),
     ),
-    Row(0x16, "AbortSegmentedTransfer", None, _DONE, source=_BY_NAME, provenance=Provenance.ASSUMED),
-    Row(0x20, "SendCANFrame", _shape(messages.SendCanFrame, "HH8s"), _DONE, V2_ONLY),
-    Row(0x21, "RequestCANFrame", _shape(messages.RequestCanFrame, "HH"), _FRAME),
-    Row(0x22, "ReadCANFrame", None, _FRAME, source=_BY_NAME, provenance=Provenance.ASSUMED),
-    Row(
+    Opcode(0x16, "AbortSegmentedTransfer", None, _DONE, source=_BY_NAME, provenance=Provenance.ASSUMED),
+    Opcode(0x20, "SendCANFrame", _shape(messages.SendCanFrame, "HH8s"), _DONE, V2_ONLY),
+    Opcode(0x21, "RequestCANFrame", _shape(messages.RequestCanFrame, "HH"), _FRAME),
+    Opcode(0x22, "ReadCANFrame", None, _FRAME, source=_BY_NAME, provenance=Provenance.ASSUMED),
+    Opcode(
         0x30,
         "SendLSSFrame",
         _shape(messages.SendLssFrame, "8s"),
@@ -112,7 +112,7 @@ ROWS: Final[tuple[Row, ...]] = (
         source=COMMUNICATION_GUIDE,
         provenance=Provenance.BY_ANALOGY,
     ),
-    Row(
+    Opcode(
         0x31,
         "ReadLSSFrame",
         _shape(messages.ReadLssFrame, "H"),
@@ -122,12 +122,12 @@ ROWS: Final[tuple[Row, ...]] = (
     ),
 )
 
-COMMANDS: Final[Mapping[int, Row]] = MappingProxyType({row.opcode: row for row in ROWS if row.request})
+COMMANDS: Final[Mapping[int, Opcode]] = MappingProxyType({row.opcode: row for row in ROWS if row.request})
 """Commands that a device knows, by opcode."""
 _BY_REQUEST: Final = {row.request.message: row for row in ROWS if row.request}
 
 
-def row_of(request: Request) -> Row:
+def row_of(request: Request) -> Opcode:
     """Return the row of a request."""
     return _BY_REQUEST[type(request)]
 

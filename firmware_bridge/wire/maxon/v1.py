@@ -1,4 +1,4 @@
-"""V1 on RS232: what both ends share: the bytes of the handshake, and a frame as it comes in.
+"""V1 on RS232, both ends: the handshake byte by byte, and a frame as it comes in.
 
 Source: EPOS2 Application Notes Collection, April 2013, p. 11-166; EPOS Communication Guide, October 2006.
 A command goes `opcode`, then `O` or `F` comes back; the rest goes, and again `O` or `F` comes; the answer's
@@ -9,11 +9,24 @@ opcode 0 comes, and the host says `O`; its rest comes, and the host says `O` or 
 * A device's phase lasts from its own last byte to the last byte that it wants from the host.
 """
 
+from collections import deque
+from collections.abc import Callable, Container
+from enum import Enum, auto
 from typing import Final
 
-from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.maxon import crc
-from firmware_bridge.wire.maxon.frame import Frame
+from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
+from firmware_bridge.wire.maxon.end import LineEnd
+from firmware_bridge.wire.maxon.frame import (
+    ANSWER,
+    CHECKSUM_SIZE,
+    Answered,
+    Failure,
+    Frame,
+    Outcome,
+    checksum,
+    encode_v1,
+)
+from firmware_bridge.wire.maxon.opcodes import COMMANDS
 
 OKAY: Final = 0x4F
 FAILED: Final = 0x46
@@ -32,11 +45,207 @@ class Rest:
     def take(self, byte: int) -> bool:
         """Take a byte; True when the frame is whole."""
         self._taken.append(byte)
-        return len(self._taken) == _HEAD + 2 * (self._taken[1] + 1) + crc.SIZE
+        return len(self._taken) == _HEAD + 2 * (self._taken[1] + 1) + CHECKSUM_SIZE
 
     def frame(self) -> Frame | None:
         """Return the whole frame; None where the check sum is wrong."""
         taken = bytes(self._taken)
-        body = taken[_HEAD : -crc.SIZE]
-        told = int.from_bytes(taken[-crc.SIZE :], "little")
-        return Frame(taken[0], body) if crc.checksum(taken[0] << 8 | taken[1], body) == told else None
+        body = taken[_HEAD:-CHECKSUM_SIZE]
+        sent = int.from_bytes(taken[-CHECKSUM_SIZE:], "little")
+        return Frame(taken[0], body) if checksum(taken[0] << 8 | taken[1], body) == sent else None
+
+
+class _DevicePhase(Enum):
+    IDLE = auto()
+    COMMAND = auto()
+    WORK = auto()
+    OFFER = auto()
+    ANSWER = auto()
+
+
+class V1Device(LineEnd):
+    """The drive's end. `hear` returns a command, and each command wants one call of `answer`."""
+
+    def __init__(self, timeout: Callable[[], Nanoseconds], known: Container[int] = COMMANDS) -> None:
+        """Take the time of a phase from `timeout` each time one begins."""
+        super().__init__()
+        self._timeout = timeout
+        self._known = known
+        self._phase = _DevicePhase.IDLE
+        self._rest = Rest(0)
+        self._answer = b""
+        self._waiting: deque[int] = deque()
+
+    def hear(self, chunk: bytes, now: Nanoseconds) -> Frame | None:
+        """Take bytes; return the command that they complete, if any."""
+        self.wake(now)
+        free = self._phase is not _DevicePhase.WORK
+        self._waiting.extend(chunk if free else chunk[: max(ROOM - len(self._waiting), 0)])
+        return self._next(now)
+
+    def answer(self, body: bytes | None, now: Nanoseconds) -> Frame | None:
+        """Answer the command, or with None go without; return the next command where one has waited."""
+        if self._phase is _DevicePhase.WORK:
+            if body is None:
+                self._rests()
+            else:
+                self._answer = encode_v1(Frame(ANSWER, body))
+                self._say(ANSWER, _DevicePhase.OFFER, now)
+        return self._next(now)
+
+    def wake(self, now: Nanoseconds) -> None:
+        """Give up a phase that has lasted too long."""
+        if self.due <= now:
+            self._rests()
+
+    def reset(self) -> None:
+        """Forget everything, as at power-on."""
+        self._waiting.clear()
+        self._sent.clear()
+        self._rests()
+
+    def _next(self, now: Nanoseconds) -> Frame | None:
+        waiting = self._waiting
+        while waiting and self._phase is not _DevicePhase.WORK:
+            frame = self._take(waiting.popleft(), now)
+            if frame is not None:
+                return frame
+        return None
+
+    def _take(self, byte: int, now: Nanoseconds) -> Frame | None:
+        phase = self._phase
+        if phase is _DevicePhase.IDLE:
+            if byte in self._known:
+                self._rest = Rest(byte)
+                self._say(OKAY, _DevicePhase.COMMAND, now)
+            else:
+                self._sent.append(FAILED)
+        elif phase is _DevicePhase.COMMAND:
+            return self._commanded(now) if self._rest.take(byte) else None
+        elif phase is _DevicePhase.OFFER and byte == OKAY:
+            self._sent += self._answer[1:]
+            self._enter(_DevicePhase.ANSWER, now)
+        else:
+            self._rests()
+        return None
+
+    def _commanded(self, now: Nanoseconds) -> Frame | None:
+        frame = self._rest.frame()
+        if frame is None:
+            self._sent.append(FAILED)
+            self._rests()
+            return None
+        self._say(OKAY, _DevicePhase.WORK, now)
+        self.due = NEVER
+        return frame
+
+    def _say(self, byte: int, phase: _DevicePhase, now: Nanoseconds) -> None:
+        self._sent.append(byte)
+        self._enter(phase, now)
+
+    def _enter(self, phase: _DevicePhase, now: Nanoseconds) -> None:
+        self._phase = phase
+        self.due = now + self._timeout()
+
+    def _rests(self) -> None:
+        self._phase = _DevicePhase.IDLE
+        self.due = NEVER
+
+
+class _HostPhase(Enum):
+    IDLE = auto()
+    OPCODE = auto()
+    COMMAND = auto()
+    WORK = auto()
+    ANSWER = auto()
+
+
+_ACCEPTING: Final = frozenset({_HostPhase.OPCODE, _HostPhase.COMMAND})
+
+
+class V1Host(LineEnd):
+    """The host's end, one command at a time. What it does not wait for, it does not hear."""
+
+    def __init__(self, timeout: Nanoseconds, quiet: Nanoseconds = FRAME_TIMEOUT) -> None:
+        """Wait `timeout` for each step of the device; it covers the work on a command, too.
+
+        After a failure `ready_at` lies `quiet` ahead: by then the device has given up the old command.
+        """
+        super().__init__()
+        self.ready_at: Nanoseconds = 0
+        """From when on a command may be asked."""
+        self._timeout = timeout
+        self._quiet = quiet
+        self._phase = _HostPhase.IDLE
+        self._command = b""
+        self._answered = True
+        self._rest = Rest(0)
+
+    @property
+    def busy(self) -> bool:
+        """Whether a command is under way."""
+        return self._phase is not _HostPhase.IDLE
+
+    def ask(self, frame: Frame, now: Nanoseconds, *, answered: bool = True) -> None:
+        """Begin a command; `answered` as its row says for V1. RuntimeError while another is under way."""
+        if self.busy:
+            raise RuntimeError("the line carries one command at a time")
+        self._command = encode_v1(frame)
+        self._answered = answered
+        self._sent.append(frame.opcode)
+        self._enter(_HostPhase.OPCODE, now)
+
+    def hear(self, chunk: bytes, now: Nanoseconds) -> Outcome | None:
+        """Take bytes; return how the command ended, once. What follows in the same bytes is dropped."""
+        for byte in chunk:
+            outcome = self._take(byte, now) if self.busy else None
+            if outcome is not None:
+                return self._end(outcome, now)
+        return None
+
+    def wake(self, now: Nanoseconds) -> Outcome | None:
+        """Give up a command that has had no answer in time."""
+        return self._end(Failure.SILENCE, now) if self.due <= now else None
+
+    def _take(self, byte: int, now: Nanoseconds) -> Outcome | None:
+        if self._phase in _ACCEPTING:
+            return self._accepted(byte, now)
+        if self._phase is _HostPhase.WORK:
+            if byte == ANSWER:
+                self._rest = Rest(byte)
+                self._sent.append(OKAY)
+                self._enter(_HostPhase.ANSWER, now)
+            return None
+        if not self._rest.take(byte):
+            return None
+        frame = self._rest.frame()
+        self._sent.append(FAILED if frame is None else OKAY)
+        return Failure.GARBLED if frame is None else Answered(frame.body)
+
+    def _accepted(self, byte: int, now: Nanoseconds) -> Outcome | None:
+        """Take the device's judgement; other bytes are noise."""
+        first = self._phase is _HostPhase.OPCODE
+        if byte == FAILED:
+            return Failure.REFUSED if first else Failure.DAMAGED
+        if byte != OKAY:
+            return None
+        if first:
+            self._sent += self._command[1:]
+            self._enter(_HostPhase.COMMAND, now)
+        elif self._answered:
+            self._enter(_HostPhase.WORK, now)
+        else:
+            return Answered(b"")
+        return None
+
+    def _enter(self, phase: _HostPhase, now: Nanoseconds) -> None:
+        self._phase = phase
+        self.due = now + self._timeout
+
+    def _end(self, outcome: Outcome, now: Nanoseconds) -> Outcome:
+        self._phase = _HostPhase.IDLE
+        self.due = NEVER
+        # A refusal leaves the device idle; after anything else it may still be in the middle of a phase.
+        clear = isinstance(outcome, Answered) or outcome in {Failure.REFUSED, Failure.DAMAGED}
+        self.ready_at = now if clear else now + self._quiet
+        return outcome

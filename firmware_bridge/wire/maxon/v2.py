@@ -1,4 +1,4 @@
-"""V2 on USB, what both ends share: frames that begin with DLE STX, at any point, and double each DLE after.
+"""V2 on USB, both ends: frames that begin with DLE STX, at any point, and double each DLE after.
 
 Source: EPOS2 Application Notes Collection, April 2013, p. 11-164; EPOS4 Communication Guide (same link layer,
 by analogy). Where they are silent:
@@ -9,11 +9,26 @@ by analogy). Where they are silent:
 * Bytes that arrive while the device works on a command wait, up to `ROOM` of them, and count afterwards.
 """
 
+from collections import deque
+from collections.abc import Callable
 from enum import Enum, auto
 from typing import Final
 
-from firmware_bridge.wire.maxon import crc
-from firmware_bridge.wire.maxon.frame import DLE, MOST_WORDS, STX, Frame
+from firmware_bridge.units import NEVER, Nanoseconds
+from firmware_bridge.wire.maxon.end import LineEnd
+from firmware_bridge.wire.maxon.frame import (
+    ANSWER,
+    CHECKSUM_SIZE,
+    DLE,
+    MOST_WORDS,
+    STX,
+    Answered,
+    Failure,
+    Frame,
+    Outcome,
+    checksum,
+    encode_v2,
+)
 
 ROOM: Final = 1024
 _HEAD: Final = 2
@@ -25,7 +40,7 @@ class Damaged(Enum):
     DAMAGED = auto()
 
 
-class Reader:
+class FrameReader:
     """Finds frames among bytes, whatever stands between them."""
 
     def __init__(self) -> None:
@@ -71,11 +86,122 @@ class Reader:
         if taken[1] > MOST_WORDS:
             self.reset()
             return None
-        if len(taken) < _HEAD + 2 * taken[1] + crc.SIZE:
+        if len(taken) < _HEAD + 2 * taken[1] + CHECKSUM_SIZE:
             return None
         self.reset()
-        body = bytes(taken[_HEAD : -crc.SIZE])
-        told = int.from_bytes(taken[-crc.SIZE :], "little")
-        if crc.checksum(taken[1] << 8 | taken[0], body) != told:
+        body = bytes(taken[_HEAD:-CHECKSUM_SIZE])
+        sent = int.from_bytes(taken[-CHECKSUM_SIZE:], "little")
+        if checksum(taken[1] << 8 | taken[0], body) != sent:
             return Damaged.DAMAGED
         return Frame(taken[0], body)
+
+
+class V2Device(LineEnd):
+    """The drive's end. `hear` returns a command, and each command wants one call of `answer`."""
+
+    def __init__(self, timeout: Callable[[], Nanoseconds], bad_checksum: int) -> None:
+        """Answer damaged frames with this error code; take the time of a frame from `timeout`."""
+        super().__init__()
+        self._timeout = timeout
+        self._complaint = encode_v2(Frame(ANSWER, bad_checksum.to_bytes(4, "little")))
+        self._reader = FrameReader()
+        self._working = False
+        self._waiting: deque[int] = deque()
+
+    def hear(self, chunk: bytes, now: Nanoseconds) -> Frame | None:
+        """Take bytes; return the command that they complete, if any."""
+        self.wake(now)
+        free = not self._working
+        self._waiting.extend(chunk if free else chunk[: max(ROOM - len(self._waiting), 0)])
+        return self._next(now)
+
+    def answer(self, body: bytes | None, now: Nanoseconds) -> Frame | None:
+        """Answer the command, or with None go without; return the next command where one has waited."""
+        if self._working:
+            self._working = False
+            if body is not None:
+                self._sent += encode_v2(Frame(ANSWER, body))
+        return self._next(now)
+
+    def wake(self, now: Nanoseconds) -> None:
+        """Give up a frame that has lasted too long."""
+        if self.due <= now:
+            self.due = NEVER
+            self._reader.reset()
+
+    def reset(self) -> None:
+        """Forget everything, as at power-on."""
+        self._reader.reset()
+        self._working = False
+        self._waiting.clear()
+        self._sent.clear()
+        self.due = NEVER
+
+    def _next(self, now: Nanoseconds) -> Frame | None:
+        waiting, reader = self._waiting, self._reader
+        while waiting and not self._working:
+            begun = reader.begun
+            frame = reader.take(waiting.popleft())
+            if not reader.inside:
+                self.due = NEVER
+            elif reader.begun != begun:
+                self.due = now + self._timeout()
+            if isinstance(frame, Frame):
+                self._working = True
+                return frame
+            if frame is not None:
+                self._sent += self._complaint
+        return None
+
+
+class V2Host(LineEnd):
+    """The host's end, one command at a time. What it does not wait for, it does not hear."""
+
+    def __init__(self, timeout: Nanoseconds, quiet: Nanoseconds = 0) -> None:
+        """Wait `timeout` for an answer.
+
+        Answers carry no number: one that comes too late would be taken for that of the next command. So
+        `timeout` must be longer than the device ever takes, or `ready_at` must lie `quiet` behind a failure.
+        """
+        super().__init__()
+        self.ready_at: Nanoseconds = 0
+        """From when on a command may be asked."""
+        self._timeout = timeout
+        self._quiet = quiet
+        self._reader = FrameReader()
+        self._busy = False
+
+    @property
+    def busy(self) -> bool:
+        """Whether a command is under way."""
+        return self._busy
+
+    def ask(self, frame: Frame, now: Nanoseconds, *, answered: bool = True) -> None:
+        """Begin a command; V2 answers each. RuntimeError while another is under way."""
+        if self._busy:
+            raise RuntimeError("the line carries one command at a time")
+        del answered
+        self._reader.reset()
+        self._busy = True
+        self._sent += encode_v2(frame)
+        self.due = now + self._timeout
+
+    def hear(self, chunk: bytes, now: Nanoseconds) -> Outcome | None:
+        """Take bytes; return how the command ended, once. What follows in the same bytes is dropped."""
+        for byte in chunk if self._busy else b"":
+            frame = self._reader.take(byte)
+            if isinstance(frame, Damaged):
+                return self._end(Failure.GARBLED, now)
+            if frame is not None and frame.opcode == ANSWER:
+                return self._end(Answered(frame.body), now)
+        return None
+
+    def wake(self, now: Nanoseconds) -> Outcome | None:
+        """Give up a command that has had no answer in time."""
+        return self._end(Failure.SILENCE, now) if self.due <= now else None
+
+    def _end(self, outcome: Outcome, now: Nanoseconds) -> Outcome:
+        self._busy = False
+        self.due = NEVER
+        self.ready_at = now if isinstance(outcome, Answered) else now + self._quiet
+        return outcome

@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping
 from math import tau
 from typing import Final
 
-from emulators.epos2.motion import MotionControl
-from emulators.epos2.profile import EPOS2_70_10
+from emulators.epos2.control.motion_control import MotionControl
+from emulators.epos2.objects.device_profile import EPOS2_70_10
 from emulators.single import Order, drives
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.cia402 import Mode, State

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 import pytest
 
-from emulators.epos2.profile import EPOS2_70_10
+from emulators.epos2.objects.device_profile import EPOS2_70_10
 from emulators.servo import kernel
 from emulators.single import Order, drives
 from emulators.wires import CanWire

@@ -4,7 +4,7 @@ from typing import Final
 
 import pytest
 
-from emulators.epos2.holding_brake import FALL_TIME, RISE_TIME
+from emulators.epos2.io.holding_brake import FALL_TIME, RISE_TIME
 from firmware_bridge.wire.cia402 import Mode, State
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.functions import OUTPUT_PINS, OutputFunction

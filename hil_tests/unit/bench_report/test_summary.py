@@ -10,7 +10,7 @@ from emulators.bench.records import SAMPLE_EVERY, HoldRecord, Sample
 from emulators.bench.summary import Run, as_json, summarise
 from firmware_bridge.units import MILLISECOND, SECOND, to_seconds
 
-RUN = Run("rars", "line", 7, 4 * SECOND, 2.0, 1000, 3.21, "ab" * 32)
+RUN = Run("rars", "line", 7, 4 * SECOND, 2.0, 1000, 3.21, "ab" * 32, {"can": "cd" * 32})
 
 
 def rows(count: int, speed: Callable[[float], float], **fixed: float) -> list[Sample]:
@@ -115,6 +115,7 @@ def test_the_file_has_the_keys_that_its_readers_rely_on() -> None:
         "frames": 1000,
         "bus_load_percent": 3.21,
         "trace_sha256": "ab" * 32,
+        "links_sha256": {"can": "cd" * 32},
         "seed": 7,
         "mission": "line",
         "robot": "rars",

@@ -9,7 +9,7 @@ from typing import Final
 
 from typer.testing import CliRunner
 
-from emulators.epos2.catalogue import PROFILES
+from emulators.epos2.objects.catalogue import PROFILES
 from emulators.gateway import Cluster
 from emulators.single import Order, drives
 from firmware_bridge.cli import attach_commands, program

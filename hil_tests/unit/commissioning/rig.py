@@ -3,14 +3,14 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from emulators.epos2.catalogue import PROFILES
+from emulators.epos2.objects.catalogue import PROFILES
 from emulators.single import SUPPLY_MV, Order, drives
 from emulators.wires import CanWire, SerialWire, usb_line
 from emulators.world import World
-from firmware_bridge.drivers.commissioning.can_link import CanLink
-from firmware_bridge.drivers.commissioning.client import Ask, Client, Script, need
-from firmware_bridge.drivers.commissioning.errand import Errand, Outcome
-from firmware_bridge.drivers.commissioning.serial_link import SerialLink
+from firmware_bridge.drivers.commissioning.can_access import CanAccess
+from firmware_bridge.drivers.commissioning.client import Ask, JobClient, Script, need
+from firmware_bridge.drivers.commissioning.job import Job, Outcome
+from firmware_bridge.drivers.commissioning.serial_access import SerialAccess
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.epos2.address import Address
@@ -31,8 +31,8 @@ class Way:
     def __str__(self) -> str:
         return self.name
 
-    def link(self) -> CanLink | SerialLink:
-        return CanLink(self.node) if self.generation is None else SerialLink(self.generation, self.node)
+    def link(self) -> CanAccess | SerialAccess:
+        return CanAccess(self.node) if self.generation is None else SerialAccess(self.generation, self.node)
 
 
 BUS = Way("can", NEAR)
@@ -71,10 +71,12 @@ class Rig:
     def waits(self, duration: Nanoseconds) -> None:
         self.world.run(self.world.now + duration)
 
-    def does(self, link: CanLink | SerialLink, script: Script, within: Nanoseconds = 20 * SECOND) -> Client:
+    def does(
+        self, link: CanAccess | SerialAccess, script: Script, within: Nanoseconds = 20 * SECOND
+    ) -> JobClient:
         """Carry a script out, and raise what it failed with."""
-        client = Client(link, script)
-        wire = {CAN: self.bus} if isinstance(link, CanLink) else {SERIAL: self.line}
+        client = JobClient(link, script)
+        wire = {CAN: self.bus} if isinstance(link, CanAccess) else {SERIAL: self.line}
         self.world.attach("client", client, wire)
         end = self.world.now + within
         while not client.finished and self.world.now < end:
@@ -86,10 +88,10 @@ class Rig:
         assert client.finished, f"not finished within {within} ns"
         return client
 
-    def tries(self, link: CanLink | SerialLink, errand: Errand) -> Outcome:
-        """Do one errand, and return how it ended."""
+    def tries(self, link: CanAccess | SerialAccess, job: Job) -> Outcome:
+        """Do one job, and return how it ended."""
         ended: list[Outcome] = []
-        self.does(link, (Ask(errand, noting(ended)),))
+        self.does(link, (Ask(job, noting(ended)),))
         return ended[0]
 
     def value(self, node: int, address: Address) -> int | bytes:

@@ -1,8 +1,8 @@
-"""A client's errands taken back to the middle of them go on as they went, to the byte."""
+"""A client's jobs taken back to the middle of them go on as they went, to the byte."""
 
 import pytest
 
-from firmware_bridge.drivers.commissioning.client import Client
+from firmware_bridge.drivers.commissioning.client import JobClient
 from firmware_bridge.drivers.commissioning.overview import Overview
 from firmware_bridge.drivers.commissioning.power import PowerCommand, Wanted
 from firmware_bridge.drivers.commissioning.reading import Reading
@@ -15,11 +15,11 @@ from hil_tests.unit.commissioning.rig import WAYS, Way, rig_for
 
 @pytest.mark.parametrize("way", WAYS, ids=str)
 @pytest.mark.parametrize("after", [0, 1, 3, 8, 20, 60])
-def test_errands_that_were_taken_back_go_on_as_they_went(way: Way, after: int) -> None:
+def test_jobs_that_were_taken_back_go_on_as_they_went(way: Way, after: int) -> None:
     rig = rig_for(way)
     reading, overview = Reading([at.DEVICE_NAME, Address(0x2004), at.STATUSWORD]), Overview(alone=False)
     script = (*reading.once(), *PowerCommand(Wanted.ENABLE).script(), *overview.script())
-    client = Client(way.link(), script)
+    client = JobClient(way.link(), script)
     rig.world.attach("client", client, {CAN: rig.bus} if way.generation is None else {SERIAL: rig.line})
     rig.waits(after * MILLISECOND)
     kept = rig.world.snapshot()

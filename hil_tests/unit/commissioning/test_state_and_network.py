@@ -2,14 +2,13 @@
 
 import pytest
 
-from firmware_bridge.drivers.commissioning.can_link import CanLink
+from firmware_bridge.drivers.commissioning.can_access import CanAccess
 from firmware_bridge.drivers.commissioning.client import Ask, CommissioningError, Script, need
-from firmware_bridge.drivers.commissioning.errand import SilentError, Write
-from firmware_bridge.drivers.commissioning.network import NetworkCommand
+from firmware_bridge.drivers.commissioning.job import SilentError, WriteJob
+from firmware_bridge.drivers.commissioning.network_command import NetworkCommand
 from firmware_bridge.drivers.commissioning.overview import Overview
-from firmware_bridge.drivers.commissioning.power import WAYS as POWER
-from firmware_bridge.drivers.commissioning.power import PowerCommand, Wanted
-from firmware_bridge.drivers.commissioning.serial_link import SerialLink
+from firmware_bridge.drivers.commissioning.power import PROCEDURES, PowerCommand, Wanted
+from firmware_bridge.drivers.commissioning.serial_access import SerialAccess
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND
@@ -40,12 +39,12 @@ def power(rig: Rig, node: int = NEAR) -> State | None:
 
 
 def written(address: Address, value: int, size: int) -> Script:
-    return (Ask(Write(address, value.to_bytes(size, "little", signed=value < 0)), need(lambda _raw: ())),)
+    return (Ask(WriteJob(address, value.to_bytes(size, "little", signed=value < 0)), need(lambda _raw: ())),)
 
 
 def brought(rig: Rig, state: State) -> Rig:
     for word in TO[state]:
-        rig.does(CanLink(NEAR), written(at.CONTROLWORD, word, 2))
+        rig.does(CanAccess(NEAR), written(at.CONTROLWORD, word, 2))
         rig.waits(50 * MILLISECOND)
     assert power(rig) is state
     return rig
@@ -67,7 +66,7 @@ def brought(rig: Rig, state: State) -> Rig:
 )
 def test_every_command_from_every_state(begin: State, wanted: Wanted, end: State) -> None:
     rig = brought(Rig(), begin)
-    rig.does(CanLink(NEAR), PowerCommand(wanted).script())
+    rig.does(CanAccess(NEAR), PowerCommand(wanted).script())
     assert power(rig) is end
 
 
@@ -85,30 +84,30 @@ def test_enabled_and_disabled_over_every_way(way: Way) -> None:
 def test_quick_stop_active_is_not_left_by_shutdown() -> None:
     rig = brought(Rig(), S.QUICK_STOP_ACTIVE)
     with pytest.raises(CommissioningError, match=r"'shutdown' does not lead out of .* `state disable` first"):
-        rig.does(CanLink(NEAR), PowerCommand(W.SHUTDOWN).script())
+        rig.does(CanAccess(NEAR), PowerCommand(W.SHUTDOWN).script())
     assert power(rig) is S.QUICK_STOP_ACTIVE
 
 
 def test_what_stops_is_written_before_anything_is_read() -> None:
     for wanted in (W.QUICK_STOP, W.DISABLE):
-        assert POWER[wanted].at_once is not None
+        assert PROCEDURES[wanted].at_once is not None
         (first, *_) = PowerCommand(wanted).script()
         assert isinstance(first, Ask)
-        assert isinstance(first.errand, Write)
-        assert first.errand.address == at.CONTROLWORD
+        assert isinstance(first.job, WriteJob)
+        assert first.job.address == at.CONTROLWORD
 
 
 def test_enabling_starts_no_profile_velocity_and_a_quick_stop_brings_a_turning_motor_to_rest() -> None:
     rig = Rig()
     for address, value, size in ((at.MODE, Mode.PROFILE_VELOCITY, 1), (at.TARGET_VELOCITY, 500, 4)):
-        rig.does(CanLink(NEAR), written(address, value, size))
-    rig.does(CanLink(NEAR), PowerCommand(W.ENABLE).script())
+        rig.does(CanAccess(NEAR), written(address, value, size))
+    rig.does(CanAccess(NEAR), PowerCommand(W.ENABLE).script())
     rig.waits(SECOND)
     assert abs(rig.bank.axes[0].position) < 5, "halt is set"
-    rig.does(CanLink(NEAR), written(at.CONTROLWORD, 0x000F, 2))
+    rig.does(CanAccess(NEAR), written(at.CONTROLWORD, 0x000F, 2))
     rig.waits(SECOND)
     assert rig.bank.axes[0].position > 5_000, "until somebody takes it away"
-    rig.does(CanLink(NEAR), PowerCommand(W.QUICK_STOP).script())
+    rig.does(CanAccess(NEAR), PowerCommand(W.QUICK_STOP).script())
     rig.waits(SECOND)
     rests_at = rig.bank.axes[0].position
     rig.waits(SECOND)
@@ -117,7 +116,7 @@ def test_enabling_starts_no_profile_velocity_and_a_quick_stop_brings_a_turning_m
 
 def faulted(rig: Rig) -> Rig:
     """Bring a drive into Fault by a receive PDO that is too short (0x8210)."""
-    rig.does(CanLink(NEAR), NetworkCommand(NmtCommand.START, NEAR).script())
+    rig.does(CanAccess(NEAR), NetworkCommand(NmtCommand.START, NEAR).script())
     rig.drives[NEAR].receive(Packet(CAN, 0x200 + NEAR, b"\0"), rig.world.now)
     rig.waits(50 * MILLISECOND)
     assert power(rig) is S.FAULT
@@ -140,10 +139,10 @@ def test_a_fault_is_reset_and_its_history_kept(way: Way) -> None:
 def test_a_drive_in_fault_is_not_enabled_and_says_what_to_do() -> None:
     rig = faulted(Rig())
     with pytest.raises(CommissioningError, match=r"state 'fault'; .*`state reset-fault`"):
-        rig.does(CanLink(NEAR), PowerCommand(W.ENABLE).script())
+        rig.does(CanAccess(NEAR), PowerCommand(W.ENABLE).script())
     assert power(rig) is S.FAULT
     for wanted in (W.QUICK_STOP, W.DISABLE):
-        rig.does(CanLink(NEAR), PowerCommand(wanted).script())
+        rig.does(CanAccess(NEAR), PowerCommand(wanted).script())
         assert power(rig) is S.FAULT
 
 
@@ -152,7 +151,7 @@ def test_a_fault_whose_cause_stands_is_not_reset() -> None:
     rig.waits(100 * MILLISECOND)
     assert power(rig) is S.FAULT
     with pytest.raises(CommissioningError, match="within 5 s; the cause of the fault still stands"):
-        rig.does(CanLink(NEAR), PowerCommand(W.RESET_FAULT).script())
+        rig.does(CanAccess(NEAR), PowerCommand(W.RESET_FAULT).script())
 
 
 @every_way
@@ -183,7 +182,7 @@ def test_network_commands_reach_the_drive_that_is_meant(
 @pytest.mark.parametrize("generation", [None, *Generation])
 def test_a_command_to_all_reaches_all_and_looks_at_none(generation: Generation | None) -> None:
     rig = Rig(generation)
-    link = CanLink(0) if generation is None else SerialLink(generation)
+    link = CanAccess(0) if generation is None else SerialAccess(generation)
     sent = NetworkCommand(NmtCommand.START, 0)
     rig.does(link, sent.script())
     rig.waits(50 * MILLISECOND)
@@ -194,16 +193,16 @@ def test_a_command_to_all_reaches_all_and_looks_at_none(generation: Generation |
 def test_a_node_that_is_not_there_does_not_come_back_from_its_reset() -> None:
     rig = Rig()
     with pytest.raises(SilentError):
-        rig.does(CanLink(9), NetworkCommand(NmtCommand.RESET_NODE, 9).script())
+        rig.does(CanAccess(9), NetworkCommand(NmtCommand.RESET_NODE, 9).script())
     assert rig.world.now < 10 * SECOND
 
 
 def test_a_drive_that_does_not_do_as_it_is_told_is_named() -> None:
     rig = Rig()
-    rig.does(CanLink(NEAR), NetworkCommand(NmtCommand.START, NEAR).script())
+    rig.does(CanAccess(NEAR), NetworkCommand(NmtCommand.START, NEAR).script())
     with pytest.raises(CommissioningError, match="node 2 is operational after it"):
         # The one that is commanded is not the one that is looked at.
-        rig.does(CanLink(NEAR), NetworkCommand(NmtCommand.ENTER_PRE_OPERATIONAL, FAR).script())
+        rig.does(CanAccess(NEAR), NetworkCommand(NmtCommand.ENTER_PRE_OPERATIONAL, FAR).script())
 
 
 @every_way
@@ -229,4 +228,4 @@ def test_the_line_works_in_stopped_and_the_bus_does_not() -> None:
     rig.does(OWN_LINE.link(), NetworkCommand(NmtCommand.STOP, None).script())
     rig.does(OWN_LINE.link(), PowerCommand(W.DISABLE).script())
     with pytest.raises(SilentError):
-        rig.does(CanLink(NEAR), PowerCommand(W.DISABLE).script())
+        rig.does(CanAccess(NEAR), PowerCommand(W.DISABLE).script())

@@ -2,12 +2,12 @@
 
 import pytest
 
-from firmware_bridge.drivers.commissioning.can_link import CanLink
-from firmware_bridge.drivers.commissioning.client import Ask, Client, Script, need
-from firmware_bridge.drivers.commissioning.errand import Read, Write
+from firmware_bridge.drivers.commissioning.can_access import CanAccess
+from firmware_bridge.drivers.commissioning.client import Ask, JobClient, Script, need
+from firmware_bridge.drivers.commissioning.job import ReadJob, WriteJob
 from firmware_bridge.drivers.commissioning.power import PowerCommand, Wanted
 from firmware_bridge.drivers.commissioning.reading import Reading
-from firmware_bridge.drivers.commissioning.serial_link import SerialLink
+from firmware_bridge.drivers.commissioning.serial_access import SerialAccess
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.cia402 import State, state_of
@@ -33,8 +33,8 @@ class Writer:
             return ()
         value = (self.mark << 24 | number).to_bytes(4, "little")
         return (
-            Ask(Write(SHARED, value), need(lambda _raw: ())),
-            Ask(Read(SHARED), need(lambda raw: self._note(number, raw))),
+            Ask(WriteJob(SHARED, value), need(lambda _raw: ())),
+            Ask(ReadJob(SHARED), need(lambda raw: self._note(number, raw))),
         )
 
     def _note(self, number: int, raw: bytes) -> Script:
@@ -45,7 +45,10 @@ class Writer:
 def together(generation: Generation, on_can: Script, on_line: Script) -> tuple[Rig, list[int]]:
     """Let two clients do their scripts at once; return the rig, and what was written to the shared object."""
     rig = Rig(generation)
-    clients = Client(CanLink(NEAR), on_can), Client(SerialLink(generation), on_line)
+    clients = (
+        JobClient(CanAccess(NEAR), on_can),
+        JobClient(SerialAccess(generation), on_line),
+    )
     rig.world.attach("on can", clients[0], {CAN: rig.bus})
     rig.world.attach("on line", clients[1], {SERIAL: rig.line})
     values: list[int] = []
@@ -91,11 +94,11 @@ def test_both_may_read_by_segments_at_once(generation: Generation) -> None:
 def test_what_one_enables_the_other_stops(generation: Generation) -> None:
     rig = Rig(generation)
     for link, wanted, state in (
-        (CanLink(NEAR), Wanted.ENABLE, State.OPERATION_ENABLED),
-        (SerialLink(generation), Wanted.QUICK_STOP, State.QUICK_STOP_ACTIVE),
-        (CanLink(NEAR), Wanted.DISABLE, State.SWITCH_ON_DISABLED),
-        (SerialLink(generation), Wanted.ENABLE, State.OPERATION_ENABLED),
-        (CanLink(NEAR), Wanted.QUICK_STOP, State.QUICK_STOP_ACTIVE),
+        (CanAccess(NEAR), Wanted.ENABLE, State.OPERATION_ENABLED),
+        (SerialAccess(generation), Wanted.QUICK_STOP, State.QUICK_STOP_ACTIVE),
+        (CanAccess(NEAR), Wanted.DISABLE, State.SWITCH_ON_DISABLED),
+        (SerialAccess(generation), Wanted.ENABLE, State.OPERATION_ENABLED),
+        (CanAccess(NEAR), Wanted.QUICK_STOP, State.QUICK_STOP_ACTIVE),
     ):
         rig.does(link, PowerCommand(wanted).script())
         word = rig.value(NEAR, at.STATUSWORD)

@@ -1,10 +1,10 @@
-"""Reading again and again: told at first, told of each change, and never else; a refusal is a value, too."""
+"""Reading again and again: reported at first, at each change, and never else; a refusal is a value, too."""
 
 from itertools import pairwise
 
-from firmware_bridge.drivers.commissioning.can_link import CanLink
-from firmware_bridge.drivers.commissioning.client import Client
-from firmware_bridge.drivers.commissioning.errand import RefusedError, SilentError
+from firmware_bridge.drivers.commissioning.can_access import CanAccess
+from firmware_bridge.drivers.commissioning.client import JobClient
+from firmware_bridge.drivers.commissioning.job import RefusedError, SilentError
 from firmware_bridge.drivers.commissioning.reading import Reading
 from firmware_bridge.node import CAN
 from firmware_bridge.units import MILLISECOND, SECOND
@@ -16,16 +16,16 @@ PERIOD = 100 * MILLISECOND
 
 
 def test_each_change_is_told_once_and_within_a_period() -> None:
-    rig, told = Rig(), []
+    rig, reported = Rig(), []
     reading = Reading([at.PROFILE_VELOCITY, Address(0x5555)])
-    script = reading.again_and_again(PERIOD, lambda: told.append(reading.value(at.PROFILE_VELOCITY)))
-    client = Client(CanLink(NEAR), script)
+    script = reading.again_and_again(PERIOD, lambda: reported.append(reading.value(at.PROFILE_VELOCITY)))
+    client = JobClient(CanAccess(NEAR), script)
     rig.world.attach("client", client, {CAN: rig.bus})
     rig.waits(SECOND)
     for value in (7, 8, 8, 1000):
         rig.drives[NEAR].store.set(at.PROFILE_VELOCITY, value)
         rig.waits(PERIOD + 5 * MILLISECOND)
-    assert told == [1000, 7, 8, 1000]
+    assert reported == [1000, 7, 8, 1000]
     assert isinstance(reading.found[Address(0x5555)], RefusedError)
     assert not client.finished
 
@@ -33,7 +33,7 @@ def test_each_change_is_told_once_and_within_a_period() -> None:
 def test_it_asks_no_more_often_than_it_is_told_to() -> None:
     rig, asked = Rig(), []
     rig.bus.observe(lambda now, sender, _packet: asked.append(now) if sender == "client" else None)
-    client = Client(CanLink(NEAR), Reading([at.PROFILE_VELOCITY]).again_and_again(PERIOD, lambda: None))
+    client = JobClient(CanAccess(NEAR), Reading([at.PROFILE_VELOCITY]).again_and_again(PERIOD, lambda: None))
     rig.world.attach("client", client, {CAN: rig.bus})
     rig.waits(SECOND + 50 * MILLISECOND)
     assert 10 <= len(asked) <= 11
@@ -42,7 +42,7 @@ def test_it_asks_no_more_often_than_it_is_told_to() -> None:
 
 def test_a_drive_that_falls_silent_ends_it() -> None:
     rig = Rig()
-    client = Client(CanLink(9), Reading([at.PROFILE_VELOCITY]).again_and_again(PERIOD, lambda: None))
+    client = JobClient(CanAccess(9), Reading([at.PROFILE_VELOCITY]).again_and_again(PERIOD, lambda: None))
     rig.world.attach("client", client, {CAN: rig.bus})
     rig.waits(SECOND)
     assert client.finished
@@ -52,6 +52,6 @@ def test_a_drive_that_falls_silent_ends_it() -> None:
 def test_the_mode_is_read_for_words_that_need_it_and_only_then() -> None:
     for addresses, mode in (((at.STATUSWORD,), True), ((at.PROFILE_VELOCITY,), False)):
         rig, reading = Rig(), Reading(addresses)
-        rig.does(CanLink(NEAR), reading.once())
+        rig.does(CanAccess(NEAR), reading.once())
         assert (at.MODE_DISPLAY in reading.found) is mode
         assert reading.addresses == addresses

@@ -14,10 +14,10 @@ from canopen.objectdictionary import ODVariable
 from typer.testing import CliRunner
 
 from emulators.documents.eds import dcf, eds
-from emulators.documents.objects import as_json, entries
-from emulators.documents.reader import SilentNodeError, read_all
-from emulators.epos2.catalogue import PROFILES
-from emulators.epos2.profile import EPOS2_70_10
+from emulators.documents.object_reader import SilentNodeError, read_all
+from emulators.documents.object_table import as_json, entries
+from emulators.epos2.objects.catalogue import PROFILES
+from emulators.epos2.objects.device_profile import EPOS2_70_10
 from firmware_bridge.cli import attach_commands, program
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet

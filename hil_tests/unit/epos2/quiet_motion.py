@@ -4,9 +4,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from emulators.epos2.drive import Epos2
-from emulators.epos2.memory import Storage
-from emulators.epos2.profile import EPOS2_70_10, DeviceProfile
-from emulators.epos2.store import ObjectStore
+from emulators.epos2.objects.device_profile import EPOS2_70_10, DeviceProfile
+from emulators.epos2.objects.saved_parameters import Storage
+from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet

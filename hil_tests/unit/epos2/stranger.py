@@ -9,8 +9,8 @@ from typing import Final
 
 import numpy as np
 
+from emulators.epos2.control.motion_control import MotionControl
 from emulators.epos2.drive import Epos2
-from emulators.epos2.motion import MotionControl
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank
 from emulators.servo.motor import DcMotors

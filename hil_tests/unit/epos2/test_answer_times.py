@@ -6,7 +6,7 @@ Source: EPOS2 Application Notes Collection, April 2013, p. 168: times of one rea
 import pytest
 
 from emulators.epos2.drive import Epos2
-from emulators.epos2.profile import BIT_RATES, EPOS2_70_10, DeviceProfile, realistic
+from emulators.epos2.objects.device_profile import BIT_RATES, EPOS2_70_10, DeviceProfile, realistic
 from emulators.servo.axis import ServoAxis
 from emulators.wires import CanWire
 from emulators.world import World

@@ -4,8 +4,8 @@ from typing import Final
 
 import pytest
 
+from emulators.epos2.canopen.emergency_producer import HISTORY
 from emulators.epos2.drive import Epos2
-from emulators.epos2.emergency import HISTORY
 from emulators.servo.axis import ServoAxis
 from emulators.wires.confinement import Condition
 from emulators.wires.disturbed import Disturbance, DisturbedCanWire

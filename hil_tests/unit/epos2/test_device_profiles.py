@@ -2,9 +2,9 @@
 
 import pytest
 
-from emulators.epos2.catalogue import PROFILES
 from emulators.epos2.drive import Epos2
-from emulators.epos2.profile import DeviceProfile
+from emulators.epos2.objects.catalogue import PROFILES
+from emulators.epos2.objects.device_profile import DeviceProfile
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.wire.epos2.rows import Provenance
 from hil_tests.unit.epos2.quiet_motion import Desk, powered

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from emulators.epos2.profile import EPOS2_70_10
+from emulators.epos2.objects.device_profile import EPOS2_70_10
 from firmware_bridge.units import MILLISECOND, NEVER
 from hil_tests.unit.epos2.quiet_motion import Desk, powered
 

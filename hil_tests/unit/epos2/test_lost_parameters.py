@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import pytest
 
-from emulators.epos2.memory import StorageError
+from emulators.epos2.objects.saved_parameters import StorageError
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 from hil_tests.unit.epos2.quiet_motion import Desk

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from emulators.epos2.drive import Epos2
-from emulators.epos2.profile import EPOS2_70_10, choices
+from emulators.epos2.objects.device_profile import EPOS2_70_10, choices
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.units import MILLISECOND
 from firmware_bridge.wire.canopen import NmtState

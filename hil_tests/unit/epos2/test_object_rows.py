@@ -7,9 +7,9 @@ from functools import cache
 
 import pytest
 
-from emulators.epos2.pdo_settings import RECEIVE, TRANSMIT
-from emulators.epos2.rules import RULES, ValueRule
-from emulators.epos2.store import ObjectStore
+from emulators.epos2.canopen.pdo_settings import RECEIVE, TRANSMIT
+from emulators.epos2.control.value_ranges import RULES, ValueRule
+from emulators.epos2.objects.store import ObjectStore
 from firmware_bridge.wire.abort import AbortCode, SdoAbort
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from emulators.epos2.memory import StorageError
+from emulators.epos2.objects.saved_parameters import StorageError
 from emulators.storage import ParameterFile
 from firmware_bridge.wire.epos2.address import Address
 from hil_tests.unit.epos2.quiet_motion import Desk

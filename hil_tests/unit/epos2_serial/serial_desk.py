@@ -6,8 +6,8 @@ from dataclasses import replace
 import pytest
 
 from emulators.epos2.drive import Epos2
-from emulators.epos2.profile import EPOS2_70_10, DeviceProfile
-from emulators.epos2.serial.drive import SerialEpos2
+from emulators.epos2.objects.device_profile import EPOS2_70_10, DeviceProfile
+from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.servo.axis import ServoAxis
 from emulators.wires import CanWire, SerialWire, usb_line
 from emulators.world import World

@@ -2,7 +2,7 @@
 
 import pytest
 
-from emulators.epos2.memory import SAVE
+from emulators.epos2.objects.saved_parameters import SAVE
 from firmware_bridge.units import MILLISECOND
 from firmware_bridge.wire.abort import AbortCode
 from firmware_bridge.wire.canopen import NmtState

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from emulators.epos2.profile import EPOS2_70_10
+from emulators.epos2.objects.device_profile import EPOS2_70_10
 from emulators.wires import SerialWire
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, Nanoseconds

@@ -2,7 +2,7 @@
 
 import pytest
 
-from emulators.epos2.data_recorder import DataRecorder
+from emulators.epos2.io.data_recorder import DataRecorder
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank
 from emulators.servo.motor import DcMotor, DcMotors

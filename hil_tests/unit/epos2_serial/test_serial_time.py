@@ -2,9 +2,9 @@
 
 import pytest
 
-from emulators.epos2.memory import SAVE
-from emulators.epos2.serial.port import BAUDS
-from emulators.wires.bits import heard_as
+from emulators.epos2.objects.saved_parameters import SAVE
+from emulators.epos2.serial.serial_port import BAUDS
+from emulators.wires.serial import heard_as
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MICROSECOND, MILLISECOND, NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire.maxon.frame import Failure, Generation

@@ -8,8 +8,8 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, rule
 
-from emulators.epos2.profile import EPOS2_70_10
-from emulators.epos2.serial.drive import SerialEpos2
+from emulators.epos2.objects.device_profile import EPOS2_70_10
+from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.packet import Packet, Reaction
@@ -20,7 +20,7 @@ from firmware_bridge.wire.epos2.objects import OBJECTS
 from firmware_bridge.wire.maxon import messages
 from firmware_bridge.wire.maxon.frame import Frame, Generation, encode_v1, encode_v2
 from firmware_bridge.wire.maxon.opcodes import COMMANDS, encode_request
-from firmware_bridge.wire.maxon.v2 import Reader
+from firmware_bridge.wire.maxon.v2 import FrameReader
 
 NODE = 5
 LONGEST = 500
@@ -145,7 +145,7 @@ class StrangeHost(RuleBasedStateMachine):
     def _check_words(self, said: bytes) -> None:
         """Whatever the drive says on USB is made of whole good frames."""
         if self.generation is Generation.V2:
-            reader = Reader()
+            reader = FrameReader()
             found = [frame for byte in said if (frame := reader.take(byte)) is not None]
             assert all(isinstance(frame, Frame) and frame.opcode == 0 for frame in found)
             assert b"".join(encode_v2(frame) for frame in found if isinstance(frame, Frame)) == said

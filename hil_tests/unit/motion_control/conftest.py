@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 
 import pytest
 
-from emulators.epos2.motion import MotionControl
-from emulators.epos2.power import Delays
-from emulators.epos2.store import ObjectStore
+from emulators.epos2.control.motion_control import MotionControl
+from emulators.epos2.control.power_states import Delays
+from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank
 from emulators.servo.motor import DcMotor, DcMotors

@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from emulators.epos2.data_recorder import RECORDABLE
-from emulators.epos2.parameters import ACTUAL_VALUES
+from emulators.epos2.io.data_recorder import RECORDABLE
+from emulators.epos2.objects.axis_parameters import ACTUAL_VALUES
 from emulators.rewind import Rewind
 from emulators.servo.record import Record
 from firmware_bridge.wire.abort import AbortCode, SdoAbort

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from emulators.epos2 import rules
+from emulators.epos2.control import value_ranges
 from firmware_bridge.wire.abort import AbortCode, SdoAbort
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at
@@ -62,7 +62,7 @@ def test_another_pin_may_have_the_function(drive: "Drive") -> None:
 
 @pytest.mark.parametrize("address", [*INPUT_PINS, *OUTPUT_PINS], ids=str)
 def test_there_are_no_other_functions(drive: "Drive", address: at.Address) -> None:
-    rules.keep(drive.store)
+    value_ranges.keep(drive.store)
     for value in (16, 0xFFFF, *((3, 7) if address in OUTPUT_PINS else ())):
         with pytest.raises(SdoAbort) as refusal:
             drive.write(address, value)

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from emulators.epos2.modes.digital_position import DENOMINATOR, NUMERATOR, OFFSET, POLARITY
-from emulators.epos2.parameters import DIGITAL_POSITION
+from emulators.epos2.objects.axis_parameters import DIGITAL_POSITION
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.functions import INPUT_EXECUTION

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from emulators.epos2.holding_brake import FALL_TIME, RISE_TIME, STANDSTILL_TIMEOUT, TIMEOUT
+from emulators.epos2.io.holding_brake import FALL_TIME, RISE_TIME, STANDSTILL_TIMEOUT, TIMEOUT
 from emulators.servo.pins import BRAKE_CLOSED
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from emulators.epos2.power import TRANSITIONS, Delays
+from emulators.epos2.control.power_states import TRANSITIONS, Delays
 from firmware_bridge.units import MILLISECOND
 from firmware_bridge.wire.cia402 import State, state_of
 from firmware_bridge.wire.epos2 import address as at

@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from emulators.epos2.motion import MotionControl
-from emulators.epos2.store import ObjectStore
+from emulators.epos2.control.motion_control import MotionControl
+from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, plant_inputs, plant_outputs
 from firmware_bridge.robot import Axis, Mode, find

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from emulators.epos2 import rules
+from emulators.epos2.control import value_ranges
 from firmware_bridge.wire.abort import AbortCode, SdoAbort
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at
@@ -160,7 +160,7 @@ def test_unlisted_modes_are_refused(drive: "Drive", mode: int) -> None:
 
 @pytest.mark.parametrize("shape", [-1, 2, 3])
 def test_profile_types_but_trapezoid_and_sinusoid_are_refused(drive: "Drive", shape: int) -> None:
-    rules.keep(drive.store)
+    value_ranges.keep(drive.store)
     drive.write(at.MOTION_PROFILE_TYPE, 1)
     with pytest.raises(SdoAbort) as refused:
         drive.write(at.MOTION_PROFILE_TYPE, shape)

@@ -14,11 +14,11 @@ from typing import Any, Final
 
 import numpy as np
 
-from emulators.rewind import Outside, Rewind
+from emulators.rewind import External, Rewind
 from fmu.plant import FmuPlant
 
 _SCALARS: Final = (int, str, bytes, bytearray, array, bool, type(None), complex, np.generic)
-_SAME_FOR_ALL: Final = (type, ModuleType, ctypes.CDLL, Outside, Rewind)
+_SAME_FOR_ALL: Final = (type, ModuleType, ctypes.CDLL, External, Rewind)
 _Hash: Final = type(hashlib.sha256())
 
 

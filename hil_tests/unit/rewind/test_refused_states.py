@@ -6,14 +6,14 @@ from typing import Any
 
 import pytest
 
-from emulators.rewind import Apart, Outside, Rewind, RewindError
+from emulators.rewind import External, NotCaptured, Rewind, RewindError
 from hil_tests.unit.rewind.boxes import Box, Frozen
 from hil_tests.unit.rewind.digest import digest
 
 
 def test_what_is_outside_is_left_alone(tmp_path: Path) -> None:
     with (tmp_path / "log").open("w") as file:
-        box = Box(number=1, observers=Outside([file.write]))
+        box = Box(number=1, observers=External([file.write]))
         rewind = Rewind(box)
         moment = rewind.snapshot()
         box.observers.append(print)
@@ -23,7 +23,7 @@ def test_what_is_outside_is_left_alone(tmp_path: Path) -> None:
         assert len(box.observers) == 2
 
 
-class Hidden(Apart):
+class Hidden(NotCaptured):
     """Stands for a class whose state is forgotten."""
 
     def __init__(self) -> None:

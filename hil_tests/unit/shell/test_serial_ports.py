@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import serial
 
-from emulators.epos2.serial.drive import SerialEpos2
+from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.gateway import Cluster
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.node import SERIAL

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from emulators.epos2.catalogue import PROFILES
+from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2_cli import numbers
 from emulators.single import Order, drives
 from emulators.wires import CanWire

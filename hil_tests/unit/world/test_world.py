@@ -187,6 +187,25 @@ def test_the_trace_is_the_sum_of_its_lines() -> None:
     assert world.trace_sha256 == hashlib.sha256(lines).hexdigest()
 
 
+def test_each_wire_has_a_hash_of_its_own_and_observers_see_the_lines() -> None:
+    world, bus, link = World(), CanWire(1_000_000, name="bus"), DatagramWire(name="air")
+    other = Packet("operator", 0, b"\x01")
+    world.attach("bridge", Player((0, frame(0x080)), (SECOND, other)), {"can": bus, "operator": link})
+    world.attach("drive", Player(), {"can": bus})
+    seen: list[bytes] = []
+    world.observe(seen.append)
+    assert world.links_sha256 == {}
+    moment = world.snapshot()
+    world.run(SECOND)
+    assert seen == [b"48000 bus bridge 00000080 \n", b"1000000000 air bridge 00000000 01\n"]
+    whole = {"air": hashlib.sha256(seen[1]).hexdigest(), "bus": hashlib.sha256(seen[0]).hexdigest()}
+    assert world.links_sha256 == whole
+    world.restore(moment)
+    assert world.links_sha256 == {}
+    world.run(SECOND)
+    assert world.links_sha256 == whole
+
+
 Story = list[tuple[int, int, int, bytes]]
 stories = st.lists(
     st.tuples(

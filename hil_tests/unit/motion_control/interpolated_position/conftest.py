@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from emulators.epos2.interpolation import BUFFER_CLEAR, BUFFER_STATUS, DATA_RECORD
-from emulators.epos2.profile import BUFFER_SIZE
+from emulators.epos2.modes.interpolation_buffer import BUFFER_CLEAR, BUFFER_STATUS, DATA_RECORD
+from emulators.epos2.objects.device_profile import BUFFER_SIZE
 from firmware_bridge.wire.epos2.pvt import PvtRecord
 
 if TYPE_CHECKING:

@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from emulators.epos2.interpolation import BUFFER_CLEAR, OVERFLOW_LEVEL, UNDERFLOW_LEVEL
-from emulators.epos2.profile import BUFFER_FREE, BUFFER_SIZE
+from emulators.epos2.modes.interpolation_buffer import BUFFER_CLEAR, OVERFLOW_LEVEL, UNDERFLOW_LEVEL
+from emulators.epos2.objects.device_profile import BUFFER_FREE, BUFFER_SIZE
 from firmware_bridge.wire.abort import AbortCode, SdoAbort
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from emulators.epos2.profile import BUFFER_FREE
+from emulators.epos2.objects.device_profile import BUFFER_FREE
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.functions import INPUT_EXECUTION
 from hil_tests.unit.motion_control.interpolated_position.conftest import (

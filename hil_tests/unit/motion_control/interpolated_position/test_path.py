@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from emulators.epos2.interpolation import BUFFER_POSITION
-from emulators.epos2.profile import BUFFER_FREE
+from emulators.epos2.modes.interpolation_buffer import BUFFER_POSITION
+from emulators.epos2.objects.device_profile import BUFFER_FREE
 from emulators.servo.scaling import speed_units
 from emulators.servo.spline_plan import Knot, segment
 from firmware_bridge.wire.cia402 import State

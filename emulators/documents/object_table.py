@@ -1,0 +1,123 @@
+"""The object dictionary of one type of drive as a table: for people, as JSON, as a page."""
+
+import json
+from dataclasses import dataclass, replace
+from typing import Final
+
+from emulators.epos2.objects.device_profile import DeviceProfile
+from emulators.epos2.objects.saved_parameters import is_parameter
+from firmware_bridge.wire.epos2.objects import OBJECTS
+from firmware_bridge.wire.epos2.rows import DataType, ObjectRow
+
+HEADINGS: Final = (
+    "object",
+    "name",
+    "type",
+    "access",
+    "PDO",
+    "default",
+    "min",
+    "max",
+    "unit",
+    "kept",
+    "known",
+    "default known",
+)
+_WIDE: Final = frozenset({DataType.UNSIGNED32, DataType.UNSIGNED64})
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectEntry:
+    """One object as this type of drive has it."""
+
+    row: ObjectRow
+    default: int | bytes
+    low: int | None
+    high: int | None
+
+    @property
+    def pdo(self) -> str:
+        """Which PDOs may carry it."""
+        if self.row.transmittable:
+            return "transmit"
+        return "receive" if self.row.receivable else "no"
+
+    @property
+    def default_text(self) -> str:
+        """The default for people."""
+        if isinstance(self.default, bytes):
+            return self.default.decode("ascii")
+        if self.row.node_added:
+            base = self.row.default
+            return f"{base:#x} + node" if isinstance(base, int) and base else "node"
+        wide = self.row.type in _WIDE and self.default > 0xFFFF and not self.row.unit  # noqa: PLR2004
+        return f"{self.default:#010x}" if wide else str(self.default)
+
+    def cells(self) -> tuple[str, ...]:
+        """Return the texts of one line, as `HEADINGS` names them."""
+        row = self.row
+        bounds = ("" if bound is None else str(bound) for bound in (self.low, self.high))
+        return (
+            str(row.address),
+            row.name,
+            row.type.name,
+            row.access.value,
+            self.pdo,
+            self.default_text,
+            *bounds,
+            row.unit,
+            "yes" if is_parameter(row) else "no",
+            row.provenance.value,
+            row.default_provenance.value,
+        )
+
+
+def entries(profile: DeviceProfile, node: int = 1) -> tuple[ObjectEntry, ...]:
+    """Return every object of such a drive with this number, in the order of the addresses."""
+    differing, bounds = profile.differing(node), profile.bounds()
+    made = []
+    for address, row in OBJECTS.items():
+        low, high = bounds.get(address, (row.minimum, row.maximum))
+        default = differing.get(address, row.default_for(node))
+        made.append(ObjectEntry(_marked(row, profile), default, low, high))
+    return tuple(made)
+
+
+def _marked(row: ObjectRow, profile: DeviceProfile) -> ObjectRow:
+    """Return the row with what the type says of its own figures."""
+    name = profile.field_of(row.address)
+    if name is None:
+        return row
+    known = profile.known(name)
+    row = replace(row, default_provenance=known.provenance, default_source=known.source)
+    if row.address in profile.bounds():
+        return replace(row, provenance=known.provenance, source=known.source)
+    return row
+
+
+def as_json(profile: DeviceProfile, node: int = 1) -> str:
+    """Return the table as JSON; numbers are numbers, a range that is the type's own is null."""
+    return json.dumps([_as_record(entry) for entry in entries(profile, node)], indent=1)
+
+
+def _as_record(entry: ObjectEntry) -> dict[str, object]:
+    row = entry.row
+    default = entry.default.decode("ascii") if isinstance(entry.default, bytes) else entry.default
+    return {
+        "index": row.address.index,
+        "subindex": row.address.subindex,
+        "name": row.name,
+        "type": row.type.name,
+        "access": row.access.value,
+        "pdo": entry.pdo,
+        "default": default,
+        "min": entry.low,
+        "max": entry.high,
+        "unit": row.unit,
+        "persistent": is_parameter(row),
+        "provenance": row.provenance.value,
+        "source": row.source,
+        "default_provenance": row.default_provenance.value,
+        "default_source": row.default_source,
+        "note": row.note,
+    }

@@ -1,0 +1,52 @@
+"""The power machine drawn from its table: a diagram in Mermaid's words, and the table itself."""
+
+from typing import Final
+
+from emulators.epos2.control.power_states import TRANSITIONS, Happening, RampOption, Stage, Transition
+from firmware_bridge.wire.cia402 import Command, State
+
+HEADINGS: Final = ("no.", "from", "on", "to", "power stage", "slow-down asked by")
+_FAULT: Final = 13
+
+
+def title(state: State) -> str:
+    """Return a state's name for people."""
+    return state.name.replace("_", " ").capitalize()
+
+
+def trigger(row: Transition) -> str:
+    """Return what moves the machine, for people."""
+    if isinstance(row.trigger, Happening):
+        return row.trigger.value
+    name = {Command.DISABLE_OPERATION: "switch on, or disable operation"}.get(row.trigger)
+    return name or row.trigger.name.replace("_", " ").lower()
+
+
+def cells(row: Transition) -> tuple[str, ...]:
+    """Return the texts of one line, as `HEADINGS` names them."""
+    goes_on = ", then once more from there" if row.goes_on else ""
+    ramp = "" if row.ramp is RampOption.NONE else f"{row.ramp.value} = 1"
+    stage = "" if row.stage is Stage.KEEP else row.stage.value
+    return (str(row.number), title(row.source), trigger(row), title(row.target) + goes_on, stage, ramp)
+
+
+def diagram() -> str:
+    """Return the machine as a Mermaid state diagram.
+
+    Transition 13 leads from every state before Operation enabled to one; it is drawn once, from their group.
+    """
+    before = {row.source: None for row in TRANSITIONS if row.number == _FAULT}
+    lines = ["stateDiagram-v2", "    direction TB"]
+    lines += [f'    state "{title(state)}<br/>0x{state.value:04X}" as {state.name}' for state in State]
+    lines += ["    [*] --> START : 19 node reset", "    state not_enabled {"]
+    lines += [f"        {state.name}" for state in before]
+    lines += ["    }", f"    not_enabled --> {State.FAULT_REACTION_DISABLED.name} : {_FAULT} fault"]
+    merged: dict[tuple[State, State], list[str]] = {}
+    for row in TRANSITIONS:
+        if row.number != _FAULT:
+            merged.setdefault((row.source, row.target), []).append(f"{row.number} {trigger(row)}")
+    lines += [
+        f"    {source.name} --> {target.name} : {' / '.join(labels)}"
+        for (source, target), labels in merged.items()
+    ]
+    return "\n".join(lines)

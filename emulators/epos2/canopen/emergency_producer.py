@@ -1,0 +1,104 @@
+"""Emergency producer: error register 0x1001, history 0x1003, the message itself.
+
+Sources: CiA 301 v4.02, emergency object; frames recorded from an EPOS2 (code, register, five zero bytes).
+"""
+
+from typing import Final
+
+from emulators.epos2.objects.store import ObjectStore
+from firmware_bridge.wire.abort import AbortCode, SdoAbort
+from firmware_bridge.wire.canopen import COB_ID_INVALID, COB_ID_MASK, SYNC, EmergencyMessage, encode_emergency
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.emergency import (
+    EMERGENCIES,
+    NO_ERROR,
+    FaultReaction,
+    Recovery,
+    RegisterBit,
+)
+
+DEPTH: Final = 5
+HISTORY: Final = tuple(Address(0x1003, place) for place in range(1, DEPTH + 1))
+_FORBIDDEN: Final = (
+    range(SYNC + 1),
+    range(0x101, 0x181),
+    range(0x581, 0x600),
+    range(0x601, 0x680),
+    range(0x6E0, 0x800),
+)
+"""Identifiers that CiA 301 keeps for other services, and that of SYNC."""
+
+
+class EmergencyProducer:
+    """Keeps the errors of one drive and writes its emergency messages."""
+
+    def __init__(self, store: ObjectStore, *, tells_cured: bool) -> None:
+        self._store = store
+        self._tells_cured = tells_cured
+        self._standing: tuple[int, ...] = ()
+        store.on_write(at.ERROR_HISTORY_COUNT, self._clear_history)
+        store.on_write(at.COB_ID_EMERGENCY, self._check_cob_id)
+
+    @property
+    def cob_id(self) -> int | None:
+        """Return the identifier of the message; None while 0x1014 switches it off."""
+        word = self._store.get(at.COB_ID_EMERGENCY)
+        return None if word & COB_ID_INVALID else word & COB_ID_MASK
+
+    def reset(self) -> None:
+        """Begin as after power-on: no errors, no history."""
+        self._standing = ()
+        self._publish()
+        self._store.set(at.ERROR_HISTORY_COUNT, 0)
+        for address in HISTORY:
+            self._store.set(address, 0)
+
+    def communication_reset(self) -> None:
+        """Forget the errors that reset communication cures, and those that had no effect on the motor."""
+        self._standing = tuple(code for code in self._standing if not _cured_by_reset(code))
+        self._publish()
+
+    def message(self, code: int) -> bytes | None:
+        """Note an error, or with code 0 the end of all; return the message, None where none is sent."""
+        if code == NO_ERROR:
+            self._standing = ()
+            self._publish()
+            return encode_emergency(EmergencyMessage(code, 0)) if self._tells_cured else None
+        if code not in self._standing:
+            self._standing = (*self._standing, code)
+        self._publish()
+        self._remember(code)
+        return encode_emergency(EmergencyMessage(code, self._store.get(at.ERROR_REGISTER)))
+
+    def _publish(self) -> None:
+        register = 0
+        for code in self._standing:
+            row = EMERGENCIES.get(code)
+            register |= RegisterBit.GENERIC if row is None else row.register
+        self._store.set(at.ERROR_REGISTER, register)
+
+    def _remember(self, code: int) -> None:
+        store = self._store
+        older = [store.get(address) for address in HISTORY[:-1]]
+        for address, value in zip(HISTORY, (code, *older), strict=True):
+            store.set(address, value)
+        store.set(at.ERROR_HISTORY_COUNT, min(store.get(at.ERROR_HISTORY_COUNT) + 1, DEPTH))
+
+    def _clear_history(self, value: int) -> None:
+        if value != 0:
+            raise SdoAbort(AbortCode.RANGE, at.ERROR_HISTORY_COUNT)
+        for address in HISTORY:
+            self._store.set(address, 0)
+
+    def _check_cob_id(self, word: int) -> None:
+        number = word & ~COB_ID_INVALID
+        if number > COB_ID_MASK or any(number in each for each in _FORBIDDEN):
+            raise SdoAbort(AbortCode.RANGE, at.COB_ID_EMERGENCY)
+
+
+def _cured_by_reset(code: int) -> bool:
+    row = EMERGENCIES.get(code)
+    return row is not None and (
+        row.recovery is Recovery.RESET_COMMUNICATION or row.reaction is FaultReaction.NONE
+    )

@@ -1,0 +1,190 @@
+"""Error control: heartbeat producer, two heartbeat consumers, node guarding.
+
+Sources: CiA 301 v4.02, error control; EPOS2 Application Notes, p. 158; EPOS Firmware Specification, by
+analogy. Where they are silent: the first heartbeat leaves as soon as the period is written; a boot-up
+message is no heartbeat; a watch that ended in silence begins anew with the next heartbeat.
+"""
+
+from functools import partial
+from typing import Final
+
+from emulators.epos2.objects.store import ObjectStore
+from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
+from firmware_bridge.wire.abort import AbortCode, SdoAbort
+from firmware_bridge.wire.canopen import LAST_NODE, TOGGLE, NmtState, decode_heartbeat
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.address import Address
+
+GUARD_TIME: Final = Address(0x100C)
+LIFE_TIME_FACTOR: Final = Address(0x100D)
+CONSUMERS: Final = (at.CONSUMER_HEARTBEAT_1, at.CONSUMER_HEARTBEAT_2)
+TIME_MASK: Final = 0xFFFF
+
+
+class Producer:
+    """Says at equal intervals that the drive lives."""
+
+    __slots__ = ("_flip", "_period", "_toggles", "due")
+
+    def __init__(self, *, toggles: bool) -> None:
+        self._toggles = toggles
+        self._flip = 0
+        self._period: Nanoseconds = 0
+        self.due: Nanoseconds = NEVER
+
+    @property
+    def active(self) -> bool:
+        """Whether heartbeats are produced; node guarding rests meanwhile."""
+        return self._period > 0
+
+    def configure(self, period_ms: int) -> None:
+        """Take 0x1017; the first heartbeat is due at once."""
+        self._period = period_ms * MILLISECOND
+        self.due = 0 if period_ms else NEVER
+
+    def begin(self, now: Nanoseconds) -> None:
+        """Start to count at the boot-up message."""
+        self._flip = 0
+        self.due = now + self._period if self._period else NEVER
+
+    def produce(self, state: NmtState, now: Nanoseconds) -> bytes:
+        """Return the payload that is due, and move on to the next instant of the same grid."""
+        since = now - self.due if self.due else 0
+        self.due = now - since % self._period + self._period
+        word = state | self._flip
+        if self._toggles:
+            self._flip ^= TOGGLE
+        return bytes((word,))
+
+
+class Consumer:
+    """Watches the heartbeat of one other node."""
+
+    __slots__ = ("_time", "due", "node")
+
+    def __init__(self) -> None:
+        self.node = 0
+        self._time: Nanoseconds = 0
+        self.due: Nanoseconds = NEVER
+
+    def configure(self, word: int) -> None:
+        """Take 0x1016: node << 16 | time in ms; without either nothing is watched."""
+        time_ms = word & TIME_MASK
+        self.node = word >> 16 & 0x7F if time_ms else 0
+        self._time = time_ms * MILLISECOND
+        self.due = NEVER
+
+    def hear(self, payload: bytes, now: Nanoseconds) -> None:
+        """Take a heartbeat; the first one starts the watch."""
+        if decode_heartbeat(payload) not in (None, NmtState.BOOT_UP):
+            self.due = now + self._time
+
+
+class Guard:
+    """Answers the master's guarding requests, and watches that they come."""
+
+    __slots__ = ("_flip", "_life", "due")
+
+    def __init__(self) -> None:
+        self._flip = 0
+        self._life: Nanoseconds = 0
+        self.due: Nanoseconds = NEVER
+
+    def configure(self, guard_time_ms: int, factor: int) -> None:
+        """Take 0x100C and 0x100D; the watch starts with the next request."""
+        self._life = guard_time_ms * factor * MILLISECOND
+        self.due = NEVER
+
+    def begin(self) -> None:
+        """Start with toggle 0 after a reset."""
+        self._flip = 0
+        self.due = NEVER
+
+    def answer(self, state: NmtState, now: Nanoseconds) -> bytes:
+        """Return the state with the toggle bit."""
+        word = state | self._flip
+        self._flip ^= TOGGLE
+        if self._life:
+            self.due = now + self._life
+        return bytes((word,))
+
+
+class ErrorControl:
+    """All of it, tied to its objects."""
+
+    def __init__(self, store: ObjectStore, *, toggles: bool) -> None:
+        self._store = store
+        self.producer = Producer(toggles=toggles)
+        self.guard = Guard()
+        self.consumers = (Consumer(), Consumer())
+        self._touched = False
+        store.on_write(at.PRODUCER_HEARTBEAT, self._take_period)
+        store.on_write(GUARD_TIME, lambda value: self.guard.configure(value, store.get(LIFE_TIME_FACTOR)))
+        store.on_write(LIFE_TIME_FACTOR, lambda value: self.guard.configure(store.get(GUARD_TIME), value))
+        for place in range(len(CONSUMERS)):
+            store.on_write(CONSUMERS[place], partial(self._take_consumer, place))
+
+    def begin(self, now: Nanoseconds) -> None:
+        """Start anew after boot-up with what the objects hold."""
+        store = self._store
+        self.producer.configure(store.get(at.PRODUCER_HEARTBEAT))
+        self.producer.begin(now)
+        self.guard.configure(store.get(GUARD_TIME), store.get(LIFE_TIME_FACTOR))
+        self.guard.begin()
+        for consumer, address in zip(self.consumers, CONSUMERS, strict=True):
+            consumer.configure(store.get(address))
+        self._touched = True
+
+    def rest(self) -> None:
+        """Fall silent until the next boot-up."""
+        for each in (self.producer, self.guard, *self.consumers):
+            each.due = NEVER
+
+    @property
+    def due(self) -> Nanoseconds:
+        """Return the next instant at which something is due."""
+        due = min(self.producer.due, self.guard.due)
+        for consumer in self.consumers:
+            due = min(due, consumer.due)
+        return due
+
+    @property
+    def watched(self) -> frozenset[int]:
+        """Return the nodes whose heartbeats count."""
+        return frozenset(consumer.node for consumer in self.consumers if consumer.node)
+
+    def renew(self) -> bool:
+        """Return whether `watched` may have changed since the last question."""
+        touched, self._touched = self._touched, False
+        return touched
+
+    def hear(self, node: int, payload: bytes, now: Nanoseconds) -> None:
+        """Take another node's heartbeat."""
+        for consumer in self.consumers:
+            if consumer.node == node:
+                consumer.hear(payload, now)
+
+    def lost(self, now: Nanoseconds) -> bool:
+        """Whether a watch has just ended in silence; each silence is reported once."""
+        if self.due > now:
+            return False
+        silent = [watch for watch in (*self.consumers, self.guard) if watch.due <= now]
+        for watch in silent:
+            watch.due = NEVER
+        return bool(silent)
+
+    def _take_period(self, period_ms: int) -> None:
+        self.producer.configure(period_ms)
+        if self.producer.active:
+            # Heartbeat has priority: guarding is disabled with it.
+            self.guard.begin()
+
+    def _take_consumer(self, place: int, word: int) -> None:
+        address, other = CONSUMERS[place], CONSUMERS[1 - place]
+        node, elsewhere = word >> 16, self._store.get(other)
+        if node > LAST_NODE:
+            raise SdoAbort(AbortCode.RANGE, address)
+        if node and word & TIME_MASK and elsewhere & TIME_MASK and node == elsewhere >> 16:
+            raise SdoAbort(AbortCode.PARAMETER_CLASH, address)
+        self.consumers[place].configure(word)
+        self._touched = True

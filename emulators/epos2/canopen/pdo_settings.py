@@ -1,0 +1,173 @@
+"""The objects that shape one PDO, and what may be written to them when.
+
+Sources: EPOS Firmware Specification (by analogy) and EDS: a mapping changes only in Pre-Operational, with the
+PDO invalid and the number of entries 0; entries have the mapped object's own length; COB-IDs 0x181 to 0x57F.
+Where they are silent: COB-ID, transmission type and inhibit time may change in any state that has SDO; an
+invalid PDO or a number of entries that is not 0 refuses a new entry with 0x06010000.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Final
+
+from emulators.epos2.objects.store import Cell, ObjectStore
+from firmware_bridge.units import MICROSECOND, Nanoseconds
+from firmware_bridge.wire.abort import AbortCode, SdoAbort
+from firmware_bridge.wire.canopen import COB_ID_INVALID, COB_ID_MASK, COB_ID_NO_REMOTE, NmtState
+from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.objects import OBJECTS
+from firmware_bridge.wire.epos2.objects_pdo import (
+    RECEIVE_MAPPING,
+    RECEIVE_PARAMETER,
+    TRANSMIT_MAPPING,
+    TRANSMIT_PARAMETER,
+)
+from firmware_bridge.wire.epos2.rows import ObjectRow
+from firmware_bridge.wire.pdo import MAX_BITS, MAX_ENTRIES, Layout, MappingEntry
+
+SYNCHRONOUS: Final = 1
+ON_REQUEST: Final = 253
+ON_CHANGE: Final = 255
+FIRST_COB_ID: Final = 0x181
+LAST_COB_ID: Final = 0x57F
+INHIBIT_UNIT: Final[Nanoseconds] = 100 * MICROSECOND
+
+
+@dataclass(frozen=True, slots=True)
+class PdoDirection:
+    """What is common to the four PDOs of one direction."""
+
+    parameter: int
+    mapping: int
+    types: frozenset[int]
+    """Transmission types that the drive knows."""
+    carries: Callable[[ObjectRow], bool]
+    has_inhibit: bool
+
+
+RECEIVE: Final = PdoDirection(
+    RECEIVE_PARAMETER,
+    RECEIVE_MAPPING,
+    frozenset({SYNCHRONOUS, ON_CHANGE}),
+    lambda row: row.receivable,
+    has_inhibit=False,
+)
+TRANSMIT: Final = PdoDirection(
+    TRANSMIT_PARAMETER,
+    TRANSMIT_MAPPING,
+    frozenset({SYNCHRONOUS, ON_REQUEST, ON_CHANGE}),
+    lambda row: row.transmittable,
+    has_inhibit=True,
+)
+
+
+class PdoSettings:
+    """One PDO's communication and mapping objects."""
+
+    def __init__(
+        self,
+        store: ObjectStore,
+        direction: PdoDirection,
+        number: int,
+        state: Callable[[], NmtState],
+        touched: Callable[[], None],
+        *,
+        needs_invalid: bool,
+    ) -> None:
+        """Attach to the store; `number` counts from 0; `touched` is called before each change."""
+        self._store = store
+        self._direction = direction
+        self._state = state
+        self._touched = touched
+        self._needs_invalid = needs_invalid
+        self._cob_id = Address(direction.parameter + number, 1)
+        self._type = Address(direction.parameter + number, 2)
+        self._inhibit = Address(direction.parameter + number, 3)
+        self._count = Address(direction.mapping + number, 0)
+        self._entries = tuple(Address(direction.mapping + number, place + 1) for place in range(MAX_ENTRIES))
+        store.on_write(self._cob_id, self._take_cob_id)
+        store.on_write(self._type, self._take_type)
+        store.on_write(self._count, self._take_count)
+        for address in self._entries:
+            store.on_write(address, partial(self._take_entry, address))
+        if direction.has_inhibit:
+            store.on_write(self._inhibit, lambda _: touched())
+
+    # What the PDO is at present
+
+    @property
+    def valid(self) -> bool:
+        """Whether the PDO exists on the bus."""
+        return not self._store.get(self._cob_id) & COB_ID_INVALID
+
+    @property
+    def cob_id(self) -> int:
+        """The 11-bit identifier."""
+        return self._store.get(self._cob_id) & COB_ID_MASK
+
+    @property
+    def answers_remote(self) -> bool:
+        """Whether a remote request is answered."""
+        return not self._store.get(self._cob_id) & COB_ID_NO_REMOTE
+
+    @property
+    def transmission(self) -> int:
+        """The transmission type."""
+        return self._store.get(self._type)
+
+    @property
+    def inhibit(self) -> Nanoseconds:
+        """The least time between two messages."""
+        return self._store.get(self._inhibit) * INHIBIT_UNIT if self._direction.has_inhibit else 0
+
+    def cells(self) -> tuple[Cell, ...]:
+        """Return the mapped objects in their order."""
+        words = (self._store.get(address) for address in self._entries[: self._store.get(self._count)])
+        return tuple(self._store.cell(MappingEntry.decode(word).address) for word in words)
+
+    def layout(self) -> Layout:
+        """Return the layout of the mapped objects."""
+        return Layout(*((cell.row.address, cell.row.type) for cell in self.cells()))
+
+    # What may be written
+
+    def _take_cob_id(self, word: int) -> None:
+        number = word & ~(COB_ID_INVALID | COB_ID_NO_REMOTE)
+        absent = number == 0 and word & COB_ID_INVALID
+        if not absent and not FIRST_COB_ID <= number <= LAST_COB_ID:
+            raise SdoAbort(AbortCode.RANGE, self._cob_id)
+        self._touched()
+
+    def _take_type(self, transmission: int) -> None:
+        if transmission not in self._direction.types:
+            raise SdoAbort(AbortCode.RANGE, self._type)
+        self._touched()
+
+    def _check_mappable(self, address: Address) -> None:
+        if self._state() is not NmtState.PRE_OPERATIONAL:
+            raise SdoAbort(AbortCode.WRONG_NMT_STATE, address)
+        if self._needs_invalid and self.valid:
+            raise SdoAbort(AbortCode.UNSUPPORTED_ACCESS, address)
+
+    def _take_entry(self, address: Address, word: int) -> None:
+        self._check_mappable(address)
+        if self._store.get(self._count):
+            raise SdoAbort(AbortCode.UNSUPPORTED_ACCESS, address)
+        if word and not self._carries(word):
+            raise SdoAbort(AbortCode.NOT_MAPPABLE, address)
+        self._touched()
+
+    def _take_count(self, count: int) -> None:
+        self._check_mappable(self._count)
+        words = [self._store.get(address) for address in self._entries[:count]]
+        if not all(self._carries(word) for word in words):
+            raise SdoAbort(AbortCode.NOT_MAPPABLE, self._count)
+        if sum(MappingEntry.decode(word).bits for word in words) > MAX_BITS:
+            raise SdoAbort(AbortCode.PDO_LENGTH, self._count)
+        self._touched()
+
+    def _carries(self, word: int) -> bool:
+        entry = MappingEntry.decode(word)
+        row = OBJECTS.get(entry.address)
+        return row is not None and self._direction.carries(row) and entry.bits == row.type.bits

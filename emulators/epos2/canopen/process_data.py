@@ -1,0 +1,277 @@
+"""Process data of one drive: what its PDOs carry and when they leave, made ready once per change of settings.
+
+Source: CiA 301 v4.02, process data objects; the EPOS2 knows the transmission types 1, 253 and 255 (EPOS
+Firmware Specification, by analogy; type 253 and remote requests recorded from an EPOS2). Where they are
+silent: at a SYNC transmit PDOs are sampled before receive PDOs are taken over; a value that its object
+refuses is dropped and the PDO's other values count; a PDO without entries is silent; remote requests know no
+inhibit time.
+"""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Final, TypeAlias
+
+from emulators.epos2.canopen.pdo_settings import ON_CHANGE, RECEIVE, SYNCHRONOUS, TRANSMIT, PdoSettings
+from emulators.epos2.objects.device_profile import DeviceProfile
+from emulators.epos2.objects.store import ObjectStore
+from firmware_bridge.units import NEVER, Nanoseconds
+from firmware_bridge.wire.abort import SdoAbort
+from firmware_bridge.wire.can import REMOTE
+from firmware_bridge.wire.canopen import NmtState
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.objects_pdo import PDOS
+
+EVENT_DRIVEN: Final = frozenset({at.STATUSWORD, at.MODE_DISPLAY})
+"""Objects that change only when the drive is awake; every other one moves by itself."""
+
+
+class ReceivePdo:
+    """One valid receive PDO."""
+
+    __slots__ = ("_accepts", "_longest", "_pending", "_unpack", "address", "size", "synchronous")
+
+    def __init__(self, settings: PdoSettings, *, accepts_long: bool) -> None:
+        layout = settings.layout()
+        self.address = settings.cob_id
+        self.size = layout.size
+        self.synchronous = settings.transmission == SYNCHRONOUS
+        self._longest = 8 if accepts_long else layout.size
+        self._unpack = layout.unpack
+        self._accepts = tuple(cell.accept for cell in settings.cells())
+        self._pending: tuple[int, ...] = ()
+
+    def take(self, payload: bytes) -> None:
+        """Take a payload that is long enough; a synchronous PDO keeps it until the next SYNC."""
+        if len(payload) > self._longest:
+            return
+        values = self._unpack(payload)
+        if self.synchronous:
+            self._pending = values
+        else:
+            self._apply(values)
+
+    def sync(self) -> None:
+        """Take over what waits for SYNC."""
+        values, self._pending = self._pending, ()
+        if values:
+            self._apply(values)
+
+    def forget(self) -> None:
+        """Drop what waits for SYNC."""
+        self._pending = ()
+
+    def _apply(self, values: tuple[int, ...]) -> None:
+        for place, accept in enumerate(self._accepts):
+            try:
+                accept(values[place])
+            except SdoAbort:
+                continue
+
+
+class TransmitPdo:
+    """One valid transmit PDO with at least one entry."""
+
+    __slots__ = (
+        "_allowed",
+        "_inhibit",
+        "_known",
+        "_last",
+        "_moving",
+        "_pack",
+        "_poll",
+        "_reads",
+        "address",
+        "answers_remote",
+        "due",
+        "on_change",
+        "synchronous",
+    )
+
+    def __init__(self, settings: PdoSettings, poll: Nanoseconds) -> None:
+        cells = settings.cells()
+        self.address = settings.cob_id
+        self.answers_remote = settings.answers_remote
+        self.synchronous = settings.transmission == SYNCHRONOUS
+        self.on_change = settings.transmission == ON_CHANGE
+        self._inhibit = settings.inhibit
+        self._moving = any(cell.row.address not in EVENT_DRIVEN for cell in cells)
+        self._poll = max(poll, self._inhibit) if self._moving else NEVER
+        self._pack = settings.layout().pack
+        self._reads = tuple(cell.live for cell in cells)
+        self._last: bytes | None = None
+        self._known = -1
+        """The store's count of changes that the last look has seen, where nothing moves by itself."""
+        self._allowed: Nanoseconds = 0
+        self.due: Nanoseconds = NEVER
+
+    def payload(self) -> bytes:
+        """Return what the mapped objects hold now."""
+        return self._pack(*[read() for read in self._reads])
+
+    def begin(self, *, sends: bool) -> None:
+        """Enter Operational, with or without a first message."""
+        self._last = None if sends else self.payload()
+        self._known = -1
+        self._allowed = 0
+
+    def rest(self) -> None:
+        """Leave Operational."""
+        self.due = NEVER
+
+    def look(self, now: Nanoseconds, changes: int) -> bytes | None:
+        """Return the payload if it has changed and the inhibit time is over; `due`: when to look again.
+
+        `changes` is the store's count of them.
+        """
+        if changes == self._known and self.due == NEVER:
+            return None
+        if not self._moving:
+            self._known = changes
+        payload = self.payload()
+        if payload != self._last:
+            if now < self._allowed:
+                self.due = self._allowed
+                return None
+            self._last = payload
+            self._allowed = now + self._inhibit
+            self.due = NEVER if self._poll == NEVER else now + self._poll
+            return payload
+        self.due = NEVER if self._poll == NEVER else now + self._poll
+        return None
+
+    def requested(self) -> bytes:
+        """Return the payload for a remote request; a PDO on change has then sent it."""
+        self._last = self.payload()
+        return self._last
+
+
+FrameHandler: TypeAlias = Callable[[bytes, Nanoseconds], None]
+"""Takes a frame's payload, and when it came."""
+
+
+class ProcessData:
+    """What `PdoSettings` describe, made ready again whenever they were touched."""
+
+    def __init__(self, store: ObjectStore, profile: DeviceProfile, state: Callable[[], NmtState]) -> None:
+        self._store = store
+        self._profile = profile
+        self._state = state
+        self._touched: list[int] = []
+        self._receive: list[ReceivePdo | None] = [None] * PDOS
+        self._transmit: list[TransmitPdo | None] = [None] * PDOS
+        self._settings = tuple(
+            PdoSettings(
+                store,
+                direction,
+                number,
+                state,
+                self._toucher(PDOS * (direction is TRANSMIT) + number),
+                needs_invalid=profile.mapping_needs_invalid_pdo,
+            )
+            for direction in (RECEIVE, TRANSMIT)
+            for number in range(PDOS)
+        )
+        self.receive: tuple[ReceivePdo, ...] = ()
+        """Valid receive PDOs."""
+        self.transmit: tuple[TransmitPdo, ...] = ()
+        """Valid transmit PDOs that carry something."""
+        self.waits_for_sync = False
+        """Whether some receive PDO is taken over at SYNC."""
+        self._at_sync: tuple[TransmitPdo, ...] = ()
+        self._on_change: tuple[TransmitPdo, ...] = ()
+        self.touch_all()
+        self.renew()
+
+    def _toucher(self, place: int) -> Callable[[], None]:
+        return lambda: self._touched.append(place)
+
+    def touch_all(self) -> None:
+        """Have every PDO made ready anew: its objects changed without hooks."""
+        self._touched.extend(range(2 * PDOS))
+
+    def renew(self) -> bool:
+        """Make the touched PDOs ready; True when there were any."""
+        if not self._touched:
+            return False
+        for place in sorted(set(self._touched)):
+            settings = self._settings[place]
+            if place < PDOS:
+                self._receive[place] = self._receiver(settings)
+            else:
+                self._transmit[place - PDOS] = self._transmitter(settings)
+        self._touched.clear()
+        self.receive = tuple(pdo for pdo in self._receive if pdo)
+        self.transmit = tuple(pdo for pdo in self._transmit if pdo)
+        self.waits_for_sync = any(pdo.synchronous for pdo in self.receive)
+        self._at_sync = tuple(pdo for pdo in self.transmit if pdo.synchronous)
+        self._on_change = tuple(pdo for pdo in self.transmit if pdo.on_change)
+        return True
+
+    def _receiver(self, settings: PdoSettings) -> ReceivePdo | None:
+        if not settings.valid or not settings.cells():
+            return None
+        return ReceivePdo(settings, accepts_long=self._profile.accepts_long_pdo)
+
+    def _transmitter(self, settings: PdoSettings) -> TransmitPdo | None:
+        if not settings.valid or not settings.cells():
+            return None
+        pdo = TransmitPdo(settings, self._profile.poll)
+        if self._state() is NmtState.OPERATIONAL:
+            pdo.begin(sends=self._profile.sends_on_start)
+        return pdo
+
+    def routes(
+        self,
+        collision: FrameHandler,
+        request: Callable[[TransmitPdo, bytes, Nanoseconds], None],
+        received: Callable[[tuple[ReceivePdo, ...], bytes, Nanoseconds], None],
+    ) -> dict[int, FrameHandler]:
+        """Say which identifiers count in Operational, and who takes their frames; PDOs may share one."""
+        routes: dict[int, FrameHandler] = {}
+        for sent in self.transmit:
+            routes[sent.address] = collision
+            if sent.answers_remote:
+                routes[sent.address | REMOTE] = partial(request, sent)
+        for pdo in self.receive:
+            sharing = tuple(other for other in self.receive if other.address == pdo.address)
+            routes[pdo.address] = partial(received, sharing)
+        return routes
+
+    def begin(self) -> None:
+        """Enter Operational."""
+        self.renew()
+        for pdo in self.transmit:
+            pdo.begin(sends=self._profile.sends_on_start)
+
+    def rest(self) -> None:
+        """Leave Operational: nothing waits any longer."""
+        for received in self.receive:
+            received.forget()
+        for transmitted in self.transmit:
+            transmitted.rest()
+
+    def sync(self) -> list[tuple[int, bytes]]:
+        """Return what leaves at SYNC; then take over what waited for it."""
+        sent = [(pdo.address, pdo.payload()) for pdo in self._at_sync]
+        for pdo in self.receive:
+            if pdo.synchronous:
+                pdo.sync()
+        return sent
+
+    def changes(self, now: Nanoseconds) -> list[tuple[int, bytes]]:
+        """Return what has changed and may leave now."""
+        sent: list[tuple[int, bytes]] = []
+        changes = self._store.changes
+        for pdo in self._on_change:
+            payload = pdo.look(now, changes)
+            if payload is not None:
+                sent.append((pdo.address, payload))
+        return sent
+
+    @property
+    def due(self) -> Nanoseconds:
+        """Return when to look for changes again even if nothing happens."""
+        due = NEVER
+        for pdo in self._on_change:
+            due = min(due, pdo.due)
+        return due

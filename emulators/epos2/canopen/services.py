@@ -1,0 +1,168 @@
+"""The CANopen services of one drive: which identifiers count in a network state, and what their frames do.
+
+Source: CiA 301 v4.02. It refuses to know how the drive starts and by which command its state changes.
+"""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Final
+
+from emulators.epos2.canopen.bus_errors import REPORTS, emergencies_of
+from emulators.epos2.canopen.clock import HighResolutionClock
+from emulators.epos2.canopen.emergency_producer import EmergencyProducer
+from emulators.epos2.canopen.heartbeat import ErrorControl
+from emulators.epos2.canopen.identity import Identity
+from emulators.epos2.canopen.motion_protocol import MotionProtocol
+from emulators.epos2.canopen.nmt import SERVICES, Service
+from emulators.epos2.canopen.process_data import FrameHandler, ProcessData, ReceivePdo, TransmitPdo
+from emulators.epos2.canopen.sdo_server import SdoServer
+from emulators.epos2.canopen.transmit_queue import TransmitQueue
+from emulators.epos2.objects.device_profile import DeviceProfile
+from emulators.epos2.objects.store import ObjectStore
+from firmware_bridge.units import Nanoseconds
+from firmware_bridge.wire import canopen
+from firmware_bridge.wire.can import REMOTE
+from firmware_bridge.wire.canopen import NmtState
+from firmware_bridge.wire.epos2 import emergency
+
+
+class Services:
+    """SDO server, PDOs, SYNC, emergency and error control of one drive, with motion control behind them."""
+
+    def __init__(
+        self,
+        store: ObjectStore,
+        profile: DeviceProfile,
+        identity: Identity,
+        transmit: TransmitQueue,
+        *,
+        send: Callable[[int, bytes], None],
+        motion: Callable[[Callable[[int], None]], MotionProtocol],
+    ) -> None:
+        """`send` puts a frame on the bus; `motion` makes motion control that reports its errors here."""
+        self._identity = identity
+        self._transmit = transmit
+        self._send = send
+        self.state = NmtState.BOOT_UP
+        """The network state."""
+        self.emergency: Final = EmergencyProducer(store, tells_cured=profile.tells_cured)
+        self._sdo = SdoServer(store)
+        self._clock = HighResolutionClock(store)
+        self.errors: Final = ErrorControl(store, toggles=profile.heartbeat_toggles)
+        self.pdo: Final = ProcessData(store, profile, lambda: self.state)
+        self.motion: Final = motion(self._report)
+
+    @property
+    def due(self) -> Nanoseconds:
+        """When some service has to speak or to look, whatever the bus brings."""
+        return min(self.errors.due, self.pdo.due, self._transmit.answer_due)
+
+    def enter(self, state: NmtState) -> None:
+        """Let the services live that live in this state, and no others."""
+        before, self.state = self.state, state
+        if Service.SDO not in SERVICES[state]:
+            self._sdo.reset()
+            self._transmit.drop_answers()
+        self.motion.nmt_changed(state is NmtState.OPERATIONAL)
+        if before is not state:
+            if state is NmtState.OPERATIONAL:
+                self.pdo.begin()
+            else:
+                self.pdo.rest()
+
+    def begin(self, now: Nanoseconds) -> None:
+        """Say that the drive is there, and start error control with what the objects hold."""
+        self._send(canopen.ERROR_CONTROL + self._identity.node, canopen.encode_heartbeat(NmtState.BOOT_UP))
+        self.errors.begin(now)
+
+    def speak(self, now: Nanoseconds) -> bool:
+        """Send what is due or has changed; say whether other identifiers count from here on."""
+        errors, pdo, transmit = self.errors, self.pdo, self._transmit
+        if transmit.answer_due <= now:
+            for answer in transmit.released(now):
+                self._send(canopen.SDO_RESPONSE + self._identity.node, answer)
+        if errors.producer.due <= now:
+            heartbeat = errors.producer.produce(self.state, now)
+            self._send(canopen.ERROR_CONTROL + self._identity.node, heartbeat)
+        others = pdo.renew() | errors.renew()
+        if self.state is NmtState.OPERATIONAL:
+            for address, payload in pdo.changes(now):
+                self._send(address, payload)
+        return others
+
+    def routes(self) -> dict[int, FrameHandler]:
+        """Say which identifiers count in this state, and who takes their frames."""
+        services, node = SERVICES[self.state], self._identity.node
+        routes: dict[int, FrameHandler] = {}
+        if Service.PDO in services:
+            routes = self.pdo.routes(self._hear_collision, self._hear_request, self._hear_pdo)
+        if Service.ERROR_CONTROL in services:
+            routes[canopen.ERROR_CONTROL + node | REMOTE] = self._hear_guarding
+            for watched in sorted(self.errors.watched):
+                routes[canopen.ERROR_CONTROL + watched] = partial(self._hear_heartbeat, watched)
+        if Service.SYNC in services:
+            routes[canopen.SYNC] = self._hear_sync
+        if Service.SDO in services:
+            routes[canopen.SDO_REQUEST + node] = self._hear_sdo
+        return routes | {report: partial(self._hear_controller, report) for report in REPORTS}
+
+    # Service and process data
+
+    def _hear_sdo(self, payload: bytes, now: Nanoseconds) -> None:
+        answer = self._sdo.answer(payload)
+        if answer is not None:
+            self._transmit.answer(answer, now)
+        self.motion.refresh(now)
+
+    def _hear_pdo(self, sharing: tuple[ReceivePdo, ...], payload: bytes, now: Nanoseconds) -> None:
+        for pdo in sharing:
+            if len(payload) < pdo.size:
+                self.motion.communication_fault(emergency.PDO_TOO_SHORT)
+            else:
+                pdo.take(payload)
+        self.motion.refresh(now)
+
+    def _hear_sync(self, _payload: bytes, now: Nanoseconds) -> None:
+        self._clock.latch(now)
+        if self.state is NmtState.OPERATIONAL:
+            for address, payload in self.pdo.sync():
+                self._send(address, payload)
+            if self.pdo.waits_for_sync:
+                self.motion.refresh(now)
+
+    def _hear_request(self, pdo: TransmitPdo, _payload: bytes, _now: Nanoseconds) -> None:
+        # The answer has the PDO's own length whatever the request says (recorded from an EPOS2).
+        self._send(pdo.address, pdo.requested())
+
+    def _hear_collision(self, _payload: bytes, _now: Nanoseconds) -> None:
+        self.motion.communication_fault(emergency.COB_ID_COLLISION)
+
+    # Errors
+
+    def watch(self, until: Nanoseconds) -> None:
+        """Look whether the others have been heard in time."""
+        if self.errors.lost(until):
+            self.motion.connection_lost()
+
+    def _hear_heartbeat(self, node: int, payload: bytes, now: Nanoseconds) -> None:
+        # On a real bus a wake may be late: a heartbeat after its deadline must not hide the silence.
+        self.watch(now - 1)
+        self.errors.hear(node, payload, now)
+
+    def _hear_guarding(self, _payload: bytes, now: Nanoseconds) -> None:
+        if not self.errors.producer.active:
+            self.watch(now - 1)
+            answer = self.errors.guard.answer(self.state, now)
+            self._send(canopen.ERROR_CONTROL + self._identity.node, answer)
+
+    def _hear_controller(self, address: int, payload: bytes, _now: Nanoseconds) -> None:
+        for code in emergencies_of(address, payload):
+            self.motion.communication_fault(code)
+
+    def _report(self, code: int) -> None:
+        """Note an error of motion control, or with code 0 the end of all, and tell the bus."""
+        message = self.emergency.message(code)
+        address = self.emergency.cob_id
+        allowed = Service.EMERGENCY in SERVICES[self.state]
+        if message is not None and address is not None and allowed:
+            self._send(address, message)

@@ -1,0 +1,176 @@
+"""Device control: controlwords, input pins and errors, one after the other, each moves the power state.
+
+Source: CiA 402, device control; maxon's part of it in `power_states`. What a transition does to power stage
+and brake is `power_sequence`'s.
+"""
+
+from collections.abc import Callable
+from typing import Final
+
+from emulators.epos2.control import enable_checks, supervision
+from emulators.epos2.control.power_sequence import PowerSequence
+from emulators.epos2.control.power_states import TIMED, Happening
+from emulators.epos2.control.standing_errors import StandingErrors
+from emulators.epos2.control.supervision import WATCHED, ErrorReaction
+from emulators.epos2.io.pins import Pins
+from emulators.epos2.modes.mode_selector import ModeSelector
+from emulators.epos2.objects.store import ObjectStore
+from emulators.servo.axis import ServoAxis
+from firmware_bridge.wire.cia402 import Command, Control, State, command_of
+from firmware_bridge.wire.epos2 import emergency
+
+# The controlword's bit as a plain number: flags are slow, and every frame is looked at.
+_FAULT_RESET: Final = int(Control.FAULT_RESET)
+
+
+class DeviceControl:
+    """What commands the state of one drive."""
+
+    def __init__(
+        self,
+        store: ObjectStore,
+        axis: ServoAxis,
+        modes: ModeSelector,
+        pins: Pins,
+        power: PowerSequence,
+        *,
+        report: Callable[[int], None],
+    ) -> None:
+        """`report` takes emergency codes, and NO_ERROR when a fault was reset."""
+        self._store = store
+        self._axis = axis
+        self._modes = modes
+        self._inputs = pins.inputs
+        self._power = power
+        self._report = report
+        self.errors: Final = StandingErrors(store, axis)
+        self._delayed: tuple[int, int] | None = None
+        """A controlword that waits until the present command is completed, and the one before it."""
+
+    def restart(self) -> None:
+        """Begin as after power-on."""
+        self._delayed = None
+        self.errors.clear()
+        self._power.restart()
+        self._advance()
+
+    def attend(self) -> None:
+        """Take in findings, pins and time, then a set-point that waits; mostly there is none of them."""
+        inputs, modes, power = self._inputs, self._modes, self._power
+        inputs.refresh()
+        if self._axis.flags & WATCHED:
+            for code in self.errors.found(power.state):  # each is reported once until it is reset
+                self.fail(code)
+        self._heed()
+        self._advance()
+        if power.free:
+            modes.advance(power.controlword)
+            self._heed()
+        if inputs.executed:
+            self._heed_limits()
+
+    # Commands
+
+    def command(self, word: int) -> None:
+        """Take a controlword. The latest one waits for a command under way; a fault reaction heeds none."""
+        power = self._power
+        before, power.controlword = power.controlword, word
+        if power.state is State.FAULT:
+            if word & ~before & _FAULT_RESET:
+                self._reset_fault()
+        elif power.releasing and command_of(word) is not Command.ENABLE_OPERATION:
+            power.give_up_release()
+            self._obey(word, before)
+        elif power.under_way or power.state in TIMED:
+            # What waits for the brake keeps its edges; other states have none to keep.
+            since = before if self._delayed is None else self._delayed[1]
+            self._delayed = word, since if power.releasing else word
+        elif power.state is not State.FAULT_REACTION_ENABLED:
+            self._obey(word, before)
+
+    def _obey(self, word: int, before: int) -> None:
+        """Carry out a controlword's command, then its mode bits; with bit 7 up it holds neither."""
+        if word & _FAULT_RESET:
+            return
+        power = self._power
+        was_free = power.free
+        power.go(self._admitted(command_of(word)))
+        if power.state is State.REFRESH:  # just entered: in it every command waits
+            contradiction = enable_checks.found(self._store)
+            if contradiction is not None:
+                self.fail(contradiction)
+        self._advance()
+        if was_free and power.free:
+            self._modes.controls(word, before)
+            self._heed()
+
+    def _admitted(self, command: Command) -> Command:
+        """Return a master's command, or the stronger one that the input pins give."""
+        pins = self._inputs.restriction
+        return command if pins is None or command is Command.DISABLE_VOLTAGE else pins
+
+    def _obeys_pins(self) -> bool:
+        """Carry out the command that the input pins give; say whether that has moved the drive."""
+        command = self._inputs.restriction
+        if command is None or not self._power.heeds(command):
+            return False
+        self._power.give_up_release()
+        self._power.go(command)
+        return True
+
+    def _obeys_delayed(self) -> bool:
+        """Carry out the controlword that has waited, if its time has come; say whether it has."""
+        delayed, power = self._delayed, self._power
+        if delayed is None or power.under_way or power.state in TIMED:
+            return False
+        self._delayed = None
+        self._obey(*delayed)
+        return True
+
+    def _advance(self) -> None:
+        """Heed the pins, and complete what is due; then the waiting command."""
+        power = self._power
+        if power.free and self._delayed is None and self._inputs.restriction is None:
+            return
+        while self._obeys_pins() or power.complete_one() or self._obeys_delayed():
+            pass
+
+    # Errors
+
+    def fail(self, code: int, reaction: ErrorReaction | None = None) -> None:
+        """Report an error and bring the motor to rest; without a reaction given, as the table says."""
+        self._report(code)
+        if reaction is None:
+            reaction = self.errors.reaction_to(code)
+        if reaction is ErrorReaction.NONE:
+            return
+        self.errors.note(code)
+        if code in supervision.POSITION_LOST:
+            self._modes.shaft.referenced = False
+        self._modes.mode.fail()
+        self._delayed = None
+        self._power.fault(supervision.DECELERATIONS.get(reaction))
+        self._advance()
+
+    def _heed(self) -> None:
+        """Report what the mode cannot do."""
+        shaft = self._modes.shaft
+        if shaft.error:
+            self.fail(shaft.take_error())
+
+    def _heed_limits(self) -> None:
+        """Stop at a limit switch; asked when every set-point is taken, for it may lead into one."""
+        inputs, modes = self._inputs, self._modes
+        if not self._axis.powered or self._power.state is State.FAULT_REACTION_ENABLED:
+            return
+        met = inputs.limits_met(modes.shaft.heading, modes.mode.sought)
+        if met and not inputs.risen:
+            modes.shaft.forget_demand()
+        for code in met:
+            self.fail(code)
+
+    def _reset_fault(self) -> None:
+        if self.errors.curable:
+            self.errors.clear()
+            self._power.go(Happening.FAULT_RESET)
+            self._report(emergency.NO_ERROR)

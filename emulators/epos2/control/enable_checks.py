@@ -1,0 +1,51 @@
+"""Settings that contradict each other: the drive refuses to be enabled with them, and says which emergency.
+
+ASSUME: no document gives the conditions of FF0F and FF10, only their names. A dual loop (0x2220) divides by
+the gear ratio 0x2230, which must be one; and it multiplies the gains of the position regulator with it, which
+must stay numbers of 16 bits.
+"""
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Final
+
+from emulators.epos2.control.sensing import CONTROLLER_STRUCTURE
+from emulators.epos2.objects.store import ObjectStore
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2 import emergency
+from firmware_bridge.wire.epos2.address import Address
+
+GEAR_NUMERATOR: Final = Address(0x2230, 1)
+GEAR_DENOMINATOR: Final = Address(0x2230, 2)
+WIDEST_GAIN: Final = 0x7FFF
+
+
+def _no_ratio(store: ObjectStore) -> bool:
+    return _dual(store) and 0 in (store.get(GEAR_NUMERATOR), store.get(GEAR_DENOMINATOR))
+
+
+def _gains_too_large(store: ObjectStore) -> bool:
+    if not _dual(store) or _no_ratio(store):
+        return False
+    largest = max(abs(store.get(gain)) for gain in (at.POSITION_P, at.POSITION_I, at.POSITION_D))
+    return largest * store.get(GEAR_NUMERATOR) > WIDEST_GAIN * store.get(GEAR_DENOMINATOR)
+
+
+def _dual(store: ObjectStore) -> bool:
+    return store.get(CONTROLLER_STRUCTURE) != 0
+
+
+CONTRADICTIONS: Final[Mapping[int, Callable[[ObjectStore], bool]]] = MappingProxyType(
+    {emergency.GEAR_SCALING: _no_ratio, emergency.CONTROLLER_GAIN: _gains_too_large}
+)
+"""Whether the settings contradict each other, by the emergency that this is."""
+
+
+def found(store: ObjectStore) -> int | None:
+    """Return the first emergency that the settings stand for."""
+    return next((code for code, stands in CONTRADICTIONS.items() if stands(store)), None)
+
+
+def stands(store: ObjectStore, code: int) -> bool:
+    """Return whether an emergency's settings still contradict each other."""
+    return code in CONTRADICTIONS and CONTRADICTIONS[code](store)

@@ -1,0 +1,197 @@
+"""Motion control of one drive: the objects on one side, the servo axis on the other, CiA 402 between them.
+
+It refuses to know frames and protocols: writes reach it through the store, and it says "report this error".
+"""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Final
+
+from emulators.epos2.control.device_control import DeviceControl
+from emulators.epos2.control.power_sequence import PowerSequence
+from emulators.epos2.control.power_states import Delays
+from emulators.epos2.control.sensing import Sensing
+from emulators.epos2.control.supervision import ABORT_OPTIONS, NOT_CARRIED_OUT, SETPOINTS_IN_A_MILLISECOND
+from emulators.epos2.io.data_recorder import DataRecorder
+from emulators.epos2.io.pins import Pins
+from emulators.epos2.modes.mode_selector import HEEDED, MODES, ModeSelector
+from emulators.epos2.objects.axis_parameters import (
+    ACTUAL_VALUES,
+    ONLY_WITHOUT_POWER,
+    PARAMETERS,
+    AxisParameter,
+)
+from emulators.epos2.objects.store import ObjectStore
+from emulators.servo.axis import CURRENT_LIMITED, ServoAxis
+from emulators.servo.scaling import Settings, configure
+from firmware_bridge.units import MILLISECOND, Nanoseconds
+from firmware_bridge.wire.abort import AbortCode, SdoAbort
+from firmware_bridge.wire.cia402 import State, Status
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2 import emergency
+from firmware_bridge.wire.epos2.address import Address
+
+# The statusword's bits as plain numbers: it is put together with every frame, and flags are slow to join.
+_STAGE_ON: Final = 1 << 4
+_REMOTE: Final = int(Status.REMOTE)
+_TARGET_REACHED: Final = int(Status.TARGET_REACHED)
+_REFERENCED: Final = int(Status.REFERENCED)
+_INTERNAL_LIMIT: Final = int(Status.INTERNAL_LIMIT)
+
+
+class MotionControl:
+    """One drive's power states, modes and supervision."""
+
+    def __init__(
+        self,
+        store: ObjectStore,
+        axis: ServoAxis,
+        report: Callable[[int], None],
+        delays: Delays | None = None,
+    ) -> None:
+        """Set hooks in the store; `report` takes emergency codes, and NO_ERROR when a fault was reset."""
+        self._store = store
+        self._axis = axis
+        self._recorder = DataRecorder(store, axis)
+        self._tell = report
+        self.pins: Final = Pins(store, axis)
+        self._modes = ModeSelector(store, axis, self.pins.inputs)
+        self._power = PowerSequence(store, axis, self._modes, self.pins, delays or Delays())
+        self._control = DeviceControl(store, axis, self._modes, self.pins, self._power, report=self._report)
+        self._settings = Settings()
+        self._operational = False
+        self._busy = (0, 0)
+        """A ms, and how many new set values it has brought."""
+        self._hook()
+        self._sensing = Sensing(store, axis)
+        self.reset()
+
+    @property
+    def state(self) -> State:
+        """The power state of CiA 402."""
+        return self._power.state
+
+    def nmt_changed(self, operational: bool) -> None:  # noqa: FBT001 - one fact, and the method names it
+        """Follow the network state: statusword bit 9. ASSUME: leaving Operational stops no motion."""
+        self._operational = operational
+        self._publish()
+
+    def connection_lost(self) -> None:
+        """Heartbeat or guarding failed: report it, and react as 0x6007 says."""
+        option = self._store.get(at.ABORT_CONNECTION_OPTION)
+        self._control.fail(emergency.CONNECTION_LOST, ABORT_OPTIONS.get(option))
+        self._publish()
+
+    def communication_fault(self, code: int) -> None:
+        """Report an error that the bus side found, and react as the emergency table says."""
+        self._control.fail(code)
+        self._publish()
+
+    def communication_reset(self) -> None:
+        """Network command reset communication: errors that only this cures are gone."""
+        self._control.errors.cured_by_communication_reset()
+
+    def refresh(self, now: Nanoseconds) -> None:
+        """Take in what the axis found, what the time brought, and what a whole PDO has written."""
+        self._axis.now = max(self._axis.now, now)
+        self._control.attend()
+        self._publish()
+
+    def wake_at(self) -> Nanoseconds:
+        """Return when `refresh` is needed next even if the axis raises no event."""
+        return self._power.due
+
+    def reset(self) -> None:
+        """Begin as after power-on, with the store's present values (transition 19)."""
+        self._axis.restart()
+        self._recorder.reset()
+        for row in PARAMETERS:
+            setattr(self._settings, row.setting, self._store.get(row.address))
+        configure(self._axis, self._settings)
+        self._sensing.apply()
+        self.pins.reset()
+        self._modes.restart(self._store.get(at.MODE))
+        self._store.set(at.MODE_DISPLAY, self._modes.number)
+        self._control.restart()
+        self._publish()
+
+    def _report(self, code: int) -> None:
+        if code != emergency.NO_ERROR:
+            self._recorder.error()
+        self._tell(code)
+
+    # Objects
+
+    def _hook(self) -> None:
+        store = self._store
+        for address, value in ACTUAL_VALUES:
+            store.on_read(address, partial(value, self._axis))
+        shaping = {row.address for row in PARAMETERS}
+        for row in PARAMETERS:
+            store.on_write(row.address, partial(self._take_parameter, row))
+        for address in ONLY_WITHOUT_POWER:
+            if address not in shaping:
+                store.on_write(address, partial(self._refuse_with_power, address))
+        store.on_write(at.CONTROLWORD, self._take_controlword)
+        store.on_write(at.MODE, self._take_mode)
+        for address, code in NOT_CARRIED_OUT.items():
+            store.on_write(address, partial(self._take_start, code))
+        for address in HEEDED:
+            store.on_write(address, partial(self._take_value, address))
+
+    def _take_parameter(self, row: AxisParameter, value: int) -> None:
+        if row.address in ONLY_WITHOUT_POWER:
+            self._refuse_with_power(row.address, value)
+        setattr(self._settings, row.setting, value)
+        configure(self._axis, self._settings)
+
+    def _refuse_with_power(self, address: Address, _value: int) -> None:
+        if self._axis.powered:
+            raise SdoAbort(AbortCode.DEVICE_STATE, address)
+
+    def _take_controlword(self, word: int) -> None:
+        self._control.command(word)
+        self._publish()
+
+    def _take_mode(self, mode: int) -> None:
+        if mode not in MODES:
+            raise SdoAbort(AbortCode.RANGE, at.MODE)
+        self._modes.change(mode, enabled=self._power.free)
+        self._store.set(at.MODE_DISPLAY, mode)
+        self._publish()
+
+    def _take_value(self, address: Address, value: int) -> None:
+        if self._power.free:
+            self._modes.written(address, value)
+            self._count_setpoint()
+
+    def _take_start(self, code: int, value: int) -> None:
+        if value:
+            self._control.fail(code)
+            self._publish()
+
+    def _count_setpoint(self) -> None:
+        millisecond, count = self._axis.now // MILLISECOND, 1
+        if millisecond == self._busy[0]:
+            count += self._busy[1]
+        self._busy = (millisecond, count)
+        if count > SETPOINTS_IN_A_MILLISECOND:
+            self._control.fail(emergency.OVERLOADED)
+
+    # Statusword
+
+    def _publish(self) -> None:
+        power, modes = self._power, self._modes
+        word, mode = power.word, modes.mode
+        # Recorded: bit 10 is 1 while the drive is disabled.
+        if not word & _STAGE_ON or mode.arrived:
+            word |= _TARGET_REACHED
+        if self._operational:
+            word |= _REMOTE
+        if modes.shaft.referenced:
+            word |= _REFERENCED
+        if self._axis.flags & CURRENT_LIMITED:
+            word |= _INTERNAL_LIMIT
+        self.pins.refresh()
+        failed = emergency.FOLLOWING_ERROR_TOO_LARGE in self._control.errors.codes
+        self._store.set(at.STATUSWORD, word | mode.status(failed=failed))

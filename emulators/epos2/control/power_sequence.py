@@ -1,0 +1,166 @@
+"""The power sequence: transitions in their order, what they do to stage and brake, ramps before power goes.
+
+The rules are rows in `power_states`; here is their order in time. It refuses to know who commands and which
+errors stand, and objects other than the option codes and decelerations that its ramps need.
+"""
+
+from typing import Final
+
+from emulators.epos2.control import supervision
+from emulators.epos2.control.power_states import (
+    LEAVING,
+    TIMED,
+    Delays,
+    Happening,
+    RampOption,
+    Stage,
+    Transition,
+    Trigger,
+)
+from emulators.epos2.io.pins import Pins
+from emulators.epos2.modes.mode_selector import ModeSelector
+from emulators.epos2.objects.store import ObjectStore
+from emulators.servo.axis import ServoAxis
+from emulators.servo.sensors import align
+from firmware_bridge.units import NEVER, Nanoseconds
+from firmware_bridge.wire.cia402 import Command, State
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.functions import OutputFunction
+
+_FAULTS: Final = frozenset({State.FAULT, State.FAULT_REACTION_ENABLED, State.FAULT_REACTION_DISABLED})
+
+
+class PowerSequence:
+    """The state of one drive, and what moves it."""
+
+    def __init__(
+        self, store: ObjectStore, axis: ServoAxis, modes: ModeSelector, pins: Pins, delays: Delays
+    ) -> None:
+        self._store = store
+        self._outputs = pins.outputs
+        self._brake = pins.brake
+        self._axis = axis
+        self._modes = modes
+        self._delays = delays
+        self.state = State.START
+        self.word = State.START.value
+        """The state's bits of the statusword."""
+        self.controlword = 0
+        """The latest one; a halt in it counts once the drive is enabled."""
+        self.releasing = False
+        """The holding brake is on its way to be released."""
+        self._ways_out = LEAVING[self.state]
+        self._due: Nanoseconds = NEVER
+        """When the present state ends by itself."""
+        self._completing: Transition | None = None
+        """A transition whose slow-down ramp runs."""
+
+    @property
+    def due(self) -> Nanoseconds:
+        """When something ends by itself."""
+        return min(self._due, self._brake.due)
+
+    @property
+    def free(self) -> bool:
+        """Enabled, and neither on the way in nor out: the modes may move the shaft."""
+        enabled = self.state is State.OPERATION_ENABLED
+        return enabled and self._completing is None and not self.releasing
+
+    @property
+    def under_way(self) -> bool:
+        """Whether a slow-down ramp or the brake holds up what was commanded."""
+        return self._completing is not None or self.releasing
+
+    def heeds(self, trigger: Trigger) -> bool:
+        """Return whether this leads out of the present state now."""
+        return self._completing is None and trigger in self._ways_out
+
+    def restart(self) -> None:
+        """Transition 19: begin as after power-on."""
+        self.controlword = 0
+        self._completing = None
+        self.releasing = False
+        self._enter(State.START)
+
+    def go(self, trigger: Trigger) -> None:
+        """Follow the row that leads out of the present state on this, if there is one."""
+        row = self._ways_out.get(trigger)
+        if row is None:
+            return
+        held = row.stage is Stage.OFF and isinstance(trigger, Command) and self._brake.fitted
+        if held or self._slows_down(row.ramp):
+            self._completing = row
+            if self.state is not State.QUICK_STOP_ACTIVE:
+                self._modes.shaft.brake()
+            return
+        self._complete(row)
+        if row.goes_on:
+            self.go(trigger)
+
+    def fault(self, deceleration: at.Address | None) -> None:
+        """Transitions 13 and 17: brake with what an object says, or without one switch off at once."""
+        self._completing = None
+        self.give_up_release()
+        self.go(Happening.FAULT)
+        if self.state is State.FAULT_REACTION_ENABLED:
+            if deceleration is None:
+                self.go(Happening.REACTED)
+            else:
+                self._stop(deceleration)
+
+    def give_up_release(self) -> None:
+        """Wait for the holding brake no longer."""
+        self.releasing = False
+        self._brake.interrupt()
+
+    def complete_one(self) -> bool:
+        """Complete one thing that is due: a timed state, a release, a ramp; say whether there was one."""
+        if self.state in TIMED and self._axis.now >= self._due:
+            self.go(TIMED[self.state])
+        elif self.releasing and self._brake.released():
+            self.releasing = False
+            self._modes.begin(self.controlword)
+        elif self._completing is not None and self._at_rest():
+            self._complete(self._completing)
+        elif self.state is State.FAULT_REACTION_ENABLED and self._at_rest():
+            self.go(Happening.REACTED)
+        else:
+            return False
+        return True
+
+    def _at_rest(self) -> bool:
+        return self._modes.shaft.stopped and self._brake.closes()
+
+    def _slows_down(self, ramp: RampOption) -> bool:
+        return ramp is not RampOption.NONE and self._store.get(supervision.RAMP_OPTIONS[ramp]) == 1
+
+    def _complete(self, row: Transition) -> None:
+        self._completing = None
+        if row.stage is Stage.ON:
+            self._axis.switch_on()
+            align(self._axis)
+        elif row.stage is Stage.OFF and self._axis.powered:
+            self._brake.close()
+            self.releasing = False
+            self._axis.switch_off()
+            self._modes.forget()
+        self._enter(row.target)
+
+    def _enter(self, state: State) -> None:
+        self.state, self.word, self._ways_out = state, state.value, LEAVING[state]
+        self._outputs.show(OutputFunction.READY, active=state not in _FAULTS)
+        self._due = NEVER
+        if state in TIMED:
+            self._due = self._axis.now + self._delays.of(state, self._store.get(at.MOTOR_TYPE))
+        elif state is State.OPERATION_ENABLED:
+            self.releasing = self._brake.release()
+            if self.releasing:
+                self._modes.hold()
+            else:
+                self._modes.begin(self.controlword)
+        elif state is State.QUICK_STOP_ACTIVE:
+            self._stop(at.QUICK_STOP_DECELERATION)
+
+    def _stop(self, deceleration: at.Address) -> None:
+        self._modes.forget()
+        self._modes.shaft.brake(deceleration)

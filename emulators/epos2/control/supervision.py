@@ -1,0 +1,160 @@
+"""Which finding of the servo axis is which emergency, and what the option codes make of a reaction.
+
+Sources: EPOS Firmware Specification, error handling (by analogy); option codes per CiA 402. It refuses to
+know how a reaction is carried out.
+"""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from enum import Enum
+from functools import reduce
+from operator import or_
+from types import MappingProxyType
+from typing import Final
+
+from emulators.epos2.control.power_states import RampOption
+from emulators.epos2.control.sensing import ABSOLUTE
+from emulators.servo import axis as servo
+from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2 import emergency
+from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.emergency import EMERGENCIES, FaultReaction, Recovery
+
+
+@dataclass(frozen=True, slots=True)
+class Watch:
+    """A flag of the axis and the emergency that it stands for."""
+
+    flag: int
+    code: int
+    measuring: int = 0
+    """The emergency in its place while the drive looks for its commutation, in Measure init."""
+    absolute: int = 0
+    """The emergency in its place with a sensor that tells a position."""
+
+    def code_in(self, state: State, sensor_type: int) -> int:
+        """Return the emergency in this state, with this position sensor (0x2210:2)."""
+        if self.measuring and state is State.MEASURE_INIT:
+            return self.measuring
+        return self.absolute if self.absolute and sensor_type in ABSOLUTE else self.code
+
+
+WATCHES: Final = (
+    Watch(servo.OVER_CURRENT, emergency.OVER_CURRENT),
+    Watch(servo.OVER_VOLTAGE, emergency.OVER_VOLTAGE),
+    Watch(servo.UNDER_VOLTAGE, emergency.UNDER_VOLTAGE),
+    Watch(servo.FOLLOWING_ERROR, emergency.FOLLOWING_ERROR_TOO_LARGE),
+    Watch(servo.OVER_TEMPERATURE, emergency.OVER_TEMPERATURE),
+    Watch(servo.LOGIC_SUPPLY_LOW, emergency.LOGIC_SUPPLY),
+    Watch(servo.GATE_SUPPLY_LOW, emergency.OUTPUT_STAGE_SUPPLY),
+    Watch(servo.ENCODER_BROKEN, emergency.SENSOR_BREACH, absolute=emergency.SENSOR_POSITION),
+    Watch(servo.INDEX_LOST, emergency.INDEX),
+    Watch(servo.INDEX_DISTANCE_WRONG, emergency.ENCODER_RESOLUTION),
+    Watch(servo.HALL_IMPOSSIBLE, emergency.HALL_SENSOR, measuring=emergency.HALL_NOT_FOUND),
+    Watch(servo.HALL_ANGLE_APART, emergency.HALL_ANGLE),
+    Watch(servo.ENCODER_AGAINST_MOTOR, emergency.MAIN_SENSOR_DIRECTION),
+    Watch(servo.AUXILIARY_AGAINST_MAIN, emergency.AUXILIARY_SENSOR_DIRECTION),
+    Watch(servo.POSITION_LIMIT_PASSED, emergency.POSITION_LIMIT),
+)
+"""ASSUME: a cut cable is a position sensor breach (FF0A) with an incremental encoder, and a position that is
+no longer valid (7320) with one that tells a position; three hall sensors that all show the same are FF04
+while the drive looks for its commutation and FF01 later."""
+
+POSITION_LOST: Final = frozenset(
+    {emergency.SENSOR_POSITION, emergency.INDEX, emergency.ENCODER_RESOLUTION, emergency.SENSOR_BREACH}
+)
+"""Emergencies after which the position is no longer referenced (ASSUME: those of the encoder)."""
+
+WATCHED: Final = reduce(or_, (watch.flag for watch in WATCHES))
+
+
+def findings(flags: int, state: State, sensor_type: int, reported: Collection[int]) -> tuple[int, ...]:
+    """Return the emergencies that the axis' flags stand for, but for those that have been reported."""
+    return tuple(
+        code
+        for watch in WATCHES
+        if flags & watch.flag
+        and (code := watch.code_in(state, sensor_type)) not in reported
+        and watch.measuring not in reported
+    )
+
+
+NOT_CARRIED_OUT: Final[Mapping[Address, int]] = MappingProxyType(
+    {
+        Address(0x2400, 3): emergency.IDENTIFICATION,
+        Address(0x2410, 1): emergency.IDENTIFICATION,
+        Address(0x2FFF, 1): emergency.GENERIC,
+    }
+)
+"""Objects that start what the emulation does not have, and the emergency in which the start ends.
+
+ASSUME: the drive answers as one whose identification of the motor, or whose download of firmware, has failed
+at its beginning. Nothing moves: an identification would send a current through the motor.
+"""
+SETPOINTS_IN_A_MILLISECOND: Final = 8
+"""More new target values than these within one ms overload the drive, which lacks the resources for them.
+ASSUME: the number."""
+
+
+class ErrorReaction(Enum):
+    """How the motor is brought to rest before the fault state."""
+
+    NONE = "only reported"
+    DISABLE = "power stage off at once"
+    SLOW_DOWN = "ramp with 0x6084, then off"
+    QUICK_STOP = "ramp with 0x6085, then off"
+
+
+RAMP_OPTIONS: Final[Mapping[RampOption, Address]] = MappingProxyType(
+    {RampOption.SHUTDOWN: at.SHUTDOWN_OPTION, RampOption.DISABLE: at.DISABLE_OPTION}
+)
+"""Where it stands whether the way out slows down first: 1."""
+DECELERATIONS: Final[Mapping[ErrorReaction, Address]] = MappingProxyType(
+    {ErrorReaction.SLOW_DOWN: at.PROFILE_DECELERATION, ErrorReaction.QUICK_STOP: at.QUICK_STOP_DECELERATION}
+)
+"""What a ramp brakes with."""
+
+FAULT_OPTIONS: Final[Mapping[int, ErrorReaction]] = MappingProxyType(
+    {
+        -1: ErrorReaction.NONE,
+        0: ErrorReaction.DISABLE,
+        1: ErrorReaction.SLOW_DOWN,
+        2: ErrorReaction.QUICK_STOP,
+    }
+)
+"""0x605E, for the errors that allow a ramp; -1 is uncertain. Others count as the default, 2 (ASSUME)."""
+
+ABORT_OPTIONS: Final[Mapping[int, ErrorReaction]] = MappingProxyType(
+    {
+        0: ErrorReaction.NONE,
+        2: ErrorReaction.DISABLE,
+        3: ErrorReaction.QUICK_STOP,
+    }
+)
+"""0x6007 for a lost connection; 1, and others, react as 0x605E says. Each but 0 ends in Fault."""
+
+
+def reaction_to(code: int, fault_option: int) -> ErrorReaction:
+    """Return the reaction to an emergency; a code that the table does not know switches off."""
+    row = EMERGENCIES.get(code)
+    if row is None or row.reaction is FaultReaction.DISABLE:
+        return ErrorReaction.DISABLE
+    if row.reaction is FaultReaction.NONE:
+        return ErrorReaction.NONE
+    return FAULT_OPTIONS.get(fault_option, ErrorReaction.QUICK_STOP)
+
+
+def curable(errors: Collection[int]) -> bool:
+    """Return whether a fault reset is enough for all of them."""
+    rows = (EMERGENCIES.get(code) for code in errors)
+    return all(row is None or row.recovery is Recovery.FAULT_RESET for row in rows)
+
+
+def left_by_communication_reset(errors: Collection[int]) -> tuple[int, ...]:
+    """Return the errors without those that reset communication cures."""
+    return tuple(
+        code
+        for code in errors
+        if code not in EMERGENCIES or EMERGENCIES[code].recovery is not Recovery.RESET_COMMUNICATION
+    )

@@ -1,0 +1,91 @@
+"""The holding brake: released once the motor holds, closed before it lets go. Without a pin there is none.
+
+Sources: EDS for the times 0x2100 and 0x2101. ASSUME: the brake is released with Operation enabled, and
+set-points wait for the rise time; on the way out the shaft comes to rest (0x2101, for at most its time-out),
+the brake closes, and power goes after the fall time; 0x2100:3 bounds all of that, its largest value does not.
+"""
+
+from typing import Final
+
+from emulators.epos2.io.digital_outputs import DigitalOutputs
+from emulators.epos2.objects.store import ObjectStore
+from emulators.servo.axis import AT_REST, ServoAxis
+from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
+from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.functions import OutputFunction
+
+RISE_TIME: Final = Address(0x2100, 1)
+FALL_TIME: Final = Address(0x2100, 2)
+TIMEOUT: Final = Address(0x2100, 3)
+STANDSTILL_TIMEOUT: Final = Address(0x2101, 3)
+UNBOUNDED: Final = 0xFFFF
+
+
+class HoldingBrake:
+    """The brake on one output pin."""
+
+    def __init__(self, store: ObjectStore, axis: ServoAxis, outputs: DigitalOutputs) -> None:
+        self._store = store
+        self._axis = axis
+        self._outputs = outputs
+        self._released = False
+        self._begun: Nanoseconds = NEVER
+        """When the way out began: the shaft is being brought to rest."""
+        self.due: Nanoseconds = NEVER
+        """When to look again."""
+
+    @property
+    def fitted(self) -> bool:
+        """Whether an output pin is configured for a brake."""
+        return self._outputs.has(OutputFunction.HOLDING_BRAKE)
+
+    def release(self) -> bool:
+        """Release the brake; say whether it takes time, until `due`."""
+        self._begun = NEVER
+        if self._released or not self.fitted:
+            return False
+        self._show(released=True)
+        self.due = self._after(self._axis.now, RISE_TIME)
+        return self.due > self._axis.now
+
+    def released(self) -> bool:
+        """Return whether the brake is open, or there is none; then there is nothing to wait for."""
+        if self.fitted and self._axis.now < self.due:
+            return False
+        self.due = NEVER
+        return True
+
+    def interrupt(self) -> None:
+        """Wait for the brake no longer, whatever it does."""
+        self.due = NEVER
+
+    def close(self) -> None:
+        """Close the brake at once: power is gone."""
+        self._begun = self.due = NEVER
+        self._show(released=False)
+
+    def closes(self) -> bool:
+        """Go on with closing the brake, shaft at rest first; say whether it holds, or there is none."""
+        if not self.fitted:
+            return True
+        if self._begun == NEVER:
+            self._begun = self._axis.now
+        now, begun = self._axis.now, self._begun
+        bound = self._after(begun, TIMEOUT) if self._store.get(TIMEOUT) != UNBOUNDED else NEVER
+        if self._released:
+            rest_by = min(self._after(begun, STANDSTILL_TIMEOUT), bound)
+            if not self._axis.flags & AT_REST and now < rest_by:
+                self.due = rest_by
+                return False
+            self._show(released=False)
+            self.due = NEVER
+        if self.due == NEVER:
+            self.due = min(self._after(now, FALL_TIME), bound)
+        return self.due <= now
+
+    def _after(self, begin: Nanoseconds, address: Address) -> Nanoseconds:
+        return begin + self._store.get(address) * MILLISECOND
+
+    def _show(self, *, released: bool) -> None:
+        self._released = released
+        self._outputs.show(OutputFunction.HOLDING_BRAKE, active=released)

@@ -1,0 +1,132 @@
+"""Which modes of operation an EPOS2 has, and which of them has the shaft.
+
+ASSUME: in diagnostic mode, of which nothing is published, the drive holds its position and does nothing else.
+"""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Final
+
+from emulators.epos2.io.digital_inputs import DigitalInputs
+from emulators.epos2.modes.digital_position import DigitalPosition
+from emulators.epos2.modes.direct import CurrentMode, PositionMode, VelocityMode
+from emulators.epos2.modes.homing import Homing
+from emulators.epos2.modes.interpolated_position import InterpolatedPosition
+from emulators.epos2.modes.mode import ModeOfOperation
+from emulators.epos2.modes.profile_position import ProfilePosition
+from emulators.epos2.modes.profile_velocity import ProfileVelocity
+from emulators.epos2.modes.shaft import Shaft
+from emulators.epos2.objects.store import ObjectStore
+from emulators.servo.axis import ServoAxis
+from firmware_bridge.wire.cia402 import Control, Mode
+from firmware_bridge.wire.epos2 import emergency
+from firmware_bridge.wire.epos2.address import Address
+
+MODES: Final[Mapping[int, type[ModeOfOperation]]] = MappingProxyType(
+    {
+        Mode.INTERPOLATED_POSITION: InterpolatedPosition,
+        Mode.HOMING: Homing,
+        Mode.PROFILE_VELOCITY: ProfileVelocity,
+        Mode.PROFILE_POSITION: ProfilePosition,
+        Mode.POSITION: PositionMode,
+        Mode.VELOCITY: VelocityMode,
+        Mode.CURRENT: CurrentMode,
+        Mode.DIAGNOSTIC: ModeOfOperation,
+        Mode.MASTER_ENCODER: DigitalPosition,
+        Mode.STEP_DIRECTION: DigitalPosition,
+    }
+)
+"""Every mode by its number in 0x6060."""
+
+HEEDED: Final[tuple[Address, ...]] = tuple(
+    sorted({address for mode in MODES.values() for address in mode.heeds})
+)
+"""Objects whose writes one of the modes heeds."""
+
+
+# The controlword's bits as plain numbers: flags are slow, and every frame is looked at.
+_HALT: Final = int(Control.HALT)
+_NEW_SETPOINT: Final = int(Control.NEW_SETPOINT)
+
+
+class ModeSelector:
+    """The mode that is set, and all others. Every method but those of the status needs power."""
+
+    def __init__(self, store: ObjectStore, axis: ServoAxis, inputs: DigitalInputs) -> None:
+        self.shaft: Final = Shaft(store, axis, inputs)
+        self._modes: Final = {number: mode(self.shaft) for number, mode in MODES.items()}
+        self._other: Final = ModeOfOperation(self.shaft)
+        """For a number that no mode has: it may come from saved parameters that somebody has edited."""
+        self.number = int(Mode.PROFILE_POSITION)
+        """The mode that is set, as in 0x6060."""
+        self.mode = self._modes[self.number]
+        self._latching = False
+        """A rising edge of bit 4 whose target is taken when the whole write has arrived."""
+
+    def set(self, number: int) -> None:
+        """Set the mode of a drive that is not enabled."""
+        self.number = number
+        self.mode = self._modes.get(number, self._other)
+
+    def restart(self, number: int) -> None:
+        """Begin as after power-on, in a mode."""
+        for mode in self._modes.values():
+            mode.restart()
+        self.shaft.error = emergency.NO_ERROR
+        self.shaft.referenced = False
+        self.forget()
+        self.set(number)
+
+    def forget(self) -> None:
+        """Drop what was going on: the power stage is off, or a stop has cut in."""
+        self.shaft.halted = False
+        self._latching = False
+        self.mode.forget()
+
+    def hold(self) -> None:
+        """Hold the shaft before the mode may have it: the brake is still on its way."""
+        self.forget()
+        self.shaft.hold()
+
+    def begin(self, controlword: int) -> None:
+        """Start from standstill or from where the shaft is: the drive has become enabled."""
+        self.forget()
+        self.shaft.halted = bool(controlword & _HALT)
+        self.mode.begin()
+
+    def change(self, number: int, *, enabled: bool) -> None:
+        """Take a mode over, with the halt that stands and without a set-point that nobody has taken."""
+        self._latching = False
+        if number == self.number:
+            return
+        self.mode.forget()
+        self.set(number)
+        if enabled:
+            self.mode.enter()
+
+    def controls(self, controlword: int, before: int) -> None:
+        """Heed halt and the mode's own bits while enabled; a new set-point is taken by `advance`."""
+        halt = bool(controlword & _HALT)
+        if halt != self.shaft.halted and self.mode.heeds_halt:
+            self.shaft.halted = halt
+            if halt:
+                self.mode.halt()
+            else:
+                self.mode.release()
+        if self.mode.controls(controlword, before):
+            self._latching = True
+            # The target may follow in the same PDO: it is taken at the next refresh, in 1 ms at most.
+            self.shaft.axis.call = 1
+        elif not controlword & _NEW_SETPOINT:
+            self._latching = False
+
+    def advance(self, controlword: int) -> None:
+        """Go on with what is due; a rising edge of bit 4 counts with the target that is written by now."""
+        self.mode.advance()
+        if self._latching and self.mode.take_setpoint(controlword):
+            self._latching = False
+
+    def written(self, address: Address, value: int) -> None:
+        """Tell the mode a value that was written, if it heeds that object."""
+        if address in self.mode.heeds:
+            self.mode.written(address, value)

@@ -1,0 +1,81 @@
+"""The types of EPOS2 that can be emulated, and how far each of their figures is known.
+
+What no source tells of a type is marked, not invented: a hardware version that is not known is none, and the
+drive says 0. Limits that are assumed are there because a drive needs a limit, and say that they are assumed.
+All types answer with the object dictionary of the 70/10, the only one whose EDS is known.
+"""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Final
+
+from emulators.epos2.objects.device_profile import EPOS2_70_10, DeviceProfile, Known
+from firmware_bridge.wire.epos2.rows import EDS, Provenance
+
+_NAME: Final = Known(Provenance.DOCUMENTED, "the type's name tells supply and continuous current")
+_PEAK: Final = Known(Provenance.ASSUMED, "own assumption: twice the continuous current; no document at hand")
+_UNKNOWN: Final = Known(Provenance.ASSUMED, "no source tells it")
+_ORDERED: Final = Known(Provenance.DOCUMENTED, "documents and projects of users that name the order number")
+_FIRMWARE_FILE: Final = "names of maxon's firmware files and users' drivers"
+_HARDWARE: Final = Known(Provenance.DOCUMENTED, _FIRMWARE_FILE)
+_SOFTWARE: Final = Known(Provenance.BY_ANALOGY, f"{EDS}; other versions have been seen")
+
+
+def _marked(**marks: Known) -> Mapping[str, Known]:
+    base = {
+        "order_numbers": _ORDERED,
+        "hardware_version": _HARDWARE,
+        "software_version": _SOFTWARE,
+        "continuous_current_ma": _NAME,
+        "peak_current_ma": _PEAK,
+        "supply_v": _NAME,
+    }
+    return MappingProxyType(base | marks)
+
+
+EPOS2_24_2: Final = DeviceProfile(
+    name="EPOS2 24/2",
+    order_numbers=("380264", "390438"),
+    hardware_version=None,
+    continuous_current_ma=2_000,
+    peak_current_ma=4_000,
+    supply_v=24,
+    marks=_marked(hardware_version=_UNKNOWN),
+)
+EPOS2_24_5: Final = DeviceProfile(
+    name="EPOS2 24/5",
+    hardware_version=0x6220,
+    continuous_current_ma=5_000,
+    peak_current_ma=10_000,
+    supply_v=24,
+    marks=_marked(order_numbers=_UNKNOWN),
+)
+EPOS2_50_5: Final = DeviceProfile(
+    name="EPOS2 50/5",
+    order_numbers=("347717",),
+    hardware_version=0x6320,
+    continuous_current_ma=5_000,
+    peak_current_ma=10_000,
+    supply_v=50,
+    marks=_marked(hardware_version=Known(Provenance.DOCUMENTED, f"{_FIRMWARE_FILE}; also seen: 0x6322")),
+)
+EPOS2_MODULE_36_2: Final = DeviceProfile(
+    name="EPOS2 Module 36/2",
+    order_numbers=("360665",),
+    hardware_version=0x6120,
+    continuous_current_ma=2_000,
+    peak_current_ma=4_000,
+    supply_v=36,
+    marks=_marked(),
+)
+
+PROFILES: Final[Mapping[str, DeviceProfile]] = MappingProxyType(
+    {
+        "24/2": EPOS2_24_2,
+        "24/5": EPOS2_24_5,
+        "36/2": EPOS2_MODULE_36_2,
+        "50/5": EPOS2_50_5,
+        "70/10": EPOS2_70_10,
+    }
+)
+"""Every type by the name that the command line takes."""

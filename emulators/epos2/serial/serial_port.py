@@ -1,0 +1,131 @@
+"""The drive's serial port as its node sees it: bytes and bus frames in, bytes out, and when to come back.
+
+Sources: EPOS Firmware Specification for 0x2002 and 0x2005 (by analogy);
+maxon's command library for the USB side, a converter at 1 MBd. ASSUME: a time-out of 0 means its default.
+"""
+
+from collections.abc import Mapping
+from typing import Final
+
+from emulators.epos2.objects.device_profile import RS232_RATE, DeviceProfile
+from emulators.epos2.objects.store import ObjectStore
+from emulators.epos2.serial.can_gateway import DriveOnBus
+from emulators.epos2.serial.server import SerialServer
+from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
+from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.maxon.frame import Frame, Generation
+from firmware_bridge.wire.maxon.lines import device_end
+from firmware_bridge.wire.maxon.opcodes import COMMANDS
+
+BAUDS: Final = (9_600, 14_400, 19_200, 38_400, 57_600, 115_200)
+"""Bits a second, by the code in 0x2002."""
+USB_BAUD: Final = 1_000_000
+BITS_PER_BYTE: Final = 10
+FRAME_TIMEOUTS: Final[Mapping[Generation, Address]] = {
+    Generation.V1: Address(0x2005),
+    Generation.V2: Address(0x2006),
+}
+"""In ms."""
+DEFAULT_TIMEOUT_MS: Final = 500
+
+
+class SerialPort:
+    """One port with one protocol."""
+
+    def __init__(
+        self, store: ObjectStore, profile: DeviceProfile, generation: Generation, drive: DriveOnBus
+    ) -> None:
+        self.generation: Final = generation
+        self.baud = USB_BAUD
+        """Bits a second on the line; on RS232 as 0x2002 was at the last start."""
+        self._store = store
+        self._latency = profile.serial_latency
+        self._server = SerialServer(store, profile, drive)
+        self._line = device_end(generation, self._timeout, profile.bad_checksum)
+        self._silent = False
+        self._serving = False
+        self._early: bytes | None = None
+        self._held: bytes | None = None
+        self._held_until: Nanoseconds = NEVER
+        self._next_baud = self.baud
+        self._baud_due: Nanoseconds = NEVER
+        self.restart(0)
+        self.baud = self._next_baud
+
+    def restart(self, now: Nanoseconds) -> None:
+        """Take what counts from the drive's start on; the byte that is on the line leaves at the old rate."""
+        if self.generation is Generation.V1:
+            self._next_baud = BAUDS[self._store.get(RS232_RATE)]
+            self._baud_due = now + 2 * BITS_PER_BYTE * SECOND // self.baud
+
+    @property
+    def due(self) -> Nanoseconds:
+        """When to call `wake`."""
+        return min(self._line.due, self._server.gateway.due, self._held_until, self._baud_due)
+
+    def listens(self, address: int) -> bool:
+        """Tell whether a frame of the bus is of interest."""
+        return self._server.gateway.listens(address)
+
+    def taken(self) -> bytes:
+        """Return what is to be sent to the host, once."""
+        return self._line.taken()
+
+    def hear(self, chunk: bytes, now: Nanoseconds) -> None:
+        """Take bytes from the host."""
+        self.wake(now)
+        self._serve(self._line.hear(chunk, now), now)
+
+    def hear_frame(self, address: int, payload: bytes, now: Nanoseconds) -> None:
+        """Take a frame of the bus that `listens` has let through."""
+        body = self._server.hear(address, payload)
+        if self._serving:  # the drive itself has answered, before the command was done
+            self._early = body
+        else:
+            self._answer(body, now)
+
+    def wake(self, now: Nanoseconds) -> None:
+        """Do what is due."""
+        if self._baud_due <= now:
+            self.baud, self._baud_due = self._next_baud, NEVER
+        self._line.wake(now)
+        self._answer(self._server.wake(now), now)
+        if self._held_until <= now:
+            self._release(now)
+
+    def _timeout(self) -> Nanoseconds:
+        return (self._store.get(FRAME_TIMEOUTS[self.generation]) or DEFAULT_TIMEOUT_MS) * MILLISECOND
+
+    def _serve(self, frame: Frame | None, now: Nanoseconds) -> None:
+        """Carry out a command, and those that have waited behind it."""
+        self._serving = True
+        while frame is not None:
+            row = COMMANDS.get(frame.opcode)
+            self._silent = row is not None and self.generation not in row.answered
+            body = self._server.begin(frame, now)
+            early = self._early_answer()
+            frame = self._say(early if body is None else body, now)
+        self._serving = False
+
+    def _early_answer(self) -> bytes | None:
+        """Return the answer that came while its command was still being begun, once."""
+        body, self._early = self._early, None
+        return body
+
+    def _answer(self, body: bytes | None, now: Nanoseconds) -> None:
+        if body is not None:
+            self._serve(self._say(body, now), now)
+
+    def _say(self, body: bytes | None, now: Nanoseconds) -> Frame | None:
+        """Give the line an answer that is there, now or when its time has come; return the next command."""
+        if body is None:
+            return None
+        if self._latency:
+            self._held, self._held_until = body, now + self._latency
+            return None
+        return self._line.answer(None if self._silent else body, now)
+
+    def _release(self, now: Nanoseconds) -> None:
+        body, self._held = self._held, None
+        self._held_until = NEVER
+        self._serve(self._line.answer(None if self._silent else body, now), now)

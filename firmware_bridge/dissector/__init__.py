@@ -1,0 +1,6 @@
+"""What a packet says, in a line of text for people; and where two runs of packets part."""
+
+from firmware_bridge.dissector.difference import first_difference
+from firmware_bridge.dissector.dissector import Carried, Dissector
+
+__all__ = ["Carried", "Dissector", "first_difference"]

@@ -1,0 +1,50 @@
+"""Where two runs of packets part: the first one that differs, read in words, with what came before it."""
+
+from collections.abc import Mapping, Sequence
+from itertools import zip_longest
+from types import MappingProxyType
+from typing import Final
+
+from firmware_bridge.dissector.dissector import Carried, Dissector
+
+BEFORE: Final = 5
+"""So many packets that came before are shown."""
+NOTHING: Final = "nothing more"
+
+
+def first_difference(
+    expected: Sequence[Carried], actual: Sequence[Carried], kinds: Mapping[str, str] = MappingProxyType({})
+) -> str | None:
+    """Return some lines on the first packet that is not as expected; None where all are.
+
+    `kinds` as for `Dissector`.
+    """
+    for place, (wanted, came) in enumerate(zip_longest(expected, actual)):
+        if wanted != came:
+            return told(expected[:place], wanted, came, kinds)
+    return None
+
+
+def told(
+    before: Sequence[Carried],
+    wanted: Carried | None,
+    came: Carried | None,
+    kinds: Mapping[str, str] = MappingProxyType({}),
+) -> str:
+    """Return some lines on two packets that should be one, after those that both runs had before."""
+    dissector, other = Dissector(kinds), Dissector(kinds)
+    context = [(dissector.read(one), other.read(one))[0] for one in before]
+    pair = (_line(wanted, dissector), _line(came, other))
+    lines = [
+        f"packet {len(before) + 1} is the first that differs",
+        *(f"          {line}" for line in context[-BEFORE:]),
+        f"expected  {pair[0]}",
+        f"but came  {pair[1]}",
+    ]
+    if wanted is not None and came is not None and pair[0] == pair[1]:
+        lines += [f"bytes     {wanted.packet.payload.hex()}", f"but came  {came.packet.payload.hex()}"]
+    return "\n".join(lines)
+
+
+def _line(carried: Carried | None, dissector: Dissector) -> str:
+    return NOTHING if carried is None else dissector.read(carried)

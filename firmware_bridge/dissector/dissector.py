@@ -1,0 +1,80 @@
+"""Chooses who reads a packet, by the kind of its link, and writes one carried packet as a line.
+
+A dissector follows what goes by, as a protocol analyser does: it is given every packet of a link in order.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final, Protocol
+
+from firmware_bridge.dissector.canopen import Canopen
+from firmware_bridge.dissector.mavlink import Mavlink
+from firmware_bridge.dissector.maxon import MaxonCommands, MaxonLine
+from firmware_bridge.node import CAN, MAXON, OPERATOR, SERIAL
+from firmware_bridge.packet import Packet
+from firmware_bridge.recording import candump_frame
+from firmware_bridge.units import SECOND, Nanoseconds
+
+SHOWN: Final = 16
+"""So many bytes of a packet without an identifier stand before its text."""
+
+
+class Reader(Protocol):
+    """Reads the packets of one link, one after the other."""
+
+    def read(self, sender: str, packet: Packet) -> str:
+        """Return what a packet says; every packet has a text."""
+
+
+@dataclass(frozen=True, slots=True)
+class Protocols:
+    """What a kind of link carries: how its packets are written, and who reads them."""
+
+    written: Callable[[Packet], str]
+    reader: Callable[[], Reader]
+
+
+def _bytes(packet: Packet) -> str:
+    payload = packet.payload
+    return payload[:SHOWN].hex().upper() + (f"... ({len(payload)} bytes)" if len(payload) > SHOWN else "")
+
+
+KINDS: Final[Mapping[str, Protocols]] = MappingProxyType(
+    {
+        CAN: Protocols(candump_frame, Canopen),
+        OPERATOR: Protocols(_bytes, Mavlink),
+        SERIAL: Protocols(_bytes, MaxonLine),
+        MAXON: Protocols(lambda packet: f"{packet.address:02X}#{_bytes(packet)}", MaxonCommands),
+    }
+)
+"""The kinds of links."""
+
+
+@dataclass(frozen=True, slots=True)
+class Carried:
+    """A packet that a link has carried, wholly arrived at `at`, in nanoseconds from the start of the run."""
+
+    at: Nanoseconds
+    link: str
+    sender: str
+    packet: Packet
+
+
+class Dissector:
+    """Reads packets of several links; `kinds` tells a link's kind by its name where they are not the same."""
+
+    def __init__(self, kinds: Mapping[str, str] = MappingProxyType({})) -> None:
+        self._kinds = kinds
+        self._readers: dict[str, Reader] = {}
+
+    def read(self, carried: Carried) -> str:
+        """Return a carried packet as a line: when, where, who, the bytes, and what they say."""
+        link, packet = carried.link, carried.packet
+        protocols = KINDS[self._kinds.get(link, link)]
+        reader = self._readers.get(link)
+        if reader is None:
+            reader = self._readers[link] = protocols.reader()
+        seconds, rest = divmod(carried.at, SECOND)
+        said = reader.read(carried.sender, packet)
+        return f"{seconds}.{rest:09d} s  {link}  {carried.sender}  {protocols.written(packet)}  {said}"

@@ -1,0 +1,38 @@
+"""MAVLink messages in words: name, sequence number, and every field with its enumeration's word."""
+
+from typing import Final
+
+from firmware_bridge.packet import Packet
+from firmware_bridge.teleop.mavlink import Codec, Message, dialect, text_of
+
+_NOBODY: Final = 0
+"""The reader sends nothing, so its own number does not matter."""
+
+
+class Mavlink:
+    """Reads the datagrams of one link."""
+
+    def __init__(self) -> None:
+        self._codec = Codec(_NOBODY, _NOBODY)
+
+    def read(self, _sender: str, packet: Packet) -> str:
+        """Return what the messages of a datagram say."""
+        messages = self._codec.decode(packet.payload)
+        return "; ".join(map(_said, messages)) or "no message of MAVLink's common dialect"
+
+
+def _said(message: Message) -> str:
+    head = message.get_header()
+    name = message.get_type()
+    origin = f"{name} #{head.seq} of {head.srcSystem}/{head.srcComponent}"
+    fields = [f"{field}={_value(message, field)}" for field in message.get_fieldnames()]
+    return f"{origin}: {' '.join(fields)}"
+
+
+def _value(message: Message, field: str) -> str:
+    value = getattr(message, field)
+    if isinstance(value, bytes | str):
+        return f"'{text_of(value)}'"
+    enumeration = dialect.enums.get(message.fieldenums_by_name.get(field, ""), {})
+    named = enumeration.get(value) if isinstance(value, int) else None
+    return f"{value}" if named is None else f"{value} ({named.name})"

@@ -1,0 +1,120 @@
+"""The commands of maxon's serial protocols in words, as packets of their own or from the bytes of a line.
+
+Which of the two protocols a line speaks shows with its first byte: V2's frames begin with DLE.
+"""
+
+from typing import Final
+
+from firmware_bridge.drivers.commissioning.names import called
+from firmware_bridge.packet import Packet
+from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.maxon import v1
+from firmware_bridge.wire.maxon.frame import ANSWER, DLE, Failure, Frame
+from firmware_bridge.wire.maxon.messages import Answer, Request
+from firmware_bridge.wire.maxon.opcodes import COMMANDS, decode_answer, decode_request
+from firmware_bridge.wire.maxon.packets import outcome_of
+from firmware_bridge.wire.maxon.v2 import Damaged, FrameReader
+
+_HANDSHAKE: Final = {v1.OKAY: "okay", v1.FAILED: "failed"}
+_OBJECT: Final = ("index", "subindex")
+
+
+def _fields(message: Request | Answer) -> str:
+    """Return a message's fields; an object is called by its name."""
+    values = {name: getattr(message, name) for name in type(message).__dataclass_fields__}
+    said = []
+    if set(_OBJECT) <= set(values):
+        said.append(called(Address(*(values.pop(name) for name in _OBJECT))))
+    for name, value in values.items():
+        said.append(f"{name} {value.hex(' ').upper() if isinstance(value, bytes) else value}")
+    return ", ".join(said)
+
+
+class _Exchange:
+    """The commands of one line: an answer is read by what was asked."""
+
+    def __init__(self) -> None:
+        self._request: Request | None = None
+
+    def asked(self, frame: Frame) -> str:
+        """Return what a command asks."""
+        row = COMMANDS.get(frame.opcode)
+        self._request = decode_request(frame)
+        name = f"command 0x{frame.opcode:02X}" if row is None else row.name
+        if self._request is None:
+            return f"{name}: {frame.body.hex(' ').upper() or 'without data'}"
+        return f"{name}: {_fields(self._request)}"
+
+    def answered(self, body: bytes) -> str:
+        """Return what an answer says."""
+        answer = None if self._request is None else decode_answer(self._request, body)
+        return f"answer: {body.hex(' ').upper() if answer is None else _fields(answer)}"
+
+
+class MaxonCommands:
+    """Reads commands that are packets: see `wire.maxon.packets`."""
+
+    def __init__(self) -> None:
+        self._exchange = _Exchange()
+        self._asker = ""
+
+    def read(self, sender: str, packet: Packet) -> str:
+        """Return what a command or its outcome says; whoever speaks first is the one who asks."""
+        self._asker = self._asker or sender
+        if sender == self._asker:
+            return self._exchange.asked(
+                Frame(packet.address & 0xFF, packet.payload[: len(packet.payload) & ~1])
+            )
+        _, outcome = outcome_of(packet)
+        if isinstance(outcome, Failure):
+            return f"no answer: {outcome.value}"
+        return self._exchange.answered(outcome.body)
+
+
+class _Stream:
+    """What one end of a line sends, byte by byte."""
+
+    def __init__(self) -> None:
+        self._second = FrameReader()
+        self._first: v1.Rest | None = None
+
+    def take_v2(self, byte: int) -> Frame | str | None:
+        """Take a byte of V2; return a frame, or what has happened."""
+        done = self._second.take(byte)
+        return "a frame whose check sum is wrong" if isinstance(done, Damaged) else done
+
+    def take_v1(self, byte: int) -> Frame | str | None:
+        """Take a byte of V1, where bytes of the handshake stand between frames."""
+        if self._first is None:
+            if byte in _HANDSHAKE:
+                return _HANDSHAKE[byte]
+            self._first = v1.Rest(byte)
+            return None
+        if not self._first.take(byte):
+            return None
+        frame, self._first = self._first.frame(), None
+        return "a frame whose check sum is wrong" if frame is None else frame
+
+
+class MaxonLine:
+    """Reads the bytes of one line, both ways."""
+
+    def __init__(self) -> None:
+        self._exchange = _Exchange()
+        self._streams: dict[str, _Stream] = {}
+        self._v2: bool | None = None
+
+    def read(self, sender: str, packet: Packet) -> str:
+        """Return what the bytes complete; those of a frame that goes on say so."""
+        stream = self._streams.setdefault(sender, _Stream())
+        said = []
+        for byte in packet.payload:
+            if self._v2 is None:
+                self._v2 = byte == DLE
+            done = stream.take_v2(byte) if self._v2 else stream.take_v1(byte)
+            if done is not None:
+                said.append(done if isinstance(done, str) else self._told(done))
+        return "; ".join(said) or "part of a frame"
+
+    def _told(self, frame: Frame) -> str:
+        return self._exchange.answered(frame.body) if frame.opcode == ANSWER else self._exchange.asked(frame)
