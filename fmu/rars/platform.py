@@ -127,7 +127,8 @@ class Platform:
         resistance = self._resistance(self.front_load)
         uphill, left_front, left_rear = self._hold()
         shift = P["cg_height"] / P["wheelbase"] * uphill
-        pushes = [wheel.push() for wheel in (*self.rears.values(), *self.fronts.values())]
+        pushes = [wheel.push() for wheel in self.rears.values()]
+        pushes += [front.push() for front in self.fronts.values()]
         return (
             *self.body.states(pushes, start),
             *(
