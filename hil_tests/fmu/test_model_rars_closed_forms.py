@@ -85,8 +85,8 @@ def test_inertia_matrix_of_the_reduced_model(name: str) -> None:
     platform = Platform(shafts[0], shafts[1], Steering(shafts[2]))
     speeds = sp.symbols("y1 y2 x", real=True)
     track = SYMBOLS["rear_track"]
-    at = {platform.speed: (speeds[0] + speeds[1]) / 2, platform.drift: -speeds[2]}
-    at |= {platform.yaw_rate: (speeds[1] - speeds[0]) / track}
+    at = {platform.body.speed: (speeds[0] + speeds[1]) / 2, platform.body.drift: -speeds[2]}
+    at |= {platform.body.yaw_rate: (speeds[1] - speeds[0]) / track}
     spins = [
         symbol
         for symbol in platform.energy().free_symbols

@@ -35,7 +35,7 @@ from fmu.build import export
 from fmu.errors import PlantError
 from fmu.export.model import Expression, Model, Output, Parameter, State
 from fmu.export.model import Input as Voltage
-from fmu.interface import AXES, INPUTS, OUTPUTS
+from fmu.rars.interface import AXES, INPUTS, OUTPUTS
 
 STEPS = (
     Step(at_s=3.0, title="arm", arm=True),

@@ -57,7 +57,7 @@ class Rars:
         robot = find("rars")
         names = [axis.name for axis in robot.axes]
         outputs = (*plant_outputs(names), *EXTRA)
-        self.plant = FmuPlant(ensure(), plant_inputs(names), outputs, parameters)
+        self.plant = FmuPlant(ensure("rars"), plant_inputs(names), outputs, parameters)
         axes = [ServoAxis(axis.name, axis.settings.quadcounts_per_turn) for axis in robot.axes]
         self.axes = dict(zip(names, axes, strict=True))
         self.bank = ServoBank(self.plant, axes, supply=outputs.index("battery_voltage"))
