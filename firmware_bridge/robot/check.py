@@ -108,12 +108,8 @@ def _carried(name: str, link: Raw, axes: list[Raw], sensors: list[Raw]) -> Itera
     nodes: dict[object, int] = {}
     for index, axis in own:
         node = _within(axis, "settings").get("node")
-        key = f"axes[{index}].settings.node"
-        if node in nodes:
-            yield Problem(key, f"{node} is the node of axes[{nodes[node]}], too")
-        elif node is not None and node == link.get("bridge_node"):
-            yield Problem(key, f"{node} is the bridge's own node, links.{name}.bridge_node")
         if node is not None:
+            yield from _node(f"axes[{index}].settings.node", node, nodes, (name, link.get("bridge_node")))
             nodes.setdefault(node, index)
     if not own and not any(sensor.get("link") == name for sensor in sensors):
         yield Problem(f"links.{name}", "no axis and no sensor is on this link")
@@ -125,14 +121,24 @@ def _carried(name: str, link: Raw, axes: list[Raw], sensors: list[Raw]) -> Itera
             yield Problem(f"links.{name}.gateway", "a drive without another one behind it watches nobody")
 
 
+def _node(
+    key: str, node: object, taken: Mapping[object, int], bridge: tuple[str, object]
+) -> Iterator[Problem]:
+    link, own = bridge
+    if node in taken:
+        yield Problem(key, f"{node} is the node of axes[{taken[node]}], too")
+    elif node == own:
+        yield Problem(key, f"{node} is the bridge's own node, links.{link}.bridge_node")
+
+
 def _in_time(name: str, link: Raw, cycle_ms: object) -> Iterator[Problem]:
     every, silent_ms = link.get("every", 1), link.get("silent_ms")
-    if isinstance(cycle_ms, int) and isinstance(every, int) and isinstance(silent_ms, int):
-        if silent_ms <= every * cycle_ms:
-            yield Problem(
-                f"links.{name}.silent_ms",
-                f"{silent_ms} is not longer than a cycle of the link, {every * cycle_ms}",
-            )
+    numbers = isinstance(cycle_ms, int) and isinstance(every, int) and isinstance(silent_ms, int)
+    if numbers and silent_ms <= every * cycle_ms:
+        cycle = every * cycle_ms
+        yield Problem(
+            f"links.{name}.silent_ms", f"{silent_ms} is not longer than a cycle of the link, {cycle}"
+        )
 
 
 def _once(rows: list[Raw], key: str, field: str) -> Iterator[Problem]:
