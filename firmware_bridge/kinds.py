@@ -117,7 +117,7 @@ def beyond_bounds(robot: AnyRobot, kind: AnyKind) -> Iterator[Problem]:
 
 
 def _most_asked(robot: AnyRobot, kind: AnyKind) -> dict[tuple[str, str], float]:
-    """Return the fastest, lowest (its negative) and highest that each axis may be asked for within the limits."""
+    """Return the fastest, lowest (its negative) and highest that each axis may be asked for."""
     body = kind.body(robot)
     most: dict[tuple[str, str], float] = {}
     for motion, state in kind.reach(robot):

@@ -133,12 +133,11 @@ def _node(
 
 def _in_time(name: str, link: Raw, cycle_ms: object) -> Iterator[Problem]:
     every, silent_ms = link.get("every", 1), link.get("silent_ms")
-    numbers = isinstance(cycle_ms, int) and isinstance(every, int) and isinstance(silent_ms, int)
-    if numbers and silent_ms <= every * cycle_ms:
-        cycle = every * cycle_ms
-        yield Problem(
-            f"links.{name}.silent_ms", f"{silent_ms} is not longer than a cycle of the link, {cycle}"
-        )
+    if not (isinstance(cycle_ms, int) and isinstance(every, int) and isinstance(silent_ms, int)):
+        return
+    cycle = every * cycle_ms
+    if silent_ms <= cycle:
+        yield Problem(f"links.{name}.silent_ms", f"{silent_ms} is not longer than the link's cycle, {cycle}")
 
 
 def _once(rows: list[Raw], key: str, field: str) -> Iterator[Problem]:
