@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Final
 
 from emulators.epos2.drive import Epos2
 from emulators.epos2.objects.catalogue import PROFILES
@@ -17,8 +17,11 @@ from emulators.servo.sensor_lines import sensor_lines, sensor_outputs
 from firmware_bridge.robot import AnyRobot, Axis, Problem, RobotFileError
 from firmware_bridge.wire.maxon.frame import Generation
 from fmu.build import ensure
+from fmu.errors import UnknownNameError
+from fmu.interface import units
 from fmu.plant import FmuPlant, PlantError
-from fmu.rars.parameters import ROBOT_FILE, SETS
+from fmu.plants import Plant
+from fmu.plants import find as find_plant
 
 SUPPLY: Final = "battery_voltage"
 """The plant's output that feeds the drives, V."""
@@ -46,9 +49,9 @@ def devices(
 ) -> Devices:
     """Build a robot's drives above its plant; PlantError where the plant cannot be used.
 
-    `outputs` are the plant's that somebody wants to look at, whether an axis needs them or not. With `realistic_latency` the drives take the published time for an SDO
-    answer; otherwise they answer at once. `serial` names the axes whose drives have a host on their serial
-    port, and the protocol that they speak.
+    `outputs` are the plant's that somebody wants to look at, whether an axis needs them or not. With
+    `realistic_latency` the drives take the published time for an SDO answer; otherwise they answer at once.
+    `serial` names the axes whose drives have a host on their serial port, and the protocol that they speak.
 
     Geometry that both know is set from the robot file into our own plant, so that they agree; a plant of the
     user's is taken as it is, with the parameters that the robot file lists for it.
@@ -56,7 +59,7 @@ def devices(
     names = [axis.name for axis in robot.axes]
     first = plant_outputs(names)
     if plant_path is None:
-        path, parameters = ensure(robot.plant.fmu), plant_parameters(robot)
+        path, parameters = ensure(_plant(robot)), plant_parameters(robot)
     else:
         path, parameters = plant_path, robot.plant.parameters
     plant = FmuPlant(
@@ -64,6 +67,7 @@ def devices(
         plant_inputs(names),
         tuple(dict.fromkeys((*first, SUPPLY, *outputs))),
         parameters,
+        units=units(names),
         optional_inputs=pin_inputs(names),
         optional_outputs=pin_outputs(names) + sensor_outputs(names),
     )
@@ -120,19 +124,21 @@ def plant_parameters(robot: AnyRobot) -> dict[str, float]:
     """Return the plant's parameters that the robot file knows, under the plant's names and in its units.
 
     The geometry that bridge and plant share wins over the parameter set, single values win over both.
-    RobotFileError where the set is unknown.
+    RobotFileError where plant, set or geometry are unknown.
     """
-    chosen = robot.plant.parameter_set
-    if chosen is not None and chosen not in SETS:
-        known = ", ".join(SETS)
-        problem = f"the plant '{robot.plant.fmu}' has no such set '{chosen}'; it has {known}"
-        raise RobotFileError(robot.name, Problem("plant.parameter_set", problem))
-    found = {} if chosen is None else dict(SETS[chosen])
-    by_role = {axis.role: axis for axis in robot.axes}
-    for key, (name, factor) in ROBOT_FILE.items():
-        table, *rest = key.split(".")
-        owner: Any = by_role[rest.pop(0)] if table == "axes" else getattr(robot, table)
-        for part in rest:
-            owner = getattr(owner, part)
-        found[name] = factor * float(owner)
-    return found | robot.plant.parameters
+    plant, chosen = _plant(robot), robot.plant.parameter_set
+    try:
+        found = {} if chosen is None else plant.parameter_set(chosen)
+    except UnknownNameError as error:
+        raise RobotFileError(robot.name, Problem("plant.parameter_set", str(error))) from error
+    try:
+        return found | plant.parameters_of(robot) | robot.plant.parameters
+    except UnknownNameError as error:
+        raise RobotFileError(robot.name, Problem("plant.fmu", str(error))) from error
+
+
+def _plant(robot: AnyRobot) -> Plant:
+    try:
+        return find_plant(robot.plant.fmu)
+    except UnknownNameError as error:
+        raise RobotFileError(robot.name, Problem("plant.fmu", str(error))) from error

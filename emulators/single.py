@@ -19,6 +19,7 @@ from emulators.servo.pins import input_lines, output_lines, pin_inputs, pin_outp
 from emulators.servo.sensor_lines import sensor_lines, sensor_outputs
 from emulators.storage import ParameterFile
 from firmware_bridge.wire.maxon.frame import Generation
+from fmu.interface import units
 from fmu.plant import FmuPlant, PlantError
 
 QUADCOUNTS: Final = 2_000
@@ -95,6 +96,7 @@ def _fmu(path: Path, names: Sequence[str], parameters: Mapping[str, float]) -> F
         plant_inputs(names),
         plant_outputs(names),
         parameters,
+        units=units(names),
         optional_inputs=pin_inputs(names),
         optional_outputs=pin_outputs(names) + sensor_outputs(names),
     )

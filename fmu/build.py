@@ -12,7 +12,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -20,16 +20,17 @@ from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 from fmu.errors import PlantError
 from fmu.fingerprint import RESOURCE
+from fmu.plants import Plant, find
 
 if TYPE_CHECKING:
     from fmu.export.model import Model
 
 FLAGS: Final = (
-    "-std=c99", "-O3", "-fschedule-insns", "-fno-math-errno", "-fno-trapping-math",
+    "-std=c99", "-O3", "-fno-guess-branch-probability", "-fno-math-errno", "-fno-trapping-math",
     "-ffp-contract=off", "-fPIC", "-fvisibility=hidden",
 )  # fmt: skip
 """Nobody asks for errno or traps, and without them roots and choices take no branches; the bits are the same.
-gcc orders the long lines of equations for x86 only when told so (12 % of RARS's time); clang does it anyway.
+gcc guesses on which side of a bound a value lies, and moves the other side away: 7 % of RARS's time.
 Contraction into fused multiply-adds would make the result depend on compiler and CPU."""
 
 _HERE: Final = Path(__file__).parent
@@ -40,45 +41,42 @@ _GENERATED: Final = ("model.c", "tangents.c")
 _EPOCH: Final = (1980, 1, 1, 0, 0, 0)
 
 
-def ensure(model: str = "rars", fmi: int = 3) -> Path:
-    """Return the FMU of this model for FMI 2.0 or 3.0, built when it is not in the cache."""
+def ensure(plant: str | Plant, fmi: int = 3) -> Path:
+    """Return the FMU of this plant, or of the installed one of this name, for FMI 2.0 or 3.0.
+
+    It is built when it is not in the cache. PlantError where it cannot be.
+    """
+    chosen = find(plant) if isinstance(plant, str) else plant
     compiler = find_compiler()
-    target = _kept(model, fmi, compiler)
+    target = _kept(chosen, fmi, compiler)
     if not target.exists():
-        build(model, fmi, target, compiler=compiler)
+        build(chosen, fmi, target, compiler=compiler)
     return target
 
 
-def is_built(model: str, fmi: int = 3) -> bool:
-    """Tell whether the FMU of this model is in the cache, so that `ensure` takes no time."""
-    return _kept(model, fmi, find_compiler()).exists()
+def is_built(plant: str | Plant, fmi: int = 3) -> bool:
+    """Tell whether the FMU of this plant is in the cache, so that `ensure` takes no time."""
+    chosen = find(plant) if isinstance(plant, str) else plant
+    return _kept(chosen, fmi, find_compiler()).exists()
 
 
-def build(model: str, fmi: int, target: Path, *, compiler: str | None = None) -> None:
-    """Write the FMU of this model folder to `target`, replacing it at once."""
-    export(described(model), fmi, target, token=f"{{{_token(model)}}}", compiler=compiler)
+def build(plant: str | Plant, fmi: int, target: Path, *, compiler: str | None = None) -> None:
+    """Write the FMU of this plant, or of the installed one of this name, replacing `target` at once."""
+    chosen = find(plant) if isinstance(plant, str) else plant
+    export(chosen.model(), fmi, target, token=f"{{{_token(chosen)}}}", compiler=compiler)
 
 
-def described(model: str) -> "Model":
-    """Return the equations and tables of this model folder; PlantError where there is none."""
-    if model not in models():
-        raise PlantError(f"there is no plant model '{model}'; there are: {', '.join(models())}")
-    # Imported here, for SymPy comes with it: a plant from the cache does not pay for it.
-    equations: Model = importlib.import_module(f"fmu.{model}.equations").model()
-    return equations
-
-
-def export(plant: "Model", fmi: int, target: Path, *, token: str, compiler: str | None = None) -> None:
-    """Write any model as an FMU; `token` tells its versions apart. PlantError where it cannot be built."""
+def export(model: "Model", fmi: int, target: Path, *, token: str, compiler: str | None = None) -> None:
+    """Write any equations as an FMU; `token` tells its versions apart. PlantError where that fails."""
     if fmi not in _VERSIONS:
         raise PlantError(f"FMI {fmi} is not offered: 2 or 3")
     blocks, code, description, twin = (
         importlib.import_module(f"fmu.export.{name}") for name in ("blocks", "code", "description", "twin")
     )
-    program = blocks.Program(plant)
+    program = blocks.Program(model)
     shell = [f"fmi{fmi}{part}.c" for part in ("", "_absent", "_exchange", "_states")]
     units = (*_SHARED, *shell, *_GENERATED)
-    written = ("core.h", "elementary.h", "lanes.h", f"fmi{fmi}_shell.h", *_SHARED, *shell)
+    written = ("core.h", "elementary.h", f"fmi{fmi}_shell.h", *_SHARED, *shell)
     files = {name: (_HERE / "export" / "c" / name).read_text(encoding="utf-8") for name in written}
     files |= code.generate(program, token) | _headers(fmi)
     entries = {f"sources/{name}": text.encode() for name, text in files.items()}
@@ -88,7 +86,7 @@ def export(plant: "Model", fmi: int, target: Path, *, token: str, compiler: str 
     fingerprint = twin.fingerprint(program)
     if fingerprint is not None:
         entries[RESOURCE] = fingerprint.to_json().encode()
-    entries[_binary_path(plant.name, fmi)] = _compiled(files, units, compiler or find_compiler())
+    entries[_binary_path(model.name, fmi)] = _compiled(files, units, compiler or find_compiler())
     _write(target, entries)
 
 
@@ -104,13 +102,8 @@ def find_compiler() -> str:
     raise PlantError(f"no C compiler found (tried {', '.join(_COMPILERS)}): install one, e.g. Debian's gcc")
 
 
-def models() -> list[str]:
-    """Return the names of the model folders."""
-    return sorted(path.parent.name for path in _HERE.glob("*/equations.py"))
-
-
-def _kept(model: str, fmi: int, compiler: str) -> Path:
-    return _cache() / f"{model}-fmi{fmi}-{_key(model, fmi, compiler)[:16]}.fmu"
+def _kept(plant: Plant, fmi: int, compiler: str) -> Path:
+    return _cache() / f"{plant.name}-fmi{fmi}-{_key(plant, fmi, compiler)[:16]}.fmu"
 
 
 def _cache() -> Path:
@@ -118,25 +111,41 @@ def _cache() -> Path:
     return Path(root) / "firmware-bridge" / "fmu"
 
 
-def _sources(model: str) -> list[Path]:
-    folders = (_HERE / "export", _HERE / "parts", _HERE / model)
-    found = [path for folder in folders for path in folder.rglob("*") if path.suffix in {".py", ".c", ".h"}]
-    return [*sorted(found), _HERE / "interface.py", _HERE / "fingerprint.py"]
+def _sources(plant: Plant) -> Iterator[tuple[str, Path]]:
+    """Yield what the FMU is made from: a name that is the same on every machine, and the file."""
+    yield "fingerprint.py", _HERE / "fingerprint.py"
+    folders = {"export": _HERE / "export", "parts": _HERE / "parts", plant.package: _folder(plant)}
+    for name, folder in folders.items():
+        for path in sorted(folder.rglob("*")):
+            if path.suffix in {".py", ".c", ".h"}:
+                yield f"{name}/{path.relative_to(folder).as_posix()}", path
 
 
-def _token(model: str) -> str:
+def _folder(plant: Plant) -> Path:
+    try:
+        spec = importlib.util.find_spec(plant.package)
+    except ImportError:
+        spec = None
+    if spec is None or not spec.submodule_search_locations:
+        raise PlantError(
+            f"the plant '{plant.name}' is to stand in the package {plant.package}: there is none"
+        )
+    return Path(spec.submodule_search_locations[0])
+
+
+def _token(plant: Plant) -> str:
     digest = hashlib.sha256()
-    for path in _sources(model):
-        digest.update(path.relative_to(_HERE).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    for name, path in _sources(plant):
+        digest.update(name.encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()[:32]
 
 
-def _key(model: str, fmi: int, compiler: str) -> str:
+def _key(plant: Plant, fmi: int, compiler: str) -> str:
     # The compiler is the user's own choice.
     version = subprocess.run([compiler, "--version"], capture_output=True, check=False).stdout  # noqa: S603
     digest = hashlib.sha256(version)
     libraries = [f"{name} {metadata.version(name)}" for name in ("sympy", "fmpy")]
-    for part in (_token(model), str(fmi), compiler, *FLAGS, *libraries, platform.machine(), sys.platform):
+    for part in (_token(plant), str(fmi), compiler, *FLAGS, *libraries, platform.machine(), sys.platform):
         digest.update(part.encode() + b"\0")
     return digest.hexdigest()
 

@@ -13,7 +13,6 @@ from fmpy.model_description import read_model_description
 from fmpy.validation import validate_fmu
 
 from fmu.errors import PlantError, PlantWarning
-from fmu.interface import UNITS
 from fmu.plant import OTHER_BITS, FmuPlant
 from fmu.references import References
 from fmu.verify import Verdict
@@ -39,7 +38,7 @@ class Findings:
         return (*self.description, *((self.start,) if self.start else ()), *bits)
 
     def lacking(
-        self, inputs: Sequence[str], outputs: Sequence[str], units: Mapping[str, str] = UNITS
+        self, inputs: Sequence[str], outputs: Sequence[str], units: Mapping[str, str]
     ) -> tuple[str, ...]:
         """Return what keeps this FMU from serving a master with these variables, one sentence each."""
         found = []

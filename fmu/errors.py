@@ -5,5 +5,9 @@ class PlantError(Exception):
     """A plant that cannot be built, loaded or stepped; the message names the file and the cure."""
 
 
+class UnknownNameError(PlantError):
+    """A plant, or a part of one, that does not go by this name; the message says which ones there are."""
+
+
 class PlantWarning(UserWarning):
     """A plant that runs, but not as it was meant to; the message names the file and the cure."""

@@ -1,28 +1,36 @@
-"""The seam of every RARS plant: names and units that an FMU must offer, whoever made it."""
+"""The seam of every plant: what drives ask of it, by name and unit, whoever made the FMU."""
 
+from collections.abc import Iterable, Mapping
 from typing import Final
 
-AXES: Final = ("left", "right", "steer", "lift")
+AXIS_INPUTS: Final[Mapping[str, str]] = {"voltage": "V"}
+"""Quantity and unit of the inputs `QUANTITY_AXIS`; a positive voltage drives forwards."""
 
-INPUTS: Final[dict[str, str]] = {f"voltage_{axis}": "V" for axis in AXES}
-"""Motor voltages; positive drives forwards, to the left, up."""
+AXIS_OUTPUTS: Final[Mapping[str, str]] = {"current": "A", "angle": "rad", "speed": "rad/s"}
+"""The same of the outputs: the motor's current and the motor's own shaft."""
 
-OUTPUTS: Final[dict[str, str]] = {
-    **{f"current_{axis}": "A" for axis in AXES},
-    **{f"angle_{axis}": "rad" for axis in AXES},
-    **{f"speed_{axis}": "rad/s" for axis in AXES},
+PLANAR: Final[Mapping[str, str]] = {
     "x": "m",
     "y": "m",
     "heading": "rad",
     "speed": "m/s",
     "yaw_rate": "rad/s",
-    "rack": "m",
-    "steer_left": "rad",
-    "steer_right": "rad",
-    "steer": "rad",
-    "lift_height": "m",
     "battery_voltage": "V",
 }
-"""Motor shafts first, then the platform; the meaning of each is in fmu/rars/README.md."""
+"""What a robot on a floor tells beside its axes; a positive heading is counter-clockwise from x."""
 
-UNITS: Final[dict[str, str]] = INPUTS | OUTPUTS
+
+def inputs(axes: Iterable[str]) -> dict[str, str]:
+    """Return the inputs that the drives of these axes set, with their units."""
+    return {f"{quantity}_{axis}": unit for axis in axes for quantity, unit in AXIS_INPUTS.items()}
+
+
+def outputs(axes: Iterable[str]) -> dict[str, str]:
+    """Return the outputs that the drives of these axes measure, with their units."""
+    return {f"{quantity}_{axis}": unit for axis in axes for quantity, unit in AXIS_OUTPUTS.items()}
+
+
+def units(axes: Iterable[str]) -> dict[str, str]:
+    """Return the units of all that a master may ask of a robot with these axes."""
+    names = tuple(axes)
+    return {**PLANAR, **inputs(names), **outputs(names)}

@@ -14,8 +14,7 @@ from typing import Any, Final, NamedTuple, NoReturn, Self
 
 from fmu.calls import OK_OR_WARNING, SECOND_NS, STATUS, PlantRecord, prepare
 from fmu.errors import PlantError, PlantWarning
-from fmu.interface import UNITS
-from fmu.references import References
+from fmu.references import References, Variable
 from fmu.states import Copy, StateError
 from fmu.verify import Verdict, compare
 
@@ -31,6 +30,7 @@ OTHER_BITS: Final = (
 )
 
 _NOTHING: Final[Mapping[str, float]] = MappingProxyType({})
+_NO_UNITS: Final[Mapping[str, str]] = MappingProxyType({})
 
 
 class PlantState(NamedTuple):
@@ -57,7 +57,7 @@ class FmuPlant:
         parameters: Mapping[str, float] = _NOTHING,
         step: int = 100_000,
         *,
-        units: Mapping[str, str] = UNITS,
+        units: Mapping[str, str] = _NO_UNITS,
         optional_inputs: Sequence[str] = (),
         optional_outputs: Sequence[str] = (),
     ) -> None:
@@ -103,6 +103,11 @@ class FmuPlant:
             reason = self._reason("cannot be read", PlantError("no reason given"))
             self.close()
             raise PlantError(reason)
+
+    @property
+    def variables(self) -> Mapping[str, Variable]:
+        """What this FMU has, by name, with units and descriptions: any of it can be asked for, or read."""
+        return {variable.name: variable for variable in self._references.described()}
 
     @property
     def record(self) -> PlantRecord:

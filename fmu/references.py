@@ -2,6 +2,7 @@
 
 import difflib
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Final
 
 from fmu.errors import PlantError
@@ -9,6 +10,16 @@ from fmu.export.units import UNITS as SI
 
 _REAL: Final = frozenset({"Real", "Float64"})
 _BASES: Final = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """A variable of an FMU: its unit is None, and its description empty, where the FMU does not tell them."""
+
+    name: str
+    causality: str
+    unit: str | None
+    description: str
 
 
 class References:
@@ -26,6 +37,14 @@ class References:
     def present(self, names: Sequence[str]) -> tuple[str, ...]:
         """Return those of the names that are variables here, in their order."""
         return tuple(name for name in names if name in self._variables)
+
+    def described(self) -> tuple[Variable, ...]:
+        """Return all real variables, as a master may ask for them."""
+        return tuple(
+            Variable(name, str(variable.causality), _unit(variable), str(variable.description or ""))
+            for name, variable in self._variables.items()
+            if variable.type in _REAL
+        )
 
     def any(self, name: str) -> tuple[int, str]:
         """Return value reference and type of any variable."""
@@ -69,9 +88,7 @@ class References:
         return int(variable.valueReference)
 
     def _check_unit(self, name: str, variable: Any, expected: str | None) -> None:
-        declared = variable.unit
-        if declared is None and variable.declaredType is not None:
-            declared = variable.declaredType.unit
+        declared = _unit(variable)
         # Many tools write no units: then there is nothing to compare.
         if expected is None or declared is None or declared == expected:
             return
@@ -83,3 +100,10 @@ class References:
             if exponents == SI[expected].exponents() and (factor, offset) == (1.0, 0.0):
                 return
         raise PlantError(f"{self._file}: '{name}' is in '{declared}', but '{expected}' was expected")
+
+
+def _unit(variable: Any) -> str | None:
+    unit = variable.unit
+    if unit is None and variable.declaredType is not None:
+        unit = variable.declaredType.unit
+    return None if unit is None else str(unit)

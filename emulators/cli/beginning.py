@@ -6,7 +6,8 @@ from typing import Final
 from emulators.servo.kernel import choose
 from firmware_bridge.cli.console import say
 from firmware_bridge.robot import AnyRobot
-from fmu.build import ensure, is_built, models
+from fmu.build import ensure, is_built
+from fmu.plants import names
 
 BUILDING_S: Final = 10
 """How long a plant takes on a machine of today, most of it for SymPy and the compiler."""
@@ -21,6 +22,6 @@ def tell_of_beginning(machine: AnyRobot, plant: Path | None) -> None:
     if reason:
         say(f"the drives' loops run in Python, which is slower: {reason}", err=True)
     model = machine.plant.fmu
-    if plant is None and model in models() and not is_built(model):
+    if plant is None and model in names() and not is_built(model):
         say(f"building the plant '{model}' (once, about {BUILDING_S} s)", err=True)
         ensure(model)

@@ -9,13 +9,15 @@ from rich.table import Table
 from emulators.bench.rehearsal import rehearsal_of
 from emulators.devices import SUPPLY
 from emulators.servo.bank import plant_inputs, plant_outputs
+from firmware_bridge import kinds
 from firmware_bridge.cli.console import FAILED, one_message, say
 from firmware_bridge.cli.tables import terminal
-from firmware_bridge import kinds
 from firmware_bridge.robot import AnyRobot
-from fmu.build import build, described, models
+from fmu.build import build
 from fmu.check import Findings, examine
 from fmu.errors import PlantError
+from fmu.interface import units
+from fmu.plants import find, names
 from fmu.verify import Verdict
 
 BITS: Final = {
@@ -31,14 +33,22 @@ def list_models() -> None:
     for heading in ("model", "what it is", "states", "inputs", "outputs", "parameters", "robots"):
         table.add_column(heading, overflow="fold")
     robots = [kinds.find(name) for name in kinds.names()]
-    with one_message(PlantError):
-        for name in models():
-            model = described(name)
+    failed = False
+    for name in names():
+        try:
+            model = find(name).model()
+        except PlantError as error:
+            # A stranger's mistake hides no other plant.
+            table.add_row(name, str(error), *["-"] * 5)
+            failed = True
+        else:
             outputs = sum(not row.local for row in model.outputs)
             used = ", ".join(robot.name for robot in robots if robot.plant.fmu == name) or "none"
             counts = (len(model.states), len(model.inputs), outputs, len(model.parameters))
             table.add_row(name, model.description, *map(str, counts), used)
     terminal().print(table)
+    if failed:
+        raise typer.Exit(FAILED)
     say("each as FMI 2.0 or 3.0, with co-simulation and model exchange in one file")
 
 
@@ -58,7 +68,7 @@ def check(file: Path) -> None:
     lacking = {robot.name: _lacking(robot, found) for robot in map(kinds.find, kinds.names())}
     fits = [name for name, reasons in lacking.items() if not reasons]
     # A model of ours may be made for something else than the bench of a robot.
-    needed = not fits and found.model not in models()
+    needed = not fits and found.model not in names()
     problems = [*found.problems, *(reason for reasons in lacking.values() for reason in reasons if needed)]
     rows = {
         "model": f"{found.model}, {found.variables} variables",
@@ -77,10 +87,10 @@ def check(file: Path) -> None:
 
 
 def _lacking(robot: AnyRobot, found: Findings) -> tuple[str, ...]:
-    names = [axis.name for axis in robot.axes]
+    axes = [axis.name for axis in robot.axes]
     wanted = [column.plant for column in rehearsal_of(robot).columns if column.plant]
-    outputs = dict.fromkeys((*plant_outputs(names), SUPPLY, *wanted))
-    reasons = found.lacking(plant_inputs(names), tuple(outputs))
+    outputs = dict.fromkeys((*plant_outputs(axes), SUPPLY, *wanted))
+    reasons = found.lacking(plant_inputs(axes), tuple(outputs), units(axes))
     if "co-simulation" not in found.interfaces:
         return (*reasons, "it offers no co-simulation; export it with its solver")
     return reasons

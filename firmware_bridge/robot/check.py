@@ -25,10 +25,7 @@ def cross_checked(table: Raw, roles: Mapping[str, str]) -> Iterator[Problem]:
     yield from _roles(axes, roles)
     names = [str(axis.get("name")) for axis in axes]
     for key, rows in (("sensors", sensors), ("outputs", outputs)):
-        for index, row in enumerate(rows):
-            axis = _within(row, "settings").get("axis")
-            if isinstance(axis, str) and axis not in names:
-                yield Problem(f"{key}[{index}].settings.axis", f"no axis '{axis}'; {near(axis, names)}")
+        yield from _at_drives(key, rows, axes)
     yield from _battery(table, [str(sensor.get("name")) for sensor in sensors])
     by_speed = [str(axis.get("name")) for axis in axes if axis.get("command") == "speed"]
     yield from _guarded(table, names, by_speed)
@@ -48,6 +45,24 @@ def _roles(axes: list[Raw], roles: Mapping[str, str]) -> Iterator[Problem]:
     for role, group in roles.items():
         if role not in told:
             yield Problem("axes", f"no axis has the role '{role}', which the group '{group}' needs")
+
+
+def _at_drives(key: str, rows: list[Raw], axes: list[Raw]) -> Iterator[Problem]:
+    """Check that each row is at the drive of an axis on its own link, and alone at its pin."""
+    links = {str(axis.get("name")): axis.get("link") for axis in axes}
+    pins: dict[tuple[object, object], int] = {}
+    for index, row in enumerate(rows):
+        settings = _within(row, "settings")
+        axis, pin = settings.get("axis"), (settings.get("axis"), settings.get("output"))
+        if not isinstance(axis, str):
+            continue
+        if axis not in links:
+            yield Problem(f"{key}[{index}].settings.axis", f"no axis '{axis}'; {near(axis, links)}")
+        elif links[axis] != row.get("link"):
+            yield Problem(f"{key}[{index}].link", f"the axis '{axis}' is on the link '{links[axis]}'")
+        if None not in pin and pin in pins:
+            yield Problem(f"{key}[{index}].settings.output", f"{pin[1]} is that of {key}[{pins[pin]}], too")
+        pins.setdefault(pin, index)
 
 
 def _battery(table: Raw, sensors: list[str]) -> Iterator[Problem]:
@@ -93,12 +108,8 @@ def _carried(name: str, link: Raw, axes: list[Raw], sensors: list[Raw]) -> Itera
     nodes: dict[object, int] = {}
     for index, axis in own:
         node = _within(axis, "settings").get("node")
-        key = f"axes[{index}].settings.node"
-        if node in nodes:
-            yield Problem(key, f"{node} is the node of axes[{nodes[node]}], too")
-        elif node is not None and node == link.get("bridge_node"):
-            yield Problem(key, f"{node} is the bridge's own node, links.{name}.bridge_node")
         if node is not None:
+            yield from _node(f"axes[{index}].settings.node", node, nodes, (name, link.get("bridge_node")))
             nodes.setdefault(node, index)
     if not own and not any(sensor.get("link") == name for sensor in sensors):
         yield Problem(f"links.{name}", "no axis and no sensor is on this link")
@@ -110,14 +121,24 @@ def _carried(name: str, link: Raw, axes: list[Raw], sensors: list[Raw]) -> Itera
             yield Problem(f"links.{name}.gateway", "a drive without another one behind it watches nobody")
 
 
+def _node(
+    key: str, node: object, taken: Mapping[object, int], bridge: tuple[str, object]
+) -> Iterator[Problem]:
+    link, own = bridge
+    if node in taken:
+        yield Problem(key, f"{node} is the node of axes[{taken[node]}], too")
+    elif node == own:
+        yield Problem(key, f"{node} is the bridge's own node, links.{link}.bridge_node")
+
+
 def _in_time(name: str, link: Raw, cycle_ms: object) -> Iterator[Problem]:
     every, silent_ms = link.get("every", 1), link.get("silent_ms")
-    if isinstance(cycle_ms, int) and isinstance(every, int) and isinstance(silent_ms, int):
-        if silent_ms <= every * cycle_ms:
-            yield Problem(
-                f"links.{name}.silent_ms",
-                f"{silent_ms} is not longer than a cycle of the link, {every * cycle_ms}",
-            )
+    numbers = isinstance(cycle_ms, int) and isinstance(every, int) and isinstance(silent_ms, int)
+    if numbers and silent_ms <= every * cycle_ms:
+        cycle = every * cycle_ms
+        yield Problem(
+            f"links.{name}.silent_ms", f"{silent_ms} is not longer than a cycle of the link, {cycle}"
+        )
 
 
 def _once(rows: list[Raw], key: str, field: str) -> Iterator[Problem]:

@@ -10,6 +10,7 @@ from typing import Final
 
 from fmu.export.model import Parameter
 from fmu.parts.rows import battery_rows, motor_rows
+from fmu.plants import Plant
 
 AXES: Final = ("left", "right")
 
@@ -64,3 +65,5 @@ SETS: Final[Mapping[str, Mapping[str, float]]] = {
 }
 """Named cases: the lab's tank ([C] 5, r_c / b = 7.5), a plane, the validation robot ([C] 4), and cases that
 [C] gives by r_c / b. Its radii of 2e5, 2e2 and 0.5e2 "m" do not fit its ratios; the ratios count."""
+
+PLANT: Final = Plant("climber", "fmu.climber", PARAMETERS, SETS)

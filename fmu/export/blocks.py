@@ -9,9 +9,8 @@ from functools import cached_property
 
 import sympy as sp
 
-from fmu.export.alike import is_mark, plain
-from fmu.export.loops import Line, Loop, Step, scalars, steps
 from fmu.export.model import Expression, Model, Output
+from fmu.export.reciprocals import Lines, with_reciprocals
 
 
 class UnsupportedError(Exception):
@@ -25,15 +24,8 @@ class Block:
     name: str
     reads: str
     target: str
-    steps: tuple[Step, ...]
+    shared: Lines
     results: tuple[tuple[int, Expression], ...]
-
-    def straight(self) -> tuple[tuple[Line, ...], tuple[tuple[int, Expression], ...]]:
-        """Return temporaries and results with all loops unrolled."""
-        lines: list[Line] = []
-        for step in self.steps:
-            lines += step.unrolled() if isinstance(step, Loop) else [(step[0], scalars(step[1]))]
-        return tuple(lines), tuple((place, scalars(value)) for place, value in self.results)
 
 
 @dataclass(frozen=True)
@@ -82,9 +74,8 @@ class Program:
         model = self.model
         hoister = _Hoister(frozenset(real(row.name) for row in model.parameters))
         rates = [hoister.hoist(state.rate) for state in model.states]
-        # Only the rates are computed often enough for loops.
-        readings = [hoister.hoist(value) for value in plain([row.expression for row in self.readings])]
-        starts = [hoister.hoist(value) for value in plain([state.start for state in model.states])]
+        readings = [hoister.hoist(row.expression) for row in self.readings]
+        starts = [hoister.hoist(sp.sympify(state.start)) for state in model.states]
         # The shell's reset writes zeros; derived starts follow the parameters.
         derived = [i for i, start in enumerate(starts) if start.free_symbols]
         if any(starts[i] != 0 for i in range(len(starts)) if i not in derived):
@@ -140,8 +131,6 @@ class _Hoister:
     def _is_fixed(self, expression: Expression) -> bool:
         if expression.is_Symbol:
             return expression in self._parameters
-        if is_mark(expression):
-            return False
         if expression not in self._fixed:
             self._fixed[expression] = all(self._is_fixed(part) for part in expression.args)
         return self._fixed[expression]
@@ -172,6 +161,7 @@ def _block(
     names: Mapping[Expression, Expression],
     places: Sequence[int] | None = None,
 ) -> Block:
-    done, results = steps(expressions, names)
+    shared, reduced = sp.cse([e.xreplace(names) for e in expressions], sp.numbered_symbols("t", real=True))
+    lines, results = with_reciprocals(tuple(shared), reduced)
     where = range(len(results)) if places is None else places
-    return Block(name, reads, target, done, tuple(zip(where, results, strict=True)))
+    return Block(name, reads, target, lines, tuple(zip(where, results, strict=True)))

@@ -1,14 +1,12 @@
 """Blocks to C: no function but sqrt and our own. Refuses to know what the equations mean."""
 
 import math
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
 import sympy as sp
 
 from fmu.export.blocks import Block, Program, UnsupportedError
-from fmu.export.loops import Loop
 from fmu.export.model import Expression
 from fmu.export.tangents import TangentBlock, tangents
 from fmu.export.variables import variables
@@ -25,6 +23,7 @@ _FUNCTIONS: Final[Mapping[str, str]] = {
     "clamped": "fb_clamped",
     "larger": "fb_larger",
     "reciprocal": "fb_reciprocal",
+    "shared": "",
     "sign_of": "fb_sign",
     "step_at": "fb_step_at",
     "inside": "fb_inside",
@@ -32,34 +31,28 @@ _FUNCTIONS: Final[Mapping[str, str]] = {
     "root_slope": "fb_root_slope",
 }
 _POWERS: Final[Mapping[int, str]] = {2: "fb_square", 3: "fb_cube", 4: "fb_fourth"}
-_OF_LANES: Final[Mapping[str, str]] = {"fabs": "fb_size", "sqrt": "fb_root"} | {
-    f"fb_{name}": f"fb_{name}"
-    for name in ("square", "cube", "fourth", "positive_part", "clamped", "larger", "reciprocal")
-}
-"""Functions that c/lanes.h has for several copies at once."""
-_ELEMENT: Final = re.compile(r"(\w+_\w+)\[(\d+)\]")
 _HIGHEST_POWER: Final = 5
 """Of a tangent: the slope of 1 / x^4."""
 
 
-def c_text(expression: Expression, *, lanes: bool = False) -> str:
+def c_text(expression: Expression) -> str:
     """Return an expression as C, fully parenthesised, so that every compiler rounds in the same places.
 
-    It is Python, too, with the same meaning. `lanes`: for several copies at once, see c/lanes.h.
+    It is Python, too, with the same meaning.
     """
     if expression.is_Symbol:
         return str(expression.name)
     if expression.is_number and expression.is_Atom:
         return _number(expression)
     if expression.is_Add:
-        return _sum(expression, lanes=lanes)
+        return _sum(expression)
     if expression.is_Mul:
-        return _product(expression, lanes=lanes)
+        return _product(expression)
     if expression.is_Pow:
-        return _power(expression.base, expression.exp, lanes=lanes)
+        return _power(expression.base, expression.exp)
     name = type(expression).__name__
     if name in _FUNCTIONS:
-        return _call(_FUNCTIONS[name], expression.args, lanes=lanes)
+        return _call(_FUNCTIONS[name], expression.args)
     raise UnsupportedError(f"no C for {name} in {expression}")
 
 
@@ -68,32 +61,20 @@ def _number(number: Expression) -> str:
     return repr(value)
 
 
-def _call(name: str, arguments: Sequence[Expression], *, lanes: bool) -> str:
-    if not lanes:
-        return f"{name}({', '.join(map(c_text, arguments))})"
-    if name not in _OF_LANES:
-        raise UnsupportedError(f"no {name} for several copies at once")
-    texts = (
-        c_text(one, lanes=True) if any(map(_is_of_lanes, one.free_symbols)) else f"fb_both({c_text(one)})"
-        for one in arguments
-    )
-    return f"{_OF_LANES[name]}_lanes({', '.join(texts)})"
+def _call(name: str, arguments: Sequence[Expression]) -> str:
+    return f"{name}({', '.join(map(c_text, arguments))})"
 
 
-def _is_of_lanes(symbol: Expression) -> bool:
-    return str(symbol.name).endswith("[i]")
-
-
-def _sum(expression: Expression, *, lanes: bool) -> str:
+def _sum(expression: Expression) -> str:
     text = ""
     for term in expression.args:
         negative = term.could_extract_minus_sign()
-        part = c_text(-term if negative else term, lanes=lanes)
+        part = c_text(-term if negative else term)
         text += (" - " if negative else " + ") + part if text else ("-" if negative else "") + part
     return f"({text})"
 
 
-def _product(expression: Expression, *, lanes: bool) -> str:
+def _product(expression: Expression) -> str:
     over: list[str] = []
     under: list[str] = []
     sign = ""
@@ -101,28 +82,28 @@ def _product(expression: Expression, *, lanes: bool) -> str:
         if factor is sp.S.NegativeOne:
             sign = "-"
         elif factor.is_Pow and factor.exp.is_negative:
-            under.append(_power(factor.base, -factor.exp, lanes=lanes))
+            under.append(_power(factor.base, -factor.exp))
         else:
-            over.append(c_text(factor, lanes=lanes))
+            over.append(c_text(factor))
     top = " * ".join(over) or "1.0"
     bottom = f" / {under[0]}" if len(under) == 1 else f" / ({' * '.join(under)})" if under else ""
     return f"({sign}{top}{bottom})"
 
 
-def _power(base: Expression, exponent: Expression, *, lanes: bool) -> str:
+def _power(base: Expression, exponent: Expression) -> str:
     if exponent.is_negative:
-        return f"(1.0 / {_power(base, -exponent, lanes=lanes)})"
+        return f"(1.0 / {_power(base, -exponent)})"
     if exponent == 1:
-        return c_text(base, lanes=lanes)
+        return c_text(base)
     if exponent == sp.Rational(1, 2):
-        return _call("sqrt", (base,), lanes=lanes)
+        return _call("sqrt", (base,))
     if exponent.is_Integer and int(exponent) in _POWERS:
-        return _call(_POWERS[int(exponent)], (base,), lanes=lanes)
+        return _call(_POWERS[int(exponent)], (base,))
     if exponent == _HIGHEST_POWER:
-        return f"({_call('fb_fourth', (base,), lanes=lanes)} * {c_text(base, lanes=lanes)})"
+        return f"({_call('fb_fourth', (base,))} * {c_text(base)})"
     if exponent.is_Rational and exponent.q == 2:  # noqa: PLR2004 - a half
-        rest = _power(base, exponent - sp.Rational(1, 2), lanes=lanes)
-        return f"({_call('sqrt', (base,), lanes=lanes)} * {rest})"
+        rest = _power(base, exponent - sp.Rational(1, 2))
+        return f"({_call('sqrt', (base,))} * {rest})"
     raise UnsupportedError(f"no C for the power {exponent} of {base}")
 
 
@@ -144,7 +125,7 @@ def generate(program: Program, token: str) -> dict[str, str]:
     nominals = {row.name: row.nominal for row in rows}
     shown = {real: row.name for row, real in zip(program.readings, program.states_of_readings, strict=True)}
     head = f"/* {model.description}. Written from the equations; do not edit. */\n"
-    include = '#include "core.h"\n#include "lanes.h"\n'
+    include = '#include "core.h"\n#include "elementary.h"\n'
     parts = (
         head,
         include,
@@ -175,64 +156,21 @@ def _table(kind: str, name: str, entries: Sequence[str]) -> str:
 
 
 def body(block: Block) -> Iterator[tuple[str, str]]:
-    """Yield the lines of a block as (target, value), in order: temporaries, then places; copy by copy."""
-    for step in block.steps:
-        if isinstance(step, Loop):
-            for copy in range(step.count):
-                yield from ((f"{name}_{copy}", _scalar(values[copy])) for name, values in step.takes)
-                for name, value in step.lines():
-                    yield f"{name}_{copy}", c_text(value).replace("[i]", f"_{copy}")
-        else:
-            yield str(step[0]), _scalar(step[1])
-    for place, value in block.results:
-        yield f"{block.target}[{place}]", _scalar(value)
-
-
-def _scalar(expression: Expression) -> str:
-    return _ELEMENT.sub(r"\1_\2", c_text(expression))
-
-
-def _of_pair(expression: Expression) -> str:
-    return _ELEMENT.sub(
-        lambda found: f"{found[1]}_{int(found[2]) // 2}[{int(found[2]) % 2}]", c_text(expression)
-    )
-
-
-def _side_by_side(block: Block) -> Iterator[tuple[str, str]]:
-    """Yield the same with two copies in each value, and the pairs in turn, so that none waits for another."""
-    for step in block.steps:
-        if isinstance(step, Loop):
-            pairs = range((step.count + 1) // 2)
-            for name, values in step.takes:
-                texts = [*map(_of_pair, values), _of_pair(values[-1])]
-                yield from ((f"{name}_{n}", f"{{{texts[2 * n]}, {texts[2 * n + 1]}}}") for n in pairs)
-            for name, value in step.lines():
-                text = c_text(value, lanes=True)
-                yield from ((f"{name}_{n}", text.replace("[i]", f"_{n}")) for n in pairs)
-        else:
-            yield str(step[0]), _of_pair(step[1])
-    for place, value in block.results:
-        yield f"{block.target}[{place}]", _of_pair(value)
+    """Yield the lines of a block as (target, value), in order: temporaries, then places."""
+    yield from ((str(symbol.name), c_text(value)) for symbol, value in block.shared)
+    yield from ((f"{block.target}[{place}]", c_text(value)) for place, value in block.results)
 
 
 def _function(block: Block) -> str:
     read = [name for name in block.reads if name != block.target]
     signature = ", ".join(f"const double *restrict {name}" for name in read)
     used = "".join(f"  (void){name};\n" for name in (*read, block.target))
-    lines = "".join(_statement("double", *line) for line in body(block))
-    loops = [step for step in block.steps if isinstance(step, Loop)]
-    if loops:
-        pairs = {f"{loop.part}_" for loop in loops}
-        fast = "".join(
-            _statement("fb_lanes" if name.partition("_")[0] + "_" in pairs else "double", name, value)
-            for name, value in _side_by_side(block)
-        )
-        lines = f"#ifdef FB_LANES\n{fast}#else\n{lines}#endif\n"
+    lines = "".join(_statement(*line) for line in body(block))
     return f"void fb_{block.name}({signature}, double *restrict {block.target}) {{\n{used}{lines}}}\n"
 
 
-def _statement(kind: str, target: str, value: str) -> str:
-    return f"  {target} = {value};\n" if target.endswith("]") else f"  const {kind} {target} = {value};\n"
+def _statement(target: str, value: str) -> str:
+    return f"  {target} = {value};\n" if target.endswith("]") else f"  const double {target} = {value};\n"
 
 
 def _tangent_function(tangent: TangentBlock) -> str:
@@ -243,6 +181,6 @@ def _tangent_function(tangent: TangentBlock) -> str:
         arrays.insert(0, "s")
     signature = ", ".join(f"const double *restrict {name}" for name in arrays)
     lines = [f"  (void){name};\n" for name in (*arrays, target)]
-    lines += [_statement("double", str(symbol), c_text(value)) for symbol, value in tangent.shared]
+    lines += [_statement(str(symbol), c_text(value)) for symbol, value in tangent.shared]
     lines += [f"  {target}[{place}] = {c_text(slope)};\n" for place, slope in tangent.results]
     return f"void fb_{block.name}_tangent({signature}, double *restrict {target}) {{\n{''.join(lines)}}}\n"

@@ -17,5 +17,8 @@ size: Final = implemented_function(sp.Function("size", real=True), abs)
 larger: Final = sp.Function("larger", real=True)
 """larger(x, y): the larger of two numbers."""
 
+shared: Final = implemented_function(sp.Function("shared", real=True), lambda value: value)
+"""shared(x): x, computed once as it is written: SymPy would take it apart wherever it stands in a sum."""
+
 reciprocal: Final = sp.Function("reciprocal", real=True)
 """reciprocal(x): 1 / x, divided once and shared: SymPy would make a division of each of its powers."""

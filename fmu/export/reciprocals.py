@@ -15,9 +15,7 @@ Lines: TypeAlias = tuple[tuple[Expression, Expression], ...]
 """Temporaries in order: symbol and value."""
 
 
-def with_reciprocals(
-    shared: Lines, results: Sequence[Expression], name: str = "r{}"
-) -> tuple[Lines, list[Expression]]:
+def with_reciprocals(shared: Lines, results: Sequence[Expression]) -> tuple[Lines, list[Expression]]:
     """Return a block's temporaries and results with the reciprocals of what is divided by more than once."""
     powers: dict[Expression, set[Expression]] = {}
     for expression in (*(value for _, value in shared), *results):
@@ -25,7 +23,7 @@ def with_reciprocals(
             if power.base.is_Symbol and power.exp.is_Integer and power.exp.is_negative:
                 powers.setdefault(power.base, set()).add(power)
     often = sorted((base for base, found in powers.items() if len(found) > 1), key=lambda base: base.name)
-    reciprocals = {base: sp.Symbol(name.format(n), real=True) for n, base in enumerate(often)}
+    reciprocals = {base: sp.Symbol(f"r{n}", real=True) for n, base in enumerate(often)}
     products = {power: reciprocals[base] ** -power.exp for base in often for power in powers[base]}
     defined = {symbol for symbol, _ in shared}
     lines = [(reciprocals[base], 1 / base) for base in often if base not in defined]

@@ -34,12 +34,11 @@ def tangents(block: Block) -> TangentBlock:
     """Return the block that computes `block`'s tangent from those of its arrays (d before their letter)."""
     slopes: dict[Expression, Expression] = {}
     lines: list[tuple[Expression, Expression]] = []
-    shared, values = block.straight()
-    for symbol, value in shared:
+    for symbol, value in block.shared:
         tangent = _tangent(value, slopes)
         slopes[symbol] = real(f"d{symbol.name}") if tangent != 0 else sp.S.Zero
         lines += [(symbol, value), (slopes[symbol], tangent)]
-    results = tuple((place, _tangent(value, slopes)) for place, value in values)
+    results = tuple((place, _tangent(value, slopes)) for place, value in block.results)
     needed: set[Expression] = set().union(*(slope.free_symbols for _, slope in results))
     kept = []
     for symbol, value in reversed(lines):
@@ -101,6 +100,7 @@ _SLOPES: Final[Mapping[str, Callable[..., tuple[Expression, ...]]]] = {
     "size": lambda x: (sign(x),),
     "positive_part": lambda x: (step(x),),
     "clamped": lambda x, bound: (inside(x, bound), outside(x, bound)),
+    "shared": lambda _: (sp.S.One,),
     "larger": lambda x, y: (step(x - y), 1 - step(x - y)),
     "reciprocal": lambda x: (-(reciprocal(x) ** 2),),
 }

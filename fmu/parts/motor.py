@@ -5,7 +5,6 @@ from typing import Final
 
 import sympy as sp
 
-from fmu.export.alike import Copy
 from fmu.export.functions import clamped, positive_part, size
 from fmu.export.model import Expression, Output, State
 from fmu.parts.symbols import HALF, inner, symbol
@@ -55,7 +54,7 @@ class Shaft:
                 f"friction_{axis}",
                 "1",
                 friction_start,
-                bristle(axis, self.speed, self.friction, p["presliding"]),
+                bristle(self.speed, self.friction, p["presliding"]),
             ),
         )
 
@@ -79,20 +78,19 @@ class Shaft:
         return inner(f"friction_{self.axis}", "1", f"dry friction over its level, {self.axis}", self.friction)
 
 
-def bristle(name: str, speed: Expression, state: Expression, presliding: Expression) -> Expression:
+def bristle(speed: Expression, state: Expression, presliding: Expression) -> Expression:
     """Return the rate of a bristle: it follows the motion over `presliding`, then slides at +1 or -1.
 
     Dahl's bristle with an elastic part (Dupont et al., IEEE Trans. Automatic Control 47, 2002): below `HELD`
     of what holds at rest it is a spring, so that a shaft that is shaken at rest does not creep, and it
     lets go of its bend as a spring. It takes out energy, level x s^2 times the slid way, and never adds any.
     """
-    copy = Copy("bristle", name)
-    speed, state = copy.takes("speed", speed), copy.takes("state", state)
-    per_angle = copy.takes("per_angle", 1 / presliding)
+    per_angle = 1 / presliding
     fast = size(speed)
     lean = state * (1 - (1 - 1 / STICTION) * positive_part(1 - fast * per_angle / STICKING_RATE) ** 2)
     held = clamped(lean, HELD)
     share = clamped(size(lean - held) / (LOOSE - HELD), sp.S.One)
-    sliding = share**2 * (3 - 2 * share)  # without a kink, for solvers that choose their steps
-    onward = HALF * (fast + held / HELD * speed)
-    return copy.gives("rate", (speed - sliding * lean * onward) * per_angle)
+    # Without a kink, for solvers that choose their steps; this half of it and twice the way onward.
+    sliding = share**2 * (sp.Rational(3, 2) - share)
+    onward = fast + held / HELD * speed
+    return (speed - sliding * lean * onward) * per_angle

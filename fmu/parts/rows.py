@@ -40,3 +40,15 @@ def battery_rows(source: str, voltage: float = 24.0) -> tuple[Parameter, ...]:
         Parameter("battery_emf", voltage, "V", "battery's open-circuit voltage", source),
         Parameter("battery_resistance", 0.050, "Ohm", "battery's inner resistance", source),
     )
+
+
+def tyre_rows(source: str, *, floor_friction: float) -> tuple[Parameter, ...]:
+    """Return the parameters of fmu.parts.tyre, with RARS's ways of the tyre's rubber."""
+    return (
+        Parameter("floor_friction", floor_friction, "1", "peak of the tyres' adhesion", source),
+        Parameter("peak_slip", 0.15, "1", "slip at the peak of adhesion", source),
+        Parameter("friction_circle", 1.0, "1", "1: both slips share one adhesion; 0: each its own", source),
+        Parameter("slip_speed", 0.01, "m/s", "speed below which the slip is taken over this speed", source),
+        Parameter("tyre_stiffness", 5e5, "N/m", "tyre against floor, each way", source),
+        Parameter("tyre_damping", 4000.0, "N.s/m", "tyre against floor, at rest", source),
+    )

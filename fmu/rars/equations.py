@@ -3,11 +3,11 @@
 [R] is A. P. Das, PhD thesis, IIT Delhi, 2018; the same equations in mathematical writing: README.md.
 """
 
-from fmu import interface
 from fmu.export.model import Expression, Input, Model, Output
 from fmu.parts.battery import terminal_voltage
 from fmu.parts.motor import Shaft
 from fmu.parts.symbols import inner, symbol
+from fmu.rars import interface
 from fmu.rars.lift import Lift
 from fmu.rars.parameters import PARAMETERS
 from fmu.rars.platform import LEFT, RIGHT, Platform
@@ -42,8 +42,8 @@ def model() -> Model:
         "x": (symbol("x"), "rear axle's middle, world x"),
         "y": (symbol("y"), "rear axle's middle, world y"),
         "heading": (symbol("heading"), "heading, counter-clockwise from world x"),
-        "speed": (platform.speed, "speed of the rear axle's middle, forwards"),
-        "yaw_rate": (platform.yaw_rate, "yaw rate, counter-clockwise"),
+        "speed": (platform.body.speed, "speed of the rear axle's middle, forwards"),
+        "yaw_rate": (platform.body.yaw_rate, "yaw rate, counter-clockwise"),
         "rack": (steering.rack, "rack, positive steers left"),
         "steer_left": (steering.angle(LEFT), "left front wheel's angle, positive to the left"),
         "steer_right": (steering.angle(RIGHT), "right front wheel's angle, positive to the left"),
@@ -61,44 +61,10 @@ def model() -> Model:
     ]
     local = [shaft.dry_friction() for shaft in shafts]
     for tyre in platform.tyres():
-        title = tyre.name.replace("_", " ")
-        slip_ahead, slip_left = tyre.slips()
-        local += [
-            inner(f"load_{tyre.name}", "N", f"load of the wheel, {title}", tyre.load, 100.0),
-            inner(f"slip_ahead_{tyre.name}", "1", f"slip along the wheel's way, {title}", slip_ahead, 0.1),
-            inner(f"slip_left_{tyre.name}", "1", f"slip along the wheel's axle, {title}", slip_left, 0.1),
-            inner(
-                f"force_ahead_{tyre.name}",
-                "N",
-                f"tyre's force along its way, {title}",
-                tyre.force_ahead(),
-                10.0,
-            ),
-            inner(
-                f"force_left_{tyre.name}",
-                "N",
-                f"tyre's force along its axle, {title}",
-                tyre.force_left(),
-                10.0,
-            ),
-        ]
-        local += [
-            inner(
-                f"tyre_ahead_{tyre.name}",
-                "m",
-                f"tyre's deflection along its way, {title}",
-                symbol(f"tyre_ahead_{tyre.name}"),
-                1e-4,
-            ),
-            inner(
-                f"tyre_left_{tyre.name}",
-                "m",
-                f"tyre's deflection along its axle, {title}",
-                symbol(f"tyre_left_{tyre.name}"),
-                1e-4,
-            ),
-        ]
-    local.append(inner("drift", "m/s", "speed of the rear axle's middle to the left", platform.drift, 0.1))
+        local += tyre.readings()
+    local.append(
+        inner("drift", "m/s", "speed of the rear axle's middle to the left", platform.body.drift, 0.1)
+    )
     local.append(inner("energy", "J", "energy stored in the whole robot", energy, 10.0))
     return Model(
         name="rars",

@@ -10,6 +10,7 @@ from typing import Final
 
 from fmu.export.model import Parameter
 from fmu.parts.rows import battery_rows, motor_rows
+from fmu.plants import Plant
 
 
 def _wheel_motor(axis: str) -> tuple[Parameter, ...]:
@@ -156,9 +157,9 @@ ROBOT_FILE: Final[Mapping[str, tuple[str, float]]] = {
     "geometry.base.kingpin_distance_m": ("kingpin_distance", 1.0),
     "geometry.base.davis_h_m": ("davis_h", 1.0),
     "geometry.base.pinion_diameter_m": ("pinion_diameter", 1.0),
-    "axes.left_wheel.ratio": ("gear_left", 1.0),
-    "axes.right_wheel.ratio": ("gear_right", 1.0),
-    "axes.steering.ratio": ("gear_steer", 1.0),
+    "axes.left.ratio": ("gear_left", 1.0),
+    "axes.right.ratio": ("gear_right", 1.0),
+    "axes.steer.ratio": ("gear_steer", 1.0),
     "axes.lift.ratio": ("gear_lift", 1.0),
     "geometry.lift.stages": ("lift_stages", 1.0),
     "geometry.lift.link_length_m": ("lift_link_length", 1.0),
@@ -167,4 +168,6 @@ ROBOT_FILE: Final[Mapping[str, tuple[str, float]]] = {
     "geometry.lift.screw_pitch_m": ("screw_pitch", 1.0),
     "battery.nominal_v": ("battery_emf", 1.0),
 }
-"""Key of a robot file (axes by their role) -> FMU parameter and the factor into its unit."""
+"""Path into a robot file (axes by name) -> FMU parameter and the factor into its unit."""
+
+PLANT: Final = Plant("rars", "fmu.rars", PARAMETERS, SETS, ROBOT_FILE)

@@ -2,14 +2,15 @@
 
 import sympy as sp
 
-from fmu.export.alike import Copy
-from fmu.export.functions import clamped, reciprocal
+from fmu.export.functions import clamped, reciprocal, shared
 from fmu.export.model import Expression, State
 from fmu.parts.motor import Shaft, bristle
+from fmu.parts.planar import PlanarBody, Push
 from fmu.parts.symbols import HALF, symbol
+from fmu.parts.tyre import TRACE, Tyre
+from fmu.parts.wheel import DrivenWheel
 from fmu.rars.steering import Steering
 from fmu.rars.symbols import P
-from fmu.rars.tyre import TRACE, Tyre
 
 LEFT, RIGHT = 1, -1
 SIDES = {"left": LEFT, "right": RIGHT}
@@ -18,44 +19,28 @@ SIDES = {"left": LEFT, "right": RIGHT}
 class Front:
     """A steered wheel that rolls freely: where it points, how it moves, what its tyre does."""
 
-    def __init__(
-        self, side: str, steering: Steering, motion: tuple[Expression, Expression, Expression]
-    ) -> None:
+    def __init__(self, side: str, steering: Steering, body: PlanarBody) -> None:
         self.name = f"front_{side}"
         self.spin, self.friction = symbol(f"spin_{self.name}"), symbol(f"rolling_{self.name}")
         self.lateral = SIDES[side] * P["kingpin_distance"] / 2
-        copy = Copy("front", side)
         across, along = steering.direction(SIDES[side])
-        across, along = copy.takes("across", across), copy.takes("along", along)
         per_length = reciprocal(sp.sqrt(across**2 + along**2))
-        self.sine, self.cosine = across * per_length, along * per_length
-        hub, swing = self._kingpin(motion)
-        hub, swing = copy.takes("hub", -hub), copy.takes("swing", -swing)
+        self.sine, self.cosine = shared(across * per_length), shared(along * per_length)
+        hub, swing = body.velocity(P["wheelbase"], self.lateral)
         self.tyre = Tyre(
             self.name,
+            P,
             rim=P["front_radius"] * self.spin,
-            back=copy.gives("back", hub * self.cosine + swing * self.sine),
-            right=copy.gives("right", swing * self.cosine - hub * self.sine),
+            back=-hub * self.cosine - swing * self.sine,
+            right=hub * self.sine - swing * self.cosine,
         )
-        self.sine, self.cosine = copy.gives("sine", self.sine), copy.gives("cosine", self.cosine)
 
-    def push(self) -> tuple[Expression, Expression, Expression]:
-        """Return the force ahead and to the left and the moment about the rear axle's middle."""
-        taken = {
-            "force_ahead": self.tyre.force_ahead(),
-            "force_left": self.tyre.force_left(),
-            "cosine": self.cosine,
-            "sine": self.sine,
-            "lateral": self.lateral,
-        }
-        copy = Copy("push", self.name)
-        force_ahead, force_left, cosine, sine, lateral = (
-            copy.takes(place, value) for place, value in taken.items()
-        )
-        ahead = force_ahead * cosine - force_left * sine
-        left = force_ahead * sine + force_left * cosine
-        moment = P["wheelbase"] * left - lateral * ahead
-        return copy.gives("ahead", ahead), copy.gives("left", left), copy.gives("moment", moment)
+    def push(self) -> Push:
+        """Return what the floor does to the platform."""
+        force_ahead, force_left = self.tyre.force_ahead(), self.tyre.force_left()
+        ahead = force_ahead * self.cosine - force_left * self.sine
+        left = force_ahead * self.sine + force_left * self.cosine
+        return Push(ahead, left, P["wheelbase"] * left - self.lateral * ahead)
 
     def spring_ahead(self) -> Expression:
         """Return the spring's force along the platform, for the load transfer."""
@@ -64,13 +49,14 @@ class Front:
     def states(
         self,
         resistance: Expression,
-        start: tuple[Expression, Expression, Expression],
+        start: tuple[Expression, Expression],
         side_force: Expression,
         load: Expression,
     ) -> tuple[State, ...]:
         """Return spin and tyre: I_w w' = - r F_s - bearing (3.84); it starts rolling with the platform."""
         torque = -P["front_radius"] * self.tyre.force_ahead() - resistance * self.friction
-        hub, swing = self._kingpin(start)
+        speed, yaw_rate = start
+        hub, swing = speed - yaw_rate * self.lateral, yaw_rate * P["wheelbase"]
         rolling = hub * self.cosine + swing * self.sine
         return (
             State(
@@ -80,7 +66,7 @@ class Front:
                 f"rolling_{self.name}",
                 "1",
                 sp.S.Zero,
-                bristle(self.name, self.spin, self.friction, P["rolling_presliding"]),
+                bristle(self.spin, self.friction, P["rolling_presliding"]),
             ),
             *self.tyre.states((sp.S.Zero, side_force), load),
         )
@@ -90,68 +76,61 @@ class Front:
         dry = resistance * P["rolling_presliding"] * self.friction**2
         return HALF * (P["front_spin_inertia"] * self.spin**2 + dry) + self.tyre.energy()
 
-    def _kingpin(self, motion: tuple[Expression, Expression, Expression]) -> tuple[Expression, Expression]:
-        """Return the kingpin's speed ahead and to the left along the platform."""
-        speed, drift, yaw_rate = motion
-        return speed - yaw_rate * self.lateral, drift + yaw_rate * P["wheelbase"]
-
 
 class Platform:
     """u ahead and q to the left of the rear axle's middle, W the yaw rate to the left."""
 
     def __init__(self, left: Shaft, right: Shaft, steering: Steering) -> None:
-        self.rear = {"left": left, "right": right}
-        self.heading = symbol("heading")
-        self.speed, self.drift, self.yaw_rate = self.motion = tuple(
-            map(symbol, ("speed", "drift", "yaw_rate"))
-        )
+        self._downhill = P["gravity"] * sp.sin(P["slope"])  # (3.44) corrected: the mass was missing
         self.offset_mass = P["platform_mass"] * P["centre_offset"]
         self.total_mass = P["platform_mass"] + 2 * P["wheel_mass"]
-        self.axle_inertia = (
-            P["yaw_inertia"]
+        # The convective terms that [R] 3.3.2 takes as zero do not vanish, because the offset is not zero.
+        self.body = PlanarBody(
+            mass=self.total_mass,
+            offset_mass=self.offset_mass,
+            inertia=P["yaw_inertia"]
             + 2 * P["wheel_yaw_inertia"]
             + self.offset_mass * P["centre_offset"]
-            + 2 * P["wheel_mass"] * (P["rear_track"] / 2) ** 2
+            + 2 * P["wheel_mass"] * (P["rear_track"] / 2) ** 2,
+            downhill=self._downhill,
         )
-        self.fronts = {side: Front(side, steering, (self.speed, self.drift, self.yaw_rate)) for side in SIDES}
+        weight = P["gravity"] * sp.cos(P["slope"])
+        self.front_load = weight * self.offset_mass / P["wheelbase"] * HALF
+        self.rear_load = weight * self.total_mass * HALF - self.front_load
+        self.fronts = {side: Front(side, steering, self.body) for side in SIDES}
         self.rears = {
-            side: Tyre(
+            side: DrivenWheel(
                 f"rear_{side}",
-                rim=P["wheel_radius"] * shaft.speed / shaft.gear,
-                back=self.yaw_rate * SIDES[side] * P["rear_track"] / 2 - self.speed,
-                right=-self.drift,
+                P,
+                shaft,
+                self.body,
+                left=SIDES[side] * P["rear_track"] / 2,
+                radius=P["wheel_radius"],
+                spin_inertia=P["wheel_spin_inertia"],
+                resistance=self._resistance(self.rear_load),
             )
-            for side, shaft in self.rear.items()
+            for side, shaft in {"left": left, "right": right}.items()
         }
         self._load_tyres()
 
     def shaft_acceleration(self, side: str) -> Expression:
-        """Return a wheel motor's acceleration: I_w w' = tau - r F_s, (3.73) with the moment that it lacks."""
-        shaft, tyre = self.rear[side], self.rears[side]
-        resistance = self._resistance(self.rear_load) * shaft.friction
-        at_wheel = resistance + P["wheel_radius"] * tyre.force_ahead()
-        return (shaft.torque - at_wheel / shaft.gear) / (
-            shaft.inertia + P["wheel_spin_inertia"] / shaft.gear**2
-        )
+        """Return a wheel motor's acceleration, (3.73) with the moment that it lacks."""
+        return self.rears[side].acceleration()
 
     def states(self) -> tuple[State, ...]:
         """Return motion, pose, front wheels and tyres; it starts rolling as the rear wheels turn."""
-        left, right = (shaft.speed / shaft.gear for shaft in self.rear.values())
-        rolling = P["wheel_radius"] * (left + right) * HALF
-        turning = P["wheel_radius"] * (right - left) / P["rear_track"]  # (5.1) corrected: right minus left
-        speed_rate, drift_rate, yaw_acceleration = self._accelerations()
-        sine, cosine = sp.sin(self.heading), sp.cos(self.heading)
-        start = (rolling, sp.S.Zero, turning)
+        left, right = (wheel.shaft.speed / wheel.shaft.gear for wheel in self.rears.values())
+        start = (
+            P["wheel_radius"] * (left + right) * HALF,
+            P["wheel_radius"] * (right - left) / P["rear_track"],  # (5.1) corrected: right minus left
+        )
         resistance = self._resistance(self.front_load)
         uphill, left_front, left_rear = self._hold()
         shift = P["cg_height"] / P["wheelbase"] * uphill
+        pushes = [wheel.push() for wheel in self.rears.values()]
+        pushes += [front.push() for front in self.fronts.values()]
         return (
-            State("x", "m", sp.S.Zero, self.speed * cosine - self.drift * sine),
-            State("y", "m", sp.S.Zero, self.speed * sine + self.drift * cosine),
-            State("heading", "rad", sp.S.Zero, self.yaw_rate),
-            State("speed", "m/s", rolling, speed_rate),
-            State("drift", "m/s", sp.S.Zero, drift_rate),
-            State("yaw_rate", "rad/s", turning, yaw_acceleration),
+            *self.body.states(pushes, start),
             *(
                 state
                 for front in self.fronts.values()
@@ -159,38 +138,31 @@ class Platform:
             ),
             *(
                 state
-                for tyre in self.rears.values()
-                for state in tyre.states((uphill, left_rear), self.rear_load + shift)
+                for wheel in self.rears.values()
+                for state in wheel.tyre.states((uphill, left_rear), self.rear_load + shift)
             ),
         )
 
     def tyres(self) -> tuple[Tyre, ...]:
         """Return all four, rear and front, left and right."""
-        return (*self.rears.values(), *(front.tyre for front in self.fronts.values()))
+        return (
+            *(wheel.tyre for wheel in self.rears.values()),
+            *(front.tyre for front in self.fronts.values()),
+        )
 
     def energy(self) -> Expression:
         """Return the energy of platform, wheels and tyres in J; the rotors' own is the shafts'."""
-        platform = self.total_mass * (self.speed**2 + self.drift**2) + self.axle_inertia * self.yaw_rate**2
-        platform += 2 * self.offset_mass * self.drift * self.yaw_rate
-        rolling = self._resistance(self.rear_load) * P["presliding"]
-        for shaft in self.rear.values():
-            platform += P["wheel_spin_inertia"] * (shaft.speed / shaft.gear) ** 2
-            platform += rolling / shaft.gear * shaft.friction**2
-        climb = self.total_mass * symbol("x") + self.offset_mass * sp.cos(self.heading)
         wheels = sum(front.energy(self._resistance(self.front_load)) for front in self.fronts.values())
-        wheels += sum(tyre.energy() for tyre in self.rears.values())
-        return HALF * platform + P["gravity"] * sp.sin(P["slope"]) * climb + wheels
+        wheels += sum(wheel.energy() for wheel in self.rears.values())
+        return self.body.energy() + wheels
 
     def _load_tyres(self) -> None:
         """Share the weight: static pairs, and what the forces at the floor shift by Z_cg (2.2)."""
-        weight = P["gravity"] * sp.cos(P["slope"])
-        self.front_load = weight * self.offset_mass / P["wheelbase"] * HALF
-        self.rear_load = weight * self.total_mass * HALF - self.front_load
-        pull = sum(tyre.spring_ahead for tyre in self.rears.values())
+        pull = sum(wheel.tyre.spring_ahead for wheel in self.rears.values())
         pull += sum(front.spring_ahead() for front in self.fronts.values())
         shift = P["cg_height"] / P["wheelbase"] * HALF * pull
-        for tyre in self.rears.values():
-            tyre.bears(self.rear_load + shift)
+        for wheel in self.rears.values():
+            wheel.tyre.bears(self.rear_load + shift)
         for front in self.fronts.values():
             front.tyre.bears(self.front_load - shift)
 
@@ -200,48 +172,19 @@ class Platform:
 
     def _hold(self) -> tuple[Expression, Expression, Expression]:
         """Return what holds it on its slope at the start: a rear wheel ahead, a front, a rear one aside."""
-        downhill = P["gravity"] * sp.sin(P["slope"])
         front = self.offset_mass / P["wheelbase"]
-        aside = -downhill * sp.sin(self.heading) * HALF
+        aside = -self._downhill * sp.sin(self.body.heading) * HALF
         return (
-            self.total_mass * downhill * sp.cos(self.heading) * HALF,
+            self.total_mass * self._downhill * sp.cos(self.body.heading) * HALF,
             front * aside,
             (self.total_mass - front) * aside,
         )
 
     def friction_start(self, side: str) -> Expression:
         """Return the bristle of a wheel motor that holds the robot on its slope, -1..1."""
-        shaft = self.rear[side]
+        shaft = self.rears[side].shaft
         level = shaft.coulomb + self._resistance(self.rear_load) / shaft.gear
         uphill = self._hold()[0]
         load = self.rear_load + P["cg_height"] / P["wheelbase"] * uphill
         held = clamped(uphill, P["floor_friction"] * load) * P["wheel_radius"] / shaft.gear
         return -clamped(held, level) / (level + TRACE)
-
-    def _accelerations(self) -> tuple[Expression, Expression, Expression]:
-        """Return u', q', W'.
-
-        m_t (u' - q W) - m_p a W2 = F_u, m_t (q' + u W) + m_p a W' = F_q, I_O W' + m_p a (q' + u W) = F_W: the
-        convective terms that [R] 3.3.2 takes as zero do not vanish, because a is not zero.
-        """
-        weight = P["gravity"] * sp.sin(P["slope"])  # (3.44) corrected: the mass was missing
-        sine, cosine = sp.sin(self.heading), sp.cos(self.heading)
-        ahead = self.offset_mass * self.yaw_rate**2 - self.total_mass * weight * cosine
-        left = self.total_mass * weight * sine
-        around = self.offset_mass * weight * sine
-        for side, tyre in self.rears.items():
-            force = tyre.force_ahead()
-            ahead += force
-            left += tyre.force_left()
-            around -= SIDES[side] * P["rear_track"] / 2 * force
-        for front in self.fronts.values():
-            pushes = front.push()
-            ahead, left, around = ahead + pushes[0], left + pushes[1], around + pushes[2]
-        determinant = self.total_mass * self.axle_inertia - self.offset_mass**2
-        return (
-            ahead / self.total_mass + self.drift * self.yaw_rate,
-            self.axle_inertia / determinant * left
-            - self.offset_mass / determinant * around
-            - self.speed * self.yaw_rate,
-            self.total_mass / determinant * around - self.offset_mass / determinant * left,
-        )

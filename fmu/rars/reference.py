@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Final
 
 from fmu.build import ensure
-from fmu.interface import INPUTS, OUTPUTS
 from fmu.parts import table
+from fmu.rars.interface import INPUTS, OUTPUTS
 
 FILE: Final = Path(__file__).with_name("reference.csv")
 VOLTAGES: Final = (

@@ -2,7 +2,6 @@
 
 import sympy as sp
 
-from fmu.export.alike import Copy
 from fmu.export.functions import clamped, reciprocal, size
 from fmu.export.model import Expression
 from fmu.parts.motor import Shaft
@@ -23,8 +22,8 @@ class Steering:
         self.across = self.rack * h
         self.along = h**2 + self.b**2
         # (3.96): how far the right and the left wheel turn with the rack, rad/m.
-        self.rate_right, self.bend_right = self._kingpin("right", -self.b - self.rack)
-        self.rate_left, self.bend_left = self._kingpin("left", self.b - self.rack)
+        self.rate_right, self.bend_right = self._kingpin(-self.b - self.rack)
+        self.rate_left, self.bend_left = self._kingpin(self.b - self.rack)
         self.pressed = self.rack - clamped(self.rack, P["rack_travel"])
 
     def direction(self, side: int) -> tuple[Expression, Expression]:
@@ -40,12 +39,11 @@ class Steering:
         """Return the inner wheel's angle, whichever it is: (4.6) with x = sign(theta) f(|theta|)."""
         return sp.atan(self.across / (self.along - self.b * sp.Abs(self.rack)))
 
-    def _kingpin(self, side: str, arm: Expression) -> tuple[Expression, Expression]:
+    def _kingpin(self, arm: Expression) -> tuple[Expression, Expression]:
         """Return f and f f' of one wheel; `arm` is b - x, for the right wheel with its sign turned round."""
-        copy, h = Copy("kingpin", side), P["davis_h"]
-        arm = copy.takes("arm", arm)
+        h = P["davis_h"]
         rate = h * reciprocal(h**2 + arm**2)
-        return copy.gives("rate", rate), copy.gives("bend", 2 * arm * rate**3 / h)
+        return rate, 2 * arm * rate**3 / h
 
     def tyre_level(self) -> Expression:
         """Return the tyres' resistance at the motor: T_s f(x), of which the printed T_s / h is the middle."""

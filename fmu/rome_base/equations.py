@@ -86,12 +86,7 @@ class Base:
                 f"roller_{shaft.axis}",
                 "1",
                 sp.S.Zero,
-                bristle(
-                    f"roller_{shaft.axis}",
-                    self.across(wheel),
-                    symbol(f"roller_{shaft.axis}"),
-                    P["roller_presliding"],
-                ),
+                bristle(self.across(wheel), symbol(f"roller_{shaft.axis}"), P["roller_presliding"]),
             )
             for wheel, shaft in enumerate(self.shafts)
         )

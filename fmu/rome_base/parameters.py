@@ -9,6 +9,7 @@ from typing import Final
 
 from fmu.export.model import Parameter
 from fmu.parts.rows import battery_rows, motor_rows
+from fmu.plants import Plant
 
 AXES: Final = ("one", "two", "three")
 """The wheels in the order of [O] 2.2: at 0, 120 and 240 degrees."""
@@ -48,3 +49,5 @@ SETS: Final[Mapping[str, Mapping[str, float]]] = {
     "heavy_arm": {"mass": 45.0, "yaw_inertia": 0.9},
 }
 """Named bases: light, and with an arm of the AR2's weight (ASSUME)."""
+
+PLANT: Final = Plant("rome_base", "fmu.rome_base", PARAMETERS, SETS)

@@ -76,7 +76,7 @@ class Load:
                 "load_friction",
                 "1",
                 sp.S.Zero,
-                bristle("load", self.speed, self.friction, P["load_presliding"]),
+                bristle(self.speed, self.friction, P["load_presliding"]),
             ),
         )
 
@@ -95,7 +95,7 @@ class Brake:
     def __init__(self, motor: Shaft) -> None:
         self.closed, self.grip = symbol("brake_axis"), symbol("brake_grip")
         self.torque = P["brake_torque"] * self.grip
-        gripping = self.closed * bristle("brake", motor.speed, self.grip, P["brake_presliding"])
+        gripping = self.closed * bristle(motor.speed, self.grip, P["brake_presliding"])
         self.state = State(
             "brake_grip", "1", sp.S.Zero, gripping - (1 - self.closed) * self.grip / P["brake_opening"]
         )

@@ -8,6 +8,7 @@ from typing import Final
 
 from fmu.export.model import Parameter
 from fmu.parts.rows import battery_rows, motor_rows
+from fmu.plants import Plant
 
 MOTOR: Final[tuple[Parameter, ...]] = (
     *motor_rows(
@@ -81,3 +82,5 @@ SETS: Final[Mapping[str, Mapping[str, float]]] = {
     "hanging_arm": {"unbalance": 3.0},
 }
 """Named benches: a flywheel, the same without backlash, an axis to be homed, a weight on an arm."""
+
+PLANT: Final = Plant("single_axis", "fmu.single_axis", PARAMETERS, SETS)

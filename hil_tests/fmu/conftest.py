@@ -9,8 +9,8 @@ import pytest
 
 from firmware_bridge.units import SECOND
 from fmu.build import ensure
-from fmu.interface import INPUTS, OUTPUTS
 from fmu.plant import FmuPlant
+from fmu.rars.interface import INPUTS, OUTPUTS
 from hil_tests.fmu.instance import Instance, Maker
 
 FINE: Final = 50_000

@@ -9,7 +9,7 @@ import pytest
 from fmpy import simulate_fmu
 from fmpy.fmi1 import FMICallException
 
-from fmu.interface import INPUTS, OUTPUTS
+from fmu.rars.interface import INPUTS, OUTPUTS
 from hil_tests.fmu.instance import VERSIONS, Instance, Maker
 
 ERROR = 3

@@ -20,8 +20,9 @@ from fmu.export import twin
 from fmu.export.blocks import Program
 from fmu.export.twin import fingerprint
 from fmu.fingerprint import RESOURCE, Fingerprint
-from fmu.interface import INPUTS, OUTPUTS
 from fmu.plant import FmuPlant
+from fmu.plants import find
+from fmu.rars.interface import INPUTS, OUTPUTS
 from fmu.verify import Verdict, recorded
 
 COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
@@ -131,7 +132,7 @@ def test_harmless_flags_are_harmless(fmu_file: dict[int, Path], tmp_path: Path) 
 
 
 def test_one_bit_in_one_parameter_is_another_plant() -> None:
-    model = build.described("rars")
+    model = find("rars").model()
     (first, *others) = model.parameters
     row = type(first)(first.name, first.start * (1 + 2**-52), first.unit, first.description, first.source)
     assert row.start != first.start

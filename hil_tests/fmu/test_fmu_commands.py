@@ -8,7 +8,8 @@ from fmpy.model_description import read_model_description
 from typer.testing import CliRunner
 
 from firmware_bridge.cli import program
-from fmu.build import export, models
+from fmu.build import export
+from fmu.plants import names
 from hil_tests.fmu.test_plant_generic import pendulum
 
 
@@ -32,7 +33,7 @@ def changed(original: Path, target: Path, old: str, new: str) -> str:
 def test_list_names_every_model_and_its_robot() -> None:
     status, out, err = run("list")
     assert (status, err) == (0, "")
-    for model in models():
+    for model in names():
         (row,) = [line for line in out.splitlines() if line.startswith(f"│ {model} ")]
         assert model != "rars" or [cell.strip() for cell in row.split("│")][3:7] == ["34", "4", "23", "79"]
 
@@ -67,7 +68,7 @@ def test_build_goes_into_this_folder_unless_told_otherwise(
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("build", "mars"), "there is no plant model 'mars'; there are: "),
+        (("build", "mars"), "there is no plant 'mars'; did you mean 'rars'? there are: climber, "),
         (
             ("build", "rars", "--out", "/proc/nowhere/rars.fmu"),
             "/proc/nowhere/rars.fmu: the FMU cannot be written",

@@ -13,8 +13,8 @@ import numpy.typing as npt
 import pytest
 import sympy as sp
 
-from fmu.interface import AXES, INPUTS, OUTPUTS
 from fmu.rars.equations import model
+from fmu.rars.interface import AXES, INPUTS, OUTPUTS
 from fmu.rars.parameters import PARAMETERS, SETS
 from hil_tests.fmu.model_bench import OWN, rates
 from hil_tests.fmu.rolling_limit import rolling

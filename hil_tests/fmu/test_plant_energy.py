@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fmu.interface import AXES
+from fmu.rars.interface import AXES
 from hil_tests.fmu.conftest import FINE
 
 LOSSLESS = {f"{part}_{axis}": 0.0 for part in ("resistance", "coulomb", "viscous") for axis in AXES} | {

@@ -10,8 +10,8 @@ from zipfile import ZIP_DEFLATED, ZipFile
 
 import pytest
 
-from fmu.interface import INPUTS, OUTPUTS
 from fmu.plant import FmuPlant, PlantError
+from fmu.rars.interface import INPUTS, OUTPUTS, UNITS
 
 
 def changed(original: Path, target: Path, change: Callable[[str], str], *, drop: str = "\0") -> Path:
@@ -27,6 +27,7 @@ def changed(original: Path, target: Path, change: Callable[[str], str], *, drop:
 
 
 def opened(path: Path, **options: Any) -> FmuPlant:
+    options = {"units": UNITS} | options
     return FmuPlant(path, list(INPUTS), list(OUTPUTS), **options)
 
 

@@ -7,8 +7,6 @@ import re
 import shutil
 import subprocess
 import sys
-import tomllib
-from importlib import resources
 from pathlib import Path
 from typing import Any
 from zipfile import ZIP_DEFLATED, ZipFile
@@ -19,12 +17,13 @@ import pytest
 from fmpy.model_description import read_model_description
 from fmpy.validation import validate_fmu
 
+from firmware_bridge.kinds import find
 from fmu import build
 from fmu.errors import PlantError
-from fmu.interface import INPUTS, OUTPUTS
 from fmu.plant import FmuPlant
 from fmu.rars import reference
-from fmu.rars.parameters import PARAMETERS, ROBOT_FILE, SETS
+from fmu.rars.interface import INPUTS, OUTPUTS
+from fmu.rars.parameters import PARAMETERS, PLANT, ROBOT_FILE, SETS
 
 
 def run(command: list[str], **options: Any) -> None:
@@ -107,7 +106,7 @@ def test_fmi_2_and_3_agree_bit_for_bit(fmu_file: dict[int, Path]) -> None:
 
 
 @pytest.mark.parametrize("compiler", COMPILERS)
-@pytest.mark.parametrize("flags", ["-O0", "-O1", "-O2", "-O3", "-O3 -march=native", "-O3 -DFB_ALONE"])
+@pytest.mark.parametrize("flags", ["-O0", "-O1", "-O2", "-O3", "-O3 -march=native"])
 def test_every_compiler_gives_the_same_bits(
     fmu_file: dict[int, Path], tmp_path: Path, compiler: str, flags: str
 ) -> None:
@@ -166,16 +165,11 @@ def test_the_generated_c_calls_no_library_but_sqrt_and_fabs(fmu_file: dict[int, 
 
 
 def test_robot_file_and_plant_agree_on_the_geometry() -> None:
-    robot: dict[str, Any] = tomllib.loads(
-        (resources.files("firmware_bridge") / "robots" / "rars.toml").read_text()
-    )
-    robot["axes"] = {axis["role"]: axis for axis in robot["axes"]}
     starts = {row.name: row.start for row in PARAMETERS}
-    for key, (name, factor) in ROBOT_FILE.items():
-        value: Any = robot
-        for part in key.split("."):
-            value = value[part]
-        assert value * factor == pytest.approx(starts[name]), key
+    found = PLANT.parameters_of(find("rars"))
+    assert len(found) == len(ROBOT_FILE)
+    for name, value in found.items():
+        assert value == pytest.approx(starts[name]), name
 
 
 def test_parameters_are_complete() -> None:

@@ -12,8 +12,8 @@ from emulators.wires import CanWire
 from emulators.world import World
 from firmware_bridge.kinds import find
 from firmware_bridge.node import CAN
-from fmu.interface import INPUTS
 from fmu.plant import PlantError
+from fmu.rars.interface import INPUTS
 from hil_tests.fmu.conftest import Bench, PlantMaker
 
 VERSIONS = pytest.mark.parametrize("fmi", [2, 3])

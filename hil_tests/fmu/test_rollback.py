@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from fmu.interface import INPUTS, OUTPUTS
+from fmu.rars.interface import INPUTS, OUTPUTS
 from hil_tests.fmu.instance import VERSIONS, Instance, Maker
 
 READ = (*OUTPUTS, "energy", "friction_lift", "time")

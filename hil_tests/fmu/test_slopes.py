@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from fmu.interface import AXES, INPUTS, OUTPUTS
+from fmu.rars.interface import AXES, INPUTS, OUTPUTS
 from hil_tests.fmu.instance import Instance
 
 SPREAD = {"current": 5.0, "angle": 300.0, "speed": 200.0, "friction": 0.9, "x": 1.0, "y": 1.0, "heading": 3.0}

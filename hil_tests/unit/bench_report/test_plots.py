@@ -5,35 +5,40 @@ from pathlib import Path
 
 import pytest
 
-from emulators.bench.columns import SAMPLE_EVERY, FaultRecord, HoldRecord, Sample
-from emulators.bench.plots import PICTURES, draw
-from firmware_bridge import robot as robot_file
+from emulators.bench.columns import SAMPLE_EVERY, Samples, columns_of
+from emulators.bench.plots import draw
+from emulators.bench.records import FaultRecord, HoldRecord
+from emulators.robots.rars import REHEARSAL
+from firmware_bridge.kinds import find
 from firmware_bridge.units import SECOND, to_seconds
 
-RARS = robot_file.find("rars")
+RARS = find("rars")
+PANELS = REHEARSAL.panels
+PICTURES = 4
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
-def row(index: int, speed: float) -> Sample:
-    at = index * SAMPLE_EVERY
-    angle = speed * to_seconds(at)
-    return Sample(
-        at=at,
-        x_m=math.sin(angle),
-        y_m=1.0 - math.cos(angle),
-        heading_rad=angle,
-        speed_mps=speed,
-        yaw_rate_rad_s=speed,
-        steer_rad=0.5,
-        lift_m=0.01,
-        currents_a=(1.0, 1.1, 0.1, 9.0),
-        motor_speeds_rad_s=(1.0, 1.0, 0.0, 0.0),
-        demanded_speed_mps=speed,
-        armed=index > 10,
-        odometry_x_m=math.sin(angle),
-        odometry_y_m=1.0 - math.cos(angle),
-        odometry_heading_rad=angle,
-    )
+def rows(count: int, speed: float) -> Samples:
+    samples = Samples(columns_of([axis.name for axis in RARS.axes], REHEARSAL.columns))
+    for index in range(count):
+        angle = speed * to_seconds(index * SAMPLE_EVERY)
+        row = {
+            "x_m": math.sin(angle),
+            "y_m": 1.0 - math.cos(angle),
+            "heading_rad": angle,
+            "speed_mps": speed,
+            "yaw_rate_rad_s": speed,
+            "steer_rad": 0.5,
+            "lift_m": 0.01,
+            "demanded_speed_mps": speed,
+            "armed": float(index > 10),
+            "odometry_x_m": math.sin(angle),
+            "odometry_y_m": 1.0 - math.cos(angle),
+            "current_left_a": 1.0,
+            "current_lift_a": 9.0,
+        }
+        samples.add(index * SAMPLE_EVERY, tuple(row.get(column.name, 0.0) for column in samples.columns))
+    return samples
 
 
 HOLDS = [
@@ -43,13 +48,13 @@ HOLDS = [
 
 
 def test_the_same_rows_give_the_same_bytes(tmp_path: Path) -> None:
-    rows = [row(index, 0.3) for index in range(200)]
+    table = rows(200, 0.3)
     written = []
     for name in ("first", "second"):
         folder = tmp_path / name
         folder.mkdir()
-        written.append([path.read_bytes() for path in draw(folder, "rars", RARS, rows, HOLDS)])
-    assert len(written[0]) == len(PICTURES) == 4
+        written.append([path.read_bytes() for path in draw(folder, "rars", RARS, PANELS, table, holds=HOLDS)])
+    assert len(written[0]) == PICTURES
     assert all(picture.startswith(PNG) for picture in written[0])
     assert written[0] == written[1]
 
@@ -62,16 +67,16 @@ def test_the_same_rows_give_the_same_bytes(tmp_path: Path) -> None:
 def test_short_and_dull_runs_are_drawn_without_complaint(
     tmp_path: Path, count: int, speed: float, holds: list[HoldRecord]
 ) -> None:
-    rows = [row(index, speed) for index in range(count)]
-    assert len(draw(tmp_path, "rars", RARS, rows, holds)) == len(PICTURES)
+    table = rows(count, speed)
+    assert len(draw(tmp_path, "rars", RARS, PANELS, table, holds=holds)) == PICTURES
 
 
 def test_a_run_without_rows_has_no_pictures(tmp_path: Path) -> None:
-    assert draw(tmp_path, "rars", RARS, [], []) == []
+    assert draw(tmp_path, "rars", RARS, PANELS, rows(0, 0.0), holds=[]) == []
 
 
 def test_faults_are_marked_in_the_pictures_over_time_and_in_no_other(tmp_path: Path) -> None:
-    rows = [row(index, 0.3) for index in range(200)]
+    table = rows(200, 0.3)
     faults = [
         FaultRecord("frame_loss", "a loose contact", ("steer",), SECOND // 2, SECOND),
         FaultRecord("nmt_stranger", "", (), SECOND, SECOND),
@@ -82,7 +87,10 @@ def test_faults_are_marked_in_the_pictures_over_time_and_in_no_other(tmp_path: P
         folder = tmp_path / name
         folder.mkdir()
         drawn.append(
-            {path.stem: path.read_bytes() for path in draw(folder, "rars", RARS, rows, HOLDS, faults=some)}
+            {
+                path.stem: path.read_bytes()
+                for path in draw(folder, "rars", RARS, PANELS, table, holds=HOLDS, faults=some)
+            }
         )
     sound, faulty, again = drawn
     assert {name for name in sound if sound[name] != faulty[name]} == {"speeds", "currents", "holds"}

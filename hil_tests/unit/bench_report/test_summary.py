@@ -2,50 +2,66 @@
 
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from io import StringIO
 
 import pytest
 from rich.console import Console
 
-from emulators.bench.columns import SAMPLE_EVERY, FaultRecord, HoldRecord, Sample
+from emulators.bench.columns import PLANAR, SAMPLE_EVERY, Column, Samples, columns_of
+from emulators.bench.records import FaultRecord, HoldRecord
 from emulators.bench.report import show
-from emulators.bench.summary import Run, as_json, summarise
+from emulators.bench.summary import Run, Summary, as_json
+from emulators.bench.summary import summarise as summarised
+from emulators.robots.rars import REHEARSAL
 from firmware_bridge.kinds import find
 from firmware_bridge.units import MILLISECOND, SECOND, to_seconds
 
 RUN = Run("rars", "line", 7, 4 * SECOND, 2.0, 1000, 3.21, "ab" * 32, {"can": "cd" * 32})
 
 
-def rows(count: int, speed: Callable[[float], float], **fixed: float) -> list[Sample]:
+AXES = ("left", "right")
+LIFT = Column("lift_m", "height", "m", plant="lift", most=True)
+CURRENTS = {"current_left_a": 0.5, "current_right_a": -1.5}
+
+
+def table(rows: Sequence[dict[str, float]]) -> Samples:
+    """Return a table of these rows, 10 ms apart; what they leave out is 0."""
+    samples = Samples(columns_of(AXES, (*PLANAR, LIFT)))
+    for index, row in enumerate(rows):
+        values = tuple(row.get(column.name, 0.0) for column in samples.columns)
+        samples.add(index * SAMPLE_EVERY, values)
+    return samples
+
+
+def rows(count: int, speed: Callable[[float], float], **fixed: float) -> Samples:
     """Return rows of a straight run along x, with the odometry `odometry_ahead` metres ahead at each row."""
+    return table(driven(count, speed, **fixed))
+
+
+def driven(count: int, speed: Callable[[float], float], **fixed: float) -> list[dict[str, float]]:
     ahead = fixed.get("odometry_ahead", 0.0)
-    made = []
+    made: list[dict[str, float]] = []
     x = 0.0
     for index in range(count):
-        at = index * SAMPLE_EVERY
-        now = speed(to_seconds(at))
+        now = speed(to_seconds(index * SAMPLE_EVERY))
         x += now * to_seconds(SAMPLE_EVERY) if index else 0.0
         made.append(
-            Sample(
-                at=at,
-                x_m=x,
-                y_m=0.0,
-                heading_rad=0.0,
-                speed_mps=now,
-                yaw_rate_rad_s=fixed.get("yaw_rate", 0.0),
-                steer_rad=0.0,
-                lift_m=0.0,
-                currents_a=(0.5, -1.5),
-                motor_speeds_rad_s=(0.0, 0.0),
-                demanded_speed_mps=now,
-                armed=True,
-                odometry_x_m=x + (ahead if index else 0.0),
-                odometry_y_m=0.0,
-                odometry_heading_rad=0.0,
-            )
+            {
+                "x_m": x,
+                "speed_mps": now,
+                "yaw_rate_rad_s": fixed.get("yaw_rate", 0.0),
+                "odometry_x_m": x + (ahead if index else 0.0),
+                **CURRENTS,
+            }
         )
     return made
+
+
+def summarise(
+    run: Run, samples: Samples, holds: Sequence[HoldRecord], faults: Sequence[FaultRecord] = ()
+) -> Summary:
+    return summarised(run, AXES, samples, holds, faults)
 
 
 def test_a_constant_speed_gives_length_and_no_acceleration() -> None:
@@ -77,31 +93,27 @@ def test_the_odometry_is_measured_against_the_plant() -> None:
 
 
 def test_the_two_frames_are_laid_upon_each_other_at_the_first_row() -> None:
-    turned = [
-        Sample(
-            at=row.at,
-            x_m=row["y_m"] + 5.0,
-            y_m=row["x_m"],
-            heading_rad=math.pi / 2.0,
-            speed_mps=row["speed_mps"],
-            yaw_rate_rad_s=0.0,
-            steer_rad=0.0,
-            lift_m=0.0,
-            currents_a=row.currents_a,
-            motor_speeds_rad_s=row.motor_speeds_rad_s,
-            demanded_speed_mps=0.0,
-            armed=True,
-            odometry_x_m=row["x_m"],
-            odometry_y_m=0.0,
-            odometry_heading_rad=0.0,
-        )
-        for row in rows(11, lambda _: 0.3)
-    ]
+    turned = table(
+        [
+            {
+                "x_m": row.get("y_m", 0.0) + 5.0,
+                "y_m": row["x_m"],
+                "heading_rad": math.pi / 2.0,
+                "odometry_x_m": row["x_m"],
+            }
+            for row in driven(11, lambda _: 0.3)
+        ]
+    )
     assert summarise(RUN, turned, []).max_odometry_error_m == pytest.approx(0.0, abs=1e-12)
 
 
+def test_a_column_that_says_so_is_in_the_summary_with_its_largest_value() -> None:
+    summary = summarise(RUN, table([{"lift_m": 0.2}, {"lift_m": -0.4}, {"lift_m": 0.1}]), [])
+    assert summary.largest == {"lift_m": 0.4}
+
+
 def test_a_run_without_rows_has_not_moved() -> None:
-    summary = summarise(RUN, [], [])
+    summary = summarise(RUN, table([]), [])
     assert summary.path_length_m == 0.0
     assert summary.max_acceleration_mps2 == 0.0
 
@@ -155,7 +167,7 @@ def test_the_faults_that_were_put_on_are_told_with_their_beginning_and_end() -> 
         {"kind": "can_cut", "title": "", "nodes": ["bridge", "left"], "began_s": 2.0, "ended_s": None},
     ]
     console = Console(width=120, record=True, file=StringIO())
-    show(console, summary, find("rars").limits)
+    show(console, summary, REHEARSAL.remarks(find("rars")))
     text = console.export_text()
     assert "faults that were put on" in text
     assert all(word in text for word in ("1.50 s", "end", "frame_loss", "a loose contact", "bridge, left"))

@@ -2,7 +2,8 @@
 
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.robot import Axis, Command
+from firmware_bridge.robot import Axis
+from firmware_bridge.robot import Command as Commanded
 from firmware_bridge.units import SECOND, Nanoseconds
 from firmware_bridge.wire import sdo
 from firmware_bridge.wire.abort import AbortCode
@@ -94,7 +95,7 @@ class PaperDrive:
             self._move(now)
             position = round(self.position) & 0xFFFF_FFFF
             return [(0x280 + node, self._status() + position.to_bytes(4, "little") + bytes((7, 0)))]
-        if packet.address == (0x500 if self.axis.command is Command.SPEED else 0x400) + node:
+        if packet.address == (0x500 if self.axis.command is Commanded.SPEED else 0x400) + node:
             return self._commanded(packet.payload, now)
         return []
 
@@ -128,7 +129,7 @@ class PaperDrive:
         self._move(now)
         self._obey(word)
         moves = self.state is State.OPERATION_ENABLED
-        if self.axis.command is Command.SPEED:
+        if self.axis.command is Commanded.SPEED:
             self.rpm = target if moves else 0
         elif moves and edge and not self.jammed:
             self.position = float(target)

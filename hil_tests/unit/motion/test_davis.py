@@ -11,7 +11,6 @@ from firmware_bridge.motion import davis
 
 ROBOT = find("rars")
 BASE = ROBOT.geometry.base
-STEERING = ROBOT.axis("steering")
 ANGLES = st.floats(-math.radians(60), math.radians(60))
 
 
@@ -24,20 +23,15 @@ def test_the_numbers_that_the_thesis_prints() -> None:
 
 def test_the_pinion_turns_by_360_degrees_for_a_rack_of_its_circumference() -> None:
     # (4.8): phi = x 360/(pi D_p) degrees.
-    assert davis.pinion_from_rack(BASE, math.pi * 0.030) == pytest.approx(2 * math.pi)
-
-
-def test_one_degree_of_pinion_is_159_degrees_of_motor() -> None:
-    rack = davis.rack_from_pinion(BASE, math.radians(1))
-    counts = davis.steer_quadcounts(BASE, STEERING, davis.steer_from_rack(BASE, rack))
-    assert counts == round(159 * 2000 / 360)
+    rack = davis.rack_from_steer(BASE, 0.3)
+    assert davis.pinion_from_steer(BASE, 0.3) == pytest.approx(2 * math.pi * rack / (math.pi * 0.030))
 
 
 @given(ANGLES)
 def test_left_and_right_mirror_each_other(steer: float) -> None:
     assert davis.rack_from_steer(BASE, -steer) == -davis.rack_from_steer(BASE, steer)
     assert davis.curvature(BASE, -steer) == -davis.curvature(BASE, steer)
-    assert davis.steer_quadcounts(BASE, STEERING, -steer) == -davis.steer_quadcounts(BASE, STEERING, steer)
+    assert davis.pinion_from_steer(BASE, -steer) == -davis.pinion_from_steer(BASE, steer)
     rack = davis.rack_from_steer(BASE, steer)
     assert davis.outer_from_rack(BASE, -rack) == -davis.outer_from_rack(BASE, rack)
     left, right = davis.wheel_speeds(BASE, 0.3, steer)
@@ -49,8 +43,8 @@ def test_each_conversion_undoes_the_other(steer: float) -> None:
     assert davis.steer_from_rack(BASE, davis.rack_from_steer(BASE, steer)) == pytest.approx(steer, abs=1e-12)
     bend = davis.curvature(BASE, steer)
     assert davis.steer_from_curvature(BASE, bend) == pytest.approx(steer, abs=1e-12)
-    counts = davis.steer_quadcounts(BASE, STEERING, steer)
-    assert davis.steer_from_quadcounts(BASE, STEERING, counts) == pytest.approx(steer, abs=2e-5)
+    pinion = davis.pinion_from_steer(BASE, steer)
+    assert davis.steer_from_pinion(BASE, pinion) == pytest.approx(steer, abs=1e-12)
 
 
 @given(st.floats(math.radians(0.1), math.radians(60)))

@@ -6,35 +6,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from firmware_bridge.drivers.driver import Feedback
 from firmware_bridge.kinds import find
 from firmware_bridge.motion import davis
-from firmware_bridge.motion.odometry import Odometry, Pose, counted, moved
-from firmware_bridge.robot import Axis
+from firmware_bridge.motion.odometry import moved
+from firmware_bridge.motion.pose import Pose
+from firmware_bridge.robots.rars.body import Rars
 
 ROBOT = find("rars")
-QC_PER_M = ROBOT.axis("left_wheel").quadcounts_per_radian / ROBOT.geometry.base.wheel_radius_m
-
-
-@pytest.mark.parametrize(
-    ("earlier", "later", "difference"),
-    [
-        (0, 0, 0),
-        (5, 3, -2),
-        (2**31 - 1, -(2**31), 1),
-        (-(2**31), 2**31 - 1, -1),
-        (2**31 - 10, -(2**31) + 9, 19),
-        (0, 2**31 - 1, 2**31 - 1),
-        (0, -(2**31), -(2**31)),
-    ],
-)
-def test_a_counter_is_read_across_its_wrap_around(earlier: int, later: int, difference: int) -> None:
-    assert counted(earlier, later) == difference
-
-
-@given(st.integers(-(2**31), 2**31 - 1), st.integers(-(2**31) + 1, 2**31 - 1))
-def test_any_move_below_half_the_span_is_counted(start: int, move: int) -> None:
-    end = (start + move + 2**31) % 2**32 - 2**31
-    assert counted(start, end) == move
+RADIUS = ROBOT.geometry.base.wheel_radius_m
 
 
 def test_a_quarter_circle_ends_where_it_should() -> None:
@@ -71,36 +51,13 @@ def test_a_full_circle_closes_where_forward_euler_does_not() -> None:
     assert 0.5 * speed * cycle < worst <= 1.01 * speed * cycle
 
 
-def test_counts_become_metres_and_the_first_pair_none() -> None:
-    odometry = Odometry(ROBOT)
-    assert odometry.advance(1000, -1000) == Pose()
-    pose = odometry.advance(1000 + round(QC_PER_M), -1000 + round(QC_PER_M))
-    assert (pose.x_m, pose.y_m, pose.heading_rad) == pytest.approx((1.0, 0.0, 0.0), abs=1e-5)
-    assert odometry.pose is pose
-
-
-def test_a_reset_keeps_the_counters_and_a_new_base_keeps_the_pose() -> None:
-    odometry = Odometry(ROBOT)
-    odometry.advance(0, 0)
-    odometry.advance(50_000, 50_000)
-    odometry.reset()
-    assert odometry.pose == Pose()
-    pose = odometry.advance(100_000, 100_000)
-    assert pose.x_m == pytest.approx(50_000 / QC_PER_M)
-    odometry.rebase()
-    assert odometry.advance(7, 7) == pose
-
-
-def test_a_mirrored_wheel_counts_backwards() -> None:
-    axes = tuple(_mirrored(axis) for axis in ROBOT.axes)
-    robot = Robot.model_validate(ROBOT.model_copy(update={"axes": axes}))
-    odometry = Odometry(robot)
-    odometry.advance(0, 0)
-    assert odometry.advance(50_000, -50_000).x_m == pytest.approx(50_000 / QC_PER_M)
-
-
-def _mirrored(axis: Axis) -> Axis:
-    return axis.model_copy(update={"direction": -1}) if axis.role == "right_wheel" else axis
+def test_the_body_carries_the_pose_on_from_its_two_rear_wheels() -> None:
+    body = Rars(ROBOT)
+    before = {name: Feedback(name, position=3.0) for name in body.rolling}
+    after = {name: Feedback(name, position=3.0 + 1.0 / RADIUS) for name in body.rolling}
+    assert body.rolling == ("left", "right")
+    pose = body.advanced(Pose(), before, after)
+    assert (pose.x_m, pose.y_m, pose.heading_rad) == pytest.approx((1.0, 0.0, 0.0))
 
 
 @given(st.floats(-0.5, 0.5), st.floats(-math.radians(60), math.radians(60)))

@@ -6,6 +6,7 @@ import pytest
 
 from firmware_bridge.kinds import find
 from firmware_bridge.motion.ramp import BRAKING_SHARE, MARGIN, Ramp
+from firmware_bridge.robots.rars.body import ramp_of
 from firmware_bridge.units import MILLISECOND
 
 CYCLE = 50 * MILLISECOND
@@ -14,7 +15,7 @@ STEP = 1.3 * 0.05
 
 
 def test_the_bounds_come_from_the_robot_file_with_a_margin() -> None:
-    ramp = Ramp.of(find("rars"))
+    ramp = ramp_of(find("rars"))
     assert pytest.approx(0.80) == MARGIN
     assert ramp == Ramp(0.80 * 0.144 * 9.81, 0.2, CYCLE)
 

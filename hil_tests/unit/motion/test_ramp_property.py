@@ -6,10 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from firmware_bridge.kinds import find
-from firmware_bridge.motion.ramp import Ramp
+from firmware_bridge.robots.rars.body import ramp_of
 from firmware_bridge.units import MILLISECOND, to_seconds
 
-RAMP = Ramp.of(find("rars"))
+RAMP = ramp_of(find("rars"))
 SPEEDS = st.floats(-0.5, 0.5)
 BENDS = st.floats(-1 / 0.415, 1 / 0.415)
 TIMES = st.integers(1, 200 * MILLISECOND)

@@ -21,11 +21,12 @@ WHEELS = ("left", "right")
 
 
 def objects_of(axis: Axis) -> dict[at.Address, int | bytes]:
-    gains, profile = axis.gains, axis.profile
+    settings = axis.settings
+    gains, profile = settings.gains, settings.profile
     return {
         at.MODE: 3 if axis.command is Command.SPEED else 1,
-        at.MOTOR_TYPE: axis.motor_type,
-        at.ENCODER_PULSES: axis.encoder_lines,
+        at.MOTOR_TYPE: settings.motor_type,
+        at.ENCODER_PULSES: settings.encoder_lines,
         at.CURRENT_P: gains.current_p,
         at.CURRENT_I: gains.current_i,
         at.VELOCITY_P: gains.velocity_p,
@@ -37,9 +38,9 @@ def objects_of(axis: Axis) -> dict[at.Address, int | bytes]:
         at.POSITION_D: gains.position_d,
         at.POSITION_VELOCITY_FEEDFORWARD: gains.position_velocity_feedforward,
         at.POSITION_ACCELERATION_FEEDFORWARD: gains.position_acceleration_feedforward,
-        at.CONTINUOUS_CURRENT_LIMIT: axis.continuous_current_ma,
-        at.OUTPUT_CURRENT_LIMIT: axis.peak_current_ma,
-        at.THERMAL_TIME_CONSTANT: axis.thermal_time_constant_100ms,
+        at.CONTINUOUS_CURRENT_LIMIT: settings.continuous_current_ma,
+        at.OUTPUT_CURRENT_LIMIT: settings.peak_current_ma,
+        at.THERMAL_TIME_CONSTANT: settings.thermal_time_constant_100ms,
         at.PROFILE_VELOCITY: profile.velocity_rpm,
         at.PROFILE_ACCELERATION: profile.acceleration_rpm_s,
         at.PROFILE_DECELERATION: profile.deceleration_rpm_s,
@@ -56,7 +57,7 @@ class Rars:
         robot = find("rars")
         names = [axis.name for axis in robot.axes]
         outputs = (*plant_outputs(names), *EXTRA)
-        self.plant = FmuPlant(ensure(), plant_inputs(names), outputs, parameters)
+        self.plant = FmuPlant(ensure("rars"), plant_inputs(names), outputs, parameters)
         axes = [ServoAxis(axis.name, axis.settings.quadcounts_per_turn) for axis in robot.axes]
         self.axes = dict(zip(names, axes, strict=True))
         self.bank = ServoBank(self.plant, axes, supply=outputs.index("battery_voltage"))

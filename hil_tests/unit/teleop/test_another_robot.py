@@ -161,10 +161,10 @@ def test_a_disarmed_robot_moves_no_actuator(bench: ToyBench) -> None:
 def test_a_change_of_state_forgets_what_the_station_says_and_no_more(bench: ToyBench) -> None:
     bench.order(400, 1)
     bench.report()
+    heard_at = bench.now
     bench.stick(x=500)
     bench.order(181, 7, 1)
     bench.order(187, 1, 1)
-    heard_at = bench.operator.intent.heard_at
     bench.now += SECOND
     bench.order(179, 1)
     assert bench.wish == Glide(ahead=1.0, boom=0.25, grip=0.0, water=True)

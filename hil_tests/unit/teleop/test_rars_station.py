@@ -143,3 +143,11 @@ def test_a_velocity_ends_the_lifts_rate_and_keeps_its_target() -> None:
     height = bench.wish.lift_m
     bench.target(0.1, 0.0)
     assert bench.wish.lift_m == height is not None
+
+
+@pytest.mark.parametrize(("command", "params"), [(400, (1,)), (400, (0, 21196)), (5300, (0,)), (5300, (1,))])
+def test_a_change_of_state_ends_the_lifts_rate(command: int, params: tuple[float, ...]) -> None:
+    bench = rars()
+    bench.stick(x=500, z=1000, buttons=0b1000)
+    bench.order(command, *params)
+    assert (bench.wish.lift_rate_mps, bench.wish.speed_mps) == (0.0, 0.25)

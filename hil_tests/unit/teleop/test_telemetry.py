@@ -49,7 +49,8 @@ def test_one_report_is_sent_in_this_order(bench: RarsBench) -> None:
     sent = [getattr(one, "name", one.get_type()) for one in bench.report()]
     assert sent == [
         "HEARTBEAT", "ODOMETRY", "LOCAL_POSITION_NED", "ATTITUDE", "STEER", "wheels", "WHEEL_DISTANCE",
-        "ZPOS", "I1", "I2", "I3", "I4", "DETECT", "LAMP", "SYS_STATUS", "EXTENDED_SYS_STATE", "BATTERY_STATUS",
+        "ZPOS", "I1", "I2", "I3", "I4", "DETECT", "LAMP", "SYS_STATUS", "EXTENDED_SYS_STATE",
+        "BATTERY_STATUS",
     ]  # fmt: skip
 
 
@@ -143,6 +144,16 @@ def test_wheels_and_currents(bench: RarsBench) -> None:
     assert [named(bench, f"I{n}") for n in (1, 2, 3, 4)] == pytest.approx([0.1, -0.2, 0.3, 0.004])
     assert bench.told(147).current_battery == 60
     assert bench.told(1).current_battery == 60
+
+
+@pytest.mark.parametrize(
+    ("amperes", "centiamperes"), [(0.019, 1), (-0.02, 2), (400.0, 0x7FFF), (math.nan, -1)]
+)
+def test_the_current_is_told_in_whole_steps_as_far_as_the_field_goes(
+    bench: RarsBench, amperes: float, centiamperes: int
+) -> None:
+    bench.axes(current_a=[amperes, 0.0, 0.0, 0.0])
+    assert bench.told(1).current_battery == centiamperes
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,114 @@
+"""What plants there are: packages bring them, ours as a stranger's, under the group `firmware_bridge.plants`.
+
+It refuses to know robots: what a plant takes from a robot's file is looked up by paths that it gives.
+"""
+
+import difflib
+import importlib
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from importlib import metadata
+from typing import TYPE_CHECKING, Final
+
+from fmu.errors import PlantError, UnknownNameError
+from fmu.export.model import Parameter
+
+if TYPE_CHECKING:
+    from fmu.export.model import Model
+
+GROUP: Final = "firmware_bridge.plants"
+
+
+@dataclass(frozen=True, slots=True)
+class Plant:
+    """A plant that can be built; an entry point names such a value.
+
+    In `package`, an import path, stands `equations.py` with a function `model()`, and all that it needs
+    beside `fmu.parts`. Making a Plant must be quick: SymPy comes with the equations, when they are asked for.
+    """
+
+    name: str
+    package: str
+    parameters: tuple[Parameter, ...]
+    sets: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    """Named start values of some parameters, in SI units."""
+    robot_file: Mapping[str, tuple[str, float]] = field(default_factory=dict)
+    """Path into a robot's file, rows of a table by their name -> parameter, and the factor into its unit."""
+
+    def model(self) -> "Model":
+        """Return equations and tables; `outputs` are what can be read, each with unit and meaning."""
+        model: Model = importlib.import_module(f"{self.package}.equations").model()
+        if model.name != self.name:
+            raise PlantError(f"{self.package}: the plant '{self.name}' has equations called '{model.name}'")
+        return model
+
+    def parameter_set(self, name: str) -> dict[str, float]:
+        """Return a named parameter set; UnknownNameError where there is none."""
+        if name not in self.sets:
+            raise _unknown(f"the plant '{self.name}' has no parameter set", name, self.sets)
+        return dict(self.sets[name])
+
+    def parameters_of(self, robot: object) -> dict[str, float]:
+        """Return the parameters that a robot's file gives, in the plant's units.
+
+        UnknownNameError, naming the path, where the robot has no such value.
+        """
+        return {
+            name: factor * _at(robot, path, self.name) for path, (name, factor) in self.robot_file.items()
+        }
+
+
+def names() -> list[str]:
+    """Return the names of the installed plants, without loading any."""
+    return sorted({entry.name for entry in metadata.entry_points(group=GROUP)})
+
+
+def find(name: str) -> Plant:
+    """Return an installed plant; UnknownNameError where there is none, PlantError where it is none."""
+    entries = metadata.entry_points(group=GROUP, name=name)
+    if not entries:
+        raise _unknown("there is no plant", name, names())
+    values = sorted({entry.value for entry in entries})
+    if len(values) > 1:
+        raise PlantError(f"two plants are called '{name}': {' and '.join(values)}; uninstall one of them")
+    try:
+        plant = next(iter(entries)).load()
+    except Exception as error:
+        raise PlantError(f"the plant '{name}' cannot be loaded from {values[0]}: {error}") from error
+    if not isinstance(plant, Plant) or plant.name != name:
+        raise PlantError(f"{values[0]} is not the plant '{name}', but {plant!r:.60}: correct the entry point")
+    return plant
+
+
+def _unknown(problem: str, name: str, known: Iterable[str]) -> UnknownNameError:
+    known = tuple(known)
+    near = difflib.get_close_matches(name, known, n=1)
+    hint = f"did you mean '{near[0]}'? " if near else ""
+    return UnknownNameError(f"{problem} '{name}'; {hint}there are: {', '.join(known) or 'none'}")
+
+
+def _at(robot: object, path: str, plant: str) -> float:
+    """Return the number at the end of a path: by key, by the `name` of a row, or by attribute."""
+    found = robot
+    for part in path.split("."):
+        rows = _rows(found)
+        if part in rows:
+            found = rows[part]
+        elif part.isidentifier() and hasattr(found, part):
+            found = getattr(found, part)
+        else:
+            raise _unknown(
+                f"the plant '{plant}' takes '{path}' from the robot's file, which has no", part, rows
+            )
+    if isinstance(found, bool) or not isinstance(found, (int, float)):
+        raise UnknownNameError(f"the plant '{plant}' takes '{path}' from the robot's file: that is no number")
+    return float(found)
+
+
+def _rows(owner: object) -> Mapping[str, object]:
+    if isinstance(owner, Mapping):
+        return owner
+    if isinstance(owner, Sequence):
+        return {str(getattr(row, "name", place)): row for place, row in enumerate(owner)}
+    slots: Mapping[str, object] = dict.fromkeys(getattr(owner, "__slots__", ()))
+    return getattr(owner, "__dict__", slots)

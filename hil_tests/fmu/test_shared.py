@@ -1,0 +1,56 @@
+"""What equations call shared is computed once, as it is written; to everybody else it is its value."""
+
+import sympy as sp
+
+from fmu.export.blocks import Program
+from fmu.export.code import body
+from fmu.export.functions import shared
+from fmu.export.model import Model, Output, State
+from fmu.export.tangents import tangents
+from fmu.parts.symbols import symbol
+
+X, Y = symbol("x"), symbol("y")
+TWIST = shared(X - Y)
+
+
+def lines(rate: sp.Expr, other: sp.Expr) -> list[tuple[str, str]]:
+    states = (State("x", "1", sp.S.Zero, rate), State("y", "1", sp.S.Zero, other))
+    model = Model("two", "two", (), (), states, (Output("x", "1", "x", X),), 1e-3)
+    return list(body(next(block for block in Program(model).blocks if block.name == "rates")))
+
+
+def test_a_shared_sum_is_not_taken_apart_by_the_sums_around_it() -> None:
+    assert lines(TWIST + Y, TWIST - X) == [
+        ("t0", "((s[0] - s[1]))"),
+        ("rate[0]", "(s[1] + t0)"),
+        ("rate[1]", "(t0 - s[0])"),
+    ]
+
+
+def test_without_it_sympy_takes_the_sum_apart() -> None:
+    assert lines(X - Y + Y, X - Y - X) == [("rate[0]", "s[0]"), ("rate[1]", "(-s[1])")]
+
+
+def test_its_slope_is_that_of_its_value() -> None:
+    state = State("x", "1", sp.S.Zero, shared(3 * X) * X)
+    model = Model(
+        "one",
+        "one",
+        (),
+        (),
+        (state,),
+        (Output("x", "1", "x", X),),
+        1e-3,
+    )
+    rates = next(block for block in Program(model).blocks if block.name == "rates")
+    ((_, slope),) = tangents(rates).results
+    known = dict(tangents(rates).shared)
+    values = {sp.Symbol("s[0]", real=True): 2.0, sp.Symbol("ds[0]", real=True): 1.0}
+    for name, value in known.items():
+        values[name] = sp.sympify(value).xreplace(values).doit()
+    found = slope.xreplace(values).replace(shared, lambda value: value)
+    assert float(found) == 12.0  # d(3 x^2) at 2
+
+
+def test_it_evaluates_to_its_value() -> None:
+    assert sp.lambdify([X, Y], TWIST * 2)(5.0, 3.0) == 4.0
