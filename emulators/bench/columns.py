@@ -170,7 +170,7 @@ class Samples(Sequence[Sample]):
         return np.array(self._at, dtype=np.float64) / 1e9
 
     def csv(self) -> str:
-        """Return the table as text: a heading with units, then a line a row; numbers as short as they are exact."""
+        """Return the table as text: a heading, then a line for each row, numbers with nine digits."""
         heading = ",".join(["at_s", *(column.name for column in self.columns)])
         lines = [
             ",".join([f"{at / 1e9:.2f}", *(f"{value:.9g}" for value in row)])

@@ -156,7 +156,7 @@ def _in_time(name: str, link: Raw, cycle_ms: object) -> Iterator[Problem]:
     if not (isinstance(cycle_ms, int) and isinstance(every, int) and isinstance(silent_ms, int)):
         return
     if silent_ms <= every * cycle_ms:
-        problem = f"{silent_ms} is not longer than a cycle of the link, {every * cycle_ms}"
+        problem = f"{silent_ms} is not longer than the link's cycle, {every * cycle_ms}"
         yield Problem(f"links.{name}.silent_ms", problem)
 
 

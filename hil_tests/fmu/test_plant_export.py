@@ -17,7 +17,7 @@ import pytest
 from fmpy.model_description import read_model_description
 from fmpy.validation import validate_fmu
 
-from firmware_bridge.robot import find
+from firmware_bridge.kinds import find
 from fmu import build
 from fmu.errors import PlantError
 from fmu.plant import FmuPlant

@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 from emulators.bench.mission import Mission, Noise
 from emulators.bench.operator import ScriptedOperator
 from emulators.bench.step import Input
-from emulators.devices import devices
+from emulators.devices import SUPPLY, devices
 from emulators.gateway import Cluster
 from emulators.rig import BRIDGE, OPERATOR_STATION, Rig
 from emulators.robots.rars import REHEARSAL

@@ -5,10 +5,9 @@ floor leaves 37 mm between odometry and truth, whatever the odometry does.
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -26,6 +25,9 @@ from firmware_bridge.kinds import find
 from firmware_bridge.motion.ramp import MARGIN
 from firmware_bridge.units import from_seconds, to_seconds
 from fmu.rars.parameters import PARAMETERS
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 BOUND_M: Final = 0.01
 """What the odometry may err by where wheels roll, at the mission's end."""

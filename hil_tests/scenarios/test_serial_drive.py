@@ -3,7 +3,7 @@
 import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import pytest
 
@@ -19,7 +19,6 @@ from firmware_bridge.kinds import find
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.safety.snapshot import Facts
 from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.canopen import NmtCommand
@@ -27,6 +26,9 @@ from firmware_bridge.wire.cia402 import State, state_of
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.maxon.frame import Generation
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, step
+
+if TYPE_CHECKING:
+    from firmware_bridge.safety.snapshot import Facts
 
 RARS: Final = find("rars")
 USB: Final = over_serial(RARS, Generation.V2)
@@ -79,8 +81,8 @@ def test_the_line_mission_arrives_as_over_can(driven: Callable[[AnyRobot, str], 
     assert through["max_speed_mps"] == pytest.approx(over_can["max_speed_mps"], abs=0.001)
     assert through["odometry_error_m"] == pytest.approx(over_can["odometry_error_m"], abs=0.001)
     assert {hold["name"] for hold in through["holds"]} == {hold["name"] for hold in over_can["holds"]}
-    line = through["line"]
-    assert over_can["line"] is None
+    (line,) = through["lines"]
+    assert over_can["lines"] == []
     assert (line["protocol"], line["baud"], line["cycle_ms"]) == ("v2", 1_000_000, 50.0)
     assert line["bytes"] > 200_000
     assert 20 < line["busy_percent"] < 60
@@ -96,8 +98,7 @@ def test_every_interlock_holds_as_over_can(driven: Callable[[AnyRobot, str], Pat
         json.loads((driven(robot, "interlocks") / "summary.json").read_text()) for robot in (RARS, USB)
     )
     names, began = (
-        [[hold[key] for hold in told["holds"]] for told in (over_can, over_serial)]
-        for key in ("name", "began_s")
+        [[hold[key] for hold in told["holds"]] for told in (over_can, through)] for key in ("name", "began_s")
     )
     assert names[0] == names[1]
     # The set-up takes longer; "not armed" follows it.
@@ -187,7 +188,7 @@ def test_no_arming_while_the_adapter_is_out(rides: Ridden) -> None:
     line_of(one).adapter.plugged = False
     one.runs_until(7)
     assert not armed(one)
-    assert not any(drive.busy for drive in one.rig.bridge.fleets.drives)
+    assert not any(drive.busy for drive in one.rig.bridge.fleets.drivers)
 
 
 def test_a_drive_behind_the_gateway_that_falls_silent_stops_the_robot(rides: Ridden) -> None:
@@ -240,7 +241,7 @@ def test_a_drive_that_does_not_notice_the_bridge_s_silence_is_not_driven(
     hear = Consumer.hear
 
     def deaf(self: Consumer, payload: bytes, now: Nanoseconds) -> None:
-        if self.node != USB.guardian:
+        if self.node != USB.links["drives"].guardian(USB.nodes_on("drives")):
             hear(self, payload, now)
 
     monkeypatch.setattr(Consumer, "hear", deaf)

@@ -1,7 +1,7 @@
 """The scripted operator, joined directly to the bridge's Operator: both ends real, only the wire is short."""
 
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,13 +16,15 @@ from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robots.rars import KIND
-from firmware_bridge.robots.rars.geometry import Geometry
 from firmware_bridge.robots.rars.motion import Motion, State
 from firmware_bridge.safety.snapshot import Hold, Snapshot
 from firmware_bridge.teleop.mavlink import Codec
 from firmware_bridge.teleop.operator import Operator
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 from hil_tests.safety import gate_bench
+
+if TYPE_CHECKING:
+    from firmware_bridge.robots.rars.geometry import Geometry
 
 RARS = kinds.find("rars")
 CYCLE = 50 * MILLISECOND

@@ -173,7 +173,7 @@ MISTAKES = (
         "silence within a cycle",
         ("drive_heartbeat_ms = 100\nsilent_ms = 250", "drive_heartbeat_ms = 30\nsilent_ms = 50"),
         "links.drives.silent_ms",
-        ("50 is not longer than a cycle of the link, 50",),
+        ("50 is not longer than the link's cycle, 50",),
     ),
     Mistake(
         "a gateway that is no node",
