@@ -115,7 +115,7 @@ class Fleets:
     ) -> tuple[Packet, ...]:
         """Send each axis its demand, one without rests; switch the outputs that are named.
 
-        A link that is not due in this cycle is left alone, unless an axis of it shall stop and is not told yet.
+        A link that is not due in this cycle is left alone, unless one of its axes shall stop and does not yet.
         """
         sent: tuple[Packet, ...] = ()
         for fleet in self.all:
