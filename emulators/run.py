@@ -11,7 +11,6 @@ import numpy as np
 
 from emulators.bench.mission import Mission
 from emulators.bench.operator import ScriptedOperator
-from emulators.bench.plots import draw
 from emulators.bench.summary import Run, Summary, as_json, summarise
 from emulators.rig import Rig, build
 from firmware_bridge.packet import Packet
@@ -78,6 +77,9 @@ def drive(order: Order, progress: Progress) -> Summary:
     summary = summarise(run, rig.samples, rig.holds)
     (order.folder / "summary.json").write_text(as_json(summary), encoding="utf-8")
     title = f"{order.robot.name} · {order.mission_name} · seed {order.seed}"
+    # Half a second for Matplotlib, which nobody needs before the run is over.
+    from emulators.bench.plots import draw  # noqa: PLC0415 - see above
+
     draw(order.folder, title, order.robot, rig.samples, rig.holds)
     return summary
 

@@ -14,20 +14,15 @@ from emulators.epos2.objects.device_profile import DeviceProfile
 from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import Plant, ServoBank, plant_inputs, plant_outputs
-from emulators.servo.motor import DcMotor, DcMotors
+from emulators.servo.motor import MOTOR, SUPPLY_MV, DcMotor, DcMotors
 from emulators.servo.pins import input_lines, output_lines, pin_inputs, pin_outputs
 from emulators.servo.sensor_lines import sensor_lines, sensor_outputs
 from emulators.storage import ParameterFile
 from firmware_bridge.wire.maxon.frame import Generation
 from fmu.plant import FmuPlant, PlantError
 
-MOTOR: Final = DcMotor(
-    resistance=1.0, inductance=0.5e-3, torque_constant=0.04, inertia=2e-5, friction=1e-3, damping=1e-5
-)
-"""A motor that the drive's default gains can turn, and no particular one: Ohm, H, N m/A, kg m2, N m."""
 QUADCOUNTS: Final = 2_000
 """Of the encoder in one turn: the default of 0x2210:1, 500 pulses."""
-SUPPLY_MV: Final = 24_000
 BACK_EMF_UNIT: Final = 1 << 24
 """Parts of 1 V s/rad in which a servo axis keeps its motor's constant."""
 

@@ -43,11 +43,15 @@ _EPOCH: Final = (1980, 1, 1, 0, 0, 0)
 def ensure(model: str = "rars", fmi: int = 3) -> Path:
     """Return the FMU of this model for FMI 2.0 or 3.0, built when it is not in the cache."""
     compiler = find_compiler()
-    key = _key(model, fmi, compiler)
-    target = _cache() / f"{model}-fmi{fmi}-{key[:16]}.fmu"
+    target = _kept(model, fmi, compiler)
     if not target.exists():
         build(model, fmi, target, compiler=compiler)
     return target
+
+
+def is_built(model: str, fmi: int = 3) -> bool:
+    """Tell whether the FMU of this model is in the cache, so that `ensure` takes no time."""
+    return _kept(model, fmi, find_compiler()).exists()
 
 
 def build(model: str, fmi: int, target: Path, *, compiler: str | None = None) -> None:
@@ -103,6 +107,10 @@ def find_compiler() -> str:
 def models() -> list[str]:
     """Return the names of the model folders."""
     return sorted(path.parent.name for path in _HERE.glob("*/equations.py"))
+
+
+def _kept(model: str, fmi: int, compiler: str) -> Path:
+    return _cache() / f"{model}-fmi{fmi}-{_key(model, fmi, compiler)[:16]}.fmu"
 
 
 def _cache() -> Path:

@@ -15,7 +15,6 @@ from typing import Any, Final, NamedTuple, NoReturn, Self
 from fmu.calls import OK_OR_WARNING, SECOND_NS, STATUS, PlantRecord, prepare
 from fmu.errors import PlantError, PlantWarning
 from fmu.interface import UNITS
-from fmu.loading import component_of, described, loaded
 from fmu.references import References
 from fmu.states import Copy, StateError
 from fmu.verify import Verdict, compare
@@ -68,17 +67,20 @@ class FmuPlant:
         variables follow the others where the FMU has them: `input_names` and `output_names` tell.
         Raises PlantError, naming the file and what is wrong with it.
         """
+        # FMPy comes with it, and most of what FMPy imports: only who has a plant waits for that.
+        from fmu import loading  # noqa: PLC0415 - see above
+
         self.path = path
         self._messages: deque[str] = deque(maxlen=8)
         self._record = PlantRecord()
-        description = described(path)
+        description = loading.described(path)
         self._references = References(str(path), description)
         self.input_names: Final = (*inputs, *self._references.present(optional_inputs))
         self.output_names: Final = (*outputs, *self._references.present(optional_outputs))
         input_references = self._references.find(self.input_names, ("input",), units)
         output_references = self._references.find(self.output_names, ("output", "local"), units)
         set_references = self._references.settable(parameters)
-        self._fmu, self._vault, self._finish = loaded(self, path, description, self._messages)
+        self._fmu, self._vault, self._finish = loading.loaded(self, path, description, self._messages)
         try:
             self._initialise(description, set_references, list(parameters.values()))
         except Exception as error:
@@ -87,7 +89,7 @@ class FmuPlant:
         self._step_ns = step
         version = int(description.fmiVersion[0])
         self.fingerprint = self._verified(version)
-        component = component_of(self._fmu)
+        component = loading.component_of(self._fmu)
         # Kept whole: the record holds bare addresses of what the calls own.
         self._calls = calls = prepare(
             self._fmu.dll, component, version, input_references, output_references, step=step

@@ -180,7 +180,7 @@ def find(name: str, robot: Robot) -> Mission:
     for path in shipped():
         if path.stem == name:
             return load(path, robot)
-    known = ", ".join(path.stem for path in shipped())
+    known = ", ".join(names())
     raise MissionFileError(
         name, "", f"no such mission; there are: {known}. A path to a .toml file works, too"
     )
@@ -190,6 +190,11 @@ def shipped() -> list[Path]:
     """Return the paths of the missions in the package, sorted by name."""
     folder = resources.files("emulators.bench") / "missions"
     return sorted(Path(str(entry)) for entry in folder.iterdir() if entry.name.endswith(".toml"))
+
+
+def names() -> list[str]:
+    """Return the names of the shipped missions."""
+    return [path.stem for path in shipped()]
 
 
 def steer_of_radius(robot: Robot, radius_m: float) -> float:

@@ -28,6 +28,14 @@ class DcMotor:
     damping: float = 0.0
 
 
+MOTOR: Final = DcMotor(
+    resistance=1.0, inductance=0.5e-3, torque_constant=0.04, inertia=2e-5, friction=1e-3, damping=1e-5
+)
+"""A motor that the drive's default gains can turn, and no particular one: Ohm, H, N m/A, kg m2, N m."""
+SUPPLY_MV: Final = 24_000
+"""That motor's supply."""
+
+
 class DcMotors:
     """Motors side by side. Inputs: voltages; outputs: currents, angles, speeds, each in the motors' order."""
 

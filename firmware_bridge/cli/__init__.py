@@ -1,8 +1,8 @@
-"""The command line: its own commands, and those that other installed packages attach to it.
+"""The command line: its own commands, and those that other installed packages add to it.
 
 It refuses to know the simulation: the bridge runs without it.
 """
 
-from firmware_bridge.cli.program import attach_commands, main, program
+from firmware_bridge.cli.program import main, program
 
-__all__ = ["attach_commands", "main", "program"]
+__all__ = ["main", "program"]

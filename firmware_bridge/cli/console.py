@@ -1,28 +1,44 @@
-"""How the program speaks: tables on a terminal, and one message for what is wrong, with an exit status."""
+"""How the program speaks: on any terminal, and of what is wrong in one message, with an exit status."""
 
+import codecs
 import os
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from io import TextIOWrapper
 from typing import Final
 
 import typer
-from rich.console import Console
-
-from firmware_bridge.robot import Robot, RobotFileError, find
 
 FAILED: Final = 1
 WRONG_INPUT: Final = 2
 INTERRUPTED: Final = 130
-NO_TERMINAL_WIDTH: Final = 120
-"""A table written to a file or a pipe is not cut to the 80 columns of a terminal that is not there."""
+_PLAIN: Final = {"²": "2", "³": "3", "°": "deg", "µ": "u", "·": "-", "→": "->", "…": "..."}
+"""What is printed on a terminal that lacks a sign; any other is a question mark there."""
 
 
-def terminal(*, stderr: bool = False) -> Console:
-    """Return the console to print tables and progress on."""
-    console = Console(stderr=stderr, highlight=False)
-    if not console.is_terminal and "COLUMNS" not in os.environ:
-        console.width = NO_TERMINAL_WIDTH
-    return console
+def speak_plainly() -> None:
+    """Print what a terminal lacks, a power of two or a name in Greek, in signs that it has."""
+    codecs.register_error("plain", _plain)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="plain")
+
+
+def say(text: str, *, err: bool = False) -> None:
+    """Print a line; BrokenPipeError where nobody reads it any more, and silence from then on.
+
+    So whoever has a robot to stop can still do it.
+    """
+    stream = sys.stderr if err else sys.stdout
+    try:
+        stream.write(f"{text}\n")
+        stream.flush()
+    except BrokenPipeError:
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, stream.fileno())
+        os.close(nowhere)
+        raise
 
 
 @contextmanager
@@ -44,13 +60,13 @@ def written_by(option: str) -> Iterator[None]:
         raise refusal(f"{place}cannot be written: {error.strerror}; {option} names another place") from None
 
 
+def _plain(error: UnicodeError) -> tuple[str, int]:
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    return "".join(_PLAIN.get(sign, "?") for sign in error.object[error.start : error.end]), error.end
+
+
 def refusal(message: str, status: int = WRONG_INPUT) -> typer.Exit:
     """Print one message on standard error, and return what ends the program when it is raised."""
-    typer.echo(f"firmware-bridge: {message}", err=True)
+    say(f"firmware-bridge: {message}", err=True)
     return typer.Exit(status)
-
-
-def find_robot(name: str) -> Robot:
-    """Return the robot of this name or file; where there is none, say so and end the program."""
-    with one_message(RobotFileError):
-        return find(name)

@@ -4,12 +4,17 @@ from typing import Annotated, Any
 
 import typer
 
+from firmware_bridge.cli.commands import completing
 from firmware_bridge.cli.console import one_message
 from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
 
 RobotArgument = Annotated[
     str,
-    typer.Argument(metavar="ROBOT", help="A robot that `robots` lists, or the path of a robot file (.toml)."),
+    typer.Argument(
+        metavar="ROBOT",
+        help="A robot that `robots` lists, or the path of a robot file (.toml).",
+        autocompletion=completing("firmware_bridge.cli.robot_argument:names"),
+    ),
 ]
 InterfaceOption = Annotated[
     str | None,

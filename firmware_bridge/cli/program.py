@@ -2,22 +2,70 @@
 
 import sys
 import warnings
-from collections.abc import Callable
-from importlib import metadata
-from typing import Annotated, Final, TypeAlias
+from typing import Annotated, Any, Final
 
 import typer
 
-from firmware_bridge.cli import drive, epos2, robots
-from firmware_bridge.cli.console import INTERRUPTED
+from firmware_bridge.cli.commands import MARKUP, Command, Group, Row, Rows, Tree
+from firmware_bridge.cli.console import INTERRUPTED, say, speak_plainly
 
-COMMAND_GROUP: Final = "firmware_bridge.commands"
-"""Entry points of this group are called with the program and attach their commands to it."""
+COMMANDS: Final[tuple[Row, ...]] = (
+    Command(
+        "drive",
+        "firmware_bridge.cli.drive:drive",
+        "Run the bridge on a real CAN bus or serial line.",
+    ),
+    Command("robots", "firmware_bridge.cli.robots:robots", "List the robot files found, each one checked."),
+    Group(
+        "epos2",
+        "One EPOS2 drive, real or emulated, over CAN or a serial line: its objects, its state.",
+        """Examples:
 
-Attach: TypeAlias = Callable[[typer.Typer], None]
+`firmware-bridge epos2 read statusword "profile velocity" -i socketcan -c can0 --node 3`
+
+`firmware-bridge epos2 write profile-velocity 500rpm --serial /dev/ttyUSB0`
+
+`firmware-bridge epos2 state --serial /dev/ttyUSB0 --protocol v2`""",
+    ),
+    Command(
+        "epos2 read",
+        "firmware_bridge.cli.epos2.read:read",
+        "Read objects of a drive, with their names, units, and what their bits say.",
+    ),
+    Command(
+        "epos2 write",
+        "firmware_bridge.cli.epos2.write:write",
+        "Write one object of a drive.",
+    ),
+    Command(
+        "epos2 state",
+        "firmware_bridge.cli.epos2.state:state",
+        "Show a drive's power state, mode, network state and errors.",
+    ),
+    Command(
+        "epos2 version",
+        "firmware_bridge.cli.epos2.version:version",
+        "Tell a drive's name, hardware, firmware and serial number.",
+    ),
+    Command(
+        "epos2 nmt",
+        "firmware_bridge.cli.epos2.network:nmt",
+        "Send a network command, and see that one drive obeys it.",
+    ),
+)
+
+
+class Program(Rows):
+    """The program's own commands, and those of every installed package that has some."""
+
+    def __init__(self, **attributes: Any) -> None:
+        super().__init__(**attributes)
+        Tree(self, COMMANDS)
+
 
 program = typer.Typer(
     name="firmware-bridge",
+    cls=Program,
     help="Drive a robot with maxon EPOS2 drives from an operator's MAVLink: on a CAN bus, or on the bench.",
     epilog="""Begin with one of these:
 
@@ -27,16 +75,12 @@ program = typer.Typer(
 
 `firmware-bridge drive rars -i socketcan -c can0` runs the bridge on a real bus.
 
-`firmware-bridge COMMAND --help` says more about each.""",
+`firmware-bridge COMMAND --help` says more about each; `--install-completion` teaches them to your shell.""",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
-    rich_markup_mode="markdown",
+    rich_markup_mode=MARKUP,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-program.command(epilog=drive.EXAMPLES)(drive.drive)
-program.command(epilog=robots.EXAMPLES)(robots.robots)
-program.add_typer(epos2.group, name="epos2", epilog=epos2.EXAMPLES)
 
 
 @program.callback()
@@ -57,33 +101,21 @@ def _options(
 
 def _warn(message: Warning | str, *_place: object, **_more: object) -> None:
     """Print a warning in one line, without the place in the code that it comes from."""
-    typer.echo(f"firmware-bridge: warning: {message}", err=True)
+    say(f"firmware-bridge: warning: {message}", err=True)
 
 
 def _print_version(*, asked: bool) -> None:
     if asked:
-        typer.echo(f"firmware-bridge {metadata.version('firmware-bridge')}")
+        from importlib import metadata  # noqa: PLC0415 - no other command of the program's own needs it
+
+        say(f"firmware-bridge {metadata.version('firmware-bridge')}")
         raise typer.Exit
-
-
-def attach_commands() -> None:
-    """Attach the commands of every installed package that has some, in the order of their names.
-
-    A package that cannot be imported must not keep the bridge from running: it is named and left out.
-    """
-    for entry in sorted(metadata.entry_points(group=COMMAND_GROUP), key=lambda entry: entry.name):
-        try:
-            attach: Attach = entry.load()
-        except ImportError as error:
-            typer.echo(f"firmware-bridge: the commands of '{entry.name}' are left out: {error}", err=True)
-            continue
-        attach(program)
 
 
 def main() -> None:
     """Run the command line."""
+    speak_plainly()
     warnings.showwarning = _warn
-    attach_commands()
     try:
         program()
     except KeyboardInterrupt:

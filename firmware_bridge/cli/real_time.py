@@ -2,9 +2,7 @@
 
 from collections.abc import Callable, Mapping
 
-import typer
-
-from firmware_bridge.cli.console import FAILED, one_message, refusal
+from firmware_bridge.cli.console import FAILED, one_message, refusal, say
 from firmware_bridge.node import Node
 from firmware_bridge.shell.clock import Clock
 from firmware_bridge.shell.ports import LostPort, Port, PortError
@@ -33,10 +31,10 @@ def carry(
             for port in ports.values():
                 port.close()
             raise
-    typer.echo(f"{greeting}; Ctrl-C ends it")
+    say(f"{greeting}; Ctrl-C ends it")
     with one_message(LostPort, *failures, status=FAILED):
         ending = run(node, ports, Clock(), until=end)
-    typer.echo(f"ended: {ending.reason}; never later than {ending.latest_wake / MILLISECOND:.1f} ms")
+    say(f"ended: {ending.reason}; never later than {ending.latest_wake / MILLISECOND:.1f} ms")
     if not ending.in_order:
         raise refusal(
             "it did not stop in good order; the drives' own watch over the bridge must do it", FAILED

@@ -6,7 +6,9 @@ from typing import Annotated, Final
 import typer
 from rich.table import Table
 
-from firmware_bridge.cli.console import refusal, terminal
+from firmware_bridge.cli.commands import command
+from firmware_bridge.cli.console import refusal
+from firmware_bridge.cli.tables import terminal
 from firmware_bridge.robot import RobotFileError, load, shipped
 
 EXAMPLES: Final = """Examples:
@@ -16,6 +18,7 @@ EXAMPLES: Final = """Examples:
 `firmware-bridge robots my_robot.toml` checks one of your own."""
 
 
+@command(EXAMPLES)
 def robots(
     files: Annotated[
         list[Path] | None,

@@ -7,11 +7,9 @@ import pytest
 from fmpy.model_description import read_model_description
 from typer.testing import CliRunner
 
-from firmware_bridge.cli import attach_commands, program
+from firmware_bridge.cli import program
 from fmu.build import export, models
 from hil_tests.fmu.test_plant_generic import pendulum
-
-attach_commands()
 
 
 def run(*words: str) -> tuple[int, str, str]:

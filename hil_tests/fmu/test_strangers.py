@@ -21,7 +21,7 @@ from emulators.servo.bank import plant_outputs
 from emulators.wires import CanWire, DatagramWire
 from emulators.world import World
 from firmware_bridge.bridge import Bridge
-from firmware_bridge.cli import attach_commands, program
+from firmware_bridge.cli import program
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import Robot, find, shipped
@@ -31,8 +31,6 @@ from fmu.errors import PlantError
 from fmu.export.model import Expression, Model, Output, Parameter, State
 from fmu.export.model import Input as Voltage
 from fmu.interface import AXES, INPUTS, OUTPUTS
-
-attach_commands()
 
 STEPS = (
     Step(at_s=3.0, title="arm", arm=True),

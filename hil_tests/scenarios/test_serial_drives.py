@@ -10,11 +10,10 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from firmware_bridge.cli import attach_commands, program
+from firmware_bridge.cli import program
 from firmware_bridge.shell.clock import Clock
 from firmware_bridge.units import MILLISECOND, SECOND
 
-attach_commands()
 PROGRAM = Path(sys.executable).with_name("firmware-bridge")
 WITHIN = 20 * SECOND
 

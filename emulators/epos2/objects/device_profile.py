@@ -41,6 +41,8 @@ BIT_RATES: Final[Mapping[int, int]] = MappingProxyType(
     {0: 1_000_000, 1: 800_000, 2: 500_000, 3: 250_000, 4: 125_000, 6: 50_000, 7: 20_000}
 )
 """0x2001 and 0x200A: bits a second by code (EDS, maxon's library). Code 5 is reserved."""
+BAUDS: Final = (9_600, 14_400, 19_200, 38_400, 57_600, 115_200)
+"""0x2002: bits a second on RS232, by code."""
 
 
 @dataclass(frozen=True, slots=True)

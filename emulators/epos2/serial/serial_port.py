@@ -7,7 +7,7 @@ maxon's command library for the USB side, a converter at 1 MBd. ASSUME: a time-o
 from collections.abc import Mapping
 from typing import Final
 
-from emulators.epos2.objects.device_profile import RS232_RATE, DeviceProfile
+from emulators.epos2.objects.device_profile import BAUDS, RS232_RATE, DeviceProfile
 from emulators.epos2.objects.store import ObjectStore
 from emulators.epos2.serial.can_gateway import DriveOnBus
 from emulators.epos2.serial.server import SerialServer
@@ -17,8 +17,6 @@ from firmware_bridge.wire.maxon.frame import Frame, Generation
 from firmware_bridge.wire.maxon.lines import device_end
 from firmware_bridge.wire.maxon.opcodes import COMMANDS
 
-BAUDS: Final = (9_600, 14_400, 19_200, 38_400, 57_600, 115_200)
-"""Bits a second, by the code in 0x2002."""
 USB_BAUD: Final = 1_000_000
 BITS_PER_BYTE: Final = 10
 FRAME_TIMEOUTS: Final[Mapping[Generation, Address]] = {

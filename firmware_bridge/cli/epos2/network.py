@@ -6,6 +6,8 @@ from typing import Annotated, Final
 
 import typer
 
+from firmware_bridge.cli.commands import command
+from firmware_bridge.cli.console import say
 from firmware_bridge.cli.epos2.line import Line
 from firmware_bridge.cli.epos2.one_drive import one_drive
 from firmware_bridge.cli.epos2.options import JsonOption, NetworkNodeOption
@@ -29,6 +31,7 @@ class Named(Enum):
     RESET_COMMUNICATION = "reset-communication"
 
 
+@command(EXAMPLES)
 @one_drive(NetworkNodeOption)
 def nmt(
     drive: Line,
@@ -46,7 +49,7 @@ def nmt(
     sent = NetworkCommand(NmtCommand[command.name], drive.node)
     drive.finish(sent.script())
     if as_json:
-        typer.echo(json.dumps({"node": sent.node, "command": command.value, "seen": sent.seen}))
+        say(json.dumps({"node": sent.node, "command": command.value, "seen": sent.seen}))
         return
     effect = "and the drive did so" if sent.seen else "and nobody answers that"
-    typer.echo(f"sent: {command.value} to {drive.title}, {effect}")
+    say(f"sent: {command.value} to {drive.title}, {effect}")

@@ -9,12 +9,15 @@ import typer
 from rich.live import Live
 from rich.text import Text
 
-from firmware_bridge.cli.console import FAILED, one_message, terminal
+from firmware_bridge.cli.commands import command
+from firmware_bridge.cli.console import FAILED, one_message, say
+from firmware_bridge.cli.epos2.arguments import OptionalPeriod
 from firmware_bridge.cli.epos2.line import Line
 from firmware_bridge.cli.epos2.one_drive import one_drive
 from firmware_bridge.cli.epos2.options import JsonOption
 from firmware_bridge.cli.epos2.told import line, record
 from firmware_bridge.cli.options import DurationOption, until
+from firmware_bridge.cli.tables import terminal
 from firmware_bridge.drivers.commissioning.error_text import error_text
 from firmware_bridge.drivers.commissioning.job import JobError
 from firmware_bridge.drivers.commissioning.names import UnknownObjectError, find
@@ -49,6 +52,7 @@ WatchOption = Annotated[
 ]
 
 
+@command(EXAMPLES, kind=OptionalPeriod)
 @one_drive()
 def read(
     drive: Line,
@@ -68,7 +72,7 @@ def read(
         _watch(drive, reading, from_seconds(watch), until(duration), as_json=as_json)
         return
     drive.finish(reading.once())
-    typer.echo(_record(drive, reading) if as_json else _lines(reading))
+    say(_record(drive, reading) if as_json else _lines(reading))
     _end_where_refused(drive, reading)
 
 
@@ -85,7 +89,7 @@ def _end_where_refused(drive: Line, reading: Reading) -> None:
     found = (reading.found.get(address) for address in reading.addresses)
     refused = [each for each in found if isinstance(each, JobError)]
     for each in refused:
-        typer.echo(f"firmware-bridge: {error_text(each, drive.title, drive.silence)}", err=True)
+        say(f"firmware-bridge: {error_text(each, drive.title, drive.silence)}", err=True)
     if refused:
         raise typer.Exit(FAILED)
 
@@ -93,7 +97,7 @@ def _end_where_refused(drive: Line, reading: Reading) -> None:
 def _watch(drive: Line, reading: Reading, period: Nanoseconds, end: Nanoseconds, *, as_json: bool) -> None:
     if as_json:
         drive.converse(
-            reading.again_and_again(period, lambda: typer.echo(_record(drive, reading, indent=None))), end
+            reading.again_and_again(period, lambda: say(_record(drive, reading, indent=None))), end
         )
     elif sys.stdout.isatty():
         with Live(console=terminal(), auto_refresh=False) as shown:
@@ -121,4 +125,4 @@ class Changes:
             said = line(self._reading, address)
             if self._told.get(str(address)) != said:
                 self._told[str(address)] = said
-                typer.echo(said)
+                say(said)

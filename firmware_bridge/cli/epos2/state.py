@@ -5,6 +5,8 @@ from typing import Annotated, Any, Final
 
 import typer
 
+from firmware_bridge.cli.commands import command
+from firmware_bridge.cli.console import say
 from firmware_bridge.cli.epos2.agreed import agreed
 from firmware_bridge.cli.epos2.line import Line
 from firmware_bridge.cli.epos2.one_drive import one_drive
@@ -25,6 +27,7 @@ EXAMPLES: Final = """Examples:
 `firmware-bridge epos2 state enable --yes -i socketcan -c can0`"""
 
 
+@command(EXAMPLES)
 @one_drive()
 def state(
     drive: Line,
@@ -51,11 +54,11 @@ def state(
             agreed(f"{command.wanted.value} {drive.title}", "it may start to move", yes=yes)
         drive.finish((*command.script(), *overview.script()))
     if as_json:
-        typer.echo(json.dumps(_record(drive, overview), indent=2))
+        say(json.dumps(_record(drive, overview), indent=2))
         return
-    typer.echo(_text(drive, overview))
+    say(_text(drive, overview))
     if command is not None:
-        typer.echo(f"left so: {command.procedure.leaves}")
+        say(f"left so: {command.procedure.leaves}")
 
 
 def _text(drive: Line, overview: Overview) -> str:

@@ -3,8 +3,8 @@
 import json
 from typing import Any, Final
 
-import typer
-
+from firmware_bridge.cli.commands import command
+from firmware_bridge.cli.console import say
 from firmware_bridge.cli.epos2.line import Line
 from firmware_bridge.cli.epos2.one_drive import one_drive
 from firmware_bridge.cli.epos2.options import JsonOption
@@ -21,6 +21,7 @@ EXAMPLES: Final = """Examples:
 `firmware-bridge epos2 version --serial /dev/ttyUSB0 --protocol v2`"""
 
 
+@command(EXAMPLES)
 @one_drive()
 def version(drive: Line, *, as_json: JsonOption = False) -> None:
     """Tell a drive's name, hardware, firmware and serial number."""
@@ -29,10 +30,10 @@ def version(drive: Line, *, as_json: JsonOption = False) -> None:
     if as_json:
         found: dict[str, Any] = {"node": drive.node}
         found["objects"] = [record(reading, address) for address in reading.addresses]
-        typer.echo(json.dumps(found, indent=2))
+        say(json.dumps(found, indent=2))
         return
     for address in IDENTITY:
-        typer.echo(f"{name_of(address):<26}  {_told(reading, address)}")
+        say(f"{name_of(address):<26}  {_told(reading, address)}")
 
 
 def _told(reading: Reading, address: Address) -> str:

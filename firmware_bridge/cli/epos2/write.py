@@ -5,8 +5,10 @@ from typing import Annotated, Final
 
 import typer
 
-from firmware_bridge.cli.console import one_message, refusal
+from firmware_bridge.cli.commands import command
+from firmware_bridge.cli.console import one_message, refusal, say
 from firmware_bridge.cli.epos2.agreed import agreed
+from firmware_bridge.cli.epos2.arguments import NegativeValue
 from firmware_bridge.cli.epos2.line import Line
 from firmware_bridge.cli.epos2.one_drive import one_drive
 from firmware_bridge.cli.epos2.options import JsonOption, YesOption
@@ -28,6 +30,7 @@ EXAMPLES: Final = """Examples:
 `firmware-bridge epos2 write target-velocity -200rpm --yes -i socketcan -c can0`"""
 
 
+@command(EXAMPLES, kind=NegativeValue)
 @one_drive()
 def write(
     drive: Line,
@@ -72,6 +75,6 @@ def write(
     written = Reading([address])
     written.found[address] = raw
     if as_json:
-        typer.echo(json.dumps({"node": drive.node, "written": record(written, address)}, indent=2))
+        say(json.dumps({"node": drive.node, "written": record(written, address)}, indent=2))
     else:
-        typer.echo(f"written: {' '.join(line(written, address).split())}")
+        say(f"written: {' '.join(line(written, address).split())}")

@@ -1,28 +1,12 @@
-"""CAN over python-can: which interface and channel, from arguments and python-can's own configuration."""
+"""Opens a CAN bus by interface and channel, given or from python-can's own configuration."""
 
-import configparser
-import contextlib
-import logging
-import socket
-import threading
-from collections import deque
-from collections.abc import Mapping
-from typing import Any, Final
+from typing import Final
 
-import can
-
-from firmware_bridge.shell.ports.outbox import Outbox
-from firmware_bridge.shell.ports.port import BURST, LostPort, Port, PortError
+from firmware_bridge.shell.ports.port import Port, PortError
 from firmware_bridge.shell.ports.socketcan import SocketCanPort
-from firmware_bridge.units import Nanoseconds
-from firmware_bridge.wire.can import EXTENDED, REMOTE, identifier
 
-# Without a handler its loggers would say on stderr what its exceptions say again.
-can.log.addHandler(logging.NullHandler())
-
-_SEND_S: Final = 0.02
-_LISTEN_S: Final = 0.1
-"""How long a reader thread listens before it looks whether it shall end, in seconds."""
+KERNEL: Final = "socketcan"
+"""The interface that needs no library."""
 
 
 def open_can(
@@ -36,168 +20,18 @@ def open_can(
 
     `default_bit_rate` holds where neither the argument nor the configuration names one.
     """
-    config = _configuration(interface, channel, bit_rate)
-    config.setdefault("bitrate", default_bit_rate)
-    interface, channel = config["interface"], config["channel"]
+    if interface == KERNEL and channel:
+        return SocketCanPort(channel, bit_rate or default_bit_rate)
+    # A quarter of a second of processor time, which a stop on the kernel's own bus must not wait for.
+    from firmware_bridge.shell.ports import python_can  # noqa: PLC0415 - see above
+
+    given = {"interface": interface, "channel": channel, "bitrate": bit_rate}
+    found = python_can.configuration({key: value for key, value in given.items() if value is not None})
+    found.setdefault("bitrate", default_bit_rate)
+    interface, channel = found["interface"], found["channel"]
     name = f"CAN interface {interface} channel {channel}"
-    if interface != "socketcan":
-        return PythonCanPort(name, config)
+    if interface != KERNEL:
+        return python_can.PythonCanPort(name, found)
     if channel in {None, ""}:
         raise PortError(f"cannot open {name}: say which channel, for example can0")
-    return SocketCanPort(str(channel), int(config["bitrate"]))
-
-
-def _configuration(interface: str | None, channel: str | None, bit_rate: int | None) -> dict[str, Any]:
-    given = {"interface": interface, "channel": channel, "bitrate": bit_rate}
-    try:
-        found = can.util.load_config(config={key: value for key, value in given.items() if value is not None})
-    except (can.CanError, ValueError, TypeError, configparser.Error) as error:
-        known = ", ".join(sorted(can.VALID_INTERFACES))
-        what = f"cannot open CAN interface {interface}"
-        if interface is None:
-            what = "cannot open a CAN interface: none is given, nor one of use in python-can's configuration"
-        raise PortError(f"{what}: {error}. The interfaces are: {known}") from error
-    return dict(found)
-
-
-class PythonCanPort(Outbox):
-    """Any bus of python-can. A thread reads it only where its bus has no file to wait for."""
-
-    def __init__(self, name: str, config: Mapping[str, Any]) -> None:
-        super().__init__()
-        self.name = name
-        self.ignored = 0
-        """Error reports of the controller, CAN FD frames, and our own frames coming back."""
-        try:
-            self._bus = can.Bus(ignore_config=True, **config)
-        except Exception as error:
-            raise PortError(f"cannot open {name}: {_why(error)}") from error
-        self._reader: _Reader | None = None
-        fileno = -1
-        with contextlib.suppress(NotImplementedError, can.CanError, OSError):
-            fileno = self._bus.fileno()
-        if fileno < 0:
-            self._reader = _Reader(self._bus, name)
-            fileno = self._reader.fileno()
-        self._fileno = fileno
-
-    def fileno(self) -> int:
-        """Return the bus's file, or the one on which the reader thread rings."""
-        return self._fileno
-
-    def read(self, _now: Nanoseconds) -> list[tuple[int, bytes]]:
-        """Return the frames that have arrived; LostPort where the bus is gone."""
-        frames: list[tuple[int, bytes]] = []
-        try:
-            messages = self._reader.taken() if self._reader is not None else self._drained()
-        except (can.CanError, OSError) as error:
-            raise self._lost(_why(error)) from error
-        for message in messages:
-            if message.is_error_frame or message.is_fd or not message.is_rx:
-                self.ignored += 1
-            else:
-                frames.append(_frame(message))
-        return frames
-
-    def close(self) -> None:
-        """End the reader and shut the bus down."""
-        if self._reader is not None:
-            self._reader.end()
-        with contextlib.suppress(can.CanError, OSError):
-            self._bus.shutdown()
-
-    def _drained(self) -> list[can.Message]:
-        messages = []
-        for _ in range(BURST):
-            message = self._bus.recv(timeout=0)
-            if message is None:
-                break
-            messages.append(message)
-        return messages
-
-    def _send(self, address: int, payload: bytes) -> bool:
-        message = can.Message(
-            arbitration_id=identifier(address),
-            is_extended_id=bool(address & EXTENDED),
-            is_remote_frame=bool(address & REMOTE),
-            dlc=len(payload),
-            data=None if address & REMOTE else payload,
-            is_rx=False,
-            check=True,
-        )
-        try:
-            self._bus.send(message, timeout=_SEND_S)
-        except can.CanError:
-            # A full queue and a dead adapter look alike here; time will tell.
-            return False
-        except OSError as error:
-            raise self._lost(_why(error)) from error
-        return True
-
-    def _lost(self, problem: str) -> LostPort:
-        return LostPort(self, problem)
-
-
-class _Reader:
-    """A thread that reads a bus, and rings a file for whoever waits for frames."""
-
-    def __init__(self, bus: can.BusABC, name: str) -> None:
-        self._bus = bus
-        self._heard: deque[can.Message] = deque()
-        self._failure: can.CanError | OSError | None = None
-        self._ending = threading.Event()
-        self._bell, self._rope = socket.socketpair()
-        self._bell.settimeout(0)
-        self._rope.settimeout(0)
-        self._thread = threading.Thread(target=self._listen, name=name, daemon=True)
-        self._thread.start()
-
-    def fileno(self) -> int:
-        """Return the file that can be read when frames have arrived."""
-        return self._bell.fileno()
-
-    def taken(self) -> list[can.Message]:
-        """Return what has arrived; raise what ended the reading."""
-        with contextlib.suppress(BlockingIOError):
-            while len(self._bell.recv(4096)) == 4096:  # noqa: PLR2004 - more rings than one read takes
-                pass
-        messages = []
-        while self._heard:
-            messages.append(self._heard.popleft())
-        if not messages and self._failure is not None:
-            raise self._failure
-        return messages
-
-    def end(self) -> None:
-        """End the thread and give the files back."""
-        self._ending.set()
-        self._thread.join()
-        self._bell.close()
-        self._rope.close()
-
-    def _listen(self) -> None:
-        while not self._ending.is_set() and self._failure is None:
-            try:
-                message = self._bus.recv(timeout=_LISTEN_S)
-            except (can.CanError, OSError) as error:
-                self._failure = error
-            else:
-                if message is None:
-                    continue
-                self._heard.append(message)
-            with contextlib.suppress(BlockingIOError):
-                self._rope.send(b"\0")
-
-
-def _frame(message: can.Message) -> tuple[int, bytes]:
-    address = message.arbitration_id | (EXTENDED if message.is_extended_id else 0)
-    if message.is_remote_frame:
-        return address | REMOTE, bytes(message.dlc)
-    return address, bytes(message.data)
-
-
-def _why(error: BaseException) -> str:
-    text = " ".join(str(error).split()) or type(error).__name__
-    if isinstance(error, can.CanInterfaceNotImplementedError | ImportError | NameError):
-        return f"{text}. Install the driver, or the library, that python-can asks for with this interface"
-    return text
+    return SocketCanPort(str(channel), int(found["bitrate"]))

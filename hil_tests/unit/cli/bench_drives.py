@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.gateway import Cluster
 from emulators.single import Order, drives
-from firmware_bridge.cli import attach_commands, program
+from firmware_bridge.cli import program
 from firmware_bridge.node import CAN, SERIAL, Node
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.shell.clock import Clock
@@ -21,7 +21,6 @@ from firmware_bridge.shell.runner import run
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire.maxon.frame import Generation
 
-attach_commands()
 NUMBERS: Final = count()
 NEAR: Final = 1
 FAR: Final = 2

@@ -6,10 +6,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from firmware_bridge.cli import attach_commands, program
+from firmware_bridge.cli import program
 from firmware_bridge.recording import parse_candump, parse_tlog
-
-attach_commands()
 
 MISSION = """
 title = "start, arm, and ask for a crawl"

@@ -8,10 +8,8 @@ from zipfile import ZipFile
 import pytest
 from typer.testing import CliRunner
 
-from firmware_bridge.cli import attach_commands, program
+from firmware_bridge.cli import program
 from fmu.build import ensure
-
-attach_commands()
 
 
 def refused(*words: str) -> str:

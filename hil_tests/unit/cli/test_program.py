@@ -7,9 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from firmware_bridge import robot as robot_file
-from firmware_bridge.cli import attach_commands, program
-
-attach_commands()
+from firmware_bridge.cli import program
 
 
 def run(*words: str) -> tuple[int, str, str]:

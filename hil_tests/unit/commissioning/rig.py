@@ -4,7 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from emulators.epos2.objects.catalogue import PROFILES
-from emulators.single import SUPPLY_MV, Order, drives
+from emulators.servo.motor import SUPPLY_MV
+from emulators.single import Order, drives
 from emulators.wires import CanWire, SerialWire, usb_line
 from emulators.world import World
 from firmware_bridge.drivers.commissioning.can_access import CanAccess

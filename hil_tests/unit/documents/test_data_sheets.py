@@ -18,7 +18,7 @@ from emulators.documents.object_reader import SilentNodeError, read_all
 from emulators.documents.object_table import as_json, entries
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import EPOS2_70_10
-from firmware_bridge.cli import attach_commands, program
+from firmware_bridge.cli import program
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, Nanoseconds
@@ -27,8 +27,6 @@ from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.objects import OBJECTS
 from firmware_bridge.wire.epos2.rows import DataType, Provenance
 from hil_tests.unit.epos2.quiet_motion import Desk, powered
-
-attach_commands()
 
 
 @pytest.fixture(scope="module", params=PROFILES)

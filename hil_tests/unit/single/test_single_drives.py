@@ -5,19 +5,18 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from emulators.cli.emulate_epos2_work import numbers
 from emulators.epos2.objects.catalogue import PROFILES
-from emulators.epos2_cli import numbers
 from emulators.single import Order, drives
 from emulators.wires import CanWire
 from emulators.world import World
-from firmware_bridge.cli import attach_commands, program
+from firmware_bridge.cli import program
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import SECOND
 from fmu.build import ensure
 from hil_tests.unit.world.players import Player
 
-attach_commands()
 MOVE = (
     (0x000, "0100"),
     (0x601, "2b02640001000000"),

@@ -1,146 +1,54 @@
-"""Drives without a robot at the command line: `emulate epos2`."""
+"""Puts drives without a robot on real links, in real time."""
 
 import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Final
-
-import typer
+from typing import Final
 
 from emulators.epos2.objects.catalogue import PROFILES
-from emulators.epos2.objects.device_profile import BIT_RATES, DeviceProfile, realistic
+from emulators.epos2.objects.device_profile import BAUDS, BIT_RATES, DeviceProfile, realistic
 from emulators.epos2.objects.saved_parameters import StorageError
 from emulators.epos2.serial.serial_drive import baud_of
-from emulators.epos2.serial.serial_port import BAUDS
 from emulators.gateway import Cluster
 from emulators.servo.bank import ServoError
-from emulators.servo.motor import DcMotor
-from emulators.single import MOTOR, SUPPLY_MV, Order, drives
+from emulators.servo.motor import MOTOR, DcMotor
+from emulators.single import Order, drives
 from firmware_bridge.cli.console import one_message, refusal
-from firmware_bridge.cli.options import (
-    BitRateOption,
-    ChannelOption,
-    DurationOption,
-    InterfaceOption,
-    until,
-)
+from firmware_bridge.cli.links import Outside, on_the_line
+from firmware_bridge.cli.options import until
 from firmware_bridge.cli.real_time import carry
-from firmware_bridge.cli.serial_link import (
-    Outside,
-    ProtocolOption,
-    SerialLinkOption,
-    SerialNodeOption,
-    SerialOption,
-    on_the_line,
-)
 from firmware_bridge.node import SERIAL
 from firmware_bridge.wire.canopen import FIRST_NODE, LAST_NODE
 from firmware_bridge.wire.maxon.frame import Generation
 from fmu.errors import PlantError
 
 DEFAULT_BIT_RATE: Final = 1_000_000
-EXAMPLES: Final = """Examples:
-
-`firmware-bridge emulate epos2 --node 1 --profile 70/10 -i socketcan -c vcan0`
-
-`firmware-bridge emulate epos2 --node 1-8 --load 5e-5,0.002 -i socketcan -c vcan0`
-
-`firmware-bridge emulate epos2 --node 1-2 --plant rars.fmu --axes left,right -i socketcan -c vcan0`
-
-`firmware-bridge emulate epos2 --node 1-4 --serial pty --serial-link epos2.tty --serial-node 2`
-
-`firmware-bridge emulate epos2 --plant single_axis.fmu --axes axis --set stop_low=-1 -i socketcan -c vcan0`"""
-
-LatencyOption = Annotated[
-    bool,
-    typer.Option(
-        "--realistic-latency/--no-latency",
-        help="Answer SDO requests after the time that maxon has published, or at once.",
-    ),
-]
 
 
 def emulate(
     *,
-    node: Annotated[
-        str, typer.Option("--node", "-n", metavar="NUMBERS", help="Which nodes: 1, or 1-8, or 1,3,5-7.")
-    ] = "1",
-    profile: Annotated[
-        str, typer.Option("--profile", "-p", help=f"Which type: {', '.join(PROFILES)}.")
-    ] = "70/10",
-    interface: InterfaceOption = None,
-    channel: ChannelOption = None,
-    bit_rate: BitRateOption = None,
-    load: Annotated[
-        str | None,
-        typer.Option(
-            metavar="INERTIA,FRICTION",
-            help="At each shaft, the rotor's own included: kg m2 and N m.",
-            show_default=f"{MOTOR.inertia:g},{MOTOR.friction:g}",
-        ),
-    ] = None,
-    plant: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FMU",
-            help="A plant in place of the motors: inputs voltage_AXIS, outputs current_AXIS, angle_AXIS and "
-            "speed_AXIS of the shaft, in SI, for each axis; switches and brake where it has them.",
-            show_default=False,
-        ),
-    ] = None,
-    values: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="NAME=VALUE",
-            help="A parameter of the plant, in SI; may be given more than once.",
-            show_default=False,
-        ),
-    ] = None,
-    axes: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAMES",
-            help="The plant's axes in the order of the nodes.",
-            show_default="motor1,motor2 ...",
-        ),
-    ] = None,
-    supply: Annotated[
-        float, typer.Option(min=0.0, max=100.0, metavar="VOLTS", help="The supply of the power stages.")
-    ] = SUPPLY_MV / 1000,
-    parameters: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FOLDER",
-            help="Where 'save' (0x1010) keeps parameters over restarts, in a file for each node.",
-            show_default="they are forgotten at the end",
-        ),
-    ] = None,
-    dip_off: Annotated[
-        bool,
-        typer.Option("--dip-off", help="DIP switch at 0: the number saved in 0x2000 counts, 1 at first."),
-    ] = False,
-    realistic_latency: LatencyOption = True,
-    serial: SerialOption = None,
-    serial_link: SerialLinkOption = None,
-    serial_node: SerialNodeOption = None,
-    protocol: ProtocolOption = Generation.V1,
-    baud: Annotated[
-        int | None,
-        typer.Option(
-            metavar="RATE",
-            help=f"What the drive on an RS232 line has in 0x2002: {', '.join(map(str, BAUDS))}.",
-            show_default=f"{BAUDS[-1]}",
-        ),
-    ] = None,
-    duration: DurationOption = None,
+    node: str,
+    profile: str,
+    interface: str | None,
+    channel: str | None,
+    bit_rate: int | None,
+    load: str | None,
+    plant: Path | None,
+    values: Sequence[str] | None,
+    axes: str | None,
+    supply: float,
+    parameters: Path | None,
+    dip_off: bool,
+    realistic_latency: bool,
+    serial: str | None,
+    serial_link: Path | None,
+    serial_node: int | None,
+    protocol: Generation,
+    baud: int | None,
+    duration: float | None,
 ) -> None:
-    """Put EPOS2 drives on a real CAN bus, a serial line, or both, in real time, each with a motor and a load.
-
-    For whoever develops a master and has no drive at hand. With --serial and neither -i nor -c the CAN bus is
-    inside; the line reaches the other drives through it. Ends on Ctrl-C.
-    """
+    """Do what `emulate epos2` says; what is wrong ends the program with a message."""
     nodes = numbers(node)
     if dip_off and len(nodes) != 1:
         raise refusal("--dip-off: drives with their switches at 0 all begin as node 1; emulate one of them")

@@ -12,8 +12,10 @@ from emulators.documents import object_table as dictionary
 from emulators.documents.object_reader import SilentNodeError, read_all
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import BIT_RATE_IN_USE, BIT_RATES, DeviceProfile
-from firmware_bridge.cli.console import FAILED, one_message, refusal, terminal, written_by
+from firmware_bridge.cli.commands import command
+from firmware_bridge.cli.console import FAILED, one_message, refusal, say, written_by
 from firmware_bridge.cli.options import BitRateOption, ChannelOption, InterfaceOption
+from firmware_bridge.cli.tables import terminal
 from firmware_bridge.shell.ports import LostPort, PortError, open_can
 from firmware_bridge.wire.canopen import FIRST_NODE, LAST_NODE
 from firmware_bridge.wire.epos2 import address as at
@@ -36,12 +38,7 @@ OutOption = Annotated[
 NodeOption = Annotated[int, typer.Option("--node", "-n", min=FIRST_NODE, max=LAST_NODE, help="Its number.")]
 
 
-def attach(group: typer.Typer) -> None:
-    """Add the commands to the group of a drive's own."""
-    for command in (objects, eds, dcf, fidelity):
-        group.command(epilog=EXAMPLES)(command)
-
-
+@command(EXAMPLES)
 def objects(
     *,
     profile: ProfileOption = "70/10",
@@ -51,7 +48,7 @@ def objects(
     """List every object: type, access, PDO, range, default, and how far it is known."""
     found = _profile(profile)
     if json:
-        typer.echo(dictionary.as_json(found, node))
+        say(dictionary.as_json(found, node))
         return
     table = Table(title=f"objects of the {found.name}, node {node}")
     for heading in dictionary.HEADINGS:
@@ -61,12 +58,14 @@ def objects(
     terminal().print(table)
 
 
+@command(EXAMPLES)
 def eds(*, profile: ProfileOption = "70/10", out: OutOption = None) -> None:
     """Write the electronic data sheet, for any CANopen master's tools."""
     name = out.name if out else "epos2.eds"
     _deliver(sheets.eds(_profile(profile), name), out)
 
 
+@command(EXAMPLES)
 def dcf(
     *,
     node: NodeOption = 1,
@@ -91,6 +90,7 @@ def dcf(
     _deliver(sheets.dcf(found, node, rate, values, out.name if out else "epos2.dcf"), out)
 
 
+@command(EXAMPLES)
 def fidelity(
     *,
     every: Annotated[bool, typer.Option("--all", help="What is proven, too.")] = False,
@@ -120,8 +120,8 @@ def _profile(name: str) -> DeviceProfile:
 
 def _deliver(text: str, out: Path | None) -> None:
     if out is None:
-        typer.echo(text)
+        say(text)
         return
     with written_by("--out"):
         out.write_text(text + "\n", encoding="ascii")
-    typer.echo(f"written: {out}", err=True)
+    say(f"written: {out}", err=True)

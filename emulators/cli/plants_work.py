@@ -1,14 +1,15 @@
-"""The plants' commands, which join the bridge's program: `fmu list`, `fmu build`, `fmu check`."""
+"""Lists, builds and checks plants."""
 
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Final
 
 import typer
 from rich.table import Table
 
 from emulators.devices import BODY
 from emulators.servo.bank import plant_inputs, plant_outputs
-from firmware_bridge.cli.console import FAILED, one_message, terminal
+from firmware_bridge.cli.console import FAILED, one_message, say
+from firmware_bridge.cli.tables import terminal
 from firmware_bridge.robot import Robot, load, shipped
 from fmu.build import build, described, models
 from fmu.check import Findings, examine
@@ -20,25 +21,10 @@ BITS: Final = {
     Verdict.OTHER: "others than its equations give",
     Verdict.NONE: "not compared: the FMU carries no fingerprint of ours",
 }
-LIST_EXAMPLE: Final = "Example: `firmware-bridge fmu list`"
-BUILD_EXAMPLES: Final = """Examples:
-
-`firmware-bridge fmu build rars`
-
-`firmware-bridge fmu build rars --fmi 2 --out results/rars2.fmu`"""
-CHECK_EXAMPLE: Final = "Example: `firmware-bridge fmu check my_plant.fmu`"
-
-plants = typer.Typer(help="List, build and check plants: models of robots as FMUs.", no_args_is_help=True)
 
 
-def attach(program: typer.Typer) -> None:
-    """Add the commands to the program."""
-    program.add_typer(plants, name="fmu", epilog="Example: `firmware-bridge fmu check my_plant.fmu`")
-
-
-@plants.command("list", epilog=LIST_EXAMPLE)
 def list_models() -> None:
-    """List the models that can be built."""
+    """Do what `fmu list` says."""
     table = Table(title="plants")
     for heading in ("model", "what it is", "states", "inputs", "outputs", "parameters", "robots"):
         table.add_column(heading, overflow="fold")
@@ -51,33 +37,20 @@ def list_models() -> None:
             counts = (len(model.states), len(model.inputs), outputs, len(model.parameters))
             table.add_row(name, model.description, *map(str, counts), used)
     terminal().print(table)
-    typer.echo("each as FMI 2.0 or 3.0, with co-simulation and model exchange in one file")
+    say("each as FMI 2.0 or 3.0, with co-simulation and model exchange in one file")
 
 
-@plants.command("build", epilog=BUILD_EXAMPLES)
-def build_model(
-    model: Annotated[str, typer.Argument(metavar="MODEL", help="A model that `fmu list` shows.")],
-    *,
-    fmi: Annotated[int, typer.Option("--fmi", min=2, max=3, help="The version of FMI: 2 or 3.")] = 3,
-    out: Annotated[
-        Path | None,
-        typer.Option("--out", "-o", metavar="FILE", help="Where it goes.", show_default="MODEL.fmu"),
-    ] = None,
-) -> None:
-    """Build a model's FMU, with its sources inside."""
+def build_model(model: str, *, fmi: int, out: Path | None) -> None:
+    """Do what `fmu build` says."""
     target = out or Path(f"{model}.fmu")
     with one_message(PlantError, OSError):
         build(model, fmi, target)
         size = target.stat().st_size
-    typer.echo(f"{target}: {model}, FMI {fmi}.0, co-simulation and model exchange, {size // 1024} KiB")
+    say(f"{target}: {model}, FMI {fmi}.0, co-simulation and model exchange, {size // 1024} KiB")
 
 
-@plants.command("check", epilog=CHECK_EXAMPLE)
-def check(file: Annotated[Path, typer.Argument(metavar="FILE", help="An FMU, whoever made it.")]) -> None:
-    """Check whether an FMU is valid, starts, computes the right bits, and fits a robot on the bench.
-
-    Exit status 0: it does; 1: it has problems; 2: it cannot be read.
-    """
+def check(file: Path) -> None:
+    """Do what `fmu check` says."""
     with one_message(PlantError):
         found = examine(file)
     lacking = {robot.name: _lacking(robot, found) for robot in (load(path) for path in shipped())}
@@ -94,9 +67,9 @@ def check(file: Annotated[Path, typer.Argument(metavar="FILE", help="An FMU, who
         "fits": ", ".join(fits) or f"no robot ({', '.join(lacking)})",
     }
     for name, value in rows.items():
-        typer.echo(f"{name + ':':<13}{value}")
+        say(f"{name + ':':<13}{value}")
     for problem in dict.fromkeys(problems):
-        typer.echo(f"problem: {problem}", err=True)
+        say(f"problem: {problem}", err=True)
     if problems:
         raise typer.Exit(FAILED)
 

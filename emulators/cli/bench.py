@@ -1,0 +1,60 @@
+"""`bench`: a mission in virtual time, at the command line."""
+
+from pathlib import Path
+from typing import Annotated, Final
+
+import typer
+
+from emulators.cli.options import PlantOption
+from firmware_bridge.cli.commands import command, completing
+from firmware_bridge.cli.options import RobotArgument
+from firmware_bridge.wire.maxon.frame import Generation
+
+EXAMPLES: Final = """Examples:
+
+`firmware-bridge bench rars --mission line`
+
+`firmware-bridge bench rars --mission line --serial v2` drives over the first drive's serial port.
+
+`firmware-bridge bench rars --mission my_mission.toml --seed 7 --out results`"""
+
+
+@command(EXAMPLES, work="emulators.cli.bench_work:bench")
+def bench(
+    robot: RobotArgument,
+    *,
+    mission: Annotated[
+        str,
+        typer.Option(
+            "--mission",
+            "-m",
+            metavar="NAME|FILE",
+            help="A shipped mission, or a mission file (.toml).",
+            autocompletion=completing("emulators.bench.mission:names"),
+        ),
+    ] = "circles",
+    seed: Annotated[
+        int, typer.Option("--seed", "-s", min=0, help="Chooses the noise; one seed, one run.")
+    ] = 0,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", "-o", metavar="DIR", help="Where the results go.", show_default="out/ROBOT-MISSION"
+        ),
+    ] = None,
+    plant: PlantOption = None,
+    serial: Annotated[
+        Generation | None,
+        typer.Option(
+            "--serial",
+            help="Drive over the first drive's serial port instead of CAN, v1 as on RS232 or v2 as on USB.",
+            show_default="as the robot file says",
+        ),
+    ] = None,
+) -> None:
+    """Drive a mission in virtual time: bridge, bus, drives and plant, all in this process.
+
+    Leaves `summary.json`, `can.log` (candump's format), `operator.tlog` and plots in the results' folder.
+
+    Shipped missions: `line`, `circles`, `interlocks`.
+    """

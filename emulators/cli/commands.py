@@ -1,0 +1,80 @@
+"""The simulation's commands, as rows: `bench`, `emulate`, `fmu`, and an emulated drive's own documents."""
+
+from typing import Any, Final
+
+from firmware_bridge.cli.commands import Command, Group, Row, Rows
+
+
+class ByName(Rows):
+    """Runs `robot` for words that are no command of the group, options in front included: `emulate ROBOT`."""
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Put the default command in front of words that name none."""
+        known = args[0] in self.commands
+        return super().resolve_command(ctx, args if known else ["robot", *args])
+
+
+COMMANDS: Final[tuple[Row, ...]] = (
+    Command(
+        "bench",
+        "emulators.cli.bench:bench",
+        "Drive a mission in virtual time: bridge, bus, drives and plant, all in this process.",
+    ),
+    Group(
+        "emulate",
+        """Put emulated devices on a real CAN bus, in real time.
+
+`emulate epos2` brings drives alone. `emulate ROBOT` brings the drives and the plant of a robot; the word
+`robot` in front of the robot's name may be left out.""",
+        """Examples:
+
+`firmware-bridge emulate rars -i socketcan -c vcan0`
+
+`firmware-bridge emulate epos2 --node 1-2 -i socketcan -c vcan0` brings two drives without a robot.""",
+        kind=ByName,
+        # An option in front of the robot's name is the robot's.
+        context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False},
+    ),
+    Command(
+        "emulate robot",
+        "emulators.cli.emulate_robot:emulate",
+        "Put the robot's emulated drives and its plant on a real CAN bus, a serial line, or both.",
+    ),
+    Command(
+        "emulate epos2",
+        "emulators.cli.emulate_epos2:emulate",
+        "Put EPOS2 drives on a real CAN bus, a serial line, or both.",
+    ),
+    Group(
+        "fmu",
+        "List, build and check plants: models of robots as FMUs.",
+        "Example: `firmware-bridge fmu check my_plant.fmu`",
+    ),
+    Command("fmu list", "emulators.cli.plants:list_models", "List the models that can be built."),
+    Command("fmu build", "emulators.cli.plants:build_model", "Build a model's FMU, with its sources inside."),
+    Command(
+        "fmu check",
+        "emulators.cli.plants:check",
+        "Check whether an FMU is valid, starts, computes the right bits, and fits a robot on the bench.",
+    ),
+    Command(
+        "epos2 objects",
+        "emulators.cli.documents:objects",
+        "List every object: type, access, PDO, range, default, and how far it is known.",
+    ),
+    Command(
+        "epos2 eds",
+        "emulators.cli.documents:eds",
+        "Write the electronic data sheet, for any CANopen master's tools.",
+    ),
+    Command(
+        "epos2 dcf",
+        "emulators.cli.documents:dcf",
+        "Read every object of a running drive, emulated or real, and write its device configuration file.",
+    ),
+    Command(
+        "epos2 fidelity",
+        "emulators.cli.documents:fidelity",
+        "Say what of the emulation is proven, documented, by analogy or assumed, and from where.",
+    ),
+)

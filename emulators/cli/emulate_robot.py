@@ -1,0 +1,60 @@
+"""A robot's drives and plant on a real bus, at the command line: `emulate ROBOT`."""
+
+from typing import Annotated, Final
+
+import typer
+
+from emulators.cli.options import LatencyOption, PlantOption
+from firmware_bridge.cli.commands import command
+from firmware_bridge.cli.options import (
+    ChannelOption,
+    DurationOption,
+    InterfaceOption,
+    RobotArgument,
+    RobotBitRateOption,
+)
+from firmware_bridge.cli.serial_link import (
+    ProtocolOption,
+    SerialLinkOption,
+    SerialNodeOption,
+    SerialOption,
+)
+from firmware_bridge.wire.maxon.frame import Generation
+
+EXAMPLES: Final = """Examples:
+
+`firmware-bridge emulate rars -i socketcan -c vcan0`
+
+`firmware-bridge emulate rars -i socketcan -c vcan0 --silence 3@10` silences the steering after 10 s.
+
+`firmware-bridge emulate rars --serial pty --serial-link rars.tty` puts the first drive on a serial line.
+
+`firmware-bridge emulate epos2 --node 1-2 -i socketcan -c vcan0` brings two drives without a robot."""
+
+
+@command(EXAMPLES, work="emulators.cli.emulate_robot_work:emulate")
+def emulate(
+    robot: RobotArgument,
+    *,
+    interface: InterfaceOption = None,
+    channel: ChannelOption = None,
+    bit_rate: RobotBitRateOption = None,
+    plant: PlantOption = None,
+    silence: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NODE@SECONDS", help="Cut a drive off the bus at this time; may be repeated."),
+    ] = None,
+    realistic_latency: LatencyOption = False,
+    serial: SerialOption = None,
+    serial_link: SerialLinkOption = None,
+    serial_node: SerialNodeOption = None,
+    protocol: ProtocolOption = Generation.V1,
+    duration: DurationOption = None,
+) -> None:
+    """Put the robot's emulated drives and its plant on a real CAN bus, a serial line, or both, in real time.
+
+    With --serial and neither -i nor -c the CAN bus is inside; the line reaches the other drives through it.
+
+    Ends on Ctrl-C. On a machine without CAN hardware, make a virtual bus first:
+    `sudo modprobe vcan && sudo ip link add dev vcan0 type vcan && sudo ip link set vcan0 up`
+    """

@@ -1,0 +1,194 @@
+"""Which commands there are: rows with one line of help each; a command is imported when it is called.
+
+So `--help` lists everything that is installed and imports none of it.
+"""
+
+import importlib
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import wraps
+from typing import Any, Final, TypeAlias
+
+import typer
+from typer.core import TyperCommand, TyperGroup
+
+from firmware_bridge.cli.console import refusal, say
+
+COMMAND_GROUP: Final = "firmware_bridge.commands"
+"""Entry points of this group are tuples of rows."""
+MARKUP: Final = "markdown"
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """One command."""
+
+    words: str
+    """How it is called: "drive", or, in a group, "epos2 read"."""
+    made_in: str
+    """"module:name" of what `command` has made there."""
+    line: str
+    """What it does, as the list of commands says it: how its own help begins."""
+
+    def load(self) -> TyperCommand:
+        """Import the command; see `imported`."""
+        found = imported(self.made_in)
+        if not isinstance(found, TyperCommand):
+            raise TypeError(f"{self.made_in} is no command, but {found!r}; make it with @command")
+        return found
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """A word with commands behind it."""
+
+    words: str
+    line: str
+    epilog: str
+    kind: "type[Rows] | None" = None
+    context_settings: Mapping[str, Any] = field(default_factory=dict)
+
+
+Row: TypeAlias = Command | Group
+
+
+class Promised(TyperCommand):
+    """Stands in its group for a command that is imported only when somebody calls it."""
+
+    def __init__(self, row: Command) -> None:
+        super().__init__(row.words.split()[-1], help=row.line, rich_markup_mode=MARKUP)
+        self._row = row
+
+    def make_context(self, info_name: str | None, args: list[str], parent: Any = None, **extra: Any) -> Any:
+        """Let the command itself read its words."""
+        return self._row.load().make_context(info_name, args, parent, **extra)
+
+
+def command(
+    examples: str, *, kind: type[TyperCommand] = TyperCommand, work: str | None = None
+) -> Callable[[Callable[..., None]], TyperCommand]:
+    """Make a command of a function: its parameters are the options, its docstring is the help.
+
+    `work` is "module:function" of what is imported and done when all words are understood, with the same
+    parameters, where that needs much that help and mistakes do not need.
+    """
+
+    def made(function: Callable[..., None]) -> TyperCommand:
+        alone = typer.Typer(add_completion=False, rich_markup_mode=MARKUP, pretty_exceptions_enable=False)
+        alone.command(epilog=examples, cls=kind)(function if work is None else _worked(function, work))
+        found = typer.main.get_command(alone)
+        assert isinstance(found, TyperCommand)  # noqa: S101 - one function alone makes no group
+        return found
+
+    return made
+
+
+def imported(place: str) -> Any:
+    """Return what "module:name" names; one that cannot be imported ends the program with a message."""
+    module, _, name = place.partition(":")
+    try:
+        return getattr(importlib.import_module(module), name)
+    except ImportError as error:
+        raise refusal(f"this command cannot be loaded: {error}; is all of it installed?") from None
+
+
+def completing(place: str) -> Callable[[], list[str]]:
+    """Return a completion that imports "module:function" when the shell asks for it."""
+
+    def words() -> list[str]:
+        return list(imported(place)())
+
+    return words
+
+
+def _worked(function: Callable[..., None], work: str) -> Callable[..., None]:
+    @wraps(function)
+    def called(**given: Any) -> None:
+        imported(work)(**given)
+
+    return called
+
+
+class Rows(TyperGroup):
+    """A group that has the program's own commands at hand, and looks for others only when they are wanted.
+
+    So nothing that is installed beside the program delays a stop, or takes a command's place.
+    """
+
+    tree: "Tree | None" = None
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Return the command of this name."""
+        if cmd_name not in self.commands:
+            self.complete()
+        return super().get_command(ctx, cmd_name)
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the names of all commands."""
+        self.complete()
+        return super().list_commands(ctx)
+
+    def complete(self) -> None:
+        """Add the commands of the installed packages, once."""
+        if self.tree is not None:
+            self.tree.complete()
+
+
+class Tree:
+    """Groups by their words, filled with rows."""
+
+    def __init__(self, root: Rows, own: Iterable[Row]) -> None:
+        self._groups = {"": root}
+        self._complete = False
+        root.tree = self
+        self._put(own)
+
+    def complete(self) -> None:
+        """Add the rows of the installed packages, once."""
+        if not self._complete:
+            self._complete = True
+            self._put(installed())
+
+    def _put(self, rows: Iterable[Row]) -> None:
+        for row in rows:
+            place, _, name = row.words.rpartition(" ")
+            group = self._groups.get(place)
+            if group is None:
+                _left_out(row.words, f"there is no group '{place}'")
+            elif name in group.commands:
+                _left_out(row.words, "there is one of this name")
+            elif isinstance(row, Command):
+                group.commands[name] = Promised(row)
+            else:
+                self._groups[row.words] = group.commands[name] = self._group(row, name)
+
+    def _group(self, row: Group, name: str) -> Rows:
+        made = (row.kind or Rows)(
+            name=name,
+            help=row.line,
+            epilog=row.epilog,
+            no_args_is_help=True,
+            rich_markup_mode=MARKUP,
+            context_settings=dict(row.context_settings),
+        )
+        made.tree = self
+        return made
+
+
+def installed() -> Iterable[Row]:
+    """Return the rows of every installed package that has some, in the order of the packages' names.
+
+    A package that cannot be imported must not keep the bridge from running: it is named and left out.
+    """
+    # To read what is installed takes as long as a stop may.
+    from importlib import metadata  # noqa: PLC0415 - see above
+
+    for entry in sorted(metadata.entry_points(group=COMMAND_GROUP), key=lambda entry: entry.name):
+        try:
+            yield from entry.load()
+        except (ImportError, AttributeError) as error:
+            say(f"firmware-bridge: the commands of '{entry.name}' are left out: {error}", err=True)
+
+
+def _left_out(words: str, why: str) -> None:
+    say(f"firmware-bridge: the command '{words}' is left out: {why}", err=True)

@@ -1,0 +1,123 @@
+"""Commands are rows: each leads to a command, says what that says, and takes no other's place."""
+
+import inspect
+from collections.abc import Iterable
+from importlib.metadata import EntryPoint
+from importlib.util import find_spec
+from typing import Any, Final
+
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from emulators.cli.commands import COMMANDS as OF_THE_SIMULATION
+from firmware_bridge.cli import commands, program
+from firmware_bridge.cli.commands import Command, Group, Row
+from firmware_bridge.cli.program import COMMANDS as OWN
+
+EVERY: Final = {row.words: row for row in (*OWN, *OF_THE_SIMULATION) if isinstance(row, Command)}
+PLAIN: Final = {"COLUMNS": "200", "TERM": "dumb", "NO_COLOR": "1"}
+
+
+class Stranger:
+    """An entry point of a package that is not there."""
+
+    def __init__(self, name: str, rows: Iterable[Row] | Exception) -> None:
+        self.name = name
+        self._rows = rows
+
+    def load(self) -> Iterable[Row]:
+        if isinstance(self._rows, Exception):
+            raise self._rows
+        return self._rows
+
+
+def with_strangers(monkeypatch: pytest.MonkeyPatch, *strangers: Stranger) -> None:
+    def entry_points(group: str) -> list[EntryPoint | Stranger]:
+        assert group == commands.COMMAND_GROUP
+        return list(strangers)
+
+    monkeypatch.setattr("importlib.metadata.entry_points", entry_points)
+
+
+def run(*words: str) -> Any:
+    return CliRunner().invoke(program, list(words), env=PLAIN)
+
+
+@pytest.mark.parametrize("words", EVERY)
+def test_a_row_says_how_the_help_of_its_command_begins(words: str) -> None:
+    help_text = " ".join((EVERY[words].load().help or "").split())
+    assert help_text.startswith(EVERY[words].line.removesuffix("."))
+
+
+@pytest.mark.parametrize("words", EVERY)
+def test_what_a_command_does_has_the_parameters_that_its_options_say(words: str) -> None:
+    asked = EVERY[words].load()
+    module = inspect.getmodule(inspect.unwrap(asked.callback or run))
+    assert module is not None
+    done = f"{module.__name__}_work"
+    name = inspect.unwrap(asked.callback or run).__name__
+    if find_spec(done) is None:
+        return
+    parameters = inspect.signature(commands.imported(f"{done}:{name}")).parameters
+    assert set(parameters) == {each.name for each in asked.params} - {"help"}
+
+
+def test_every_command_is_reached_by_its_words() -> None:
+    for words in EVERY:
+        result = run(*words.split(), "--help")
+        assert result.exit_code == 0, result.output
+        assert f"firmware-bridge {words.partition(' ')[0]}" in result.output
+
+
+def test_a_package_that_cannot_be_imported_is_named_and_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    with_strangers(monkeypatch, Stranger("broken", ImportError("no module named 'gone'")))
+    result = run("--help")
+    assert result.exit_code == 0
+    assert "the commands of 'broken' are left out: no module named 'gone'" in result.stderr
+    assert " drive " in result.stdout
+
+
+def test_nobody_takes_the_place_of_a_command_that_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    row = Command("epos2 state", "somewhere:state", "Something else.")
+    with_strangers(monkeypatch, Stranger("greedy", [row]))
+    result = run("epos2", "--help")
+    assert "'epos2 state' is left out: there is one of this name" in result.stderr
+    assert "Show a drive's power state" in result.stdout
+
+
+def test_a_command_of_a_group_that_is_not_there_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    with_strangers(monkeypatch, Stranger("lost", [Command("nowhere at-all", "somewhere:it", "It.")]))
+    assert "there is no group 'nowhere'" in run("--help").stderr
+
+
+def test_a_package_adds_a_group_with_commands(monkeypatch: pytest.MonkeyPatch) -> None:
+    group, thing = Group("own", "A group.", "No example"), Command("own thing", "somewhere:it", "It does it.")
+    with_strangers(monkeypatch, Stranger("own", (group, thing)))
+    assert "It does it." in run("own", "--help").stdout
+
+
+def test_a_command_that_cannot_be_imported_says_so_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    with_strangers(monkeypatch, Stranger("half", [Command("half", "no_such_package.half:it", "It.")]))
+    result = run("half")
+    assert result.exit_code == 2
+    (line,) = result.stderr.splitlines()
+    assert line.startswith(
+        "firmware-bridge: this command cannot be loaded: No module named 'no_such_package'"
+    )
+
+
+def test_a_wrong_word_is_answered_with_one_like_it() -> None:
+    result = run("benhc")
+    assert result.exit_code == 2
+    assert "bench" in result.stderr
+
+
+def test_what_a_row_names_must_be_a_command() -> None:
+    with pytest.raises(TypeError, match="no command"):
+        Command("run", "firmware_bridge.cli.console:refusal", "It.").load()
+
+
+def test_typer_is_asked_for_a_group() -> None:
+    group = typer.main.get_group(program)
+    assert {words.partition(" ")[0] for words in EVERY} == set(group.list_commands(typer.Context(group)))
