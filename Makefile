@@ -14,11 +14,22 @@ MEASURED := .venv/.measured
 COMPILED := .venv/compiled
 BRIDGE := $(BIN)/firmware-bridge
 
+# Each library's name when pip turns to it, in place of pip's five lines about it.
+FETCHED := awk '/^Collecting /{ sub(/[^[:alnum:]_.-].*/, "", $$2); at += length($$2) + 1; \
+	if (at > 100) { printf "\n"; at = length($$2) + 1 } printf " %s", $$2; fflush() } \
+	/^Building wheels? for/{ if (!built++) { printf "\nsetup: compiling what has to be compiled\n"; at = 0; fflush() } } \
+	/^Installing collected/{ printf "\nsetup: installing all of it\n"; at = 0; fflush() }'
+
+TESTED = @begun=$$(date +%s); \
+	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal -q $(LANE); status=$$?; \
+	echo "$@: $$(( $$(date +%s) - begun )) s"; exit $$status
+
 .DEFAULT_GOAL := help
-.PHONY: help setup compiled same demo test check docs golden bench hour clean
+SHELL := bash
+.PHONY: help setup compiled same demo test long test-all check docs golden bench hour clean
 
 help: ## list these commands
-	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' Makefile
+	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' Makefile
 
 setup: $(READY) ## make .venv with the program and everything that its tests need
 
@@ -30,10 +41,16 @@ $(READY): pyproject.toml setup.py $(wildcard emulators/servo/native/*.[ch])
 		{ echo "setup: $(PYTHON) has no venv module; on Debian or Ubuntu: apt-get install python3-venv" >&2; exit 1; }
 	@command -v "$${CC:-cc}" >/dev/null || command -v gcc >/dev/null || command -v clang >/dev/null || \
 		{ echo "setup: no C compiler found (the plants are built from C); on Debian or Ubuntu: apt-get install gcc libc6-dev" >&2; exit 1; }
-	@echo "setup: making .venv with $(PYTHON); this takes a minute or two, once"
+	@echo "setup: a minute or two, once; what is made is in .venv"
+	@echo "setup: 1 of 3, a virtual environment with $$($(PYTHON) --version)"
 	@[ -x $(BIN)/python ] || $(PYTHON) -m venv .venv
+	@echo "setup: 2 of 3, pip 25.1 or later"
 	@$(BIN)/python -m pip install --quiet --quiet --disable-pip-version-check --upgrade 'pip>=25.1'
-	@$(BIN)/python -m pip install --quiet --quiet --disable-pip-version-check --editable . --group dev
+	@echo "setup: 3 of 3, the program, the libraries that it needs, and those that its tests need"
+	@set -o pipefail; $(BIN)/python -m pip install --disable-pip-version-check --progress-bar off \
+		--editable . --group dev 2>&1 | tee .venv/pip.log | $(FETCHED) || \
+		{ echo "setup: pip could not do it; it says:" >&2; cat .venv/pip.log >&2; exit 1; }
+	@echo "setup: done"
 	@touch $@
 
 # It takes the libraries, and the tests, from here; the program itself is its own.
@@ -60,14 +77,23 @@ compiled: $(COMPILED)/.ready ## install the program with its core compiled, in .
 demo: $(READY) ## drive the shipped missions in virtual time; results in out/
 	@begun=$$(date +%s); \
 	for mission in $(MISSIONS); do \
+		echo "demo: driving the mission '$$mission' in virtual time, into $(OUT)/rars-$$mission/"; \
 		$(BRIDGE) bench rars --mission $$mission --out $(OUT)/rars-$$mission || exit $$?; \
 	done; \
 	echo "demo: $(MISSIONS) driven in $$(( $$(date +%s) - begun )) s; tables, plots and recordings are in $(OUT)/rars-*/"
 
-test: $(READY) ## run every test that this machine's kernel allows
-	@begun=$$(date +%s); \
-	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal -q; status=$$?; \
-	echo "test: $$(( $$(date +%s) - begun )) s"; exit $$status
+# Two lanes, which between them lose nothing: a test says so. Each leaves out what this machine's kernel cannot do.
+test: LANE := -m 'not long'
+test: $(READY) ## run the tests, every behaviour once; under three minutes on two processors
+	$(TESTED)
+
+long: LANE := -m long
+long: $(READY) ## run what `make test` has no time for: a thousand instants, a hundred thousand frames
+	$(TESTED)
+
+test-all: LANE :=
+test-all: $(READY) ## run every test
+	$(TESTED)
 
 check: $(READY) ## lint, format, types, import contracts, documents in step
 	@$(BIN)/ruff check .
