@@ -12,7 +12,7 @@ from typing import Final
 
 import emulators
 from emulators.documents.object_table import entries
-from emulators.epos2.control.value_ranges import RULES
+from emulators.epos2.control.value_ranges import VALUE_RANGES
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import EPOS2_70_10, choices
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES
@@ -73,7 +73,7 @@ def _defaults() -> Iterator[LedgerLine]:
 
 
 def _rules() -> Iterator[LedgerLine]:
-    for rule in RULES:
+    for rule in VALUE_RANGES:
         what = f"{rule.address} {OBJECTS[rule.address].name} takes only {_span(tuple(rule.allowed))}"
         yield LedgerLine("refused values", what, rule.provenance, rule.source)
 

@@ -11,7 +11,7 @@ from typing import Final
 from emulators.epos2.canopen.identity import Identity
 from emulators.epos2.canopen.lss_slave import LssSlave
 from emulators.epos2.canopen.motion_protocol import MotionFactory
-from emulators.epos2.canopen.nmt import SERVICES, TARGETS, Service, command_for
+from emulators.epos2.canopen.nmt import SERVICES, TARGETS, NodeService, command_for
 from emulators.epos2.canopen.services import Services
 from emulators.epos2.canopen.transmit_queue import TransmitQueue
 from emulators.epos2.control import value_ranges
@@ -135,9 +135,9 @@ class Epos2:
             return
         self._routes = self._services.routes()
         services = SERVICES[self.nmt_state]
-        if Service.ERROR_CONTROL in services:
+        if NodeService.ERROR_CONTROL in services:
             self._routes[canopen.NMT] = self._hear_command
-        if Service.LAYER_SETTING in services:
+        if NodeService.LAYER_SETTING in services:
             self._routes[canopen.LSS_REQUEST] = self._hear_lss
 
     # Network management

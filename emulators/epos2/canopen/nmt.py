@@ -11,7 +11,7 @@ from typing import Final
 from firmware_bridge.wire.canopen import ALL_NODES, NmtCommand, NmtState, decode_nmt
 
 
-class Service(Enum):
+class NodeService(Enum):
     """What a node does in some states only. Network commands are taken in all of them."""
 
     SDO = "service data"
@@ -22,12 +22,12 @@ class Service(Enum):
     LAYER_SETTING = "layer setting"
 
 
-SERVICES: Final[Mapping[NmtState, frozenset[Service]]] = MappingProxyType(
+SERVICES: Final[Mapping[NmtState, frozenset[NodeService]]] = MappingProxyType(
     {
         NmtState.BOOT_UP: frozenset(),
-        NmtState.PRE_OPERATIONAL: frozenset(Service) - {Service.PDO, Service.LAYER_SETTING},
-        NmtState.OPERATIONAL: frozenset(Service) - {Service.LAYER_SETTING},
-        NmtState.STOPPED: frozenset({Service.ERROR_CONTROL, Service.LAYER_SETTING}),
+        NmtState.PRE_OPERATIONAL: frozenset(NodeService) - {NodeService.PDO, NodeService.LAYER_SETTING},
+        NmtState.OPERATIONAL: frozenset(NodeService) - {NodeService.LAYER_SETTING},
+        NmtState.STOPPED: frozenset({NodeService.ERROR_CONTROL, NodeService.LAYER_SETTING}),
     }
 )
 

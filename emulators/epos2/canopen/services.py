@@ -8,12 +8,12 @@ from functools import partial
 from typing import Final
 
 from emulators.epos2.canopen.bus_errors import REPORTS, emergencies_of
-from emulators.epos2.canopen.clock import HighResolutionClock
 from emulators.epos2.canopen.emergency_producer import EmergencyProducer
 from emulators.epos2.canopen.heartbeat import ErrorControl
+from emulators.epos2.canopen.high_resolution_clock import HighResolutionClock
 from emulators.epos2.canopen.identity import Identity
 from emulators.epos2.canopen.motion_protocol import MotionProtocol
-from emulators.epos2.canopen.nmt import SERVICES, Service
+from emulators.epos2.canopen.nmt import SERVICES, NodeService
 from emulators.epos2.canopen.process_data import FrameHandler, ProcessData, ReceivePdo, TransmitPdo
 from emulators.epos2.canopen.sdo_server import SdoServer
 from emulators.epos2.canopen.transmit_queue import TransmitQueue
@@ -60,7 +60,7 @@ class Services:
     def enter(self, state: NmtState) -> None:
         """Let the services live that live in this state, and no others."""
         before, self.state = self.state, state
-        if Service.SDO not in SERVICES[state]:
+        if NodeService.SDO not in SERVICES[state]:
             self._sdo.reset()
             self._transmit.drop_answers()
         self.motion.nmt_changed(state is NmtState.OPERATIONAL)
@@ -94,15 +94,15 @@ class Services:
         """Say which identifiers count in this state, and who takes their frames."""
         services, node = SERVICES[self.state], self._identity.node
         routes: dict[int, FrameHandler] = {}
-        if Service.PDO in services:
+        if NodeService.PDO in services:
             routes = self.pdo.routes(self._hear_collision, self._hear_request, self._hear_pdo)
-        if Service.ERROR_CONTROL in services:
+        if NodeService.ERROR_CONTROL in services:
             routes[canopen.ERROR_CONTROL + node | REMOTE] = self._hear_guarding
             for watched in sorted(self.errors.watched):
                 routes[canopen.ERROR_CONTROL + watched] = partial(self._hear_heartbeat, watched)
-        if Service.SYNC in services:
+        if NodeService.SYNC in services:
             routes[canopen.SYNC] = self._hear_sync
-        if Service.SDO in services:
+        if NodeService.SDO in services:
             routes[canopen.SDO_REQUEST + node] = self._hear_sdo
         return routes | {report: partial(self._hear_controller, report) for report in REPORTS}
 
@@ -163,6 +163,6 @@ class Services:
         """Note an error of motion control, or with code 0 the end of all, and tell the bus."""
         message = self.emergency.message(code)
         address = self.emergency.cob_id
-        allowed = Service.EMERGENCY in SERVICES[self.state]
+        allowed = NodeService.EMERGENCY in SERVICES[self.state]
         if message is not None and address is not None and allowed:
             self._send(address, message)

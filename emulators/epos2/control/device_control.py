@@ -12,7 +12,7 @@ from emulators.epos2.control.power_sequence import PowerSequence
 from emulators.epos2.control.power_states import TIMED, Happening
 from emulators.epos2.control.standing_errors import StandingErrors
 from emulators.epos2.control.supervision import WATCHED, ErrorReaction
-from emulators.epos2.io.pins import Pins
+from emulators.epos2.io.drive_pins import Pins
 from emulators.epos2.modes.mode_selector import ModeSelector
 from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis

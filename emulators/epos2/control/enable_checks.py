@@ -35,7 +35,7 @@ def _dual(store: ObjectStore) -> bool:
     return store.get(CONTROLLER_STRUCTURE) != 0
 
 
-CONTRADICTIONS: Final[Mapping[int, Callable[[ObjectStore], bool]]] = MappingProxyType(
+CHECKS: Final[Mapping[int, Callable[[ObjectStore], bool]]] = MappingProxyType(
     {emergency.GEAR_SCALING: _no_ratio, emergency.CONTROLLER_GAIN: _gains_too_large}
 )
 """Whether the settings contradict each other, by the emergency that this is."""
@@ -43,9 +43,9 @@ CONTRADICTIONS: Final[Mapping[int, Callable[[ObjectStore], bool]]] = MappingProx
 
 def found(store: ObjectStore) -> int | None:
     """Return the first emergency that the settings stand for."""
-    return next((code for code, stands in CONTRADICTIONS.items() if stands(store)), None)
+    return next((code for code, stands in CHECKS.items() if stands(store)), None)
 
 
 def stands(store: ObjectStore, code: int) -> bool:
     """Return whether an emergency's settings still contradict each other."""
-    return code in CONTRADICTIONS and CONTRADICTIONS[code](store)
+    return code in CHECKS and CHECKS[code](store)

@@ -13,7 +13,7 @@ from emulators.epos2.control.power_states import Delays
 from emulators.epos2.control.sensing import Sensing
 from emulators.epos2.control.supervision import ABORT_OPTIONS, NOT_CARRIED_OUT, SETPOINTS_IN_A_MILLISECOND
 from emulators.epos2.io.data_recorder import DataRecorder
-from emulators.epos2.io.pins import Pins
+from emulators.epos2.io.drive_pins import Pins
 from emulators.epos2.modes.mode_selector import HEEDED, MODES, ModeSelector
 from emulators.epos2.objects.axis_parameters import (
     ACTUAL_VALUES,

@@ -17,7 +17,7 @@ from emulators.epos2.control.power_states import (
     Transition,
     Trigger,
 )
-from emulators.epos2.io.pins import Pins
+from emulators.epos2.io.drive_pins import Pins
 from emulators.epos2.modes.mode_selector import ModeSelector
 from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis

@@ -31,7 +31,7 @@ _DOCUMENTED: Final = Provenance.DOCUMENTED
 
 
 @dataclass(frozen=True, slots=True)
-class ValueRule:
+class ValueRange:
     """An object and the only values that it takes; others get 0x06090030."""
 
     address: Address
@@ -40,41 +40,41 @@ class ValueRule:
     source: str = FIRMWARE_SPECIFICATION
 
 
-RULES: Final = (
-    ValueRule(Address(0x1012), (TIME_STAMP,), _DOCUMENTED, _INTERPOLATION),
-    ValueRule(Address(0x2000), range(FIRST_NODE, LAST_NODE + 1)),
-    ValueRule(BIT_RATE, tuple(BIT_RATES), _DOCUMENTED, LIBRARY),
-    *(ValueRule(pin, tuple(InputFunction)) for pin in INPUT_PINS),
-    *(ValueRule(pin, tuple(OutputFunction)) for pin in OUTPUT_PINS),
-    ValueRule(Address(0x2012), range(1, 1 << 16), Provenance.ASSUMED, ASSUMPTION),
-    ValueRule(Address(0x2014), range(5), _DOCUMENTED, APPLICATION_NOTES),
-    ValueRule(Address(0x2074, 2), range(3), _DOCUMENTED, APPLICATION_NOTES),
-    ValueRule(Address(0x2074, 3), range(3), _DOCUMENTED, APPLICATION_NOTES),
-    ValueRule(at.SENSOR_TYPE, (1, 2, 3, 4, 6, 7, 8), _DOCUMENTED, LIBRARY),
-    ValueRule(at.ABORT_CONNECTION_OPTION, range(4)),
-    ValueRule(at.SHUTDOWN_OPTION, range(2)),
-    ValueRule(at.DISABLE_OPTION, range(2)),
-    ValueRule(at.FAULT_REACTION_OPTION, range(-1, 3)),
-    ValueRule(Address(0x2300, 3), range(1, 1 << 16), Provenance.ASSUMED, ASSUMPTION),
-    ValueRule(Address(0x2300, 4), range(2), Provenance.ASSUMED, ASSUMPTION),
-    ValueRule(at.MOTION_PROFILE_TYPE, range(2), _DOCUMENTED, EDS),
-    ValueRule(Address(0x6089), (0,)),
-    ValueRule(Address(0x608A), (0xAC,)),
-    ValueRule(Address(0x608B), (0,)),
-    ValueRule(Address(0x608C), (0xA4,)),
-    ValueRule(Address(0x608D), (0,)),
-    ValueRule(Address(0x608E), (0xA4,)),
-    ValueRule(at.HOMING_METHOD, tuple(METHODS)),
-    ValueRule(at.MOTOR_TYPE, (1, 10, 11), _DOCUMENTED, LIBRARY),
+VALUE_RANGES: Final = (
+    ValueRange(Address(0x1012), (TIME_STAMP,), _DOCUMENTED, _INTERPOLATION),
+    ValueRange(Address(0x2000), range(FIRST_NODE, LAST_NODE + 1)),
+    ValueRange(BIT_RATE, tuple(BIT_RATES), _DOCUMENTED, LIBRARY),
+    *(ValueRange(pin, tuple(InputFunction)) for pin in INPUT_PINS),
+    *(ValueRange(pin, tuple(OutputFunction)) for pin in OUTPUT_PINS),
+    ValueRange(Address(0x2012), range(1, 1 << 16), Provenance.ASSUMED, ASSUMPTION),
+    ValueRange(Address(0x2014), range(5), _DOCUMENTED, APPLICATION_NOTES),
+    ValueRange(Address(0x2074, 2), range(3), _DOCUMENTED, APPLICATION_NOTES),
+    ValueRange(Address(0x2074, 3), range(3), _DOCUMENTED, APPLICATION_NOTES),
+    ValueRange(at.SENSOR_TYPE, (1, 2, 3, 4, 6, 7, 8), _DOCUMENTED, LIBRARY),
+    ValueRange(at.ABORT_CONNECTION_OPTION, range(4)),
+    ValueRange(at.SHUTDOWN_OPTION, range(2)),
+    ValueRange(at.DISABLE_OPTION, range(2)),
+    ValueRange(at.FAULT_REACTION_OPTION, range(-1, 3)),
+    ValueRange(Address(0x2300, 3), range(1, 1 << 16), Provenance.ASSUMED, ASSUMPTION),
+    ValueRange(Address(0x2300, 4), range(2), Provenance.ASSUMED, ASSUMPTION),
+    ValueRange(at.MOTION_PROFILE_TYPE, range(2), _DOCUMENTED, EDS),
+    ValueRange(Address(0x6089), (0,)),
+    ValueRange(Address(0x608A), (0xAC,)),
+    ValueRange(Address(0x608B), (0,)),
+    ValueRange(Address(0x608C), (0xA4,)),
+    ValueRange(Address(0x608D), (0,)),
+    ValueRange(Address(0x608E), (0xA4,)),
+    ValueRange(at.HOMING_METHOD, tuple(METHODS)),
+    ValueRange(at.MOTOR_TYPE, (1, 10, 11), _DOCUMENTED, LIBRARY),
 )
 
 
 def keep(store: ObjectStore) -> None:
-    """Make the store refuse what the rules refuse."""
-    for rule in RULES:
-        store.on_write(rule.address, partial(_check, rule))
+    """Make the store refuse what lies outside."""
+    for row in VALUE_RANGES:
+        store.on_write(row.address, partial(_check, row))
 
 
-def _check(rule: ValueRule, value: int) -> None:
-    if value not in rule.allowed:
-        raise SdoAbort(AbortCode.RANGE, rule.address)
+def _check(row: ValueRange, value: int) -> None:
+    if value not in row.allowed:
+        raise SdoAbort(AbortCode.RANGE, row.address)

@@ -8,7 +8,7 @@ from functools import cache
 import pytest
 
 from emulators.epos2.canopen.pdo_settings import RECEIVE, TRANSMIT
-from emulators.epos2.control.value_ranges import RULES, ValueRule
+from emulators.epos2.control.value_ranges import VALUE_RANGES, ValueRange
 from emulators.epos2.objects.store import ObjectStore
 from firmware_bridge.wire.abort import AbortCode, SdoAbort
 from firmware_bridge.wire.epos2 import address as at
@@ -20,7 +20,7 @@ from firmware_bridge.wire.pdo import MappingEntry
 from hil_tests.unit.epos2.quiet_motion import Desk, powered
 
 RESTRICTED = {
-    **{rule.address: "has a rule of its own" for rule in RULES},
+    **{rule.address: "has a rule of its own" for rule in VALUE_RANGES},
     **{row.address: "PDO settings have their procedure" for row in PROCESS_OBJECTS},
     Address(0x1010, 1): "wants a signature",
     **{Address(0x1011, sub): "wants a signature" for sub in (1, 4, 5)},
@@ -125,8 +125,8 @@ def blank() -> Desk:
     return desk
 
 
-@pytest.mark.parametrize("rule", RULES, ids=lambda rule: str(rule.address))
-def test_a_rule_lets_through_what_it_lists_and_nothing_else(rule: ValueRule, store: ObjectStore) -> None:
+@pytest.mark.parametrize("rule", VALUE_RANGES, ids=lambda rule: str(rule.address))
+def test_a_rule_lets_through_what_it_lists_and_nothing_else(rule: ValueRange, store: ObjectStore) -> None:
     kind = OBJECTS[rule.address].type
     for value in rule.allowed:
         store.write(rule.address, kind.encode(value))
