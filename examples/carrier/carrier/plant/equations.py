@@ -4,7 +4,7 @@ from typing import Final
 
 import sympy as sp
 
-from carrier_plant.parameters import LEFT, NAME, PARAMETERS, RIGHT
+from carrier.plant.parameters import LEFT, NAME, PARAMETERS, RIGHT
 from fmu.export.model import Input, Model, Output
 from fmu.parts.battery import terminal_voltage
 from fmu.parts.castor import Castor, CastorFriction

@@ -1,5 +1,5 @@
 """The carrier's plant: two driven wheels, two castors."""
 
-from carrier_plant.parameters import PLANT
+from carrier.plant.parameters import PLANT
 
 __all__ = ["PLANT"]
