@@ -5,6 +5,8 @@ A robot's package declares them; the tests that every robot gets look whether ea
 
 from typing import Final, Generic, TypeVar
 
+from firmware_bridge.robot import AnyRobot
+
 M = TypeVar("M")
 S = TypeVar("S")
 
@@ -26,7 +28,7 @@ class Situation(Generic[M, S]):
 class Case(Generic[M, S]):
     """One way to trip one row, and the nearest way that does not."""
 
-    __slots__ = ("also", "reason", "row", "spares", "trips")
+    __slots__ = ("reason", "robot", "row", "spares", "trips")
 
     def __init__(
         self,
@@ -35,7 +37,7 @@ class Case(Generic[M, S]):
         trips: Situation[M, S],
         spares: Situation[M, S],
         reason: str,
-        also: frozenset[str] = frozenset(),
+        robot: AnyRobot | None = None,
     ) -> None:
         self.row: Final = row
         """The interlock's or the limit's name."""
@@ -43,5 +45,5 @@ class Case(Generic[M, S]):
         self.spares: Final = spares
         self.reason: Final = reason
         """What is said then, with the numbers."""
-        self.also: Final = also
-        """Other rows that hold in the situation that trips this one."""
+        self.robot: Final = robot
+        """A robot with other numbers, where those of the robot file never trip the row; None for the file's."""

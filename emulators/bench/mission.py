@@ -14,7 +14,18 @@ from pydantic import Field, ValidationError, create_model, model_validator
 
 from emulators.bench.faults import FaultTable, misfits
 from emulators.bench.rehearsal import Rehearsal
-from emulators.bench.step import Holds, Input, NonNegative, Positive, Presses, Share, Step, Table, guides, inputs
+from emulators.bench.step import (
+    Holds,
+    Input,
+    NonNegative,
+    Positive,
+    Presses,
+    Share,
+    Step,
+    Table,
+    guides,
+    inputs,
+)
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.problems import Problem, near, problems_of
 

@@ -89,7 +89,9 @@ class Step(Table):
     """Emergency stop for good."""
     mode: Annotated[int | None, Field(ge=0), Sends(176, lambda mode, _: (1.0, mode))] = None
     """DO_SET_MODE's custom mode: 0 is the whole robot, others are its modes after a failed actuator."""
-    guide: Annotated[str | None, Sends(176, lambda guide, robot: (1.0, 0.0, guides(robot).index(guide)))] = None
+    guide: Annotated[str | None, Sends(176, lambda guide, robot: (1.0, 0.0, guides(robot).index(guide)))] = (
+        None
+    )
     """DO_SET_MODE's submode: let a guide of the robot's drive, by its name; "" is the operator."""
     silent_s: Positive | None = None
     """Say nothing at all for this long."""

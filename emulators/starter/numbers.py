@@ -62,7 +62,7 @@ def worked_out(told: Specification) -> dict[str, str]:
         )
     turn_acceleration = 2.0 * told.turn_rate_rad_s
     sideways = 0.8 * told.speed_mps * told.turn_rate_rad_s
-    rim = (told.acceleration_mps2 + turn_acceleration * track / 2.0) / radius * gear * RPM
+    rim = told.acceleration_mps2 / radius * gear * RPM
     wheel_mass = 0.03 * told.mass_kg
     wheel_inertia = wheel_mass * radius**2 / 2.0
     inertia = motor.rotor_inertia_kg_m2 + (told.mass_kg / 2.0 * radius**2 + wheel_inertia) / gear**2

@@ -32,12 +32,14 @@ def twist(base: DifferentialBase, left_rad_s: float, right_rad_s: float) -> tupl
 
 @dataclass(frozen=True, slots=True)
 class DifferentialRamp:
-    """The way of speed and turn rate to their targets; each has its bound, and the turn pulls sideways."""
+    """The way of speed and turn rate to their targets; each has its bound, and so have both together."""
 
     acceleration_mps2: float
+    """Of the axle's middle, and of the faster wheel's rim."""
     turn_acceleration_rad_s2: float
     sideways_mps2: float
     """Of the centripetal acceleration, speed times turn rate: what would pass it does not grow."""
+    half_track_m: float
     longest_step: Nanoseconds
     """A late cycle counts as no more than this: a gap must not become a jump."""
 
@@ -46,12 +48,16 @@ class DifferentialRamp:
     ) -> tuple[float, float]:
         """Return the next speed and turn rate, `elapsed` after those demanded."""
         seconds = to_seconds(min(elapsed, self.longest_step))
-        speed = _nearer(demanded[0], target[0], self.acceleration_mps2 * seconds)
-        turn = _nearer(demanded[1], target[1], self.turn_acceleration_rad_s2 * seconds)
+        reach = self.acceleration_mps2 * seconds
+        faster = _clipped(target[0] - demanded[0], reach)
+        tighter = _clipped(target[1] - demanded[1], self.turn_acceleration_rad_s2 * seconds)
+        rim = abs(faster) + abs(tighter) * self.half_track_m
+        share = 1.0 if rim <= reach else reach / rim
+        speed, turn = demanded[0] + share * faster, demanded[1] + share * tighter
         if abs(speed * turn) > self.sideways_mps2:
-            turn = _no_larger(turn, max(abs(demanded[1]), self.sideways_mps2 / abs(speed)))
+            turn = _clipped(turn, max(abs(demanded[1]), self.sideways_mps2 / abs(speed)))
         if abs(speed * turn) > self.sideways_mps2:
-            speed = _no_larger(speed, max(abs(demanded[0]), self.sideways_mps2 / abs(turn)))
+            speed = _clipped(speed, max(abs(demanded[0]), self.sideways_mps2 / abs(turn)))
         return speed, turn
 
 
@@ -60,9 +66,5 @@ def fastest_in_turn(turn_rad_s: float, sideways_mps2: float) -> float:
     return sideways_mps2 / abs(turn_rad_s) if turn_rad_s else math.inf
 
 
-def _nearer(value: float, target: float, reach: float) -> float:
-    return min(max(target, value - reach), value + reach)
-
-
-def _no_larger(value: float, bound: float) -> float:
-    return math.copysign(min(abs(value), bound), value)
+def _clipped(value: float, bound: float) -> float:
+    return min(max(value, -bound), bound)

@@ -34,6 +34,7 @@ def ramp_of(robot: Robot[Geometry]) -> DifferentialRamp:
         MARGIN * limits.acceleration_mps2,
         MARGIN * limits.turn_acceleration_rad_s2,
         limits.sideways_mps2,
+        robot.geometry.base.track_m / 2.0,
         robot.cycle,
     )
 
