@@ -74,6 +74,11 @@ def motor(name: str) -> Motor:
             raise MotorError(f"{name}: cannot be read: {error}") from error
     if name not in MOTORS:
         raise MotorError(
-            f"no motor '{name}' is known; {near(name, MOTORS)}. A path to a .toml file with its data works, too"
+            f"--motor: no motor '{name}' is known; {near(name, MOTORS)} Or a path to a .toml file with its data"
         )
     return MOTORS[name]
+
+
+def names() -> list[str]:
+    """Return the names of the motors that are known."""
+    return list(MOTORS)

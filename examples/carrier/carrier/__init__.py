@@ -1,16 +1,17 @@
-"""The carrier: two driven wheels on one axle, two castors."""
+"""The robot: two driven wheels on one axle, two castors."""
 
 from pathlib import Path
 from typing import Final
 
-from carrier.body import BASE, GROUPS, Carrier, reach
+from firmware_bridge.drivers.driver import Level
+from firmware_bridge.kind import Kind
+
+from carrier.body import BASE, GROUPS, Body, reach
 from carrier.geometry import Geometry
 from carrier.guide import FIGURE_EIGHT, FigureEight
 from carrier.motion import Motion, State
 from carrier.rules import INTERLOCKS, LIMITS
 from carrier.station import STATION
-from firmware_bridge.drivers.driver import Level
-from firmware_bridge.kind import Kind
 
 LAMP: Final = "lamp"
 """The warning lamp; a robot file without this output has none."""
@@ -24,7 +25,7 @@ KIND: Final[Kind[Geometry, Motion, State]] = Kind(
         "speed": lambda motion: motion.speed_mps,
         "turn rate": lambda motion: motion.turn_rad_s,
     },
-    body=Carrier,
+    body=Body,
     groups=GROUPS,
     travelling=frozenset({BASE}),
     interlocks=INTERLOCKS,

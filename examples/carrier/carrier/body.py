@@ -1,11 +1,9 @@
-"""The carrier's body: from wheels to what the robot does, and from a motion to what the wheels shall do."""
+"""The robot's body: from wheels to what the robot does, and from a motion to what the wheels shall do."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Final
 
-from carrier.geometry import Geometry
-from carrier.motion import Motion, State
 from firmware_bridge.drivers.driver import Demand, Feedback, Reading, Speed
 from firmware_bridge.motion.differential import DifferentialRamp, fastest_in_turn, twist, wheel_speeds
 from firmware_bridge.motion.odometry import moved
@@ -13,6 +11,9 @@ from firmware_bridge.motion.pose import Pose
 from firmware_bridge.motion.ramp import MARGIN
 from firmware_bridge.robot import Robot
 from firmware_bridge.units import Nanoseconds
+
+from carrier.geometry import Geometry
+from carrier.motion import Motion, State
 
 BASE: Final = "base"
 LEFT: Final = "left_wheel"
@@ -39,7 +40,7 @@ def ramp_of(robot: Robot[Geometry]) -> DifferentialRamp:
     )
 
 
-class Carrier:
+class Body:
     """A `firmware_bridge.safety.body.Body`."""
 
     __slots__ = ("_base", "_left", "_ramp", "_right", "rolling")
@@ -90,7 +91,7 @@ class Carrier:
 
 
 def reach(robot: Robot[Geometry]) -> Iterator[tuple[Motion, State]]:
-    """Yield the fastest motions: ahead, on the spot, and with as much of both as pulls sideways at the limit."""
+    """Yield the fastest motions: ahead, on the spot, and in the turn that pulls sideways at the limit."""
     limits = robot.geometry.limits
     for turn in (0.0, limits.turn_rate_rad_s, limits.sideways_mps2 / limits.speed_mps):
         turned = min(turn, limits.turn_rate_rad_s)

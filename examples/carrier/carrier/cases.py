@@ -1,15 +1,16 @@
-"""The carrier's rows at the edges of their thresholds; the tests that every robot gets go through them."""
+"""The robot's rows at the edges of their thresholds; the tests that every robot gets go through them."""
 
 import math
 from collections.abc import Iterator
 from typing import TypeAlias
 
+from emulators.bench import cases as bench
+from firmware_bridge.robot import Robot
+
 from carrier.body import ramp_of
 from carrier.geometry import Geometry
 from carrier.motion import Motion, State
 from carrier.rules import SPIN
-from emulators.bench import cases as bench
-from firmware_bridge.robot import Robot
 
 Case: TypeAlias = bench.Case[Motion, State]
 Situation: TypeAlias = bench.Situation[Motion, State]
@@ -49,9 +50,7 @@ def cases(robot: Robot[Geometry]) -> Iterator[Case]:
         "acceleration limit",
         trips=Situation(wish=Motion(2.0 * speed)),
         spares=Situation(wish=Motion(speed)),
-        reason=(
-            f"asked to go from 0.00 m/s and 0.00 rad/s to {2.0 * speed:.2f} m/s and 0.00 rad/s at once"
-        ),
+        reason=(f"asked to go from 0.00 m/s and 0.00 rad/s to {2.0 * speed:.2f} m/s and 0.00 rad/s at once"),
     )
 
 

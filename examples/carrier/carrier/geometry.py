@@ -1,4 +1,4 @@
-"""The carrier's table of geometry and limits in its robot file."""
+"""The robot's table of geometry and limits in its robot file."""
 
 from firmware_bridge.motion.differential import DifferentialBase
 from firmware_bridge.robot.table import Positive, Table

@@ -1,4 +1,4 @@
-"""The carrier's guide: it drives a figure of eight by the pose, two circles that touch where it begins.
+"""The robot's guide: it drives a figure of eight by the pose, two circles that touch where it begins.
 
 It makes wishes, as a stick does: interlocks, limits and ramp stand between it and the wheels.
 """
@@ -6,12 +6,13 @@ It makes wishes, as a stick does: interlocks, limits and ramp stand between it a
 import math
 from typing import Final
 
-from carrier.geometry import Geometry
-from carrier.motion import Motion, State
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.units import Nanoseconds
+
+from carrier.geometry import Geometry
+from carrier.motion import Motion, State
 
 FIGURE_EIGHT: Final = "figure_eight"
 RADIUS_M: Final = 1.0

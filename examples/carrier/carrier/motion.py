@@ -1,4 +1,4 @@
-"""The carrier's motion in its own words, and what is known of its body; forward and left are positive."""
+"""The robot's motion in its own words, and what is known of its body; forward and left are positive."""
 
 from dataclasses import dataclass
 

@@ -1,6 +1,6 @@
-"""The carrier on the bench: what a mission's step may ask of it, how a station says it, and what is drawn.
+"""The robot on the bench: what a step may ask of it, how a station says it, what is drawn.
 
-Signs and scales are written here anew, not taken from the bridge's half, so that a mistake there is not repeated.
+Signs and scales are written here anew, not taken from the bridge's half: a mistake there is not repeated.
 """
 
 import math
@@ -8,23 +8,24 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Final, Literal, TypeAlias
 
-from carrier.cases import cases
-from carrier.geometry import Geometry
-from carrier.motion import Motion, State
 from emulators.bench.columns import PLANAR, Column, Curve, Panel
 from emulators.bench.rehearsal import Channel, Rehearsal, StickAxes, Twist
 from emulators.bench.step import Finite, Holds, Positive, Presses, Sends, Slope, Step
 from firmware_bridge.robot import Robot
 from firmware_bridge.safety.snapshot import Snapshot
 
-Carrier: TypeAlias = Robot[Geometry]
+from carrier.cases import cases
+from carrier.geometry import Geometry
+from carrier.motion import Motion, State
+
+Machine: TypeAlias = Robot[Geometry]
 Seen: TypeAlias = Snapshot[Motion, State]
 BUTTONS: Final = {"lamp": 1, "emergency_stop": 4}
 _RELAY: Final = 181
 
 
-class CarrierStep(Step):
-    """What the carrier's operator does at one instant. Speed and turn stay until a later step.
+class OwnStep(Step):
+    """What the operator does at one instant. Speed and turn stay until a later step.
 
     A mission's input is one field: its annotation says what the hand does about it.
     """
@@ -39,7 +40,7 @@ class CarrierStep(Step):
     """Tap a button of the stick."""
 
 
-def _stick(values: Mapping[str, float], robot: Carrier) -> StickAxes:
+def _stick(values: Mapping[str, float], robot: Machine) -> StickAxes:
     limits = robot.geometry.limits
     return StickAxes(x=values["speed"] / limits.speed_mps, r=-values["turn"] / limits.turn_rate_rad_s)
 
@@ -52,7 +53,7 @@ def _demanded_turn(seen: Seen) -> float:
     return seen.demanded.turn_rad_s
 
 
-def _remarks(robot: Carrier) -> Mapping[str, str]:
+def _remarks(robot: Machine) -> Mapping[str, str]:
     limits = robot.geometry.limits
     return {
         "max_speed_mps": f"limit {limits.speed_mps:g}",
@@ -61,7 +62,7 @@ def _remarks(robot: Carrier) -> Mapping[str, str]:
 
 
 REHEARSAL: Final = Rehearsal(
-    step=CarrierStep,
+    step=OwnStep,
     missions=Path(__file__).with_name("missions"),
     channels=(
         Channel("speed", lambda robot: robot.geometry.limits.speed_mps, trembles_with="speed"),

@@ -1,17 +1,18 @@
-"""The carrier's own interlock and limits, beside the common ones that every robot has."""
+"""The robot's own interlock and limits, beside the common ones that every robot has."""
 
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Final, TypeAlias
 
-from carrier.body import ramp_of
-from carrier.geometry import Geometry
-from carrier.motion import Motion, State
 from firmware_bridge.motion.differential import fastest_in_turn
 from firmware_bridge.safety import interlock
 from firmware_bridge.safety.limits import bounded
 from firmware_bridge.safety.row import Severity
 from firmware_bridge.units import MILLISECOND, Nanoseconds
+
+from carrier.body import ramp_of
+from carrier.geometry import Geometry
+from carrier.motion import Motion, State
 
 View: TypeAlias = interlock.View[Geometry, Motion, State]
 Interlock: TypeAlias = interlock.Interlock[Geometry, Motion, State]

@@ -1,17 +1,20 @@
-"""The carrier's rows on MAVLink: stick and velocity to a motion, the lamp's switch, and what it tells.
+"""The robot's rows on MAVLink: stick and velocity to a motion, the lamp's switch, and what it tells.
 
-Full stick is the speed limit and the turn rate's; with `r` unused `y` turns. Buttons: 0 lamp, 2 emergency stop.
+Full stick is the speed limit and the turn rate's; with `r` unused `y` turns.
+Buttons: 0 lamp, 2 emergency stop.
 """
 
 import math
 from dataclasses import replace
 from typing import Final
 
-from carrier.geometry import Geometry
-from carrier.motion import Motion, State
 from firmware_bridge.robot import Robot
+from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.teleop.station import Fixed, Station, Stick, Switch, Twist, Unusable, Value, Velocity
 from firmware_bridge.units import SECOND
+
+from carrier.geometry import Geometry
+from carrier.motion import Motion, State
 
 
 def of_stick(stick: Stick, wish: Motion, robot: Robot[Geometry]) -> Motion:
@@ -32,15 +35,17 @@ def of_target(velocity: Velocity, wish: Motion, _robot: Robot[Geometry]) -> Moti
     return replace(wish, speed_mps=velocity.forward_mps, turn_rad_s=velocity.yaw_rate_rad_s or 0.0)
 
 
+def _turn_deg_s(seen: Snapshot[Motion, State]) -> float:
+    return math.degrees(seen.body.turn_rad_s)
+
+
 STATION: Final[Station[Geometry, Motion, State]] = Station(
     stick=of_stick,
     target=of_target,
     twist=lambda state: Twist(state.speed_mps, 0.0, state.turn_rad_s),
     # A stick is said again and again: nothing of a wish has to be forgotten.
     forgotten=lambda wish: wish,
-    largest=lambda robot: Twist(
-        robot.geometry.limits.speed_mps, 0.0, robot.geometry.limits.turn_rate_rad_s
-    ),
+    largest=lambda robot: Twist(robot.geometry.limits.speed_mps, 0.0, robot.geometry.limits.turn_rate_rad_s),
     metres_rolled=lambda robot: robot.geometry.base.wheel_radius_m,
     stop_button=2,
     switches=(
@@ -53,7 +58,7 @@ STATION: Final[Station[Geometry, Motion, State]] = Station(
             telemetry="LAMP",
         ),
     ),
-    values=(Value("TURN", SECOND // 10, lambda seen: math.degrees(seen.body.turn_rad_s), "deg/s, left positive"),),
+    values=(Value("TURN", SECOND // 10, _turn_deg_s, "deg/s, left positive"),),
     parameters=(
         Fixed("WHEEL_R", lambda robot: robot.geometry.base.wheel_radius_m, "m"),
         Fixed("TRACK", lambda robot: robot.geometry.base.track_m, "m"),

@@ -1,4 +1,4 @@
-"""What the carrier does on the bench; the safety tests come with firmware-bridge, for every installed robot."""
+"""What the robot does on the bench; the safety tests come with firmware-bridge, for every robot."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The carrier's plant: two driven wheels, two castors."""
+"""The robot's plant: two driven wheels, two castors."""
 
 from carrier.plant.parameters import PLANT
 

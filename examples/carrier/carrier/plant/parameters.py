@@ -1,4 +1,4 @@
-"""The carrier in numbers: every parameter with unit and source; named sets; what its robot file tells.
+"""The robot in numbers: every parameter with unit and source; named sets; what its robot file tells.
 
 The robot is made up; ASSUME marks what was chosen.
 """
@@ -21,14 +21,14 @@ def _drive(axis: str) -> tuple[Parameter, ...]:
     return (
         *motor_rows(
             axis,
-            "ASSUME, catalogue of maxon RE40 150 W 24 V (148867), unchecked",
+            "ASSUME, maxon RE40 150 W 24 V (148867), unchecked",
             resistance=0.299,
             inductance=8.2e-05,
             torque_constant=0.0302,
             rotor_inertia=1.42e-05,
             no_load_current=0.137,
         ),
-        Parameter(f"gear_{axis}", GEAR, "1", f"gear ratio, {axis} wheel", "ASSUME, planetary gear GP 42 C"),
+        Parameter(f"gear_{axis}", GEAR, "1", f"gear ratio, {axis} wheel", "as told"),
     )
 
 
@@ -40,7 +40,7 @@ BODY: Final[tuple[Parameter, ...]] = (
     Parameter("body_mass", 23.5, "kg", "body without its driven wheels, loaded", "ASSUME"),
     Parameter("centre_offset", 0.08, "m", "axle to the body's centre of mass, forwards", "ASSUME"),
     Parameter("centre_height", 0.175, "m", "centre of mass over the floor; 0: no load transfer", "ASSUME"),
-    Parameter("yaw_inertia", 0.7656, "kg.m2", "body about its centre of mass, vertical axis", "ASSUME, a box"),
+    Parameter("yaw_inertia", 0.7656, "kg.m2", "body about its centre, vertical axis", "ASSUME, a box"),
     Parameter("wheel_mass", 0.75, "kg", "one driven wheel", "ASSUME"),
     Parameter("wheel_spin_inertia", 0.0024, "kg.m2", "driven wheel about its axle", "ASSUME, a disc"),
     Parameter("wheel_yaw_inertia", 0.0012, "kg.m2", "driven wheel about the vertical", "ASSUME, a disc"),

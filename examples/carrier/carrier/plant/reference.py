@@ -6,9 +6,10 @@
 from pathlib import Path
 from typing import Final
 
-from carrier.plant.parameters import LEFT, PLANT, RIGHT
 from fmu.build import ensure
 from fmu.parts import table
+
+from carrier.plant.parameters import LEFT, PLANT, RIGHT
 
 FILE: Final = Path(__file__).with_name("reference.csv")
 INPUTS: Final = tuple(f"voltage_{axis}" for axis in (LEFT, RIGHT))
