@@ -135,10 +135,14 @@ class Pipeline(Generic[G, M, S]):
         return self._operator.report(self.seen, self.holds, now)
 
     def _guided(self, known: Snapshot[M, S], elapsed: Nanoseconds) -> Snapshot[M, S]:
-        """Return the snapshot with the guide's wish in it, where one guides; a moved stick takes over."""
+        """Return the snapshot with the guide's wish in it, where one guides.
+
+        A moved stick takes over, and who loses the leave to move loses the guide: armed again, nothing starts.
+        """
         if self._guide is None:
             return known
-        if self._permission.rules.body.asked(self._operator.intent.wish, known.body):
+        moved = self._permission.rules.body.asked(self._operator.intent.wish, known.body)
+        if moved or not known.facts.armed:
             self._guide = self._wish = None
         else:
             self._wish = self._guide.wished(known, elapsed)
@@ -152,6 +156,8 @@ class Pipeline(Generic[G, M, S]):
         if name and made is None:
             known = ", ".join(self._kind.guides) or "none"
             return Verdict(accepted=False, reason=f"guide: this robot has no '{name}'; it has {known}")
+        if name and not self._permission.armed:
+            return Verdict(accepted=False, reason="guide: arm the robot first")
         self._guide = None if made is None else made(self._robot)
         self._wish = None
         return Verdict(accepted=True, reason=f"guide: {name or 'the operator'}")
