@@ -17,6 +17,8 @@ from firmware_bridge.safety.guard.epos2_words import (
 from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire.cia402 import State, Status, state_of
 
+_TARGET_REACHED: Final = int(Status.TARGET_REACHED)
+
 
 class GuardedAxis:
     """The set-point in force at one drive; without power until one is sent, or the drive reports it."""
@@ -34,6 +36,7 @@ class GuardedAxis:
         "cycle",
         "node",
         "reported",
+        "speed",
         "target",
         "targets",
     )
@@ -48,6 +51,8 @@ class GuardedAxis:
         self.cycle: Final = robot.cycle * robot.links[axis.link].every
         """The time from one of its set-points to the next."""
         self.target = 0
+        self.speed = 0.0
+        """The speed that is in force, in the axis's unit a second; 0 where it is commanded by position."""
         self.commanded_at: Nanoseconds = -NEVER
         """When the node last had a set-point for it, good or bad."""
         self.reported: State | None = None
@@ -75,11 +80,6 @@ class GuardedAxis:
         if self.by_speed:
             return self._word == ENABLE and self.target != 0
         return self._word in {ENABLE, NEW_SET_POINT} and self._has_goal
-
-    @property
-    def speed(self) -> float:
-        """The speed that is in force, in the axis's unit a second; 0 where it is commanded by position."""
-        return self.target / self._rpm_per_unit if self.by_speed and self.moving else 0.0
 
     @property
     def set_point(self) -> SetPoint:
@@ -119,14 +119,21 @@ class GuardedAxis:
         elif set_point.word not in POWERED:
             self._has_goal = False
         self._word, self.target = set_point
+        self.speed = self.speed_with(set_point)
         ends_handshake = before == NEW_SET_POINT and self._word == ENABLE
         if self._word == NEW_SET_POINT or (self._word != before and not ends_handshake):
             self._changed_at = now
+
+    def aims(self, target: int) -> None:
+        """Note a target that was sent without a word."""
+        self.target = target
+        self.speed = self.speed_with(self.set_point)
 
     def deaf(self) -> None:
         """Note that nothing is in force any more: the drive does not hear set-points, and keeps none."""
         self._word = None
         self._has_goal = False
+        self.speed = 0.0
 
     def restarted(self) -> None:
         """Note that the drive starts anew, without power."""
@@ -140,7 +147,7 @@ class GuardedAxis:
         if state is None:
             return
         self.reported = state
-        there = state is State.OPERATION_ENABLED and statusword & Status.TARGET_REACHED
+        there = state is State.OPERATION_ENABLED and statusword & _TARGET_REACHED
         if there and self._word != HALT and self._is_fresh(now):
             self._has_goal = False
 

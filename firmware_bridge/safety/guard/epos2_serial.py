@@ -116,7 +116,7 @@ class Epos2SerialRules(WireRules):
             if address_of(request) == CONTROLWORD:
                 axis.sent(written, now)
             else:
-                axis.target = written.target
+                axis.aims(written.target)
         return axis
 
     def receives(self, packet: Packet, now: Nanoseconds) -> bool:
