@@ -57,7 +57,7 @@ class SpeedBound(AxesRule):
         """Who had not been sent a set-point when the bound was passed, nor since."""
         self._passed_at: Nanoseconds = NEVER
         """When the bound was passed last."""
-        self._kept_at: Nanoseconds = -1
+        self._kept_at: Nanoseconds = -NEVER
         """Since when the sum is within its bound; NEVER while it is not."""
         self._value = 0.0
         """The sum in force."""
