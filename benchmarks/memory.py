@@ -15,7 +15,7 @@ import tracemalloc
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 from benchmarks.measure import resident_kib, show
 from benchmarks.realtime import rig_and_operator
@@ -46,7 +46,14 @@ class Mark:
     resident: int
 
 
-def let_go(rows: list[Any]) -> int:
+class Clearable(Protocol):
+    """A list, or a table of samples."""
+
+    def clear(self) -> None:
+        """Forget all rows."""
+
+
+def let_go(rows: Clearable) -> int:
     """Forget some rows; return the bytes that they held."""
     before, _ = tracemalloc.get_traced_memory()
     rows.clear()

@@ -22,7 +22,8 @@ import numpy as np
 from emulators import world
 from emulators.bench import mission
 from emulators.bench.operator import ScriptedOperator
-from emulators.rig import BRIDGE, OPERATOR_STATION, Rig, build
+from emulators.rig import BRIDGE, OPERATOR_STATION, Rig
+from emulators.robots.rars import REHEARSAL
 from emulators.run import HAND_STREAM
 from emulators.servo import kernel
 from emulators.servo.axis import TICK
@@ -73,9 +74,9 @@ def rig_and_operator(servo: str = "") -> tuple[Rig, ScriptedOperator]:
     """Build both, for those who ask the operator, too."""
     os.environ[kernel.VARIABLE] = servo
     robot = find("rars")
-    script = mission.find(MISSION, robot)
-    operator = ScriptedOperator(robot, script, np.random.default_rng([SEED, HAND_STREAM]))
-    return build(robot, operator, seed=SEED, noise=script.noise), operator
+    script = mission.find(MISSION, robot, REHEARSAL)
+    operator = ScriptedOperator(robot, REHEARSAL, script, np.random.default_rng([SEED, HAND_STREAM]))
+    return Rig(robot, REHEARSAL, operator, seed=SEED, noise=script.noise), operator
 
 
 def seconds_of(call: Callable[[], object]) -> float:

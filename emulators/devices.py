@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Final
 
 from emulators.epos2.drive import Epos2
 from emulators.epos2.objects.catalogue import PROFILES
@@ -49,9 +49,9 @@ def devices(
 ) -> Devices:
     """Build a robot's drives above its plant; PlantError where the plant cannot be used.
 
-    `outputs` are the plant's that somebody wants to look at, whether an axis needs them or not. With `realistic_latency` the drives take the published time for an SDO
-    answer; otherwise they answer at once. `serial` names the axes whose drives have a host on their serial
-    port, and the protocol that they speak.
+    `outputs` are the plant's that somebody wants to look at, whether an axis needs them or not. With
+    `realistic_latency` the drives take the published time for an SDO answer; otherwise they answer at once.
+    `serial` names the axes whose drives have a host on their serial port, and the protocol that they speak.
 
     Geometry that both know is set from the robot file into our own plant, so that they agree; a plant of the
     user's is taken as it is, with the parameters that the robot file lists for it.

@@ -13,7 +13,6 @@ from firmware_bridge.node import CAN, Node
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 
-
 ON_CAN: Final[Mapping[str, str]] = MappingProxyType({CAN: CAN})
 
 

@@ -11,8 +11,8 @@ import numpy as np
 
 from emulators.bench.mission import Mission
 from emulators.bench.operator import ScriptedOperator
-from emulators.bench.summary import Run, Summary, as_json, summarise
 from emulators.bench.rehearsal import Rehearsal
+from emulators.bench.summary import Run, Summary, as_json, summarise
 from emulators.rig import Rig
 from emulators.wires.ends import Observer
 from firmware_bridge.packet import Packet
@@ -94,7 +94,9 @@ def drive(order: Order, progress: Progress) -> Summary:
     # Half a second for Matplotlib, which nobody needs before the run is over.
     from emulators.bench.plots import draw  # noqa: PLC0415 - see above
 
-    draw(order.folder, title, order.robot, order.rehearsal.panels, rig.samples, rig.holds, faults=faults)
+    draw(
+        order.folder, title, order.robot, order.rehearsal.panels, rig.samples, holds=rig.holds, faults=faults
+    )
     return summary
 
 

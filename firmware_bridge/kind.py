@@ -36,7 +36,7 @@ class Guide(Protocol[M, S_contra]):
 
 
 class Mode(Generic[G, M, S]):
-    """How the robot goes on after an actuator has failed: without its axis, by another body and other rows."""
+    """How the robot goes on after an actuator has failed: without its axis, by other body and rows."""
 
     __slots__ = ("body", "interlocks", "limits", "without")
 

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Final
 
 from firmware_bridge.drivers.driver import Position, Speed
+from firmware_bridge.drivers.fleets import TELLS
 from firmware_bridge.kind import AnyKind
 from firmware_bridge.robot import AnyRobot, Problem, RobotFileError
-from firmware_bridge.drivers.fleets import TELLS
 from firmware_bridge.robot.file import robot_of, schema, table_of, text_of
 from firmware_bridge.robot.problems import near
 from firmware_bridge.safety.common import AXIS_ROWS
@@ -78,7 +78,7 @@ def parse(text: str, file: str) -> AnyRobot:
 
 
 def schema_of(name: str) -> dict[str, object]:
-    """Return the JSON schema of a kind's robot files, for editors; RobotFileError where there is no such kind."""
+    """Return the JSON schema of a kind's robot files; RobotFileError where there is no such kind."""
     if name not in _entries():
         raise RobotFileError(name, Problem("", f"no such kind of robot; {near(name, names())}"))
     return schema(kind_named(name).geometry)
@@ -98,16 +98,7 @@ def beyond_bounds(robot: AnyRobot, kind: AnyKind) -> Iterator[Problem]:
 
     The guard would refuse such a set-point, and put a stop in its place: better said before anything moves.
     """
-    body = kind.body(robot)
-    most: dict[tuple[str, str], float] = {}
-    for motion, state in kind.reach(robot):
-        for name, demand in body.demands(motion, state).items():
-            if isinstance(demand, Speed):
-                key = name, "speed"
-                most[key] = max(most.get(key, 0.0), abs(demand.value))
-            elif isinstance(demand, Position):
-                for key, value in (((name, "low"), -demand.value), ((name, "high"), demand.value)):
-                    most[key] = max(most.get(key, -math.inf), value)
+    most = _most_asked(robot, kind)
     for index, axis in enumerate(robot.axes):
         low, high = axis.travel or (-math.inf, math.inf)
         for what, bound, field, sign in (
@@ -123,3 +114,19 @@ def beyond_bounds(robot: AnyRobot, kind: AnyKind) -> Iterator[Problem]:
                     f"the robot's limits let '{axis.name}' be asked for {sign * asked:.5g} {unit}, "
                     f"the bound is {sign * bound:.5g} {unit}; widen it, or narrow the limits",
                 )
+
+
+def _most_asked(robot: AnyRobot, kind: AnyKind) -> dict[tuple[str, str], float]:
+    """Return the fastest, lowest (its negative) and highest that each axis may be asked for."""
+    body = kind.body(robot)
+    most: dict[tuple[str, str], float] = {}
+    for motion, state in kind.reach(robot):
+        for name, demand in body.demands(motion, state).items():
+            asked: tuple[tuple[str, float], ...] = ()
+            if isinstance(demand, Speed):
+                asked = (("speed", abs(demand.value)),)
+            elif isinstance(demand, Position):
+                asked = (("low", -demand.value), ("high", demand.value))
+            for what, value in asked:
+                most[name, what] = max(most.get((name, what), -math.inf), value)
+    return most

@@ -41,8 +41,14 @@ GUARD_TESTS: Final = (
     "safety/test_guard_watch.py",
     "safety/test_guard_frames.py",
     "safety/test_guard_writes.py",
+    "safety/test_guard_reports.py",
 )
 GUARD_SERIAL_TESTS: Final = ("safety/test_guard_serial.py", "safety/test_guard_serial_answers.py")
+ACROSS_TESTS: Final = (
+    "safety/test_guard_exclusive.py",
+    "safety/test_guard_links.py",
+    "safety/test_guard_sums.py",
+)
 QUICK: Final = ("-x", "-q", "--tb=no", f"--rootdir={ROOT}", "-pno:cacheprovider", "-pno:xdist")
 WARM_UP: Final = ROOT / "hil_tests/unit/motion/test_davis.py"
 """Needs nothing that is mutated: running it once makes every fork's pytest quick."""
@@ -51,13 +57,14 @@ TARGETS: Final = {
     "safety/interlocks": GATE_TESTS[::-1],
     "safety/limits": GATE_TESTS,
     "safety/gate": GATE_TESTS,
-    "safety/guard": GUARD_TESTS + GUARD_SERIAL_TESTS,
-    "safety/guard_axis": GUARD_TESTS,
-    "safety/guard_can": GUARD_TESTS,
-    "safety/guard_serial": GUARD_SERIAL_TESTS,
-    "safety/guard_serial_rules": GUARD_SERIAL_TESTS,
-    "safety/guard_rules": GUARD_TESTS[::-1],
-    "safety/guard_writes": GUARD_TESTS[::-1] + GUARD_SERIAL_TESTS,
+    "safety/guard/guard": GUARD_TESTS + GUARD_SERIAL_TESTS + ACROSS_TESTS,
+    "safety/guard/across_axes": ACROSS_TESTS,
+    "safety/guard/axis": GUARD_TESTS + ACROSS_TESTS,
+    "safety/guard/bounds": ("safety/test_guard_bounds.py",),
+    "safety/guard/epos2_can": GUARD_TESTS,
+    "safety/guard/epos2_serial": (*GUARD_SERIAL_TESTS, "safety/test_guard_reports.py"),
+    "safety/guard/epos2_words": GUARD_TESTS[::-1],
+    "safety/guard/writes": GUARD_TESTS[::-1] + GUARD_SERIAL_TESTS,
 }
 """Modules of `firmware_bridge`, and the tests of `hil_tests` that must kill their mutants."""
 

@@ -150,6 +150,11 @@ class Samples(Sequence[Sample]):
         self._at.append(at)
         self._rows.append(values)
 
+    def clear(self) -> None:
+        """Forget all rows."""
+        self._at.clear()
+        self._rows.clear()
+
     def has(self, *names: str) -> bool:
         """Return whether all these columns are in the table."""
         return all(name in self._places for name in names)
@@ -165,7 +170,7 @@ class Samples(Sequence[Sample]):
         return np.array(self._at, dtype=np.float64) / 1e9
 
     def csv(self) -> str:
-        """Return the table as text: a heading with units, then a line a row; numbers as short as they are exact."""
+        """Return the table as text: a heading, then a line for each row, numbers with nine digits."""
         heading = ",".join(["at_s", *(column.name for column in self.columns)])
         lines = [
             ",".join([f"{at / 1e9:.2f}", *(f"{value:.9g}" for value in row)])

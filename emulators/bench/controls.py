@@ -7,10 +7,10 @@ from typing import Final
 
 import numpy as np
 
-from emulators.bench.stick import Ramp, Tremor
 from emulators.bench.mission import Mission
 from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.step import Holds, Input, Presses, Slope, Step, inputs
+from emulators.bench.stick import Ramp, Tremor
 from emulators.bench.strays import velocity
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.teleop.mavlink import Message, dialect
@@ -26,7 +26,14 @@ class Controls:
     """What is asked for, channel by channel, by stick or as a twist, and the buttons."""
 
     __slots__ = (
-        "_buttons", "_full", "_input", "_ramps", "_rehearsal", "_robot", "_tremors", "_trembles_with",
+        "_buttons",
+        "_full",
+        "_input",
+        "_ramps",
+        "_rehearsal",
+        "_robot",
+        "_trembles_with",
+        "_tremors",
         "released_at",
     )  # fmt: skip
 

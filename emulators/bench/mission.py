@@ -1,7 +1,7 @@
 """A mission: what an operator does over time, from a TOML file that an engineer writes in five minutes.
 
-A wrong key or value is refused with the file's name and the key's path, all of them at once. Whether the robot
-allows what a mission asks is nobody's business here: missions exist to ask for too much.
+Wrong keys and values are refused with the file's name and each key's path, all of them at once. Whether the
+robot allows what a mission asks is nobody's business here: missions exist to ask for too much.
 """
 
 import tomllib

@@ -29,8 +29,8 @@ def draw(
     robot: AnyRobot,
     panels: Sequence[Panel],
     samples: Samples,
-    holds: Sequence[HoldRecord],
     *,
+    holds: Sequence[HoldRecord],
     faults: Sequence[FaultRecord] = (),
 ) -> list[Path]:
     """Write one PNG for each picture into `folder` and return their paths; no rows, no pictures."""

@@ -32,7 +32,7 @@ class Channel:
 
 @dataclass(frozen=True, slots=True)
 class StickAxes:
-    """MANUAL_CONTROL's axes as shares of full stick, -1 to 1, with MAVLink's signs; None for an unused one."""
+    """MANUAL_CONTROL's axes as shares of full stick, -1 to 1, with MAVLink's signs; None for no use."""
 
     x: float | None = None
     y: float | None = None

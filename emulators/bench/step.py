@@ -1,4 +1,4 @@
-"""One step of a mission: what any robot's operator can do at one instant, and how a robot's own inputs are said."""
+"""One step of a mission: what any operator can do at one instant, and how a robot's own inputs are said."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -132,7 +132,7 @@ def of_key(step: type[Step], key: str) -> object:
 
 
 def inputs(step: type[Step]) -> dict[str, object]:
-    """Return what the hand does about each key, in the order of the fields; keys without a row are left out."""
+    """Return what the hand does about each key that has a row, in the order of the fields."""
     return {key: row for key in step.model_fields if (row := of_key(step, key)) is not None}
 
 

@@ -10,6 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from emulators.bench.columns import Curve, Panel, Samples, current
+from emulators.bench.records import HoldRecord
 from emulators.bench.style import (
     AXIS_COLOURS,
     BLUE,
@@ -22,8 +24,6 @@ from emulators.bench.style import (
     SKY,
     VERMILION,
 )
-from emulators.bench.columns import Curve, Panel, Samples, current
-from emulators.bench.records import HoldRecord
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import to_seconds
 

@@ -3,13 +3,12 @@
 from pathlib import Path
 from typing import Final
 
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-
 from emulators.bench import mission as missions
 from emulators.bench.mission import MissionFileError
+from emulators.bench.rehearsal import rehearsal_of
 from emulators.bench.report import show
 from emulators.cli.beginning import tell_of_beginning
-from emulators.bench.rehearsal import rehearsal_of
+from emulators.progress_bar import progress_bar
 from emulators.run import Order, drive
 from emulators.servo.bank import ServoError
 from firmware_bridge.cli.console import one_message, say, written_by
@@ -48,24 +47,8 @@ def bench(
         folder = out or RESULTS / f"{machine.name}-{name}"
         order = Order(machine, rehearsal, name, script, seed, folder, plant)
         tell_of_beginning(machine, plant)
-        with _bar() as bar:
+        with progress_bar() as bar:
             task = bar.add_task(f"{machine.name}, {name}", total=order.duration)
             summary = drive(order, lambda now: bar.update(task, completed=now))
     show(terminal(), summary, rehearsal.remarks(machine))
     say(f"results: {folder}/")
-
-
-def _bar() -> Progress:
-    """Return a progress bar that shows on a terminal only."""
-    console = terminal(stderr=True)
-    return Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.percentage:>3.0f} %"),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
-        console=console,
-        disable=not console.is_terminal,
-        transient=True,
-    )

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import typer
 
+from emulators.progress_bar import progress_bar
 from emulators.replay import Into, Order, RecordingFileError
 from emulators.replay import replay as play
 from emulators.servo.bank import ServoError
@@ -47,7 +48,9 @@ def replay(
             frozenset(without or ()),
             plant,
         )
-        outcome = play(order)
+        with progress_bar() as bar:
+            task = bar.add_task(recording.name, total=None)
+            outcome = play(order, lambda now, end: bar.update(task, completed=now, total=end))
     if outcome.difference is not None:
         say(outcome.difference)
         raise typer.Exit(FAILED)

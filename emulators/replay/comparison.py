@@ -2,7 +2,7 @@
 
 Frames are compared in their order and at their instants. A datagram link delays, loses and overtakes, and a
 recording tells when a message had arrived: so each recorded message must be among those sent before, found by
-its sequence number.
+its sequence number. What a link is called where the packets came from does not count.
 """
 
 from collections import deque
@@ -12,7 +12,8 @@ from typing import Final, Protocol
 
 from emulators.replay.recordings import RESOLUTION
 from emulators.replay.senders import Sent
-from firmware_bridge.dissector import Carried, told
+from firmware_bridge.dissector import Carried, difference_text
+from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import mavlink_messages, mavlink_origin
 from firmware_bridge.units import MICROSECOND, NEVER, Nanoseconds
@@ -66,13 +67,13 @@ class Frames:
         expected = self._expected.get(sender)
         if expected is None or sender in self._found:
             return
-        came = Carried(now, packet.link, sender, packet)
+        came = Carried(now, CAN, sender, Packet(CAN, packet.address, packet.payload))
         if not expected:
             if now < self._until:
                 self._found[sender] = Difference(None, came)
             return
         wanted = expected.popleft()
-        if packet != wanted.entry.packet or abs(now - wanted.entry.at) >= self._slack:
+        if came.packet != wanted.entry.packet or abs(now - wanted.entry.at) >= self._slack:
             self._found[sender] = Difference(wanted, came)
         else:
             self.compared += 1
@@ -101,8 +102,7 @@ class Messages:
         if sender == self._sender:
             for message in mavlink_messages(packet.payload):
                 sequence = mavlink_origin(message)[2]
-                carried = Carried(now, packet.link, sender, Packet(packet.link, 0, message))
-                self._sent[sequence].append(carried)
+                self._sent[sequence].append(Carried(now, OPERATOR, sender, Packet(OPERATOR, 0, message)))
 
     def differences(self, now: Nanoseconds) -> Iterable[Difference]:
         """Return what differs among the messages that had arrived before `now`."""
@@ -149,7 +149,9 @@ def in_words(difference: Difference, recorded: Sequence[Sent], lead: Nanoseconds
         )
     before = [_carried(one, lead) for one in recorded[:place]]
     expected = None if wanted is None else _carried(wanted, lead)
-    lines = told(head, before, expected, None if came is None else replace(came, at=came.at - lead))
+    lines = difference_text(
+        head, before, expected, None if came is None else replace(came, at=came.at - lead)
+    )
     if wanted is not None and came is not None and wanted.entry.packet == came.packet:
         late = (came.at - wanted.entry.at) / MICROSECOND
         lines += f"\nthe same, but {abs(late):g} us {'later' if late > 0 else 'earlier'}"

@@ -22,8 +22,9 @@ class Sent:
 
 
 def frames_of(recording: Recording, robot: AnyRobot, link: str) -> list[Sent]:
-    """Name the sender of each frame on a link's bus: the identifiers are CANopen's, PDOs' as somebody was seen to set them.
+    """Name the sender of each frame on a link's bus.
 
+    The identifiers are CANopen's, those of PDOs as somebody was seen to set them.
     Any network master's frames are the bridge's, whoever that was.
     """
     reader = Canopen()

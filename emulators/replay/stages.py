@@ -13,6 +13,7 @@ from functools import partial
 from types import MappingProxyType
 from typing import Final
 
+from emulators.bench.rehearsal import rehearsal_of
 from emulators.devices import devices
 from emulators.replay.comparison import Comparison, Frames, Messages
 from emulators.replay.order import Into, Order
@@ -27,15 +28,14 @@ from emulators.replay.recordings import (
     read_telemetry,
 )
 from emulators.replay.senders import BRIDGE, OPERATOR_STATION, Sent, frames_of, messages_of
-from emulators.bench.rehearsal import rehearsal_of
 from emulators.rig import Rig
 from emulators.wires import CanWire, DatagramWire
 from emulators.world import Wire, World
 from firmware_bridge.bridge import Bridge
 from firmware_bridge.dissector.canopen import service_name
+from firmware_bridge.kinds import kind_of
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet
-from firmware_bridge.kinds import kind_of
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
@@ -144,6 +144,8 @@ def _bench(order: Order) -> Stage:
     robot = order.robot
     recording = read_telemetry(order.recording)
     messages = _until(order, messages_of(recording.since(recording.start(0)), robot))
+    if _first_of(messages, BRIDGE) is None:
+        raise RecordingFileError(f"{recording.name}: holds no message of the bridge of {robot.name}")
     said = [one for one in messages if one.sender != BRIDGE]
     answers = Messages((one for one in messages if one.sender == BRIDGE), BRIDGE)
     rig = Rig(robot, rehearsal_of(robot), Player(_script(said, 0)), plant_path=order.plant)

@@ -1,1 +1,1 @@
-"""The bench's half of each robot that comes with the program: its missions and its rehearsal; a folder each."""
+"""The bench's half of each robot that comes with the program: missions and rehearsal, a folder each."""

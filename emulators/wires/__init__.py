@@ -2,8 +2,9 @@
 
 from emulators.wires.can import CanWire
 from emulators.wires.datagram import DatagramWire, Impairment
+from emulators.wires.disturbance import Disturbance, Effect
 from emulators.wires.ends import Observer
-from emulators.wires.faulty_can import Disturbance, Effect, FaultyCanWire
+from emulators.wires.faulty_can import FaultyCanWire
 from emulators.wires.serial import Inbox, SerialWire
 from emulators.wires.usb import usb_line
 

@@ -1,25 +1,21 @@
 """A CAN bus with faults: damaged and lost frames, cut and swapped cables, controllers that leave the bus.
 
-Damaged frames are sent again, controllers grow passive, fall off, return. While nothing is wrong it is as any
-other bus. Source: ISO 11898-1. Simplified: a damage is noticed when the frame ends; a passive sender does not
-wait eight bits more than the others; a controller returns after the least time, 128 x 11 bits; the two halves
-of a cut cable still take turns; a frame that nobody acknowledges is repeated until its sender is passive, and
-then waits, in a queue of `WAITING`, until somebody is there.
+While nothing is wrong it is as any other bus. Source: ISO 11898-1. Simplified: a damage is noticed when the
+frame ends; a passive sender does not wait eight bits more than the others; a controller returns after the
+least time, 128 x 11 bits; the two halves of a cut cable still take turns; a frame that nobody acknowledges is
+repeated until its sender is passive, and then waits, in a queue of `WAITING`, until somebody is there.
 """
 
 from collections import deque
 from collections.abc import Collection
-from dataclasses import dataclass
-from enum import Enum
 from typing import Final
-
-from numpy.random import Generator
 
 from emulators.wires.can import CanWire, Controller
 from emulators.wires.confinement import RECOVERY_BITS, Condition, Confinement
+from emulators.wires.disturbance import Disturbance, Effect, Standing
 from emulators.world import Station, World, WorldError
 from firmware_bridge.packet import Packet
-from firmware_bridge.units import NEVER, Nanoseconds
+from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire.can import INTERFRAME_BITS
 from firmware_bridge.wire.can_error import (
     ACTIVE_AGAIN,
@@ -43,53 +39,6 @@ WAITING: Final = 10
 ASSUME for a drive)."""
 
 
-class Effect(Enum):
-    """What a disturbance does to a frame."""
-
-    ERROR = "it is damaged on the bus, and ends in an error flag"
-    LOSS = "it is lost between its sender and the bus, unnoticed"
-    OVERRUN = "a receiver's controller has no room for it, and reports that"
-
-
-@dataclass(frozen=True, slots=True)
-class Disturbance:
-    """What becomes of frames from `begin` until `end`, at most of `count` of them.
-
-    `sender` names whose frames (None: everybody's); `receiver` names the only station that sees them wrongly,
-    as with a bad plug there (None: everybody does). Of the frames that it could meet it meets a `share`,
-    which `generator` draws; a share of 1 draws nothing.
-    """
-
-    sender: str | None = None
-    receiver: str | None = None
-    begin: Nanoseconds = 0
-    end: Nanoseconds = NEVER
-    count: int | None = None
-    effect: Effect = Effect.ERROR
-    share: float = 1.0
-    generator: Generator | None = None
-
-
-class _Standing:
-    __slots__ = ("left", "what")
-
-    def __init__(self, what: Disturbance) -> None:
-        self.what = what
-        self.left = what.count
-
-    def hits(self, sender: str, now: Nanoseconds) -> bool:
-        what = self.what
-        if what.sender not in (None, sender) or not what.begin <= now < what.end or self.left == 0:
-            return False
-        if what.receiver == sender:
-            return False
-        if what.share < 1.0 and what.generator is not None and what.generator.random() >= what.share:
-            return False
-        if self.left is not None:
-            self.left -= 1
-        return True
-
-
 class FaultyCanWire(CanWire):
     """A CAN bus on which frames can be damaged and lost, cables cut and swapped, and controllers overrun."""
 
@@ -102,7 +51,7 @@ class FaultyCanWire(CanWire):
         self._depth = depth
         self._sound = depth is None
         """Nothing is wrong, and no counter remembers that anything was."""
-        self._standing: list[_Standing] = []
+        self._standing: list[Standing] = []
         self._counters: dict[Station, Confinement] = {}
         self._parked: dict[Station, deque[Packet]] = {}
         """What waits where a controller is off the bus, or finds nobody to acknowledge its frames."""
@@ -122,12 +71,8 @@ class FaultyCanWire(CanWire):
         for name in (what.sender, what.receiver):
             if name is not None:
                 self._named(name)
-        self._standing.append(_Standing(what))
+        self._standing.append(Standing(what))
         self._sound = False
-
-    def calm(self) -> None:
-        """End all disturbances."""
-        self._standing.clear()
 
     def cut(self, beyond: Collection[str]) -> None:
         """Cut the cable: the stations of these names hear each other only, and the others do, too."""
@@ -178,6 +123,7 @@ class FaultyCanWire(CanWire):
         self._parked.pop(station, None)
         self._full.discard(station)
         self._overrun.discard(station)
+        self._thrown_off.pop(station.name, None)
 
     def carry(self, sender: Station, packet: Packet) -> None:
         """Queue a frame; a station that cannot send now sends it when it can."""
@@ -206,17 +152,18 @@ class FaultyCanWire(CanWire):
         """Return the disturbance with this effect that meets a frame of this sender now."""
         now = self._ends.world.now
         for standing in self._standing:
-            if standing.what.effect is effect and standing.hits(sender.name, now):
+            if standing.what.effect is effect and standing.meets(sender.name, now):
                 return standing.what
         return None
 
+    def _receiver(self, fault: Disturbance | None) -> Station | None:
+        return None if fault is None or fault.receiver is None else self._named(fault.receiver)
+
     def _spoilt(self, fault: Disturbance | None) -> tuple[Station | None, bool]:
         """Return who alone sees a frame wrongly, if that is so, and whether its flag damages it for all."""
-        if fault is None:
-            return None, False
-        if fault.receiver is None:
-            return None, True
-        receiver = self._named(fault.receiver)
+        receiver = self._receiver(fault)
+        if receiver is None:
+            return None, fault is not None
         # The flag of a passive controller is recessive: it spoils the frame for itself only.
         return receiver, self._counters[receiver].condition is Condition.ACTIVE
 
@@ -259,8 +206,7 @@ class FaultyCanWire(CanWire):
     def _pass(self, controller: Controller, wrong: Station | None, hearers: list[Station]) -> None:
         """End a frame that has gone well for all but one at most."""
         sender = controller.station
-        overrun = self._met(Effect.OVERRUN, sender)
-        full = None if overrun is None or overrun.receiver is None else self._named(overrun.receiver)
+        full = self._receiver(self._met(Effect.OVERRUN, sender))
         deaf = {station for station in self._counters if station not in hearers} | {wrong, full}
         self._ends.deaf = frozenset(station for station in deaf if station is not None)
         super()._finish(controller)

@@ -2,8 +2,8 @@
 
 A cycle: the devices of all links that are due are sampled, on CAN by SYNC; when they have answered, or after
 the links' time for it (on CAN 10 ms), the pipeline runs and its set-points leave; half a cycle after its
-begin the handshakes of new positions end. An exception passes through to whoever carries the node; `stop` then
-brings the drives to rest by a path that asks neither interlocks nor operator.
+begin the handshakes of new positions end. An exception passes through to whoever carries the node; `stop`
+then brings the drives to rest by a path that asks neither interlocks nor operator.
 """
 
 from collections import deque
@@ -66,7 +66,12 @@ class Bridge:
         )
         self._permission: Permission[Any, Any, Any] = Permission(robot, rules, self._fleets, self._outbox)
         self._pipeline: Pipeline[Any, Any, Any] = Pipeline(
-            robot, kind, rules, self._fleets, self._operator, self._permission
+            robot,
+            kind,
+            rules=rules,
+            fleets=self._fleets,
+            operator=self._operator,
+            permission=self._permission,
         )
         self._tasks = deque(BRING_UP)
         self._task: Task | None = None

@@ -64,13 +64,8 @@ class Permission(Generic[G, M, S]):
         match request:
             case Arm():
                 return self._arm(seen, holds)
-            case Disarm(force=True):
-                self.armed = False
-                self.powered_off = True
-                self._outbox += self._fleets.command_all(Stop.POWER_OFF)
-                return Verdict(accepted=True, reason="disarmed by force: the drives are without power")
-            case Disarm():
-                return self._disarm(seen)
+            case Disarm(force=force):
+                return self._disarm_by_force() if force else self._disarm(seen)
             case EmergencyStop(final=final):
                 self.emergency_stopped = True
                 self._final = self._final or final
@@ -81,6 +76,12 @@ class Permission(Generic[G, M, S]):
             case EnterMode(mode=mode):
                 return self._enter(mode, seen)
         return Verdict(accepted=True, reason="")
+
+    def _disarm_by_force(self) -> Verdict:
+        self.armed = False
+        self.powered_off = True
+        self._outbox += self._fleets.command_all(Stop.POWER_OFF)
+        return Verdict(accepted=True, reason="disarmed by force: the drives are without power")
 
     def _arm(self, seen: Snapshot[M, S], holds: tuple[Hold, ...]) -> Verdict:
         if self.armed:

@@ -41,6 +41,7 @@ class Pipeline(Generic[G, M, S]):
         self,
         robot: Robot[G],
         kind: Kind[G, M, S],
+        *,
         rules: Mapping[str, Rules[G, M, S]],
         fleets: Fleets,
         operator: Operator[G, M, S],

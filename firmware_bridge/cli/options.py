@@ -45,7 +45,7 @@ LinkOption = Annotated[
     typer.Option(
         "--link",
         metavar="NAME=PLACE",
-        help="Where one of a robot's several links is: INTERFACE:CHANNEL for CAN, or serial:DEVICE; may be repeated.",
+        help="Where one of several links is: INTERFACE:CHANNEL, or serial:DEVICE; may be repeated.",
         show_default=False,
     ),
 ]

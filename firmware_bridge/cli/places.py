@@ -25,7 +25,7 @@ class Place:
 
 
 def places_of(robot: AnyRobot, texts: Sequence[str] | None, only: Place) -> dict[str, Place]:
-    """Return the place of each link; `only` is that of a robot with one link. What is wrong ends the program."""
+    """Return the place of each link, `only` for a robot with one; what is wrong ends the program."""
     if not texts:
         if len(robot.links) > 1:
             known = ", ".join(robot.links)

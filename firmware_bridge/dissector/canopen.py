@@ -1,78 +1,40 @@
 """CANopen frames in words: network management, SYNC, emergencies, PDOs, SDOs, error control, LSS.
 
-Identifiers are those of the predefined connection set (CiA 301 v4.02, section 9.3.5), and the PDOs' own as
+Identifiers are those of the predefined connection set (CiA 301 v4.02), and the PDOs' own as
 far as somebody was seen to write them: a reader that has followed a set-up knows what is mapped. Before it a
 PDO is read by the defaults of the EPOS2; bytes that do not fit its mapping are left as they are.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
+from firmware_bridge.dissector.nodes import Nodes
 from firmware_bridge.drivers.commissioning.names import called
-from firmware_bridge.drivers.commissioning.values import decode, unit_of
-from firmware_bridge.drivers.commissioning.words import mode_of, words
+from firmware_bridge.drivers.commissioning.words import words
 from firmware_bridge.packet import Packet
 from firmware_bridge.wire import canopen, sdo
 from firmware_bridge.wire.can import ERROR, EXTENDED, REMOTE, identifier
 from firmware_bridge.wire.can_error import BUS_OFF, CONTROLLER, RESTARTED
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
-from firmware_bridge.wire.epos2.objects import OBJECTS
-from firmware_bridge.wire.epos2.objects_pdo import (
-    PDOS,
-    RECEIVE_MAPPING,
-    RECEIVE_PARAMETER,
-    TRANSMIT_MAPPING,
-    TRANSMIT_PARAMETER,
-)
+from firmware_bridge.wire.epos2.objects_pdo import TRANSMIT_MAPPING
 from firmware_bridge.wire.lss import LssCommand
-from firmware_bridge.wire.pdo import MAX_ENTRIES, MappingEntry
 
 _REPORTS: Final = {CONTROLLER: "controller state", BUS_OFF: "bus off", RESTARTED: "restarted"}
-_SAVE: Final = Address(0x1010, 1)
-_IN_BITS: Final = frozenset({at.CONTROLWORD, at.STATUSWORD, at.ERROR_REGISTER}) | {
-    Address(index + pdo, subindex)
-    for pdo in range(PDOS)
-    for index, subindexes in (
-        (RECEIVE_PARAMETER, (1,)),
-        (TRANSMIT_PARAMETER, (1,)),
-        (RECEIVE_MAPPING, range(1, MAX_ENTRIES + 1)),
-        (TRANSMIT_MAPPING, range(1, MAX_ENTRIES + 1)),
-    )
-    for subindex in subindexes
-}
-"""Objects whose value is written in hexadecimal digits."""
 _LSS: Final = {int(command): command for command in LssCommand}
 MASTER: Final = 0
 """Stands for the network's master where a sender's number is asked for."""
 ADDED: Final = -1
 PDO: Final = "pdo"
 OTHER: Final = "other"
-_FIRST_PDO: Final = 0x180
-_LAST_PDO: Final = 0x57F
-
-
-@dataclass(frozen=True, slots=True)
-class Service:
-    """Identifiers from `base` on, who sends them, and who reads what comes with them."""
-
-    name: str
-    base: int
-    added: range
-    """A node's number, where there is one, is added to `base`."""
-    sender: int | None
-    """`MASTER`, `ADDED` for the node whose number is added, None where the identifier does not tell it."""
-    read: "Callable[[Canopen, int, bytes], str]"
 
 
 class Canopen:
     """Reads the frames of one bus in their order."""
 
     def __init__(self) -> None:
-        self._written: dict[int, dict[Address, int]] = {}
-        """What was written to each node, as far as it matters for reading."""
-        self._saved: dict[int, dict[Address, int]] = {}
+        self._nodes = Nodes()
         self._asked: dict[int, Address] = {}
         """The object of each node's SDO transfer."""
 
@@ -86,12 +48,10 @@ class Canopen:
         number = identifier(address)
         if address & REMOTE:
             return f"remote request of {self._title(number)}"
-        for service in SERVICES:
-            if number - service.base in service.added:
-                return service.read(self, number - service.base, packet.payload)
-        return (
-            self._pdo(number, packet.payload) if _FIRST_PDO <= number <= _LAST_PDO else "no CANopen service"
-        )
+        service = service_of(packet)
+        if service is not None:
+            return service.read(self, number - service.base, packet.payload)
+        return self._pdo(number, packet.payload) if _is_pdo(number) else "no CANopen service"
 
     def sender(self, packet: Packet) -> int | None:
         """Return the number of the node that sends such a frame, or `MASTER`; None where nobody can tell."""
@@ -103,7 +63,7 @@ class Canopen:
         service = service_of(packet)
         if service is not None:
             return number - service.base if service.sender == ADDED else service.sender
-        for node, _, mapping in self._candidates(number):
+        for node, _, mapping in self._nodes.candidates(number):
             return node if mapping >= TRANSMIT_MAPPING else MASTER
         return None
 
@@ -116,8 +76,8 @@ class Canopen:
             return "NMT: no command"
         command, node = told
         if command in {canopen.NmtCommand.RESET_NODE, canopen.NmtCommand.RESET_COMMUNICATION}:
-            for one in [node] if node else list(self._written):
-                self._forget(one)
+            for one in [node] if node else self._nodes.known:
+                self._nodes.forget(one)
         return f"NMT {_plain(command.name)}, {f'node {node}' if node else 'all nodes'}"
 
     def sync(self, _node: int, _payload: bytes) -> str:
@@ -150,8 +110,8 @@ class Canopen:
                 if raw is None:
                     length = "" if size is None else f" of {size} bytes"
                     return f"{head} write {called(address)}, segments{length} to come"
-                self._note(node, address, raw)
-                return f"{head} write {called(address)} = {self._value(node, address, raw)}"
+                self._nodes.note(node, address, raw)
+                return f"{head} write {called(address)} = {self._nodes.value(node, address, raw)}"
             case sdo.UploadSegmentRequest():
                 return f"{head} next segment of {self._object(node)}"
             case _:
@@ -166,7 +126,7 @@ class Canopen:
                 if raw is None:
                     length = "" if size is None else f" of {size} bytes"
                     return f"{head} {called(address)}, segments{length} to come"
-                return f"{head} {called(address)} = {self._value(node, address, raw)}"
+                return f"{head} {called(address)} = {self._nodes.value(node, address, raw)}"
             case sdo.DownloadResponse(address):
                 return f"{head} {called(address)} written"
             case sdo.SegmentAccepted():
@@ -178,7 +138,7 @@ class Canopen:
         """Read a heartbeat, a boot-up message or the answer to node guarding."""
         state = canopen.decode_heartbeat(payload)
         if state is canopen.NmtState.BOOT_UP:
-            self._forget(node)
+            self._nodes.forget(node)
             return f"boot-up, node {node}"
         return f"heartbeat, node {node}: {'no state' if state is None else _plain(state.name)}"
 
@@ -204,76 +164,31 @@ class Canopen:
         asked = self._asked.get(node)
         return "an unknown object" if asked is None else called(asked)
 
-    def _note(self, node: int, address: Address, raw: bytes) -> None:
-        written = self._written.setdefault(node, {})
-        if address == _SAVE:
-            self._saved[node] = dict(written)
-        row = OBJECTS.get(address)
-        if row is not None and row.type.size:
-            written[address] = row.type.decode(raw[: row.type.size])
-
-    def _forget(self, node: int) -> None:
-        self._written[node] = dict(self._saved.get(node, {}))
-
-    def _entry(self, node: int, index: int, subindex: int) -> int:
-        address = Address(index, subindex)
-        value = self._written.get(node, {}).get(address)
-        default = OBJECTS[address].default_for(node) if value is None else value
-        return default if isinstance(default, int) else 0
-
-    def _value(self, node: int, address: Address, raw: bytes) -> str:
-        row = OBJECTS.get(address)
-        if row is not None and 0 < row.type.size < len(raw):
-            raw = raw[: row.type.size]  # a client that does not tell the size sends four bytes
-        value = decode(address, raw)
-        mode = mode_of(self._written.get(node, {}).get(at.MODE, 0))
-        said = words(address, value, mode)
-        in_bits = isinstance(value, int) and address in _IN_BITS
-        number = f"0x{value:0{2 * len(raw)}X}" if in_bits else f"{value}"
-        unit = unit_of(address)
-        return number + (f" {unit}" if unit else "") + (f" ({', '.join(said)})" if said else "")
-
     # PDOs
 
-    def _candidates(self, number: int) -> Iterator[tuple[int, str, int]]:
-        """Yield node, title and index of the mapping of each PDO that has this identifier now."""
-        predefined = number & canopen.NODE_MASK
-        for node in dict.fromkeys((*self._written, predefined)):
-            if not node:
-                continue
-            for place in range(PDOS):
-                for kind, parameter, mapping in (
-                    ("RPDO", RECEIVE_PARAMETER, RECEIVE_MAPPING),
-                    ("TPDO", TRANSMIT_PARAMETER, TRANSMIT_MAPPING),
-                ):
-                    entry = self._entry(node, parameter + place, 1)
-                    if entry & canopen.COB_ID_MASK == number:
-                        yield node, f"{kind} {place + 1}, node {node}", mapping + place
-
     def _title(self, number: int) -> str:
-        for _, title, _ in self._candidates(number):
+        for _, title, _ in self._nodes.candidates(number):
             return title
         return f"0x{number:03X}"
 
     def _pdo(self, number: int, payload: bytes) -> str:
-        for node, title, mapping in self._candidates(number):
-            fields = self._fields(node, mapping, payload)
+        for node, title, mapping in self._nodes.candidates(number):
+            fields = self._nodes.fields(node, mapping, payload)
             return f"{title}: {', '.join(fields) if fields else 'bytes that do not fit its mapping'}"
         return "a PDO of nobody known"
 
-    def _fields(self, node: int, mapping: int, payload: bytes) -> list[str]:
-        """Return name and value of each mapped object; none where the bytes are not those of the mapping."""
-        count = min(self._entry(node, mapping, 0), MAX_ENTRIES)
-        entries = [MappingEntry.decode(self._entry(node, mapping, place + 1)) for place in range(count)]
-        if sum(entry.bits for entry in entries) != 8 * len(payload):
-            return []
-        found, begin = [], 0
-        for entry in entries:
-            end = begin + entry.bits // 8
-            value = self._value(node, entry.address, payload[begin:end])
-            found.append(f"{called(entry.address)} = {value}")
-            begin = end
-        return found
+
+@dataclass(frozen=True, slots=True)
+class Service:
+    """Identifiers from `base` on, who sends them, and who reads what comes with them."""
+
+    name: str
+    base: int
+    added: range
+    """A node's number, where there is one, is added to `base`."""
+    sender: int | None
+    """`MASTER`, `ADDED` for the node whose number is added, None where the identifier does not tell it."""
+    read: Callable[[Canopen, int, bytes], str]
 
 
 _NODES: Final = range(canopen.FIRST_NODE, canopen.LAST_NODE + 1)
@@ -312,7 +227,11 @@ def service_name(packet: Packet) -> str:
     service = service_of(packet)
     if service is not None:
         return service.name
-    return PDO if _FIRST_PDO <= identifier(packet.address) <= _LAST_PDO else OTHER
+    return PDO if _is_pdo(identifier(packet.address)) else OTHER
+
+
+def _is_pdo(number: int) -> bool:
+    return canopen.TRANSMIT_PDO[0] <= number < canopen.SDO_RESPONSE
 
 
 def _plain(name: str) -> str:

@@ -22,11 +22,11 @@ def first_difference(
     for place, (wanted, came) in enumerate(zip_longest(expected, actual)):
         if wanted != came:
             head = f"packet {place + 1} is the first that differs"
-            return told(head, expected[:place], wanted, came, kinds)
+            return difference_text(head, expected[:place], wanted, came, kinds)
     return None
 
 
-def told(
+def difference_text(
     head: str,
     before: Sequence[Carried],
     wanted: Carried | None,

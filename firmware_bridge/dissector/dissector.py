@@ -51,6 +51,17 @@ KINDS: Final[Mapping[str, Protocols]] = MappingProxyType(
 """The kinds of links."""
 
 
+class _Unread:
+    """Reads nothing: what this link carries, nobody has said."""
+
+    def read(self, _sender: str, _packet: Packet) -> str:
+        """Say so."""
+        return "on a link of unknown kind"
+
+
+_UNKNOWN: Final = Protocols(_bytes, _Unread)
+
+
 @dataclass(frozen=True, slots=True)
 class Carried:
     """A packet that a link has carried, wholly arrived at `at`, in nanoseconds from the start of the run."""
@@ -71,7 +82,7 @@ class Dissector:
     def read(self, carried: Carried) -> str:
         """Return a carried packet as a line: when, where, who, the bytes, and what they say."""
         link, packet = carried.link, carried.packet
-        protocols = KINDS[self._kinds.get(link, link)]
+        protocols = KINDS.get(self._kinds.get(link, link), _UNKNOWN)
         reader = self._readers.get(link)
         if reader is None:
             reader = self._readers[link] = protocols.reader()

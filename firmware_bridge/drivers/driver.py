@@ -58,7 +58,7 @@ class Task(Enum):
     CONFIGURE = "configure"
     """Bring it to rest without power, write the set-up, and read back what safety hangs on."""
     START = "start"
-    """Let process data flow, and wait until the device tells its state and position."""
+    """Let process data flow, and wait until the device reports its state and position."""
     ENABLE = "enable"
     """Reset a fault if there is one, and put power on."""
     LEAVE = "leave"
@@ -102,7 +102,7 @@ class Tells(Enum):
     VELOCITY = "velocity"
     CURRENT = "current"
     STOP = "stop"
-    """That they have come to rest after they were told to."""
+    """That they have come to rest when they were asked to."""
 
 
 @dataclass(frozen=True, slots=True)

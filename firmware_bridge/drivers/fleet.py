@@ -43,7 +43,7 @@ class Link(Protocol):
         """When it wants to be woken, beside its drives."""
 
     def sample(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Begin a cycle: have all drives tell where they are."""
+        """Begin a cycle: have all drives report where they are."""
 
     def beat(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Let the drives know that the bridge lives."""
@@ -154,7 +154,7 @@ class Fleet:
         return _joined([driver.switch(levels, now) for driver in self.outputs])
 
     def sample(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Begin a cycle: have all drives tell where they are."""
+        """Begin a cycle: have all drives report where they are."""
         return self.link.sample(now)
 
     def measure(self, now: Nanoseconds) -> tuple[Packet, ...]:

@@ -3,9 +3,10 @@
 from collections.abc import Callable, Mapping
 from typing import Final
 
+from firmware_bridge.drivers.driver import Tells
+from firmware_bridge.drivers.epos2 import feedback as epos2
 from firmware_bridge.drivers.epos2.can.fleet import can_fleet
 from firmware_bridge.drivers.epos2.serial.fleet import serial_fleet
-from firmware_bridge.drivers.driver import Tells
 from firmware_bridge.drivers.fleet import Fleet
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
@@ -16,8 +17,8 @@ DRIVERS: Final[Mapping[str, Callable[[AnyRobot, str], Fleet]]] = {
 }
 """How a link's devices are made, by the driver that the robot file names."""
 
-TELLS: Final[Mapping[str, frozenset[Tells]]] = dict.fromkeys(DRIVERS, frozenset(Tells))
-"""What the devices of each driver can tell: an EPOS2 everything."""
+TELLS: Final[Mapping[str, frozenset[Tells]]] = dict.fromkeys(Epos2Driver, epos2.TELLS)
+"""What the devices of each driver can tell, before there are any."""
 
 
 def fleets_of(robot: AnyRobot) -> tuple[Fleet, ...]:

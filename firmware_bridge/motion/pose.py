@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """The robot's reference point: x forward and y left of the start, heading counter-clockwise, not wrapped."""
+    """Of the robot's reference point: x forward, y left, heading counter-clockwise and not wrapped."""
 
     x_m: float = 0.0
     y_m: float = 0.0

@@ -25,12 +25,10 @@ def cross_checked(table: Raw, roles: Mapping[str, str]) -> Iterator[Problem]:
     yield from _roles(axes, roles)
     names = [str(axis.get("name")) for axis in axes]
     for key, rows in (("sensors", sensors), ("outputs", outputs)):
-        for index, row in enumerate(rows):
-            axis = _within(row, "settings").get("axis")
-            if isinstance(axis, str) and axis not in names:
-                yield Problem(f"{key}[{index}].settings.axis", f"no axis '{axis}'; {near(axis, names)}")
+        yield from _at_drives(key, rows, axes)
     yield from _battery(table, [str(sensor.get("name")) for sensor in sensors])
-    yield from _guarded(table, names)
+    by_speed = [str(axis.get("name")) for axis in axes if axis.get("command") == "speed"]
+    yield from _guarded(table, names, by_speed)
     for name, link in links.items():
         yield from _carried(name, link, axes, sensors)
         yield from _in_time(name, link, table.get("cycle_ms"))
@@ -49,26 +47,59 @@ def _roles(axes: list[Raw], roles: Mapping[str, str]) -> Iterator[Problem]:
             yield Problem("axes", f"no axis has the role '{role}', which the group '{group}' needs")
 
 
+def _at_drives(key: str, rows: list[Raw], axes: list[Raw]) -> Iterator[Problem]:
+    """Check that each row is at the drive of an axis on its own link, and alone at its pin."""
+    links = {str(axis.get("name")): axis.get("link") for axis in axes}
+    pins: dict[tuple[object, object], int] = {}
+    for index, row in enumerate(rows):
+        settings = _within(row, "settings")
+        axis, pin = settings.get("axis"), (settings.get("axis"), settings.get("output"))
+        if not isinstance(axis, str):
+            continue
+        if axis not in links:
+            yield Problem(f"{key}[{index}].settings.axis", f"no axis '{axis}'; {near(axis, links)}")
+        elif links[axis] != row.get("link"):
+            yield Problem(f"{key}[{index}].link", f"the axis '{axis}' is on the link '{links[axis]}'")
+        if None not in pin and pin in pins:
+            yield Problem(f"{key}[{index}].settings.output", f"{pin[1]} is that of {key}[{pins[pin]}], too")
+        pins.setdefault(pin, index)
+
+
 def _battery(table: Raw, sensors: list[str]) -> Iterator[Problem]:
     sensor = _within(table, "battery").get("sensor")
     if isinstance(sensor, str) and sensor not in sensors:
         yield Problem("battery.sensor", f"no sensor '{sensor}'; {near(sensor, sensors)}")
 
 
-def _guarded(table: Raw, names: list[str]) -> Iterator[Problem]:
+def _guarded(table: Raw, names: list[str], by_speed: list[str]) -> Iterator[Problem]:
     guard = _within(table, "guard")
     for index, row in enumerate(_tables(guard, "sums")):
         for axis in _within(row, "of"):
+            key = f"guard.sums[{index}].of.{axis}"
             if axis not in names:
-                yield Problem(f"guard.sums[{index}].of.{axis}", f"no such axis; {near(axis, names)}")
+                yield Problem(key, f"no such axis; {near(axis, names)}")
+            elif axis not in by_speed:
+                yield Problem(key, "is commanded by position; a sum is of axes with command = 'speed'")
     for index, row in enumerate(_tables(guard, "exclusive")):
-        for side in ("one", "other"):
-            listed = row.get(side)
-            for axis in listed if isinstance(listed, list) else ():
-                if axis not in names:
-                    yield Problem(
-                        f"guard.exclusive[{index}].{side}", f"no axis '{axis}'; {near(axis, names)}"
-                    )
+        yield from _apart(f"guard.exclusive[{index}]", row, names)
+
+
+def _apart(key: str, row: Raw, names: list[str]) -> Iterator[Problem]:
+    """Check two sides that exclude each other: axes that exist, each on one of them."""
+    one, other = ([axis for axis in side if isinstance(axis, str)] for side in _sides(row))
+    for name, side in (("one", one), ("other", other)):
+        for axis in side:
+            if axis not in names:
+                yield Problem(f"{key}.{name}", f"no axis '{axis}'; {near(axis, names)}")
+    for axis in other:
+        if axis in one:
+            yield Problem(f"{key}.other", f"'{axis}' is on the side 'one', too; it would exclude itself")
+
+
+def _sides(row: Raw) -> Iterator[list[object]]:
+    for name in ("one", "other"):
+        side = row.get(name)
+        yield side if isinstance(side, list) else []
 
 
 def _carried(name: str, link: Raw, axes: list[Raw], sensors: list[Raw]) -> Iterator[Problem]:
@@ -77,12 +108,8 @@ def _carried(name: str, link: Raw, axes: list[Raw], sensors: list[Raw]) -> Itera
     nodes: dict[object, int] = {}
     for index, axis in own:
         node = _within(axis, "settings").get("node")
-        key = f"axes[{index}].settings.node"
-        if node in nodes:
-            yield Problem(key, f"{node} is the node of axes[{nodes[node]}], too")
-        elif node is not None and node == link.get("bridge_node"):
-            yield Problem(key, f"{node} is the bridge's own node, links.{name}.bridge_node")
         if node is not None:
+            yield from _node(f"axes[{index}].settings.node", node, nodes, (name, link.get("bridge_node")))
             nodes.setdefault(node, index)
     if not own and not any(sensor.get("link") == name for sensor in sensors):
         yield Problem(f"links.{name}", "no axis and no sensor is on this link")
@@ -94,14 +121,23 @@ def _carried(name: str, link: Raw, axes: list[Raw], sensors: list[Raw]) -> Itera
             yield Problem(f"links.{name}.gateway", "a drive without another one behind it watches nobody")
 
 
+def _node(
+    key: str, node: object, taken: Mapping[object, int], bridge: tuple[str, object]
+) -> Iterator[Problem]:
+    link, own = bridge
+    if node in taken:
+        yield Problem(key, f"{node} is the node of axes[{taken[node]}], too")
+    elif node == own:
+        yield Problem(key, f"{node} is the bridge's own node, links.{link}.bridge_node")
+
+
 def _in_time(name: str, link: Raw, cycle_ms: object) -> Iterator[Problem]:
     every, silent_ms = link.get("every", 1), link.get("silent_ms")
-    if isinstance(cycle_ms, int) and isinstance(every, int) and isinstance(silent_ms, int):
-        if silent_ms <= every * cycle_ms:
-            yield Problem(
-                f"links.{name}.silent_ms",
-                f"{silent_ms} is not longer than a cycle of the link, {every * cycle_ms}",
-            )
+    if not (isinstance(cycle_ms, int) and isinstance(every, int) and isinstance(silent_ms, int)):
+        return
+    cycle = every * cycle_ms
+    if silent_ms <= cycle:
+        yield Problem(f"links.{name}.silent_ms", f"{silent_ms} is not longer than the link's cycle, {cycle}")
 
 
 def _once(rows: list[Raw], key: str, field: str) -> Iterator[Problem]:

@@ -74,6 +74,9 @@ class Axis(Table):
             raise ValueError("an axis that is commanded by position needs travel = [lowest, highest]")
         if self.travel is not None and self.travel[0] >= self.travel[1]:
             raise ValueError("travel must rise from its lowest to its highest position")
+        furthest = self.settings.furthest(self.ratio)
+        if self.travel is not None and max(map(abs, self.travel)) > furthest:
+            raise ValueError(f"travel goes beyond {furthest:.6g} {self.unit}, all that the drive can count")
         return self
 
     @property

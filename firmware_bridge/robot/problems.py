@@ -1,4 +1,4 @@
-"""What is wrong with a file of tables: all of it at once, each with its key, and a near name where there is one."""
+"""What is wrong with a file of tables: all of it at once, each with its key, and with a near name."""
 
 from collections.abc import Collection, Iterator
 from difflib import get_close_matches

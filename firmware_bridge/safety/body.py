@@ -1,4 +1,4 @@
-"""What the bridge must be told of a robot's body: from axes to state, from a motion to axes, and what moves."""
+"""What the bridge must know of a robot's body: from axes to state, from a motion to axes, and what moves."""
 
 from collections.abc import Mapping
 from typing import Protocol, TypeVar

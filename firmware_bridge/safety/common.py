@@ -1,4 +1,4 @@
-"""The interlocks that every robot has: the operator, the links, and each axis; times are this project's choice.
+"""The interlocks that every robot has: operator, links, each axis; the times are this project's choice.
 
 Whole-robot rows come first, then the robot's own, then these of each link and axis.
 """
@@ -130,8 +130,8 @@ def _axis_left_out(axis: Axis, feedback: Feedback, _facts: Facts, _limit: Nanose
 AXIS_ANSWERS: Final = AxisInterlock(
     "axis answers late", _axis_late, "check its power and its cable", clear_after=LINK_CLEARS_AFTER
 )
-"""Stands in for "axis not enabled" where the device has no word for its power: then each answer must be fresh,
-not older than half the silence that is allowed."""
+"""Stands in for "axis not enabled" where the device has no word for its power: then each answer must be
+fresh, not older than half the silence that is allowed."""
 
 AXIS_ROWS: Final = (
     AxisInterlock(

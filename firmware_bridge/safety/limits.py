@@ -10,7 +10,7 @@ all the same, only not reported."""
 def bounded(
     value: float, high: float, unit: str, *, low: float | None = None, scale: float = 1.0
 ) -> tuple[float, str | None]:
-    """Return the value within `low` (None: the negative of `high`) and `high`, and the reason where it was not.
+    """Return the value within `low` (None: minus `high`) and `high`, and the reason where it was not.
 
     `unit` is that of the text, `scale` the factor into it.
     """

@@ -29,7 +29,7 @@ class Facts:
     emergency_stopped: bool
     """The latch of the emergency stop, set until it is cleared."""
     heard_at: Nanoseconds
-    """When the newest motion command arrived; `firmware_bridge.drivers.driver.NEVER_HEARD` before the first."""
+    """When the newest motion command arrived; `firmware_bridge.intent.NEVER_HEARD` before the first."""
     axes: Mapping[str, Feedback]
     """By the axes' names, in the robot file's order."""
     sensors: Mapping[str, Reading]

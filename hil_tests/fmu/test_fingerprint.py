@@ -83,7 +83,10 @@ def test_the_parameters_of_a_run_do_not_matter(fmu_file: dict[int, Path]) -> Non
         "-O2 -ffast-math",
         pytest.param(
             "-O2 -ffp-contract=fast -march=native",
-            marks=pytest.mark.skipif(not HAS_FMA, reason="this CPU does not fuse multiply and add"),
+            marks=[
+                pytest.mark.long,
+                pytest.mark.skipif(not HAS_FMA, reason="this CPU does not fuse multiply and add"),
+            ],
         ),
     ],
 )

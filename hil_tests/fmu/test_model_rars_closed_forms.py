@@ -21,7 +21,7 @@ from hil_tests.fmu.model_bench import formula, rates
 Vector = npt.NDArray[np.float64]
 MODEL = model()
 P = {row.name: row.start for row in PARAMETERS}
-BASE = find("rars").base
+BASE = find("rars").geometry.base
 
 
 def test_ackermann_and_davis_geometry() -> None:
@@ -53,7 +53,7 @@ def test_tip_over_speed_in_a_turn() -> None:
         return math.sqrt(turn * 9.81 * BASE.half_support_width_m / BASE.centre_of_gravity_height_m)
 
     assert limit(0.415) == pytest.approx(1.897, abs=5e-4)
-    assert limit(radius(math.radians(60.0))) > find("rars").limits.speed_mps
+    assert limit(radius(math.radians(60.0))) > find("rars").geometry.limits.speed_mps
 
 
 @pytest.mark.parametrize("slope", [0.0, math.radians(10), math.radians(30)])

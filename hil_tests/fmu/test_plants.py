@@ -9,14 +9,12 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from firmware_bridge.cli import attach_commands, program
+from firmware_bridge.cli import program
 from fmu.build import ensure
 from fmu.errors import PlantError, UnknownNameError
 from fmu.plant import FmuPlant
 from fmu.plants import GROUP, Plant, find, names
 from fmu.rars.parameters import PARAMETERS
-
-attach_commands()
 
 PARAMETERS_PY = """
     from fmu.export.model import Parameter

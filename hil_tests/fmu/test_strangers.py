@@ -12,11 +12,14 @@ import sympy as sp
 from pythonfmu import FmuBuilder
 from typer.testing import CliRunner
 
-from emulators.bench.mission import Input, Mission, Noise, Step
+from emulators.bench.mission import Mission, Noise
 from emulators.bench.operator import ScriptedOperator
-from emulators.devices import BODY, devices
+from emulators.bench.step import Input
+from emulators.devices import SUPPLY, devices
 from emulators.gateway import Cluster
-from emulators.rig import BRIDGE, OPERATOR_STATION, Rig, build
+from emulators.rig import BRIDGE, OPERATOR_STATION, Rig
+from emulators.robots.rars import REHEARSAL
+from emulators.robots.rars import RarsStep as Step
 from emulators.servo.bank import plant_outputs
 from emulators.wires import CanWire, DatagramWire
 from emulators.world import World
@@ -25,7 +28,7 @@ from firmware_bridge.cli import program
 from firmware_bridge.kinds import find
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.robot import AnyRobot, shipped
+from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robots.rars import KIND
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, from_seconds
 from fmu.build import export
@@ -167,7 +170,7 @@ class Process:
 
 def operator(robot: AnyRobot) -> ScriptedOperator:
     mission = Mission(title="a ride", duration_s=20, input=Input.STICK, noise=Noise(), step=STEPS)
-    return ScriptedOperator(robot, mission, np.random.default_rng(0))
+    return ScriptedOperator(robot, REHEARSAL, mission, np.random.default_rng(0))
 
 
 @pytest.fixture
@@ -181,7 +184,7 @@ def rigs() -> Iterator[list[Rig]]:
 @pytest.mark.parametrize("who", ["PythonFMU", "tiny 2", "tiny 3"])
 def test_a_strangers_plant_drives_the_robot(strangers: dict[str, Path], rigs: list[Rig], who: str) -> None:
     robot = robot_with()
-    rigs.append(rig := build(robot, operator(robot), plant_path=strangers[who]))
+    rigs.append(rig := Rig(robot, REHEARSAL, operator(robot), plant_path=strangers[who]))
     rig.run(from_seconds(5.0))
     last = rig.samples[-1]
     assert last["speed_mps"] == pytest.approx(0.2, rel=0.02)
@@ -194,7 +197,7 @@ def test_a_strangers_plant_drives_the_robot(strangers: dict[str, Path], rigs: li
 def test_the_same_ride_twice_gives_the_same_bytes(strangers: dict[str, Path], rigs: list[Rig]) -> None:
     robot = robot_with()
     for _ in range(2):
-        rigs.append(rig := build(robot, operator(robot), plant_path=strangers["PythonFMU"]))
+        rigs.append(rig := Rig(robot, REHEARSAL, operator(robot), plant_path=strangers["PythonFMU"]))
         rig.run(from_seconds(3.6))
     assert rigs[0].world.trace_sha256 == rigs[1].world.trace_sha256
     assert rigs[0].samples == rigs[1].samples
@@ -231,12 +234,12 @@ def test_a_plant_that_fails_under_way_ends_the_run_with_its_time(
     strangers: dict[str, Path], rigs: list[Rig]
 ) -> None:
     robot = robot_with(fails_at=3.6)
-    rigs.append(rig := build(robot, operator(robot), plant_path=strangers["PythonFMU"]))
+    rigs.append(rig := Rig(robot, REHEARSAL, operator(robot), plant_path=strangers["PythonFMU"]))
     with pytest.raises(PlantError, match=r"Stranger\.fmu: doStep failed at 3\.6000 s"):
         rig.run(from_seconds(5.0))
     # Up to that instant everything is as it was.
     assert rig.samples[-1].at == from_seconds(3.6)
-    assert rig.samples[-1].speed_mps > 0.15
+    assert rig.samples[-1]["speed_mps"] > 0.15
 
 
 def test_when_the_emulated_robot_dies_of_its_plant_the_bridge_is_safe(strangers: dict[str, Path]) -> None:
@@ -246,7 +249,7 @@ def test_when_the_emulated_robot_dies_of_its_plant_the_bridge_is_safe(strangers:
     bridge, world = Bridge(robot, KIND), World()
     process = Process(Cluster(emulated.drives, emulated.bank))
     world.attach("emulator", process, {CAN: bus})
-    world.attach(BRIDGE, bridge, {CAN: bus, OPERATOR: air})
+    world.attach(BRIDGE, bridge, {"drives": bus, OPERATOR: air})
     world.attach(OPERATOR_STATION, operator(robot), {OPERATOR: air})
     targets: list[tuple[Nanoseconds, int]] = []
 
@@ -262,15 +265,14 @@ def test_when_the_emulated_robot_dies_of_its_plant_the_bridge_is_safe(strangers:
     assert [target for at, target in targets if at < failed_at][-1] > 0
     late = [target for at, target in targets if at > failed_at + 500 * MILLISECOND]
     assert set(late) == {0}
-    assert bridge.seen.demanded_speed_mps == 0.0
+    assert bridge.seen.demanded.speed_mps == 0.0
     assert {f"axis silent: {axis}" for axis in AXES} <= {hold.name for hold in bridge.holds}
 
 
 def test_the_command_line_says_it_in_one_line(strangers: dict[str, Path], tmp_path: Path) -> None:
     mission = tmp_path / "crawl.toml"
     mission.write_text(MISSION, encoding="utf-8")
-    (shipped_file,) = [path for path in shipped() if path.stem == "rars"]
-    text = shipped_file.read_text(encoding="utf-8")
+    text = KIND.file.read_text(encoding="utf-8")
     own = tmp_path / "own.toml"
     own.write_text(text.replace("[plant]\n", "[plant]\nparameters = { fails_at = 3.25 }\n"), encoding="utf-8")
     words = ["bench", str(own), "-m", str(mission), "--out", str(tmp_path / "out")]
@@ -284,5 +286,5 @@ def test_strangers_need_no_more_than_the_bench_reads(strangers: dict[str, Path])
     with ZipFile(strangers["PythonFMU"]) as archive:
         text = archive.read("modelDescription.xml").decode()
     names = set(re.findall(r'name="(\w+)"', text))
-    assert names >= {*INPUTS, *plant_outputs(AXES), *BODY}
+    assert names >= {*INPUTS, *plant_outputs(AXES), SUPPLY}
     assert "steer_left" not in names

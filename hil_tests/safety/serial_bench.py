@@ -2,38 +2,56 @@
 
 from typing import Final
 
-from firmware_bridge.drivers.serial.client import writing
-from firmware_bridge.safety.guard_serial_rules import serial_rules_for
-
 from firmware_bridge.kinds import find
 from firmware_bridge.packet import Packet
-from firmware_bridge.safety.guard import Guarded, Refusal, guarded
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.safety.guard import Refusal, guarded
+from firmware_bridge.safety.guard.epos2_serial import Epos2SerialRules
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.maxon.frame import Answered
-from firmware_bridge.wire.maxon.messages import Done
+from firmware_bridge.wire.maxon.messages import Done, ObjectRead, ReadObject, Request, WriteObject
 from firmware_bridge.wire.maxon.opcodes import encode_answer
 from firmware_bridge.wire.maxon.packets import command, outcome_packet, request_of
-from hil_tests.safety.guard_bench import Puppet
+from hil_tests.safety.guard_bench import LINK, Puppet
 
-ROBOT: Final = find("rars").over_serial()
-RULES: Final = serial_rules_for(ROBOT)
-LEFT, STEER, LIFT = (ROBOT.axis(role) for role in ("left_wheel", "steering", "lift"))
-TOP: Final = LEFT.profile.max_velocity_rpm
-ENDS: Final = {rules.axis.name: (rules.low, rules.high) for rules in RULES.axes}
+
+def _over_serial(robot: AnyRobot) -> AnyRobot:
+    """Return the same robot, driven over the serial port of its first drive."""
+    return robot.with_links({LINK: robot.links[LINK].over_serial(1, None, None)})
+
+
+ROBOT: Final = _over_serial(find("rars"))
+RULES: Final = Epos2SerialRules(ROBOT, LINK)
+LEFT, STEER, LIFT = 1, 3, 4
+TOP: Final = 3_972
+ENDS: Final = {STEER: (-134_953, 134_953), LIFT: (0, 2_890_879)}
 ENABLE, HALT, NEW_POSITION, QUICK_STOP = 0x000F, 0x010F, 0x003F, 0x000B
 
 
+def says(request: Request) -> Packet:
+    """A command on RARS's link."""
+    return command(request, LINK)
+
+
+def reading(node: int, address: Address) -> Packet:
+    return says(ReadObject(address.index, address.subindex, node))
+
+
+def writing(node: int, address: Address, raw: bytes) -> Packet:
+    return says(WriteObject(address.index, address.subindex, node, raw.ljust(4, b"\0")))
+
+
 def word(node: int, controlword: int) -> Packet:
-    return command(writing(node, at.CONTROLWORD, controlword.to_bytes(2, "little")))
+    return writing(node, at.CONTROLWORD, controlword.to_bytes(2, "little"))
 
 
 def number(node: int, address: Address, value: int) -> Packet:
-    return command(writing(node, address, value.to_bytes(4, "little", signed=value < 0)))
+    return writing(node, address, value.to_bytes(4, "little", signed=value < 0))
 
 
-def speed(rpm: int, node: int = LEFT.node) -> Packet:
+def speed(rpm: int, node: int = LEFT) -> Packet:
     return number(node, at.TARGET_VELOCITY, rpm)
 
 
@@ -44,14 +62,22 @@ def target(node: int, quadcounts: int) -> Packet:
 def done(packet: Packet) -> Packet:
     request = request_of(packet)
     assert request is not None
-    return outcome_packet(packet.address, Answered(encode_answer(request, Done(0))))
+    return outcome_packet(packet.address, Answered(encode_answer(request, Done(0))), LINK)
+
+
+def value(packet: Packet, raw: bytes, error: int = 0) -> Packet:
+    """What a read has brought."""
+    request = request_of(packet)
+    assert request is not None
+    answer = encode_answer(request, ObjectRead(error, raw.ljust(4, b"\0")))
+    return outcome_packet(packet.address, Answered(answer), LINK)
 
 
 class SerialBench:
-    def __init__(self) -> None:
+    def __init__(self, robot: AnyRobot = ROBOT) -> None:
         self.puppet = Puppet()
-        self.told: list[Refusal] = []
-        self.guard: Guarded = guarded(self.puppet, ROBOT, self.told.append)
+        self.refusals: list[Refusal] = []
+        self.guard = guarded(self.puppet, robot, self.refusals.append)
 
     def says(self, *packets: Packet, now: Nanoseconds = 0) -> tuple[Packet, ...]:
         self.puppet.says = packets

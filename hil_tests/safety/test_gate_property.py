@@ -1,7 +1,7 @@
 """Whatever snapshots come in whatever order: no speed under a stop, no limit passed, always a reason."""
 
 import math
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import pytest
 from hypothesis import settings
@@ -12,10 +12,12 @@ from firmware_bridge.drivers.driver import Power
 from firmware_bridge.intent import NEVER_HEARD
 from firmware_bridge.kinds import find
 from firmware_bridge.robots.rars.rules import tipping_speed
-from firmware_bridge.safety.snapshot import Hold
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND
 from firmware_bridge.wire.cia402 import State
 from hil_tests.safety.gate_bench import Ruling, Snapshot, base_stopped, gate_of, lift_free, said, well
+
+if TYPE_CHECKING:
+    from firmware_bridge.safety.snapshot import Hold
 
 ROBOT: Final = find("rars")
 ANY: Final = st.floats(width=32) | st.sampled_from([0.0, 0.3, -0.5, 0.5, 0.501])

@@ -2,14 +2,25 @@
 
 import pytest
 
-from firmware_bridge.drivers.serial.client import reading
-from firmware_bridge.node import LINE_BACK, LINE_LOST, MAXON
+from firmware_bridge.node import LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.maxon import messages
-from firmware_bridge.wire.maxon.packets import command
-from hil_tests.safety.serial_bench import ENABLE, HALT, LEFT, LIFT, TOP, SerialBench, done, speed, word
+from hil_tests.safety.guard_bench import LINK
+from hil_tests.safety.serial_bench import (
+    ENABLE,
+    HALT,
+    LEFT,
+    LIFT,
+    TOP,
+    SerialBench,
+    done,
+    reading,
+    says,
+    speed,
+    word,
+)
 
 
 @pytest.fixture
@@ -18,33 +29,33 @@ def desk() -> SerialBench:
 
 
 def test_a_bridge_that_is_silent_is_spoken_for(desk: SerialBench) -> None:
-    desk.says(speed(1000), word(LEFT.node, ENABLE))
+    desk.says(speed(1000), word(LEFT, ENABLE))
     assert desk.says(now=150 * MILLISECOND - 1) == ()
-    assert desk.says(now=150 * MILLISECOND) == (speed(0), word(LEFT.node, ENABLE))
-    assert "no set-point for 150 ms" in desk.told[0].reason
+    assert desk.says(now=150 * MILLISECOND) == (speed(0), word(LEFT, ENABLE))
+    assert "no set-point for 150 ms" in desk.refusals[0].reason
 
 
 def test_the_guard_does_not_pile_up_words_on_a_line_that_stands(desk: SerialBench) -> None:
-    desk.says(speed(1000), word(LEFT.node, ENABLE))
+    desk.says(speed(1000), word(LEFT, ENABLE))
     for now in range(150, 1000, 10):
         desk.says(now=now * MILLISECOND)
     assert desk.guard.refused == 1
-    spoken = desk.told[0].sent
+    spoken = desk.refusals[0].sent
     assert desk.says(now=1000 * MILLISECOND) == ()
     later = 1001 * MILLISECOND
     assert desk.hears(done(speed(1000)), later)
-    assert desk.hears(done(word(LEFT.node, ENABLE)), later)
+    assert desk.hears(done(word(LEFT, ENABLE)), later)
     for packet in spoken:
         assert not desk.hears(done(packet), later)
     assert desk.says(now=1100 * MILLISECOND) == spoken
 
 
 def test_answers_to_the_guard_s_own_words_are_not_the_node_s(desk: SerialBench) -> None:
-    desk.says(word(LIFT.node, HALT))
-    assert desk.hears(done(word(LIFT.node, HALT)))
-    desk.says(command(reading(1, at.STATUSWORD)), command(messages.SendLssFrame(bytes(8))))
-    assert desk.hears(Packet(MAXON, 0x10, bytes(8)))
-    assert not desk.hears(done(word(LIFT.node, HALT)))
+    desk.says(word(LIFT, HALT))
+    assert desk.hears(done(word(LIFT, HALT)))
+    desk.says(reading(1, at.STATUSWORD), says(messages.SendLssFrame(bytes(8))))
+    assert desk.hears(Packet(LINK, 0x10, bytes(8)))
+    assert not desk.hears(done(word(LIFT, HALT)))
 
 
 def test_the_answer_to_the_last_safe_word_is_that_to_the_refused_set_point(desk: SerialBench) -> None:
@@ -55,20 +66,20 @@ def test_the_answer_to_the_last_safe_word_is_that_to_the_refused_set_point(desk:
 
 
 def test_what_left_before_the_line_was_lost_is_answered_no_more(desk: SerialBench) -> None:
-    desk.says(speed(TOP + 1), word(LEFT.node, ENABLE))
-    assert desk.hears(Packet(MAXON, LINE_LOST, b""))
+    desk.says(speed(TOP + 1), word(LEFT, ENABLE))
+    assert desk.hears(Packet(LINK, LINE_LOST, b""))
     desk.says(speed(TOP + 1))
-    assert desk.hears(Packet(MAXON, LINE_BACK, b""))
-    desk.says(command(reading(1, at.STATUSWORD)))
-    assert desk.hears(Packet(MAXON, 0x10, bytes(8)))
+    assert desk.hears(Packet(LINK, LINE_BACK, b""))
+    desk.says(reading(1, at.STATUSWORD))
+    assert desk.hears(Packet(LINK, 0x10, bytes(8)))
 
 
 def test_an_answer_that_nobody_has_asked_for_is_not_the_node_s(desk: SerialBench) -> None:
-    assert not desk.hears(Packet(MAXON, 0x10, bytes(8)))
+    assert not desk.hears(Packet(LINK, 0x10, bytes(8)))
 
 
 def test_an_answer_that_is_kept_from_the_node_lets_it_act_on_the_time(desk: SerialBench) -> None:
     desk.puppet.wake_at = 7 * MILLISECOND
-    reaction = desk.guard.receive(Packet(MAXON, 0x10, bytes(8)), 3 * MILLISECOND)
+    reaction = desk.guard.receive(Packet(LINK, 0x10, bytes(8)), 3 * MILLISECOND)
     assert reaction == Reaction((), 7 * MILLISECOND)
     assert desk.puppet.heard == [(None, 3 * MILLISECOND)]

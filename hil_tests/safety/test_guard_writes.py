@@ -1,13 +1,16 @@
 """What a bridge may write over SDO, each bound crossed by one, and the abort that leaves instead."""
 
+import math
 from collections.abc import Sequence
 from typing import Final
 
 import pytest
 
+from firmware_bridge.drivers.epos2.setup import configuration, farewell
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
 from hil_tests.safety.guard_bench import LINK, Bench, aborted, frame, raw, write
+from hil_tests.safety.guard_robots import RARS, AnAxis, robot_with
 
 STEER_END: Final = 134_953
 """60 degrees: rack 40.0 mm (4.7), 2.666 rad of pinion (4.8), 159 times 2000 quadcounts a turn."""
@@ -164,3 +167,70 @@ def test_other_services_are_answered_with_an_abort(bench: Bench, payload: str, r
     assert sent == (
         Packet(LINK, 0x602, b"\x80" + packet.payload[1:4].ljust(3, b"\0") + bytes.fromhex("00000008")),
     )
+
+
+def test_an_axis_of_speed_with_travel_may_have_its_drive_s_position_limits_set() -> None:
+    bench = Bench(
+        robot_with((AnAxis("one", 1, LINK), AnAxis("two", 2, LINK, travel=(-1.0, 2.0), ratio=math.tau)))
+    )
+    for node, subindex in ((2, 1), (2, 2)):
+        for value in (-2_000 - 20_000, 4_000 + 20_000):
+            packet = write(node, 0x607D, subindex, raw(value, 4))
+            assert bench.says(packet) == (packet,)
+        for value in (-2_001 - 20_000, 4_001 + 20_000):
+            bench.refuses(write(node, 0x607D, subindex, raw(value, 4)))
+    bench.refuses(write(1, 0x607D, 1, bytes(4)))
+
+
+OUTPUT_WRITES: Final = (
+    (0x2079, 1, (15,), (0, 1, 2, 14, 16)),
+    (0x2079, 3, (13,), (2, 12, 14, 15)),
+    (0x2078, 1, (0x0000, 0x8000, 0x2000, 0xA000), (0x4000, 0x0004, 0x0001, 0xE000, 0xFFFF)),
+    (0x2078, 2, (0x0000, 0x8000, 0x2000, 0xA000), (0x4000, 0x0004, 0x0001, 0xE000, 0xFFFF)),
+)
+
+
+@pytest.mark.parametrize(("index", "subindex", "may", "beyond"), OUTPUT_WRITES)
+def test_outputs_that_the_robot_file_lists_may_be_switched_and_no_others(
+    index: int, subindex: int, may: Sequence[int], beyond: Sequence[int]
+) -> None:
+    axes = (AnAxis("one", 1, LINK), AnAxis("two", 2, LINK))
+    bench = Bench(robot_with(axes, outputs=(("two", 1), ("two", 3))))
+    for value in may:
+        packet = write(2, index, subindex, raw(value, 2))
+        assert bench.says(packet) == (packet,)
+        reason, sent = bench.refuses(write(1, index, subindex, raw(value, 2)))
+        assert reason.endswith("is not an object that may be written")
+        assert sent == aborted(1, index, subindex)
+    for value in beyond:
+        reason, sent = bench.refuses(write(2, index, subindex, raw(value, 2)))
+        assert sent == aborted(2, index, subindex)
+        assert reason.endswith("allowed is the bits 0xA000" if index == 0x2078 else f"allowed is {may[0]}")
+
+
+@pytest.mark.parametrize(
+    ("index", "subindex"), [(0x2078, 3), (0x2079, 2), (0x2079, 4), (0x2079, 5), (0x2070, 1)]
+)
+def test_other_pins_stay_as_they_are(index: int, subindex: int) -> None:
+    bench = Bench(robot_with((AnAxis("one", 1, LINK),), outputs=(("one", 1), ("one", 3))))
+    assert bench.refuses(write(1, index, subindex, bytes(2)))[1] == aborted(1, index, subindex)
+
+
+def test_an_output_on_another_link_is_none_of_this_one() -> None:
+    axes = (AnAxis("one", 1, LINK), AnAxis("two", 1, "other"))
+    bench = Bench(robot_with(axes, outputs=(("two", 1),)))
+    assert bench.refuses(write(1, 0x2078, 1, bytes(2)))[1] == aborted(1, 0x2078, 1)
+
+
+@pytest.mark.parametrize(
+    "robot", [RARS, robot_with((AnAxis("one", 1, LINK),), outputs=(("one", 1), ("one", 4)))]
+)
+def test_the_whole_set_up_of_every_drive_leaves_as_it_is(robot: AnyRobot) -> None:
+    """Driver and guard share no code: what one writes the other must list."""
+    bench = Bench(robot)
+    for axis in robot.axes:
+        outputs = [output for output in robot.outputs if output.settings.axis == axis.name]
+        for row in (*configuration(axis, robot.links[LINK], outputs), *farewell()):
+            packet = write(axis.settings.node, *row.address, row.raw)
+            assert bench.says(packet) == (packet,), row
+    assert bench.guard.refused == 0

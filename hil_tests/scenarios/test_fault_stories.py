@@ -3,6 +3,7 @@
 import pytest
 
 from emulators.bench.faults import Fault
+from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.kinds import find
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import from_seconds, to_seconds
@@ -264,7 +265,7 @@ def test_one_drive_that_fails_stops_the_robot_by_name_and_code(
 def test_a_link_that_loses_everything_is_a_silent_operator(rides: Ridden) -> None:
     ride = driven(rides, fault("datagram_loss", 6.0, for_s=1.0), until=9.0)
     assert "operator silent" in ride.held_between(6.4, 6.6)
-    assert abs(ride.rows(6.95, 7.05)[0].speed_mps) < 0.002
+    assert abs(ride.rows(6.95, 7.05)[0]["speed_mps"]) < 0.002
     assert ride.now["speed_mps"] == pytest.approx(0.3, rel=0.02), "it returns with him"
 
 
@@ -286,7 +287,7 @@ def test_doubled_datagrams_change_nothing(rides: Ridden) -> None:
 
 def test_an_unplugged_adapter_is_named_and_its_drives_stop_by_themselves(rides: Ridden) -> None:
     ride = rides(
-        *DRIVING, seconds=20, robot=RARS.over_serial(), faults=[fault("serial_unplugged", 6.0, for_s=1.0)]
+        *DRIVING, seconds=20, robot=over_serial(RARS), faults=[fault("serial_unplugged", 6.0, for_s=1.0)]
     )
     ride.runs_until(8.0)
     assert "link lost: drives" in ride.held_between(6.0, 6.5)

@@ -10,7 +10,9 @@ from typing import Any, Final
 import pytest
 
 from emulators.bench import mission as missions
+from emulators.robots.rars import REHEARSAL
 from emulators.run import Order, drive
+from firmware_bridge.drivers.epos2.scale import Scale
 from firmware_bridge.kinds import find
 from firmware_bridge.recording import parse_candump
 from firmware_bridge.units import from_seconds
@@ -37,7 +39,7 @@ def driven(tmp_path_factory: pytest.TempPathFactory) -> Driven:
 
 def run(name: str, folder: Path, seed: int = 0) -> str:
     rars = find("rars")
-    order = Order(rars, name, missions.find(name, rars), seed, folder)
+    order = Order(rars, REHEARSAL, name, missions.find(name, rars, REHEARSAL), seed, folder)
     return drive(order, lambda _: None).trace_sha256
 
 
@@ -90,9 +92,8 @@ def test_nothing_rolls_while_the_lift_is_extended(driven: Driven) -> None:
                 if packet.address == address and from_seconds(began) <= at <= from_seconds(ended)
             ]
             assert len(counts) > 10
-            metres = (
-                (max(counts) - min(counts)) / rars.axes[0].quadcounts_per_radian * rars.geometry.base.wheel_radius_m
-            )
+            turned = Scale.of(rars.axes[0]).position(max(counts) - min(counts))
+            metres = turned * rars.geometry.base.wheel_radius_m
             assert metres < 0.002
 
 
@@ -107,7 +108,7 @@ def test_what_goes_wrong_in_the_mission_of_faults_is_held_and_named(driven: Driv
     told = summary(driven("faults"))
     assert told["max_speed_mps"] <= LARGEST_SPEED_MPS
     assert told["max_acceleration_mps2"] <= LARGEST_ACCELERATION_MPS2
-    assert len(told["faults"]) == len(missions.find("faults", find("rars")).fault)
+    assert len(told["faults"]) == len(missions.find("faults", find("rars"), REHEARSAL).fault)
     assert all(fault["title"] for fault in told["faults"])
     reasons = " ".join(hold["reason"] for hold in told["holds"])
     for code in ("0x8110", "0x3220", "0x4210", "0xFF0A", "0xFF02", "0xFF03", "0x81FD", "0x8130"):

@@ -5,25 +5,29 @@ floor leaves 37 mm between odometry and truth, whatever the odometry does.
 """
 
 import math
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import numpy.typing as npt
 import pytest
 
 from emulators.bench import mission
-from emulators.bench.columns import SAMPLE_EVERY, Sample
+from emulators.bench.columns import SAMPLE_EVERY, Samples
 from emulators.bench.operator import ScriptedOperator
 from emulators.bench.summary import mean_acceleration, odometry_errors
-from emulators.rig import build
+from emulators.rig import Rig
+from emulators.robots.rars import REHEARSAL
 from emulators.run import HAND_STREAM
+from firmware_bridge.drivers.epos2.scale import Scale
 from firmware_bridge.kinds import find
 from firmware_bridge.motion.ramp import MARGIN
 from firmware_bridge.units import from_seconds, to_seconds
 from fmu.rars.parameters import PARAMETERS
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 BOUND_M: Final = 0.01
 """What the odometry may err by where wheels roll, at the mission's end."""
@@ -36,7 +40,7 @@ STEP_S: Final = to_seconds(SAMPLE_EVERY)
 class Drive:
     """A run's rows, and the rear wheels' quadcounts every 10 ms."""
 
-    rows: Sequence[Sample]
+    rows: Samples
     counts: npt.NDArray[np.float64]
 
 
@@ -46,15 +50,15 @@ def driven(plant: tuple[tuple[str, float], ...] = ()) -> Drive:
     rars = find("rars")
     parameters: Mapping[str, float] = dict(plant)
     robot = rars.model_copy(update={"plant": rars.plant.model_copy(update={"parameters": parameters})})
-    script = mission.find("interlocks", robot)
-    operator = ScriptedOperator(robot, script, np.random.default_rng([0, HAND_STREAM]))
-    rig = build(robot, operator, seed=0, noise=script.noise)
+    script = mission.find("interlocks", robot, REHEARSAL)
+    operator = ScriptedOperator(robot, REHEARSAL, script, np.random.default_rng([0, HAND_STREAM]))
+    rig = Rig(robot, REHEARSAL, operator, seed=0, noise=script.noise)
     wheels = rig.devices.bank.axes[:2]
     counts = []
     while rig.world.now < from_seconds(script.duration_s):
         rig.run(rig.world.now + SAMPLE_EVERY)
         counts.append([wheel.position for wheel in wheels])
-    rows = tuple(rig.samples)
+    rows = rig.samples
     rig.finish()
     return Drive(rows, np.array(counts, dtype=np.float64))
 
@@ -62,9 +66,11 @@ def driven(plant: tuple[tuple[str, float], ...] = ()) -> Drive:
 def rolled(drive: Drive) -> complex:
     """Return where the rear wheels have rolled, (4.13)-(4.15) with the middle of each step's heading."""
     rars = find("rars")
-    ways = rars.geometry.base.wheel_radius_m / rars.axes[0].quadcounts_per_radian * np.diff(drive.counts, axis=0)
+    ways = (
+        Scale.of(rars.axes[0]).position(1) * rars.geometry.base.wheel_radius_m * np.diff(drive.counts, axis=0)
+    )
     turns = (ways[:, 1] - ways[:, 0]) / rars.geometry.base.rear_track_m
-    heading = drive.rows[0].odometry_heading_rad + np.cumsum(turns) - turns / 2
+    heading = drive.rows[0]["odometry_heading_rad"] + np.cumsum(turns) - turns / 2
     return complex(np.sum(ways.mean(axis=1) * np.exp(1j * heading)))
 
 
@@ -79,7 +85,9 @@ def slip(acceleration: float) -> float:
 
 def test_odometry_counts_what_the_wheels_roll() -> None:
     first, last = driven().rows[0], driven().rows[-1]
-    believed = complex(last["odometry_x_m"] - first.odometry_x_m, last["odometry_y_m"] - first.odometry_y_m)
+    believed = complex(
+        last["odometry_x_m"] - first["odometry_x_m"], last["odometry_y_m"] - first["odometry_y_m"]
+    )
     assert abs(believed - rolled(driven())) < BOUND_M
 
 
@@ -90,8 +98,8 @@ def test_where_the_wheels_grip_odometry_is_right() -> None:
 def test_on_the_thesis_own_floor_it_errs_by_what_the_tyres_slip() -> None:
     """Along the way by the slip that the acceleration takes, across it by that of the turn's."""
     rows = driven().rows
-    speed = np.array([row["speed_mps"] for row in rows])
-    turning = np.abs(speed * np.array([row["yaw_rate_rad_s"] for row in rows]))
+    speed = rows.column("speed_mps")
+    turning = np.abs(speed * rows.column("yaw_rate_rad_s"))
     changing = np.zeros_like(speed)
     changing[5:] = np.abs(mean_acceleration(speed))
     slips = [slip(float(a)) for a in changing] + P["peak_slip"] * turning / (P["floor_friction"] * 9.81)
@@ -103,10 +111,10 @@ def test_on_the_thesis_own_floor_it_errs_by_what_the_tyres_slip() -> None:
 
 def test_the_ramp_leaves_room_for_slip() -> None:
     """A steady slip s brakes the robot by the ramp over 1 - s: 0.138 at the limit, so 0.862 may be asked."""
-    limit = find("rars").limits.acceleration_mps2
+    limit = find("rars").geometry.limits.acceleration_mps2
     assert slip(limit) == pytest.approx(0.138, abs=1e-3)
     assert pytest.approx((1 - slip(limit)) * 0.93, abs=5e-3) == MARGIN
-    profile = find("rars").axes[0].profile
+    profile = find("rars").axes[0].settings.profile
     for ramp in (profile.acceleration_rpm_s, profile.deceleration_rpm_s, profile.quick_stop_rpm_s):
         rim = ramp * math.pi / 30 / 26 * P["wheel_radius"]
         assert rim / (1 - slip(limit)) < limit

@@ -20,7 +20,7 @@ def test_a_parameter_set_is_chosen_by_name() -> None:
 
 
 def test_the_robots_geometry_wins_over_the_set_and_single_values_over_both() -> None:
-    assert rars(parameter_set="B")["rear_track"] == find("rars").base.rear_track_m
+    assert rars(parameter_set="B")["rear_track"] == find("rars").geometry.base.rear_track_m
     assert rars(parameter_set="B", parameters={"rear_track": 0.21})["rear_track"] == 0.21
 
 

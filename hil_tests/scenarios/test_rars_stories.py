@@ -5,6 +5,7 @@ import math
 import pytest
 
 from emulators.bench.mission import Noise
+from firmware_bridge.drivers.epos2.scale import Scale
 from firmware_bridge.kinds import find
 from firmware_bridge.motion import davis
 from firmware_bridge.units import from_seconds, to_seconds
@@ -111,9 +112,10 @@ def test_the_wheels_follow_the_angle_that_is_steered(rides: Ridden) -> None:
 
     def watch(now: int, sender: str, packet: object) -> None:
         address, payload = packet.address, packet.payload  # type: ignore[attr-defined]
-        if address == 0x280 + steering.node:
+        if address == 0x280 + steering.settings.node:
             counts = int.from_bytes(payload[2:6], "little", signed=True)
-            angle[:] = [davis.steer_from_quadcounts(rars.geometry.base, steering, counts)]
+            pinion = Scale.of(steering).position(counts)
+            angle[:] = [davis.steer_from_pinion(rars.geometry.base, pinion)]
         if sender == "bridge" and address in (0x501, 0x502):
             sent[address] = int.from_bytes(payload[2:6], "little", signed=True)
             if len(sent) == 2:
@@ -130,10 +132,10 @@ def test_the_wheels_follow_the_angle_that_is_steered(rides: Ridden) -> None:
         expected = 1.0 if math.isinf(radius) else (radius + half) / (radius - half)
         assert ratio == pytest.approx(expected, rel=0.02)
     end = ride.now
-    left, right = end.motor_speeds_rad_s[0], end.motor_speeds_rad_s[1]
-    radius = davis.turn_radius(rars.geometry.base, end.steer_rad)
+    left, right = end["motor_speed_left_rad_s"], end["motor_speed_right_rad_s"]
+    radius = davis.turn_radius(rars.geometry.base, end["steer_rad"])
     assert right / left == pytest.approx((radius + half) / (radius - half), rel=0.02)
-    assert end.yaw_rate_rad_s == pytest.approx(end.speed_mps / radius, rel=0.02)
+    assert end["yaw_rate_rad_s"] == pytest.approx(end["speed_mps"] / radius, rel=0.02)
 
 
 def test_a_drive_that_falls_silent_stops_the_robot_and_is_named(rides: Ridden) -> None:
@@ -155,7 +157,7 @@ def test_a_wheel_drive_that_is_cut_off_stops_by_its_own_watch(rides: Ridden, los
     ride.rig.world.silence(lost, from_seconds(6.0))
     ride.runs_until(8.0)
     assert ride.stands_from(6.0) < 7.0
-    assert max(abs(speed) for speed in ride.now.motor_speeds_rad_s[:2]) < 1.0
+    assert max(abs(ride.now[f"motor_speed_{wheel}_rad_s"]) for wheel in ("left", "right")) < 1.0
 
 
 def test_the_drives_stop_by_themselves_when_the_bridge_dies(rides: Ridden) -> None:
@@ -187,7 +189,7 @@ def test_a_forced_disarm_takes_the_power_off_and_the_robot_rolls_out(rides: Ridd
     assert ride.now["speed_mps"] > 0.35, "nothing brakes it but friction"
     assert not ride.held("axis fault")
     assert ride.hardest() < 1.45
-    assert max(map(abs, ride.now.currents_a)) < 0.1
+    assert max(abs(ride.now[f"current_{axis.name}_a"]) for axis in ride.rig.robot.axes) < 0.1
 
 
 def test_two_runs_with_one_seed_are_the_same_bytes(rides: Ridden) -> None:

@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
-from emulators.bench.mission import Input, Mission
+from emulators.bench.mission import Mission
 from emulators.bench.operator import ScriptedOperator
+from emulators.bench.step import Input
 from emulators.rig import Rig
+from emulators.robots.rars import REHEARSAL
 from firmware_bridge.kinds import find
 from hil_tests.scenarios.ride import ARMED, Ride, step
 
@@ -18,8 +20,8 @@ def test_the_robot_drives_with_the_published_answer_times() -> None:
         input=Input.STICK,
         step=(ARMED, step(3.5, speed_mps=0.2)),
     )
-    operator = ScriptedOperator(robot, mission, np.random.default_rng(0))
-    rig = Rig(robot, operator, realistic_latency=True)
+    operator = ScriptedOperator(robot, REHEARSAL, mission, np.random.default_rng(0))
+    rig = Rig(robot, REHEARSAL, operator, realistic_latency=True)
     told = Ride(rig, operator)
     told.runs_until(8.0)
     assert told.now["armed"]

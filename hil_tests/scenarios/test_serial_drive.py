@@ -3,7 +3,7 @@
 import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import pytest
 
@@ -11,8 +11,10 @@ from emulators.bench import mission as missions
 from emulators.epos2.canopen.heartbeat import Consumer
 from emulators.line import Line
 from emulators.rig import BRIDGE
+from emulators.robots.rars import REHEARSAL
 from emulators.run import Order, drive
 from firmware_bridge.bridge import Phase
+from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.kinds import find
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
@@ -25,19 +27,17 @@ from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.maxon.frame import Generation
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, step
 
+if TYPE_CHECKING:
+    from firmware_bridge.safety.snapshot import Facts
+
 RARS: Final = find("rars")
-USB: Final = RARS.over_serial(Generation.V2)
+USB: Final = over_serial(RARS, Generation.V2)
 DRIVING: Final = (ARMED, step(3.5, speed_mps=0.3))
 CUT_S: Final = 5.0
 WATCH_S: Final = 0.2
 """What the drives allow the bridge to be silent."""
 BRAKED_S: Final = 0.45
 """The watch, one heartbeat that had just come, and the quick stop from 0.3 m/s."""
-
-
-def with_bus(robot: AnyRobot, **changes: object) -> AnyRobot:
-    bus = type(robot.links["drives"]).model_validate(robot.links["drives"].model_dump() | changes)
-    return robot.model_copy(update={"bus": bus})
 
 
 def line_of(one: Ride) -> Line:
@@ -52,7 +52,8 @@ def states(one: Ride) -> list[State | None]:
 
 
 def armed(one: Ride) -> bool:
-    return one.rig.bridge.seen.armed
+    facts: Facts = one.rig.bridge.seen.facts
+    return facts.armed
 
 
 @pytest.fixture(scope="module")
@@ -61,10 +62,11 @@ def driven(tmp_path_factory: pytest.TempPathFactory) -> Callable[[AnyRobot, str]
     folders: dict[tuple[str, str], Path] = {}
 
     def results(robot: AnyRobot, mission: str) -> Path:
-        link = robot.links["drives"].link.value
+        link = robot.links["drives"].driver.value
         if (link, mission) not in folders:
             folder = folders[link, mission] = tmp_path_factory.mktemp(f"{link}-{mission}")
-            drive(Order(robot, mission, missions.find(mission, robot), 0, folder), lambda _: None)
+            script = missions.find(mission, robot, REHEARSAL)
+            drive(Order(robot, REHEARSAL, mission, script, 0, folder), lambda _: None)
         return folders[link, mission]
 
     return results
@@ -72,48 +74,47 @@ def driven(tmp_path_factory: pytest.TempPathFactory) -> Callable[[AnyRobot, str]
 
 @pytest.mark.timeout(240)
 def test_the_line_mission_arrives_as_over_can(driven: Callable[[AnyRobot, str], Path]) -> None:
-    over_can, over_serial = (
+    over_can, through = (
         json.loads((driven(robot, "line") / "summary.json").read_text()) for robot in (RARS, USB)
     )
-    assert over_serial["path_length_m"] == pytest.approx(over_can["path_length_m"], abs=0.002)
-    assert over_serial["max_speed_mps"] == pytest.approx(over_can["max_speed_mps"], abs=0.001)
-    assert over_serial["odometry_error_m"] == pytest.approx(over_can["odometry_error_m"], abs=0.001)
-    assert {hold["name"] for hold in over_serial["holds"]} == {hold["name"] for hold in over_can["holds"]}
-    line = over_serial["line"]
-    assert over_can["line"] is None
+    assert through["path_length_m"] == pytest.approx(over_can["path_length_m"], abs=0.002)
+    assert through["max_speed_mps"] == pytest.approx(over_can["max_speed_mps"], abs=0.001)
+    assert through["odometry_error_m"] == pytest.approx(over_can["odometry_error_m"], abs=0.001)
+    assert {hold["name"] for hold in through["holds"]} == {hold["name"] for hold in over_can["holds"]}
+    (line,) = through["lines"]
+    assert over_can["lines"] == []
     assert (line["protocol"], line["baud"], line["cycle_ms"]) == ("v2", 1_000_000, 50.0)
     assert line["bytes"] > 200_000
     assert 20 < line["busy_percent"] < 60
     assert line["longest_cycle_ms"] < line["cycle_ms"]
     assert line["late_cycles"] == 0
-    assert over_serial["bus_load_percent"] > over_can["bus_load_percent"]
+    assert through["bus_load_percent"] > over_can["bus_load_percent"]
 
 
 @pytest.mark.timeout(240)
 def test_every_interlock_holds_as_over_can(driven: Callable[[AnyRobot, str], Path]) -> None:
     """The operator who tries everything that is forbidden: the same holds in the same order, to 0.15 s."""
-    over_can, over_serial = (
+    over_can, through = (
         json.loads((driven(robot, "interlocks") / "summary.json").read_text()) for robot in (RARS, USB)
     )
     names, began = (
-        [[hold[key] for hold in told["holds"]] for told in (over_can, over_serial)]
-        for key in ("name", "began_s")
+        [[hold[key] for hold in told["holds"]] for told in (over_can, through)] for key in ("name", "began_s")
     )
     assert names[0] == names[1]
     # The set-up takes longer; "not armed" follows it.
     assert names[0][:2] == ["starting", "not armed"]
     assert began[1][2:] == pytest.approx(began[0][2:], abs=0.15)
-    assert over_serial["max_speed_mps"] < 0.502
-    assert over_serial["max_acceleration_mps2"] < 1.45
-    assert over_serial["line"]["late_cycles"] == 0
+    assert through["max_speed_mps"] < 0.502
+    assert through["max_acceleration_mps2"] < 1.45
+    assert through["lines"][0]["late_cycles"] == 0
 
 
 def test_rs232_drives_with_the_longer_cycle_that_its_robot_file_says(rides: Ridden) -> None:
-    slow = with_bus(RARS.over_serial(Generation.V1), cycle_ms=140)
+    slow = over_serial(RARS, Generation.V1).model_copy(update={"cycle_ms": 140})
     one = rides(ARMED, step(4.0, speed_mps=0.2, ramp_mps2=0.2), seconds=8, robot=slow)
     one.runs(7)
     assert one.now["speed_mps"] == pytest.approx(0.2, abs=0.002)
-    assert line_of(one).told(slow, one.rig.world.now).late_cycles == 0
+    assert line_of(one).carried(slow, one.rig.world.now).late_cycles == 0
     assert one.rig.guard.refused == 0
 
 
@@ -187,7 +188,7 @@ def test_no_arming_while_the_adapter_is_out(rides: Ridden) -> None:
     line_of(one).adapter.plugged = False
     one.runs_until(7)
     assert not armed(one)
-    assert not any(drive.busy for drive in one.rig.bridge._fleet.drives)  # noqa: SLF001 - what arming begins
+    assert not any(drive.busy for drive in one.rig.bridge.fleets.drivers)
 
 
 def test_a_drive_behind_the_gateway_that_falls_silent_stops_the_robot(rides: Ridden) -> None:
@@ -240,7 +241,7 @@ def test_a_drive_that_does_not_notice_the_bridge_s_silence_is_not_driven(
     hear = Consumer.hear
 
     def deaf(self: Consumer, payload: bytes, now: Nanoseconds) -> None:
-        if self.node != USB.guardian:
+        if self.node != USB.links["drives"].guardian(USB.nodes_on("drives")):
             hear(self, payload, now)
 
     monkeypatch.setattr(Consumer, "hear", deaf)

@@ -8,10 +8,9 @@ from pydantic import Field
 
 from emulators.bench.faults.fault import (
     CABLE_ORDER,
-    Fault,
     Lasting,
-    OnBus,
     Node,
+    OnBus,
     Problem,
     Share,
     Stations,

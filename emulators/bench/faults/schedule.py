@@ -9,8 +9,8 @@ from typing import Final
 import numpy as np
 
 from emulators.bench.faults.fault import Fault, Problem
+from emulators.bench.faults.reading import misfits
 from emulators.bench.faults.site import Site
-from emulators.bench.faults.table import misfits
 from emulators.bench.records import FaultRecord
 from firmware_bridge.units import NEVER, to_seconds
 

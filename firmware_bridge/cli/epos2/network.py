@@ -8,9 +8,8 @@ import typer
 
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import say
-from firmware_bridge.cli.epos2.line import Line
-from firmware_bridge.cli.epos2.one_drive import one_drive
-from firmware_bridge.cli.epos2.options import JsonOption, NetworkNodeOption
+from firmware_bridge.cli.epos2.drive_options import JsonOption, NetworkNodeOption
+from firmware_bridge.cli.epos2.one_drive import OneDrive, one_drive
 from firmware_bridge.drivers.commissioning.network_command import NetworkCommand
 from firmware_bridge.wire.canopen import NmtCommand
 
@@ -34,7 +33,7 @@ class Named(Enum):
 @command(EXAMPLES)
 @one_drive(NetworkNodeOption)
 def nmt(
-    drive: Line,
+    drive: OneDrive,
     command: Annotated[
         Named, typer.Argument(metavar="COMMAND", help=f"One of: {', '.join(each.value for each in Named)}.")
     ],

@@ -1,30 +1,154 @@
-"""Gives a command the options that say which drive it speaks to, over which link, and hands it the line."""
+"""From the options to one drive: the port to open, the way to speak over, and how the drive is called."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import wraps
 from inspect import Signature, signature
-from typing import Any
+from typing import Any, Final
 
-from firmware_bridge.cli.epos2.line import line_to
-from firmware_bridge.cli.epos2.options import NodeOption
+from firmware_bridge.cli.console import FAILED, INTERRUPTED, one_message, refusal
+from firmware_bridge.cli.epos2.drive_options import (
+    BaudOption,
+    GatewayOption,
+    LineProtocolOption,
+    NodeOption,
+    SerialPortOption,
+)
+from firmware_bridge.cli.options import BitRateOption, ChannelOption, InterfaceOption
+from firmware_bridge.drivers.commissioning.can_access import CanAccess
+from firmware_bridge.drivers.commissioning.client import JobClient, Script
+from firmware_bridge.drivers.commissioning.error_text import error_text
+from firmware_bridge.drivers.commissioning.job import JobError
+from firmware_bridge.drivers.commissioning.network_command import GatewayCheck
+from firmware_bridge.drivers.commissioning.serial_access import OWN, SerialAccess
+from firmware_bridge.node import CAN, SERIAL
+from firmware_bridge.shell.clock import Clock
+from firmware_bridge.shell.ports import LostPort, Port, PortError, SerialLine, open_can
+from firmware_bridge.shell.runner import run
+from firmware_bridge.units import NEVER, Nanoseconds
+from firmware_bridge.wire.canopen import ALL_NODES, FIRST_NODE
+from firmware_bridge.wire.maxon.frame import Generation
 
-Command = Callable[..., None]
-"""A command whose first argument is the `Line` to its drive."""
+_BAUD: Final = {Generation.V1: 115_200, Generation.V2: 1_000_000}
+_OTHER: Final = {Generation.V1: "v2", Generation.V2: "v1"}
 
 
-def one_drive(node: Any = NodeOption) -> Callable[[Command], Command]:
-    """Put the parameters of `line_to` in the place of a command's first; `node` is how the drive is named."""
+@dataclass(frozen=True, slots=True)
+class OneDrive:
+    """One drive, and the way to it."""
+
+    node: int | None
+    """None for the drive on a serial line, whichever it is; 0 for all nodes."""
+    title: str
+    silence: str
+    """What to look at when nobody answers."""
+    link: CanAccess | SerialAccess
+    opener: Callable[[], Port]
+    gateway: int | None = None
+
+    @property
+    def alone(self) -> bool:
+        """Whether the drive is asked on its own line, with no bus in between."""
+        return isinstance(self.link, SerialAccess) and self.link.node in {OWN, self.gateway}
+
+    def converse(self, script: Script, until: Nanoseconds = NEVER) -> JobClient:
+        """Carry a script out in real time; what goes wrong ends the program with one message.
+
+        Returns also where the time was over, or the user had enough, before the script was done.
+        """
+        checked = () if self.gateway is None or isinstance(self.link, CanAccess) else self._checked(self.link)
+        client = JobClient(self.link, (*checked, *script))
+        with one_message(PortError):
+            port = self.opener()
+        with one_message(LostPort, status=FAILED):
+            run(client, {SERIAL if isinstance(self.link, SerialAccess) else CAN: port}, Clock(), until=until)
+        if client.failure is not None:
+            raise refusal(self._error_text(client.failure), FAILED)
+        return client
+
+    def finish(self, script: Script) -> None:
+        """Carry out a script that has an end; to interrupt it ends the program."""
+        if not self.converse(script).finished:
+            raise refusal(
+                f"interrupted; {self.title} is left as the last command that reached it left it", INTERRUPTED
+            )
+
+    def _checked(self, link: SerialAccess) -> Script:
+        return () if self.gateway is None else GatewayCheck(link, self.gateway).script()
+
+    def _error_text(self, failure: Exception) -> str:
+        if isinstance(failure, JobError):
+            return error_text(failure, self.title, self.silence)
+        return f"{self.title}: {failure}"
+
+
+def drive_from_options(
+    *,
+    node: NodeOption = None,
+    interface: InterfaceOption = None,
+    channel: ChannelOption = None,
+    bit_rate: BitRateOption = None,
+    serial: SerialPortOption = None,
+    baud: BaudOption = None,
+    protocol: LineProtocolOption = None,
+    gateway: GatewayOption = None,
+) -> OneDrive:
+    """Return the way to a drive; options that do not go together end the program with a message."""
+    if serial is None:
+        _only(
+            "a serial line", "--serial DEVICE", {"--baud": baud, "--protocol": protocol, "--gateway": gateway}
+        )
+        number = FIRST_NODE if node is None else node
+        return OneDrive(
+            number,
+            _title(number, channel or "the configured bus"),
+            "is it on, on this bus, at this bit rate, with this --node? In Stopped it is silent, too",
+            CanAccess(number),
+            lambda: open_can(interface, channel, bit_rate),
+        )
+    _only("the CAN bus", "no --serial", {"-i": interface, "-c": channel, "-b": bit_rate})
+    spoken = protocol or Generation.V1
+    rate = baud or _BAUD[spoken]
+    wanted = gateway if node is None else node
+    return OneDrive(
+        wanted,
+        f"the drive on {serial}" if wanted is None else _title(wanted, serial),
+        f"is it on, at {rate} Bd (--baud), and does the line speak {spoken.value}, "
+        f"not {_OTHER[spoken]} (--protocol)?",
+        SerialAccess(spoken, wanted or OWN),
+        lambda: SerialLine(serial, rate),
+        gateway,
+    )
+
+
+def _title(node: int, where: str) -> str:
+    return f"all nodes on {where}" if node == ALL_NODES else f"node {node} on {where}"
+
+
+def _only(link: str, instead: str, given: dict[str, object]) -> None:
+    """Refuse options of the link that was not asked for."""
+    wrong = [name for name, value in given.items() if value is not None]
+    if wrong:
+        raise refusal(f"{', '.join(wrong)}: only {link} has that; say {instead}")
+
+
+DriveCommand = Callable[..., None]
+"""A command whose first argument is the drive."""
+
+
+def one_drive(node: Any = NodeOption) -> Callable[[DriveCommand], DriveCommand]:
+    """Put the parameters of `drive_from_options` in the place of a command's first; `node` names it."""
     line = [
         each.replace(annotation=node) if each.name == "node" else each
-        for each in signature(line_to).parameters.values()
+        for each in signature(drive_from_options).parameters.values()
     ]
 
-    def with_options(command: Command) -> Command:
+    def with_options(command: DriveCommand) -> DriveCommand:
         _, *own = signature(command).parameters.values()
 
         @wraps(command)
         def called(**given: Any) -> None:
-            drive = line_to(**{each.name: given.pop(each.name) for each in line})
+            drive = drive_from_options(**{each.name: given.pop(each.name) for each in line})
             command(drive, **given)
 
         arguments = [each for each in own if each.kind is not each.KEYWORD_ONLY]

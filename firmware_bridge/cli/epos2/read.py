@@ -11,11 +11,9 @@ from rich.text import Text
 
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import FAILED, one_message, say
-from firmware_bridge.cli.epos2.arguments import OptionalPeriod
-from firmware_bridge.cli.epos2.line import Line
-from firmware_bridge.cli.epos2.one_drive import one_drive
-from firmware_bridge.cli.epos2.options import JsonOption
-from firmware_bridge.cli.epos2.told import line, record
+from firmware_bridge.cli.epos2.drive_options import JsonOption, OptionalPeriod
+from firmware_bridge.cli.epos2.object_text import object_line, object_record
+from firmware_bridge.cli.epos2.one_drive import OneDrive, one_drive
 from firmware_bridge.cli.options import DurationOption, until
 from firmware_bridge.cli.tables import terminal
 from firmware_bridge.drivers.commissioning.error_text import error_text
@@ -55,7 +53,7 @@ WatchOption = Annotated[
 @command(EXAMPLES, kind=OptionalPeriod)
 @one_drive()
 def read(
-    drive: Line,
+    drive: OneDrive,
     objects: ObjectsArgument,
     *,
     watch: WatchOption = None,
@@ -77,15 +75,15 @@ def read(
 
 
 def _lines(reading: Reading) -> str:
-    return "\n".join(line(reading, address) for address in reading.addresses)
+    return "\n".join(object_line(reading, address) for address in reading.addresses)
 
 
-def _record(drive: Line, reading: Reading, indent: int | None = 2) -> str:
-    objects = [record(reading, address) for address in reading.addresses]
+def _record(drive: OneDrive, reading: Reading, indent: int | None = 2) -> str:
+    objects = [object_record(reading, address) for address in reading.addresses]
     return json.dumps({"node": drive.node, "objects": objects}, indent=indent)
 
 
-def _end_where_refused(drive: Line, reading: Reading) -> None:
+def _end_where_refused(drive: OneDrive, reading: Reading) -> None:
     found = (reading.found.get(address) for address in reading.addresses)
     refused = [each for each in found if isinstance(each, JobError)]
     for each in refused:
@@ -94,7 +92,9 @@ def _end_where_refused(drive: Line, reading: Reading) -> None:
         raise typer.Exit(FAILED)
 
 
-def _watch(drive: Line, reading: Reading, period: Nanoseconds, end: Nanoseconds, *, as_json: bool) -> None:
+def _watch(
+    drive: OneDrive, reading: Reading, period: Nanoseconds, end: Nanoseconds, *, as_json: bool
+) -> None:
     if as_json:
         drive.converse(
             reading.again_and_again(period, lambda: say(_record(drive, reading, indent=None))), end
@@ -122,7 +122,7 @@ class Changes:
     def tell(self) -> None:
         """Print what has changed."""
         for address in self._reading.addresses:
-            said = line(self._reading, address)
+            said = object_line(self._reading, address)
             if self._told.get(str(address)) != said:
                 self._told[str(address)] = said
                 say(said)

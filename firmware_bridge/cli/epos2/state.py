@@ -7,11 +7,10 @@ import typer
 
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import say
-from firmware_bridge.cli.epos2.agreed import agreed
-from firmware_bridge.cli.epos2.line import Line
-from firmware_bridge.cli.epos2.one_drive import one_drive
-from firmware_bridge.cli.epos2.options import JsonOption, YesOption
-from firmware_bridge.cli.epos2.told import record, value_told
+from firmware_bridge.cli.epos2.confirm import confirm
+from firmware_bridge.cli.epos2.drive_options import JsonOption, YesOption
+from firmware_bridge.cli.epos2.object_text import object_record, value_text
+from firmware_bridge.cli.epos2.one_drive import OneDrive, one_drive
 from firmware_bridge.drivers.commissioning.overview import Overview
 from firmware_bridge.drivers.commissioning.power import PowerCommand, Wanted
 from firmware_bridge.drivers.commissioning.words import title
@@ -30,7 +29,7 @@ EXAMPLES: Final = """Examples:
 @command(EXAMPLES)
 @one_drive()
 def state(
-    drive: Line,
+    drive: OneDrive,
     wanted: Annotated[
         Wanted | None,
         typer.Argument(metavar="COMMAND", help=f"One of: {', '.join(each.value for each in Wanted)}."),
@@ -51,7 +50,7 @@ def state(
         drive.finish(overview.script())
     else:
         if command.procedure.may_move:
-            agreed(f"{command.wanted.value} {drive.title}", "it may start to move", yes=yes)
+            confirm(f"{command.wanted.value} {drive.title}", "it may start to move", yes=yes)
         drive.finish((*command.script(), *overview.script()))
     if as_json:
         say(json.dumps(_record(drive, overview), indent=2))
@@ -61,23 +60,23 @@ def state(
         say(f"left so: {command.procedure.leaves}")
 
 
-def _text(drive: Line, overview: Overview) -> str:
+def _text(drive: OneDrive, overview: Overview) -> str:
     standing, history = overview.readings
-    errors = [value_told(history, address).partition("  ")[2] for address in history.addresses]
+    errors = [value_text(history, address).partition("  ")[2] for address in history.addresses]
     rows = (
         ("drive", drive.title),
         ("state", "unknown" if overview.state is None else overview.state.title),
-        ("statusword", value_told(standing, at.STATUSWORD)),
-        ("controlword", value_told(standing, at.CONTROLWORD)),
+        ("statusword", value_text(standing, at.STATUSWORD)),
+        ("controlword", value_text(standing, at.CONTROLWORD)),
         ("mode", title(overview.mode)),
         ("network", " or ".join(_network(each) for each in overview.network) or "unknown"),
-        ("errors", value_told(standing, at.ERROR_REGISTER)),
+        ("errors", value_text(standing, at.ERROR_REGISTER)),
         ("history", "\n             ".join(errors) or "empty"),
     )
     return "\n".join(f"{name:<11}  {text}" for name, text in rows)
 
 
-def _record(drive: Line, overview: Overview) -> dict[str, Any]:
+def _record(drive: OneDrive, overview: Overview) -> dict[str, Any]:
     standing, history = overview.readings
     return {
         "node": drive.node,
@@ -86,8 +85,8 @@ def _record(drive: Line, overview: Overview) -> dict[str, Any]:
         if overview.mode is None
         else {"number": overview.mode.value, "name": title(overview.mode)},
         "network": [_network(each) for each in overview.network],
-        "history": [record(history, address) for address in history.addresses],
-        "objects": [record(standing, address) for address in standing.addresses],
+        "history": [object_record(history, address) for address in history.addresses],
+        "objects": [object_record(standing, address) for address in standing.addresses],
     }
 
 

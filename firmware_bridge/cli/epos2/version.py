@@ -5,10 +5,9 @@ from typing import Any, Final
 
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import say
-from firmware_bridge.cli.epos2.line import Line
-from firmware_bridge.cli.epos2.one_drive import one_drive
-from firmware_bridge.cli.epos2.options import JsonOption
-from firmware_bridge.cli.epos2.told import record, value_told
+from firmware_bridge.cli.epos2.drive_options import JsonOption
+from firmware_bridge.cli.epos2.object_text import object_record, value_text
+from firmware_bridge.cli.epos2.one_drive import OneDrive, one_drive
 from firmware_bridge.drivers.commissioning.names import name_of
 from firmware_bridge.drivers.commissioning.overview import IDENTITY
 from firmware_bridge.drivers.commissioning.reading import Reading
@@ -23,13 +22,13 @@ EXAMPLES: Final = """Examples:
 
 @command(EXAMPLES)
 @one_drive()
-def version(drive: Line, *, as_json: JsonOption = False) -> None:
+def version(drive: OneDrive, *, as_json: JsonOption = False) -> None:
     """Tell a drive's name, hardware, firmware and serial number."""
     reading = Reading(IDENTITY)
     drive.finish(reading.once())
     if as_json:
         found: dict[str, Any] = {"node": drive.node}
-        found["objects"] = [record(reading, address) for address in reading.addresses]
+        found["objects"] = [object_record(reading, address) for address in reading.addresses]
         say(json.dumps(found, indent=2))
         return
     for address in IDENTITY:
@@ -39,4 +38,4 @@ def version(drive: Line, *, as_json: JsonOption = False) -> None:
 def _told(reading: Reading, address: Address) -> str:
     """Return a version or a number as maxon prints them, in hexadecimal digits."""
     value = reading.value(address)
-    return f"0x{value:04X}" if isinstance(value, int) else value_told(reading, address)
+    return f"0x{value:04X}" if isinstance(value, int) else value_text(reading, address)

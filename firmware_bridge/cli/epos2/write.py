@@ -7,12 +7,10 @@ import typer
 
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import one_message, refusal, say
-from firmware_bridge.cli.epos2.agreed import agreed
-from firmware_bridge.cli.epos2.arguments import NegativeValue
-from firmware_bridge.cli.epos2.line import Line
-from firmware_bridge.cli.epos2.one_drive import one_drive
-from firmware_bridge.cli.epos2.options import JsonOption, YesOption
-from firmware_bridge.cli.epos2.told import line, record
+from firmware_bridge.cli.epos2.confirm import confirm
+from firmware_bridge.cli.epos2.drive_options import JsonOption, NegativeValue, YesOption
+from firmware_bridge.cli.epos2.object_text import object_line, object_record
+from firmware_bridge.cli.epos2.one_drive import OneDrive, one_drive
 from firmware_bridge.drivers.commissioning.client import Ask, CommissioningError, need
 from firmware_bridge.drivers.commissioning.job import WriteJob
 from firmware_bridge.drivers.commissioning.motion import why_it_may_move
@@ -33,7 +31,7 @@ EXAMPLES: Final = """Examples:
 @command(EXAMPLES, kind=NegativeValue)
 @one_drive()
 def write(
-    drive: Line,
+    drive: OneDrive,
     wanted: Annotated[
         str,
         typer.Argument(metavar="OBJECT", help="A name as `epos2 objects` lists it, or 0x6081, or 0x60F6:1."),
@@ -70,11 +68,11 @@ def write(
         raise refusal("--size: a serial line always carries four bytes; leave it out")
     why = why_it_may_move(address, raw)
     if why is not None:
-        agreed(f"write {called(address)} of {drive.title}", why, yes=yes)
+        confirm(f"write {called(address)} of {drive.title}", why, yes=yes)
     drive.finish((Ask(WriteJob(address, raw), need(lambda _raw: ())),))
     written = Reading([address])
     written.found[address] = raw
     if as_json:
-        say(json.dumps({"node": drive.node, "written": record(written, address)}, indent=2))
+        say(json.dumps({"node": drive.node, "written": object_record(written, address)}, indent=2))
     else:
-        say(f"written: {' '.join(line(written, address).split())}")
+        say(f"written: {' '.join(object_line(written, address).split())}")

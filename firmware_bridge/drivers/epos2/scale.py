@@ -58,6 +58,10 @@ class Scale:
         """Return the nearest quadcount to a finite position."""
         return round(position * self.quadcounts_per_unit)
 
+    def within(self, position: float, travel: Travel) -> int:
+        """Return the quadcount within a travel that is nearest to a finite position, however far that is."""
+        return round(min(max(position * self.quadcounts_per_unit, travel.low_qc), travel.high_qc))
+
     def rpm(self, speed: float) -> float:
         """Return the motor's speed, not rounded."""
         return speed * self.rpm_per_unit_s

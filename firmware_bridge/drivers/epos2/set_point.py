@@ -128,7 +128,7 @@ class PositionSetPoint:
         if demand is Stop.QUICK_STOP or self._stopped():
             return self.word(QUICK_STOP)
         if isinstance(demand, Position) and math.isfinite(demand.value):
-            return self._go(self._travel.clip(self._scale.quadcounts(demand.value)))
+            return self._go(self._scale.within(demand.value, self._travel))
         self._under_way = False
         return self._frame(HALT)
 

@@ -132,28 +132,28 @@ def _come_to_rest(axis: Axis) -> Script:
     return (read(axis, at.STATUSWORD, DataType.UNSIGNED16, judge),)
 
 
-def _standing(axis: Axis, looks: int) -> Ask:
-    """Wait until the motor stands; so many looks are left."""
+def _standing(axis: Axis, polls: int) -> Ask:
+    """Wait until the motor stands; so many polls are left."""
 
     def judge(rpm: int) -> Script:
         if abs(rpm) <= STANDSTILL_RPM:
             return ()
-        if looks > 1:
-            return (pause(POLL), _standing(axis, looks - 1))
+        if polls > 1:
+            return (pause(POLL), _standing(axis, polls - 1))
         problem = f"the motor still turns with {rpm} rpm {STANDSTILL_WITHIN // SECOND} s after a quick stop"
         return (pause(POLL), failing(axis, problem))
 
     return read(axis, at.VELOCITY_AVERAGED, DataType.INTEGER32, judge)
 
 
-def _without_power(axis: Axis, looks: int) -> Ask:
-    """Wait until the power is off; so many looks are left."""
+def _without_power(axis: Axis, polls: int) -> Ask:
+    """Wait until the power is off; so many polls are left."""
 
     def judge(statusword: int) -> Script:
         if state_of(statusword) in (State.SWITCH_ON_DISABLED, State.FAULT):
             return ()
-        if looks > 1:
-            return (pause(POLL), _without_power(axis, looks - 1))
+        if polls > 1:
+            return (pause(POLL), _without_power(axis, polls - 1))
         problem = f"the power did not go off (statusword 0x{statusword:04X}, expected 0x0140)"
         return (pause(POLL), failing(axis, problem))
 

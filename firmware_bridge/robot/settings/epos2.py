@@ -1,5 +1,6 @@
 """EPOS2 drives in a robot file: their bus or serial line, one drive, its analogue inputs, its outputs."""
 
+import math
 from collections.abc import Sequence
 from enum import StrEnum
 from typing import Annotated, Self
@@ -150,6 +151,14 @@ class Epos2Axis(Table):
     def quadcounts_per_turn(self) -> int:
         """Quadcounts in one turn of the motor's shaft."""
         return QUADCOUNTS_PER_LINE * self.encoder_lines
+
+    def furthest(self, ratio: float) -> float:
+        """Return how far from 0 a travel may go in a counter of 32 bits, with `ratio` rad for each unit.
+
+        The drive's own limits lie further out than the travel, by the following error.
+        """
+        counted = (1 << 31) - 1 - self.profile.max_following_error_qc
+        return counted / self.quadcounts_per_turn * 2.0 * math.pi / ratio
 
 
 class Epos2AnalogueInput(Table):

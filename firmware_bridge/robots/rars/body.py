@@ -47,7 +47,15 @@ class Rars:
     """A `firmware_bridge.kind.Body`."""
 
     __slots__ = (
-        "_base", "_highest_m", "_left", "_lift", "_rate_mps", "_ramp", "_right", "_screw", "_steering",
+        "_base",
+        "_highest_m",
+        "_left",
+        "_lift",
+        "_ramp",
+        "_rate_mps",
+        "_right",
+        "_screw",
+        "_steering",
         "rolling",
     )  # fmt: skip
 

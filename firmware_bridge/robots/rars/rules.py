@@ -1,7 +1,7 @@
 """RARS's own interlocks and limits, beside the common ones of `firmware_bridge.safety.common`.
 
-Sources: A. P. Das, PhD thesis, IIT Delhi, 2018, 2.3.1 (tipping, acceleration), 4.2, 4.2.1 and Tab. 2.1 (speed,
-turn, lift); the times are choices of this project.
+Sources: A. P. Das, PhD thesis, IIT Delhi, 2018, 2.3.1 (tipping, acceleration), 4.2, 4.2.1 and Tab. 2.1
+(speed, turn, lift); the times are choices of this project.
 """
 
 import math

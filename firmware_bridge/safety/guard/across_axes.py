@@ -2,9 +2,9 @@
 
 Set-points of one cycle leave one after the other, so between two vectors of speeds that are both within a
 bound lie mixtures that are not. A mixture is let through while another axis of the sum may still mend it:
-until each of them has been sent a set-point, and no longer than a cycle. Over any length of time the sum's
-integral exceeds its bound by no more than a fixed amount, which no honest bridge can reach with mixtures;
-so nobody can go on from one mixture to the next.
+until each of them has been sent a set-point, at the same instant or later, and no longer than a cycle. Over
+any length of time the sum's integral exceeds its bound by no more than a fixed amount, which no honest bridge
+can reach with mixtures; so nobody can go on from one mixture to the next.
 """
 
 from abc import ABC, abstractmethod
@@ -54,9 +54,11 @@ class SpeedBound(AxesRule):
         self._most_excess: Final = 2.0 * reach * self._patience
         """What all axes together make in two cycles at their top speeds; in the sum's unit times ns."""
         self._to_come: tuple[GuardedAxis, ...] = ()
-        """While the bound is passed: who has not been sent a set-point since."""
+        """Who had not been sent a set-point when the bound was passed, nor since."""
         self._passed_at: Nanoseconds = NEVER
-        """Since when the bound is passed."""
+        """When the bound was passed last."""
+        self._kept_at: Nanoseconds = -1
+        """Since when the sum is within its bound; NEVER while it is not."""
         self._value = 0.0
         """The sum in force."""
         self._excess = 0.0
@@ -69,7 +71,7 @@ class SpeedBound(AxesRule):
         if own == 0.0:
             return None
         value = sum(factor * (own if one is axis else one.speed) for one, factor in self._terms)
-        if value <= self._bound or (self._may_be_mended(axis) and self._excess_at(now) < self._most_excess):
+        if value <= self._bound or (self._others(axis, now) and self._excess_at(now) < self._most_excess):
             return None
         return f"{self.name} of {self._sign * value:.4f} is beyond {self._sign * self._bound:.4f}"
 
@@ -84,17 +86,21 @@ class SpeedBound(AxesRule):
         self._value = sum(factor * one.speed for one, factor in self._terms)
         beyond = self._value - self._bound
         if beyond <= 0.0:
-            self._passed_at = self.due = NEVER
+            self._kept_at = min(self._kept_at, now)
+            self.due = NEVER
             return
-        to_come = self.axes if self._passed_at == NEVER else self._to_come
-        self._to_come = tuple(one for one in to_come if one is not axis)
-        self._passed_at = min(self._passed_at, now)
+        self._to_come = self._others(axis, now)
+        if self._kept_at not in {NEVER, now}:
+            self._passed_at = now
+        self._kept_at = NEVER
         exhausted = now + int((self._most_excess - self._excess) / beyond)
         self.due = min(self._passed_at + self._patience, exhausted) if self._to_come else now
 
-    def _may_be_mended(self, axis: GuardedAxis) -> bool:
-        to_come = self.axes if self._passed_at == NEVER else self._to_come
-        return any(one is not axis for one in to_come)
+    def _others(self, axis: GuardedAxis, now: Nanoseconds) -> tuple[GuardedAxis, ...]:
+        """Return who may still mend what this axis does: nobody that has been sent a set-point since."""
+        # To be within at an instant only, before the next word of that instant, mends nothing.
+        to_come = self._to_come if self._kept_at in {NEVER, now} else self.axes
+        return tuple(one for one in to_come if one is not axis and one.commanded_at < now)
 
     def _excess_at(self, now: Nanoseconds) -> float:
         return max(0.0, self._excess + (self._value - self._bound) * (now - self._summed_at))

@@ -14,13 +14,16 @@ from firmware_bridge.safety.guard.epos2_words import (
     QUICK_STOP,
     SetPoint,
 )
-from firmware_bridge.wire.cia402 import State, state_of
+from firmware_bridge.units import Nanoseconds
+from firmware_bridge.wire.cia402 import State, Status, state_of
 
 
 class GuardedAxis:
     """The set-point in force at one drive; without power until one is sent, or the drive reports it."""
 
     __slots__ = (
+        "_aimed_at",
+        "_arrived",
         "_has_goal",
         "_rpm_per_unit",
         "_word",
@@ -44,7 +47,7 @@ class GuardedAxis:
         self.cycle: Final = robot.cycle * robot.links[axis.link].every
         """The time from one of its set-points to the next."""
         self.target = 0
-        self.commanded_at = 0
+        self.commanded_at = -1
         """When the node last had a set-point for it, good or bad."""
         self.reported: State | None = None
         """The drive's state by its newest statusword; None while it has told none."""
@@ -52,6 +55,10 @@ class GuardedAxis:
         """The controlword that was sent last; None where none is in force."""
         self._has_goal = False
         """Whether a position was sent since the power came on: the drive goes there unless it is stopped."""
+        self._aimed_at: Nanoseconds = 0
+        """When it was sent there, or on its way again after a halt."""
+        self._arrived = False
+        """Whether the drive has reported since that it is there."""
         self._rpm_per_unit: Final = rpm_per_unit(axis)
 
     @property
@@ -62,7 +69,9 @@ class GuardedAxis:
     @property
     def moving(self) -> bool:
         """Whether the set-point in force asks for motion."""
-        return self._word is not None and self.moves_with(SetPoint(self._word, self.target))
+        if self.by_speed:
+            return self._word == ENABLE and self.target != 0
+        return self._word in {ENABLE, NEW_SET_POINT} and self._has_goal and not self._arrived
 
     @property
     def speed(self) -> float:
@@ -82,11 +91,12 @@ class GuardedAxis:
     def moves_with(self, set_point: SetPoint) -> bool:
         """Tell whether the axis would move by this set-point.
 
-        A position counts until a halt, or until the power is taken off: that it was reached is not looked at.
+        A position counts until its drive reports that it is there, until a halt, or until the power is off.
         """
         if self.by_speed:
             return set_point.word == ENABLE and set_point.target != 0
-        return set_point.word == NEW_SET_POINT or (set_point.word == ENABLE and self._has_goal)
+        goes_on = set_point.word == ENABLE and self._has_goal and not self._arrived
+        return set_point.word == NEW_SET_POINT or goes_on
 
     def speed_with(self, set_point: SetPoint) -> float:
         """Return the speed with which the axis would move by this set-point, in its unit a second."""
@@ -94,13 +104,17 @@ class GuardedAxis:
             return 0.0
         return set_point.target / self._rpm_per_unit
 
-    def sent(self, set_point: SetPoint) -> None:
+    def sent(self, set_point: SetPoint, now: Nanoseconds) -> None:
         """Note what is in force from now on."""
+        before = self._word
         self._word, self.target = set_point
         if self._word == NEW_SET_POINT:
             self._has_goal = True
         elif self._word not in POWERED:
             self._has_goal = False
+        if self._word != ENABLE or before not in {ENABLE, NEW_SET_POINT}:
+            self._aimed_at = now
+            self._arrived = False
 
     def deaf(self) -> None:
         """Note that nothing is in force any more: the drive does not hear set-points, and keeps none."""
@@ -112,11 +126,16 @@ class GuardedAxis:
         self.deaf()
         self.reported = None
 
-    def reports(self, statusword: int) -> None:
+    def reports(self, statusword: int, now: Nanoseconds) -> None:
         """Note a statusword; one that tells no state changes nothing."""
         state = state_of(statusword)
-        if state is not None:
-            self.reported = state
+        if state is None:
+            return
+        self.reported = state
+        # What comes within a cycle may have left the drive before it was sent anywhere.
+        fresh = now >= self._aimed_at + self.cycle
+        if fresh and state is State.OPERATION_ENABLED and statusword & Status.TARGET_REACHED:
+            self._arrived = True
 
     def _safe_word(self) -> int:
         if self._word in POWERED:

@@ -20,6 +20,7 @@ from firmware_bridge.safety.guard.axis import GuardedAxis
 from firmware_bridge.safety.guard.epos2_words import CONTROLWORDS, LISTED_NMT, TARGET_UNIT, SetPoint
 from firmware_bridge.safety.guard.wire_rules import WireRules
 from firmware_bridge.safety.guard.writes import STATUS_PDOS, Writes, writes_on_can
+from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.canopen import NmtCommand, NmtState
 from firmware_bridge.wire.epos2.address import CONSUMER_HEARTBEAT_1, CONTROLWORD, STATUSWORD, Address
@@ -159,12 +160,12 @@ class Epos2CanRules(WireRules):
         abort = bytes((_ABORT,)) + address + _GENERAL_ERROR.to_bytes(4, "little")
         return (Packet(self.link, packet.address, abort),)
 
-    def sends(self, packet: Packet, *, asked: bool) -> GuardedAxis | None:
+    def sends(self, packet: Packet, now: Nanoseconds, *, asked: bool) -> GuardedAxis | None:
         """Note what a frame does to the drives."""
         del asked
         axis = self._by_set_point.get(packet.address)
         if axis is not None:
-            axis.sent(self.set_point_of(packet, axis))
+            axis.sent(self.set_point_of(packet, axis), now)
             return axis
         if packet.address == canopen.NMT:
             self._commands(packet.payload[0], packet.payload[1])
@@ -172,18 +173,18 @@ class Epos2CanRules(WireRules):
         axis = self._by_request.get(packet.address)
         if axis is None or not _writes(packet.payload, CONTROLWORD.index):
             return None
-        axis.sent(SetPoint(int.from_bytes(packet.payload[4:6], "little"), axis.target))
+        axis.sent(SetPoint(int.from_bytes(packet.payload[4:6], "little"), axis.target), now)
         return axis
 
-    def receives(self, packet: Packet) -> bool:
+    def receives(self, packet: Packet, now: Nanoseconds) -> bool:
         """Let everything in; read the statusword where it comes by itself, or where it was asked for."""
         payload = packet.payload
         axis = self._by_status.get(packet.address)
         if axis is not None and len(payload) >= _STATUSWORD.size:
-            axis.reports(_STATUSWORD.unpack_from(payload)[0])
+            axis.reports(_STATUSWORD.unpack_from(payload)[0], now)
         axis = self._by_response.get(packet.address)
         if axis is not None and _tells_statusword(payload):
-            axis.reports(_STATUSWORD.unpack_from(payload, 4)[0])
+            axis.reports(_STATUSWORD.unpack_from(payload, 4)[0], now)
         return True
 
     def _commands(self, command: int, node: int) -> None:
@@ -210,7 +211,7 @@ def _listed(robot: AnyRobot, link: str, axes: tuple[GuardedAxis, ...]) -> dict[i
     }
     for axis in axes:
         listed[_set_point_id(axis)] = AxisSetPoint(axis.axis.command, axis.targets)
-        listed[canopen.SDO_REQUEST + axis.node] = SdoRequest(writes_on_can(axis.axis, robot, axis.targets))
+        listed[canopen.SDO_REQUEST + axis.node] = SdoRequest(writes_on_can(axis.axis, robot))
     return listed
 
 

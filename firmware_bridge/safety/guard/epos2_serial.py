@@ -18,6 +18,7 @@ from firmware_bridge.safety.guard.axis import GuardedAxis
 from firmware_bridge.safety.guard.epos2_words import CONTROLWORDS, LISTED_NMT, TARGET, SetPoint
 from firmware_bridge.safety.guard.wire_rules import WireRules
 from firmware_bridge.safety.guard.writes import Values, Writes, writes_over_serial
+from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.can import MAX_PAYLOAD
 from firmware_bridge.wire.canopen import NmtCommand, NmtState
@@ -94,7 +95,7 @@ class Epos2SerialRules(WireRules):
     def instead_of(self, packet: Packet) -> None:
         """Stop every axis, whatever command it is."""
 
-    def sends(self, packet: Packet, *, asked: bool) -> GuardedAxis | None:
+    def sends(self, packet: Packet, now: Nanoseconds, *, asked: bool) -> GuardedAxis | None:
         """Note what a command does to the drives, and whether the node waits for the answer."""
         request = request_of(packet)
         self._unanswered.append((request, asked))
@@ -107,12 +108,12 @@ class Epos2SerialRules(WireRules):
         if axis is not None and isinstance(request, WriteObject):
             written = _written(request, axis)
             if address_of(request) == CONTROLWORD:
-                axis.sent(written)
+                axis.sent(written, now)
             else:
                 axis.target = written.target
         return axis
 
-    def receives(self, packet: Packet) -> bool:
+    def receives(self, packet: Packet, now: Nanoseconds) -> bool:
         """Let in what is the node's; a line that is gone answers nothing any more."""
         if packet.address in {LINE_LOST, LINE_BACK}:
             # What has left before, or in between, is never answered.
@@ -122,7 +123,7 @@ class Epos2SerialRules(WireRules):
             return False
         request, asked = self._unanswered.popleft()
         if isinstance(request, ReadObject) and address_of(request) == STATUSWORD:
-            self._reads(request, packet)
+            self._reads(request, packet, now)
         return asked
 
     def addressed(self, node: int) -> Iterable[GuardedAxis]:
@@ -133,11 +134,11 @@ class Epos2SerialRules(WireRules):
         """Tell whether a listed drive may have power."""
         return self._by_node[node].powered
 
-    def _reads(self, request: ReadObject, packet: Packet) -> None:
+    def _reads(self, request: ReadObject, packet: Packet, now: Nanoseconds) -> None:
         _, outcome = outcome_of(packet)
         answer = decode_answer(request, outcome.body) if isinstance(outcome, Answered) else None
         if isinstance(answer, ObjectRead) and answer.error == 0:
-            self._by_node[request.node].reports(DataType.UNSIGNED16.decode(answer.raw[:2]))
+            self._by_node[request.node].reports(DataType.UNSIGNED16.decode(answer.raw[:2]), now)
 
     def _writing(self, axis: GuardedAxis, address: Address, value: int) -> Packet:
         raw = (value & 0xFFFF_FFFF).to_bytes(_RAW, "little")
@@ -147,7 +148,7 @@ class Epos2SerialRules(WireRules):
 
 def _all_writes(axis: GuardedAxis, robot: AnyRobot) -> Writes:
     return {
-        **writes_over_serial(axis.axis, robot, axis.targets),
+        **writes_over_serial(axis.axis, robot),
         CONTROLWORD: Values(DataType.UNSIGNED16, CONTROLWORDS[axis.axis.command]),
         _target(axis): Values(DataType.INTEGER32, axis.targets),
     }

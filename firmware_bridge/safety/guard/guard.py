@@ -82,7 +82,7 @@ class Guarded:
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Pass a packet on, and judge what the node sends."""
         rules = self.links.get(packet.link)
-        if rules is not None and not rules.receives(packet):
+        if rules is not None and not rules.receives(packet, now):
             return self.wake(now)
         return self._judged(self.node.receive(packet, now), now)
 
@@ -155,7 +155,7 @@ class Guarded:
     ) -> tuple[Packet, ...]:
         """Note what leaves; to `asked`, which is one of them, the node waits for an answer."""
         for packet in packets:
-            axis = self.links[packet.link].sends(packet, asked=packet is asked)
+            axis = self.links[packet.link].sends(packet, now, asked=packet is asked)
             if axis is not None:
                 for rule in self._across_of[axis.axis.name]:
                     rule.sent(axis, now)

@@ -5,6 +5,7 @@ from abc import ABC, abstractmethod
 from firmware_bridge.packet import Packet
 from firmware_bridge.safety.guard.axis import GuardedAxis
 from firmware_bridge.safety.guard.epos2_words import SetPoint
+from firmware_bridge.units import Nanoseconds
 
 
 class WireRules(ABC):
@@ -39,12 +40,12 @@ class WireRules(ABC):
         """Return what leaves instead of a refused packet that is no set-point; None to stop every axis."""
 
     @abstractmethod
-    def sends(self, packet: Packet, *, asked: bool) -> GuardedAxis | None:
+    def sends(self, packet: Packet, now: Nanoseconds, *, asked: bool) -> GuardedAxis | None:
         """Note a packet that leaves; return the axis for which it put something in force.
 
         `asked`: the node waits for what comes back.
         """
 
     @abstractmethod
-    def receives(self, packet: Packet) -> bool:
+    def receives(self, packet: Packet, now: Nanoseconds) -> bool:
         """Note what comes in, and tell whether it is the node's; each packet of the link is shown once."""

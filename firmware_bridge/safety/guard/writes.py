@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Final, TypeAlias
 
 from firmware_bridge.robot import AnyLink, AnyRobot, Axis, Command, Output
-from firmware_bridge.safety.guard.bounds import highest_rpm
+from firmware_bridge.safety.guard.bounds import ends_qc, highest_rpm
 from firmware_bridge.safety.guard.epos2_words import STOP_WORDS
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.cia402 import Mode
@@ -88,30 +88,30 @@ def output_function(output: Output) -> OutputFunction:
     return OutputFunction(OutputFunction.GENERAL_A - (output.settings.output - 1))
 
 
-def writes_on_can(axis: Axis, robot: AnyRobot, targets: range) -> Writes:
+def writes_on_can(axis: Axis, robot: AnyRobot) -> Writes:
     """Return the objects of one drive that the bridge reaches over CAN."""
     link = robot.links[axis.link]
-    return _writes(axis, robot, targets, _watch(link, link.bridge_node), link.drive_heartbeat_ms)
+    return _writes(axis, robot, _watch(link, link.bridge_node), link.drive_heartbeat_ms)
 
 
-def writes_over_serial(axis: Axis, robot: AnyRobot, targets: range) -> Writes:
+def writes_over_serial(axis: Axis, robot: AnyRobot) -> Writes:
     """Return the objects of one drive that the bridge reaches by serial commands, set-points left out.
 
     The drive has no heartbeat there, and watches whom the robot file makes it watch.
     """
     link = robot.links[axis.link]
     watched = link.watched_by(axis.settings.node, robot.nodes_on(axis.link))
-    return _writes(axis, robot, targets, _watch(link, watched), 0)
+    return _writes(axis, robot, _watch(link, watched), 0)
 
 
-def _writes(axis: Axis, robot: AnyRobot, targets: range, watch: int, heartbeat_ms: int) -> Writes:
+def _writes(axis: Axis, robot: AnyRobot, watch: int, heartbeat_ms: int) -> Writes:
     outputs = [row for row in robot.outputs if row.link == axis.link and row.settings.axis == axis.name]
     return dict(
         (
             *_process_data(axis),
             *_supervision(watch, heartbeat_ms),
             *_protection(axis),
-            *_range(axis, targets),
+            *_range(axis),
             *_motion(axis),
             *_gains(axis),
             *_outputs(outputs),
@@ -180,12 +180,12 @@ def _protection(axis: Axis) -> Iterator[tuple[Address, Values]]:
     yield at.MAX_FOLLOWING_ERROR, _within(U32, 1, profile.max_following_error_qc)
 
 
-def _range(axis: Axis, targets: range) -> Iterator[tuple[Address, Values]]:
-    if axis.command is not Command.POSITION:
+def _range(axis: Axis) -> Iterator[tuple[Address, Values]]:
+    if axis.travel is None:
         return
-    margin = axis.settings.profile.max_following_error_qc
+    (low, high), margin = ends_qc(axis), axis.settings.profile.max_following_error_qc
     for address in (at.MIN_POSITION_LIMIT, at.MAX_POSITION_LIMIT):
-        yield address, _within(I32, targets[0] - margin, targets[-1] + margin)
+        yield address, _within(I32, low - margin, high + margin)
 
 
 def _motion(axis: Axis) -> Iterator[tuple[Address, Values]]:
@@ -228,4 +228,3 @@ def _outputs(outputs: Sequence[Output]) -> Iterator[tuple[Address, Values]]:
         yield functions.OUTPUT_PINS[output.settings.output - 1], _exactly(U16, function)
     yield functions.OUTPUT_STATE, Values(U16, Bits(bits))
     yield functions.OUTPUT_MASK, Values(U16, Bits(bits))
-    yield functions.OUTPUT_POLARITY, _exactly(U16, 0)

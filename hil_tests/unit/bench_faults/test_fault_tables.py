@@ -6,11 +6,14 @@ from pydantic import ValidationError
 from emulators.bench.faults import KINDS, Fault, FaultError, Kind, misfits, read
 from emulators.bench.mission import Mission, MissionFileError, parse
 from emulators.documents.faults import parameters, target
+from emulators.robots.rars import REHEARSAL
 from firmware_bridge import kinds
+from firmware_bridge.drivers.epos2.serial.fleet import over_serial
+from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import NEVER, from_seconds
 
 RARS = kinds.find("rars")
-SERIAL = RARS.over_serial()
+SERIAL = over_serial(RARS)
 HEAD = 'title = "t"\nduration_s = 10.0\n[[step]]\nat_s = 1.0\ntitle = "s"\narm = true\n'
 LEAST = {
     "reception_error": 'node = "left"',
@@ -40,11 +43,11 @@ def table(kind: str, keys: str = "") -> str:
     return f'\n[[fault]]\nkind = "{kind}"\n{keys}\n'
 
 
-def mission(text: str, robot: robots.Robot = RARS) -> Mission:
-    return parse(HEAD + text, "my.toml", robot)
+def mission(text: str, robot: AnyRobot = RARS) -> Mission:
+    return parse(HEAD + text, "my.toml", robot, REHEARSAL)
 
 
-def refusal(text: str, robot: robots.Robot = RARS) -> list[str]:
+def refusal(text: str, robot: AnyRobot = RARS) -> list[str]:
     with pytest.raises(MissionFileError) as caught:
         mission(text, robot)
     return str(caught.value).splitlines()

@@ -1,23 +1,30 @@
 """The scripted operator, joined directly to the bridge's Operator: both ends real, only the wire is short."""
 
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from emulators.bench.mission import Mission, parse
+from emulators.bench import mission as missions
+from emulators.bench.mission import Mission
 from emulators.bench.operator import ScriptedOperator
+from emulators.robots.rars import REHEARSAL
 from firmware_bridge import kinds
 from firmware_bridge.intent import Arm, ClearEmergencyStop, Disarm, EmergencyStop, Intent, Request, Verdict
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.safety.snapshot import DriveSnapshot, Hold, Snapshot
+from firmware_bridge.robots.rars import KIND
+from firmware_bridge.robots.rars.motion import Motion, State
+from firmware_bridge.safety.snapshot import Hold, Snapshot
 from firmware_bridge.teleop.mavlink import Codec
 from firmware_bridge.teleop.operator import Operator
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
-from firmware_bridge.wire.cia402 import State
+from hil_tests.safety import gate_bench
+
+if TYPE_CHECKING:
+    from firmware_bridge.robots.rars.geometry import Geometry
 
 RARS = kinds.find("rars")
 CYCLE = 50 * MILLISECOND
@@ -29,7 +36,15 @@ def mission(*steps: str, head: str = "") -> Mission:
     for step in steps:
         at, keys = step.split(" ", 1)
         text += f"\n[[step]]\nat_s = {at}\ntitle = '{keys}'\n" + keys.replace("; ", "\n") + "\n"
-    return parse(text, "test.toml", RARS)
+    return parse(text)
+
+
+def parse(text: str, file: str = "test.toml") -> Mission:
+    return missions.parse(text, file, RARS, REHEARSAL)
+
+
+def find(name: str) -> Mission:
+    return missions.find(name, RARS, REHEARSAL)
 
 
 @dataclass
@@ -46,7 +61,10 @@ class Robotlike:
     holds: tuple[Hold, ...] = ()
 
     def __post_init__(self) -> None:
-        self.operator = Operator(self.robot)
+        rolling = KIND.rules(self.robot)[""].body.rolling
+        self.operator: Operator[Geometry, Motion, State] = Operator(
+            self.robot, KIND.station, KIND.rest, rolling=rolling
+        )
 
     def decide(self, request: Request) -> Verdict:
         self.requests.append(request)
@@ -67,23 +85,21 @@ class Robotlike:
         return () if self.deaf else self.operator.hear(payload, now, self.decide)
 
     def report(self, now: Nanoseconds) -> tuple[bytes, ...]:
-        drives = tuple(
-            DriveSnapshot(axis.name, axis.settings.node, State.OPERATION_ENABLED, now, 0, 0.0, 0, 0)
-            for axis in self.robot.axes
-        )
-        snapshot = Snapshot(
-            now=now,
-            intent=self.operator.intent,
+        told = gate_bench.well(
+            self.robot,
+            now,
             armed=self.armed,
             emergency_stopped=self.stopped,
-            drives=drives,
             steer_rad=0.1,
             lift_m=0.2,
             speed_mps=0.3,
-            yaw_rate_rad_s=0.4,
+        )
+        snapshot = Snapshot(
+            facts=told.facts,
+            wish=self.operator.intent.wish,
+            demanded=told.demanded,
+            body=replace(told.body, yaw_rate_rad_s=0.4),
             pose=self.pose,
-            demanded_speed_mps=0.0,
-            battery_v=24.0,
         )
         return self.operator.report(snapshot, self.holds, now)
 
@@ -99,7 +115,7 @@ class Joined:
     cycle_at: Nanoseconds = 0
     sent: list[tuple[Nanoseconds, bytes]] = field(default_factory=list)
 
-    def run(self, until_s: float) -> Intent:
+    def run(self, until_s: float) -> Intent[Motion]:
         until = from_seconds(until_s)
         while min(self.wake_at, self.cycle_at) <= until:
             if self.wake_at <= self.cycle_at:
@@ -131,4 +147,4 @@ class Joined:
 
 
 def join(script: Mission, seed: int = 1) -> Joined:
-    return Joined(ScriptedOperator(RARS, script, np.random.default_rng(seed)))
+    return Joined(ScriptedOperator(RARS, REHEARSAL, script, np.random.default_rng(seed)))

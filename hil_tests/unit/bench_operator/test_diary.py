@@ -8,6 +8,7 @@ from emulators.bench.log import Kind
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet
+from firmware_bridge.safety.row import Row
 from firmware_bridge.safety.snapshot import Hold
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.units import MILLISECOND, SECOND
@@ -27,7 +28,7 @@ def test_a_refusal_and_its_reason_are_in_the_diary() -> None:
 def test_long_texts_are_read_whole() -> None:
     joined = join(mission("1.0 arm = true"))
     reason = "a reason that is much longer than the fifty characters of one STATUSTEXT, to be sure"
-    joined.robotlike.holds = (Hold("long", reason, "", 0),)
+    joined.robotlike.holds = (Hold("long", reason, Row("long", ""), 0),)
     joined.run(0.1)
     assert joined.driver.diary.texts(Kind.TOLD) == [reason]
 

@@ -5,9 +5,8 @@ import math
 import pytest
 
 from emulators.bench.log import Kind
-from emulators.bench.mission import find
 from firmware_bridge.intent import Arm, Disarm
-from hil_tests.unit.bench_operator.joined import RARS, join, mission
+from hil_tests.unit.bench_operator.joined import find, join, mission
 
 
 @pytest.mark.parametrize("how", ["stick", "twist"])
@@ -18,17 +17,18 @@ def test_what_the_mission_says_is_what_the_bridge_understands(
     how: str, speed: float, steer_deg: float
 ) -> None:
     joined = join(mission(f"1.0 speed_mps = {speed}; steer_deg = {steer_deg}", head=f'input = "{how}"\n'))
-    assert joined.run(0.99).speed_mps == 0.0
+    assert joined.run(0.99).wish.speed_mps == 0.0
     intent = joined.run(1.0)
-    assert intent.speed_mps == pytest.approx(speed, abs=0.00026)
-    assert math.degrees(intent.steer_rad) == pytest.approx(steer_deg, abs=0.031)
+    assert intent.wish.speed_mps == pytest.approx(speed, abs=0.00026)
+    assert math.degrees(intent.wish.steer_rad or 0.0) == pytest.approx(steer_deg, abs=0.031)
 
 
 @pytest.mark.parametrize("how", ["stick", "twist"])
 @pytest.mark.parametrize("radius", [1.5, -0.8])
 def test_a_radius_is_steered(how: str, radius: float) -> None:
     joined = join(mission(f"1.0 speed_mps = 0.3; radius_m = {radius}", head=f'input = "{how}"\n'))
-    steer = joined.run(2.0).steer_rad
+    steer = joined.run(2.0).wish.steer_rad
+    assert steer is not None
     # R = a_k / 2 + w cot(theta) (thesis 2.13)
     assert 0.105 + 0.515 / math.tan(abs(steer)) == pytest.approx(abs(radius), rel=2e-3)
     assert math.copysign(1.0, steer) == math.copysign(1.0, radius)
@@ -37,13 +37,13 @@ def test_a_radius_is_steered(how: str, radius: float) -> None:
 def test_a_twist_can_ask_for_more_than_the_limits() -> None:
     joined = join(mission("1.0 speed_mps = 0.8; steer_deg = 80.0", head='input = "twist"\n'))
     intent = joined.run(2.0)
-    assert intent.speed_mps == pytest.approx(0.8)
-    assert math.degrees(intent.steer_rad) == pytest.approx(80.0, abs=0.01)
+    assert intent.wish.speed_mps == pytest.approx(0.8)
+    assert math.degrees(intent.wish.steer_rad or 0.0) == pytest.approx(80.0, abs=0.01)
 
 
 def test_the_line_accelerates_as_in_the_thesis() -> None:
-    joined = join(find("line", RARS))
-    speeds = {at: joined.run(at).speed_mps for at in (4.0, 9.0, 14.0, 18.9, 24.0, 29.0, 31.0)}
+    joined = join(find("line"))
+    speeds = {at: joined.run(at).wish.speed_mps for at in (4.0, 9.0, 14.0, 18.9, 24.0, 29.0, 31.0)}
     expected = {4.0: 0.0, 9.0: 0.12, 14.0: 0.24, 18.9: 0.24, 24.0: 0.12, 29.0: 0.0, 31.0: 0.0}
     assert speeds == pytest.approx(expected, abs=0.00026)
     assert joined.robotlike.requests == [Arm(), Disarm()]
@@ -52,8 +52,8 @@ def test_the_line_accelerates_as_in_the_thesis() -> None:
 def test_lift_lamp_and_detector() -> None:
     joined = join(mission("1.0 arm = true", "2.0 lift_m = 0.4; headlamp = true; detector = true"))
     intent = joined.run(2.1)
-    assert intent.lift_m == pytest.approx(0.4, abs=1e-6)
-    assert (intent.headlamp, intent.detector) == (True, True)
+    assert intent.wish.lift_m == pytest.approx(0.4, abs=1e-6)
+    assert (intent.wish.headlamp, intent.wish.detector) == (True, True)
     assert joined.driver.diary.texts(Kind.ANSWERED) == [
         "arm: accepted", "headlamp: accepted", "detector: accepted", "lift: accepted",
     ]  # fmt: skip
@@ -61,19 +61,19 @@ def test_lift_lamp_and_detector() -> None:
 
 def test_buttons_are_tapped() -> None:
     joined = join(mission('1.0 press = "headlamp"', '2.0 press = "detector"'))
-    assert (joined.run(1.5).headlamp, joined.run(1.5).detector) == (True, False)
-    assert (joined.run(2.5).headlamp, joined.run(2.5).detector) == (True, True)
+    assert (joined.run(1.5).wish.headlamp, joined.run(1.5).wish.detector) == (True, False)
+    assert (joined.run(2.5).wish.headlamp, joined.run(2.5).wish.detector) == (True, True)
 
 
 def test_the_lift_moves_by_stick_until_told_otherwise() -> None:
     joined = join(mission("1.0 lift_rate_mps = -0.05", "2.0 lift_rate_mps = 0.0"))
-    assert joined.run(1.5).lift_rate_mps == pytest.approx(-0.05)
-    assert joined.run(2.5).lift_rate_mps == 0.0
+    assert joined.run(1.5).wish.lift_rate_mps == pytest.approx(-0.05)
+    assert joined.run(2.5).wish.lift_rate_mps == 0.0
 
 
 def test_every_shipped_mission_runs_to_its_end() -> None:
     for name in ("line", "circles", "interlocks"):
-        script = find(name, RARS)
+        script = find(name)
         joined = join(script)
         joined.run(script.duration_s)
         assert len(joined.driver.diary.texts(Kind.STEP)) == len(script.step)

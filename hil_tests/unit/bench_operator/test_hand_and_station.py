@@ -5,12 +5,12 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from emulators.bench.mission import find
 from emulators.bench.operator import ScriptedOperator
 from emulators.bench.stick import Ramp, Tremor
+from emulators.robots.rars import REHEARSAL
 from firmware_bridge.intent import Arm
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, from_seconds
-from hil_tests.unit.bench_operator.joined import CYCLE, RARS, Joined, join, mission
+from hil_tests.unit.bench_operator.joined import CYCLE, RARS, Joined, find, join, mission
 
 
 @pytest.fixture
@@ -66,14 +66,14 @@ def test_the_hand_trembles_only_while_it_drives_and_by_the_seed() -> None:
 def test_without_noise_no_random_number_is_drawn() -> None:
     generator = np.random.default_rng(1)
     before = generator.bit_generator.state
-    joined = Joined(ScriptedOperator(RARS, find("line", RARS), generator))
+    joined = Joined(ScriptedOperator(RARS, REHEARSAL, find("line"), generator))
     joined.run(30.0)
     assert generator.bit_generator.state == before
 
 
 def test_two_runs_send_the_same_bytes() -> None:
     def run() -> list[tuple[Nanoseconds, bytes]]:
-        joined = join(find("interlocks", RARS), seed=3)
+        joined = join(find("interlocks"), seed=3)
         joined.run(102.0)
         return joined.sent
 

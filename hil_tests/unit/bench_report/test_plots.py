@@ -53,7 +53,7 @@ def test_the_same_rows_give_the_same_bytes(tmp_path: Path) -> None:
     for name in ("first", "second"):
         folder = tmp_path / name
         folder.mkdir()
-        written.append([path.read_bytes() for path in draw(folder, "rars", RARS, PANELS, table, HOLDS)])
+        written.append([path.read_bytes() for path in draw(folder, "rars", RARS, PANELS, table, holds=HOLDS)])
     assert len(written[0]) == PICTURES
     assert all(picture.startswith(PNG) for picture in written[0])
     assert written[0] == written[1]
@@ -68,11 +68,11 @@ def test_short_and_dull_runs_are_drawn_without_complaint(
     tmp_path: Path, count: int, speed: float, holds: list[HoldRecord]
 ) -> None:
     table = rows(count, speed)
-    assert len(draw(tmp_path, "rars", RARS, PANELS, table, holds)) == PICTURES
+    assert len(draw(tmp_path, "rars", RARS, PANELS, table, holds=holds)) == PICTURES
 
 
 def test_a_run_without_rows_has_no_pictures(tmp_path: Path) -> None:
-    assert draw(tmp_path, "rars", RARS, PANELS, rows(0, 0.0), []) == []
+    assert draw(tmp_path, "rars", RARS, PANELS, rows(0, 0.0), holds=[]) == []
 
 
 def test_faults_are_marked_in_the_pictures_over_time_and_in_no_other(tmp_path: Path) -> None:
@@ -87,7 +87,10 @@ def test_faults_are_marked_in_the_pictures_over_time_and_in_no_other(tmp_path: P
         folder = tmp_path / name
         folder.mkdir()
         drawn.append(
-            {path.stem: path.read_bytes() for path in draw(folder, "rars", RARS, PANELS, table, HOLDS, faults=some)}
+            {
+                path.stem: path.read_bytes()
+                for path in draw(folder, "rars", RARS, PANELS, table, holds=HOLDS, faults=some)
+            }
         )
     sound, faulty, again = drawn
     assert {name for name in sound if sound[name] != faulty[name]} == {"speeds", "currents", "holds"}

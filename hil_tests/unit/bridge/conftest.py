@@ -9,6 +9,7 @@ from emulators.world import World
 from firmware_bridge import kinds
 from firmware_bridge.bridge import Bridge
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robots.rars import KIND
 from hil_tests.unit.bridge.bench import ACCEPTED, Bench
 from hil_tests.unit.bridge.paper_drive import PaperDrive
 

@@ -4,10 +4,12 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import pytest
-from firmware_bridge.motion.lift import lift_quadcounts
 
 from firmware_bridge.bridge import Bridge, Phase
+from firmware_bridge.drivers.epos2.scale import Scale
+from firmware_bridge.motion.scissor import screw_from_height
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robots.rars import KIND
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.cia402 import State
@@ -98,7 +100,7 @@ def test_not_armed_the_steering_is_told_to_halt_where_it_was(bench: "Bench") -> 
 
 def test_a_silent_operator_trips_at_half_a_second_sharp(armed: "Bench") -> None:
     driving(armed)
-    heard_at = armed.bridge.seen.intent.heard_at
+    heard_at = armed.bridge.seen.facts.heard_at
     armed.talks = False
     armed.runs(0.6)
     slower = next(now for now, word, rpm in armed.drives["left"].words if now > heard_at and rpm < RPM_AT_03)
@@ -198,7 +200,7 @@ class FailsWhenTold(Bridge):
 def test_an_exception_in_the_pipeline_ends_in_the_same_orderly_stop(
     bench_with: "Callable[[Bridge], Bench]", robot: AnyRobot
 ) -> None:
-    bridge = FailsWhenTold(robot)
+    bridge = FailsWhenTold(robot, KIND)
     bench = bench_with(bridge)
     bench.starts()
     bench.arms()
@@ -214,7 +216,7 @@ def test_an_exception_in_the_pipeline_ends_in_the_same_orderly_stop(
 
 
 def lift_height(bench: "Bench") -> float:
-    height = bench.bridge.seen.lift_m
+    height: float | None = bench.bridge.seen.body.lift_m
     assert height is not None
     return height
 
@@ -248,9 +250,9 @@ def test_a_lift_that_cannot_follow_is_not_left_behind(armed: "Bench") -> None:
     armed.runs(3)
     target = armed.drives["lift"].words[-1][2]
     # 30 mm above collapsed are 0.3 s at 0.10 m/s.
-    assert lift_quadcounts(armed.robot.geometry.lift, armed.robot.axis("lift"), 0.030) == pytest.approx(
-        target, abs=2
-    )
+    assert Scale.of(armed.robot.axis("lift")).quadcounts(
+        screw_from_height(armed.robot.geometry.lift, 0.030)
+    ) == pytest.approx(target, abs=2)
 
 
 def test_with_the_lift_extended_the_robot_can_be_armed_but_not_driven(armed: "Bench") -> None:

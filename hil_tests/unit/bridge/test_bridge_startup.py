@@ -167,7 +167,7 @@ def test_a_drive_that_is_missing_or_refuses_is_named(
     break_it(bench.drives["steer"])
     bench.runs(4)
     assert bench.bridge.phase is Phase.FAILED
-    failure = f"drive 3 (steering): {failure}"
+    failure = f"node 3 (steering): {failure}"
     assert bench.bridge.failure == failure
     assert failure[:60] in bench.told()
     assert all(drive.state is not State.OPERATION_ENABLED for drive in bench.drives.values())
@@ -178,8 +178,8 @@ def test_all_missing_drives_are_named_at_once(bench: "Bench") -> None:
         bench.drives[name].silent = True
     bench.runs(4)
     assert [part.split(":")[0] for part in str(bench.bridge.failure).split("; ")] == [
-        "drive 1 (left rear wheel)",
-        "drive 4 (scissor lift)",
+        "node 1 (left rear wheel)",
+        "node 4 (scissor lift)",
     ]
 
 
@@ -197,7 +197,7 @@ def test_a_drive_that_restarts_while_it_is_set_up_is_named(bench: "Bench") -> No
     bench.runs(0.03)
     bench.inject("lift", bench.drives["lift"].boots())
     bench.runs(1)
-    assert bench.bridge.failure == "drive 4 (scissor lift): it restarted by itself and lost its set-up"
+    assert bench.bridge.failure == "node 4 (scissor lift): it restarted by itself and lost its set-up"
 
 
 def test_a_drive_that_still_has_power_is_stopped_first(bench: "Bench") -> None:
@@ -214,7 +214,7 @@ def test_a_drive_that_does_not_stop_turning_is_named(bench: "Bench") -> None:
     drive.memory[at.VELOCITY_AVERAGED] = (-321).to_bytes(4, "little", signed=True)
     bench.runs(4)
     assert bench.bridge.failure == (
-        "drive 1 (left rear wheel): the motor still turns with -321 rpm 3 s after a quick stop"
+        "node 1 (left rear wheel): the motor still turns with -321 rpm 3 s after a quick stop"
     )
 
 
@@ -250,6 +250,6 @@ def test_a_fault_that_cannot_be_reset_is_named_with_its_cause(bench: "Bench") ->
     drive.memory[Address(0x1003, 1)] = bytes.fromhex("20810000")
     bench.runs(3)
     assert bench.bridge.failure == (
-        "drive 3 (steering): it stayed in 'fault' for 1000 ms after controlword 0x0080 "
+        "node 3 (steering): it stayed in 'fault' for 1000 ms after controlword 0x0080 "
         "(expected 'operation enabled', statusword 0x0308); fault 0x8120, CAN error passive"
     )

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.drivers.driver import Power
 from hil_tests.unit.bridge.bench import ACCEPTED, TEMPORARILY_REJECTED
 
 if TYPE_CHECKING:
@@ -12,14 +12,14 @@ if TYPE_CHECKING:
     from hil_tests.unit.bridge.bench import Bench
 
 
-def states(bench: "Bench") -> set[State | None]:
-    return {drive.state for drive in bench.bridge.seen.drives}
+def powers(bench: "Bench") -> set[Power]:
+    return {axis.power for axis in bench.bridge.seen.facts.axes.values()}
 
 
 def test_start_up_takes_less_than_a_second(emulated: "tuple[Bench, Devices]") -> None:
     bench, _ = emulated
     bench.runs(1)
-    assert states(bench) == {State.OPERATION_ENABLED}
+    assert powers(bench) == {Power.ON}
     assert bench.bridge.failure is None
 
 

@@ -85,7 +85,7 @@ class Bench:
 def bench(generation: Generation = Generation.V1) -> Iterator[Bench]:
     """Run two drives, the first one on the line, until the end of the block."""
     made, bank = drives(Order((NEAR, FAR), PROFILES["70/10"], 1_000_000, serial={NEAR: generation}))
-    node = UntilTold(Cluster(made, bank, owners={SERIAL: "motor1"}))
+    node = UntilTold(Cluster(made, bank, links={"motor1": {CAN: CAN, SERIAL: SERIAL}}))
     terminal, channel = PseudoTerminal(), f"bench-drives-{next(NUMBERS)}"
     ports = {SERIAL: terminal, CAN: open_can("virtual", channel)}
     thread = threading.Thread(target=run, args=(node, ports, Clock()), name=channel)

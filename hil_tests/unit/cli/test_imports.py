@@ -120,7 +120,7 @@ def processor_time_before_the_first_byte() -> float:
     code = "from firmware_bridge.cli import main; main()"
     process = subprocess.Popen([sys.executable, "-c", code, *words], stderr=subprocess.PIPE, text=True)
     try:
-        ready, _, _ = select.select([near], [], [], 60)
+        ready, _, _ = select.select([near], [], [], 600)
         fields = Path(f"/proc/{process.pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
         assert ready, process.communicate(timeout=60)
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")

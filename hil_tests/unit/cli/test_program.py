@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from firmware_bridge import robot as robot_file
 from firmware_bridge.cli import program
+from firmware_bridge.robots.rars import KIND
 
 
 def run(*words: str) -> tuple[int, str, str]:
@@ -18,8 +18,7 @@ def run(*words: str) -> tuple[int, str, str]:
 
 def rars_with(folder: Path, old: str, new: str) -> str:
     """Write the robot file of RARS with one change, and return its path."""
-    (path,) = [path for path in robot_file.shipped() if path.stem == "rars"]
-    text = path.read_text(encoding="utf-8")
+    text = KIND.file.read_text(encoding="utf-8")
     assert old in text
     changed = folder / "changed.toml"
     changed.write_text(text.replace(old, new, 1), encoding="utf-8")

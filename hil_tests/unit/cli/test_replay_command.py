@@ -6,9 +6,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from firmware_bridge.cli import attach_commands, program
+from firmware_bridge.cli import program
 
-attach_commands()
 RECORDING = Path(__file__).parents[2] / "recordings" / "rars" / "canopen-master.log.xz"
 
 
@@ -55,6 +54,7 @@ def test_what_is_left_out_is_no_difference(changed: Path, words: tuple[str, str]
             ("--without", "emcy"),
             "--without emcy: no such service; there are: nmt, sync, emergency, time, sdo",
         ),
+        (("--until", "0"), "canopen-master.log.xz: holds no frame of a drive of rars"),
         (("--until", "inf"), "cannot convert float infinity to integer"),
         (("--plant", "nothing.fmu"), "nothing.fmu"),
         (("--channel", "can7"), "canopen-master.log.xz: holds no frame of 'can7', but of can0"),

@@ -67,7 +67,7 @@ def test_a_pipe_that_nobody_reads_ends_a_command_quietly(words: tuple[str, ...])
     os.close(reader)
     try:
         ended = subprocess.run(
-            [*PROGRAM, *words], stdout=writer, stderr=subprocess.PIPE, text=True, check=False, timeout=100
+            [*PROGRAM, *words], stdout=writer, stderr=subprocess.PIPE, text=True, check=False, timeout=600
         )
     finally:
         os.close(writer)

@@ -64,6 +64,8 @@ def test_a_message_with_its_fields_and_their_words() -> None:
 
 def test_a_link_may_have_a_name_of_its_own() -> None:
     kinds = {"base": CAN}
+    unknown = Dissector().read(carried("base", "bridge", Packet("base", 0x080, b"\x01")))
+    assert unknown.endswith("  base  bridge  01  on a link of unknown kind")
     assert Dissector(kinds).read(carried("base", "bridge", Packet("base", 0x080, b""))).endswith("080#  SYNC")
 
 

@@ -1,4 +1,4 @@
-"""A robot's fleets before emulated drives, without a bridge: start-up by stages, then cycle after cycle."""
+"""A robot's fleets behind the guard, before emulated drives: start-up by stages, then cycle after cycle."""
 
 from collections.abc import Mapping
 from typing import Final
@@ -14,6 +14,7 @@ from firmware_bridge.node import CAN, SERIAL, Node
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
+from firmware_bridge.safety.guard import guarded
 from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
 
 HOST: Final = "host"
@@ -85,8 +86,7 @@ class Host:
 class Bench:
     """One emulated drive for each axis of the robot, with a motor of its own, on the axis's link."""
 
-    def __init__(self, robot: AnyRobot) -> None:
-        self.robot: Final = robot
+    def __init__(self, robot: AnyRobot, *, guarding: bool = True) -> None:
         names = [axis.name for axis in robot.axes]
         gateways = {
             axis.settings.node: robot.links[axis.link].protocol
@@ -102,7 +102,8 @@ class Bench:
         self.world: Final = World(bank)
         self.host: Final = Host(robot)
         self.buses: Final = {name: CanWire(link.bit_rate, name) for name, link in robot.links.items()}
-        node: Node = self.host
+        self.guard: Final = guarded(self.host, robot)
+        node: Node = self.guard if guarding else self.host
         wires: dict[str, Wire] = {}
         for name, link in robot.links.items():
             if link.driver is Epos2Driver.SERIAL:

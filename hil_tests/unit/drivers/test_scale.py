@@ -7,8 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from firmware_bridge.drivers.epos2.scale import Scale, Travel, highest_rpm, travel_of, wrapped
+from firmware_bridge.drivers.epos2.setup import configuration
 from firmware_bridge.robot import Axis
-from hil_tests.unit.drivers.robots import RARS, with_axis
+from hil_tests.unit.drivers.robots import LINK, RARS, with_axis
 
 WHEEL = RARS.axis("left_wheel")
 """500 lines, 2000 quadcounts a turn, behind 26:1; top speed 16 rad/s, the drive's limit 4000 rpm."""
@@ -49,6 +50,18 @@ def test_a_position_comes_back_within_half_a_quadcount(ratio: float, direction: 
     quantum = abs(1.0 / scale.quadcounts_per_unit)
     back = scale.position(scale.quadcounts(position))
     assert abs(back - position) <= 0.5 * quantum + 4.0 * math.ulp(position)
+
+
+@given(RATIOS, DIRECTIONS, st.floats(allow_nan=False, allow_infinity=False), QUADCOUNTS, QUADCOUNTS)
+def test_what_is_clipped_first_is_what_is_rounded_first(
+    ratio: float, direction: int, position: float, one: int, other: int
+) -> None:
+    scale, travel = Scale.of(axis(ratio, direction)), Travel(min(one, other), max(one, other))
+    target = scale.within(position, travel)
+    if abs(position) < 1e6:
+        assert target == travel.clip(scale.quadcounts(position))
+    else:
+        assert travel.low_qc <= target <= travel.high_qc
 
 
 @given(RATIOS, DIRECTIONS, st.floats(-1e6, 1e6), st.floats(-1e6, 1e6))
@@ -110,3 +123,13 @@ def test_wrapped_is_what_a_counter_of_32_bits_shows(quadcounts: int) -> None:
     shown = wrapped(quadcounts)
     assert -(2**31) <= shown < 2**31
     assert (shown - quadcounts) % 2**32 == 0
+
+
+def test_a_travel_that_the_drive_cannot_count_is_refused() -> None:
+    """2000 quadcounts a turn and a following error of 20000: all of its travel fits the drive's limits."""
+    furthest = (2**31 - 1 - 20_000) / 2000.0 * 2.0 * math.pi / 26.0
+    whole = with_axis(WHEEL, travel=(-furthest, furthest))
+    limits = [row for row in configuration(whole, RARS.links[LINK]) if "position limit" in row.name]
+    assert [row.value for row in limits] == [-(2**31) + 1, 2**31 - 1]
+    with pytest.raises(ValueError, match="all that the drive can count"):
+        with_axis(WHEEL, travel=(0.0, furthest * 1.000001))

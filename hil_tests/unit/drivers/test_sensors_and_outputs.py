@@ -1,6 +1,6 @@
 """Sensors and outputs at the pins of emulated drives, over CAN and over a serial line."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
@@ -13,8 +13,8 @@ from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.drivers.sdo_client import Outcome, SdoRefusedError, SdoTimeoutError, Transfer
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.robot import AnyRobot
-from firmware_bridge.units import MILLISECOND, Nanoseconds
+from firmware_bridge.robot import AnyRobot, RobotFileError
+from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.abort import AbortCode
 from firmware_bridge.wire.canopen import NmtCommand
@@ -47,13 +47,15 @@ def on_line() -> AnyRobot:
 
 
 @pytest.fixture(params=[on_can, on_line])
-def bench(request: pytest.FixtureRequest) -> Bench:
+def bench(request: pytest.FixtureRequest) -> Iterator[Bench]:
+    """A robot that runs; whatever it says, the guard has nothing against it."""
     make: Callable[[], AnyRobot] = request.param
     made = Bench(make())
     made.axes["left"].analogue_1_mv = 4_000
     made.axes["left"].analogue_2_mv = -1_500
     made.starts()
-    return made
+    yield made
+    assert made.guard.refusals == ()
 
 
 def pins(bench: Bench, axis: str) -> int:
@@ -69,7 +71,7 @@ def test_a_sensor_tells_its_volts_in_its_own_unit(bench: Bench) -> None:
 
 
 def test_a_reading_says_when_it_was_asked_for_and_when_it_came(bench: Bench) -> None:
-    bench.runs(2.02)
+    bench.runs(0.52)
     reading = bench.readings()["reach"]
     assert 0 < bench.world.now - reading.heard_at <= 250 * MILLISECOND
     assert 0 < reading.heard_at - reading.sampled_at < 50 * MILLISECOND
@@ -139,10 +141,10 @@ def test_a_level_that_was_not_taken_is_written_until_it_is(bench: Bench) -> None
     bench.runs(0.2)
     bench.world.silence(HOST, bench.world.now)
     bench.host.levels = {"lamp": ON, "horn": ON}
-    bench.runs(1.5)
+    bench.runs(0.5)
     assert pins(bench, "left") == pins(bench, "right") == 0
-    bench.world.silence(HOST, 2**62)
-    bench.runs(4.0)
+    bench.world.silence(HOST, NEVER)
+    bench.runs(2.5)
     assert (pins(bench, "left"), pins(bench, "right")) == (0b0001, 0b0010)
 
 
@@ -166,11 +168,11 @@ def test_after_a_restart_the_outputs_come_back_with_the_set_up(bench: Bench) -> 
     bench.host.repairs = False
     reset = canopen.encode_nmt(NmtCommand.RESET_NODE, 1)
     bench.world.attach("stranger", Once(Packet(CAN, canopen.NMT, reset)), {CAN: bench.buses[LINK]})
-    bench.runs(1.0)
+    bench.runs(0.3)
     assert pins(bench, "left") == 0, "the mask is gone with the set-up"
     assert bench.feedback("left").power is Power.UNKNOWN
     bench.host.repairs = True
-    bench.runs(4.0)
+    bench.runs(2.5)
     assert bench.feedback("left").power is Power.ON
     assert pins(bench, "left") == 0b0101
 
@@ -253,3 +255,31 @@ def test_whatever_happens_the_newest_levels_are_written_until_they_are_taken(
         else:
             request.over = True
     assert held == wanted
+
+
+@pytest.mark.parametrize(
+    ("change", "key", "problem"),
+    [
+        (
+            lambda t: t["outputs"][1]["settings"].update(output=1),
+            "outputs[1].settings.output",
+            "1 is that of",
+        ),
+        (lambda t: t["outputs"][0]["settings"].update(axis="lift"), "outputs[0].settings.axis", "no axis"),
+        (lambda t: t["outputs"][2].update(link="far"), "outputs[2].link", "the axis 'right' is on the link"),
+        (lambda t: t["sensors"][0].update(link="far"), "sensors[0].link", "the axis 'left' is on the link"),
+        (lambda t: t["outputs"][0]["settings"].update(output=5), "outputs[0].settings.output", "but it is 5"),
+    ],
+)
+def test_a_pin_that_cannot_be_reached_is_refused_by_its_key(
+    change: Callable[[dict[str, Any]], None], key: str, problem: str
+) -> None:
+    def wrong(table: dict[str, Any]) -> None:
+        equipped(table)
+        table["links"]["far"] = dict(table["links"][LINK])
+        table["axes"].append(table["axes"][1] | {"name": "far", "role": "far", "link": "far"})
+        change(table)
+
+    with pytest.raises(RobotFileError) as refusal:
+        changed(wrong)
+    assert [(one.key, problem in one.problem) for one in refusal.value.problems] == [(key, True)]

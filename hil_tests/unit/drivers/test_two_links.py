@@ -5,11 +5,11 @@ from typing import Any, Final
 
 import pytest
 
-from firmware_bridge.drivers.driver import BRING_UP, Demand, Power, Speed, Stop
+from firmware_bridge.drivers.driver import BRING_UP, Demand, Level, Power, Speed, Stop
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.drivers.fleets import DRIVERS, fleets_of
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot import AnyRobot, Output
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.drivers.fleet_bench import Bench
@@ -94,11 +94,13 @@ def test_both_links_come_up_and_each_drive_takes_its_own_demand(make: Callable[[
         assert feedback.power is Power.ON
         assert feedback.velocity == pytest.approx(speed, abs=0.1)
         assert feedback.position * speed >= 0.0
+    assert bench.guard.refusals == ()
 
 
 @ROBOTS
 def test_a_link_that_is_cut_leaves_the_other_one_alone(make: Callable[[], AnyRobot]) -> None:
-    bench = Bench(make())
+    """Without the guard: it stops all axes where one of them is not spoken to any more."""
+    bench = Bench(make(), guarding=False)
     bench.starts()
     bench.host.repairs = False
     bench.host.demands = dict.fromkeys(("left", "right", "rear_left", "rear_right"), Speed(2.0))
@@ -113,3 +115,21 @@ def test_a_link_that_is_cut_leaves_the_other_one_alone(make: Callable[[], AnyRob
     for name in ("rear_left", "rear_right"):
         assert bench.feedback(name).sampled_at <= cut_at
         assert bench.drives[name].store.get(at.VELOCITY_AVERAGED) == 0, "the drive stopped by itself"
+
+
+@ROBOTS
+@pytest.mark.parametrize("after", [0.0, 0.1501, 0.7003, 2.0517])
+def test_fleets_that_were_taken_back_go_on_as_they_went(make: Callable[[], AnyRobot], after: float) -> None:
+    """With sensors and outputs, in the middle of the set-up and of requests."""
+    robot = make()
+    lamp = {"name": "lamp", "title": "lamp", "link": REAR, "settings": {"axis": "rear_left", "output": 2}}
+    bench = Bench(robot.model_copy(update={"outputs": (Output.model_validate(lamp),)}))
+    bench.host.levels = {"lamp": Level(on=True)}
+    bench.runs(after)
+    kept = bench.world.snapshot()
+    ends = []
+    for _ in range(2):
+        bench.runs(0.4)
+        ends.append((bench.world.trace_sha256, bench.feedback("rear_left"), bench.readings()))
+        bench.world.restore(kept)
+    assert ends[0] == ends[1]

@@ -7,8 +7,8 @@ import pytest
 from emulators.epos2.canopen.emergency_producer import HISTORY
 from emulators.epos2.drive import Epos2
 from emulators.servo.axis import ServoAxis
+from emulators.wires import Disturbance, FaultyCanWire
 from emulators.wires.confinement import Condition
-from emulators.wires.faulty_can import Disturbance, FaultyCanWire
 from emulators.world import World
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet

@@ -185,3 +185,13 @@ def test_what_is_no_layer_setting_request_gets_no_answer(frame: str) -> None:
     drive = configuring(desk())
     assert drive.hears(f"7E5#{frame}") == []
     assert drive.hears("7E5#5E00000000000000") == ["7E4#5E01000000000000"]
+
+
+def test_a_drive_that_loses_its_supply_says_nothing_and_starts_anew() -> None:
+    drive = desk()
+    drive.hears("000#0100")
+    resets = drive.motions[0].resets
+    drive.drive.switch_off()
+    assert drive.motions[0].resets == resets + 1, "its motor is without power"
+    assert drive.hears("601#4000100000000000") == ["701#00"], "the first frame finds it switched on again"
+    assert drive.reads(0x1000) == 0x20192

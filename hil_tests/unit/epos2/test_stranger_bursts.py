@@ -18,6 +18,7 @@ from hil_tests.unit.epos2.stranger import NODE, RARE, Stranger
 BURST = 128
 EXAMPLES = 75
 STEPS = 30
+SOME = 10_000
 ENOUGH = 100_000
 
 
@@ -62,9 +63,11 @@ class Bursts(RuleBasedStateMachine):
 
 
 @pytest.mark.timeout(0)
-def test_a_hundred_thousand_frames_of_a_stranger() -> None:
-    wanted = int(os.environ.get("STRANGER_FRAMES", "0"))
-    examples = max(EXAMPLES, EXAMPLES * wanted // ENOUGH)
+@pytest.mark.parametrize("enough", [SOME, pytest.param(ENOUGH, marks=pytest.mark.long)])
+def test_whatever_a_stranger_sends_the_drive_stays_a_drive(enough: int) -> None:
+    Bursts.frames, Bursts.powered, Bursts.aborts = 0, 0, set()
+    wanted = int(os.environ.get("STRANGER_FRAMES", "0")) if enough == ENOUGH else 0
+    examples = max(EXAMPLES * enough // ENOUGH, EXAMPLES * wanted // ENOUGH)
     run_state_machine_as_test(
         Bursts,
         settings=settings(
@@ -76,7 +79,7 @@ def test_a_hundred_thousand_frames_of_a_stranger() -> None:
             phases=(Phase.generate,),
         ),
     )
-    assert Bursts.frames >= max(ENOUGH, wanted)
+    assert Bursts.frames >= max(enough, wanted)
     assert Bursts.powered > Bursts.frames // 20, "the motor was under power for a good part of it"
     wanted_aborts = {AbortCode.NO_OBJECT, AbortCode.READ_ONLY, AbortCode.TOO_HIGH, AbortCode.UNKNOWN_COMMAND}
     assert wanted_aborts <= Bursts.aborts

@@ -127,13 +127,13 @@ ROWS = [
 @pytest.mark.parametrize(("address", "sender"), ROWS)
 def test_the_identifier_tells_the_sender(address: int, sender: str) -> None:
     recording = Recording("a", (Entry(0, Packet(CAN, address, b"\0"), ""),))
-    assert [one.sender for one in frames_of(recording, RARS)] == [sender]
+    assert [one.sender for one in frames_of(recording, RARS, "drives")] == [sender]
 
 
 def test_a_pdo_with_another_identifier_is_still_that_nodes() -> None:
     moved = Packet(CAN, 0x603, bytes.fromhex("2300180185010040"))  # transmit PDO 1 of node 3 gets 0x185
     recording = Recording("a", (Entry(0, moved, ""), Entry(1, Packet(CAN, 0x185, b"\0\0"), "")))
-    assert [one.sender for one in frames_of(recording, RARS)] == [BRIDGE, "steer"]
+    assert [one.sender for one in frames_of(recording, RARS, "drives")] == [BRIDGE, "steer"]
 
 
 def test_a_messages_header_tells_the_sender() -> None:

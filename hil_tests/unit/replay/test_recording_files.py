@@ -11,7 +11,8 @@ from typer.testing import CliRunner
 
 from emulators.replay import Into, Order, RecordingFileError, replay
 from emulators.replay.recordings import read_can, read_telemetry
-from firmware_bridge.cli import attach_commands, program
+from firmware_bridge.cli import program
+from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.kinds import find
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import candump_line, tlog_records
@@ -19,7 +20,6 @@ from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.units import SECOND
 from firmware_bridge.wire.maxon.frame import Generation
 
-attach_commands()
 RARS = find("rars")
 REAL = 1_700_000_000 * SECOND
 BOOT = candump_line(0, Packet("can", 0x701, b"\0"), "can0", REAL)
@@ -79,6 +79,7 @@ ORDERS: dict[str, tuple[Into, str, str | None, str]] = {
     "frames into the bench": (Into.BENCH, "a.log", None, "wants one telemetry log"),
     "the drives' operator": (Into.DRIVES, "a.log", "a.tlog", "a.tlog: the drives hear no operator"),
     "a bridge that is silent": (Into.BRIDGE, "silent.log", None, "holds no frame of a bridge"),
+    "nobody answers": (Into.BENCH, "a.tlog", None, "a.tlog: holds no message of the bridge of rars"),
     "another day's operator": (Into.BRIDGE, "a.log", "b.tlog", "b.tlog: was recorded at another time"),
 }
 
@@ -98,7 +99,7 @@ def test_what_does_not_go_together_is_refused(case: str, tmp_path: Path) -> None
 def test_a_bridge_on_a_serial_line_sends_no_frames(tmp_path: Path) -> None:
     (tmp_path / "a.log").write_text(f"{BOOT}\n{BEAT}\n", encoding="ascii")
     with pytest.raises(RecordingFileError, match="is on a serial line"):
-        replay(Order(RARS.over_serial(Generation.V2), tmp_path / "a.log", into=Into.BRIDGE))
+        replay(Order(over_serial(RARS, Generation.V2), tmp_path / "a.log", into=Into.BRIDGE))
 
 
 def test_one_of_two_buses_is_chosen(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ import serial
 from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.gateway import Cluster
 from emulators.servo.axis import ServoAxis
-from firmware_bridge.node import SERIAL
+from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.shell.clock import Clock
 from firmware_bridge.shell.ports import LostPort, Port, PortError, PseudoTerminal, SerialLine
@@ -132,7 +132,7 @@ def test_a_serial_port_that_cannot_be_opened_is_told_with_what_to_do(tmp_path: P
 
 def test_a_link_of_one_member_reaches_that_one_only() -> None:
     one, two = Player((10, Packet(SERIAL, 0, b"hello")), (10, Packet("can", 1, b""))), Player()
-    cluster = Cluster({"one": one, "two": two}, owners={SERIAL: "one"})
+    cluster = Cluster({"one": one, "two": two}, links={"one": {CAN: CAN, SERIAL: SERIAL}})
     cluster.wake(0)
     assert cluster.wake(10).sent == (Packet(SERIAL, 0, b"hello"), Packet("can", 1, b""))
     cluster.receive(Packet(SERIAL, 0, b"you"), 20)

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from emulators.wires.confinement import Condition, Confinement
-from emulators.wires.faulty_can import WAITING, Disturbance, Effect, FaultyCanWire
+from emulators.wires.disturbance import Disturbance, Effect
+from emulators.wires.faulty_can import WAITING, FaultyCanWire
 from emulators.world import World, WorldError
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds

@@ -1,4 +1,4 @@
-"""The CAN bus as one link of the robot: SYNC makes the drives report, the heartbeat tells of the bridge."""
+"""The CAN bus as one link of the robot: SYNC makes the drives report, a heartbeat says that it lives."""
 
 from collections.abc import Iterable
 from typing import Final

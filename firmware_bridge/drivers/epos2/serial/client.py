@@ -39,7 +39,7 @@ def value_in(address: Address, answer: ObjectRead) -> bytes:
 
 
 def silent(result: Result) -> bool:
-    """Tell whether nobody answered: on the line, or behind the gateway."""
+    """Return whether nobody answered: on the line, or behind the gateway."""
     return isinstance(result, Failure) or result.error == AbortCode.TIMEOUT
 
 

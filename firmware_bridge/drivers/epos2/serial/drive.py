@@ -86,7 +86,7 @@ class Epos2OnSerial:
             axis,
             self._feedback,
             traffic.watched,
-            heard=HEARD_BEATS * link.bridge_heartbeat_ms * MILLISECOND,
+            speaks_for=HEARD_BEATS * link.bridge_heartbeat_ms * MILLISECOND,
             within=link.bridge_silent_ms * MILLISECOND + NOTICED_CYCLES * link.every * robot.cycle,
         )
         self._tasks = TaskRunner(

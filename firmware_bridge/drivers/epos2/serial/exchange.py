@@ -158,7 +158,7 @@ class Exchange:
 
 
 def succeeded(result: Result) -> bool:
-    """Tell whether a command was carried out."""
+    """Return whether a command was carried out."""
     return not isinstance(result, Failure) and result.error == 0
 
 

@@ -7,7 +7,7 @@ otherwise make every cycle late, and nobody would know.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from firmware_bridge.drivers.epos2.serial.client import reading, writing
@@ -58,10 +58,18 @@ class Plan:
     """The fullest cycle, in the order in which its commands leave."""
 
     cycle: Nanoseconds
-    samples: tuple[Entry, ...]
-    """What keeps the drives' watch quiet, and what is read in every cycle."""
+    beat: tuple[Entry, ...]
+    """What keeps the drives' watch quiet, once."""
+    beat_every: Nanoseconds
+    reads: tuple[Entry, ...]
+    """What is read in every cycle."""
     set_points: tuple[Entry, ...]
     in_turn: tuple[Entry, ...]
+
+    @property
+    def samples(self) -> tuple[Entry, ...]:
+        """What leaves before the set-points; a longer cycle has to hold more beats."""
+        return (*self.beat * -(-self.cycle // self.beat_every), *self.reads)
 
     @property
     def entries(self) -> tuple[Entry, ...]:
@@ -98,15 +106,15 @@ def fitting_plan(robot: AnyRobot, name: str) -> Plan:
     raise PlanError(
         f"link '{name}': a cycle of {plan.cycle // MILLISECOND} ms does not hold {entry.what}: it would end "
         f"{late / MILLISECOND:.1f} ms too late, and the whole cycle takes {plan.time / MILLISECOND:.1f} ms. "
-        f"{_remedy(robot, name)}, or use a faster line: protocol v2, a higher baud, a port with less latency "
-        f"(links.{name}.port_latency_us)"
+        f"{_remedy(plan, robot.links[name].every)}, or use a faster line: protocol v2, a higher baud, "
+        f"a port with less latency (links.{name}.port_latency_us)"
     )
 
 
-def _remedy(robot: AnyRobot, name: str) -> str:
-    """Name the shortest cycle that fits; a longer one has to hold more heartbeats."""
-    for cycle_ms in range(robot.cycle_ms, LONGEST_CYCLE_MS + 1):
-        if plan_for(robot.model_copy(update={"cycle_ms": cycle_ms}), name).excess() is None:
+def _remedy(plan: Plan, every: int) -> str:
+    """Name the shortest cycle of a robot that fits, where the link is served in each `every`-th one."""
+    for cycle_ms in range(plan.cycle // every // MILLISECOND, LONGEST_CYCLE_MS + 1):
+        if replace(plan, cycle=cycle_ms * every * MILLISECOND).excess() is None:
             return f"Say cycle_ms = {cycle_ms} or more in the robot file"
     return "No longer cycle holds it"
 
@@ -114,18 +122,22 @@ def _remedy(robot: AnyRobot, name: str) -> str:
 def plan_for(robot: AnyRobot, name: str) -> Plan:
     """Lay out the fullest cycle of the serial link of this name."""
     link, axes, nodes = robot.links[name], robot.axes_on(name), robot.nodes_on(name)
-    cycle = robot.cycle * link.every
-    beats = (
+    beat = (
         Entry("the bridge's heartbeat", _cost(link, heartbeat(link), through=False)),
         Entry(f"guarding of node {link.guardian(nodes)}", _cost(link, guarding(link, nodes), through=True)),
-    ) * -(-cycle // (link.bridge_heartbeat_ms * MILLISECOND))
-    reads = [_read(link, row, axis) for row in IN_EVERY_CYCLE for axis in axes]
-    writes = [entry for axis in axes for entry in _written(link, axis)]
+    )
     turn = max(
         (tuple(_in_turn(link, axes, cycle)) for cycle in range(_period())),
         key=lambda entries: sum(entry.time for entry in entries),
     )
-    return Plan(cycle, (*beats, *reads), tuple(writes), (*turn, *_at_pins(robot, name, axes)))
+    return Plan(
+        cycle=robot.cycle * link.every,
+        beat=beat,
+        beat_every=link.bridge_heartbeat_ms * MILLISECOND,
+        reads=tuple(_read(link, row, axis) for row in IN_EVERY_CYCLE for axis in axes),
+        set_points=tuple(entry for axis in axes for entry in _written(link, axis)),
+        in_turn=(*turn, *_at_pins(robot, name, axes)),
+    )
 
 
 def _period() -> int:

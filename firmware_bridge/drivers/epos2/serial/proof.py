@@ -20,16 +20,22 @@ _CODE = 0xFFFF
 class Proof:
     """One drive's proof. While it `listens` nobody may show the drive that the bridge lives."""
 
-    __slots__ = ("_axis", "_feedback", "_heard", "_watched", "_within", "given", "listens")
+    __slots__ = ("_axis", "_feedback", "_speaks_for", "_watched", "_within", "given", "listens")
 
     def __init__(
-        self, axis: Axis, feedback: DriveFeedback, watched: int, *, heard: Nanoseconds, within: Nanoseconds
+        self,
+        axis: Axis,
+        feedback: DriveFeedback,
+        watched: int,
+        *,
+        speaks_for: Nanoseconds,
+        within: Nanoseconds,
     ) -> None:
         """Take the node whose silence the drive shall notice, how long it speaks before, and how soon."""
         self._axis = axis
         self._feedback = feedback
         self._watched = watched
-        self._heard = heard
+        self._speaks_for = speaks_for
         self._within = within
         self.listens = False
         self.given = False
@@ -40,7 +46,7 @@ class Proof:
         if self.given:
             return ()
         return (
-            pause(self._heard),
+            pause(self._speaks_for),
             Do(self._begin),
             Until(self._noticed, self._within, self._missing),
             read(self._axis, NEWEST_ERROR, DataType.UNSIGNED32, self._judge),

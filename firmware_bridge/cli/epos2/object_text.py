@@ -19,12 +19,12 @@ _PLAIN: Final = frozenset({at.MODE, at.MODE_DISPLAY})
 """Objects with words whose numbers are no bits."""
 
 
-def line(reading: Reading, address: Address) -> str:
+def object_line(reading: Reading, address: Address) -> str:
     """Return one line: where, name, value with unit, words."""
-    return f"{address!s:<9}  {name_of(address):<34}  {value_told(reading, address)}".rstrip()
+    return f"{address!s:<9}  {name_of(address):<34}  {value_text(reading, address)}".rstrip()
 
 
-def value_told(reading: Reading, address: Address) -> str:
+def value_text(reading: Reading, address: Address) -> str:
     """Return a value with its unit, or in words with its bits, or why there is none."""
     raw = reading.found.get(address)
     if isinstance(raw, JobError):
@@ -39,7 +39,7 @@ def value_told(reading: Reading, address: Address) -> str:
     return f"{number}  {', '.join(said)}"
 
 
-def record(reading: Reading, address: Address) -> dict[str, Any]:
+def object_record(reading: Reading, address: Address) -> dict[str, Any]:
     """Return what `line` says as JSON can hold it; `value` or `error` is there, not both."""
     row = OBJECTS.get(address)
     found: dict[str, Any] = {

@@ -7,7 +7,7 @@ import typer
 from firmware_bridge.cli.console import FAILED, refusal
 
 
-def agreed(what: str, why: str, *, yes: bool) -> None:
+def confirm(what: str, why: str, *, yes: bool) -> None:
     """Return when the user agrees; end the program where not, or where there is nobody to ask."""
     if yes:
         return

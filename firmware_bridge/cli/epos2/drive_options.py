@@ -1,8 +1,10 @@
-"""Options of the commands that speak to one drive: which drive, over which link."""
+"""Options of these commands: which drive, over which link; values below zero; options that need no value."""
 
-from typing import Annotated
+import re
+from typing import Annotated, Any, Final
 
 import typer
+from typer.core import TyperCommand
 
 from firmware_bridge.wire.canopen import ALL_NODES, FIRST_NODE, LAST_NODE
 from firmware_bridge.wire.maxon.frame import Generation
@@ -61,3 +63,35 @@ JsonOption = Annotated[bool, typer.Option("--json", help="For programs.")]
 YesOption = Annotated[
     bool, typer.Option("--yes", "-y", help="Do not ask, even where something may start to move.")
 ]
+
+
+_NEGATIVE: Final = re.compile(r"-\d.*")
+_NUMBER: Final = re.compile(r"\d+(\.\d+)?")
+_REST: Final = "--"
+WATCH: Final = ("--watch", "-w")
+PERIOD: Final = "0.2"
+"""Seconds between two looks where none are given."""
+
+
+class NegativeValue(TyperCommand):
+    """Takes `-500qc` for a value, which is the last argument, and not for a row of short options."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Put values below zero behind everything else."""
+        if _REST in args:
+            return super().parse_args(ctx, args)
+        below = [word for word in args if _NEGATIVE.fullmatch(word)]
+        others = [word for word in args if not _NEGATIVE.fullmatch(word)]
+        return super().parse_args(ctx, [*others, _REST, *below] if below else others)
+
+
+class OptionalPeriod(TyperCommand):
+    """Takes `--watch` or `-w` alone, too: what follows it is its value only where that is a number."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Give a lonely option its value."""
+        full: list[str] = []
+        for word, following in zip(args, [*args, ""][1:], strict=True):
+            lonely = word in WATCH and not _NUMBER.fullmatch(following)
+            full += [word, PERIOD] if lonely else [word]
+        return super().parse_args(ctx, full)

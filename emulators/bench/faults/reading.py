@@ -1,0 +1,87 @@
+"""A table of a mission file becomes a fault, and is compared with the robot that shall meet it."""
+
+from collections.abc import Iterator, Sequence
+from typing import Annotated, Any, Final, TypeAlias
+
+from pydantic import BeforeValidator, InstanceOf, ValidationError
+from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
+
+from emulators.bench.faults.fault import Fault, Problem, near
+from emulators.bench.faults.table import KINDS, Kind
+from firmware_bridge.robot import AnyRobot
+
+WRONG: Final = "fault"
+"""Type of pydantic's error where the message says all."""
+_ENDS: Final = frozenset({"until_s", "for_s"})
+
+
+def read(table: Any) -> Fault:
+    """Return the fault that a table of TOML describes; ValidationError with every key that is wrong."""
+    if isinstance(table, Fault):
+        return table
+    if not isinstance(table, dict):
+        raise PydanticCustomError(WRONG, "a fault is a table: [[fault]]")
+    rest = {key: value for key, value in table.items() if key != "kind"}
+    kind = KINDS.get(str(table.get("kind")))
+    if kind is None:
+        problem = "which fault? " if "kind" not in table else f"no such fault as '{table['kind']}'; "
+        raise _refused([("kind", problem + near(str(table.get("kind")), list(KINDS)))])
+    try:
+        fault: Fault = kind.fault.model_validate(rest)
+    except ValidationError as error:
+        # One line for a key: of a value that is neither a name nor a number pydantic would say two things.
+        said = {each["loc"][:1]: _said(kind, each) for each in reversed(error.errors())}
+        raise ValidationError.from_exception_data(WRONG, list(reversed(said.values()))) from None
+    return fault
+
+
+FaultTable: TypeAlias = Annotated[InstanceOf[Fault], BeforeValidator(read)]
+"""A fault where pydantic reads a file."""
+
+
+def misfits(faults: Sequence[Fault], robot: AnyRobot) -> Iterator[Problem]:
+    """Give what is wrong with these faults on this robot: all of it, with keys as `fault[2].node`."""
+    for index, fault in enumerate(faults):
+        problems = [(f"fault[{index}].{key}", problem) for key, problem in fault.problems(robot)]
+        yield from problems
+        if problems:
+            continue
+        for earlier, other in enumerate(faults[:index]):
+            thing = _collision(fault, other, robot)
+            if thing is not None:
+                where = f"fault[{earlier}], '{other.kind}'"
+                problem = f"acts on {thing} of the same node while {where}, still does"
+                yield f"fault[{index}]", f"{problem}: let one end before the other begins"
+
+
+def _collision(one: Fault, other: Fault, robot: AnyRobot) -> str | None:
+    thing = KINDS[one.kind].acts_on
+    if not thing or thing != KINDS[other.kind].acts_on:
+        return None
+    mine, yours = one.targets(robot), other.targets(robot)
+    together = one.begin < other.end and other.begin < one.end and (mine & yours or not mine)
+    return thing if together else None
+
+
+def _said(kind: Kind, error: ErrorDetails) -> InitErrorDetails:
+    """Say in one sentence what pydantic found, with a near name for a key that is not there."""
+    location = error["loc"]
+    key = str(location[0]) if location else ""
+    problem = error["msg"].removeprefix("Value error, ")
+    if error["type"] == "extra_forbidden":
+        known = [name for name in kind.fault.model_fields if name != "kind"]
+        problem = f"no such key of '{kind.name}'; {near(key, known)}"
+        if key in _ENDS:
+            problem = f"'{kind.name}' is an instant: it has no end"
+    elif error["type"] != "missing" and not isinstance(error["input"], dict):
+        problem = f"{problem}, but it is {error['input']!r}"
+    return _error(tuple(location[:1]), problem)
+
+
+def _refused(problems: Sequence[Problem]) -> ValidationError:
+    return ValidationError.from_exception_data(WRONG, [_error((key,), text) for key, text in problems])
+
+
+def _error(location: tuple[int | str, ...], problem: str) -> InitErrorDetails:
+    message = problem.replace("{", "{{").replace("}", "}}")
+    return InitErrorDetails(type=PydanticCustomError(WRONG, message), loc=location, input=None)

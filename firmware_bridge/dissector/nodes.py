@@ -1,0 +1,110 @@
+"""What is known of the nodes on a bus from what was written to them: their PDOs, and how values are read."""
+
+from collections.abc import Iterator
+from typing import Final
+
+from firmware_bridge.drivers.commissioning.names import called
+from firmware_bridge.drivers.commissioning.values import decode, unit_of
+from firmware_bridge.drivers.commissioning.words import mode_of, words
+from firmware_bridge.wire import canopen
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.objects import OBJECTS
+from firmware_bridge.wire.epos2.objects_pdo import (
+    PDOS,
+    RECEIVE_MAPPING,
+    RECEIVE_PARAMETER,
+    TRANSMIT_MAPPING,
+    TRANSMIT_PARAMETER,
+)
+from firmware_bridge.wire.pdo import MAX_ENTRIES, MappingEntry
+
+_SAVE: Final = Address(0x1010, 1)
+_IN_BITS: Final = frozenset({at.CONTROLWORD, at.STATUSWORD, at.ERROR_REGISTER}) | {
+    Address(index + pdo, subindex)
+    for pdo in range(PDOS)
+    for index, subindexes in (
+        (RECEIVE_PARAMETER, (1,)),
+        (TRANSMIT_PARAMETER, (1,)),
+        (RECEIVE_MAPPING, range(1, MAX_ENTRIES + 1)),
+        (TRANSMIT_MAPPING, range(1, MAX_ENTRIES + 1)),
+    )
+    for subindex in subindexes
+}
+"""Objects whose value is written in hexadecimal digits."""
+
+
+class Nodes:
+    """The nodes of one bus."""
+
+    def __init__(self) -> None:
+        self._written: dict[int, dict[Address, int]] = {}
+        """What was written to each node, as far as it matters for reading."""
+        self._saved: dict[int, dict[Address, int]] = {}
+
+    @property
+    def known(self) -> tuple[int, ...]:
+        """Return the numbers of the nodes of which something is known."""
+        return tuple(self._written)
+
+    def note(self, node: int, address: Address, raw: bytes) -> None:
+        """Take note of what is written to a node."""
+        written = self._written.setdefault(node, {})
+        if address == _SAVE:
+            self._saved[node] = dict(written)
+        row = OBJECTS.get(address)
+        if row is not None and row.type.size:
+            written[address] = row.type.decode(raw[: row.type.size])
+
+    def forget(self, node: int) -> None:
+        """Know of a node that restarts only what it has saved."""
+        self._written[node] = dict(self._saved.get(node, {}))
+
+    def entry(self, node: int, index: int, subindex: int) -> int:
+        """Return a number in a node's dictionary: what was written, or the default of the EPOS2."""
+        address = Address(index, subindex)
+        value = self._written.get(node, {}).get(address)
+        default = OBJECTS[address].default_for(node) if value is None else value
+        return default if isinstance(default, int) else 0
+
+    def value(self, node: int, address: Address, raw: bytes) -> str:
+        """Return an object's value for people, with its unit and what its bits say."""
+        row = OBJECTS.get(address)
+        if row is not None and 0 < row.type.size < len(raw):
+            raw = raw[: row.type.size]  # a client that does not tell the size sends four bytes
+        value = decode(address, raw)
+        mode = mode_of(self._written.get(node, {}).get(at.MODE, 0))
+        said = words(address, value, mode)
+        in_bits = isinstance(value, int) and address in _IN_BITS
+        number = f"0x{value:0{2 * len(raw)}X}" if in_bits else f"{value}"
+        unit = unit_of(address)
+        return number + (f" {unit}" if unit else "") + (f" ({', '.join(said)})" if said else "")
+
+    def candidates(self, number: int) -> Iterator[tuple[int, str, int]]:
+        """Yield node, title and index of the mapping of each PDO that has this identifier now."""
+        predefined = number & canopen.NODE_MASK
+        for node in dict.fromkeys((*self._written, predefined)):
+            if not node:
+                continue
+            for place in range(PDOS):
+                for kind, parameter, mapping in (
+                    ("RPDO", RECEIVE_PARAMETER, RECEIVE_MAPPING),
+                    ("TPDO", TRANSMIT_PARAMETER, TRANSMIT_MAPPING),
+                ):
+                    entry = self.entry(node, parameter + place, 1)
+                    if entry & canopen.COB_ID_MASK == number:
+                        yield node, f"{kind} {place + 1}, node {node}", mapping + place
+
+    def fields(self, node: int, mapping: int, payload: bytes) -> list[str]:
+        """Return name and value of each mapped object; none where the bytes are not those of the mapping."""
+        count = min(self.entry(node, mapping, 0), MAX_ENTRIES)
+        entries = [MappingEntry.decode(self.entry(node, mapping, place + 1)) for place in range(count)]
+        if sum(entry.bits for entry in entries) != 8 * len(payload):
+            return []
+        found, begin = [], 0
+        for entry in entries:
+            end = begin + entry.bits // 8
+            value = self.value(node, entry.address, payload[begin:end])
+            found.append(f"{called(entry.address)} = {value}")
+            begin = end
+        return found

@@ -1,0 +1,196 @@
+"""What the drives report of their power, and what the guard makes of it: in doubt a drive has it."""
+
+from typing import Final
+
+import pytest
+
+from firmware_bridge.packet import Packet
+from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.epos2 import address as at
+from hil_tests.safety.guard_bench import (
+    LINK,
+    Bench,
+    aborted,
+    frame,
+    position,
+    sample,
+    status,
+    status_read,
+    wheel,
+    write,
+)
+from hil_tests.safety.serial_bench import SerialBench, done, number, reading, speed, value, word
+
+ENABLED, QUICK_STOPPED, READY, OFF, FAULT = 0x0137, 0x0117, 0x0121, 0x0140, 0x0108
+POWERED: Final = {
+    State.REFRESH,
+    State.MEASURE_INIT,
+    State.OPERATION_ENABLED,
+    State.QUICK_STOP_ACTIVE,
+    State.FAULT_REACTION_ENABLED,
+}
+ENDS_WATCH: Final = write(1, 0x1016, 1, bytes(4))
+UNLISTED: Final = frame(0x123, "")
+REPORTS: Final = (status, sample, status_read)
+
+
+@pytest.mark.parametrize("report", REPORTS)
+@pytest.mark.parametrize("state", State)
+def test_power_is_what_the_newest_statusword_says(bench: Bench, state: State, report: type) -> None:
+    bench.hears(report(1, state.value | 0x8200))
+    powered = state in POWERED
+    assert (bench.says(ENDS_WATCH) == (ENDS_WATCH,)) is not powered
+    assert bench.refuses(UNLISTED)[1] == ((wheel(1, 0x000B, 0),) if powered else ())
+    bench.hears(report(1, ENABLED), report(1, OFF))
+    assert bench.says(ENDS_WATCH) == (ENDS_WATCH,)
+
+
+@pytest.mark.parametrize("statusword", [0x0000 | 0x0001, 0x017F, 0x4137])
+def test_a_statusword_that_is_no_state_says_nothing(bench: Bench, statusword: int) -> None:
+    bench.hears(status(1, ENABLED), status(1, statusword))
+    assert bench.refuses(ENDS_WATCH)[1] == aborted(1, 0x1016, 1)
+    bench.hears(status(1, OFF), status(1, statusword))
+    assert bench.says(ENDS_WATCH) == (ENDS_WATCH,)
+
+
+@pytest.mark.parametrize(
+    "packet",
+    [
+        Packet(LINK, 0x181, b"\x37"),
+        Packet(LINK, 0x281, b""),
+        Packet(LINK, 0x182, b"\x37\x01"),
+        Packet(LINK, 0x381, b"\x37\x01"),
+        Packet(LINK, 0x701, b"\x37\x01"),
+        Packet(LINK, 0x1_0181, b"\x37\x01"),
+        Packet("other", 0x181, b"\x37\x01"),
+        Packet(LINK, 0x581, bytes.fromhex("4b4060003701 0000")),
+        Packet(LINK, 0x581, bytes.fromhex("4b4160013701 0000")),
+        Packet(LINK, 0x581, bytes.fromhex("8041600037010000")),
+        Packet(LINK, 0x581, bytes.fromhex("6041600037010000")),
+        Packet(LINK, 0x581, bytes.fromhex("4b416000370100")),
+        Packet(LINK, 0x581, b""),
+        Packet(LINK, 0x582, bytes.fromhex("4b4160003701 0000")),
+    ],
+    ids=str,
+)
+def test_what_is_no_statusword_of_the_drive_says_nothing_of_its_power(bench: Bench, packet: Packet) -> None:
+    bench.hears(packet)
+    assert bench.says(ENDS_WATCH) == (ENDS_WATCH,)
+
+
+@pytest.mark.parametrize("told", [0x0000, 0x0002, 0x0006, 0x0007, 0x000B, 0x0080])
+def test_a_drive_that_has_power_though_it_was_sent_none_counts_as_powered(bench: Bench, told: int) -> None:
+    """Whatever is refused, it is sent again what it did not obey; and it stays watched."""
+    bench.says(wheel(1, 0x000F, 500), wheel(1, told, 0), position(3, 0x003F, 70), position(3, told, 70))
+    bench.hears(status(1, ENABLED), status(3, ENABLED))
+    assert bench.refuses(UNLISTED)[1] == (wheel(1, told, 0), position(3, told, 70))
+    assert bench.refuses(wheel(1, 0x000F, 9999))[1] == (wheel(1, told, 0),)
+    assert bench.refuses(ENDS_WATCH)[1] == aborted(1, 0x1016, 1)
+    bench.hears(status(1, OFF), status(3, OFF))
+    assert bench.refuses(UNLISTED)[1] == ()
+
+
+def test_a_drive_that_nobody_has_sent_a_word_is_stopped_and_keeps_its_power(bench: Bench) -> None:
+    """An earlier run has left it: a quick stop gives no power and takes none."""
+    bench.hears(status(1, ENABLED), status(4, ENABLED))
+    assert bench.refuses(UNLISTED)[1] == (wheel(1, 0x000B, 0), position(4, 0x000B, 0))
+    bench.hears(status(1, OFF))
+    assert bench.refuses(UNLISTED)[1] == (position(4, 0x000B, 0),)
+
+
+@pytest.mark.parametrize("report", REPORTS)
+@pytest.mark.parametrize("state", [state for state in State if state is not State.OPERATION_ENABLED])
+def test_a_drive_that_stopped_by_itself_is_not_put_on_again(bench: Bench, state: State, report: type) -> None:
+    bench.says(wheel(1, 0x000F, 500), position(3, 0x003F, 70))
+    bench.hears(report(1, state.value), report(3, state.value))
+    assert bench.refuses(wheel(1, 0x000F, 9999))[1] == (wheel(1, 0x000B, 0),)
+    assert bench.refuses(position(3, 0x003F, 2**30))[1] == (position(3, 0x000B, 70),)
+
+
+def test_a_drive_that_reports_that_it_is_enabled_keeps_its_power(bench: Bench) -> None:
+    bench.says(wheel(1, 0x000F, 500), position(3, 0x003F, 70))
+    bench.hears(status(1, ENABLED), status(3, ENABLED))
+    assert bench.refuses(UNLISTED)[1] == (wheel(1, 0x000F, 0), position(3, 0x010F, 70))
+
+
+@pytest.mark.parametrize(("command", "forgotten"), [(0x81, True), (0x82, True), (0x80, False), (0x01, False)])
+def test_a_reset_makes_a_report_old_and_nothing_else_does(
+    bench: Bench, command: int, *, forgotten: bool
+) -> None:
+    """In pre-operational a drive keeps its power; one that goes on reporting it after a reset has it, too."""
+    bench.hears(status(1, ENABLED))
+    bench.says(Packet(LINK, 0x000, bytes((command, 1))))
+    assert (bench.says(ENDS_WATCH) == (ENDS_WATCH,)) is forgotten
+    bench.hears(status(1, ENABLED))
+    assert bench.refuses(ENDS_WATCH)[1] == aborted(1, 0x1016, 1)
+
+
+def test_what_a_drive_reports_reaches_the_node(bench: Bench) -> None:
+    packets = (status(1, ENABLED), sample(2, OFF), status_read(3, FAULT))
+    bench.hears(*packets)
+    assert [packet for packet, _ in bench.puppet.heard] == list(packets)
+
+
+WATCH_OFF: Final = number(1, at.CONSUMER_HEARTBEAT_1, 0)
+ASKED: Final = reading(1, at.STATUSWORD)
+
+
+def test_on_a_serial_line_the_answer_to_a_read_statusword_tells_of_power() -> None:
+    desk = SerialBench()
+    desk.says(ASKED)
+    assert desk.hears(value(ASKED, b"\x37\x01"))
+    assert WATCH_OFF not in desk.says(WATCH_OFF)
+    desk.says(ASKED)
+    for own in (speed(0), word(1, 0x000B)):
+        assert not desk.hears(done(own))
+    desk.hears(value(ASKED, b"\x40\x01"))
+    assert desk.says(WATCH_OFF) == (WATCH_OFF,)
+
+
+@pytest.mark.parametrize(
+    ("asked", "answer"),
+    [
+        (reading(2, at.STATUSWORD), value(ASKED, b"\x37\x01")),
+        (reading(1, at.CONTROLWORD), value(ASKED, b"\x37\x01")),
+        (number(1, at.MODE, 3), value(ASKED, b"\x37\x01")),
+        (ASKED, value(ASKED, b"\x37\x01", error=0x0504_0000)),
+        (ASKED, Packet(LINK, 0x110, b"silence")),
+        (ASKED, Packet(LINK, 0x10, b"")),
+        (ASKED, Packet(LINK, 0x10, bytes(4))),
+    ],
+)
+def test_other_answers_say_nothing_of_power(asked: Packet, answer: Packet) -> None:
+    desk = SerialBench()
+    desk.says(asked)
+    assert desk.hears(answer)
+    assert desk.says(WATCH_OFF) == (WATCH_OFF,)
+
+
+def test_answers_are_taken_in_the_order_of_their_commands() -> None:
+    desk = SerialBench()
+    desk.says(ASKED, reading(1, at.CONTROLWORD), ASKED)
+    desk.hears(value(ASKED, b"\x37\x01"))
+    desk.hears(value(ASKED, b"\x40\x01"))
+    assert WATCH_OFF not in desk.says(WATCH_OFF)
+    desk.hears(value(ASKED, b"\x40\x01"))
+    desk = SerialBench()
+    desk.says(ASKED, ASKED)
+    desk.hears(value(ASKED, b"\x37\x01"))
+    desk.hears(value(ASKED, b"\x40\x01"))
+    assert desk.says(WATCH_OFF) == (WATCH_OFF,)
+
+
+def test_on_a_serial_line_a_drive_that_stopped_by_itself_is_not_put_on_again() -> None:
+    desk = SerialBench()
+    desk.says(speed(100), word(1, 0x000F), ASKED)
+    for packet in (done(speed(100)), done(word(1, 0x000F)), value(ASKED, b"\x17\x01")):
+        desk.hears(packet)
+    assert desk.says(speed(9999)) == (speed(0), word(1, 0x000B))
+
+
+def test_a_target_alone_leaves_an_earlier_run_s_drive_to_the_quick_stop() -> None:
+    desk = SerialBench()
+    desk.says(ASKED)
+    desk.hears(value(ASKED, b"\x37\x01"))
+    desk.says(speed(0))
+    assert desk.says(speed(9999)) == (speed(0), word(1, 0x000B))
