@@ -90,7 +90,7 @@ class Pipeline(Generic[G, M, S]):
         rules = self._permission.rules
         rest = rules.body.rested(self._demanded, rules.groups)
         self._demanded = rules.body.ramped(self._demanded, rest, known.body, self._elapsed(now))
-        demands = rules.body.demands(self._demanded, known.body)
+        demands = self._demands_of_body(known)
         still = Snapshot(
             facts=known.facts, wish=known.wish, demanded=self._demanded, body=known.body, pose=known.pose
         )
@@ -169,6 +169,11 @@ class Pipeline(Generic[G, M, S]):
             return self._all(Stop.POWER_OFF)
         if known.facts.emergency_stopped and rules.at_rest(known) and self._demand_rests(known):
             return self._all(Stop.QUICK_STOP)
+        return self._demands_of_body(known)
+
+    def _demands_of_body(self, known: Snapshot[M, S]) -> Mapping[str, Demand]:
+        """Return what the body makes of what is demanded; an axis that the mode does without has no power."""
+        rules = self._permission.rules
         demands = rules.body.demands(self._demanded, known.body)
         return {**demands, **dict.fromkeys(rules.without, Stop.POWER_OFF)} if rules.without else demands
 
