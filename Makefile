@@ -11,6 +11,7 @@ MISSIONS := line circles interlocks faults
 BIN := .venv/bin
 READY := .venv/.ready
 MEASURED := .venv/.measured
+EXAMPLES := $(patsubst %/pyproject.toml,%,$(wildcard examples/*/pyproject.toml))
 COMPILED := .venv/compiled
 BRIDGE := $(BIN)/firmware-bridge
 
@@ -33,7 +34,7 @@ help: ## list these commands
 
 setup: $(READY) ## make .venv with the program and everything that its tests need
 
-$(READY): pyproject.toml setup.py $(wildcard emulators/servo/native/*.[ch])
+$(READY): pyproject.toml setup.py $(wildcard emulators/servo/native/*.[ch] examples/*/pyproject.toml)
 	@[ -n "$(PYTHON)" ] || { echo "setup: no Python 3.11 or later found; install one, or name it: make PYTHON=python3.11 ..." >&2; exit 1; }
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
 		{ echo "setup: $(PYTHON) is not Python 3.11 or later; name another one: make PYTHON=python3.11 ..." >&2; exit 1; }
@@ -48,7 +49,7 @@ $(READY): pyproject.toml setup.py $(wildcard emulators/servo/native/*.[ch])
 	@$(BIN)/python -m pip install --quiet --quiet --disable-pip-version-check --upgrade 'pip>=25.1'
 	@echo "setup: 3 of 3, the program, the libraries that it needs, and those that its tests need"
 	@set -o pipefail; $(BIN)/python -m pip install --disable-pip-version-check --progress-bar off \
-		--editable . --group dev 2>&1 | tee .venv/pip.log | $(FETCHED) || \
+		--editable . $(EXAMPLES:%=--editable %) --group dev 2>&1 | tee .venv/pip.log | $(FETCHED) || \
 		{ echo "setup: pip could not do it; it says:" >&2; cat .venv/pip.log >&2; exit 1; }
 	@echo "setup: done"
 	@touch $@
@@ -62,7 +63,7 @@ $(COMPILED)/.ready: $(READY) $(shell find firmware_bridge emulators fmu -name '*
 	@FIRMWARE_BRIDGE_COMPILE=1 $(BIN)/python -m pip --python $(COMPILED)/bin/python install --quiet \
 		--disable-pip-version-check --no-deps --force-reinstall .
 	@rm -rf build
-	@$(BIN)/python -c 'import site; print(site.getsitepackages()[0]); print("$(CURDIR)")' > \
+	@$(BIN)/python -c 'import site; print(site.getsitepackages()[0]); [print(f"$(CURDIR)/{it}") for it in ". $(EXAMPLES)".split()]' > \
 		"$$($(COMPILED)/bin/python -c 'import site; print(site.getsitepackages()[0])')/checkout.pth"
 	@touch $@
 

@@ -14,7 +14,18 @@ from pydantic import Field, ValidationError, create_model, model_validator
 
 from emulators.bench.faults import FaultTable, misfits
 from emulators.bench.rehearsal import Rehearsal
-from emulators.bench.step import Holds, Input, NonNegative, Positive, Presses, Share, Step, Table, inputs
+from emulators.bench.step import (
+    Holds,
+    Input,
+    NonNegative,
+    Positive,
+    Presses,
+    Share,
+    Step,
+    Table,
+    guides,
+    inputs,
+)
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.problems import Problem, near, problems_of
 
@@ -128,6 +139,9 @@ def _misfits(mission: Mission, robot: AnyRobot, rehearsal: Rehearsal) -> Iterato
     held = mission.input
     for index, step in enumerate(mission.step):
         held = step.input or held
+        if step.guide is not None and step.guide not in guides(robot):
+            known = near(step.guide, [name for name in guides(robot) if name])
+            yield Problem(f"step[{index}].guide", f"{robot.name} has no guide '{step.guide}'; {known}")
         for key, row in inputs(type(step)).items():
             value = getattr(step, key)
             if value is None:

@@ -4,12 +4,13 @@ A mission's input is one field of the robot's step: its annotation says what the
 is one column, which may be drawn in a panel and told in the summary.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
+from emulators.bench.cases import Case
 from emulators.bench.columns import Column, Panel
 from emulators.bench.step import Step
 from firmware_bridge.robot import AnyRobot
@@ -66,6 +67,8 @@ class Rehearsal:
     panels: tuple[Panel, ...]
     remarks: Callable[[AnyRobot], Mapping[str, str]]
     """What stands beside the summary's numbers, by their keys: the robot's limits."""
+    cases: Callable[[AnyRobot], Iterable[Case[Any, Any]]]
+    """At least one boundary case for each of its kind's interlocks and limits."""
 
     def shipped(self) -> dict[str, Path]:
         """Return the shipped missions by their names, in alphabetical order."""

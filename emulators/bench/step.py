@@ -8,6 +8,7 @@ from typing import Annotated, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from emulators.bench.strays import Stray
+from firmware_bridge.kinds import kind_of
 from firmware_bridge.robot import AnyRobot
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
@@ -88,6 +89,10 @@ class Step(Table):
     """Emergency stop for good."""
     mode: Annotated[int | None, Field(ge=0), Sends(176, lambda mode, _: (1.0, mode))] = None
     """DO_SET_MODE's custom mode: 0 is the whole robot, others are its modes after a failed actuator."""
+    guide: Annotated[str | None, Sends(176, lambda guide, robot: (1.0, 0.0, guides(robot).index(guide)))] = (
+        None
+    )
+    """DO_SET_MODE's submode: let a guide of the robot's drive, by its name; "" is the operator."""
     silent_s: Positive | None = None
     """Say nothing at all for this long."""
     stray: Annotated[Stray | None, Field(strict=False)] = None
@@ -111,6 +116,11 @@ class Step(Table):
                 others = [name for name, of in inputs(type(self)).items() if _holds(of, row.channel)]
                 raise ValueError(f"{key} needs {' or '.join(others)}")
         return self
+
+
+def guides(robot: AnyRobot) -> tuple[str, ...]:
+    """Return who may drive a robot, in the order of their numbers; the first is the operator."""
+    return ("", *kind_of(robot).guides)
 
 
 def of_key(step: type[Step], key: str) -> object:

@@ -16,6 +16,11 @@ class ByName(Rows):
 
 COMMANDS: Final[tuple[Row, ...]] = (
     Command(
+        "new",
+        "emulators.cli.new:new",
+        "Write a package for a robot of your own: robot file, rules, plant, missions; it drives at once.",
+    ),
+    Command(
         "bench",
         "emulators.cli.bench:bench",
         "Drive a mission in virtual time: bridge, bus, drives and plant, all in this process.",

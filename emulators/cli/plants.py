@@ -28,7 +28,7 @@ def build_model(
         typer.Argument(
             metavar="MODEL",
             help="A model that `fmu list` shows.",
-            autocompletion=completing("fmu.build:models"),
+            autocompletion=completing("fmu.plants:names"),
         ),
     ],
     *,

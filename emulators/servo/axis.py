@@ -30,7 +30,7 @@ DIRECT: Final = 0
 RAMP: Final = 1
 MOVE: Final = 2
 SPLINE: Final = 3
-FOLLOW: Final = 4
+ELECTRONIC_GEAR: Final = 4
 
 # What a ramp and a move are shaped like (0x6086).
 TRAPEZOID: Final = 0
@@ -194,8 +194,8 @@ class ServoAxis(Record, ctypes.Structure):
         self.next_linear = self.next_square = self.next_cube = self.next_ms = 0
         self.splines_done = 0
         self.lowest, self.highest = -FOREVER, FOREVER
-        self.followed, self.follow_rest = self.master, 0
-        self.follow_numerator = self.follow_denominator = 1
+        self.gear_counted, self.gear_rest = self.master, 0
+        self.gear_numerator = self.gear_denominator = 1
         self.analogue_input = self.analogue_numerator = self.analogue_offset = 0
         self.analogue_denominator = 1
 

@@ -11,7 +11,7 @@ from typing import Final
 from emulators.servo import (
     axis,
     compare,
-    follow,
+    electronic_gear,
     loops,
     recorder,
     scaling,
@@ -44,7 +44,7 @@ CONSTANTS: Final[tuple[tuple[ModuleType, tuple[str, ...]], ...]] = (
             "RAMP",
             "MOVE",
             "SPLINE",
-            "FOLLOW",
+            "ELECTRONIC_GEAR",
             "SINE",
             "FASTEST_RPM",
         ),
@@ -69,7 +69,7 @@ CONSTANTS: Final[tuple[tuple[ModuleType, tuple[str, ...]], ...]] = (
     (axis, ("AVERAGE_PLACES",)),
     (sine, ("SHARE_PLACES", *(f"SINE_{term}" for term in range(1, 8)))),
     (sensor_lines, ("MASTER", "ANALOGUE_1", "ANALOGUE_2")),
-    (follow, ("FASTEST_INPUT",)),
+    (electronic_gear, ("FASTEST_INPUT",)),
     (setpoint, ("WIDEST_VOLTAGE", "WIDEST_SETPOINT", "MILLISECONDS_PER_MINUTE")),
     (seam, ("CLOSED", "WIDEST_READING", "WIDEST_ANGLE", "WIDEST_STEP")),
 )

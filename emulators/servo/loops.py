@@ -10,7 +10,7 @@ from emulators.servo.axis import (
     CURRENT,
     CURRENT_LIMITED,
     DIRECT,
-    FOLLOW,
+    ELECTRONIC_GEAR,
     FOLLOWING_ERROR,
     GATE_SUPPLY_LOW,
     IDLE,
@@ -31,7 +31,7 @@ from emulators.servo.axis import (
     ServoAxis,
 )
 from emulators.servo.compare import compare
-from emulators.servo.follow import follow
+from emulators.servo.electronic_gear import electronic_gear
 from emulators.servo.profile import move, ramp
 from emulators.servo.scaling import (
     ACCELERATION_FORWARD_PLACES,
@@ -181,8 +181,8 @@ def profile_step(axis: ServoAxis) -> int:
         return PROFILE_DONE
     if profile == SPLINE:
         done = spline(axis)
-    elif profile == FOLLOW:
-        done = follow(axis)
+    elif profile == ELECTRONIC_GEAR:
+        done = electronic_gear(axis)
     elif axis.shape == SINE:
         done = legs(axis)
     else:

@@ -109,11 +109,11 @@ class Record:
     next_cube: int
     next_ms: int
     splines_done: int
-    # Following the digital position input (`emulators.servo.follow`).
-    followed: int
-    follow_numerator: int
-    follow_denominator: int
-    follow_rest: int
+    # Following the digital position input (`emulators.servo.electronic_gear`).
+    gear_counted: int
+    gear_numerator: int
+    gear_denominator: int
+    gear_rest: int
     # An analogue set-point: which input, 0 for none (`emulators.servo.setpoint`).
     analogue_input: int
     analogue_numerator: int

@@ -5,12 +5,9 @@ is kept are the axis' own numbers.
 """
 
 import ctypes
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import ClassVar, Final
 
-from emulators.servo.record import FIELDS
-
-if TYPE_CHECKING:
-    from emulators.servo.axis import ServoAxis
+from emulators.servo.record import FIELDS, Record
 
 MOVEMENT_START: Final = 1 << 0
 """The velocity demand has left 0."""
@@ -54,7 +51,7 @@ class Recorder(ctypes.Structure):
         self.numbers = (ctypes.c_int64 * 0)()
 
     def start(
-        self, axis: "ServoAxis", fields: tuple[str, ...], *, capacity: int, period: int, preceding: int
+        self, axis: Record, fields: tuple[str, ...], *, capacity: int, period: int, preceding: int
     ) -> None:
         """Record these fields anew every `period` ticks; `preceding` samples are from before the trigger."""
         if not self.numbers:
@@ -82,14 +79,13 @@ class Recorder(ctypes.Structure):
         return [tuple(self.numbers[at * width : (at + 1) * width]) for at in range(self.capacity)]
 
 
-def is_moving(axis: "ServoAxis") -> int:
+def is_moving(axis: Record) -> int:
     """Return 1 while a movement is demanded, else 0."""
     return 1 if axis.powered and axis.velocity_demand else 0
 
 
-def record(axis: "ServoAxis") -> None:
+def record(axis: Record, recorder: Recorder) -> None:
     """Run one tick of an axis that is recorded: look for the trigger, take the sample that is due."""
-    recorder = axis.recorder
     moving, pins = is_moving(axis), axis.pins
     if not recorder.triggered:
         happened = INPUT_EDGE if pins != recorder.pins else 0
@@ -105,7 +101,7 @@ def record(axis: "ServoAxis") -> None:
         _sample(axis, recorder)
 
 
-def _sample(axis: "ServoAxis", recorder: Recorder) -> None:
+def _sample(axis: Record, recorder: Recorder) -> None:
     width = recorder.width
     begin = recorder.next * width
     for place in range(width):

@@ -1,13 +1,19 @@
-"""The sin2 profile of one axis, one millisecond at a time: from one velocity to the next along a sin2.
+"""The sin2 profile of one axis: its legs are planned beforehand, and run one millisecond at a time.
 
-A profile is a chain of at most four legs, each from one velocity to another in an odd number of ms (a leg at
-constant velocity in any number): `emulators.servo.sine_plan` makes them. The second half of a leg mirrors the
-first, so that its way is known exactly beforehand, whatever is rounded.
+A profile is a chain of at most four legs, each from one velocity to another along a sin2, in an odd number of
+ms (a leg at constant velocity in any number). The second half of a leg mirrors the first, so that its way is
+known exactly beforehand, whatever is rounded: where the legs end is where they were to end.
+
+A leg's peak acceleration is the one that was given, so that it takes pi/2 times as long as a trapezoid's ramp
+(ASSUME: no document says whether maxon's sin2 profile keeps the peak or the mean acceleration; the peak is
+the limit that the mechanics know). A profile that is changed under way goes on from the present velocity with
+a new leg (ASSUME): the velocity is continuous, and the acceleration within its limits.
 """
 
+from dataclasses import dataclass
 from typing import Final
 
-from emulators.servo.axis import MOVE, ServoAxis
+from emulators.servo.axis import MOVE, SINE, ServoAxis
 
 SHARE_PLACES: Final = 31
 # (1 - cos(pi x)) / 2 in powers of x2, alternating; SHARE_PLACES binary places. Up to x = 1/2 exact to 2^-30.
@@ -18,6 +24,158 @@ SINE_4: Final = 252_684_340
 SINE_5: Final = 27_709_939
 SINE_6: Final = 2_071_865
 SINE_7: Final = 112_354
+
+_HALF_PI: Final = 1_686_629_713
+_HALF_PI_PLACES: Final = 30
+ROUNDING: Final = 4
+"""What rounding may add to a leg's acceleration, in acceleration units (some 0.2 rpm/s): kept in reserve."""
+_SPLITS: Final = 16
+_ATTEMPTS: Final = 8
+_MOST_LEGS: Final = 4
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """A part of the profile: the velocity at its end, in velocity units, and how long it takes, in ms."""
+
+    to: int
+    ms: int
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """Legs one after the other; in the first `spare` ms one unit is added (taken off where it is negative).
+
+    Straight ahead it is taken off: a limit of the velocity is not passed by a single unit.
+    """
+
+    legs: tuple[Leg, ...]
+    spare: int = 0
+
+    def mirrored(self) -> "Plan":
+        """Return the same in the other direction."""
+        return Plan(tuple(Leg(-leg.to, leg.ms) for leg in self.legs), -self.spare)
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What a move keeps to, in velocity units and acceleration units."""
+
+    cruise: int
+    acceleration: int
+    deceleration: int
+
+
+def duration(change: int, acceleration: int) -> int:
+    """Return the ms of a leg that changes the velocity so much with this peak acceleration: an odd number."""
+    usable = max(1, acceleration - ROUNDING) << _HALF_PI_PLACES
+    return max(1, -(-abs(change) * _HALF_PI // usable)) | 1
+
+
+def ramp(speed: int, target: int, limits: Limits) -> Plan:
+    """Plan the way from one velocity to another; a reversal passes through 0."""
+    if speed == target:
+        return Plan(())
+    if (speed < 0) != (target < 0) and speed and target:
+        down = Leg(0, duration(speed, limits.deceleration))
+        return Plan((down, Leg(target, duration(target, limits.acceleration))))
+    slower = abs(target) < abs(speed)
+    return Plan(
+        (Leg(target, duration(target - speed, limits.deceleration if slower else limits.acceleration)),)
+    )
+
+
+def move(way: int, speed: int, limits: Limits) -> Plan:
+    """Plan the way to rest exactly `way` position units from here, beginning with this speed.
+
+    Where the way is too short to brake, or leads back, the axis comes to rest first and returns.
+    """
+    if way < 0 or (way == 0 and speed < 0):
+        return move(-way, -speed, limits).mirrored()
+    if limits.cruise == 0:
+        return ramp(speed, 0, limits)
+    if speed == 0:
+        return _approach(way, 0, limits) if way else Plan(())
+    braking = duration(speed, limits.deceleration)
+    covered = braking // 2 * speed
+    if speed > 0 and covered == way:
+        return Plan((Leg(0, braking),))
+    if speed > 0 and covered < way:
+        plan = _approach(way, speed, limits)
+        if plan.legs:
+            return plan
+    back = move(way - covered, 0, limits)
+    return Plan((Leg(0, braking), *back.legs), back.spare)
+
+
+def _approach(way: int, speed: int, limits: Limits) -> Plan:
+    """Plan a move straight ahead; no legs where none are found."""
+    top = limits.cruise
+    if speed <= top:
+        top = _fastest(way, speed, top, limits)
+    splits = (speed * part // _SPLITS for part in reversed(range(_SPLITS))) if speed else ()
+    for height in (top, speed, *splits):
+        plan = _fitted(way, speed, max(1, height), limits)
+        if plan is not None:
+            return plan
+    return Plan(())
+
+
+def _fastest(way: int, speed: int, top: int, limits: Limits) -> int:
+    """Return the fastest cruise between `speed` and `top` from which the way suffices to brake."""
+    low, high = speed, top
+    while low < high:
+        middle = (low + high + 1) // 2
+        rise = duration(middle - speed, limits.acceleration)
+        fall = duration(middle, limits.deceleration)
+        if rise // 2 * (speed + middle) + middle + fall // 2 * middle <= way:
+            low = middle
+        else:
+            high = middle - 1
+    return low
+
+
+def _fitted(way: int, speed: int, top: int, limits: Limits) -> Plan | None:
+    """Lower the cruise from `top` until rise, cruise and fall pass the way by less than one unit per ms."""
+    height, rise, fall = top, 1, 1
+    for _ in range(_ATTEMPTS):
+        rise = max(
+            rise,
+            duration(height - speed, limits.acceleration if height > speed else limits.deceleration),
+        )
+        fall = max(fall, duration(height, limits.deceleration))
+        left = way - rise // 2 * speed
+        if left < 0:
+            return None
+        weight = rise // 2 + 1 + fall // 2
+        flat = max(0, -(-left // top) - weight)
+        before, height = height, -(-left // (weight + flat))
+        if (
+            duration(height - speed, limits.acceleration if height > speed else limits.deceleration) <= rise
+            and duration(height, limits.deceleration) <= fall
+        ):
+            level = (Leg(height, flat),) if flat else ()
+            return Plan((Leg(height, rise), *level, Leg(0, fall)), left - height * (weight + flat))
+        height = min(before, height)
+    return None
+
+
+def load(axis: ServoAxis) -> None:
+    """Plan what the axis' ramp or move asks for, and give it the legs."""
+    limits = Limits(axis.cruise, axis.acceleration, axis.deceleration)
+    if axis.profile == MOVE:
+        plan = move(axis.target_position - axis.position_demand, axis.velocity_demand, limits)
+    else:
+        plan = ramp(axis.velocity_demand, axis.target_velocity, limits)
+    axis.shape = SINE
+    empty = Leg(axis.velocity_demand, 0)
+    first, second, third, fourth = (*plan.legs, *(empty,) * (_MOST_LEGS - len(plan.legs)))
+    axis.leg_from, axis.leg_at = axis.velocity_demand, 0
+    axis.leg_to, axis.leg_ms = first.to, first.ms
+    axis.leg_2_to, axis.leg_2_ms = second.to, second.ms
+    axis.leg_3_to, axis.leg_3_ms = third.to, third.ms
+    axis.leg_4_to, axis.leg_4_ms = fourth.to, fourth.ms
+    axis.leg_spare = plan.spare
 
 
 def share(part: int) -> int:

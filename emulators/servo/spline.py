@@ -1,11 +1,74 @@
-"""The spline of interpolated position mode, one millisecond at a time: cubic segments from knot to knot.
+"""The spline of interpolated position mode: segments made from knots, run one millisecond at a time.
 
-A segment's position is `linear` t/T + `square` (t/T)2 + `cube` (t/T)3 beyond its knot. Reckoned from the
-inside out with one division by T each, it is exact at t = T, so that nothing adds up over a thousand knots.
-The axis has the segment after the present one beforehand: it goes on by itself, and tells.
+Source: application note Interpolation Position Mode, December 2008: cubic splines through position, velocity
+and time. Whole numbers only. A segment's position is `linear` t/T + `square` (t/T)2 + `cube` (t/T)3 beyond
+its knot. Reckoned from the inside out with one division by T each, it is exact at t = T, so that nothing adds
+up over a thousand knots. The axis has the next segment beforehand: it goes on by itself, and tells.
 """
 
-from emulators.servo.axis import ServoAxis
+from dataclasses import dataclass
+
+from emulators.servo.axis import SPLINE, ServoAxis
+from emulators.servo.commands import judge_anew, regulate_position
+
+
+@dataclass(frozen=True, slots=True)
+class Knot:
+    """A position in position units, and the velocity there in velocity units."""
+
+    position: int
+    velocity: int
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """A knot, and the way to the next in `ms`: linear t/T + square (t/T)2 + cube (t/T)3; position units."""
+
+    start: int
+    linear: int
+    square: int
+    cube: int
+    ms: int
+
+    def fastest(self) -> int:
+        """Return the largest velocity on the way, in velocity units, rounded up."""
+        ends = (self.linear, self.linear + 2 * self.square + 3 * self.cube)
+        largest = max(map(abs, ends))
+        # Between its ends the velocity turns where 2 square + 6 cube t/T is 0.
+        if self.cube and 0 < -self.square * (1 if self.cube > 0 else -1) < 3 * abs(self.cube):
+            largest = max(
+                largest, -(-abs(3 * self.cube * self.linear - self.square**2) // abs(3 * self.cube))
+            )
+        return -(-largest // self.ms)
+
+    def sharpest(self) -> int:
+        """Return the largest acceleration on the way, in acceleration units, rounded up."""
+        largest = max(abs(2 * self.square), abs(2 * self.square + 6 * self.cube))
+        return -(-largest // self.ms**2)
+
+
+def segment(start: Knot, end: Knot, ms: int) -> Segment:
+    """Return the cubic that has position and velocity of both knots; `ms` is at least 1."""
+    way = end.position - start.position
+    first, last = start.velocity * ms, end.velocity * ms
+    return Segment(start.position, first, 3 * way - 2 * first - last, first + last - 2 * way, ms)
+
+
+def begin(axis: ServoAxis, first: Segment) -> None:
+    """Run a segment from the next ms on; the position regulator takes over."""
+    regulate_position(axis)
+    axis.profile = SPLINE
+    axis.knot, axis.spline_at = first.start, 0
+    axis.spline_linear, axis.spline_square, axis.spline_cube = first.linear, first.square, first.cube
+    axis.spline_ms = first.ms
+    axis.next_ms = 0
+    judge_anew(axis, there=False)
+
+
+def prepare(axis: ServoAxis, following: Segment) -> None:
+    """Have a segment ready for when the present one ends, which is where it starts."""
+    axis.next_linear, axis.next_square, axis.next_cube = following.linear, following.square, following.cube
+    axis.next_ms = following.ms
 
 
 def spline(axis: ServoAxis) -> bool:

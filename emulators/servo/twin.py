@@ -128,7 +128,7 @@ class Twin:
         if loop.axis.recording:
             if loop.axis.powered:
                 loop.store()
-            record(loop.axis)
+            record(loop.axis, loop.axis.recorder)
 
     def _sample_supply(self) -> None:
         supply = self._wiring.supply

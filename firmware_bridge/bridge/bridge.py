@@ -57,7 +57,12 @@ class Bridge:
         self._fleets: Final = Fleets(fleets_of(robot))
         rules = kind.rules(robot)
         self._operator: Operator[Any, Any, Any] = Operator(
-            robot, kind.station, kind.rest, rolling=rules[""].body.rolling, modes=tuple(kind.modes)
+            robot,
+            kind.station,
+            kind.rest,
+            rolling=rules[""].body.rolling,
+            modes=tuple(kind.modes),
+            guides=tuple(kind.guides),
         )
         self._permission: Permission[Any, Any, Any] = Permission(robot, rules, self._fleets, self._outbox)
         self._pipeline: Pipeline[Any, Any, Any] = Pipeline(

@@ -81,7 +81,7 @@ class Pipeline(Generic[G, M, S]):
         self._demanded = rules.body.ramped(self._demanded, ruling.allowed, known.body, elapsed)
         sent = self._fleets.command(self._demands(known), self._levels(ruling), now)
         self._advance(known.facts.axes)
-        self._demand_seen(known, ruling.holds)
+        self._keep(known, ruling.holds)
         return sent, self._operator.report(self.seen, self.holds, now)
 
     def come_to_rest(self, now: Nanoseconds) -> tuple[tuple[Packet, ...], bool]:
@@ -94,7 +94,7 @@ class Pipeline(Generic[G, M, S]):
         still = Snapshot(
             facts=known.facts, wish=known.wish, demanded=self._demanded, body=known.body, pose=known.pose
         )
-        return self._fleets.command(demands, NO_LEVELS, now), rules.at_rest(known) and rules.at_rest(still)
+        return self._fleets.command(demands, self._kind.on_stop, now), rules.at_rest(known) and rules.at_rest(still)
 
     def decide(self, request: Request, now: Nanoseconds) -> Verdict:
         """Answer one request of the operator."""
@@ -135,10 +135,14 @@ class Pipeline(Generic[G, M, S]):
         return self._operator.report(self.seen, self.holds, now)
 
     def _guided(self, known: Snapshot[M, S], elapsed: Nanoseconds) -> Snapshot[M, S]:
-        """Return the snapshot with the guide's wish in it, where one guides; a moved stick takes over."""
+        """Return the snapshot with the guide's wish in it, where one guides.
+
+        A moved stick takes over, and who loses the leave to move loses the guide: armed again, nothing starts.
+        """
         if self._guide is None:
             return known
-        if self._permission.rules.body.asked(self._operator.intent.wish, known.body):
+        moved = self._permission.rules.body.asked(self._operator.intent.wish, known.body)
+        if moved or not known.facts.armed:
             self._guide = self._wish = None
         else:
             self._wish = self._guide.wished(known, elapsed)
@@ -152,6 +156,8 @@ class Pipeline(Generic[G, M, S]):
         if name and made is None:
             known = ", ".join(self._kind.guides) or "none"
             return Verdict(accepted=False, reason=f"guide: this robot has no '{name}'; it has {known}")
+        if name and not self._permission.armed:
+            return Verdict(accepted=False, reason="guide: arm the robot first")
         self._guide = None if made is None else made(self._robot)
         self._wish = None
         return Verdict(accepted=True, reason=f"guide: {name or 'the operator'}")
@@ -197,7 +203,7 @@ class Pipeline(Generic[G, M, S]):
             if before is not None and before[body.rolling[0]].sampled_at not in at:
                 self._pose = body.advanced(self._pose, before, axes)
 
-    def _demand_seen(self, known: Snapshot[M, S], holds: tuple[Hold, ...]) -> None:
+    def _keep(self, known: Snapshot[M, S], holds: tuple[Hold, ...]) -> None:
         """Keep what this cycle knew, with what it has demanded; a guide that was held back begins anew."""
         self.seen = Snapshot(
             facts=known.facts, wish=known.wish, demanded=self._demanded, body=known.body, pose=self._pose

@@ -15,6 +15,7 @@ from firmware_bridge.intent import (
     Disarm,
     EmergencyStop,
     EnterMode,
+    Follow,
     Request,
     ResetOdometry,
     Verdict,
@@ -79,6 +80,10 @@ class CommandContext(Protocol):
     @property
     def modes(self) -> tuple[str, ...]:
         """The robot's modes by their custom mode; the first, "", is the whole robot's."""
+
+    @property
+    def guides(self) -> tuple[str, ...]:
+        """Who makes the wishes, by the custom submode; the first, "", is the operator."""
 
     def request(self, request: Request) -> Verdict:
         """Ask the bridge."""
@@ -231,7 +236,14 @@ def _set_mode(order: Order, context: CommandContext) -> Answer:
             return _denied("this robot has one mode, 0: an operator drives it")
         known = ", ".join(f"{place} {mode or 'whole'}" for place, mode in enumerate(modes))
         return _denied(f"mode: {known}; there are no others")
-    return ACCEPTED if len(modes) == 1 else _judged(context.request(EnterMode(modes[number])))
+    guide = _number(order.params[2]) or 0
+    if guide >= len(context.guides):
+        known = ", ".join(f"{place} {name or 'the operator'}" for place, name in enumerate(context.guides))
+        return _denied(f"submode: {known}; there are no others")
+    entered = ACCEPTED if len(modes) == 1 else _judged(context.request(EnterMode(modes[number])))
+    if entered.result is not Result.ACCEPTED or len(context.guides) == 1:
+        return entered
+    return _judged(context.request(Follow(context.guides[guide])))
 
 
 def _home(order: Order, context: CommandContext) -> Answer:
@@ -269,7 +281,7 @@ ROWS: Final = (
     Row(
         dialect.MAV_CMD_DO_SET_MODE,
         _set_mode,
-        "custom mode 0: the whole robot; others after a failed actuator",
+        "custom mode 0: the whole robot; others after a failed actuator; submode: the guide, 0 none",
     ),
     Row(dialect.MAV_CMD_DO_SET_HOME, _home, "p1 = 1: the present place is the origin"),
     Row(dialect.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, _reboot, "never from afar"),

@@ -68,6 +68,11 @@ class Exchange(Generic[G, M, S]):
         """The robot's modes by their custom mode; the first, "", is the whole robot's."""
         return self.session.modes
 
+    @property
+    def guides(self) -> tuple[str, ...]:
+        """Who makes the wishes, by the custom submode; the first, "", is the operator."""
+        return self.session.guides
+
     def request(self, request: Request) -> Verdict:
         """Ask the bridge; what of a wish does not outlive a change of state is forgotten."""
         verdict = self.decide(request)

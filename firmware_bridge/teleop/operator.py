@@ -35,9 +35,12 @@ class Operator(Generic[G, M, S]):
         *,
         rolling: tuple[str, ...],
         modes: tuple[str, ...] = (),
+        guides: tuple[str, ...] = (),
     ) -> None:
-        """Take the robot, its kind's rows and motion at rest, its body's rolling axes, its kind's modes."""
-        self._session: Final[Session[G, M, S]] = Session(robot, station, rest, rolling=rolling, modes=modes)
+        """Take the robot, its kind's rows and motion at rest, its body's rolling axes, its kind's modes and guides."""
+        self._session: Final[Session[G, M, S]] = Session(
+            robot, station, rest, rolling=rolling, modes=modes, guides=guides
+        )
         self._holds: dict[str, Hold] = {}
         self._called: Final = {axis.name: axis.called for axis in robot.axes}
         self._faults: Final[dict[str, str]] = {}

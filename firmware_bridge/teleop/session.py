@@ -89,7 +89,7 @@ class Session(Generic[G, M, S]):
     """The whole memory; one for each bridge."""
 
     __slots__ = (
-        "codec", "dropped", "intent", "list_due", "listed", "modes", "peers", "resets", "robot", "rolling",
+        "codec", "dropped", "guides", "intent", "list_due", "listed", "modes", "peers", "resets", "robot", "rolling",
         "schedule", "snapshot", "speaker", "station", "store", "streams", "terminated",
     )  # fmt: skip
 
@@ -101,12 +101,15 @@ class Session(Generic[G, M, S]):
         *,
         rolling: tuple[str, ...],
         modes: tuple[str, ...],
+        guides: tuple[str, ...] = (),
     ) -> None:
         self.robot: Final = robot
         self.station: Final = station
         self.rolling: Final = rolling
         self.modes: Final = ("", *modes)
         """By custom mode; the first is the whole robot's."""
+        self.guides: Final = ("", *guides)
+        """By custom submode; the first is the operator."""
         self.codec: Final = Codec(robot.operator.system_id, robot.operator.component_id)
         self.store: Final = Store(parameters_of(robot, station.parameters))
         self.streams: Final = streams_of(robot, station)

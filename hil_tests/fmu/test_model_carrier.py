@@ -5,11 +5,11 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import SimpleNamespace
 
-import carrier_plant
+import carrier.plant
 import numpy as np
 import pytest
-from carrier_plant import reference
-from carrier_plant.parameters import LEFT, PARAMETERS, PLANT, RIGHT, SETS
+from carrier.plant import reference
+from carrier.plant.parameters import LEFT, PARAMETERS, PLANT, RIGHT, SETS
 from fmpy.validation import validate_fmu
 
 from fmu.build import ensure
@@ -76,7 +76,7 @@ def test_the_reference_trajectory_holds_in_both_versions() -> None:
 
 
 def test_readme_sources_and_sets_are_whole() -> None:
-    text = (Path(carrier_plant.__file__).parent / "README.md").read_text(encoding="utf-8")
+    text = (Path(carrier.plant.__file__).parent / "README.md").read_text(encoding="utf-8")
     model = PLANT.model()
     for name in (*(row.name for row in model.inputs), *(row.name for row in model.outputs)):
         families = (name, f"{name.rpartition('_')[0]}_*", f"{name.split('_wheel_')[0]}_*")

@@ -201,7 +201,7 @@ def test_no_compiler_is_one_clear_error(monkeypatch: pytest.MonkeyPatch, tmp_pat
 
 
 def test_unknown_model_and_version_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(PlantError, match=r"no plant model 'mars'; there are: .*rars"):
+    with pytest.raises(PlantError, match=r"no plant 'mars'; did you mean 'rars'\? there are: .*rars"):
         build.build("mars", 3, tmp_path / "x.fmu")
     with pytest.raises(PlantError, match="FMI 1 is not offered"):
         build.build("rars", 1, tmp_path / "x.fmu")

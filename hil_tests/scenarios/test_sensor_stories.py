@@ -2,7 +2,7 @@
 
 import pytest
 
-from emulators.servo.surroundings import SensorWires, Surroundings
+from emulators.servo.axis_faults import AxisFaults, SensorWires
 from firmware_bridge.wire.cia402 import State, state_of
 from firmware_bridge.wire.epos2.address import ERROR_HISTORY_COUNT, STATUSWORD
 from firmware_bridge.wire.epos2.emergency import SENSOR_BREACH
@@ -15,7 +15,7 @@ def test_a_wheel_whose_encoder_is_cut_off_stops_the_robot(rides: Ridden, wheel: 
     ride.runs_until(7.0)
     assert ride.now["speed_mps"] == pytest.approx(0.3, rel=0.02)
     axes = {axis.name: axis for axis in ride.rig.devices.bank.axes}
-    Surroundings(axes[wheel]).wires(SensorWires(broken=True))
+    AxisFaults(axes[wheel]).wires(SensorWires(broken=True))
     ride.runs_until(7.1)
     drive = ride.rig.devices.drives[wheel]
     assert state_of(drive.store.get(STATUSWORD)) is State.FAULT

@@ -12,7 +12,7 @@ from typing import ClassVar, Final
 
 from emulators.epos2.modes.mode import ModeOfOperation
 from emulators.epos2.modes.shaft import Shaft
-from emulators.servo.axis import FOLLOW
+from emulators.servo.axis import ELECTRONIC_GEAR
 from emulators.servo.commands import judge_anew
 from emulators.servo.profile import stopping_distance
 from firmware_bridge.wire.epos2 import address as at
@@ -61,7 +61,7 @@ class DigitalPosition(ModeOfOperation):
 
     def _follow(self) -> None:
         store, axis = self.shaft.store, self.shaft.axis
-        axis.followed = axis.master
+        axis.gear_counted = axis.master
         self._gear(store.get(NUMERATOR), store.get(DENOMINATOR), store.get(POLARITY))
         low, high = self.shaft.limits()
         axis.lowest, axis.highest = low << axis.fraction, high << axis.fraction
@@ -69,11 +69,11 @@ class DigitalPosition(ModeOfOperation):
         axis.acceleration = axis.deceleration = self.shaft.acceleration(at.MAX_ACCELERATION)
         axis.stopping_distance = stopping_distance(axis.cruise, axis.deceleration)
         axis.target_position = axis.position_demand + (store.get(OFFSET) << axis.fraction)
-        axis.profile = FOLLOW
+        axis.profile = ELECTRONIC_GEAR
         judge_anew(axis, there=False)
 
     def _gear(self, numerator: int, denominator: int, polarity: int) -> None:
         axis = self.shaft.axis
-        axis.follow_numerator = -numerator if polarity else numerator
-        axis.follow_denominator = denominator
-        axis.follow_rest = 0
+        axis.gear_numerator = -numerator if polarity else numerator
+        axis.gear_denominator = denominator
+        axis.gear_rest = 0

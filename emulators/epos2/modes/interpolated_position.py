@@ -15,10 +15,10 @@ from typing import ClassVar, Final
 from emulators.epos2.modes.interpolation_buffer import BufferStatus, InterpolationBuffer
 from emulators.epos2.modes.mode import ModeOfOperation
 from emulators.epos2.modes.shaft import Shaft
-from emulators.servo import spline_plan
+from emulators.servo import spline
 from emulators.servo.axis import SPLINE
 from emulators.servo.scaling import speed_units
-from emulators.servo.spline_plan import Knot, Segment
+from emulators.servo.spline import Knot, Segment
 from firmware_bridge.wire.cia402 import Control, Mode, Status
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2 import emergency
@@ -112,7 +112,7 @@ class InterpolatedPosition(ModeOfOperation):
         elif len(buffer.records) >= _FEWEST:
             present = self._segment(0)
             if self._admitted(present) and (axis.profile != SPLINE or axis.spline_ms == 0):
-                spline_plan.begin(axis, present)
+                spline.begin(axis, present)
 
     def _finish(self) -> None:
         """End the path at its last record."""
@@ -128,7 +128,7 @@ class InterpolatedPosition(ModeOfOperation):
             return
         following = self._segment(1)
         if not self._beyond(following) and not self._error(following):
-            spline_plan.prepare(self.shaft.axis, following)
+            spline.prepare(self.shaft.axis, following)
 
     def _admitted(self, present: Segment) -> bool:
         """Look at the segment that is to run now: fail with its error, or note its warnings."""
@@ -167,7 +167,7 @@ class InterpolatedPosition(ModeOfOperation):
 
     def _segment(self, first: int) -> Segment:
         start, end = self._buffer.records[first : first + 2]
-        return spline_plan.segment(self._knot(start), self._knot(end), start.ms)
+        return spline.segment(self._knot(start), self._knot(end), start.ms)
 
     def _overflowed(self) -> None:
         if self.shaft.store.get(at.MODE_DISPLAY) == Mode.INTERPOLATED_POSITION:

@@ -7,11 +7,11 @@ from typing import Final
 
 from emulators.epos2.io.digital_inputs import DigitalInputs
 from emulators.epos2.objects.store import ObjectStore
-from emulators.servo import sine_plan
+from emulators.servo import sine
 from emulators.servo.axis import (
     CURRENT,
     DIRECT,
-    FOLLOW,
+    ELECTRONIC_GEAR,
     IDLE,
     MOVE,
     POSITION,
@@ -73,7 +73,7 @@ class Shaft:
             way = axis.target_position - axis.position_demand
         elif axis.profile == DIRECT and axis.regulator == POSITION:
             way = axis.target_position - (axis.position << axis.fraction)
-        elif axis.profile in {SPLINE, FOLLOW}:
+        elif axis.profile in {SPLINE, ELECTRONIC_GEAR}:
             way = axis.velocity_demand
         else:
             way = axis.target_velocity
@@ -146,7 +146,7 @@ class Shaft:
     def _shape(self) -> None:
         """Shape the ramp or move that begins as 0x6086 says."""
         if self.store.get(at.MOTION_PROFILE_TYPE) == SINE:
-            sine_plan.load(self.axis)
+            sine.load(self.axis)
         else:
             self.axis.shape = TRAPEZOID
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
-from emulators.servo.axis import FOLLOW, POSITION
+from emulators.servo.axis import ELECTRONIC_GEAR, POSITION
 from emulators.servo.record import Record
 from emulators.servo.scaling import raw_speed_rpm, speed_rpm
 from firmware_bridge.wire.epos2 import address as at
@@ -88,7 +88,7 @@ def velocity_demand(axis: Record) -> int:
 
 def desired_value(axis: Record) -> int:
     """Return where the digital position input wants the shaft, in qc; the demand while it does not count."""
-    if axis.profile != FOLLOW:
+    if axis.profile != ELECTRONIC_GEAR:
         return position_demand(axis)
     return axis.target_position >> axis.fraction
 

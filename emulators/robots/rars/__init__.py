@@ -13,6 +13,7 @@ from pydantic import Field, model_validator
 from emulators.bench.columns import PLANAR, Column, Curve, Panel
 from emulators.bench.rehearsal import Channel, Rehearsal, StickAxes, Twist
 from emulators.bench.step import Finite, Holds, NonNegative, Positive, Presses, Sends, Slope, Step
+from emulators.robots.rars.cases import cases
 from firmware_bridge.robot import Robot
 from firmware_bridge.robots.rars.geometry import Geometry
 from firmware_bridge.robots.rars.motion import Motion, State
@@ -145,4 +146,5 @@ REHEARSAL: Final = Rehearsal(
         Panel("Lift", "height [mm]", (Curve("lift_m", "height above collapsed", scale=1000.0),), least=20.0),
     ),
     remarks=_remarks,
+    cases=cases,
 )

@@ -2,7 +2,7 @@
 #include "profile.h"
 
 #include "arithmetic.h"
-#include "follow.h"
+#include "electronic_gear.h"
 #include "sine.h"
 #include "spline.h"
 
@@ -62,8 +62,8 @@ int64_t servo_profile_step(servo_axis *axis)
     }
     if (axis->profile == SPLINE)
         done = servo_spline(axis);
-    else if (axis->profile == FOLLOW)
-        done = servo_follow(axis);
+    else if (axis->profile == ELECTRONIC_GEAR)
+        done = servo_electronic_gear(axis);
     else if (axis->shape == SINE)
         done = servo_legs(axis);
     else

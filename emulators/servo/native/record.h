@@ -13,7 +13,7 @@
 #define RAMP INT64_C(1)
 #define MOVE INT64_C(2)
 #define SPLINE INT64_C(3)
-#define FOLLOW INT64_C(4)
+#define ELECTRONIC_GEAR INT64_C(4)
 #define SINE INT64_C(1)
 #define FASTEST_RPM INT64_C(25000)
 #define PROFILE_DONE INT64_C(1)
@@ -203,10 +203,10 @@ typedef struct {
     int64_t next_cube;
     int64_t next_ms;
     int64_t splines_done;
-    int64_t followed;
-    int64_t follow_numerator;
-    int64_t follow_denominator;
-    int64_t follow_rest;
+    int64_t gear_counted;
+    int64_t gear_numerator;
+    int64_t gear_denominator;
+    int64_t gear_rest;
     int64_t analogue_input;
     int64_t analogue_numerator;
     int64_t analogue_denominator;

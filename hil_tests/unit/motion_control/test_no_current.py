@@ -3,7 +3,7 @@
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from emulators.servo.surroundings import IndexPulse, SensorWires, Surroundings
+from emulators.servo.axis_faults import AxisFaults, IndexPulse, SensorWires
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 from hil_tests.unit.motion_control.conftest import STEERING, Drive, make_drive
@@ -40,7 +40,7 @@ DEEDS = st.one_of(
 
 
 def does(drive: Drive, deed: str, value: object) -> None:
-    around = Surroundings(drive.axis)
+    around = AxisFaults(drive.axis)
     if isinstance(value, SensorWires):
         around.wires(value)
     elif isinstance(value, float):

@@ -2,12 +2,12 @@
 
 from typing import Final
 
-from emulators.servo import sine_plan, spline_plan
-from emulators.servo.axis import DIRECT, FOLLOW, MOVE, RAMP, TRAPEZOID, ServoAxis
+from emulators.servo import sine, spline
+from emulators.servo.axis import DIRECT, ELECTRONIC_GEAR, MOVE, RAMP, TRAPEZOID, ServoAxis
 from emulators.servo.commands import judge_anew, regulate_position, regulate_velocity
 from emulators.servo.profile import stopping_distance
 from emulators.servo.scaling import acceleration_units, speed_units
-from emulators.servo.spline_plan import Knot
+from emulators.servo.spline import Knot
 
 FIRST_PLANNED: Final = 10
 WIDEST_SPLINE: Final = 1 << 37
@@ -36,14 +36,14 @@ def _moves(axis: ServoAxis, value: int, speed: int, slopes: tuple[int, int]) -> 
     del speed, slopes
     regulate_position(axis)
     axis.profile, axis.target_position = MOVE, value << axis.fraction
-    sine_plan.load(axis)
+    sine.load(axis)
 
 
 def _ramps(axis: ServoAxis, value: int, speed: int, slopes: tuple[int, int]) -> None:
     del value, slopes
     regulate_velocity(axis)
     axis.profile, axis.target_velocity = RAMP, speed_units(axis, speed)
-    sine_plan.load(axis)
+    sine.load(axis)
 
 
 def _splines(axis: ServoAxis, value: int, speed: int, slopes: tuple[int, int]) -> None:
@@ -51,18 +51,18 @@ def _splines(axis: ServoAxis, value: int, speed: int, slopes: tuple[int, int]) -
     here = Knot(axis.position_demand, axis.velocity_demand)
     way = max(-WIDEST_SPLINE, min(WIDEST_SPLINE, value << axis.fraction))
     there = Knot(here.position + way, speed_units(axis, speed))
-    spline_plan.begin(axis, spline_plan.segment(here, there, 1 + slopes[0] % 255))
+    spline.begin(axis, spline.segment(here, there, 1 + slopes[0] % 255))
     if value % 3:
-        spline_plan.prepare(axis, spline_plan.segment(there, here, 1 + slopes[1] % 255))
+        spline.prepare(axis, spline.segment(there, here, 1 + slopes[1] % 255))
 
 
 def _follows(axis: ServoAxis, value: int, speed: int, slopes: tuple[int, int]) -> None:
     del speed
     regulate_position(axis)
-    axis.profile, axis.target_position = FOLLOW, axis.position_demand
-    axis.followed, axis.follow_rest = axis.master, 0
-    axis.follow_numerator = (1 + slopes[0] % 65_535) * (1 if value > 0 else -1)
-    axis.follow_denominator = 1 + slopes[1] % 65_535
+    axis.profile, axis.target_position = ELECTRONIC_GEAR, axis.position_demand
+    axis.gear_counted, axis.gear_rest = axis.master, 0
+    axis.gear_numerator = (1 + slopes[0] % 65_535) * (1 if value > 0 else -1)
+    axis.gear_denominator = 1 + slopes[1] % 65_535
     axis.lowest = -abs(value) << axis.fraction
     axis.highest = -axis.lowest
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from emulators.servo import kernel
-from emulators.servo.axis import FOLLOW, MOVE, PROFILE_DONE, RAMP, SINE, SPLINE, TARGET_REACHED
+from emulators.servo.axis import ELECTRONIC_GEAR, MOVE, PROFILE_DONE, RAMP, SINE, SPLINE, TARGET_REACHED
 from hil_tests.unit.servo.campaign import PLANNED_KINDS, Draw, legs, tame, wild
 from hil_tests.unit.servo.side_by_side import (
     COUNT,
@@ -46,7 +46,7 @@ def test_planned_demands_agree_to_the_bit(
             if isinstance(events, str):
                 break
         seed += 1
-    assert seen >= {(MOVE, SINE), (RAMP, SINE), (SPLINE, 0), (FOLLOW, 0)}
+    assert seen >= {(MOVE, SINE), (RAMP, SINE), (SPLINE, 0), (ELECTRONIC_GEAR, 0)}
     assert done & (PROFILE_DONE | TARGET_REACHED) == PROFILE_DONE | TARGET_REACHED
 
 
@@ -56,8 +56,8 @@ PLANTED = [
     ("sine.h", "following += 1;", "following += 0;", 10),
     ("spline.h", "floor_division(gone * at, length);\n    speed", "(gone * at / length);\n    speed", 12),
     ("spline.h", "axis->call = 1;", "axis->call = 0;", 12),
-    ("follow.h", "counted - whole * axis->follow_denominator", "0", 13),
-    ("follow.h", "value + axis->analogue_offset", "value + axis->analogue_offset + 1", 14),
+    ("electronic_gear.h", "counted - whole * axis->gear_denominator", "0", 13),
+    ("electronic_gear.h", "value + axis->analogue_offset", "value + axis->analogue_offset + 1", 14),
 ]
 
 

@@ -3,12 +3,12 @@
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from emulators.servo import sine_plan, spline_plan
-from emulators.servo.axis import CURRENT, DIRECT, FOLLOW, MOVE, POSITION, RAMP, ServoAxis
+from emulators.servo import sine, spline
+from emulators.servo.axis import CURRENT, DIRECT, ELECTRONIC_GEAR, MOVE, POSITION, RAMP, ServoAxis
 from emulators.servo.loops import millisecond
 from emulators.servo.profile import stopping_distance
 from emulators.servo.scaling import Settings, acceleration_units, configure, speed_units
-from emulators.servo.spline_plan import Knot
+from emulators.servo.spline import Knot
 from hil_tests.unit.servo.test_word_size import S32, U32, Word, as_words
 
 PULSES = st.sampled_from((16, 500, 6400, 2_500_000))
@@ -43,7 +43,7 @@ def test_sine_legs(  # noqa: PLR0917 - what the objects may hold
     axis.profile, axis.target_position = profile, target << axis.fraction
     axis.target_velocity = speed_units(axis, speed)
     axis.velocity_demand = speed_units(axis, present)
-    sine_plan.load(axis)
+    sine.load(axis)
     # In the midst of the longest leg, too.
     axis.leg_at = min(later, max(0, axis.leg_ms - 1))
     lives(axis)
@@ -58,8 +58,8 @@ def test_a_spline_as_fast_as_may_be(  # noqa: PLR0917 - what the objects may hol
     here = Knot(start << axis.fraction, speed_units(axis, first))
     there = Knot(here.position + speed_units(axis, mean) * ms, speed_units(axis, last))
     axis.position_demand = here.position
-    spline_plan.begin(axis, spline_plan.segment(here, there, ms))
-    spline_plan.prepare(axis, spline_plan.segment(there, here, ms))
+    spline.begin(axis, spline.segment(here, there, ms))
+    spline.prepare(axis, spline.segment(there, here, ms))
     lives(axis, 2 * ms + 2)
 
 
@@ -69,8 +69,8 @@ def test_following(  # noqa: PLR0917 - what the objects may hold
     pulses: int, counts: list[int], numerator: int, denominator: int, slope: int, low: int, high: int
 ) -> None:
     axis = axis_for(pulses, up=slope, down=slope)
-    axis.profile = FOLLOW
-    axis.follow_numerator, axis.follow_denominator = numerator, denominator
+    axis.profile = ELECTRONIC_GEAR
+    axis.gear_numerator, axis.gear_denominator = numerator, denominator
     axis.lowest, axis.highest = min(low, high) << axis.fraction, max(low, high) << axis.fraction
     words = as_words(axis)
     for count in counts:

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from emulators.rewind import Rewind
 from emulators.servo import axis as servo
 from emulators.servo import kernel
+from emulators.servo.axis_faults import AxisFaults, IndexPulse, SensorWires
 from emulators.servo.bank import ServoBank
 from emulators.servo.motor import DcMotor, DcMotors
 from emulators.servo.sensors import align
-from emulators.servo.surroundings import IndexPulse, SensorWires, Surroundings
 from firmware_bridge.units import MILLISECOND
 from hil_tests.unit.servo.campaign import legs
 from hil_tests.unit.servo.side_by_side import COUNT, SANE, TWIN, Leg, Motors, Side, difference
@@ -61,9 +61,9 @@ def test_whatever_is_wrong_both_notice_alike(
             axis.compare_direction, axis.compare_width = seed % 4, limit
             axis.compare_first, axis.compare_last = -(seed % 3), seed % 5
             axis.compare_pulse_ms = 1 + seed % 3
-            Surroundings(axis).motor(pole_pairs=pairs[1])
-            Surroundings(axis).wires(cables)
-            Surroundings(axis).air(air)
+            AxisFaults(axis).motor(pole_pairs=pairs[1])
+            AxisFaults(axis).wires(cables)
+            AxisFaults(axis).air(air)
             align(axis)
     for leg in legs(np.random.default_rng(seed), 8):
         events = sides[0].lives(leg)
@@ -109,7 +109,7 @@ def test_faults_are_rewound_with_everything_else() -> None:
     moment = rewind.snapshot()
     ends = []
     for _ in range(2):
-        Surroundings(axis).wires(SensorWires(lost_per_mille=77, index=IndexPulse.SPURIOUS))
+        AxisFaults(axis).wires(SensorWires(lost_per_mille=77, index=IndexPulse.SPURIOUS))
         while bank.now < 100 * MILLISECOND:
             bank.advance(100 * MILLISECOND)
         ends.append((bytes(axis), list(plant.outputs)))

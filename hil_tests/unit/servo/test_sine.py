@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from emulators.servo import sine, sine_plan
+from emulators.servo import sine
 from emulators.servo.axis import MOVE, RAMP, ServoAxis
 from emulators.servo.scaling import Settings, acceleration_units, configure, speed_units
 
@@ -50,7 +50,7 @@ def test_the_share_is_a_squared_sine(part: int) -> None:
 def test_a_ramp_from_rest_has_shape_duration_peak_and_way_of_its_closed_form(rpm: int, slope: int) -> None:
     axis = axis_for(RAMP, acceleration=slope, deceleration=slope)
     axis.target_velocity = target = speed_units(axis, rpm)
-    sine_plan.load(axis)
+    sine.load(axis)
     speeds = [0, *runs(axis)]
     length = len(speeds) - 1
     # T = pi v / (2 a), in whole ms, an odd number of them.
@@ -83,7 +83,7 @@ def test_a_move_ends_exactly_within_its_limits_in_the_time_of_its_closed_form(
     way = max(1, hundredths * turn // 100)
     axis = axis_for(MOVE, speed=speed, acceleration=up, deceleration=down, turn=turn)
     axis.target_position = sign * way << axis.fraction
-    sine_plan.load(axis)
+    sine.load(axis)
     speeds = runs(axis)
     assert axis.position_demand == axis.target_position
     assert speeds[-1] == 0
@@ -115,7 +115,7 @@ def test_whatever_the_targets_no_limit_is_passed_and_the_last_is_reached(
         axis.cruise = speed_units(axis, cruise)
         axis.target_position = target << axis.fraction
         fastest = max(axis.cruise, abs(axis.velocity_demand))
-        sine_plan.load(axis)
+        sine.load(axis)
         for _ in range(pause):
             sine.legs(axis)
             change = axis.velocity_demand - before
@@ -133,12 +133,12 @@ def test_whatever_the_targets_no_limit_is_passed_and_the_last_is_reached(
 def test_a_target_at_the_braking_distance_is_met_from_full_speed(cut: int, beside: int) -> None:
     axis = axis_for(MOVE)
     axis.target_position = 1_000_000 << axis.fraction
-    sine_plan.load(axis)
+    sine.load(axis)
     for _ in range(400):
         sine.legs(axis)
-    braking = sine_plan.duration(axis.velocity_demand, axis.deceleration) // 2 * axis.velocity_demand
+    braking = sine.duration(axis.velocity_demand, axis.deceleration) // 2 * axis.velocity_demand
     axis.target_position = axis.position_demand + braking + beside * cut
-    sine_plan.load(axis)
+    sine.load(axis)
     before = axis.velocity_demand
     for speed in runs(axis):
         assert abs(speed - before) <= axis.deceleration
@@ -150,13 +150,13 @@ def test_a_reversal_passes_through_rest() -> None:
     axis = axis_for(RAMP)
     axis.velocity_demand = speed_units(axis, 1000)
     axis.target_velocity = speed_units(axis, -1000)
-    sine_plan.load(axis)
+    sine.load(axis)
     assert 0 in runs(axis)
 
 
 def test_a_move_at_no_speed_does_not_arrive() -> None:
     axis = axis_for(MOVE, speed=0)
     axis.target_position = 100 << axis.fraction
-    sine_plan.load(axis)
+    sine.load(axis)
     assert not any(sine.legs(axis) for _ in range(100))
     assert axis.position_demand == 0

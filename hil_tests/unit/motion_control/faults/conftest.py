@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from emulators.servo.surroundings import SensorWires
+from emulators.servo.axis_faults import SensorWires
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from emulators.servo.surroundings import IndexPulse, SensorWires, Surroundings
+from emulators.servo.axis_faults import AxisFaults, IndexPulse, SensorWires
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.motion_control.faults.conftest import (
     DENOMINATOR,
@@ -30,16 +30,16 @@ if TYPE_CHECKING:
 @pytest.mark.emergency(0xFF0A)
 def test_a_cut_cable_is_a_breach_of_an_incremental_encoder(drive: "Drive") -> None:
     moving(drive)
-    Surroundings(drive.axis).wires(SensorWires(broken=True))
+    AxisFaults(drive.axis).wires(SensorWires(broken=True))
     falls(drive, 0xFF0A, within_ms=2)
-    resets_after(drive, lambda: Surroundings(drive.axis).wires(SOUND))
+    resets_after(drive, lambda: AxisFaults(drive.axis).wires(SOUND))
 
 
 @pytest.mark.emergency(0x7320)
 def test_a_cut_cable_makes_the_position_of_an_absolute_encoder_invalid(drive: "Drive") -> None:
     drive.write(SENSOR_TYPE, SSI)
     moving(drive)
-    Surroundings(drive.axis).wires(SensorWires(broken=True))
+    AxisFaults(drive.axis).wires(SensorWires(broken=True))
     falls(drive, 0x7320, within_ms=2)
     assert not resets(drive)
 
@@ -48,7 +48,7 @@ def test_supervision_of_the_position_sensor_can_be_switched_off(drive: "Drive") 
     # 0x2008 bit 0: then only the following error is left to notice it.
     drive.write(MISCELLANEOUS, 1)
     drive.enable(mode=1)
-    Surroundings(drive.axis).wires(SensorWires(broken=True))
+    AxisFaults(drive.axis).wires(SensorWires(broken=True))
     drive.write(at.TARGET_POSITION, 20_000)
     drive.command(0x1F)
     drive.runs_until(lambda: bool(drive.reported))
@@ -62,7 +62,7 @@ def test_an_index_that_is_missing_or_comes_too_often(drive: "Drive", index: Inde
     moving(drive)
     drive.run(200)
     assert drive.reported == []
-    Surroundings(drive.axis).wires(SensorWires(index=index))
+    AxisFaults(drive.axis).wires(SensorWires(index=index))
     falls(drive, 0xFF02, within_ms=65)  # three turns at 3000 rpm
     assert resets(drive)
 
@@ -70,7 +70,7 @@ def test_an_index_that_is_missing_or_comes_too_often(drive: "Drive", index: Inde
 def test_an_encoder_without_index_needs_none(drive: "Drive") -> None:
     drive.write(SENSOR_TYPE, WITHOUT_INDEX)
     moving(drive)
-    Surroundings(drive.axis).wires(SensorWires(index=IndexPulse.MISSING))
+    AxisFaults(drive.axis).wires(SensorWires(index=IndexPulse.MISSING))
     drive.run(500)
     assert drive.reported == []
 
@@ -80,7 +80,7 @@ def test_counts_that_get_lost_do_not_fit_the_resolution(drive: "Drive") -> None:
     moving(drive)
     before = drive.axis.position
     turned = drive.plant.outputs[1]
-    Surroundings(drive.axis).wires(SensorWires(lost_per_mille=50))
+    AxisFaults(drive.axis).wires(SensorWires(lost_per_mille=50))
     falls(drive, 0xFF03, within_ms=65)
     counted = drive.axis.position - before
     assert counted < 0.97 * (drive.plant.outputs[1] - turned) * 2000 / 6.2831853
@@ -99,7 +99,7 @@ def test_a_pulse_number_that_is_not_the_encoder_s(drive: "Drive") -> None:
 @pytest.mark.emergency(0xFF11)
 def test_an_encoder_that_counts_against_the_motor(drive: "Drive", rpm: int) -> None:
     drive.enable(mode=3)
-    Surroundings(drive.axis).wires(SensorWires(swapped=True))
+    AxisFaults(drive.axis).wires(SensorWires(swapped=True))
     drive.write(at.TARGET_VELOCITY, rpm)
     falls(drive, 0xFF11, within_ms=1000)
     assert resets(drive)
@@ -113,7 +113,7 @@ def test_a_wrong_polarity_is_as_bad_as_swapped_channels_and_makes_up_for_them(dr
     falls(drive, 0xFF11, within_ms=1000)
     assert resets(drive)
     drive.run(2000)
-    Surroundings(drive.axis).wires(SensorWires(swapped=True))
+    AxisFaults(drive.axis).wires(SensorWires(swapped=True))
     drive.control.reset()
     drive.run(20)
     moving(drive)
@@ -138,7 +138,7 @@ def test_an_auxiliary_encoder_that_counts_against_the_main_one(drive: "Drive") -
     drive.write(at.TARGET_VELOCITY, 0)
     drive.run(300)
     drive.command(0)
-    Surroundings(drive.axis).wires(SensorWires(auxiliary_swapped=True))
+    AxisFaults(drive.axis).wires(SensorWires(auxiliary_swapped=True))
     drive.enable(mode=3)
     drive.write(at.TARGET_VELOCITY, 1000)
     falls(drive, 0xFF12, within_ms=150)

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from emulators.servo.surroundings import SensorWires, Surroundings
+from emulators.servo.axis_faults import AxisFaults, SensorWires
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 from hil_tests.unit.motion_control.conftest import SETTINGS
@@ -33,9 +33,9 @@ def brushless(drive: "Drive", motor: int = BLOCK) -> None:
 def test_hall_sensors_that_cannot_be_under_way(drive: "Drive", wires: SensorWires) -> None:
     brushless(drive)
     moving(drive)
-    Surroundings(drive.axis).wires(wires)
+    AxisFaults(drive.axis).wires(wires)
     falls(drive, 0xFF01, within_ms=25)
-    Surroundings(drive.axis).wires(SOUND)
+    AxisFaults(drive.axis).wires(SOUND)
     drive.run(2)
     assert resets(drive)
 
@@ -43,10 +43,10 @@ def test_hall_sensors_that_cannot_be_under_way(drive: "Drive", wires: SensorWire
 @pytest.mark.emergency(0xFF04)
 def test_hall_sensors_that_are_not_there_when_the_drive_looks_for_them(drive: "Drive") -> None:
     brushless(drive)
-    Surroundings(drive.axis).wires(SensorWires(hall_high=(1, 2, 3)))
+    AxisFaults(drive.axis).wires(SensorWires(hall_high=(1, 2, 3)))
     drive.enable(mode=3)
     falls(drive, 0xFF04)
-    Surroundings(drive.axis).wires(SOUND)
+    AxisFaults(drive.axis).wires(SOUND)
     drive.run(2)
     assert not resets(drive)
     drive.control.reset()  # only the network's node reset leads out
@@ -62,14 +62,14 @@ def test_a_rotor_angle_that_does_not_fit_the_hall_sensors(drive: "Drive", wrong:
     brushless(drive, SINUS)
     drive.write(POLE_PAIRS, 2)
     if wrong == "pole pairs":
-        Surroundings(drive.axis).motor(pole_pairs=3)
+        AxisFaults(drive.axis).motor(pole_pairs=3)
         drive.enable(mode=3)
         drive.run(20)
         drive.write(at.TARGET_VELOCITY, 1000)
     else:
         moving(drive)
         assert drive.reported == []
-        Surroundings(drive.axis).wires(SensorWires(lost_per_mille=60))
+        AxisFaults(drive.axis).wires(SensorWires(lost_per_mille=60))
     falls(drive, 0xFF08, within_ms=300)
     assert resets(drive)
 
@@ -87,7 +87,7 @@ def test_a_brushless_motor_that_is_sound_turns_both_ways(drive: "Drive", motor: 
 
 def test_a_brushed_motor_has_no_hall_sensors(drive: "Drive") -> None:
     assert SETTINGS[at.MOTOR_TYPE] == 1
-    Surroundings(drive.axis).wires(SensorWires(hall_high=(1, 2, 3)))
+    AxisFaults(drive.axis).wires(SensorWires(hall_high=(1, 2, 3)))
     moving(drive)
     assert drive.reported == []
     assert drive.read(Address(0x2022)) == 0

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from emulators.servo.surroundings import Surroundings
+from emulators.servo.axis_faults import AxisFaults
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.motion_control.conftest import STEERING
@@ -35,19 +35,19 @@ def test_a_short_in_the_winding_is_an_over_current(drive: "Drive") -> None:
 
 @pytest.mark.emergency(0x4210)
 def test_a_current_heats_the_power_stage_until_it_switches_off(drive: "Drive") -> None:
-    Surroundings(drive.axis).air(99.995)
+    AxisFaults(drive.axis).air(99.995)
     drive.plant.load[0] = -1.2 * STEERING.torque_constant
     drive.enable(mode=-3)
     drive.write(at.CURRENT_MODE_SETTING, 1200)
     drive.run(300)
     assert drive.reported == []
     falls(drive, 0x4210, within_ms=3000)
-    resets_after(drive, lambda: Surroundings(drive.axis).air(60.0))
+    resets_after(drive, lambda: AxisFaults(drive.axis).air(60.0))
 
 
 @pytest.mark.emergency(0x4210)
 def test_hot_surroundings_are_enough(drive: "Drive") -> None:
-    Surroundings(drive.axis).air(101.0)
+    AxisFaults(drive.axis).air(101.0)
     drive.run(2)
     assert drive.reported == [0x4210]
     assert drive.stands_in(State.FAULT)
@@ -56,14 +56,14 @@ def test_hot_surroundings_are_enough(drive: "Drive") -> None:
 @pytest.mark.emergency(0x5113)
 def test_a_short_in_a_sensor_cable_pulls_the_5_v_supply_down(drive: "Drive") -> None:
     moving(drive)
-    Surroundings(drive.axis).logic_supply(3.0)
+    AxisFaults(drive.axis).logic_supply(3.0)
     falls(drive, 0x5113, within_ms=2)
-    resets_after(drive, lambda: Surroundings(drive.axis).logic_supply(4.5))
+    resets_after(drive, lambda: AxisFaults(drive.axis).logic_supply(4.5))
 
 
 @pytest.mark.emergency(0x5114)
 def test_gates_that_lack_voltage_are_not_driven(drive: "Drive") -> None:
     moving(drive)
-    Surroundings(drive.axis).gate_supply(8.9)
+    AxisFaults(drive.axis).gate_supply(8.9)
     falls(drive, 0x5114, within_ms=2)
-    resets_after(drive, lambda: Surroundings(drive.axis).gate_supply(9.0))
+    resets_after(drive, lambda: AxisFaults(drive.axis).gate_supply(9.0))

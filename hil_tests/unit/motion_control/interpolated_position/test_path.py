@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from emulators.epos2.modes.interpolation_buffer import BUFFER_POSITION
 from emulators.epos2.objects.device_profile import BUFFER_FREE
 from emulators.servo.scaling import speed_units
-from emulators.servo.spline_plan import Knot, segment
+from emulators.servo.spline import Knot, segment
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.motion_control.conftest import make_drive

@@ -3,8 +3,6 @@
 from typing import Final
 
 import sympy as sp
-
-from carrier_plant.parameters import LEFT, NAME, PARAMETERS, RIGHT
 from fmu.export.model import Input, Model, Output
 from fmu.parts.battery import terminal_voltage
 from fmu.parts.castor import Castor, CastorFriction
@@ -12,6 +10,8 @@ from fmu.parts.motor import Shaft
 from fmu.parts.planar import PlanarBody
 from fmu.parts.symbols import HALF, inner, symbols
 from fmu.parts.wheel import DrivenWheel
+
+from carrier.plant.parameters import LEFT, NAME, PARAMETERS, RIGHT
 
 P: Final = symbols(PARAMETERS)
 SIDES: Final = {"left": 1, "right": -1}

@@ -1,4 +1,4 @@
-"""Following the digital position input, one millisecond at a time: a gear made of whole numbers.
+"""The electronic gear: following the digital position input, one millisecond at a time, in whole numbers.
 
 Source: EPOS2 EDS (0x2300). The demand keeps to the limits of velocity and acceleration, so that it may fall
 behind; it then closes up like a move to a target that itself moves. ASSUME: what it follows ends at the
@@ -14,13 +14,13 @@ FASTEST_INPUT: Final = 1 << 31
 """Counts and velocity units in one ms beyond which the input does not count: four times 25 000 rpm."""
 
 
-def follow(axis: ServoAxis) -> bool:
+def electronic_gear(axis: ServoAxis) -> bool:
     """Step the demand after the input's count; say whether it has caught up."""
-    steps = max(-FASTEST_INPUT, min(FASTEST_INPUT, axis.master - axis.followed))
-    axis.followed = axis.master
-    counted = axis.follow_rest + steps * axis.follow_numerator
-    whole = counted // axis.follow_denominator
-    axis.follow_rest = counted - whole * axis.follow_denominator
+    steps = max(-FASTEST_INPUT, min(FASTEST_INPUT, axis.master - axis.gear_counted))
+    axis.gear_counted = axis.master
+    counted = axis.gear_rest + steps * axis.gear_numerator
+    whole = counted // axis.gear_denominator
+    axis.gear_rest = counted - whole * axis.gear_denominator
     fastest = FASTEST_INPUT >> axis.fraction
     before = max(axis.lowest, min(axis.highest, axis.target_position))
     axis.target_position += max(-fastest, min(fastest, whole)) << axis.fraction

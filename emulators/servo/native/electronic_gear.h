@@ -1,6 +1,6 @@
-/* Following the digital position input, and analogue set-points: follow.py and setpoint.py say it readably. */
-#ifndef SERVO_FOLLOW_H
-#define SERVO_FOLLOW_H
+/* Following the digital position input, and analogue set-points: electronic_gear.py and setpoint.py say it readably. */
+#ifndef SERVO_ELECTRONIC_GEAR_H
+#define SERVO_ELECTRONIC_GEAR_H
 
 #include "arithmetic.h"
 #include "record.h"
@@ -19,15 +19,15 @@ static inline int64_t closing_speed(const servo_axis *axis, int64_t behind)
     return behind >= 0 ? speed : -speed;
 }
 
-static inline bool servo_follow(servo_axis *axis)
+static inline bool servo_electronic_gear(servo_axis *axis)
 {
-    int64_t steps = within(axis->master - axis->followed, FASTEST_INPUT);
-    int64_t counted = axis->follow_rest + steps * axis->follow_numerator;
-    int64_t whole = floor_division(counted, axis->follow_denominator);
+    int64_t steps = within(axis->master - axis->gear_counted, FASTEST_INPUT);
+    int64_t counted = axis->gear_rest + steps * axis->gear_numerator;
+    int64_t whole = floor_division(counted, axis->gear_denominator);
     int64_t before = between(axis->lowest, axis->target_position, axis->highest);
     int64_t speed = axis->velocity_demand, ahead, target, wish, following;
-    axis->followed = axis->master;
-    axis->follow_rest = counted - whole * axis->follow_denominator;
+    axis->gear_counted = axis->master;
+    axis->gear_rest = counted - whole * axis->gear_denominator;
     axis->target_position += shifted(within(whole, FASTEST_INPUT >> axis->fraction), axis->fraction);
     target = between(axis->lowest, axis->target_position, axis->highest);
     ahead = target - before;

@@ -58,7 +58,7 @@ class SensorWires:
             raise ValueError(f"hall sensors are 1, 2 and 3, not {sorted(strange)}")
 
 
-class Surroundings:
+class AxisFaults:
     """The world around one axis. Temperatures in degree Celsius, voltages in V."""
 
     def __init__(self, axis: ServoAxis) -> None:

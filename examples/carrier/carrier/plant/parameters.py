@@ -1,4 +1,4 @@
-"""The carrier in numbers: every parameter with unit and source; named sets; what its robot file tells.
+"""The robot in numbers: every parameter with unit and source; named sets; what its robot file tells.
 
 The robot is made up; ASSUME marks what was chosen.
 """
@@ -21,40 +21,40 @@ def _drive(axis: str) -> tuple[Parameter, ...]:
     return (
         *motor_rows(
             axis,
-            "ASSUME, catalogue of maxon RE40 150 W 24 V (148867), unchecked",
+            "ASSUME, maxon RE40 150 W 24 V (148867), unchecked",
             resistance=0.299,
-            inductance=0.082e-3,
-            torque_constant=30.2e-3,
-            rotor_inertia=142e-7,
+            inductance=8.2e-05,
+            torque_constant=0.0302,
+            rotor_inertia=1.42e-05,
             no_load_current=0.137,
         ),
-        Parameter(f"gear_{axis}", GEAR, "1", f"gear ratio, {axis} wheel", "ASSUME, planetary gear GP 42 C"),
+        Parameter(f"gear_{axis}", GEAR, "1", f"gear ratio, {axis} wheel", "as told"),
     )
 
 
 BODY: Final[tuple[Parameter, ...]] = (
     Parameter("gravity", 9.81, "m/s2", "standard gravity", "ASSUME"),
     Parameter("slope", 0.0, "rad", "ramp, uphill along x of the world", "ASSUME"),
-    Parameter("wheel_radius", 0.080, "m", "driven wheel's radius", "ASSUME"),
-    Parameter("track", 0.350, "m", "wheel to wheel", "ASSUME"),
-    Parameter("body_mass", 25.0, "kg", "body without its driven wheels, loaded", "ASSUME"),
-    Parameter("centre_offset", 0.080, "m", "axle to the body's centre of mass, forwards", "ASSUME"),
-    Parameter("centre_height", 0.150, "m", "centre of mass over the floor; 0: no load transfer", "ASSUME"),
-    Parameter("yaw_inertia", 0.8, "kg.m2", "body about its centre of mass, vertical axis", "ASSUME, a box"),
-    Parameter("wheel_mass", 0.8, "kg", "one driven wheel", "ASSUME"),
-    Parameter("wheel_spin_inertia", 2.6e-3, "kg.m2", "driven wheel about its axle", "ASSUME, a disc"),
-    Parameter("wheel_yaw_inertia", 1.3e-3, "kg.m2", "driven wheel about the vertical", "ASSUME, a disc"),
+    Parameter("wheel_radius", 0.08, "m", "driven wheel's radius", "ASSUME"),
+    Parameter("track", 0.35, "m", "wheel to wheel", "ASSUME"),
+    Parameter("body_mass", 23.5, "kg", "body without its driven wheels, loaded", "ASSUME"),
+    Parameter("centre_offset", 0.08, "m", "axle to the body's centre of mass, forwards", "ASSUME"),
+    Parameter("centre_height", 0.175, "m", "centre of mass over the floor; 0: no load transfer", "ASSUME"),
+    Parameter("yaw_inertia", 0.7656, "kg.m2", "body about its centre, vertical axis", "ASSUME, a box"),
+    Parameter("wheel_mass", 0.75, "kg", "one driven wheel", "ASSUME"),
+    Parameter("wheel_spin_inertia", 0.0024, "kg.m2", "driven wheel about its axle", "ASSUME, a disc"),
+    Parameter("wheel_yaw_inertia", 0.0012, "kg.m2", "driven wheel about the vertical", "ASSUME, a disc"),
     Parameter("rolling_resistance", 0.005, "1", "driven wheels' rolling resistance over the load", "ASSUME"),
     Parameter(
         "presliding", 0.05, "rad", "shaft angle over which dry friction builds up", "ASSUME, 16 counts"
     ),
-    *battery_rows("ASSUME"),
+    *battery_rows("ASSUME", voltage=24.0),
 )
 
 CASTORS: Final[tuple[Parameter, ...]] = (
-    Parameter("castor_ahead", 0.320, "m", "axle to the castors' pivots, forwards", "ASSUME"),
-    Parameter("castor_track", 0.250, "m", "pivot to pivot", "ASSUME"),
-    Parameter("castor_trail", 0.030, "m", "pivot to contact", "ASSUME"),
+    Parameter("castor_ahead", 0.315, "m", "axle to the castors' pivots, forwards", "ASSUME"),
+    Parameter("castor_track", 0.245, "m", "pivot to pivot", "ASSUME"),
+    Parameter("castor_trail", 0.03, "m", "pivot to contact", "ASSUME"),
     Parameter("castor_resistance", 0.010, "1", "castors' rolling resistance over the load", "ASSUME"),
     Parameter("castor_rolling_way", 1e-4, "m", "way over which it builds up", "ASSUME"),
     Parameter(
@@ -73,17 +73,17 @@ PARAMETERS: Final[tuple[Parameter, ...]] = (
 
 SETS: Final[Mapping[str, Mapping[str, float]]] = {
     "loaded": {},
-    "empty": {"body_mass": 12.0, "yaw_inertia": 0.4, "centre_offset": 0.060},
+    "empty": {"body_mass": 12.5, "yaw_inertia": 0.3828},
     "wet_floor": {"floor_friction": 0.25},
 }
 
 ROBOT_FILE: Final[Mapping[str, tuple[str, float]]] = {
-    "geometry.wheel_radius_m": ("wheel_radius", 1.0),
-    "geometry.track_m": ("track", 1.0),
+    "geometry.base.wheel_radius_m": ("wheel_radius", 1.0),
+    "geometry.base.track_m": ("track", 1.0),
     f"axes.{LEFT}.ratio": (f"gear_{LEFT}", 1.0),
     f"axes.{RIGHT}.ratio": (f"gear_{RIGHT}", 1.0),
     "battery.nominal_v": ("battery_emf", 1.0),
 }
 """Path into the robot file (axes by name) -> parameter and the factor into its unit."""
 
-PLANT: Final = Plant(NAME, "carrier_plant", PARAMETERS, SETS, ROBOT_FILE)
+PLANT: Final = Plant(NAME, "carrier.plant", PARAMETERS, SETS, ROBOT_FILE)

@@ -1,14 +1,15 @@
 """The reference trajectory: voltages over time, and what the plant answered, in reference.csv.
 
-`python -m carrier_plant.reference` writes the file anew; only when the equations are meant to change.
+`python -m carrier.plant.reference` writes the file anew; only when the equations are meant to change.
 """
 
 from pathlib import Path
 from typing import Final
 
-from carrier_plant.parameters import LEFT, PLANT, RIGHT
 from fmu.build import ensure
 from fmu.parts import table
+
+from carrier.plant.parameters import LEFT, PLANT, RIGHT
 
 FILE: Final = Path(__file__).with_name("reference.csv")
 INPUTS: Final = tuple(f"voltage_{axis}" for axis in (LEFT, RIGHT))

@@ -1,0 +1,120 @@
+"""What `new` does when its words are understood."""
+
+import keyword
+import re
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Final
+
+from emulators.starter.motors import MotorError, motor
+from emulators.starter.numbers import Specification, SpecificationError
+from emulators.starter.package import kinds, write
+from firmware_bridge import kinds as installed
+from firmware_bridge.cli.console import one_message, say, written_by
+from firmware_bridge.robot.problems import near
+from firmware_bridge.robot.settings.epos2 import Epos2Device
+from fmu import plants
+
+NAME: Final = re.compile(r"[a-z][a-z0-9_]{0,19}")
+WHEELS: Final = 2
+NODES: Final = range(1, 128)
+ENCODER_LINES: Final = range(16, 2_500_001)
+
+
+def new(
+    name: str,
+    *,
+    kind: str,
+    nodes: str,
+    axes: str,
+    device: str,
+    motor: str,
+    encoder_lines: int,
+    folder: Path | None,
+    **numbers: float,
+) -> None:
+    """Do what `new` says."""
+    target = folder or Path(name)
+    with one_message(SpecificationError, MotorError):
+        told = understood(name, kind, nodes, axes, device, motor, encoder_lines, numbers)
+        with written_by("--dir"):
+            paths = write(told, target)
+    say(f"{target}: {len(paths)} files; look at each ASSUME in {name}/{name}.toml before the robot moves")
+    say(f"next: pip install -e {target}")
+    say(f"then: firmware-bridge bench {name}")
+
+
+def understood(
+    name: str,
+    kind: str,
+    nodes: str,
+    axes: str,
+    device: str,
+    motor_name: str,
+    encoder_lines: int,
+    numbers: dict[str, float],
+) -> Specification:
+    """Return what the words say; SpecificationError or MotorError where they make no robot."""
+    if kind not in kinds():
+        raise SpecificationError(f"--kind: no kind '{kind}'; {near(kind, kinds())}")
+    types = [one.value for one in Epos2Device]
+    if device not in types:
+        raise SpecificationError(f"--device: no EPOS2 '{device}'; {near(device, types)}")
+    for option, value in numbers.items():
+        if not 0.0 < value < float("inf"):
+            raise SpecificationError(f"--{option.replace('_', '-')} must be positive, not {value:g}")
+    if encoder_lines not in ENCODER_LINES:
+        raise SpecificationError(f"--encoder-lines must be 16 to 2500000, not {encoder_lines}")
+    _free(name)
+    left, right = _two("--nodes", nodes)
+    for node in (left, right):
+        if not node.isdecimal() or int(node) not in NODES:
+            raise SpecificationError(f"--nodes: a CANopen node is a number from 1 to 127, not '{node}'")
+    named = _two("--axes", axes)
+    for axis in named:
+        _usable("--axes", axis)
+    return Specification(
+        kind=kind,
+        name=name,
+        nodes=(int(left), int(right)),
+        axes=named,
+        device=Epos2Device(device),
+        motor=motor(motor_name),
+        encoder_lines=encoder_lines,
+        wheel_radius_m=numbers["wheel_radius"],
+        track_m=numbers["track"],
+        gear=numbers["gear"],
+        mass_kg=numbers["mass"],
+        voltage_v=numbers["voltage"],
+        speed_mps=numbers["speed"],
+        acceleration_mps2=numbers["acceleration"],
+        turn_rate_rad_s=numbers["turn_rate"],
+    )
+
+
+def _free(name: str) -> None:
+    """Refuse a name that Python, or an installed package, has already."""
+    _usable("NAME", name)
+    if name in installed.names():
+        raise SpecificationError(f"NAME: the robot '{name}' is installed already; take another name")
+    if name in plants.names():
+        raise SpecificationError(f"NAME: the plant '{name}' is installed already; take another name")
+    if find_spec(name) is not None:
+        raise SpecificationError(f"NAME: there is a Python package '{name}' already; take another name")
+
+
+def _usable(option: str, name: str) -> None:
+    if NAME.fullmatch(name) is None or keyword.iskeyword(name):
+        raise SpecificationError(
+            f"{option}: '{name}' is no name: small letters, digits and _, a letter first, at most 20"
+        )
+
+
+def _two(option: str, words: str) -> tuple[str, str]:
+    """Return the left and the right word."""
+    found = [word.strip() for word in words.split(",")]
+    if len(found) != WHEELS:
+        raise SpecificationError(f"{option}: two with a comma between, left and right, not '{words}'")
+    if found[0] == found[1]:
+        raise SpecificationError(f"{option}: '{found[0]}' stands twice; each wheel has its own")
+    return found[0], found[1]

@@ -1,0 +1,133 @@
+"""RARS's rows at the edges of their thresholds; the tests that every robot gets go through them."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Final, TypeAlias
+
+from emulators.bench import cases as bench
+from firmware_bridge.motion import scissor
+from firmware_bridge.robot import Robot
+from firmware_bridge.robots.rars.body import ramp_of
+from firmware_bridge.robots.rars.geometry import Geometry
+from firmware_bridge.robots.rars.motion import Motion, State
+from firmware_bridge.robots.rars.rules import tipping_speed
+
+Case: TypeAlias = bench.Case[Motion, State]
+Situation: TypeAlias = bench.Situation[Motion, State]
+
+WELL: Final = State(steer_rad=0.0, lift_m=0.0, screw_rad_s=0.0, speed_mps=0.0, yaw_rate_rad_s=0.0)
+JUST: Final = 1.0 + 1e-5
+"""A limit reports what is beyond it by more than a millionth."""
+
+
+def cases(robot: Robot[Geometry]) -> Iterator[Case]:
+    """Yield at least one case for each interlock and limit."""
+    yield from _interlocks(robot)
+    yield from _limits(robot)
+
+
+def _interlocks(robot: Robot[Geometry]) -> Iterator[Case]:
+    retracted = robot.geometry.limits.lift_retracted_m
+    for unknown in (None, math.nan, math.inf):
+        yield _seen("steer angle unknown", "the actual steer angle is not known", steer_rad=unknown)
+    yield _seen("lift height unknown", "the actual lift height is not known", lift_m=None)
+    yield Case(
+        "lift extended",
+        trips=Situation(body=replace(WELL, lift_m=math.nextafter(retracted, 1.0))),
+        spares=Situation(body=replace(WELL, lift_m=retracted)),
+        reason=f"the lift stands at {1000.0 * retracted:.0f} mm, retracted is below {1000.0 * retracted:.0f} mm",
+    )
+    for side in (-1.0, 1.0):
+        yield Case(
+            "lift moving",
+            trips=Situation(body=replace(WELL, screw_rad_s=side * math.nextafter(0.10, 1.0))),
+            spares=Situation(body=replace(WELL, screw_rad_s=side * 0.10)),
+            reason=f"the lift's screw turns with {side * 0.10:.2f} rad/s",
+        )
+        yield Case(
+            "lift refused",
+            trips=Situation(
+                wish=Motion(lift_rate_mps=0.05),
+                body=replace(WELL, speed_mps=side * math.nextafter(0.010, 1.0)),
+            ),
+            spares=Situation(wish=Motion(lift_rate_mps=0.05), body=replace(WELL, speed_mps=side * 0.010)),
+            reason=f"the robot drives with {side * 0.01:.2f} m/s",
+        )
+
+
+def _seen(row: str, reason: str, **body: float | None) -> Case:
+    return Case(
+        row,
+        trips=Situation(body=replace(WELL, **body)),  # type: ignore[arg-type] # a field of State each
+        spares=Situation(body=WELL),
+        reason=reason,
+    )
+
+
+def _limits(robot: Robot[Geometry]) -> Iterator[Case]:
+    limits, tightest = robot.geometry.limits, robot.geometry.tightest_steer_rad
+    highest = scissor.highest(robot.geometry.lift)
+    step = ramp_of(robot).step(0.0, limits.speed_mps, 0.0, robot.cycle)
+    for side in (-1.0, 1.0):
+        fast, tight, rate = side * limits.speed_mps, side * tightest, side * limits.lift_rate_mps
+        yield _limited("speed limit", Motion(fast), Motion(JUST * fast), (JUST * fast, fast, "m/s"))
+        lock = side * limits.steer_angle_rad
+        yield _limited(
+            "steer angle limit",
+            Motion(steer_rad=tight),
+            Motion(steer_rad=JUST * lock),
+            (math.degrees(JUST * lock), math.degrees(lock), "deg"),
+        )
+        yield _limited(
+            "turn radius limit",
+            Motion(steer_rad=tight),
+            Motion(steer_rad=JUST * tight),
+            (math.degrees(JUST * tight), math.degrees(tight), "deg"),
+        )
+        yield _limited(
+            "lift rate limit",
+            Motion(lift_rate_mps=rate),
+            Motion(lift_rate_mps=JUST * rate),
+            (JUST * rate, rate, "m/s"),
+        )
+        yield Case(
+            "acceleration limit",
+            trips=Situation(wish=Motion(side * 2.0 * step)),
+            spares=Situation(wish=Motion(side * step)),
+            reason=f"asked to go from 0.00 to {side * 2.0 * step:.2f} m/s at once, "
+            f"limit {limits.acceleration_mps2:.2f} m/s2",
+        )
+    yield _limited(
+        "lift range limit",
+        Motion(lift_m=highest),
+        Motion(lift_m=JUST * highest),
+        (JUST * highest, highest, "m"),
+    )
+    yield _tipping(robot, tightest)
+
+
+def _limited(row: str, within: Motion, beyond: Motion, said: tuple[float, float, str]) -> Case:
+    """Return the case of a limit that is passed at the pace that the robot has already."""
+    asked, allowed, unit = said
+    return Case(
+        row,
+        trips=Situation(wish=beyond, demanded=within),
+        spares=Situation(wish=within, demanded=within),
+        reason=f"asked for {asked:.2f} {unit}, allowed is {allowed:.2f} {unit}",
+    )
+
+
+def _tipping(robot: Robot[Geometry], steer_rad: float) -> Case:
+    """Return the case of a robot that may drive fast enough to tip over, in its tightest turn."""
+    top = tipping_speed(robot, steer_rad)
+    limits = robot.geometry.limits.model_copy(update={"speed_mps": 2.0 * top})
+    turning = replace(WELL, steer_rad=steer_rad)
+    within, beyond = Motion(top), Motion(JUST * top)
+    return Case(
+        "tipping limit",
+        trips=Situation(wish=beyond, demanded=within, body=turning),
+        spares=Situation(wish=within, demanded=within, body=turning),
+        reason=f"asked for {JUST * top:.2f} m/s, allowed is {top:.2f} m/s",
+        robot=robot.model_copy(update={"geometry": robot.geometry.model_copy(update={"limits": limits})}),
+    )

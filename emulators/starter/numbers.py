@@ -1,0 +1,143 @@
+"""A differential robot's numbers: what the templates ask for, worked out from what was told."""
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+from emulators.epos2.objects.catalogue import PROFILES
+from emulators.starter.motors import Motor
+from emulators.starter.tuning import VELOCITY_P_UNIT, velocity_gains
+from firmware_bridge.robot.settings.epos2 import Epos2Device
+
+BRIDGE_NODE: Final = 100
+TOP_MARGIN: Final = 1.02
+"""Of the guard's bound over the fastest wheel that the limits ask for."""
+RPM: Final = 60.0 / math.tau
+PROFILE_SHARE: Final = 0.82
+"""Of the limits' acceleration, for the drives' own profile: a little above the bridge's ramp."""
+QUICK_STOP_SHARE: Final = 0.78
+OVERSPEED: Final = 1.15
+"""How much faster than the fastest set-point a motor may be told to run before its drive clips."""
+USABLE_SPEED: Final = 0.85
+"""Of a motor's no-load speed: the rest is for load and a battery that is not full."""
+INPUT_V: Final = 5.0
+"""Of the drive's analogue input, full scale."""
+
+
+class SpecificationError(Exception):
+    """What was told makes no robot: one message."""
+
+
+@dataclass(frozen=True, slots=True)
+class Specification:
+    """What somebody tells of a differential robot; SI."""
+
+    kind: str
+    name: str
+    nodes: tuple[int, int]
+    wheel_radius_m: float
+    track_m: float
+    motor: Motor
+    axes: tuple[str, str] = ("left", "right")
+    device: Epos2Device = Epos2Device.EPOS2_70_10
+    gear: float = 43.0
+    mass_kg: float = 25.0
+    encoder_lines: int = 500
+    voltage_v: float = 24.0
+    speed_mps: float = 0.6
+    acceleration_mps2: float = 0.5
+    turn_rate_rad_s: float = 1.2
+
+
+def worked_out(told: Specification) -> dict[str, str]:
+    """Return each template's word with what stands for it; SpecificationError where the motor is too slow."""
+    motor = told.motor
+    radius, track, gear = told.wheel_radius_m, told.track_m, told.gear
+    fastest = (told.speed_mps + told.turn_rate_rad_s * track / 2.0) / radius
+    usable = USABLE_SPEED * motor.no_load_speed(told.voltage_v) / gear
+    if fastest > usable:
+        raise SpecificationError(
+            f"{told.speed_mps:g} m/s and {told.turn_rate_rad_s:g} rad/s turn a wheel with {fastest:.3g} rad/s; "
+            f"{motor.title} behind {gear:g}:1 gives {usable:.3g} rad/s: take a smaller --gear, or less --speed"
+        )
+    turn_acceleration = 2.0 * told.turn_rate_rad_s
+    sideways = 0.8 * told.speed_mps * told.turn_rate_rad_s
+    rim = told.acceleration_mps2 / radius * gear * RPM
+    wheel_mass = 0.03 * told.mass_kg
+    wheel_inertia = wheel_mass * radius**2 / 2.0
+    inertia = motor.rotor_inertia_kg_m2 + (told.mass_kg / 2.0 * radius**2 + wheel_inertia) / gear**2
+    gains = velocity_gains(motor, inertia, told.voltage_v)
+    count = 1000.0 * math.tau / (4 * told.encoder_lines)
+    continuous_ma = round(1000.0 * motor.continuous_current_a)
+    numbers: dict[str, object] = {
+        "name": told.name,
+        "Name": told.name.capitalize(),
+        "left": told.axes[0],
+        "right": told.axes[1],
+        "left_node": told.nodes[0],
+        "right_node": told.nodes[1],
+        "bridge_node": next(node for node in (BRIDGE_NODE, 101, 102) if node not in told.nodes),
+        "wheel_radius": _number(radius),
+        "track": _number(track),
+        "speed": _number(told.speed_mps),
+        "acceleration": _number(told.acceleration_mps2),
+        "turn_rate": _number(told.turn_rate_rad_s),
+        "turn_acceleration": _number(turn_acceleration),
+        "sideways": _number(sideways),
+        "voltage": _number(told.voltage_v),
+        "low_voltage": _number(0.875 * told.voltage_v),
+        "per_volt": _number(1.25 * told.voltage_v / INPUT_V),
+        "mean": _number(radius / 2.0),
+        "difference": _number(radius / track),
+        "speed_bound": _number(1.005 * told.speed_mps),
+        "turn_bound": _number(1.01 * told.turn_rate_rad_s),
+        "top_speed": _number(TOP_MARGIN * fastest),
+        "gear": _number(gear),
+        "device": told.device.value,
+        "product_code": f"0x{(PROFILES[told.device].hardware_version or 0) << 16:08X}",
+        "motor": motor.title,
+        "encoder_lines": told.encoder_lines,
+        "continuous_ma": continuous_ma,
+        "peak_ma": 2 * continuous_ma,
+        "velocity_rpm": math.ceil(TOP_MARGIN * fastest * gear * RPM),
+        "max_velocity_rpm": math.ceil(OVERSPEED * fastest * gear * RPM),
+        "profile_rpm_s": round(PROFILE_SHARE * rim),
+        "quick_stop_rpm_s": round(QUICK_STOP_SHARE * rim),
+        "mass": _number(told.mass_kg),
+        "body_mass": _number(told.mass_kg - 2.0 * wheel_mass),
+        "wheel_mass": _number(wheel_mass),
+        "wheel_inertia": _number(wheel_inertia),
+        "wheel_yaw_inertia": _number(wheel_inertia / 2.0),
+        "yaw_inertia": _number(told.mass_kg * track**2 / 4.0),
+        "empty_mass": _number(told.mass_kg / 2.0),
+        "empty_inertia": _number(told.mass_kg * track**2 / 8.0),
+        "centre_offset": _number(radius),
+        "centre_height": _number(track / 2.0),
+        "castor_ahead": _number(0.9 * track),
+        "castor_track": _number(0.7 * track),
+        "castor_trail": _number(0.375 * radius),
+        "resistance": _number(motor.resistance_ohm),
+        "inductance": _number(motor.inductance_h),
+        "torque_constant": _number(motor.torque_constant_nm_a),
+        "rotor_inertia": _number(motor.rotor_inertia_kg_m2),
+        "no_load_current": _number(motor.no_load_current_a),
+        "inductance_mh": f"{1e3 * motor.inductance_h:.3g}",
+        "torque_constant_mnm": f"{1e3 * motor.torque_constant_nm_a:.3g}",
+        "inertia_gcm2": f"{1e7 * inertia:.4g}",
+        "count_current": f"{gains.velocity_p / VELOCITY_P_UNIT * count:.2f}",
+        **gains.model_dump(),
+        # What the missions ask for.
+        "cruise": _number(0.5 * told.speed_mps),
+        "gentle": _number(0.2 * told.acceleration_mps2),
+        "too_fast": _number(1.6 * told.speed_mps),
+        "turn_deg_s": _number(0.5 * math.degrees(told.turn_rate_rad_s)),
+        "too_quick_deg_s": _number(2.0 * math.degrees(told.turn_rate_rad_s)),
+        "full_turn_deg_s": _number(math.degrees(told.turn_rate_rad_s)),
+    }
+    return {word: str(number) for word, number in numbers.items()}
+
+
+def _number(value: float) -> str:
+    """Return a number as a person writes it, always with a point or an exponent."""
+    short = f"{value:.4g}"
+    return short if "." in short or "e" in short else f"{short}.0"

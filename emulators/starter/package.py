@@ -1,0 +1,51 @@
+"""Writes a package from its templates; nothing is written where something stands already."""
+
+from importlib.resources import files
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from string import Template
+from typing import Final
+
+from emulators.starter.numbers import Specification, SpecificationError, worked_out
+
+TEMPLATES: Final = "templates"
+SUFFIX: Final = ".template"
+NAME: Final = "NAME"
+"""Stands for the robot's name in the templates' paths."""
+
+
+def written(told: Specification) -> dict[str, str]:
+    """Return the files of a package, by their paths in it; SpecificationError."""
+    words = worked_out(told)
+    texts = {}
+    for path, template in _templates(files("emulators.starter") / TEMPLATES / told.kind, ""):
+        name = path.removesuffix(SUFFIX).replace(NAME, told.name)
+        texts[name] = Template(template.read_text(encoding="utf-8")).substitute(words)
+    return texts
+
+
+def write(told: Specification, folder: Path) -> tuple[Path, ...]:
+    """Write a package into a folder that is not there yet; SpecificationError, OSError."""
+    texts = written(told)
+    if folder.exists():
+        raise SpecificationError(f"{folder} is there already; take another --dir, or remove it")
+    paths = []
+    for name, text in texts.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+        paths.append(path)
+    return tuple(paths)
+
+
+def kinds() -> list[str]:
+    """Return the kinds for which there are templates."""
+    return sorted(one.name for one in (files("emulators.starter") / TEMPLATES).iterdir() if one.is_dir())
+
+
+def _templates(folder: Traversable, path: str) -> list[tuple[str, Traversable]]:
+    found: list[tuple[str, Traversable]] = []
+    for one in sorted(folder.iterdir(), key=lambda one: one.name):
+        name = f"{path}{one.name}"
+        found += _templates(one, f"{name}/") if one.is_dir() else [(name, one)]
+    return found

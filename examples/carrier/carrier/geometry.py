@@ -1,0 +1,22 @@
+"""The robot's table of geometry and limits in its robot file."""
+
+from firmware_bridge.motion.differential import DifferentialBase
+from firmware_bridge.robot.table import Positive, Table
+
+
+class Limits(Table):
+    """What the interlocks hold, whatever the operator wishes."""
+
+    speed_mps: Positive
+    acceleration_mps2: Positive
+    turn_rate_rad_s: Positive
+    turn_acceleration_rad_s2: Positive
+    sideways_mps2: Positive
+    """Speed times turn rate: what load and tyres stand."""
+
+
+class Geometry(Table):
+    """The base and its limits."""
+
+    base: DifferentialBase
+    limits: Limits

@@ -1,5 +1,0 @@
-"""The carrier's plant: two driven wheels, two castors."""
-
-from carrier_plant.parameters import PLANT
-
-__all__ = ["PLANT"]

@@ -1,0 +1,30 @@
+"""What the robot does on the bench; the safety tests come with firmware-bridge, for every robot."""
+
+from pathlib import Path
+
+from emulators.bench import mission as missions
+from emulators.bench.rehearsal import rehearsal_of
+from emulators.bench.summary import Summary
+from emulators.run import Order, drive
+from firmware_bridge.kinds import find
+
+
+def driven(name: str, folder: Path) -> Summary:
+    """Drive a mission and return its numbers."""
+    robot = find("carrier")
+    rehearsal = rehearsal_of(robot)
+    mission = missions.find(name, robot, rehearsal)
+    return drive(Order(robot, rehearsal, name, mission, 0, folder), lambda _: None)
+
+
+def test_it_drives_the_line(tmp_path: Path) -> None:
+    told = driven("line", tmp_path)
+    assert 0.0 < told.max_speed_mps <= find("carrier").geometry.limits.speed_mps
+    assert told.path_length_m > 0.0
+    assert told.odometry_error_m < 0.05 * told.path_length_m
+
+
+def test_the_guide_comes_back_to_where_the_circles_touch(tmp_path: Path) -> None:
+    told = driven("figure_eight", tmp_path)
+    assert not [hold for hold in told.holds if hold.name == "turns too fast"]
+    assert told.odometry_error_m < 0.05 * told.path_length_m

@@ -1,0 +1,133 @@
+"""Any installed robot that is well, to be made unwell in one respect; and one on paper, whose axes obey at once."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, Final, TypeAlias
+
+from emulators.bench.cases import Case, Situation
+from emulators.bench.rehearsal import rehearsal_of
+from firmware_bridge.drivers.driver import Demand, Feedback, Position, Power, Speed, Tells
+from firmware_bridge.kind import AnyKind
+from firmware_bridge.kinds import find, kind_of, names
+from firmware_bridge.motion.pose import Pose
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.safety.gate import Gate
+from firmware_bridge.safety.rules import Rules
+from firmware_bridge.safety.snapshot import Facts, Ruling, Snapshot
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, to_seconds
+
+START: Final = 100 * SECOND
+ROBOTS: Final = names()
+AnyCase: TypeAlias = Case[Any, Any]
+AnySituation: TypeAlias = Situation[Any, Any]
+WELL: Final[AnySituation] = Situation()
+
+
+def gate_of(robot: AnyRobot) -> Gate[Any, Any, Any]:
+    """Return the robot's gate; its drives tell everything."""
+    tells = {axis.name: frozenset(Tells) for axis in robot.axes}
+    return Gate(robot, kind_of(robot).rules(robot), tells)
+
+
+def axes_of(robot: AnyRobot, now: Nanoseconds) -> dict[str, Feedback]:
+    """Return all axes at their zero, with power, heard now."""
+    well = {"power": Power.ON, "heard_at": now, "sampled_at": now}
+    return {axis.name: Feedback(axis.name, **well) for axis in robot.axes}  # type: ignore[arg-type] # fields
+
+
+def seen(
+    robot: AnyRobot,
+    now: Nanoseconds = START,
+    situation: AnySituation = WELL,
+    axes: Mapping[str, Feedback] | None = None,
+    **facts: Any,
+) -> Snapshot[Any, Any]:
+    """Return the robot armed and well, but for what is told."""
+    kind = kind_of(robot)
+    told = dict(axes_of(robot, now) if axes is None else axes)
+    body = kind.body(robot).sensed(told, {}) if situation.body is None else situation.body
+    known: dict[str, Any] = {
+        "now": now,
+        "armed": True,
+        "emergency_stopped": False,
+        "heard_at": now,
+        "axes": told,
+        "sensors": {},
+        "links_lost": {},
+    }
+    return Snapshot(
+        facts=Facts(**(known | facts)),
+        wish=kind.rest if situation.wish is None else situation.wish,
+        demanded=kind.rest if situation.demanded is None else situation.demanded,
+        body=body,
+        pose=Pose(),
+    )
+
+
+def held(ruling: Ruling[Any]) -> dict[str, str]:
+    """Return the reasons of all that holds, by name."""
+    return {hold.name: hold.reason for hold in ruling.holds}
+
+
+def cases_of(name: str) -> list[AnyCase]:
+    """Return the boundary cases that a robot's package declares."""
+    robot = find(name)
+    return list(rehearsal_of(robot).cases(robot))
+
+
+def full_motions(kind: AnyKind, robot: AnyRobot) -> list[Any]:
+    """Return motions that ask for as much as the robot may do."""
+    return [motion for motion, _ in kind.reach(robot)]
+
+
+class Paper:
+    """A robot without drives: each axis does in a cycle what it was asked for, no faster than it may."""
+
+    def __init__(self, robot: AnyRobot) -> None:
+        self.robot: Final = robot
+        self.kind: Final = kind_of(robot)
+        self.rules: Final[Rules[Any, Any, Any]] = self.kind.rules(robot)[""]
+        self.gate: Final = gate_of(robot)
+        self.axes: Final = axes_of(robot, START)
+        self.before: Mapping[str, Feedback] = dict(self.axes)
+        """The axes as the newest demands found them."""
+        self.demanded: Any = self.kind.rest
+        self.demands: Mapping[str, Demand] = {}
+        self.now: Nanoseconds = START
+
+    def cycle(self, wish: Any, **facts: Any) -> Ruling[Any]:
+        """Do one cycle of the bridge, as `firmware_bridge.bridge.pipeline` does it."""
+        self.now += self.robot.cycle
+        for name, axis in self.axes.items():
+            self.axes[name] = replace(axis, heard_at=self.now, sampled_at=self.now)
+        situation: AnySituation = Situation(wish=wish, demanded=self.demanded)
+        known = seen(self.robot, self.now, situation, self.axes, **facts)
+        ruling = self.gate.rule(known)
+        self.demanded = self.rules.body.ramped(self.demanded, ruling.allowed, known.body, self.robot.cycle)
+        self.demands = self.rules.body.demands(self.demanded, known.body)
+        self._obey()
+        return ruling
+
+    def _obey(self) -> None:
+        self.before = dict(self.axes)
+        seconds = to_seconds(self.robot.cycle)
+        for axis in self.robot.axes:
+            before, demand = self.axes[axis.name], self.demands.get(axis.name)
+            velocity = 0.0
+            if isinstance(demand, Speed):
+                velocity = demand.value
+            elif isinstance(demand, Position):
+                reach = axis.top_speed * seconds
+                way = min(max(demand.value - before.position, -reach), reach)
+                velocity = way / seconds
+            position = before.position + velocity * seconds
+            self.axes[axis.name] = replace(before, position=position, velocity=velocity)
+
+    def speeds(self) -> dict[str, float]:
+        """Return what is demanded of the axes that are commanded by speed."""
+        return {name: one.value for name, one in self.demands.items() if isinstance(one, Speed)}
+
+
+def silence_of(robot: AnyRobot, link: str) -> Nanoseconds:
+    """Return how long an axis on a link may be silent."""
+    return robot.links[link].silent_ms * MILLISECOND

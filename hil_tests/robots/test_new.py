@@ -1,0 +1,230 @@
+"""`new`: from nothing to a driven robot in three commands; what it writes, and what it refuses."""
+
+import ast
+import os
+import resource
+import subprocess
+import sys
+import tomllib
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Final
+
+import pytest
+from typer.testing import CliRunner
+
+from emulators.starter.motors import MOTORS
+from emulators.starter.numbers import Specification
+from emulators.starter.package import written
+from emulators.starter.tuning import velocity_gains
+from firmware_bridge.cli import program
+from firmware_bridge.kinds import find
+
+ROOT: Final = Path(__file__).parents[2]
+PRODUCT: Final = ("firmware_bridge", "emulators", "fmu", "examples")
+PROCESSOR_S: Final = 60.0
+CARRIER: Final = Specification(
+    kind="differential",
+    name="carrier",
+    nodes=(1, 2),
+    wheel_radius_m=0.08,
+    track_m=0.35,
+    motor=MOTORS["RE40"],
+)
+MOUSE: Final = (
+    *("new", "mouse", "--kind", "differential", "--nodes", "5,6", "--axes", "port,starboard"),
+    *("--wheel-radius", "0.05", "--track", "0.25", "--mass", "8", "--motor", "RE25", "--gear", "20"),
+)
+
+
+def files() -> dict[Path, int]:
+    """Return every file of the product with the time of its last change; caches and builds are none."""
+    found = [path for name in PRODUCT for path in (ROOT / name).rglob("*") if path.is_file()]
+    return {path: path.stat().st_mtime_ns for path in found if path.suffix not in {".pyc", ".so"}}
+
+
+class Beside:
+    """A folder with a package installed in it, beside the product."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.site = folder / "site"
+        self.environment = {
+            **os.environ,
+            "PYTHONPATH": str(self.site),
+            "XDG_CACHE_HOME": str(folder / "cache"),
+            "NO_COLOR": "1",
+        }
+
+    def run(self, *words: str) -> str:
+        done = subprocess.run(
+            [sys.executable, "-P", *words],
+            cwd=self.folder,
+            env=self.environment,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout
+
+    def bridge(self, *words: str) -> str:
+        return self.run("-c", "from firmware_bridge.cli import main; main()", *words)
+
+    def installs(self, name: str) -> None:
+        offline = (
+            "--no-deps",
+            "--no-build-isolation",
+            "--no-index",
+            "--disable-pip-version-check",
+            "--quiet",
+        )
+        self.run("-m", "pip", "install", *offline, "--target", str(self.site), name)
+
+
+@pytest.fixture(scope="module")
+def mouse(tmp_path_factory: pytest.TempPathFactory) -> tuple[Beside, float]:
+    """Write and install a robot, and drive it; return where it is, and the processor time of all of it."""
+    beside = Beside(tmp_path_factory.mktemp("beside"))
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    beside.bridge(*MOUSE)
+    beside.installs("./mouse")
+    beside.bridge("bench", "mouse", "--out", "driven")
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return beside, used
+
+
+def test_three_commands_drive_a_robot_and_touch_nothing_of_the_product(
+    tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest
+) -> None:
+    before = files()
+    beside, used = request.getfixturevalue("mouse")
+    assert files() == before
+    assert used < PROCESSOR_S
+    assert (beside.folder / "driven" / "summary.json").is_file()
+    assert "mouse" in beside.bridge("robots")
+
+
+@pytest.mark.long
+def test_it_gets_the_safety_tests_of_every_robot_and_passes_its_own(mouse: tuple[Beside, float]) -> None:
+    beside, _ = mouse
+    pytest_words = ("-m", "pytest", "-q", "-p", "no:xdist", "-p", "no:cacheprovider")
+    beside.environment["PYTHONPATH"] = f"{beside.site}{os.pathsep}{ROOT}"
+    shared = (str(ROOT / "hil_tests/robots/test_every_robot.py"), "-c", str(ROOT / "pyproject.toml"))
+    assert " passed" in beside.run(
+        *pytest_words, *shared, "-k", "mouse and not figure_eight and not interlocks"
+    )
+    assert " passed" in beside.run(*pytest_words, "mouse/tests", "-k", "line")
+
+
+def test_what_it_writes_is_code_to_hold_up(mouse: tuple[Beside, float]) -> None:
+    beside, _ = mouse
+    beside.run("-m", "ruff", "check", "--no-cache", "mouse")
+    beside.run("-m", "ruff", "format", "--no-cache", "--check", "mouse")
+    beside.environment["MYPYPATH"] = str(beside.folder / "mouse")
+    words = ("--config-file", str(ROOT / "pyproject.toml"), "--cache-dir", str(ROOT / ".mypy_cache"))
+    beside.run("-m", "mypy", *words, "-p", "mouse")
+
+
+def test_the_example_is_what_it_writes_and_what_was_added_to_it() -> None:
+    example = ROOT / "examples/carrier"
+    for name, text in written(CARRIER).items():
+        found = (example / name).read_text(encoding="utf-8")
+        if name == "carrier/carrier.toml":
+            assert found.startswith(text)
+            assert list(tomllib.loads(found.removeprefix(text))) == ["outputs"]
+        else:
+            assert found == text, name
+
+
+def test_the_rule_for_gains_gives_those_that_rars_was_tuned_to() -> None:
+    """RARS's wheels: 70 kg on two RE50 behind 26:1; tuned on the plant before there was a rule."""
+    tuned = find("rars").axis("left_wheel").settings.gains
+    inertia = 536e-7 + (35.0 * 0.05**2 + 465e-6) / 26.0**2
+    gains = velocity_gains(MOTORS["RE50"], inertia, 24.0)
+    assert (gains.current_p, gains.current_i) == (tuned.current_p, tuned.current_i)
+    assert gains.velocity_p == pytest.approx(tuned.velocity_p, rel=0.05)
+    assert gains.velocity_i == pytest.approx(tuned.velocity_i, rel=0.10)
+    assert gains.velocity_feedforward == pytest.approx(tuned.velocity_feedforward, rel=0.01)
+    assert gains.acceleration_feedforward == pytest.approx(tuned.acceleration_feedforward, rel=0.10)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("Mouse",), "NAME: 'Mouse' is no name"),
+        (("class",), "NAME: 'class' is no name"),
+        (("json",), "there is a Python package 'json' already"),
+        (("rars",), "the robot 'rars' is installed already"),
+        (("climber",), "the plant 'climber' is installed already"),
+        (("mickey", "--kind", "diferential"), "--kind: no kind 'diferential'; perhaps 'differential'?"),
+        (("mickey", "--device", "70/11"), "--device: no EPOS2 '70/11'; perhaps '70/10'?"),
+        (("mickey", "--motor", "RE41"), "--motor: no motor 'RE41' is known; perhaps 'RE40'?"),
+        (("mickey", "--motor", "no.toml"), "no.toml: cannot be read"),
+        (("mickey", "--nodes", "1,1"), "--nodes: '1' stands twice"),
+        (("mickey", "--nodes", "1"), "--nodes: two with a comma between"),
+        (("mickey", "--nodes", "0,1"), "a number from 1 to 127, not '0'"),
+        (("mickey", "--nodes", "1,128"), "a number from 1 to 127, not '128'"),
+        (("mickey", "--axes", "left,Right"), "--axes: 'Right' is no name"),
+        (("mickey", "--wheel-radius", "0"), "--wheel-radius must be positive, not 0"),
+        (("mickey", "--track", "-1"), "--track must be positive, not -1"),
+        (("mickey", "--mass", "nan"), "--mass must be positive, not nan"),
+        (("mickey", "--speed", "inf"), "--speed must be positive, not inf"),
+        (("mickey", "--gear", "200"), "take a smaller --gear, or less --speed"),
+        (("mickey", "--encoder-lines", "1"), "--encoder-lines must be 16 to"),
+        (("mickey", "--dir", "."), "is there already; take another --dir"),
+    ],
+)
+def test_what_makes_no_robot_is_refused_in_one_line_and_nothing_is_written(
+    words: tuple[str, ...], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    sizes = ["--wheel-radius", "0.08", "--track", "0.35"]
+    result = CliRunner().invoke(program, ["new", *sizes, *words])
+    assert result.exit_code == 2
+    (line,) = result.stderr.splitlines()
+    assert line.startswith("firmware-bridge: ")
+    assert said in line
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_motor_of_ones_own_comes_from_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    data = "\n".join(
+        f"{key} = {value!r}".replace("'", '"') for key, value in MOTORS["RE25"].model_dump().items()
+    )
+    Path("mine.toml").write_text(data.replace("maxon RE25", "my RE25"), encoding="utf-8")
+    words = ["--wheel-radius", "0.05", "--track", "0.25", "--mass", "8", "--gear", "20"]
+    result = CliRunner().invoke(program, ["new", "mickey", *words, "--motor", "mine.toml"])
+    assert result.exit_code == 0, result.output
+    assert 'motor = "my RE25 20 W 24 V"' in Path("mickey/mickey/mickey.toml").read_text(encoding="utf-8")
+    Path("mine.toml").write_text(data.replace("resistance_ohm", "resistanc_ohm"), encoding="utf-8")
+    wrong = CliRunner().invoke(program, ["new", "other", *words, "--motor", "mine.toml"])
+    assert wrong.exit_code == 2
+    assert "mine.toml: resistance_ohm: is missing" in wrong.stderr
+
+
+def imported(path: Path) -> set[str]:
+    """Return the product's modules that a file imports."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found.update(name.name for name in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            module = node.module or ""
+            inner = [f"{module}.{name.name}" for name in node.names]
+            found.update(
+                name if (ROOT / f"{name.replace('.', '/')}.py").is_file() else module for name in inner
+            )
+    return {name for name in found if name.split(".")[0] in PRODUCT}
+
+
+def test_the_examples_import_public_modules_alone() -> None:
+    page = (ROOT / "docs/your-robot.md").read_text(encoding="utf-8")
+    public = {row[1] for row in (line.split("`") for line in page.splitlines()) if len(row) > 1}
+    used = {module for path in (ROOT / "examples").rglob("*.py") for module in imported(path)}
+    assert used
+    assert used <= public
+    named = {module for module in public if module.split(".")[0] in PRODUCT}
+    assert all(find_spec(module) is not None for module in named if "/" not in module)
