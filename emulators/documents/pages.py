@@ -4,7 +4,15 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
 from emulators.bench.faults import CABLE_ORDER, KINDS
-from emulators.documents import emergencies, faults, fidelity, object_table, serial_commands, state_diagram
+from emulators.documents import (
+    emergencies,
+    faults,
+    fidelity,
+    object_table,
+    safety,
+    serial_commands,
+    state_diagram,
+)
 from emulators.epos2.control.power_states import TRANSITIONS
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import EPOS2_70_10
@@ -86,6 +94,20 @@ rig.faults.plan([read({{"kind": "frame_loss", "at_s": 6.0, "for_s": 0.4, "node":
 {kinds} kinds; `EMCY` codes are explained [here](emergencies.md). Stations lie on the CAN cable in this order:
 {cable} (ASSUME)."""
 
+SAFETY_TEXT: Final = """The robots that come with this package; `firmware-bridge robots` checks others.
+
+A hold stops the groups that it names, and lets go when its row has been clear for its time at every look.
+One that **disarms** takes the leave to move: to go on, arm again. While one that **blocks arming** holds, the
+robot cannot be armed. One that **latches** sets the emergency stop, which stays until an order clears it. On
+a link whose `stops` names groups, its own row and those of its axes stop these alone, and do not disarm."""
+AXIS_TEXT: Final = """Each axis is judged by these rows; while one holds, everything stops, and the robot is
+disarmed. A row **needs** something that a driver's devices tell. Where they do not, the weaker row stands in
+for it; where there is none, the robot file is refused. The last row is of an axis that the robot's mode does
+without."""
+GUARD_TEXT: Final = """The guard shares neither code nor state with the interlocks. It lets no set-point
+pass that lies beyond these bounds, no sum of speeds beyond its own, and no motion of one side while the other
+may move."""
+
 
 def pages(tests: emergencies.Tests, commands: serial_commands.Tests) -> Mapping[str, str]:
     """Return every page by its file name.
@@ -99,6 +121,7 @@ def pages(tests: emergencies.Tests, commands: serial_commands.Tests) -> Mapping[
         "power-machine.md": _machine(),
         "opcodes.md": _opcodes(commands),
         "faults.md": _faults(),
+        "safety.md": _safety(),
     }
 
 
@@ -184,3 +207,26 @@ def _faults() -> str:
         if keys:
             parts.append(table(faults.HEADINGS, keys))
     return _page("Faults that a mission can name", *parts)
+
+
+def _safety() -> str:
+    parts = [SAFETY_TEXT, "## Every axis", AXIS_TEXT, table(safety.AXIS_HEADINGS, safety.axis_rows())]
+    for kind, robot in safety.shipped():
+        parts += [
+            f"## {robot.title}",
+            f"### What stops `{robot.name}`",
+            table(safety.HEADINGS, safety.interlocks(kind, robot)),
+            "### What clips a wish",
+            table(safety.LIMIT_HEADINGS, safety.limits(kind)),
+            "### What its guard lets pass",
+            GUARD_TEXT,
+            table(safety.BOUND_HEADINGS, safety.bounds(robot)),
+        ]
+        for headings, rows in (
+            (safety.SUM_HEADINGS, safety.sums(robot)),
+            (safety.EXCLUSIVE_HEADINGS, safety.exclusive(robot)),
+        ):
+            found = tuple(rows)
+            if found:
+                parts.append(table(headings, found))
+    return _page("What holds a robot back", *parts)

@@ -1,0 +1,129 @@
+"""What holds each shipped robot back, and what its guard lets pass: the rows as they stand in the code."""
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Final, TypeAlias
+
+import firmware_bridge
+from firmware_bridge import kinds
+from firmware_bridge.drivers.fleets import TELLS
+from firmware_bridge.kind import AnyKind
+from firmware_bridge.robot import AnyRobot, Axis, Command
+from firmware_bridge.safety.common import AXIS_ROWS, LEFT_OUT_ROW, whole_robot_rows
+from firmware_bridge.safety.guard.bounds import targets
+from firmware_bridge.safety.interlock import AxisInterlock
+from firmware_bridge.safety.row import Row
+from firmware_bridge.units import MILLISECOND
+
+Cells: TypeAlias = tuple[str, ...]
+HEADINGS: Final = (
+    "interlock", "stops", "severity", "disarms", "blocks arming", "latches", "clear for", "remedy"
+)  # fmt: skip
+LIMIT_HEADINGS: Final = ("limit", "severity", "clear for", "remedy")
+AXIS_HEADINGS: Final = ("interlock", "needs", "without it", "severity", "clear for", "remedy")
+BOUND_HEADINGS: Final = ("axis", "on the link", "silent after", "top speed", "travel", "on the wire", "rows")
+SUM_HEADINGS: Final = ("sum", "of", "bound to both sides")
+EXCLUSIVE_HEADINGS: Final = ("never together", "one side", "other side")
+
+
+def shipped() -> Iterator[tuple[AnyKind, AnyRobot]]:
+    """Yield the robots that come with this package; those of other packages have their own pages."""
+    here = Path(firmware_bridge.__file__).parent
+    for name in kinds.names():
+        kind = kinds.kind_named(name)
+        if here in kind.file.parents:
+            yield kind, kinds.find(name)
+
+
+def interlocks(kind: AnyKind, robot: AnyRobot) -> Iterator[Cells]:
+    """Yield the rows of the whole robot in the order in which they are judged."""
+    rules = kind.rules(robot)[""]
+    rows: tuple[Row, ...] = (
+        *whole_robot_rows(rules.numbers, robot.links),
+        *rules.interlocks,
+        *rules.after_limits,
+    )
+    for row in rows:
+        answers = (_yes(row.disarms), _yes(row.blocks_arming), _yes(row.latches))
+        yield (row.name, _groups(row), _severity(row), *answers, _clear(row), row.remedy)
+
+
+def limits(kind: AnyKind) -> Iterator[Cells]:
+    """Yield what clips a wish, in its order."""
+    for row in kind.limits:
+        yield (row.name, _severity(row), _clear(row), row.remedy)
+
+
+def axis_rows() -> Iterator[Cells]:
+    """Yield what is judged of each axis, every weaker row behind the one that it stands in for."""
+    for row in (*AXIS_ROWS, LEFT_OUT_ROW):
+        standing: AxisInterlock | None = row
+        while standing is not None:
+            needs = ", ".join(sorted(one.value for one in standing.needs)) or "-"
+            weaker = "-" if not standing.needs else _instead(standing)
+            yield (standing.name, needs, weaker, _severity(standing), _clear(standing), standing.remedy)
+            standing = standing.instead
+
+
+def bounds(robot: AnyRobot) -> Iterator[Cells]:
+    """Yield what each axis may be sent, in its unit and on the wire, and the rows that its driver allows."""
+    for axis in robot.axes:
+        link = robot.links[axis.link]
+        yield (
+            f"`{axis.name}`",
+            f"`{axis.link}`, {link.driver.value}",
+            f"{link.silent_ms} ms",
+            f"{axis.top_speed:g} {axis.unit.value}/s",
+            "-" if axis.travel is None else f"{axis.travel[0]:g} to {axis.travel[1]:g} {axis.unit.value}",
+            _on_the_wire(axis),
+            ", ".join(_fitting(robot, axis)),
+        )
+
+
+def sums(robot: AnyRobot) -> Iterator[Cells]:
+    """Yield the sums of speeds that the guard bounds."""
+    for row in robot.guard.sums:
+        terms = " + ".join(f"{factor:g} `{axis}`" for axis, factor in row.of.items())
+        yield (row.name, terms.replace("+ -", "- "), f"{row.bound:g}")
+
+
+def exclusive(robot: AnyRobot) -> Iterator[Cells]:
+    """Yield the sides that never move together."""
+    for row in robot.guard.exclusive:
+        yield (row.name, _quoted(row.one), _quoted(row.other))
+
+
+def _fitting(robot: AnyRobot, axis: Axis) -> Iterator[str]:
+    for row in AXIS_ROWS:
+        fitting = row.fitting(TELLS[robot.links[axis.link].driver])
+        yield "none: refused" if fitting is None else fitting.name
+
+
+def _on_the_wire(axis: Axis) -> str:
+    unit = "qc" if axis.command is Command.POSITION else "rpm"
+    allowed = targets(axis)
+    return f"{allowed[0]} to {allowed[-1]} {unit}"
+
+
+def _instead(row: AxisInterlock) -> str:
+    return "the driver is refused" if row.instead is None else row.instead.name
+
+
+def _groups(row: Row) -> str:
+    return "everything" if row.stops is None else ", ".join(sorted(row.stops)) or "nothing"
+
+
+def _severity(row: Row) -> str:
+    return row.severity.name.lower()
+
+
+def _clear(row: Row) -> str:
+    return f"{row.clear_after // MILLISECOND} ms" if row.clear_after else "at once"
+
+
+def _quoted(names: Iterable[str]) -> str:
+    return ", ".join(f"`{name}`" for name in names)
+
+
+def _yes(answer: object) -> str:
+    return "yes" if answer else "-"

@@ -1,0 +1,136 @@
+"""What a driver can tell decides which rows judge its axis: the strong one, a weaker one, or none at all."""
+
+from collections.abc import Callable
+from typing import Final, TypeAlias
+
+import pytest
+
+from firmware_bridge import kinds
+from firmware_bridge.drivers.driver import Feedback, Power, Tells
+from firmware_bridge.drivers.fleets import TELLS
+from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.robot import RobotFileError
+from firmware_bridge.robots.rars import KIND
+from firmware_bridge.safety import common, gate
+from firmware_bridge.safety.gate import axis_rows
+from firmware_bridge.safety.interlock import AxisInterlock
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+from hil_tests.safety.gate_bench import Gate, Rars, Snapshot, names, with_facts
+
+Well: TypeAlias = Callable[..., Snapshot]
+
+EVERYTHING: Final = frozenset(Tells)
+MUTE: Final = EVERYTHING - {Tells.POWER}
+"""What a device tells that has no word for its power."""
+STRONG, WEAK = "axis not enabled", "axis answers late"
+LIMIT: Final = 250 * MILLISECOND
+"""The silence that RARS's link allows."""
+
+
+def tells_of(robot: Rars, **others: frozenset[Tells]) -> dict[str, frozenset[Tells]]:
+    return {axis.name: others.get(axis.name, EVERYTHING) for axis in robot.axes}
+
+
+def mute(robot: Rars) -> Gate:
+    """A gate whose lift has a driver that does not tell its power."""
+    return gate.Gate(robot, KIND.rules(robot), tells_of(robot, lift=MUTE))
+
+
+def heard(seen: Snapshot, axis: str, at: Nanoseconds) -> Snapshot:
+    """The same, one axis without a word for its power and heard last at this instant."""
+    axes = dict(seen.facts.axes)
+    axes[axis] = Feedback(axis, Power.UNKNOWN, heard_at=at, sampled_at=at)
+    return with_facts(seen, axes=axes)
+
+
+def test_a_row_that_needs_no_more_than_is_told_stands_itself() -> None:
+    for row in common.AXIS_ROWS:
+        assert row.fitting(EVERYTHING) is row
+        assert row.fitting(row.needs) is row
+
+
+def test_the_first_weaker_row_for_which_it_is_enough_stands_in() -> None:
+    def judge(*_: object) -> None:
+        return None
+
+    weakest = AxisInterlock("weakest", judge, "")
+    weaker = AxisInterlock("weaker", judge, "", needs=frozenset({Tells.CURRENT}), instead=weakest)
+    strong = AxisInterlock("strong", judge, "", needs=frozenset({Tells.CURRENT, Tells.POWER}), instead=weaker)
+    alone = AxisInterlock("alone", judge, "", needs=frozenset({Tells.POWER}))
+    assert strong.fitting(EVERYTHING) is strong
+    assert strong.fitting(frozenset({Tells.CURRENT})) is weaker
+    assert strong.fitting(frozenset({Tells.POWER})) is weakest
+    assert strong.fitting(frozenset()) is weakest
+    assert alone.fitting(EVERYTHING - {Tells.POWER}) is None
+
+
+@pytest.mark.parametrize("driver", TELLS)
+def test_every_driver_that_there_is_tells_enough_for_every_row(driver: str) -> None:
+    assert [row.name for row in common.AXIS_ROWS if row.fitting(TELLS[driver]) is not row] == []
+
+
+def test_a_driver_that_does_not_tell_power_gets_the_weaker_row_by_name(robot: Rars) -> None:
+    rows = {
+        one.axis.name: [name for name, _ in one.rows] for one in axis_rows(robot, tells_of(robot, lift=MUTE))
+    }
+    assert rows["lift"] == ["axis silent: lift", "axis fault: lift", f"{WEAK}: lift"]
+    assert rows["left"] == ["axis silent: left", "axis fault: left", f"{STRONG}: left"]
+
+
+def test_it_is_told_with_the_robot_file(robot: Rars, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert list(kinds.weaker_rows(robot)) == []
+    monkeypatch.setattr(kinds, "TELLS", dict.fromkeys(TELLS, MUTE))
+    told = [(axis, strong.name, weak.name) for axis, strong, weak in kinds.weaker_rows(robot)]
+    assert told == [(axis.name, STRONG, WEAK) for axis in robot.axes]
+
+
+def test_a_driver_that_tells_too_little_is_refused_with_link_and_row(
+    robot: Rars, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    needy = AxisInterlock("axis stalls", lambda *_: None, "", needs=frozenset({Tells.CURRENT}))
+    monkeypatch.setattr(gate, "AXIS_ROWS", (*common.AXIS_ROWS, needy))
+    with pytest.raises(RobotFileError) as refusal:
+        axis_rows(robot, tells_of(robot, lift=EVERYTHING - {Tells.CURRENT}))
+    (problem,) = refusal.value.problems
+    assert problem.key == "links.drives.driver"
+    assert "axis stalls" in problem.problem
+
+
+@pytest.mark.parametrize(
+    ("silence", "holds"),
+    [(0, False), (LIMIT // 2 - 1, False), (LIMIT // 2, True), (LIMIT - 1, True)],
+)
+def test_the_weaker_row_wants_an_answer_within_half_the_silence(
+    robot: Rars, well: Well, silence: Nanoseconds, *, holds: bool
+) -> None:
+    ruling = mute(robot).rule(heard(well(SECOND), "lift", SECOND - silence))
+    assert (f"{WEAK}: lift" in names(ruling)) is holds
+    assert "axis silent: lift" not in names(ruling)
+
+
+def test_it_stops_and_disarms_as_the_strong_one(robot: Rars, well: Well) -> None:
+    ruling = mute(robot).rule(heard(well(SECOND), "lift", SECOND - LIMIT // 2))
+    (hold,) = [hold for hold in ruling.holds if hold.name == f"{WEAK}: lift"]
+    assert (hold.row.stops, hold.row.disarms, hold.row.blocks_arming) == (None, True, True)
+    assert "does not tell its power and was last heard 0.12 s ago" in hold.reason
+
+
+@pytest.mark.parametrize(("clear", "holds"), [(199, True), (200, False)])
+def test_it_lets_go_when_answers_have_been_fresh_for_200_ms(
+    robot: Rars, well: Well, clear: int, *, holds: bool
+) -> None:
+    judge = mute(robot)
+    judge.rule(heard(well(SECOND), "lift", SECOND - LIMIT // 2))
+    judge.rule(heard(well(SECOND + 1), "lift", SECOND + 1))
+    now = SECOND + 1 + clear * MILLISECOND
+    assert (f"{WEAK}: lift" in names(judge.rule(heard(well(now), "lift", now)))) is holds
+
+
+def test_one_that_was_never_heard_is_silent_and_not_late(robot: Rars, well: Well) -> None:
+    held = names(mute(robot).rule(heard(well(SECOND), "lift", NEVER_HEARD)))
+    assert "axis silent: lift" in held
+    assert f"{WEAK}: lift" not in held
+
+
+def test_the_word_for_power_is_not_asked_of_who_has_none(robot: Rars, well: Well) -> None:
+    assert names(mute(robot).rule(heard(well(SECOND), "lift", SECOND))) == ()
