@@ -96,7 +96,7 @@ def mouse(tmp_path_factory: pytest.TempPathFactory) -> tuple[Beside, float]:
 
 
 def test_three_commands_drive_a_robot_and_touch_nothing_of_the_product(
-    tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest
+    request: pytest.FixtureRequest,
 ) -> None:
     before = files()
     beside, used = request.getfixturevalue("mouse")
@@ -207,7 +207,7 @@ def test_a_motor_of_ones_own_comes_from_a_file(tmp_path: Path, monkeypatch: pyte
 
 def imported(path: Path) -> set[str]:
     """Return the product's modules that a file imports."""
-    found = set()
+    found: set[str] = set()
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             found.update(name.name for name in node.names)
