@@ -94,7 +94,9 @@ class Pipeline(Generic[G, M, S]):
         still = Snapshot(
             facts=known.facts, wish=known.wish, demanded=self._demanded, body=known.body, pose=known.pose
         )
-        return self._fleets.command(demands, self._kind.on_stop, now), rules.at_rest(known) and rules.at_rest(still)
+        return self._fleets.command(demands, self._kind.on_stop, now), rules.at_rest(known) and rules.at_rest(
+            still
+        )
 
     def decide(self, request: Request, now: Nanoseconds) -> Verdict:
         """Answer one request of the operator."""
