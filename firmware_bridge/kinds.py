@@ -4,11 +4,11 @@ An entry in the group `firmware_bridge.robots` names a `firmware_bridge.kind.Kin
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import Final
+from typing import Final, Protocol
 
 from firmware_bridge.drivers.driver import Position, Speed
 from firmware_bridge.drivers.fleets import TELLS
@@ -20,8 +20,27 @@ from firmware_bridge.safety.common import AXIS_ROWS
 from firmware_bridge.safety.interlock import AxisInterlock
 
 GROUP: Final = "firmware_bridge.robots"
+PLANTS: Final = "firmware_bridge.plants"
+"""The group of the plants' entries; the bridge asks them for names alone."""
 ROUNDING: Final = 1e-9
 """Share of a bound by which a demand may pass it: the last bits of its arithmetic."""
+
+
+class _Named(Protocol):
+    @property
+    def name(self) -> str: ...
+
+
+class InstalledPlant(Protocol):
+    """What a robot file may name of a plant."""
+
+    @property
+    def parameters(self) -> Sequence[_Named]:
+        """What can be set."""
+
+    @property
+    def sets(self) -> Mapping[str, object]:
+        """Parameter sets by their names."""
 
 
 @cache
@@ -56,29 +75,61 @@ def find(name: str) -> AnyRobot:
     return load(kind_named(name).file)
 
 
-def load(path: Path) -> AnyRobot:
-    """Read a robot file; RobotFileError where it is missing, unreadable or wrong."""
-    return parse(text_of(path), str(path))
+def load(path: Path, *, plant_too: bool = False) -> AnyRobot:
+    """Read a robot file; RobotFileError where it is missing, unreadable or wrong; see `parse`."""
+    return parse(text_of(path), str(path), plant_too=plant_too)
 
 
-def parse(text: str, file: str) -> AnyRobot:
-    """Read a robot from TOML text; `file` names it in a RobotFileError."""
+def parse(text: str, file: str, *, plant_too: bool = False) -> AnyRobot:
+    """Read a robot from TOML text; `file` names it in a RobotFileError.
+
+    With `plant_too` its plant must be installed, which a robot that is driven for real does not need.
+    """
     table = table_of(text, file)
     name = table.get("kind")
-    if name not in _entries():
-        key = "kind" if "kind" in table else "name"
-        problem = f"no kind of robot '{name}' is installed; {near(name, names())}" if name else "is missing"
-        raise RobotFileError(file, Problem(key, problem))
-    kind = kind_named(str(name))
-    robot = robot_of(table, file, kind.geometry, kind.groups)
+    if not isinstance(name, str) or name not in _entries():
+        raise RobotFileError(file, _no_kind(name, table))
+    kind = kind_named(name)
+    more = plant_problems(table) if plant_too else ()
+    robot = robot_of(table, file, kind.geometry, kind.groups, more)
     excess = tuple(beyond_bounds(robot, kind))
     if excess:
         raise RobotFileError(file, *excess)
     return robot
 
 
+def _no_kind(name: object, table: Mapping[str, object]) -> Problem:
+    if name is None:
+        return Problem("name", "is missing")
+    alone = table.get("name") == name
+    missing = "no kind is given, and " if alone else ""
+    problem = f"{missing}no kind of robot '{name}' is installed; {near(name, names())}"
+    return Problem("name" if alone else "kind", problem)
+
+
+def plant_problems(table: Mapping[str, object]) -> Iterator[Problem]:
+    """Yield where a robot's table names a plant, a parameter set or a parameter that is not installed."""
+    said = table.get("plant")
+    if not isinstance(said, dict) or not isinstance(said.get("fmu"), str):
+        return
+    plants = {entry.name: entry for entry in entry_points(group=PLANTS)}
+    if said["fmu"] not in plants:
+        yield Problem("plant.fmu", f"no plant '{said['fmu']}' is installed; {near(said['fmu'], plants)}")
+        return
+    plant: InstalledPlant = plants[said["fmu"]].load()
+    chosen, known = said.get("parameter_set"), [parameter.name for parameter in plant.parameters]
+    if isinstance(chosen, str) and chosen not in plant.sets:
+        problem = f"the plant has no parameter set '{chosen}'; {near(chosen, plant.sets)}"
+        yield Problem("plant.parameter_set", problem)
+    own = said.get("parameters")
+    for name in own if isinstance(own, dict) else ():
+        if name not in known:
+            problem = f"the plant has no parameter '{name}'; {near(name, known)}"
+            yield Problem(f"plant.parameters.{name}", problem)
+
+
 def schema_of(name: str) -> dict[str, object]:
-    """Return the JSON schema of a kind's robot files; RobotFileError where there is no such kind."""
+    """Return the JSON schema of a kind's robot files, for editors; RobotFileError where there is none."""
     if name not in _entries():
         raise RobotFileError(name, Problem("", f"no such kind of robot; {near(name, names())}"))
     return schema(kind_named(name).geometry)
@@ -98,7 +149,11 @@ def beyond_bounds(robot: AnyRobot, kind: AnyKind) -> Iterator[Problem]:
 
     The guard would refuse such a set-point, and put a stop in its place: better said before anything moves.
     """
-    most = _most_asked(robot, kind)
+    try:
+        most = _most_asked(robot, kind)
+    except (ArithmeticError, ValueError) as error:
+        yield Problem("geometry", f"the kinematics cannot be worked out with it: {error}")
+        return
     for index, axis in enumerate(robot.axes):
         low, high = axis.travel or (-math.inf, math.inf)
         for what, bound, field, sign in (
@@ -107,7 +162,7 @@ def beyond_bounds(robot: AnyRobot, kind: AnyKind) -> Iterator[Problem]:
             ("high", high, "travel", 1.0),
         ):
             asked = most.get((axis.name, what))
-            if asked is not None and asked > bound + ROUNDING * abs(bound):
+            if asked is not None and not asked <= bound + ROUNDING * abs(bound):
                 unit = axis.unit.value + ("/s" if what == "speed" else "")
                 yield Problem(
                     f"axes[{index}].{field}",
@@ -117,16 +172,17 @@ def beyond_bounds(robot: AnyRobot, kind: AnyKind) -> Iterator[Problem]:
 
 
 def _most_asked(robot: AnyRobot, kind: AnyKind) -> dict[tuple[str, str], float]:
-    """Return the fastest, lowest (its negative) and highest that each axis may be asked for."""
+    """Return the most that each axis can be asked for: speed, and how far to either side; NaN stays NaN."""
     body = kind.body(robot)
     most: dict[tuple[str, str], float] = {}
     for motion, state in kind.reach(robot):
         for name, demand in body.demands(motion, state).items():
-            asked: tuple[tuple[str, float], ...] = ()
+            asked: Iterable[tuple[str, float]] = ()
             if isinstance(demand, Speed):
                 asked = (("speed", abs(demand.value)),)
             elif isinstance(demand, Position):
                 asked = (("low", -demand.value), ("high", demand.value))
             for what, value in asked:
-                most[name, what] = max(most.get((name, what), -math.inf), value)
+                if not value <= most.get((name, what), -math.inf):
+                    most[name, what] = value
     return most

@@ -20,11 +20,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from types import CodeType, ModuleType
 from typing import Final
 
-import firmware_bridge.motion.lift
 import pytest
 from mutants import ROOT, Mutant, mutants, path_of
 
 import firmware_bridge.motion.davis
+import firmware_bridge.motion.scissor
 import firmware_bridge.robot
 import firmware_bridge.wire.cia402
 import firmware_bridge.wire.epos2.rows  # noqa: F401 - all of these: paid for once, before the forks
@@ -54,9 +54,10 @@ WARM_UP: Final = ROOT / "hil_tests/unit/motion/test_davis.py"
 """Needs nothing that is mutated: running it once makes every fork's pytest quick."""
 TARGETS: Final = {
     "motion/ramp": ("unit/motion/test_ramp.py",),
-    "safety/interlocks": GATE_TESTS[::-1],
+    "safety/common": GATE_TESTS[::-1],
     "safety/limits": GATE_TESTS,
     "safety/gate": GATE_TESTS,
+    "robots/rars/rules": GATE_TESTS,
     "safety/guard/guard": GUARD_TESTS + GUARD_SERIAL_TESTS + ACROSS_TESTS,
     "safety/guard/across_axes": ACROSS_TESTS,
     "safety/guard/axis": GUARD_TESTS + ACROSS_TESTS,

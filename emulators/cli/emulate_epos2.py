@@ -30,7 +30,7 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge emulate epos2 --node 1-8 --load 5e-5,0.002 -i socketcan -c vcan0`
 
-`firmware-bridge emulate epos2 --node 1-2 --plant rars.fmu --axes left,right -i socketcan -c vcan0`
+`firmware-bridge emulate epos2 --node 1-2 --plant my.fmu --axes left,right -i socketcan -c vcan0`
 
 `firmware-bridge emulate epos2 --node 1-4 --serial pty --serial-link epos2.tty --serial-node 2`
 

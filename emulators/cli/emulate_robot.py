@@ -26,7 +26,7 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge emulate rars -i socketcan -c vcan0`
 
-`firmware-bridge emulate rars -i socketcan -c vcan0 --silence 3@10` silences the steering after 10 s.
+`firmware-bridge emulate rars -i socketcan -c vcan0 --silence 3@10` silences node 3 after 10 s.
 
 `firmware-bridge emulate rars --serial pty --serial-link rars.tty` puts the first drive on a serial line.
 

@@ -15,7 +15,6 @@ from firmware_bridge.robot.problems import near
 from firmware_bridge.robot.settings.epos2 import Epos2Device
 from fmu import plants
 
-
 NAME: Final = re.compile(r"[a-z][a-z0-9_]{0,19}")
 WHEELS: Final = 2
 NODES: Final = range(1, 128)

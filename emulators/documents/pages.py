@@ -65,10 +65,10 @@ FAULTS_TEXT: Final = """A mission names what shall go wrong, beside its steps:
 ```toml
 [[fault]]
 kind = "frame_loss"
-title = "a loose contact at the steering"
+title = "a loose contact at one drive"
 at_s = 6.0
 for_s = 0.4             # or until_s = 6.4; with neither it stays to the end
-node = "steer"          # the axis' name or its node number
+node = 3                # the node's number, or the axis' name in quotes
 share = 0.3
 ```
 
@@ -80,7 +80,7 @@ act on the same thing of the same node one must end before the other begins. Fro
 ```python
 from emulators.bench.faults import read
 
-rig.faults.plan([read({{"kind": "frame_loss", "at_s": 6.0, "for_s": 0.4, "node": "steer"}})])
+rig.faults.plan([read({{"kind": "frame_loss", "at_s": 6.0, "for_s": 0.4, "node": 3}})])
 ```
 
 {kinds} kinds; `EMCY` codes are explained [here](emergencies.md). Stations lie on the CAN cable in this order:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Final
 
-from firmware_bridge.drivers.driver import Demand, Driver, Feedback, Level, Reading, Stop, Task
+from firmware_bridge.drivers.driver import Demand, Driver, Feedback, Level, Reading, Speed, Stop, Task
 from firmware_bridge.drivers.fleet import Fleet
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, Nanoseconds
@@ -20,7 +20,7 @@ class Fleets:
         self._due = fleets
         """Those that are sampled in this cycle."""
         self._stopped: set[str] = set()
-        """The links all of whose axes were told to stop by the newest demands."""
+        """The axes that the newest demands stop."""
         self._beats: list[Nanoseconds] = [0] * len(fleets)
         """When each link's devices hear next that the bridge lives."""
         self.drivers: Final[tuple[Driver, ...]] = tuple(
@@ -115,19 +115,16 @@ class Fleets:
     ) -> tuple[Packet, ...]:
         """Send each axis its demand, one without rests; switch the outputs that are named.
 
-        A link that is not due in this cycle is left alone, unless all of it shall stop and was not told yet.
+        A link that is not due in this cycle is left alone, unless one of its axes shall stop and does not yet.
         """
         sent: tuple[Packet, ...] = ()
         for fleet in self.all:
-            stops = all(
-                isinstance(demands.get(driver.axis.name, Stop.REST), Stop) for driver in fleet.drivers
-            )
-            if fleet in self._due or (stops and fleet.name not in self._stopped):
+            names = [driver.axis.name for driver in fleet.drivers]
+            stops = {name for name in names if _stops(demands.get(name, Stop.REST))}
+            if fleet in self._due or not stops <= self._stopped:
                 sent += fleet.command(demands)
-            if stops:
-                self._stopped.add(fleet.name)
-            else:
-                self._stopped.discard(fleet.name)
+            self._stopped.difference_update(names)
+            self._stopped |= stops
             if levels:
                 sent += fleet.switch(levels, now)
         return sent
@@ -139,6 +136,10 @@ class Fleets:
     def release(self) -> tuple[Packet, ...]:
         """End the handshakes that are open."""
         return _joined([fleet.release() for fleet in self.all])
+
+
+def _stops(demand: Demand) -> bool:
+    return isinstance(demand, Stop) or (isinstance(demand, Speed) and demand.value == 0.0)
 
 
 def _joined(parts: list[tuple[Packet, ...]]) -> tuple[Packet, ...]:

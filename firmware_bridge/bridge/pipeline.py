@@ -81,7 +81,7 @@ class Pipeline(Generic[G, M, S]):
         self._demanded = rules.body.ramped(self._demanded, ruling.allowed, known.body, elapsed)
         sent = self._fleets.command(self._demands(known), self._levels(ruling), now)
         self._advance(known.facts.axes)
-        self._demand_seen(known, ruling.holds)
+        self._keep(known, ruling.holds)
         return sent, self._operator.report(self.seen, self.holds, now)
 
     def come_to_rest(self, now: Nanoseconds) -> tuple[tuple[Packet, ...], bool]:
@@ -90,11 +90,13 @@ class Pipeline(Generic[G, M, S]):
         rules = self._permission.rules
         rest = rules.body.rested(self._demanded, rules.groups)
         self._demanded = rules.body.ramped(self._demanded, rest, known.body, self._elapsed(now))
-        demands = rules.body.demands(self._demanded, known.body)
+        demands = self._demands_of_body(known)
         still = Snapshot(
             facts=known.facts, wish=known.wish, demanded=self._demanded, body=known.body, pose=known.pose
         )
-        return self._fleets.command(demands, NO_LEVELS, now), rules.at_rest(known) and rules.at_rest(still)
+        return self._fleets.command(demands, self._kind.on_stop, now), rules.at_rest(known) and rules.at_rest(
+            still
+        )
 
     def decide(self, request: Request, now: Nanoseconds) -> Verdict:
         """Answer one request of the operator."""
@@ -169,6 +171,11 @@ class Pipeline(Generic[G, M, S]):
             return self._all(Stop.POWER_OFF)
         if known.facts.emergency_stopped and rules.at_rest(known) and self._demand_rests(known):
             return self._all(Stop.QUICK_STOP)
+        return self._demands_of_body(known)
+
+    def _demands_of_body(self, known: Snapshot[M, S]) -> Mapping[str, Demand]:
+        """Return what the body makes of what is demanded; an axis that the mode does without has no power."""
+        rules = self._permission.rules
         demands = rules.body.demands(self._demanded, known.body)
         return {**demands, **dict.fromkeys(rules.without, Stop.POWER_OFF)} if rules.without else demands
 
@@ -198,7 +205,7 @@ class Pipeline(Generic[G, M, S]):
             if before is not None and before[body.rolling[0]].sampled_at not in at:
                 self._pose = body.advanced(self._pose, before, axes)
 
-    def _demand_seen(self, known: Snapshot[M, S], holds: tuple[Hold, ...]) -> None:
+    def _keep(self, known: Snapshot[M, S], holds: tuple[Hold, ...]) -> None:
         """Keep what this cycle knew, with what it has demanded; a guide that was held back begins anew."""
         self.seen = Snapshot(
             facts=known.facts, wish=known.wish, demanded=self._demanded, body=known.body, pose=self._pose

@@ -53,7 +53,7 @@ def robots(
     wrong = []
     for path in [*(kinds.kind_named(name).file for name in kinds.names()), *(files or [])]:
         try:
-            table.add_row(*_row(kinds.load(path), path))
+            table.add_row(*_row(kinds.load(path, plant_too=True), path))
         except RobotFileError as error:
             wrong.append(error)
             table.add_row(path.stem, "", "", str(path), "[red]wrong[/]")

@@ -3,76 +3,97 @@
 It looks at the raw tables, so that these mistakes are told together with those of single keys.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Final, TypeAlias
 
-from firmware_bridge.robot.problems import Problem, near
+from firmware_bridge.robot.problems import Problem, near, nearest
 
 Raw: TypeAlias = Mapping[str, object]
 SERIAL: Final = "epos2-serial"
 
 
 def cross_checked(table: Raw, roles: Mapping[str, str]) -> Iterator[Problem]:
-    """Yield what does not fit together; `roles` are those that the robot's kind knows, with their group."""
+    """Yield what does not fit together; `roles` are those that the robot's kind knows, with their group.
+
+    One mistake is one problem: what names an axis or a link is judged where their own names can be told.
+    """
     axes, sensors, outputs = (_tables(table, key) for key in ("axes", "sensors", "outputs"))
     links = _named(table, "links")
     for key, rows in (("axes", axes), ("sensors", sensors), ("outputs", outputs)):
         yield from _once(rows, key, "name")
-        for index, row in enumerate(rows):
-            link = row.get("link")
-            if isinstance(link, str) and link not in links:
-                yield Problem(f"{key}[{index}].link", f"no link '{link}'; {near(link, links)}")
-    yield from _roles(axes, roles)
-    names = [str(axis.get("name")) for axis in axes]
-    for key, rows in (("sensors", sensors), ("outputs", outputs)):
-        yield from _at_drives(key, rows, axes)
-    yield from _battery(table, [str(sensor.get("name")) for sensor in sensors])
-    by_speed = [str(axis.get("name")) for axis in axes if axis.get("command") == "speed"]
-    yield from _guarded(table, names, by_speed)
+        if links and len(links) == len(_within(table, "links")):
+            yield from _linked(key, rows, links)
+    if isinstance(table.get("axes"), list):
+        yield from _roles(axes, roles)
     for name, link in links.items():
         yield from _carried(name, link, axes, sensors)
         yield from _in_time(name, link, table.get("cycle_ms"))
+        yield from _stopping(name, link, axes, roles)
+    yield from _battery(table, sensors)
+    names = [axis.get("name") for axis in axes]
+    if all(isinstance(name, str) and names.count(name) == 1 for name in names):
+        for key, rows in (("sensors", sensors), ("outputs", outputs)):
+            yield from _at_drives(key, rows, axes, links)
+        yield from _guarded(table, axes)
+
+
+def _linked(key: str, rows: list[Raw], links: Collection[str]) -> Iterator[Problem]:
+    for index, row in enumerate(rows):
+        link = row.get("link")
+        if isinstance(link, str) and link not in links:
+            yield Problem(f"{key}[{index}].link", f"no link '{link}'; {near(link, links)}")
 
 
 def _roles(axes: list[Raw], roles: Mapping[str, str]) -> Iterator[Problem]:
-    told = [str(axis.get("role", axis.get("name"))) for axis in axes]
+    told = [axis.get("role", axis.get("name")) for axis in axes]
+    missing = [role for role in roles if role not in told]
     for index, role in enumerate(told):
-        if role not in roles:
+        if not isinstance(role, str):
+            missing.clear()
+        elif role not in roles:
             key = "role" if "role" in axes[index] else "name"
             yield Problem(f"axes[{index}].{key}", f"'{role}' is no role of this kind; {near(role, roles)}")
+            missing = [one for one in missing if one not in nearest(role, roles)]
         elif role in told[:index]:
-            yield Problem(f"axes[{index}].role", f"'{role}' is taken by axes[{told.index(role)}], too")
-    for role, group in roles.items():
-        if role not in told:
-            yield Problem("axes", f"no axis has the role '{role}', which the group '{group}' needs")
+            key = f"axes[{index}].{'role' if 'role' in axes[index] else 'name'}"
+            free = f"; '{missing.pop(0)}' is free" if missing else ""
+            yield Problem(key, f"the role '{role}' is taken by axes[{told.index(role)}], too{free}")
+    for role in missing:
+        yield Problem("axes", f"no axis has the role '{role}', which the group '{roles[role]}' needs")
 
 
-def _at_drives(key: str, rows: list[Raw], axes: list[Raw]) -> Iterator[Problem]:
+def _at_drives(key: str, rows: list[Raw], axes: list[Raw], links: Collection[str]) -> Iterator[Problem]:
     """Check that each row is at the drive of an axis on its own link, and alone at its pin."""
-    links = {str(axis.get("name")): axis.get("link") for axis in axes}
-    pins: dict[tuple[object, object], int] = {}
+    found = {str(axis.get("name")): axis.get("link") for axis in axes}
+    pins: dict[tuple[object, int], int] = {}
     for index, row in enumerate(rows):
         settings = _within(row, "settings")
-        axis, pin = settings.get("axis"), (settings.get("axis"), settings.get("output"))
+        axis, output = settings.get("axis"), settings.get("output")
         if not isinstance(axis, str):
             continue
-        if axis not in links:
-            yield Problem(f"{key}[{index}].settings.axis", f"no axis '{axis}'; {near(axis, links)}")
-        elif links[axis] != row.get("link"):
-            yield Problem(f"{key}[{index}].link", f"the axis '{axis}' is on the link '{links[axis]}'")
-        if None not in pin and pin in pins:
-            yield Problem(f"{key}[{index}].settings.output", f"{pin[1]} is that of {key}[{pins[pin]}], too")
-        pins.setdefault(pin, index)
+        link = found.get(axis)
+        if axis not in found:
+            yield Problem(f"{key}[{index}].settings.axis", f"no axis '{axis}'; {near(axis, found)}")
+        elif isinstance(link, str) and link in links and link != row.get("link") in links:
+            yield Problem(f"{key}[{index}].link", f"the axis '{axis}' is on the link '{link}'")
+        if isinstance(output, int):
+            first = pins.setdefault((axis, output), index)
+            if first != index:
+                yield Problem(f"{key}[{index}].settings.output", f"{output} is that of {key}[{first}], too")
 
 
-def _battery(table: Raw, sensors: list[str]) -> Iterator[Problem]:
-    sensor = _within(table, "battery").get("sensor")
+def _battery(table: Raw, rows: list[Raw]) -> Iterator[Problem]:
+    sensor, sensors = _within(table, "battery").get("sensor"), [str(row.get("name")) for row in rows]
     if isinstance(sensor, str) and sensor not in sensors:
         yield Problem("battery.sensor", f"no sensor '{sensor}'; {near(sensor, sensors)}")
 
 
-def _guarded(table: Raw, names: list[str], by_speed: list[str]) -> Iterator[Problem]:
+def _guarded(table: Raw, axes: list[Raw]) -> Iterator[Problem]:
     guard = _within(table, "guard")
+    names = [str(axis.get("name")) for axis in axes]
+    by_speed = [str(axis.get("name")) for axis in axes if axis.get("command") == "speed"]
+    for key in ("sums", "exclusive"):
+        yield from _once(_tables(guard, key), f"guard.{key}", "name")
     for index, row in enumerate(_tables(guard, "sums")):
         for axis in _within(row, "of"):
             key = f"guard.sums[{index}].of.{axis}"
@@ -105,49 +126,66 @@ def _sides(row: Raw) -> Iterator[list[object]]:
 def _carried(name: str, link: Raw, axes: list[Raw], sensors: list[Raw]) -> Iterator[Problem]:
     """Check one link: somebody is on it, nobody twice, and a gateway has somebody to watch."""
     own = [(index, axis) for index, axis in enumerate(axes) if axis.get("link") == name]
-    nodes: dict[object, int] = {}
+    nodes: dict[int, int] = {}
     for index, axis in own:
         node = _within(axis, "settings").get("node")
-        if node is not None:
-            yield from _node(f"axes[{index}].settings.node", node, nodes, (name, link.get("bridge_node")))
-            nodes.setdefault(node, index)
+        key = f"axes[{index}].settings.node"
+        if not isinstance(node, int):
+            continue
+        if node in nodes:
+            yield Problem(key, f"{node} is the node of axes[{nodes[node]}], too")
+        elif node == link.get("bridge_node"):
+            yield Problem(key, f"{node} is the bridge's own node, links.{name}.bridge_node")
+        nodes.setdefault(node, index)
     if not own and not any(sensor.get("link") == name for sensor in sensors):
         yield Problem(f"links.{name}", "no axis and no sensor is on this link")
+    yield from _watched(name, link, nodes)
+
+
+def _watched(name: str, link: Raw, nodes: Collection[int]) -> Iterator[Problem]:
     gateway = link.get("gateway")
-    if link.get("driver") == SERIAL and gateway is not None and nodes:
+    if link.get("driver") == SERIAL and isinstance(gateway, int) and nodes:
         if gateway not in nodes:
             yield Problem(f"links.{name}.gateway", f"{gateway} is not the node of an axis on this link")
         elif len(nodes) == 1:
             yield Problem(f"links.{name}.gateway", "a drive without another one behind it watches nobody")
 
 
-def _node(
-    key: str, node: object, taken: Mapping[object, int], bridge: tuple[str, object]
-) -> Iterator[Problem]:
-    link, own = bridge
-    if node in taken:
-        yield Problem(key, f"{node} is the node of axes[{taken[node]}], too")
-    elif node == own:
-        yield Problem(key, f"{node} is the bridge's own node, links.{link}.bridge_node")
-
-
 def _in_time(name: str, link: Raw, cycle_ms: object) -> Iterator[Problem]:
     every, silent_ms = link.get("every", 1), link.get("silent_ms")
     if not (isinstance(cycle_ms, int) and isinstance(every, int) and isinstance(silent_ms, int)):
         return
-    cycle = every * cycle_ms
-    if silent_ms <= cycle:
-        yield Problem(f"links.{name}.silent_ms", f"{silent_ms} is not longer than the link's cycle, {cycle}")
+    if silent_ms <= every * cycle_ms:
+        problem = f"{silent_ms} is not longer than the link's cycle, {every * cycle_ms}"
+        yield Problem(f"links.{name}.silent_ms", problem)
+
+
+def _stopping(name: str, link: Raw, axes: list[Raw], roles: Mapping[str, str]) -> Iterator[Problem]:
+    """Check the groups that stop with the link: they exist, and no axis on the link is left out."""
+    stops = link.get("stops")
+    if not isinstance(stops, list):
+        return
+    groups = sorted(set(roles.values()))
+    unknown = [group for group in stops if isinstance(group, str) and group not in groups]
+    for group in unknown:
+        yield Problem(f"links.{name}.stops", f"no group '{group}' in this kind; {near(group, groups)}")
+    for axis in axes if not unknown else ():
+        role = axis.get("role", axis.get("name"))
+        needed = roles.get(role) if isinstance(role, str) else None
+        if axis.get("link") == name and needed is not None and needed not in stops:
+            problem = f"leaves out the group '{needed}', whose axis '{axis.get('name')}' is on this link"
+            yield Problem(f"links.{name}.stops", problem)
 
 
 def _once(rows: list[Raw], key: str, field: str) -> Iterator[Problem]:
-    seen: dict[object, int] = {}
+    seen: dict[str, int] = {}
     for index, row in enumerate(rows):
         value = row.get(field)
+        if not isinstance(value, str):
+            continue
         if value in seen:
             yield Problem(f"{key}[{index}].{field}", f"'{value}' is taken by {key}[{seen[value]}], too")
-        elif isinstance(value, str):
-            seen[value] = index
+        seen.setdefault(value, index)
 
 
 def _tables(table: Raw, key: str) -> list[Raw]:

@@ -5,9 +5,9 @@ guessed, and nothing is ignored.
 """
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
@@ -23,26 +23,39 @@ def text_of(path: Path) -> str:
     """Read a robot file's text; RobotFileError where it is missing or unreadable."""
     try:
         return path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise RobotFileError(str(path), Problem("", f"cannot be read: {error}")) from error
+    except OSError as error:
+        raise RobotFileError(str(path), Problem("", f"cannot be read: {error.strerror}")) from error
+    except UnicodeDecodeError as error:
+        problem = f"is no text in UTF-8: byte {error.start} is 0x{error.object[error.start]:02X}"
+        raise RobotFileError(str(path), Problem("", problem)) from error
 
 
 def table_of(text: str, file: str) -> dict[str, object]:
     """Read TOML; `file` names it in a RobotFileError. The kind's name is the robot's where none is given."""
     try:
         table = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:
+        # Beside its own error: an integer with more digits than Python reads.
         raise RobotFileError(file, Problem("", f"not valid TOML: {error}")) from error
+    except RecursionError as error:
+        raise RobotFileError(file, Problem("", "not valid TOML: nested too deeply")) from error
     return {"kind": table["name"], **table} if "name" in table else table
 
 
 def robot_of(
-    table: Mapping[str, object], file: str, geometry: type[G], groups: Mapping[str, frozenset[str]]
+    table: Mapping[str, object],
+    file: str,
+    geometry: type[G],
+    groups: Mapping[str, frozenset[str]],
+    more: Iterable[Problem] = (),
 ) -> Robot[G]:
-    """Check a robot's table against its kind's geometry and groups of roles; RobotFileError."""
+    """Check a robot's table against its kind's geometry and groups of roles; RobotFileError.
+
+    `more` are mistakes that somebody else has found in it; they are told with the others.
+    """
     roles = {role: group for group, members in groups.items() for role in sorted(members)}
     model = Robot[geometry]  # type: ignore[valid-type] # mypy takes no class from a variable, pydantic does
-    problems = list(cross_checked(table, roles))
+    problems = [*cross_checked(table, roles), *more]
     try:
         robot: Robot[G] = model.model_validate(table)
     except ValidationError as error:
@@ -55,4 +68,8 @@ def robot_of(
 def schema(geometry: type[Table]) -> dict[str, object]:
     """Return the JSON schema of the robot files of a kind with this geometry."""
     model = Robot[geometry]  # type: ignore[valid-type] # as above
-    return model.model_json_schema()
+    made: dict[str, Any] = model.model_json_schema()
+    # They have a default that stands in another key, which no schema can say.
+    made["required"].remove("kind")
+    made["$defs"]["Axis"]["required"].remove("role")
+    return made

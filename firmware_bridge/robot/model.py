@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from enum import StrEnum
 from typing import Annotated, Any, Generic, Self, TypeAlias, TypeVar
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from firmware_bridge.robot.settings.epos2 import Epos2AnalogueInput, Epos2Axis, Epos2DigitalOutput, Epos2Link
 from firmware_bridge.robot.table import Finite, Name, Positive, Table
@@ -66,14 +66,24 @@ class Axis(Table):
     def _its_name_is_its_role(cls, table: object) -> object:
         return {"role": table["name"], **table} if isinstance(table, dict) and "name" in table else table
 
+    @field_validator("direction")
+    @classmethod
+    def _has_a_sign(cls, direction: int) -> int:
+        if direction == 0:
+            raise ValueError("must be 1 or -1")
+        return direction
+
+    @field_validator("travel")
+    @classmethod
+    def _rises(cls, travel: tuple[float, float] | None) -> tuple[float, float] | None:
+        if travel is not None and travel[0] >= travel[1]:
+            raise ValueError("must rise from the lowest to the highest position")
+        return travel
+
     @model_validator(mode="after")
     def _makes_sense(self) -> Self:
-        if self.direction == 0:
-            raise ValueError("direction must be 1 or -1")
         if self.travel is None and self.command is Command.POSITION:
             raise ValueError("an axis that is commanded by position needs travel = [lowest, highest]")
-        if self.travel is not None and self.travel[0] >= self.travel[1]:
-            raise ValueError("travel must rise from its lowest to its highest position")
         furthest = self.settings.furthest(self.ratio)
         if self.travel is not None and max(map(abs, self.travel)) > furthest:
             raise ValueError(f"travel goes beyond {furthest:.6g} {self.unit}, all that the drive can count")
@@ -114,12 +124,18 @@ class Battery(Table):
     nominal_v: Positive
     low_v: Positive
 
+    @model_validator(mode="after")
+    def _low_is_below_nominal(self) -> Self:
+        if self.low_v >= self.nominal_v:
+            raise ValueError("low_v must be below nominal_v")
+        return self
+
 
 class GuardSum(Table):
     """A sum of axis speeds, each with its factor, that the guard bounds to both sides."""
 
     name: str
-    of: dict[Name, Finite]
+    of: Annotated[dict[Name, Finite], Field(min_length=1)]
     """A factor for each axis's speed in its unit a second."""
     bound: Positive
 

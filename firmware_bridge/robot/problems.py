@@ -1,15 +1,25 @@
-"""What is wrong with a file of tables: all of it at once, each with its key, and with a near name."""
+"""What is wrong with a file of tables: all of it at once, each with its key, and a near name."""
 
 from collections.abc import Collection, Iterator
 from difflib import get_close_matches
 from enum import EnumType
-from typing import NamedTuple, get_args
+from typing import Final, NamedTuple, get_args
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 MOST_NAMES = 12
 """So many known names are listed where none is near."""
+KINDS_OF_VALUES: Final = {
+    "model_type": "a table",
+    "dict_type": "a table",
+    "tuple_type": "an array",
+    "string_type": "a string",
+    "int_type": "an integer",
+    "float_type": "a number",
+    "bool_type": "true or false",
+}
+"""What a value had to be, in TOML's words, by the name of pydantic's error."""
 
 
 class Problem(NamedTuple):
@@ -35,9 +45,14 @@ class RobotFileError(Exception):
         )
 
 
+def nearest(name: object, known: Collection[str]) -> list[str]:
+    """Return the known name that this one may be meant for, if any is near."""
+    return get_close_matches(str(name), known, n=1)
+
+
 def near(name: object, known: Collection[str]) -> str:
     """Return the ending of a message about a name that is not known."""
-    close = get_close_matches(str(name), known, n=1)
+    close = nearest(name, known)
     if close:
         return f"perhaps '{close[0]}'?"
     if len(known) > MOST_NAMES:
@@ -62,9 +77,15 @@ def _said(error: ErrorDetails, model: type[BaseModel]) -> str:
         return f"no such key; {near(location[-1], _keys_at(model, location[:-1]))}"
     if error["type"] == "missing":
         return "is missing"
+    if error["type"] in KINDS_OF_VALUES:
+        return f"must be {KINDS_OF_VALUES[error['type']]}, but it is {given!r}"
     if error["type"] in {"enum", "literal_error"}:
         known = [str(getattr(one, "value", one)) for one in _choices_at(model, location)]
         return f"'{given}' is not known; {near(given, known)}"
+    if error["type"] in {"too_short", "too_long"}:
+        few, context = error["type"] == "too_short", error.get("ctx", {})
+        bound = f"at least {context.get('min_length')}" if few else f"at most {context.get('max_length')}"
+        return f"must have {bound} of them, but it has {context.get('actual_length')}"
     said = error["msg"].removeprefix("Value error, ")
     return said if isinstance(given, dict | list) else f"{said}, but it is {given!r}"
 

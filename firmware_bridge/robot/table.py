@@ -27,4 +27,4 @@ class LinkTable(Table):
     silent_ms: Annotated[int, Field(ge=10, le=10_000)]
     """The bridge stops the robot after this silence of a device on the link."""
     stops: Annotated[tuple[str, ...] | None, Field(strict=False)] = None
-    """The groups that stop when the link is lost; None for all."""
+    """The groups that stop when the link is lost, or an axis on it fails; the others go on. None for all."""

@@ -59,7 +59,10 @@ def whole_robot_rows(
 
 
 def _link_row(name: str, link: LinkTable) -> Interlock[G, M, S]:
-    """Return the row that holds while no device on a link can be reached."""
+    """Return the row that holds while no device on a link can be reached.
+
+    To disarm would stop all groups, whatever the link says that it stops.
+    """
 
     def lost(view: View[G, M, S]) -> str | None:
         return view.facts.links_lost.get(name)
@@ -71,7 +74,7 @@ def _link_row(name: str, link: LinkTable) -> Interlock[G, M, S]:
         stops=None if link.stops is None else frozenset(link.stops),
         clear_after=LINK_CLEARS_AFTER,
         severity=Severity.CRITICAL,
-        disarms=True,
+        disarms=link.stops is None,
     )
 
 

@@ -71,8 +71,10 @@ def axis_rows(robot: Robot[G], tells: Mapping[str, frozenset[Tells]]) -> tuple[A
         if missing:
             problem = f"what is on this link tells too little for: {', '.join(missing)}"
             raise RobotFileError(robot.name, Problem(f"links.{axis.link}.driver", problem))
-        silent_after = robot.links[axis.link].silent_ms * MILLISECOND
-        found.append(AxisRows(axis, silent_after, tuple(row for _, row in rows if row is not None)))
+        link = robot.links[axis.link]
+        stops = None if link.stops is None else frozenset(link.stops)
+        fitting = tuple(row if stops is None else row.confined(stops) for _, row in rows if row is not None)
+        found.append(AxisRows(axis, link.silent_ms * MILLISECOND, fitting))
     return tuple(found)
 
 

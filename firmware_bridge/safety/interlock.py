@@ -124,7 +124,10 @@ AxisJudge: TypeAlias = Callable[[Axis, Feedback, Facts, Nanoseconds], str | None
 
 
 class AxisInterlock(Row):
-    """Stops everything while it holds for one axis; the axis's name is added to its name."""
+    """Stops and disarms while it holds for one axis; the axis's name is added to its name.
+
+    On a link that stops only some groups it stops those, and leaves the others armed.
+    """
 
     __slots__ = ("instead", "judge", "needs")
 
@@ -136,15 +139,31 @@ class AxisInterlock(Row):
         *,
         needs: frozenset[Tells] = frozenset(),
         instead: "AxisInterlock | None" = None,
+        stops: frozenset[str] | None = None,
         clear_after: Nanoseconds = 0,
         severity: Severity = Severity.WARNING,
     ) -> None:
-        super().__init__(name, remedy, clear_after=clear_after, severity=severity, disarms=True)
+        disarms = stops is None
+        super().__init__(
+            name, remedy, stops=stops, clear_after=clear_after, severity=severity, disarms=disarms
+        )
         self.judge: Final = judge
         self.needs: Final = needs
         """What the axis's driver must tell for it."""
         self.instead: Final = instead
         """The weaker row for a driver that does not tell it; None: such a driver is refused."""
+
+    def confined(self, stops: frozenset[str]) -> "AxisInterlock":
+        """Return the same row for an axis on a link that stops only these groups."""
+        return AxisInterlock(
+            self.name,
+            self.judge,
+            self.remedy,
+            needs=self.needs,
+            stops=stops,
+            clear_after=self.clear_after,
+            severity=self.severity,
+        )
 
     def fitting(self, tells: frozenset[Tells]) -> "AxisInterlock | None":
         """Return this row, or the first weaker one for which this is enough; None where there is none."""

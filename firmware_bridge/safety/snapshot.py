@@ -63,7 +63,7 @@ class Hold:
     """One interlock that holds the robot back now, in words for people."""
 
     name: str
-    """Stable key, for instance "lift extended"."""
+    """Stable key, for instance "operator silent"; an axis's ends with the axis's name."""
     reason: str
     """What holds, with the numbers at the time it began."""
     row: Row

@@ -173,7 +173,7 @@ class Station(Generic[G, M, S]):
         self.largest: Final = largest
         """The robot's limits: what is ten times faster is absurd, and refused as no wish at all."""
         self.metres_rolled: Final = metres_rolled
-        """Metres rolled for each unit of a rolling axis: a wheel's radius; None: no distances are told."""
+        """Metres rolled for each radian of a rolling axis, its radius; None: no distances are told."""
         self.stop_button: Final = stop_button
         """The button of MANUAL_CONTROL that is the emergency stop, counted from 0; None for none."""
         self.up_button: Final = up_button

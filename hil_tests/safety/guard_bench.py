@@ -104,9 +104,9 @@ def status(node: int, statusword: int) -> Packet:
     return Packet(LINK, 0x180 + node, struct.pack("<H", statusword))
 
 
-def sample(node: int, statusword: int) -> Packet:
+def sample(node: int, statusword: int, position_qc: int = 4711) -> Packet:
     """The second transmit PDO: statusword, position, current."""
-    return Packet(LINK, 0x280 + node, struct.pack("<Hih", statusword, 4711, 12))
+    return Packet(LINK, 0x280 + node, struct.pack("<Hih", statusword, position_qc, 12))
 
 
 def status_read(node: int, statusword: int) -> Packet:

@@ -7,8 +7,10 @@ import pytest
 
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND
+from firmware_bridge.wire.epos2 import address as at
 from hil_tests.safety.guard_bench import Bench, position, sample, status, status_read, wheel, write
 from hil_tests.safety.guard_robots import RARS
+from hil_tests.safety.serial_bench import SerialBench, done, reading, speed, target, value, word
 
 Report: TypeAlias = Callable[[int, int], Packet]
 ENABLE, HALT, GO, OFF, SHUTDOWN = 0x000F, 0x010F, 0x003F, 0x0000, 0x0006
@@ -37,9 +39,9 @@ def test_both_wheels_stand_against_the_lift(pair: Bench) -> None:
     )
 
 
-@pytest.mark.parametrize("word", [OFF, SHUTDOWN, HALT, 0x000B])
-def test_a_wheel_that_was_told_to_rest_gives_the_way_free(pair: Bench, word: int) -> None:
-    pair.says(wheel(1, ENABLE, 100), wheel(1, word, 100))
+@pytest.mark.parametrize("rest", [OFF, SHUTDOWN, HALT, 0x000B])
+def test_a_wheel_that_was_told_to_rest_gives_the_way_free(pair: Bench, rest: int) -> None:
+    pair.says(wheel(1, ENABLE, 100), wheel(1, rest, 100))
     assert pair.says(position(4, GO, 500)) == (position(4, GO, 500),)
 
 
@@ -58,9 +60,9 @@ def test_the_wheels_may_not_move_while_the_lift_goes_to_its_target(pair: Bench, 
     assert pair.says(wheel(1, HALT, 50)) == (wheel(1, HALT, 50),)
 
 
-@pytest.mark.parametrize("word", [HALT, OFF, SHUTDOWN, 0x000B])
-def test_a_lift_that_was_told_to_rest_gives_the_way_free(pair: Bench, word: int) -> None:
-    pair.says(position(4, GO, 500), position(4, ENABLE, 500), position(4, word, 500))
+@pytest.mark.parametrize("rest", [HALT, OFF, SHUTDOWN, 0x000B])
+def test_a_lift_that_was_told_to_rest_gives_the_way_free(pair: Bench, rest: int) -> None:
+    pair.says(position(4, GO, 500), position(4, ENABLE, 500), position(4, rest, 500))
     assert pair.says(wheel(1, ENABLE, 100)) == (wheel(1, ENABLE, 100),)
 
 
@@ -103,7 +105,7 @@ def test_a_lift_that_reports_that_it_is_there_gives_the_way_free(pair: Bench, re
 
 
 @pytest.mark.parametrize(
-    ("said", "statusword", "at"),
+    ("said", "statusword", "when"),
     [
         (position(4, ENABLE, 500), REACHED, CYCLE - 1),
         (position(4, ENABLE, 500), REACHED & ~0x0004, CYCLE),
@@ -112,19 +114,20 @@ def test_a_lift_that_reports_that_it_is_there_gives_the_way_free(pair: Bench, re
     ],
 )
 def test_what_may_be_older_than_the_target_or_is_not_enabled_is_no_arrival(
-    pair: Bench, said: Packet, statusword: int, at: int
+    pair: Bench, said: Packet, statusword: int, when: int
 ) -> None:
     pair.says(position(4, GO, 500))
     pair.says(said, now=10)
-    pair.hears(status(4, statusword), now=at)
-    assert pair.refuses(wheel(1, ENABLE, 1), at)[0] == LEFT_MOVES
+    pair.hears(status(4, statusword), now=when)
+    assert pair.refuses(wheel(1, ENABLE, 1), when)[0] == LEFT_MOVES
 
 
 @pytest.mark.parametrize("again", [GO, ENABLE])
-def test_a_lift_that_goes_on_has_to_arrive_anew(pair: Bench, again: int) -> None:
-    pair.says(position(4, GO, 500))
+def test_a_lift_that_goes_on_after_a_halt_has_to_arrive_anew(pair: Bench, again: int) -> None:
+    """While it is halted the same bit says that it stands."""
+    pair.says(position(4, GO, 500), position(4, HALT, 500))
     pair.hears(status(4, REACHED), now=CYCLE)
-    pair.says(position(4, HALT, 500), position(4, again, 500), now=CYCLE)
+    pair.says(position(4, again, 500), now=CYCLE)
     pair.hears(status(4, REACHED), now=2 * CYCLE - 1)
     assert pair.refuses(wheel(1, ENABLE, 1), 2 * CYCLE - 1)[0] == LEFT_MOVES
     pair.hears(status(4, REACHED), now=2 * CYCLE)
@@ -135,3 +138,117 @@ def test_the_arrival_of_another_axis_is_not_the_lift_s(pair: Bench) -> None:
     pair.says(position(4, GO, 500))
     pair.hears(status(3, REACHED), now=CYCLE)
     assert pair.refuses(wheel(1, ENABLE, 1), CYCLE)[0] == LEFT_MOVES
+
+
+FOLLOWING: Final = 4_000
+"""The lift's largest following error: what is so near to where it rests is no motion."""
+
+
+def resting(bench: Bench, position_qc: int) -> None:
+    """Let the lift go somewhere, arrive, and rest there."""
+    bench.says(position(4, GO, position_qc), position(4, ENABLE, position_qc))
+    bench.hears(sample(4, REACHED, position_qc), now=CYCLE)
+    bench.says(position(4, HALT, position_qc), now=CYCLE)
+
+
+@pytest.mark.parametrize("away", [0, FOLLOWING, -FOLLOWING])
+def test_a_lift_that_is_sent_where_it_rests_does_not_move(pair: Bench, away: int) -> None:
+    resting(pair, 50_000)
+    held = (wheel(1, ENABLE, 100), position(4, GO, 50_000 + away), position(4, ENABLE, 50_000 + away))
+    assert pair.says(*held, now=2 * CYCLE) == held
+    assert pair.says(wheel(1, ENABLE, 200), now=2 * CYCLE) == (wheel(1, ENABLE, 200),)
+    assert pair.refuses(position(4, GO, 50_001 + FOLLOWING), 2 * CYCLE)[0] == LIFT_MOVES
+    assert pair.refuses(position(4, GO, 49_999 - FOLLOWING), 2 * CYCLE)[0] == LIFT_MOVES
+
+
+def test_nobody_creeps_away_in_small_steps(pair: Bench) -> None:
+    resting(pair, 50_000)
+    pair.says(wheel(1, ENABLE, 100), now=2 * CYCLE)
+    now = 2 * CYCLE
+    for last in (ENABLE, HALT):
+        step = (position(4, GO, 53_000), position(4, last, 53_000))
+        assert pair.says(*step, now=now) == step
+        now += CYCLE
+        pair.hears(sample(4, REACHED, 53_000), now=now)
+        assert pair.refuses(position(4, GO, 56_000), now)[0] == LIFT_MOVES
+
+
+def test_where_a_lift_rests_is_known_once_it_is_halted_or_there(pair: Bench) -> None:
+    pair.says(position(4, GO, 90_000), position(4, ENABLE, 90_000))
+    pair.hears(sample(4, ENABLED, 40_000), now=CYCLE)
+    pair.says(position(4, HALT, 90_000), now=CYCLE)
+    pair.hears(sample(4, ENABLED, 41_000), now=2 * CYCLE - 1)
+    pair.hears(sample(4, ENABLED, 50_000), now=2 * CYCLE)
+    pair.hears(sample(4, ENABLED, 55_000), now=2 * CYCLE)
+    held = (wheel(1, ENABLE, 100), position(4, GO, 50_000 - FOLLOWING))
+    assert pair.says(*held, now=2 * CYCLE) == held
+    assert pair.refuses(position(4, GO, 55_000), 2 * CYCLE)[0] == LIFT_MOVES
+
+
+def test_a_lift_that_is_on_its_way_or_unknown_moves_wherever_it_is_sent(pair: Bench) -> None:
+    pair.says(wheel(1, ENABLE, 100))
+    assert pair.refuses(position(4, GO, 0))[0] == LIFT_MOVES
+    pair.says(wheel(1, ENABLE, 0), position(4, GO, 90_000))
+    pair.hears(sample(4, ENABLED, 90_000), now=CYCLE)
+    assert pair.refuses(wheel(1, ENABLE, 1), CYCLE)[0] == LEFT_MOVES
+
+
+def test_a_halted_lift_that_is_sent_where_it_rests_forgets_where_it_was_going(pair: Bench) -> None:
+    pair.says(position(4, GO, 90_000), position(4, HALT, 90_000))
+    pair.hears(sample(4, REACHED, 50_000), now=CYCLE)
+    pair.says(wheel(1, ENABLE, 100), now=CYCLE)
+    assert pair.refuses(position(4, ENABLE, 90_000), CYCLE)[0] == LIFT_MOVES
+    held = (position(4, GO, 50_000), position(4, ENABLE, 50_000))
+    assert pair.says(*held, now=CYCLE) == held
+
+
+def test_a_lift_without_power_rests_wherever_it_is_moved_by_hand(pair: Bench) -> None:
+    resting(pair, 50_000)
+    pair.says(position(4, SHUTDOWN, 50_000), now=CYCLE)
+    pair.hears(sample(4, REACHED, 90_000), now=CYCLE)
+    pair.hears(sample(4, 0x0121, 90_000), now=CYCLE)
+    pair.says(position(4, ENABLE, 90_000), wheel(1, ENABLE, 1), now=CYCLE)
+    held = position(4, GO, 90_000)
+    assert pair.says(held, now=CYCLE) == (held,)
+    assert pair.refuses(position(4, GO, 50_000), CYCLE)[0] == LIFT_MOVES
+
+
+def test_a_drive_that_reports_power_though_it_was_sent_none_does_not_count_as_moved_by_hand(
+    pair: Bench,
+) -> None:
+    resting(pair, 50_000)
+    pair.says(position(4, SHUTDOWN, 50_000), now=CYCLE)
+    pair.hears(sample(4, REACHED, 90_000), now=2 * CYCLE)
+    pair.says(position(4, ENABLE, 50_000), wheel(1, ENABLE, 1), now=2 * CYCLE)
+    assert pair.refuses(position(4, GO, 90_000), 2 * CYCLE)[0] == LIFT_MOVES
+
+
+@pytest.mark.parametrize("command", ["81", "82"])
+def test_a_lift_that_was_reset_rests_nowhere_known(pair: Bench, command: str) -> None:
+    resting(pair, 50_000)
+    pair.says(Packet("drives", 0, bytes.fromhex(command + "04")), wheel(1, ENABLE, 1), now=CYCLE)
+    assert pair.refuses(position(4, GO, 50_000), CYCLE)[0] == LIFT_MOVES
+
+
+def test_on_a_serial_line_a_position_that_was_read_tells_where_the_lift_rests() -> None:
+    desk = SerialBench()
+    where, what = reading(4, at.POSITION_ACTUAL), reading(4, at.STATUSWORD)
+    going = (target(4, 90_000), word(4, ENABLE), word(4, GO), word(4, ENABLE), word(1, ENABLE))
+    desk.says(*going, what, where)
+    for packet in going:
+        desk.hears(done(packet), CYCLE)
+    desk.hears(value(what, b"\x37\x07"), CYCLE)
+    desk.hears(value(where, (90_000).to_bytes(4, "little")), CYCLE)
+    driving, held = speed(100), (target(4, 86_000), word(4, GO))
+    assert desk.says(driving, now=CYCLE) == (driving,)
+    assert desk.says(*held, now=CYCLE) == held
+    assert desk.says(word(4, ENABLE), target(4, 85_999), now=CYCLE) == (word(4, ENABLE), target(4, 85_999))
+    assert desk.says(word(4, GO), now=CYCLE) == (word(4, HALT),)
+
+
+def test_a_drive_that_an_earlier_run_has_left_with_power_rests_where_it_says() -> None:
+    bench = Bench(RARS)
+    bench.hears(sample(4, REACHED, 50_000))
+    said = (wheel(1, ENABLE, 1), position(4, GO, 50_000))
+    assert bench.says(*said) == said
+    assert bench.refuses(position(4, GO, 0))[0] == LIFT_MOVES

@@ -187,3 +187,10 @@ def heard(guard: Guarded, packet: Packet) -> bool:
     reaction = guard.receive(packet, 1)
     assert reaction.wake_at <= NEVER
     return [packet for packet, _ in node.heard] == [packet]
+
+
+def test_where_several_are_silent_the_shortest_patience_is_told() -> None:
+    bench = Bench(made(every={"tail": 4}))
+    bench.says(speed("base", 100), speed("tail", 100), arm(5))
+    bench.guard.wake(12 * CYCLE)
+    assert bench.refusals[-1].reason == "no set-point for 150 ms: front, rear, arm"

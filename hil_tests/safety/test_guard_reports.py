@@ -58,6 +58,7 @@ def test_a_statusword_that_is_no_state_says_nothing(bench: Bench, statusword: in
     [
         Packet(LINK, 0x181, b"\x37"),
         Packet(LINK, 0x281, b""),
+        Packet(LINK, 0x281, b"\x37\x01\0\0\0"),
         Packet(LINK, 0x182, b"\x37\x01"),
         Packet(LINK, 0x381, b"\x37\x01"),
         Packet(LINK, 0x701, b"\x37\x01"),

@@ -83,3 +83,10 @@ def test_an_answer_that_is_kept_from_the_node_lets_it_act_on_the_time(desk: Seri
     reaction = desk.guard.receive(Packet(LINK, 0x10, bytes(8)), 3 * MILLISECOND)
     assert reaction == Reaction((), 7 * MILLISECOND)
     assert desk.puppet.heard == [(None, 3 * MILLISECOND)]
+
+
+def test_a_refusal_stops_every_axis_though_earlier_stops_wait_for_the_line(desk: SerialBench) -> None:
+    desk.says(speed(1000), word(LEFT, ENABLE))
+    stops = desk.says(now=150 * MILLISECOND)
+    assert stops == (speed(0), word(LEFT, ENABLE))
+    assert desk.says(Packet(LINK, 0x99, b""), now=151 * MILLISECOND) == stops

@@ -209,3 +209,13 @@ def test_the_longest_that_a_bound_may_be_passed_is_counted_from_its_beginning() 
     assert bench.says(speed(1, 620), now=SECOND + 30 * MILLISECOND) == (speed(1, 620),)
     assert bench.guard.wake(SECOND + 30 * MILLISECOND).wake_at == SECOND + CYCLE
     assert bench.says(now=SECOND + CYCLE) == (speed(1, 0), speed(2, 0))
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1e9])
+def test_the_unit_of_a_sum_does_not_matter(scale: float) -> None:
+    sums = {"speed": ({"left": 0.5 * scale, "right": 0.5 * scale}, 600.0 * scale)}
+    bench, motors = Bench(robot_with(wheels("left", "right"), sums=sums)), Motors(PAIR)
+    motors.lives(bench, CYCLE, [speed(1, 600), speed(2, 599)])
+    motors.lives(bench, 2 * CYCLE - 1, [speed(1, 602)])
+    motors.lives(bench, 4 * CYCLE, [])
+    assert bench.refusals[-1].at == 3 * CYCLE - 1

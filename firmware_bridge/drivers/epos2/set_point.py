@@ -30,7 +30,7 @@ _SPEED: Final = SET_POINT[Command.SPEED]
 _POSITION: Final = SET_POINT[Command.POSITION]
 
 SMALLEST_MOVE_QC: Final = 2
-"""A target that changed by less is not sent again: it is the rounding of the steering's arithmetic."""
+"""A target that changed by less is not sent again: it is the rounding of the kinematics."""
 
 
 class SetPoint(Protocol):

@@ -3,15 +3,17 @@
 import math
 from collections.abc import Sequence
 from enum import StrEnum
-from typing import Annotated, Self
+from typing import Annotated, Final, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from firmware_bridge.robot.table import LinkTable, Name, Positive, Signed16, Table, Unsigned16, Unsigned32
 from firmware_bridge.units import QUADCOUNTS_PER_LINE
 from firmware_bridge.wire.maxon.frame import Generation
 
 NodeId = Annotated[int, Field(ge=1, le=127)]
+BIT_RATES: Final = (1_000_000, 800_000, 500_000, 250_000, 125_000, 50_000, 20_000)
+"""Of the CAN bus; what the drive's 0x2001 can name."""
 
 
 class Epos2Driver(StrEnum):
@@ -44,12 +46,19 @@ class Epos2Link(LinkTable):
     """Of that port; None for the protocol's default."""
     port_latency_us: Annotated[int, Field(ge=0, le=20_000)] = 1_000
     """How long this machine's port may keep what it has heard: the latency timer of a converter on USB."""
-    bit_rate: Annotated[int, Field(ge=10_000, le=1_000_000)]
+    bit_rate: int
     bridge_node: NodeId
     bridge_heartbeat_ms: Annotated[int, Field(ge=10, le=10_000)]
     bridge_silent_ms: Annotated[int, Field(ge=10, le=10_000)]
     """The drives stop by themselves after this silence of the bridge."""
     drive_heartbeat_ms: Annotated[int, Field(ge=10, le=10_000)]
+
+    @field_validator("bit_rate")
+    @classmethod
+    def _the_drive_has_the_rate(cls, bit_rate: int) -> int:
+        if bit_rate not in BIT_RATES:
+            raise ValueError(f"must be one of {', '.join(map(str, BIT_RATES))}")
+        return bit_rate
 
     @model_validator(mode="after")
     def _silence_is_longer_than_the_beat(self) -> Self:

@@ -7,6 +7,7 @@ any length of time the sum's integral exceeds its bound by no more than a fixed 
 can reach with mixtures; so nobody can go on from one mixture to the next.
 """
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Final
@@ -39,15 +40,14 @@ class AxesRule(ABC):
         """Note that an axis was sent a set-point."""
 
 
-class SpeedBound(AxesRule):
-    """One side of a sum: the axes' speeds, each with its factor, together not beyond a bound."""
+class SpeedSum(AxesRule):
+    """The axes' speeds, each with its factor, together not beyond a bound to either side."""
 
-    def __init__(self, row: GuardSum, axes: Mapping[str, GuardedAxis], sign: float) -> None:
+    def __init__(self, row: GuardSum, axes: Mapping[str, GuardedAxis]) -> None:
         self.name = row.name
         self.axes = tuple(axes[axis] for axis in row.of)
         self.due = NEVER
-        self._sign: Final = sign
-        self._terms: Final = tuple((axes[axis], sign * factor) for axis, factor in row.of.items())
+        self._terms: Final = tuple((axes[axis], factor) for axis, factor in row.of.items())
         self._bound: Final = row.bound
         self._patience: Final = max(axis.cycle for axis in self.axes)
         reach = sum(abs(factor) * axis.axis.top_speed for axis, factor in self._terms)
@@ -57,12 +57,12 @@ class SpeedBound(AxesRule):
         """Who had not been sent a set-point when the bound was passed, nor since."""
         self._passed_at: Nanoseconds = NEVER
         """When the bound was passed last."""
-        self._kept_at: Nanoseconds = -1
+        self._kept_at: Nanoseconds = -NEVER
         """Since when the sum is within its bound; NEVER while it is not."""
         self._value = 0.0
         """The sum in force."""
-        self._excess = 0.0
-        """The integral of what the sum is beyond its bound; it falls while the sum is within, down to 0."""
+        self._above = self._below = 0.0
+        """The integral of what the sum is beyond its bound, to each side; within it falls, down to 0."""
         self._summed_at: Nanoseconds = 0
 
     def refuses(self, axis: GuardedAxis, set_point: SetPoint, now: Nanoseconds) -> str | None:
@@ -70,21 +70,28 @@ class SpeedBound(AxesRule):
         own = axis.speed_with(set_point)
         if own == 0.0:
             return None
-        value = sum(factor * (own if one is axis else one.speed) for one, factor in self._terms)
-        if value <= self._bound or (self._others(axis, now) and self._excess_at(now) < self._most_excess):
+        value = 0.0
+        for one, factor in self._terms:
+            value += factor * (own if one is axis else one.speed)
+        if abs(value) <= self._bound:
             return None
-        return f"{self.name} of {self._sign * value:.4f} is beyond {self._sign * self._bound:.4f}"
+        self._sum_up(now)
+        if self._others(axis, now) and self._excess(value) < self._most_excess:
+            return None
+        return f"{self.name} of {value:.4f} is beyond {math.copysign(self._bound, value):.4f}"
 
     def stops_with(self, axis: GuardedAxis) -> tuple[GuardedAxis, ...]:
         """Stop all: what is left of a sum without one of its axes may be further beyond."""
         return tuple(one for one in self.axes if one is not axis and one.moving)
 
     def sent(self, axis: GuardedAxis, now: Nanoseconds) -> None:
-        """Sum up anew, and find out until when that may stand."""
-        self._excess = self._excess_at(now)
-        self._summed_at = now
-        self._value = sum(factor * one.speed for one, factor in self._terms)
-        beyond = self._value - self._bound
+        """Find out until when the new sum may stand."""
+        self._sum_up(now)
+        value = 0.0
+        for one, factor in self._terms:
+            value += factor * one.speed
+        self._value = value
+        beyond = abs(value) - self._bound
         if beyond <= 0.0:
             self._kept_at = min(self._kept_at, now)
             self.due = NEVER
@@ -93,7 +100,7 @@ class SpeedBound(AxesRule):
         if self._kept_at not in {NEVER, now}:
             self._passed_at = now
         self._kept_at = NEVER
-        exhausted = now + int((self._most_excess - self._excess) / beyond)
+        exhausted = now + int((self._most_excess - self._excess(value)) / beyond)
         self.due = min(self._passed_at + self._patience, exhausted) if self._to_come else now
 
     def _others(self, axis: GuardedAxis, now: Nanoseconds) -> tuple[GuardedAxis, ...]:
@@ -102,8 +109,15 @@ class SpeedBound(AxesRule):
         to_come = self._to_come if self._kept_at in {NEVER, now} else self.axes
         return tuple(one for one in to_come if one is not axis and one.commanded_at < now)
 
-    def _excess_at(self, now: Nanoseconds) -> float:
-        return max(0.0, self._excess + (self._value - self._bound) * (now - self._summed_at))
+    def _sum_up(self, now: Nanoseconds) -> None:
+        elapsed = now - self._summed_at
+        if elapsed:
+            self._above = max(0.0, self._above + (self._value - self._bound) * elapsed)
+            self._below = max(0.0, self._below + (-self._value - self._bound) * elapsed)
+            self._summed_at = now
+
+    def _excess(self, value: float) -> float:
+        return self._above if value > 0.0 else self._below
 
 
 class Exclusion(AxesRule):
@@ -136,6 +150,6 @@ class Exclusion(AxesRule):
 def rules_across(robot: AnyRobot, axes: Mapping[str, GuardedAxis]) -> tuple[AxesRule, ...]:
     """Return the rules of a robot file over several axes; `axes` by their names."""
     return (
-        *(SpeedBound(row, axes, sign) for row in robot.guard.sums for sign in (1.0, -1.0)),
+        *(SpeedSum(row, axes) for row in robot.guard.sums),
         *(Exclusion(row, axes) for row in robot.guard.exclusive),
     )

@@ -14,17 +14,20 @@ from firmware_bridge.safety.guard.epos2_words import (
     QUICK_STOP,
     SetPoint,
 )
-from firmware_bridge.units import Nanoseconds
+from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire.cia402 import State, Status, state_of
+
+_TARGET_REACHED: Final = int(Status.TARGET_REACHED)
 
 
 class GuardedAxis:
     """The set-point in force at one drive; without power until one is sent, or the drive reports it."""
 
     __slots__ = (
-        "_aimed_at",
-        "_arrived",
+        "_changed_at",
         "_has_goal",
+        "_margin_qc",
+        "_rests_at",
         "_rpm_per_unit",
         "_word",
         "axis",
@@ -33,6 +36,7 @@ class GuardedAxis:
         "cycle",
         "node",
         "reported",
+        "speed",
         "target",
         "targets",
     )
@@ -47,18 +51,22 @@ class GuardedAxis:
         self.cycle: Final = robot.cycle * robot.links[axis.link].every
         """The time from one of its set-points to the next."""
         self.target = 0
-        self.commanded_at = -1
+        self.speed = 0.0
+        """The speed that is in force, in the axis's unit a second; 0 where it is commanded by position."""
+        self.commanded_at: Nanoseconds = -NEVER
         """When the node last had a set-point for it, good or bad."""
         self.reported: State | None = None
         """The drive's state by its newest statusword; None while it has told none."""
         self._word: int | None = None
         """The controlword that was sent last; None where none is in force."""
         self._has_goal = False
-        """Whether a position was sent since the power came on: the drive goes there unless it is stopped."""
-        self._aimed_at: Nanoseconds = 0
-        """When it was sent there, or on its way again after a halt."""
-        self._arrived = False
-        """Whether the drive has reported since that it is there."""
+        """Whether the drive was sent to a position and has not reported that it is there."""
+        self._changed_at: Nanoseconds = -NEVER
+        """When it was sent there, was halted, or was let go on."""
+        self._rests_at: int | None = None
+        """Where it was when it came to rest; what is near it is no motion. None while that is not known."""
+        self._margin_qc: Final = axis.settings.profile.max_following_error_qc
+        """How near that is. It stays where it is, so that many small steps are none."""
         self._rpm_per_unit: Final = rpm_per_unit(axis)
 
     @property
@@ -71,12 +79,7 @@ class GuardedAxis:
         """Whether the set-point in force asks for motion."""
         if self.by_speed:
             return self._word == ENABLE and self.target != 0
-        return self._word in {ENABLE, NEW_SET_POINT} and self._has_goal and not self._arrived
-
-    @property
-    def speed(self) -> float:
-        """The speed that is in force, in the axis's unit a second; 0 where it is commanded by position."""
-        return self.target / self._rpm_per_unit if self.by_speed and self.moving else 0.0
+        return self._word in {ENABLE, NEW_SET_POINT} and self._has_goal
 
     @property
     def set_point(self) -> SetPoint:
@@ -92,11 +95,13 @@ class GuardedAxis:
         """Tell whether the axis would move by this set-point.
 
         A position counts until its drive reports that it is there, until a halt, or until the power is off.
+        One near to where the axis rests does not count at all.
         """
         if self.by_speed:
             return set_point.word == ENABLE and set_point.target != 0
-        goes_on = set_point.word == ENABLE and self._has_goal and not self._arrived
-        return set_point.word == NEW_SET_POINT or goes_on
+        if set_point.word == NEW_SET_POINT:
+            return self._rests_at is None or abs(set_point.target - self._rests_at) > self._margin_qc
+        return set_point.word == ENABLE and self._has_goal
 
     def speed_with(self, set_point: SetPoint) -> float:
         """Return the speed with which the axis would move by this set-point, in its unit a second."""
@@ -107,24 +112,34 @@ class GuardedAxis:
     def sent(self, set_point: SetPoint, now: Nanoseconds) -> None:
         """Note what is in force from now on."""
         before = self._word
-        self._word, self.target = set_point
-        if self._word == NEW_SET_POINT:
-            self._has_goal = True
-        elif self._word not in POWERED:
+        if set_point.word == NEW_SET_POINT:
+            self._has_goal = self.moves_with(set_point)
+            if self._has_goal:
+                self._rests_at = None
+        elif set_point.word not in POWERED:
             self._has_goal = False
-        if self._word != ENABLE or before not in {ENABLE, NEW_SET_POINT}:
-            self._aimed_at = now
-            self._arrived = False
+        self._word, self.target = set_point
+        self.speed = self.speed_with(set_point)
+        ends_handshake = before == NEW_SET_POINT and self._word == ENABLE
+        if self._word == NEW_SET_POINT or (self._word != before and not ends_handshake):
+            self._changed_at = now
+
+    def aims(self, target: int) -> None:
+        """Note a target that was sent without a word."""
+        self.target = target
+        self.speed = self.speed_with(self.set_point)
 
     def deaf(self) -> None:
         """Note that nothing is in force any more: the drive does not hear set-points, and keeps none."""
         self._word = None
         self._has_goal = False
+        self.speed = 0.0
 
     def restarted(self) -> None:
         """Note that the drive starts anew, without power."""
         self.deaf()
         self.reported = None
+        self._rests_at = None
 
     def reports(self, statusword: int, now: Nanoseconds) -> None:
         """Note a statusword; one that tells no state changes nothing."""
@@ -132,10 +147,19 @@ class GuardedAxis:
         if state is None:
             return
         self.reported = state
-        # What comes within a cycle may have left the drive before it was sent anywhere.
-        fresh = now >= self._aimed_at + self.cycle
-        if fresh and state is State.OPERATION_ENABLED and statusword & Status.TARGET_REACHED:
-            self._arrived = True
+        there = state is State.OPERATION_ENABLED and statusword & _TARGET_REACHED
+        if there and self._word != HALT and self._is_fresh(now):
+            self._has_goal = False
+
+    def reports_position(self, position_qc: int, now: Nanoseconds) -> None:
+        """Note where the axis is."""
+        resting = self._rests_at is None and self._is_fresh(now) and not self.moving
+        if resting or not self.powered:
+            self._rests_at = position_qc
+
+    def _is_fresh(self, now: Nanoseconds) -> bool:
+        """Tell whether a report cannot have left the drive before the newest set-point reached it."""
+        return now >= self._changed_at + self.cycle
 
     def _safe_word(self) -> int:
         if self._word in POWERED:

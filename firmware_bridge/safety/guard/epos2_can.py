@@ -19,7 +19,7 @@ from firmware_bridge.robot import AnyRobot, Command
 from firmware_bridge.safety.guard.axis import GuardedAxis
 from firmware_bridge.safety.guard.epos2_words import CONTROLWORDS, LISTED_NMT, TARGET_UNIT, SetPoint
 from firmware_bridge.safety.guard.wire_rules import WireRules
-from firmware_bridge.safety.guard.writes import STATUS_PDOS, Writes, writes_on_can
+from firmware_bridge.safety.guard.writes import SAMPLE_PDO, STATUS_PDO, Writes, writes_on_can
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.canopen import NmtCommand, NmtState
@@ -29,6 +29,8 @@ _SET_POINT: Final = struct.Struct("<Hi")
 """Controlword and target, as the bridge maps them."""
 _SET_POINT_ID: Final = {Command.SPEED: canopen.RECEIVE_PDO[3], Command.POSITION: canopen.RECEIVE_PDO[2]}
 _STATUSWORD: Final = struct.Struct("<H")
+_SAMPLE: Final = struct.Struct("<Hi")
+"""Statusword and position, as the bridge maps them first."""
 _SDO_LENGTH: Final = 8
 _SPECIFIER: Final = 0xE0
 _DOWNLOAD: Final = 0x20
@@ -114,9 +116,8 @@ class Epos2CanRules(WireRules):
         self._by_set_point = {_set_point_id(axis): axis for axis in self.axes}
         self._by_request = {canopen.SDO_REQUEST + axis.node: axis for axis in self.axes}
         self._by_response = {canopen.SDO_RESPONSE + axis.node: axis for axis in self.axes}
-        self._by_status = {
-            canopen.TRANSMIT_PDO[number] + axis.node: axis for axis in self.axes for number in STATUS_PDOS
-        }
+        self._by_status = {canopen.TRANSMIT_PDO[STATUS_PDO] + axis.node: axis for axis in self.axes}
+        self._by_sample = {canopen.TRANSMIT_PDO[SAMPLE_PDO] + axis.node: axis for axis in self.axes}
 
     @property
     def waiting(self) -> bool:
@@ -177,11 +178,16 @@ class Epos2CanRules(WireRules):
         return axis
 
     def receives(self, packet: Packet, now: Nanoseconds) -> bool:
-        """Let everything in; read the statusword where it comes by itself, or where it was asked for."""
+        """Let everything in; read statusword and position where they come."""
         payload = packet.payload
         axis = self._by_status.get(packet.address)
         if axis is not None and len(payload) >= _STATUSWORD.size:
             axis.reports(_STATUSWORD.unpack_from(payload)[0], now)
+        axis = self._by_sample.get(packet.address)
+        if axis is not None and len(payload) >= _SAMPLE.size:
+            statusword, position_qc = _SAMPLE.unpack_from(payload)
+            axis.reports(statusword, now)
+            axis.reports_position(position_qc, now)
         axis = self._by_response.get(packet.address)
         if axis is not None and _tells_statusword(payload):
             axis.reports(_STATUSWORD.unpack_from(payload, 4)[0], now)

@@ -22,7 +22,13 @@ from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.can import MAX_PAYLOAD
 from firmware_bridge.wire.canopen import NmtCommand, NmtState
-from firmware_bridge.wire.epos2.address import CONSUMER_HEARTBEAT_1, CONTROLWORD, STATUSWORD, Address
+from firmware_bridge.wire.epos2.address import (
+    CONSUMER_HEARTBEAT_1,
+    CONTROLWORD,
+    POSITION_ACTUAL,
+    STATUSWORD,
+    Address,
+)
 from firmware_bridge.wire.epos2.rows import DataType
 from firmware_bridge.wire.maxon.frame import Answered
 from firmware_bridge.wire.maxon.messages import (
@@ -110,7 +116,7 @@ class Epos2SerialRules(WireRules):
             if address_of(request) == CONTROLWORD:
                 axis.sent(written, now)
             else:
-                axis.target = written.target
+                axis.aims(written.target)
         return axis
 
     def receives(self, packet: Packet, now: Nanoseconds) -> bool:
@@ -122,7 +128,7 @@ class Epos2SerialRules(WireRules):
         if not self._unanswered:
             return False
         request, asked = self._unanswered.popleft()
-        if isinstance(request, ReadObject) and address_of(request) == STATUSWORD:
+        if isinstance(request, ReadObject) and address_of(request) in (STATUSWORD, POSITION_ACTUAL):
             self._reads(request, packet, now)
         return asked
 
@@ -137,8 +143,13 @@ class Epos2SerialRules(WireRules):
     def _reads(self, request: ReadObject, packet: Packet, now: Nanoseconds) -> None:
         _, outcome = outcome_of(packet)
         answer = decode_answer(request, outcome.body) if isinstance(outcome, Answered) else None
-        if isinstance(answer, ObjectRead) and answer.error == 0:
-            self._by_node[request.node].reports(DataType.UNSIGNED16.decode(answer.raw[:2]), now)
+        if not isinstance(answer, ObjectRead) or answer.error != 0:
+            return
+        axis = self._by_node[request.node]
+        if address_of(request) == STATUSWORD:
+            axis.reports(DataType.UNSIGNED16.decode(answer.raw[:2]), now)
+        else:
+            axis.reports_position(DataType.INTEGER32.decode(answer.raw), now)
 
     def _writing(self, axis: GuardedAxis, address: Address, value: int) -> Packet:
         raw = (value & 0xFFFF_FFFF).to_bytes(_RAW, "little")

@@ -72,6 +72,8 @@ class Guarded:
         """When the guard repeats itself while the bridge stays silent; NEVER while it does not."""
         self._deadline: Nanoseconds = NEVER
         """When the guard must look again, whatever happens."""
+        self._due: Nanoseconds = NEVER
+        """When a rule over several axes must be looked at again."""
         self._stopping = False
 
     @property
@@ -117,14 +119,9 @@ class Guarded:
         if self._stopping and reaction.wake_at == NEVER:
             # It has ended in good order; whoever carries it takes NEVER for the end.
             return Reaction(tuple(sent))
-        for rule in self._across:
-            if rule.due <= now:
-                sent += self._cleared(rule, now)
+        sent += self._cleared(now)
         sent += self._spoken_for(now)
-        wake_at = min(reaction.wake_at, self._deadline)
-        for rule in self._across:
-            wake_at = min(wake_at, rule.due)
-        return Reaction(tuple(sent), wake_at)
+        return Reaction(tuple(sent), min(reaction.wake_at, self._deadline, self._due))
 
     def _admitted(self, packet: Packet, rules: WireRules, now: Nanoseconds) -> tuple[Packet, ...]:
         """Return the packet itself, or what leaves in its place."""
@@ -190,22 +187,30 @@ class Guarded:
             for safe in rules.safe(axis)
         )
 
-    def _cleared(self, rule: AxesRule, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Stop the axes of a rule that nobody has mended in time."""
-        safe = tuple(safe for axis in rule.axes if axis.moving for safe in self._safe(axis))
-        return self._replaced(None, f"{rule.name} stayed beyond its bound", safe, now)
+    def _cleared(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Stop the axes of each rule that nobody has mended in time, and find out which one is the next."""
+        sent: tuple[Packet, ...] = ()
+        self._due = NEVER
+        for rule in self._across:
+            if rule.due <= now:
+                safe = tuple(safe for axis in rule.axes if axis.moving for safe in self._safe(axis))
+                sent += self._replaced(None, f"{rule.name} stayed beyond its bound", safe, now)
+        for rule in self._across:
+            self._due = min(self._due, rule.due)
+        return sent
 
     def _spoken_for(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Return safe demands for all axes when some axis moves and some axis was forgotten for too long."""
         alarmed = self._speak_at != NEVER
         if not alarmed and not any(axis.moving for axis in self._axes):
-            self._moving_since = NEVER
-        elif self._moving_since == NEVER:
+            self._moving_since = self._deadline = NEVER
+            return ()
+        if self._moving_since == NEVER:
             self._moving_since = now
-        overdue_at = min(self._overdue_at(axis) for axis in self._axes)
+        overdue_at = min([self._overdue_at(axis) for axis in self._axes])
         if now < overdue_at:
             self._speak_at = NEVER
-            self._deadline = min(NEVER, overdue_at)
+            self._deadline = overdue_at
             return ()
         if alarmed and now < self._speak_at:
             return ()

@@ -35,10 +35,10 @@ TRANSMISSIONS: Final = (1, 255)
 _MODES: Final = {Command.SPEED: Mode.PROFILE_VELOCITY, Command.POSITION: Mode.PROFILE_POSITION}
 _MAPPED: Final = {Command.SPEED: 0x60FF_0020, Command.POSITION: 0x607A_0020}
 _CONTROLWORD_MAPPED: Final = 0x6040_0010
-_STATUSWORD_MAPPED: Final = 0x6041_0010
 _SET_POINT_PDO: Final = {Command.SPEED: 3, Command.POSITION: 2}
-STATUS_PDOS: Final = (0, 1)
-"""Which transmit PDOs begin with the statusword: the guard reads it there."""
+STATUS_PDO, SAMPLE_PDO = 0, 1
+_READ: Final = {(STATUS_PDO, 1): 0x6041_0010, (SAMPLE_PDO, 1): 0x6041_0010, (SAMPLE_PDO, 2): 0x6064_0020}
+"""Entries of transmit PDOs that the guard itself reads: statusword and position."""
 _RECEIVE: Final = (0x1400, 0x1600)
 _TRANSMIT: Final = (0x1800, 0x1A00)
 _PDOS: Final = range(4)
@@ -151,10 +151,10 @@ def _process_data(axis: Axis) -> Iterator[tuple[Address, Values]]:
         yield Address(communication, 2), _exactly(U8, *TRANSMISSIONS)
         yield Address(communication, 3), _within(U16, U16.lowest, U16.highest)
         yield Address(mapping, 0), _within(U8, 0, _MAX_ENTRIES)
-        anything = _within(U32, U32.lowest, U32.highest)
-        yield Address(mapping, 1), _exactly(U32, _STATUSWORD_MAPPED) if number in STATUS_PDOS else anything
-        for entry in range(2, _MAX_ENTRIES + 1):
-            yield Address(mapping, entry), anything
+        for entry in range(1, _MAX_ENTRIES + 1):
+            read = _READ.get((number, entry))
+            anything = _within(U32, U32.lowest, U32.highest)
+            yield Address(mapping, entry), anything if read is None else _exactly(U32, read)
 
 
 def _supervision(watch: int, heartbeat_ms: int) -> Iterator[tuple[Address, Values]]:

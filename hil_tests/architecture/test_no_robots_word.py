@@ -1,0 +1,281 @@
+"""Bridge, bench and plants know no robot: none of the words of an installed one stands outside its folders.
+
+The words come from the robots themselves: axes, roles, groups, fields of motion, state and geometry,
+switches, actuators, channels of the hand, keys of a mission's step. Names are split at `_` and at capitals.
+"""
+
+import ast
+import re
+import tomllib
+import typing
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Final
+
+import pytest
+from pydantic import BaseModel
+
+from emulators.bench.rehearsal import Rehearsal, rehearsal_of
+from emulators.bench.step import Step
+from firmware_bridge import kinds
+from firmware_bridge.kind import AnyKind
+from firmware_bridge.robot import AnyRobot
+
+ROOT: Final = Path(__file__).parents[2]
+PACKAGES: Final = ("firmware_bridge", "emulators", "fmu")
+THEIR_OWN: Final = (
+    "firmware_bridge/robots/",
+    "firmware_bridge/motion/",
+    "emulators/robots/",
+    "fmu/parts/",
+    "fmu/climber/",
+    "fmu/rars/",
+    "fmu/rome_base/",
+    "fmu/single_axis/",
+)
+"""The folders of robots and of single plants, the kinematics and the parts that they share."""
+SHORTEST: Final = 3
+"""Shorter words are units and symbols."""
+
+FREE: Final = {
+    "acceleration": "the quantity, of any axis",
+    "angle": "the quantity, of any shaft",
+    "base": "a base class, the base of a number, SI's base units, CAN's base frame, MAVLink's base_mode",
+    "battery": "every robot file knows it",
+    "deg": "the unit",
+    "distance": "the quantity, and MAVLink's WHEEL_DISTANCE",
+    "extended": "CAN's extended identifiers and MAVLink's EXTENDED_SYS_STATE",
+    "gravity": "the standard one, and the plants'",
+    "half": "a share",
+    "height": "of a picture",
+    "left": "what remains, what is left out; the left side of anything",
+    "length": "of a frame",
+    "limits": "any bounds",
+    "link": "the way to devices, in every robot file",
+    "mps": "the unit m/s",
+    "press": "a button of the operator's stick",
+    "rad": "the unit",
+    "radius": "a rolling axis has one on MAVLink",
+    "ramp": "of any speed",
+    "rate": "of bits, of samples, of change",
+    "right": "correct; the right side of anything",
+    "speed": "the quantity, and a way to command an axis",
+    "stages": "power stages, and the stages of a replay",
+    "turn": "one revolution of a shaft; whose turn it is; the stick's turn",
+    "width": "of a picture, of a pulse",
+    "yaw": "MAVLink's yaw rate, of whatever moves on a plane",
+}
+"""Words that belong to no robot alone, and why."""
+
+STANDARD: Final = {
+    "MAVLINK_MSG_ID_WHEEL_DISTANCE": "a message of MAVLink",
+    "MAVLink_wheel_distance_message": "a message of MAVLink",
+}
+"""Names of other people that are used as they are."""
+
+WHOLE: Final = {
+    ("emulators/bench/columns.py", "left"): "says which way is positive",
+    ("emulators/bench/fault_marks.py", "right"): "Matplotlib's alignment",
+    ("emulators/bench/plots.py", "left"): "Matplotlib's side of a plot",
+    ("emulators/bench/report.py", "left"): "rich's alignment",
+    ("emulators/bench/report.py", "right"): "rich's alignment",
+    ("emulators/bench/time_pictures.py", "left"): "Matplotlib's alignment",
+    ("emulators/bench/time_pictures.py", "right"): "Matplotlib's side of a plot",
+    ("emulators/documents/object_table.py", "base"): "a key of the object table's JSON",
+    ("emulators/progress_bar.py", "left"): "what remains",
+    ("emulators/servo/recorder.py", "left"): "a field: what remains",
+    ("emulators/wires/disturbance.py", "left"): "a field: what remains",
+    ("firmware_bridge/dissector/canopen.py", "base"): "CAN's base frame",
+}
+"""Strings that are wholly a robot's name, where they mean something else: file, string, reason."""
+
+COMMAND: Final = "`firmware-bridge "
+"""A help text with commands to copy names a robot that is shipped."""
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A robot's word where none may be."""
+
+    place: str
+    word: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.place}: '{self.word}' in {self.text!r:.80}"
+
+
+def split(name: str) -> list[str]:
+    """Return the words of a name or a text, in lower case."""
+    parts = re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", name)
+    return [part.lower() for part in parts if len(part) >= SHORTEST]
+
+
+def names_of(kind: AnyKind, robot: AnyRobot, rehearsal: Rehearsal) -> Iterator[str]:
+    """Yield every name that the robot gives to something of its own."""
+    yield from looked_up(kind, robot)
+    yield from (sensor.name for sensor in robot.sensors)
+    yield from (field.name for field in fields(kind.rest))
+    state = typing.get_type_hints(kind.body(robot).sensed)["return"]
+    yield from (field.name for field in fields(state))
+    yield from keys_of(kind.geometry)
+    yield from (actuator.name for actuator in kind.station.actuators)
+    yield from (channel.name for channel in rehearsal.channels)
+    yield from set(rehearsal.step.model_fields) - set(Step.model_fields)
+
+
+def looked_up(kind: AnyKind, robot: AnyRobot) -> Iterator[str]:
+    """Yield those by which somebody could look something up: wholly such a name, a string is suspect."""
+    yield kind.name
+    for axis in robot.axes:
+        yield from (axis.name, axis.role)
+    yield from (output.name for output in robot.outputs)
+    yield from kind.groups
+    yield from (switch.name for switch in kind.station.switches)
+
+
+def keys_of(table: type[BaseModel]) -> Iterator[str]:
+    """Yield the keys of a table and of the tables in it."""
+    for name, field in table.model_fields.items():
+        yield name
+        if isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel):
+            yield from keys_of(field.annotation)
+
+
+ROBOTS: Final = [(kinds.kind_named(name), kinds.find(name)) for name in kinds.names()]
+WORDS: Final = frozenset(
+    word
+    for kind, robot in ROBOTS
+    for name in names_of(kind, robot, rehearsal_of(robot))
+    for word in split(name)
+)
+NAMES: Final = frozenset(name for kind, robot in ROBOTS for name in looked_up(kind, robot))
+
+
+def texts_of(tree: ast.AST) -> Iterator[tuple[int, str, bool]]:
+    """Yield line, text, and whether it is a string, for every name and string of a program."""
+    for node in ast.walk(tree):
+        line = getattr(node, "lineno", 0)
+        match node:
+            case ast.Constant(value=str(text)):
+                yield line, text, True
+            case ast.Name(id=name) | ast.Attribute(attr=name) | ast.arg(arg=name):
+                yield line, name, False
+            case ast.keyword(arg=str(name)) | ast.FunctionDef(name=name) | ast.ClassDef(name=name):
+                yield line, name, False
+            case ast.alias(name=name, asname=other):
+                yield line, f"{name} {other or ''}".strip(), False
+            case _:
+                pass
+
+
+def keys_in(table: Mapping[str, object]) -> Iterator[str]:
+    for key, value in table.items():
+        yield key
+        for inner in value if isinstance(value, list) else [value]:
+            if isinstance(inner, dict):
+                yield from keys_in(inner)
+
+
+def texts_in(path: str, source: str) -> Iterator[tuple[int, str, bool]]:
+    """Yield the same for any file: a program's names and strings, TOML's keys, everything in C."""
+    if path.endswith(".py"):
+        yield from texts_of(ast.parse(source))
+    elif path.endswith(".toml"):
+        yield from ((0, key, False) for key in keys_in(tomllib.loads(source)))
+    else:
+        yield from ((line, text, False) for line, text in enumerate(source.splitlines(), 1))
+
+
+def found_in(path: str, source: str) -> Iterator[Found]:
+    """Yield the robots' words in a file that are not free in it."""
+    for line, text, string in texts_in(path, source):
+        if text in STANDARD or (path, text) in WHOLE:
+            continue
+        place = f"{path}:{line}"
+        if string and text in NAMES:
+            yield Found(place, text, text)
+            continue
+        command = string and COMMAND in text
+        for word in sorted(set(split(text)) & WORDS - FREE.keys()):
+            if not (command and word in kinds.names()):
+                yield Found(place, word, text)
+
+
+def files() -> dict[str, str]:
+    """Return the text of every file that must know no robot, by its path."""
+    found = {}
+    for package in PACKAGES:
+        for path in sorted((ROOT / package).rglob("*")):
+            name = path.relative_to(ROOT).as_posix()
+            if path.suffix in {".py", ".toml", ".c", ".h"} and not name.startswith(THEIR_OWN):
+                found[name] = path.read_text(encoding="utf-8")
+    return found
+
+
+FILES: Final = files()
+
+
+def test_the_words_are_those_of_the_installed_robots() -> None:
+    assert {"rars", "steer", "lift", "headlamp", "pinion", "screw", "wheel", "retracted"} <= WORDS
+    assert len(FILES) > 200
+
+
+def test_nothing_outside_the_robots_folders_has_a_robots_word() -> None:
+    found = [str(one) for path, source in FILES.items() for one in found_in(path, source)]
+    assert found == []
+
+
+@pytest.mark.parametrize(
+    "planted",
+    [
+        "lift = 3",
+        "class LiftRamp: pass",
+        "def raised(lift_m): pass",
+        "go(steer_rad=0.1)",
+        "import steering",
+        "from things import brake as wheel",
+        "motion.headlamp = True",
+        "robot.axis('left')",
+        "groups = {'base'}",
+        "text = f'the scissor {1} is out, the pinion too'",
+        "{'kingpin_distance_m': 1.0}",
+        "def f():\n    'Lower the lift.'",
+        "text = 'try rars'",
+    ],
+)
+def test_a_planted_word_is_found(planted: str) -> None:
+    assert list(found_in("firmware_bridge/bridge/planted.py", planted))
+
+
+@pytest.mark.parametrize(
+    "innocent",
+    [
+        "attempts_left = 3",
+        "text = 'two are left, turn right'",
+        "MAVLINK_MSG_ID_WHEEL_DISTANCE",
+        "text = '`firmware-bridge drive rars` drives it'",
+        "shiftless = uplifting",
+    ],
+)
+def test_an_innocent_word_is_not(innocent: str) -> None:
+    assert list(found_in("firmware_bridge/bridge/planted.py", innocent)) == []
+
+
+def test_a_planted_key_and_a_planted_word_in_c_are_found() -> None:
+    assert list(found_in("emulators/bench/planted.toml", "[limits]\nlift_rate_mps = 1"))
+    assert list(found_in("emulators/servo/native/planted.c", "/* one */\nint steer_angle;"))
+
+
+def test_no_exception_outlives_its_need() -> None:
+    texts = [(path, text) for path, source in FILES.items() for _, text, _ in texts_in(path, source)]
+    used = {word for _, text in texts for word in split(text)}
+    assert {word for word in FREE if word not in used & WORDS} == set()
+    assert STANDARD.keys() <= {text for _, text in texts}
+    assert WHOLE.keys() <= set(texts)
+    assert {text for _, text in WHOLE} <= NAMES
+
+
+def test_the_folders_that_are_left_out_are_there() -> None:
+    assert [folder for folder in THEIR_OWN if not (ROOT / folder).is_dir()] == []

@@ -1,0 +1,339 @@
+"""A robot of no folder: two wheels on one link, a brush on another; and what no shipped robot uses yet.
+
+A hold that latches, a link that stops only its own group, a link of every second cycle, a mode without the
+brush, a guide.
+"""
+
+from collections.abc import Callable, Mapping
+from copy import deepcopy
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+from firmware_bridge.bridge.fleets import Fleets
+from firmware_bridge.bridge.permission import Permission
+from firmware_bridge.bridge.pipeline import Pipeline
+from firmware_bridge.drivers.driver import Demand, Feedback, Power, Reading, Speed, StartupError, Task, Tells
+from firmware_bridge.drivers.fleet import Fleet
+from firmware_bridge.intent import Arm, Request, Verdict
+from firmware_bridge.kind import Kind, Mode
+from firmware_bridge.kinds import kind_named
+from firmware_bridge.motion.odometry import moved
+from firmware_bridge.motion.pose import Pose
+from firmware_bridge.packet import Packet
+from firmware_bridge.robot import Axis, Robot, Table
+from firmware_bridge.robot.file import robot_of, table_of
+from firmware_bridge.safety.interlock import Interlock, View
+from firmware_bridge.safety.snapshot import Snapshot
+from firmware_bridge.teleop.mavlink import Codec, dialect
+from firmware_bridge.teleop.operator import Operator
+from firmware_bridge.teleop.station import Station, Stick, Twist, Unusable, Velocity
+from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds, to_seconds
+
+WHEELS: Final = "drives"
+"""The link of the two wheels, called as RARS's."""
+TOOL: Final = "tool"
+"""The link of the brush."""
+RADIUS_M: Final = 0.1
+TRACK_M: Final = 0.5
+BRUSH_TOP: Final = 10.0
+"""rad/s at full stick."""
+RACES_AT: Final = 8.0
+"""Above this speed of the brush the robot stops and latches; rad/s."""
+GUIDED_MPS: Final = 0.2
+ARM: Final = Arm()
+
+
+class Sizes(Table):
+    """The cart's geometry."""
+
+    top_mps: float
+
+
+@dataclass(frozen=True, slots=True)
+class Sweep:
+    """The cart's motion."""
+
+    ahead: float = 0.0
+    """m/s."""
+    brush: float = 0.0
+    """rad/s."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sensed:
+    """What is known of the cart."""
+
+    ahead: float
+    brush: float
+
+
+class Cart:
+    """A `firmware_bridge.safety.body.Body`."""
+
+    rolling: tuple[str, ...] = ("left", "right")
+
+    def sensed(self, axes: Mapping[str, Feedback], _sensors: Mapping[str, Reading]) -> Sensed:
+        mean = (axes["left"].velocity + axes["right"].velocity) / 2.0
+        return Sensed(mean * RADIUS_M, axes["brush"].velocity)
+
+    def asked(self, motion: Sweep, _state: Sensed) -> frozenset[str]:
+        return frozenset(
+            group for group, speed in (("base", motion.ahead), ("tool", motion.brush)) if speed != 0.0
+        )
+
+    def moving(self, state: Sensed) -> frozenset[str]:
+        return frozenset({"base"}) if abs(state.ahead) > 0.01 else frozenset()
+
+    def rested(self, motion: Sweep, groups: frozenset[str]) -> Sweep:
+        if "base" in groups:
+            motion = replace(motion, ahead=0.0)
+        return replace(motion, brush=0.0) if "tool" in groups else motion
+
+    def ramped(self, demanded: Sweep, allowed: Sweep, _state: Sensed, elapsed: Nanoseconds) -> Sweep:
+        """Ramp the wheels with 2 m/s2; the brush follows at once."""
+        reach = 2.0 * to_seconds(elapsed)
+        return replace(allowed, ahead=min(max(allowed.ahead, demanded.ahead - reach), demanded.ahead + reach))
+
+    def demands(self, motion: Sweep, _state: Sensed) -> Mapping[str, Demand]:
+        wheel = Speed(motion.ahead / RADIUS_M)
+        return {"left": wheel, "right": wheel, "brush": Speed(motion.brush)}
+
+    def advanced(self, pose: Pose, before: Mapping[str, Feedback], after: Mapping[str, Feedback]) -> Pose:
+        left, right = (RADIUS_M * (after[name].position - before[name].position) for name in self.rolling)
+        return moved(pose, left, right, TRACK_M)
+
+
+class Unbrushed(Cart):
+    """The cart after its brush has failed."""
+
+    def demands(self, motion: Sweep, state: Sensed) -> Mapping[str, Demand]:
+        return {name: demand for name, demand in super().demands(motion, state).items() if name != "brush"}
+
+
+class Ahead:
+    """A `firmware_bridge.kind.Guide`: half a second of rest, then straight on."""
+
+    def __init__(self, _robot: Robot[Sizes]) -> None:
+        self._elapsed: Nanoseconds = 0
+
+    def wished(self, _seen: Snapshot[Sweep, Sensed], elapsed: Nanoseconds) -> Sweep:
+        self._elapsed += elapsed
+        return Sweep(GUIDED_MPS) if self._elapsed >= 500 * MILLISECOND else Sweep()
+
+    def reset(self) -> None:
+        self._elapsed = 0
+
+
+def _races(view: View[Sizes, Sweep, Sensed]) -> str | None:
+    return None if abs(view.body.brush) <= RACES_AT else f"the brush turns at {view.body.brush:.1f} rad/s"
+
+
+RACES: Final[Interlock[Sizes, Sweep, Sensed]] = Interlock(
+    "brush races", _races, "clear the emergency stop when it stands", latches=True
+)
+
+
+def _stick(stick: Stick, wish: Sweep, robot: Robot[Sizes]) -> Sweep:
+    del wish
+    return Sweep((stick.forward or 0.0) * robot.geometry.top_mps, (stick.turn or 0.0) * BRUSH_TOP)
+
+
+def _target(velocity: Velocity, wish: Sweep, _robot: Robot[Sizes]) -> Sweep | Unusable:
+    return replace(wish, ahead=velocity.forward_mps)
+
+
+KIND: Final[Kind[Sizes, Sweep, Sensed]] = Kind(
+    name="cart",
+    file=Path("cart.toml"),
+    geometry=Sizes,
+    rest=Sweep(),
+    numbers={"speed": lambda motion: motion.ahead, "brush": lambda motion: motion.brush},
+    body=lambda _robot: Cart(),
+    groups={"base": frozenset({"left", "right"}), "tool": frozenset({"brush"})},
+    travelling=frozenset({"base"}),
+    interlocks=(RACES,),
+    limits=(),
+    reach=lambda robot: ((Sweep(robot.geometry.top_mps, BRUSH_TOP), Sensed(0.0, 0.0)),),
+    station=Station(
+        stick=_stick,
+        target=_target,
+        twist=lambda state: Twist(state.ahead, 0.0, 0.0),
+        forgotten=lambda wish: wish,
+        largest=lambda robot: Twist(robot.geometry.top_mps, 0.0, 1.0),
+    ),
+    guides={"ahead": Ahead},
+    modes={
+        "brushless": Mode(
+            without=frozenset({"brush"}), body=lambda _robot: Unbrushed(), interlocks=(), limits=()
+        )
+    },
+)
+
+
+def cart(change: Callable[[dict[str, Any]], None] = lambda _table: None) -> Robot[Sizes]:
+    """Return the cart's robot file, made from RARS's, with its table changed, checked."""
+    file = kind_named("rars").file
+    table: dict[str, Any] = table_of(file.read_text(encoding="utf-8"), file.name)
+    motor = table["axes"][0]
+    axes = [
+        motor
+        | {
+            "name": name,
+            "role": name,
+            "title": name,
+            "link": TOOL if name == "brush" else WHEELS,
+            "top_speed": 12.0,
+            "settings": motor["settings"] | {"node": node},
+        }
+        for name, node in (("left", 1), ("right", 2), ("brush", 1))
+    ]
+    links = {WHEELS: table["links"][WHEELS], TOOL: table["links"][WHEELS] | {"bridge_node": 101}}
+    own = {"name": "cart", "kind": "cart", "links": links, "geometry": {"top_mps": 1.0}, "axes": axes}
+    table = deepcopy({**table, **own, "guard": {}})
+    del table["battery"], table["sensors"]
+    change(table)
+    return robot_of(table, "cart.toml", Sizes, KIND.groups)
+
+
+class PaperDriver:
+    """A `firmware_bridge.drivers.driver.Driver` that does at once what it is told, and keeps it."""
+
+    tells = frozenset(Tells)
+    failure: StartupError | None = None
+    configured = True
+    busy = False
+    wake_at: Nanoseconds = NEVER
+
+    def __init__(self, axis: Axis) -> None:
+        self.axis: Final = axis
+        self.feedback = Feedback(axis.name, Power.ON, heard_at=0, sampled_at=0)
+        self.demands: list[Demand] = []
+        self.begun: list[Task] = []
+
+    @property
+    def sampled_at(self) -> Nanoseconds:
+        return self.feedback.sampled_at
+
+    def begin(self, tasks: tuple[Task, ...], _now: Nanoseconds) -> tuple[Packet, ...]:
+        self.begun += tasks
+        return ()
+
+    def command(self, demand: Demand) -> tuple[Packet, ...]:
+        self.demands.append(demand)
+        speed = demand.value if isinstance(demand, Speed) else 0.0
+        self.feedback = replace(self.feedback, velocity=speed)
+        return (Packet(self.axis.link, self.axis.settings.node, repr(demand).encode()),)
+
+    def release(self) -> tuple[Packet, ...]:
+        return ()
+
+    def wake(self, _now: Nanoseconds) -> tuple[Packet, ...]:
+        return ()
+
+    def heard(self, now: Nanoseconds) -> None:
+        """Tell a sample."""
+        self.feedback = replace(self.feedback, heard_at=now, sampled_at=now)
+
+
+class PaperLink:
+    """A `firmware_bridge.drivers.fleet.Link` that carries nothing, and may be lost."""
+
+    answers_within: Nanoseconds = 10 * MILLISECOND
+    beat_every: Nanoseconds = 50 * MILLISECOND
+    late = 0
+    wake_at: Nanoseconds = NEVER
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.lost: str | None = None
+
+    def sample(self, _now: Nanoseconds) -> tuple[Packet, ...]:
+        return ()
+
+    def beat(self, _now: Nanoseconds) -> tuple[Packet, ...]:
+        return ()
+
+    def hear(self, _packet: Packet, _now: Nanoseconds) -> tuple[Packet, ...]:
+        return ()
+
+    def wake(self, _now: Nanoseconds) -> tuple[Packet, ...]:
+        return ()
+
+
+class PaperCart:
+    """The pipeline of a cart above paper devices, cycle by cycle, and a station in the test's hand."""
+
+    def __init__(self, robot: Robot[Sizes] | None = None) -> None:
+        self.robot: Final = robot or cart()
+        self.links: Final = {name: PaperLink(name) for name in self.robot.links}
+        self.drivers: Final = {axis.name: PaperDriver(axis) for axis in self.robot.axes}
+        self.fleets: Final = Fleets(
+            tuple(
+                Fleet(self.links[name], table, [self.drivers[axis.name] for axis in self.robot.axes_on(name)])
+                for name, table in self.robot.links.items()
+            )
+        )
+        rules = KIND.rules(self.robot)
+        self._codec = Codec(255, 190)
+        self._operator: Operator[Sizes, Sweep, Sensed] = Operator(
+            self.robot, KIND.station, KIND.rest, rolling=rules[""].body.rolling, modes=tuple(KIND.modes)
+        )
+        self.permission: Final[Permission[Sizes, Sweep, Sensed]] = Permission(
+            self.robot, rules, self.fleets, []
+        )
+        self.pipeline: Final[Pipeline[Sizes, Sweep, Sensed]] = Pipeline(
+            self.robot,
+            KIND,
+            rules=rules,
+            fleets=self.fleets,
+            operator=self._operator,
+            permission=self.permission,
+        )
+        self.now: Nanoseconds = 0
+        self.cycle = 0
+        self.talks = True
+        self.ahead = 0.0
+        """Share of full stick, as `brush`."""
+        self.brush = 0.0
+
+    def runs(self, cycles: int = 1) -> None:
+        """Let cycles pass: the station speaks, the devices of due links tell, the pipeline runs."""
+        for _ in range(cycles):
+            self.now += self.robot.cycle
+            if self.talks:
+                self._speaks()
+            self.fleets.sample(self.cycle, self.now)
+            self.cycle += 1
+            for name, driver in self.drivers.items():
+                if self.links[self.drivers[name].axis.link].lost is None:
+                    driver.heard(self.now)
+            self.pipeline.run(self.now)
+
+    def arms(self) -> None:
+        """Let the operator be heard for a while, then arm."""
+        self.runs(10)
+        verdict = self.asks(ARM)
+        assert verdict.accepted, verdict.reason
+
+    def asks(self, request: Request) -> Verdict:
+        return self.pipeline.decide(request, self.now)
+
+    def held(self) -> set[str]:
+        """Return what holds now, by name."""
+        return {hold.name for hold in self.pipeline.holds}
+
+    def newest(self, axis: str) -> Demand:
+        """Return what the axis was told last."""
+        return self.drivers[axis].demands[-1]
+
+    def told(self) -> dict[str, int]:
+        """Return how often each axis has been told something."""
+        return {name: len(driver.demands) for name, driver in self.drivers.items()}
+
+    def _speaks(self) -> None:
+        x, r = round(self.ahead * 1000), round(-self.brush * 1000)
+        message = dialect.MAVLink_manual_control_message(1, x, 0x7FFF, 0x7FFF, r, 0)
+        self._operator.hear(
+            self._codec.encode(message), self.now, lambda request: self.pipeline.decide(request, self.now)
+        )

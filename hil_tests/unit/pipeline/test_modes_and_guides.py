@@ -1,0 +1,189 @@
+"""A mode without a failed axis, and a guide that makes the wishes: who may choose them, what ends them."""
+
+import pytest
+
+from firmware_bridge.drivers.driver import Power, Speed, Stop
+from firmware_bridge.intent import Arm, Disarm, EnterMode, Follow
+from hil_tests.unit.pipeline.cart import GUIDED_MPS, RADIUS_M, PaperCart
+
+GUIDED = Speed(GUIDED_MPS / RADIUS_M)
+
+
+def off(cart: PaperCart, axis: str, power: Power = Power.OFF) -> None:
+    """Let a drive lose its power, or get it back."""
+    driver = cart.drivers[axis]
+    driver.feedback = type(driver.feedback)(axis, power, cart.now, cart.now)
+
+
+def brushless() -> PaperCart:
+    """A cart whose brush has failed, in the mode that does without it."""
+    cart = PaperCart()
+    cart.runs(10)
+    assert cart.asks(EnterMode("brushless")).accepted
+    off(cart, "brush")
+    cart.runs(10)
+    return cart
+
+
+def guided() -> PaperCart:
+    """A cart that goes its guide's way."""
+    cart = PaperCart()
+    cart.arms()
+    assert cart.asks(Follow("ahead")).accepted
+    cart.runs(20)
+    assert cart.newest("left") == GUIDED
+    return cart
+
+
+def test_an_armed_robot_changes_no_mode() -> None:
+    cart = PaperCart()
+    cart.arms()
+    verdict = cart.asks(EnterMode("brushless"))
+    assert (verdict.accepted, verdict.temporary) == (False, True)
+    assert verdict.reason == "mode: stop and disarm first"
+    assert cart.asks(Disarm()).accepted
+    assert cart.asks(EnterMode("brushless")).accepted
+
+
+def test_a_robot_that_moves_changes_no_mode_armed_or_not() -> None:
+    cart = PaperCart()
+    cart.runs(10)
+    cart.drivers["left"].command(Speed(5.0))
+    assert cart.asks(EnterMode("brushless")).reason == "mode: stop and disarm first"
+
+
+def test_an_unknown_mode_is_answered_with_those_that_there_are() -> None:
+    cart = PaperCart()
+    verdict = cart.asks(EnterMode("wheelless"))
+    assert (verdict.accepted, verdict.temporary) == (False, False)
+    assert verdict.reason == "mode: this robot has no 'wheelless'; it has brushless"
+
+
+def test_an_axis_that_is_left_out_is_told_to_be_without_power() -> None:
+    cart = brushless()
+    assert cart.newest("brush") is Stop.POWER_OFF
+    assert cart.pipeline.seen.facts.without == {"brush"}
+
+
+def test_what_is_wrong_with_it_holds_nothing_back_in_that_mode() -> None:
+    cart = brushless()
+    off(cart, "brush", Power.FAULT)
+    cart.runs()
+    assert cart.held() == {"not armed"}
+    assert cart.asks(Arm()).accepted
+    cart.ahead = 0.5
+    cart.runs(20)
+    assert cart.newest("left") == Speed(5.0)
+    assert cart.drivers["brush"].begun == []
+
+
+def test_while_it_has_power_the_robot_is_held_by_a_row_of_its_own() -> None:
+    cart = PaperCart()
+    cart.runs(10)
+    cart.asks(EnterMode("brushless"))
+    cart.runs(10)
+    assert cart.held() == {"not armed", "axis left out: brush"}
+    assert cart.asks(Arm()).reason.startswith("arm: node 1 (brush) has power, and this mode does without it")
+    off(cart, "brush")
+    cart.runs()
+    assert cart.asks(Arm()).accepted
+
+
+@pytest.mark.parametrize("power", [Power.OFF, Power.STOPPED, Power.UNKNOWN, Power.FAULT])
+def test_any_word_but_on_lets_that_row_go(power: Power) -> None:
+    cart = brushless()
+    off(cart, "brush", power)
+    cart.runs()
+    assert cart.held() == {"not armed"}
+
+
+def test_power_that_comes_back_disarms() -> None:
+    cart = brushless()
+    assert cart.asks(Arm()).accepted
+    off(cart, "brush", Power.ON)
+    cart.runs()
+    assert "axis left out: brush" in cart.held()
+    assert not cart.permission.armed
+
+
+def test_the_whole_robot_wants_the_axis_back() -> None:
+    cart = brushless()
+    assert cart.asks(EnterMode("")).accepted
+    cart.runs()
+    assert "axis not enabled: brush" in cart.held()
+    assert cart.asks(Arm()).reason.startswith("enabling node 1 (brush) again")
+
+
+def test_on_the_way_to_rest_at_the_end_it_gets_no_power() -> None:
+    cart = brushless()
+    before = len(cart.drivers["brush"].demands)
+    cart.pipeline.come_to_rest(cart.now + cart.robot.cycle)
+    assert set(cart.drivers["brush"].demands[before:]) == {Stop.POWER_OFF}
+
+
+def test_a_guide_makes_the_wishes() -> None:
+    cart = guided()
+    assert cart.pipeline.seen.wish.ahead == GUIDED_MPS
+    assert cart.asks(Follow("")).accepted
+    cart.runs(20)
+    assert cart.newest("left") == Speed(0.0)
+
+
+def test_an_unknown_guide_is_answered_with_those_that_there_are() -> None:
+    verdict = PaperCart().asks(Follow("astray"))
+    assert (verdict.accepted, verdict.reason) == (False, "guide: this robot has no 'astray'; it has ahead")
+
+
+def test_a_stick_takes_over_and_the_guide_does_not_come_back() -> None:
+    cart = guided()
+    cart.ahead = -0.5
+    cart.runs(30)
+    assert cart.newest("left") == Speed(-5.0)
+    cart.ahead = 0.0
+    cart.runs(30)
+    assert cart.newest("left") == Speed(0.0)
+
+
+def test_the_operator_must_be_heard_while_a_guide_drives() -> None:
+    cart = guided()
+    cart.talks = False
+    cart.runs(9)
+    assert cart.newest("left") == GUIDED
+    cart.runs(11)
+    assert "operator silent" in cart.held()
+    assert cart.newest("left") == Speed(0.0)
+
+
+def test_a_guide_that_was_held_back_begins_anew() -> None:
+    """It rests half a second before it goes on; without the reset it would go at once."""
+    cart = guided()
+    cart.talks = False
+    cart.runs(20)
+    cart.talks = True
+    while cart.held():
+        cart.runs()
+    resting = 0
+    while cart.newest("left") == Speed(0.0):
+        cart.runs()
+        resting += 1
+    assert resting >= 9
+
+
+def test_a_guide_moves_nothing_that_is_not_armed() -> None:
+    cart = PaperCart()
+    cart.runs(10)
+    assert cart.asks(Follow("ahead")).accepted
+    cart.runs(30)
+    assert cart.newest("left") == Speed(0.0)
+
+
+def test_a_robot_that_has_a_guide_is_armed_as_any_other() -> None:
+    """The guide waits until it is; what it would like is not the stick's word."""
+    cart = PaperCart()
+    cart.runs(10)
+    assert cart.asks(Follow("ahead")).accepted
+    cart.runs(30)
+    verdict = cart.asks(Arm())
+    assert verdict.accepted, verdict.reason
+    cart.runs(20)
+    assert cart.newest("left") == GUIDED
