@@ -139,7 +139,7 @@ class Pipeline(Generic[G, M, S]):
     def _guided(self, known: Snapshot[M, S], elapsed: Nanoseconds) -> Snapshot[M, S]:
         """Return the snapshot with the guide's wish in it, where one guides.
 
-        A moved stick takes over, and who loses the leave to move loses the guide: armed again, nothing starts.
+        A moved stick takes over; who loses the leave to move loses the guide: armed again, nothing starts.
         """
         if self._guide is None:
             return known
