@@ -46,4 +46,4 @@ class Case(Generic[M, S]):
         self.reason: Final = reason
         """What is said then, with the numbers."""
         self.robot: Final = robot
-        """A robot with other numbers, where those of the robot file never trip the row; None for the file's."""
+        """One with other numbers, where those of the robot file never trip the row; None for the file's."""

@@ -1,12 +1,14 @@
 """What `new` does when its words are understood."""
 
 import keyword
+import math
 import re
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Final
 
-from emulators.starter.motors import MotorError, motor
+from emulators.starter import motors
+from emulators.starter.motors import MotorError
 from emulators.starter.numbers import Specification, SpecificationError
 from emulators.starter.package import kinds, write
 from firmware_bridge import kinds as installed
@@ -36,7 +38,26 @@ def new(
     """Do what `new` says."""
     target = folder or Path(name)
     with one_message(SpecificationError, MotorError):
-        told = understood(name, kind, nodes, axes, device, motor, encoder_lines, numbers)
+        types = [one.value for one in Epos2Device]
+        size = _positive(numbers)
+        _free(name)
+        told = Specification(
+            kind=_known("--kind", "kind", kind, kinds()),
+            name=name,
+            nodes=_nodes(nodes),
+            axes=_axes(axes),
+            device=Epos2Device(_known("--device", "EPOS2", device, types)),
+            motor=motors.motor(motor),
+            encoder_lines=_lines(encoder_lines),
+            wheel_radius_m=size["wheel_radius"],
+            track_m=size["track"],
+            gear=size["gear"],
+            mass_kg=size["mass"],
+            voltage_v=size["voltage"],
+            speed_mps=size["speed"],
+            acceleration_mps2=size["acceleration"],
+            turn_rate_rad_s=size["turn_rate"],
+        )
         with written_by("--dir"):
             paths = write(told, target)
     say(f"{target}: {len(paths)} files; look at each ASSUME in {name}/{name}.toml before the robot moves")
@@ -44,52 +65,38 @@ def new(
     say(f"then: firmware-bridge bench {name}")
 
 
-def understood(
-    name: str,
-    kind: str,
-    nodes: str,
-    axes: str,
-    device: str,
-    motor_name: str,
-    encoder_lines: int,
-    numbers: dict[str, float],
-) -> Specification:
-    """Return what the words say; SpecificationError or MotorError where they make no robot."""
-    if kind not in kinds():
-        raise SpecificationError(f"--kind: no kind '{kind}'; {near(kind, kinds())}")
-    types = [one.value for one in Epos2Device]
-    if device not in types:
-        raise SpecificationError(f"--device: no EPOS2 '{device}'; {near(device, types)}")
+def _known(option: str, what: str, name: str, known: list[str]) -> str:
+    if name not in known:
+        raise SpecificationError(f"{option}: no {what} '{name}'; {near(name, known)}")
+    return name
+
+
+def _positive(numbers: dict[str, float]) -> dict[str, float]:
     for option, value in numbers.items():
-        if not 0.0 < value < float("inf"):
+        if not 0.0 < value < math.inf:
             raise SpecificationError(f"--{option.replace('_', '-')} must be positive, not {value:g}")
+    return numbers
+
+
+def _lines(encoder_lines: int) -> int:
     if encoder_lines not in ENCODER_LINES:
         raise SpecificationError(f"--encoder-lines must be 16 to 2500000, not {encoder_lines}")
-    _free(name)
-    left, right = _two("--nodes", nodes)
+    return encoder_lines
+
+
+def _nodes(words: str) -> tuple[int, int]:
+    left, right = _two("--nodes", words)
     for node in (left, right):
         if not node.isdecimal() or int(node) not in NODES:
             raise SpecificationError(f"--nodes: a CANopen node is a number from 1 to 127, not '{node}'")
-    named = _two("--axes", axes)
+    return int(left), int(right)
+
+
+def _axes(words: str) -> tuple[str, str]:
+    named = _two("--axes", words)
     for axis in named:
         _usable("--axes", axis)
-    return Specification(
-        kind=kind,
-        name=name,
-        nodes=(int(left), int(right)),
-        axes=named,
-        device=Epos2Device(device),
-        motor=motor(motor_name),
-        encoder_lines=encoder_lines,
-        wheel_radius_m=numbers["wheel_radius"],
-        track_m=numbers["track"],
-        gear=numbers["gear"],
-        mass_kg=numbers["mass"],
-        voltage_v=numbers["voltage"],
-        speed_mps=numbers["speed"],
-        acceleration_mps2=numbers["acceleration"],
-        turn_rate_rad_s=numbers["turn_rate"],
-    )
+    return named
 
 
 def _free(name: str) -> None:

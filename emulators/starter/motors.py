@@ -74,7 +74,7 @@ def motor(name: str) -> Motor:
             raise MotorError(f"{name}: cannot be read: {error}") from error
     if name not in MOTORS:
         raise MotorError(
-            f"--motor: no motor '{name}' is known; {near(name, MOTORS)} Or a path to a .toml file with its data"
+            f"--motor: no motor '{name}' is known; {near(name, MOTORS)} a .toml file with its data will do"
         )
     return MOTORS[name]
 

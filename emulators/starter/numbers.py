@@ -57,8 +57,8 @@ def worked_out(told: Specification) -> dict[str, str]:
     usable = USABLE_SPEED * motor.no_load_speed(told.voltage_v) / gear
     if fastest > usable:
         raise SpecificationError(
-            f"{told.speed_mps:g} m/s and {told.turn_rate_rad_s:g} rad/s turn a wheel with {fastest:.3g} rad/s; "
-            f"{motor.title} behind {gear:g}:1 gives {usable:.3g} rad/s: take a smaller --gear, or less --speed"
+            f"{told.speed_mps:g} m/s and {told.turn_rate_rad_s:g} rad/s take {fastest:.3g} rad/s of a wheel, "
+            f"{motor.title} behind {gear:g}:1 gives {usable:.3g}: take a smaller --gear, or less --speed"
         )
     turn_acceleration = 2.0 * told.turn_rate_rad_s
     sideways = 0.8 * told.speed_mps * told.turn_rate_rad_s

@@ -1,10 +1,10 @@
 """Gains of an EPOS2 from the data of motor and load: a start that runs, to be refined on the robot.
 
 Current: the regulator's zero cancels the winding's pole, and the closed loop halves its error in each of its
-steps of 0.1 ms. Speed: the proportional gain gives the inertia at the shaft a bandwidth of 25 rad/s, low enough
-that one quadcount in a millisecond asks for little current; the integral gain makes the loop's damping the
-square root of 2, so that it does not overshoot. The feed-forwards are the inertia's torque and the viscous half
-of the no-load torque. Units of the gains: those of the objects 0x60F6 and 0x60F9 of the EPOS2.
+steps of 0.1 ms. Speed: the proportional gain gives the inertia at the shaft a bandwidth of 25 rad/s, low
+enough that one quadcount in a millisecond asks for little current; the integral gain makes the loop's damping
+the square root of 2. The feed-forwards are the inertia's torque and the viscous half of the no-load torque.
+Units of the gains: those of the objects 0x60F6 and 0x60F9 of the EPOS2.
 """
 
 import math
@@ -29,7 +29,7 @@ LARGEST: Final = 0x7FFF
 
 
 def velocity_gains(motor: Motor, inertia_kg_m2: float, voltage_v: float) -> Gains:
-    """Return the gains of a drive that regulates speed; `inertia` is all that the shaft turns, its rotor's, too.
+    """Return the gains of a drive that regulates speed, for all that its shaft turns.
 
     The position regulator keeps the drive's defaults: nothing uses it.
     """

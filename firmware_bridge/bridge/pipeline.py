@@ -94,7 +94,9 @@ class Pipeline(Generic[G, M, S]):
         still = Snapshot(
             facts=known.facts, wish=known.wish, demanded=self._demanded, body=known.body, pose=known.pose
         )
-        return self._fleets.command(demands, self._kind.on_stop, now), rules.at_rest(known) and rules.at_rest(still)
+        return self._fleets.command(demands, self._kind.on_stop, now), rules.at_rest(known) and rules.at_rest(
+            still
+        )
 
     def decide(self, request: Request, now: Nanoseconds) -> Verdict:
         """Answer one request of the operator."""
@@ -137,7 +139,7 @@ class Pipeline(Generic[G, M, S]):
     def _guided(self, known: Snapshot[M, S], elapsed: Nanoseconds) -> Snapshot[M, S]:
         """Return the snapshot with the guide's wish in it, where one guides.
 
-        A moved stick takes over, and who loses the leave to move loses the guide: armed again, nothing starts.
+        A moved stick takes over; who loses the leave to move loses the guide: armed again, nothing starts.
         """
         if self._guide is None:
             return known

@@ -62,7 +62,7 @@ class DifferentialRamp:
 
 
 def fastest_in_turn(turn_rad_s: float, sideways_mps2: float) -> float:
-    """Return the speed in m/s at which a turn pulls sideways with this acceleration; infinite straight ahead."""
+    """Return the speed in m/s at which a turn pulls sideways so much; infinite straight ahead."""
     return sideways_mps2 / abs(turn_rad_s) if turn_rad_s else math.inf
 
 

@@ -37,7 +37,7 @@ class Operator(Generic[G, M, S]):
         modes: tuple[str, ...] = (),
         guides: tuple[str, ...] = (),
     ) -> None:
-        """Take the robot, its kind's rows and motion at rest, its body's rolling axes, its kind's modes and guides."""
+        """Take the robot, its body's rolling axes, and its kind's rows, motion at rest, modes and guides."""
         self._session: Final[Session[G, M, S]] = Session(
             robot, station, rest, rolling=rolling, modes=modes, guides=guides
         )

@@ -89,8 +89,8 @@ class Session(Generic[G, M, S]):
     """The whole memory; one for each bridge."""
 
     __slots__ = (
-        "codec", "dropped", "guides", "intent", "list_due", "listed", "modes", "peers", "resets", "robot", "rolling",
-        "schedule", "snapshot", "speaker", "station", "store", "streams", "terminated",
+        "codec", "dropped", "guides", "intent", "list_due", "listed", "modes", "peers", "resets", "robot",
+        "rolling", "schedule", "snapshot", "speaker", "station", "store", "streams", "terminated",
     )  # fmt: skip
 
     def __init__(

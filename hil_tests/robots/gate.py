@@ -1,4 +1,4 @@
-"""Any installed robot that is well, to be made unwell in one respect; and one on paper, whose axes obey at once."""
+"""Any installed robot that is well, to be made unwell in one respect; and one whose axes obey at once."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -12,7 +12,6 @@ from firmware_bridge.kinds import find, kind_of, names
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.gate import Gate
-from firmware_bridge.safety.rules import Rules
 from firmware_bridge.safety.snapshot import Facts, Ruling, Snapshot
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, to_seconds
 
@@ -86,7 +85,7 @@ class Paper:
     def __init__(self, robot: AnyRobot) -> None:
         self.robot: Final = robot
         self.kind: Final = kind_of(robot)
-        self.rules: Final[Rules[Any, Any, Any]] = self.kind.rules(robot)[""]
+        self.rules: Final = self.kind.rules(robot)[""]
         self.gate: Final = gate_of(robot)
         self.axes: Final = axes_of(robot, START)
         self.before: Mapping[str, Feedback] = dict(self.axes)

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterator
 from dataclasses import fields, replace
-from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -133,7 +132,7 @@ def common_trips(robot: AnyRobot) -> Iterator[tuple[str, dict[str, Any]]]:
             ("axis not enabled", {"power": Power.STOPPED}),
             ("axis not enabled", {"power": Power.OFF}),
         ):
-            changed = replace(well[axis.name], **changes)  # type: ignore[arg-type] # a field of Feedback each
+            changed = replace(well[axis.name], **changes)
             yield f"{row}: {axis.name}", {"axes": {**well, axis.name: changed}}
 
 
@@ -270,9 +269,7 @@ def test_a_stop_brings_every_axis_to_rest(name: str) -> None:
 
 
 @pytest.mark.parametrize(("name", "mission"), MISSIONS)
-def test_its_missions_drive_without_a_refusal_and_it_ends_without_power(
-    name: str, mission: str, tmp_path: Path
-) -> None:
+def test_its_missions_drive_without_a_refusal_and_it_ends_without_power(name: str, mission: str) -> None:
     robot = find(name)
     rehearsal = rehearsal_of(robot)
     script = missions.find(mission, robot, rehearsal)

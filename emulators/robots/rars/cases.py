@@ -36,7 +36,7 @@ def _interlocks(robot: Robot[Geometry]) -> Iterator[Case]:
         "lift extended",
         trips=Situation(body=replace(WELL, lift_m=math.nextafter(retracted, 1.0))),
         spares=Situation(body=replace(WELL, lift_m=retracted)),
-        reason=f"the lift stands at {1000.0 * retracted:.0f} mm, retracted is below {1000.0 * retracted:.0f} mm",
+        reason=f"the lift stands at {1e3 * retracted:.0f} mm, retracted is below {1e3 * retracted:.0f} mm",
     )
     for side in (-1.0, 1.0):
         yield Case(
