@@ -3,7 +3,7 @@
 import pytest
 
 from firmware_bridge.drivers.driver import Power, Speed, Stop
-from firmware_bridge.intent import Arm, Disarm, EnterMode, Follow
+from firmware_bridge.intent import Arm, ClearEmergencyStop, Disarm, EnterMode, Follow
 from hil_tests.unit.pipeline.cart import GUIDED_MPS, RADIUS_M, PaperCart
 
 GUIDED = Speed(GUIDED_MPS / RADIUS_M)
@@ -183,21 +183,21 @@ def test_a_guide_that_was_held_back_begins_anew() -> None:
     assert resting >= 9
 
 
-def test_a_guide_moves_nothing_that_is_not_armed() -> None:
+def test_a_guide_is_refused_by_a_robot_that_is_not_armed() -> None:
     cart = PaperCart()
     cart.runs(10)
-    assert cart.asks(Follow("ahead")).accepted
-    cart.runs(30)
-    assert cart.newest("left") == Speed(0.0)
+    verdict = cart.asks(Follow("ahead"))
+    assert (verdict.accepted, verdict.reason) == (False, "guide: arm the robot first")
+    assert cart.asks(Follow("")).accepted
 
 
-def test_a_robot_that_has_a_guide_is_armed_as_any_other() -> None:
-    """The guide waits until it is; what it would like is not the stick's word."""
-    cart = PaperCart()
-    cart.runs(10)
-    assert cart.asks(Follow("ahead")).accepted
-    cart.runs(30)
-    verdict = cart.asks(Arm())
-    assert verdict.accepted, verdict.reason
+def test_a_robot_that_was_disarmed_has_no_guide_when_it_is_armed_again() -> None:
+    cart = guided()
+    cart.drivers["brush"].command(Speed(9.0))
     cart.runs(20)
-    assert cart.newest("left") == GUIDED
+    assert not cart.permission.armed
+    assert cart.asks(ClearEmergencyStop()).accepted
+    assert cart.asks(Arm()).accepted
+    cart.runs(40)
+    assert cart.held() == set()
+    assert cart.newest("left") == Speed(0.0)
