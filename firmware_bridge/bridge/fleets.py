@@ -115,7 +115,7 @@ class Fleets:
     ) -> tuple[Packet, ...]:
         """Send each axis its demand, one without rests; switch the outputs that are named.
 
-        A link that is not due in this cycle is left alone, unless one of its axes shall stop and does not yet.
+        A link that is not due in this cycle is left alone, unless one of its axes shall stop and does not.
         """
         sent: tuple[Packet, ...] = ()
         for fleet in self.all:

@@ -125,8 +125,9 @@ def _axis_late(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds)
     return f"{axis.called} does not tell its power and was last heard {silence:.2f} s ago"
 
 
-def _axis_left_out(axis: Axis, feedback: Feedback, _facts: Facts, _limit: Nanoseconds) -> str | None:
-    on = feedback.power is Power.ON
+def _axis_left_out(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
+    # One that is silent hears that its power goes off, or is stopped by its own watch over the bridge.
+    on = feedback.power is Power.ON and facts.now - feedback.heard_at < limit
     return f"{axis.called} has power, and this mode does without it" if on else None
 
 

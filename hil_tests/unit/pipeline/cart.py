@@ -293,6 +293,8 @@ class PaperCart:
         self.now: Nanoseconds = 0
         self.cycle = 0
         self.talks = True
+        self.silent: set[str] = set()
+        """The axes whose devices say nothing."""
         self.ahead = 0.0
         """Share of full stick, as `brush`."""
         self.brush = 0.0
@@ -306,7 +308,7 @@ class PaperCart:
             self.fleets.sample(self.cycle, self.now)
             self.cycle += 1
             for name, driver in self.drivers.items():
-                if self.links[self.drivers[name].axis.link].lost is None:
+                if self.links[driver.axis.link].lost is None and name not in self.silent:
                     driver.heard(self.now)
             self.pipeline.run(self.now)
 

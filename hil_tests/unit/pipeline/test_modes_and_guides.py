@@ -97,6 +97,20 @@ def test_any_word_but_on_lets_that_row_go(power: Power) -> None:
     assert cart.held() == {"not armed"}
 
 
+@pytest.mark.parametrize(("cycles", "held"), [(4, True), (5, False)])
+def test_one_that_says_nothing_any_more_is_waited_for_as_long_as_its_link_allows(
+    cycles: int, *, held: bool
+) -> None:
+    """250 ms: by then it has heard that its power goes off, or its own watch has stopped it."""
+    cart = PaperCart()
+    cart.runs(10)
+    cart.asks(EnterMode("brushless"))
+    cart.runs()
+    cart.silent = {"brush"}
+    cart.runs(cycles)
+    assert ("axis left out: brush" in cart.held()) is held
+
+
 def test_power_that_comes_back_disarms() -> None:
     cart = brushless()
     assert cart.asks(Arm()).accepted
