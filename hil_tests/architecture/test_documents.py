@@ -37,7 +37,7 @@ def test_every_make_target_in_the_readme_is_one() -> None:
 
 
 def test_every_mission_is_named_in_the_readme_and_driven_by_the_demo() -> None:
-    missions = {path.stem for path in (ROOT / "emulators/bench/missions").glob("*.toml")}
+    missions = {path.stem for path in (ROOT / "emulators/robots/rars/missions").glob("*.toml")}
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     (driven,) = re.findall(r"^MISSIONS := (.*)$", makefile, flags=re.MULTILINE)
     assert missions
