@@ -171,7 +171,7 @@ def test_at_rest_it_stays_at_rest(bench: Bench) -> None:
 
 def test_the_robot_file_sets_wheels_track_gears_and_battery() -> None:
     robot = SimpleNamespace(
-        geometry=SimpleNamespace(wheel_radius_m=0.1, track_m=0.5),
+        geometry=SimpleNamespace(base=SimpleNamespace(wheel_radius_m=0.1, track_m=0.5)),
         axes={LEFT: SimpleNamespace(ratio=20.0), RIGHT: SimpleNamespace(ratio=21.0)},
         battery=SimpleNamespace(nominal_v=36.0),
     )

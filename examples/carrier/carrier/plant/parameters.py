@@ -28,7 +28,7 @@ def _drive(axis: str) -> tuple[Parameter, ...]:
             rotor_inertia=1.42e-05,
             no_load_current=0.137,
         ),
-        Parameter(f"gear_{axis}", GEAR, "1", f"gear ratio, {axis} wheel", "as told"),
+        Parameter(f"gear_{axis}", GEAR, "1", f"gear ratio, {axis} wheel", "ASSUME"),
     )
 
 
