@@ -8,6 +8,7 @@ import pytest
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND
 from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.address import Address
 from hil_tests.safety.guard_bench import Bench, position, sample, status, status_read, wheel, write
 from hil_tests.safety.guard_robots import RARS
 from hil_tests.safety.serial_bench import SerialBench, done, reading, speed, target, value, word
@@ -282,3 +283,13 @@ def test_a_lift_that_goes_on_is_there_a_cycle_later_at_the_earliest(pair: Bench)
     pair.says(position(4, ENABLE, 500), now=CYCLE)
     pair.hears(status(4, REACHED), now=2 * CYCLE - 1)
     assert pair.refuses(wheel(1, ENABLE, 1), 2 * CYCLE - 1)[0] == LEFT_MOVES
+
+
+@pytest.mark.parametrize("other", [at.TARGET_POSITION, at.POSITION_DEMAND, at.VELOCITY_ACTUAL])
+def test_what_else_is_read_on_a_serial_line_tells_no_position(other: Address) -> None:
+    desk = SerialBench()
+    asked = reading(4, other)
+    desk.says(asked)
+    desk.hears(value(asked, (90_000).to_bytes(4, "little")))
+    desk.says(word(4, ENABLE), word(1, ENABLE), speed(100), target(4, 90_000))
+    assert desk.says(word(4, GO)) == (word(4, HALT),)

@@ -202,3 +202,12 @@ def test_a_target_on_the_line_counts_once_it_is_in_force(mixed: Bench) -> None:
     assert mixed.says(speed("base", 700), now=1) == (speed("base", 700),)
     mixed.says(writing(at.TARGET_VELOCITY, 500), now=2)
     assert mixed.refuses(speed("base", 701), 2)[0] == "both of 1201.0000 is beyond 1200.0000"
+
+
+def test_a_sum_that_the_line_s_axis_passes_is_stopped_after_a_cycle(mixed: Bench) -> None:
+    mixed.says(speed("base", 900), writing(at.TARGET_VELOCITY, 300), writing(at.CONTROLWORD, ENABLE))
+    beyond = writing(at.TARGET_VELOCITY, 301)
+    assert mixed.says(beyond, now=1) == (beyond,)
+    stops = (speed("base", 0), writing(at.TARGET_VELOCITY, 0), writing(at.CONTROLWORD, ENABLE))
+    assert mixed.guard.wake(CYCLE).sent == ()
+    assert mixed.guard.wake(CYCLE + 1).sent == stops
