@@ -62,8 +62,8 @@ TARGETS: Final = {
     "safety/guard/across_axes": ACROSS_TESTS,
     "safety/guard/axis": GUARD_TESTS + ACROSS_TESTS,
     "safety/guard/bounds": ("safety/test_guard_bounds.py",),
-    "safety/guard/epos2_can": GUARD_TESTS,
-    "safety/guard/epos2_serial": (*GUARD_SERIAL_TESTS, "safety/test_guard_reports.py"),
+    "safety/guard/epos2_can": GUARD_TESTS + ACROSS_TESTS,
+    "safety/guard/epos2_serial": (*GUARD_SERIAL_TESTS, "safety/test_guard_reports.py", *ACROSS_TESTS),
     "safety/guard/epos2_words": GUARD_TESTS[::-1],
     "safety/guard/writes": GUARD_TESTS[::-1] + GUARD_SERIAL_TESTS,
 }

@@ -252,3 +252,33 @@ def test_a_drive_that_an_earlier_run_has_left_with_power_rests_where_it_says() -
     said = (wheel(1, ENABLE, 1), position(4, GO, 50_000))
     assert bench.says(*said) == said
     assert bench.refuses(position(4, GO, 0))[0] == LIFT_MOVES
+
+
+def test_a_lift_on_its_way_rests_no_longer_where_it_did(pair: Bench) -> None:
+    resting(pair, 50_000)
+    pair.says(position(4, GO, 90_000), position(4, HALT, 90_000), wheel(1, ENABLE, 1), now=2 * CYCLE)
+    assert pair.refuses(position(4, GO, 50_000), 2 * CYCLE)[0] == LIFT_MOVES
+
+
+def test_the_end_of_the_handshake_and_what_follows_do_not_put_the_arrival_off(pair: Bench) -> None:
+    pair.says(position(4, GO, 50_000))
+    for now in (CYCLE // 2, CYCLE - 1):
+        pair.says(position(4, ENABLE, 50_000), now=now)
+    pair.hears(Packet("drives", 0x284, sample(4, REACHED, 50_000).payload[:6]), now=CYCLE)
+    held = (wheel(1, ENABLE, 1), position(4, GO, 50_000))
+    assert pair.says(*held, now=CYCLE) == held
+
+
+def test_a_halt_that_is_repeated_is_the_same_halt(pair: Bench) -> None:
+    pair.says(position(4, GO, 90_000), position(4, HALT, 90_000))
+    pair.says(position(4, HALT, 90_000), now=CYCLE - 1)
+    pair.hears(sample(4, ENABLED, 50_000), now=CYCLE)
+    held = (wheel(1, ENABLE, 1), position(4, GO, 50_000))
+    assert pair.says(*held, now=CYCLE) == held
+
+
+def test_a_lift_that_goes_on_is_there_a_cycle_later_at_the_earliest(pair: Bench) -> None:
+    pair.says(position(4, GO, 500), position(4, HALT, 500))
+    pair.says(position(4, ENABLE, 500), now=CYCLE)
+    pair.hears(status(4, REACHED), now=2 * CYCLE - 1)
+    assert pair.refuses(wheel(1, ENABLE, 1), 2 * CYCLE - 1)[0] == LEFT_MOVES

@@ -194,3 +194,11 @@ def test_where_several_are_silent_the_shortest_patience_is_told() -> None:
     bench.says(speed("base", 100), speed("tail", 100), arm(5))
     bench.guard.wake(12 * CYCLE)
     assert bench.refusals[-1].reason == "no set-point for 150 ms: front, rear, arm"
+
+
+def test_a_target_on_the_line_counts_once_it_is_in_force(mixed: Bench) -> None:
+    mixed.says(writing(at.TARGET_VELOCITY, 100), writing(at.CONTROLWORD, ENABLE), speed("base", 100))
+    mixed.says(writing(at.TARGET_VELOCITY, 500), now=1)
+    assert mixed.says(speed("base", 700), now=1) == (speed("base", 700),)
+    mixed.says(writing(at.TARGET_VELOCITY, 500), now=2)
+    assert mixed.refuses(speed("base", 701), 2)[0] == "both of 1201.0000 is beyond 1200.0000"

@@ -4,6 +4,7 @@ from itertools import pairwise, permutations
 
 import pytest
 
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 from hil_tests.safety.guard_bench import Bench
 from hil_tests.safety.guard_robots import AnAxis, robot_with
@@ -153,16 +154,17 @@ def test_both_wheels_may_reverse_in_one_cycle(between: Nanoseconds) -> None:
     assert bench.guard.refused == 0
 
 
-def test_nobody_goes_on_from_one_mixture_to_the_next() -> None:
+@pytest.mark.parametrize("way", [1, -1])
+def test_nobody_goes_on_from_one_mixture_to_the_next(way: int) -> None:
     """Each vector is within the bounds; but always the rising wheel first, and the other one late."""
     bench = Bench(PAIR)
     motors = Motors(PAIR)
     for step in range(400):
         rising, falling = (1, 2) if step % 2 else (2, 1)
-        motors.lives(bench, step * CYCLE, [speed(rising, 1000)])
-        motors.lives(bench, (step + 1) * CYCLE - 2, [speed(falling, 200)])
+        motors.lives(bench, step * CYCLE, [speed(rising, way * 1000)])
+        motors.lives(bench, (step + 1) * CYCLE - 2, [speed(falling, way * 200)])
     assert "speed stayed beyond its bound" in {refusal.reason for refusal in bench.refusals}
-    assert motors.way <= 600 * motors.now + 2 * CYCLE * TOP
+    assert abs(motors.way) <= 600 * motors.now + 2 * CYCLE * TOP
 
 
 def test_to_be_within_for_an_instant_mends_nothing() -> None:
@@ -219,3 +221,21 @@ def test_the_unit_of_a_sum_does_not_matter(scale: float) -> None:
     motors.lives(bench, 2 * CYCLE - 1, [speed(1, 602)])
     motors.lives(bench, 4 * CYCLE, [])
     assert bench.refusals[-1].at == 3 * CYCLE - 1
+
+
+def test_an_axis_that_was_sent_nothing_counts_nothing() -> None:
+    bench = Bench(robot_with(wheels("left", "right"), sums={"all": ({"left": 1.0, "right": 1.0}, 600.0)}))
+    assert bench.says(speed(1, 600)) == (speed(1, 600),)
+    assert bench.says(speed(1, 600), speed(2, 0), now=2 * CYCLE) == (speed(1, 600), speed(2, 0))
+    assert bench.guard.refused == 0
+
+
+def test_a_wheel_that_is_stopped_by_a_request_leaves_a_turn_that_is_stopped_after_a_cycle() -> None:
+    bench = Bench(PAIR)
+    bench.says(speed(1, 1000), speed(2, 150))
+    assert bench.says(speed(2, 200), now=1) == (speed(2, 200),)
+    quick_stop = Packet(LINK, 0x602, bytes.fromhex("2b4060000b000000"))
+    assert bench.says(quick_stop, now=9) == (quick_stop,)
+    assert bench.says(now=9 + CYCLE - 1) == ()
+    assert bench.says(now=9 + CYCLE) == (speed(1, 0),)
+    assert bench.refusals[-1].reason == "turn stayed beyond its bound"

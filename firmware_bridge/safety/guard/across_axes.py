@@ -75,7 +75,6 @@ class SpeedSum(AxesRule):
             value += factor * (own if one is axis else one.speed)
         if abs(value) <= self._bound:
             return None
-        self._sum_up(now)
         if self._others(axis, now) and self._excess(value) < self._most_excess:
             return None
         return f"{self.name} of {value:.4f} is beyond {math.copysign(self._bound, value):.4f}"

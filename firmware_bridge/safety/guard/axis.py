@@ -133,7 +133,6 @@ class GuardedAxis:
         """Note that nothing is in force any more: the drive does not hear set-points, and keeps none."""
         self._word = None
         self._has_goal = False
-        self.speed = 0.0
 
     def restarted(self) -> None:
         """Note that the drive starts anew, without power."""

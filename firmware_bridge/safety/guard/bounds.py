@@ -31,7 +31,7 @@ def ends_qc(axis: Axis) -> tuple[int, int]:
     The drive counts from where the axis's position is 0. An axis without travel may go nowhere.
     """
     per_unit = axis.direction * axis.ratio * _EDGES_PER_LINE * axis.settings.encoder_lines / math.tau
-    low, high = sorted(round(end * per_unit) for end in axis.travel or (0.0, 0.0))
+    low, high = sorted(round(end * per_unit) for end in axis.travel or (0, 0))
     return low, high
 
 
