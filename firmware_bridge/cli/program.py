@@ -15,7 +15,11 @@ COMMANDS: Final[tuple[Row, ...]] = (
         "firmware_bridge.cli.drive:drive",
         "Run the bridge on a real CAN bus or serial line.",
     ),
-    Command("robots", "firmware_bridge.cli.robots:robots", "List the robot files found, each one checked."),
+    Command(
+        "robots",
+        "firmware_bridge.cli.robots:robots",
+        "List the robots that are installed, each file checked.",
+    ),
     Group(
         "epos2",
         "One EPOS2 drive, real or emulated, over CAN or a serial line: its objects, its state.",

@@ -87,7 +87,7 @@ def _said(error: ErrorDetails, model: type[BaseModel]) -> str:
         bound = f"at least {context.get('min_length')}" if few else f"at most {context.get('max_length')}"
         return f"must have {bound} of them, but it has {context.get('actual_length')}"
     said = error["msg"].removeprefix("Value error, ")
-    return said if isinstance(given, dict | list) else f"{said}, but it is {given!r}"
+    return said if given is None or isinstance(given, dict | list) else f"{said}, but it is {given!r}"
 
 
 def _keys_at(model: type[BaseModel], location: tuple[int | str, ...]) -> list[str]:

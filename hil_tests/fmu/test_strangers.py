@@ -211,8 +211,9 @@ def test_a_plant_that_lacks_a_variable_is_refused_by_name(
     strangers: dict[str, Path], tmp_path: Path, who: str, name: str
 ) -> None:
     path = changed(strangers[who], tmp_path / "odd.fmu", (f'name="{name}"', f'name="{name}_x"'))
+    robot = robot_with()
     with pytest.raises(PlantError, match=rf"odd\.fmu: the FMU lacks the \w+ '{name}'.*'{name}_x'"):
-        devices(robot_with(), path)
+        Rig(robot, REHEARSAL, operator(robot), plant_path=path)
 
 
 @pytest.mark.parametrize("fmi", [2, 3])

@@ -201,9 +201,6 @@ def test_a_drive_without_supply_is_gone_for_good(rides: Ridden) -> None:
     assert ride.fastest(8.0, 9.0) < 0.002
 
 
-@pytest.mark.xfail(
-    reason=f"a restart counts from 0, and the raised lift passes for a lowered one: {MENDED}", strict=True
-)
 def test_a_lift_whose_drive_has_restarted_is_not_taken_for_retracted(rides: Ridden) -> None:
     ride = rides(
         ARMED,

@@ -2,8 +2,6 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from statistics import median
-from time import thread_time
 from typing import Final
 
 import numpy as np
@@ -95,7 +93,6 @@ class Kept:
 
     one: Ride
     moments: list[tuple[Nanoseconds, Checkpoint]] = field(default_factory=list)
-    costs: list[float] = field(default_factory=list)
     digests: dict[Nanoseconds, str] = field(default_factory=dict)
     """Of the first time through; two rigs differ in addresses, so this rig is compared with itself."""
 
@@ -113,9 +110,7 @@ def kept() -> Iterator[Kept]:
         while checks[0] < at:
             look(found, checks.pop(0))
         go(found.one, at)
-        begun = thread_time()
         moment = found.one.rig.snapshot()
-        found.costs.append(thread_time() - begun)
         found.moments.append((at, moment))
     for at in checks:
         look(found, at)
@@ -154,7 +149,7 @@ def test_from_any_instant_the_run_goes_on_as_it_went(straight: Straight, kept: K
         check = -(-(at + AHEAD) // GRID) * GRID
         go(one, check)
         assert one.rig.world.trace_sha256 == straight.traces[check], f"from {at} ns"
-        assert one.rig.samples == rows[: len(one.rig.samples)], f"from {at} ns"
+        assert list(one.rig.samples) == rows[: len(one.rig.samples)], f"from {at} ns"
         assert one.rig.samples[-1].at == check
 
 
@@ -183,21 +178,6 @@ def test_nothing_that_can_change_is_left_out(kept: Kept, second: float) -> None:
     assert digest(rig) == before
     rig.restore(nearest)
     assert digest(rig) == before
-
-
-def test_a_moment_costs_less_than_a_millisecond(
-    kept: Kept, record_property: Callable[[str, object], None]
-) -> None:
-    back = []
-    for _, moment in kept.moments[::5]:
-        begun = thread_time()
-        kept.one.rig.restore(moment)
-        back.append(thread_time() - begun)
-    record_property("snapshot_ms", round(1e3 * median(kept.costs), 3))
-    record_property("restore_ms", round(1e3 * median(back), 3))
-    # The processor's time, and its quietest tenth: a busy machine must not fail here.
-    assert float(np.quantile(kept.costs, 0.1)) < 1e-3
-    assert float(np.quantile(back, 0.1)) < 1e-3
 
 
 def test_the_world_alone_can_be_rewound_too(kept: Kept) -> None:

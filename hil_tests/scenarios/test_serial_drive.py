@@ -250,7 +250,7 @@ def test_a_drive_that_does_not_notice_the_bridge_s_silence_is_not_driven(
     bridge = one.rig.bridge
     assert bridge.phase is Phase.FAILED
     assert bridge.failure is not None
-    assert "drive 1 (left rear wheel): it did not notice that node 2 was silent" in bridge.failure
+    assert "node 1 (left rear wheel): it did not notice that node 2 was silent" in bridge.failure
     assert State.OPERATION_ENABLED not in states(one)
 
 

@@ -129,10 +129,10 @@ def test_the_robot_is_armed_over_the_line_loses_it_and_is_armed_anew(
     comes("  armed", operator.arms)
     assert bridge.says(f"bridge on {link} (v2, 1000000 Bd), node 1 passes on to the others")
     drives.ends()
-    comes("drives out of reach: the serial line to the drives is gone (plug the adapter in again, then arm)")
+    comes("link lost: drives: the serial line to the drives is gone (plug the adapter in again, then arm)")
     comes("  disarmed")
     start(*emulation)
-    comes("lets go: drives out of reach")
+    comes("lets go: link lost: drives")
     armed = bridge.told.count("  armed")
     until(lambda: bridge.told.count("  armed") > armed, lambda: bridge.told, operator.arms)
     assert bridge.ends() == 0, bridge.told
@@ -148,7 +148,7 @@ def test_the_robot_is_armed_over_the_line_loses_it_and_is_armed_anew(
         ),
         (
             ("--serial", "/dev/ttyS0", "--protocol", "v1"),
-            "a cycle of 50 ms does not hold statusword of node 4",
+            "link 'drives': a cycle of 50 ms does not hold statusword of node 4",
         ),
         (("--baud", "9600"), "--protocol and --baud are of a serial port; name it with --serial DEVICE"),
     ],

@@ -76,6 +76,8 @@ class Bench:
     lift: float | None = None
     """The lift's stick, -1 to 1, with its button held; None lets both go."""
     talks: bool = True
+    refused: list[str] = field(default_factory=list)
+    """What the guard is to refuse."""
 
     def __post_init__(self) -> None:
         bus, air = CanWire(self.robot.links["drives"].bit_rate), DatagramWire()

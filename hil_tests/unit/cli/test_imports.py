@@ -7,7 +7,7 @@ import select
 import subprocess
 import sys
 import tty
-from importlib.metadata import packages_distributions, requires
+from importlib.metadata import entry_points, packages_distributions, requires
 from pathlib import Path
 from typing import Final
 
@@ -31,11 +31,13 @@ LINE: Final = {*OPTIONS, "serial"}
 """A drive may be on a serial line: pyserial."""
 BRIDGE: Final = {*LINE, "pymavlink", "fastcrc"}
 """The operator speaks MAVLink."""
+KINDS: Final = {row.module.partition(".")[0] for row in entry_points(group="firmware_bridge.robots")}
+"""Whose robots are asked for: everybody's that are installed."""
 
 IMPORTED: Final[dict[str, set[str]]] = {
     "--version": TYPER,
     "--help": HELP,
-    "robots": {*OPTIONS, "rich"},
+    "robots": {*OPTIONS, "rich", *KINDS},
     "drive --help": HELP,
     "bench --help": HELP,
     "emulate --help": HELP,

@@ -57,7 +57,7 @@ def as_words(axis: ServoAxis) -> ServoAxis:
     """The same axis with Python's unbounded numbers, watched, in place of the record's 64 bits."""
     words: dict[str, int] = {name: Word(getattr(axis, name)) for name in FIELDS}
     words["encoder_resolution"] = axis.encoder_resolution
-    return cast("ServoAxis", SimpleNamespace(name=axis.name, node=axis.settings.node, **words))
+    return cast("ServoAxis", SimpleNamespace(name=axis.name, node=axis.node, **words))
 
 
 RAW = st.builds(
