@@ -107,7 +107,8 @@ class Permission(Generic[G, M, S]):
         asked = self.rules.body.asked(seen.wish, seen.body)
         if asked:
             moved = " and ".join(sorted(asked))
-            return Verdict(accepted=False, reason=f"arm: the stick asks the {moved} to move; let it go first")
+            reason = f"arm: the {moved} would move at once; let the stick go, or disarm"
+            return Verdict(accepted=False, reason=reason)
         if not self.rules.at_rest(seen):
             return Verdict(accepted=False, reason="arm: the robot still moves", temporary=True)
         return None

@@ -3,6 +3,7 @@
 import pytest
 
 from emulators.bench.faults import Fault
+from emulators.robots.rars import RarsStep as Step
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.kinds import find
 from firmware_bridge.robot import AnyRobot
@@ -201,18 +202,38 @@ def test_a_drive_without_supply_is_gone_for_good(rides: Ridden) -> None:
     assert ride.fastest(8.0, 9.0) < 0.002
 
 
-def test_a_lift_whose_drive_has_restarted_is_not_taken_for_retracted(rides: Ridden) -> None:
-    ride = rides(
+def with_a_restarted_lift(rides: Ridden, *steps: Step) -> Ride:
+    """Raise the lift, and cut its drive's power for a moment: it counts from 0 where it stands."""
+    return rides(
         ARMED,
         step(4.0, lift_m=0.05),
-        step(10.0, arm=True),
+        *steps,
         step(12.5, speed_mps=0.2),
         seconds=20,
         faults=[fault("drive_restart", 9.0, node="lift", for_s=0.2)],
     )
+
+
+@pytest.mark.xfail(
+    reason=f"a restart counts from 0, and the raised lift passes for a lowered one: {MENDED}", strict=True
+)
+def test_a_lift_whose_drive_has_restarted_is_not_taken_for_retracted(rides: Ridden) -> None:
+    ride = with_a_restarted_lift(rides, step(10.0, disarm=True), step(10.5, arm=True), step(11.5, arm=True))
     ride.runs_until(14.0)
     assert ride.now["lift_m"] > 0.01
     assert ride.fastest(12.0, 14.0) < 0.002, "the lift is up"
+
+
+def test_a_lift_that_says_it_is_not_where_it_was_sent_is_not_armed(rides: Ridden) -> None:
+    """Its target is still 50 mm, and its drive says 0: to arm now would move it."""
+    ride = with_a_restarted_lift(rides, step(10.0, arm=True), step(11.0, arm=True))
+    ride.runs_until(14.0)
+    answers = [
+        (entry.at, entry.text) for entry in ride.operator.diary.entries if entry.at >= from_seconds(11)
+    ]
+    assert (from_seconds(11), "arm: denied") in answers
+    assert ride.now["lift_m"] == pytest.approx(0.05, abs=2e-4), "it has not moved"
+    assert ride.fastest(9.0, 14.0) < 0.002
 
 
 def test_a_supply_below_the_limit_switches_every_drive_off_and_the_robot_rolls_out(rides: Ridden) -> None:
