@@ -22,7 +22,7 @@ def test_arming_while_the_stick_is_deflected_is_denied(bench: "Bench") -> None:
     bench.speed = 0.2
     bench.runs(0.1)
     assert bench.arms() == DENIED
-    assert "the stick asks the base to move" in bench.told()
+    assert "the base would move at once; let the stick go" in bench.told()
 
 
 def test_a_station_may_arm_before_it_speaks_of_motion(bench: "Bench") -> None:
