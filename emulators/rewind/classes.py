@@ -148,7 +148,8 @@ def _frozen_parts(cls: type) -> Callable[[Any], Iterable[object]]:
 def _is_plain(cls: type) -> bool:
     """Return whether the declared types of a frozen class promise that nothing below it can change.
 
-    The promise is mypy's to keep. It saves looking through each packet and each sample of a run.
+    The promise is mypy's to keep. It saves looking through each packet and each sample of a run. A compiled
+    class declares less: mypyc leaves out what is in brackets, and writes `type` for all that is no class.
     """
     if is_dataclass(cls) and _is_frozen(cls):
         names = [field.name for field in fields(cls)]
@@ -163,12 +164,17 @@ def _is_plain(cls: type) -> bool:
     return all(name in hints and _promises(hints[name]) for name in names)
 
 
+def _stays_plain(cls: type) -> bool:
+    """Return whether whatever has this type is plain. What `object` or a protocol stands for need not be."""
+    return cls is not type and (issubclass(cls, PLAIN) or _is_plain(cls))
+
+
 def _promises(hint: Any) -> bool:
     if isinstance(hint, str | ForwardRef):
         return False
     origin = get_origin(hint)
     if origin is None:
-        return hint is Ellipsis or (isinstance(hint, type) and treatment_of(hint).plain)
+        return hint is Ellipsis or (isinstance(hint, type) and _stays_plain(hint))
     if origin is Literal:
         return True
     if origin in (Final, Union, types.UnionType, tuple, frozenset):

@@ -1,10 +1,14 @@
 """Instances of compiled classes are kept and put back; classes that look like them stand in for them."""
 
 from abc import ABC
+from collections.abc import Collection
+from dataclasses import make_dataclass
 
+import numpy as np
 import pytest
 
 from emulators.rewind import Rewind, RewindError
+from emulators.wires import Disturbance
 
 
 class Counter:
@@ -129,3 +133,24 @@ def test_what_a_function_within_a_function_changes_is_found() -> None:
     assert counter.count == LARGE + 1
     rewind.restore(before)
     assert counter.count == LARGE
+
+
+@pytest.mark.parametrize("left", [type, Collection, object])
+def test_what_mypyc_leaves_of_a_declared_type_promises_nothing(left: type) -> None:
+    """Of `list[int] | None` it leaves `type`, of `Collection[int]` an abstract class."""
+    frozen = make_dataclass("Frozen", [("log", left)], frozen=True)
+    thing = frozen([1])
+    rewind = Rewind(thing)
+    before = rewind.snapshot()
+    thing.log.append(2)
+    rewind.restore(before)
+    assert thing.log == [1]
+
+
+def test_chance_comes_back_that_hangs_on_a_frozen_thing() -> None:
+    chance = np.random.default_rng(3)
+    rewind = Rewind([Disturbance(share=0.5, generator=chance)])
+    before = rewind.snapshot()
+    drawn = chance.random()
+    rewind.restore(before)
+    assert chance.random() == drawn
