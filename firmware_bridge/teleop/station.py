@@ -6,7 +6,7 @@ into MAVLink's, and only there. Rows that the protocol cannot carry are refused 
 
 from collections.abc import Callable, Iterable
 from dataclasses import KW_ONLY, dataclass
-from typing import Final, Generic, TypeVar
+from typing import Any, Final, Generic, TypeAlias, TypeVar
 
 from firmware_bridge.robot import Robot
 from firmware_bridge.robot.table import Table
@@ -165,6 +165,9 @@ class Station(Generic[G, M, S]):
             raise ValueError(
                 f"station: {', '.join(hasty)} sent more often than each {FASTEST // MILLISECOND} ms"
             )
+
+
+AnyStation: TypeAlias = Station[Any, Any, Any]
 
 
 def _need_distinct(what: str, keys: Iterable[object]) -> None:
