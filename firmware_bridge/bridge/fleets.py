@@ -12,8 +12,6 @@ from firmware_bridge.units import NEVER, Nanoseconds
 class Fleets:
     """The fleets in the order of the robot file's links; what a method returns is to be sent."""
 
-    __slots__ = ("_beats", "_by_link", "_due", "_stopped", "all", "drivers")
-
     def __init__(self, fleets: tuple[Fleet, ...]) -> None:
         self.all: Final = fleets
         self._by_link: Final = {fleet.name: fleet for fleet in fleets}

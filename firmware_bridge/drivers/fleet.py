@@ -58,8 +58,6 @@ class Link(Protocol):
 class Fleet:
     """The devices in the order of the robot file; what a method returns is to be sent."""
 
-    __slots__ = ("_ask_at", "drivers", "every", "link", "outputs", "sensors")
-
     def __init__(
         self,
         link: Link,

@@ -16,8 +16,6 @@ Decide: TypeAlias = Callable[[Request], Verdict]
 class Exchange:
     """A message, its sender, and what is answered to it."""
 
-    __slots__ = ("address", "decide", "message", "now", "replies", "session")
-
     def __init__(
         self, session: Session, message: Message, address: Address, now: Nanoseconds, decide: Decide
     ) -> None:

@@ -26,8 +26,6 @@ S = TypeVar("S")
 class Operator(Generic[G, M, S]):
     """One robot's place on MAVLink."""
 
-    __slots__ = ("_called", "_faults", "_holds", "_session")
-
     def __init__(
         self,
         robot: Robot[G],

@@ -84,11 +84,6 @@ class Dropped:
 class Session:
     """The whole memory; one for each bridge."""
 
-    __slots__ = (
-        "codec", "dropped", "guides", "intent", "list_due", "listed", "modes", "peers", "resets", "robot",
-        "rolling", "schedule", "snapshot", "speaker", "station", "store", "streams", "terminated",
-    )  # fmt: skip
-
     def __init__(
         self,
         robot: AnyRobot,
