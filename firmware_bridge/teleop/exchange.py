@@ -1,7 +1,8 @@
 """One message from a ground station, and what it may bring about in the bridge."""
 
 from collections.abc import Callable
-from typing import Any, Final, TypeAlias
+from dataclasses import dataclass, field
+from typing import Any, TypeAlias
 
 from firmware_bridge.intent import EmergencyStop, Intent, Request, ResetOdometry, Verdict
 from firmware_bridge.teleop.mavlink import Message
@@ -13,18 +14,16 @@ from firmware_bridge.units import Nanoseconds
 Decide: TypeAlias = Callable[[Request], Verdict]
 
 
+@dataclass(slots=True, eq=False)
 class Exchange:
     """A message, its sender, and what is answered to it."""
 
-    def __init__(
-        self, session: Session, message: Message, address: Address, now: Nanoseconds, decide: Decide
-    ) -> None:
-        self.session: Final = session
-        self.message: Final[Message] = message
-        self.address: Final = address
-        self.now: Final = now
-        self.decide: Final = decide
-        self.replies: list[Message] = []
+    session: Session
+    message: Message
+    address: Address
+    now: Nanoseconds
+    decide: Decide
+    replies: list[Message] = field(default_factory=list)
 
     @property
     def peer(self) -> Peer:
