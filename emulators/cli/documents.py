@@ -77,11 +77,8 @@ def dcf(
     """Read every object of a running drive, emulated or real, and write its device configuration file."""
     with one_message(PortError):
         port = open_can(interface, channel, bit_rate)
-    try:
-        with one_message(SilentNodeError, LostPort, status=FAILED):
-            values = read_all(port, node)
-    finally:
-        port.close()
+    with one_message(SilentNodeError, LostPort, status=FAILED):
+        values = read_all(port, node)
     by_product = {(profile.hardware_version or 0) << 16: profile for profile in PROFILES.values()}
     product = values.get(at.PRODUCT_CODE)
     found = by_product.get(product if isinstance(product, int) else -1, PROFILES["70/10"])
