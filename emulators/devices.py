@@ -11,23 +11,19 @@ from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import DeviceProfile, realistic
 from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.servo.axis import ServoAxis
-from emulators.servo.bank import ServoBank, plant_inputs, plant_outputs
-from emulators.servo.pins import input_lines, output_lines, pin_inputs, pin_outputs
-from emulators.servo.sensor_lines import sensor_lines, sensor_outputs
+from emulators.servo.bank import ServoBank, plant_outputs
+from emulators.servo.fmu_axes import back_emf, fmu_bank, fmu_plant
 from firmware_bridge.robot import AnyRobot, Axis, Problem, RobotFileError
 from firmware_bridge.wire.maxon.frame import Generation
 from fmu.build import ensure
 from fmu.errors import UnknownNameError
-from fmu.interface import units
-from fmu.plant import FmuPlant, PlantError
+from fmu.plant import FmuPlant
 from fmu.plants import Plant
 from fmu.plants import find as find_plant
 
 SUPPLY: Final = "battery_voltage"
 """The plant's output that feeds the drives, V."""
 NO_SERIAL: Final[Mapping[str, Generation]] = MappingProxyType({})
-BACK_EMF_UNIT: Final = 1 << 24
-"""Parts of 1 V s/rad in which a servo axis keeps its motor's constant."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,32 +53,16 @@ def devices(
     user's is taken as it is, with the parameters that the robot file lists for it.
     """
     names = [axis.name for axis in robot.axes]
-    first = plant_outputs(names)
     if plant_path is None:
         path, parameters = ensure(_plant(robot)), plant_parameters(robot)
     else:
         path, parameters = plant_path, robot.plant.parameters
-    plant = FmuPlant(
-        path,
-        plant_inputs(names),
-        tuple(dict.fromkeys((*first, SUPPLY, *outputs))),
-        parameters,
-        units=units(names),
-        optional_inputs=pin_inputs(names),
-        optional_outputs=pin_outputs(names) + sensor_outputs(names),
-    )
+    plant = fmu_plant(path, names, parameters, (SUPPLY, *outputs))
     axes = [
-        ServoAxis(axis.name, axis.settings.quadcounts_per_turn, back_emf=_back_emf(plant, axis.name))
+        ServoAxis(axis.name, axis.settings.quadcounts_per_turn, back_emf=back_emf(plant, axis.name))
         for axis in robot.axes
     ]
-    bank = ServoBank(
-        plant,
-        axes,
-        supply=len(first),
-        analogue=_supply_input(robot),
-        input_lines=input_lines(plant.output_names, names) + sensor_lines(plant.output_names, names),
-        output_lines=output_lines(plant.input_names, names),
-    )
+    bank = fmu_bank(plant, axes, len(plant_outputs(names)), _supply_input(robot))
     drives = {
         axis.name: _drive(axis, servo, _profile(axis, realistic_latency=realistic_latency), serial)
         for axis, servo in zip(robot.axes, axes, strict=True)
@@ -110,14 +90,6 @@ def _profile(axis: Axis, *, realistic_latency: bool) -> DeviceProfile:
     kind = PROFILES[axis.settings.device.value]
     kind = realistic(kind) if realistic_latency else kind
     return replace(kind, serial_number=kind.serial_number + axis.settings.node)
-
-
-def _back_emf(plant: FmuPlant, axis: str) -> int:
-    """Return the motor's constant as an axis takes it; 0, to be learnt, where the plant does not tell it."""
-    try:
-        return round(plant.read(f"torque_constant_{axis}") * BACK_EMF_UNIT)
-    except PlantError:
-        return 0
 
 
 def plant_parameters(robot: AnyRobot) -> dict[str, float]:

@@ -13,19 +13,15 @@ from emulators.epos2.drive import Epos2
 from emulators.epos2.objects.device_profile import DeviceProfile
 from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.servo.axis import ServoAxis
-from emulators.servo.bank import Plant, ServoBank, plant_inputs, plant_outputs
+from emulators.servo.bank import Plant, ServoBank
+from emulators.servo.fmu_axes import BACK_EMF_UNIT, back_emf, fmu_bank, fmu_plant
 from emulators.servo.motor import MOTOR, SUPPLY_MV, DcMotor, DcMotors
-from emulators.servo.pins import input_lines, output_lines, pin_inputs, pin_outputs
-from emulators.servo.sensor_lines import sensor_lines, sensor_outputs
 from emulators.storage import ParameterFile
 from firmware_bridge.wire.maxon.frame import Generation
-from fmu.interface import units
-from fmu.plant import FmuPlant, PlantError
+from fmu.plant import FmuPlant
 
 QUADCOUNTS: Final = 2_000
 """Of the encoder in one turn: the default of 0x2210:1, 500 pulses."""
-BACK_EMF_UNIT: Final = 1 << 24
-"""Parts of 1 V s/rad in which a servo axis keeps its motor's constant."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,20 +60,22 @@ def drives(order: Order) -> tuple[dict[str, Epos2], ServoBank]:
     plant: Plant = (
         DcMotors((order.motor,) * len(names))
         if order.plant is None
-        else _fmu(order.plant, names, order.plant_parameters)
+        else fmu_plant(order.plant, names, order.plant_parameters)
     )
+    own = round(order.motor.torque_constant * BACK_EMF_UNIT)
     axes = [
-        ServoAxis(name, QUADCOUNTS, supply_mv=order.supply_mv, back_emf=_back_emf(order, plant, name))
+        ServoAxis(
+            name,
+            QUADCOUNTS,
+            supply_mv=order.supply_mv,
+            back_emf=back_emf(plant, name) if isinstance(plant, FmuPlant) else own,
+        )
         for name in names
     ]
     made = {
         name: _drive(order, node, axis) for name, node, axis in zip(names, order.nodes, axes, strict=True)
     }
-    if not isinstance(plant, FmuPlant):
-        return made, ServoBank(plant, axes)
-    wires = output_lines(plant.input_names, names)
-    switches = input_lines(plant.output_names, names) + sensor_lines(plant.output_names, names)
-    return made, ServoBank(plant, axes, input_lines=switches, output_lines=wires)
+    return made, fmu_bank(plant, axes) if isinstance(plant, FmuPlant) else ServoBank(plant, axes)
 
 
 def _drive(order: Order, node: int, axis: ServoAxis) -> Epos2:
@@ -88,26 +86,3 @@ def _drive(order: Order, node: int, axis: ServoAxis) -> Epos2:
     if generation is None:
         return Epos2(switch, axis, profile, storage=storage, bus_rate=order.bit_rate)
     return SerialEpos2(switch, axis, profile, generation=generation, storage=storage, bus_rate=order.bit_rate)
-
-
-def _fmu(path: Path, names: Sequence[str], parameters: Mapping[str, float]) -> FmuPlant:
-    return FmuPlant(
-        path,
-        plant_inputs(names),
-        plant_outputs(names),
-        parameters,
-        units=units(names),
-        optional_inputs=pin_inputs(names),
-        optional_outputs=pin_outputs(names) + sensor_outputs(names),
-    )
-
-
-def _back_emf(order: Order, plant: Plant, name: str) -> int:
-    """Return the motor's constant as an axis takes it; 0, to be learnt, where an FMU does not tell it."""
-    constant = order.motor.torque_constant
-    if isinstance(plant, FmuPlant):
-        try:
-            constant = plant.read(f"torque_constant_{name}")
-        except PlantError:
-            return 0
-    return round(constant * BACK_EMF_UNIT)

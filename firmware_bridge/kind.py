@@ -6,8 +6,9 @@ tell of its body.
 """
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Final, Generic, Protocol, TypeAlias, TypeVar
+from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 
 from firmware_bridge.drivers.driver import Level
 from firmware_bridge.robot import Robot
@@ -35,79 +36,46 @@ class Guide(Protocol[M, S_contra]):
         """Forget what has been added up: the robot was held back."""
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Mode(Generic[G, M, S]):
     """How the robot goes on after an actuator has failed: without its axis, by other body and rows."""
 
-    __slots__ = ("body", "interlocks", "limits", "without")
-
-    def __init__(
-        self,
-        *,
-        without: frozenset[str],
-        body: Callable[[Robot[G]], Body[M, S]],
-        interlocks: tuple[Interlock[G, M, S], ...],
-        limits: tuple[Limit[G, M, S], ...],
-    ) -> None:
-        self.without: Final = without
-        """The axes, by their roles, that are not used in it: without power, or held."""
-        self.body: Final = body
-        self.interlocks: Final = interlocks
-        self.limits: Final = limits
+    without: frozenset[str]
+    """The axes, by their roles, that are not used in it: without power, or held."""
+    body: Callable[[Robot[G]], Body[M, S]]
+    interlocks: tuple[Interlock[G, M, S], ...]
+    limits: tuple[Limit[G, M, S], ...]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Kind(Generic[G, M, S]):
     """One kind of robot, whole."""
 
-    __slots__ = (
-        "body", "file", "geometry", "groups", "guides", "interlocks", "limits", "modes", "name", "numbers",
-        "on_stop", "reach", "rest", "station", "switched", "travelling",
-    )  # fmt: skip
-
-    def __init__(
-        self,
-        *,
-        name: str,
-        file: Path,
-        geometry: type[G],
-        rest: M,
-        numbers: Mapping[str, Callable[[M], float | None]],
-        body: Callable[[Robot[G]], Body[M, S]],
-        groups: Mapping[Group, frozenset[str]],
-        travelling: frozenset[Group],
-        interlocks: tuple[Interlock[G, M, S], ...],
-        limits: tuple[Limit[G, M, S], ...],
-        reach: Callable[[Robot[G]], Iterable[tuple[M, S]]],
-        station: Station[G, M, S],
-        guides: Mapping[str, Callable[[Robot[G]], Guide[M, S]]] | None = None,
-        modes: Mapping[str, Mode[G, M, S]] | None = None,
-        switched: Callable[[M], Mapping[str, Level]] | None = None,
-        on_stop: Mapping[str, Level] | None = None,
-    ) -> None:
-        self.name: Final = name
-        self.file: Final = file
-        """The robot file that comes with the kind."""
-        self.geometry: Final = geometry
-        self.rest: Final = rest
-        """A motion in which everything rests."""
-        self.numbers: Final = numbers
-        """What in a motion must be a finite number, by its title for people."""
-        self.body: Final = body
-        self.groups: Final = groups
-        """The axes, by their roles, that stop together; every axis is in one group."""
-        self.travelling: Final = travelling
-        """The groups that take the robot from its place; they stand before it is armed or disarmed."""
-        self.interlocks: Final = interlocks
-        """The robot's own rows; the common ones come beside them."""
-        self.limits: Final = limits
-        self.reach: Final = reach
-        """The motions at the corners of what the limits allow, with the state in which they ask the most."""
-        self.station: Final = station
-        self.guides: Final[Mapping[str, Callable[[Robot[G]], Guide[M, S]]]] = guides or {}
-        self.modes: Final[Mapping[str, Mode[G, M, S]]] = modes or {}
-        self.switched: Final = switched
-        """What a motion makes of the robot's outputs, by their names; None for a kind without."""
-        self.on_stop: Final[Mapping[str, Level]] = on_stop or {}
-        """The outputs that a stop of all groups sets, whatever the motion says."""
+    name: str
+    file: Path
+    """The robot file that comes with the kind."""
+    geometry: type[G]
+    rest: M
+    """A motion in which everything rests."""
+    numbers: Mapping[str, Callable[[M], float | None]]
+    """What in a motion must be a finite number, by its title for people."""
+    body: Callable[[Robot[G]], Body[M, S]]
+    groups: Mapping[Group, frozenset[str]]
+    """The axes, by their roles, that stop together; every axis is in one group."""
+    travelling: frozenset[Group]
+    """The groups that take the robot from its place; they stand before it is armed or disarmed."""
+    interlocks: tuple[Interlock[G, M, S], ...]
+    """The robot's own rows; the common ones come beside them."""
+    limits: tuple[Limit[G, M, S], ...]
+    reach: Callable[[Robot[G]], Iterable[tuple[M, S]]]
+    """The motions at the corners of what the limits allow, with the state in which they ask the most."""
+    station: Station[G, M, S]
+    guides: Mapping[str, Callable[[Robot[G]], Guide[M, S]]] = field(default_factory=dict)
+    modes: Mapping[str, Mode[G, M, S]] = field(default_factory=dict)
+    switched: Callable[[M], Mapping[str, Level]] | None = None
+    """What a motion makes of the robot's outputs, by their names; None for a kind without."""
+    on_stop: Mapping[str, Level] = field(default_factory=dict)
+    """The outputs that a stop of all groups sets, whatever the motion says."""
 
     def rules(self, robot: Robot[G]) -> dict[str, Rules[G, M, S]]:
         """Return what the gate judges by in each mode; the whole robot's is the empty name's."""

@@ -3,7 +3,8 @@
 A robot's package declares them; the tests that every robot gets look whether each row has some, and holds.
 """
 
-from typing import Final, Generic, TypeVar
+from dataclasses import KW_ONLY, dataclass
+from typing import Generic, TypeVar
 
 from firmware_bridge.robot import AnyRobot
 
@@ -11,39 +12,28 @@ M = TypeVar("M")
 S = TypeVar("S")
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Situation(Generic[M, S]):
     """What differs from a robot that is well, armed and at rest."""
 
-    __slots__ = ("body", "demanded", "wish")
-
-    def __init__(self, *, wish: M | None = None, body: S | None = None, demanded: M | None = None) -> None:
-        self.wish: Final = wish
-        """What the operator wants; None: to rest."""
-        self.body: Final = body
-        """What is known of the body; None: what axes at their zero tell."""
-        self.demanded: Final = demanded
-        """What the bridge asks for already; None: for rest."""
+    wish: M | None = None
+    """What the operator wants; None: to rest."""
+    body: S | None = None
+    """What is known of the body; None: what axes at their zero tell."""
+    demanded: M | None = None
+    """What the bridge asks for already; None: for rest."""
 
 
+@dataclass(frozen=True, slots=True)
 class Case(Generic[M, S]):
     """One way to trip one row, and the nearest way that does not."""
 
-    __slots__ = ("reason", "robot", "row", "spares", "trips")
-
-    def __init__(
-        self,
-        row: str,
-        *,
-        trips: Situation[M, S],
-        spares: Situation[M, S],
-        reason: str,
-        robot: AnyRobot | None = None,
-    ) -> None:
-        self.row: Final = row
-        """The interlock's or the limit's name."""
-        self.trips: Final = trips
-        self.spares: Final = spares
-        self.reason: Final = reason
-        """What is said then, with the numbers."""
-        self.robot: Final = robot
-        """One with other numbers, where those of the robot file never trip the row; None for the file's."""
+    row: str
+    """The interlock's or the limit's name."""
+    _: KW_ONLY
+    trips: Situation[M, S]
+    spares: Situation[M, S]
+    reason: str
+    """What is said then, with the numbers."""
+    robot: AnyRobot | None = None
+    """One with other numbers, where those of the robot file never trip the row; None for the file's."""

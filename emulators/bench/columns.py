@@ -4,7 +4,7 @@ The table of samples, the CSV file, the summary's numbers and the pictures all c
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Final, TypeAlias
 
 import numpy as np
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.snapshot import Snapshot
-from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
+from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 SAMPLE_EVERY: Final[Nanoseconds] = 10 * MILLISECOND
 AT: Final = "at"
@@ -97,28 +97,16 @@ def columns_of(axes: Sequence[str], own: tuple[Column, ...]) -> tuple[Column, ..
     return (*own, ARMED, *currents, *speeds)
 
 
+@dataclass(frozen=True, slots=True)
 class Sample:
     """One row of the table."""
 
-    __slots__ = ("_places", "at", "values")
-
-    def __init__(self, at: Nanoseconds, values: tuple[float, ...], places: dict[str, int]) -> None:
-        self.at: Final = at
-        self.values: Final = values
-        self._places = places
+    at: Nanoseconds
+    values: tuple[float, ...]
+    _places: dict[str, int] = field(compare=False)
 
     def __getitem__(self, name: str) -> float:
         return self.values[self._places[name]]
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Sample) and (self.at, self.values) == (other.at, other.values)
-
-    def __hash__(self) -> int:
-        return hash((self.at, self.values))
-
-    def __repr__(self) -> str:
-        shown = ", ".join(f"{name}={self.values[place]:g}" for name, place in self._places.items())
-        return f"Sample(at={to_seconds(self.at):g} s, {shown})"
 
 
 class Samples(Sequence[Sample]):
@@ -154,10 +142,6 @@ class Samples(Sequence[Sample]):
         """Forget all rows."""
         self._at.clear()
         self._rows.clear()
-
-    def has(self, *names: str) -> bool:
-        """Return whether all these columns are in the table."""
-        return all(name in self._places for name in names)
 
     def column(self, name: str) -> Floats:
         """Return a column from the first row to the last."""

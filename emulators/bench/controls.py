@@ -25,18 +25,6 @@ _UNUSED: Final = 0x7FFF
 class Controls:
     """What is asked for, channel by channel, by stick or as a twist, and the buttons."""
 
-    __slots__ = (
-        "_buttons",
-        "_full",
-        "_input",
-        "_ramps",
-        "_rehearsal",
-        "_robot",
-        "_trembles_with",
-        "_tremors",
-        "released_at",
-    )  # fmt: skip
-
     def __init__(
         self,
         robot: AnyRobot,

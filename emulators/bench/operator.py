@@ -32,12 +32,6 @@ Reader: TypeAlias = Callable[[Message, Nanoseconds], None]
 class ScriptedOperator:
     """One operator and his ground station, system 255; `diary` tells what became of the mission."""
 
-    __slots__ = (
-        "_beat_due", "_codec", "_component", "_controls", "_greetings", "_heard", "_listener", "_mission",
-        "_pending", "_period", "_robot", "_send_due", "_silent_until", "_step", "_step_at", "_system",
-        "diary",
-    )  # fmt: skip
-
     def __init__(
         self, robot: AnyRobot, rehearsal: Rehearsal, mission: Mission, generator: np.random.Generator
     ) -> None:

@@ -14,8 +14,6 @@ TREMOR_TIME_S: Final = 0.2
 class Ramp:
     """A value that goes to its target at once or at a slope; computed from its last change, not summed."""
 
-    __slots__ = ("_since", "_slope", "_start", "target")
-
     def __init__(self) -> None:
         self.target = 0.0
         self._start = 0.0
@@ -40,8 +38,6 @@ class Ramp:
 
 class Tremor:
     """Noise of a hand that returns to its place: an Ornstein-Uhlenbeck process, sampled once a message."""
-
-    __slots__ = ("_generator", "_keeps", "_kicks", "_value")
 
     def __init__(self, deviation: float, period: Nanoseconds, generator: np.random.Generator) -> None:
         self._keeps = math.exp(-period / SECOND / TREMOR_TIME_S)

@@ -8,7 +8,7 @@ Every node has one queue, first in first out; the heads of the queues arbitrate.
 from collections import deque
 from typing import Final
 
-from emulators.wires.ends import End, Ends, Observer
+from emulators.wires.ends import End, Observed
 from emulators.world import Station, World, WorldError
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
@@ -28,13 +28,13 @@ class Controller(End):
         self.queue: deque[tuple[Packet, int, int]] = deque()
 
 
-class CanWire:
+class CanWire(Observed):
     """A CAN bus at `bit_rate` bits a second, which must divide a second into whole nanoseconds."""
 
     def __init__(self, bit_rate: int, name: str = "can") -> None:
         if bit_rate <= 0 or SECOND % bit_rate:
             raise WorldError(f"CAN bit rate {bit_rate}: a bit must last a whole number of nanoseconds")
-        self.name = name
+        super().__init__(name)
         self.bit_time: Nanoseconds = SECOND // bit_rate
         self.frames = 0
         self.bits = 0
@@ -42,7 +42,6 @@ class CanWire:
         self.destroyed = 0
         self.clashes = 0
         """How often two nodes began one identifier at once; a real bus answers that with a bit error."""
-        self._ends = Ends(name)
         self._controllers: dict[Station, Controller] = {}
         self._contenders: list[Controller] = []
         """The controllers in the order in which they joined."""
@@ -61,16 +60,8 @@ class CanWire:
 
     def leave(self, station: Station) -> None:
         """Disconnect a station; a frame that it is sending is destroyed."""
-        self._ends.leave(station)
+        super().leave(station)
         self._contenders.remove(self._controllers.pop(station))
-
-    def observe(self, observer: Observer) -> None:
-        """Call `observer` for every frame that has wholly arrived."""
-        self._ends.observers.append(observer)
-
-    def unobserved(self) -> None:
-        """Let go of all observers."""
-        self._ends.observers.clear()
 
     def carry(self, sender: Station, packet: Packet) -> None:
         """Queue a frame; ValueError for what is no frame."""

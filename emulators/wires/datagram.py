@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 from numpy.random import Generator
 
-from emulators.wires.ends import End, Ends, Observer
+from emulators.wires.ends import End, Observed
 from emulators.world import Station, World, WorldError
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, Nanoseconds
@@ -42,8 +42,11 @@ class Impairment:
         return self.share >= 1.0 or self.generator is None or bool(self.generator.random() < self.share)
 
 
-class DatagramWire:
-    """Carries each packet after `delay` plus up to `jitter`, or loses it with probability `loss`."""
+class DatagramWire(Observed):
+    """Carries each packet after `delay` plus up to `jitter`, or loses it with probability `loss`.
+
+    Packets of a station that leaves still arrive.
+    """
 
     def __init__(
         self,
@@ -57,7 +60,7 @@ class DatagramWire:
             raise WorldError(f"link '{name}': delay and jitter must not be negative, loss is from 0 to 1")
         if generator is None and (jitter or loss):
             raise WorldError(f"link '{name}': jitter and loss need a generator of random numbers")
-        self.name = name
+        super().__init__(name)
         self.delay = delay
         self.jitter = jitter
         self.loss = loss
@@ -65,23 +68,10 @@ class DatagramWire:
         self.lost = 0
         self._generator = generator
         self._impairments: list[Impairment] = []
-        self._ends = Ends(name)
 
     def join(self, world: World, station: Station, link: str) -> None:
         """Connect a station, which calls this wire `link`."""
         self._ends.join(End(station, link, world))
-
-    def leave(self, station: Station) -> None:
-        """Disconnect a station; its packets under way still arrive."""
-        self._ends.leave(station)
-
-    def observe(self, observer: Observer) -> None:
-        """Call `observer` for every packet that arrives."""
-        self._ends.observers.append(observer)
-
-    def unobserved(self) -> None:
-        """Let go of all observers."""
-        self._ends.observers.clear()
 
     def impair(self, what: Impairment) -> None:
         """Lose, delay or double packets from now on, as described."""

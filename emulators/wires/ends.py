@@ -66,3 +66,23 @@ class Ends:
             listens = station.listens
             if listens is None or listens(heard):
                 world.deliver(station, heard)
+
+
+class Observed:
+    """What the wires do alike: they have a name and ends, and tell observers what they have carried."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self._ends = Ends(name)
+
+    def leave(self, station: Station) -> None:
+        """Disconnect a station."""
+        self._ends.leave(station)
+
+    def observe(self, observer: Observer) -> None:
+        """Call `observer` for every packet that has wholly arrived."""
+        self._ends.observers.append(observer)
+
+    def unobserved(self) -> None:
+        """Let go of all observers."""
+        self._ends.observers.clear()

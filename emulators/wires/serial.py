@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final
 
-from emulators.wires.ends import End, Ends, Observer
+from emulators.wires.ends import End, Observed
 from emulators.world import Station, World, WorldError
 from firmware_bridge.node import Clocked
 from firmware_bridge.packet import Packet
@@ -69,7 +69,7 @@ class _Uart(End):
         self.reading = False
 
 
-class SerialWire:
+class SerialWire(Observed):
     """A line at `baud` bits a second; an end that has a `baud` of its own runs at that one.
 
     Between two different rates bytes arrive as the receiver reads them, or not at all.
@@ -86,12 +86,11 @@ class SerialWire:
         for owner, inbox in inboxes.items():
             if inbox.buffer_bytes <= 0 or inbox.read_every <= 0:
                 raise WorldError(f"line '{name}': the inbox of '{owner}' needs a size and a time above zero")
-        self.name = name
+        super().__init__(name)
         self.baud = baud
         self.bytes = 0
         """Carried so far, both ways."""
         self._inboxes = dict(inboxes)
-        self._ends = Ends(name)
         self._uarts: dict[Station, _Uart] = {}
 
     def join(self, world: World, station: Station, link: str) -> None:
@@ -104,16 +103,8 @@ class SerialWire:
 
     def leave(self, station: Station) -> None:
         """Disconnect a station; what it has not sent yet is lost."""
-        self._ends.leave(station)
+        super().leave(station)
         self._uarts.pop(station).queue.clear()
-
-    def observe(self, observer: Observer) -> None:
-        """Call `observer` for every chunk that is handed over."""
-        self._ends.observers.append(observer)
-
-    def unobserved(self) -> None:
-        """Let go of all observers."""
-        self._ends.observers.clear()
 
     def overruns(self, name: str) -> int:
         """Return how many bytes for the station of this name found its buffer full."""

@@ -12,8 +12,6 @@ from firmware_bridge.units import NEVER, Nanoseconds
 class Fleets:
     """The fleets in the order of the robot file's links; what a method returns is to be sent."""
 
-    __slots__ = ("_beats", "_by_link", "_due", "_stopped", "all", "drivers")
-
     def __init__(self, fleets: tuple[Fleet, ...]) -> None:
         self.all: Final = fleets
         self._by_link: Final = {fleet.name: fleet for fleet in fleets}
@@ -40,7 +38,7 @@ class Fleets:
     @property
     def late(self) -> int:
         """Cycles that began before the samples of the one before were in."""
-        return sum(fleet.late for fleet in self.all)
+        return sum(fleet.link.late for fleet in self.all)
 
     @property
     def wake_at(self) -> Nanoseconds:
@@ -60,7 +58,7 @@ class Fleets:
     @property
     def links_lost(self) -> dict[str, str]:
         """Why no device on a link can be reached, by the link's name."""
-        return {fleet.name: fleet.lost for fleet in self.all if fleet.lost is not None}
+        return {fleet.name: fleet.link.lost for fleet in self.all if fleet.link.lost is not None}
 
     def readings(self, now: Nanoseconds) -> dict[str, Reading]:
         """Return what the sensors have told, by their names; what is too old is left out."""
@@ -69,7 +67,7 @@ class Fleets:
     def hear(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...] | None:
         """Take a packet; None where it came over no link of these."""
         fleet = self._by_link.get(packet.link)
-        return None if fleet is None else fleet.hear(packet, now)
+        return None if fleet is None else fleet.link.hear(packet, now)
 
     def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Act on the time, beats left out."""
@@ -85,8 +83,8 @@ class Fleets:
         for index, fleet in enumerate(self.all):
             at = self._beats[index]
             if now >= at:
-                self._beats[index] = at + ((now - at) // fleet.beat_every + 1) * fleet.beat_every
-                sent += fleet.beat(now)
+                self._beats[index] = at + ((now - at) // fleet.link.beat_every + 1) * fleet.link.beat_every
+                sent += fleet.link.beat(now)
         return sent
 
     def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
@@ -96,11 +94,11 @@ class Fleets:
     def sample(self, cycle: int, now: Nanoseconds) -> tuple[Packet, ...]:
         """Begin a cycle, the `cycle`-th: have the devices of each link that is due tell where they are."""
         self._due = tuple([fleet for fleet in self.all if cycle % fleet.every == 0])
-        return _joined([fleet.sample(now) for fleet in self._due])
+        return _joined([fleet.link.sample(now) for fleet in self._due])
 
     def answers_within(self) -> Nanoseconds:
         """Return how long the samples of this cycle are waited for."""
-        return max([fleet.answers_within for fleet in self._due], default=0)
+        return max([fleet.link.answers_within for fleet in self._due], default=0)
 
     def sampled(self, since: Nanoseconds) -> bool:
         """Whether every device that was asked has told its sample of the cycle that began at `since`."""

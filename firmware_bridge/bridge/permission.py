@@ -23,11 +23,6 @@ S = TypeVar("S")
 class Permission(Generic[G, M, S]):
     """The leave to move, and who may change it."""
 
-    __slots__ = (
-        "_final", "_fleets", "_outbox", "_rules", "_silent_after", "armed", "emergency_stopped", "mode",
-        "powered_off",
-    )  # fmt: skip
-
     def __init__(
         self, robot: AnyRobot, rules: dict[str, Rules[G, M, S]], fleets: Fleets, outbox: list[Packet]
     ) -> None:

@@ -32,11 +32,6 @@ NO_LEVELS: Final[Mapping[str, Level]] = {}
 class Pipeline(Generic[G, M, S]):
     """What the bridge does in every cycle, and what it remembers from one to the next."""
 
-    __slots__ = (
-        "_counted", "_demanded", "_fleets", "_gate", "_guide", "_kind", "_operator", "_permission", "_pose",
-        "_ran_at", "_robot", "_wish", "gate_deadline", "holds", "seen",
-    )  # fmt: skip
-
     def __init__(
         self,
         robot: Robot[G],

@@ -58,8 +58,6 @@ class Link(Protocol):
 class Fleet:
     """The devices in the order of the robot file; what a method returns is to be sent."""
 
-    __slots__ = ("_ask_at", "drivers", "every", "link", "outputs", "sensors")
-
     def __init__(
         self,
         link: Link,
@@ -81,26 +79,6 @@ class Fleet:
     def name(self) -> str:
         """The link's name in the robot file."""
         return self.link.name
-
-    @property
-    def lost(self) -> str | None:
-        """Why no device can be reached, in words; None while the link stands."""
-        return self.link.lost
-
-    @property
-    def late(self) -> int:
-        """Cycles that began before the samples of the one before were in."""
-        return self.link.late
-
-    @property
-    def answers_within(self) -> Nanoseconds:
-        """How long after the begin of a cycle the samples are waited for."""
-        return self.link.answers_within
-
-    @property
-    def beat_every(self) -> Nanoseconds:
-        """How often `beat` is due."""
-        return self.link.beat_every
 
     @property
     def busy(self) -> bool:
@@ -153,10 +131,6 @@ class Fleet:
         """Bring outputs to these levels; one that is left out stays, and is off before it was ever named."""
         return _joined([driver.switch(levels, now) for driver in self.outputs])
 
-    def sample(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Begin a cycle: have all drives report where they are."""
-        return self.link.sample(now)
-
     def measure(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Ask the sensors that are due; called at the begin of a cycle while the robot runs."""
         sent: tuple[Packet, ...] = ()
@@ -166,14 +140,6 @@ class Fleet:
                 self._ask_at[sensor.name] = now + sensor.every_ms * MILLISECOND
                 sent += driver.measure(now)
         return sent
-
-    def beat(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Let the drives know that the bridge lives."""
-        return self.link.beat(now)
-
-    def hear(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Take a packet of the link."""
-        return self.link.hear(packet, now)
 
     def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Act on the time."""

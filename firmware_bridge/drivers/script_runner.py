@@ -72,8 +72,6 @@ class Client(Protocol):
 class ScriptRunner:
     """One script at a time on one node, and single transfers in between."""
 
-    __slots__ = ("_asked", "_client", "_rest", "_until", "_until_at", "failure")
-
     def __init__(self, client: Client) -> None:
         self._client = client
         self._rest: Script | None = None

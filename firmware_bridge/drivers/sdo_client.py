@@ -77,8 +77,6 @@ Outcome: TypeAlias = bytes | SdoError
 class SdoClient:
     """The transfers of one node, one after the other."""
 
-    __slots__ = ("_attempts_left", "_gathered", "_outcome", "_timeout", "_toggle", "_transfer", "wake_at")
-
     def __init__(self, timeout: Nanoseconds = TIMEOUT) -> None:
         self._timeout = timeout
         self._transfer: Transfer | None = None
@@ -197,8 +195,6 @@ class SdoClient:
 
 class NodeClient:
     """An SDO client whose requests are CAN frames; a `firmware_bridge.drivers.script_runner.Client`."""
-
-    __slots__ = ("_client", "_link", "_node", "wake_at")
 
     def __init__(self, link: str, node: int) -> None:
         """Take the name of the bus, and the node on it."""

@@ -4,10 +4,10 @@ A command that has no row is UNSUPPORTED. Sources: common.xml, MAV_CMD; MAVLink 
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Final, Protocol, TypeAlias
+from typing import Final, TypeAlias
 
 from firmware_bridge.intent import (
     Arm,
@@ -16,18 +16,19 @@ from firmware_bridge.intent import (
     EmergencyStop,
     EnterMode,
     Follow,
-    Request,
     ResetOdometry,
     Verdict,
 )
+from firmware_bridge.teleop.exchange import Exchange
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.teleop.station import FASTEST
-from firmware_bridge.units import NEVER, Nanoseconds
+from firmware_bridge.units import NEVER
 
 FORCE: Final = 21196
 """The second parameter of COMPONENT_ARM_DISARM that means: without checks (common.xml)."""
 _LARGEST_NUMBER: Final = 0xFFFF
 """MESSAGE_INTERVAL carries 16 bits of a message's number."""
+_LONGEST_INTERVAL_US: Final = 0x7FFF_FFFF
 
 
 class Result(IntEnum):
@@ -58,59 +59,7 @@ class Answer:
 ACCEPTED: Final = Answer(Result.ACCEPTED)
 
 
-class CommandContext(Protocol):
-    """What a command can bring about; the robot's part of it comes from its station's rows."""
-
-    @property
-    def armed(self) -> bool:
-        """Whether the robot may move, as of the newest snapshot."""
-
-    @property
-    def relays(self) -> Mapping[int, str]:
-        """What each relay's number switches."""
-
-    @property
-    def illuminators(self) -> tuple[str, ...]:
-        """What ILLUMINATOR_ON_OFF switches."""
-
-    @property
-    def actuators(self) -> tuple[str, ...]:
-        """The actuators of set 0."""
-
-    @property
-    def modes(self) -> tuple[str, ...]:
-        """The robot's modes by their custom mode; the first, "", is the whole robot's."""
-
-    @property
-    def guides(self) -> tuple[str, ...]:
-        """Who makes the wishes, by the custom submode; the first, "", is the operator."""
-
-    def request(self, request: Request) -> Verdict:
-        """Ask the bridge."""
-
-    def switch(self, relay: int, *, on: bool) -> None:
-        """Switch what is behind a relay's number."""
-
-    def illuminate(self, *, on: bool) -> None:
-        """Switch everything that illuminates."""
-
-    def actuate(self, place: int, share: float) -> None:
-        """Send an actuator of set 0 to a share of its travel, 0 to 1."""
-
-    def send(self, number: int) -> bool:
-        """Send a message once; False where the bridge has none with this number."""
-
-    def period(self, number: int) -> Nanoseconds | None:
-        """Return how often a message is sent; `NEVER` for not at all, None where it is no stream."""
-
-    def change_period(self, number: int, period: Nanoseconds | None) -> None:
-        """Change how often a message is sent; `NEVER` for not at all, None for the default."""
-
-    def send_period(self, number: int, period: Nanoseconds | None) -> None:
-        """Send the MESSAGE_INTERVAL."""
-
-
-Action: TypeAlias = Callable[[Order, CommandContext], Answer]
+Action: TypeAlias = Callable[[Order, Exchange], Answer]
 
 
 def _denied(reason: str) -> Answer:
@@ -123,59 +72,61 @@ def _judged(verdict: Verdict) -> Answer:
     return Answer(Result.TEMPORARILY_REJECTED if verdict.temporary else Result.DENIED, verdict.reason)
 
 
-def _arm_or_disarm(order: Order, context: CommandContext) -> Answer:
+def _arm_or_disarm(order: Order, exchange: Exchange) -> Answer:
     force = order.params[1] == FORCE
     match order.params[0]:
         case 0.0:
-            return _judged(context.request(Disarm(force=force)))
+            return _judged(exchange.request(Disarm(force=force)))
         case 1.0 if force:
             return _denied("arming cannot be forced: the interlocks stay")
         case 1.0:
-            return _judged(context.request(Arm()))
+            return _judged(exchange.request(Arm()))
     return _denied("arm: parameter 1 must be 0 or 1")
 
 
-def _terminate(order: Order, context: CommandContext) -> Answer:
+def _terminate(order: Order, exchange: Exchange) -> Answer:
     if order.params[0] > 0.5:  # noqa: PLR2004 - the threshold of common.xml
-        return _judged(context.request(EmergencyStop(final=True)))
+        return _judged(exchange.request(EmergencyStop(final=True)))
     return _denied("termination is undone by a restart of the bridge only")
 
 
-def _safety_switch(order: Order, context: CommandContext) -> Answer:
+def _safety_switch(order: Order, exchange: Exchange) -> Answer:
     match order.params[0]:
         case dialect.SAFETY_SWITCH_STATE_SAFE:
-            return _judged(context.request(EmergencyStop()))
+            return _judged(exchange.request(EmergencyStop()))
         case dialect.SAFETY_SWITCH_STATE_DANGEROUS:
-            return _judged(context.request(ClearEmergencyStop()))
+            return _judged(exchange.request(ClearEmergencyStop()))
     return _denied("safety switch: parameter 1 must be 0 (stop) or 1 (clear)")
 
 
-def _relay(order: Order, context: CommandContext) -> Answer:
-    relay, on = order.params[:2]
-    if not context.relays:
+def _relay(order: Order, exchange: Exchange) -> Answer:
+    relays = {switch.relay: switch for switch in exchange.station.switches}
+    if not relays:
         return Answer(Result.UNSUPPORTED)
-    number = _number(relay)
-    if number is None or number not in context.relays:
-        known = ", ".join(f"{number} {name}" for number, name in context.relays.items())
+    number, on = _number(order.params[0]), order.params[1]
+    if number is None or number not in relays:
+        known = ", ".join(f"{relay} {switch.name}" for relay, switch in relays.items())
         return _denied(f"relay: {known}; there are no others")
     if on not in (0.0, 1.0):
         return _denied("relay: parameter 2 must be 0 or 1")
-    context.switch(number, on=bool(on))
+    exchange.switch(relays[number], on=bool(on))
     return ACCEPTED
 
 
-def _illuminate(order: Order, context: CommandContext) -> Answer:
-    if not context.illuminators:
+def _illuminate(order: Order, exchange: Exchange) -> Answer:
+    lamps = [switch for switch in exchange.station.switches if switch.illuminates]
+    if not lamps:
         return Answer(Result.UNSUPPORTED)
     if order.params[0] not in (0.0, 1.0):
-        return _denied(f"{', '.join(context.illuminators)}: parameter 1 must be 0 or 1")
-    context.illuminate(on=bool(order.params[0]))
+        return _denied(f"{', '.join(lamp.name for lamp in lamps)}: parameter 1 must be 0 or 1")
+    for lamp in lamps:
+        exchange.switch(lamp, on=bool(order.params[0]))
     return ACCEPTED
 
 
-def _actuator(order: Order, context: CommandContext) -> Answer:
+def _actuator(order: Order, exchange: Exchange) -> Answer:
     """Set actuators: NaN leaves one where it is (common.xml), and 0 one that is not there."""
-    names = context.actuators
+    names = [actuator.name for actuator in exchange.station.actuators]
     if not names:
         return Answer(Result.UNSUPPORTED)
     shares, others = order.params[: len(names)], order.params[len(names) : 6]
@@ -186,74 +137,76 @@ def _actuator(order: Order, context: CommandContext) -> Answer:
     if not named or beyond:
         place = beyond[0] if beyond else 0
         return _denied(f"{names[place]}: parameter {place + 1} must be within -1 (lowest) and 1 (highest)")
-    if not context.armed:
+    if not exchange.armed:
         return _denied(f"{names[named[0][0]]}: arm first; a target is not kept for later")
     for place, share in named:
-        context.actuate(place, (share + 1.0) / 2.0)
+        exchange.actuate(place, (share + 1.0) / 2.0)
     return ACCEPTED
 
 
-def _request_message(order: Order, context: CommandContext) -> Answer:
+def _request_message(order: Order, exchange: Exchange) -> Answer:
     number = _number(order.params[0])
-    sent = number is not None and context.send(number)
+    sent = number is not None and exchange.send(number)
     return ACCEPTED if sent else Answer(Result.UNSUPPORTED)
 
 
-def _capabilities(order: Order, context: CommandContext) -> Answer:
+def _capabilities(order: Order, exchange: Exchange) -> Answer:
     if order.params[0] == 1.0:
-        context.send(dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION)
+        exchange.send(dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION)
     return ACCEPTED
 
 
-def _change_interval(order: Order, context: CommandContext) -> Answer:
+def _change_interval(order: Order, exchange: Exchange) -> Answer:
     number, wish = _number(order.params[0]), order.params[1]
-    if number is None or context.period(number) is None:
+    schedule = exchange.session.schedule
+    if number is None or schedule.period(number) is None:
         return Answer(Result.UNSUPPORTED)
     if not math.isfinite(wish) or wish < -1.0:
         return _denied("message interval: parameter 2 is in microseconds, 0 for the default, -1 for off")
     if number == dialect.MAVLINK_MSG_ID_HEARTBEAT and wish != 0.0:
         return _denied("message interval: the heartbeat keeps its rate")
-    if wish == 0.0:
-        context.change_period(number, None)
-    else:
-        context.change_period(number, NEVER if wish < 0.0 else max(round(wish) * 1000, FASTEST))
+    period = NEVER if wish < 0.0 else max(round(wish) * 1000, FASTEST)
+    schedule.change(number, None if wish == 0.0 else period, exchange.now)
     return ACCEPTED
 
 
-def _send_interval(order: Order, context: CommandContext) -> Answer:
+def _send_interval(order: Order, exchange: Exchange) -> Answer:
     number = _number(order.params[0])
     if number is None or number > _LARGEST_NUMBER:
         return _denied("message interval: parameter 1 must be a message number up to 65535")
-    context.send_period(number, context.period(number))
+    period = exchange.session.schedule.period(number)
+    # 0 is a message that is no stream, -1 one that is switched off.
+    interval = 0 if period is None else -1 if period == NEVER else min(period // 1000, _LONGEST_INTERVAL_US)
+    exchange.replies.append(dialect.MAVLink_message_interval_message(number, interval))
     return ACCEPTED
 
 
-def _set_mode(order: Order, context: CommandContext) -> Answer:
+def _set_mode(order: Order, exchange: Exchange) -> Answer:
     number = _number(order.params[1])
-    modes = context.modes
+    modes, guides = exchange.session.modes, exchange.session.guides
     if number is None or number >= len(modes):
         if len(modes) == 1:
             return _denied("this robot has one mode, 0: an operator drives it")
         known = ", ".join(f"{place} {mode or 'whole'}" for place, mode in enumerate(modes))
         return _denied(f"mode: {known}; there are no others")
     guide = _number(order.params[2]) or 0
-    if guide >= len(context.guides):
-        known = ", ".join(f"{place} {name or 'the operator'}" for place, name in enumerate(context.guides))
+    if guide >= len(guides):
+        known = ", ".join(f"{place} {name or 'the operator'}" for place, name in enumerate(guides))
         return _denied(f"submode: {known}; there are no others")
-    entered = ACCEPTED if len(modes) == 1 else _judged(context.request(EnterMode(modes[number])))
-    if entered.result is not Result.ACCEPTED or len(context.guides) == 1:
+    entered = ACCEPTED if len(modes) == 1 else _judged(exchange.request(EnterMode(modes[number])))
+    if entered.result is not Result.ACCEPTED or len(guides) == 1:
         return entered
-    return _judged(context.request(Follow(context.guides[guide])))
+    return _judged(exchange.request(Follow(guides[guide])))
 
 
-def _home(order: Order, context: CommandContext) -> Answer:
+def _home(order: Order, exchange: Exchange) -> Answer:
     if order.params[0] != 1.0:
         return _denied("home: only the present place (parameter 1 = 1) can be the origin")
-    return _judged(context.request(ResetOdometry()))
+    return _judged(exchange.request(ResetOdometry()))
 
 
-def _reboot(_: Order, context: CommandContext) -> Answer:
-    if context.armed:
+def _reboot(_: Order, exchange: Exchange) -> Answer:
+    if exchange.armed:
         return _denied("reboot: disarm first")
     return Answer(Result.UNSUPPORTED, "reboot: restart the bridge's program where it runs")
 
@@ -290,10 +243,10 @@ ROWS: Final = (
 _BY_NUMBER: Final = {row.command: row for row in ROWS}
 
 
-def obey(order: Order, context: CommandContext) -> Answer:
+def obey(order: Order, exchange: Exchange) -> Answer:
     """Do what an order asks, where it can be done."""
     row = _BY_NUMBER.get(order.command)
-    return row.act(order, context) if row else Answer(Result.UNSUPPORTED)
+    return row.act(order, exchange) if row else Answer(Result.UNSUPPORTED)
 
 
 def _number(parameter: float) -> int | None:

@@ -45,8 +45,6 @@ class Counters:
 class Codec:
     """One end of a link, under one system and component number, with its own sequence."""
 
-    __slots__ = ("_mavlink", "component", "counters", "system")
-
     def __init__(self, system: int, component: int) -> None:
         self.system = system
         self.component = component

@@ -11,8 +11,9 @@ from firmware_bridge.intent import Intent
 from firmware_bridge.robot import Robot, Table
 from firmware_bridge.safety.row import Severity
 from firmware_bridge.safety.snapshot import Hold, Snapshot
-from firmware_bridge.teleop.exchange import HANDLERS, Decide, Exchange
+from firmware_bridge.teleop.exchange import Decide, Exchange
 from firmware_bridge.teleop.mavlink import Counters, Message, concerns
+from firmware_bridge.teleop.messages import HANDLERS
 from firmware_bridge.teleop.session import LISTING_GAP, Address, Dropped, Session
 from firmware_bridge.teleop.station import Station
 from firmware_bridge.units import NEVER, Nanoseconds
@@ -25,8 +26,6 @@ S = TypeVar("S")
 class Operator(Generic[G, M, S]):
     """One robot's place on MAVLink."""
 
-    __slots__ = ("_called", "_faults", "_holds", "_session")
-
     def __init__(
         self,
         robot: Robot[G],
@@ -38,9 +37,7 @@ class Operator(Generic[G, M, S]):
         guides: tuple[str, ...] = (),
     ) -> None:
         """Take the robot, its body's rolling axes, and its kind's rows, motion at rest, modes and guides."""
-        self._session: Final[Session[G, M, S]] = Session(
-            robot, station, rest, rolling=rolling, modes=modes, guides=guides
-        )
+        self._session: Final = Session(robot, station, rest, rolling=rolling, modes=modes, guides=guides)
         self._holds: dict[str, Hold] = {}
         self._called: Final = {axis.name: axis.called for axis in robot.axes}
         self._faults: Final[dict[str, str]] = {}
@@ -81,7 +78,7 @@ class Operator(Generic[G, M, S]):
             elif not concerns(message, codec.system, codec.component):
                 session.dropped.foreign += 1
             elif (handle := HANDLERS.get(message.get_msgId())) is not None:
-                exchange: Exchange[G, M, S] = Exchange(session, message, sender, now, decide)
+                exchange = Exchange(session, message, sender, now, decide)
                 handle(exchange)
                 replies += exchange.replies
         return tuple(codec.encode(message) for message in replies)

@@ -61,8 +61,6 @@ def _rate(name: str, stream: int) -> Parameter:
 class Store:
     """The values of one bridge, in the rows' order, which never changes while it runs."""
 
-    __slots__ = ("_index", "_values", "rows")
-
     def __init__(self, rows: tuple[Parameter, ...]) -> None:
         self.rows: Final = rows
         self._values = [_as_float32(row.first) for row in rows]

@@ -8,8 +8,6 @@ from firmware_bridge.units import NEVER, Nanoseconds
 class Schedule:
     """Which streams are due; each keeps to the grid of its period: a late report shifts no later one."""
 
-    __slots__ = ("_defaults", "_due", "_early", "_numbers", "_periods")
-
     def __init__(self, streams: tuple[tuple[int, Nanoseconds], ...], cycle: Nanoseconds) -> None:
         """Take each stream's message number and period; several streams may share a number."""
         # Reports come once a cycle and jitter: rather a little early than a cycle late.

@@ -1,23 +1,19 @@
 """What the bridge remembers of its operators between two datagrams, and what its telemetry tells."""
 
 from dataclasses import dataclass
-from typing import Any, Final, Generic, NamedTuple, TypeAlias, TypeVar
+from typing import Any, Final, NamedTuple
 
 from firmware_bridge.drivers.driver import Power
 from firmware_bridge.intent import NEVER_HEARD, Intent
-from firmware_bridge.robot import Robot, Table
+from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.snapshot import Facts, Snapshot
 from firmware_bridge.teleop.mavlink import Codec, Message, dialect
 from firmware_bridge.teleop.parameters import Store, parameters_of
 from firmware_bridge.teleop.schedule import Schedule
-from firmware_bridge.teleop.station import Station
+from firmware_bridge.teleop.station import AnyStation
 from firmware_bridge.teleop.telemetry import TelemetryContext, streams_of
 from firmware_bridge.teleop.texts import Speaker
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
-
-G = TypeVar("G", bound=Table)
-M = TypeVar("M")
-S = TypeVar("S")
 
 VERSION: Final = (0, 1, 0)
 CAPABILITIES: Final = (
@@ -85,19 +81,14 @@ class Dropped:
     """Motion commands that made no sense."""
 
 
-class Session(Generic[G, M, S]):
+class Session:
     """The whole memory; one for each bridge."""
-
-    __slots__ = (
-        "codec", "dropped", "guides", "intent", "list_due", "listed", "modes", "peers", "resets", "robot",
-        "rolling", "schedule", "snapshot", "speaker", "station", "store", "streams", "terminated",
-    )  # fmt: skip
 
     def __init__(
         self,
-        robot: Robot[G],
-        station: Station[G, M, S],
-        rest: M,
+        robot: AnyRobot,
+        station: AnyStation,
+        rest: object,
         *,
         rolling: tuple[str, ...],
         modes: tuple[str, ...],
@@ -115,8 +106,8 @@ class Session(Generic[G, M, S]):
         self.streams: Final = streams_of(robot, station)
         self.schedule: Final = Schedule(tuple((row.number, row.period) for row in self.streams), robot.cycle)
         self.speaker: Final = Speaker()
-        self.intent: Intent[M] = Intent(rest)
-        self.snapshot: Snapshot[M, S] | None = None
+        self.intent: Intent[Any] = Intent(rest)
+        self.snapshot: Snapshot[Any, Any] | None = None
         self.peers: Final[dict[Address, Peer]] = {}
         self.dropped: Final = Dropped()
         self.terminated = False
@@ -131,11 +122,11 @@ class Session(Generic[G, M, S]):
             peer = self.peers[address] = Peer()
         return peer
 
-    def wish(self, wish: M) -> None:
+    def wish(self, wish: object) -> None:
         """Change the wish; what is no motion command is no sign of life."""
         self.intent = Intent(wish, self.intent.heard_at, self.intent.said_at)
 
-    def context(self, snapshot: Snapshot[M, S]) -> TelemetryContext[G, M, S]:
+    def context(self, snapshot: Snapshot[Any, Any]) -> TelemetryContext:
         """Return what telemetry tells of a snapshot."""
         facts = snapshot.facts
         status = self._status(facts)
@@ -147,6 +138,7 @@ class Session(Generic[G, M, S]):
             station=self.station,
             rolling=self.rolling,
             snapshot=snapshot,
+            twist=self.station.twist(snapshot.body),
             base_mode=mode,
             custom_mode=self.modes.index(facts.mode),
             system_status=status,
@@ -178,9 +170,6 @@ class Session(Generic[G, M, S]):
         )
         active: int = dialect.MAV_STATE_ACTIVE
         return next((state for holds, state in rows if holds), active)
-
-
-AnySession: TypeAlias = Session[Any, Any, Any]
 
 
 def _version() -> Message:

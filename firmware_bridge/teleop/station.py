@@ -5,8 +5,8 @@ into MAVLink's, and only there. Rows that the protocol cannot carry are refused 
 """
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
-from typing import Final, Generic, TypeVar
+from dataclasses import KW_ONLY, dataclass
+from typing import Any, Final, Generic, TypeAlias, TypeVar
 
 from firmware_bridge.robot import Robot
 from firmware_bridge.robot.table import Table
@@ -69,138 +69,105 @@ class Unusable:
     reason: str
 
 
+@dataclass(frozen=True, slots=True)
 class Switch(Generic[M]):
     """Something that the operator switches: by a button, a relay's number, or ILLUMINATOR_ON_OFF."""
 
-    __slots__ = ("button", "illuminates", "name", "read", "relay", "telemetry", "write")
-
-    def __init__(
-        self,
-        name: str,
-        *,
-        read: Callable[[M], bool],
-        write: Callable[[M, bool], M],
-        relay: int,
-        button: int | None = None,
-        illuminates: bool = False,
-        telemetry: str = "",
-    ) -> None:
-        self.name: Final = name
-        self.read: Final = read
-        self.write: Final = write
-        self.relay: Final = relay
-        """Its number in DO_SET_RELAY."""
-        self.button: Final = button
-        """The button of MANUAL_CONTROL that switches it over, counted from 0; None for none."""
-        self.illuminates: Final = illuminates
-        """Whether ILLUMINATOR_ON_OFF switches it."""
-        self.telemetry: Final = telemetry
-        """The NAMED_VALUE_INT that tells of it, at most 10 letters; empty for none."""
+    name: str
+    _: KW_ONLY
+    read: Callable[[M], bool]
+    write: Callable[[M, bool], M]
+    relay: int
+    """Its number in DO_SET_RELAY."""
+    button: int | None = None
+    """The button of MANUAL_CONTROL that switches it over, counted from 0; None for none."""
+    illuminates: bool = False
+    """Whether ILLUMINATOR_ON_OFF switches it."""
+    telemetry: str = ""
+    """The NAMED_VALUE_INT that tells of it, at most 10 letters; empty for none."""
 
 
+@dataclass(frozen=True, slots=True)
 class Actuator(Generic[G, M]):
     """Something that goes to a share of its travel by DO_SET_ACTUATOR: -1 is its lower end, 1 its upper."""
 
-    __slots__ = ("name", "send")
-
-    def __init__(self, name: str, send: Callable[[M, float, Robot[G]], M]) -> None:
-        self.name: Final = name
-        self.send: Final = send
-        """Return the wish with this share, 0 to 1, of the travel."""
+    name: str
+    send: Callable[[M, float, Robot[G]], M]
+    """Return the wish with this share, 0 to 1, of the travel."""
 
 
+@dataclass(frozen=True, slots=True)
 class Value(Generic[M, S]):
     """A NAMED_VALUE_FLOAT that is sent by the clock."""
 
-    __slots__ = ("name", "period", "read", "tells")
-
-    def __init__(
-        self, name: str, period: Nanoseconds, read: Callable[[Snapshot[M, S]], float | None], tells: str
-    ) -> None:
-        self.name: Final = name
-        """At most 10 letters."""
-        self.period: Final = period
-        self.read: Final = read
-        """Return the value, or None while it is not known."""
-        self.tells: Final = tells
-        """What it is, with its unit."""
+    name: str
+    """At most 10 letters."""
+    period: Nanoseconds
+    read: Callable[[Snapshot[M, S]], float | None]
+    """Return the value, or None while it is not known."""
+    tells: str
+    """What it is, with its unit."""
 
 
+@dataclass(frozen=True, slots=True)
 class Fixed(Generic[G]):
     """A read-only parameter: a number of the robot file."""
 
-    __slots__ = ("name", "unit", "value")
-
-    def __init__(self, name: str, value: Callable[[Robot[G]], float], unit: str) -> None:
-        self.name: Final = name
-        """At most 16 letters."""
-        self.value: Final = value
-        self.unit: Final = unit
+    name: str
+    """At most 16 letters."""
+    value: Callable[[Robot[G]], float]
+    unit: str
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Station(Generic[G, M, S]):
     """One kind of robot's rows; ValueError where MAVLink could not carry them."""
 
-    __slots__ = (
-        "actuators", "dead_band", "forgotten", "largest", "metres_rolled", "parameters", "stick",
-        "stop_button", "switches", "target", "twist", "up_button", "values",
-    )  # fmt: skip
+    stick: Callable[[Stick, M, Robot[G]], M]
+    """Return the wish after the one before, for these axes."""
+    target: Callable[[Velocity, M, Robot[G]], M | Unusable]
+    """Return the wish for a velocity, or why this robot cannot mean it."""
+    twist: Callable[[S], Twist]
+    forgotten: Callable[[M], M]
+    """Return what of a wish outlives a change of state: a target that is kept would act unasked later."""
+    largest: Callable[[Robot[G]], Twist]
+    """The robot's limits: what is ten times faster is absurd, and refused as no wish at all."""
+    metres_rolled: Callable[[Robot[G]], float] | None = None
+    """Metres rolled for each radian of a rolling axis, its radius; None: no distances are told."""
+    stop_button: int | None = None
+    """The button of MANUAL_CONTROL that is the emergency stop, counted from 0; None for none."""
+    up_button: int | None = None
+    """The button without which z counts for nothing; None: z counts always."""
+    dead_band: float = 0.05
+    """Of z; a hand that rests on a stick does not hold it at zero."""
+    switches: tuple[Switch[M], ...] = ()
+    actuators: tuple[Actuator[G, M], ...] = ()
+    """By DO_SET_ACTUATOR's parameters 1, 2, ... of set 0."""
+    values: tuple[Value[M, S], ...] = ()
+    parameters: tuple[Fixed[G], ...] = ()
 
-    def __init__(
-        self,
-        *,
-        stick: Callable[[Stick, M, Robot[G]], M],
-        target: Callable[[Velocity, M, Robot[G]], M | Unusable],
-        twist: Callable[[S], Twist],
-        forgotten: Callable[[M], M],
-        largest: Callable[[Robot[G]], Twist],
-        metres_rolled: Callable[[Robot[G]], float] | None = None,
-        stop_button: int | None = None,
-        up_button: int | None = None,
-        dead_band: float = 0.05,
-        switches: tuple[Switch[M], ...] = (),
-        actuators: tuple[Actuator[G, M], ...] = (),
-        values: tuple[Value[M, S], ...] = (),
-        parameters: tuple[Fixed[G], ...] = (),
-    ) -> None:
-        self.stick: Final = stick
-        """Return the wish after the one before, for these axes."""
-        self.target: Final = target
-        """Return the wish for a velocity, or why this robot cannot mean it."""
-        self.twist: Final = twist
-        self.forgotten: Final = forgotten
-        """Return what of a wish outlives a change of state: a target that is kept would act unasked later."""
-        self.largest: Final = largest
-        """The robot's limits: what is ten times faster is absurd, and refused as no wish at all."""
-        self.metres_rolled: Final = metres_rolled
-        """Metres rolled for each radian of a rolling axis, its radius; None: no distances are told."""
-        self.stop_button: Final = stop_button
-        """The button of MANUAL_CONTROL that is the emergency stop, counted from 0; None for none."""
-        self.up_button: Final = up_button
-        """The button without which z counts for nothing; None: z counts always."""
-        self.dead_band: Final = dead_band
-        """Of z; a hand that rests on a stick does not hold it at zero."""
-        self.switches: Final = switches
-        self.actuators: Final = actuators
-        """By DO_SET_ACTUATOR's parameters 1, 2, ... of set 0."""
-        self.values: Final = values
-        self.parameters: Final = parameters
-        buttons = [button for button in (stop_button, up_button) if button is not None]
-        buttons += [switch.button for switch in switches if switch.button is not None]
-        named = [value.name for value in values] + [row.telemetry for row in switches if row.telemetry]
+    def __post_init__(self) -> None:
+        buttons = [button for button in (self.stop_button, self.up_button) if button is not None]
+        buttons += [switch.button for switch in self.switches if switch.button is not None]
+        named = [value.name for value in self.values] + [
+            row.telemetry for row in self.switches if row.telemetry
+        ]
         _need_distinct("buttons", buttons)
-        _need_distinct("relays", [switch.relay for switch in switches])
+        _need_distinct("relays", [switch.relay for switch in self.switches])
         _need_names("values", named, VALUE_NAME)
-        _need_names("parameters", [row.name for row in parameters], PARAMETER_NAME)
+        _need_names("parameters", [row.name for row in self.parameters], PARAMETER_NAME)
         if not all(0 <= button < BUTTONS for button in buttons):
             raise ValueError(f"station: buttons are counted from 0 to {BUTTONS - 1}, not {buttons}")
-        if len(actuators) > ACTUATORS:
-            raise ValueError(f"station: {len(actuators)} actuators, MAVLink moves at most {ACTUATORS}")
-        hasty = [value.name for value in values if value.period < FASTEST]
+        if len(self.actuators) > ACTUATORS:
+            raise ValueError(f"station: {len(self.actuators)} actuators, MAVLink moves at most {ACTUATORS}")
+        hasty = [value.name for value in self.values if value.period < FASTEST]
         if hasty:
             raise ValueError(
                 f"station: {', '.join(hasty)} sent more often than each {FASTEST // MILLISECOND} ms"
             )
+
+
+AnyStation: TypeAlias = Station[Any, Any, Any]
 
 
 def _need_distinct(what: str, keys: Iterable[object]) -> None:

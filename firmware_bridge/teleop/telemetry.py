@@ -5,19 +5,16 @@ clockwise: y, yaw and yaw rate change their sign here, and only here.
 """
 
 import math
-from collections.abc import Callable
-from typing import Final, Generic, TypeVar
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any, Final
 
 from firmware_bridge.drivers.driver import Feedback
-from firmware_bridge.robot import Robot, Table
+from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.teleop.mavlink import Message, dialect
-from firmware_bridge.teleop.station import Station, Twist, Value
+from firmware_bridge.teleop.station import AnyStation, Twist, Value
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
-
-G = TypeVar("G", bound=Table)
-M = TypeVar("M")
-S = TypeVar("S")
 
 UNKNOWN_U16: Final = 0xFFFF
 UNKNOWN: Final = -1
@@ -30,42 +27,24 @@ _TEMPERATURE_UNKNOWN: Final = 0x7FFF
 _COVARIANCE_UNKNOWN: Final = (NAN,) + (0.0,) * 20
 
 
-class TelemetryContext(Generic[G, M, S]):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TelemetryContext:
     """Everything that a message may tell."""
 
-    __slots__ = (
-        "base_mode", "corrupt", "custom_mode", "healthy", "resets", "robot", "rolling", "snapshot", "station",
-        "system_status", "twist",
-    )  # fmt: skip
-
-    def __init__(
-        self,
-        *,
-        robot: Robot[G],
-        station: Station[G, M, S],
-        rolling: tuple[str, ...],
-        snapshot: Snapshot[M, S],
-        base_mode: int,
-        custom_mode: int,
-        system_status: int,
-        healthy: bool,
-        corrupt: int,
-        resets: int,
-    ) -> None:
-        self.robot: Final = robot
-        self.station: Final = station
-        self.rolling: Final = rolling
-        """The axes from whose positions the pose is carried on."""
-        self.snapshot: Final = snapshot
-        self.twist: Final[Twist] = station.twist(snapshot.body)
-        self.base_mode: Final = base_mode
-        self.custom_mode: Final = custom_mode
-        self.system_status: Final = system_status
-        self.healthy: Final = healthy
-        """Nothing but the operator stands between the robot and motion: no emergency stop, no fault."""
-        self.corrupt: Final = corrupt
-        self.resets: Final = resets
-        """How often the odometry was set to zero."""
+    robot: AnyRobot
+    station: AnyStation
+    rolling: tuple[str, ...]
+    """The axes from whose positions the pose is carried on."""
+    snapshot: Snapshot[Any, Any]
+    twist: Twist
+    base_mode: int
+    custom_mode: int
+    system_status: int
+    healthy: bool
+    """Nothing but the operator stands between the robot and motion: no emergency stop, no fault."""
+    corrupt: int
+    resets: int
+    """How often the odometry was set to zero."""
 
     @property
     def boot_ms(self) -> int:
@@ -102,28 +81,20 @@ class TelemetryContext(Generic[G, M, S]):
         return battery is not None and volts is not None and not volts >= battery.low_v
 
 
-class Stream(Generic[G, M, S]):
+@dataclass(frozen=True, slots=True)
+class Stream:
     """One message that is sent by the clock."""
 
-    __slots__ = ("encode", "number", "period", "tells")
-
-    def __init__(
-        self,
-        number: int,
-        period: Nanoseconds,
-        encode: Callable[[TelemetryContext[G, M, S]], tuple[Message, ...]],
-        tells: str,
-    ) -> None:
-        self.number: Final = number
-        self.period: Final = period
-        self.encode: Final = encode
-        self.tells: Final = tells
+    number: int
+    period: Nanoseconds
+    encode: Callable[[TelemetryContext], Iterable[Message]]
+    tells: str
 
 
-def streams_of(robot: Robot[G], station: Station[G, M, S]) -> tuple[Stream[G, M, S], ...]:
+def streams_of(robot: AnyRobot, station: AnyStation) -> tuple[Stream, ...]:
     """Return what one robot sends, in the order in which it is sent: heartbeat, then the fastest first."""
     switches = ", ".join(switch.telemetry for switch in station.switches if switch.telemetry)
-    rows: list[Stream[G, M, S]] = [
+    rows: list[Stream] = [
         Stream(dialect.MAVLINK_MSG_ID_ODOMETRY, SECOND // 20, _odometry, "pose, speed and yaw rate"),
         Stream(dialect.MAVLINK_MSG_ID_LOCAL_POSITION_NED, SECOND // 20, _position, "X, Y"),
         Stream(dialect.MAVLINK_MSG_ID_ATTITUDE, SECOND // 20, _attitude, "heading"),
@@ -142,7 +113,7 @@ def streams_of(robot: Robot[G], station: Station[G, M, S]) -> tuple[Stream[G, M,
         dialect.MAVLINK_MSG_ID_BATTERY_STATUS: robot.battery is None,
     }
     sent = [row for row in rows if not lacking.get(row.number)]
-    heartbeat: Stream[G, M, S] = Stream(
+    heartbeat: Stream = Stream(
         dialect.MAVLINK_MSG_ID_HEARTBEAT, SECOND, _heartbeat, "rover, armed or not, mode, status"
     )
     return (heartbeat, *sorted(sent, key=lambda row: row.period))
@@ -153,8 +124,8 @@ def wrapped(angle_rad: float) -> float:
     return math.remainder(angle_rad, math.tau)
 
 
-def _stream_of(value: Value[M, S]) -> Stream[G, M, S]:
-    def encode(context: TelemetryContext[G, M, S]) -> tuple[Message, ...]:
+def _stream_of(value: Value[Any, Any]) -> Stream:
+    def encode(context: TelemetryContext) -> tuple[Message, ...]:
         number = value.read(context.snapshot)
         return () if number is None else (_named(context.boot_ms, value.name, number),)
 
@@ -162,140 +133,126 @@ def _stream_of(value: Value[M, S]) -> Stream[G, M, S]:
     return Stream(dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT, value.period, encode, tells)
 
 
-def _heartbeat(context: TelemetryContext[G, M, S]) -> tuple[Message, ...]:
+def _heartbeat(context: TelemetryContext) -> Iterator[Message]:
     kind, nobody = dialect.MAV_TYPE_GROUND_ROVER, dialect.MAV_AUTOPILOT_GENERIC
-    return (
-        dialect.MAVLink_heartbeat_message(
-            kind, nobody, context.base_mode, context.custom_mode, context.system_status, 3
-        ),
+    yield dialect.MAVLink_heartbeat_message(
+        kind, nobody, context.base_mode, context.custom_mode, context.system_status, 3
     )
 
 
-def _attitude(context: TelemetryContext[G, M, S]) -> tuple[Message, ...]:
+def _attitude(context: TelemetryContext) -> Iterator[Message]:
     yaw = wrapped(-context.snapshot.pose.heading_rad)
     rate = -context.twist.yaw_rate_rad_s
-    return (dialect.MAVLink_attitude_message(context.boot_ms, 0.0, 0.0, yaw, 0.0, 0.0, rate),)
+    yield dialect.MAVLink_attitude_message(context.boot_ms, 0.0, 0.0, yaw, 0.0, 0.0, rate)
 
 
-def _position(context: TelemetryContext[G, M, S]) -> tuple[Message, ...]:
+def _position(context: TelemetryContext) -> Iterator[Message]:
     pose, twist = context.snapshot.pose, context.twist
     cosine, sine = math.cos(pose.heading_rad), math.sin(pose.heading_rad)
     north = twist.forward_mps * cosine - twist.left_mps * sine
     east = -twist.forward_mps * sine - twist.left_mps * cosine
-    return (
-        dialect.MAVLink_local_position_ned_message(
-            context.boot_ms, pose.x_m, -pose.y_m, 0.0, north, east, 0.0
-        ),
+    yield dialect.MAVLink_local_position_ned_message(
+        context.boot_ms, pose.x_m, -pose.y_m, 0.0, north, east, 0.0
     )
 
 
-def _odometry(context: TelemetryContext[G, M, S]) -> tuple[Message, ...]:
+def _odometry(context: TelemetryContext) -> Iterator[Message]:
     pose, twist = context.snapshot.pose, context.twist
     half = wrapped(-pose.heading_rad) / 2.0
-    return (
-        dialect.MAVLink_odometry_message(
-            time_usec=context.boot_us,
-            frame_id=dialect.MAV_FRAME_LOCAL_NED,
-            child_frame_id=dialect.MAV_FRAME_BODY_FRD,
-            x=pose.x_m,
-            y=-pose.y_m,
-            z=0.0,
-            q=(math.cos(half), 0.0, 0.0, math.sin(half)),
-            vx=twist.forward_mps,
-            vy=0.0 - twist.left_mps,  # of a zero no negative one
-            vz=0.0,
-            rollspeed=0.0,
-            pitchspeed=0.0,
-            yawspeed=-twist.yaw_rate_rad_s,
-            pose_covariance=_COVARIANCE_UNKNOWN,
-            velocity_covariance=_COVARIANCE_UNKNOWN,
-            reset_counter=context.resets & 0xFF,
-            estimator_type=dialect.MAV_ESTIMATOR_TYPE_NAIVE,
-        ),
+    yield dialect.MAVLink_odometry_message(
+        time_usec=context.boot_us,
+        frame_id=dialect.MAV_FRAME_LOCAL_NED,
+        child_frame_id=dialect.MAV_FRAME_BODY_FRD,
+        x=pose.x_m,
+        y=-pose.y_m,
+        z=0.0,
+        q=(math.cos(half), 0.0, 0.0, math.sin(half)),
+        vx=twist.forward_mps,
+        vy=0.0 - twist.left_mps,  # of a zero no negative one
+        vz=0.0,
+        rollspeed=0.0,
+        pitchspeed=0.0,
+        yawspeed=-twist.yaw_rate_rad_s,
+        pose_covariance=_COVARIANCE_UNKNOWN,
+        velocity_covariance=_COVARIANCE_UNKNOWN,
+        reset_counter=context.resets & 0xFF,
+        estimator_type=dialect.MAV_ESTIMATOR_TYPE_NAIVE,
     )
 
 
-def _speeds(context: TelemetryContext[G, M, S]) -> tuple[Message, ...]:
+def _speeds(context: TelemetryContext) -> Iterator[Message]:
     speeds = _padded([axis.velocity for axis in context.rolled], _FLOATS)
-    return (dialect.MAVLink_debug_float_array_message(context.boot_us, b"wheels", 1, speeds),)
+    yield dialect.MAVLink_debug_float_array_message(context.boot_us, b"wheels", 1, speeds)
 
 
-def _distances(context: TelemetryContext[G, M, S]) -> tuple[Message, ...]:
+def _distances(context: TelemetryContext) -> Iterator[Message]:
     find = context.station.metres_rolled
     each = NAN if find is None else find(context.robot)
     rolled = [axis.position * each for axis in context.rolled][:_DISTANCES]
-    return (
-        dialect.MAVLink_wheel_distance_message(context.boot_us, len(rolled), _padded(rolled, _DISTANCES)),
-    )
+    yield dialect.MAVLink_wheel_distance_message(context.boot_us, len(rolled), _padded(rolled, _DISTANCES))
 
 
-def _currents(context: TelemetryContext[G, M, S]) -> tuple[Message, ...]:
-    return tuple(
-        _named(context.boot_ms, f"I{place}", axis.current_a)
-        for place, axis in enumerate(context.axes, 1)
-        if axis.current_a is not None
-    )
+def _currents(context: TelemetryContext) -> Iterator[Message]:
+    for place, axis in enumerate(context.axes, 1):
+        if axis.current_a is not None:
+            yield _named(context.boot_ms, f"I{place}", axis.current_a)
 
 
-def _switches(context: TelemetryContext[G, M, S]) -> tuple[Message, ...]:
+def _switches(context: TelemetryContext) -> Iterator[Message]:
     wish, at = context.snapshot.wish, context.boot_ms
-    return tuple(
-        dialect.MAVLink_named_value_int_message(at, switch.telemetry.encode("ascii"), int(switch.read(wish)))
-        for switch in context.station.switches
-        if switch.telemetry
-    )
+    for switch in context.station.switches:
+        if switch.telemetry:
+            yield dialect.MAVLink_named_value_int_message(
+                at, switch.telemetry.encode("ascii"), int(switch.read(wish))
+            )
 
 
-def _landed(_: TelemetryContext[G, M, S]) -> tuple[Message, ...]:
+def _landed(_: TelemetryContext) -> Iterator[Message]:
     vtol, ground = dialect.MAV_VTOL_STATE_UNDEFINED, dialect.MAV_LANDED_STATE_ON_GROUND
-    return (dialect.MAVLink_extended_sys_state_message(vtol, ground),)
+    yield dialect.MAVLink_extended_sys_state_message(vtol, ground)
 
 
-def _system(context: TelemetryContext[G, M, S]) -> tuple[Message, ...]:
+def _system(context: TelemetryContext) -> Iterator[Message]:
     motors, ready = dialect.MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS, dialect.MAV_SYS_STATUS_PREARM_CHECK
     drive = dialect.MAV_SYS_STATUS_SENSOR_PROPULSION
     battery = 0 if context.robot.battery is None else dialect.MAV_SYS_STATUS_SENSOR_BATTERY
     charged = context.battery_v is not None and not context.low_battery
-    return (
-        dialect.MAVLink_sys_status_message(
-            onboard_control_sensors_present=motors | battery | ready | drive,
-            onboard_control_sensors_enabled=battery
-            | ready
-            | (motors | drive if context.snapshot.facts.armed else 0),
-            onboard_control_sensors_health=(motors | ready | drive if context.healthy else 0)
-            | (battery if charged else 0),
-            load=0,
-            voltage_battery=_millivolts(context.battery_v),
-            current_battery=_centiamperes(context.axes),
-            battery_remaining=UNKNOWN,
-            drop_rate_comm=0,
-            errors_comm=min(context.corrupt, UNKNOWN_U16),
-            errors_count1=sum(1 for axis in context.axes if axis.fault),
-            errors_count2=0,
-            errors_count3=0,
-            errors_count4=0,
-        ),
+    yield dialect.MAVLink_sys_status_message(
+        onboard_control_sensors_present=motors | battery | ready | drive,
+        onboard_control_sensors_enabled=battery
+        | ready
+        | (motors | drive if context.snapshot.facts.armed else 0),
+        onboard_control_sensors_health=(motors | ready | drive if context.healthy else 0)
+        | (battery if charged else 0),
+        load=0,
+        voltage_battery=_millivolts(context.battery_v),
+        current_battery=_centiamperes(context.axes),
+        battery_remaining=UNKNOWN,
+        drop_rate_comm=0,
+        errors_comm=min(context.corrupt, UNKNOWN_U16),
+        errors_count1=sum(1 for axis in context.axes if axis.fault),
+        errors_count2=0,
+        errors_count3=0,
+        errors_count4=0,
     )
 
 
-def _battery(context: TelemetryContext[G, M, S]) -> tuple[Message, ...]:
+def _battery(context: TelemetryContext) -> Iterator[Message]:
     charge = dialect.MAV_BATTERY_CHARGE_STATE_UNDEFINED
     if context.battery_v is not None:
         low, okay = dialect.MAV_BATTERY_CHARGE_STATE_LOW, dialect.MAV_BATTERY_CHARGE_STATE_OK
         charge = low if context.low_battery else okay
-    return (
-        dialect.MAVLink_battery_status_message(
-            id=0,
-            battery_function=dialect.MAV_BATTERY_FUNCTION_ALL,
-            type=dialect.MAV_BATTERY_TYPE_UNKNOWN,
-            temperature=_TEMPERATURE_UNKNOWN,
-            voltages=(_millivolts(context.battery_v),) + (UNKNOWN_U16,) * (_CELLS - 1),
-            current_battery=_centiamperes(context.axes),
-            current_consumed=UNKNOWN,
-            energy_consumed=UNKNOWN,
-            battery_remaining=UNKNOWN,
-            charge_state=charge,
-        ),
+    yield dialect.MAVLink_battery_status_message(
+        id=0,
+        battery_function=dialect.MAV_BATTERY_FUNCTION_ALL,
+        type=dialect.MAV_BATTERY_TYPE_UNKNOWN,
+        temperature=_TEMPERATURE_UNKNOWN,
+        voltages=(_millivolts(context.battery_v),) + (UNKNOWN_U16,) * (_CELLS - 1),
+        current_battery=_centiamperes(context.axes),
+        current_consumed=UNKNOWN,
+        energy_consumed=UNKNOWN,
+        battery_remaining=UNKNOWN,
+        charge_state=charge,
     )
 
 

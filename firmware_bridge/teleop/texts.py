@@ -25,8 +25,6 @@ def chunks(text: str) -> list[bytes]:
 class Speaker:
     """Makes STATUSTEXT messages, numbers the long ones, and says the same refusal only every two seconds."""
 
-    __slots__ = ("_number", "_said_at")
-
     QUIET: Final[Nanoseconds] = 2 * SECOND
 
     def __init__(self) -> None:
@@ -60,8 +58,6 @@ class Heard:
 
 class Listener:
     """Puts the chunks of one sender's texts together; a text that lacks a chunk is told as far as it came."""
-
-    __slots__ = ("_cuts", "_number", "_severity")
 
     def __init__(self) -> None:
         self._number = 0

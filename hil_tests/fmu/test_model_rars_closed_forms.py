@@ -13,10 +13,10 @@ from fmu.parts.motor import Shaft
 from fmu.rars.equations import model
 from fmu.rars.parameters import PARAMETERS, SETS
 from fmu.rars.platform import Platform
-from fmu.rars.rolling import Rolling, quintic
 from fmu.rars.steering import Steering
 from fmu.rars.symbols import P as SYMBOLS
 from hil_tests.fmu.model_bench import formula, rates
+from hil_tests.fmu.rolling import Rolling, quintic
 
 Vector = npt.NDArray[np.float64]
 MODEL = model()

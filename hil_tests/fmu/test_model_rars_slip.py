@@ -9,9 +9,9 @@ import pytest
 
 from fmu.rars.equations import model
 from fmu.rars.parameters import PARAMETERS, SETS
-from fmu.rars.rolling import Rolling
 from hil_tests.fmu.conftest import FINE
 from hil_tests.fmu.model_bench import ModelBench, formula, only_loses, rates
+from hil_tests.fmu.rolling import Rolling
 
 MODEL = model()
 P = {row.name: row.start for row in PARAMETERS}

@@ -4,6 +4,7 @@ It refuses to know which faults there are.
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Final
 
 from emulators.bench.adapter import Adapter
@@ -40,31 +41,20 @@ class Stranger:
         return Reaction()
 
 
+@dataclass(slots=True, eq=False)
 class Site:
-    """One bench."""
+    """One bench: buses by link, drives and servo axes by axis, and the adapters of serial lines by link."""
 
-    def __init__(
-        self,
-        robot: AnyRobot,
-        world: World,
-        cans: Mapping[str, FaultyCanWire],
-        operator: DatagramWire,
-        *,
-        drives: Mapping[str, Epos2],
-        axes: Mapping[str, ServoAxis],
-        adapters: Mapping[str, Adapter],
-    ) -> None:
-        """Take buses by link, drives and servo axes by axis, and the adapters of serial lines by link."""
-        self.robot: Final = robot
-        self.world: Final = world
-        self.cans: Final = cans
-        self.operator: Final = operator
-        self.drives: Final = drives
-        self.axes: Final = axes
-        self.adapters: Final = adapters
-        self._strangers: dict[str, Station] = {}
-        """By the link on whose bus they are."""
-        self._unplugged: dict[str, Mapping[str, Wire]] = {}
+    robot: AnyRobot
+    world: World
+    cans: Mapping[str, FaultyCanWire]
+    operator: DatagramWire
+    drives: Mapping[str, Epos2]
+    axes: Mapping[str, ServoAxis]
+    adapters: Mapping[str, Adapter]
+    _strangers: dict[str, Station] = field(default_factory=dict)
+    """By the link on whose bus they are."""
+    _unplugged: dict[str, Mapping[str, Wire]] = field(default_factory=dict)
 
     def send(self, link: str, address: int, payload: bytes) -> None:
         """Have a stranger queue a frame on a link's bus; he is there from the first one on."""

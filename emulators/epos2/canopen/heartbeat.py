@@ -24,8 +24,6 @@ TIME_MASK: Final = 0xFFFF
 class Producer:
     """Says at equal intervals that the drive lives."""
 
-    __slots__ = ("_flip", "_period", "_toggles", "due")
-
     def __init__(self, *, toggles: bool) -> None:
         self._toggles = toggles
         self._flip = 0
@@ -60,8 +58,6 @@ class Producer:
 class Consumer:
     """Watches the heartbeat of one other node."""
 
-    __slots__ = ("_time", "due", "node")
-
     def __init__(self) -> None:
         self.node = 0
         self._time: Nanoseconds = 0
@@ -82,8 +78,6 @@ class Consumer:
 
 class Guard:
     """Answers the master's guarding requests, and watches that they come."""
-
-    __slots__ = ("_flip", "_life", "due")
 
     def __init__(self) -> None:
         self._flip = 0

@@ -28,8 +28,6 @@ EVENT_DRIVEN: Final = frozenset({at.STATUSWORD, at.MODE_DISPLAY})
 class ReceivePdo:
     """One valid receive PDO."""
 
-    __slots__ = ("_accepts", "_longest", "_pending", "_unpack", "address", "size", "synchronous")
-
     def __init__(self, settings: PdoSettings, *, accepts_long: bool) -> None:
         layout = settings.layout()
         self.address = settings.cob_id
@@ -70,22 +68,6 @@ class ReceivePdo:
 
 class TransmitPdo:
     """One valid transmit PDO with at least one entry."""
-
-    __slots__ = (
-        "_allowed",
-        "_inhibit",
-        "_known",
-        "_last",
-        "_moving",
-        "_pack",
-        "_poll",
-        "_reads",
-        "address",
-        "answers_remote",
-        "due",
-        "on_change",
-        "synchronous",
-    )
 
     def __init__(self, settings: PdoSettings, poll: Nanoseconds) -> None:
         cells = settings.cells()

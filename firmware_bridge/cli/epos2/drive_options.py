@@ -9,28 +9,23 @@ from typer.core import TyperCommand
 from firmware_bridge.wire.canopen import ALL_NODES, FIRST_NODE, LAST_NODE
 from firmware_bridge.wire.maxon.frame import Generation
 
+
+def _node(least: int, what: str) -> Any:
+    return typer.Option(
+        "--node",
+        "-n",
+        min=least,
+        max=LAST_NODE,
+        help=f"Its number{what}.",
+        show_default="1; with --serial the drive on the line",
+    )
+
+
 NodeOption = Annotated[
     int | None,
-    typer.Option(
-        "--node",
-        "-n",
-        min=FIRST_NODE,
-        max=LAST_NODE,
-        help="Its number; on a serial line, another one than that of the drive there goes through it.",
-        show_default="1; with --serial the drive on the line",
-    ),
+    _node(FIRST_NODE, "; on a serial line, another one than that of the drive there goes through it"),
 ]
-NetworkNodeOption = Annotated[
-    int | None,
-    typer.Option(
-        "--node",
-        "-n",
-        min=ALL_NODES,
-        max=LAST_NODE,
-        help="Its number, 0 for all nodes.",
-        show_default="1; with --serial the drive on the line",
-    ),
-]
+NetworkNodeOption = Annotated[int | None, _node(ALL_NODES, ", 0 for all nodes")]
 SerialPortOption = Annotated[
     str | None,
     typer.Option(

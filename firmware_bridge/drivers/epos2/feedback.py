@@ -26,22 +26,6 @@ MILLIAMPERES: Final = 1000.0
 class DriveFeedback:
     """One drive's record."""
 
-    __slots__ = (
-        "_axis",
-        "_scale",
-        "current_ma",
-        "expected",
-        "fault",
-        "heard_at",
-        "operational",
-        "position_qc",
-        "restarted",
-        "sampled_at",
-        "state",
-        "statusword",
-        "velocity",
-    )
-
     def __init__(self, axis: Axis) -> None:
         self._axis: Final = axis.name
         self._scale: Final = Scale.of(axis)

@@ -64,8 +64,6 @@ class Drive(Protocol):
 class AnalogueInput:
     """A sensor behind an analogue input (0x207C, EDS); a `firmware_bridge.drivers.driver.SensorDriver`."""
 
-    __slots__ = ("_address", "_asked_at", "_drive", "_per_volt", "_reading", "_request", "sensor")
-
     def __init__(self, sensor: Sensor, drive: Drive) -> None:
         self.sensor: Final = sensor
         self._drive: Final = drive
@@ -107,8 +105,6 @@ class DigitalOutputs:
 
     Leaving, the bridge does not touch them: whether a magnet or a lamp goes out then is for the robot.
     """
-
-    __slots__ = ("_bits", "_confirmed", "_drive", "_request", "_set_up", "_wanted", "outputs")
 
     def __init__(self, outputs: tuple[Output, ...], drive: Drive) -> None:
         self.outputs: Final = outputs

@@ -56,8 +56,6 @@ def set_point(axis: Axis, feedback: DriveFeedback) -> SetPoint:
 class VelocitySetPoint:
     """Controlword and target velocity in rpm."""
 
-    __slots__ = ("_cob_id", "_feedback", "_highest_rpm", "_link", "_scale")
-
     def __init__(self, axis: Axis, feedback: DriveFeedback) -> None:
         self._link = axis.link
         self._cob_id = SET_POINT_COB_ID[Command.SPEED] + axis.settings.node
@@ -92,17 +90,6 @@ class PositionSetPoint:
 
     A drive takes a target at the rising edge of the new set-point bit, so the bit is released between two.
     """
-
-    __slots__ = (
-        "_bit_is_set",
-        "_cob_id",
-        "_feedback",
-        "_link",
-        "_scale",
-        "_target_qc",
-        "_travel",
-        "_under_way",
-    )
 
     def __init__(self, axis: Axis, feedback: DriveFeedback) -> None:
         self._link = axis.link

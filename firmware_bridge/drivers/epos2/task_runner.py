@@ -20,20 +20,6 @@ _NEEDS_SET_UP: Final = (Task.IDENTIFY, Task.CONFIGURE, Task.START, Task.ENABLE)
 class TaskRunner:
     """Tasks in their order; what a method returns is to be sent."""
 
-    __slots__ = (
-        "_axis",
-        "_configuration",
-        "_feedback",
-        "_scripts",
-        "_set_point",
-        "_started",
-        "_task",
-        "_tasks",
-        "failure",
-        "set_up",
-        "set_ups",
-    )
-
     def __init__(
         self,
         axis: Axis,

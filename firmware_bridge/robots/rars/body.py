@@ -46,19 +46,6 @@ def ramp_of(robot: Robot[Geometry]) -> Ramp:
 class Rars:
     """A `firmware_bridge.kind.Body`."""
 
-    __slots__ = (
-        "_base",
-        "_highest_m",
-        "_left",
-        "_lift",
-        "_ramp",
-        "_rate_mps",
-        "_right",
-        "_screw",
-        "_steering",
-        "rolling",
-    )  # fmt: skip
-
     def __init__(self, robot: Robot[Geometry]) -> None:
         self._base = robot.geometry.base
         self._lift = robot.geometry.lift

@@ -124,53 +124,33 @@ def tipping_speed(robot: Robot[Geometry], steer_rad: float) -> float:
     )
 
 
-def _top_speed(view: View) -> float:
-    return view.geometry.limits.speed_mps
-
-
 def _tipping_speed(view: View) -> float:
     # The turn actually steered, not the one asked for: the wheels may still be on their way.
     steer = view.body.steer_rad
     return tipping_speed(view.robot, steer) if steer is not None and math.isfinite(steer) else 0.0
 
 
-def _top_steer(view: View) -> float:
-    return view.geometry.limits.steer_angle_rad
-
-
-def _tightest_steer(view: View) -> float:
-    return view.geometry.tightest_steer_rad
-
-
-def _top_lift_rate(view: View) -> float:
-    return view.geometry.limits.lift_rate_mps
-
-
-def _highest_lift(view: View) -> float:
-    return scissor.highest(view.geometry.lift)
-
-
-def _speed(view: View, high: Callable[[View], float]) -> tuple[Motion, str | None]:
-    allowed, reason = bounded(view.allowed.speed_mps, high(view), "m/s")
+def _speed(view: View, high: float) -> tuple[Motion, str | None]:
+    allowed, reason = bounded(view.allowed.speed_mps, high, "m/s")
     return replace(view.allowed, speed_mps=allowed), reason
 
 
-def _steer(view: View, high: Callable[[View], float]) -> tuple[Motion, str | None]:
+def _steer(view: View, high: float) -> tuple[Motion, str | None]:
     if view.allowed.steer_rad is None:
         return view.allowed, None
-    allowed, reason = bounded(view.allowed.steer_rad, high(view), "deg", scale=_DEGREES)
+    allowed, reason = bounded(view.allowed.steer_rad, high, "deg", scale=_DEGREES)
     return replace(view.allowed, steer_rad=allowed), reason
 
 
 def _lift_rate(view: View) -> tuple[Motion, str | None]:
-    allowed, reason = bounded(view.allowed.lift_rate_mps, _top_lift_rate(view), "m/s")
+    allowed, reason = bounded(view.allowed.lift_rate_mps, view.geometry.limits.lift_rate_mps, "m/s")
     return replace(view.allowed, lift_rate_mps=allowed), reason
 
 
 def _lift_range(view: View) -> tuple[Motion, str | None]:
     if view.allowed.lift_m is None:
         return view.allowed, None
-    allowed, reason = bounded(view.allowed.lift_m, _highest_lift(view), "m", low=0.0)
+    allowed, reason = bounded(view.allowed.lift_m, scissor.highest(view.geometry.lift), "m", low=0.0)
     return replace(view.allowed, lift_m=allowed), reason
 
 
@@ -190,10 +170,14 @@ def _limit(name: str, clip: Callable[[View], tuple[Motion, str | None]], remedy:
 
 
 LIMITS: Final = (
-    _limit("speed limit", lambda view: _speed(view, _top_speed), "ask for less speed"),
-    _limit("tipping limit", lambda view: _speed(view, _tipping_speed), "steer less or ask for less speed"),
-    _limit("steer angle limit", lambda view: _steer(view, _top_steer), "steer less"),
-    _limit("turn radius limit", lambda view: _steer(view, _tightest_steer), "steer less"),
+    _limit("speed limit", lambda view: _speed(view, view.geometry.limits.speed_mps), "ask for less speed"),
+    _limit(
+        "tipping limit", lambda view: _speed(view, _tipping_speed(view)), "steer less or ask for less speed"
+    ),
+    _limit(
+        "steer angle limit", lambda view: _steer(view, view.geometry.limits.steer_angle_rad), "steer less"
+    ),
+    _limit("turn radius limit", lambda view: _steer(view, view.geometry.tightest_steer_rad), "steer less"),
     _limit("lift rate limit", _lift_rate, "ask for a slower lift"),
     _limit("lift range limit", _lift_range, "ask for a height within reach"),
     _limit("acceleration limit", _acceleration, "change the speed more slowly"),

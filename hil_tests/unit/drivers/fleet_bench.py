@@ -38,15 +38,15 @@ class Host:
         self._task: Task | None = None
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        return self._reaction(self.fleets[packet.link].hear(packet, now), now)
+        return self._reaction(self.fleets[packet.link].link.hear(packet, now), now)
 
     def wake(self, now: Nanoseconds) -> Reaction:
         sent: tuple[Packet, ...] = ()
         for fleet in self.fleets.values():
             sent += fleet.wake(now)
             if now >= self._beats[fleet.name]:
-                self._beats[fleet.name] = now + fleet.beat_every
-                sent += fleet.beat(now)
+                self._beats[fleet.name] = now + fleet.link.beat_every
+                sent += fleet.link.beat(now)
         if now >= self._cycle_at:
             self._cycle_at += self._cycle
             sent += self._begin_cycle(now)
@@ -60,7 +60,7 @@ class Host:
         sent: tuple[Packet, ...] = ()
         for fleet in self.fleets.values():
             if self.running or self._task in (Task.START, Task.ENABLE):
-                sent += fleet.sample(now)
+                sent += fleet.link.sample(now)
             for driver in fleet.drivers if self.running and self.repairs else ():
                 if not driver.configured and not driver.busy:
                     sent += driver.begin(BRING_UP, now)

@@ -65,7 +65,7 @@ def test_each_link_has_a_fleet_of_its_own_in_the_file_s_order(make: Callable[[],
 def test_what_is_sent_has_the_link_s_name(make: Callable[[], AnyRobot]) -> None:
     for fleet in fleets_of(make()):
         demands: dict[str, Demand] = {driver.axis.name: Speed(1.0) for driver in fleet.drivers}
-        sent = (*fleet.begin(BRING_UP, 0), *fleet.sample(0), *fleet.beat(0))
+        sent = (*fleet.begin(BRING_UP, 0), *fleet.link.sample(0), *fleet.link.beat(0))
         sent += (*fleet.command_all(Stop.QUICK_STOP), *fleet.command(demands))
         assert sent
         assert {packet.link for packet in sent} == {fleet.name}
@@ -76,8 +76,8 @@ def test_a_sample_on_one_link_is_none_on_the_other() -> None:
     for fleet in (front, rear):
         fleet.begin(BRING_UP, 0)
     before = [driver.feedback for driver in rear.drivers]
-    front.hear(Packet(FRONT, 0x701, b"\x05"), 1)
-    front.hear(Packet(FRONT, 0x081, bytes.fromhex("11 86 20 00 00 00 00 00")), 1)
+    front.link.hear(Packet(FRONT, 0x701, b"\x05"), 1)
+    front.link.hear(Packet(FRONT, 0x081, bytes.fromhex("11 86 20 00 00 00 00 00")), 1)
     assert front.drivers[0].feedback.fault == "0x8611"
     assert [driver.feedback for driver in rear.drivers] == before
 

@@ -13,8 +13,8 @@ from emulators.epos2.control.motion_control import MotionControl
 from emulators.epos2.drive import Epos2
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank
+from emulators.servo.fmu_axes import BACK_EMF_UNIT
 from emulators.servo.motor import MOTOR, DcMotors
-from emulators.single import BACK_EMF_UNIT
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MICROSECOND, MILLISECOND, Nanoseconds

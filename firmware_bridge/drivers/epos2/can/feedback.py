@@ -13,8 +13,6 @@ from firmware_bridge.wire.cia402 import state_of
 class CanFeedback(DriveFeedback):
     """Filled in from the frames of one drive."""
 
-    __slots__ = ("_readers", "_synchronised_at")
-
     def __init__(self, axis: Axis) -> None:
         super().__init__(axis)
         self._synchronised_at: Nanoseconds = NEVER_HEARD

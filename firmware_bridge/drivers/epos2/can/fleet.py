@@ -28,19 +28,6 @@ def can_fleet(robot: AnyRobot, name: str) -> Fleet:
 class CanLink:
     """A `firmware_bridge.drivers.fleet.Link`."""
 
-    __slots__ = (
-        "_beat",
-        "_by_node",
-        "_drives",
-        "_sync",
-        "answers_within",
-        "beat_every",
-        "late",
-        "lost",
-        "name",
-        "wake_at",
-    )
-
     def __init__(self, name: str, drives: Iterable[Epos2OnCan], table: Epos2Link) -> None:
         self.name = name
         self.answers_within = ANSWERS_WITHIN

@@ -62,17 +62,6 @@ def outcome_of(transfer: Transfer, result: Result, waited: Nanoseconds) -> Outco
 class SerialClient:
     """The transfers of one node, one after the other."""
 
-    __slots__ = (
-        "_attempts_left",
-        "_begun_at",
-        "_exchange",
-        "_job",
-        "_node",
-        "_note",
-        "_outcome",
-        "_transfer",
-    )
-
     def __init__(self, node: int, exchange: Exchange, note: Callable[[Result], None]) -> None:
         """Take the node, the line, and who notes how every single command ended."""
         self._node = node

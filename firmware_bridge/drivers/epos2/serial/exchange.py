@@ -55,18 +55,6 @@ class Job:
 class Exchange:
     """The jobs of one line. Each method returns the command that is to be sent, if any."""
 
-    __slots__ = (
-        "_link",
-        "_request",
-        "_until",
-        "_waiting",
-        "asked_at",
-        "clock",
-        "gone",
-        "idle_at",
-        "under_way",
-    )
-
     def __init__(self, link: str) -> None:
         """Take the name of the line."""
         self._link = link

@@ -52,8 +52,6 @@ IN_TURN: Final = (CURRENT, ERROR_REGISTER)
 class SerialFeedback(DriveFeedback):
     """Filled in from the objects of one drive. A sample is whole when both have come in one cycle."""
 
-    __slots__ = ("_before", "_cycle_at", "_position")
-
     def __init__(self, axis: Axis) -> None:
         super().__init__(axis)
         self._cycle_at: Nanoseconds = NEVER_HEARD

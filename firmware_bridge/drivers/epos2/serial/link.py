@@ -37,25 +37,6 @@ def guarding(link: Epos2Link, nodes: Sequence[int]) -> RequestCanFrame:
 class SerialLink:
     """A `firmware_bridge.drivers.fleet.Link`."""
 
-    __slots__ = (
-        "_began_at",
-        "_calm",
-        "_cycle",
-        "_drives",
-        "_exchange",
-        "_guardian",
-        "_guarding",
-        "_heartbeat",
-        "_in_turn",
-        "_newest",
-        "_samples",
-        "answers_within",
-        "beat_every",
-        "late",
-        "longest_cycle",
-        "name",
-    )
-
     def __init__(
         self,
         name: str,

@@ -20,8 +20,6 @@ _CODE = 0xFFFF
 class Proof:
     """One drive's proof. While it `listens` nobody may show the drive that the bridge lives."""
 
-    __slots__ = ("_axis", "_feedback", "_speaks_for", "_watched", "_within", "given", "listens")
-
     def __init__(
         self,
         axis: Axis,

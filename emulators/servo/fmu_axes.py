@@ -1,0 +1,57 @@
+"""A plant from an FMU below some axes: which variables they need, and which they take where it has them."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Final
+
+from emulators.servo.axis import ServoAxis
+from emulators.servo.bank import ServoBank, plant_inputs, plant_outputs
+from emulators.servo.pins import input_lines, output_lines, pin_inputs, pin_outputs
+from emulators.servo.sensor_lines import sensor_lines, sensor_outputs
+from fmu.interface import units
+from fmu.plant import FmuPlant, PlantError
+
+BACK_EMF_UNIT: Final = 1 << 24
+"""Parts of 1 V s/rad in which a servo axis keeps its motor's constant."""
+
+
+def fmu_plant(
+    path: Path, axes: Sequence[str], parameters: Mapping[str, float], more: Sequence[str] = ()
+) -> FmuPlant:
+    """Load the plant of these axes; `more` are outputs that are needed beside theirs; PlantError."""
+    own = plant_outputs(axes)
+    return FmuPlant(
+        path,
+        plant_inputs(axes),
+        (*own, *(name for name in dict.fromkeys(more) if name not in own)),
+        parameters,
+        units=units(axes),
+        optional_inputs=pin_inputs(axes),
+        optional_outputs=pin_outputs(axes) + sensor_outputs(axes),
+    )
+
+
+def fmu_bank(
+    plant: FmuPlant,
+    axes: Sequence[ServoAxis],
+    supply: int | None = None,
+    analogue: tuple[str, float] | None = None,
+) -> ServoBank:
+    """Put axes above such a plant, with the pins and sensors that it has; see `ServoBank`."""
+    names = [axis.name for axis in axes]
+    return ServoBank(
+        plant,
+        axes,
+        supply=supply,
+        analogue=analogue,
+        input_lines=input_lines(plant.output_names, names) + sensor_lines(plant.output_names, names),
+        output_lines=output_lines(plant.input_names, names),
+    )
+
+
+def back_emf(plant: FmuPlant, axis: str) -> int:
+    """Return the motor's constant as an axis takes it; 0, to be learnt, where the plant does not tell it."""
+    try:
+        return round(plant.read(f"torque_constant_{axis}") * BACK_EMF_UNIT)
+    except PlantError:
+        return 0

@@ -1,0 +1,149 @@
+"""What is done about each message of a ground station, and answered to it: a row for each."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Final
+
+from firmware_bridge.intent import EmergencyStop
+from firmware_bridge.safety.row import Severity
+from firmware_bridge.teleop.commands import Order, Result, obey
+from firmware_bridge.teleop.exchange import Exchange
+from firmware_bridge.teleop.mavlink import dialect, text_of
+from firmware_bridge.teleop.session import REMEMBERED, Answered
+from firmware_bridge.teleop.setpoints import pressed
+from firmware_bridge.units import NEVER
+
+_PROGRESS_UNKNOWN: Final = 0
+
+
+def _manual_control(exchange: Exchange) -> None:
+    session, peer = exchange.session, exchange.peer
+    buttons: int = exchange.message.buttons
+    # The first message of a station has no edges: a button that is already down says nothing new.
+    gone_down = buttons & ~(buttons if peer.buttons is None else peer.buttons)
+    peer.buttons = buttons
+    stopped = session.snapshot is not None and session.snapshot.facts.emergency_stopped
+    if pressed(buttons, session.station.stop_button) and not stopped:
+        exchange.request(EmergencyStop())
+    exchange.press(gone_down)
+    exchange.take_stick()
+
+
+def _command(exchange: Exchange) -> None:
+    message = exchange.message
+    last = (message.x, message.y) if message.get_type() == "COMMAND_INT" else (message.param5, message.param6)
+    height = message.z if message.get_type() == "COMMAND_INT" else message.param7
+    params = (message.param1, message.param2, message.param3, message.param4, *last, height)
+    _order(exchange, Order(message.command, params), repeated=getattr(message, "confirmation", 0) > 0)
+
+
+def _set_mode(exchange: Exchange) -> None:
+    """Take the old SET_MODE as its command, and answer under the message's number, as ArduPilot does."""
+    answer = obey(
+        Order(
+            dialect.MAV_CMD_DO_SET_MODE,
+            (exchange.message.base_mode, exchange.message.custom_mode, 0, 0, 0, 0, 0),
+        ),
+        exchange,
+    )
+    _acknowledge(exchange, dialect.MAVLINK_MSG_ID_SET_MODE, answer.result)
+
+
+def _order(exchange: Exchange, order: Order, *, repeated: bool) -> None:
+    peer = exchange.peer
+    before = peer.answered
+    if repeated and before is not None and exchange.now - before.at < REMEMBERED:
+        same = before.command == order.command and repr(before.params) == repr(order.params)  # NaN is not NaN
+        if same:
+            _acknowledge(exchange, order.command, before.result)
+            return
+    answer = obey(order, exchange)
+    if answer.reason:
+        exchange.replies += exchange.session.speaker.say(Severity.WARNING, answer.reason)
+    peer.answered = Answered(order.command, order.params, answer.result, exchange.now)
+    _acknowledge(exchange, order.command, answer.result)
+
+
+def _acknowledge(exchange: Exchange, command: int, result: Result | int) -> None:
+    exchange.replies.append(
+        dialect.MAVLink_command_ack_message(command, result, _PROGRESS_UNKNOWN, 0, *exchange.address),
+    )
+
+
+def _parameter_list(exchange: Exchange) -> None:
+    exchange.session.listed = 0
+    exchange.session.list_due = exchange.now
+
+
+def _parameter_read(exchange: Exchange) -> None:
+    index = exchange.session.store.find(exchange.message.param_index, exchange.message.param_id)
+    if index is None:
+        _parameter_error(exchange, exchange.message.param_index)
+    else:
+        exchange.replies.append(exchange.session.store.message(index))
+
+
+def _parameter_set(exchange: Exchange) -> None:
+    session, message = exchange.session, exchange.message
+    index = session.store.find(-1, message.param_id)
+    if index is None:
+        _parameter_error(exchange, -1)
+        return
+    trouble = session.store.change(index, message.param_value)
+    if trouble:
+        exchange.warn(f"parameter {index}", trouble)
+    else:
+        stream, rate = session.store.rate(index)
+        if stream is not None:
+            session.schedule.change(stream, round(1e9 / rate) if rate > 0.0 else NEVER, exchange.now)
+    exchange.replies.append(session.store.message(index))
+
+
+def _parameter_error(exchange: Exchange, index: int) -> None:
+    name = text_of(exchange.message.param_id).encode("ascii")
+    unknown = dialect.MAV_PARAM_ERROR_DOES_NOT_EXIST
+    exchange.replies.append(dialect.MAVLink_param_error_message(*exchange.address, name, index, unknown))
+
+
+def _mission_list(exchange: Exchange) -> None:
+    exchange.replies.append(
+        dialect.MAVLink_mission_count_message(*exchange.address, 0, exchange.message.mission_type)
+    )
+
+
+def _mission_ack(kind: int, exchange: Exchange) -> None:
+    exchange.replies.append(
+        dialect.MAVLink_mission_ack_message(*exchange.address, kind, exchange.message.mission_type)
+    )
+
+
+def _timesync(exchange: Exchange) -> None:
+    if exchange.message.tc1 == 0:  # anything else answers a request, and we made none
+        exchange.replies.append(dialect.MAVLink_timesync_message(max(exchange.now, 1), exchange.message.ts1))
+
+
+def _ping(exchange: Exchange) -> None:
+    message = exchange.message
+    if (message.target_system, message.target_component) == (0, 0):
+        exchange.replies.append(
+            dialect.MAVLink_ping_message(message.time_usec, message.seq, *exchange.address)
+        )
+
+
+HANDLERS: Final[dict[int, Callable[[Exchange], None]]] = {
+    dialect.MAVLINK_MSG_ID_MANUAL_CONTROL: _manual_control,
+    dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_LOCAL_NED: Exchange.take_target,
+    dialect.MAVLINK_MSG_ID_COMMAND_LONG: _command,
+    dialect.MAVLINK_MSG_ID_COMMAND_INT: _command,
+    dialect.MAVLINK_MSG_ID_SET_MODE: _set_mode,
+    dialect.MAVLINK_MSG_ID_PARAM_REQUEST_LIST: _parameter_list,
+    dialect.MAVLINK_MSG_ID_PARAM_REQUEST_READ: _parameter_read,
+    dialect.MAVLINK_MSG_ID_PARAM_SET: _parameter_set,
+    dialect.MAVLINK_MSG_ID_MISSION_REQUEST_LIST: _mission_list,
+    dialect.MAVLINK_MSG_ID_MISSION_COUNT: partial(_mission_ack, dialect.MAV_MISSION_UNSUPPORTED),
+    dialect.MAVLINK_MSG_ID_MISSION_REQUEST: partial(_mission_ack, dialect.MAV_MISSION_INVALID_SEQUENCE),
+    dialect.MAVLINK_MSG_ID_MISSION_REQUEST_INT: partial(_mission_ack, dialect.MAV_MISSION_INVALID_SEQUENCE),
+    dialect.MAVLINK_MSG_ID_MISSION_CLEAR_ALL: partial(_mission_ack, dialect.MAV_MISSION_ACCEPTED),
+    dialect.MAVLINK_MSG_ID_TIMESYNC: _timesync,
+    dialect.MAVLINK_MSG_ID_PING: _ping,
+}
