@@ -53,7 +53,7 @@ def test_every_module_says_what_it_is_for(path: Path) -> None:
     assert said.splitlines()[0].endswith(".")
 
 
-@pytest.mark.parametrize("path", sources(*PACKAGES, "benchmarks"), ids=name)
+@pytest.mark.parametrize("path", sources(*PACKAGES, "benchmarks", "examples", "hil_tests", "tools"), ids=name)
 def test_a_file_that_outgrows_its_page_is_two_files(path: Path) -> None:
     assert len(path.read_text(encoding="utf-8").splitlines()) <= LONGEST_FILE
 
