@@ -160,6 +160,24 @@ MISTAKES = (
         ("'left' be asked for 14.8", "the bound is 1 rad/s", "narrow the limits"),
     ),
     Mistake(
+        "a position's profile above the top speed",
+        ("velocity_rpm = 2_500 ", "velocity_rpm = 6_985 "),
+        "axes[2].settings.profile.velocity_rpm",
+        ("6985 is above top_speed", "6984.4 rpm of the motor"),
+    ),
+    Mistake(
+        "a speed's profile above the motor's limit",
+        ("velocity_rpm = 2_600", "velocity_rpm = 4_001"),
+        "axes[0].settings.profile.velocity_rpm",
+        ("4001 is above max_velocity_rpm", "4000 rpm of the motor"),
+    ),
+    Mistake(
+        "a profile that stands still",
+        ("velocity_rpm = 2_500 ", "velocity_rpm = 0 "),
+        "axes[2].settings.profile.velocity_rpm",
+        ("greater than or equal to 1",),
+    ),
+    Mistake(
         "silence within a cycle",
         ("drive_heartbeat_ms = 100\nsilent_ms = 250", "drive_heartbeat_ms = 30\nsilent_ms = 50"),
         "links.drives.silent_ms",

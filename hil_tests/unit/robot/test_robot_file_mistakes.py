@@ -48,6 +48,14 @@ def test_the_file_that_the_mistakes_are_made_in_is_good(tmp_path: Path) -> None:
     assert robots(str(written(tmp_path, RARS))).exit_code == 0
 
 
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [("velocity_rpm = 2_500 ", "velocity_rpm = 6_984 "), ("velocity_rpm = 2_600", "velocity_rpm = 4_000")],
+)
+def test_a_profile_at_its_bound_is_good(old: str, new: str, tmp_path: Path) -> None:
+    assert robots(str(written(tmp_path, RARS.replace(old, new, 1)))).exit_code == 0
+
+
 @pytest.mark.parametrize("mistake", MISTAKES, ids=lambda mistake: mistake.title)
 def test_a_mistake_is_told_in_one_line_with_file_key_and_what_to_do(mistake: Mistake, tmp_path: Path) -> None:
     (line,) = told_of(written(tmp_path, mistake.made_in(RARS)))
