@@ -28,18 +28,24 @@ def new(
     *,
     kind: str,
     nodes: str,
+    wheel_radius: float,
+    track: float,
     axes: str,
     device: str,
     motor: str,
+    gear: float,
     encoder_lines: int,
+    mass: float,
+    voltage: float,
+    speed: float,
+    acceleration: float,
+    turn_rate: float,
     folder: Path | None,
-    **numbers: float,
 ) -> None:
     """Do what `new` says."""
     target = folder or Path(name)
     with one_message(SpecificationError, MotorError):
         types = [one.value for one in Epos2Device]
-        size = _positive(numbers)
         _free(name)
         told = Specification(
             kind=_known("--kind", "kind", kind, kinds()),
@@ -49,14 +55,14 @@ def new(
             device=Epos2Device(_known("--device", "EPOS2", device, types)),
             motor=motors.motor(motor),
             encoder_lines=_lines(encoder_lines),
-            wheel_radius_m=size["wheel_radius"],
-            track_m=size["track"],
-            gear=size["gear"],
-            mass_kg=size["mass"],
-            voltage_v=size["voltage"],
-            speed_mps=size["speed"],
-            acceleration_mps2=size["acceleration"],
-            turn_rate_rad_s=size["turn_rate"],
+            wheel_radius_m=_positive("--wheel-radius", wheel_radius),
+            track_m=_positive("--track", track),
+            gear=_positive("--gear", gear),
+            mass_kg=_positive("--mass", mass),
+            voltage_v=_positive("--voltage", voltage),
+            speed_mps=_positive("--speed", speed),
+            acceleration_mps2=_positive("--acceleration", acceleration),
+            turn_rate_rad_s=_positive("--turn-rate", turn_rate),
         )
         with written_by("--dir"):
             paths = write(told, target)
@@ -71,11 +77,10 @@ def _known(option: str, what: str, name: str, known: list[str]) -> str:
     return name
 
 
-def _positive(numbers: dict[str, float]) -> dict[str, float]:
-    for option, value in numbers.items():
-        if not 0.0 < value < math.inf:
-            raise SpecificationError(f"--{option.replace('_', '-')} must be positive, not {value:g}")
-    return numbers
+def _positive(option: str, value: float) -> float:
+    if not 0.0 < value < math.inf:
+        raise SpecificationError(f"{option} must be positive, not {value:g}")
+    return value
 
 
 def _lines(encoder_lines: int) -> int:

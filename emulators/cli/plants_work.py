@@ -23,7 +23,7 @@ from fmu.verify import Verdict
 BITS: Final = {
     Verdict.SAME: "those that its equations give, in a run of its own",
     Verdict.OTHER: "others than its equations give",
-    Verdict.NONE: "not compared: the FMU carries no fingerprint of ours",
+    Verdict.NONE: "not compared: the FMU carries no fingerprint of ours that fits its variables",
 }
 
 

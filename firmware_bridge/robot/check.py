@@ -3,13 +3,17 @@
 It looks at the raw tables, so that these mistakes are told together with those of single keys.
 """
 
+import math
 from collections.abc import Collection, Iterator, Mapping
 from typing import Final, TypeAlias
 
 from firmware_bridge.robot.problems import Problem, near, nearest
+from firmware_bridge.units import RPM_PER_RAD_S
 
 Raw: TypeAlias = Mapping[str, object]
 SERIAL: Final = "epos2-serial"
+ROUNDING: Final = 1e-12
+"""Share of a speed by which its conversion may fall short, as the guard has it."""
 
 
 def cross_checked(table: Raw, roles: Mapping[str, str]) -> Iterator[Problem]:
@@ -25,6 +29,7 @@ def cross_checked(table: Raw, roles: Mapping[str, str]) -> Iterator[Problem]:
             yield from _linked(key, rows, links)
     if isinstance(table.get("axes"), list):
         yield from _roles(axes, roles)
+    yield from _profiles(axes)
     for name, link in links.items():
         yield from _carried(name, link, axes, sensors)
         yield from _in_time(name, link, table.get("cycle_ms"))
@@ -60,6 +65,21 @@ def _roles(axes: list[Raw], roles: Mapping[str, str]) -> Iterator[Problem]:
             yield Problem(key, f"the role '{role}' is taken by axes[{told.index(role)}], too{free}")
     for role in missing:
         yield Problem("axes", f"no axis has the role '{role}', which the group '{roles[role]}' needs")
+
+
+def _profiles(axes: list[Raw]) -> Iterator[Problem]:
+    """Check that no profile is faster than the guard lets through: its drive could not be set up."""
+    for index, axis in enumerate(axes):
+        profile = _within(_within(axis, "settings"), "profile")
+        if axis.get("command") == "position":
+            bound = "top_speed"
+            rpm = _number(axis.get("top_speed")) * _number(axis.get("ratio")) * RPM_PER_RAD_S
+        else:
+            bound, rpm = "max_velocity_rpm", _number(profile.get("max_velocity_rpm"))
+        velocity = _number(profile.get("velocity_rpm"))
+        if velocity > rpm * (1.0 + ROUNDING):
+            key = f"axes[{index}].settings.profile.velocity_rpm"
+            yield Problem(key, f"{velocity:.10g} is above {bound}, which is {rpm:.5g} rpm of the motor")
 
 
 def _at_drives(key: str, rows: list[Raw], axes: list[Raw], links: Collection[str]) -> Iterator[Problem]:
@@ -186,6 +206,14 @@ def _once(rows: list[Raw], key: str, field: str) -> Iterator[Problem]:
         if value in seen:
             yield Problem(f"{key}[{index}].{field}", f"'{value}' is taken by {key}[{seen[value]}], too")
         seen.setdefault(value, index)
+
+
+def _number(value: object) -> float:
+    """Return a number; NaN, which is above nothing, for what is none or is told elsewhere."""
+    try:
+        return float(value) if isinstance(value, int | float) else math.nan
+    except OverflowError:
+        return math.nan
 
 
 def _tables(table: Raw, key: str) -> list[Raw]:

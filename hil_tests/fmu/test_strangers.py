@@ -36,6 +36,7 @@ from fmu.errors import PlantError
 from fmu.export.model import Expression, Model, Output, Parameter, State
 from fmu.export.model import Input as Voltage
 from fmu.rars.interface import AXES, INPUTS, OUTPUTS
+from fmu.verify import Verdict
 
 STEPS = (
     Step(at_s=3.0, title="arm", arm=True),
@@ -204,16 +205,27 @@ def test_the_same_ride_twice_gives_the_same_bytes(strangers: dict[str, Path], ri
 
 
 @pytest.mark.parametrize("who", ["PythonFMU", "tiny 3"])
-@pytest.mark.parametrize(
-    "name", ["voltage_steer", "current_left", "angle_lift", "battery_voltage", "yaw_rate"]
-)
+@pytest.mark.parametrize("name", ["voltage_steer", "current_left", "angle_lift", "battery_voltage"])
 def test_a_plant_that_lacks_a_variable_is_refused_by_name(
     strangers: dict[str, Path], tmp_path: Path, who: str, name: str
 ) -> None:
     path = changed(strangers[who], tmp_path / "odd.fmu", (f'name="{name}"', f'name="{name}_x"'))
-    robot = robot_with()
     with pytest.raises(PlantError, match=rf"odd\.fmu: the FMU lacks the \w+ '{name}'.*'{name}_x'"):
+        devices(robot_with(), path)
+
+
+@pytest.mark.parametrize("who", ["PythonFMU", "tiny 2", "tiny 3"])
+def test_a_plant_that_lacks_a_variable_of_the_body_is_refused_by_whoever_looks_at_it(
+    strangers: dict[str, Path], tmp_path: Path, who: str
+) -> None:
+    path = changed(strangers[who], tmp_path / "odd.fmu", ('name="yaw_rate"', 'name="yaw_rate_x"'))
+    robot = robot_with()
+    with pytest.raises(PlantError, match=r"odd\.fmu: the FMU lacks the output 'yaw_rate'.*'yaw_rate_x'"):
         Rig(robot, REHEARSAL, operator(robot), plant_path=path)
+    # The drives do without it, whether the plant carries a fingerprint of that name or not.
+    plant = devices(robot, path).plant
+    assert plant.fingerprint is Verdict.NONE
+    plant.close()
 
 
 @pytest.mark.parametrize("fmi", [2, 3])

@@ -1,5 +1,6 @@
 """Robots that a test writes down in a line: axes with links and limits, and the guard's rules over them."""
 
+import math
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -70,6 +71,11 @@ def _sides(one: tuple[str, ...], other: tuple[str, ...]) -> dict[str, Any]:
 
 
 def _axis(axis: AnAxis, settings: dict[str, Any]) -> dict[str, Any]:
+    profile = settings["profile"]
+    if axis.travel is not None:
+        # A file in which it runs faster than the axis may is refused.
+        top_rpm = math.floor(axis.top_speed * axis.ratio * 60.0 / math.tau)
+        profile = profile | {"velocity_rpm": min(top_rpm, profile["velocity_rpm"])}
     return {
         "name": axis.name,
         "title": axis.name,
@@ -79,5 +85,5 @@ def _axis(axis: AnAxis, settings: dict[str, Any]) -> dict[str, Any]:
         "top_speed": axis.top_speed,
         "ratio": axis.ratio,
         "direction": axis.direction,
-        "settings": settings | {"node": axis.node, "encoder_lines": axis.encoder_lines},
+        "settings": settings | {"node": axis.node, "encoder_lines": axis.encoder_lines, "profile": profile},
     }

@@ -1,5 +1,6 @@
 """Faults of the CAN bus: frames, cables, controllers, strangers."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from typing import Annotated, ClassVar, Final, Literal
 
@@ -102,7 +103,7 @@ class ReceiveOverrun(OnBus, Lasting):
         )
 
 
-class _Station(OnBus, Lasting):
+class _Station(OnBus, Lasting, ABC):
     """A fault of one named node on the bus."""
 
     among: ClassVar = Stations.ON_THE_BUS
@@ -113,9 +114,9 @@ class _Station(OnBus, Lasting):
         del chance
         self.meet(site, next(iter(self.targets(site.robot))))
 
+    @abstractmethod
     def meet(self, site: Site, name: str) -> None:
         """Let it begin at the node of this name."""
-        raise NotImplementedError
 
 
 class BusOff(_Station):

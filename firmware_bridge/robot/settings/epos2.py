@@ -12,6 +12,8 @@ from firmware_bridge.units import QUADCOUNTS_PER_LINE
 from firmware_bridge.wire.maxon.frame import Generation
 
 NodeId = Annotated[int, Field(ge=1, le=127)]
+Moving = Annotated[int, Field(ge=1, le=0xFFFF_FFFF)]
+"""With 0 an axis would never move, or never stop."""
 BIT_RATES: Final = (1_000_000, 800_000, 500_000, 250_000, 125_000, 50_000, 20_000)
 """Of the CAN bus; what the drive's 0x2001 can name."""
 
@@ -122,12 +124,12 @@ class Gains(Table):
 class Profile(Table):
     """Motion profile in the drive's units: rpm and rpm/s at the motor, quadcounts."""
 
-    velocity_rpm: Unsigned32
-    acceleration_rpm_s: Unsigned32
-    deceleration_rpm_s: Unsigned32
-    quick_stop_rpm_s: Unsigned32
-    max_velocity_rpm: Annotated[int, Field(ge=0, le=25_000)]
-    max_following_error_qc: Unsigned32
+    velocity_rpm: Moving
+    acceleration_rpm_s: Moving
+    deceleration_rpm_s: Moving
+    quick_stop_rpm_s: Moving
+    max_velocity_rpm: Annotated[int, Field(ge=1, le=25_000)]
+    max_following_error_qc: Moving
 
 
 class Epos2Axis(Table):

@@ -46,6 +46,13 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+def test_what_it_leaves_behind_is_what_the_readme_says(results: Path) -> None:
+    readme = (Path(__file__).parents[3] / "README.md").read_text(encoding="utf-8")
+    rows = readme.partition("| file | what it is |")[2].partition("\n\n")[0].splitlines()
+    named = [word.strip("`") for row in rows[2:] for word in row.split("|")[1].split()]
+    assert sorted(path.name for path in (results / "first").iterdir()) == sorted(named)
+
+
 def test_the_table_says_where_the_results_are(results: Path) -> None:
     said = (results / "said").read_text(encoding="utf-8")
     assert str(results / "first") in said.replace("\n", "")

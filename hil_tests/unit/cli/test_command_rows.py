@@ -58,14 +58,11 @@ def test_what_a_command_does_has_the_parameters_that_its_options_say(words: str)
     done = f"{module}_work"
     if find_spec(done) is None:
         return
-    parameters = inspect.signature(commands.imported(f"{done}:{name}")).parameters.values()
+    parameters = inspect.signature(commands.imported(f"{done}:{name}")).parameters
     if isinstance(made, type):
-        assert [each.annotation for each in parameters] == [made]
-        return
-    named = {each.name for each in parameters if each.kind is not inspect.Parameter.VAR_KEYWORD}
-    options = {each.name for each in asked.params} - {"help"}
-    assert named <= options
-    assert len(named) < len(parameters) or named == options
+        assert [each.annotation for each in parameters.values()] == [made]
+    else:
+        assert set(parameters) == {each.name for each in asked.params} - {"help"}
 
 
 def test_every_command_is_reached_by_its_words() -> None:

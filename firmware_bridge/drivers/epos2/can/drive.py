@@ -3,14 +3,11 @@
 from collections import deque
 from typing import Final
 
-from firmware_bridge.drivers.driver import Demand, Feedback, StartupError, Stop, Task, Tells
+from firmware_bridge.drivers.driver import Demand, Stop, Task
 from firmware_bridge.drivers.epos2.can.feedback import CanFeedback
-from firmware_bridge.drivers.epos2.feedback import TELLS
+from firmware_bridge.drivers.epos2.drive import Epos2Drive
 from firmware_bridge.drivers.epos2.inputs_outputs import ObjectRequest
-from firmware_bridge.drivers.epos2.set_point import set_point
 from firmware_bridge.drivers.epos2.setup import configuration
-from firmware_bridge.drivers.epos2.task_runner import TaskRunner
-from firmware_bridge.drivers.script_runner import ScriptRunner
 from firmware_bridge.drivers.sdo_client import NodeClient
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis, Output
@@ -19,76 +16,21 @@ from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire import canopen
 
 
-class Epos2OnCan:
+class Epos2OnCan(Epos2Drive[CanFeedback]):
     """One drive; a `firmware_bridge.drivers.driver.Driver`."""
 
-    __slots__ = (
-        "_answers",
-        "_axis",
-        "_client",
-        "_feedback",
-        "_requests",
-        "_scripts",
-        "_set_point",
-        "_tasks",
-        "wake_at",
-    )
+    __slots__ = ("_answers", "_client", "_requests", "wake_at")
 
     def __init__(self, axis: Axis, link: Epos2Link, outputs: tuple[Output, ...] = ()) -> None:
         """Take the axis, its link, and what is switched at its drive."""
-        self._axis: Final = axis
+        self._client: Final = NodeClient(axis.link, axis.settings.node)
+        super().__init__(axis, CanFeedback(axis), self._client, configuration(axis, link, outputs))
         self._answers: Final = canopen.SDO_RESPONSE + axis.settings.node
         """Where its SDO server answers."""
-        self._feedback: Final = CanFeedback(axis)
         self.wake_at: Nanoseconds = NEVER
         """When it wants to be woken. Asked for after every packet: so it is an attribute."""
-        self._set_point = set_point(axis, self._feedback)
-        self._client = NodeClient(axis.link, axis.settings.node)
-        self._scripts = ScriptRunner(self._client)
-        rows = configuration(axis, link, outputs)
-        self._tasks = TaskRunner(axis, self._feedback, self._set_point, self._scripts, rows)
         self._requests: deque[ObjectRequest] = deque()
         """Beside the tasks; the first one is under way."""
-
-    @property
-    def axis(self) -> Axis:
-        """The axis that it moves."""
-        return self._axis
-
-    @property
-    def tells(self) -> frozenset[Tells]:
-        """What it can tell."""
-        return TELLS
-
-    @property
-    def feedback(self) -> Feedback:
-        """What it has reported."""
-        return self._feedback.published()
-
-    @property
-    def sampled_at(self) -> Nanoseconds:
-        """When its newest sample was taken."""
-        return self._feedback.sampled_at
-
-    @property
-    def busy(self) -> bool:
-        """Whether tasks are under way."""
-        return self._tasks.busy
-
-    @property
-    def failure(self) -> StartupError | None:
-        """Why the last tasks failed; None where they did not."""
-        return self._tasks.failure
-
-    @property
-    def configured(self) -> bool:
-        """Whether its set-up is in force and it listens to set-points."""
-        return self._tasks.configured
-
-    @property
-    def set_ups(self) -> int:
-        """How often its set-up was written so far."""
-        return self._tasks.set_ups
 
     def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
         """Do these tasks in order, in place of those under way."""

@@ -7,8 +7,9 @@ makes it count. A set-point that has not wholly left when the next one comes is 
 from collections.abc import Callable
 from typing import Final
 
-from firmware_bridge.drivers.driver import Demand, Feedback, StartupError, Stop, Task, Tells
-from firmware_bridge.drivers.epos2.feedback import FAULT_STATES, TELLS
+from firmware_bridge.drivers.driver import Demand, Stop, Task
+from firmware_bridge.drivers.epos2.drive import Epos2Drive
+from firmware_bridge.drivers.epos2.feedback import FAULT_STATES
 from firmware_bridge.drivers.epos2.inputs_outputs import ObjectRequest, outputs_at
 from firmware_bridge.drivers.epos2.process_data import SET_POINT
 from firmware_bridge.drivers.epos2.serial.client import (
@@ -30,11 +31,9 @@ from firmware_bridge.drivers.epos2.serial.feedback import (
     SerialFeedback,
 )
 from firmware_bridge.drivers.epos2.serial.proof import Proof
-from firmware_bridge.drivers.epos2.set_point import DISABLE_VOLTAGE, ENABLE, NEW_POSITION, set_point
+from firmware_bridge.drivers.epos2.set_point import DISABLE_VOLTAGE, ENABLE, NEW_POSITION
 from firmware_bridge.drivers.epos2.setup import configuration, through_gateway
-from firmware_bridge.drivers.epos2.task_runner import TaskRunner
 from firmware_bridge.drivers.epos2.tasks import NEWEST_ERROR
-from firmware_bridge.drivers.script_runner import ScriptRunner
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Axis, Command
 from firmware_bridge.units import MILLISECOND, Nanoseconds
@@ -52,90 +51,37 @@ NOTICED_CYCLES: Final = 4
 """So many cycles after its watch has ended at the latest a drive's fault is read."""
 
 
-class Epos2OnSerial:
+class Epos2OnSerial(Epos2Drive[SerialFeedback]):
     """One drive; a `firmware_bridge.drivers.driver.Driver`."""
 
-    __slots__ = (
-        "_axis",
-        "_client",
-        "_exchange",
-        "_feedback",
-        "_proof",
-        "_scripts",
-        "_set_point",
-        "_taken",
-        "_tasks",
-        "_writes",
-        "present",
-    )
+    __slots__ = ("_exchange", "_proof", "_taken", "_writes", "present")
 
     def __init__(self, axis: Axis, robot: AnyRobot, exchange: Exchange) -> None:
         """Take the axis, its robot, and the line."""
         self.present = False
         """Whether it answered last; one that does not is not asked in every cycle."""
-        self._axis = axis
         self._exchange = exchange
-        self._feedback = SerialFeedback(axis)
-        self._set_point = set_point(axis, self._feedback)
-        self._client = SerialClient(axis.settings.node, exchange, self._note)
-        self._scripts = ScriptRunner(self._client)
         link = robot.links[axis.link]
         traffic = through_gateway(axis, link, robot.nodes_on(axis.link))
-        rows = configuration(axis, link, outputs_at(robot, axis), traffic)
+        feedback = SerialFeedback(axis)
         self._proof = Proof(
             axis,
-            self._feedback,
+            feedback,
             traffic.watched,
             speaks_for=HEARD_BEATS * link.bridge_heartbeat_ms * MILLISECOND,
             within=link.bridge_silent_ms * MILLISECOND + NOTICED_CYCLES * link.every * robot.cycle,
         )
-        self._tasks = TaskRunner(
-            axis, self._feedback, self._set_point, self._scripts, rows, started=self._proof.script
+        super().__init__(
+            axis,
+            feedback,
+            SerialClient(axis.settings.node, exchange, self._note),
+            configuration(axis, link, outputs_at(robot, axis), traffic),
+            started=self._proof.script,
         )
         self._writes: Job | None = None
         """The newest set-point."""
         self._taken: dict[Address, int] = {}
         """Controlword and target as the drive has taken them."""
-
-    @property
-    def axis(self) -> Axis:
-        """The axis that it moves."""
-        return self._axis
-
-    @property
-    def tells(self) -> frozenset[Tells]:
-        """What it can tell."""
-        return TELLS
-
-    @property
-    def feedback(self) -> Feedback:
-        """What it has reported."""
-        return self._feedback.published()
-
-    @property
-    def sampled_at(self) -> Nanoseconds:
-        """When its newest sample was taken."""
-        return self._feedback.sampled_at
-
-    @property
-    def busy(self) -> bool:
-        """Whether tasks are under way."""
-        return self._tasks.busy
-
-    @property
-    def failure(self) -> StartupError | None:
-        """Why the last tasks failed; None where they did not."""
-        return self._tasks.failure
-
-    @property
-    def configured(self) -> bool:
-        """Whether its set-up is in force and it listens to set-points."""
-        return self._tasks.configured
-
-    @property
-    def set_ups(self) -> int:
-        """How often its set-up was written so far."""
-        return self._tasks.set_ups
 
     @property
     def guarded(self) -> bool:
