@@ -111,8 +111,8 @@ def in_a_fork(work: Callable[[], T]) -> T:
         with os.fdopen(into, "wb") as pipe:
             try:
                 pickle.dump((work(), None), pipe)
-            except Exception as problem:  # noqa: BLE001 - its parent raises it
-                pickle.dump((None, problem), pipe)
+            except Exception as fault:  # noqa: BLE001 - its parent raises it
+                pickle.dump((None, fault), pipe)
         os._exit(0)
     os.close(into)
     with os.fdopen(out, "rb") as pipe:
@@ -199,7 +199,8 @@ class _Campaign:
 
     def _try(self, mutant: Mutant, into: int) -> NoReturn:
         """End this process with 0 where no test notices the mutant; write into a pipe which one does."""
-        signal.alarm(TIMEOUT_S)
+        # Of this process's own time: a busy machine must not look like a mutant that never ends.
+        signal.setitimer(signal.ITIMER_PROF, TIMEOUT_S)
         self._finder.mutant = mutant
         try:
             status = self._status(_Order(self._likely(mutant), into))

@@ -22,6 +22,7 @@ GATE_TESTS: Final = (
     "safety/test_gate_lift.py",
     "safety/test_gate_limits.py",
     "safety/test_gate_stops.py",
+    "safety/test_what_follows.py",
 )
 GUARD_TESTS: Final = (
     "safety/test_guard_power.py",
@@ -36,12 +37,26 @@ ACROSS_TESTS: Final = (
     "safety/test_guard_links.py",
     "safety/test_guard_sums.py",
 )
+EVERY_ROBOTS_TESTS: Final = tuple(
+    f"robots/test_every_robot.py::test_{what}"
+    for what in (
+        "at_its_threshold_a_row_holds_and_says_why",
+        "just_within_its_threshold_a_row_does_not_hold",
+        "a_row_lets_go_when_it_was_clear_for_its_clear_time",
+        "a_stop_brings_every_axis_to_rest",
+    )
+)
 TARGETS: Final = {
     "motion/ramp": ("unit/motion/test_ramp.py",),
-    "safety/common": GATE_TESTS[::-1],
+    "safety/common": (*GATE_TESTS, "safety/test_weaker_rows.py"),
+    "safety/gate": (*GATE_TESTS, "safety/test_weaker_rows.py"),
+    "safety/interlock": (*GATE_TESTS, "safety/test_weaker_rows.py"),
     "safety/limits": GATE_TESTS,
-    "safety/gate": GATE_TESTS,
+    "safety/row": ("safety/test_what_follows.py",),
+    "safety/rules": ("safety/test_what_follows.py",),
+    "safety/snapshot": ("safety/test_gate_limits.py",),
     "robots/rars/rules": GATE_TESTS,
+    "carrier/rules": EVERY_ROBOTS_TESTS,
     "safety/guard/guard": GUARD_TESTS + GUARD_SERIAL_TESTS + ACROSS_TESTS,
     "safety/guard/across_axes": ACROSS_TESTS,
     "safety/guard/axis": GUARD_TESTS + ACROSS_TESTS,
