@@ -32,6 +32,13 @@ def gate_of(robot: Rars) -> Gate:
     return gate.Gate(robot, KIND.rules(robot), {axis.name: frozenset(Tells) for axis in robot.axes})
 
 
+def limited(robot: Rars, **limits: float) -> Rars:
+    """Return a robot with other limits."""
+    geometry = robot.geometry
+    changed = geometry.model_copy(update={"limits": geometry.limits.model_copy(update=limits)})
+    return robot.model_copy(update={"geometry": changed})
+
+
 def said(state: cia402.State | None) -> dict[str, Any]:
     """Return what a drive in this state is known by."""
     if state is None:

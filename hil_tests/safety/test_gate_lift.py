@@ -140,6 +140,7 @@ def test_an_extended_lift_comes_down_while_the_base_is_held(robot: Rars, well: W
         (START, START - 200 * MILLISECOND, START + 50 * MILLISECOND),
         (START - 500 * MILLISECOND, START, START + 250 * MILLISECOND),
         (START - 500 * MILLISECOND + 1, START, START + 1),
+        (START, START - 250 * MILLISECOND, START + 250 * MILLISECOND),
         (START, START - 250 * MILLISECOND + 1, START + 1),
         (NEVER_HEARD, START, START + 250 * MILLISECOND),
         (START, NEVER_HEARD, START + 250 * MILLISECOND),

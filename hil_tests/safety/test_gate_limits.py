@@ -6,9 +6,11 @@ from typing import Any, Final, TypeAlias
 
 import pytest
 
+from firmware_bridge.robots.rars import rules
+from firmware_bridge.robots.rars.body import ramp_of
 from firmware_bridge.robots.rars.rules import LIMITS, tipping_speed
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
-from hil_tests.safety.gate_bench import Rars, Snapshot, base_stopped, gate_of, lift_free, names
+from hil_tests.safety.gate_bench import Rars, Snapshot, base_stopped, gate_of, lift_free, limited, names
 
 Well: TypeAlias = Callable[..., Snapshot]
 START: Final = 100 * SECOND
@@ -24,13 +26,6 @@ STEP: Final = 0.80 * 0.144 * 9.81 * 0.050
 def asked(well: Well, now: Nanoseconds = START, **wish: Any) -> Snapshot:
     """Make a wish that the ramp has reached already, so that acceleration is no matter."""
     return well(now, intent=wish, demanded_speed_mps=wish.get("speed_mps", 0.0))
-
-
-def limited(robot: Rars, **limits: float) -> Rars:
-    """Return a robot with other limits."""
-    geometry = robot.geometry
-    changed = geometry.model_copy(update={"limits": geometry.limits.model_copy(update=limits)})
-    return robot.model_copy(update={"geometry": changed})
 
 
 def reckless(robot: Rars) -> Rars:
@@ -163,9 +158,23 @@ def test_a_wish_that_the_ramp_delays_is_told(
     assert names(ruling) == (("acceleration limit",) if held else ())
 
 
+def test_what_the_ramp_reaches_in_one_cycle_is_not_told_even_without_a_tolerance(
+    robot: Rars, well: Well, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(rules, "SPEED_TOLERANCE_MPS", 0.0)
+    reached = ramp_of(robot).step(0.0, 0.5, 0.0, robot.cycle)
+    for speed, held in ((reached, ()), (math.nextafter(reached, 1.0), ("acceleration limit",))):
+        assert names(gate_of(robot).rule(well(START, intent={"speed_mps": speed}))) == held
+
+
 def test_in_a_turn_the_ramp_delays_more(robot: Rars, well: Well) -> None:
     snapshot = well(START, intent={"speed_mps": STEP}, steer_rad=TIGHTEST)
     assert names(gate_of(robot).rule(snapshot)) == ("acceleration limit",)
+
+
+def test_a_wish_that_leaves_the_steering_where_it_is_has_nothing_to_clip(robot: Rars, well: Well) -> None:
+    ruling = gate_of(robot).rule(well(START, intent={"steer_rad": None}))
+    assert (names(ruling), ruling.allowed.steer_rad) == ((), None)
 
 
 def test_reasons_give_the_numbers(robot: Rars, well: Well) -> None:

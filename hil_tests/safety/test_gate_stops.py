@@ -16,6 +16,7 @@ from hil_tests.safety.gate_bench import (
     base_stopped,
     gate_of,
     lift_free,
+    limited,
     names,
     shifted,
     with_facts,
@@ -155,6 +156,9 @@ def test_an_extended_lift_counts_as_retracted_only_well_below_the_threshold(robo
     gate = gate_of(robot)
     assert gate.rule(well(START, lift_m=0.5)).holds[0].reason == (
         "the lift stands at 500 mm, retracted is below 5 mm"
+    )
+    assert gate_of(limited(robot, lift_retracted_m=0.25)).rule(well(START, lift_m=0.5)).holds[0].reason == (
+        "the lift stands at 500 mm, retracted is below 250 mm"
     )
     assert names(gate.rule(well(START + 1, lift_m=0.005))) == ("lift extended",)
     assert names(gate.rule(well(START + 2, lift_m=above(0.8 * 0.005)))) == ("lift extended",)

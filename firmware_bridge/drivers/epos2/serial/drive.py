@@ -169,6 +169,9 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
 
     def _note(self, result: Result) -> None:
         self.present = not silent(result)
+        if not self.present:
+            # Each of them would hold up the line for the gateway's time-out once more.
+            self._exchange.drop_reads(self)
 
     def _hear(self, address: Address, result: ObjectRead, now: Nanoseconds) -> None:
         raw, feedback = value_in(address, result), self._feedback

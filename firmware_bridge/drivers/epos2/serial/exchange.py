@@ -33,6 +33,9 @@ class Rank(IntEnum):
     ROTATING = 4
 
 
+_READS: Final = frozenset({Rank.SAMPLE, Rank.ROTATING})
+
+
 class Owner(Protocol):
     """Whoever has jobs done."""
 
@@ -85,6 +88,11 @@ class Exchange:
         job.left, job.over = (), True
         if job in self._waiting:
             self._waiting.remove(job)
+
+    def drop_reads(self, owner: Owner) -> None:
+        """Forget what an owner has only asked to be told."""
+        for job in [job for job in self._waiting if job.owner is owner and job.rank in _READS]:
+            self.drop(job)
 
     def go_on(self) -> tuple[Packet, ...]:
         """Begin the most urgent command where none is under way."""

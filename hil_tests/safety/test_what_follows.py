@@ -1,0 +1,154 @@
+"""What each row of the safety tables says of its hold: what stops, and what of the leave to move it takes."""
+
+from collections.abc import Callable
+from typing import Any, Final, TypeAlias
+
+import pytest
+from pymavlink.dialects.v20 import common as mavlink
+
+from firmware_bridge.drivers.driver import Power, Tells
+from firmware_bridge.robots.rars import KIND
+from firmware_bridge.robots.rars.geometry import Geometry
+from firmware_bridge.robots.rars.motion import Motion, State
+from firmware_bridge.safety.common import AXIS_ROWS, LEFT_OUT_ROW, whole_robot_rows
+from firmware_bridge.safety.gate import axis_rows
+from firmware_bridge.safety.interlock import Interlock
+from firmware_bridge.safety.row import Row, Severity
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+from hil_tests.safety import gate_bench
+from hil_tests.safety.gate_bench import Rars, Snapshot, gate_of, names, with_facts
+from hil_tests.safety.stop_cases import DRIVE_LIMIT
+
+Well: TypeAlias = Callable[..., Snapshot]
+
+ALL: Final = None
+FOLLOWS: Final = {
+    "emergency stop": (ALL, "disarms", "blocks arming"),
+    "link lost: drives": (ALL, "disarms", "blocks arming"),
+    # Arming must not wait for what only arming changes, nor for who speaks of motion afterwards.
+    "not armed": (ALL,),
+    "operator silent": (ALL,),
+    "wish unusable": (ALL, "blocks arming"),
+    "steer angle unknown": (ALL, "blocks arming"),
+    "lift height unknown": (ALL, "blocks arming"),
+    # A lift comes down only when the robot is armed.
+    "lift extended": ({"base"},),
+    "lift moving": ({"base"},),
+    "lift refused": ({"lift"},),
+    "axis silent": (ALL, "disarms", "blocks arming"),
+    "axis fault": (ALL, "disarms", "blocks arming"),
+    "axis not enabled": (ALL, "disarms", "blocks arming"),
+    "axis left out": (ALL, "disarms", "blocks arming"),
+    "speed limit": (set(),),
+    "tipping limit": (set(),),
+    "steer angle limit": (set(),),
+    "turn radius limit": (set(),),
+    "lift rate limit": (set(),),
+    "lift range limit": (set(),),
+    "acceleration limit": (set(),),
+}
+
+
+def follows(row: Row) -> tuple[object, ...]:
+    """Return what stops, and the words for all else that follows."""
+    words = {"disarms": row.disarms, "blocks arming": row.blocks_arming, "latches": row.latches}
+    return row.stops, *(word for word, holds in words.items() if holds)
+
+
+def whole_robot(robot: Rars) -> tuple[Interlock[Geometry, Motion, State], ...]:
+    """Return the rows that judge no axis."""
+    return whole_robot_rows(KIND.rules(robot)[""].numbers, robot.links)
+
+
+def on_a_link_that_stops(robot: Rars, *groups: str) -> Rars:
+    """Return a robot whose link stops no more than these groups."""
+    links = {name: link.model_copy(update={"stops": groups}) for name, link in robot.links.items()}
+    return robot.model_copy(update={"links": links})
+
+
+def test_every_row_says_what_follows_from_it(robot: Rars) -> None:
+    rules = KIND.rules(robot)[""]
+    common = whole_robot(robot)
+    rows = (*common, *rules.interlocks, *rules.after_limits, *AXIS_ROWS, LEFT_OUT_ROW, *rules.limits)
+    assert {row.name: follows(row) for row in rows} == FOLLOWS
+
+
+def test_a_row_that_says_no_more_stops_everything_until_it_is_clear() -> None:
+    for row in (Row("any", ""), Interlock("any", lambda _: None, "")):
+        assert follows(row) == (ALL, "blocks arming")
+        assert (row.clear_after, row.severity) == (0, Severity.WARNING)
+
+
+def test_the_severities_are_those_of_mavlink() -> None:
+    theirs = {
+        one.name.removeprefix("MAV_SEVERITY_"): value for value, one in mavlink.enums["MAV_SEVERITY"].items()
+    }
+    theirs.pop("ENUM_END")
+    assert {one.name: one.value for one in Severity} == theirs
+
+
+def test_a_link_that_stops_only_some_groups_leaves_the_others_armed(robot: Rars) -> None:
+    confined = on_a_link_that_stops(robot, "lift")
+    lost = whole_robot(confined)[1]
+    tells = {axis.name: frozenset(Tells) for axis in robot.axes}
+    rows = [row for one in axis_rows(confined, tells) for _, row in one.rows]
+    assert {row.name for row in rows} == {row.name for row in AXIS_ROWS}
+    for row in (lost, *rows):
+        assert follows(row) == ({"lift"}, "blocks arming")
+
+
+@pytest.mark.parametrize(
+    ("changes", "hold"),
+    [
+        ({"link_lost": "it is gone"}, "link lost: drives"),
+        ({"drives": {"left": {"fault": "0x8611"}}}, "axis fault: left"),
+    ],
+)
+def test_on_such_a_link_the_rest_of_the_robot_goes_on(
+    robot: Rars, changes: dict[str, Any], hold: str
+) -> None:
+    confined = on_a_link_that_stops(robot, "lift")
+    wish = {"speed_mps": 0.05}
+    ruling = gate_of(confined).rule(gate_bench.well(confined, SECOND, intent=wish, **changes))
+    assert names(ruling) == (hold,)
+    assert (set(ruling.stopped), ruling.allowed.speed_mps) == ({"lift"}, 0.05)
+
+
+@pytest.mark.parametrize(
+    ("power", "silence", "holds"),
+    [
+        (Power.ON, 0, True),
+        (Power.ON, DRIVE_LIMIT - 1, True),
+        (Power.ON, DRIVE_LIMIT, False),
+        (Power.ON, DRIVE_LIMIT + MILLISECOND, False),
+        (Power.STOPPED, 0, False),
+        (Power.OFF, 0, False),
+        (Power.FAULT, 0, False),
+    ],
+)
+def test_an_axis_that_is_left_out_may_have_no_power_while_it_is_heard(
+    robot: Rars, well: Well, power: Power, silence: Nanoseconds, *, holds: bool
+) -> None:
+    seen = well(SECOND, drives={"lift": {"power": power, "heard_at": SECOND - silence}})
+    ruling = gate_of(robot).rule(with_facts(seen, without=frozenset({"lift"})))
+    assert [(hold.name, hold.reason) for hold in ruling.holds] == (
+        [("axis left out: lift", "node 4 (scissor lift) has power, and this mode does without it")]
+        if holds
+        else []
+    )
+
+
+@pytest.mark.parametrize(
+    ("changes", "rests"),
+    [
+        ({}, True),
+        ({"demanded_speed_mps": 1e-9}, False),
+        ({"speed_mps": 0.0101}, False),
+        ({"demanded_speed_mps": -0.05, "speed_mps": -0.05}, False),
+        ({"drives": {"lift": {"velocity": 1.0}}}, True),
+    ],
+)
+def test_at_rest_it_neither_leaves_its_place_nor_is_told_to(
+    robot: Rars, well: Well, changes: dict[str, Any], *, rests: bool
+) -> None:
+    assert KIND.rules(robot)[""].at_rest(well(SECOND, **changes)) is rests

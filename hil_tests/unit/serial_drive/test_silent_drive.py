@@ -1,0 +1,77 @@
+"""A drive behind the gateway that does not answer holds up the line once, not for each read that waits."""
+
+from typing import Final
+
+import pytest
+
+from firmware_bridge.drivers.driver import Stop
+from firmware_bridge.drivers.epos2.serial.drive import Epos2OnSerial
+from firmware_bridge.drivers.epos2.serial.exchange import Exchange, Rank
+from firmware_bridge.drivers.epos2.serial.feedback import ERROR_REGISTER, POSITION, STATUSWORD, ReadRow
+from firmware_bridge.drivers.epos2.serial.fleet import over_serial
+from firmware_bridge.kinds import find
+from firmware_bridge.packet import Packet
+from firmware_bridge.wire.abort import AbortCode
+from firmware_bridge.wire.maxon.frame import Answered
+from firmware_bridge.wire.maxon.messages import ObjectRead, ReadObject, WriteObject
+from firmware_bridge.wire.maxon.opcodes import encode_answer
+from firmware_bridge.wire.maxon.packets import command, outcome_packet
+
+ROBOT: Final = over_serial(find("rars"))
+STEER, LIFT = 3, 4
+
+
+class Line:
+    """Steering and lift behind the gateway, and a cycle's reads of both."""
+
+    def __init__(self) -> None:
+        self.exchange = Exchange("drives")
+        self.steer, self.lift = (self.drive(node) for node in (STEER, LIFT))
+        for row in (POSITION, STATUSWORD):
+            for drive in (self.steer, self.lift):
+                drive.read(row, Rank.SAMPLE)
+        self.steer.read(ERROR_REGISTER, Rank.ROTATING)
+
+    def drive(self, node: int) -> Epos2OnSerial:
+        axis = next(axis for axis in ROBOT.axes if axis.settings.node == node)
+        return Epos2OnSerial(axis, ROBOT, self.exchange)
+
+    def answered(self, node: int, row: ReadRow, error: int = 0) -> tuple[Packet, ...]:
+        """Answer a read; return what is sent then."""
+        request = reads(node, row)
+        answer = encode_answer(request, ObjectRead(error, bytes(4)))
+        return self.exchange.hear(outcome_packet(command(request).address, Answered(answer)), 0)
+
+
+def reads(node: int, row: ReadRow) -> ReadObject:
+    return ReadObject(row.address.index, row.address.subindex, node)
+
+
+def sent(node: int, row: ReadRow) -> tuple[Packet, ...]:
+    return (command(reads(node, row), "drives"),)
+
+
+def test_what_else_was_to_be_read_of_it_is_not_asked() -> None:
+    line = Line()
+    assert line.exchange.go_on() == sent(STEER, POSITION)
+    assert line.answered(STEER, POSITION, AbortCode.TIMEOUT) == sent(LIFT, POSITION)
+    assert line.answered(LIFT, POSITION) == sent(LIFT, STATUSWORD)
+    assert line.answered(LIFT, STATUSWORD) == ()
+    assert (line.steer.present, line.lift.present) == (False, True)
+
+
+def test_its_set_point_still_leaves() -> None:
+    line = Line()
+    line.exchange.go_on()
+    line.steer.command(Stop.POWER_OFF)
+    (packet,) = line.answered(STEER, POSITION, AbortCode.TIMEOUT)
+    assert packet.address == command(WriteObject(0x6040, 0, STEER, bytes(4))).address
+    assert packet.payload[3] == STEER
+
+
+@pytest.mark.parametrize("error", [0, AbortCode.NO_OBJECT])
+def test_one_that_answers_is_asked_on_whatever_it_says(error: int) -> None:
+    line = Line()
+    line.exchange.go_on()
+    assert line.answered(STEER, POSITION, error) == sent(LIFT, POSITION)
+    assert line.answered(LIFT, POSITION) == sent(STEER, STATUSWORD)
