@@ -12,6 +12,8 @@ from firmware_bridge.units import RPM_PER_RAD_S
 
 Raw: TypeAlias = Mapping[str, object]
 SERIAL: Final = "epos2-serial"
+NODE_IDS: Final = range(1, 128)
+"""Another number is told where it stands."""
 ROUNDING: Final = 1e-12
 """Share of a speed by which its conversion may fall short, as the guard has it."""
 
@@ -164,7 +166,7 @@ def _carried(name: str, link: Raw, axes: list[Raw], sensors: list[Raw]) -> Itera
 
 def _watched(name: str, link: Raw, nodes: Collection[int]) -> Iterator[Problem]:
     gateway = link.get("gateway")
-    if link.get("driver") == SERIAL and isinstance(gateway, int) and nodes:
+    if link.get("driver") == SERIAL and gateway in NODE_IDS and nodes:
         if gateway not in nodes:
             yield Problem(f"links.{name}.gateway", f"{gateway} is not the node of an axis on this link")
         elif len(nodes) == 1:

@@ -5,6 +5,7 @@ import math
 import pytest
 
 from emulators.bench.log import Kind
+from emulators.robots.rars import REHEARSAL
 from firmware_bridge.intent import Arm, Disarm
 from hil_tests.unit.bench_operator.joined import find, join, mission
 
@@ -20,7 +21,8 @@ def test_what_the_mission_says_is_what_the_bridge_understands(
     assert joined.run(0.99).wish.speed_mps == 0.0
     intent = joined.run(1.0)
     assert intent.wish.speed_mps == pytest.approx(speed, abs=0.00026)
-    assert math.degrees(intent.wish.steer_rad or 0.0) == pytest.approx(steer_deg, abs=0.031)
+    assert intent.wish.steer_rad is not None
+    assert math.degrees(intent.wish.steer_rad) == pytest.approx(steer_deg, abs=0.031)
 
 
 @pytest.mark.parametrize("how", ["stick", "twist"])
@@ -38,7 +40,8 @@ def test_a_twist_can_ask_for_more_than_the_limits() -> None:
     joined = join(mission("1.0 speed_mps = 0.8; steer_deg = 80.0", head='input = "twist"\n'))
     intent = joined.run(2.0)
     assert intent.wish.speed_mps == pytest.approx(0.8)
-    assert math.degrees(intent.wish.steer_rad or 0.0) == pytest.approx(80.0, abs=0.01)
+    assert intent.wish.steer_rad is not None
+    assert math.degrees(intent.wish.steer_rad) == pytest.approx(80.0, abs=0.01)
 
 
 def test_the_line_accelerates_as_in_the_thesis() -> None:
@@ -72,7 +75,7 @@ def test_the_lift_moves_by_stick_until_told_otherwise() -> None:
 
 
 def test_every_shipped_mission_runs_to_its_end() -> None:
-    for name in ("line", "circles", "interlocks"):
+    for name in REHEARSAL.shipped():
         script = find(name)
         joined = join(script)
         joined.run(script.duration_s)

@@ -30,6 +30,12 @@ def test_one_turn_behind_the_gear_is_so_many_of_the_motor(direction: int) -> Non
     assert scale.rpm(2.0 * math.pi) == pytest.approx(direction * 26 * 60)
 
 
+def test_rars_s_gears_are_those_of_its_thesis() -> None:
+    """One degree of the pinion is 159 of the motor, one turn of the screw 25 of the motor."""
+    assert Scale.of(RARS.axis("steering")).quadcounts(math.radians(1.0)) == round(159 * 2000 / 360)
+    assert Scale.of(RARS.axis("lift")).quadcounts(2.0 * math.pi) == 25 * 2000
+
+
 @pytest.mark.parametrize("direction", [1, -1])
 def test_of_an_axis_in_metres_the_ratio_is_radians_a_metre(direction: int) -> None:
     """A wheel of 50 mm behind 26:1 turns its motor by 520 rad in a metre."""

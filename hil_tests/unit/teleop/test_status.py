@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from firmware_bridge.drivers.driver import Power
+from firmware_bridge.robots.rars import KIND
+from firmware_bridge.safety.common import AXIS_ROWS, whole_robot_rows
 from firmware_bridge.safety.row import Severity
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.unit.teleop.bench import RarsBench, hold
@@ -77,6 +79,28 @@ def test_a_hold_is_told_with_its_reason_when_it_begins_and_when_it_ends(bench: R
     assert texts(bench.report(replace(HOLD, reason="the lift stands at 90 mm"))) == []
     assert texts(bench.report()) == [(6, "released: lift extended")]
     assert texts(bench.report()) == []
+
+
+LOUD = {
+    "not armed": Severity.NOTICE,
+    "emergency stop": Severity.CRITICAL,
+    "link lost: drives": Severity.CRITICAL,
+    "axis silent": Severity.CRITICAL,
+    "axis fault": Severity.CRITICAL,
+    "steer angle unknown": Severity.ERROR,
+    "lift height unknown": Severity.ERROR,
+}
+"""All others are warnings."""
+
+
+def test_how_loud_each_row_of_rars_is(bench: RarsBench) -> None:
+    rules = KIND.rules(bench.robot)[""]
+    common = (*whole_robot_rows(rules.numbers, bench.robot.links), *AXIS_ROWS)
+    rows = (*common, *rules.interlocks, *rules.limits, *rules.after_limits)
+    assert {row.name: row.severity for row in rows} == {
+        row.name: LOUD.get(row.name, Severity.WARNING) for row in rows
+    }
+    assert LOUD.keys() <= {row.name for row in rows}
 
 
 @pytest.mark.parametrize("severity", Severity)

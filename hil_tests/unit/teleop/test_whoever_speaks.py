@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from firmware_bridge.intent import Verdict
+from firmware_bridge.intent import NEVER_HEARD, Verdict
 from firmware_bridge.robots.rars.motion import Motion
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from hil_tests.unit.teleop.bench import rars
@@ -35,7 +35,7 @@ def test_sticks_for_us(bench: RarsBench, target: int) -> None:
 
 def test_sticks_for_others(bench: RarsBench) -> None:
     bench.stick(x=100, target=2)
-    assert bench.wish == Motion()
+    assert (bench.wish, bench.operator.intent.heard_at) == (Motion(), NEVER_HEARD)
     assert bench.operator.dropped.foreign == 1
 
 
