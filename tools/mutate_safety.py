@@ -56,7 +56,7 @@ TARGETS: Final = {
     "safety/rules": ("safety/test_what_follows.py",),
     "safety/snapshot": ("safety/test_gate_limits.py",),
     "robots/rars/rules": GATE_TESTS,
-    "carrier/rules": EVERY_ROBOTS_TESTS,
+    "carrier/rules": ("robots/test_carrier_rules.py", *EVERY_ROBOTS_TESTS),
     "safety/guard/guard": GUARD_TESTS + GUARD_SERIAL_TESTS + ACROSS_TESTS,
     "safety/guard/across_axes": ACROSS_TESTS,
     "safety/guard/axis": GUARD_TESTS + ACROSS_TESTS,

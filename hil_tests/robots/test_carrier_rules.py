@@ -1,0 +1,72 @@
+"""The carrier's own rows by their numbers; that each holds at its threshold, every robot's tests see."""
+
+import math
+from typing import Any, Final, TypeAlias
+
+import pytest
+from carrier import rules
+from carrier.body import ramp_of
+from carrier.motion import Motion, State
+
+from emulators.bench.cases import Situation
+from firmware_bridge.kinds import find
+from firmware_bridge.units import MILLISECOND, SECOND
+from hil_tests.robots.gate import START, gate_of, held, seen
+
+CARRIER: Final = find("carrier")
+TURN: Final = CARRIER.geometry.limits.turn_rate_rad_s
+STEP: Final = ramp_of(CARRIER).step((0.0, 0.0), (9.0, 0.0), CARRIER.cycle)[0]
+SPIN: Final = ramp_of(CARRIER).step((0.0, 0.0), (0.0, 9.0), CARRIER.cycle)[1]
+AnySituation: TypeAlias = Situation[Motion, State]
+
+
+def holds(situation: AnySituation) -> set[str]:
+    return set(held(gate_of(CARRIER).rule(seen(CARRIER, START, situation))))
+
+
+def turning(rate: float) -> AnySituation:
+    return Situation(body=State(0.0, rate))
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_it_turns_too_fast_a_quarter_above_its_limit_until_it_is_below_it(side: float) -> None:
+    gate, now = gate_of(CARRIER), START
+    for share, spins in ((1.249, False), (1.251, True), (1.001, True), (1.0, True)):
+        now += SECOND
+        ruling = gate.rule(seen(CARRIER, now, turning(side * share * TURN)))
+        assert ("turns too fast" in held(ruling)) is spins
+    for late, spins in ((300 * MILLISECOND - 1, True), (300 * MILLISECOND, False)):
+        ruling = gate.rule(seen(CARRIER, now + late, turning(side * TURN)))
+        assert ("turns too fast" in held(ruling)) is spins
+
+
+def test_a_robot_that_turns_too_fast_has_to_be_armed_again() -> None:
+    (hold,) = gate_of(CARRIER).rule(seen(CARRIER, START, turning(1.3 * TURN))).holds
+    assert hold.row.disarms
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(("beyond", "told"), [(0.0, False), (0.995e-4, False), (1.005e-4, True)])
+def test_a_step_that_the_ramp_delays_is_told(sign: float, beyond: float, *, told: bool) -> None:
+    for wish in (Motion(sign * (STEP + beyond)), Motion(turn_rad_s=sign * (SPIN + beyond))):
+        assert holds(Situation(wish=wish)) == ({"acceleration limit"} if told else set())
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_only_the_change_counts(sign: float) -> None:
+    for motion in (Motion(sign * 0.3), Motion(turn_rad_s=sign * 0.5)):
+        assert holds(Situation(wish=motion, demanded=motion)) == set()
+
+
+def test_what_the_ramp_reaches_in_one_cycle_is_not_told_even_without_a_tolerance(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(rules, "SPEED_TOLERANCE", 0.0)
+    reached: list[tuple[Any, set[str]]] = [
+        (Motion(STEP), set()),
+        (Motion(math.nextafter(STEP, 9.0)), {"acceleration limit"}),
+        (Motion(turn_rad_s=SPIN), set()),
+        (Motion(turn_rad_s=math.nextafter(SPIN, 9.0)), {"acceleration limit"}),
+    ]
+    for wish, told in reached:
+        assert holds(Situation(wish=wish)) == told
