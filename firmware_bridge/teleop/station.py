@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Final, Generic, TypeVar
 
+from firmware_bridge.immutable import Immutable
 from firmware_bridge.robot import Robot
 from firmware_bridge.robot.table import Table
 from firmware_bridge.safety.snapshot import Snapshot
@@ -69,7 +70,7 @@ class Unusable:
     reason: str
 
 
-class Switch(Generic[M]):
+class Switch(Immutable, Generic[M]):
     """Something that the operator switches: by a button, a relay's number, or ILLUMINATOR_ON_OFF."""
 
     __slots__ = ("button", "illuminates", "name", "read", "relay", "telemetry", "write")
@@ -98,7 +99,7 @@ class Switch(Generic[M]):
         """The NAMED_VALUE_INT that tells of it, at most 10 letters; empty for none."""
 
 
-class Actuator(Generic[G, M]):
+class Actuator(Immutable, Generic[G, M]):
     """Something that goes to a share of its travel by DO_SET_ACTUATOR: -1 is its lower end, 1 its upper."""
 
     __slots__ = ("name", "send")
@@ -109,7 +110,7 @@ class Actuator(Generic[G, M]):
         """Return the wish with this share, 0 to 1, of the travel."""
 
 
-class Value(Generic[M, S]):
+class Value(Immutable, Generic[M, S]):
     """A NAMED_VALUE_FLOAT that is sent by the clock."""
 
     __slots__ = ("name", "period", "read", "tells")
@@ -126,7 +127,7 @@ class Value(Generic[M, S]):
         """What it is, with its unit."""
 
 
-class Fixed(Generic[G]):
+class Fixed(Immutable, Generic[G]):
     """A read-only parameter: a number of the robot file."""
 
     __slots__ = ("name", "unit", "value")

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from typing import Final, Generic, TypeVar
 
 from firmware_bridge.drivers.driver import Feedback
+from firmware_bridge.immutable import Immutable
 from firmware_bridge.robot import Robot, Table
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.teleop.mavlink import Message, dialect
@@ -102,7 +103,7 @@ class TelemetryContext(Generic[G, M, S]):
         return battery is not None and volts is not None and not volts >= battery.low_v
 
 
-class Stream(Generic[G, M, S]):
+class Stream(Immutable, Generic[G, M, S]):
     """One message that is sent by the clock."""
 
     __slots__ = ("encode", "number", "period", "tells")
