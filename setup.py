@@ -41,6 +41,7 @@ WAY_OF_A_PACKET: Final = (
     "firmware_bridge/drivers/epos2/*.py",
     "firmware_bridge/drivers/epos2/can/*.py",
     "firmware_bridge/drivers/epos2/serial/*.py",
+    "firmware_bridge/immutable.py",
     "firmware_bridge/intent.py",
     "firmware_bridge/motion/*.py",
     "firmware_bridge/packet.py",

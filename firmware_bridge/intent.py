@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Final, Generic, TypeAlias, TypeVar
 
+from firmware_bridge.immutable import Immutable
 from firmware_bridge.units import NEVER, Nanoseconds
 
 NEVER_HEARD: Final[Nanoseconds] = -NEVER
@@ -11,7 +12,7 @@ NEVER_HEARD: Final[Nanoseconds] = -NEVER
 M_co = TypeVar("M_co", covariant=True)
 
 
-class Intent(Generic[M_co]):
+class Intent(Immutable, Generic[M_co]):
     """The newest wish for motion, and when it came."""
 
     __slots__ = ("heard_at", "said_at", "wish")

@@ -7,7 +7,6 @@ import ctypes
 from array import array
 from collections import deque
 from collections.abc import Callable, Iterable
-from contextlib import suppress
 from dataclasses import dataclass
 from itertools import chain
 from operator import attrgetter, is_not
@@ -114,7 +113,10 @@ def _cell_content(thing: CellType) -> tuple[object, ...]:
 
 
 def _same_content(thing: CellType, copy: tuple[object, ...]) -> bool:
-    return _same_items(_cell_content(thing), copy)
+    try:
+        return bool(copy) and thing.cell_contents is copy[0]
+    except ValueError:
+        return not copy
 
 
 def _put_content(thing: CellType, copy: tuple[object, ...]) -> None:
@@ -176,11 +178,11 @@ def slots_capture(cls: type) -> Capture:
     plural = 1 < len(names) == len(set(names))  # a slot of a base may have the same name
 
     def copy(thing: object) -> tuple[object, ...]:
-        if plural:
-            with suppress(AttributeError):
-                values: tuple[object, ...] = at_once(thing)
-                return values
-        return tuple(_slot(member, thing) for member in members)
+        try:
+            values: tuple[object, ...] = at_once(thing) if plural else _one_by_one(members, thing)
+        except AttributeError:
+            return _one_by_one(members, thing)
+        return values
 
     def put_back(thing: object, copy: tuple[object, ...]) -> None:
         for member, value in zip(members, copy, strict=True):
@@ -191,9 +193,13 @@ def slots_capture(cls: type) -> Capture:
                 member.__set__(thing, value)
 
     def same(thing: object, before: tuple[object, ...]) -> bool:
-        return _same_items(copy(thing), before)
+        return not any(map(is_not, copy(thing), before))
 
     return Capture(copy, iter, put_back, same)
+
+
+def _one_by_one(members: tuple[MemberDescriptorType, ...], thing: object) -> tuple[object, ...]:
+    return tuple([_slot(member, thing) for member in members])
 
 
 def _slot(member: MemberDescriptorType, thing: object) -> object:

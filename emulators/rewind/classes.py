@@ -15,6 +15,7 @@ from enum import Enum
 from fractions import Fraction
 from functools import partial
 from itertools import chain
+from pathlib import PurePath
 from typing import Any, Final, ForwardRef, Literal, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -29,11 +30,12 @@ from emulators.rewind.capture import (
     slots_of,
 )
 from emulators.rewind.compiled import attributes_of, compiled_capture, function_parts, is_compiled
+from firmware_bridge.immutable import Immutable
 from firmware_bridge.packet import Packet, Reaction
 
 PLAIN: Final[tuple[type, ...]] = (
     int, float, complex, str, bytes, bool, type(None), type, range, slice, Enum, Decimal, Fraction,
-    np.generic, np.dtype, struct.Struct, re.Pattern, re.Match,
+    np.generic, np.dtype, PurePath, struct.Struct, re.Pattern, re.Match,
     types.ModuleType, types.EllipsisType, types.NotImplementedType, types.MemberDescriptorType,
     # Addresses of native functions and memory; the memory itself is found as what it is.
     ctypes.CDLL, *ctypes.CFUNCTYPE(None).__bases__, *ctypes.POINTER(ctypes.c_int).__bases__,
@@ -130,7 +132,8 @@ def _is_frozen(cls: type) -> bool:
     if is_dataclass(cls):
         params = cls.__dataclass_params__  # type: ignore[attr-defined] # dataclasses say it nowhere else
         return bool(params.frozen or params.unsafe_hash)  # a hash by value, too, promises that it stays
-    return bool(getattr(cls, "model_config", {}).get("frozen", False))  # pydantic's
+    frozen = getattr(cls, "model_config", {}).get("frozen", False)  # pydantic's
+    return bool(frozen) or issubclass(cls, Immutable)
 
 
 def _frozen_parts(cls: type) -> Callable[[Any], Iterable[object]]:
@@ -177,6 +180,7 @@ def _promises(hint: Any) -> bool:
         return hint is Ellipsis or (isinstance(hint, type) and _stays_plain(hint))
     if origin is Literal:
         return True
-    if origin in (Final, Union, types.UnionType, tuple, frozenset):
+    # Who may change what is behind a `Mapping` holds it as a dict, and is asked himself.
+    if origin in (Final, Union, types.UnionType, tuple, frozenset, Mapping):
         return all(_promises(part) for part in get_args(hint))
     return False

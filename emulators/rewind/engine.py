@@ -5,7 +5,9 @@ milliseconds and is done once; afterwards each known thing is copied, and only w
 Things keep their identity, so whoever refers to one finds it as it was.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from itertools import chain, compress, repeat
+from operator import is_not
 from typing import Any, Final, TypeAlias
 
 from emulators.rewind.capture import ATTRIBUTES, SAVES_STATE, Capture, NotCaptured, RewindError
@@ -13,6 +15,8 @@ from emulators.rewind.classes import treatment_of
 
 _LEAST_GROWTH: Final = 256
 """So many new things, and half as many as there were, make a fresh walk worth while: many are gone again."""
+_NOBODY: Final = repeat(object())
+"""What stands in the places that a shorter copy does not have."""
 
 _Trail: TypeAlias = tuple[object, Any] | None
 """A thing, and the trail of the one through which it was found."""
@@ -95,15 +99,14 @@ class Rewind(NotCaptured):
             return
         copy, parts, same, plain = capture.copy, capture.parts, capture.same, self._plain
         # Those that are found meanwhile stand behind, with their states of now.
-        for at in range(len(states)):
+        for at in [at for at, still in enumerate(map(same, things, states)) if not still]:
             thing, before = things[at], states[at]
-            if same(thing, before):
-                continue
             now = states[at] = copy(thing)
-            if not plain.issuperset(map(type, parts(now))):
-                seen = set(map(id, parts(before)))
-                for value in parts(now):
-                    if type(value) not in plain and id(value) not in seen:
+            moved = [value for value in _others(parts, now, before) if type(value) not in plain]
+            if moved:
+                seen = set(map(id, _others(parts, before, now)))
+                for value in moved:
+                    if id(value) not in seen:
                         self._find(value, (thing, None))
 
     def _find(self, value: object, trail: _Trail) -> None:
@@ -144,6 +147,11 @@ class Rewind(NotCaptured):
         group.states.append(copy)
         self._found += 1
         return () if capture.parts is None else capture.parts(copy)
+
+
+def _others(parts: Callable[[Any], Iterable[object]], one: Any, other: Any) -> Iterable[object]:
+    """Return the parts of one copy in whose places the other has others: of a list that grew, what came."""
+    return compress(parts(one), map(is_not, parts(one), chain(parts(other), _NOBODY)))
 
 
 def _refusal(thing: object, trail: _Trail) -> str:

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from typing import Final, Generic, TypeVar
 
 from firmware_bridge.drivers.driver import Feedback, Tells
+from firmware_bridge.immutable import Immutable
 from firmware_bridge.robot import Axis, Problem, Robot, RobotFileError
 from firmware_bridge.robot.table import Table
 from firmware_bridge.safety.common import AXIS_ROWS, LEFT_OUT_ROW, whole_robot_rows
@@ -49,7 +50,7 @@ class _Memory:
         return hold
 
 
-class AxisRows:
+class AxisRows(Immutable):
     """One axis, its rows with the names of their holds, and the silence that its link allows."""
 
     __slots__ = ("axis", "left_out", "rows", "silent_after")

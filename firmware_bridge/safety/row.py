@@ -3,6 +3,7 @@
 from enum import IntEnum
 from typing import Final
 
+from firmware_bridge.immutable import Immutable
 from firmware_bridge.units import Nanoseconds
 
 ALL_GROUPS: Final[frozenset[str] | None] = None
@@ -21,7 +22,7 @@ class Severity(IntEnum):
     DEBUG = 7
 
 
-class Row:
+class Row(Immutable):
     """A row's name, its remedy, and everything that follows while it holds."""
 
     __slots__ = (

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Final, Generic, TypeAlias, TypeVar
 
 from firmware_bridge.drivers.driver import Feedback, Reading
+from firmware_bridge.immutable import Immutable
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.safety.row import Row
 from firmware_bridge.units import Nanoseconds
@@ -42,7 +43,7 @@ class Facts:
     """The axes that this mode does without."""
 
 
-class Snapshot(Generic[M_co, S_co]):
+class Snapshot(Immutable, Generic[M_co, S_co]):
     """The whole robot at `facts.now`. What an interlock decided is not in it: that is the gate's ruling."""
 
     __slots__ = ("body", "demanded", "facts", "pose", "wish")
@@ -76,7 +77,7 @@ class Hold:
         return self.row.remedy
 
 
-class Ruling(Generic[M_co]):
+class Ruling(Immutable, Generic[M_co]):
     """What may be done now, and why not more."""
 
     __slots__ = ("allowed", "asked", "holds", "stopped")
