@@ -8,6 +8,7 @@ from pydantic import ValidationError
 
 from firmware_bridge.robot.problems import near, problems_of
 from firmware_bridge.robot.table import Positive, Table
+from fmu.parts.catalogue import RE25, RE40, RE50, Sheet
 
 
 class MotorError(Exception):
@@ -30,34 +31,22 @@ class Motor(Table):
         return (voltage_v - self.resistance_ohm * self.no_load_current_a) / self.torque_constant_nm_a
 
 
+def _of(title: str, sheet: Sheet, continuous_current_a: float) -> Motor:
+    return Motor(
+        title=title,
+        resistance_ohm=sheet["resistance"],
+        inductance_h=sheet["inductance"],
+        torque_constant_nm_a=sheet["torque_constant"],
+        rotor_inertia_kg_m2=sheet["rotor_inertia"],
+        no_load_current_a=sheet["no_load_current"],
+        continuous_current_a=continuous_current_a,
+    )
+
+
 MOTORS: Final = {
-    "RE25": Motor(
-        title="maxon RE25 20 W 24 V",
-        resistance_ohm=2.32,
-        inductance_h=0.238e-3,
-        torque_constant_nm_a=23.4e-3,
-        rotor_inertia_kg_m2=10.5e-7,
-        no_load_current_a=0.037,
-        continuous_current_a=1.2,
-    ),
-    "RE40": Motor(
-        title="maxon RE40 150 W 24 V (148867)",
-        resistance_ohm=0.299,
-        inductance_h=0.082e-3,
-        torque_constant_nm_a=30.2e-3,
-        rotor_inertia_kg_m2=142e-7,
-        no_load_current_a=0.137,
-        continuous_current_a=5.77,
-    ),
-    "RE50": Motor(
-        title="maxon RE50 200 W 24 V (370354)",
-        resistance_ohm=0.103,
-        inductance_h=0.072e-3,
-        torque_constant_nm_a=38.5e-3,
-        rotor_inertia_kg_m2=536e-7,
-        no_load_current_a=0.236,
-        continuous_current_a=10.0,
-    ),
+    "RE25": _of("maxon RE25 20 W 24 V", RE25, 1.2),
+    "RE40": _of("maxon RE40 150 W 24 V (148867)", RE40, 5.77),
+    "RE50": _of("maxon RE50 200 W 24 V (370354)", RE50, 10.0),
 }
 """ASSUME, from the catalogue, unchecked: compare with the data sheet of the motor that is there."""
 

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from fmu.export.model import Parameter
+from fmu.parts.catalogue import RE25
 from fmu.parts.rows import battery_rows, motor_rows
 from fmu.plants import Plant
 
@@ -18,11 +19,7 @@ MOTORS: Final[tuple[Parameter, ...]] = (
     *motor_rows(
         "wheel",
         "ASSUME, catalogue of maxon RE25 20 W 24 V, unchecked",
-        resistance=2.32,
-        inductance=0.238e-3,
-        torque_constant=23.4e-3,
-        rotor_inertia=10.5e-7,
-        no_load_current=0.037,
+        **RE25,
     ),
     Parameter("gear_wheel", 159.0, "1", "gear ratio", "ASSUME"),
     Parameter("presliding", 0.05, "rad", "shaft angle over which dry friction builds up", "ASSUME"),

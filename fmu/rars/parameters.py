@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from fmu.export.model import Parameter
+from fmu.parts.catalogue import RE25, RE50
 from fmu.parts.rows import battery_rows, motor_rows
 from fmu.plants import Plant
 
@@ -17,11 +18,7 @@ def _wheel_motor(axis: str) -> tuple[Parameter, ...]:
     return motor_rows(
         axis,
         "ASSUME, catalogue of maxon RE50 200 W 24 V (370354); agrees with 5680 rpm of [R] 2.3.2",
-        resistance=0.103,
-        inductance=0.072e-3,
-        torque_constant=38.5e-3,
-        rotor_inertia=536e-7,
-        no_load_current=0.236,
+        **RE50,
     )
 
 
@@ -31,11 +28,7 @@ MOTORS: Final[tuple[Parameter, ...]] = (
     *motor_rows(
         "steer",
         "ASSUME, catalogue of maxon RE25 20 W 24 V, unchecked",
-        resistance=2.32,
-        inductance=0.238e-3,
-        torque_constant=23.4e-3,
-        rotor_inertia=10.5e-7,
-        no_load_current=0.037,
+        **RE25,
     ),
     *motor_rows(
         "lift",

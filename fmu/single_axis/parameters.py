@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from fmu.export.model import Parameter
+from fmu.parts.catalogue import RE50
 from fmu.parts.rows import battery_rows, motor_rows
 from fmu.plants import Plant
 
@@ -14,11 +15,7 @@ MOTOR: Final[tuple[Parameter, ...]] = (
     *motor_rows(
         "axis",
         "ASSUME, catalogue of maxon RE50 200 W 24 V (370354)",
-        resistance=0.103,
-        inductance=0.072e-3,
-        torque_constant=38.5e-3,
-        rotor_inertia=536e-7,
-        no_load_current=0.236,
+        **RE50,
     ),
     Parameter(
         "presliding", 0.05, "rad", "shaft angle over which dry friction builds up", "ASSUME, 16 counts"
