@@ -12,7 +12,7 @@ M = TypeVar("M")
 S = TypeVar("S")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Situation(Generic[M, S]):
     """What differs from a robot that is well, armed and at rest."""
 
@@ -24,7 +24,7 @@ class Situation(Generic[M, S]):
     """What the bridge asks for already; None: for rest."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Case(Generic[M, S]):
     """One way to trip one row, and the nearest way that does not."""
 
