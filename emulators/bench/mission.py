@@ -22,30 +22,18 @@ from emulators.bench.step import (
     Presses,
     Share,
     Step,
-    Table,
     guides,
     inputs,
 )
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.problems import Problem, near, problems_of
+from firmware_bridge.robot.problems import FileError, Problem, near, problems_of
+from firmware_bridge.robot.table import Table
 
 _TOLERANCE = 1e-9
 
 
-class MissionFileError(Exception):
-    """A mission that cannot be driven: which file, which keys, what is wrong with each."""
-
-    def __init__(self, file: str, *problems: Problem) -> None:
-        super().__init__(file, *problems)
-        self.file = file
-        self.problems = problems
-
-    def __str__(self) -> str:
-        """Say it in a line for each mistake."""
-        return "\n".join(
-            f"{self.file}: {key}: {problem}" if key else f"{self.file}: {problem}"
-            for key, problem in self.problems
-        )
+class MissionFileError(FileError):
+    """A mission that cannot be driven."""
 
 
 class Noise(Table):

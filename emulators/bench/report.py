@@ -60,28 +60,28 @@ def _numbers(summary: Summary, remarks: Mapping[str, str]) -> Iterator[tuple[str
     yield "trace", summary.trace_sha256[:TRACE_DIGITS], "", "the same run gives the same trace"
 
 
-def _faulted(faults: tuple[Faulted, ...]) -> Table:
-    table = Table(box=SIMPLE_HEAD, title="faults that were put on")
-    table.title_justify = "left"
+def _over_time(title: str, *headings: str) -> Table:
+    table = Table(box=SIMPLE_HEAD, title=title, title_justify="left")
     table.add_column("from", justify="right")
     table.add_column("to", justify="right")
-    table.add_column("fault")
-    table.add_column("where")
-    table.add_column("title")
+    for heading in headings:
+        table.add_column(heading)
+    return table
+
+
+def _span(row: Faulted | Held) -> tuple[str, str]:
+    return f"{row.began_s:.2f} s", "end" if row.ended_s is None else f"{row.ended_s:.2f} s"
+
+
+def _faulted(faults: tuple[Faulted, ...]) -> Table:
+    table = _over_time("faults that were put on", "fault", "where", "title")
     for fault in faults:
-        ended = "end" if fault.ended_s is None else f"{fault.ended_s:.2f} s"
-        table.add_row(f"{fault.began_s:.2f} s", ended, fault.kind, ", ".join(fault.nodes), fault.title)
+        table.add_row(*_span(fault), fault.kind, ", ".join(fault.nodes), fault.title)
     return table
 
 
 def _held(holds: tuple[Held, ...]) -> Table:
-    table = Table(box=SIMPLE_HEAD, title="interlocks that held")
-    table.title_justify = "left"
-    table.add_column("from", justify="right")
-    table.add_column("to", justify="right")
-    table.add_column("interlock")
-    table.add_column("reason")
+    table = _over_time("interlocks that held", "interlock", "reason")
     for hold in holds:
-        ended = "end" if hold.ended_s is None else f"{hold.ended_s:.2f} s"
-        table.add_row(f"{hold.began_s:.2f} s", ended, hold.name, hold.reason)
+        table.add_row(*_span(hold), hold.name, hold.reason)
     return table

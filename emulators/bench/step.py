@@ -5,11 +5,12 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from emulators.bench.strays import Stray
 from firmware_bridge.kinds import kind_of
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.table import Table
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -59,12 +60,6 @@ class Input(StrEnum):
     """MANUAL_CONTROL: shares of the robot's limits; cannot ask for more than those."""
     TWIST = "twist"
     """SET_POSITION_TARGET_LOCAL_NED: speed and yaw rate; asks for anything."""
-
-
-class Table(BaseModel):
-    """A table of a mission file: no unknown key, no value of another kind."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, str_strip_whitespace=True)
 
 
 _ARM_DISARM = 400

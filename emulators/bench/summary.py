@@ -142,25 +142,8 @@ def summarise(
         bus_load_percent=round(run.bus_load_percent, 3),
         trace_sha256=run.trace_sha256,
         links_sha256=run.links_sha256,
-        holds=tuple(
-            Held(
-                name=hold.name,
-                reason=hold.reason,
-                began_s=to_seconds(hold.began),
-                ended_s=None if hold.ended is None else to_seconds(hold.ended),
-            )
-            for hold in holds
-        ),
-        faults=tuple(
-            Faulted(
-                kind=fault.kind,
-                title=fault.title,
-                nodes=fault.nodes,
-                began_s=to_seconds(fault.began),
-                ended_s=None if fault.ended is None else to_seconds(fault.ended),
-            )
-            for fault in faults
-        ),
+        holds=tuple(Held(hold.name, hold.reason, *_span(hold)) for hold in holds),
+        faults=tuple(Faulted(fault.kind, fault.title, fault.nodes, *_span(fault)) for fault in faults),
         lines=run.lines,
     )
 
@@ -191,6 +174,10 @@ def odometry_errors(samples: Samples) -> Floats:
 def as_json(summary: Summary) -> str:
     """Write a summary as JSON, one key a line, ending in a new line."""
     return json.dumps(asdict(summary), indent=2, ensure_ascii=False) + "\n"
+
+
+def _span(record: HoldRecord | FaultRecord) -> tuple[float, float | None]:
+    return to_seconds(record.began), None if record.ended is None else to_seconds(record.ended)
 
 
 def _largest(values: Floats) -> float:

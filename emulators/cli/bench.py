@@ -1,5 +1,6 @@
 """`bench`: a mission in virtual time, at the command line."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Final
 
@@ -19,10 +20,15 @@ EXAMPLES: Final = """Examples:
 `firmware-bridge bench rars --mission my_mission.toml --seed 7 --out results`"""
 
 
-@command(EXAMPLES, work="emulators.cli.bench_work:bench")
-def bench(
-    robot: RobotArgument,
-    *,
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BenchOptions:
+    """Drive a mission in virtual time: bridge, bus, drives and plant, all in this process.
+
+    Leaves `summary.json`, `samples.csv`, `can.log` (candump's format), `operator.tlog` and plots in the
+    results' folder.
+    """
+
+    robot: RobotArgument
     mission: Annotated[
         str | None,
         typer.Option(
@@ -33,17 +39,17 @@ def bench(
             show_default="the robot's first",
             autocompletion=completing("emulators.bench.rehearsal:mission_names"),
         ),
-    ] = None,
+    ] = None
     seed: Annotated[
         int, typer.Option("--seed", "-s", min=0, help="Chooses the noise; one seed, one run.")
-    ] = 0,
+    ] = 0
     out: Annotated[
         Path | None,
         typer.Option(
             "--out", "-o", metavar="DIR", help="Where the results go.", show_default="out/ROBOT-MISSION"
         ),
-    ] = None,
-    plant: PlantOption = None,
+    ] = None
+    plant: PlantOption = None
     serial: Annotated[
         Generation | None,
         typer.Option(
@@ -51,10 +57,7 @@ def bench(
             help="Drive over the first drive's serial port instead of CAN, v1 as on RS232 or v2 as on USB.",
             show_default="as the robot file says",
         ),
-    ] = None,
-) -> None:
-    """Drive a mission in virtual time: bridge, bus, drives and plant, all in this process.
+    ] = None
 
-    Leaves `summary.json`, `samples.csv`, `can.log` (candump's format), `operator.tlog` and plots in the
-    results' folder.
-    """
+
+bench: Final = command(EXAMPLES, work="emulators.cli.bench_work:bench")(BenchOptions)

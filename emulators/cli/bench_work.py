@@ -8,6 +8,7 @@ from emulators.bench.mission import MissionFileError
 from emulators.bench.rehearsal import rehearsal_of
 from emulators.bench.report import show
 from emulators.cli.beginning import tell_of_beginning
+from emulators.cli.bench import BenchOptions
 from emulators.progress_bar import progress_bar
 from emulators.run import Order, drive
 from emulators.servo.bank import ServoError
@@ -17,36 +18,27 @@ from firmware_bridge.cli.tables import terminal
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.drivers.epos2.serial.plan import PlanError
 from firmware_bridge.robot import RobotFileError
-from firmware_bridge.wire.maxon.frame import Generation
 from fmu.errors import PlantError
 
 RESULTS: Final = Path("out")
 
 
-def bench(
-    robot: str,
-    *,
-    mission: str | None,
-    seed: int,
-    out: Path | None,
-    plant: Path | None,
-    serial: Generation | None,
-) -> None:
+def bench(given: BenchOptions) -> None:
     """Do what `bench` says; what is wrong ends the program with a message."""
-    machine = find_robot(robot)
+    machine = find_robot(given.robot)
     with (
         one_message(MissionFileError, RobotFileError, PlanError, PlantError, ServoError, LookupError),
         written_by("--out"),
     ):
-        if serial is not None:
-            machine = over_serial(machine, serial)
+        if given.serial is not None:
+            machine = over_serial(machine, given.serial)
         rehearsal = rehearsal_of(machine)
-        chosen = mission or next(iter(rehearsal.shipped()), "none")
+        chosen = given.mission or next(iter(rehearsal.shipped()), "none")
         script = missions.find(chosen, machine, rehearsal)
         name = Path(chosen).stem
-        folder = out or RESULTS / f"{machine.name}-{name}"
-        order = Order(machine, rehearsal, name, script, seed, folder, plant)
-        tell_of_beginning(machine, plant)
+        folder = given.out or RESULTS / f"{machine.name}-{name}"
+        order = Order(machine, rehearsal, name, script, given.seed, folder, given.plant)
+        tell_of_beginning(machine, given.plant)
         with progress_bar() as bar:
             task = bar.add_task(f"{machine.name}, {name}", total=order.duration)
             summary = drive(order, lambda now: bar.update(task, completed=now))

@@ -6,14 +6,15 @@ from typing import Annotated, Final
 import typer
 from rich.table import Table
 
+from emulators.cli.options import ProfileOption, find_profile
 from emulators.documents import eds as sheets
 from emulators.documents import fidelity as known
 from emulators.documents import object_table as dictionary
 from emulators.documents.object_reader import SilentNodeError, read_all
 from emulators.epos2.objects.catalogue import PROFILES
-from emulators.epos2.objects.device_profile import BIT_RATE_IN_USE, BIT_RATES, DeviceProfile
+from emulators.epos2.objects.device_profile import BIT_RATE_IN_USE, BIT_RATES
 from firmware_bridge.cli.commands import command
-from firmware_bridge.cli.console import FAILED, one_message, refusal, say, written_by
+from firmware_bridge.cli.console import FAILED, one_message, say, written_by
 from firmware_bridge.cli.options import BitRateOption, ChannelOption, InterfaceOption
 from firmware_bridge.cli.tables import terminal
 from firmware_bridge.shell.ports import LostPort, PortError, open_can
@@ -30,7 +31,6 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge epos2 fidelity`"""
 
-ProfileOption = Annotated[str, typer.Option("--profile", "-p", help=f"Which type: {', '.join(PROFILES)}.")]
 OutOption = Annotated[
     Path | None,
     typer.Option("--out", "-o", metavar="FILE", help="Write there.", show_default="to the terminal"),
@@ -46,7 +46,7 @@ def objects(
     json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
 ) -> None:
     """List every object: type, access, PDO, range, default, and how far it is known."""
-    found = _profile(profile)
+    found = find_profile(profile)
     if json:
         say(dictionary.as_json(found, node))
         return
@@ -62,7 +62,7 @@ def objects(
 def eds(*, profile: ProfileOption = "70/10", out: OutOption = None) -> None:
     """Write the electronic data sheet, for any CANopen master's tools."""
     name = out.name if out else "epos2.eds"
-    _deliver(sheets.eds(_profile(profile), name), out)
+    _deliver(sheets.eds(find_profile(profile), name), out)
 
 
 @command(EXAMPLES)
@@ -109,13 +109,6 @@ def fidelity(
             table.add_row(line.part, line.what, line.provenance.value, line.source)
     terminal().print(counts)
     terminal().print(table)
-
-
-def _profile(name: str) -> DeviceProfile:
-    found = PROFILES.get(name)
-    if found is None:
-        raise refusal(f"--profile {name}: there is no such type; there are: {', '.join(PROFILES)}")
-    return found
 
 
 def _deliver(text: str, out: Path | None) -> None:

@@ -1,28 +1,19 @@
 """Drives without a robot at the command line: `emulate epos2`."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Final
 
 import typer
 
-from emulators.cli.options import LatencyOption
-from emulators.epos2.objects.catalogue import PROFILES
+from emulators.cli.options import LatencyOption, ProfileOption
 from emulators.epos2.objects.device_profile import BAUDS
 from emulators.servo.motor import MOTOR, SUPPLY_MV
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.options import (
-    BitRateOption,
-    ChannelOption,
     DurationOption,
-    InterfaceOption,
 )
-from firmware_bridge.cli.serial_link import (
-    ProtocolOption,
-    SerialLinkOption,
-    SerialNodeOption,
-    SerialOption,
-)
-from firmware_bridge.wire.maxon.frame import Generation
+from firmware_bridge.cli.outside import Outside
 
 EXAMPLES: Final = """Examples:
 
@@ -37,18 +28,18 @@ EXAMPLES: Final = """Examples:
 `firmware-bridge emulate epos2 --plant single_axis.fmu --axes axis --set stop_low=-1 -i socketcan -c vcan0`"""
 
 
-@command(EXAMPLES, work="emulators.cli.emulate_epos2_work:emulate")
-def emulate(
-    *,
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DrivesOptions(Outside):
+    """Put EPOS2 drives on a real CAN bus, a serial line, or both, in real time, each with a motor and a load.
+
+    For whoever develops a master and has no drive at hand. With --serial and neither -i nor -c the CAN bus is
+    inside; the line reaches the other drives through it. Ends on Ctrl-C.
+    """
+
     node: Annotated[
         str, typer.Option("--node", "-n", metavar="NUMBERS", help="Which nodes: 1, or 1-8, or 1,3,5-7.")
-    ] = "1",
-    profile: Annotated[
-        str, typer.Option("--profile", "-p", help=f"Which type: {', '.join(PROFILES)}.")
-    ] = "70/10",
-    interface: InterfaceOption = None,
-    channel: ChannelOption = None,
-    bit_rate: BitRateOption = None,
+    ] = "1"
+    profile: ProfileOption = "70/10"
     load: Annotated[
         str | None,
         typer.Option(
@@ -56,7 +47,7 @@ def emulate(
             help="At each shaft, the rotor's own included: kg m2 and N m.",
             show_default=f"{MOTOR.inertia:g},{MOTOR.friction:g}",
         ),
-    ] = None,
+    ] = None
     plant: Annotated[
         Path | None,
         typer.Option(
@@ -65,7 +56,7 @@ def emulate(
             "speed_AXIS of the shaft, in SI, for each axis; switches and brake where it has them.",
             show_default=False,
         ),
-    ] = None,
+    ] = None
     values: Annotated[
         list[str] | None,
         typer.Option(
@@ -74,7 +65,7 @@ def emulate(
             help="A parameter of the plant, in SI; may be given more than once.",
             show_default=False,
         ),
-    ] = None,
+    ] = None
     axes: Annotated[
         str | None,
         typer.Option(
@@ -82,10 +73,10 @@ def emulate(
             help="The plant's axes in the order of the nodes.",
             show_default="motor1,motor2 ...",
         ),
-    ] = None,
+    ] = None
     supply: Annotated[
         float, typer.Option(min=0.0, max=100.0, metavar="VOLTS", help="The supply of the power stages.")
-    ] = SUPPLY_MV / 1000,
+    ] = SUPPLY_MV / 1000
     parameters: Annotated[
         Path | None,
         typer.Option(
@@ -93,16 +84,12 @@ def emulate(
             help="Where 'save' (0x1010) keeps parameters over restarts, in a file for each node.",
             show_default="they are forgotten at the end",
         ),
-    ] = None,
+    ] = None
     dip_off: Annotated[
         bool,
         typer.Option("--dip-off", help="DIP switch at 0: the number saved in 0x2000 counts, 1 at first."),
-    ] = False,
-    realistic_latency: LatencyOption = True,
-    serial: SerialOption = None,
-    serial_link: SerialLinkOption = None,
-    serial_node: SerialNodeOption = None,
-    protocol: ProtocolOption = Generation.V1,
+    ] = False
+    realistic_latency: LatencyOption = True
     baud: Annotated[
         int | None,
         typer.Option(
@@ -110,11 +97,8 @@ def emulate(
             help=f"What the drive on an RS232 line has in 0x2002: {', '.join(map(str, BAUDS))}.",
             show_default=f"{BAUDS[-1]}",
         ),
-    ] = None,
-    duration: DurationOption = None,
-) -> None:
-    """Put EPOS2 drives on a real CAN bus, a serial line, or both, in real time, each with a motor and a load.
+    ] = None
+    duration: DurationOption = None
 
-    For whoever develops a master and has no drive at hand. With --serial and neither -i nor -c the CAN bus is
-    inside; the line reaches the other drives through it. Ends on Ctrl-C.
-    """
+
+emulate: Final = command(EXAMPLES, work="emulators.cli.emulate_epos2_work:emulate")(DrivesOptions)

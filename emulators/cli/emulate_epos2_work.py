@@ -6,7 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
-from emulators.epos2.objects.catalogue import PROFILES
+from emulators.cli.emulate_epos2 import DrivesOptions
+from emulators.cli.options import find_profile
 from emulators.epos2.objects.device_profile import BAUDS, BIT_RATES, DeviceProfile, realistic
 from emulators.epos2.objects.saved_parameters import StorageError
 from emulators.epos2.serial.serial_drive import baud_of
@@ -15,7 +16,7 @@ from emulators.servo.bank import ServoError
 from emulators.servo.motor import MOTOR, DcMotor
 from emulators.single import Order, drives
 from firmware_bridge.cli.console import one_message, refusal
-from firmware_bridge.cli.links import Outside, on_the_line
+from firmware_bridge.cli.links import on_the_line, opened
 from firmware_bridge.cli.options import until
 from firmware_bridge.cli.real_time import carry
 from firmware_bridge.node import CAN, SERIAL
@@ -26,64 +27,44 @@ from fmu.errors import PlantError
 DEFAULT_BIT_RATE: Final = 1_000_000
 
 
-def emulate(
-    *,
-    node: str,
-    profile: str,
-    interface: str | None,
-    channel: str | None,
-    bit_rate: int | None,
-    load: str | None,
-    plant: Path | None,
-    values: Sequence[str] | None,
-    axes: str | None,
-    supply: float,
-    parameters: Path | None,
-    dip_off: bool,
-    realistic_latency: bool,
-    serial: str | None,
-    serial_link: Path | None,
-    serial_node: int | None,
-    protocol: Generation,
-    baud: int | None,
-    duration: float | None,
-) -> None:
+def emulate(given: DrivesOptions) -> None:
     """Do what `emulate epos2` says; what is wrong ends the program with a message."""
-    nodes = numbers(node)
-    if dip_off and len(nodes) != 1:
+    nodes = numbers(given.node)
+    if given.dip_off and len(nodes) != 1:
         raise refusal("--dip-off: drives with their switches at 0 all begin as node 1; emulate one of them")
-    names = tuple(axes.split(",")) if axes else ()
+    names = tuple(given.axes.split(",")) if given.axes else ()
     if names and len(names) != len(nodes):
-        raise refusal(f"--axes {axes}: there are {len(nodes)} nodes and {len(names)} axes; name one for each")
-    rate = bit_rate or DEFAULT_BIT_RATE
-    near = on_the_line(serial_node, nodes, serial=serial)
+        raise refusal(
+            f"--axes {given.axes}: there are {len(nodes)} nodes and {len(names)} axes; name one for each"
+        )
+    rate = given.bit_rate or DEFAULT_BIT_RATE
+    near = on_the_line(given, nodes)
     order = Order(
         nodes=nodes,
         profile=replace(
-            _profile(profile, rate, latency=realistic_latency), rs232_rate=_rs232(baud, serial, protocol)
+            _profile(given.profile, rate, latency=given.realistic_latency),
+            rs232_rate=_rs232(given.baud, given.serial, given.protocol),
         ),
         bit_rate=rate,
-        motor=_loaded(load),
-        plant=plant,
-        plant_parameters=_settings(values or [], plant),
+        motor=_loaded(given.load),
+        plant=given.plant,
+        plant_parameters=_settings(given.values or [], given.plant),
         axes=names,
-        supply_mv=round(supply * 1000),
-        parameters=parameters,
-        dip_off=dip_off,
-        serial={} if serial is None else {near: protocol},
+        supply_mv=round(given.supply * 1000),
+        parameters=given.parameters,
+        dip_off=given.dip_off,
+        serial={} if given.serial is None else {near: given.protocol},
     )
     with one_message(PlantError, StorageError, ServoError):
         made, bank = drives(order)
     owner = order.names[nodes.index(near)]
-    openers, where = Outside(
-        serial, serial_link, protocol, interface, channel, bit_rate, DEFAULT_BIT_RATE
-    ).openers(baud_of(made[owner]))
-    line = "" if serial is None else f", node {near} on the line"
+    openers, where = opened(given, baud_of(made[owner]), DEFAULT_BIT_RATE)
+    line = "" if given.serial is None else f", node {near} on the line"
     carry(
         Cluster(made, bank, links={owner: {CAN: CAN, SERIAL: SERIAL}}),
         openers,
-        until(duration),
-        f"{order.profile.name} on {where}: node {node}{line}",
+        until(given.duration),
+        f"{order.profile.name} on {where}: node {given.node}{line}",
         PlantError,
         ServoError,
     )
@@ -103,14 +84,6 @@ def numbers(text: str) -> tuple[int, ...]:
     if len(set(found)) != len(found):
         raise refusal(f"--node {text}: a number occurs twice")
     return tuple(found)
-
-
-def find_profile(name: str) -> DeviceProfile:
-    """Return the type of this name; an unknown one ends the program with a message."""
-    found = PROFILES.get(name)
-    if found is None:
-        raise refusal(f"--profile {name}: there is no such type; there are: {', '.join(PROFILES)}")
-    return found
 
 
 def _profile(name: str, rate: int, *, latency: bool) -> DeviceProfile:

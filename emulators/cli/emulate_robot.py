@@ -1,5 +1,6 @@
 """A robot's drives and plant on a real bus, at the command line: `emulate ROBOT`."""
 
+from dataclasses import dataclass
 from typing import Annotated, Final
 
 import typer
@@ -7,20 +8,12 @@ import typer
 from emulators.cli.options import LatencyOption, PlantOption
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.options import (
-    ChannelOption,
     DurationOption,
-    InterfaceOption,
     LinkOption,
     RobotArgument,
     RobotBitRateOption,
 )
-from firmware_bridge.cli.serial_link import (
-    ProtocolOption,
-    SerialLinkOption,
-    SerialNodeOption,
-    SerialOption,
-)
-from firmware_bridge.wire.maxon.frame import Generation
+from firmware_bridge.cli.outside import Outside
 
 EXAMPLES: Final = """Examples:
 
@@ -33,26 +26,8 @@ EXAMPLES: Final = """Examples:
 `firmware-bridge emulate epos2 --node 1-2 -i socketcan -c vcan0` brings two drives without a robot."""
 
 
-@command(EXAMPLES, work="emulators.cli.emulate_robot_work:emulate")
-def emulate(
-    robot: RobotArgument,
-    *,
-    interface: InterfaceOption = None,
-    channel: ChannelOption = None,
-    bit_rate: RobotBitRateOption = None,
-    plant: PlantOption = None,
-    silence: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NODE@SECONDS", help="Cut a drive off the bus at this time; may be repeated."),
-    ] = None,
-    realistic_latency: LatencyOption = False,
-    serial: SerialOption = None,
-    serial_link: SerialLinkOption = None,
-    serial_node: SerialNodeOption = None,
-    link: LinkOption = None,
-    protocol: ProtocolOption = Generation.V1,
-    duration: DurationOption = None,
-) -> None:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotOptions(Outside):
     """Put the robot's emulated drives and its plant on a real CAN bus, a serial line, or both, in real time.
 
     A robot with several links names a place for each: --link base=socketcan:can0 --link arm=socketcan:can1.
@@ -62,3 +37,17 @@ def emulate(
     Ends on Ctrl-C. On a machine without CAN hardware, make a virtual bus first:
     `sudo modprobe vcan && sudo ip link add dev vcan0 type vcan && sudo ip link set vcan0 up`
     """
+
+    robot: RobotArgument
+    bit_rate: RobotBitRateOption = None
+    plant: PlantOption = None
+    silence: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NODE@SECONDS", help="Cut a drive off the bus at this time; may be repeated."),
+    ] = None
+    realistic_latency: LatencyOption = False
+    link: LinkOption = None
+    duration: DurationOption = None
+
+
+emulate: Final = command(EXAMPLES, work="emulators.cli.emulate_robot_work:emulate")(RobotOptions)

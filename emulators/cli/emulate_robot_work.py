@@ -1,16 +1,16 @@
 """Puts a robot's drives and its plant on real links, in real time."""
 
 import re
-from collections.abc import Callable, Sequence
-from pathlib import Path
+from collections.abc import Callable
 
 from emulators.cli.beginning import tell_of_beginning
+from emulators.cli.emulate_robot import RobotOptions
 from emulators.devices import devices
 from emulators.epos2.serial.serial_drive import baud_of
 from emulators.gateway import Cluster
 from emulators.servo.bank import ServoError
 from firmware_bridge.cli.console import one_message, refusal, say
-from firmware_bridge.cli.links import Openers, Outside, on_the_line
+from firmware_bridge.cli.links import Openers, on_the_line, opened
 from firmware_bridge.cli.options import until
 from firmware_bridge.cli.places import Place, places_of
 from firmware_bridge.cli.real_time import carry
@@ -19,40 +19,24 @@ from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.robot import AnyRobot, RobotFileError
 from firmware_bridge.shell.ports import Port, open_can
 from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
-from firmware_bridge.wire.maxon.frame import Generation
 from fmu.errors import PlantError
 
 
-def emulate(
-    robot: str,
-    *,
-    interface: str | None,
-    channel: str | None,
-    bit_rate: int | None,
-    plant: Path | None,
-    silence: Sequence[str] | None,
-    realistic_latency: bool,
-    serial: str | None,
-    serial_link: Path | None,
-    serial_node: int | None,
-    protocol: Generation,
-    link: Sequence[str] | None,
-    duration: float | None,
-) -> None:
+def emulate(given: RobotOptions) -> None:
     """Do what `emulate ROBOT` says; what is wrong ends the program with a message."""
-    machine = find_robot(robot)
-    cuts = [_cut(machine, text) for text in silence or ()]
-    near = on_the_line(serial_node, [axis.settings.node for axis in machine.axes], serial=serial)
-    if link is None and len(machine.links) > 1 and serial is not None:
+    machine = find_robot(given.robot)
+    cuts = [_cut(machine, text) for text in given.silence or ()]
+    near = on_the_line(given, [axis.settings.node for axis in machine.axes])
+    if given.link is None and len(machine.links) > 1 and given.serial is not None:
         raise refusal("--serial is of a robot with one link; here only --link NAME=INTERFACE:CHANNEL works")
     with one_message(RobotFileError, PlantError, ServoError):
-        tell_of_beginning(machine, plant)
+        tell_of_beginning(machine, given.plant)
         owner = next(axis.name for axis in machine.axes if axis.settings.node == near)
         emulated = devices(
             machine,
-            plant,
-            realistic_latency=realistic_latency,
-            serial={} if serial is None else {owner: protocol},
+            given.plant,
+            realistic_latency=given.realistic_latency,
+            serial={} if given.serial is None else {owner: given.protocol},
         )
     outer = {axis.name: {CAN: axis.link if len(machine.links) > 1 else CAN} for axis in machine.axes}
     outer[owner] = {**outer[owner], SERIAL: SERIAL}
@@ -61,30 +45,23 @@ def emulate(
         cluster.silence(name, at)
         say(f"'{name}' falls silent after {to_seconds(at):g} s")
     nodes = ", ".join(f"{axis.settings.node} {axis.title}" for axis in machine.axes)
-    openers, where = _outside(
-        machine,
-        baud_of(emulated.drives[owner]),
-        Outside(serial, serial_link, protocol, interface, channel, bit_rate, _rate(machine)),
-        link,
-    )
+    openers, where = _outside(machine, baud_of(emulated.drives[owner]), given)
     carry(
         cluster,
         openers,
-        until(duration),
+        until(given.duration),
         f"{machine.name} is on {where}: {nodes}",
         PlantError,
         ServoError,
     )
 
 
-def _outside(
-    machine: AnyRobot, baud: int, outside: Outside, links: Sequence[str] | None
-) -> tuple[Openers, str]:
+def _outside(machine: AnyRobot, baud: int, given: RobotOptions) -> tuple[Openers, str]:
     """Return what opens each link, and how they are called in words."""
-    if len(machine.links) == 1 and not links:
-        return outside.openers(baud)
-    places = places_of(machine, links, Place(outside.interface, outside.channel, outside.serial))
     single = len(machine.links) == 1
+    if single and not given.link:
+        return opened(given, baud, next(iter(machine.links.values())).bit_rate)
+    places = places_of(machine, given.link, Place(given.interface, given.channel, given.serial))
     openers = {CAN if single else name: _opener(machine, name, place) for name, place in places.items()}
     return openers, ", ".join(f"{place.title} ({name})" for name, place in places.items())
 
@@ -94,10 +71,6 @@ def _opener(machine: AnyRobot, name: str, place: Place) -> Callable[[], Port]:
         raise refusal(f"--link {name}: emulated drives of a robot are put on CAN here; say INTERFACE:CHANNEL")
     rate = machine.links[name].bit_rate
     return lambda: open_can(place.interface, place.channel, None, default_bit_rate=rate)
-
-
-def _rate(machine: AnyRobot) -> int:
-    return next(iter(machine.links.values())).bit_rate
 
 
 def _cut(robot: AnyRobot, text: str) -> tuple[str, Nanoseconds]:

@@ -5,6 +5,10 @@ from typing import Annotated
 
 import typer
 
+from emulators.epos2.objects.catalogue import PROFILES
+from emulators.epos2.objects.device_profile import DeviceProfile
+from firmware_bridge.cli.console import refusal
+
 PlantOption = Annotated[
     Path | None,
     typer.Option(
@@ -14,6 +18,7 @@ PlantOption = Annotated[
         show_default=False,
     ),
 ]
+ProfileOption = Annotated[str, typer.Option("--profile", "-p", help=f"Which type: {', '.join(PROFILES)}.")]
 LatencyOption = Annotated[
     bool,
     typer.Option(
@@ -21,3 +26,11 @@ LatencyOption = Annotated[
         help="Answer SDO requests after the time that maxon has published, or at once.",
     ),
 ]
+
+
+def find_profile(name: str) -> DeviceProfile:
+    """Return the type of this name; an unknown one ends the program with a message."""
+    found = PROFILES.get(name)
+    if found is None:
+        raise refusal(f"--profile {name}: there is no such type; there are: {', '.join(PROFILES)}")
+    return found

@@ -1,5 +1,6 @@
 """`replay`: a recording played again, and the first packet that differs, at the command line."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Final
 
@@ -22,8 +23,13 @@ and operator have sent into the bridge.
 `firmware-bridge replay robot.log rars --without pdo --tolerance-us 5000` suits the bus of a real robot."""
 
 
-@command(EXAMPLES, work="emulators.cli.replay_work:replay")
-def replay(
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReplayOptions:
+    """Play a recording again in virtual time, and show the first packet that differs from it.
+
+    Exit status 0 where none differs, 1 where one does, 2 for a recording that cannot be used.
+    """
+
     recording: Annotated[
         Path,
         typer.Argument(
@@ -31,43 +37,40 @@ def replay(
             help="A CAN log as `candump -l` and `bench` write it, or a telemetry log (.tlog); also .gz, .xz.",
             show_default=False,
         ),
-    ],
-    robot: RobotArgument,
-    *,
+    ]
+    robot: RobotArgument
     into: Annotated[
         Into | None,
         typer.Option(
             help="What the recording is played into: the drives, the bridge, or both of them on the bench.",
             show_default="drives for a CAN log, bridge with --operator, bench for a telemetry log",
         ),
-    ] = None,
+    ] = None
     operator: Annotated[
         Path | None,
         typer.Option(metavar="TLOG", help="The operator's messages beside a CAN log.", show_default=False),
-    ] = None,
+    ] = None
     channel: Annotated[
         str | None,
         typer.Option("--channel", "-c", help="Which bus, where a CAN log holds several.", show_default=False),
-    ] = None,
+    ] = None
     until: Annotated[
         float | None,
         typer.Option(
             min=0.0, metavar="SECONDS", help="Leave out what was recorded later.", show_default="the end"
         ),
-    ] = None,
+    ] = None
     tolerance_us: Annotated[
         float, typer.Option(min=0.0, help="So far may a frame be from its recorded instant.")
-    ] = 0.0,
+    ] = 0.0
     without: Annotated[
         list[str] | None,
         typer.Option(metavar="SERVICE", help=f"Do not compare: {', '.join(SERVICE_NAMES)}; may be repeated."),
-    ] = None,
+    ] = None
     plant: Annotated[
         Path | None,
         typer.Option(metavar="FMU", help="Another plant below the drives.", show_default=False),
-    ] = None,
-) -> None:
-    """Play a recording again in virtual time, and show the first packet that differs from it.
+    ] = None
 
-    Exit status 0 where none differs, 1 where one does, 2 for a recording that cannot be used.
-    """
+
+replay: Final = command(EXAMPLES, work="emulators.cli.replay_work:replay")(ReplayOptions)

@@ -1,12 +1,10 @@
 """Plays a recording again and says what came of it."""
 
-from collections.abc import Sequence
-from pathlib import Path
-
 import typer
 
+from emulators.cli.replay import ReplayOptions
 from emulators.progress_bar import progress_bar
-from emulators.replay import Into, Order, RecordingFileError
+from emulators.replay import Order, RecordingFileError
 from emulators.replay import replay as play
 from emulators.servo.bank import ServoError
 from firmware_bridge.cli.console import FAILED, one_message, refusal, say
@@ -17,39 +15,28 @@ from firmware_bridge.units import MICROSECOND, from_seconds, to_seconds
 from fmu.errors import PlantError
 
 
-def replay(
-    recording: Path,
-    robot: str,
-    *,
-    into: Into | None,
-    operator: Path | None,
-    channel: str | None,
-    until: float | None,
-    tolerance_us: float,
-    without: Sequence[str] | None,
-    plant: Path | None,
-) -> None:
+def replay(given: ReplayOptions) -> None:
     """Do what `replay` says; what is wrong ends the program with a message."""
-    machine = find_robot(robot)
-    for name in without or ():
+    machine = find_robot(given.robot)
+    for name in given.without or ():
         if name not in SERVICE_NAMES:
             raise refusal(f"--without {name}: no such service; there are: {', '.join(SERVICE_NAMES)}")
     with one_message(ValueError, OverflowError):
-        limit = None if until is None else from_seconds(until)
+        limit = None if given.until is None else from_seconds(given.until)
     with one_message(RecordingFileError, PlanError, PlantError, ServoError):
         order = Order(
             machine,
-            recording,
-            operator,
-            into,
-            channel,
+            given.recording,
+            given.operator,
+            given.into,
+            given.channel,
             limit,
-            round(tolerance_us * MICROSECOND),
-            frozenset(without or ()),
-            plant,
+            round(given.tolerance_us * MICROSECOND),
+            frozenset(given.without or ()),
+            given.plant,
         )
         with progress_bar() as bar:
-            task = bar.add_task(recording.name, total=None)
+            task = bar.add_task(given.recording.name, total=None)
             outcome = play(order, lambda now, end: bar.update(task, completed=now, total=end))
     if outcome.difference is not None:
         say(outcome.difference)

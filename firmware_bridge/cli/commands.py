@@ -66,14 +66,15 @@ class Promised(TyperCommand):
 
 def command(
     examples: str, *, kind: type[TyperCommand] = TyperCommand, work: str | None = None
-) -> Callable[[Callable[..., None]], TyperCommand]:
+) -> Callable[[Callable[..., Any]], TyperCommand]:
     """Make a command of a function: its parameters are the options, its docstring is the help.
 
     `work` is "module:function" of what is imported and done when all words are understood, with the same
-    parameters, where that needs much that help and mistakes do not need.
+    parameters, where that needs much that help and mistakes do not need. In the place of a function may then
+    stand a dataclass, which says the options once: `work` takes one.
     """
 
-    def made(function: Callable[..., None]) -> TyperCommand:
+    def made(function: Callable[..., Any]) -> TyperCommand:
         alone = typer.Typer(add_completion=False, rich_markup_mode=MARKUP, pretty_exceptions_enable=False)
         alone.command(epilog=examples, cls=kind)(function if work is None else _worked(function, work))
         found = typer.main.get_command(alone)
@@ -101,10 +102,13 @@ def completing(place: str) -> Callable[[], list[str]]:
     return words
 
 
-def _worked(function: Callable[..., None], work: str) -> Callable[..., None]:
-    @wraps(function)
+def _worked(asked: Callable[..., Any], work: str) -> Callable[..., None]:
+    @wraps(asked, updated=())
     def called(**given: Any) -> None:
-        imported(work)(**given)
+        if isinstance(asked, type):
+            imported(work)(asked(**given))
+        else:
+            imported(work)(**given)
 
     return called
 

@@ -1,5 +1,6 @@
 """`drive`: the bridge on a real bus."""
 
+from dataclasses import dataclass
 from typing import Annotated, Final
 
 import typer
@@ -24,20 +25,25 @@ EXAMPLES: Final = """Examples:
 `firmware-bridge drive rars -i slcan -c /dev/ttyACM0 -b 1000000 --mavlink udpout:192.168.1.10:14550`"""
 
 
-@command(EXAMPLES, work="firmware_bridge.cli.drive_work:drive")
-def drive(
-    robot: RobotArgument,
-    *,
-    interface: InterfaceOption = None,
-    channel: ChannelOption = None,
-    bit_rate: RobotBitRateOption = None,
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DriveOptions:
+    """Run the bridge on a real CAN bus or serial line: find the drives, set them up, and obey the operator.
+
+    Ends on Ctrl-C: the robot is brought to rest first, then its drives are disabled. A serial port that is
+    unplugged is waited for; the robot must be armed anew then.
+    """
+
+    robot: RobotArgument
+    interface: InterfaceOption = None
+    channel: ChannelOption = None
+    bit_rate: RobotBitRateOption = None
     mavlink: Annotated[
         str,
         typer.Option(
             metavar="LINK",
             help="The operator's link: udpin:HOST:PORT waits for a station, udpout:HOST:PORT calls one.",
         ),
-    ] = "udpin:127.0.0.1:14550",
+    ] = "udpin:127.0.0.1:14550"
     serial: Annotated[
         str | None,
         typer.Option(
@@ -46,22 +52,19 @@ def drive(
             help="Instead of CAN: the serial port of one drive, which passes commands on to the others.",
             show_default=False,
         ),
-    ] = None,
+    ] = None
     baud: Annotated[
         int | None,
         typer.Option(min=9_600, max=1_000_000, help="Of the serial port.", show_default="the robot's"),
-    ] = None,
+    ] = None
     protocol: Annotated[
         Generation | None,
         typer.Option(
             help="What the serial port speaks: v1 as on RS232, v2 as on USB.", show_default="the robot's"
         ),
-    ] = None,
-    link: LinkOption = None,
-    duration: DurationOption = None,
-) -> None:
-    """Run the bridge on a real CAN bus or serial line: find the drives, set them up, and obey the operator.
+    ] = None
+    link: LinkOption = None
+    duration: DurationOption = None
 
-    Ends on Ctrl-C: the robot is brought to rest first, then its drives are disabled. A serial port that is
-    unplugged is waited for; the robot must be armed anew then.
-    """
+
+drive: Final = command(EXAMPLES, work="firmware_bridge.cli.drive_work:drive")(DriveOptions)

@@ -1,10 +1,11 @@
 """Runs the bridge on real links, telling the user what it does."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import TypeAlias
 
 from firmware_bridge.bridge import Bridge, Phase
 from firmware_bridge.cli.console import one_message, refusal, say
+from firmware_bridge.cli.drive import DriveOptions
 from firmware_bridge.cli.options import until
 from firmware_bridge.cli.places import Place, places_of
 from firmware_bridge.cli.real_time import carry
@@ -97,24 +98,12 @@ class Narrated:
         self._tell(f"{to_seconds(now):9.3f} s  {text}")
 
 
-def drive(
-    robot: str,
-    *,
-    interface: str | None,
-    channel: str | None,
-    bit_rate: int | None,
-    mavlink: str,
-    serial: str | None,
-    baud: int | None,
-    protocol: Generation | None,
-    link: Sequence[str] | None,
-    duration: float | None,
-) -> None:
+def drive(given: DriveOptions) -> None:
     """Do what `drive` says; what is wrong ends the program with a message."""
-    machine = find_robot(robot)
-    places = places_of(machine, link, Place(interface, channel, serial))
+    machine = find_robot(given.robot)
+    places = places_of(machine, given.link, Place(given.interface, given.channel, given.serial))
     with one_message(PlanError, RobotFileError):
-        machine = _with_lines(machine, places, protocol, baud)
+        machine = _with_lines(machine, places, given.protocol, given.baud)
         bridge = Bridge(machine, kind_of(machine))
     node: Node = guarded(bridge, machine)
     openers: dict[str, Callable[[], Port]] = {}
@@ -124,13 +113,13 @@ def drive(
             node = MaxonLine(node, table.protocol, name)
             openers[name] = _serial_opener(machine, name, place)
         else:
-            openers[name] = _can_opener(place, bit_rate, table.bit_rate)
+            openers[name] = _can_opener(place, given.bit_rate, table.bit_rate)
     where = ", ".join(_title(machine, name, place) for name, place in places.items())
     carry(
         Narrated(bridge, node, say),
-        {**openers, OPERATOR: lambda: UdpPort(mavlink)},
-        until(duration),
-        f"{machine.name}: bridge on {where}, operator on {mavlink}",
+        {**openers, OPERATOR: lambda: UdpPort(given.mavlink)},
+        until(given.duration),
+        f"{machine.name}: bridge on {where}, operator on {given.mavlink}",
         StartUpFailedError,
     )
 

@@ -1,15 +1,14 @@
 """Opens the links that emulated devices were asked to be on."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
 
 from firmware_bridge.cli.console import one_message, refusal
+from firmware_bridge.cli.outside import Outside
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.shell.ports import Port, PortError, PseudoTerminal, SerialLine, open_can
 from firmware_bridge.shell.ports.pseudo_terminal import WORD
-from firmware_bridge.wire.maxon.frame import Generation
 
 Openers: TypeAlias = dict[str, Callable[[], Port]]
 
@@ -23,43 +22,32 @@ def open_serial(device: str, baud: int, link: Path | None = None) -> Port:
     return SerialLine(device, baud)
 
 
-def on_the_line(node: int | None, nodes: Sequence[int], *, serial: str | None) -> int:
+def on_the_line(outside: Outside, nodes: Sequence[int]) -> int:
     """Return which of these nodes is on the serial line; one that is not there ends the program."""
-    if node is not None and serial is None:
+    node = outside.serial_node
+    if node is not None and outside.serial is None:
         raise refusal(f"--serial-node {node}: there is no serial line; say --serial {WORD}, too")
     if node is not None and node not in nodes:
         raise refusal(f"--serial-node {node}: there is no such node; there are {', '.join(map(str, nodes))}")
     return nodes[0] if node is None else node
 
 
-@dataclass(frozen=True, slots=True)
-class Outside:
-    """The links on which emulated drives meet the rest of the world."""
+def opened(outside: Outside, baud: int, default_bit_rate: int) -> tuple[Openers, str]:
+    """Return what opens each link, and how they are called; a line that cannot be ends the program.
 
-    serial: str | None
-    serial_link: Path | None
-    protocol: Generation
-    interface: str | None
-    channel: str | None
-    bit_rate: int | None
-    default_bit_rate: int
-
-    def openers(self, baud: int) -> tuple[Openers, str]:
-        """Return what opens each link, and how they are called; a line that cannot be ends the program.
-
-        The line comes at once, because its name is found out only then. The CAN bus is left out where there
-        is a line and no bus was named.
-        """
-        found: Openers = {}
-        where = []
-        if self.serial is not None:
-            with one_message(PortError):
-                line = open_serial(self.serial, baud, self.serial_link)
-            found[SERIAL] = lambda: line
-            where.append(f"{line.name} ({self.protocol.value})")
-        if self.serial is None or self.interface or self.channel:
-            found[CAN] = lambda: open_can(
-                self.interface, self.channel, self.bit_rate, default_bit_rate=self.default_bit_rate
-            )
-            where.append("the bus")
-        return found, " and ".join(where)
+    The line comes at once, because its name is found out only then. The CAN bus is left out where there is a
+    line and no bus was named.
+    """
+    found: Openers = {}
+    where = []
+    if outside.serial is not None:
+        with one_message(PortError):
+            line = open_serial(outside.serial, baud, outside.serial_link)
+        found[SERIAL] = lambda: line
+        where.append(f"{line.name} ({outside.protocol.value})")
+    if outside.serial is None or outside.interface or outside.channel:
+        found[CAN] = lambda: open_can(
+            outside.interface, outside.channel, outside.bit_rate, default_bit_rate=default_bit_rate
+        )
+        where.append("the bus")
+    return found, " and ".join(where)

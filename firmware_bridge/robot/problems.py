@@ -29,8 +29,8 @@ class Problem(NamedTuple):
     problem: str
 
 
-class RobotFileError(Exception):
-    """A robot file that cannot be used: which file, which keys, what is wrong with each."""
+class FileError(Exception):
+    """A file that cannot be used: which one, which keys, what is wrong with each."""
 
     def __init__(self, file: str, *problems: Problem) -> None:
         super().__init__(file, *problems)
@@ -45,17 +45,21 @@ class RobotFileError(Exception):
         )
 
 
+class RobotFileError(FileError):
+    """A robot file that cannot be used."""
+
+
 def nearest(name: object, known: Collection[str]) -> list[str]:
     """Return the known name that this one may be meant for, if any is near."""
     return get_close_matches(str(name), known, n=1)
 
 
-def near(name: object, known: Collection[str]) -> str:
-    """Return the ending of a message about a name that is not known."""
+def near(name: object, known: Collection[str], most: int = MOST_NAMES) -> str:
+    """Return the ending of a message about a name that is not known; it lists no more than `most` others."""
     close = nearest(name, known)
     if close:
         return f"perhaps '{close[0]}'?"
-    if len(known) > MOST_NAMES:
+    if len(known) > most:
         return f"there are {len(known)}"
     return f"there are: {', '.join(known)}" if known else "there are none"
 

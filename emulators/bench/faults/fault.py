@@ -1,17 +1,18 @@
 """What all faults share: when they begin and end, whom they meet, and how they are put on and taken off."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
-from difflib import get_close_matches
+from collections.abc import Iterator
 from enum import Enum
 from typing import Annotated, ClassVar, Final, Self, TypeAlias
 
 from numpy.random import Generator
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
 from emulators.bench.faults.site import BRIDGE, Site
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.problems import near
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
+from firmware_bridge.robot.table import Table
 from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
 
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
@@ -41,10 +42,8 @@ class Stations(Enum):
         return [BRIDGE, *drives] if bridge else drives
 
 
-class Fault(BaseModel, ABC):
+class Fault(Table, ABC):
     """One thing that goes wrong at one instant of a mission."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, str_strip_whitespace=True)
 
     kind: ClassVar[str]
     """The field's name for it."""
@@ -72,7 +71,8 @@ class Fault(BaseModel, ABC):
 
     def problems(self, robot: AnyRobot) -> Iterator[Problem]:
         """Give what this robot lacks for it, key by key."""
-        yield from _absent("node", getattr(self, "node", None), self.among, robot)
+        if (node := getattr(self, "node", None)) is not None:
+            yield from absent("node", node, self.among, robot)
 
     @abstractmethod
     def put_on(self, site: Site, chance: Generator) -> None:
@@ -140,12 +140,6 @@ def named(robot: AnyRobot, node: str | int) -> str | None:
     return None
 
 
-def near(word: str, known: Sequence[str]) -> str:
-    """Return a hint at a word that is meant, or all that there are."""
-    close = get_close_matches(word, known, n=1)
-    return f"perhaps '{close[0]}'?" if close else f"there are: {', '.join(known)}"
-
-
 def absent(key: str, node: str | int, among: Stations, robot: AnyRobot) -> Iterator[Problem]:
     """Give the problem with a node that is not there, or not among those that this fault can meet."""
     known = among.of(robot)
@@ -154,11 +148,6 @@ def absent(key: str, node: str | int, among: Stations, robot: AnyRobot) -> Itera
         yield key, f"{robot.name} has no node '{node}'; {near(str(node), known)}"
     elif name not in known:
         yield key, f"'{node}' is not {among.value}; {near(str(node), known)}"
-
-
-def _absent(key: str, node: str | int | None, among: Stations, robot: AnyRobot) -> Iterator[Problem]:
-    if node is not None:
-        yield from absent(key, node, among, robot)
 
 
 CABLE_ORDER: Final = "the bridge, then the axes as the robot file lists them"

@@ -6,9 +6,10 @@ from typing import Annotated, Any, Final, TypeAlias
 from pydantic import BeforeValidator, InstanceOf, ValidationError
 from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 
-from emulators.bench.faults.fault import Fault, Problem, near
+from emulators.bench.faults.fault import Fault, Problem
 from emulators.bench.faults.table import KINDS, Kind
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.problems import near
 
 WRONG: Final = "fault"
 """Type of pydantic's error where the message says all."""
@@ -25,7 +26,8 @@ def read(table: Any) -> Fault:
     kind = KINDS.get(str(table.get("kind")))
     if kind is None:
         problem = "which fault? " if "kind" not in table else f"no such fault as '{table['kind']}'; "
-        raise _refused([("kind", problem + near(str(table.get("kind")), list(KINDS)))])
+        problem += near(table.get("kind"), KINDS, most=len(KINDS))
+        raise ValidationError.from_exception_data(WRONG, [_error(("kind",), problem)])
     try:
         fault: Fault = kind.fault.model_validate(rest)
     except ValidationError as error:
@@ -76,10 +78,6 @@ def _said(kind: Kind, error: ErrorDetails) -> InitErrorDetails:
     elif error["type"] != "missing" and not isinstance(error["input"], dict):
         problem = f"{problem}, but it is {error['input']!r}"
     return _error(tuple(location[:1]), problem)
-
-
-def _refused(problems: Sequence[Problem]) -> ValidationError:
-    return ValidationError.from_exception_data(WRONG, [_error((key,), text) for key, text in problems])
 
 
 def _error(location: tuple[int | str, ...], problem: str) -> InitErrorDetails:

@@ -53,13 +53,15 @@ def test_a_row_says_how_the_help_of_its_command_begins(words: str) -> None:
 @pytest.mark.parametrize("words", EVERY)
 def test_what_a_command_does_has_the_parameters_that_its_options_say(words: str) -> None:
     asked = EVERY[words].load()
-    module = inspect.getmodule(inspect.unwrap(asked.callback or run))
-    assert module is not None
-    done = f"{module.__name__}_work"
-    name = inspect.unwrap(asked.callback or run).__name__
+    made = inspect.unwrap(asked.callback or run)
+    module, _, name = EVERY[words].made_in.partition(":")
+    done = f"{module}_work"
     if find_spec(done) is None:
         return
     parameters = inspect.signature(commands.imported(f"{done}:{name}")).parameters.values()
+    if isinstance(made, type):
+        assert [each.annotation for each in parameters] == [made]
+        return
     named = {each.name for each in parameters if each.kind is not inspect.Parameter.VAR_KEYWORD}
     options = {each.name for each in asked.params} - {"help"}
     assert named <= options
