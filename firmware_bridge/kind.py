@@ -36,7 +36,7 @@ class Guide(Protocol[M, S_contra]):
         """Forget what has been added up: the robot was held back."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Mode(Generic[G, M, S]):
     """How the robot goes on after an actuator has failed: without its axis, by other body and rows."""
 
@@ -47,7 +47,7 @@ class Mode(Generic[G, M, S]):
     limits: tuple[Limit[G, M, S], ...]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Kind(Generic[G, M, S]):
     """One kind of robot, whole."""
 

@@ -1,6 +1,7 @@
 """Boundary cases of a robot's own rows: what just trips each one, and the nearest that it lets pass.
 
 A robot's package declares them; the tests that every robot gets look whether each row has some, and holds.
+They have no slots: a frozen generic class with slots cannot be called by a subscripted name (CPython 90562).
 """
 
 from dataclasses import KW_ONLY, dataclass
@@ -12,7 +13,7 @@ M = TypeVar("M")
 S = TypeVar("S")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Situation(Generic[M, S]):
     """What differs from a robot that is well, armed and at rest."""
 
@@ -24,7 +25,7 @@ class Situation(Generic[M, S]):
     """What the bridge asks for already; None: for rest."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Case(Generic[M, S]):
     """One way to trip one row, and the nearest way that does not."""
 

@@ -79,7 +79,7 @@ class Unusable:
     reason: str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Switch(Generic[M]):
     """Something that the operator switches: by a button, a relay's number, or ILLUMINATOR_ON_OFF."""
 
@@ -97,7 +97,7 @@ class Switch(Generic[M]):
     """The NAMED_VALUE_INT that tells of it, at most 10 letters; empty for none."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Actuator(Generic[G, M]):
     """Something that goes to a share of its travel by DO_SET_ACTUATOR: -1 is its lower end, 1 its upper."""
 
@@ -106,7 +106,7 @@ class Actuator(Generic[G, M]):
     """Return the wish with this share, 0 to 1, of the travel."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Value(Generic[M, S]):
     """A NAMED_VALUE_FLOAT that is sent by the clock."""
 
@@ -119,7 +119,7 @@ class Value(Generic[M, S]):
     """What it is, with its unit."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Fixed(Generic[G]):
     """A read-only parameter: a number of the robot file."""
 
@@ -129,7 +129,7 @@ class Fixed(Generic[G]):
     unit: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Station(Generic[G, M, S]):
     """One kind of robot's rows; ValueError where MAVLink could not carry them."""
 
