@@ -15,16 +15,23 @@ M_co = TypeVar("M_co", covariant=True)
 class Intent(Immutable, Generic[M_co]):
     """The newest wish for motion, and when it came."""
 
-    __slots__ = ("heard_at", "said_at", "wish")
+    __slots__ = ("heard_at", "neutral", "said_at", "wish")
 
     def __init__(
-        self, wish: M_co, heard_at: Nanoseconds = NEVER_HEARD, said_at: Nanoseconds | None = None
+        self,
+        wish: M_co,
+        heard_at: Nanoseconds = NEVER_HEARD,
+        said_at: Nanoseconds | None = None,
+        *,
+        neutral: bool = True,
     ) -> None:
         self.wish: Final = wish
         self.heard_at: Final = heard_at
         """When the newest motion command arrived; `NEVER_HEARD` before the first."""
         self.said_at: Final = said_at
         """When it was sent, by the robot's clock; None where the operator's messages do not tell."""
+        self.neutral: Final = neutral
+        """Every stick is let go, or the velocity asked for is zero."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +41,7 @@ class Arm:
 
 @dataclass(frozen=True, slots=True)
 class Disarm:
-    """Give up the leave to move; forced: take the power off the motors at once."""
+    """Give up the leave to move: what moves ramps down; forced: take the power off the motors at once."""
 
     force: bool = False
 
@@ -49,6 +56,16 @@ class EmergencyStop:
 @dataclass(frozen=True, slots=True)
 class ClearEmergencyStop:
     """Let go of a latched emergency stop; the robot stays disarmed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pause:
+    """Come to rest at the ramp, and stay until the operator lets the robot go on; it stays armed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Resume:
+    """Go on after a pause."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +87,9 @@ class Follow:
     guide: str
 
 
-Request: TypeAlias = Arm | Disarm | EmergencyStop | ClearEmergencyStop | ResetOdometry | EnterMode | Follow
+Request: TypeAlias = (
+    Arm | Disarm | EmergencyStop | ClearEmergencyStop | Pause | Resume | ResetOdometry | EnterMode | Follow
+)
 
 
 @dataclass(frozen=True, slots=True)

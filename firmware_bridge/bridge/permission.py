@@ -7,12 +7,22 @@ from typing import Final, Generic, TypeVar
 
 from firmware_bridge.bridge.fleets import Fleets
 from firmware_bridge.drivers.driver import BRING_UP, Driver, Power, Stop, Task
-from firmware_bridge.intent import Arm, ClearEmergencyStop, Disarm, EmergencyStop, EnterMode, Request, Verdict
+from firmware_bridge.intent import (
+    Arm,
+    ClearEmergencyStop,
+    Disarm,
+    EmergencyStop,
+    EnterMode,
+    Pause,
+    Request,
+    Resume,
+    Verdict,
+)
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.table import Table
 from firmware_bridge.safety.rules import Rules
-from firmware_bridge.safety.snapshot import Hold, Snapshot
+from firmware_bridge.safety.snapshot import Facts, Hold, Snapshot
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 G = TypeVar("G", bound=Table)
@@ -40,15 +50,22 @@ class Permission(Generic[G, M, S]):
         """The mode after a failed actuator; empty while the robot is whole."""
         self.powered_off = False
         """A forced disarm took the power off; it stays off until arming puts it on again."""
+        self.paused = False
+        self.parted = True
+        """The operator was away, and has not let his controls go since."""
 
     @property
     def rules(self) -> Rules[G, M, S]:
         """Those of the mode."""
         return self._rules[self.mode]
 
-    def watch(self, holds: tuple[Hold, ...]) -> None:
-        """Do what the holds' rows say: take the leave away, latch the emergency stop."""
+    def watch(self, holds: tuple[Hold, ...], facts: Facts) -> None:
+        """Do what the holds' rows say: take the leave away, latch the emergency stop, part the operator."""
+        if facts.neutral:
+            self.parted = False
         for hold in holds:
+            if hold.row.parts:
+                self.parted = True
             if hold.row.latches:
                 self.emergency_stopped = True
             if hold.row.disarms or hold.row.latches:
@@ -70,6 +87,11 @@ class Permission(Generic[G, M, S]):
                 return self._clear(seen)
             case EnterMode(mode=mode):
                 return self._enter(mode, seen)
+            case Pause():
+                self.paused = True
+                return Verdict(accepted=True, reason="paused: the robot comes to rest, and waits")
+            case Resume():
+                return self._resume(seen)
         return Verdict(accepted=True, reason="")
 
     def _disarm_by_force(self) -> Verdict:
@@ -92,6 +114,7 @@ class Permission(Generic[G, M, S]):
             if hold.row.blocks_arming:
                 return Verdict(accepted=False, reason=f"arm: {hold.reason}; {hold.remedy}", temporary=True)
         self.armed = True
+        self.paused = False
         return Verdict(accepted=True, reason="armed")
 
     def _premature(self, seen: Snapshot[M, S]) -> Verdict | None:
@@ -104,6 +127,8 @@ class Permission(Generic[G, M, S]):
             moved = " and ".join(sorted(asked))
             reason = f"arm: the {moved} would move at once; let the stick go, or disarm"
             return Verdict(accepted=False, reason=reason)
+        if not seen.facts.neutral:
+            return Verdict(accepted=False, reason="arm: the stick is not let go; let it go first")
         if not self.rules.at_rest(seen):
             return Verdict(accepted=False, reason="arm: the robot still moves", temporary=True)
         return None
@@ -125,11 +150,15 @@ class Permission(Generic[G, M, S]):
         return Verdict(accepted=False, reason=f"enabling {', '.join(named)} again, arm again", temporary=True)
 
     def _disarm(self, seen: Snapshot[M, S]) -> Verdict:
-        if self.armed and not self.rules.at_rest(seen):
-            reason = "disarm: the robot still moves; stop it first, or force"
-            return Verdict(accepted=False, reason=reason, temporary=True)
         self.armed = False
-        return Verdict(accepted=True, reason="disarmed: the drives hold still")
+        moves = "" if self.rules.at_rest(seen) else "the robot comes to rest, "
+        return Verdict(accepted=True, reason=f"disarmed: {moves}the drives hold still")
+
+    def _resume(self, seen: Snapshot[M, S]) -> Verdict:
+        if self.paused and not seen.facts.neutral:
+            return Verdict(accepted=False, reason="continue: the stick is not let go; let it go first")
+        self.paused = False
+        return Verdict(accepted=True, reason="the robot goes on")
 
     def _clear(self, seen: Snapshot[M, S]) -> Verdict:
         if not self.emergency_stopped:
@@ -147,6 +176,8 @@ class Permission(Generic[G, M, S]):
         if mode not in self._rules:
             known = ", ".join(name for name in self._rules if name) or "none"
             return Verdict(accepted=False, reason=f"mode: this robot has no '{mode}'; it has {known}")
+        if mode == self.mode:
+            return self._resume(seen)
         if self.armed or not self.rules.at_rest(seen):
             return Verdict(accepted=False, reason="mode: stop and disarm first", temporary=True)
         self.mode = mode

@@ -71,7 +71,9 @@ class Pipeline(Generic[G, M, S]):
         elapsed = self._elapsed(now)
         known = self._guided(self.known(now), elapsed)
         ruling = self._gate.rule(known)
-        self._permission.watch(ruling.holds)
+        self._permission.watch(ruling.holds, known.facts)
+        if any(hold.row.parts for hold in ruling.holds):
+            self._operator.forget()
         self.gate_deadline = self._gate.next_deadline(known.facts)
         self._demanded = rules.body.ramped(self._demanded, ruling.allowed, known.body, elapsed)
         sent = self._fleets.command(self._demands(known), self._levels(ruling), now)
@@ -112,9 +114,12 @@ class Pipeline(Generic[G, M, S]):
             armed=permission.armed,
             emergency_stopped=permission.emergency_stopped,
             heard_at=operator.intent.heard_at,
+            neutral=operator.intent.neutral,
             axes=axes,
             sensors=sensors,
             links_lost=fleets.links_lost,
+            paused=permission.paused,
+            parted=permission.parted,
             mode=permission.mode,
             without=permission.rules.without,
         )

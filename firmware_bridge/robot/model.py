@@ -37,6 +37,8 @@ class OperatorLink(Table):
     """The operator's link: how long silence is allowed, and the identity on MAVLink."""
 
     silent_ms: Annotated[int, Field(ge=50, le=10_000)]
+    gone_ms: Annotated[int, Field(ge=1_000, le=60_000)] = 10_000
+    """After so long a silence the robot is disarmed."""
     system_id: Annotated[int, Field(ge=1, le=255)]
     component_id: Annotated[int, Field(ge=1, le=255)]
 

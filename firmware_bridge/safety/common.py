@@ -53,7 +53,18 @@ def whole_robot_rows(
             "send motion commands",
             clear_after=LINK_CLEARS_AFTER,
             blocks_arming=False,
+            parts=True,
         ),
+        Interlock(
+            "operator gone",
+            _operator_gone,
+            "send motion commands, then arm",
+            clear_after=LINK_CLEARS_AFTER,
+            disarms=True,
+            blocks_arming=False,
+        ),
+        Interlock("controls deflected", _deflected, "let the stick go", blocks_arming=False),
+        Interlock("paused", _paused, "continue, or arm", severity=Severity.NOTICE, blocks_arming=False),
         Interlock("wish unusable", wish_unusable, "send finite numbers"),
     )
 
@@ -94,6 +105,23 @@ def _operator_silent(view: View[G, M, S]) -> str | None:
     if silence < limit:
         return None
     return f"no motion command for {to_seconds(silence):.2f} s, limit {to_seconds(limit):.2f} s"
+
+
+def _operator_gone(view: View[G, M, S]) -> str | None:
+    limit = view.robot.operator.gone_ms * MILLISECOND
+    if view.facts.heard_at == NEVER_HEARD or view.facts.now - view.facts.heard_at < limit:
+        return None
+    return f"no motion command for {to_seconds(limit):g} s: nobody drives"
+
+
+def _deflected(view: View[G, M, S]) -> str | None:
+    if view.facts.neutral or not view.facts.parted:
+        return None
+    return "the stick was not let go after the silence"
+
+
+def _paused(view: View[G, M, S]) -> str | None:
+    return "the operator has paused the robot" if view.facts.paused else None
 
 
 def _axis_silent(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:

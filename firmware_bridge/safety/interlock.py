@@ -84,6 +84,7 @@ class Interlock(Row, Generic[G, M, S]):
         disarms: bool = False,
         blocks_arming: bool = True,
         latches: bool = False,
+        parts: bool = False,
         after_limits: bool = False,
     ) -> None:
         super().__init__(
@@ -95,6 +96,7 @@ class Interlock(Row, Generic[G, M, S]):
             disarms=disarms,
             blocks_arming=blocks_arming,
             latches=latches,
+            parts=parts,
         )
         self.judge: Final = judge
         self.after_limits: Final = after_limits

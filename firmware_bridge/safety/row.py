@@ -26,7 +26,7 @@ class Row(Immutable):
     """A row's name, its remedy, and everything that follows while it holds."""
 
     __slots__ = (
-        "blocks_arming", "clear_after", "disarms", "latches", "name", "remedy", "severity", "stops",
+        "blocks_arming", "clear_after", "disarms", "latches", "name", "parts", "remedy", "severity", "stops",
     )  # fmt: skip
 
     def __init__(
@@ -40,6 +40,7 @@ class Row(Immutable):
         disarms: bool = False,
         blocks_arming: bool = True,
         latches: bool = False,
+        parts: bool = False,
     ) -> None:
         self.name: Final = name
         self.remedy: Final = remedy
@@ -55,3 +56,6 @@ class Row(Immutable):
         """While it holds the robot cannot be armed."""
         self.latches: Final = latches
         """It latches the emergency stop, which stays until it is cleared by an order."""
+        self.parts: Final = parts
+        """It parts the operator from the robot: his targets are forgotten, and his controls count again when
+        they have been let go."""

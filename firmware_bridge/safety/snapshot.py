@@ -31,12 +31,18 @@ class Facts:
     """The latch of the emergency stop, set until it is cleared."""
     heard_at: Nanoseconds
     """When the newest motion command arrived; `firmware_bridge.intent.NEVER_HEARD` before the first."""
+    neutral: bool
+    """The operator's controls are let go."""
     axes: Mapping[str, Feedback]
     """By the axes' names, in the robot file's order."""
     sensors: Mapping[str, Reading]
     """By the sensors' names; one that was never heard, or is silent for too long, is left out."""
     links_lost: Mapping[str, str]
     """Why no device on a link can be reached, by the link's name; empty while all links stand."""
+    paused: bool = False
+    """The operator has asked the robot to wait."""
+    parted: bool = False
+    """The operator was away, and has not let his controls go since."""
     mode: str = ""
     """The robot's mode after a failed actuator; empty while it is whole."""
     without: frozenset[str] = frozenset()

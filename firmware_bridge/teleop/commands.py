@@ -16,7 +16,9 @@ from firmware_bridge.intent import (
     EmergencyStop,
     EnterMode,
     Follow,
+    Pause,
     ResetOdometry,
+    Resume,
     Verdict,
 )
 from firmware_bridge.teleop.exchange import Exchange
@@ -26,6 +28,9 @@ from firmware_bridge.units import NEVER
 
 FORCE: Final = 21196
 """The second parameter of COMPONENT_ARM_DISARM that means: without checks (common.xml)."""
+HOLD: Final = 4
+"""The custom mode with which stations ask to stand: ArduPilot Rover's HOLD, and PX4's main mode AUTO, whose
+submode LOITER MAVSDK's `hold` names. A robot with so many modes of its own means its own."""
 _LARGEST_NUMBER: Final = 0xFFFF
 """MESSAGE_INTERVAL carries 16 bits of a message's number."""
 _LONGEST_INTERVAL_US: Final = 0x7FFF_FFFF
@@ -181,19 +186,46 @@ def _send_interval(order: Order, exchange: Exchange) -> Answer:
     return ACCEPTED
 
 
+def _pause(order: Order, exchange: Exchange) -> Answer:
+    match order.params[0]:
+        case dialect.MAV_GOTO_DO_HOLD:
+            return _judged(exchange.request(Pause()))
+        case dialect.MAV_GOTO_DO_CONTINUE:
+            return _judged(exchange.request(Resume()))
+    return _denied("pause: parameter 1 must be 0 (pause) or 1 (continue)")
+
+
+def _set_standard_mode(order: Order, exchange: Exchange) -> Answer:
+    """Stop, whichever it is: who asks for another mode no longer drives by hand."""
+    paused = _judged(exchange.request(Pause()))
+    if order.params[0] == dialect.MAV_STANDARD_MODE_POSITION_HOLD:
+        return paused
+    return _denied("mode: of the standard modes only position hold; the robot is paused")
+
+
 def _set_mode(order: Order, exchange: Exchange) -> Answer:
+    """Enter a mode; one that cannot be entered now, or is none of the robot's, pauses it."""
+    entered = _enter_mode(order, exchange)
+    if entered.result is not Result.ACCEPTED:
+        exchange.request(Pause())
+    return entered
+
+
+def _enter_mode(order: Order, exchange: Exchange) -> Answer:
     number = _number(order.params[1])
     modes, guides = exchange.session.modes, exchange.session.guides
     if number is None or number >= len(modes):
+        if number == HOLD:
+            return _judged(exchange.request(Pause()))
         if len(modes) == 1:
-            return _denied("this robot has one mode, 0: an operator drives it")
+            return _denied("this robot has one mode, 0: an operator drives it; it is paused")
         known = ", ".join(f"{place} {mode or 'whole'}" for place, mode in enumerate(modes))
-        return _denied(f"mode: {known}; there are no others")
+        return _denied(f"mode: {known}; there are no others; it is paused")
     guide = _number(order.params[2]) or 0
     if guide >= len(guides):
         known = ", ".join(f"{place} {name or 'the operator'}" for place, name in enumerate(guides))
         return _denied(f"submode: {known}; there are no others")
-    entered = ACCEPTED if len(modes) == 1 else _judged(exchange.request(EnterMode(modes[number])))
+    entered = _judged(exchange.request(EnterMode(modes[number])))
     if entered.result is not Result.ACCEPTED or len(guides) == 1:
         return entered
     return _judged(exchange.request(Follow(guides[guide])))
@@ -223,6 +255,8 @@ class Row:
 ROWS: Final = (
     Row(dialect.MAV_CMD_COMPONENT_ARM_DISARM, _arm_or_disarm, "arm; disarm, forced with p2 = 21196"),
     Row(dialect.MAV_CMD_DO_FLIGHTTERMINATION, _terminate, "emergency stop until the bridge is restarted"),
+    Row(dialect.MAV_CMD_DO_PAUSE_CONTINUE, _pause, "p1 0: come to rest and wait; 1: go on, the stick let go"),
+    Row(dialect.MAV_CMD_OVERRIDE_GOTO, _pause, "the same"),
     Row(dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE, _safety_switch, "p1 0: emergency stop; 1: clear it"),
     Row(dialect.MAV_CMD_DO_SET_ACTUATOR, _actuator, "actuators of set 0: -1 lowest to 1 highest, NaN stays"),
     Row(dialect.MAV_CMD_DO_SET_RELAY, _relay, "p1: its number; p2 0 or 1"),
@@ -234,8 +268,10 @@ ROWS: Final = (
     Row(
         dialect.MAV_CMD_DO_SET_MODE,
         _set_mode,
-        "custom mode 0: the whole robot; others after a failed actuator; submode: the guide, 0 none",
+        "custom mode 0: the whole robot, and on after a pause; others after a failed actuator, or 4, HOLD: "
+        "pause; submode: the guide, 0 none",
     ),
+    Row(dialect.MAV_CMD_DO_SET_STANDARD_MODE, _set_standard_mode, "p1 1, position hold: pause"),
     Row(dialect.MAV_CMD_DO_SET_HOME, _home, "p1 = 1: the present place is the origin"),
     Row(dialect.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, _reboot, "never from afar"),
 )

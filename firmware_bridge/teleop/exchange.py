@@ -49,7 +49,7 @@ class Exchange:
         if isinstance(request, ResetOdometry):
             session.resets += 1
         else:
-            session.wish(session.station.forgotten(session.intent.wish))
+            session.forget()
         if isinstance(request, EmergencyStop) and request.final:
             session.terminated = True
         return verdict
@@ -87,7 +87,8 @@ class Exchange:
         if isinstance(stick, Unusable):
             self.refuse(stick)
         else:
-            self.move(station.stick(stick, session.intent.wish, session.robot))
+            wish = station.stick(stick, session.intent.wish, session.robot)
+            self.move(wish, neutral=stick.let_go(station.dead_band))
 
     def take_target(self) -> None:
         """Take a SET_POSITION_TARGET_LOCAL_NED as the newest wish, or say why it is none."""
@@ -100,12 +101,12 @@ class Exchange:
         if isinstance(wish, Unusable):
             self.refuse(wish)
         else:
-            self.move(wish)
+            self.move(wish, neutral=velocity.zero)
 
-    def move(self, wish: object) -> None:
+    def move(self, wish: object, *, neutral: bool) -> None:
         """Take a wish as the newest, unless a newer one has overtaken it."""
         if self.peer.is_newest(self.message.get_seq(), self.now):
-            self.session.intent = Intent(wish, self.now)
+            self.session.intent = Intent(wish, self.now, neutral=neutral)
         else:
             self.session.dropped.overtaken += 1
 

@@ -83,6 +83,10 @@ class Operator(Generic[G, M, S]):
                 replies += exchange.replies
         return tuple(codec.encode(message) for message in replies)
 
+    def forget(self) -> None:
+        """Forget the targets of an operator who has gone silent."""
+        self._session.forget()
+
     def report(
         self, snapshot: Snapshot[M, S], holds: tuple[Hold, ...], now: Nanoseconds
     ) -> tuple[bytes, ...]:

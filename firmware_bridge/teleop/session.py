@@ -124,7 +124,12 @@ class Session:
 
     def wish(self, wish: object) -> None:
         """Change the wish; what is no motion command is no sign of life."""
-        self.intent = Intent(wish, self.intent.heard_at, self.intent.said_at)
+        before = self.intent
+        self.intent = Intent(wish, before.heard_at, before.said_at, neutral=before.neutral)
+
+    def forget(self) -> None:
+        """Forget what of a wish does not outlive a change of state."""
+        self.wish(self.station.forgotten(self.intent.wish))
 
     def context(self, snapshot: Snapshot[Any, Any]) -> TelemetryContext:
         """Return what telemetry tells of a snapshot."""

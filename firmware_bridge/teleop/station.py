@@ -41,6 +41,11 @@ class Stick:
     up: float | None
     """z, while the station's `up_button` is held, and beyond its dead band."""
 
+    def let_go(self, dead_band: float) -> bool:
+        """Return whether no axis is deflected by more than a hand that rests on it."""
+        axes = (self.forward, self.left, self.turn, self.up)
+        return all(share is None or abs(share) <= dead_band for share in axes)
+
 
 @dataclass(frozen=True, slots=True)
 class Velocity:
@@ -50,6 +55,11 @@ class Velocity:
     left_mps: float
     yaw_rate_rad_s: float | None
     """None where the message leaves it out."""
+
+    @property
+    def zero(self) -> bool:
+        """Whether it asks to stand still."""
+        return self.forward_mps == self.left_mps == 0.0 and not self.yaw_rate_rad_s
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,7 +149,8 @@ class Station(Generic[G, M, S]):
     up_button: int | None = None
     """The button without which z counts for nothing; None: z counts always."""
     dead_band: float = 0.05
-    """Of z; a hand that rests on a stick does not hold it at zero."""
+    """A hand that rests on a stick does not hold it at zero: less z counts for nothing, and a stick is let go
+    where no axis passes it."""
     switches: tuple[Switch[M], ...] = ()
     actuators: tuple[Actuator[G, M], ...] = ()
     """By DO_SET_ACTUATOR's parameters 1, 2, ... of set 0."""

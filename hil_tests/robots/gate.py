@@ -50,6 +50,7 @@ def seen(
         "armed": True,
         "emergency_stopped": False,
         "heard_at": now,
+        "neutral": True,
         "axes": told,
         "sensors": {},
         "links_lost": {},

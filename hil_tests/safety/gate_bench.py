@@ -72,7 +72,7 @@ def well(
     }
     body = {"steer_rad": 0.0, "lift_m": 0.0, "speed_mps": 0.0}
     body |= {key: changes.pop(key) for key in tuple(changes) if key in body}
-    facts = {"armed": True, "emergency_stopped": False} | changes
+    facts = {"armed": True, "emergency_stopped": False, "neutral": True} | changes
     return snapshot.Snapshot(
         facts=snapshot.Facts(
             now=now,

@@ -47,6 +47,7 @@ def drive(name: str, **fields: Any) -> dict[str, Any]:
 
 
 OPERATOR_LIMIT: Final = 500 * MILLISECOND
+OPERATOR_GONE: Final = 10 * SECOND
 DRIVE_LIMIT: Final = 250 * MILLISECOND
 LINK: Final = 200 * MILLISECOND
 
@@ -60,6 +61,27 @@ CASES: Final = (
         "no motion command for 0.50 s, limit 0.50 s",
         LINK,
     ),
+    Case(
+        "operator gone",
+        intent(heard_at=START - OPERATOR_GONE),
+        {},
+        "no motion command for 10 s: nobody drives",
+        LINK,
+        also=("operator silent",),
+    ),
+    Case(
+        "controls deflected",
+        {"parted": True, "neutral": False},
+        {"parted": True},
+        "the stick was not let go after the silence",
+    ),
+    Case(
+        "controls deflected",
+        {"parted": True, "neutral": False},
+        {"neutral": False},
+        "the stick was not let go after the silence",
+    ),
+    Case("paused", {"paused": True}, {}, "the operator has paused the robot"),
     Case("operator silent", intent(heard_at=NEVER_HEARD), {}, "no motion command has come yet", LINK),
     Case(
         "link lost: drives",

@@ -47,11 +47,15 @@ def test_a_silent_operator_stops_a_slow_robot_within_0_6_s(rides: Ridden, speed:
     assert ride.stands_from(6.0) < 6.6
 
 
-def test_a_motion_returns_with_the_operator(rides: Ridden) -> None:
-    ride = rides(ARMED, step(4.0, speed_mps=0.2), step(5.0, silent_s=2), seconds=30)
-    ride.runs_until(10.0)
+def test_a_motion_returns_with_the_operator_once_the_stick_was_let_go(rides: Ridden) -> None:
+    back = (step(9.0, speed_mps=0.0), step(9.5, speed_mps=0.2))
+    ride = rides(ARMED, step(4.0, speed_mps=0.2), step(5.0, silent_s=2), *back, seconds=30)
+    ride.runs_until(8.9)
+    assert ride.holding == {"controls deflected"}
+    assert ride.now["speed_mps"] == pytest.approx(0, abs=0.002)
+    ride.runs_until(12.0)
     assert ride.now["speed_mps"] == pytest.approx(0.2, rel=0.02)
-    assert "operator silent" not in ride.holding
+    assert ride.holding == set()
 
 
 def test_an_emergency_stop_latches_until_cleared_and_armed_again(rides: Ridden) -> None:

@@ -3,6 +3,8 @@
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+import pytest
+
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.units import MILLISECOND
 from firmware_bridge.wire.cia402 import State
@@ -13,6 +15,7 @@ if TYPE_CHECKING:
     from hil_tests.unit.bridge.bench import Bench
 
 SAFETY_SWITCH = dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE
+PAUSE = dialect.MAV_CMD_DO_PAUSE_CONTINUE
 FORCE = 21196.0
 STOP, CLEAR = 0.0, 1.0
 
@@ -32,11 +35,137 @@ def test_a_station_may_arm_before_it_speaks_of_motion(bench: "Bench") -> None:
     assert "no motion command has come yet" in bench.told()
 
 
-def test_disarming_while_driving_is_refused(armed: "Bench") -> None:
+def ramped_down(bench: "Bench", since: int) -> bool:
+    """Whether the left wheel's set-points ramp down to 0 in steps of the robot's deceleration, with power."""
+    words = bench.words("left", since)
+    rpm = [RPM_AT_03, *(target for _, target in words)]
+    steps = [earlier - later for earlier, later in pairwise(rpm)]
+    return (
+        {word for word, _ in words} == {0x000F} and rpm[-1] == 0 and all(0 <= step <= 351 for step in steps)
+    )
+
+
+@pytest.mark.parametrize(
+    ("command", "params"),
+    [
+        (ARM, (0.0,)),
+        (dialect.MAV_CMD_DO_PAUSE_CONTINUE, (0.0,)),
+        (dialect.MAV_CMD_OVERRIDE_GOTO, (0.0, 2.0)),
+        (dialect.MAV_CMD_DO_SET_MODE, (1.0, 4.0)),
+        (dialect.MAV_CMD_DO_SET_MODE, (1.0, 4.0, 3.0)),
+        (dialect.MAV_CMD_DO_SET_MODE, (1.0, 11.0)),
+        (dialect.MAV_CMD_DO_SET_STANDARD_MODE, (1.0,)),
+        (dialect.MAV_CMD_DO_SET_STANDARD_MODE, (5.0,)),
+    ],
+)
+def test_every_way_to_ask_for_a_stop_stops_at_the_ramp(
+    armed: "Bench", command: int, params: tuple[float, ...]
+) -> None:
     driving(armed)
-    assert armed.commands(ARM, 0.0) == TEMPORARILY_REJECTED
+    begin = armed.now
+    armed.commands(command, *params)
+    armed.runs(1)
+    assert ramped_down(armed, begin), "the stick still asks for 0.3 m/s"
+
+
+def test_a_disarmed_robot_needs_a_new_arm(armed: "Bench") -> None:
+    driving(armed)
+    assert armed.commands(ARM, 0.0) == ACCEPTED
+    armed.runs(1)
+    begin = armed.now
+    armed.speed = 0.0
     armed.runs(0.2)
+    driving(armed)
+    assert set(armed.words("left", begin)) == {(0x000F, 0)}
+
+
+def test_after_a_pause_the_robot_goes_on_when_it_is_asked_to_with_the_stick_let_go(armed: "Bench") -> None:
+    driving(armed)
+    armed.commands(PAUSE, 0.0)
+    armed.runs(1)
+    assert armed.commands(PAUSE, 1.0) == DENIED
+    assert "the stick is not let go" in armed.told()
+    armed.speed = 0.0
+    armed.runs(0.1)
+    assert armed.commands(PAUSE, 1.0) == ACCEPTED
+    driving(armed)
     assert armed.drives["left"].rpm == RPM_AT_03
+
+
+def test_arming_ends_a_pause(armed: "Bench") -> None:
+    armed.commands(PAUSE, 0.0)
+    armed.commands(ARM, 0.0)
+    assert armed.arms() == ACCEPTED
+    driving(armed)
+    assert armed.drives["left"].rpm == RPM_AT_03
+
+
+def test_the_steer_stick_is_let_go_before_arming_too(bench: "Bench") -> None:
+    bench.starts()
+    bench.steer = 30.0
+    bench.runs(0.1)
+    assert bench.arms() == DENIED
+    bench.steer = 0.0
+    bench.runs(0.1)
+    assert bench.arms() == ACCEPTED
+
+
+def test_who_armed_before_he_spoke_of_motion_begins_with_the_stick_let_go(bench: "Bench") -> None:
+    bench.talks = False
+    bench.starts()
+    assert bench.arms() == ACCEPTED
+    begin = bench.now
+    bench.talks = True
+    driving(bench)
+    assert set(bench.words("left", begin)) == {(0x000F, 0)}
+    assert "the stick was not let go after the silence" in bench.told()
+    bench.speed = 0.0
+    bench.runs(0.3)
+    driving(bench)
+    assert bench.drives["left"].rpm == RPM_AT_03
+
+
+def test_after_a_silence_nothing_moves_before_the_stick_was_let_go(armed: "Bench") -> None:
+    driving(armed)
+    armed.talks = False
+    armed.runs(1.5)
+    begin = armed.now
+    armed.talks = True
+    armed.runs(2)
+    assert set(armed.words("left", begin)) == {(0x000F, 0)}
+    armed.speed = 0.0
+    armed.runs(0.1)
+    driving(armed)
+    assert armed.drives["left"].rpm == RPM_AT_03, "a short silence needs no new arm"
+
+
+def test_after_a_long_silence_motion_needs_a_new_arm(armed: "Bench") -> None:
+    armed.talks = False
+    armed.runs(9.9)
+    assert armed.bridge.seen.facts.armed
+    armed.runs(0.3)
+    assert not armed.bridge.seen.facts.armed
+    assert "nobody drives" in armed.told()
+    armed.talks = True
+    armed.runs(0.5)
+    begin = armed.now
+    driving(armed)
+    assert set(armed.words("left", begin)) == {(0x000F, 0)}
+    armed.speed = 0.0
+    armed.runs(0.1)
+    assert armed.arms() == ACCEPTED
+
+
+def test_a_lift_target_does_not_outlive_its_operators_link(armed: "Bench") -> None:
+    armed.commands(dialect.MAV_CMD_DO_SET_ACTUATOR, 0.0)
+    armed.runs(0.2)
+    armed.talks = False
+    armed.runs(1)
+    begin = armed.now
+    armed.talks = True
+    armed.runs(1)
+    assert len(set(armed.words("lift", begin))) == 1, "it stays where it stands"
+    assert armed.bridge.seen.wish.lift_m is None
 
 
 def test_disarming_at_rest_keeps_power_on_and_holds_still(armed: "Bench") -> None:

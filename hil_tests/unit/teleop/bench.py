@@ -58,6 +58,7 @@ class Bench(Generic[G, M, S]):
             armed=False,
             emergency_stopped=False,
             heard_at=NEVER_HEARD,
+            neutral=True,
             axes={axis.name: standing(axis.name) for axis in self.robot.axes},
             sensors=sensors,
             links_lost={},

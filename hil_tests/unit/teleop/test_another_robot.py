@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from firmware_bridge.intent import EmergencyStop, EnterMode, Verdict
+from firmware_bridge.intent import EmergencyStop, EnterMode, Pause, Verdict
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.safety.row import Severity
 from firmware_bridge.teleop.mavlink import dialect
@@ -186,8 +186,11 @@ def test_modes_are_asked_for_by_their_number_and_told(bench: ToyBench, number: i
 def test_modes_that_it_lacks_are_denied(bench: ToyBench, number: float) -> None:
     replies = bench.order(176, 1, number)
     assert acks(replies) == [(176, DENIED)]
-    assert "".join(texts(replies)) == "mode: 0 whole, 1 without_port, 2 without_boom; there are no others"
-    assert bench.asked == []
+    assert (
+        "".join(texts(replies))
+        == "mode: 0 whole, 1 without_port, 2 without_boom; there are no others; it is paused"
+    )
+    assert bench.asked == [Pause()]
 
 
 def test_a_refused_mode_keeps_its_reason(bench: ToyBench) -> None:

@@ -12,8 +12,11 @@ from firmware_bridge.intent import (
     ClearEmergencyStop,
     Disarm,
     EmergencyStop,
+    EnterMode,
+    Pause,
     Request,
     ResetOdometry,
+    Resume,
     Verdict,
 )
 from firmware_bridge.teleop.commands import ROWS
@@ -49,9 +52,20 @@ TABLE: list[tuple[int, tuple[float, ...], int, list[Request]]] = [
     (5300, (NAN,), DENIED, []),
     (179, (1,), ACCEPTED, [ResetOdometry()]),
     (179, (0,), DENIED, []),
-    (176, (1, 0), ACCEPTED, []),
-    (176, (1, 4), DENIED, []),
-    (176, (1, NAN), DENIED, []),
+    (193, (0,), ACCEPTED, [Pause()]),
+    (193, (1,), ACCEPTED, [Resume()]),
+    (193, (2,), DENIED, []),
+    (193, (NAN,), DENIED, []),
+    (252, (0, 2), ACCEPTED, [Pause()]),
+    (252, (1,), ACCEPTED, [Resume()]),
+    (176, (1, 0), ACCEPTED, [EnterMode("")]),
+    (176, (1, 4), ACCEPTED, [Pause()]),
+    (176, (1, 4, 3), ACCEPTED, [Pause()]),
+    (176, (1, 11), DENIED, [Pause()]),
+    (176, (1, NAN), DENIED, [Pause()]),
+    (262, (1,), ACCEPTED, [Pause()]),
+    (262, (5,), DENIED, [Pause()]),
+    (262, (NAN,), DENIED, [Pause()]),
     (246, (1,), UNSUPPORTED, []),
     (20, (), UNSUPPORTED, []),
     (519, (1,), UNSUPPORTED, []),
@@ -272,7 +286,14 @@ def test_a_message_that_is_off_is_told_as_off(bench: RarsBench) -> None:
 def test_old_mode_messages_are_answered_under_their_own_number(bench: RarsBench) -> None:
     assert acks(bench.say(dialect.MAVLink_set_mode_message(1, 1, 0))) == [(11, ACCEPTED)]
     assert acks(bench.say(dialect.MAVLink_set_mode_message(1, 0x81, 15))) == [(11, DENIED)]
-    assert bench.asked == []
+    assert acks(bench.say(dialect.MAVLink_set_mode_message(1, 1, 4))) == [(11, ACCEPTED)]
+    assert bench.asked == [EnterMode(""), Pause(), Pause()]
+
+
+def test_a_mode_that_cannot_be_entered_now_stops_the_robot_nevertheless(bench: RarsBench) -> None:
+    bench.verdict = Verdict(accepted=False, reason="mode: stop and disarm first", temporary=True)
+    assert acks(bench.order(176, 1, 0)) == [(176, TEMPORARILY_REJECTED)]
+    assert bench.asked == [EnterMode(""), Pause()]
 
 
 @pytest.mark.parametrize("target", [(2, 1), (1, 2), (255, 0)])
