@@ -12,7 +12,7 @@ from firmware_bridge.units import NEVER, Nanoseconds
 class Fleets:
     """The fleets in the order of the robot file's links; what a method returns is to be sent."""
 
-    __slots__ = ("_beats", "_by_link", "_due", "_stopped", "all", "drivers")
+    __slots__ = ("_beats", "_by_link", "_due", "_stopped", "all", "drivers", "told")
 
     def __init__(self, fleets: tuple[Fleet, ...]) -> None:
         self.all: Final = fleets
@@ -21,6 +21,8 @@ class Fleets:
         """Those that are sampled in this cycle."""
         self._stopped: set[str] = set()
         """The axes that the newest demands stop."""
+        self.told: dict[str, Demand] = {}
+        """What was sent to each axis last; only what is due on its link, or a stop, is sent."""
         self._beats: list[Nanoseconds] = [0] * len(fleets)
         """When each link's devices hear next that the bridge lives."""
         self.drivers: Final[tuple[Driver, ...]] = tuple(
@@ -123,6 +125,7 @@ class Fleets:
             stops = {name for name in names if _stops(demands.get(name, Stop.REST))}
             if fleet in self._due or not stops <= self._stopped:
                 sent += fleet.command(demands)
+                self.told.update({name: demands.get(name, Stop.REST) for name in names})
             self._stopped.difference_update(names)
             self._stopped |= stops
             if levels:
@@ -131,6 +134,7 @@ class Fleets:
 
     def command_all(self, demand: Stop) -> tuple[Packet, ...]:
         """Send all axes the same demand."""
+        self.told.update({driver.axis.name: demand for driver in self.drivers})
         return _joined([fleet.command_all(demand) for fleet in self.all])
 
     def release(self) -> tuple[Packet, ...]:

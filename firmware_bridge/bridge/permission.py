@@ -24,8 +24,8 @@ class Permission(Generic[G, M, S]):
     """The leave to move, and who may change it."""
 
     __slots__ = (
-        "_final", "_fleets", "_outbox", "_rules", "_silent_after", "armed", "emergency_stopped", "mode",
-        "powered_off",
+        "_final", "_fleets", "_outbox", "_rules", "_silent_after", "armed", "disbelieved",
+        "emergency_stopped", "mode", "powered_off",
     )  # fmt: skip
 
     def __init__(
@@ -45,6 +45,8 @@ class Permission(Generic[G, M, S]):
         """The mode after a failed actuator; empty while the robot is whole."""
         self.powered_off = False
         """A forced disarm took the power off; it stays off until arming puts it on again."""
+        self.disbelieved: set[str] = set()
+        """The axes whose power a hold has taken; they get it back in the same way."""
 
     @property
     def rules(self) -> Rules[G, M, S]:
@@ -58,6 +60,8 @@ class Permission(Generic[G, M, S]):
                 self.emergency_stopped = True
             if hold.row.disarms or hold.row.latches:
                 self.armed = False
+            if hold.row.takes_power:
+                self.disbelieved.add(hold.axis)
 
     def decide(self, request: Request, seen: Snapshot[M, S], holds: tuple[Hold, ...]) -> Verdict:
         """Answer one request; `seen` and `holds` are of this instant."""
@@ -97,6 +101,7 @@ class Permission(Generic[G, M, S]):
             if hold.row.blocks_arming:
                 return Verdict(accepted=False, reason=f"arm: {hold.reason}; {hold.remedy}", temporary=True)
         self.armed = True
+        self.disbelieved.clear()
         return Verdict(accepted=True, reason="armed")
 
     def _premature(self, seen: Snapshot[M, S]) -> Verdict | None:
@@ -120,6 +125,7 @@ class Permission(Generic[G, M, S]):
     def _awaken(self, asleep: list[Driver], now: Nanoseconds) -> Verdict:
         """Begin to enable drives again; the operator arms again when they are."""
         self.powered_off = False
+        self.disbelieved.clear()
         named = []
         for driver in asleep:
             before = f" (last try: {driver.failure.problem})" if driver.failure is not None else ""

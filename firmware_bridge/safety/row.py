@@ -26,6 +26,7 @@ class Row:
 
     __slots__ = (
         "blocks_arming", "clear_after", "disarms", "latches", "name", "remedy", "severity", "stops",
+        "takes_power",
     )  # fmt: skip
 
     def __init__(
@@ -39,6 +40,7 @@ class Row:
         disarms: bool = False,
         blocks_arming: bool = True,
         latches: bool = False,
+        takes_power: bool = False,
     ) -> None:
         self.name: Final = name
         self.remedy: Final = remedy
@@ -54,3 +56,5 @@ class Row:
         """While it holds the robot cannot be armed."""
         self.latches: Final = latches
         """It latches the emergency stop, which stays until it is cleared by an order."""
+        self.takes_power: Final = takes_power
+        """Its axis loses its power until arming gives it back: what is not believed cannot ramp."""

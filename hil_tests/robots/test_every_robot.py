@@ -22,6 +22,7 @@ from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.common import AXIS_ROWS
 from firmware_bridge.safety.interlock import Limit
 from firmware_bridge.safety.row import Row
+from firmware_bridge.safety.snapshot import Following
 from firmware_bridge.teleop.station import Stick, Unusable, Velocity
 from firmware_bridge.units import MILLISECOND, SECOND, from_seconds
 from hil_tests.robots.gate import (
@@ -134,6 +135,14 @@ def common_trips(robot: AnyRobot) -> Iterator[tuple[str, dict[str, Any]]]:
         ):
             changed = replace(well[axis.name], **changes)
             yield f"{row}: {axis.name}", {"axes": {**well, axis.name: changed}}
+        strays = Following(sampled_at=START, obeyed_at=START - limit)
+        repeats = replace(strays, obeyed_at=START, settled_at=START - limit)
+        for row, following in (
+            ("axis does not follow", strays),
+            ("axis moves unasked", replace(strays, unasked=True)),
+            ("axis position repeats", repeats),
+        ):
+            yield f"{row}: {axis.name}", {"following": {axis.name: following}}
 
 
 @every
