@@ -55,6 +55,8 @@ WARM_UP: Final = ROOT / "hil_tests/unit/motion/test_davis.py"
 TARGETS: Final = {
     "motion/ramp": ("unit/motion/test_ramp.py",),
     "safety/common": GATE_TESTS[::-1],
+    "safety/following": ("safety/test_following.py",),
+    "safety/rules": ("robots/test_every_robot.py", "unit/pipeline/test_rest.py"),
     "safety/limits": GATE_TESTS,
     "safety/gate": GATE_TESTS,
     "robots/rars/rules": GATE_TESTS,

@@ -16,6 +16,7 @@ from firmware_bridge.motion.pose import Pose
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Robot
 from firmware_bridge.robot.table import Table
+from firmware_bridge.safety.charge import Charge
 from firmware_bridge.safety.following import Followers
 from firmware_bridge.safety.gate import Gate
 from firmware_bridge.safety.rules import Rules
@@ -34,7 +35,7 @@ class Pipeline(Generic[G, M, S]):
     """What the bridge does in every cycle, and what it remembers from one to the next."""
 
     __slots__ = (
-        "_counted", "_demanded", "_fleets", "_followers", "_gate", "_guide", "_kind", "_operator",
+        "_charge", "_counted", "_demanded", "_fleets", "_followers", "_gate", "_guide", "_kind", "_operator",
         "_permission", "_pose", "_ran_at", "_robot", "_wish", "gate_deadline", "holds", "seen",
     )  # fmt: skip
 
@@ -55,6 +56,7 @@ class Pipeline(Generic[G, M, S]):
         self._permission = permission
         tells = {driver.axis.name: driver.tells for driver in fleets.drivers}
         self._gate: Gate[G, M, S] = Gate(robot, rules, tells)
+        self._charge: Final = Charge(robot)
         self._followers: Final = Followers(robot)
         self._guide: Guide[M, S] | None = None
         """Whoever makes the wishes in the operator's place; None while he makes them himself."""
@@ -122,6 +124,7 @@ class Pipeline(Generic[G, M, S]):
             links_lost=fleets.links_lost,
             mode=permission.mode,
             without=permission.rules.without,
+            battery_low_since=self._charge.low_since(sensors),
             following=self._followers.saw(axes),
         )
         return Snapshot(

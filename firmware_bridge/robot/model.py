@@ -138,6 +138,8 @@ class Battery(Table):
     sensor: Name
     nominal_v: Positive
     low_v: Positive
+    stops_after_s: Positive = 10.0
+    """So long it may be low before the robot stops; the current of a start lowers it for less."""
 
     @model_validator(mode="after")
     def _low_is_below_nominal(self) -> Self:

@@ -23,6 +23,8 @@ S = TypeVar("S")
 
 LINK_CLEARS_AFTER: Final[Nanoseconds] = 200 * MILLISECOND
 """A silent operator or axis is back when it has been heard for this long: four cycles, no stray packet."""
+BATTERY_CLEARS_AFTER: Final[Nanoseconds] = 5000 * MILLISECOND
+"""It recovers where nothing moves; what it gives for so long it gives to the next start, too."""
 STRAINS: Final = 2
 """So many times as long as it may stray an axis may stand with more current than holding takes."""
 
@@ -48,6 +50,14 @@ def whole_robot_rows(
             disarms=True,
         ),
         *(_link_row(name, link) for name, link in links.items()),
+        Interlock(
+            "battery low",
+            _battery_low,
+            "charge the battery",
+            clear_after=BATTERY_CLEARS_AFTER,
+            severity=Severity.CRITICAL,
+            disarms=True,
+        ),
         Interlock("not armed", _not_armed, "arm the robot", severity=Severity.NOTICE, blocks_arming=False),
         # Many stations arm first and speak of motion then; until they do, the silence holds the robot itself.
         Interlock(
@@ -83,6 +93,17 @@ def _link_row(name: str, link: LinkTable) -> Interlock[G, M, S]:
 
 def _emergency_stop(view: View[G, M, S]) -> str | None:
     return "the emergency stop is latched" if view.facts.emergency_stopped else None
+
+
+def _battery_low(view: View[G, M, S]) -> str | None:
+    """Judge at once who is not armed yet, and who drives when it has been low for its time."""
+    battery, since = view.robot.battery, view.facts.battery_low_since
+    if battery is None or since is None:
+        return None
+    low = to_seconds(view.facts.now - since)
+    if view.facts.armed and low < battery.stops_after_s:
+        return None
+    return f"the battery has been below {battery.low_v:g} V for {low:.1f} s"
 
 
 def _not_armed(view: View[G, M, S]) -> str | None:
@@ -148,8 +169,9 @@ def _position_repeats(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanos
         return None
     owes = known.sampled_at - known.settled_at
     stands, pulls = known.sampled_at - known.place_at, abs(feedback.current_a or 0.0)
-    if owes >= bound:
-        return f"{_did(axis, known)}: its position has not changed by a bit for {to_seconds(owes):.2f} s"
+    # One that does not follow is told to stop at once: here it must not wait until it owes for as long, too.
+    if owes >= bound or (stands >= bound // 2 and _axis_does_not_follow(axis, feedback, facts, limit)):
+        return f"{_did(axis, known)}: its position has not changed by a bit for {to_seconds(stands):.2f} s"
     if stands >= STRAINS * bound and not pulls <= axis.holds_with:
         standing = to_seconds(stands)
         return f"{axis.called} pulls with {pulls:.1f} A, and has not moved by a bit for {standing:.2f} s"

@@ -67,6 +67,8 @@ class Facts:
     """The robot's mode after a failed actuator; empty while it is whole."""
     without: frozenset[str] = frozenset()
     """The axes that this mode does without."""
+    battery_low_since: Nanoseconds | None = None
+    """Since which sample the battery has been low; None where it is not, or is not known to be."""
     following: Mapping[str, Following] = field(default_factory=dict)
     """By the axes' names; one without is not judged by what it was told."""
 

@@ -60,6 +60,13 @@ LINK: Final = 200 * MILLISECOND
 
 CASES: Final = (
     Case("emergency stop", {"emergency_stopped": True}, {}, "the emergency stop is latched"),
+    Case(
+        "battery low",
+        {"battery_low_since": START - 10 * SECOND},
+        {"battery_low_since": START - 10 * SECOND + 1},
+        "the battery has been below 21 V for 10.0 s",
+        5 * SECOND,
+    ),
     Case("not armed", {"armed": False}, {}, "the robot is not armed"),
     Case(
         "operator silent",
