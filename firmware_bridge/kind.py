@@ -5,13 +5,13 @@ which the operator's wish, the gate's ruling and the demand behind the ramp all 
 tell of its body.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 
 from firmware_bridge.drivers.driver import Level
-from firmware_bridge.robot import Robot
+from firmware_bridge.robot import Axis, Command, Robot
 from firmware_bridge.robot.table import Table
 from firmware_bridge.safety.body import Body
 from firmware_bridge.safety.interlock import Interlock, Limit
@@ -88,10 +88,19 @@ class Kind(Generic[G, M, S]):
             without=frozenset(robot.axis(role).name for role in mode.without),
             groups=frozenset(self.groups),
             travelling=self.travelling,
+            rests_below={axis.name: axis.rests_below for axis in self._travellers(robot)},
             numbers=self.numbers,
             interlocks=mode.interlocks,
             limits=mode.limits,
         )
+
+    def _travellers(self, robot: Robot[G]) -> Iterator[Axis]:
+        """Yield the axes that take the robot from its place: what only steers may go on."""
+        rolling = self.body(robot).rolling
+        roles = frozenset[str]().union(*(self.groups[group] for group in self.travelling))
+        for axis in robot.axes:
+            if axis.name in rolling or (axis.role in roles and axis.command is Command.SPEED):
+                yield axis
 
 
 AnyKind: TypeAlias = Kind[Any, Any, Any]

@@ -51,6 +51,7 @@ TARGETS: Final = {
     "safety/common": (*GATE_TESTS, "safety/test_weaker_rows.py"),
     "safety/gate": (*GATE_TESTS, "safety/test_weaker_rows.py"),
     "safety/interlock": (*GATE_TESTS, "safety/test_weaker_rows.py"),
+    "safety/following": ("safety/test_following.py",),
     "safety/limits": GATE_TESTS,
     "safety/row": ("safety/test_what_follows.py",),
     "safety/rules": ("safety/test_what_follows.py",),

@@ -102,8 +102,18 @@ robot cannot be armed. One that **latches** sets the emergency stop, which stays
 a link whose `stops` names groups, its own row and those of its axes stop these alone, and do not disarm."""
 AXIS_TEXT: Final = """Each axis is judged by these rows; while one holds, everything stops, and the robot is
 disarmed. A row **needs** something that a driver's devices tell. Where they do not, the weaker row stands in
-for it; where there is none, the robot file is refused. The last row is of an axis that the robot's mode does
-without."""
+for it; where there is none, the robot file is refused. One that **takes power** switches its axis off until
+the robot is armed again, for what is not believed cannot ramp. The last row is of an axis that the robot's
+mode does without."""
+BELIEF_TEXT: Final = """From what was sent to it each axis has a range in which it may be: of speeds where
+it is told a speed or a stop, else of positions. The range reaches to a new demand at once, and leaves an
+old one with **lag**, and no faster than with **ramp** or **cruise**. An axis that is beside its range by
+more than **speed** or **position** at every sample **within** this time strays: it moves unasked where it
+moves further, faster or another way than told, else it does not follow. A position that repeats to the last
+bit for as long may owe no more than **repeats** of the way asked; and it may stand with no more than
+**holds with** for twice as long. A robot rests when each axis that takes it from its place is slower than
+**stands below**. All of them are worked out from top speed, drive and link unless `[axes.belief]` in the
+robot file says otherwise."""
 GUARD_TEXT: Final = """The guard shares neither code nor state with the interlocks. It lets no set-point
 pass that lies beyond these bounds, no sum of speeds beyond its own, and no motion of one side while the other
 may move."""
@@ -218,6 +228,9 @@ def _safety() -> str:
             table(safety.HEADINGS, safety.interlocks(kind, robot)),
             "### What clips a wish",
             table(safety.LIMIT_HEADINGS, safety.limits(kind)),
+            "### How far its axes are believed",
+            BELIEF_TEXT,
+            table(safety.BELIEF_HEADINGS, safety.beliefs(robot)),
             "### What its guard lets pass",
             GUARD_TEXT,
             table(safety.BOUND_HEADINGS, safety.bounds(robot)),

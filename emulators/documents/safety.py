@@ -10,6 +10,7 @@ from firmware_bridge.drivers.fleets import TELLS
 from firmware_bridge.kind import AnyKind
 from firmware_bridge.robot import AnyRobot, Axis, Command
 from firmware_bridge.safety.common import AXIS_ROWS, LEFT_OUT_ROW, whole_robot_rows
+from firmware_bridge.safety.following import bounds_of, within
 from firmware_bridge.safety.guard.bounds import targets
 from firmware_bridge.safety.interlock import AxisInterlock
 from firmware_bridge.safety.row import Row
@@ -20,7 +21,12 @@ HEADINGS: Final = (
     "interlock", "stops", "severity", "disarms", "blocks arming", "latches", "clear for", "remedy"
 )  # fmt: skip
 LIMIT_HEADINGS: Final = ("limit", "severity", "clear for", "remedy")
-AXIS_HEADINGS: Final = ("interlock", "needs", "without it", "severity", "clear for", "remedy")
+AXIS_HEADINGS: Final = (
+    "interlock", "needs", "without it", "severity", "takes power", "clear for", "remedy"
+)  # fmt: skip
+BELIEF_HEADINGS: Final = (
+    "axis", "stands below", "speed", "position", "ramp", "cruise", "lag", "repeats", "holds with", "within"
+)  # fmt: skip
 BOUND_HEADINGS: Final = ("axis", "on the link", "silent after", "top speed", "travel", "on the wire", "rows")
 SUM_HEADINGS: Final = ("sum", "of", "bound to both sides")
 EXCLUSIVE_HEADINGS: Final = ("never together", "one side", "other side")
@@ -55,13 +61,19 @@ def limits(kind: AnyKind) -> Iterator[Cells]:
 
 
 def axis_rows() -> Iterator[Cells]:
-    """Yield what is judged of each axis, every weaker row behind the one that it stands in for."""
+    """Yield what is judged of each axis, every weaker row behind the first one that it stands in for."""
+    told: set[AxisInterlock] = set()
     for row in (*AXIS_ROWS, LEFT_OUT_ROW):
         standing: AxisInterlock | None = row
-        while standing is not None:
+        while standing is not None and standing not in told:
+            told.add(standing)
             needs = ", ".join(sorted(one.value for one in standing.needs)) or "-"
             weaker = "-" if not standing.needs else _instead(standing)
-            yield (standing.name, needs, weaker, _severity(standing), _clear(standing), standing.remedy)
+            takes_power = _yes(standing.takes_power)
+            yield (
+                *(standing.name, needs, weaker, _severity(standing), takes_power),
+                *(_clear(standing), standing.remedy),
+            )
             standing = standing.instead
 
 
@@ -77,6 +89,24 @@ def bounds(robot: AnyRobot) -> Iterator[Cells]:
             "-" if axis.travel is None else f"{axis.travel[0]:g} to {axis.travel[1]:g} {axis.unit.value}",
             _on_the_wire(axis),
             ", ".join(_fitting(robot, axis)),
+        )
+
+
+def beliefs(robot: AnyRobot) -> Iterator[Cells]:
+    """Yield how far each axis is believed, in its unit."""
+    for axis in robot.axes:
+        bounds, unit = bounds_of(robot, axis), axis.unit.value
+        yield (
+            f"`{axis.name}`",
+            f"{axis.rests_below:.3g} {unit}/s",
+            f"{bounds.speed:.3g} {unit}/s",
+            f"{bounds.position:.3g} {unit}",
+            f"{bounds.ramp:.3g} {unit}/s2",
+            f"{bounds.cruise:.3g} {unit}/s",
+            f"{bounds.lag_s * 1000:g} ms",
+            f"{bounds.creep:.2g} {unit}",
+            f"{axis.holds_with:g} A",
+            f"{within(axis, robot.links[axis.link].silent_ms * MILLISECOND) // MILLISECOND} ms",
         )
 
 

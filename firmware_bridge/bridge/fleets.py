@@ -19,6 +19,8 @@ class Fleets:
         """Those that are sampled in this cycle."""
         self._stopped: set[str] = set()
         """The axes that the newest demands stop."""
+        self.told: dict[str, Demand] = {}
+        """What was sent to each axis last; only what is due on its link, or a stop, is sent."""
         self._beats: list[Nanoseconds] = [0] * len(fleets)
         """When each link's devices hear next that the bridge lives."""
         self.drivers: Final[tuple[Driver, ...]] = tuple(
@@ -121,6 +123,7 @@ class Fleets:
             stops = {name for name in names if _stops(demands.get(name, Stop.REST))}
             if fleet in self._due or not stops <= self._stopped:
                 sent += fleet.command(demands)
+                self.told.update({name: demands.get(name, Stop.REST) for name in names})
             self._stopped.difference_update(names)
             self._stopped |= stops
             if levels:
@@ -129,6 +132,7 @@ class Fleets:
 
     def command_all(self, demand: Stop) -> tuple[Packet, ...]:
         """Send all axes the same demand."""
+        self.told.update({driver.axis.name: demand for driver in self.drivers})
         return _joined([fleet.command_all(demand) for fleet in self.all])
 
     def release(self) -> tuple[Packet, ...]:

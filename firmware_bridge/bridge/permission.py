@@ -53,6 +53,8 @@ class Permission(Generic[G, M, S]):
         self.paused = False
         self.parted = True
         """The operator was away, and has not let his controls go since."""
+        self.disbelieved: set[str] = set()
+        """The axes whose power a hold has taken; they get it back in the same way."""
 
     @property
     def rules(self) -> Rules[G, M, S]:
@@ -70,29 +72,35 @@ class Permission(Generic[G, M, S]):
                 self.emergency_stopped = True
             if hold.row.disarms or hold.row.latches:
                 self.armed = False
+            if hold.row.takes_power:
+                self.disbelieved.add(hold.axis)
 
     def decide(self, request: Request, seen: Snapshot[M, S], holds: tuple[Hold, ...]) -> Verdict:
         """Answer one request; `seen` and `holds` are of this instant."""
+        verdict = Verdict(accepted=True, reason="")
         match request:
             case Arm():
-                return self._arm(seen, holds)
+                verdict = self._arm(seen, holds)
             case Disarm(force=force):
-                return self._disarm_by_force() if force else self._disarm(seen)
+                verdict = self._disarm_by_force() if force else self._disarm(seen)
             case EmergencyStop(final=final):
-                self.emergency_stopped = True
-                self._final = self._final or final
-                self.armed = False
-                return Verdict(accepted=True, reason="emergency stop: it stays until it is cleared")
+                verdict = self._stop(final=final)
             case ClearEmergencyStop():
-                return self._clear(seen)
+                verdict = self._clear(seen)
             case EnterMode(mode=mode):
-                return self._enter(mode, seen)
+                verdict = self._enter(mode, seen)
             case Pause():
                 self.paused = True
-                return Verdict(accepted=True, reason="paused: the robot comes to rest, and waits")
+                verdict = Verdict(accepted=True, reason="paused: the robot comes to rest, and waits")
             case Resume():
-                return self._resume(seen)
-        return Verdict(accepted=True, reason="")
+                verdict = self._resume(seen)
+        return verdict
+
+    def _stop(self, *, final: bool) -> Verdict:
+        self.emergency_stopped = True
+        self._final = self._final or final
+        self.armed = False
+        return Verdict(accepted=True, reason="emergency stop: it stays until it is cleared")
 
     def _disarm_by_force(self) -> Verdict:
         self.armed = False
@@ -115,6 +123,7 @@ class Permission(Generic[G, M, S]):
                 return Verdict(accepted=False, reason=f"arm: {hold.reason}; {hold.remedy}", temporary=True)
         self.armed = True
         self.paused = False
+        self.disbelieved.clear()
         return Verdict(accepted=True, reason="armed")
 
     def _premature(self, seen: Snapshot[M, S]) -> Verdict | None:
@@ -140,6 +149,7 @@ class Permission(Generic[G, M, S]):
     def _awaken(self, asleep: list[Driver], now: Nanoseconds) -> Verdict:
         """Begin to enable drives again; the operator arms again when they are."""
         self.powered_off = False
+        self.disbelieved.clear()
         named = []
         for driver in asleep:
             before = f" (last try: {driver.failure.problem})" if driver.failure is not None else ""

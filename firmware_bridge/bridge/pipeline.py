@@ -16,6 +16,8 @@ from firmware_bridge.motion.pose import Pose
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Robot
 from firmware_bridge.robot.table import Table
+from firmware_bridge.safety.charge import Charge
+from firmware_bridge.safety.following import Followers
 from firmware_bridge.safety.gate import Gate
 from firmware_bridge.safety.rules import Rules
 from firmware_bridge.safety.snapshot import Facts, Hold, Ruling, Snapshot
@@ -49,6 +51,8 @@ class Pipeline(Generic[G, M, S]):
         self._permission = permission
         tells = {driver.axis.name: driver.tells for driver in fleets.drivers}
         self._gate: Gate[G, M, S] = Gate(robot, rules, tells)
+        self._charge: Final = Charge(robot)
+        self._followers: Final = Followers(robot)
         self._guide: Guide[M, S] | None = None
         """Whoever makes the wishes in the operator's place; None while he makes them himself."""
         self._wish: M | None = None
@@ -76,7 +80,7 @@ class Pipeline(Generic[G, M, S]):
             self._operator.forget()
         self.gate_deadline = self._gate.next_deadline(known.facts)
         self._demanded = rules.body.ramped(self._demanded, ruling.allowed, known.body, elapsed)
-        sent = self._fleets.command(self._demands(known), self._levels(ruling), now)
+        sent = self._command(self._demands(known), self._levels(ruling), now)
         self._advance(known.facts.axes)
         self._keep(known, ruling.holds)
         return sent, self._operator.report(self.seen, self.holds, now)
@@ -87,13 +91,11 @@ class Pipeline(Generic[G, M, S]):
         rules = self._permission.rules
         rest = rules.body.rested(self._demanded, rules.groups)
         self._demanded = rules.body.ramped(self._demanded, rest, known.body, self._elapsed(now))
-        demands = self._demands_of_body(known)
+        sent = self._command(self._demands_of_body(known), self._kind.on_stop, now)
         still = Snapshot(
             facts=known.facts, wish=known.wish, demanded=self._demanded, body=known.body, pose=known.pose
         )
-        return self._fleets.command(demands, self._kind.on_stop, now), rules.at_rest(known) and rules.at_rest(
-            still
-        )
+        return sent, rules.at_rest(known) and rules.at_rest(still)
 
     def decide(self, request: Request, now: Nanoseconds) -> Verdict:
         """Answer one request of the operator."""
@@ -122,6 +124,8 @@ class Pipeline(Generic[G, M, S]):
             parted=permission.parted,
             mode=permission.mode,
             without=permission.rules.without,
+            battery_low_since=self._charge.low_since(sensors),
+            following=self._followers.saw(axes),
         )
         return Snapshot(
             facts=facts,
@@ -164,6 +168,14 @@ class Pipeline(Generic[G, M, S]):
         self._wish = None
         return Verdict(accepted=True, reason=f"guide: {name or 'the operator'}")
 
+    def _command(
+        self, demands: Mapping[str, Demand], levels: Mapping[str, Level], now: Nanoseconds
+    ) -> tuple[Packet, ...]:
+        """Send demands and levels, and keep what each axis was told."""
+        sent = self._fleets.command(demands, levels, now)
+        self._followers.told(self._fleets.told, now)
+        return sent
+
     def _demands(self, known: Snapshot[M, S]) -> Mapping[str, Demand]:
         """Return each axis's demand, in the order of the body."""
         permission, rules = self._permission, self._permission.rules
@@ -174,10 +186,11 @@ class Pipeline(Generic[G, M, S]):
         return self._demands_of_body(known)
 
     def _demands_of_body(self, known: Snapshot[M, S]) -> Mapping[str, Demand]:
-        """Return what the body makes of what is demanded; an axis that the mode does without has no power."""
+        """Return what the body makes of what is demanded; an axis that is not used has no power."""
         rules = self._permission.rules
         demands = rules.body.demands(self._demanded, known.body)
-        return {**demands, **dict.fromkeys(rules.without, Stop.POWER_OFF)} if rules.without else demands
+        unused = rules.without | self._permission.disbelieved
+        return {**demands, **dict.fromkeys(unused, Stop.POWER_OFF)} if unused else demands
 
     def _demand_rests(self, known: Snapshot[M, S]) -> bool:
         rules = self._permission.rules

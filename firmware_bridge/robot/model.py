@@ -2,10 +2,11 @@
 
 from collections.abc import Mapping
 from enum import StrEnum
-from typing import Annotated, Any, Generic, Self, TypeAlias, TypeVar
+from typing import Annotated, Any, Final, Generic, Self, TypeAlias, TypeVar
 
 from pydantic import Field, field_validator, model_validator
 
+from firmware_bridge.robot.belief import STANDS, Belief
 from firmware_bridge.robot.settings.epos2 import Epos2AnalogueInput, Epos2Axis, Epos2DigitalOutput, Epos2Link
 from firmware_bridge.robot.table import Finite, Name, Positive, Table
 from firmware_bridge.units import MILLISECOND, Nanoseconds
@@ -17,6 +18,9 @@ AnyAxis: TypeAlias = Epos2Axis
 AnySensor: TypeAlias = Epos2AnalogueInput
 AnyOutput: TypeAlias = Epos2DigitalOutput
 """One table for each family of drivers; a family that is added makes these unions."""
+
+
+MILLIAMPERES: Final = 1000.0
 
 
 class Command(StrEnum):
@@ -61,6 +65,7 @@ class Axis(Table):
     ratio: Positive
     """Radians of the motor for each `unit`."""
     direction: Annotated[int, Field(ge=-1, le=1)] = 1
+    belief: Belief = Belief()
     settings: AnyAxis
 
     @model_validator(mode="before")
@@ -90,6 +95,16 @@ class Axis(Table):
         if self.travel is not None and max(map(abs, self.travel)) > furthest:
             raise ValueError(f"travel goes beyond {furthest:.6g} {self.unit}, all that the drive can count")
         return self
+
+    @property
+    def rests_below(self) -> float:
+        """The speed in its unit a second at which it does not stand any more."""
+        return self.belief.rests_below or STANDS * self.top_speed
+
+    @property
+    def holds_with(self) -> float:
+        """The current in A above which it does not only stand."""
+        return self.belief.holds_with or self.settings.continuous_current_ma / MILLIAMPERES
 
     @property
     def called(self) -> str:
@@ -125,6 +140,8 @@ class Battery(Table):
     sensor: Name
     nominal_v: Positive
     low_v: Positive
+    stops_after_s: Positive = 10.0
+    """So long it may be low before the robot stops; the current of a start lowers it for less."""
 
     @model_validator(mode="after")
     def _low_is_below_nominal(self) -> Self:

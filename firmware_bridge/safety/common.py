@@ -7,13 +7,14 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Final, TypeVar
 
-from firmware_bridge.drivers.driver import Feedback, Power, Tells
+from firmware_bridge.drivers.driver import Feedback, Position, Power, Speed, Tells
 from firmware_bridge.intent import NEVER_HEARD
 from firmware_bridge.robot import Axis
 from firmware_bridge.robot.table import LinkTable, Table
+from firmware_bridge.safety.following import within
 from firmware_bridge.safety.interlock import AxisInterlock, Interlock, View
 from firmware_bridge.safety.row import Severity
-from firmware_bridge.safety.snapshot import Facts
+from firmware_bridge.safety.snapshot import Facts, Following
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
 G = TypeVar("G", bound=Table)
@@ -22,6 +23,10 @@ S = TypeVar("S")
 
 LINK_CLEARS_AFTER: Final[Nanoseconds] = 200 * MILLISECOND
 """A silent operator or axis is back when it has been heard for this long: four cycles, no stray packet."""
+BATTERY_CLEARS_AFTER: Final[Nanoseconds] = 5000 * MILLISECOND
+"""It recovers where nothing moves; what it gives for so long it gives to the next start, too."""
+STRAINS: Final = 2
+"""So many times as long as it may stray an axis may stand with more current than holding takes."""
 
 
 def whole_robot_rows(
@@ -45,6 +50,14 @@ def whole_robot_rows(
             disarms=True,
         ),
         *(_link_row(name, link) for name, link in links.items()),
+        Interlock(
+            "battery low",
+            _battery_low,
+            "charge the battery",
+            clear_after=BATTERY_CLEARS_AFTER,
+            severity=Severity.CRITICAL,
+            disarms=True,
+        ),
         Interlock("not armed", _not_armed, "arm the robot", severity=Severity.NOTICE, blocks_arming=False),
         # Many stations arm first and speak of motion then; until they do, the silence holds the robot itself.
         Interlock(
@@ -91,6 +104,17 @@ def _link_row(name: str, link: LinkTable) -> Interlock[G, M, S]:
 
 def _emergency_stop(view: View[G, M, S]) -> str | None:
     return "the emergency stop is latched" if view.facts.emergency_stopped else None
+
+
+def _battery_low(view: View[G, M, S]) -> str | None:
+    """Judge at once who is not armed yet, and who drives when it has been low for its time."""
+    battery, since = view.robot.battery, view.facts.battery_low_since
+    if battery is None or since is None:
+        return None
+    low = to_seconds(view.facts.now - since)
+    if view.facts.armed and low < battery.stops_after_s:
+        return None
+    return f"the battery has been below {battery.low_v:g} V for {low:.1f} s"
 
 
 def _not_armed(view: View[G, M, S]) -> str | None:
@@ -146,6 +170,54 @@ def _axis_not_enabled(axis: Axis, feedback: Feedback, _facts: Facts, _limit: Nan
     return f"{axis.called} is not enabled: {feedback.says or 'state unknown'}"
 
 
+def _axis_does_not_follow(axis: Axis, _feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
+    known = facts.following.get(axis.name)
+    return None if known is None or known.unasked else _strays(axis, known, limit)
+
+
+def _axis_moves_unasked(axis: Axis, _feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
+    known = facts.following.get(axis.name)
+    return _strays(axis, known, limit) if known is not None and known.unasked else None
+
+
+def _strays(axis: Axis, known: Following, limit: Nanoseconds) -> str | None:
+    strayed = known.sampled_at - known.obeyed_at
+    if strayed < within(axis, limit):
+        return None
+    return f"{_did(axis, known)} for {to_seconds(strayed):.2f} s"
+
+
+def _position_repeats(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
+    """Judge a position that repeats to the last bit while the demand, or the current, says that it moves.
+
+    The current may be older than the position: on a serial line it takes turns with others.
+    """
+    known, bound = facts.following.get(axis.name), within(axis, limit)
+    if known is None:
+        return None
+    owes = known.sampled_at - known.settled_at
+    stands, pulls = known.sampled_at - known.place_at, abs(feedback.current_a or 0.0)
+    # One that does not follow is told to stop at once: here it must not wait until it owes for as long, too.
+    if owes >= bound or (stands >= bound // 2 and _axis_does_not_follow(axis, feedback, facts, limit)):
+        return f"{_did(axis, known)}: its position has not changed by a bit for {to_seconds(stands):.2f} s"
+    if stands >= STRAINS * bound and not pulls <= axis.holds_with:
+        standing = to_seconds(stands)
+        return f"{axis.called} pulls with {pulls:.1f} A, and has not moved by a bit for {standing:.2f} s"
+    return None
+
+
+def _did(axis: Axis, known: Following) -> str:
+    """Say what an axis was told, and what it does."""
+    unit, demand = axis.unit, known.demand
+    if isinstance(demand, Position):
+        did = f"told to go to {demand.value:.3f} {unit}, is at {known.position:.3f} {unit}"
+    elif isinstance(demand, Speed):
+        did = f"told {demand.value:.2f} {unit}/s, moves with {known.velocity:.2f} {unit}/s"
+    else:
+        did = f"told to stop, moves with {known.velocity:.2f} {unit}/s"
+    return f"{axis.called}, {did}"
+
+
 def _axis_late(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
     if feedback.heard_at == NEVER_HEARD or facts.now - feedback.heard_at < limit // 2:
         return None
@@ -164,6 +236,22 @@ AXIS_ANSWERS: Final = AxisInterlock(
 )
 """Stands in for "axis not enabled" where the device has no word for its power: then each answer must be
 fresh, not older than half the silence that is allowed."""
+
+
+def _axis_unmeasured(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
+    if feedback.heard_at == NEVER_HEARD or facts.now - feedback.heard_at < limit // 2:
+        return None
+    silence = to_seconds(facts.now - feedback.heard_at)
+    return f"{axis.called} does not tell how it moves and was last heard {silence:.2f} s ago"
+
+
+AXIS_UNMEASURED: Final = AxisInterlock(
+    "axis unmeasured", _axis_unmeasured, "check its power and its cable", clear_after=LINK_CLEARS_AFTER
+)
+"""Stands in for the rows that watch how an axis moves where its device cannot tell: then, too, each answer
+must be fresh. Nobody notices that it does not follow."""
+
+MEASURED: Final = frozenset({Tells.POSITION, Tells.VELOCITY})
 
 AXIS_ROWS: Final = (
     AxisInterlock(
@@ -185,6 +273,35 @@ AXIS_ROWS: Final = (
         "wait for it, or disarm and arm",
         needs=frozenset({Tells.POWER}),
         instead=AXIS_ANSWERS,
+    ),
+    AxisInterlock(
+        "axis does not follow",
+        _axis_does_not_follow,
+        "look what holds it, or whether its drive obeys, then arm",
+        needs=MEASURED,
+        instead=AXIS_UNMEASURED,
+        clear_after=LINK_CLEARS_AFTER,
+        severity=Severity.CRITICAL,
+    ),
+    AxisInterlock(
+        "axis moves unasked",
+        _axis_moves_unasked,
+        "cut its power, look who commands it, then arm",
+        needs=MEASURED,
+        instead=AXIS_UNMEASURED,
+        clear_after=LINK_CLEARS_AFTER,
+        severity=Severity.CRITICAL,
+        takes_power=True,
+    ),
+    AxisInterlock(
+        "axis position repeats",
+        _position_repeats,
+        "check its encoder and the encoder's coupling, then arm",
+        needs=MEASURED,
+        instead=AXIS_UNMEASURED,
+        clear_after=LINK_CLEARS_AFTER,
+        severity=Severity.CRITICAL,
+        takes_power=True,
     ),
 )
 """Of each axis that the robot's mode uses."""

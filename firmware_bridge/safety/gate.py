@@ -38,11 +38,11 @@ class _Memory:
     def holds(self, name: str) -> bool:
         return name in self._holds
 
-    def look(self, name: str, reason: str | None, row: Row, now: Nanoseconds) -> Hold | None:
+    def look(self, name: str, reason: str | None, row: Row, now: Nanoseconds, axis: str = "") -> Hold | None:
         """Take one look's outcome; return the hold where there is one."""
         if reason is not None:
             self._clear_since.pop(name, None)
-            return self._holds.setdefault(name, Hold(name, reason, row, now))
+            return self._holds.setdefault(name, Hold(name, reason, row, now, axis))
         hold = self._holds.get(name)
         if hold is not None and now - self._clear_since.setdefault(name, now) >= row.clear_after:
             del self._holds[name], self._clear_since[name]
@@ -74,7 +74,9 @@ def axis_rows(robot: Robot[G], tells: Mapping[str, frozenset[Tells]]) -> tuple[A
             raise RobotFileError(robot.name, Problem(f"links.{axis.link}.driver", problem))
         link = robot.links[axis.link]
         stops = None if link.stops is None else frozenset(link.stops)
-        fitting = tuple(row if stops is None else row.confined(stops) for _, row in rows if row is not None)
+        # One weaker row may stand in for several.
+        kept = dict.fromkeys(row for _, row in rows if row is not None)
+        fitting = tuple(row if stops is None else row.confined(stops) for row in kept)
         found.append(AxisRows(axis, link.silent_ms * MILLISECOND, fitting))
     return tuple(found)
 
@@ -148,7 +150,7 @@ class Gate(Generic[G, M, S]):
             feedback = facts.axes.get(axis.name) or Feedback(axis.name)
             for name, row in one.left_out if axis.name in facts.without else one.rows:
                 reason = row.judge(axis, feedback, facts, one.silent_after)
-                hold = self._memory.look(name, reason, row, facts.now)
+                hold = self._memory.look(name, reason, row, facts.now, axis.name)
                 if hold is not None:
                     holds.append(hold)
         return holds

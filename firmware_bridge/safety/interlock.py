@@ -144,10 +144,16 @@ class AxisInterlock(Row):
         stops: frozenset[str] | None = None,
         clear_after: Nanoseconds = 0,
         severity: Severity = Severity.WARNING,
+        takes_power: bool = False,
     ) -> None:
-        disarms = stops is None
         super().__init__(
-            name, remedy, stops=stops, clear_after=clear_after, severity=severity, disarms=disarms
+            name,
+            remedy,
+            stops=stops,
+            clear_after=clear_after,
+            severity=severity,
+            disarms=stops is None,
+            takes_power=takes_power,
         )
         self.judge: Final = judge
         self.needs: Final = needs
@@ -165,6 +171,7 @@ class AxisInterlock(Row):
             stops=stops,
             clear_after=self.clear_after,
             severity=self.severity,
+            takes_power=self.takes_power,
         )
 
     def fitting(self, tells: frozenset[Tells]) -> "AxisInterlock | None":

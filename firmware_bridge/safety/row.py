@@ -27,6 +27,7 @@ class Row(Immutable):
 
     __slots__ = (
         "blocks_arming", "clear_after", "disarms", "latches", "name", "parts", "remedy", "severity", "stops",
+        "takes_power",
     )  # fmt: skip
 
     def __init__(
@@ -41,6 +42,7 @@ class Row(Immutable):
         blocks_arming: bool = True,
         latches: bool = False,
         parts: bool = False,
+        takes_power: bool = False,
     ) -> None:
         self.name: Final = name
         self.remedy: Final = remedy
@@ -59,3 +61,5 @@ class Row(Immutable):
         self.parts: Final = parts
         """It parts the operator from the robot: his targets are forgotten, and his controls count again when
         they have been let go."""
+        self.takes_power: Final = takes_power
+        """Its axis loses its power until arming gives it back: what is not believed cannot ramp."""

@@ -16,7 +16,10 @@ S = TypeVar("S")
 class Rules(Generic[G, M, S]):
     """One mode's body, groups, interlocks and limits, in their order."""
 
-    __slots__ = ("after_limits", "body", "groups", "interlocks", "limits", "numbers", "travelling", "without")
+    __slots__ = (
+        "_rests_below", "after_limits", "body", "groups", "interlocks", "limits", "numbers", "travelling",
+        "without",
+    )  # fmt: skip
 
     def __init__(
         self,
@@ -25,6 +28,7 @@ class Rules(Generic[G, M, S]):
         without: frozenset[str],
         groups: frozenset[Group],
         travelling: frozenset[Group],
+        rests_below: Mapping[str, float],
         numbers: Mapping[str, Callable[[M], float | None]],
         interlocks: tuple[Interlock[G, M, S], ...],
         limits: tuple[Limit[G, M, S], ...],
@@ -35,6 +39,8 @@ class Rules(Generic[G, M, S]):
         self.groups: Final = groups
         self.travelling: Final = travelling
         """The groups that take the robot from its place."""
+        self._rests_below: Final = tuple(rests_below.items())
+        """The axes that do, by their names, and the speed at which each does not stand any more."""
         self.numbers: Final = numbers
         """What in a motion must be a finite number, by its title for people."""
         self.interlocks: Final = tuple(row for row in interlocks if not row.after_limits)
@@ -43,6 +49,12 @@ class Rules(Generic[G, M, S]):
         """Those that judge what all rows and limits before them have allowed."""
 
     def at_rest(self, seen: Snapshot[M, S]) -> bool:
-        """Return whether the robot stands where it is, and is not told otherwise."""
+        """Return whether the robot stands where it is, and is not told otherwise.
+
+        Each axis is asked: wheels that turn against each other leave the robot where it is, and do not rest.
+        """
         under_way = self.body.asked(seen.demanded, seen.body) | self.body.moving(seen.body)
-        return not under_way & self.travelling
+        axes = seen.facts.axes
+        return not under_way & self.travelling and all(
+            abs(axes[name].velocity) < bound for name, bound in self._rests_below
+        )

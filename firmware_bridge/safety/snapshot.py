@@ -5,11 +5,12 @@ at its import, and these are made six times in every cycle.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final, Generic, TypeAlias, TypeVar
 
-from firmware_bridge.drivers.driver import Feedback, Reading
+from firmware_bridge.drivers.driver import Demand, Feedback, Reading, Stop
 from firmware_bridge.immutable import Immutable
+from firmware_bridge.intent import NEVER_HEARD
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.safety.row import Row
 from firmware_bridge.units import Nanoseconds
@@ -19,6 +20,32 @@ S_co = TypeVar("S_co", covariant=True)
 
 Group: TypeAlias = str
 """Axes that stop together, by their name in the robot's kind."""
+
+
+@dataclass(frozen=True, slots=True)
+class Following:
+    """How one axis has done what it was told, up to its newest sample; in its unit."""
+
+    demand: Demand = Stop.REST
+    """What was sent to it last."""
+    changed_at: Nanoseconds = NEVER_HEARD
+    """When that differed from what was sent before."""
+    sampled_at: Nanoseconds = NEVER_HEARD
+    obeyed_at: Nanoseconds = NEVER_HEARD
+    """The newest sample at which it was where its demands let it be, or had no torque."""
+    settled_at: Nanoseconds = NEVER_HEARD
+    """The newest one at which it had another position than before, or need not have had."""
+    place_at: Nanoseconds = NEVER_HEARD
+    """The newest one whose position was not, to the last bit, that of the one before."""
+    position: float = 0.0
+    velocity: float = 0.0
+    low: float = 0.0
+    high: float = 0.0
+    """Between these its demands let it be: its position where that is demanded, else its speed."""
+    unasked: bool = False
+    """Where it strays: it moves further, faster or another way than it was told; else it stays behind."""
+    owes: float = 0.0
+    """How far it should have gone at least since its position began to repeat."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +74,10 @@ class Facts:
     """The robot's mode after a failed actuator; empty while it is whole."""
     without: frozenset[str] = frozenset()
     """The axes that this mode does without."""
+    battery_low_since: Nanoseconds | None = None
+    """Since which sample the battery has been low; None where it is not, or is not known to be."""
+    following: Mapping[str, Following] = field(default_factory=dict)
+    """By the axes' names; one without is not judged by what it was told."""
 
 
 class Snapshot(Immutable, Generic[M_co, S_co]):
@@ -76,6 +107,8 @@ class Hold:
     row: Row
     """What follows from it."""
     since: Nanoseconds
+    axis: str = field(default="", compare=False)
+    """Whose it is; empty where it is the robot's."""
 
     @property
     def remedy(self) -> str:

@@ -22,6 +22,7 @@ from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.common import AXIS_ROWS
 from firmware_bridge.safety.interlock import Limit
 from firmware_bridge.safety.row import Row
+from firmware_bridge.safety.snapshot import Following
 from firmware_bridge.teleop.station import Stick, Unusable, Velocity
 from firmware_bridge.units import MILLISECOND, SECOND, from_seconds
 from hil_tests.robots.gate import (
@@ -134,6 +135,14 @@ def common_trips(robot: AnyRobot) -> Iterator[tuple[str, dict[str, Any]]]:
         ):
             changed = replace(well[axis.name], **changes)
             yield f"{row}: {axis.name}", {"axes": {**well, axis.name: changed}}
+        strays = Following(sampled_at=START, obeyed_at=START - limit)
+        repeats = replace(strays, obeyed_at=START, settled_at=START - limit)
+        for row, following in (
+            ("axis does not follow", strays),
+            ("axis moves unasked", replace(strays, unasked=True)),
+            ("axis position repeats", repeats),
+        ):
+            yield f"{row}: {axis.name}", {"following": {axis.name: following}}
 
 
 @every
@@ -179,6 +188,44 @@ def test_a_wish_that_is_no_number_stops_all_of_it(name: str, value: float) -> No
             assert not ruling.asked
             named.update(titles)
     assert named == set(kind.numbers), "every number of the motion is judged"
+
+
+@every
+def test_it_rests_when_each_axis_that_takes_it_from_its_place_stands(name: str) -> None:
+    robot = find(name)
+    rules = kind_of(robot).rules(robot)[""]
+    well = axes_of(robot, START)
+    travelling = {role for group in rules.travelling for role in kind_of(robot).groups[group]}
+    assert set(rules.body.rolling) <= {axis.name for axis in robot.axes if axis.role in travelling}
+    assert rules.at_rest(seen(robot))
+    for axis in robot.axes:
+        for speed in (axis.rests_below, -axis.rests_below, math.nan, math.inf):
+            moves = {**well, axis.name: replace(well[axis.name], velocity=speed)}
+            at_rest = rules.at_rest(seen(robot, situation=Situation(body=resting(robot)), axes=moves))
+            assert at_rest is (axis.name not in rules.body.rolling), (axis.name, speed)
+        for sign in (1.0, -1.0):
+            below = sign * math.nextafter(axis.rests_below, 0.0)
+            creeps = {**well, axis.name: replace(well[axis.name], velocity=below)}
+            assert rules.at_rest(seen(robot, situation=Situation(body=resting(robot)), axes=creeps))
+
+
+@every
+def test_wheels_that_turn_against_each_other_do_not_rest(name: str) -> None:
+    robot = find(name)
+    rules = kind_of(robot).rules(robot)[""]
+    first, *others = (axis for axis in robot.axes if axis.name in rules.body.rolling)
+    spins = axes_of(robot, START)
+    share = first.top_speed / max(len(others), 1)
+    for axis, speed in ((first, first.top_speed), *((other, -share) for other in others)):
+        spins[axis.name] = replace(spins[axis.name], velocity=speed)
+    known = seen(robot, axes=spins)
+    assert rules.body.moving(known.body) & rules.travelling
+    assert not rules.at_rest(known)
+
+
+def resting(robot: AnyRobot) -> Any:
+    """Return what is known of a body at rest."""
+    return kind_of(robot).body(robot).sensed(axes_of(robot, START), {})
 
 
 shares = st.none() | st.floats(-1.0, 1.0)

@@ -1,10 +1,12 @@
 """One row for each way to trip a stop interlock, just beyond its threshold, and the nearest that does not."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
+from firmware_bridge.drivers.driver import Position, Speed, Stop
 from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.safety.snapshot import Following
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.cia402 import State
 from hil_tests.safety.gate_bench import said
@@ -46,6 +48,12 @@ def drive(name: str, **fields: Any) -> dict[str, Any]:
     return {"drives": {name: fields}}
 
 
+def follows(name: str, **fields: Any) -> dict[str, Any]:
+    """One axis that does all that it is told, but for these fields."""
+    known = Following(Speed(1.5), START, START, START, START, START, position=0.125, velocity=0.25)
+    return {"following": {name: replace(known, **fields)}}
+
+
 OPERATOR_LIMIT: Final = 500 * MILLISECOND
 OPERATOR_GONE: Final = 10 * SECOND
 DRIVE_LIMIT: Final = 250 * MILLISECOND
@@ -53,6 +61,13 @@ LINK: Final = 200 * MILLISECOND
 
 CASES: Final = (
     Case("emergency stop", {"emergency_stopped": True}, {}, "the emergency stop is latched"),
+    Case(
+        "battery low",
+        {"battery_low_since": START - 10 * SECOND},
+        {"battery_low_since": START - 10 * SECOND + 1},
+        "the battery has been below 21 V for 10.0 s",
+        5 * SECOND,
+    ),
     Case("not armed", {"armed": False}, {}, "the robot is not armed"),
     Case(
         "operator silent",
@@ -152,6 +167,60 @@ CASES: Final = (
             LINK,
         )
         for name in AXES
+    ),
+    *(
+        Case(
+            f"{row}: {name}",
+            follows(name, unasked=unasked, obeyed_at=START - DRIVE_LIMIT),
+            follows(name, unasked=unasked, obeyed_at=START - DRIVE_LIMIT + 1),
+            f"{TITLES[name]}, told 1.50 rad/s, moves with 0.25 rad/s for 0.25 s",
+            LINK,
+        )
+        for name in AXES
+        for row, unasked in (("axis does not follow", False), ("axis moves unasked", True))
+    ),
+    Case(
+        "axis moves unasked: left",
+        follows("left", unasked=True, obeyed_at=START - DRIVE_LIMIT, demand=Stop.REST),
+        {},
+        f"{TITLES['left']}, told to stop, moves with 0.25 rad/s for 0.25 s",
+        LINK,
+    ),
+    Case(
+        "axis does not follow: steer",
+        follows("steer", obeyed_at=START - DRIVE_LIMIT, demand=Position(1.0)),
+        {},
+        f"{TITLES['steer']}, told to go to 1.000 rad, is at 0.125 rad for 0.25 s",
+        LINK,
+    ),
+    *(
+        Case(
+            f"axis position repeats: {name}",
+            follows(name, settled_at=START - DRIVE_LIMIT),
+            follows(name, settled_at=START - DRIVE_LIMIT + 1),
+            f"{TITLES[name]}, told 1.50 rad/s, moves with 0.25 rad/s: its position has not changed by a bit "
+            "for 0.25 s",
+            LINK,
+        )
+        for name in AXES
+    ),
+    *(
+        Case(
+            "axis position repeats: left",
+            follows("left", place_at=START - 2 * DRIVE_LIMIT) | drive("left", current_a=sign * above(10.0)),
+            follows("left", place_at=START - 2 * DRIVE_LIMIT + late) | drive("left", current_a=sign * amps),
+            f"{TITLES['left']} pulls with 10.0 A, and has not moved by a bit for 0.50 s",
+            LINK,
+        )
+        for sign in (1, -1)
+        for late, amps in ((0, 10.0), (1, 20.0))
+    ),
+    Case(
+        "axis position repeats: left",
+        follows("left", place_at=START - 2 * DRIVE_LIMIT) | drive("left", current_a=NAN),
+        follows("left", place_at=START - 2 * DRIVE_LIMIT) | drive("left", current_a=None),
+        f"{TITLES['left']} pulls with nan A, and has not moved by a bit for 0.50 s",
+        LINK,
     ),
     *(
         Case(

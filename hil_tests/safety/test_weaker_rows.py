@@ -23,6 +23,8 @@ EVERYTHING: Final = frozenset(Tells)
 MUTE: Final = EVERYTHING - {Tells.POWER}
 """What a device tells that has no word for its power."""
 STRONG, WEAK = "axis not enabled", "axis answers late"
+WATCHED: Final = ("axis does not follow", "axis moves unasked", "axis position repeats")
+UNMEASURED: Final = "axis unmeasured"
 LIMIT: Final = 250 * MILLISECOND
 """The silence that RARS's link allows."""
 
@@ -73,8 +75,30 @@ def test_a_driver_that_does_not_tell_power_gets_the_weaker_row_by_name(robot: Ra
     rows = {
         one.axis.name: [name for name, _ in one.rows] for one in axis_rows(robot, tells_of(robot, lift=MUTE))
     }
-    assert rows["lift"] == ["axis silent: lift", "axis fault: lift", f"{WEAK}: lift"]
-    assert rows["left"] == ["axis silent: left", "axis fault: left", f"{STRONG}: left"]
+    assert rows["lift"] == [f"{row}: lift" for row in ("axis silent", "axis fault", WEAK, *WATCHED)]
+    assert rows["left"] == [f"{row}: left" for row in ("axis silent", "axis fault", STRONG, *WATCHED)]
+
+
+@pytest.mark.parametrize("untold", [Tells.POSITION, Tells.VELOCITY])
+def test_one_weaker_row_stands_in_for_all_that_watch_how_an_axis_moves(robot: Rars, untold: Tells) -> None:
+    told = tells_of(robot, lift=EVERYTHING - {untold})
+    rows = {one.axis.name: [row.name for _, row in one.rows] for one in axis_rows(robot, told)}
+    assert rows["lift"] == ["axis silent", "axis fault", STRONG, UNMEASURED]
+    assert rows["left"] == ["axis silent", "axis fault", STRONG, *WATCHED]
+
+
+@pytest.mark.parametrize(
+    ("silence", "holds"),
+    [(0, False), (LIMIT // 2 - 1, False), (LIMIT // 2, True), (LIMIT - 1, True)],
+)
+def test_who_does_not_tell_how_it_moves_answers_within_half_the_silence(
+    robot: Rars, well: Well, silence: Nanoseconds, *, holds: bool
+) -> None:
+    told = tells_of(robot, lift=EVERYTHING - {Tells.POSITION})
+    ruling = gate.Gate(robot, KIND.rules(robot), told).rule(heard(well(SECOND), "lift", SECOND - silence))
+    assert (f"{UNMEASURED}: lift" in names(ruling)) is holds
+    never = gate.Gate(robot, KIND.rules(robot), told).rule(heard(well(SECOND), "lift", NEVER_HEARD))
+    assert f"{UNMEASURED}: lift" not in names(never)
 
 
 def test_it_is_told_with_the_robot_file(robot: Rars, monkeypatch: pytest.MonkeyPatch) -> None:

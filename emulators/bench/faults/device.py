@@ -36,6 +36,24 @@ class DriveRestart(Lasting):
             site.switch_on(name)
 
 
+class SetPointsIgnored(Lasting):
+    """A drive goes on as it was told last."""
+
+    kind: ClassVar = "set_points_ignored"
+    node: One
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Let it obey no more."""
+        del chance
+        for name in self.targets(site.robot):
+            site.drives[name].motion.hung = True
+
+    def take_off(self, site: Site) -> None:
+        """Let it obey again."""
+        for name in self.targets(site.robot):
+            site.drives[name].motion.hung = False
+
+
 class _OnAxes(Lasting, ABC):
     """A fault that is a state of the servo axes."""
 
@@ -206,3 +224,20 @@ class EncoderCountsLost(_OnAxes):
     def end_at(self, axis: ServoAxis) -> None:
         """Lose no more."""
         axis.encoder_loss = 0
+
+
+class EncoderFrozen(_OnAxes):
+    """The encoder's disc stands while the shaft turns."""
+
+    kind: ClassVar = "encoder_frozen"
+    node: One
+
+    def begin_at(self, axis: ServoAxis) -> None:
+        """Let go of the disc: no count and no index any more."""
+        axis.encoder_loss = MILLI
+        axis.sensor_faults |= INDEX_MISSING
+
+    def end_at(self, axis: ServoAxis) -> None:
+        """Hold it again."""
+        axis.encoder_loss = 0
+        axis.sensor_faults &= ~INDEX_MISSING

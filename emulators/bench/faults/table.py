@@ -125,6 +125,15 @@ _ROWS: Final = (
         _CONNECTION,
     ),
     Kind(
+        device.SetPointsIgnored,
+        "The program part of a drive that takes set-points hangs; its regulators, its communication and its"
+        " watch over the bridge live on.",
+        "Takes every controlword and every target, by PDO, SDO or serial line, carries out none, and goes on"
+        " as it was told last. It says all the time that it is enabled. A lost heartbeat, a fault of its own"
+        " and a reset still stop it (ASSUME).",
+        "the drive's set-points",
+    ),
+    Kind(
         device.SupplySag,
         "A weak battery, a long cable or a bad contact: so many volts are left at the drives. The logic"
         " lives on.",
@@ -176,6 +185,14 @@ _ROWS: Final = (
         "Disturbed lines or a dirty disc: of the quadcounts a share does not arrive, so the shaft turns"
         " further than the drive counts.",
         "Counts less. It notices only where 0x2210 has it watch the index (EMCY 0xFF02, 0xFF03).",
+        "the encoder's counts",
+    ),
+    Kind(
+        device.EncoderFrozen,
+        "The coupling between shaft and encoder is loose: the disc stands while the shaft turns. All lines"
+        " have their levels, and neither counts nor indexes come.",
+        "Sees an axis that stands, and drives it harder and harder: 0x8611 in position mode, when the"
+        " following error is too large; no error in velocity mode.",
         "the encoder's counts",
     ),
     Kind(

@@ -11,6 +11,9 @@ from firmware_bridge.units import Nanoseconds
 class MotionProtocol(Protocol):
     """What the node needs of motion control."""
 
+    hung: bool
+    """Whether set-points and controlwords are taken and not carried out."""
+
     def nmt_changed(self, operational: bool) -> None:  # noqa: FBT001 - as MotionControl has it
         """Follow the network state."""
 

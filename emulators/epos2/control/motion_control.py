@@ -60,6 +60,8 @@ class MotionControl:
         self._control = DeviceControl(store, axis, self._modes, self.pins, self._power, report=self._report)
         self._settings = Settings()
         self._operational = False
+        self.hung = False
+        """A bench test's fault: controlwords and set-points are taken and not carried out."""
         self._busy = (0, 0)
         """A ms, and how many new set values it has brought."""
         self._hook()
@@ -150,6 +152,8 @@ class MotionControl:
             raise SdoAbort(AbortCode.DEVICE_STATE, address)
 
     def _take_controlword(self, word: int) -> None:
+        if self.hung:
+            return
         self._control.command(word)
         self._publish()
 
@@ -161,7 +165,7 @@ class MotionControl:
         self._publish()
 
     def _take_value(self, address: Address, value: int) -> None:
-        if self._power.free:
+        if self._power.free and not self.hung:
             self._modes.written(address, value)
             self._count_setpoint()
 

@@ -54,6 +54,16 @@ def _interlocks(robot: Robot[Geometry]) -> Iterator[Case]:
             spares=Situation(wish=Motion(lift_rate_mps=0.05), body=replace(WELL, speed_mps=side * 0.010)),
             reason=f"the robot drives with {side * 0.01:.2f} m/s",
         )
+        # Each wheel turns against the other: 10 mm/s at 0.2 m from the middle are 0.05 rad/s.
+        yield Case(
+            "lift refused",
+            trips=Situation(
+                wish=Motion(lift_rate_mps=0.05),
+                body=replace(WELL, yaw_rate_rad_s=side * math.nextafter(0.05, 1.0)),
+            ),
+            spares=Situation(wish=Motion(lift_rate_mps=0.05), body=replace(WELL, yaw_rate_rad_s=side * 0.05)),
+            reason="the robot drives with 0.01 m/s",
+        )
 
 
 def _seen(row: str, reason: str, **body: float | None) -> Case:

@@ -8,7 +8,7 @@ from typing import Annotated, Final, Self
 from pydantic import Field, field_validator, model_validator
 
 from firmware_bridge.robot.table import LinkTable, Name, Positive, Signed16, Table, Unsigned16, Unsigned32
-from firmware_bridge.units import QUADCOUNTS_PER_LINE
+from firmware_bridge.units import QUADCOUNTS_PER_LINE, RPM_PER_RAD_S
 from firmware_bridge.wire.maxon.frame import Generation
 
 NodeId = Annotated[int, Field(ge=1, le=127)]
@@ -162,6 +162,16 @@ class Epos2Axis(Table):
     def quadcounts_per_turn(self) -> int:
         """Quadcounts in one turn of the motor's shaft."""
         return QUADCOUNTS_PER_LINE * self.encoder_lines
+
+    def slowest_ramp(self, ratio: float) -> float:
+        """Return the gentlest of its accelerations, behind a gear of `ratio`."""
+        profile = self.profile
+        gentlest = min(profile.acceleration_rpm_s, profile.deceleration_rpm_s, profile.quick_stop_rpm_s)
+        return gentlest / RPM_PER_RAD_S / ratio
+
+    def cruise(self, ratio: float) -> float:
+        """Return the speed at which it goes to a position, behind a gear of `ratio`."""
+        return min(self.profile.velocity_rpm, self.profile.max_velocity_rpm) / RPM_PER_RAD_S / ratio
 
     def furthest(self, ratio: float) -> float:
         """Return how far from 0 a travel may go in a counter of 32 bits, with `ratio` rad for each unit.

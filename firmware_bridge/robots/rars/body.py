@@ -26,6 +26,9 @@ RIGHT_WHEEL: Final = "right_wheel"
 STEERING: Final = "steering"
 SCREW: Final = "lift"
 GROUPS: Final = {BASE: frozenset({LEFT_WHEEL, RIGHT_WHEEL, STEERING}), LIFT: frozenset({SCREW})}
+GIVES_BACK: Final = 0.03
+"""A turn that straightens gives its energy back to the wheels, which their regulators take up: the base grew
+faster by 2.4 % of the change of its outer wheel's way against its own, measured on the plant at 0.5 m/s."""
 NOTHING: Final[frozenset[str]] = frozenset()
 
 BASE_MOVES_MPS: Final = 0.010
@@ -52,6 +55,7 @@ class Rars:
         self._highest_m = scissor.highest(self._lift)
         self._rate_mps = robot.geometry.limits.lift_rate_mps
         self._ramp = ramp_of(robot)
+        self._top_mps = robot.geometry.limits.speed_mps
         self._left = robot.axis(LEFT_WHEEL).name
         self._right = robot.axis(RIGHT_WHEEL).name
         self._steering = robot.axis(STEERING).name
@@ -79,8 +83,8 @@ class Rars:
         return frozenset(group for group in (base, lift) if group)
 
     def moving(self, state: State) -> frozenset[str]:
-        """Return the base where it drives; the lift is judged by rows of its own."""
-        return NOTHING if abs(state.speed_mps) < BASE_MOVES_MPS else frozenset({BASE})
+        """Return the base where a wheel of it rolls; the lift is judged by rows of its own."""
+        return NOTHING if abs(rolls(self._base, state)) < BASE_MOVES_MPS else frozenset({BASE})
 
     def rested(self, motion: Motion, groups: frozenset[str]) -> Motion:
         """Return the motion with base, lift or both at rest: speed 0, and the rest stays where it is."""
@@ -93,7 +97,9 @@ class Rars:
     def ramped(self, demanded: Motion, allowed: Motion, state: State, elapsed: Nanoseconds) -> Motion:
         """Return the next demand: the speed on its ramp in the turn actually steered, a near height."""
         bend = davis.curvature(self._base, steered(state))
-        speed = self._ramp.step(demanded.speed_mps, allowed.speed_mps, bend, elapsed)
+        top = self._top_mps * (1.0 - GIVES_BACK * self._straightens(allowed, bend))
+        speed = min(max(allowed.speed_mps, -top), top)
+        speed = self._ramp.step(demanded.speed_mps, speed, bend, elapsed)
         height = self._next_height(demanded.lift_m, allowed, state.lift_m, to_seconds(elapsed))
         return replace(allowed, speed_mps=speed, lift_m=height, lift_rate_mps=0.0)
 
@@ -114,6 +120,13 @@ class Rars:
         left, right = (after[name].position - before[name].position for name in self.rolling)
         radius = self._base.wheel_radius_m
         return moved(pose, left * radius, right * radius, self._base.rear_track_m)
+
+    def _straightens(self, allowed: Motion, bend_per_m: float) -> float:
+        """Return by how much less the outer wheel will go before the base than in the turn steered now."""
+        if allowed.steer_rad is None:
+            return 0.0
+        goal = math.copysign(1.0, bend_per_m) * davis.curvature(self._base, allowed.steer_rad)
+        return max(abs(bend_per_m) - max(goal, 0.0), 0.0) * self._base.rear_track_m / 2.0
 
     def _next_height(
         self, before_m: float | None, allowed: Motion, height_m: float | None, seconds: float
@@ -147,6 +160,11 @@ def _lift_asked(motion: Motion, height_m: float | None) -> bool:
     if motion.lift_m is None:
         return motion.lift_rate_mps != 0.0
     return height_m is None or not abs(motion.lift_m - height_m) <= LIFT_TOLERANCE_M
+
+
+def rolls(base: davis.DavisBase, state: State) -> float:
+    """Return the speed in m/s of the rear wheel that rolls faster, the way the base drives positive."""
+    return state.speed_mps + math.copysign(state.yaw_rate_rad_s * base.rear_track_m / 2.0, state.speed_mps)
 
 
 def known(value: float | None) -> bool:

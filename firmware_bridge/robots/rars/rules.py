@@ -11,7 +11,7 @@ from typing import Final, TypeAlias
 
 from firmware_bridge.motion import davis, scissor
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.rars.body import BASE, BASE_MOVES_MPS, LIFT, known, ramp_of, steered
+from firmware_bridge.robots.rars.body import BASE, BASE_MOVES_MPS, LIFT, known, ramp_of, rolls, steered
 from firmware_bridge.robots.rars.geometry import Geometry
 from firmware_bridge.robots.rars.motion import Motion, State
 from firmware_bridge.safety import interlock
@@ -67,7 +67,7 @@ def _base_drives(view: View) -> str | None:
     """Judge a lift that is asked to move, once it is known how fast the base may drive now."""
     if LIFT not in view.asked:
         return None
-    speed = view.body.speed_mps
+    speed = rolls(view.geometry.base, view.body)
     if not abs(speed) <= (BASE_RESTS_MPS if view.holding else BASE_MOVES_MPS):
         return f"the robot drives with {speed:.2f} m/s"
     if view.seen.demanded.speed_mps != 0.0:

@@ -7,8 +7,10 @@ import pytest
 
 from firmware_bridge.bridge import Bridge, Phase
 from firmware_bridge.drivers.epos2.scale import Scale
+from firmware_bridge.kinds import find
 from firmware_bridge.motion.scissor import screw_from_height
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.belief import Belief
 from firmware_bridge.robots.rars import KIND
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
@@ -59,9 +61,10 @@ def test_the_wheels_ramp_to_the_wished_speed_and_no_faster_than_the_limit(armed:
 
 
 def test_the_wheels_follow_the_angle_that_is_steered_not_the_one_that_is_wished(armed: "Bench") -> None:
+    driving(armed)
     armed.drives["steer"].jammed = True
     armed.steer = 30.0
-    driving(armed)
+    armed.runs(0.05)
     begin = armed.now
     armed.runs(0.2)
     assert {target for _, target in armed.words("left", begin)} == {RPM_AT_03}
@@ -246,7 +249,13 @@ def test_the_lift_goes_to_a_height_no_faster_than_its_rate_and_arrives(armed: "B
     assert lift_height(armed) == pytest.approx(0.1116, abs=0.001)
 
 
-def test_a_lift_that_cannot_follow_is_not_left_behind(armed: "Bench") -> None:
+def test_a_lift_that_cannot_follow_is_not_left_behind(bench_with: "Callable[[Bridge], Bench]") -> None:
+    # Of a robot that is patient with it.
+    rars = find("rars")
+    patient = [axis.model_copy(update={"belief": Belief(within_ms=10_000)}) for axis in rars.axes]
+    armed = bench_with(Bridge(rars.model_copy(update={"axes": tuple(patient)}), KIND))
+    armed.starts()
+    assert armed.arms() == ACCEPTED
     armed.drives["lift"].jammed = True
     armed.lift = 1.0
     armed.runs(3)

@@ -27,6 +27,7 @@ class QuietMotion:
     axis: ServoAxis
     report: Callable[[int], None]
     operational: bool = False
+    hung: bool = False
     resets: int = 0
     written: list[int] = field(default_factory=list)
 

@@ -233,7 +233,9 @@ class PaperDriver:
 
     def heard(self, now: Nanoseconds) -> None:
         """Tell a sample."""
-        self.feedback = replace(self.feedback, heard_at=now, sampled_at=now)
+        way = self.feedback.velocity * to_seconds(now - self.feedback.sampled_at)
+        position = self.feedback.position + way
+        self.feedback = replace(self.feedback, heard_at=now, sampled_at=now, position=position)
 
 
 class PaperLink:

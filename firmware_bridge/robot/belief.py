@@ -1,0 +1,31 @@
+"""How far an axis is believed: `[axes.belief]` in a robot file. A key that is left out is worked out."""
+
+from typing import Annotated, Final
+
+from pydantic import Field
+
+from firmware_bridge.robot.table import Positive, Table
+
+STANDS: Final = 1.0 / 80.0
+"""Share of its top speed below which an axis stands."""
+
+
+class Belief(Table):
+    """Bounds on what an axis does beside what it was told, in its unit behind the gear."""
+
+    rests_below: Positive | None = None
+    """In a second: slower than this it stands. Without it an 80th of its top speed."""
+    speed: Positive | None = None
+    """In a second: so far beside the speeds that it may have it does not stray yet. Twice as much."""
+    position: Positive | None = None
+    """The same of positions. The way at top speed in 25 ms."""
+    ramp: Positive | None = None
+    """In a second squared: it changes its speed at least so fast. Half the gentlest of its drive's."""
+    cruise: Positive | None = None
+    """In a second: it approaches a position at least so fast. Half of what its drive is told."""
+    holds_with: Positive | None = None
+    """In A: more it does not take to stand where it is. What its drive may give for ever."""
+    lag_ms: Annotated[int, Field(ge=10, le=10_000)] | None = None
+    """Time constant of all that lags beside ramp and cruise. 100 ms, and two cycles of its link."""
+    within_ms: Annotated[int, Field(ge=10, le=10_000)] | None = None
+    """It strays when it does so at every sample for so long. The silence that its link allows."""

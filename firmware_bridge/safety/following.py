@@ -1,0 +1,199 @@
+"""Whether each axis does what it was told: from its demands the range in which it may be, sample by sample.
+
+The range reaches to a new demand at once, and leaves an old one no faster than the laziest axis that is well:
+with a time constant, and at a rate. A speed, or a stop, bounds the speed between two samples; a position
+bounds the position. It refuses to know what follows when an axis strays: that is the rows' in `common`.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from firmware_bridge.drivers.driver import Demand, Feedback, Position, Power, Stop
+from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.robot import AnyRobot, Axis, Command
+from firmware_bridge.safety.snapshot import Following
+from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
+
+STRAYS: Final = 1.0 / 40.0
+"""Share of its top speed that an axis may stray; of positions the way of so many seconds at top speed."""
+LAZY: Final = 0.5
+"""Share of its drive's own ramp and cruise that is awaited of an axis."""
+REGULATED: Final[Nanoseconds] = 100 * MILLISECOND
+"""What regulators, play and slip may take; the way there and back takes a cycle of its link each."""
+WITHOUT_TORQUE: Final = (Power.OFF, Power.FAULT)
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """What is awaited of one axis, in its unit."""
+
+    speed: float
+    position: float
+    ramp: float
+    cruise: float
+    creep: float
+    """What it may owe of a way that it should have gone, while its position repeats."""
+    lag_s: float
+
+
+def within(axis: Axis, silence: Nanoseconds) -> Nanoseconds:
+    """Return how long an axis may stray: what the robot file says, or the silence that its link allows."""
+    said = axis.belief.within_ms
+    return silence if said is None else said * MILLISECOND
+
+
+def bounds_of(robot: AnyRobot, axis: Axis) -> Bounds:
+    """Return what the robot file says, and where it does not, what follows from axis, drive and link."""
+    said, stray = axis.belief, STRAYS * axis.top_speed
+    link = robot.links[axis.link]
+    lag = REGULATED + 2 * link.every * robot.cycle
+    return Bounds(
+        speed=said.speed or stray,
+        position=said.position or stray,
+        ramp=said.ramp or LAZY * axis.settings.slowest_ramp(axis.ratio),
+        cruise=said.cruise or LAZY * axis.settings.cruise(axis.ratio),
+        creep=axis.rests_below * to_seconds(within(axis, link.silent_ms * MILLISECOND)),
+        lag_s=to_seconds(lag if said.lag_ms is None else said.lag_ms * MILLISECOND),
+    )
+
+
+class Follower:
+    """One axis: the demands that were sent to it, its samples, and what they say of each other."""
+
+    __slots__ = (
+        "_aim", "_bounds", "_changed_at", "_coasts_at", "_demand", "_goal", "_high", "_low", "_positions",
+        "following",
+    )  # fmt: skip
+
+    def __init__(self, axis: Axis, bounds: Bounds) -> None:
+        self._bounds: Final = bounds
+        self._coasts_at: Final = axis.top_speed if axis.command is Command.POSITION else 0.0
+        """How fast it may be on its way to a position when it is told to stop."""
+        self._demand: Demand = Stop.REST
+        self._changed_at: Nanoseconds = NEVER_HEARD
+        self._aim: Demand | None = None
+        """What bounds it now: the demand, or its device's own stop; None while it has no torque."""
+        self._positions = False
+        """Whether that is a position."""
+        self._goal = self._low = self._high = 0.0
+        self.following = Following()
+
+    def told(self, demand: Demand, now: Nanoseconds) -> None:
+        """Learn what the axis is told from now on."""
+        if demand != self._demand:
+            self._demand, self._changed_at = demand, now
+            if self._aim is not None:
+                self._take(demand)
+
+    def saw(self, feedback: Feedback) -> Following:
+        """Return what is known up to this feedback's sample; one that was seen already changes nothing."""
+        before, at = self.following, feedback.sampled_at
+        if at == before.sampled_at:
+            return before
+        if feedback.power in WITHOUT_TORQUE or before.sampled_at == NEVER_HEARD or at < before.sampled_at:
+            self._aim = None
+            self.following = self._unjudged(feedback)
+            return self.following
+        aim = Stop.QUICK_STOP if feedback.power is Power.STOPPED else self._demand
+        if self._aim is None:
+            self.following = self._unjudged(feedback)
+            self._positions = False
+            self._low, self._high = min(feedback.velocity, 0.0), max(feedback.velocity, 0.0)
+            self._take(aim)
+            return self.following
+        if aim != self._aim:
+            self._take(aim)
+        self.following = self._judged(feedback, before)
+        self._leave(to_seconds(at - before.sampled_at))
+        return self.following
+
+    def _take(self, aim: Demand) -> None:
+        """Let the range reach to a new aim; one of another kind begins a new range where the axis is."""
+        self._aim = aim
+        positions = isinstance(aim, Position)
+        if positions is not self._positions:
+            self._positions = positions
+            speed, place = self.following.velocity, self.following.position
+            if positions:
+                further = abs(speed) * self._bounds.lag_s
+                self._low, self._high = place - further, place + further
+            else:
+                self._low, self._high = min(speed, -self._coasts_at), max(speed, self._coasts_at)
+        self._goal = 0.0 if isinstance(aim, Stop) else aim.value
+        self._low, self._high = min(self._low, self._goal), max(self._high, self._goal)
+
+    def _leave(self, seconds: float) -> None:
+        """Let the range leave what it has reached to, on the way to its goal."""
+        share = -math.expm1(-seconds / self._bounds.lag_s)
+        reach = (self._bounds.cruise if self._positions else self._bounds.ramp) * seconds
+        self._low += min((self._goal - self._low) * share, reach)
+        self._high -= min((self._high - self._goal) * share, reach)
+
+    def _unjudged(self, feedback: Feedback) -> Following:
+        at = feedback.sampled_at
+        return Following(
+            demand=self._demand,
+            changed_at=self._changed_at,
+            sampled_at=at,
+            obeyed_at=at,
+            settled_at=at,
+            place_at=at,
+            position=feedback.position,
+            velocity=feedback.velocity,
+        )
+
+    def _judged(self, feedback: Feedback, before: Following) -> Following:
+        low, high, at = self._low, self._high, feedback.sampled_at
+        if self._positions:
+            does, slack = feedback.position, self._bounds.position
+            owed = max(low - does, does - high, 0.0)
+        else:
+            does, slack = feedback.velocity, self._bounds.speed
+            least = max(low, -high, 0.0) * to_seconds(at - before.sampled_at)
+            owed = before.owes + least if least else 0.0
+        if feedback.position != before.position:
+            owed = 0.0
+        obeys = low - slack <= does <= high + slack
+        return Following(
+            demand=self._demand,
+            changed_at=self._changed_at,
+            sampled_at=at,
+            obeyed_at=at if obeys else before.obeyed_at,
+            settled_at=at if owed <= self._bounds.creep else before.settled_at,
+            place_at=before.place_at if feedback.position == before.position else at,
+            position=feedback.position,
+            velocity=feedback.velocity,
+            low=low,
+            high=high,
+            unasked=not obeys and not self._lags(feedback),
+            owes=owed,
+        )
+
+    def _lags(self, feedback: Feedback) -> bool:
+        """Return whether an axis that strays stays behind: not further, not faster, no other way."""
+        speed, slack = feedback.velocity, self._bounds.speed
+        if not self._positions:
+            return min(self._low, 0.0) - slack <= speed <= max(self._high, 0.0) + slack
+        if feedback.position < self._low:
+            return speed >= -slack
+        return feedback.position > self._high and speed <= slack
+
+
+class Followers:
+    """All axes of one robot."""
+
+    __slots__ = ("_all",)
+
+    def __init__(self, robot: AnyRobot) -> None:
+        self._all: Final = {axis.name: Follower(axis, bounds_of(robot, axis)) for axis in robot.axes}
+
+    def told(self, demands: Mapping[str, Demand], now: Nanoseconds) -> None:
+        """Learn what was sent to these axes."""
+        for name, demand in demands.items():
+            self._all[name].told(demand, now)
+
+    def saw(self, axes: Mapping[str, Feedback]) -> dict[str, Following]:
+        """Return each axis's, up to its newest sample."""
+        return {name: follower.saw(axes[name]) for name, follower in self._all.items()}

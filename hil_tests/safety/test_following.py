@@ -1,0 +1,346 @@
+"""The range in which an axis may be after its demands, and at both edges of each bound what it is called."""
+
+import math
+from dataclasses import replace
+from typing import Any, Final
+
+import pytest
+
+from firmware_bridge.drivers.driver import Demand, Feedback, Position, Power, Speed, Stop
+from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.kinds import find, names
+from firmware_bridge.robot import AnyRobot, Axis, Command
+from firmware_bridge.robot.belief import Belief
+from firmware_bridge.safety.following import Follower, Followers, bounds_of, within
+from firmware_bridge.safety.snapshot import Following
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+from hil_tests.safety.stop_cases import above
+
+RARS: Final = find("rars")
+CYCLE: Final = RARS.cycle
+WHEEL: Final = next(axis for axis in RARS.axes if axis.name == "left")
+STEERING: Final = next(axis for axis in RARS.axes if axis.name == "steer")
+SLACK: Final = 0.4
+"""rad/s: a 40th of the wheels' top speed."""
+
+
+class Told:
+    """One axis of RARS, its follower, and what a test has it do."""
+
+    def __init__(self, axis: Axis = WHEEL, **belief: Any) -> None:
+        self.axis = axis.model_copy(update={"belief": Belief(**belief)})
+        self.follower = Follower(self.axis, bounds_of(RARS, self.axis))
+        self.now: Nanoseconds = SECOND
+        self.position = 0.0
+        self.does(0.0)
+
+    def told(self, demand: Demand) -> None:
+        """Send it a demand."""
+        self.follower.told(demand, self.now)
+
+    def does(self, speed: float, cycles: int = 1, power: Power = Power.ON, **changed: Any) -> Following:
+        """Let it move with a speed for some cycles; return what is known then."""
+        for _ in range(cycles):
+            self.now += CYCLE
+            self.position += speed * CYCLE / SECOND
+            known = self.known(speed, power, **changed)
+        return known
+
+    def known(self, speed: float, power: Power = Power.ON, **changed: Any) -> Following:
+        """Show the newest sample."""
+        seen = Feedback(self.axis.name, power, self.now, self.now, position=self.position, velocity=speed)
+        return self.follower.saw(replace(seen, **changed))
+
+    def strays(self, speed: float, **changed: Any) -> bool:
+        """Whether one more cycle with this speed is beside its range."""
+        known = self.does(speed, **changed)
+        return known.obeyed_at != known.sampled_at
+
+
+def rested(demand: Demand, axis: Axis = WHEEL, **belief: Any) -> Told:
+    """Return an axis that stood for two seconds and was then told this, long ago."""
+    one = Told(axis, **belief)
+    one.does(0.0, 40)
+    one.told(demand)
+    return one
+
+
+def settled(demand: Demand, speed: float) -> Told:
+    """Return a wheel that has followed a demand for so long that its range has shrunk to it."""
+    one = rested(demand)
+    one.does(speed, 200)
+    return one
+
+
+# What follows from axis, drive and link
+
+
+@pytest.mark.parametrize("name", names())
+def test_what_a_robot_file_leaves_out_is_worked_out(name: str) -> None:
+    robot = find(name)
+    for axis in robot.axes:
+        bounds, drive = bounds_of(robot, axis), axis.settings.profile
+        rpm = 2.0 * math.pi / 60.0 / axis.ratio
+        gentlest = min(drive.acceleration_rpm_s, drive.deceleration_rpm_s, drive.quick_stop_rpm_s)
+        assert bounds.speed == bounds.position == pytest.approx(axis.top_speed / 40.0)
+        assert axis.rests_below == pytest.approx(axis.top_speed / 80.0)
+        assert bounds.ramp == pytest.approx(0.5 * gentlest * rpm)
+        assert bounds.cruise == pytest.approx(0.5 * drive.velocity_rpm * rpm)
+        assert bounds.lag_s == 0.1 + 2 * robot.cycle / SECOND
+        assert bounds.creep == pytest.approx(axis.rests_below * robot.links[axis.link].silent_ms / 1000)
+        assert axis.holds_with == axis.settings.continuous_current_ma / 1000
+
+
+def test_what_a_robot_file_says_counts() -> None:
+    said = Belief(
+        rests_below=0.3,
+        speed=1.0,
+        position=2.0,
+        ramp=3.0,
+        cruise=4.0,
+        holds_with=5.0,
+        lag_ms=60,
+        within_ms=70,
+    )
+    axis = WHEEL.model_copy(update={"belief": said})
+    bounds = bounds_of(RARS, axis)
+    assert (bounds.speed, bounds.position, bounds.ramp, bounds.cruise) == (1.0, 2.0, 3.0, 4.0)
+    assert bounds.lag_s == 0.06
+    assert bounds.creep == pytest.approx(0.3 * 0.07)
+    assert (axis.rests_below, axis.holds_with) == (0.3, 5.0)
+    assert within(axis, SECOND) == 70 * MILLISECOND
+    assert within(WHEEL, SECOND) == SECOND
+
+
+def test_a_link_of_every_second_cycle_has_twice_the_way() -> None:
+    slower = RARS.links["drives"].model_copy(update={"every": 2})
+    assert bounds_of(RARS.with_links({"drives": slower}), WHEEL).lag_s == pytest.approx(0.3)
+
+
+# Speeds
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("demand", [Stop.REST, Stop.QUICK_STOP, Stop.POWER_OFF, Speed(0.0)])
+def test_what_is_told_to_stand_may_not_move_faster_than_its_slack(demand: Demand, sign: float) -> None:
+    assert not rested(demand).strays(sign * SLACK)
+    one = rested(demand)
+    assert one.strays(sign * above(SLACK))
+    assert one.follower.following.unasked
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("does", "strays", "unasked"),
+    [
+        (3.0, False, False),
+        (3.0 - SLACK + 1e-9, False, False),
+        (3.0 - SLACK - 1e-6, True, False),
+        (0.0, True, False),
+        (-SLACK, True, False),
+        (-SLACK - 1e-9, True, True),
+        (3.0 + SLACK, False, False),
+        (3.0 + SLACK + 1e-6, True, True),
+    ],
+)
+def test_a_speed_that_is_not_the_one_told_is_too_little_or_unasked(
+    does: float, sign: float, *, strays: bool, unasked: bool
+) -> None:
+    one = settled(Speed(sign * 3.0), sign * 3.0)
+    assert one.strays(sign * does) is strays
+    assert one.follower.following.unasked is unasked
+
+
+def test_what_is_no_number_is_unasked() -> None:
+    one = rested(Speed(0.0))
+    assert one.strays(0.0, velocity=math.nan)
+    assert one.follower.following.unasked
+    one = rested(Position(0.0), STEERING)
+    assert one.strays(0.0, position=math.nan)
+    assert one.follower.following.unasked
+
+
+def test_a_new_speed_counts_at_once_and_the_old_one_for_a_while() -> None:
+    one = settled(Speed(3.0), 3.0)
+    one.told(Speed(0.0))
+    assert not one.strays(0.0), "it may be as fast as it was told"
+    one = settled(Speed(3.0), 3.0)
+    one.told(Speed(0.0))
+    assert not one.strays(3.0), "it may not have heard yet"
+    # 10.9 rad/s2 for 50 ms are 0.545 rad/s, and 200 ms take 22 % of 3 rad/s: the slower one counts.
+    assert one.strays(3.0), "now it should be slower"
+
+
+def test_a_range_shrinks_with_its_ramp_and_then_with_its_lag() -> None:
+    one = settled(Speed(10.0), 10.0)
+    one.told(Speed(0.0))
+    one.does(10.0)
+    before = one.follower.following.high
+    assert before == pytest.approx(10.0)
+    ramp = bounds_of(RARS, WHEEL).ramp * 0.05
+    highs = [one.does(0.0).high for _ in range(60)]
+    assert highs[0] == pytest.approx(before - ramp)
+    assert highs[1] == pytest.approx(before - 2.0 * ramp)
+    last = highs[-2] / highs[-1]
+    assert last == pytest.approx(math.exp(0.25)), "50 ms of 200 ms"
+
+
+# Positions
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_position_is_approached_or_not(sign: float) -> None:
+    slack, cruise = STEERING.top_speed / 40.0, bounds_of(RARS, STEERING).cruise
+    stands = rested(Position(sign * 1.0), STEERING)
+    goes = rested(Position(sign * 1.0), STEERING)
+    for _ in range(10):
+        assert not goes.strays(sign * 1.1 * cruise)
+        known = stands.does(0.0)
+    assert known.obeyed_at < known.sampled_at
+    assert not known.unasked
+    assert abs(known.position - sign * min(abs(known.low), abs(known.high))) > slack
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_who_goes_away_from_its_position_moves_unasked(sign: float) -> None:
+    one = rested(Position(0.0), STEERING)
+    slack = STEERING.top_speed / 40.0
+    assert not one.strays(0.0, position=sign * slack)
+    far = sign * above(slack)
+    assert one.does(sign * 1.0, position=far).unasked
+    assert not one.does(sign * slack, position=far).unasked, "it hardly moves: it does not follow"
+    known = one.does(-sign * 1.0, position=far)
+    assert not known.unasked, "it comes back"
+    assert known.obeyed_at < known.sampled_at
+
+
+def test_a_position_that_is_given_up_may_coast_to_rest() -> None:
+    one = rested(Position(1.0), STEERING)
+    one.does(1.6, 3)
+    one.told(Stop.REST)
+    assert not one.strays(1.6)
+    assert not one.strays(0.0)
+    one = rested(Position(1.0), STEERING)
+    one.does(1.6, 3)
+    one.told(Stop.REST)
+    one.does(1.6, 10)
+    assert one.strays(1.6)
+
+
+def test_a_position_that_is_told_on_the_way_may_be_overshot_a_little() -> None:
+    one = Told(STEERING)
+    one.told(Speed(1.5))
+    one.does(1.5, 40)
+    one.told(Position(one.position))
+    assert not one.strays(1.5)
+
+
+# A position that repeats
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_wheel_whose_position_repeats_owes_its_way(sign: float) -> None:
+    one = settled(Speed(sign * 0.1), sign * 0.1)
+    creep = bounds_of(RARS, WHEEL).creep
+    before = one.follower.following.sampled_at
+    # 0.1 rad/s owe 0.005 rad a cycle; a speed of 0 is within the slack.
+    for cycle in range(1, 13):
+        known = one.does(0.0)
+        assert known.obeyed_at == known.sampled_at
+        assert known.owes == pytest.approx(0.005 * cycle)
+        assert known.place_at == before
+        if known.owes <= creep:
+            assert known.settled_at == known.sampled_at
+    assert known.settled_at < known.sampled_at
+    assert one.does(sign * 1e-9).settled_at == one.now, "one bit is enough"
+    assert one.follower.following.owes == 0.0
+
+
+def test_what_need_not_move_owes_nothing() -> None:
+    one = rested(Speed(0.0))
+    known = one.does(0.0, 100)
+    assert (known.owes, known.settled_at) == (0.0, one.now)
+    assert known.place_at < one.now - 4 * SECOND
+
+
+def test_a_position_that_repeats_owes_what_its_range_has_left_behind() -> None:
+    one = rested(Position(0.5), STEERING)
+    known = one.does(0.0, 3)
+    assert known.owes == pytest.approx(known.low - known.position)
+    assert known.owes > bounds_of(RARS, STEERING).creep
+
+
+# Power, and samples
+
+
+@pytest.mark.parametrize("power", [Power.OFF, Power.FAULT])
+def test_without_torque_an_axis_may_coast(power: Power) -> None:
+    one = rested(Speed(0.0))
+    assert not one.strays(9.0, power=power)
+    assert not one.strays(9.0, power=power)
+    known = one.does(5.0)
+    assert known.obeyed_at == known.sampled_at
+    assert not one.strays(4.5), "with its power back it comes to rest from where it was"
+    one.does(4.5, 20)
+    assert one.strays(4.5)
+
+
+@pytest.mark.parametrize("power", [Power.ON, Power.UNKNOWN, Power.STOPPED])
+def test_with_torque_or_without_a_word_for_it_an_axis_is_watched(power: Power) -> None:
+    one = rested(Speed(0.0))
+    assert one.strays(1.0, power=power)
+
+
+def test_a_device_that_has_stopped_by_itself_is_to_stand_whatever_it_is_told() -> None:
+    one = settled(Speed(3.0), 3.0)
+    assert not one.strays(3.0, power=Power.STOPPED)
+    for _ in range(20):
+        known = one.does(3.0, power=Power.STOPPED)
+    assert known.unasked
+    assert one.does(0.0, power=Power.STOPPED).obeyed_at == one.now
+    one.does(0.0, 20)
+    assert known.demand == Speed(3.0), "the demand itself is kept"
+
+
+def test_a_sample_that_was_seen_changes_nothing() -> None:
+    one = settled(Speed(3.0), 3.0)
+    known = one.follower.following
+    assert one.known(99.0) is known
+
+
+def test_a_device_that_was_not_heard_or_counts_anew_is_not_judged() -> None:
+    follower = Follower(WHEEL, bounds_of(RARS, WHEEL))
+    assert follower.saw(Feedback("left")).obeyed_at == NEVER_HEARD
+    one = rested(Speed(0.0))
+    assert one.follower.saw(Feedback("left", Power.ON, sampled_at=NEVER_HEARD)).obeyed_at == NEVER_HEARD
+    one.position = 99.0
+    assert one.does(0.0).obeyed_at == one.now
+
+
+def test_the_demand_and_when_it_changed_are_known() -> None:
+    one = rested(Speed(1.0))
+    changed = one.now
+    one.does(1.0, 3)
+    one.told(Speed(1.0))
+    assert one.does(1.0).changed_at == changed
+    one.told(Stop.REST)
+    known = one.does(1.0)
+    assert (known.demand, known.changed_at) == (Stop.REST, one.now - CYCLE)
+
+
+@pytest.mark.parametrize("name", names())
+def test_all_axes_of_a_robot_are_watched_each_by_its_own(name: str) -> None:
+    robot: AnyRobot = find(name)
+    followers = Followers(robot)
+    axes = {axis.name: Feedback(axis.name, Power.ON, SECOND, SECOND) for axis in robot.axes}
+    followers.saw(axes)
+    demands: dict[str, Demand] = {
+        axis.name: Speed(0.5 * axis.top_speed) for axis in robot.axes if axis.command is Command.SPEED
+    }
+    now = SECOND
+    followers.saw({name: replace(one, sampled_at=now + 1) for name, one in axes.items()})
+    followers.told(demands, now)
+    for _ in range(20):
+        now += robot.cycle
+        known = followers.saw({name: replace(one, sampled_at=now) for name, one in axes.items()})
+    assert {name for name, one in known.items() if one.obeyed_at < now} == set(demands)
