@@ -172,12 +172,14 @@ def _axis_not_enabled(axis: Axis, feedback: Feedback, _facts: Facts, _limit: Nan
 
 def _axis_does_not_follow(axis: Axis, _feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
     known = facts.following.get(axis.name)
-    return None if known is None or known.unasked else _strays(axis, known, limit)
+    if known is None or known.obeyed_at == known.sampled_at or known.unasked:
+        return None
+    return _strays(axis, known, limit)
 
 
 def _axis_moves_unasked(axis: Axis, _feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
     known = facts.following.get(axis.name)
-    return _strays(axis, known, limit) if known is not None and known.unasked else None
+    return None if known is None or not known.unasked else _strays(axis, known, limit)
 
 
 def _strays(axis: Axis, known: Following, limit: Nanoseconds) -> str | None:
@@ -192,9 +194,10 @@ def _position_repeats(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanos
 
     The current may be older than the position: on a serial line it takes turns with others.
     """
-    known, bound = facts.following.get(axis.name), within(axis, limit)
-    if known is None:
+    known = facts.following.get(axis.name)
+    if known is None or known.place_at == known.sampled_at:
         return None
+    bound = within(axis, limit)
     owes = known.sampled_at - known.settled_at
     stands, pulls = known.sampled_at - known.place_at, abs(feedback.current_a or 0.0)
     # One that does not follow is told to stop at once: here it must not wait until it owes for as long, too.

@@ -64,7 +64,7 @@ class Follower:
 
     __slots__ = (
         "_aim", "_bounds", "_changed_at", "_coasts_at", "_demand", "_goal", "_high", "_low", "_positions",
-        "following",
+        "_share", "_share_of", "following",
     )  # fmt: skip
 
     def __init__(self, axis: Axis, bounds: Bounds) -> None:
@@ -78,11 +78,13 @@ class Follower:
         self._positions = False
         """Whether that is a position."""
         self._goal = self._low = self._high = 0.0
+        self._share_of, self._share = 0.0, 0.0
+        """A time, and the share of its way that the range goes in it: mostly the cycle's."""
         self.following = Following()
 
     def told(self, demand: Demand, now: Nanoseconds) -> None:
         """Learn what the axis is told from now on."""
-        if demand != self._demand:
+        if demand is not self._demand and demand != self._demand:
             self._demand, self._changed_at = demand, now
             if self._aim is not None:
                 self._take(demand)
@@ -103,10 +105,11 @@ class Follower:
             self._low, self._high = min(feedback.velocity, 0.0), max(feedback.velocity, 0.0)
             self._take(aim)
             return self.following
-        if aim != self._aim:
+        if aim is not self._aim and aim != self._aim:
             self._take(aim)
-        self.following = self._judged(feedback, before)
-        self._leave(to_seconds(at - before.sampled_at))
+        seconds = to_seconds(at - before.sampled_at)
+        self.following = self._judged(feedback, before, seconds)
+        self._leave(seconds)
         return self.following
 
     def _take(self, aim: Demand) -> None:
@@ -126,10 +129,14 @@ class Follower:
 
     def _leave(self, seconds: float) -> None:
         """Let the range leave what it has reached to, on the way to its goal."""
-        share = -math.expm1(-seconds / self._bounds.lag_s)
+        goal, below, above = self._goal, self._goal - self._low, self._high - self._goal
+        if not below and not above:
+            return
+        if seconds != self._share_of:
+            self._share_of, self._share = seconds, -math.expm1(-seconds / self._bounds.lag_s)
         reach = (self._bounds.cruise if self._positions else self._bounds.ramp) * seconds
-        self._low += min((self._goal - self._low) * share, reach)
-        self._high -= min((self._high - self._goal) * share, reach)
+        self._low = goal - below + min(below * self._share, reach)
+        self._high = goal + above - min(above * self._share, reach)
 
     def _unjudged(self, feedback: Feedback) -> Following:
         at = feedback.sampled_at
@@ -144,31 +151,32 @@ class Follower:
             velocity=feedback.velocity,
         )
 
-    def _judged(self, feedback: Feedback, before: Following) -> Following:
+    def _judged(self, feedback: Feedback, before: Following, seconds: float) -> Following:
         low, high, at = self._low, self._high, feedback.sampled_at
+        position, velocity = feedback.position, feedback.velocity
+        owed = 0.0
         if self._positions:
-            does, slack = feedback.position, self._bounds.position
-            owed = max(low - does, does - high, 0.0)
+            does, slack = position, self._bounds.position
+            if position == before.position:
+                owed = max(low - does, does - high, 0.0)
         else:
-            does, slack = feedback.velocity, self._bounds.speed
-            least = max(low, -high, 0.0) * to_seconds(at - before.sampled_at)
-            owed = before.owes + least if least else 0.0
-        if feedback.position != before.position:
-            owed = 0.0
+            does, slack = velocity, self._bounds.speed
+            if position == before.position and (low > 0.0 or high < 0.0):
+                owed = before.owes + max(low, -high) * seconds
         obeys = low - slack <= does <= high + slack
         return Following(
-            demand=self._demand,
-            changed_at=self._changed_at,
-            sampled_at=at,
-            obeyed_at=at if obeys else before.obeyed_at,
-            settled_at=at if owed <= self._bounds.creep else before.settled_at,
-            place_at=before.place_at if feedback.position == before.position else at,
-            position=feedback.position,
-            velocity=feedback.velocity,
-            low=low,
-            high=high,
-            unasked=not obeys and not self._lags(feedback),
-            owes=owed,
+            self._demand,
+            self._changed_at,
+            at,
+            at if obeys else before.obeyed_at,
+            at if owed <= self._bounds.creep else before.settled_at,
+            before.place_at if position == before.position else at,
+            position,
+            velocity,
+            low,
+            high,
+            not obeys and not self._lags(feedback),
+            owed,
         )
 
     def _lags(self, feedback: Feedback) -> bool:

@@ -144,13 +144,15 @@ class Gate(Generic[G, M, S]):
         return holds
 
     def _held_axes(self, facts: Facts) -> list[Hold]:
-        holds = []
+        holds, memory = [], self._memory
         for one in self._axes:
             axis = one.axis
             feedback = facts.axes.get(axis.name) or Feedback(axis.name)
             for name, row in one.left_out if axis.name in facts.without else one.rows:
                 reason = row.judge(axis, feedback, facts, one.silent_after)
-                hold = self._memory.look(name, reason, row, facts.now, axis.name)
+                if reason is None and not memory.holds(name):
+                    continue
+                hold = memory.look(name, reason, row, facts.now, axis.name)
                 if hold is not None:
                     holds.append(hold)
         return holds

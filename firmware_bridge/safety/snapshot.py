@@ -22,9 +22,12 @@ Group: TypeAlias = str
 """Axes that stop together, by their name in the robot's kind."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Following:
-    """How one axis has done what it was told, up to its newest sample; in its unit."""
+    """How one axis has done what it was told, up to its newest sample; in its unit.
+
+    Nobody changes it. It is not frozen because one is made for each axis in every cycle.
+    """
 
     demand: Demand = Stop.REST
     """What was sent to it last."""
