@@ -6,6 +6,7 @@ It answers every request with a reason. What the interlocks say comes in with th
 from typing import Final, Generic, TypeVar
 
 from firmware_bridge.bridge.fleets import Fleets
+from firmware_bridge.bridge.stops import Stops
 from firmware_bridge.drivers.driver import BRING_UP, Driver, Power, Stop, Task
 from firmware_bridge.intent import Arm, ClearEmergencyStop, Disarm, EmergencyStop, EnterMode, Request, Verdict
 from firmware_bridge.packet import Packet
@@ -25,7 +26,7 @@ class Permission(Generic[G, M, S]):
 
     __slots__ = (
         "_final", "_fleets", "_outbox", "_rules", "_silent_after", "armed", "emergency_stopped", "mode",
-        "powered_off",
+        "powered_off", "stops",
     )  # fmt: skip
 
     def __init__(
@@ -39,6 +40,8 @@ class Permission(Generic[G, M, S]):
             axis.name: robot.links[axis.link].silent_ms * MILLISECOND for axis in robot.axes
         }
         self._final = False
+        self.stops: Final = Stops(robot, fleets)
+        """Whether the axes obey when they are to stop."""
         self.armed = False
         self.emergency_stopped = False
         self.mode = ""
@@ -50,6 +53,11 @@ class Permission(Generic[G, M, S]):
     def rules(self) -> Rules[G, M, S]:
         """Those of the mode."""
         return self._rules[self.mode]
+
+    @property
+    def forbids_power(self) -> bool:
+        """Whether no drive may be given power now."""
+        return self.emergency_stopped or self.powered_off
 
     def watch(self, holds: tuple[Hold, ...]) -> None:
         """Do what the holds' rows say: take the leave away, latch the emergency stop."""
@@ -102,6 +110,8 @@ class Permission(Generic[G, M, S]):
     def _premature(self, seen: Snapshot[M, S]) -> Verdict | None:
         if self.emergency_stopped:
             return Verdict(accepted=False, reason="arm: the emergency stop is latched; clear it first")
+        for hold in self.stops.holds if self.stops.escalating else ():
+            return Verdict(accepted=False, reason=f"arm: {hold.reason}", temporary=True)
         for lost in seen.facts.links_lost.values():
             return Verdict(accepted=False, reason=f"arm: {lost}; plug it in again", temporary=True)
         asked = self.rules.body.asked(seen.wish, seen.body)

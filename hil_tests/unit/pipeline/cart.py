@@ -203,6 +203,7 @@ class PaperDriver:
     failure: StartupError | None = None
     configured = True
     busy = False
+    unpowered = False
     wake_at: Nanoseconds = NEVER
 
     def __init__(self, axis: Axis) -> None:

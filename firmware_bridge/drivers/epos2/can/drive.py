@@ -81,6 +81,11 @@ class Epos2OnCan:
         return self._tasks.failure
 
     @property
+    def unpowered(self) -> bool:
+        """Whether its newest statusword tells a state without torque; not once power was asked for."""
+        return self._feedback.unpowered
+
+    @property
     def configured(self) -> bool:
         """Whether its set-up is in force and it listens to set-points."""
         return self._tasks.configured
@@ -98,11 +103,15 @@ class Epos2OnCan:
         return self._waiting(self._tasks.begin(tasks, now))
 
     def command(self, demand: Demand) -> tuple[Packet, ...]:
-        """Send a demand; while tasks are under way only one that ends them: quick stop or power off."""
+        """Send a demand; while tasks are under way only quick stop or power off.
+
+        Those end the tasks, unless they stop the drive themselves.
+        """
         if self.busy:
             if demand not in (Stop.QUICK_STOP, Stop.POWER_OFF):
                 return ()
-            self._tasks.end()
+            if not self._tasks.stopping:
+                self._tasks.end()
             self.wake_at = self._scripts.wake_at
         return (self._set_point.demand(demand),)
 
