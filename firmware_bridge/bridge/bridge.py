@@ -28,6 +28,8 @@ from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
 REST_WITHIN: Final[Nanoseconds] = 3 * SECOND
 """The longest way to rest at an orderly end; then the power goes off, unless a stop still escalates."""
+LEFT_WITHIN: Final[Nanoseconds] = 3 * SECOND
+"""The longest that taking the power off in order may last; then it is taken off step by step."""
 ENDING: Final = "the bridge is ending; only an emergency stop or a forced disarm is obeyed now"
 STARTING: Final = Row("starting", "wait")
 ENDS: Final = Row("ending", "start the bridge again", severity=Severity.NOTICE)
@@ -87,6 +89,7 @@ class Bridge:
         self._release_at: Nanoseconds = NEVER
         self._rest_until: Nanoseconds = NEVER
         self._began_at: Nanoseconds = 0
+        self._leave_until: Nanoseconds = NEVER
         self._left: set[str] | None = None
         """The axes that did not confirm that they are without power; None while they are not known."""
         self.phase = Phase.STARTING
@@ -122,9 +125,11 @@ class Bridge:
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Take a packet of a link, or an operator's datagram."""
+        if self.phase is Phase.FINISHED:
+            return self._reaction(now)
         if packet.link != OPERATOR:
             self._outbox += self._fleets.hear(packet, now) or ()
-        elif self.phase is not Phase.FINISHED:
+        else:
             self._hear_operator(packet.payload, now)
         return self._reaction(now)
 
@@ -223,7 +228,7 @@ class Bridge:
         if failures:
             self.failure = "; ".join(failures)
             self.phase = Phase.FAILED
-            self._outbox += self._fleets.begin((Task.LEAVE,), now)
+            self._begin_to_leave(now)
         elif self._tasks and not (self._tasks[0] is Task.ENABLE and self._permission.forbids_power):
             self._task = self._tasks.popleft()
             self._outbox += self._fleets.begin((self._task,), now)
@@ -241,7 +246,10 @@ class Bridge:
     def _leave(self, now: Nanoseconds) -> None:
         self.phase = Phase.LEAVING
         self._collect_until = self._release_at = NEVER
-        self._left = None
+        self._begin_to_leave(now)
+
+    def _begin_to_leave(self, now: Nanoseconds) -> None:
+        self._left, self._leave_until = None, now + LEFT_WITHIN
         given_up = self._permission.stops.given_up
         for driver in self._fleets.drivers:
             if driver not in given_up:
@@ -251,10 +259,13 @@ class Bridge:
         """Take the power from those that have not confirmed that it is off, until all steps were tried."""
         stops = self._permission.stops
         if self._left is None:
-            if self._fleets.busy:
+            if self._fleets.busy and now < self._leave_until:
                 return
-            self._left = {driver.axis.name for driver in self._fleets.drivers if driver.failure is not None}
-            self._left |= {driver.axis.name for driver in stops.given_up}
+            slow = [driver for driver in self._fleets.drivers if driver.busy]
+            failed = [driver for driver in self._fleets.drivers if driver.failure is not None]
+            self._left = {driver.axis.name for driver in (*slow, *failed, *stops.given_up)}
+            for driver in slow:
+                self._outbox += driver.begin((), now)
         self._outbox += self._pipeline.let_go(self._left, now)
         if self.phase is Phase.LEAVING and not stops.under_way:
             self.phase = Phase.FINISHED

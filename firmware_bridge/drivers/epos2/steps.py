@@ -74,9 +74,15 @@ def expected(axis: Axis, row: Row, attempts: int = 2) -> Ask:
     return Ask(Transfer(row.address, attempts=attempts), _Expected(axis, row))
 
 
-def read(axis: Axis, address: at.Address, kind: DataType, then: Callable[[int], Script]) -> Ask:
+def read(
+    axis: Axis,
+    address: at.Address,
+    kind: DataType,
+    then: Callable[[int], Script],
+    attempts: int = ATTEMPTS,
+) -> Ask:
     """Read a number and go on with what `then` makes of it; the task fails without an answer."""
-    return Ask(Transfer(address), _Decoded(axis, kind, then))
+    return Ask(Transfer(address, attempts=attempts), _Decoded(axis, kind, then))
 
 
 def written(axis: Axis, transfer: Transfer, doing: str) -> Ask:

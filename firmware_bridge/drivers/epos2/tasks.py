@@ -20,7 +20,7 @@ from firmware_bridge.drivers.epos2.set_point import (
 from firmware_bridge.drivers.epos2.setup import Row
 from firmware_bridge.drivers.epos2.steps import controlled, expected, failing, nmt, pause, read, written
 from firmware_bridge.drivers.script_runner import Ask, Do, Script, Step, Until
-from firmware_bridge.drivers.sdo_client import TIMEOUT, Outcome, SdoError, Transfer
+from firmware_bridge.drivers.sdo_client import ATTEMPTS, TIMEOUT, Outcome, SdoError, Transfer
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.canopen import NmtCommand
@@ -153,20 +153,22 @@ def _confirmed_off(axis: Axis, feedback: DriveFeedback) -> Script:
     return ()
 
 
-def _statusword(axis: Axis, feedback: DriveFeedback, then: Callable[[int], Script]) -> Ask:
+def _statusword(
+    axis: Axis, feedback: DriveFeedback, then: Callable[[int], Script], attempts: int = ATTEMPTS
+) -> Ask:
     """Read the statusword, whether the drive listens to set-points or not."""
 
     def judge(statusword: int) -> Script:
         feedback.told(statusword)
         return then(statusword)
 
-    return read(axis, at.STATUSWORD, DataType.UNSIGNED16, judge)
+    return read(axis, at.STATUSWORD, DataType.UNSIGNED16, judge, attempts)
 
 
 def _come_to_rest(axis: Axis, feedback: DriveFeedback, *, at_last: bool = False) -> Script:
     """Stop a drive that was left with power on: with power it refuses part of the set-up.
 
-    `at_last`: what does not come to rest loses its power, too.
+    `at_last`: it is asked once, and what does not come to rest loses its power, too.
     """
     standing = _standing(axis, STATE_WITHIN // POLL, ()) if at_last else _standing(axis)
     power_off = (controlled(axis, DISABLE_VOLTAGE), _without_power(axis, feedback, STATE_WITHIN // POLL))
@@ -176,7 +178,7 @@ def _come_to_rest(axis: Axis, feedback: DriveFeedback, *, at_last: bool = False)
             return power_off
         return (controlled(axis, QUICK_STOP), standing, *power_off)
 
-    return (_statusword(axis, feedback, judge),)
+    return (_statusword(axis, feedback, judge, attempts=1 if at_last else ATTEMPTS),)
 
 
 def _standing(axis: Axis, polls: int = STANDSTILL_WITHIN // POLL, otherwise: Script | None = None) -> Ask:

@@ -248,11 +248,13 @@ class PaperLink:
     def __init__(self, name: str) -> None:
         self.name = name
         self.lost: str | None = None
+        self.beats: list[Nanoseconds] = []
 
     def sample(self, _now: Nanoseconds) -> tuple[Packet, ...]:
         return ()
 
-    def beat(self, _now: Nanoseconds) -> tuple[Packet, ...]:
+    def beat(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        self.beats.append(now)
         return ()
 
     def hear(self, _packet: Packet, _now: Nanoseconds) -> tuple[Packet, ...]:
