@@ -16,6 +16,7 @@ from emulators.documents import (
 from emulators.epos2.control.power_states import TRANSITIONS
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import EPOS2_70_10
+from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 
 MADE: Final = "This page is made by `make docs` from the tables in the code; change those."
 OBJECTS_TEXT: Final = """{objects} objects under {indexes} indexes, as a 70/10 has them; the other types
@@ -94,6 +95,15 @@ rig.faults.plan([read({{"kind": "frame_loss", "at_s": 6.0, "for_s": 0.4, "node":
 {kinds} kinds; `EMCY` codes are explained [here](emergencies.md). Stations lie on the CAN cable in this order:
 {cable} (ASSUME)."""
 
+STOPS_TEXT: Final = """Whatever stops an axis, its drive's own word must confirm it, newer than the stop: a
+sample with the axis at rest, or a statusword of a state without torque. A step that is not confirmed in its
+time gives way to the next one, the operator is told, and the robot is disarmed. A stop that was confirmed
+begins anew where the word is not heard any more, or says that the axis moves with power. **Of** says what
+the step belongs to: a stop, a power-off that was ordered (forced disarm, the end of the program), or both.
+**Within** counts beside the ramp, and **from top speed** with it; a step ends sooner where nothing is
+heard: after the link's `silent_ms`, or where the drive says that it does not listen after **within** alone.
+The silence is left out for an axis that rested when it was last heard. The times stand in the robot file,
+`links.NAME.stop_confirmed_ms`. While a stop escalates, arming is refused."""
 SAFETY_TEXT: Final = """The robots that come with this package; `firmware-bridge robots` checks others.
 
 A hold stops the groups that it names, and lets go when its row has been clear for its time at every look.
@@ -115,8 +125,10 @@ bit for as long may owe no more than **repeats** of the way asked; and it may st
 **stands below**. All of them are worked out from top speed, drive and link unless `[axes.belief]` in the
 robot file says otherwise."""
 GUARD_TEXT: Final = """The guard shares neither code nor state with the interlocks. It lets no set-point
-pass that lies beyond these bounds, no sum of speeds beyond its own, and no motion of one side while the other
-may move."""
+pass that lies beyond these bounds, no sum of speeds beyond its own, and no motion of one side while the
+other may move. It ends a drive's watch over the bridge only after a statusword without power, and resets a
+drive only when the word that takes the power has been in force for `by_object` and no statusword has
+confirmed it."""
 
 
 def pages(tests: emergencies.Tests, commands: serial_commands.Tests) -> Mapping[str, str]:
@@ -242,4 +254,9 @@ def _safety() -> str:
             found = tuple(rows)
             if found:
                 parts.append(table(headings, found))
+        parts += ["### In which steps its axes are stopped", STOPS_TEXT]
+        for reached in (robot, over_serial(robot)):
+            for link in reached.links:
+                parts.append(f"Link `{link}`, {reached.links[link].driver.value}:")
+                parts.append(table(safety.STOP_HEADINGS, safety.stops(reached, link)))
     return _page("What holds a robot back", *parts)

@@ -6,7 +6,7 @@ from typing import Final, TypeAlias
 
 import firmware_bridge
 from firmware_bridge import kinds
-from firmware_bridge.drivers.fleets import TELLS
+from firmware_bridge.drivers.fleets import STOP_STEPS, TELLS
 from firmware_bridge.kind import AnyKind
 from firmware_bridge.robot import AnyRobot, Axis, Command
 from firmware_bridge.safety.common import AXIS_ROWS, LEFT_OUT_ROW, whole_robot_rows
@@ -30,6 +30,15 @@ BELIEF_HEADINGS: Final = (
 BOUND_HEADINGS: Final = ("axis", "on the link", "silent after", "top speed", "travel", "on the wire", "rows")
 SUM_HEADINGS: Final = ("sum", "of", "bound to both sides")
 EXCLUSIVE_HEADINGS: Final = ("never together", "one side", "other side")
+STOP_HEADINGS: Final = (
+    "step",
+    "of",
+    "what is sent",
+    "confirmed by",
+    "within",
+    "from top speed",
+    "beside that",
+)
 
 
 def shipped() -> Iterator[tuple[AnyKind, AnyRobot]]:
@@ -121,6 +130,26 @@ def exclusive(robot: AnyRobot) -> Iterator[Cells]:
     """Yield the sides that never move together."""
     for row in robot.guard.exclusive:
         yield (row.name, _quoted(row.one), _quoted(row.other))
+
+
+def stops(robot: AnyRobot, link: str) -> Iterator[Cells]:
+    """Yield the steps in which the axes on a link are stopped, each with its time."""
+    table = robot.links[link]
+    axes = robot.axes_on(link)
+    ways = [STOP_STEPS[table.driver](axis, table, robot.cycle) for axis in axes]
+    for steps in zip(*ways, strict=True):
+        step = steps[0]
+        longest = max(one.lasts(axis.top_speed) for one, axis in zip(steps, axes, strict=True))
+        whom = "a power-off" if step.ordered_off else "both" if step.ends_power else "a stop"
+        yield (
+            step.name,
+            whom,
+            step.sent,
+            "no torque" if step.ends_power else "rest, or no torque",
+            f"{step.within // MILLISECOND} ms",
+            f"{longest // MILLISECOND} ms",
+            step.note or "-",
+        )
 
 
 def _fitting(robot: AnyRobot, axis: Axis) -> Iterator[str]:

@@ -3,7 +3,8 @@
 A cycle: the devices of all links that are due are sampled, on CAN by SYNC; when they have answered, or after
 the links' time for it (on CAN 10 ms), the pipeline runs and its set-points leave; half a cycle after its
 begin the handshakes of new positions end. An exception passes through to whoever carries the node; `stop`
-then brings the drives to rest by a path that asks neither interlocks nor operator.
+then brings the drives to rest by a path that asks neither interlocks nor operator. An axis that does not
+confirm that it rests, or at the end that it has no power, is stopped with more force, step by step.
 """
 
 from collections import deque
@@ -13,21 +14,25 @@ from typing import Any, Final
 from firmware_bridge.bridge.fleets import Fleets
 from firmware_bridge.bridge.permission import Permission
 from firmware_bridge.bridge.pipeline import Pipeline
-from firmware_bridge.drivers.driver import BRING_UP, Task
+from firmware_bridge.drivers.driver import BRING_UP, Stop, Task
 from firmware_bridge.drivers.fleets import fleets_of
-from firmware_bridge.intent import EmergencyStop, Request, Verdict
+from firmware_bridge.intent import Disarm, EmergencyStop, Request, Verdict
 from firmware_bridge.kind import AnyKind
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.safety.row import Row
+from firmware_bridge.safety.row import Row, Severity
 from firmware_bridge.safety.snapshot import Hold, Snapshot
 from firmware_bridge.teleop.operator import Operator
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
 REST_WITHIN: Final[Nanoseconds] = 3 * SECOND
-"""The longest way to rest at an orderly end; then the power goes off all the same."""
+"""The longest way to rest at an orderly end; then the power goes off, unless a stop still escalates."""
+LEFT_WITHIN: Final[Nanoseconds] = 3 * SECOND
+"""The longest that taking the power off in order may last; then it is taken off step by step."""
+ENDING: Final = "the bridge is ending; only an emergency stop or a forced disarm is obeyed now"
 STARTING: Final = Row("starting", "wait")
+ENDS: Final = Row("ending", "start the bridge again", severity=Severity.NOTICE)
 FAILED: Final = Row("start-up failed", "correct it and start the bridge again")
 
 
@@ -41,7 +46,7 @@ class Phase(Enum):
     STOPPING = "stopping"
     """The robot ramps to rest."""
     LEAVING = "leaving"
-    """Power goes off, and the drives' watch over the bridge ends."""
+    """Power goes off, and then the drives' watch over the bridge ends."""
     FINISHED = "finished"
 
 
@@ -84,6 +89,9 @@ class Bridge:
         self._release_at: Nanoseconds = NEVER
         self._rest_until: Nanoseconds = NEVER
         self._began_at: Nanoseconds = 0
+        self._leave_until: Nanoseconds = NEVER
+        self._left: set[str] | None = None
+        """The axes that did not confirm that they are without power; None while they are not known."""
         self.phase = Phase.STARTING
         self.failure: str | None = None
         """Why start-up failed, one line for each drive; None where it did not."""
@@ -92,6 +100,13 @@ class Bridge:
     def finished(self) -> bool:
         """Whether the orderly end is over and the node may be let go."""
         return self.phase is Phase.FINISHED
+
+    @property
+    def unconfirmed(self) -> tuple[str, ...]:
+        """The axes, in words, whose devices did not confirm at the end that they are without power."""
+        left = self._left or ()
+        drivers = [driver for driver in self._fleets.drivers if driver.axis.name in left]
+        return tuple(driver.axis.called for driver in drivers if not driver.unpowered)
 
     @property
     def fleets(self) -> Fleets:
@@ -110,9 +125,11 @@ class Bridge:
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Take a packet of a link, or an operator's datagram."""
+        if self.phase is Phase.FINISHED:
+            return self._reaction(now)
         if packet.link != OPERATOR:
             self._outbox += self._fleets.hear(packet, now) or ()
-        elif self.phase in (Phase.STARTING, Phase.RUNNING, Phase.FAILED):
+        else:
             self._hear_operator(packet.payload, now)
         return self._reaction(now)
 
@@ -165,8 +182,10 @@ class Bridge:
             self._outbox += self._fleets.measure(now)
         elif self.phase is Phase.STOPPING:
             self._come_to_rest(now)
-        elif self.phase in (Phase.STARTING, Phase.FAILED):
-            self._report(self._pipeline.reported((self._waiting(),), now))
+        else:
+            if self.phase is not Phase.STARTING:
+                self._let_go(now)
+            self._report(self._pipeline.reported((self._waiting(), *self._permission.stops.holds), now))
 
     def _reaction(self, now: Nanoseconds) -> Reaction:
         """Carry on what the newest packet or instant made possible, and hand out what is to be sent."""
@@ -175,8 +194,8 @@ class Bridge:
         elif self._collect_until != NEVER and self._fleets.sampled(self._synchronised_at):
             self._collect_until = NEVER
             self._run(now)
-        elif self.phase is Phase.LEAVING and not self._fleets.busy:
-            self.phase = Phase.FINISHED
+        elif self.phase is Phase.LEAVING and self._left is None:
+            self._let_go(now)
         wake_at = self._wake_at()
         if not self._outbox:
             if self._idle.wake_at != wake_at:
@@ -209,8 +228,8 @@ class Bridge:
         if failures:
             self.failure = "; ".join(failures)
             self.phase = Phase.FAILED
-            self._outbox += self._fleets.begin((Task.LEAVE,), now)
-        elif self._tasks:
+            self._begin_to_leave(now)
+        elif self._tasks and not (self._tasks[0] is Task.ENABLE and self._permission.forbids_power):
             self._task = self._tasks.popleft()
             self._outbox += self._fleets.begin((self._task,), now)
         else:
@@ -219,22 +238,50 @@ class Bridge:
     def _come_to_rest(self, now: Nanoseconds) -> None:
         demanded, rests = self._pipeline.come_to_rest(now)
         self._outbox += demanded
-        if rests or now >= self._rest_until:
+        self._report(self._pipeline.reported((self._waiting(), *self._permission.stops.holds), now))
+        stops = self._permission.stops
+        if (rests and not stops.under_way) or (now >= self._rest_until and not stops.escalating):
             self._leave(now)
 
     def _leave(self, now: Nanoseconds) -> None:
         self.phase = Phase.LEAVING
         self._collect_until = self._release_at = NEVER
-        self._outbox += self._fleets.begin((Task.LEAVE,), now)
+        self._begin_to_leave(now)
+
+    def _begin_to_leave(self, now: Nanoseconds) -> None:
+        self._left, self._leave_until = None, now + LEFT_WITHIN
+        given_up = self._permission.stops.given_up
+        for driver in self._fleets.drivers:
+            if driver not in given_up:
+                self._outbox += driver.begin((Task.LEAVE,), now)
+
+    def _let_go(self, now: Nanoseconds) -> None:
+        """Take the power from those that have not confirmed that it is off, until all steps were tried."""
+        stops = self._permission.stops
+        if self._left is None:
+            if self._fleets.busy and now < self._leave_until:
+                return
+            slow = [driver for driver in self._fleets.drivers if driver.busy]
+            failed = [driver for driver in self._fleets.drivers if driver.failure is not None]
+            self._left = {driver.axis.name for driver in (*slow, *failed, *stops.given_up)}
+            for driver in slow:
+                self._outbox += driver.begin((), now)
+        self._outbox += self._pipeline.let_go(self._left, now)
+        if self.phase is Phase.LEAVING and not stops.under_way:
+            self.phase = Phase.FINISHED
 
     def _hear_operator(self, datagram: bytes, now: Nanoseconds) -> None:
         stopped = self._permission.emergency_stopped
         self._report(self._operator.hear(datagram, now, lambda request: self._decide(request, now)))
         if self.phase is Phase.RUNNING and self._permission.emergency_stopped and not stopped:
             self._run(now)
+        elif self.phase is Phase.STARTING and self._task is Task.ENABLE and self._permission.forbids_power:
+            # That ends the task, and the start-up goes on without it.
+            self._outbox += self._fleets.command_all(Stop.POWER_OFF)
 
     def _decide(self, request: Request, now: Nanoseconds) -> Verdict:
-        if self.phase is Phase.RUNNING or isinstance(request, EmergencyStop):
+        stops = isinstance(request, EmergencyStop) or (isinstance(request, Disarm) and request.force)
+        if self.phase is Phase.RUNNING or stops:
             return self._pipeline.decide(request, now)
         hold = self._waiting()
         return Verdict(accepted=False, reason=hold.reason, temporary=self.phase is Phase.STARTING)
@@ -243,6 +290,8 @@ class Bridge:
         """Say why nothing moves before the drives are ready, or after they failed."""
         if self.failure is not None:
             return Hold(FAILED.name, self.failure, FAILED, self._began_at)
+        if self.phase is not Phase.STARTING:
+            return Hold(ENDS.name, ENDING, ENDS, self._began_at)
         waiting = [driver.axis.title for driver in self._fleets.drivers if driver.busy]
         step = "" if self._task is None else f" ({self._task.value}: {', '.join(waiting)})"
         return Hold(STARTING.name, f"the drives are being set up{step}", STARTING, self._began_at)

@@ -23,6 +23,8 @@ class Fleets:
         """What was sent to each axis last; only what is due on its link, or a stop, is sent."""
         self._beats: list[Nanoseconds] = [0] * len(fleets)
         """When each link's devices hear next that the bridge lives."""
+        self._silent_until: dict[str, Nanoseconds] = {}
+        """Until when they shall not, by the link's name."""
         self.drivers: Final[tuple[Driver, ...]] = tuple(
             driver for fleet in fleets for driver in fleet.drivers
         )
@@ -80,14 +82,22 @@ class Fleets:
         self._beats = [now] * len(self.all)
 
     def beat(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Let the devices know that the bridge lives, where that is due; late beats are not made up for."""
+        """Let the devices know that the bridge lives, where that is due; late beats are not made up for.
+
+        None goes to a link that is silenced.
+        """
         sent: tuple[Packet, ...] = ()
         for index, fleet in enumerate(self.all):
             at = self._beats[index]
             if now >= at:
                 self._beats[index] = at + ((now - at) // fleet.link.beat_every + 1) * fleet.link.beat_every
-                sent += fleet.link.beat(now)
+                if now >= self._silent_until.get(fleet.name, now):
+                    sent += fleet.link.beat(now)
         return sent
+
+    def silence(self, link: str, until: Nanoseconds) -> None:
+        """Withhold the beats of a link, so that its devices stop by their own watch."""
+        self._silent_until[link] = max(until, self._silent_until.get(link, until))
 
     def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
         """Let all devices do these tasks, side by side."""
@@ -120,7 +130,7 @@ class Fleets:
         sent: tuple[Packet, ...] = ()
         for fleet in self.all:
             names = [driver.axis.name for driver in fleet.drivers]
-            stops = {name for name in names if _stops(demands.get(name, Stop.REST))}
+            stops = {name for name in names if asks_to_stop(demands.get(name, Stop.REST))}
             if fleet in self._due or not stops <= self._stopped:
                 sent += fleet.command(demands)
                 self.told.update({name: demands.get(name, Stop.REST) for name in names})
@@ -140,7 +150,8 @@ class Fleets:
         return _joined([fleet.release() for fleet in self.all])
 
 
-def _stops(demand: Demand) -> bool:
+def asks_to_stop(demand: Demand) -> bool:
+    """Return whether a demand is a stop, or speed 0."""
     return isinstance(demand, Stop) or (isinstance(demand, Speed) and demand.value == 0.0)
 
 

@@ -6,6 +6,7 @@ It answers every request with a reason. What the interlocks say comes in with th
 from typing import Final, Generic, TypeVar
 
 from firmware_bridge.bridge.fleets import Fleets
+from firmware_bridge.bridge.stops import Stops
 from firmware_bridge.drivers.driver import BRING_UP, Driver, Power, Stop, Task
 from firmware_bridge.intent import (
     Arm,
@@ -22,7 +23,7 @@ from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.table import Table
 from firmware_bridge.safety.rules import Rules
-from firmware_bridge.safety.snapshot import Facts, Hold, Snapshot
+from firmware_bridge.safety.snapshot import Hold, Snapshot
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 G = TypeVar("G", bound=Table)
@@ -44,6 +45,8 @@ class Permission(Generic[G, M, S]):
             axis.name: robot.links[axis.link].silent_ms * MILLISECOND for axis in robot.axes
         }
         self._final = False
+        self.stops: Final = Stops(robot, fleets)
+        """Whether the axes obey when they are to stop."""
         self.armed = False
         self.emergency_stopped = False
         self.mode = ""
@@ -61,10 +64,13 @@ class Permission(Generic[G, M, S]):
         """Those of the mode."""
         return self._rules[self.mode]
 
-    def watch(self, holds: tuple[Hold, ...], facts: Facts) -> None:
+    @property
+    def forbids_power(self) -> bool:
+        """Whether no drive may be given power now."""
+        return self.emergency_stopped or self.powered_off
+
+    def watch(self, holds: tuple[Hold, ...]) -> None:
         """Do what the holds' rows say: take the leave away, latch the emergency stop, part the operator."""
-        if facts.neutral:
-            self.parted = False
         for hold in holds:
             if hold.row.parts:
                 self.parted = True
@@ -129,8 +135,16 @@ class Permission(Generic[G, M, S]):
     def _premature(self, seen: Snapshot[M, S]) -> Verdict | None:
         if self.emergency_stopped:
             return Verdict(accepted=False, reason="arm: the emergency stop is latched; clear it first")
+        for hold in self.stops.holds if self.stops.escalating else ():
+            return Verdict(accepted=False, reason=f"arm: {hold.reason}", temporary=True)
         for lost in seen.facts.links_lost.values():
             return Verdict(accepted=False, reason=f"arm: {lost}; plug it in again", temporary=True)
+        if not self.rules.at_rest(seen):
+            return Verdict(accepted=False, reason="arm: the robot still moves", temporary=True)
+        return self._asked(seen)
+
+    def _asked(self, seen: Snapshot[M, S]) -> Verdict | None:
+        """Refuse where something would move as soon as the robot is armed."""
         asked = self.rules.body.asked(seen.wish, seen.body)
         if asked:
             moved = " and ".join(sorted(asked))
@@ -138,8 +152,6 @@ class Permission(Generic[G, M, S]):
             return Verdict(accepted=False, reason=reason)
         if not seen.facts.neutral:
             return Verdict(accepted=False, reason="arm: the stick is not let go; let it go first")
-        if not self.rules.at_rest(seen):
-            return Verdict(accepted=False, reason="arm: the robot still moves", temporary=True)
         return None
 
     def _used(self) -> list[Driver]:

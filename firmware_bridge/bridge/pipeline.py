@@ -4,7 +4,8 @@ It refuses to know the links' timing and start-up: `firmware_bridge.bridge.bridg
 have told where they are.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from itertools import compress
 from typing import Final, Generic, TypeVar
 
 from firmware_bridge.bridge.fleets import Fleets
@@ -20,7 +21,7 @@ from firmware_bridge.safety.charge import Charge
 from firmware_bridge.safety.following import Followers
 from firmware_bridge.safety.gate import Gate
 from firmware_bridge.safety.rules import Rules
-from firmware_bridge.safety.snapshot import Facts, Hold, Ruling, Snapshot
+from firmware_bridge.safety.snapshot import Facts, Group, Hold, Ruling, Snapshot
 from firmware_bridge.teleop.operator import Operator
 from firmware_bridge.units import NEVER, Nanoseconds
 
@@ -49,6 +50,12 @@ class Pipeline(Generic[G, M, S]):
         self._fleets = fleets
         self._operator = operator
         self._permission = permission
+        self._group_of: Final = {
+            axis.name: group
+            for group, roles in kind.groups.items()
+            for axis in robot.axes
+            if axis.role in roles
+        }
         tells = {driver.axis.name: driver.tells for driver in fleets.drivers}
         self._gate: Gate[G, M, S] = Gate(robot, rules, tells)
         self._charge: Final = Charge(robot)
@@ -75,14 +82,18 @@ class Pipeline(Generic[G, M, S]):
         elapsed = self._elapsed(now)
         known = self._guided(self.known(now), elapsed)
         ruling = self._gate.rule(known)
-        self._permission.watch(ruling.holds, known.facts)
+        if known.facts.neutral:
+            self._permission.parted = False
+        self._permission.watch(ruling.holds)
         if any(hold.row.parts for hold in ruling.holds):
             self._operator.forget()
         self.gate_deadline = self._gate.next_deadline(known.facts)
         self._demanded = rules.body.ramped(self._demanded, ruling.allowed, known.body, elapsed)
-        sent = self._command(self._demands(known), self._levels(ruling), now)
+        sent = self._stopped(
+            self._asked_to_stop(ruling.stopped), self._demands(known), self._levels(ruling), now
+        )
         self._advance(known.facts.axes)
-        self._keep(known, ruling.holds)
+        self._keep(known, ruling.holds + self._permission.stops.holds)
         return sent, self._operator.report(self.seen, self.holds, now)
 
     def come_to_rest(self, now: Nanoseconds) -> tuple[tuple[Packet, ...], bool]:
@@ -91,11 +102,20 @@ class Pipeline(Generic[G, M, S]):
         rules = self._permission.rules
         rest = rules.body.rested(self._demanded, rules.groups)
         self._demanded = rules.body.ramped(self._demanded, rest, known.body, self._elapsed(now))
-        sent = self._command(self._demands_of_body(known), self._kind.on_stop, now)
-        still = Snapshot(
-            facts=known.facts, wish=known.wish, demanded=self._demanded, body=known.body, pose=known.pose
-        )
-        return sent, rules.at_rest(known) and rules.at_rest(still)
+        off = self._permission.powered_off
+        demands = self._all(Stop.POWER_OFF) if off else self._demands_of_body(known)
+        sent = self._stopped(demands.keys() | self._group_of.keys(), demands, self._kind.on_stop, now)
+        self._keep(known, self._permission.stops.holds)
+        return sent, off or (rules.at_rest(known) and rules.at_rest(self.seen))
+
+    def let_go(self, names: Collection[str], now: Nanoseconds) -> tuple[Packet, ...]:
+        """Carry on to take the power from these axes, which have not confirmed that they have none."""
+        off = dict.fromkeys(names, Stop.POWER_OFF)
+        sent, demands = self._permission.stops.watch(off, off, now)
+        for driver in self._fleets.drivers:
+            if driver.axis.name in off:
+                sent += driver.command(demands[driver.axis.name])
+        return sent
 
     def decide(self, request: Request, now: Nanoseconds) -> Verdict:
         """Answer one request of the operator."""
@@ -168,11 +188,24 @@ class Pipeline(Generic[G, M, S]):
         self._wish = None
         return Verdict(accepted=True, reason=f"guide: {name or 'the operator'}")
 
-    def _command(
-        self, demands: Mapping[str, Demand], levels: Mapping[str, Level], now: Nanoseconds
+    def _asked_to_stop(self, stopped: frozenset[Group]) -> set[str]:
+        """Return the axes that are to stop; what the mode does without is not asked."""
+        permission = self._permission
+        asked = (permission.powered_off or group in stopped for group in self._group_of.values())
+        return set(compress(self._group_of, asked)) - permission.rules.without
+
+    def _stopped(
+        self,
+        asked: Collection[str],
+        demands: Mapping[str, Demand],
+        levels: Mapping[str, Level],
+        now: Nanoseconds,
     ) -> tuple[Packet, ...]:
-        """Send demands and levels, and keep what each axis was told."""
-        sent = self._fleets.command(demands, levels, now)
+        """Send the demands, with what has to be done about axes that do not stop as they are asked to."""
+        stops = self._permission.stops
+        escalated, changed = stops.watch(asked, demands, now, self._permission.rules.without)
+        self._permission.watch(stops.holds)
+        sent = escalated + self._fleets.command(changed, levels, now)
         self._followers.told(self._fleets.told, now)
         return sent
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from typing import TypeAlias
 
 from firmware_bridge.bridge import Bridge, Phase
-from firmware_bridge.cli.console import one_message, refusal, say
+from firmware_bridge.cli.console import FAILED, one_message, refusal, say
 from firmware_bridge.cli.drive import DriveOptions
 from firmware_bridge.cli.options import until
 from firmware_bridge.cli.places import Place, places_of
@@ -73,6 +73,8 @@ class Narrated:
         if bridge.phase is not self._phase:
             self._phase = bridge.phase
             self._say(self._phase.value, now)
+            if self._phase is Phase.FINISHED and bridge.unconfirmed:
+                self._say(_unconfirmed(bridge), now)
         if bridge.seen.facts.armed != self._armed:
             self._armed = bridge.seen.facts.armed
             self._say("armed" if self._armed else "disarmed", now)
@@ -122,6 +124,13 @@ def drive(given: DriveOptions) -> None:
         f"{machine.name}: bridge on {where}, operator on {given.mavlink}",
         StartUpFailedError,
     )
+    if bridge.unconfirmed:
+        raise refusal(_unconfirmed(bridge), FAILED)
+
+
+def _unconfirmed(bridge: Bridge) -> str:
+    """Say whose power is not known to be off; switching the battery off is what is left."""
+    return f"not confirmed to be without power: {', '.join(bridge.unconfirmed)}; switch the battery off"
 
 
 def _with_lines(

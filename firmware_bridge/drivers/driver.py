@@ -62,10 +62,20 @@ class Task(Enum):
     ENABLE = "enable"
     """Reset a fault if there is one, and put power on."""
     LEAVE = "leave"
-    """Take the power off, and end the watch over the bridge's heartbeat. This task never fails."""
+    """Take the power off; once the device has confirmed that, end its watch over the bridge's heartbeat."""
+    LISTEN = "listen"
+    """Make the device listen to set-points again, as it is; nothing is waited for."""
+    BRAKE = "quick stop by object"
+    """Quick stop, object by object: for a device that hears no set-points."""
+    DISABLE = "power off by object"
+    """Take the power off in the same way."""
+    RESET = "reset"
+    """Make the device start anew: it has no torque then, and loses what it has counted."""
 
 
 BRING_UP: Final = (Task.FIND, Task.IDENTIFY, Task.CONFIGURE, Task.START, Task.ENABLE)
+STOPPING: Final = (Task.LISTEN, Task.BRAKE, Task.DISABLE, Task.RESET)
+"""They stop the device, so no demand that stops it ends them."""
 
 
 class StartupError(Exception):
@@ -168,6 +178,10 @@ class Driver(Protocol):
         """Whether its set-up is in force; not after it restarted."""
 
     @property
+    def unpowered(self) -> bool:
+        """Whether its newest word says that the motor has no torque; not once power was asked for."""
+
+    @property
     def wake_at(self) -> Nanoseconds:
         """When it wants to be woken."""
 
@@ -175,7 +189,10 @@ class Driver(Protocol):
         """Do these tasks in order, in place of those under way."""
 
     def command(self, demand: Demand) -> tuple[Packet, ...]:
-        """Send a demand; while tasks are under way only one that ends them: quick stop or power off."""
+        """Send a demand; while tasks are under way only quick stop or power off.
+
+        Those end the tasks, unless they are of `STOPPING` themselves.
+        """
 
     def release(self) -> tuple[Packet, ...]:
         """End a set-point's handshake, where the device has one; due half a cycle after `command`."""

@@ -7,9 +7,12 @@ from firmware_bridge.drivers.driver import Tells
 from firmware_bridge.drivers.epos2 import feedback as epos2
 from firmware_bridge.drivers.epos2.can.fleet import can_fleet
 from firmware_bridge.drivers.epos2.serial.fleet import serial_fleet
+from firmware_bridge.drivers.epos2.stops import stop_steps as epos2_stop_steps
 from firmware_bridge.drivers.fleet import Fleet
-from firmware_bridge.robot import AnyRobot
+from firmware_bridge.drivers.stop_steps import StopStep
+from firmware_bridge.robot import AnyLink, AnyRobot, Axis
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
+from firmware_bridge.units import Nanoseconds
 
 DRIVERS: Final[Mapping[str, Callable[[AnyRobot, str], Fleet]]] = {
     Epos2Driver.CAN: can_fleet,
@@ -19,6 +22,11 @@ DRIVERS: Final[Mapping[str, Callable[[AnyRobot, str], Fleet]]] = {
 
 TELLS: Final[Mapping[str, frozenset[Tells]]] = dict.fromkeys(Epos2Driver, epos2.TELLS)
 """What the devices of each driver can tell, before there are any."""
+
+STOP_STEPS: Final[Mapping[str, Callable[[Axis, AnyLink, Nanoseconds], tuple[StopStep, ...]]]] = dict.fromkeys(
+    Epos2Driver, epos2_stop_steps
+)
+"""In which steps an axis is stopped, by the driver of its link; the time is the robot's cycle."""
 
 
 def fleets_of(robot: AnyRobot) -> tuple[Fleet, ...]:

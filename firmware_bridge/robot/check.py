@@ -16,6 +16,8 @@ NODE_IDS: Final = range(1, 128)
 """Another number is told where it stands."""
 ROUNDING: Final = 1e-12
 """Share of a speed by which its conversion may fall short, as the guard has it."""
+BY_SAMPLES: Final = ("ramp", "quick_stop", "power_off", "silence")
+"""The steps of a stop that a drive confirms by what it sends in every cycle."""
 
 
 def cross_checked(table: Raw, roles: Mapping[str, str]) -> Iterator[Problem]:
@@ -180,6 +182,11 @@ def _in_time(name: str, link: Raw, cycle_ms: object) -> Iterator[Problem]:
     if silent_ms <= every * cycle_ms:
         problem = f"{silent_ms} is not longer than the link's cycle, {every * cycle_ms}"
         yield Problem(f"links.{name}.silent_ms", problem)
+    for step, time_ms in _within(link, "stop_confirmed_ms").items():
+        # One sample may have been asked for just before, and the next one may be lost.
+        if isinstance(time_ms, int) and step in BY_SAMPLES and time_ms <= 2 * every * cycle_ms:
+            problem = f"{time_ms} is not longer than two of the link's cycles, {2 * every * cycle_ms}"
+            yield Problem(f"links.{name}.stop_confirmed_ms.{step}", problem)
 
 
 def _stopping(name: str, link: Raw, axes: list[Raw], roles: Mapping[str, str]) -> Iterator[Problem]:

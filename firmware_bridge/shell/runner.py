@@ -20,7 +20,8 @@ from firmware_bridge.shell.clock import Clock
 from firmware_bridge.shell.ports.port import LostPort, Port
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds, to_seconds
 
-STOP_WITHIN: Final = 5 * SECOND
+STOP_WITHIN: Final = 15 * SECOND
+"""The longest end that a bridge asks for: every step of a stop tried in vain, on the slowest line."""
 _SIGNALS: Final = (signal.SIGINT, signal.SIGTERM)
 
 

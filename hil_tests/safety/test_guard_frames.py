@@ -21,7 +21,7 @@ LIFT_END: Final = 2_890_879
 """86.7 mm of screw, 57.8 turns of 1.5 mm, 25 times 2000 quadcounts a turn."""
 
 ADMITTED: Final = (
-    *(frame(0x000, f"{command}{node:02x}") for command in ("01", "80", "81", "82") for node in range(5)),
+    *(frame(0x000, f"{command}{node:02x}") for command in ("01", "80", "82") for node in range(5)),
     frame(0x080, ""),
     *(frame(0x764, state) for state in ("00", "04", "05", "7f")),
     *(

@@ -63,6 +63,8 @@ class AnySpeech(RuleBasedStateMachine):
         self.refused = 0
         self.power = dict.fromkeys(COMMAND_OF, False)
         self.moves = dict.fromkeys(COMMAND_OF, False)
+        self.off_since = dict.fromkeys(COMMAND_OF, NEVER)
+        """Since when the word in force has been the one that takes the power."""
         self.goal = dict.fromkeys(COMMAND_OF, False)
         """Whether a position was sent since the power came on."""
 
@@ -92,7 +94,8 @@ class AnySpeech(RuleBasedStateMachine):
             if packet.link == OPERATOR:
                 continue
             assert packet.link == LINK
-            assert RULES.refuses(packet) is None
+            # What a drive must have confirmed is judged by the guard that hears it; here none says a word.
+            assert packet.payload[:1] == b"\x81" or RULES.refuses(packet, self.now) is None
             if packet.address in NODE_OF:
                 self.obey(packet, said)
             elif packet.address == 0:
@@ -105,19 +108,29 @@ class AnySpeech(RuleBasedStateMachine):
         for node in COMMAND_OF if addressed == 0 else (addressed,):
             if command != 1:
                 assert not self.moves[node]
+                assert command != 0x81 or self.now >= self.off_since[node] + 200 * MILLISECOND
+                self.off_since[node] = NEVER
                 self.power[node] = self.goal[node] = False
 
     def write(self, node: int, payload: bytes) -> None:
         """Take an SDO request, or a frame that drives do not mind."""
+        assert payload != bytes.fromhex("2316100100000000"), "no drive has said that it has no power"
         if payload[:3] == b"\x2b\x40\x60":
+            self.words(node, int.from_bytes(payload[4:6], "little"))
             self.power[node] = self.moves[node] = self.goal[node] = False
-        elif payload == bytes.fromhex("2316100100000000"):
-            assert not self.power[node]
+
+    def words(self, node: int, word: int) -> None:
+        """Keep since when the power was to go."""
+        if word != 0:
+            self.off_since[node] = NEVER
+        elif self.off_since[node] == NEVER:
+            self.off_since[node] = self.now
 
     def obey(self, packet: Packet, said: list[Packet]) -> None:
         """Take a set-point as a drive does."""
         node = NODE_OF[packet.address]
         word, target = struct.unpack("<Hi", packet.payload)
+        self.words(node, word)
         power = word in {0x000F, 0x003F, 0x010F}
         drives = word == 0x000F and target != 0
         self.goal[node] = word == 0x003F or (power and self.goal[node])

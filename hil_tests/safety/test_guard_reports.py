@@ -5,6 +5,7 @@ from typing import Final
 import pytest
 
 from firmware_bridge.packet import Packet
+from firmware_bridge.units import SECOND
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.safety.guard_bench import (
@@ -75,7 +76,7 @@ def test_a_statusword_that_is_no_state_says_nothing(bench: Bench, statusword: in
     ids=str,
 )
 def test_what_is_no_statusword_of_the_drive_says_nothing_of_its_power(bench: Bench, packet: Packet) -> None:
-    bench.hears(packet)
+    bench.hears(status(1, OFF), packet)
     assert bench.says(ENDS_WATCH) == (ENDS_WATCH,)
 
 
@@ -119,11 +120,33 @@ def test_a_reset_makes_a_report_old_and_nothing_else_does(
     bench: Bench, command: int, *, forgotten: bool
 ) -> None:
     """In pre-operational a drive keeps its power; one that goes on reporting it after a reset has it, too."""
-    bench.hears(status(1, ENABLED))
-    bench.says(Packet(LINK, 0x000, bytes((command, 1))))
-    assert (bench.says(ENDS_WATCH) == (ENDS_WATCH,)) is forgotten
-    bench.hears(status(1, ENABLED))
+    if command != 0x81:
+        bench.hears(status(1, OFF))
+    else:
+        bench.says(wheel(1, 0x0000, 0))
+    told = Packet(LINK, 0x000, bytes((command, 1)))
+    assert bench.says(told, now=SECOND) == (told,)
+    assert (bench.says(ENDS_WATCH, now=SECOND) != (ENDS_WATCH,)) is forgotten
+    bench.hears(status(1, ENABLED), now=SECOND)
+    assert bench.refuses(ENDS_WATCH, SECOND)[1] == aborted(1, 0x1016, 1)
+    bench.hears(status(1, OFF), now=SECOND)
+    assert bench.says(ENDS_WATCH, now=SECOND) == (ENDS_WATCH,)
+
+
+def test_a_drive_that_has_said_nothing_of_its_power_keeps_its_watch(bench: Bench) -> None:
     assert bench.refuses(ENDS_WATCH)[1] == aborted(1, 0x1016, 1)
+
+
+@pytest.mark.parametrize("takes", [0x0000, 0x0006, 0x000B])
+def test_no_power_is_confirmed_by_a_word_after_the_last_that_gave_it(bench: Bench, takes: int) -> None:
+    """Neither the bridge's word nor a report from before or under it is one."""
+    bench.hears(status(1, OFF))
+    bench.says(wheel(1, 0x000F, 0))
+    bench.hears(status(1, OFF))
+    bench.says(wheel(1, takes, 0))
+    assert bench.refuses(ENDS_WATCH)[1] == aborted(1, 0x1016, 1)
+    bench.hears(status(1, READY))
+    assert bench.says(ENDS_WATCH) == (ENDS_WATCH,)
 
 
 def test_what_a_drive_reports_reaches_the_node(bench: Bench) -> None:
@@ -162,7 +185,8 @@ def test_on_a_serial_line_the_answer_to_a_read_statusword_tells_of_power() -> No
 )
 def test_other_answers_say_nothing_of_power(asked: Packet, answer: Packet) -> None:
     desk = SerialBench()
-    desk.says(asked)
+    desk.says(ASKED, asked)
+    desk.hears(value(ASKED, b"\x40\x01"))
     assert desk.hears(answer)
     assert desk.says(WATCH_OFF) == (WATCH_OFF,)
 

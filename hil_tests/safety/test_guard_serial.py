@@ -6,8 +6,9 @@ from hypothesis import strategies as st
 
 from firmware_bridge.drivers.epos2.serial.link import guarding, heartbeat
 from firmware_bridge.drivers.epos2.setup import configuration, farewell, through_gateway
-from firmware_bridge.node import CAN, OPERATOR
+from firmware_bridge.node import CAN, LINE_BACK, OPERATOR
 from firmware_bridge.packet import Packet
+from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.canopen import NmtCommand
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
@@ -34,6 +35,7 @@ from hil_tests.safety.serial_bench import (
     says,
     speed,
     target,
+    value,
     word,
     writing,
 )
@@ -62,10 +64,19 @@ def test_what_is_listed_leaves_as_it_is(desk: SerialBench, packet: Packet) -> No
     assert desk.guard.refused == 0
 
 
+def confirms_no_power(desk: SerialBench, node: int) -> None:
+    """Let a drive answer that it is switched off; what was asked for before is answered first."""
+    asked = reading(node, at.STATUSWORD)
+    desk.guard.receive(Packet(LINK, LINE_BACK, b""), 0)
+    desk.says(asked)
+    desk.hears(value(asked, b"\x40\x01"))
+
+
 def test_the_whole_set_up_of_every_drive_leaves_as_it_is(desk: SerialBench) -> None:
     link = ROBOT.links[LINK]
     for axis in ROBOT.axes:
         flows = through_gateway(axis, link, NODES)
+        confirms_no_power(desk, axis.settings.node)
         for row in (*configuration(axis, link, traffic=flows), *farewell()):
             packet = writing(axis.settings.node, row.address, row.raw)
             assert desk.says(packet) == (packet,), row
@@ -120,7 +131,7 @@ def test_every_command_of_the_protocol_has_been_judged() -> None:
     listed = {0x0E, 0x10, 0x11, 0x20, 0x21}
     for row in ROWS:
         if row.opcode not in listed:
-            assert RULES.refuses(Packet(LINK, row.opcode, bytes(8))) is not None
+            assert RULES.refuses(Packet(LINK, row.opcode, bytes(8)), 0) is not None
 
 
 def test_a_refused_speed_becomes_speed_0_and_the_power_stays_on(desk: SerialBench) -> None:
@@ -155,16 +166,17 @@ def test_a_moving_drive_keeps_its_network_state(desk: SerialBench) -> None:
 
 def test_the_watch_of_a_drive_with_power_is_not_ended(desk: SerialBench) -> None:
     off = number(LEFT, at.CONSUMER_HEARTBEAT_1, 0)
+    assert off not in desk.says(off), "it has said nothing yet"
+    confirms_no_power(desk, LEFT)
     assert desk.says(off) == (off,)
     desk.says(word(LEFT, ENABLE))
     assert off not in desk.says(off)
-    assert "0x1016:01 set to 0 while node 1 has power" in desk.refusals[0].reason
+    assert {refusal.reason for refusal in desk.refusals} == {"0x1016:01 set to 0 while node 1 may have power"}
 
 
 @pytest.mark.parametrize(
     ("network", "after"),
     [
-        (NmtCommand.RESET_NODE, 0),
         (NmtCommand.RESET_COMMUNICATION, 0),
         (NmtCommand.ENTER_PRE_OPERATIONAL, HALT),
         (NmtCommand.START, HALT),
@@ -179,6 +191,17 @@ def test_a_drive_that_was_reset_is_without_power(
     told = says(SendNmtService(node, network))
     assert desk.says(told) == (told,)
     assert desk.says(target(STEER, ENDS[STEER][1] + 1)) == (word(STEER, after),)
+
+
+def test_a_drive_is_reset_where_it_has_not_confirmed_in_its_time(desk: SerialBench) -> None:
+    reset = says(SendNmtService(STEER, NmtCommand.RESET_NODE))
+    desk.says(word(STEER, HALT))
+    assert reset not in desk.says(reset, now=SECOND)
+    desk.says(word(STEER, 0), now=SECOND)
+    assert reset not in desk.says(reset, now=SECOND + 700 * MILLISECOND - 1)
+    assert desk.says(reset, now=SECOND + 700 * MILLISECOND) == (reset,)
+    everybody = says(SendNmtService(0, NmtCommand.RESET_NODE))
+    assert everybody not in desk.says(everybody, now=3 * SECOND)
 
 
 def test_network_commands_to_other_drives_leave_while_one_moves_but_none_to_all(desk: SerialBench) -> None:
@@ -223,6 +246,7 @@ def test_whatever_the_node_says_no_target_beyond_its_bounds_leaves(said: list[Re
         for packet in desk.says(says(request)):
             left = request_of(packet)
             assert left is not None
-            assert RULES.refuses(packet) is None
+            # What hangs on the drives' own words is for a guard that hears them.
+            assert RULES.refuses(packet, 0) is None
             if isinstance(left, messages.WriteObject) and left.index == at.TARGET_VELOCITY.index:
                 assert abs(int.from_bytes(left.raw, "little", signed=True)) <= TOP

@@ -9,7 +9,7 @@ import pytest
 from firmware_bridge.drivers.epos2.setup import configuration, farewell
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
-from hil_tests.safety.guard_bench import LINK, Bench, aborted, frame, raw, write
+from hil_tests.safety.guard_bench import LINK, Bench, aborted, frame, raw, status, write
 from hil_tests.safety.guard_robots import RARS, AnAxis, robot_with
 
 STEER_END: Final = 134_953
@@ -90,6 +90,8 @@ def test_an_object_may_be_written_within_its_bounds(
     may: Sequence[int],
     beyond: Sequence[int],
 ) -> None:
+    # What is written last here, the end of the watch, needs a drive that has said that it has no power.
+    bench.hears(status(node, 0x0140))
     for value in may:
         packet = write(node, index, subindex, raw(value, size))
         assert bench.says(packet) == (packet,)
@@ -232,6 +234,7 @@ def test_the_whole_set_up_of_every_drive_leaves_as_it_is(robot: AnyRobot) -> Non
     bench = Bench(robot)
     for axis in robot.axes:
         outputs = [output for output in robot.outputs if output.settings.axis == axis.name]
+        bench.hears(status(axis.settings.node, 0x0140))
         for row in (*configuration(axis, robot.links[LINK], outputs), *farewell()):
             packet = write(axis.settings.node, *row.address, row.raw)
             assert bench.says(packet) == (packet,), row

@@ -176,7 +176,6 @@ def test_a_stranger_who_resets_a_drive_takes_its_power(rides: Ridden) -> None:
     drives_again(ride)
 
 
-@pytest.mark.xfail(reason=f"a drive that hears no set-point runs on: {MENDED}", strict=True)
 @pytest.mark.parametrize("node", ["left", None])
 @pytest.mark.parametrize("command", ["stop", "enter_pre_operational", "reset_communication"])
 def test_a_robot_whose_drive_obeys_a_stranger_stands(rides: Ridden, command: str, node: str | None) -> None:

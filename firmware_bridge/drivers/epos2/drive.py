@@ -67,6 +67,11 @@ class Epos2Drive(Generic[F]):
         return self._tasks.failure
 
     @property
+    def unpowered(self) -> bool:
+        """Whether its newest statusword tells a state without torque; not once power was asked for."""
+        return self._feedback.unpowered
+
+    @property
     def configured(self) -> bool:
         """Whether its set-up is in force and it listens to set-points."""
         return self._tasks.configured

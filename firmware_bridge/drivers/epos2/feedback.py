@@ -10,10 +10,18 @@ from firmware_bridge.drivers.epos2.scale import Scale, wrapped
 from firmware_bridge.intent import NEVER_HEARD
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds, to_seconds
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import State, state_of
 
 TELLS: Final = frozenset(Tells)
 """An EPOS2 tells all that there is."""
+POWERED: Final = (
+    State.REFRESH,
+    State.MEASURE_INIT,
+    State.OPERATION_ENABLED,
+    State.QUICK_STOP_ACTIVE,
+    State.FAULT_REACTION_ENABLED,
+)
+"""States in which the motor may have torque."""
 FAULT_STATES: Final = (State.FAULT, State.FAULT_REACTION_DISABLED, State.FAULT_REACTION_ENABLED)
 _POWERS: Final = {
     State.OPERATION_ENABLED: Power.ON,
@@ -47,6 +55,14 @@ class DriveFeedback:
         self.current_ma = 0
         self.fault = 0
         """Code of the newest emergency; 0 where there is none, or it was reset."""
+        self.unpowered = False
+        """Whether the newest statusword tells a state without torque; False again when power is asked for."""
+
+    def told(self, statusword: int) -> None:
+        """Take a statusword, by whatever way it came and whether the drive listens to set-points or not."""
+        self.statusword = statusword
+        state = state_of(statusword)
+        self.unpowered = state is not None and state not in POWERED
 
     def moved_to(self, counter: int) -> int:
         """Return the way in quadcounts from the newest position to what the drive's counter shows now."""

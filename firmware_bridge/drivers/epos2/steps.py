@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from firmware_bridge.drivers.driver import StartupError
 from firmware_bridge.drivers.epos2.setup import Row
 from firmware_bridge.drivers.script_runner import Ask, Do, Script, Until
-from firmware_bridge.drivers.sdo_client import Outcome, SdoError, Transfer
+from firmware_bridge.drivers.sdo_client import ATTEMPTS, Outcome, SdoError, Transfer
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds
@@ -74,9 +74,15 @@ def expected(axis: Axis, row: Row, attempts: int = 2) -> Ask:
     return Ask(Transfer(row.address, attempts=attempts), _Expected(axis, row))
 
 
-def read(axis: Axis, address: at.Address, kind: DataType, then: Callable[[int], Script]) -> Ask:
+def read(
+    axis: Axis,
+    address: at.Address,
+    kind: DataType,
+    then: Callable[[int], Script],
+    attempts: int = ATTEMPTS,
+) -> Ask:
     """Read a number and go on with what `then` makes of it; the task fails without an answer."""
-    return Ask(Transfer(address), _Decoded(axis, kind, then))
+    return Ask(Transfer(address, attempts=attempts), _Decoded(axis, kind, then))
 
 
 def written(axis: Axis, transfer: Transfer, doing: str) -> Ask:
@@ -84,9 +90,9 @@ def written(axis: Axis, transfer: Transfer, doing: str) -> Ask:
     return Ask(transfer, _Taken(axis, doing))
 
 
-def controlled(axis: Axis, controlword: int) -> Ask:
-    """Write the controlword by SDO: before process data flows there is no other way."""
-    transfer = Transfer(at.CONTROLWORD, DataType.UNSIGNED16.encode(controlword))
+def controlled(axis: Axis, controlword: int, attempts: int = ATTEMPTS) -> Ask:
+    """Write the controlword by SDO: where process data does not flow there is no other way."""
+    transfer = Transfer(at.CONTROLWORD, DataType.UNSIGNED16.encode(controlword), attempts)
     return written(axis, transfer, f"writing 0x{controlword:04X}")
 
 

@@ -1,10 +1,11 @@
 """The tasks of one EPOS2: which one is under way, and why one failed. It refuses to know the link."""
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Final
 
-from firmware_bridge.drivers.driver import StartupError, Task
+from firmware_bridge.drivers.driver import STOPPING, StartupError, Task
 from firmware_bridge.drivers.epos2 import tasks as scripts
 from firmware_bridge.drivers.epos2.feedback import DriveFeedback
 from firmware_bridge.drivers.epos2.set_point import SetPoint
@@ -14,6 +15,7 @@ from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds
 
+_LOSES_SET_UP: Final = (Task.FIND, Task.RESET)
 _NEEDS_SET_UP: Final = (Task.IDENTIFY, Task.CONFIGURE, Task.START, Task.ENABLE)
 
 
@@ -33,10 +35,20 @@ class TaskRunner:
         """Take the drive's parts and its set-up; `started` is what the link wants done after that task."""
         self._axis = axis
         self._feedback = feedback
-        self._set_point = set_point
         self._scripts = runner
-        self._configuration = configuration
         self._started = started
+        self._made: Final[Mapping[Task, Callable[[], Script]]] = {
+            Task.FIND: partial(scripts.find, axis, feedback),
+            Task.IDENTIFY: partial(scripts.identify, axis),
+            Task.CONFIGURE: partial(scripts.configure, axis, feedback, configuration),
+            Task.START: self._start,
+            Task.ENABLE: partial(scripts.enable, axis, feedback, set_point),
+            Task.LEAVE: partial(scripts.leave, axis, feedback, set_point),
+            Task.LISTEN: partial(scripts.listen, axis),
+            Task.BRAKE: partial(scripts.brake, axis),
+            Task.DISABLE: partial(scripts.disable, axis, feedback),
+            Task.RESET: partial(scripts.reset, axis, feedback),
+        }
         self._tasks: deque[Task] = deque()
         self._task: Task | None = None
         self.set_up = False
@@ -50,6 +62,11 @@ class TaskRunner:
     def busy(self) -> bool:
         """Whether tasks are under way."""
         return self._task is not None
+
+    @property
+    def stopping(self) -> bool:
+        """Whether the one under way stops the drive itself."""
+        return self._task in STOPPING
 
     @property
     def configured(self) -> bool:
@@ -105,18 +122,9 @@ class TaskRunner:
         return sent
 
     def _script(self, task: Task) -> Script:
-        axis, feedback = self._axis, self._feedback
-        match task:
-            case Task.FIND:
-                self.set_up = False
-                return scripts.find(axis, feedback)
-            case Task.IDENTIFY:
-                return scripts.identify(axis)
-            case Task.CONFIGURE:
-                return scripts.configure(axis, self._configuration)
-            case Task.START:
-                return (*scripts.start(axis, feedback), Do(self._started))
-            case Task.ENABLE:
-                return scripts.enable(axis, feedback, self._set_point)
-            case Task.LEAVE:
-                return scripts.leave(axis, feedback, self._set_point)
+        if task in _LOSES_SET_UP:
+            self.set_up = False
+        return self._made[task]()
+
+    def _start(self) -> Script:
+        return (*scripts.start(self._axis, self._feedback), Do(self._started))

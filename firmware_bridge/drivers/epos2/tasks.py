@@ -4,11 +4,12 @@
 keeps nothing but its steps, so that its place in the procedure is data.
 """
 
+from collections.abc import Callable
 from typing import Final
 
 from firmware_bridge.drivers.driver import StartupError
 from firmware_bridge.drivers.epos2 import setup
-from firmware_bridge.drivers.epos2.feedback import DriveFeedback
+from firmware_bridge.drivers.epos2.feedback import POWERED, DriveFeedback
 from firmware_bridge.drivers.epos2.set_point import (
     DISABLE_VOLTAGE,
     FAULT_RESET,
@@ -19,7 +20,7 @@ from firmware_bridge.drivers.epos2.set_point import (
 from firmware_bridge.drivers.epos2.setup import Row
 from firmware_bridge.drivers.epos2.steps import controlled, expected, failing, nmt, pause, read, written
 from firmware_bridge.drivers.script_runner import Ask, Do, Script, Step, Until
-from firmware_bridge.drivers.sdo_client import TIMEOUT, Outcome, SdoError, Transfer
+from firmware_bridge.drivers.sdo_client import ATTEMPTS, TIMEOUT, Outcome, SdoError, Transfer
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.canopen import NmtCommand
@@ -35,20 +36,12 @@ SAMPLE_WITHIN: Final[Nanoseconds] = 500 * MILLISECOND
 LEAVE_WITHIN: Final[Nanoseconds] = 200 * MILLISECOND
 POLL: Final[Nanoseconds] = 20 * MILLISECOND
 STANDSTILL_WITHIN: Final[Nanoseconds] = 3 * SECOND
+RESET_POLLS: Final = 5
 STANDSTILL_RPM: Final = 5
 """At the motor; the averaged velocity of a resting shaft shows one or two."""
 FAULT_RESETS: Final = 2
 NEWEST_ERROR: Final = at.Address(at.ERROR_HISTORY_COUNT.index, 1)
 """The code is its low word (EPOS Firmware Specification)."""
-
-POWERED: Final = (
-    State.REFRESH,
-    State.MEASURE_INIT,
-    State.OPERATION_ENABLED,
-    State.QUICK_STOP_ACTIVE,
-    State.FAULT_REACTION_ENABLED,
-)
-"""States in which the motor may have torque."""
 
 
 def find(axis: Axis, feedback: DriveFeedback) -> Script:
@@ -69,9 +62,9 @@ def identify(axis: Axis) -> Script:
     return tuple(expected(axis, row) for row in setup.identity(axis))
 
 
-def configure(axis: Axis, rows: tuple[Row, ...]) -> Script:
+def configure(axis: Axis, feedback: DriveFeedback, rows: tuple[Row, ...]) -> Script:
     """Bring the drive to rest without power, write the set-up, read back what safety hangs on."""
-    steps: list[Step] = [*_come_to_rest(axis)]
+    steps: list[Step] = [*_come_to_rest(axis, feedback)]
     for row in rows:
         steps.append(written(axis, Transfer(row.address, row.raw), f"writing {row.expected}"))
         if row.read_back:
@@ -98,21 +91,51 @@ def start(axis: Axis, feedback: DriveFeedback) -> Script:
 
 def enable(axis: Axis, feedback: DriveFeedback, set_point: SetPoint) -> Script:
     """Walk to operation enabled, over a fault reset where there is a fault."""
+    feedback.unpowered = False
     return (Do(lambda: _towards_enabled(axis, feedback, set_point, 0)),)
 
 
 def leave(axis: Axis, feedback: DriveFeedback, set_point: SetPoint) -> Script:
-    """Take the power off in order, end the watch over the bridge, stop process data."""
-    farewell = _farewell(axis, setup.farewell())
+    """Take the power off in order, end the watch over the bridge, stop process data.
+
+    The task fails, and leaves the watch on, where the drive's own statusword does not confirm that it has no
+    power: object by object where it does not by process data.
+    """
+    confirmed = (Do(lambda: _confirmed_off(axis, feedback)), *_farewell(axis, setup.farewell()))
     if not feedback.operational:
-        return farewell
+        return (Do(lambda: _come_to_rest(axis, feedback, at_last=True)), *confirmed)
     return (
         set_point.word(SHUTDOWN),
         Until(lambda: feedback.state not in POWERED, LEAVE_WITHIN),
         Do(lambda: (set_point.word(DISABLE_VOLTAGE),)),
-        Until(lambda: feedback.state in (State.SWITCH_ON_DISABLED, State.FAULT), LEAVE_WITHIN),
-        *farewell,
+        Until(lambda: _is_off(feedback), LEAVE_WITHIN),
+        Do(lambda: () if _is_off(feedback) else _come_to_rest(axis, feedback, at_last=True)),
+        *confirmed,
     )
+
+
+def listen(axis: Axis) -> Script:
+    """Take the node to operational, whoever has taken it elsewhere; its set-up is left as it is."""
+    return (nmt(axis, NmtCommand.START),)
+
+
+def brake(axis: Axis) -> Script:
+    """Stop a drive object by object, as one that hears no set-points; where it answers, until it stands."""
+    return (controlled(axis, QUICK_STOP, attempts=1), _standing(axis))
+
+
+def disable(axis: Axis, feedback: DriveFeedback) -> Script:
+    """Take the power off object by object, and read until the drive confirms it."""
+    polls = STATE_WITHIN // POLL
+    return (controlled(axis, DISABLE_VOLTAGE, attempts=1), _without_power(axis, feedback, polls))
+
+
+def reset(axis: Axis, feedback: DriveFeedback) -> Script:
+    """Make the drive start anew, without power, and read its statusword when it has.
+
+    A boot-up message alone proves nothing: after reset communication a motor may go on turning (ASSUME).
+    """
+    return (nmt(axis, NmtCommand.RESET_NODE), pause(LEAVE_WITHIN), _restarted(axis, feedback, RESET_POLLS))
 
 
 def _found(feedback: DriveFeedback) -> Script:
@@ -120,44 +143,85 @@ def _found(feedback: DriveFeedback) -> Script:
     return ()
 
 
-def _come_to_rest(axis: Axis) -> Script:
-    """Stop a drive that an earlier run left with power on: with power it refuses part of the set-up."""
-    power_off = (controlled(axis, DISABLE_VOLTAGE), _without_power(axis, STATE_WITHIN // POLL))
+def _is_off(feedback: DriveFeedback) -> bool:
+    return feedback.state in (State.SWITCH_ON_DISABLED, State.FAULT)
+
+
+def _confirmed_off(axis: Axis, feedback: DriveFeedback) -> Script:
+    if not feedback.unpowered:
+        raise StartupError(axis, "it has not confirmed that its power is off; its watch stays on")
+    return ()
+
+
+def _statusword(
+    axis: Axis, feedback: DriveFeedback, then: Callable[[int], Script], attempts: int = ATTEMPTS
+) -> Ask:
+    """Read the statusword, whether the drive listens to set-points or not."""
+
+    def judge(statusword: int) -> Script:
+        feedback.told(statusword)
+        return then(statusword)
+
+    return read(axis, at.STATUSWORD, DataType.UNSIGNED16, judge, attempts)
+
+
+def _come_to_rest(axis: Axis, feedback: DriveFeedback, *, at_last: bool = False) -> Script:
+    """Stop a drive that was left with power on: with power it refuses part of the set-up.
+
+    `at_last`: it is asked once, and what does not come to rest loses its power, too.
+    """
+    standing = _standing(axis, STATE_WITHIN // POLL, ()) if at_last else _standing(axis)
+    power_off = (controlled(axis, DISABLE_VOLTAGE), _without_power(axis, feedback, STATE_WITHIN // POLL))
 
     def judge(statusword: int) -> Script:
         if state_of(statusword) not in POWERED:
             return power_off
-        return (controlled(axis, QUICK_STOP), _standing(axis, STANDSTILL_WITHIN // POLL), *power_off)
+        return (controlled(axis, QUICK_STOP), standing, *power_off)
 
-    return (read(axis, at.STATUSWORD, DataType.UNSIGNED16, judge),)
+    return (_statusword(axis, feedback, judge, attempts=1 if at_last else ATTEMPTS),)
 
 
-def _standing(axis: Axis, polls: int) -> Ask:
-    """Wait until the motor stands; so many polls are left."""
+def _standing(axis: Axis, polls: int = STANDSTILL_WITHIN // POLL, otherwise: Script | None = None) -> Ask:
+    """Wait until the motor stands; so many polls are left, and without `otherwise` the task fails then."""
 
     def judge(rpm: int) -> Script:
         if abs(rpm) <= STANDSTILL_RPM:
             return ()
         if polls > 1:
-            return (pause(POLL), _standing(axis, polls - 1))
+            return (pause(POLL), _standing(axis, polls - 1, otherwise))
+        if otherwise is not None:
+            return otherwise
         problem = f"the motor still turns with {rpm} rpm {STANDSTILL_WITHIN // SECOND} s after a quick stop"
         return (pause(POLL), failing(axis, problem))
 
     return read(axis, at.VELOCITY_AVERAGED, DataType.INTEGER32, judge)
 
 
-def _without_power(axis: Axis, polls: int) -> Ask:
+def _without_power(axis: Axis, feedback: DriveFeedback, polls: int) -> Ask:
     """Wait until the power is off; so many polls are left."""
 
     def judge(statusword: int) -> Script:
         if state_of(statusword) in (State.SWITCH_ON_DISABLED, State.FAULT):
             return ()
         if polls > 1:
-            return (pause(POLL), _without_power(axis, polls - 1))
+            return (pause(POLL), _without_power(axis, feedback, polls - 1))
         problem = f"the power did not go off (statusword 0x{statusword:04X}, expected 0x0140)"
         return (pause(POLL), failing(axis, problem))
 
-    return read(axis, at.STATUSWORD, DataType.UNSIGNED16, judge)
+    return _statusword(axis, feedback, judge)
+
+
+def _restarted(axis: Axis, feedback: DriveFeedback, polls: int) -> Ask:
+    """Read the statusword of a drive that starts, which does not answer at once; so many polls are left."""
+
+    def judge(outcome: Outcome) -> Script:
+        if not isinstance(outcome, SdoError):
+            feedback.told(DataType.UNSIGNED16.decode(outcome))
+        elif polls > 1:
+            return (pause(POLL), _restarted(axis, feedback, polls - 1))
+        return ()
+
+    return Ask(Transfer(at.STATUSWORD, attempts=1), judge)
 
 
 def _farewell(axis: Axis, rows: tuple[Row, ...]) -> Script:

@@ -3,12 +3,12 @@
 import math
 from collections.abc import Sequence
 from enum import StrEnum
-from typing import Annotated, Final, Self
+from typing import Annotated, Final, NamedTuple, Self
 
 from pydantic import Field, field_validator, model_validator
 
 from firmware_bridge.robot.table import LinkTable, Name, Positive, Signed16, Table, Unsigned16, Unsigned32
-from firmware_bridge.units import QUADCOUNTS_PER_LINE, RPM_PER_RAD_S
+from firmware_bridge.units import MILLISECOND, QUADCOUNTS_PER_LINE, RPM_PER_RAD_S, Nanoseconds
 from firmware_bridge.wire.maxon.frame import Generation
 
 NodeId = Annotated[int, Field(ge=1, le=127)]
@@ -26,6 +26,12 @@ class Epos2Driver(StrEnum):
     """Over the serial port of one drive, the gateway, which passes commands on over CAN."""
 
 
+UNCONFIRMED_CYCLES: Final = 3
+"""So many cycles of its link without its word, and a drive has not confirmed a stop."""
+UNANSWERED_MS: Final = {Epos2Driver.CAN: 200, Epos2Driver.SERIAL: 700}
+"""How long an object of a silent drive is waited for; over serial the gateway's patience comes in."""
+
+
 class Epos2Device(StrEnum):
     """The type of a drive, as maxon names it behind the word EPOS2."""
 
@@ -34,6 +40,35 @@ class Epos2Device(StrEnum):
     MODULE_36_2 = "36/2"
     EPOS2_50_5 = "50/5"
     EPOS2_70_10 = "70/10"
+
+
+Confirmation = Annotated[int, Field(ge=10, le=10_000)]
+
+
+class StopTimes(Table):
+    """How long a drive's own word may take to confirm a step of a stop, beside the step's ramp; ms."""
+
+    ramp: Confirmation | None = None
+    """None, here and below: three of the link's cycles."""
+    quick_stop: Confirmation | None = None
+    power_off: Confirmation | None = None
+    by_object: Confirmation | None = None
+    """For each of the two words written object by object; None: as long as a silent drive keeps the link."""
+    silence: Confirmation | None = None
+    """After the silence at which the drives stop by themselves, `bridge_silent_ms`."""
+    reset: Confirmation = 1_000
+
+
+class Confirmed(NamedTuple):
+    """The same times, all known; nanoseconds."""
+
+    ramp: Nanoseconds
+    quick_stop: Nanoseconds
+    power_off: Nanoseconds
+    by_object: Nanoseconds
+    silence: Nanoseconds
+    """The drives' patience included."""
+    reset: Nanoseconds
 
 
 class Epos2Link(LinkTable):
@@ -54,6 +89,7 @@ class Epos2Link(LinkTable):
     bridge_silent_ms: Annotated[int, Field(ge=10, le=10_000)]
     """The drives stop by themselves after this silence of the bridge."""
     drive_heartbeat_ms: Annotated[int, Field(ge=10, le=10_000)]
+    stop_confirmed_ms: StopTimes = StopTimes()
 
     @field_validator("bit_rate")
     @classmethod
@@ -80,6 +116,21 @@ class Epos2Link(LinkTable):
     def line_rate(self) -> int:
         """The serial port's rate in bits a second: RS232 at 115.2 kBd, USB's converter at 1 MBd."""
         return self.baud or (115_200 if self.protocol is Generation.V1 else 1_000_000)
+
+    def confirmed(self, cycle: Nanoseconds) -> Confirmed:
+        """Return how long each step of a stop may take to be confirmed; `cycle` is the robot's."""
+        times = self.stop_confirmed_ms
+        cycles_ms = UNCONFIRMED_CYCLES * self.every * cycle // MILLISECOND
+        silent_ms = self.bridge_silent_ms + (times.silence or cycles_ms)
+        told = (
+            times.ramp or cycles_ms,
+            times.quick_stop or cycles_ms,
+            times.power_off or cycles_ms,
+            times.by_object or UNANSWERED_MS[self.driver],
+            silent_ms,
+            times.reset,
+        )
+        return Confirmed(*(time * MILLISECOND for time in told))
 
     def guardian(self, nodes: Sequence[int]) -> int:
         """Return the node on a serial link whose answers to node guarding the gateway watches."""

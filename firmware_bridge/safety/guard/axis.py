@@ -14,7 +14,7 @@ from firmware_bridge.safety.guard.epos2_words import (
     QUICK_STOP,
     SetPoint,
 )
-from firmware_bridge.units import NEVER, Nanoseconds
+from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 from firmware_bridge.wire.cia402 import State, Status, state_of
 
 _TARGET_REACHED: Final = int(Status.TARGET_REACHED)
@@ -25,8 +25,11 @@ class GuardedAxis:
 
     __slots__ = (
         "_changed_at",
+        "_confirmed_off",
         "_has_goal",
         "_margin_qc",
+        "_off_since",
+        "_patience",
         "_rests_at",
         "_rpm_per_unit",
         "_word",
@@ -57,6 +60,13 @@ class GuardedAxis:
         """When the node last had a set-point for it, good or bad."""
         self.reported: State | None = None
         """The drive's state by its newest statusword; None while it has told none."""
+        self._confirmed_off = False
+        """Whether a statusword said that there is no power, since the last word that gives it."""
+        self._off_since: Nanoseconds = NEVER
+        """Since when the word in force has been the one that takes the power; NEVER where it is another."""
+        link = robot.links[axis.link]
+        self._patience: Final = link.confirmed(robot.cycle).by_object
+        """How long a drive may take to confirm that."""
         self._word: int | None = None
         """The controlword that was sent last; None where none is in force."""
         self._has_goal = False
@@ -73,6 +83,11 @@ class GuardedAxis:
     def powered(self) -> bool:
         """Whether the drive may have power: by the word that was sent last, or by its newest statusword."""
         return self._word in POWERED or self.reported in POWERED_STATES
+
+    @property
+    def watch_may_end(self) -> bool:
+        """Whether the drive's own word has confirmed that it has no power, since it was last given some."""
+        return self._confirmed_off
 
     @property
     def moving(self) -> bool:
@@ -109,9 +124,28 @@ class GuardedAxis:
             return 0.0
         return set_point.target / self._rpm_per_unit
 
+    def keeps_from_reset(self, now: Nanoseconds) -> str | None:
+        """Return why its drive may not be reset, or None: only one that does not give up its power may.
+
+        A reset takes torque and zero. It is the last step of a stop: the word that takes the power has been
+        in force for the drive's time to confirm it, and no statusword has.
+        """
+        if self._confirmed_off:
+            return f"node {self.node} has no power, and nothing to be reset for"
+        if now < self._off_since + self._patience:
+            patience = self._patience // MILLISECOND
+            return f"node {self.node} has not been told for {patience} ms to give up its power"
+        return None
+
     def sent(self, set_point: SetPoint, now: Nanoseconds) -> None:
         """Note what is in force from now on."""
         before = self._word
+        if set_point.word != DISABLE_VOLTAGE:
+            self._off_since = NEVER
+        elif self._off_since == NEVER:
+            self._off_since = now
+        if set_point.word in POWERED:
+            self._confirmed_off = False
         if set_point.word == NEW_SET_POINT:
             self._has_goal = self.moves_with(set_point)
             if self._has_goal:
@@ -133,11 +167,13 @@ class GuardedAxis:
         """Note that nothing is in force any more: the drive does not hear set-points, and keeps none."""
         self._word = None
         self._has_goal = False
+        self._off_since = NEVER
 
     def restarted(self) -> None:
         """Note that the drive starts anew, without power."""
         self.deaf()
         self.reported = None
+        self._confirmed_off = False
         self._rests_at = None
 
     def reports(self, statusword: int, now: Nanoseconds) -> None:
@@ -146,6 +182,7 @@ class GuardedAxis:
         if state is None:
             return
         self.reported = state
+        self._confirmed_off = state not in POWERED_STATES and self._word not in POWERED
         there = state is State.OPERATION_ENABLED and statusword & _TARGET_REACHED
         if there and self._word != HALT and self._is_fresh(now):
             self._has_goal = False

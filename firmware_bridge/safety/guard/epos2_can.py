@@ -132,7 +132,7 @@ class Epos2CanRules(WireRules):
         """Return what the frame carries."""
         return SetPoint(*_SET_POINT.unpack(packet.payload))
 
-    def refuses(self, packet: Packet) -> str | None:
+    def refuses(self, packet: Packet, now: Nanoseconds) -> str | None:
         """Look into the list, and at what is in force."""
         content = self.listed.get(packet.address)
         if content is None:
@@ -140,13 +140,20 @@ class Epos2CanRules(WireRules):
         reason = content.refuses(packet.payload)
         if reason is not None:
             return reason
-        if packet.address == canopen.NMT and packet.payload[0] != NmtCommand.START:
-            for axis in self._addressed(packet.payload[1]):
-                if axis.moving:
-                    return f"node {axis.node} moves and would no longer hear set-points"
+        if packet.address == canopen.NMT:
+            return self._refuses_command(packet.payload[0], packet.payload[1], now)
         requested = self._by_request.get(packet.address)
-        if requested is not None and requested.powered and _ends_watch(packet.payload):
-            return f"{CONSUMER_HEARTBEAT_1} set to 0 while node {requested.node} has power"
+        if requested is not None and not requested.watch_may_end and _ends_watch(packet.payload):
+            return f"{CONSUMER_HEARTBEAT_1} set to 0 while node {requested.node} may have power"
+        return None
+
+    def _refuses_command(self, command: int, node: int, now: Nanoseconds) -> str | None:
+        for axis in self._addressed(node) if command != NmtCommand.START else ():
+            if axis.moving:
+                return f"node {axis.node} moves and would no longer hear set-points"
+            reason = axis.keeps_from_reset(now) if command == NmtCommand.RESET_NODE else None
+            if reason is not None:
+                return reason
         return None
 
     def safe(self, axis: GuardedAxis) -> tuple[Packet, ...]:

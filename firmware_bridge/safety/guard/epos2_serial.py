@@ -46,7 +46,7 @@ from firmware_bridge.wire.maxon.packets import outcome_of, request_of
 
 _RAW: Final = 4
 _STATES: Final = (NmtState.OPERATIONAL, NmtState.PRE_OPERATIONAL, NmtState.STOPPED, NmtState.BOOT_UP)
-_Judge: TypeAlias = Callable[["Epos2SerialRules", Any], str | None]
+_Judge: TypeAlias = Callable[["Epos2SerialRules", Any, Nanoseconds], str | None]
 
 
 class Epos2SerialRules(WireRules):
@@ -84,13 +84,13 @@ class Epos2SerialRules(WireRules):
         request = request_of(packet)
         return _written(request, axis) if isinstance(request, WriteObject) else axis.set_point
 
-    def refuses(self, packet: Packet) -> str | None:
+    def refuses(self, packet: Packet, now: Nanoseconds) -> str | None:
         """Look into the list, and at what is in force."""
         request = request_of(packet)
         judge = None if request is None else _JUDGES.get(type(request))
         if judge is None:
             return f"command 0x{packet.address:02X} '{packet.payload.hex(' ')}' is not listed"
-        return judge(self, request)
+        return judge(self, request, now)
 
     def safe(self, axis: GuardedAxis) -> tuple[Packet, ...]:
         """Return target 0 for an axis that is commanded by speed, and the word that stops it."""
@@ -136,9 +136,9 @@ class Epos2SerialRules(WireRules):
         """Return whom a network command is for."""
         return self.axes if node == canopen.ALL_NODES else (self._by_node[node],)
 
-    def powered(self, node: int) -> bool:
-        """Tell whether a listed drive may have power."""
-        return self._by_node[node].powered
+    def watch_may_end(self, node: int) -> bool:
+        """Tell whether a listed drive has confirmed that it has no power."""
+        return self._by_node[node].watch_may_end
 
     def _reads(self, request: ReadObject, packet: Packet, now: Nanoseconds) -> None:
         _, outcome = outcome_of(packet)
@@ -177,11 +177,11 @@ def _written(request: WriteObject, axis: GuardedAxis) -> SetPoint:
     return SetPoint(word, DataType.INTEGER32.decode(request.raw))
 
 
-def _read(rules: Epos2SerialRules, request: ReadObject) -> str | None:
+def _read(rules: Epos2SerialRules, request: ReadObject, _now: Nanoseconds) -> str | None:
     return None if request.node in rules.writes else f"node {request.node} is not listed"
 
 
-def _write(rules: Epos2SerialRules, request: WriteObject) -> str | None:
+def _write(rules: Epos2SerialRules, request: WriteObject, _now: Nanoseconds) -> str | None:
     writes = rules.writes.get(request.node)
     if writes is None:
         return f"node {request.node} is not listed"
@@ -192,24 +192,30 @@ def _write(rules: Epos2SerialRules, request: WriteObject) -> str | None:
     size = values.type.size
     if any(request.raw[size:]):
         return f"{address} written with more than its {size} bytes"
-    if address == CONSUMER_HEARTBEAT_1 and request.raw == bytes(_RAW) and rules.powered(request.node):
-        return f"{address} set to 0 while node {request.node} has power"
+    if (
+        address == CONSUMER_HEARTBEAT_1
+        and request.raw == bytes(_RAW)
+        and not rules.watch_may_end(request.node)
+    ):
+        return f"{address} set to 0 while node {request.node} may have power"
     return values.refuses(address, request.raw[:size])
 
 
-def _command(rules: Epos2SerialRules, request: SendNmtService) -> str | None:
+def _command(rules: Epos2SerialRules, request: SendNmtService, now: Nanoseconds) -> str | None:
     if request.node != canopen.ALL_NODES and request.node not in rules.writes:
         return f"node {request.node} is not listed"
     if request.command not in LISTED_NMT:
         return f"network command {request.command} is not listed"
-    if request.command != NmtCommand.START:
-        for axis in rules.addressed(request.node):
-            if axis.moving:
-                return f"node {axis.node} moves and would look as if it had restarted"
+    for axis in rules.addressed(request.node) if request.command != NmtCommand.START else ():
+        if axis.moving:
+            return f"node {axis.node} moves and would look as if it had restarted"
+        reason = axis.keeps_from_reset(now) if request.command == NmtCommand.RESET_NODE else None
+        if reason is not None:
+            return reason
     return None
 
 
-def _frame(rules: Epos2SerialRules, request: SendCanFrame) -> str | None:
+def _frame(rules: Epos2SerialRules, request: SendCanFrame, _now: Nanoseconds) -> str | None:
     beats = tuple(bytes((state,)).ljust(MAX_PAYLOAD, b"\0") for state in _STATES)
     if request.identifier == rules.beat_id and request.length == 1 and request.raw in beats:
         return None
@@ -217,7 +223,7 @@ def _frame(rules: Epos2SerialRules, request: SendCanFrame) -> str | None:
     return f"frame 0x{request.identifier:X} '{content}' is not listed"
 
 
-def _remote(rules: Epos2SerialRules, request: RequestCanFrame) -> str | None:
+def _remote(rules: Epos2SerialRules, request: RequestCanFrame, _now: Nanoseconds) -> str | None:
     guarding = request.identifier == rules.guarding_id
     return None if guarding else f"remote frame 0x{request.identifier:X} is not listed"
 

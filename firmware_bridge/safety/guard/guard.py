@@ -126,7 +126,7 @@ class Guarded:
     def _admitted(self, packet: Packet, rules: WireRules, now: Nanoseconds) -> tuple[Packet, ...]:
         """Return the packet itself, or what leaves in its place."""
         axis = rules.axis_of(packet)
-        reason = rules.refuses(packet)
+        reason = rules.refuses(packet, now)
         if axis is None:
             if reason is None:
                 return self._sent((packet,), now, asked=packet)

@@ -28,7 +28,7 @@ class WireRules(ABC):
         """Return what an axis's packet, which is not refused, would put in force."""
 
     @abstractmethod
-    def refuses(self, packet: Packet) -> str | None:
+    def refuses(self, packet: Packet, now: Nanoseconds) -> str | None:
         """Return why a packet may not leave now, or None."""
 
     @abstractmethod

@@ -174,13 +174,16 @@ def test_a_finished_bridge_is_silent(armed: "Bench") -> None:
 
 def test_the_orderly_end_on_a_dead_bus_takes_no_longer_than_4_s(armed: "Bench") -> None:
     driving(armed)
+    begin = armed.now
     for drive in armed.drives.values():
         drive.silent = True
     armed.stops()
     armed.runs(4)
     assert armed.bridge.phase is Phase.FINISHED
     # Their watch stays on: nobody has heard that they let go.
-    armed.refused = [f"0x1016:01 set to 0 while node {node} has power" for node in (1, 2, 3, 4)]
+    assert armed.bridge.unconfirmed == tuple(drive.axis.called for drive in armed.drives.values())
+    written = [payload for node in (1, 2, 3, 4) for _, payload in armed.sent(0x600 + node, begin)]
+    assert [payload for payload in written if payload[3:8] == "16 10"] == []
 
 
 def test_a_late_wake_skips_cycles_instead_of_running_them_in_a_row(armed: "Bench") -> None:

@@ -216,7 +216,9 @@ def test_a_drive_that_does_not_stop_turning_is_named(bench: "Bench") -> None:
     assert bench.bridge.failure == (
         "node 1 (left rear wheel): the motor still turns with -321 rpm 3 s after a quick stop"
     )
-    bench.refused = ["0x1016:01 set to 0 while node 1 has power"]
+    bench.runs(2)
+    assert drive.state is State.SWITCH_ON_DISABLED, "it was found with power, and is not left with it"
+    assert drive.memory[at.CONSUMER_HEARTBEAT_1] == bytes(4), "so its watch may end"
 
 
 def test_a_fault_from_before_is_reset(bench: "Bench") -> None:

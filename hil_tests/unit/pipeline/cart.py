@@ -203,6 +203,7 @@ class PaperDriver:
     failure: StartupError | None = None
     configured = True
     busy = False
+    unpowered = False
     wake_at: Nanoseconds = NEVER
 
     def __init__(self, axis: Axis) -> None:
@@ -249,11 +250,13 @@ class PaperLink:
     def __init__(self, name: str) -> None:
         self.name = name
         self.lost: str | None = None
+        self.beats: list[Nanoseconds] = []
 
     def sample(self, _now: Nanoseconds) -> tuple[Packet, ...]:
         return ()
 
-    def beat(self, _now: Nanoseconds) -> tuple[Packet, ...]:
+    def beat(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        self.beats.append(now)
         return ()
 
     def hear(self, _packet: Packet, _now: Nanoseconds) -> tuple[Packet, ...]:

@@ -184,6 +184,18 @@ MISTAKES = (
         ("50 is not longer than the link's cycle, 50",),
     ),
     Mistake(
+        "a stop that no sample can confirm in time",
+        ("silent_ms = 250 ", "stop_confirmed_ms = { quick_stop = 100 }\nsilent_ms = 250 "),
+        "links.drives.stop_confirmed_ms.quick_stop",
+        ("100 is not longer than two of the link's cycles, 100",),
+    ),
+    Mistake(
+        "a step of a stop that there is not",
+        ("silent_ms = 250 ", "stop_confirmed_ms = { quick = 200 }\nsilent_ms = 250 "),
+        "links.drives.stop_confirmed_ms.quick",
+        ("no such key", "quick_stop"),
+    ),
+    Mistake(
         "a gateway that is no node",
         ('driver = "epos2-can"', 'driver = "epos2-serial"\ngateway = 9'),
         "links.drives.gateway",

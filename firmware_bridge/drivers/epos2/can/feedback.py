@@ -58,7 +58,7 @@ class CanFeedback(DriveFeedback):
     def _state(self, statusword: int) -> None:
         # Process data comes in NMT operational only.
         self.operational = True
-        self.statusword = statusword
+        self.told(statusword)
         self.state = state_of(statusword)
 
     def _emergency(self, payload: bytes, _now: Nanoseconds) -> None:
@@ -76,5 +76,7 @@ class CanFeedback(DriveFeedback):
         if state is NmtState.BOOT_UP:
             self.restarted = True
             self.expected = False
+            # That is how power-on and reset node end, but reset communication, too: it proves no power off.
+            self.unpowered = False
             # The counter starts from zero again.
             self.forget_motion()

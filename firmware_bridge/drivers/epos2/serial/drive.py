@@ -105,11 +105,15 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         return self._sent(self._tasks.begin(tasks, now))
 
     def command(self, demand: Demand) -> tuple[Packet, ...]:
-        """Send a demand; while tasks are under way only one that ends them: quick stop or power off."""
+        """Send a demand; while tasks are under way only quick stop or power off.
+
+        Those end the tasks, unless they stop the drive themselves.
+        """
         if self.busy:
             if demand not in (Stop.QUICK_STOP, Stop.POWER_OFF):
                 return ()
-            self._tasks.end()
+            if not self._tasks.stopping:
+                self._tasks.end()
         self._forget_unsent()
         return self._sent((self._set_point.demand(demand),))
 

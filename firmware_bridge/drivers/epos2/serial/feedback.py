@@ -81,7 +81,7 @@ class SerialFeedback(DriveFeedback):
             self.expected = False
             self.forget_motion()
         self.operational = remote
-        self.statusword = word
+        self.told(word)
         self.state = state_of(word) if remote else None
         if self._position is not None and self.expected:
             self._sample(*self._position, now)
@@ -94,7 +94,7 @@ class SerialFeedback(DriveFeedback):
     def lose(self) -> None:
         """Forget the state: the line is gone, and whatever the drive does now, it does by itself."""
         self.state, self.operational = None, False
-        self.expected = False
+        self.expected = self.unpowered = False
         self.forget_motion()
 
     def _sample(self, counter: int, asked_at: Nanoseconds, now: Nanoseconds) -> None:

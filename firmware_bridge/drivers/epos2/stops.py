@@ -1,0 +1,100 @@
+"""The steps in which one EPOS2 is stopped, over CAN and over a serial line: rows, the gentlest first.
+
+Sources: controlwords as in `firmware_bridge.drivers.epos2.set_point`; heartbeat consumer (0x1016), its
+reaction (0x6007) and reset node (transition 19, which takes the power): EPOS Firmware Specification, by
+analogy. In which network states the consumer lives is inferred: CiA 301 has error control in all of them,
+stopped included, SDO in all but stopped, PDO in operational only. Reset communication brings 0x1016 back to
+what was saved, by default no watch: then silence stops nobody, and objects or the reset must.
+"""
+
+from typing import Final
+
+from firmware_bridge.drivers.driver import Stop, Task
+from firmware_bridge.drivers.epos2.scale import Scale
+from firmware_bridge.drivers.stop_steps import StopStep
+from firmware_bridge.robot import Axis
+from firmware_bridge.robot.settings.epos2 import Epos2Driver, Epos2Link
+from firmware_bridge.units import Nanoseconds
+
+_WRITTEN: Final = {Epos2Driver.CAN: "by PDO", Epos2Driver.SERIAL: "by WriteObject"}
+_SILENCE: Final = {
+    Epos2Driver.CAN: "the bridge's heartbeat withheld",
+    Epos2Driver.SERIAL: "the bridge's heartbeat (command 0x20) and the guarding (0x21) withheld",
+}
+_RESET: Final = {Epos2Driver.CAN: "NMT reset node", Epos2Driver.SERIAL: "NMT service 129, reset node"}
+
+
+def stop_steps(axis: Axis, link: Epos2Link, cycle: Nanoseconds) -> tuple[StopStep, ...]:
+    """Return the steps for one drive; `cycle` is the robot's."""
+    times, over_can = link.confirmed(cycle), link.driver is Epos2Driver.CAN
+    per_unit = abs(Scale.of(axis).rpm_per_unit_s)
+    quick = axis.settings.profile.quick_stop_rpm_s / per_unit
+    how = _WRITTEN[link.driver]
+    gentle = (
+        StopStep(
+            "ramp",
+            f"target 0, or halt, {how} in every cycle",
+            Stop.REST,
+            times.ramp,
+            axis.settings.profile.deceleration_rpm_s / per_unit,
+        ),
+        StopStep(
+            f"quick stop {how}",
+            f"NMT start, so that it listens; 0x6040 = 0x000B {how} in every cycle",
+            Stop.QUICK_STOP,
+            times.quick_stop,
+            quick,
+            task=Task.LISTEN,
+        ),
+    )
+    # On a serial line objects are written in either case: there is one way to a drive, and no other to try.
+    over_can_alone = (
+        StopStep(
+            f"power off {how}",
+            f"0x6040 = 0x0000 {how} in every cycle",
+            Stop.POWER_OFF,
+            times.power_off,
+            ends_power=True,
+            ordered_off=True,
+        ),
+        StopStep(
+            "quick stop by SDO",
+            "0x6040 = 0x000B by SDO, and 0x6028 until it stands",
+            Stop.QUICK_STOP,
+            times.by_object,
+            quick,
+            task=Task.BRAKE,
+            ends_with_task=True,
+        ),
+    )
+    at_last = (
+        StopStep(
+            "power off by SDO" if over_can else f"power off {how}",
+            f"0x6040 = 0x0000 {'by SDO' if over_can else how}, and 0x6041 until it confirms",
+            Stop.POWER_OFF,
+            times.by_object,
+            task=Task.DISABLE,
+            ends_power=True,
+        ),
+        StopStep(
+            "silence",
+            _SILENCE[link.driver],
+            Stop.POWER_OFF,
+            times.silence,
+            quick,
+            silent=True,
+            takes_all=True,
+            ends_power=True,
+            note="every drive on the link stops by its own watch, and is without power then",
+        ),
+        StopStep(
+            "reset",
+            _RESET[link.driver],
+            Stop.POWER_OFF,
+            times.reset,
+            task=Task.RESET,
+            ends_power=True,
+            note="no torque from then on, and the drive's zero is lost",
+        ),
+    )
+    return (*gentle, *(over_can_alone if over_can else ()), *at_last)

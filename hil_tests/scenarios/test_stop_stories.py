@@ -1,0 +1,179 @@
+"""Stories of stops that a drive does not obey: on the whole bench, over CAN and over a serial line."""
+
+from typing import TYPE_CHECKING, Final
+
+import pytest
+
+from emulators.robots.rars import RarsStep as Step
+from emulators.wires import DatagramWire
+from firmware_bridge.bridge import Bridge
+from firmware_bridge.drivers.epos2.serial.fleet import over_serial
+from firmware_bridge.kinds import find, kind_of
+from firmware_bridge.node import OPERATOR
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.safety.guard import guarded
+from firmware_bridge.units import to_seconds
+from firmware_bridge.wire import canopen
+from firmware_bridge.wire.cia402 import State, state_of
+from firmware_bridge.wire.epos2 import address as at
+from hil_tests.scenarios.ride import ARMED, Ridden, Ride, fault, step
+
+if TYPE_CHECKING:
+    from emulators.world import Wire
+
+RARS: Final[AnyRobot] = find("rars")
+LINKS: Final = {"can": RARS, "serial": over_serial(RARS)}
+DRIVING: Final = (ARMED, step(4.0, speed_mps=0.3))
+DEAF_S: Final = 6.0
+BEAT: Final = canopen.ERROR_CONTROL + RARS.links["drives"].bridge_node
+
+on_each_link = pytest.mark.parametrize("link", LINKS)
+deafened = pytest.mark.parametrize("command", ["stop", "enter_pre_operational", "reset_communication"])
+
+
+def driven(rides: Ridden, link: str, *steps: Step, command: str | None = None, fresh: bool = False) -> Ride:
+    """Drive at 0.3 m/s, where a stranger's network command meets the left wheel's drive."""
+    faults = () if command is None else (fault("nmt_stranger", DEAF_S, command=command, node="left"),)
+    own_bench = {"robot": LINKS[link]} if fresh or link != "can" else {}
+    return rides(*DRIVING, *steps, seconds=20, faults=faults, **own_bench)
+
+
+def states(one: Ride) -> list[State | None]:
+    """What the drives themselves say, whoever hears it."""
+    return [state_of(device.store.get(at.STATUSWORD)) for device in one.rig.devices.drives.values()]
+
+
+def told(one: Ride) -> set[str]:
+    return {hold.name for hold in one.rig.holds if "unconfirmed" in hold.name}
+
+
+def unpowered(one: Ride) -> bool:
+    return not any(axis.powered for axis in one.rig.devices.bank.axes)
+
+
+def hears_only(one: Ride, *addresses: int) -> None:
+    """From now on the left wheel's drive takes only frames with these identifiers."""
+    station = one.rig.world._stations["left"]  # noqa: SLF001 - no fault of a mission is as selective
+    listens = station.listens
+    assert listens is not None
+    station.listens = lambda packet: packet.address in addresses and listens(packet)
+
+
+def ended(one: Ride, within_s: float) -> float:
+    """End the program, and return how long that took."""
+    began = to_seconds(one.rig.world.now)
+    one.ends()
+    while not one.rig.bridge.finished:
+        assert to_seconds(one.rig.world.now) < began + within_s
+        one.runs(0.05)
+    return to_seconds(one.rig.world.now) - began
+
+
+@on_each_link
+@deafened
+def test_a_drive_that_a_stranger_made_deaf_comes_to_rest(rides: Ridden, link: str, command: str) -> None:
+    one = driven(rides, link, command=command)
+    one.runs_until(10.0)
+    assert one.stands_from(DEAF_S, slower_than=0.01) < DEAF_S + 1.5
+    assert one.fastest(8.5, 10.0) < 0.003
+    assert not one.now["armed"]
+    assert one.rig.guard.refused == 0
+
+
+@deafened
+def test_an_emergency_stop_stops_a_deaf_drive_and_blocks_arming(rides: Ridden, command: str) -> None:
+    one = driven(rides, "can", step(6.05, emergency_stop=True), step(7.5, arm=True), command=command)
+    one.runs_until(10.0)
+    assert one.stands_from(DEAF_S, slower_than=0.01) < DEAF_S + 1.5
+    assert one.rig.bridge.seen.facts.emergency_stopped
+    assert not one.now["armed"]
+
+
+@on_each_link
+@deafened
+def test_a_forced_disarm_takes_the_power_of_a_deaf_drive(rides: Ridden, link: str, command: str) -> None:
+    one = driven(rides, link, step(6.05, force_disarm=True), command=command)
+    one.runs_until(DEAF_S + 1.5)
+    assert unpowered(one)
+    assert not set(states(one)) & {State.OPERATION_ENABLED, State.QUICK_STOP_ACTIVE}
+
+
+@on_each_link
+@deafened
+def test_an_orderly_end_leaves_no_deaf_drive_with_power(rides: Ridden, link: str, command: str) -> None:
+    one = driven(rides, link, command=command)
+    one.runs_until(DEAF_S + 0.02)
+    ended(one, 8.0)
+    assert unpowered(one)
+    assert one.rig.bridge.unconfirmed == ()
+    one.runs(2.0)
+    assert one.fastest(to_seconds(one.rig.world.now) - 0.5) < 0.003
+
+
+def test_a_drive_that_hears_only_the_heartbeat_stops_when_it_is_withheld(rides: Ridden) -> None:
+    one = driven(rides, "can", fresh=True)
+    one.runs_until(DEAF_S)
+    hears_only(one, BEAT)
+    one.runs_until(9.0)
+    left = one.rig.devices.drives["left"]
+    assert state_of(left.store.get(at.STATUSWORD)) is State.FAULT
+    assert left.store.get(at.Address(0x1003, 1)) == 0x8130
+    assert "power off by SDO unconfirmed: left" in told(one)
+    assert "silence unconfirmed: left" not in told(one), "it was enough"
+
+
+def test_a_drive_without_a_watch_that_hears_only_the_network_is_reset_at_last(rides: Ridden) -> None:
+    """Reset communication has taken its watch over the bridge: silence does not stop it."""
+    one = driven(rides, "can", command="reset_communication", fresh=True)
+    one.runs_until(DEAF_S + 0.01)
+    hears_only(one, canopen.NMT)
+    one.runs_until(10.0)
+    assert states(one)[0] is State.SWITCH_ON_DISABLED
+    assert unpowered(one)
+    one.runs_until(14.0)
+    assert one.fastest(13.5, 14.0) < 0.003, "it rolls out"
+    assert "silence unconfirmed: left" in told(one)
+    assert "its zero is lost" in one.held("silence unconfirmed: left")[0]
+    assert one.rig.guard.refused == 0
+
+
+def test_where_nothing_helps_the_operator_and_the_program_say_so(rides: Ridden) -> None:
+    one = driven(rides, "can", command="reset_communication", fresh=True)
+    one.runs_until(DEAF_S + 0.01)
+    hears_only(one)
+    one.runs_until(12.0)
+    assert one.held("reset unconfirmed: left") == [
+        "node 1 (left rear wheel): reset unconfirmed; nothing is left to try"
+    ]
+    ended(one, 4.0)
+    assert one.rig.bridge.unconfirmed == ("node 1 (left rear wheel)",)
+    assert states(one)[0] is State.OPERATION_ENABLED, "only the battery switch is left"
+
+
+def test_an_end_that_a_drive_does_not_confirm_goes_on_to_the_last_step_and_names_it(rides: Ridden) -> None:
+    one = driven(rides, "can", step(5.0, speed_mps=0.0), fresh=True)
+    one.runs_until(7.0)
+    one.rig.world.silence("right", one.rig.world.now)
+    assert ended(one, 8.0) > 1.0
+    assert one.rig.bridge.unconfirmed == ("node 2 (right rear wheel)",)
+    left, right, steer, lift = states(one)
+    assert {left, steer, lift} <= {State.SWITCH_ON_DISABLED, State.FAULT}
+    assert right is State.FAULT, "its own watch"
+    assert one.rig.devices.drives["right"].store.get(at.CONSUMER_HEARTBEAT_1) != 0
+
+
+def test_a_second_bridge_that_is_ended_at_once_leaves_no_drive_with_power(rides: Ridden) -> None:
+    """It finds drives that another one drives: what it has touched it stops before it goes."""
+    one = driven(rides, "can", fresh=True)
+    one.runs_until(DEAF_S)
+    second = Bridge(RARS, kind_of(RARS))
+    links: dict[str, Wire] = {"drives": one.rig.can_wire, OPERATOR: DatagramWire()}
+    one.rig.world.attach("second", guarded(second, RARS), links)
+    one.runs(0.005)
+    one.rig.world.stop("second")
+    one.runs_until(DEAF_S + 2.0)
+    assert second.finished
+    assert second.unconfirmed == ()
+    assert unpowered(one)
+    assert one.stands_from(DEAF_S, slower_than=0.01) < DEAF_S + 1.0
+    assert not one.now["armed"]

@@ -1,0 +1,105 @@
+"""An emergency stop and a forced disarm are obeyed in every phase of the bridge's life."""
+
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from firmware_bridge.bridge import Phase
+from firmware_bridge.drivers.driver import Task
+from firmware_bridge.teleop.mavlink import dialect
+from firmware_bridge.units import MILLISECOND
+from firmware_bridge.wire.cia402 import State
+from hil_tests.unit.bridge.bench import ACCEPTED, ARM, DENIED, RPM_AT_03, TEMPORARILY_REJECTED, driving
+
+if TYPE_CHECKING:
+    from hil_tests.unit.bridge.bench import Bench
+
+SAFETY_SWITCH = dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE
+EMERGENCY_STOP: tuple[Any, ...] = (SAFETY_SWITCH, 0.0)
+FORCED_DISARM: tuple[Any, ...] = (ARM, 0.0, 21196.0)
+WITHOUT_POWER = {State.SWITCH_ON_DISABLED, State.READY_TO_SWITCH_ON}
+both = pytest.mark.parametrize("order", [EMERGENCY_STOP, FORCED_DISARM], ids=["stop", "disarm"])
+
+
+def states(bench: "Bench") -> set[State]:
+    return {drive.state for drive in bench.drives.values()}
+
+
+def runs_until(bench: "Bench", task: Task) -> None:
+    """Let the start-up come to this task."""
+    while bench.bridge._task is not task:  # noqa: SLF001 - the instant is what the test is about
+        bench.world.run(bench.now + MILLISECOND // 10)
+    assert bench.bridge.phase is Phase.STARTING
+
+
+@both
+@pytest.mark.parametrize("task", [Task.FIND, Task.IDENTIFY, Task.CONFIGURE, Task.START, Task.ENABLE])
+def test_what_stops_while_starting_keeps_the_power_from_coming_on(
+    bench: "Bench", order: tuple[Any, ...], task: Task
+) -> None:
+    runs_until(bench, task)
+    assert bench.commands(*order) == ACCEPTED
+    bench.runs(2)
+    assert bench.bridge.phase is Phase.RUNNING
+    assert states(bench) <= WITHOUT_POWER
+    if order is EMERGENCY_STOP:
+        assert bench.arms() == DENIED
+        assert bench.commands(SAFETY_SWITCH, 1.0) == ACCEPTED
+        bench.runs(1)
+        assert states(bench) <= WITHOUT_POWER, "to clear it starts nothing"
+    assert bench.arms() == TEMPORARILY_REJECTED
+    bench.runs(0.5)
+    assert bench.arms() == ACCEPTED
+    assert states(bench) == {State.OPERATION_ENABLED}
+
+
+def test_a_stop_is_not_cleared_before_the_drives_are_set_up(bench: "Bench") -> None:
+    runs_until(bench, Task.IDENTIFY)
+    bench.commands(*EMERGENCY_STOP)
+    runs_until(bench, Task.CONFIGURE)
+    assert bench.commands(SAFETY_SWITCH, 1.0) == TEMPORARILY_REJECTED
+    bench.runs(2)
+    assert states(bench) <= WITHOUT_POWER
+
+
+@both
+def test_both_are_obeyed_after_a_failed_start(bench: "Bench", order: tuple[Any, ...]) -> None:
+    bench.drives["steer"].silent = True
+    bench.runs(3)
+    assert bench.bridge.phase is Phase.FAILED
+    assert bench.commands(*order) == ACCEPTED
+
+
+def test_while_it_comes_to_rest_a_forced_disarm_takes_the_power_at_once(armed: "Bench") -> None:
+    driving(armed)
+    armed.stops()
+    armed.runs(0.05)
+    assert armed.bridge.phase is Phase.STOPPING
+    assert armed.drives["left"].rpm > RPM_AT_03 // 2
+    assert armed.commands(*FORCED_DISARM) == ACCEPTED
+    assert states(armed) <= WITHOUT_POWER
+    armed.runs(1)
+    assert armed.bridge.finished
+    assert states(armed) <= WITHOUT_POWER
+    assert armed.bridge.unconfirmed == ()
+
+
+def test_while_it_comes_to_rest_an_emergency_stop_is_latched_and_told(armed: "Bench") -> None:
+    driving(armed)
+    armed.stops()
+    assert armed.commands(*EMERGENCY_STOP) == ACCEPTED
+    armed.runs(0.2)
+    assert armed.bridge.seen.facts.emergency_stopped
+    armed.runs(1)
+    assert armed.bridge.finished
+    assert states(armed) <= WITHOUT_POWER
+
+
+def test_while_it_comes_to_rest_nothing_else_is_obeyed_and_that_is_said(armed: "Bench") -> None:
+    driving(armed)
+    armed.stops()
+    assert armed.arms() == DENIED
+    assert armed.commands(ARM, 0.0) == DENIED
+    assert "the bridge is ending" in armed.told()
+    armed.runs(0.1)
+    assert armed.drives["left"].rpm < RPM_AT_03

@@ -1,0 +1,298 @@
+"""The watch over stops, at both edges of each time: what confirms a step, and what comes where none is."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Final
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from firmware_bridge.bridge.stops import RESTS, SLOWED, Stops
+from firmware_bridge.drivers.driver import Demand, Power, Speed, Stop, Task
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, to_seconds
+from hil_tests.unit.pipeline.cart import WHEELS, PaperCart
+
+START: Final[Nanoseconds] = 10 * SECOND
+SILENT: Final = 250 * MILLISECOND
+CYCLE: Final = 50 * MILLISECOND
+DECELERATION: Final = 5_700 / 26.0 * 0.104_719_755
+"""rad/s2 behind the gear."""
+STEPS: Final = (
+    "ramp",
+    "quick stop by PDO",
+    "quick stop by SDO",
+    "power off by SDO",
+    "silence",
+    "reset",
+)
+TASKS: Final = [Task.LISTEN, Task.BRAKE, Task.DISABLE, Task.RESET]
+
+
+class Watched:
+    """The left wheel of the cart, asked to stop."""
+
+    def __init__(self, speed: float = 5.0) -> None:
+        cart = PaperCart()
+        self.fleets = cart.fleets
+        self.links = cart.links
+        self.driver = cart.drivers["left"]
+        self.stops = Stops(cart.robot, cart.fleets)
+        self.now = START
+        self.asked = {"left"}
+        self.demand: Demand = Stop.REST
+        self.tells(speed)
+
+    def tells(self, speed: float, power: Power = Power.ON) -> None:
+        """Let the drive tell a sample, now."""
+        self.driver.feedback = replace(
+            self.driver.feedback, velocity=speed, power=power, heard_at=self.now, sampled_at=self.now
+        )
+
+    def looks(self, later: Nanoseconds = 0) -> Mapping[str, Demand]:
+        """Look at it so much later; return the demands as they are to be sent."""
+        self.now += later
+        sent, demands = self.stops.watch(self.asked, {"left": self.demand}, self.now)
+        assert sent == (), "a paper driver sends nothing"
+        return demands
+
+    def unconfirmed(self) -> str | None:
+        """The step that failed last, if any."""
+        holds = [hold.name for hold in self.stops.holds]
+        assert len(holds) <= 1
+        return holds[0].removesuffix(" unconfirmed: left") if holds else None
+
+    def confirmed(self) -> bool:
+        return not self.stops.under_way and not self.stops.given_up
+
+
+@pytest.mark.parametrize(("speed", "rests"), [(12.0 * RESTS, True), (12.0 * RESTS + 1e-9, False)])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_rest_is_a_share_of_the_top_speed(speed: float, sign: int, *, rests: bool) -> None:
+    watched = Watched()
+    watched.looks()
+    watched.now += CYCLE
+    watched.tells(sign * speed)
+    watched.looks()
+    assert watched.confirmed() is rests
+
+
+@pytest.mark.parametrize("later", [0, 1])
+def test_only_a_word_from_after_the_stop_confirms_it(later: int) -> None:
+    watched = Watched()
+    watched.looks()
+    watched.now += later
+    watched.tells(0.0)
+    watched.looks()
+    assert watched.confirmed() is bool(later)
+
+
+def test_without_torque_the_stop_is_done_at_any_speed() -> None:
+    watched = Watched()
+    watched.driver.unpowered = True
+    watched.looks()
+    assert watched.confirmed()
+
+
+@pytest.mark.parametrize(("early", "fails"), [(1_000, False), (-1_000, True)])
+@pytest.mark.parametrize("speed", [5.0, -5.0, 0.5])
+def test_a_drive_that_goes_on_has_the_time_of_its_ramp_and_the_step_s(
+    speed: float, early: int, *, fails: bool
+) -> None:
+    watched = Watched(speed)
+    watched.looks()
+    until = START + 150 * MILLISECOND + round(abs(speed) / DECELERATION * SECOND)
+    for at in (*range(START + CYCLE, until - early, CYCLE), until - early):
+        watched.now = at
+        watched.tells(speed)
+        watched.looks()
+    assert watched.unconfirmed() == ("ramp" if fails else None)
+
+
+@pytest.mark.parametrize(("share", "fails"), [(SLOWED, False), (SLOWED + 0.01, True)])
+def test_one_that_slows_down_is_given_more_time(share: float, *, fails: bool) -> None:
+    watched = Watched(1.0)
+    watched.looks()
+    for _ in range(3):
+        watched.now += CYCLE
+        watched.tells(share)
+        watched.looks()
+    watched.now += CYCLE
+    watched.tells(share)
+    watched.looks()
+    assert watched.unconfirmed() == ("ramp" if fails else None)
+
+
+@pytest.mark.parametrize(("power", "patience"), [(Power.ON, SILENT), (Power.UNKNOWN, 150 * MILLISECOND)])
+def test_one_that_is_not_heard_is_given_its_time_out_and_no_more(power: Power, patience: int) -> None:
+    watched = Watched()
+    watched.tells(5.0, power)
+    watched.looks()
+    watched.looks(patience - 1)
+    assert watched.unconfirmed() is None
+    assert watched.looks(1)["left"] is Stop.QUICK_STOP
+    assert watched.unconfirmed() == "ramp"
+    assert watched.driver.begun == [Task.LISTEN]
+
+
+def test_while_the_bridge_itself_ramps_the_drive_is_not_late() -> None:
+    watched = Watched()
+    for speed in range(100, 0, -5):
+        watched.demand = Speed(speed / 10.0)
+        watched.looks(CYCLE)
+        watched.tells(speed / 10.0)
+    assert watched.unconfirmed() is None
+    watched.demand = Speed(0.0)
+    watched.looks(CYCLE)
+    assert not watched.confirmed()
+
+
+def escalated(watched: Watched) -> list[str]:
+    """Say nothing more; return the steps that fail, in order, until all have."""
+    failed = []
+    while not watched.stops.given_up:
+        assert watched.now < START + 20 * SECOND
+        watched.looks(CYCLE)
+        step = watched.unconfirmed()
+        if step is not None and step not in failed:
+            failed.append(step)
+    return failed
+
+
+def test_a_drive_that_is_deaf_to_everything_is_taken_through_every_step() -> None:
+    watched = Watched()
+    assert escalated(watched) == list(STEPS)
+    assert watched.driver.begun == TASKS
+    # Two silences, two objects of which the first ends with its task, the watch from top speed, the reset.
+    assert to_seconds(watched.now - START) < 0.25 + 0.25 + 0.2 + 0.2 + 0.35 + 12.0 / 21.0 + 1.0 + 6 * 0.05
+    (hold,) = watched.stops.holds
+    assert hold.reason == "node 1 (left): reset unconfirmed; nothing is left to try"
+    assert hold.row.disarms
+
+
+def test_for_an_axis_that_rested_nobody_else_loses_power() -> None:
+    watched = Watched(0.0)
+    assert escalated(watched) == [step for step in STEPS if step != "silence"]
+
+
+def test_a_power_off_that_was_ordered_begins_with_it() -> None:
+    watched = Watched(0.0)
+    watched.demand = Stop.POWER_OFF
+    watched.tells(0.0)
+    assert escalated(watched) == ["power off by PDO", "power off by SDO", "silence", "reset"]
+
+
+def test_rest_is_not_enough_where_the_power_was_ordered_off() -> None:
+    watched = Watched(0.0)
+    watched.demand = Stop.POWER_OFF
+    watched.looks()
+    watched.now += CYCLE
+    watched.tells(0.0)
+    watched.looks()
+    assert watched.stops.under_way
+    watched.driver.unpowered = True
+    watched.looks(CYCLE)
+    assert watched.confirmed()
+
+
+def test_the_link_is_silent_for_that_step_and_no_longer() -> None:
+    watched = Watched()
+    watched.fleets.begin_beats(START)
+    beats: dict[str, list[Nanoseconds]] = {fleet.name: [] for fleet in watched.fleets.all}
+    for link in watched.links.values():
+        link.beats = beats[link.name]
+    while not watched.stops.given_up:
+        watched.looks(CYCLE)
+        watched.fleets.beat(watched.now)
+    missed = sorted(set(beats["tool"]) - set(beats["drives"]))
+    assert set(beats["drives"]) < set(beats["tool"])
+    assert missed[-1] - missed[0] >= 200 * MILLISECOND, "longer than the drives' patience"
+    assert beats["drives"][-1] > missed[-1]
+
+
+def test_a_confirmed_stop_begins_anew_where_the_word_is_missed_or_says_otherwise() -> None:
+    for speed, later in ((0.0, SILENT), (1.0, 1)):
+        watched = Watched(0.0)
+        watched.looks()
+        watched.now += 1
+        watched.tells(0.0)
+        watched.looks()
+        assert watched.confirmed()
+        if speed:
+            watched.now += 1
+            watched.tells(speed)
+        watched.looks(later - 1)
+        assert watched.confirmed() is (speed == 0.0)
+        watched.looks(1)
+        assert watched.stops.under_way
+
+
+def test_an_axis_that_may_move_is_left_alone() -> None:
+    watched = Watched()
+    watched.asked = set()
+    assert watched.looks(10 * SECOND)["left"] is Stop.REST
+    assert watched.driver.begun == []
+
+
+def test_a_stop_that_escalates_does_not_end_because_nobody_asks_any_more() -> None:
+    watched = Watched()
+    watched.looks()
+    watched.looks(SILENT)
+    watched.asked = set()
+    assert watched.looks(CYCLE)["left"] is Stop.QUICK_STOP
+    watched.now += 1
+    watched.tells(0.0)
+    watched.looks()
+    watched.looks(CYCLE)
+    assert not watched.stops.escalating
+    assert watched.unconfirmed() is None
+
+
+def test_nothing_is_tried_over_a_link_that_is_gone() -> None:
+    watched = Watched()
+    watched.links[WHEELS].lost = "the adapter is gone"
+    watched.looks()
+    watched.looks(10 * SECOND)
+    assert watched.driver.begun == []
+
+
+@given(
+    speed=st.floats(-12.0, 12.0),
+    lag=st.floats(0.0, 0.1),
+    lost=st.lists(st.booleans(), min_size=60, max_size=60),
+)
+def test_an_honest_drive_is_never_taken_further_than_its_ramp(
+    speed: float, lag: float, lost: list[bool]
+) -> None:
+    """It begins up to two cycles late, and of its samples any may be lost, but no four in a row."""
+    watched = Watched(speed)
+    watched.looks()
+    sign = 1.0 if speed >= 0.0 else -1.0
+    missed = 0
+    for is_lost in lost:
+        watched.now += CYCLE
+        ramped = max(to_seconds(watched.now - START) - lag, 0.0) * DECELERATION
+        missed = missed + 1 if is_lost and missed < 2 else 0
+        if not missed:
+            watched.tells(sign * max(abs(speed) - ramped, 0.0))
+        watched.looks()
+        assert watched.unconfirmed() is None
+    assert watched.confirmed()
+
+
+@given(said=st.lists(st.tuples(st.sampled_from([1, 49, 50, 51, 200]), st.floats(0.2, 12.0)), max_size=30))
+def test_whatever_a_moving_drive_says_the_last_step_comes_in_bounded_time(
+    said: list[tuple[int, float]],
+) -> None:
+    watched = Watched()
+    watched.looks()
+    for ms, speed in said:
+        watched.now += ms * MILLISECOND
+        watched.tells(speed)
+        watched.looks()
+        assert not watched.confirmed() or watched.stops.given_up
+    began = watched.now
+    while not watched.stops.given_up:
+        watched.looks(CYCLE)
+    assert watched.now - began < 5 * SECOND
+    assert Task.RESET in watched.driver.begun

@@ -1,0 +1,51 @@
+"""How `drive` ends where no drive answers: within the runner's time, and with their names."""
+
+from collections.abc import Callable, Mapping
+from typing import Final
+
+import pytest
+import typer
+
+from firmware_bridge.cli import drive_work
+from firmware_bridge.cli.drive import DriveOptions
+from firmware_bridge.node import Stoppable
+from firmware_bridge.shell.ports import Port
+from firmware_bridge.shell.runner import STOP_WITHIN
+from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds, to_seconds
+
+NAMES: Final = "left rear wheel", "right rear wheel", "steering", "scissor lift"
+
+
+@pytest.mark.parametrize("serial", [None, "/dev/nowhere"])
+@pytest.mark.parametrize("after", [10 * MILLISECOND, SECOND])
+def test_drives_that_are_not_known_to_be_without_power_are_named_at_the_end(
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    serial: str | None,
+    after: Nanoseconds,
+) -> None:
+    took: list[Nanoseconds] = []
+
+    def carried(
+        node: drive_work.Narrated, _openers: Mapping[str, Callable[[], Port]], *_rest: object
+    ) -> None:
+        """Carry the bridge to ports at which nobody answers, and ask it to end."""
+        assert isinstance(node, Stoppable)
+        now, reaction = 0, node.wake(0)
+        while reaction.wake_at < after:
+            now, reaction = reaction.wake_at, node.wake(reaction.wake_at)
+        reaction = node.stop(after)
+        while reaction.wake_at != NEVER:
+            now = max(reaction.wake_at, now)
+            reaction = node.wake(now)
+        took.append(now - after)
+
+    monkeypatch.setattr(drive_work, "carry", carried)
+    with pytest.raises(typer.Exit) as ended:
+        drive_work.drive(DriveOptions(robot="rars", mavlink="udpin:127.0.0.1:0", serial=serial))
+    assert ended.value.exit_code == 1
+    said = capsys.readouterr()
+    for text in (said.out, said.err):
+        assert "not confirmed to be without power" in text
+        assert all(name in text for name in NAMES)
+    assert took[0] < STOP_WITHIN, to_seconds(took[0])
