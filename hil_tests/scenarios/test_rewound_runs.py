@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from time import thread_time
 from typing import Final
 
 import numpy as np
@@ -22,7 +21,6 @@ GRID: Final[Nanoseconds] = 200 * MILLISECOND
 """Where the straight run is compared with the others."""
 AHEAD: Final[Nanoseconds] = 60 * MILLISECOND
 """Each continued run goes on for so long at least: more than a cycle of the bus."""
-REPEATED: Final = 100
 
 Act = Callable[[Ride], None]
 
@@ -180,27 +178,6 @@ def test_nothing_that_can_change_is_left_out(kept: Kept, second: float) -> None:
     assert digest(rig) == before
     rig.restore(nearest)
     assert digest(rig) == before
-
-
-@pytest.mark.interpreted  # a compiled object makes its numbers anew whenever they are read
-def test_a_moment_costs_less_than_a_millisecond(
-    kept: Kept, record_property: Callable[[str, object], None]
-) -> None:
-    """The processor's time for one and the same, and the least of many: a busy machine must not fail here."""
-    rig, (at, moment) = kept.one.rig, kept.moments[INSTANTS // 2]
-    there, back = [], []
-    for _ in range(REPEATED):
-        begun = thread_time()
-        rig.restore(moment)
-        back.append(thread_time() - begun)
-        rig.run(at + AHEAD)
-        begun = thread_time()
-        rig.snapshot()
-        there.append(thread_time() - begun)
-    record_property("snapshot_ms", round(1e3 * min(there), 3))
-    record_property("restore_ms", round(1e3 * min(back), 3))
-    assert min(there) < 1e-3
-    assert min(back) < 1e-3
 
 
 def test_the_world_alone_can_be_rewound_too(kept: Kept) -> None:
