@@ -215,14 +215,16 @@ class Pipeline(Generic[G, M, S]):
         if permission.powered_off:
             return self._all(Stop.POWER_OFF)
         if known.facts.emergency_stopped and rules.at_rest(known) and self._demand_rests(known):
-            return self._all(Stop.QUICK_STOP)
+            return self._used(self._all(Stop.QUICK_STOP))
         return self._demands_of_body(known)
 
     def _demands_of_body(self, known: Snapshot[M, S]) -> Mapping[str, Demand]:
-        """Return what the body makes of what is demanded; an axis that is not used has no power."""
-        rules = self._permission.rules
-        demands = rules.body.demands(self._demanded, known.body)
-        unused = rules.without | self._permission.disbelieved
+        """Return what the body makes of what is demanded."""
+        return self._used(self._permission.rules.body.demands(self._demanded, known.body))
+
+    def _used(self, demands: Mapping[str, Demand]) -> Mapping[str, Demand]:
+        """Return the demands; an axis that the mode does without, or that is not believed, has no power."""
+        unused = self._permission.rules.without | self._permission.disbelieved
         return {**demands, **dict.fromkeys(unused, Stop.POWER_OFF)} if unused else demands
 
     def _demand_rests(self, known: Snapshot[M, S]) -> bool:

@@ -196,13 +196,29 @@ CASES: Final = (
     *(
         Case(
             f"axis position repeats: {name}",
-            follows(name, settled_at=START - DRIVE_LIMIT),
-            follows(name, settled_at=START - DRIVE_LIMIT + 1),
+            follows(name, settled_at=START - DRIVE_LIMIT, place_at=START - DRIVE_LIMIT),
+            follows(name, settled_at=START - DRIVE_LIMIT + 1, place_at=START - DRIVE_LIMIT),
             f"{TITLES[name]}, told 1.50 rad/s, moves with 0.25 rad/s: its position has not changed by a bit "
             "for 0.25 s",
             LINK,
         )
         for name in AXES
+    ),
+    Case(
+        "axis position repeats: left",
+        follows("left", obeyed_at=START - DRIVE_LIMIT, place_at=START - DRIVE_LIMIT // 2),
+        follows("left", obeyed_at=START - DRIVE_LIMIT + 1, place_at=START - DRIVE_LIMIT),
+        f"{TITLES['left']}, told 1.50 rad/s, moves with 0.25 rad/s: its position has not changed by a bit "
+        "for 0.12 s",
+        LINK,
+        also=("axis does not follow: left",),
+    ),
+    Case(
+        "axis does not follow: left",
+        follows("left", obeyed_at=START - DRIVE_LIMIT, place_at=START - DRIVE_LIMIT // 2 + 1),
+        {},
+        f"{TITLES['left']}, told 1.50 rad/s, moves with 0.25 rad/s for 0.25 s",
+        LINK,
     ),
     *(
         Case(
