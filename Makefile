@@ -85,7 +85,7 @@ demo: $(READY) ## drive the shipped missions in virtual time; results in out/
 
 # Two lanes, which between them lose nothing: a test says so. Each leaves out what this machine's kernel cannot do.
 test: LANE := -m 'not long'
-test: $(READY) ## run the tests, every behaviour once; under three minutes on two processors
+test: $(READY) ## run the tests, every behaviour once
 	$(TESTED)
 
 long: LANE := -m long
