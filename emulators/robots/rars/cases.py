@@ -61,7 +61,10 @@ def _interlocks(robot: Robot[Geometry]) -> Iterator[Case]:
                 wish=Motion(lift_rate_mps=0.05),
                 body=replace(WELL, yaw_rate_rad_s=side * math.nextafter(0.05, 1.0)),
             ),
-            spares=Situation(wish=Motion(lift_rate_mps=0.05), body=replace(WELL, yaw_rate_rad_s=side * 0.05)),
+            spares=Situation(
+                wish=Motion(lift_rate_mps=0.05),
+                body=replace(WELL, yaw_rate_rad_s=side * math.nextafter(0.05, 0.0)),
+            ),
             reason="the robot drives with 0.01 m/s",
         )
 
