@@ -130,18 +130,16 @@ class AxisStop:
 
     def late(self, now: Nanoseconds) -> bool:
         """Return whether the present step has had its time, or has nothing to wait for."""
-        step, driver = self.step, self.driver
-        if now >= self.until:
-            return True
+        step, driver, heard_at = self.step, self.driver, self.driver.feedback.heard_at
         if step.ends_with_task:
-            return not driver.busy
+            return now >= self.until or not driver.busy
         if step.ends_power:
-            return False
-        # A ramp is waited for only while the device is heard on it; one that says itself that it does not
-        # listen is given no more than the step's own time.
+            return now >= self.until
+        # A ramp is judged by what is heard: that it goes on after its time, or nothing. A device that says
+        # itself that it does not listen is given no more than the step's own time.
         deaf = driver.feedback.power is Power.UNKNOWN
         patience = step.within if deaf else self._silent_after
-        return now >= max(self.begun_at, driver.feedback.heard_at) + patience
+        return heard_at >= self.until or now >= max(self.begun_at, heard_at) + patience
 
     def hold(self) -> Hold | None:
         """Return what the operator is told; None while no step has failed."""

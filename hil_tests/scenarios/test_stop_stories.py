@@ -133,7 +133,7 @@ def test_a_drive_without_a_watch_that_hears_only_the_network_is_reset_at_last(ri
     one.runs_until(14.0)
     assert one.fastest(13.5, 14.0) < 0.003, "it rolls out"
     assert "silence unconfirmed: left" in told(one)
-    assert "its zero is lost" in one.held("silence unconfirmed: left")[0]
+    assert "the drive's zero is lost" in one.held("silence unconfirmed: left")[0]
     assert one.rig.guard.refused == 0
 
 
