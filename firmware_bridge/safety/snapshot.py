@@ -15,7 +15,7 @@ from firmware_bridge.motion.pose import Pose
 from firmware_bridge.safety.row import Row
 from firmware_bridge.units import Nanoseconds
 
-M_co = TypeVar("M_co", covariant=True)
+M = TypeVar("M")
 S_co = TypeVar("S_co", covariant=True)
 
 Group: TypeAlias = str
@@ -83,12 +83,12 @@ class Facts:
     """By the axes' names; one without is not judged by what it was told."""
 
 
-class Snapshot(Immutable, Generic[M_co, S_co]):
+class Snapshot(Immutable, Generic[M, S_co]):
     """The whole robot at `facts.now`. What an interlock decided is not in it: that is the gate's ruling."""
 
     __slots__ = ("body", "demanded", "facts", "pose", "wish")
 
-    def __init__(self, *, facts: Facts, wish: M_co, demanded: M_co, body: S_co, pose: Pose) -> None:
+    def __init__(self, *, facts: Facts, wish: M, demanded: M, body: S_co, pose: Pose) -> None:
         self.facts: Final = facts
         self.wish: Final = wish
         """What the operator, or a guide, wants."""
@@ -119,13 +119,13 @@ class Hold:
         return self.row.remedy
 
 
-class Ruling(Immutable, Generic[M_co]):
+class Ruling(Immutable, Generic[M]):
     """What may be done now, and why not more."""
 
     __slots__ = ("allowed", "asked", "holds", "stopped")
 
     def __init__(
-        self, holds: tuple[Hold, ...], stopped: frozenset[Group], allowed: M_co, asked: frozenset[Group]
+        self, holds: tuple[Hold, ...], stopped: frozenset[Group], allowed: M, asked: frozenset[Group]
     ) -> None:
         self.holds: Final = holds
         self.stopped: Final = stopped
