@@ -56,11 +56,11 @@ class Beside:
             "NO_COLOR": "1",
         }
 
-    def run(self, *words: str) -> str:
+    def run(self, *words: str, **more: str) -> str:
         done = subprocess.run(
             [sys.executable, "-P", *words],
             cwd=self.folder,
-            env=self.environment,
+            env={**self.environment, **more},
             capture_output=True,
             text=True,
             check=False,
@@ -113,18 +113,17 @@ def test_three_commands_drive_a_robot_and_touch_nothing_of_the_product(
 def test_it_gets_the_safety_tests_of_every_robot(mouse: tuple[Beside, float], chosen: str) -> None:
     beside, _ = mouse
     pytest_words = ("-m", "pytest", "-q", "-p", "no:xdist", "-p", "no:cacheprovider")
-    beside.environment["PYTHONPATH"] = f"{beside.site}{os.pathsep}{ROOT}"
     shared = (str(ROOT / "hil_tests/robots/test_every_robot.py"), "-c", str(ROOT / "pyproject.toml"))
-    assert " passed" in beside.run(*pytest_words, *shared, "-k", chosen)
+    path = f"{beside.site}{os.pathsep}{ROOT}"
+    assert " passed" in beside.run(*pytest_words, *shared, "-k", chosen, PYTHONPATH=path)
 
 
 def test_what_it_writes_is_code_to_hold_up(mouse: tuple[Beside, float]) -> None:
     beside, _ = mouse
     beside.run("-m", "ruff", "check", "--no-cache", "mouse")
     beside.run("-m", "ruff", "format", "--no-cache", "--check", "mouse")
-    beside.environment["MYPYPATH"] = str(beside.folder / "mouse")
     words = ("--config-file", str(ROOT / "pyproject.toml"), "--cache-dir", str(ROOT / ".mypy_cache"))
-    beside.run("-m", "mypy", *words, "-p", "mouse")
+    beside.run("-m", "mypy", *words, "-p", "mouse", MYPYPATH=f"{beside.folder / 'mouse'}{os.pathsep}{ROOT}")
 
 
 def test_the_example_is_what_it_writes_and_what_was_added_to_it() -> None:

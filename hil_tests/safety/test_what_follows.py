@@ -27,7 +27,11 @@ FOLLOWS: Final = {
     "link lost: drives": (ALL, "disarms", "blocks arming"),
     # Arming must not wait for what only arming changes, nor for who speaks of motion afterwards.
     "not armed": (ALL,),
-    "operator silent": (ALL,),
+    "operator silent": (ALL, "parts"),
+    "operator gone": (ALL, "disarms"),
+    "controls deflected": (ALL,),
+    "paused": (ALL,),
+    "battery low": (ALL, "disarms", "blocks arming"),
     "wish unusable": (ALL, "blocks arming"),
     "steer angle unknown": (ALL, "blocks arming"),
     "lift height unknown": (ALL, "blocks arming"),
@@ -38,6 +42,9 @@ FOLLOWS: Final = {
     "axis silent": (ALL, "disarms", "blocks arming"),
     "axis fault": (ALL, "disarms", "blocks arming"),
     "axis not enabled": (ALL, "disarms", "blocks arming"),
+    "axis does not follow": (ALL, "disarms", "blocks arming"),
+    "axis moves unasked": (ALL, "disarms", "blocks arming", "takes power"),
+    "axis position repeats": (ALL, "disarms", "blocks arming", "takes power"),
     "axis left out": (ALL, "disarms", "blocks arming"),
     "speed limit": (set(),),
     "tipping limit": (set(),),
@@ -51,7 +58,13 @@ FOLLOWS: Final = {
 
 def follows(row: Row) -> tuple[object, ...]:
     """Return what stops, and the words for all else that follows."""
-    words = {"disarms": row.disarms, "blocks arming": row.blocks_arming, "latches": row.latches}
+    words = {
+        "disarms": row.disarms,
+        "blocks arming": row.blocks_arming,
+        "latches": row.latches,
+        "takes power": row.takes_power,
+        "parts": row.parts,
+    }
     return row.stops, *(word for word, holds in words.items() if holds)
 
 
@@ -94,7 +107,8 @@ def test_a_link_that_stops_only_some_groups_leaves_the_others_armed(robot: Rars)
     rows = [row for one in axis_rows(confined, tells) for _, row in one.rows]
     assert {row.name for row in rows} == {row.name for row in AXIS_ROWS}
     for row in (lost, *rows):
-        assert follows(row) == ({"lift"}, "blocks arming")
+        taken = ("takes power",) if row.takes_power else ()
+        assert follows(row) == ({"lift"}, "blocks arming", *taken)
 
 
 @pytest.mark.parametrize(

@@ -53,8 +53,9 @@ def test_a_drive_that_ignores_its_set_points_moves_unasked(rides: Ridden, robot:
     )
     ride.runs_until(10.0)
     assert noticed(ride, "axis moves unasked: left", 6.5) < NOTICED_S
-    assert "axis moves unasked: left" in ride.holding
-    assert not ride.now["armed"], "nobody arms it while it moves"
+    assert "axis moves unasked: left" in ride.held_between(6.5, 7.0)
+    assert not ride.now["armed"]
+    assert ride.fastest(9.0, 10.0) < 0.005, "it obeyed no word, and stopped when the heartbeat was withheld"
 
 
 def test_a_drive_that_ignores_a_speed_does_not_follow(rides: Ridden) -> None:

@@ -160,7 +160,7 @@ def test_a_wheel_drive_that_is_cut_off_stops_by_its_own_watch(rides: Ridden, los
     ride.runs_until(6.0)
     ride.rig.world.silence(lost, from_seconds(6.0))
     ride.runs_until(8.0)
-    assert ride.stands_from(6.0) < 7.0
+    assert ride.stands_from(6.0, slower_than=0.005) < 7.0, "its tyres swing a little when the others let go"
     assert max(abs(ride.now[f"motor_speed_{wheel}_rad_s"]) for wheel in ("left", "right")) < 1.0
 
 

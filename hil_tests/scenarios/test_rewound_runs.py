@@ -39,7 +39,7 @@ def eventful() -> Ride:
         step(4.0, speed_mps=0.4),
         step(5.5, steer_deg=25),
         step(8.0, speed_mps=0.2, steer_deg=-10),
-        step(10.0, speed_mps=0.0),
+        step(10.0, speed_mps=0.0, steer_deg=0),
         step(11.0, arm=True),
         step(13.0, speed_mps=0.3),
         step(14.0, emergency_stop=True),

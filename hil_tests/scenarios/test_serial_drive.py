@@ -212,8 +212,9 @@ def test_a_drive_that_restarts_behind_the_gateway_is_noticed_and_set_up_again(ri
     one = rides(
         ARMED,
         step(3.5, speed_mps=0.1, steer_deg=10),
-        step(6.5, speed_mps=0.0),
+        step(6.5, speed_mps=0.0, steer_deg=0),
         step(7.0, arm=True),
+        step(8.5, steer_deg=10),
         seconds=10,
         robot=USB,
     )

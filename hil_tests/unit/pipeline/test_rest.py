@@ -21,7 +21,7 @@ def spin(cart: PaperCart, left: float, right: float) -> None:
 
 
 @pytest.mark.parametrize(("left", "right"), SPINS)
-def test_it_is_not_armed_nor_disarmed_cleared_or_changed(left: float, right: float) -> None:
+def test_it_is_not_armed_cleared_or_changed_and_comes_to_rest_disarmed(left: float, right: float) -> None:
     cart = PaperCart()
     cart.runs(10)
     spin(cart, left, right)
@@ -30,7 +30,7 @@ def test_it_is_not_armed_nor_disarmed_cleared_or_changed(left: float, right: flo
     spin(cart, 0.0, 0.0)
     assert cart.asks(Arm()).accepted
     spin(cart, left, right)
-    assert cart.asks(Disarm()).reason == "disarm: the robot still moves; stop it first, or force"
+    assert cart.asks(Disarm()).reason == "disarmed: the robot comes to rest, the drives hold still"
     cart.asks(EmergencyStop())
     assert cart.asks(ClearEmergencyStop()).reason == "clear: the robot still moves"
     spin(cart, 0.0, 0.0)

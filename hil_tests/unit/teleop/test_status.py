@@ -87,6 +87,11 @@ LOUD = {
     "link lost: drives": Severity.CRITICAL,
     "axis silent": Severity.CRITICAL,
     "axis fault": Severity.CRITICAL,
+    "axis does not follow": Severity.CRITICAL,
+    "axis moves unasked": Severity.CRITICAL,
+    "axis position repeats": Severity.CRITICAL,
+    "battery low": Severity.CRITICAL,
+    "paused": Severity.NOTICE,
     "steer angle unknown": Severity.ERROR,
     "lift height unknown": Severity.ERROR,
 }
