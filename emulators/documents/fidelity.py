@@ -7,6 +7,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Final
 
@@ -47,8 +48,9 @@ class LedgerLine:
     source: str
 
 
+@cache
 def ledger() -> tuple[LedgerLine, ...]:
-    """Return every line, part by part."""
+    """Return every line, part by part; the sources are read once."""
     return (*_objects(), *_defaults(), *_rules(), *_choices(), *_types(), *_emergencies(), *_stated())
 
 

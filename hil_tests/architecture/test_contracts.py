@@ -4,9 +4,8 @@ import ast
 import sys
 import tomllib
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
-
-import pytest
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("firmware_bridge", "emulators", "fmu")
@@ -17,8 +16,13 @@ def sources(*folders: str) -> list[Path]:
     return sorted(path for folder in folders for path in (ROOT / folder).rglob("*.py"))
 
 
+@cache
+def parsed(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 def imports(path: Path) -> Iterator[str]:
-    for statement in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for statement in ast.walk(parsed(path)):
         if isinstance(statement, ast.Import):
             yield from (alias.name for alias in statement.names)
         elif isinstance(statement, ast.ImportFrom):
@@ -30,32 +34,32 @@ def name(path: Path) -> str:
     return str(path.relative_to(ROOT))
 
 
-@pytest.mark.parametrize("path", sources("firmware_bridge/wire"), ids=name)
-def test_the_words_on_the_wire_need_the_standard_library_only(path: Path) -> None:
+def test_the_words_on_the_wire_need_the_standard_library_only() -> None:
     own = ("firmware_bridge.wire", "firmware_bridge.node", "firmware_bridge.packet", "firmware_bridge.units")
     strange = [
-        module
+        (name(path), module)
+        for path in sources("firmware_bridge/wire")
         for module in imports(path)
         if module.split(".")[0] not in sys.stdlib_module_names and not module.startswith(own)
     ]
-    assert not strange
+    assert strange == []
 
 
-@pytest.mark.parametrize("path", sources(*PACKAGES), ids=name)
-def test_the_product_does_not_know_its_tests(path: Path) -> None:
-    assert not [module for module in imports(path) if module.split(".")[0] in {"hil_tests", "pytest"}]
+def test_the_product_does_not_know_its_tests() -> None:
+    tests = {"hil_tests", "pytest"}
+    knows = [name(it) for it in sources(*PACKAGES) if tests & {word.split(".")[0] for word in imports(it)}]
+    assert knows == []
 
 
-@pytest.mark.parametrize("path", sources(*PACKAGES), ids=name)
-def test_every_module_says_what_it_is_for(path: Path) -> None:
-    said = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8")))
-    assert said
-    assert said.splitlines()[0].endswith(".")
+def test_every_module_says_what_it_is_for() -> None:
+    said = {name(path): ast.get_docstring(parsed(path)) or "" for path in sources(*PACKAGES)}
+    assert [path for path, text in said.items() if not text.partition("\n")[0].endswith(".")] == []
 
 
-@pytest.mark.parametrize("path", sources(*PACKAGES, "benchmarks", "examples", "hil_tests", "tools"), ids=name)
-def test_a_file_that_outgrows_its_page_is_two_files(path: Path) -> None:
-    assert len(path.read_text(encoding="utf-8").splitlines()) <= LONGEST_FILE
+def test_a_file_that_outgrows_its_page_is_two_files() -> None:
+    files = sources(*PACKAGES, "benchmarks", "examples", "hil_tests", "tools")
+    lines = {name(path): len(path.read_text(encoding="utf-8").splitlines()) for path in files}
+    assert {path: count for path, count in lines.items() if count > LONGEST_FILE} == {}
 
 
 def test_one_place_sleeps_and_one_module_reads_a_clock() -> None:

@@ -56,6 +56,7 @@ IMPORTED: Final[dict[str, set[str]]] = {
 }
 """Everything else, above all Matplotlib, NumPy, SymPy, FMPy and python-can, is for who asks for it."""
 
+INSTALLED: Final = packages_distributions().keys()
 LISTING: Final = """
 import json, sys
 from firmware_bridge.cli import program
@@ -76,7 +77,7 @@ def imported(words: str) -> set[str]:
     )
     modules = json.loads(ended.stderr.splitlines()[-1])
     names = {module.partition(".")[0] for module in modules} - OWN - set(sys.stdlib_module_names)
-    return {name for name in names if name in packages_distributions() and not name.startswith("_")}
+    return {name for name in names & INSTALLED if not name.startswith("_")}
 
 
 @pytest.mark.parametrize("words", IMPORTED)
