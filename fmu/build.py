@@ -4,6 +4,7 @@ Several processes may build at once: each builds aside and moves the result into
 """
 
 import hashlib
+import io
 import importlib
 import importlib.util
 import os
@@ -60,6 +61,11 @@ def is_built(plant: str | Plant, fmi: int = 3) -> bool:
     return _kept(chosen, fmi, find_compiler()).exists()
 
 
+def place(plant: str | Plant, fmi: int, target: Path) -> None:
+    """Write the FMU of this plant, as `ensure` keeps it, replacing `target` at once."""
+    _put(target, ensure(plant, fmi).read_bytes())
+
+
 def build(plant: str | Plant, fmi: int, target: Path, *, compiler: str | None = None) -> None:
     """Write the FMU of this plant, or of the installed one of this name, replacing `target` at once."""
     chosen = find(plant) if isinstance(plant, str) else plant
@@ -87,7 +93,7 @@ def export(model: "Model", fmi: int, target: Path, *, token: str, compiler: str 
     if fingerprint is not None:
         entries[RESOURCE] = fingerprint.to_json().encode()
     entries[_binary_path(model.name, fmi)] = _compiled(files, units, compiler or find_compiler())
-    _write(target, entries)
+    _put(target, _zipped(entries))
 
 
 def find_compiler() -> str:
@@ -187,17 +193,24 @@ def _binary_path(identifier: str, fmi: int) -> str:
     return f"binaries/{architecture}-{system}/{identifier}{suffix}"
 
 
-def _write(target: Path, entries: Mapping[str, bytes]) -> None:
+def _zipped(entries: Mapping[str, bytes]) -> bytes:
+    content = io.BytesIO()
+    with ZipFile(content, "w", ZIP_DEFLATED) as archive:
+        for path in sorted(entries):
+            entry = ZipInfo(path, _EPOCH)
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, entries[path], ZIP_DEFLATED)
+    return content.getvalue()
+
+
+def _put(target: Path, content: bytes) -> None:
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.stem}-", suffix=".part")
         aside = Path(name)
         try:
-            with os.fdopen(handle, "wb") as stream, ZipFile(stream, "w", ZIP_DEFLATED) as archive:
-                for path in sorted(entries):
-                    entry = ZipInfo(path, _EPOCH)
-                    entry.external_attr = 0o644 << 16
-                    archive.writestr(entry, entries[path], ZIP_DEFLATED)
+            with os.fdopen(handle, "wb") as stream:
+                stream.write(content)
             aside.chmod(0o644)
             aside.replace(target)
         except BaseException:

@@ -13,7 +13,7 @@ from firmware_bridge import kinds
 from firmware_bridge.cli.console import FAILED, one_message, say
 from firmware_bridge.cli.tables import terminal
 from firmware_bridge.robot import AnyRobot
-from fmu.build import build
+from fmu.build import place
 from fmu.check import Findings, examine
 from fmu.errors import PlantError
 from fmu.interface import units
@@ -56,7 +56,7 @@ def build_model(model: str, *, fmi: int, out: Path | None) -> None:
     """Do what `fmu build` says."""
     target = out or Path(f"{model}.fmu")
     with one_message(PlantError, OSError):
-        build(model, fmi, target)
+        place(model, fmi, target)
         size = target.stat().st_size
     say(f"{target}: {model}, FMI {fmi}.0, co-simulation and model exchange, {size // 1024} KiB")
 
