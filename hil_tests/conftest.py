@@ -1,13 +1,15 @@
 """Which tests this machine can run: some need a SocketCAN bus vcan0, some need tshark beside Python.
 
 What is not there leaves its tests out, and counted: `tools/with-vcan` brings a kernel with the bus, Debian's
-package tshark the dissector. `.ci/run` has both. Hypothesis times no example: the tests' time is virtual, and
-the wall's says how busy the machine is.
+package tshark the dissector. `.ci/run` has both. Which tests are long says `lanes.toml`, beside the marks of
+a few. Hypothesis times no example: the tests' time is virtual, and the wall's says how busy the machine is.
 """
 
 import shutil
+import tomllib
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Final
+from typing import Any, Final, TypedDict, cast
 
 import pytest
 from hypothesis import settings
@@ -20,6 +22,32 @@ AT_HAND: Final = {
 
 settings.register_profile("virtual time", settings(deadline=None))
 settings.load_profile("virtual time")
+
+
+class Longer(TypedDict, total=False):
+    """A row of `lanes.toml`."""
+
+    keeps: list[str]
+    beside: str
+
+
+def rows(table: dict[str, Any], above: str = "") -> Iterator[tuple[str, Longer]]:
+    """Yield what is long by its file and name, as pytest writes them."""
+    for name, found in table.items():
+        if name.startswith("test_") and not any(isinstance(it, dict) for it in found.values()):
+            yield f"{above}.py::{name}", cast("Longer", found)
+        else:
+            yield from rows(found, f"{above}/{name}" if above else name)
+
+
+LONG: Final = dict(rows(tomllib.loads(Path(__file__).with_name("lanes.toml").read_text(encoding="utf-8"))))
+
+
+def pytest_itemcollected(item: pytest.Item) -> None:
+    name, _, case = item.nodeid.removeprefix("hil_tests/").partition("[")
+    row = LONG.get(name)
+    if row is not None and case.removesuffix("]") not in row.get("keeps", ()):
+        item.add_marker(pytest.mark.long(beside=row.get("beside", "")))
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

@@ -23,16 +23,17 @@ from hil_tests.unit.servo.side_by_side import (
     difference,
 )
 
-TICKS = 1_500_000
+TICKS = {"few": 150_000, "many": 1_500_000}
 """Ticks of single axes, for each way of drawing."""
 
 
 @pytest.mark.parametrize("draw", [tame, wild])
+@pytest.mark.parametrize("much", TICKS)
 def test_planned_demands_agree_to_the_bit(
-    plant_library: ctypes.CDLL, native: kernel.Found, draw: Draw
+    plant_library: ctypes.CDLL, native: kernel.Found, draw: Draw, much: str
 ) -> None:
     ticks, seed, seen, done = 0, 1000, set(), 0
-    while ticks < TICKS:
+    while ticks < TICKS[much]:
         raw = tuple(draw(np.random.default_rng([seed, axis])) for axis in range(COUNT))
         twin, one = (Side(Motors(plant_library, seed=seed), raw, found) for found in (TWIN, native))
         for leg in legs(np.random.default_rng(seed), 60, PLANNED_KINDS):
