@@ -1,0 +1,233 @@
+"""Evenings drawn at random: what operators do, and what fails, from tables; a mission like any other."""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from enum import Enum
+from typing import Annotated, Any, Final, Literal, get_args, get_origin
+
+from numpy.random import Generator
+
+from emulators.bench.faults import KINDS, Fault, read
+from emulators.bench.mission import Mission, Noise
+from emulators.bench.rehearsal import Rehearsal
+from emulators.bench.step import Holds, Input, Presses, Sends, Slope, Step, guides, inputs
+from emulators.bench.strays import Stray
+from firmware_bridge.robot import AnyRobot
+
+READY_S: Final = 3.0
+PAUSE_S: Final = 0.8
+"""Between two things that an operator does, on the average."""
+RECOVERS: Final = 0.3
+"""So often he lets go, clears what is latched, and arms: else most of an evening is spent at rest."""
+DRIVES: Final = 0.3
+"""So often he moves the first channel of his stick alone."""
+TRIES: Final = 50
+FAR: Final = 3.0
+"""A value of a key without a known range is drawn from this to both sides."""
+
+
+class Nature(Enum):
+    """Who is to be believed when a fault is on."""
+
+    HONEST = "honest"
+    """Somebody fails, and nobody lies."""
+    LYING = "lying"
+    """A drive tells what is not, or does not do what it says."""
+    STRANGER = "stranger"
+    """Another master speaks on the bus."""
+
+
+How = Callable[[Generator], dict[str, Any]]
+
+
+@dataclass(frozen=True, slots=True)
+class Failing:
+    """How a fault is drawn."""
+
+    nature: Nature
+    how: How = lambda _: {}
+    longest_s: float = 1.0
+
+
+def _share(chance: Generator) -> dict[str, Any]:
+    return {"share": round(float(chance.choice([0.05, 0.3, 1.0])), 3)}
+
+
+FAILING: Final[dict[str, Failing]] = {
+    "frame_error": Failing(Nature.HONEST, _share),
+    "frame_loss": Failing(Nature.HONEST, _share),
+    "receive_overrun": Failing(Nature.HONEST, _share),
+    "bus_off": Failing(Nature.HONEST),
+    "babbling_node": Failing(Nature.HONEST, lambda chance: {"every_us": int(chance.integers(150, 2000))}),
+    "node_silent": Failing(Nature.HONEST, longest_s=3.0),
+    "drive_restart": Failing(Nature.HONEST),
+    "supply_sag": Failing(Nature.HONEST, lambda chance: {"to_v": float(chance.choice([5.0, 15.0]))}),
+    "logic_supply_sag": Failing(Nature.HONEST, lambda _: {"to_v": 3.0}),
+    "gate_supply_sag": Failing(Nature.HONEST, lambda _: {"to_v": 6.0}),
+    "datagram_loss": Failing(Nature.HONEST, _share, longest_s=8.0),
+    "datagram_late": Failing(
+        Nature.HONEST, lambda chance: {"by_ms": float(chance.integers(10, 1500))}, longest_s=3.0
+    ),
+    "datagram_doubled": Failing(
+        Nature.HONEST, lambda chance: {"after_ms": float(chance.integers(0, 400))}, longest_s=5.0
+    ),
+    "set_points_ignored": Failing(Nature.LYING, longest_s=5.0),
+    "encoder_frozen": Failing(Nature.LYING, longest_s=5.0),
+    "encoder_cut": Failing(Nature.LYING),
+    "encoder_counts_lost": Failing(Nature.LYING, lambda _: {"share": 0.2}, longest_s=5.0),
+    "nmt_stranger": Failing(
+        Nature.STRANGER,
+        lambda chance: {
+            "command": str(
+                chance.choice(["stop", "enter_pre_operational", "reset_communication", "reset_node"])
+            )
+        },
+    ),
+}
+"""By the faults' names; those that are not here have no place in an evening."""
+
+
+class Draw:
+    """Draws missions for one robot."""
+
+    def __init__(
+        self, robot: AnyRobot, rehearsal: Rehearsal, chance: Generator, natures: frozenset[Nature]
+    ) -> None:
+        self._robot: Final = robot
+        self._rehearsal: Final = rehearsal
+        self._chance: Final = chance
+        self._kinds: Final = [name for name, row in FAILING.items() if row.nature in natures]
+        rows = inputs(rehearsal.step)
+        self._held_by: Final = {key: row for key, row in rows.items() if isinstance(row, Holds)}
+        self._main: Final = next(iter(self._held_by))
+        self._full: Final = {channel.name: channel.full(robot) for channel in rehearsal.channels}
+
+    def mission(self, seconds: float) -> Mission:
+        """Return a whole evening that begins with an armed robot."""
+        opening = [*self._stands(), self._step(READY_S, {"arm": True})]
+        noise = Noise(
+            stick=float(self._chance.choice([0.0, 0.02])),
+            delay_ms=float(self._chance.choice([0.0, 80.0])),
+            jitter_ms=float(self._chance.choice([0.0, 60.0])),
+            loss=float(self._chance.choice([0.0, 0.1])),
+        )
+        return Mission(
+            title="an evening with an adversary",
+            duration_s=seconds,
+            input=Input.STICK,
+            noise=noise,
+            step=(*opening, *self.steps(READY_S + 0.5, seconds)),
+            fault=self.faults(READY_S + 0.5, seconds - 2.0),
+        )
+
+    def steps(self, begin: float, end: float) -> tuple[Step, ...]:
+        """Return what the operator does between two seconds, in order."""
+        found, now = [], begin
+        while (now := self._later(now, PAUSE_S)) < end - 0.1:
+            habit = self._chance.random()
+            if habit < RECOVERS:
+                found.append(self._step(now, {**self._lets_go(), "clear": True}))
+                if (now := self._later(now, 0.2)) < end - 0.1:
+                    found.append(self._step(now, {"arm": True}))
+            elif habit < RECOVERS + DRIVES:
+                found.append(self._step(now, {self._main: self._held(self._held_by[self._main])}))
+            else:
+                found.append(self._step(now, self._does()))
+        return tuple(found)
+
+    def _later(self, now: float, pause_s: float) -> float:
+        return round(now + float(self._chance.exponential(pause_s)) + 0.06, 3)
+
+    def _lets_go(self) -> dict[str, Any]:
+        keys = {row.channel: key for key, row in reversed(self._held_by.items())}
+        return dict.fromkeys(keys.values(), 0.0)
+
+    def faults(self, begin: float, end: float, others: tuple[Fault, ...] = ()) -> tuple[Fault, ...]:
+        """Return what fails between two seconds, one thing after the other, each of them once."""
+        used, found = {fault.kind for fault in others}, []
+        for _ in range(int(self._chance.integers(0, 4))):
+            name = str(self._chance.choice(self._kinds)) if self._kinds else ""
+            if name and name not in used:
+                used.add(name)
+                found.append(self._fault(name, round(float(self._chance.uniform(begin, end)), 3)))
+        return tuple(found)
+
+    def _fault(self, name: str, second: float) -> Fault:
+        row, kind = FAILING[name], KINDS[name]
+        said = {"kind": name, "at_s": second, **row.how(self._chance)}
+        among = kind.fault.among.of(self._robot)
+        if among and "node" in kind.fault.model_fields:
+            said["node"] = str(self._chance.choice(among))
+        if kind.lasts:
+            said["for_s"] = round(float(self._chance.uniform(0.05, row.longest_s)), 3)
+        return read(said)
+
+    def _stands(self) -> Iterator[Step]:
+        zeros = {axis.role: 0.0 for axis in self._robot.axes if getattr(axis, "zero_confirmed", False)}
+        if zeros:
+            yield self._step(0.0, {"zero": zeros})
+
+    def _does(self) -> dict[str, Any]:
+        if self._chance.random() < 0.05:
+            return {"silent_s": round(float(self._chance.uniform(0.1, 4.0)), 3)}
+        if self._chance.random() < 0.03:
+            return {"stray": str(self._chance.choice([it.value for it in Stray]))}
+        does: dict[str, Any] = {}
+        rows = [(key, row) for key, row in inputs(self._rehearsal.step).items() if not isinstance(row, Slope)]
+        held = set()
+        for _ in range(int(self._chance.integers(1, 4))):
+            key, row = rows[int(self._chance.integers(len(rows)))]
+            channel = row.channel if isinstance(row, Holds) else key
+            value = self._value(key, row)
+            if value is not None and channel not in held:
+                held.add(channel)
+                does[key] = value
+        return does or {"arm": True}
+
+    def _value(self, key: str, row: object) -> Any:
+        match row:
+            case Holds():
+                return self._held(row)
+            case Presses():
+                return str(self._chance.choice(list(row.buttons)))
+            case Sends():
+                return self._sent(key, row)
+        return None
+
+    def _held(self, row: Holds) -> float | None:
+        full = self._full[row.channel]
+        share = float(self._chance.choice([-1.0, 0.0, 0.0, 1.0, self._chance.uniform(-1.0, 1.0)]))
+        one, two = (row.into(value, self._robot) for value in (1.0, 2.0))
+        if math.isclose(two, 2.0 * one):
+            return math.trunc(1e4 * share * full / one) / 1e4
+        for _ in range(TRIES):
+            value = round(float(self._chance.uniform(-FAR, FAR)), 4)
+            if value and abs(row.into(value, self._robot)) <= full:
+                return value
+        return None
+
+    def _sent(self, key: str, row: Sends) -> Any:
+        if key in {"terminate", "zero"}:
+            return None  # the first ends the evening; the second may be a wrong word, which nobody can know
+        said = {
+            get_args(one)[0] if get_origin(one) in {Annotated, Literal} else one
+            for one in get_args(self._rehearsal.step.model_fields[key].annotation)
+        }
+        chance = self._chance
+        drawn: dict[object, Callable[[], Any]] = {
+            True: lambda: True,
+            bool: lambda: bool(chance.integers(2)),
+            str: lambda: str(chance.choice(guides(self._robot))),
+            int: lambda: int(chance.integers(0, 3)),
+        }
+        for kind in said & drawn.keys():
+            return drawn[kind]()
+        for _ in range(TRIES):
+            value = round(float(self._chance.uniform(0.0, 1.0)), 4)
+            if all(abs(param) <= 1.0 for param in row.params(value, self._robot)):
+                return value
+        return None
+
+    def _step(self, second: float, does: dict[str, Any]) -> Step:
+        return self._rehearsal.step.model_validate({"at_s": second, "title": f"at {second:g} s", **does})

@@ -1,0 +1,213 @@
+"""The search: evenings are driven, branched from their worst moments and judged; what is found is shrunk."""
+
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.random import Generator
+
+from emulators.bench.faults import Fault
+from emulators.bench.log import Kind
+from emulators.bench.mission import Mission
+from emulators.bench.operator import ScriptedOperator
+from emulators.bench.rehearsal import Rehearsal
+from emulators.bench.step import Step
+from emulators.rewind import Checkpoint
+from emulators.rig import Rig
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
+from hil_tests.adversary.draw import FAILING, READY_S, Draw, Nature
+from hil_tests.adversary.truth import Invariant, Judge, Truth, Violation
+
+LOOK_EVERY: Final = 0.01
+EVENING_S: Final = 24.0
+BRANCH_S: Final = 8.0
+BRANCHES: Final = 3
+KEPT_EVERY_S: Final = 1.0
+GOES: Final = "arm: accepted"
+STOPS: Final = {"disarm: accepted", "force disarm: accepted", "emergency stop: accepted"}
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A mission that breaks a rule."""
+
+    mission: Mission
+    violation: Violation
+    seed: int
+
+    def __str__(self) -> str:
+        """Say it in one line."""
+        broken = self.violation
+        return f"{broken.name}: {broken.ratio:.2f} times its bound from {to_seconds(broken.since):.2f} s on"
+
+
+@dataclass(frozen=True, slots=True)
+class _Kept:
+    """A moment to go back to, what the judge had in mind then, and how near to a bound it came next."""
+
+    at: Nanoseconds
+    moment: Checkpoint
+    since: dict[str, Nanoseconds]
+    nearest: float
+
+
+class Life:
+    """One rig with a mission on it, and its judge."""
+
+    def __init__(
+        self, robot: AnyRobot, rehearsal: Rehearsal, mission: Mission, seed: int, rows: tuple[Invariant, ...]
+    ) -> None:
+        self.mission = mission
+        self._operator: Final = ScriptedOperator(robot, rehearsal, mission, np.random.default_rng(seed))
+        self.rig: Final = Rig(
+            robot, rehearsal, self._operator, seed=seed, noise=mission.noise, faults=mission.fault
+        )
+        self._truth: Final = Truth(robot)
+        self.judge: Final = Judge(rows, lying(mission.fault))
+
+    def run(self, until: Nanoseconds) -> Violation | None:
+        """Run on to an instant; return the first rule that is broken."""
+        step = from_seconds(LOOK_EVERY)
+        while self.rig.world.now < until:
+            self.rig.run(self.rig.world.now + step)
+            if self.rig.world.now < from_seconds(READY_S):
+                continue
+            look = self._truth.look(self.rig, told_to_stop=self._told_to_stop())
+            broken = self.judge.look(self.rig.world.now, look)
+            if broken is not None:
+                return broken
+        return None
+
+    def _told_to_stop(self) -> bool:
+        """Return whether the operator's last order that was accepted is one to stop."""
+        answers = (
+            entry.text for entry in reversed(self._operator.diary.entries) if entry.kind is Kind.ANSWERED
+        )
+        return next((text in STOPS for text in answers if text in STOPS or text == GOES), True)
+
+    def kept(self, until: Nanoseconds) -> Iterator[_Kept | Violation]:
+        """Run on, and yield a moment for each second of it, or what was broken."""
+        while self.rig.world.now < until:
+            at, moment, since = self.rig.world.now, self.rig.snapshot(), dict(self.judge.since)
+            self.judge.nearest = 0.0
+            broken = self.run(min(until, at + from_seconds(KEPT_EVERY_S)))
+            yield _Kept(at, moment, since, self.judge.nearest) if broken is None else broken
+            if broken is not None:
+                return
+
+    def branch(self, kept: _Kept, steps: tuple[Step, ...], faults: tuple[Fault, ...]) -> None:
+        """Go back to a moment, and on from there with other steps and more faults."""
+        self.rig.restore(kept.moment)
+        self.judge.since = dict(kept.since)
+        before = tuple(step for step in self.mission.step if from_seconds(step.at_s) <= kept.at)
+        spoken = self.mission.model_copy(update={"step": (*before, *steps)})
+        self._operator.take_over(spoken)
+        self.mission = spoken.model_copy(update={"fault": (*spoken.fault, *faults)})
+        self.rig.faults.plan(faults)
+        self.judge.lying = lying(self.mission.fault)
+
+
+def lying(faults: tuple[Fault, ...]) -> bool:
+    """Return whether somebody is not to be believed when these are on."""
+    return any(FAILING[fault.kind].nature is not Nature.HONEST for fault in faults)
+
+
+@dataclass(frozen=True, slots=True)
+class Search:
+    """A search over seeds for one robot."""
+
+    robot: AnyRobot
+    rehearsal: Rehearsal
+    rows: tuple[Invariant, ...]
+    natures: frozenset[Nature]
+    say: Callable[[str], None] = lambda _: None
+
+    def evening(self, seed: int) -> tuple[Found | None, float]:
+        """Drive one evening and its branches; return what was found, shrunk, and the seconds driven."""
+        chance = np.random.default_rng([seed, 7])
+        draw = Draw(self.robot, self.rehearsal, chance, self.natures)
+        whole = draw.mission(EVENING_S)
+        life = Life(self.robot, self.rehearsal, whole, seed, self.rows)
+        try:
+            found, driven = self._lived(life, draw, chance, seed)
+        finally:
+            life.rig.finish()
+        return (None if found is None else self.shrunk(found)), driven
+
+    def _lived(self, life: Life, draw: Draw, chance: Generator, seed: int) -> tuple[Found | None, float]:
+        whole, kept, end = life.mission, list[_Kept](), from_seconds(EVENING_S)
+        for one in life.kept(end):
+            if isinstance(one, Violation):
+                return Found(life.mission, one, seed), to_seconds(life.rig.world.now)
+            kept.append(one)
+        driven = EVENING_S
+        ready = [one for one in kept if one.at > from_seconds(READY_S)]
+        worst = sorted(ready, key=lambda one: -one.nearest)[: 2 * BRANCHES]
+        for place in chance.permutation(len(worst))[:BRANCHES]:
+            one = worst[int(place)]
+            life.mission = whole
+            begin = to_seconds(one.at) + 2.0 / whole.send_hz
+            until = begin + BRANCH_S
+            more = draw.faults(begin, until - 1.0, whole.fault)
+            life.branch(one, draw.steps(begin, min(until, EVENING_S)), more)
+            broken = life.run(from_seconds(until))
+            driven += BRANCH_S
+            if broken is not None:
+                return Found(life.mission, broken, seed), driven
+        return None, driven
+
+    def again(self, mission: Mission, seed: int, name: str) -> Violation | None:
+        """Drive a mission from its beginning; return the violation of this name."""
+        life = Life(self.robot, self.rehearsal, mission, seed, self.rows)
+        try:
+            broken = life.run(from_seconds(mission.duration_s + BRANCH_S))
+        finally:
+            life.rig.finish()
+        return broken if broken is not None and broken.name == name else None
+
+    def shrunk(self, found: Found) -> Found:
+        """Leave out all noise, and each fault and step, without which the same rule is broken as well."""
+        best = self._smaller(found, {"noise": type(found.mission.noise)()})
+        for key in ("fault", "step"):
+            for one in getattr(found.mission, key):
+                rest = tuple(other for other in getattr(best.mission, key) if other is not one)
+                if rest or key == "fault":
+                    best = self._smaller(best, {key: rest})
+        return best
+
+    def _smaller(self, best: Found, change: dict[str, Any]) -> Found:
+        """Return the find with this change where it breaks the same rule, else as it is."""
+        mission = best.mission.model_copy(update=change)
+        broken = self.again(mission, best.seed, best.violation.name)
+        if broken is None:
+            return best
+        self.say(f"shrunk to {len(mission.step)} steps and {len(mission.fault)} faults")
+        return Found(mission, broken, best.seed)
+
+
+def as_toml(found: Found, robot: AnyRobot) -> str:
+    """Return the mission as a file that `bench` drives, with what it breaks above it."""
+    mission = found.mission
+    lines = [f"# {found}", f"# firmware-bridge bench {robot.name} --mission THIS --seed {found.seed}", ""]
+    lines += [f"title = {json.dumps(mission.title)}", f"duration_s = {mission.duration_s + BRANCH_S}"]
+    noise = mission.noise.model_dump(exclude_defaults=True)
+    lines += ["", "[noise]", *(f"{key} = {_toml(value)}" for key, value in noise.items())] if noise else []
+    for table, rows in (("step", mission.step), ("fault", mission.fault)):
+        for row in rows:
+            said = row.model_dump(exclude_none=True, exclude_unset=True)
+            kind = {"kind": row.kind} if isinstance(row, Fault) else {}
+            lines += [
+                "",
+                f"[[{table}]]",
+                *(f"{key} = {_toml(value)}" for key, value in {**kind, **said}.items()),
+            ]
+    return "\n".join(lines) + "\n"
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{key} = {_toml(one)}" for key, one in value.items()) + " }"
+    return json.dumps(value)

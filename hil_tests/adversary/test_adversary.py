@@ -1,0 +1,89 @@
+"""The adversary finds nothing; and what it is there to find, it finds, and shrinks to what matters."""
+
+from collections.abc import Callable
+from typing import Any, Final
+
+import pytest
+
+from emulators.bench import mission as missions
+from emulators.bench.rehearsal import rehearsal_of
+from firmware_bridge.bridge.permission import Permission
+from firmware_bridge.bridge.stops import Stops
+from firmware_bridge.drivers.epos2.serial.fleet import over_serial
+from firmware_bridge.intent import Verdict
+from firmware_bridge.kinds import find
+from firmware_bridge.robot import AnyRobot
+from hil_tests.adversary.draw import Nature
+from hil_tests.adversary.search import Found, Search, as_toml
+from hil_tests.adversary.truth import invariants
+
+ROBOTS: Final = {
+    "rars": lambda: find("rars"),
+    "rars over serial": lambda: over_serial(find("rars")),
+    "carrier": lambda: find("carrier"),
+}
+HONEST: Final = frozenset({Nature.HONEST})
+ALL: Final = frozenset(Nature)
+
+
+def search(robot: AnyRobot, natures: frozenset[Nature], judged: AnyRobot | None = None) -> Search:
+    return Search(robot, rehearsal_of(robot), invariants(judged or robot), natures)
+
+
+@pytest.mark.parametrize(
+    ("first", "count"), [pytest.param(0, 1, id="one"), pytest.param(1, 30, id="many", marks=pytest.mark.long)]
+)
+@pytest.mark.parametrize("natures", [HONEST, ALL], ids=["honest", "all"])
+@pytest.mark.parametrize("make", ROBOTS.values(), ids=ROBOTS)
+def test_no_evening_breaks_a_rule(
+    make: Callable[[], AnyRobot], natures: frozenset[Nature], first: int, count: int
+) -> None:
+    one = search(make(), natures)
+    for seed in range(first, first + count):
+        found, _ = one.evening(seed)
+        assert found is None, as_toml(found, one.robot)
+
+
+def found_by(one: Search, seeds: int) -> Found:
+    """Return what the first of these evenings that finds something has found."""
+    return next(found for found, _ in map(one.evening, range(seeds)) if found is not None)
+
+
+def test_a_limit_that_is_too_high_is_found_and_driven_again_from_its_file() -> None:
+    """And nobody behind it: the guard knows no sum."""
+    rars = find("rars")
+    limits = rars.geometry.limits.model_copy(update={"speed_mps": 0.6})
+    geometry = rars.geometry.model_copy(update={"limits": limits})
+    robot = rars.model_copy(
+        update={"geometry": geometry, "guard": rars.guard.model_copy(update={"sums": ()})}
+    )
+    one = search(robot, HONEST, rars)
+    found = found_by(one, 4)
+    assert found.violation.name in {"base speed beyond its bound", "speed_mps beyond 0.505"}
+    assert len(found.mission.step) <= 4
+    assert found.mission.fault == ()
+    text = as_toml(found, robot)
+    again = missions.parse(text, "found.toml", robot, one.rehearsal)
+    broken = one.again(again, found.seed, found.violation.name)
+    assert broken == found.violation
+
+
+def deaf(*_: Any, **__: Any) -> Verdict:
+    return Verdict(accepted=True, reason="emergency stop: it stays until it is cleared")
+
+
+@pytest.mark.interpreted
+def test_an_emergency_stop_that_does_nothing_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Permission, "_stop", deaf)
+    found = found_by(search(find("carrier"), HONEST), 6)
+    assert found.violation.name == "motion with power that may not be"
+    assert any(step.emergency_stop for step in found.mission.step)
+    assert len(found.mission.step) <= 4
+
+
+@pytest.mark.interpreted
+def test_a_stop_that_is_only_said_is_found_where_a_stranger_speaks(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Stops, "watch", lambda _, __, demands, *___: ((), dict(demands)))
+    one = search(find("carrier"), frozenset({Nature.STRANGER}))
+    found = found_by(one, 10)
+    assert [fault.kind for fault in found.mission.fault] == ["nmt_stranger"]
