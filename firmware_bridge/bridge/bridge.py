@@ -130,7 +130,7 @@ class Bridge:
         if packet.link != OPERATOR:
             self._outbox += self._fleets.hear(packet, now) or ()
         else:
-            self._hear_operator(packet.payload, now)
+            self._hear_operator(packet, now)
         return self._reaction(now)
 
     def wake(self, now: Nanoseconds) -> Reaction:
@@ -270,9 +270,13 @@ class Bridge:
         if self.phase is Phase.LEAVING and not stops.under_way:
             self.phase = Phase.FINISHED
 
-    def _hear_operator(self, datagram: bytes, now: Nanoseconds) -> None:
+    def _hear_operator(self, packet: Packet, now: Nanoseconds) -> None:
         stopped = self._permission.emergency_stopped
-        self._report(self._operator.hear(datagram, now, lambda request: self._decide(request, now)))
+        self._report(
+            self._operator.hear(
+                packet.payload, now, lambda request: self._decide(request, now), packet.address
+            )
+        )
         if self.phase is Phase.RUNNING and self._permission.emergency_stopped and not stopped:
             self._run(now)
         elif self.phase is Phase.STARTING and self._task is Task.ENABLE and self._permission.forbids_power:

@@ -6,7 +6,7 @@ from typing import Final
 
 from firmware_bridge.intent import EmergencyStop
 from firmware_bridge.safety.row import Severity
-from firmware_bridge.teleop.commands import Order, Result, obey
+from firmware_bridge.teleop.commands import Order, Result, change_control, obey
 from firmware_bridge.teleop.exchange import Exchange
 from firmware_bridge.teleop.mavlink import dialect, text_of
 from firmware_bridge.teleop.session import REMEMBERED, Answered
@@ -14,6 +14,9 @@ from firmware_bridge.teleop.setpoints import pressed
 from firmware_bridge.units import NEVER
 
 _PROGRESS_UNKNOWN: Final = 0
+_REQUESTS: Final = 0
+_ALREADY_CONTROLLED: Final = 3
+"""Of CHANGE_OPERATOR_CONTROL and its acknowledgement (common.xml)."""
 
 
 def _manual_control(exchange: Exchange) -> None:
@@ -25,6 +28,9 @@ def _manual_control(exchange: Exchange) -> None:
     stopped = session.snapshot is not None and session.snapshot.facts.emergency_stopped
     if pressed(buttons, session.station.stop_button) and not stopped:
         exchange.request(EmergencyStop())
+    if exchange.refusal is not None:
+        exchange.ignore()
+        return
     exchange.press(gone_down)
     exchange.take_stick()
 
@@ -58,8 +64,10 @@ def _order(exchange: Exchange, order: Order, *, repeated: bool) -> None:
             _acknowledge(exchange, order.command, before.result)
             return
     answer = obey(order, exchange)
-    if answer.reason:
+    if answer.reason and exchange.refusal is None:
         exchange.replies += exchange.session.speaker.say(Severity.WARNING, answer.reason)
+    elif answer.reason:
+        exchange.warn("command", answer.reason)
     peer.answered = Answered(order.command, order.params, answer.result, exchange.now)
     _acknowledge(exchange, order.command, answer.result)
 
@@ -89,7 +97,7 @@ def _parameter_set(exchange: Exchange) -> None:
     if index is None:
         _parameter_error(exchange, -1)
         return
-    trouble = session.store.change(index, message.param_value)
+    trouble = exchange.refusal or session.store.change(index, message.param_value)
     if trouble:
         exchange.warn(f"parameter {index}", trouble)
     else:
@@ -114,6 +122,16 @@ def _mission_list(exchange: Exchange) -> None:
 def _mission_ack(kind: int, exchange: Exchange) -> None:
     exchange.replies.append(
         dialect.MAVLink_mission_ack_message(*exchange.address, kind, exchange.message.mission_type)
+    )
+
+
+def _change_control(exchange: Exchange) -> None:
+    """Take the old CHANGE_OPERATOR_CONTROL as the command that replaced it; a pass key is not asked for."""
+    asks: int = exchange.message.control_request
+    answer = change_control(exchange, asks=asks == _REQUESTS, yields=False)
+    refused = _ALREADY_CONTROLLED if answer.result is not Result.ACCEPTED else 0
+    exchange.replies.append(
+        dialect.MAVLink_change_operator_control_ack_message(exchange.sender.system, asks, refused)
     )
 
 
@@ -144,6 +162,7 @@ HANDLERS: Final[dict[int, Callable[[Exchange], None]]] = {
     dialect.MAVLINK_MSG_ID_MISSION_REQUEST: partial(_mission_ack, dialect.MAV_MISSION_INVALID_SEQUENCE),
     dialect.MAVLINK_MSG_ID_MISSION_REQUEST_INT: partial(_mission_ack, dialect.MAV_MISSION_INVALID_SEQUENCE),
     dialect.MAVLINK_MSG_ID_MISSION_CLEAR_ALL: partial(_mission_ack, dialect.MAV_MISSION_ACCEPTED),
+    dialect.MAVLINK_MSG_ID_CHANGE_OPERATOR_CONTROL: _change_control,
     dialect.MAVLINK_MSG_ID_TIMESYNC: _timesync,
     dialect.MAVLINK_MSG_ID_PING: _ping,
 }

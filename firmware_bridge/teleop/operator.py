@@ -1,8 +1,8 @@
 """The operator's side of the bridge, whole: datagrams to intent and answers, snapshots to telemetry.
 
 It opens no socket, reads no clock and judges nothing: requests go to the bridge through `decide`, limits are
-the interlocks'. Every station that speaks to us is obeyed and the newest word counts; an echo of our own
-words and messages for other systems are left alone. What a robot makes of it stands in its station's rows.
+the interlocks'. One station drives; while none does, the newest word counts. An echo of our own words and
+messages for other systems are left alone. What a robot makes of it stands in its station's rows.
 """
 
 from typing import Final, Generic, TypeVar
@@ -11,10 +11,11 @@ from firmware_bridge.intent import Intent
 from firmware_bridge.robot import Robot, Table
 from firmware_bridge.safety.row import Severity
 from firmware_bridge.safety.snapshot import Hold, Snapshot
+from firmware_bridge.teleop.control import Sender
 from firmware_bridge.teleop.exchange import Decide, Exchange
 from firmware_bridge.teleop.mavlink import Counters, Message, concerns
 from firmware_bridge.teleop.messages import HANDLERS
-from firmware_bridge.teleop.session import LISTING_GAP, Address, Dropped, Session
+from firmware_bridge.teleop.session import LISTING_GAP, Dropped, Session
 from firmware_bridge.teleop.station import Station
 from firmware_bridge.units import NEVER, Nanoseconds
 
@@ -48,6 +49,16 @@ class Operator(Generic[G, M, S]):
         return self._session.intent
 
     @property
+    def driver(self) -> Sender | None:
+        """Who drives; None where nobody does."""
+        return self._session.control.driver
+
+    @property
+    def stations(self) -> tuple[Sender, ...]:
+        """Who is remembered."""
+        return tuple(self._session.peers)
+
+    @property
     def counters(self) -> Counters:
         """Frames heard, corrupt and unknown."""
         return self._session.codec.counters
@@ -63,25 +74,40 @@ class Operator(Generic[G, M, S]):
         session = self._session
         return min(session.schedule.next_due, session.list_due)
 
-    def hear(self, datagram: bytes, now: Nanoseconds, decide: Decide) -> tuple[bytes, ...]:
+    def hear(self, datagram: bytes, now: Nanoseconds, decide: Decide, source: int = 0) -> tuple[bytes, ...]:
         """Take one datagram, ask `decide` for what only the bridge can grant, and return the answers.
 
-        No bytes make it raise: what is no MAVLink is counted and skipped.
+        `source` tells where it came from: the packet's address. No bytes make it raise: what is no MAVLink is
+        counted and skipped.
         """
         session = self._session
         codec = session.codec
         replies: list[Message] = []
         for message in codec.decode(datagram):
-            sender = Address(message.get_srcSystem(), message.get_srcComponent())
-            if sender == (codec.system, codec.component):
+            sender = Sender(source, message.get_srcSystem(), message.get_srcComponent())
+            if sender[1:] == (codec.system, codec.component):
                 session.dropped.echoed += 1
-            elif not concerns(message, codec.system, codec.component):
+                continue
+            if not concerns(message, codec.system, codec.component):
                 session.dropped.foreign += 1
-            elif (handle := HANDLERS.get(message.get_msgId())) is not None:
+                continue
+            session.heard(sender, now)
+            if (handle := HANDLERS.get(message.get_msgId())) is not None:
                 exchange = Exchange(session, message, sender, now, decide)
                 handle(exchange)
                 replies += exchange.replies
         return tuple(codec.encode(message) for message in replies)
+
+    def lapses(self, now: Nanoseconds) -> bool:
+        """Let nobody drive where the driver is gone, and return whether he is; only when the robot rests."""
+        session = self._session
+        if not session.control.lapses(now):
+            return False
+        text = f"control: {session.control.driver} is gone, nobody drives"
+        session.control.give_up()
+        session.adopt(None, now)
+        session.tell(Severity.WARNING, text)
+        return True
 
     def forget(self) -> None:
         """Forget the targets of an operator who has gone silent."""
@@ -93,7 +119,8 @@ class Operator(Generic[G, M, S]):
         """Return what is due now, in order: texts of what began or ended, telemetry, listed parameters."""
         session = self._session
         session.snapshot = snapshot
-        messages = self._hold_texts(holds) + self._fault_texts(snapshot)
+        messages = session.untold + self._hold_texts(holds) + self._fault_texts(snapshot)
+        session.untold = []
         due = session.schedule.due(now)
         if due:
             context = session.context(snapshot)

@@ -49,6 +49,8 @@ class Bench(Generic[G, M, S]):
     now: Nanoseconds = 0
     asked: list[Request] = field(default_factory=list)
     verdict: Verdict | None = None
+    heard: list[Any] = field(default_factory=list)
+    """Everything that has been reported."""
 
     def __post_init__(self) -> None:
         self.restart()
@@ -105,7 +107,9 @@ class Bench(Generic[G, M, S]):
         self.now += CYCLE
         self.facts = replace(self.facts, now=self.now, heard_at=self.operator.intent.heard_at)
         sent = self.operator.report(self.snapshot(), holds, self.now)
-        return [message for datagram in sent for message in self.station.decode(datagram)]
+        heard = [message for datagram in sent for message in self.station.decode(datagram)]
+        self.heard += heard
+        return heard
 
     def told(self, number: int) -> Any:
         """Let a cycle pass; ask for one message and return it."""
