@@ -185,7 +185,7 @@ class Bridge:
         else:
             if self.phase is not Phase.STARTING:
                 self._let_go(now)
-            self._report(self._pipeline.reported((self._waiting(), *self._permission.stops.holds), now))
+            self._outbox += self._pipeline.reported((self._waiting(), *self._permission.stops.holds), now)
 
     def _reaction(self, now: Nanoseconds) -> Reaction:
         """Carry on what the newest packet or instant made possible, and hand out what is to be sent."""
@@ -220,7 +220,7 @@ class Bridge:
         """Run the pipeline once, for the samples of this cycle or at a deadline in between."""
         demanded, reported = self._pipeline.run(now)
         self._outbox += demanded
-        self._report(reported)
+        self._outbox += reported
 
     def _start_up(self, now: Nanoseconds) -> None:
         """Take all drives to the next task; where one failed, switch all of them off and say so."""
@@ -238,7 +238,7 @@ class Bridge:
     def _come_to_rest(self, now: Nanoseconds) -> None:
         demanded, rests = self._pipeline.come_to_rest(now)
         self._outbox += demanded
-        self._report(self._pipeline.reported((self._waiting(), *self._permission.stops.holds), now))
+        self._outbox += self._pipeline.reported((self._waiting(), *self._permission.stops.holds), now)
         stops = self._permission.stops
         if (rests and not stops.under_way) or (now >= self._rest_until and not stops.escalating):
             self._leave(now)
@@ -272,10 +272,8 @@ class Bridge:
 
     def _hear_operator(self, packet: Packet, now: Nanoseconds) -> None:
         stopped = self._permission.emergency_stopped
-        self._report(
-            self._operator.hear(
-                packet.payload, now, lambda request: self._decide(request, now), packet.address
-            )
+        self._outbox += self._operator.hear(
+            packet.payload, now, lambda request: self._decide(request, now), packet.address
         )
         if self.phase is Phase.RUNNING and self._permission.emergency_stopped and not stopped:
             self._run(now)
@@ -299,6 +297,3 @@ class Bridge:
         waiting = [driver.axis.title for driver in self._fleets.drivers if driver.busy]
         step = "" if self._task is None else f" ({self._task.value}: {', '.join(waiting)})"
         return Hold(STARTING.name, f"the drives are being set up{step}", STARTING, self._began_at)
-
-    def _report(self, datagrams: tuple[bytes, ...]) -> None:
-        self._outbox += [Packet(OPERATOR, 0, datagram) for datagram in datagrams]

@@ -76,7 +76,7 @@ class Pipeline(Generic[G, M, S]):
         self.holds: tuple[Hold, ...] = ()
         """What held in the newest cycle."""
 
-    def run(self, now: Nanoseconds) -> tuple[tuple[Packet, ...], tuple[bytes, ...]]:
+    def run(self, now: Nanoseconds) -> tuple[tuple[Packet, ...], tuple[Packet, ...]]:
         """Do one cycle; return what goes to the devices and what to the operator."""
         rules = self._permission.rules
         elapsed = self._elapsed(now)
@@ -160,7 +160,7 @@ class Pipeline(Generic[G, M, S]):
             pose=self._pose,
         )
 
-    def reported(self, holds: tuple[Hold, ...], now: Nanoseconds) -> tuple[bytes, ...]:
+    def reported(self, holds: tuple[Hold, ...], now: Nanoseconds) -> tuple[Packet, ...]:
         """Report without judging: before the devices are ready, and after they failed."""
         self._lapse(now)
         self.seen, self.holds = self.known(now), holds

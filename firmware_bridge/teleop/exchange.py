@@ -74,7 +74,9 @@ class Exchange:
             if not _stops(request):
                 return Verdict(accepted=False, reason=refusal)
             request = EmergencyStop()
-            self.warn("stopped", f"emergency stop by {self.sender}")
+            session.untold += session.speaker.say_sometimes(
+                "stopped", f"emergency stop by {self.sender}", self.now
+            )
         arms = isinstance(request, Arm) and session.control.driver is None
         if arms:
             session.adopt(self.peer, self.now)
@@ -113,14 +115,14 @@ class Exchange:
 
     def ask_driver(self, command: int) -> None:
         """Tell who drives that the sender asks for control, and ask his station by a command."""
-        driver = self.session.control.driver
-        told = self.session.speaker.say_sometimes(
+        session, driver = self.session, self.session.control.driver
+        told = session.speaker.say_sometimes(
             "asked for control", f"control: {self.sender} asks for it; {driver} drives", self.now
         )
-        self.replies += told
+        session.untold += told
         if told and driver is not None:
             ask = (1.0, 0.0, _ANSWER_WITHIN_S, float(self.sender.system), 0.0, 0.0, 0.0)
-            self.replies.append(
+            session.untold.append(
                 dialect.MAVLink_command_long_message(driver.system, driver.component, command, 0, *ask)
             )
 

@@ -79,6 +79,8 @@ def _acknowledge(exchange: Exchange, command: int, result: Result | int) -> None
 
 
 def _parameter_list(exchange: Exchange) -> None:
+    if exchange.refusal is not None and exchange.session.list_due != NEVER:
+        return  # who asks all the time must not keep it from its end
     exchange.session.listed = 0
     exchange.session.list_due = exchange.now
 

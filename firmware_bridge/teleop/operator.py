@@ -8,12 +8,13 @@ messages for other systems are left alone. What a robot makes of it stands in it
 from typing import Final, Generic, TypeVar
 
 from firmware_bridge.intent import Intent
+from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Robot, Table
 from firmware_bridge.safety.row import Severity
 from firmware_bridge.safety.snapshot import Hold, Snapshot
 from firmware_bridge.teleop.control import Sender
 from firmware_bridge.teleop.exchange import Decide, Exchange
-from firmware_bridge.teleop.mavlink import Counters, Message, concerns
+from firmware_bridge.teleop.mavlink import Counters, Message, concerns, dialect
 from firmware_bridge.teleop.messages import HANDLERS
 from firmware_bridge.teleop.session import LISTING_GAP, Dropped, Session
 from firmware_bridge.teleop.station import Station
@@ -74,7 +75,7 @@ class Operator(Generic[G, M, S]):
         session = self._session
         return min(session.schedule.next_due, session.list_due)
 
-    def hear(self, datagram: bytes, now: Nanoseconds, decide: Decide, source: int = 0) -> tuple[bytes, ...]:
+    def hear(self, datagram: bytes, now: Nanoseconds, decide: Decide, source: int = 0) -> tuple[Packet, ...]:
         """Take one datagram, ask `decide` for what only the bridge can grant, and return the answers.
 
         `source` tells where it came from: the packet's address. No bytes make it raise: what is no MAVLink is
@@ -83,6 +84,7 @@ class Operator(Generic[G, M, S]):
         session = self._session
         codec = session.codec
         replies: list[Message] = []
+        good = beats = False
         for message in codec.decode(datagram):
             sender = Sender(source, message.get_srcSystem(), message.get_srcComponent())
             if sender[1:] == (codec.system, codec.component):
@@ -92,11 +94,16 @@ class Operator(Generic[G, M, S]):
                 session.dropped.foreign += 1
                 continue
             session.heard(sender, now)
+            good = True
+            beats = beats or message.get_msgId() == dialect.MAVLINK_MSG_ID_HEARTBEAT
             if (handle := HANDLERS.get(message.get_msgId())) is not None:
                 exchange = Exchange(session, message, sender, now, decide)
                 handle(exchange)
                 replies += exchange.replies
-        return tuple(codec.encode(message) for message in replies)
+        if not good:
+            return ()
+        session.audience.heard(source, len(datagram), now, beats=beats)
+        return session.audience.answer(source, replies, session.drives_from, now)
 
     def lapses(self, now: Nanoseconds) -> bool:
         """Let nobody drive where the driver is gone, and return whether he is; only when the robot rests."""
@@ -115,7 +122,7 @@ class Operator(Generic[G, M, S]):
 
     def report(
         self, snapshot: Snapshot[M, S], holds: tuple[Hold, ...], now: Nanoseconds
-    ) -> tuple[bytes, ...]:
+    ) -> tuple[Packet, ...]:
         """Return what is due now, in order: texts of what began or ended, telemetry, listed parameters."""
         session = self._session
         session.snapshot = snapshot
@@ -127,7 +134,7 @@ class Operator(Generic[G, M, S]):
             for place in due:
                 messages += session.streams[place].encode(context)
         messages += self._parameters(now)
-        return tuple(session.codec.encode(message) for message in messages)
+        return session.audience.tell(messages, session.drives_from, now)
 
     def _hold_texts(self, holds: tuple[Hold, ...]) -> list[Message]:
         current = {hold.name: hold for hold in holds}

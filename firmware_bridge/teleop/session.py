@@ -8,6 +8,7 @@ from firmware_bridge.intent import NEVER_HEARD, Intent
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.row import Severity
 from firmware_bridge.safety.snapshot import Facts, Snapshot
+from firmware_bridge.teleop.audience import Audience
 from firmware_bridge.teleop.control import Control, Sender
 from firmware_bridge.teleop.mavlink import Codec, Message, dialect
 from firmware_bridge.teleop.parameters import Store, parameters_of
@@ -122,6 +123,7 @@ class Session:
         self.speaker: Final = Speaker()
         self.intent: Intent[Any] = Intent(rest)
         self.snapshot: Snapshot[Any, Any] | None = None
+        self.audience: Final = Audience(self.codec)
         self.control: Final = Control()
         self.peers: Final[dict[Sender, Peer]] = {}
         self.untold: list[Message] = []
@@ -131,6 +133,11 @@ class Session:
         self.resets = 0
         self.listed = len(self.store.rows)
         self.list_due: Nanoseconds = NEVER
+
+    @property
+    def drives_from(self) -> int | None:
+        """The place of who drives; None where nobody does."""
+        return None if self.control.driver is None else self.control.driver.source
 
     def heard(self, sender: Sender, now: Nanoseconds) -> Peer:
         """Take note of a good frame; return what is remembered of its sender."""

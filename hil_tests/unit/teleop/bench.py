@@ -96,7 +96,7 @@ class Bench(Generic[G, M, S]):
 
     def send(self, datagram: bytes) -> list[Any]:
         replies = self.operator.hear(datagram, self.now, self.decide)
-        return [message for reply in replies for message in self.station.decode(reply)]
+        return [message for reply in replies for message in self.station.decode(reply.payload)]
 
     def snapshot(self) -> Snapshot[M, S]:
         """Return what the bridge knows now."""
@@ -107,7 +107,8 @@ class Bench(Generic[G, M, S]):
         self.now += CYCLE
         self.facts = replace(self.facts, now=self.now, heard_at=self.operator.intent.heard_at)
         sent = self.operator.report(self.snapshot(), holds, self.now)
-        heard = [message for datagram in sent for message in self.station.decode(datagram)]
+        own = [packet.payload for packet in sent if packet.address == 0]
+        heard = [message for datagram in own for message in self.station.decode(datagram)]
         self.heard += heard
         return heard
 

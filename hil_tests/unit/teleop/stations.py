@@ -21,6 +21,7 @@ class Hand:
         self.bench = bench
         self.codec = Codec(system, component)
         self.source = source
+        self.beats()
 
     def say(self, message: Any) -> list[Any]:
         return self.send(self.codec.encode(message))
@@ -28,7 +29,11 @@ class Hand:
     def send(self, datagram: bytes) -> list[Any]:
         bench = self.bench
         replies = bench.operator.hear(datagram, bench.now, bench.decide, self.source)
-        return [message for reply in replies for message in self.codec.decode(reply)]
+        assert {reply.address for reply in replies} <= {self.source}
+        return [message for reply in replies for message in self.codec.decode(reply.payload)]
+
+    def beats(self) -> None:
+        self.say(dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3))
 
     def stick(self, x: int = 0, *, r: int = 0, buttons: int = 0) -> list[Any]:
         return self.say(dialect.MAVLink_manual_control_message(1, x, 0x7FFF, 0, r, buttons))
