@@ -24,6 +24,8 @@ from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.row import Row, Severity
 from firmware_bridge.safety.snapshot import Hold, Snapshot
 from firmware_bridge.teleop.operator import Operator
+from firmware_bridge.teleop.session import EVERYBODY
+from firmware_bridge.teleop.trust import Trust
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
 REST_WITHIN: Final[Nanoseconds] = 3 * SECOND
@@ -53,8 +55,11 @@ class Phase(Enum):
 class Bridge:
     """Between the links of the devices and "operator"; a `firmware_bridge.node.Node`."""
 
-    def __init__(self, robot: AnyRobot, kind: AnyKind) -> None:
-        """Take a robot file and its kind; PlanError where a cycle does not fit on a link."""
+    def __init__(self, robot: AnyRobot, kind: AnyKind, trust: Trust = EVERYBODY) -> None:
+        """Take a robot file, its kind, and whose words are believed.
+
+        PlanError where a cycle does not fit on a link.
+        """
         self._cycle: Final = robot.cycle
         self._outbox: list[Packet] = []
         self._idle = Reaction()
@@ -68,6 +73,7 @@ class Bridge:
             rolling=rules[""].body.rolling,
             modes=tuple(kind.modes),
             guides=tuple(kind.guides),
+            trust=trust,
         )
         self._permission: Permission[Any, Any, Any] = Permission(robot, rules, self._fleets, self._outbox)
         self._pipeline: Pipeline[Any, Any, Any] = Pipeline(

@@ -10,6 +10,7 @@ from typing import Final
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.teleop.mavlink import Codec, Message, dialect
+from firmware_bridge.teleop.trust import Trust
 from firmware_bridge.units import SECOND, Nanoseconds
 
 LAPSES_AFTER: Final[Nanoseconds] = 5 * SECOND
@@ -20,6 +21,8 @@ MOST_STRANGERS: Final = 64
 LARGEST_CREDIT: Final = 1024
 """Bytes that a place may have sent before it is answered."""
 _TEXT: Final = dialect.MAVLINK_MSG_ID_STATUSTEXT
+_LINK, _ASIDE = 1, 2
+"""Links of signatures: who is a station now and was none before hears two streams."""
 ONE_END: Final = 0
 """The source on a link that has one other end; it was chosen here, and is told from the start."""
 
@@ -27,11 +30,13 @@ ONE_END: Final = 0
 class Audience:
     """The places that frames came from; each station hears a sequence of its own, without gaps."""
 
-    __slots__ = ("_aside", "_codecs", "_credits", "_stations", "_to_one_end")
+    __slots__ = ("_aside", "_codecs", "_credits", "_numbers", "_stations", "_trust")
 
-    def __init__(self, to_one_end: Codec) -> None:
-        self._to_one_end: Final = to_one_end
-        self._aside: Final = Codec(to_one_end.system, to_one_end.component)
+    def __init__(self, system: int, component: int, trust: Trust) -> None:
+        """Write under these numbers, and signed where there is a key."""
+        self._numbers: Final = (system, component)
+        self._trust: Final = trust
+        self._aside: Final = trust.writer(system, component, _ASIDE)
         """Writes to those that are no stations."""
         self._codecs: Final[dict[int, Codec]] = {}
         self._stations: Final[dict[int, Nanoseconds]] = {}
@@ -57,13 +62,14 @@ class Audience:
         self, source: int, messages: Iterable[Message], driver: int | None, now: Nanoseconds
     ) -> tuple[Packet, ...]:
         """Return answers for a place; what it has not paid for is left out."""
+        stamp = self._trust.stamp(now)
         if source in self._told(driver, now):
             codec = self._codec(source)
-            return tuple(Packet(OPERATOR, source, codec.encode(message)) for message in messages)
+            return tuple(Packet(OPERATOR, source, codec.encode(message, stamp)) for message in messages)
         sent: list[Packet] = []
         # What a machine waits for goes before a text for people.
         for message in sorted(messages, key=lambda one: bool(one.get_msgId() == _TEXT)):
-            datagram = self._aside.encode(message)
+            datagram = self._aside.encode(message, stamp)
             left = self._credits.get(source, 0) - len(datagram)
             if left >= 0:
                 self._credits[source] = left
@@ -72,12 +78,12 @@ class Audience:
 
     def tell(self, messages: Iterable[Message], driver: int | None, now: Nanoseconds) -> tuple[Packet, ...]:
         """Return what goes to every station, and to the place of who drives."""
-        told = self._told(driver, now)
+        told, stamp = self._told(driver, now), self._trust.stamp(now)
         codecs = [(source, self._codec(source)) for source in told]
         for source in self._codecs.keys() - set(told):
             del self._codecs[source]
         return tuple(
-            Packet(OPERATOR, source, codec.encode(message))
+            Packet(OPERATOR, source, codec.encode(message, stamp))
             for message in messages
             for source, codec in codecs
         )
@@ -88,11 +94,9 @@ class Audience:
         return told if driver is None or driver in told else [*told, driver]
 
     def _codec(self, source: int) -> Codec:
-        if source == ONE_END:
-            return self._to_one_end
         codec = self._codecs.get(source)
         if codec is None:
-            codec = self._codecs[source] = Codec(self._aside.system, self._aside.component)
+            codec = self._codecs[source] = self._trust.writer(*self._numbers, _LINK)
         return codec
 
     def _lapse(self, now: Nanoseconds) -> None:

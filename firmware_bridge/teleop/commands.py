@@ -22,8 +22,9 @@ from firmware_bridge.intent import (
     Verdict,
 )
 from firmware_bridge.teleop.exchange import Exchange
-from firmware_bridge.teleop.mavlink import dialect
-from firmware_bridge.teleop.station import FASTEST
+from firmware_bridge.teleop.mavlink import Message, dialect
+from firmware_bridge.teleop.setpoints import pressed
+from firmware_bridge.teleop.station import FASTEST, AnyStation
 from firmware_bridge.units import NEVER
 
 FORCE: Final = 21196
@@ -33,6 +34,8 @@ MAV_CMD_REQUEST_OPERATOR_CONTROL: Final = 32100
 HOLD: Final = 4
 """The custom mode with which stations ask to stand: ArduPilot Rover's HOLD, and PX4's main mode AUTO, whose
 submode LOITER MAVSDK's `hold` names. A robot with so many modes of its own means its own."""
+_TERMINATES: Final = 0.5
+"""Above this DO_FLIGHTTERMINATION's parameter says so (common.xml)."""
 _LARGEST_NUMBER: Final = 0xFFFF
 """MESSAGE_INTERVAL carries 16 bits of a message's number."""
 _LONGEST_INTERVAL_US: Final = 0x7FFF_FFFF
@@ -93,7 +96,7 @@ def _arm_or_disarm(order: Order, exchange: Exchange) -> Answer:
 
 
 def _terminate(order: Order, exchange: Exchange) -> Answer:
-    if order.params[0] > 0.5:  # noqa: PLR2004 - the threshold of common.xml
+    if order.params[0] > _TERMINATES:
         return _judged(exchange.request(EmergencyStop(final=True)))
     return _denied("termination is undone by a restart of the bridge only")
 
@@ -333,6 +336,22 @@ ROWS: Final = (
 )
 
 _BY_NUMBER: Final = {row.command: row for row in ROWS}
+
+
+def asks_to_stop(message: Message, station: AnyStation) -> bool:
+    """Tell whether a message is an emergency stop: one of three commands, or the stick's button."""
+    if message.get_type() == "MANUAL_CONTROL":
+        return pressed(message.buttons, station.stop_button)
+    if message.get_type() not in ("COMMAND_LONG", "COMMAND_INT"):
+        return False
+    match message.command, message.param1:
+        case dialect.MAV_CMD_DO_FLIGHTTERMINATION, share:
+            return bool(share > _TERMINATES)
+        case dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE, dialect.SAFETY_SWITCH_STATE_SAFE:
+            return True
+        case dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0:
+            return bool(message.param2 == FORCE)
+    return False
 
 
 def obey(order: Order, exchange: Exchange) -> Answer:

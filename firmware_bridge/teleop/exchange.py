@@ -36,6 +36,8 @@ class Exchange:
     sender: Sender
     now: Nanoseconds
     decide: Decide
+    doubt: str | None = None
+    """Why the message is not believed; None where it is."""
     replies: list[Message] = field(default_factory=list)
 
     @property
@@ -51,7 +53,7 @@ class Exchange:
     @property
     def refusal(self) -> str | None:
         """Why the sender may not drive; None where he does, or nobody does."""
-        return self.session.control.refusal(self.sender)
+        return self.doubt or self.session.control.refusal(self.sender)
 
     @property
     def station(self) -> AnyStation:
@@ -62,6 +64,11 @@ class Exchange:
     def armed(self) -> bool:
         """Whether the robot may move, as of the newest snapshot."""
         return self.session.snapshot is not None and self.session.snapshot.facts.armed
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the emergency stop is latched, as of the newest snapshot."""
+        return self.session.snapshot is not None and self.session.snapshot.facts.emergency_stopped
 
     def request(self, request: Request) -> Verdict:
         """Ask the bridge, for who drives; what of a wish does not outlive a change of state is forgotten.

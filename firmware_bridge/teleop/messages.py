@@ -6,13 +6,15 @@ from typing import Final
 
 from firmware_bridge.intent import EmergencyStop
 from firmware_bridge.safety.row import Severity
-from firmware_bridge.teleop.commands import Order, Result, change_control, obey
+from firmware_bridge.teleop.commands import Order, Result, asks_to_stop, change_control, obey
 from firmware_bridge.teleop.exchange import Exchange
-from firmware_bridge.teleop.mavlink import dialect, text_of
+from firmware_bridge.teleop.mavlink import Message, dialect, text_of
 from firmware_bridge.teleop.session import REMEMBERED, Answered
 from firmware_bridge.teleop.setpoints import pressed
-from firmware_bridge.units import NEVER
+from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
+STOP_ANSWERED_EVERY: Final[Nanoseconds] = SECOND
+"""Of one station that does not drive, and of all that are not believed."""
 _PROGRESS_UNKNOWN: Final = 0
 _REQUESTS: Final = 0
 _ALREADY_CONTROLLED: Final = 3
@@ -25,8 +27,7 @@ def _manual_control(exchange: Exchange) -> None:
     # The first message of a station has no edges: a button that is already down says nothing new.
     gone_down = buttons & ~(buttons if peer.buttons is None else peer.buttons)
     peer.buttons = buttons
-    stopped = session.snapshot is not None and session.snapshot.facts.emergency_stopped
-    if pressed(buttons, session.station.stop_button) and not stopped:
+    if pressed(buttons, session.station.stop_button) and not exchange.stopped:
         exchange.request(EmergencyStop())
     if exchange.refusal is not None:
         exchange.ignore()
@@ -63,13 +64,31 @@ def _order(exchange: Exchange, order: Order, *, repeated: bool) -> None:
         if same:
             _acknowledge(exchange, order.command, before.result)
             return
+    stops = exchange.refusal is not None and asks_to_stop(exchange.message, exchange.station)
     answer = obey(order, exchange)
+    if stops and exchange.now - peer.stop_answered_at < STOP_ANSWERED_EVERY:
+        return
+    if stops:
+        peer.stop_answered_at = exchange.now
     if answer.reason and exchange.refusal is None:
         exchange.replies += exchange.session.speaker.say(Severity.WARNING, answer.reason)
     elif answer.reason:
         exchange.warn("command", answer.reason)
     peer.answered = Answered(order.command, order.params, answer.result, exchange.now)
     _acknowledge(exchange, order.command, answer.result)
+
+
+def stop_for_anybody(exchange: Exchange) -> list[Message]:
+    """Obey an emergency stop of somebody who is not believed; it is answered once a second."""
+    session, message = exchange.session, exchange.message
+    if not exchange.stopped:
+        exchange.request(EmergencyStop())
+    if exchange.now - session.stop_answered_at < STOP_ANSWERED_EVERY:
+        return []
+    session.stop_answered_at = exchange.now
+    if message.get_type() != "MANUAL_CONTROL":
+        _acknowledge(exchange, message.command, Result.ACCEPTED)
+    return exchange.replies
 
 
 def _acknowledge(exchange: Exchange, command: int, result: Result | int) -> None:
@@ -137,6 +156,10 @@ def _change_control(exchange: Exchange) -> None:
     )
 
 
+def _setup_signing(exchange: Exchange) -> None:
+    exchange.warn("signing", "SETUP_SIGNING refused: the key comes from a file, drive --key")
+
+
 def _timesync(exchange: Exchange) -> None:
     if exchange.message.tc1 == 0:  # anything else answers a request, and we made none
         exchange.replies.append(dialect.MAVLink_timesync_message(max(exchange.now, 1), exchange.message.ts1))
@@ -165,6 +188,7 @@ HANDLERS: Final[dict[int, Callable[[Exchange], None]]] = {
     dialect.MAVLINK_MSG_ID_MISSION_REQUEST_INT: partial(_mission_ack, dialect.MAV_MISSION_INVALID_SEQUENCE),
     dialect.MAVLINK_MSG_ID_MISSION_CLEAR_ALL: partial(_mission_ack, dialect.MAV_MISSION_ACCEPTED),
     dialect.MAVLINK_MSG_ID_CHANGE_OPERATOR_CONTROL: _change_control,
+    dialect.MAVLINK_MSG_ID_SETUP_SIGNING: _setup_signing,
     dialect.MAVLINK_MSG_ID_TIMESYNC: _timesync,
     dialect.MAVLINK_MSG_ID_PING: _ping,
 }

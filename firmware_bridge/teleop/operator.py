@@ -12,12 +12,14 @@ from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Robot, Table
 from firmware_bridge.safety.row import Severity
 from firmware_bridge.safety.snapshot import Hold, Snapshot
+from firmware_bridge.teleop.commands import asks_to_stop
 from firmware_bridge.teleop.control import Sender
 from firmware_bridge.teleop.exchange import Decide, Exchange
 from firmware_bridge.teleop.mavlink import Counters, Message, concerns, dialect
-from firmware_bridge.teleop.messages import HANDLERS
-from firmware_bridge.teleop.session import LISTING_GAP, Dropped, Session
+from firmware_bridge.teleop.messages import HANDLERS, stop_for_anybody
+from firmware_bridge.teleop.session import EVERYBODY, LISTING_GAP, Dropped, Session
 from firmware_bridge.teleop.station import Station
+from firmware_bridge.teleop.trust import Trust, is_signed
 from firmware_bridge.units import NEVER, Nanoseconds
 
 G = TypeVar("G", bound=Table)
@@ -37,9 +39,15 @@ class Operator(Generic[G, M, S]):
         rolling: tuple[str, ...],
         modes: tuple[str, ...] = (),
         guides: tuple[str, ...] = (),
+        trust: Trust = EVERYBODY,
     ) -> None:
-        """Take the robot, its body's rolling axes, and its kind's rows, motion at rest, modes and guides."""
-        self._session: Final = Session(robot, station, rest, rolling=rolling, modes=modes, guides=guides)
+        """Take the robot, its body's rolling axes, and its kind's rows, motion at rest, modes and guides.
+
+        `trust` says whose frames are believed.
+        """
+        self._session: Final = Session(
+            robot, station, rest, rolling=rolling, modes=modes, guides=guides, trust=trust
+        )
         self._holds: dict[str, Hold] = {}
         self._called: Final = {axis.name: axis.called for axis in robot.axes}
         self._faults: Final[dict[str, str]] = {}
@@ -93,6 +101,13 @@ class Operator(Generic[G, M, S]):
             if not concerns(message, codec.system, codec.component):
                 session.dropped.foreign += 1
                 continue
+            doubt = session.signatures.doubt(message, source, now)
+            if doubt is not None:
+                stopped = self._doubted(message, sender, doubt, now, decide)
+                good = good or bool(stopped)
+                replies += stopped
+                continue
+            self._say_if_signed_in_vain(message)
             session.heard(sender, now)
             good = True
             beats = beats or message.get_msgId() == dialect.MAVLINK_MSG_ID_HEARTBEAT
@@ -104,6 +119,25 @@ class Operator(Generic[G, M, S]):
             return ()
         session.audience.heard(source, len(datagram), now, beats=beats)
         return session.audience.answer(source, replies, session.drives_from, now)
+
+    def _doubted(
+        self, message: Message, sender: Sender, doubt: str, now: Nanoseconds, decide: Decide
+    ) -> list[Message]:
+        """Obey an emergency stop, whoever asks for it; of all else say that it was refused."""
+        session = self._session
+        if asks_to_stop(message, session.station):
+            exchange = Exchange(session, message, sender, now, decide, doubt=doubt)
+            return stop_for_anybody(exchange)
+        session.dropped.doubted += 1
+        text = f"{message.get_type()} of {sender} refused: it {doubt}"
+        session.untold += session.speaker.say_sometimes("doubted", text, now)
+        return []
+
+    def _say_if_signed_in_vain(self, message: Message) -> None:
+        session = self._session
+        if session.trust.key is None and not session.signed_in_vain and is_signed(message.get_msgbuf()):
+            session.signed_in_vain = True
+            session.tell(Severity.WARNING, "signatures are not checked: this bridge has no key")
 
     def lapses(self, now: Nanoseconds) -> bool:
         """Let nobody drive where the driver is gone, and return whether he is; only when the robot rests."""

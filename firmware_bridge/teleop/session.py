@@ -16,6 +16,7 @@ from firmware_bridge.teleop.schedule import Schedule
 from firmware_bridge.teleop.station import AnyStation, Stick, Unusable, Velocity
 from firmware_bridge.teleop.telemetry import TelemetryContext, streams_of
 from firmware_bridge.teleop.texts import Speaker
+from firmware_bridge.teleop.trust import Signatures, Trust
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 
 VERSION: Final = (0, 1, 0)
@@ -30,6 +31,7 @@ LISTING_GAP: Final[Nanoseconds] = 10 * MILLISECOND
 """Between two parameters of a list: a third of a 57600 baud link, nothing on a network."""
 REMEMBERED: Final[Nanoseconds] = 3 * SECOND
 """How long a command's answer is kept for its repetitions."""
+EVERYBODY: Final = Trust()
 OUT_OF_ORDER: Final[Nanoseconds] = 250 * MILLISECOND
 """How long an older sequence number is taken for a datagram that was overtaken, not for a new start."""
 
@@ -68,6 +70,8 @@ class Peer:
     moved_at: Nanoseconds = NEVER_HEARD
     buttons: int | None = None
     answered: Answered | None = None
+    stop_answered_at: Nanoseconds = NEVER_HEARD
+    """When an emergency stop was answered that it had sent while another one drove."""
 
     def is_newest(self, sequence: int, now: Nanoseconds) -> bool:
         """Tell whether a motion command is newer than all before it, and remember it if so."""
@@ -94,6 +98,8 @@ class Dropped:
     """Motion commands that made no sense."""
     undriven: int = 0
     """Motion commands of stations that do not drive."""
+    doubted: int = 0
+    """Messages that were not signed as they must be, or from a place that is not allowed."""
 
 
 class Session:
@@ -108,6 +114,7 @@ class Session:
         rolling: tuple[str, ...],
         modes: tuple[str, ...],
         guides: tuple[str, ...] = (),
+        trust: Trust = EVERYBODY,
     ) -> None:
         self.robot: Final = robot
         self.station: Final = station
@@ -123,7 +130,13 @@ class Session:
         self.speaker: Final = Speaker()
         self.intent: Intent[Any] = Intent(rest)
         self.snapshot: Snapshot[Any, Any] | None = None
-        self.audience: Final = Audience(self.codec)
+        self.audience: Final = Audience(self.codec.system, self.codec.component, trust)
+        self.trust: Final = trust
+        self.signatures: Final = Signatures(trust)
+        self.signed_in_vain = False
+        """A frame was signed, and there is no key."""
+        self.stop_answered_at: Nanoseconds = NEVER_HEARD
+        """When an emergency stop of somebody who is not believed was answered."""
         self.control: Final = Control()
         self.peers: Final[dict[Sender, Peer]] = {}
         self.untold: list[Message] = []

@@ -1,6 +1,7 @@
 """Datagrams over UDP, for MAVLink: `udpin:HOST:PORT` waits for operators, `udpout:HOST:PORT` calls one."""
 
 import errno
+import ipaddress
 import re
 import socket
 from typing import Any, Final
@@ -86,6 +87,11 @@ class UdpPort:
     def close(self) -> None:
         """Close the socket."""
         self._socket.close()
+
+
+def reaches_beyond(link: str) -> bool:
+    """Tell whether others than this machine can be at the other end of a link; PortError where it is none."""
+    return not ipaddress.ip_address(_parsed(link)[2][0].partition("%")[0]).is_loopback
 
 
 def _number(peer: Any) -> int | None:

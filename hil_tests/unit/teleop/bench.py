@@ -17,7 +17,9 @@ from firmware_bridge.safety.row import Row, Severity
 from firmware_bridge.safety.snapshot import Facts, Hold, Snapshot
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.teleop.operator import Operator
+from firmware_bridge.teleop.session import EVERYBODY
 from firmware_bridge.teleop.station import Station
+from firmware_bridge.teleop.trust import Trust
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 G = TypeVar("G", bound=Table)
@@ -49,6 +51,7 @@ class Bench(Generic[G, M, S]):
     now: Nanoseconds = 0
     asked: list[Request] = field(default_factory=list)
     verdict: Verdict | None = None
+    trust: Trust = EVERYBODY
     heard: list[Any] = field(default_factory=list)
     """Everything that has been reported."""
 
@@ -68,7 +71,9 @@ class Bench(Generic[G, M, S]):
 
     def restart(self) -> None:
         """Begin with an operator that has heard nothing."""
-        self.operator = Operator(self.robot, self.rows, self.rest, rolling=self.rolling, modes=self.modes)
+        self.operator = Operator(
+            self.robot, self.rows, self.rest, rolling=self.rolling, modes=self.modes, trust=self.trust
+        )
 
     @property
     def wish(self) -> M:

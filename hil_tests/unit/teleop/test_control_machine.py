@@ -10,8 +10,8 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, ru
 
 from firmware_bridge.intent import Arm, ChangeDriver, Disarm, EmergencyStop
 from firmware_bridge.teleop.control import LAPSES_AFTER, Sender
-from firmware_bridge.units import MILLISECOND
-from hil_tests.unit.teleop.bench import rars
+from firmware_bridge.units import MILLISECOND, SECOND
+from hil_tests.unit.teleop.bench import acks, rars
 from hil_tests.unit.teleop.stations import ARM, CLEAR, CONTROL, FORCE, PAUSE, RELAY, STOP, Hand
 
 STATIONS = st.integers(0, 3)
@@ -37,7 +37,8 @@ class Ownership(RuleBasedStateMachine):
         self.driver: int | None = None
         self.yields = False
         self.heard_at = 0
-        self.x = 0.0
+        self.answered_at: dict[int, int] = {}
+        """When a stop of a station was answered that did not drive."""
 
     def heard(self, who: int) -> bool:
         """Note that a station speaks; return whether it may drive."""
@@ -76,7 +77,13 @@ class Ownership(RuleBasedStateMachine):
     @rule(who=STATIONS, word=st.sampled_from(STOPS))
     def stops(self, who: int, word: tuple[int, tuple[float, ...]]) -> None:
         may = self.heard(who)
-        assert self.hands[who].result(word[0], *word[1]) == 0
+        answers = acks(self.hands[who].order(word[0], *word[1]))
+        now = self.bench.now
+        if may or now - self.answered_at.get(who, -SECOND) >= SECOND:
+            assert answers == [(word[0], 0)]
+            self.answered_at |= {} if may else {who: now}
+        else:
+            assert answers == []
         [asked] = self.bench.asked
         assert isinstance(asked, EmergencyStop | Disarm)
         assert may or asked == EmergencyStop()
