@@ -87,8 +87,22 @@ class Follow:
     guide: str
 
 
+@dataclass(frozen=True, slots=True)
+class ChangeDriver:
+    """Another operator drives from now on: nothing moves before he has let his controls go."""
+
+
 Request: TypeAlias = (
-    Arm | Disarm | EmergencyStop | ClearEmergencyStop | Pause | Resume | ResetOdometry | EnterMode | Follow
+    Arm
+    | Disarm
+    | EmergencyStop
+    | ClearEmergencyStop
+    | Pause
+    | Resume
+    | ResetOdometry
+    | EnterMode
+    | Follow
+    | ChangeDriver
 )
 
 

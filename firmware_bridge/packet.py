@@ -12,7 +12,8 @@ from firmware_bridge.units import NEVER, Nanoseconds
 class Packet:
     """One CAN frame, one chunk of serial bytes, or one datagram. Packets with the same content are equal.
 
-    `address` is the CAN identifier with the flags of `firmware_bridge.wire.can`; 0 on links without one. On
+    `address` is the CAN identifier with the flags of `firmware_bridge.wire.can`; of a datagram the place that
+    it comes from or goes to, as `firmware_bridge.wire.internet` numbers it; 0 on links with one other end. On
     a serial link an empty packet with the address `LINE_LOST` or `LINE_BACK` tells what became of the line.
     A remote frame carries as many zero bytes as its length code says.
     """

@@ -24,6 +24,8 @@ from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.row import Row, Severity
 from firmware_bridge.safety.snapshot import Hold, Snapshot
 from firmware_bridge.teleop.operator import Operator
+from firmware_bridge.teleop.session import EVERYBODY
+from firmware_bridge.teleop.trust import Trust
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
 REST_WITHIN: Final[Nanoseconds] = 3 * SECOND
@@ -53,8 +55,11 @@ class Phase(Enum):
 class Bridge:
     """Between the links of the devices and "operator"; a `firmware_bridge.node.Node`."""
 
-    def __init__(self, robot: AnyRobot, kind: AnyKind) -> None:
-        """Take a robot file and its kind; PlanError where a cycle does not fit on a link."""
+    def __init__(self, robot: AnyRobot, kind: AnyKind, trust: Trust = EVERYBODY) -> None:
+        """Take a robot file, its kind, and whose words are believed.
+
+        PlanError where a cycle does not fit on a link.
+        """
         self._cycle: Final = robot.cycle
         self._outbox: list[Packet] = []
         self._idle = Reaction()
@@ -68,6 +73,7 @@ class Bridge:
             rolling=rules[""].body.rolling,
             modes=tuple(kind.modes),
             guides=tuple(kind.guides),
+            trust=trust,
         )
         self._permission: Permission[Any, Any, Any] = Permission(robot, rules, self._fleets, self._outbox)
         self._pipeline: Pipeline[Any, Any, Any] = Pipeline(
@@ -130,7 +136,7 @@ class Bridge:
         if packet.link != OPERATOR:
             self._outbox += self._fleets.hear(packet, now) or ()
         else:
-            self._hear_operator(packet.payload, now)
+            self._hear_operator(packet, now)
         return self._reaction(now)
 
     def wake(self, now: Nanoseconds) -> Reaction:
@@ -185,7 +191,7 @@ class Bridge:
         else:
             if self.phase is not Phase.STARTING:
                 self._let_go(now)
-            self._report(self._pipeline.reported((self._waiting(), *self._permission.stops.holds), now))
+            self._outbox += self._pipeline.reported((self._waiting(), *self._permission.stops.holds), now)
 
     def _reaction(self, now: Nanoseconds) -> Reaction:
         """Carry on what the newest packet or instant made possible, and hand out what is to be sent."""
@@ -220,7 +226,7 @@ class Bridge:
         """Run the pipeline once, for the samples of this cycle or at a deadline in between."""
         demanded, reported = self._pipeline.run(now)
         self._outbox += demanded
-        self._report(reported)
+        self._outbox += reported
 
     def _start_up(self, now: Nanoseconds) -> None:
         """Take all drives to the next task; where one failed, switch all of them off and say so."""
@@ -238,7 +244,7 @@ class Bridge:
     def _come_to_rest(self, now: Nanoseconds) -> None:
         demanded, rests = self._pipeline.come_to_rest(now)
         self._outbox += demanded
-        self._report(self._pipeline.reported((self._waiting(), *self._permission.stops.holds), now))
+        self._outbox += self._pipeline.reported((self._waiting(), *self._permission.stops.holds), now)
         stops = self._permission.stops
         if (rests and not stops.under_way) or (now >= self._rest_until and not stops.escalating):
             self._leave(now)
@@ -270,9 +276,11 @@ class Bridge:
         if self.phase is Phase.LEAVING and not stops.under_way:
             self.phase = Phase.FINISHED
 
-    def _hear_operator(self, datagram: bytes, now: Nanoseconds) -> None:
+    def _hear_operator(self, packet: Packet, now: Nanoseconds) -> None:
         stopped = self._permission.emergency_stopped
-        self._report(self._operator.hear(datagram, now, lambda request: self._decide(request, now)))
+        self._outbox += self._operator.hear(
+            packet.payload, now, lambda request: self._decide(request, now), packet.address
+        )
         if self.phase is Phase.RUNNING and self._permission.emergency_stopped and not stopped:
             self._run(now)
         elif self.phase is Phase.STARTING and self._task is Task.ENABLE and self._permission.forbids_power:
@@ -295,6 +303,3 @@ class Bridge:
         waiting = [driver.axis.title for driver in self._fleets.drivers if driver.busy]
         step = "" if self._task is None else f" ({self._task.value}: {', '.join(waiting)})"
         return Hold(STARTING.name, f"the drives are being set up{step}", STARTING, self._began_at)
-
-    def _report(self, datagrams: tuple[bytes, ...]) -> None:
-        self._outbox += [Packet(OPERATOR, 0, datagram) for datagram in datagrams]

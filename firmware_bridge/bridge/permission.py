@@ -44,6 +44,7 @@ class Permission(Generic[G, M, S]):
         self._silent_after = {
             axis.name: robot.links[axis.link].silent_ms * MILLISECOND for axis in robot.axes
         }
+        self._operator_silent_after: Final = robot.operator.silent_ms * MILLISECOND
         self._final = False
         self.stops: Final = Stops(robot, fleets)
         """Whether the axes obey when they are to stop."""
@@ -55,7 +56,7 @@ class Permission(Generic[G, M, S]):
         """A forced disarm took the power off; it stays off until arming puts it on again."""
         self.paused = False
         self.parted = True
-        """The operator was away, and has not let his controls go since."""
+        """The operator was away, or another one drives, and has not let his controls go since."""
         self.disbelieved: set[str] = set()
         """The axes whose power a hold has taken; they get it back in the same way."""
 
@@ -128,6 +129,8 @@ class Permission(Generic[G, M, S]):
             if hold.row.blocks_arming:
                 return Verdict(accepted=False, reason=f"arm: {hold.reason}; {hold.remedy}", temporary=True)
         self.armed = True
+        if now - seen.facts.heard_at >= self._operator_silent_after:
+            self.parted = True
         self.paused = False
         self.disbelieved.clear()
         return Verdict(accepted=True, reason="armed")

@@ -11,7 +11,7 @@ from typing import Final, Generic, TypeVar
 from firmware_bridge.bridge.fleets import Fleets
 from firmware_bridge.bridge.permission import Permission
 from firmware_bridge.drivers.driver import Demand, Feedback, Level, Stop
-from firmware_bridge.intent import NEVER_HEARD, Follow, Request, ResetOdometry, Verdict
+from firmware_bridge.intent import NEVER_HEARD, ChangeDriver, Follow, Request, ResetOdometry, Verdict
 from firmware_bridge.kind import Guide, Kind
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.packet import Packet
@@ -76,10 +76,11 @@ class Pipeline(Generic[G, M, S]):
         self.holds: tuple[Hold, ...] = ()
         """What held in the newest cycle."""
 
-    def run(self, now: Nanoseconds) -> tuple[tuple[Packet, ...], tuple[bytes, ...]]:
+    def run(self, now: Nanoseconds) -> tuple[tuple[Packet, ...], tuple[Packet, ...]]:
         """Do one cycle; return what goes to the devices and what to the operator."""
         rules = self._permission.rules
         elapsed = self._elapsed(now)
+        self._lapse(now)
         known = self._guided(self.known(now), elapsed)
         ruling = self._gate.rule(known)
         if known.facts.neutral:
@@ -124,6 +125,10 @@ class Pipeline(Generic[G, M, S]):
             return Verdict(accepted=True, reason="the present place is the origin")
         if isinstance(request, Follow):
             return self._follow(request.guide)
+        if isinstance(request, ChangeDriver):
+            self._guide = self._wish = None
+            self._permission.parted = True
+            return Verdict(accepted=True, reason="")
         known = self.known(now)
         return self._permission.decide(request, known, self._gate.rule(known).holds)
 
@@ -155,10 +160,16 @@ class Pipeline(Generic[G, M, S]):
             pose=self._pose,
         )
 
-    def reported(self, holds: tuple[Hold, ...], now: Nanoseconds) -> tuple[bytes, ...]:
+    def reported(self, holds: tuple[Hold, ...], now: Nanoseconds) -> tuple[Packet, ...]:
         """Report without judging: before the devices are ready, and after they failed."""
+        self._lapse(now)
         self.seen, self.holds = self.known(now), holds
         return self._operator.report(self.seen, self.holds, now)
+
+    def _lapse(self, now: Nanoseconds) -> None:
+        """Let nobody drive where the driver is gone and the robot rests; the next one arms anew."""
+        if self._permission.rules.at_rest(self.seen) and self._operator.lapses(now):
+            self._permission.armed = False
 
     def _guided(self, known: Snapshot[M, S], elapsed: Nanoseconds) -> Snapshot[M, S]:
         """Return the snapshot with the guide's wish in it, where one guides.

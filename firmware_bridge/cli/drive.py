@@ -1,6 +1,7 @@
 """`drive`: the bridge on a real bus."""
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Final
 
 import typer
@@ -22,7 +23,9 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge drive rars --serial /dev/ttyUSB0` drives over the first drive's USB or RS232 port.
 
-`firmware-bridge drive rars -i slcan -c /dev/ttyACM0 -b 1000000 --mavlink udpout:192.168.1.10:14550`"""
+`firmware-bridge drive rars -i slcan -c /dev/ttyACM0 --mavlink udpout:192.168.1.10:14550 --key rars.key`
+
+`firmware-bridge drive rars -i socketcan -c can0 --mavlink udpin::14550 --key rars.key --allow 10.0.0.0/24`"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,9 +44,30 @@ class DriveOptions:
         str,
         typer.Option(
             metavar="LINK",
-            help="The operator's link: udpin:HOST:PORT waits for a station, udpout:HOST:PORT calls one.",
+            help="The operator's link: udpin:HOST:PORT waits for a station, udpout:HOST:PORT calls one. One "
+            "that reaches beyond this machine needs --key or --open.",
         ),
     ] = "udpin:127.0.0.1:14550"
+    key: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Obey only what is signed with this key (MAVLink 2), and sign what is said: 64 hexadecimal "
+            "digits, or the phrase that the station was given. An emergency stop is obeyed of anybody.",
+            show_default=False,
+        ),
+    ] = None
+    allow: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="Listen only to this address, or network as 192.168.1.0/24; may be repeated.",
+            show_default="all",
+        ),
+    ] = None
+    openly: Annotated[
+        bool, typer.Option("--open", help="Without a key: let whoever can reach the link drive the robot.")
+    ] = False
     serial: Annotated[
         str | None,
         typer.Option(

@@ -10,6 +10,7 @@ from firmware_bridge.cli.options import until
 from firmware_bridge.cli.places import Place, places_of
 from firmware_bridge.cli.real_time import carry
 from firmware_bridge.cli.robot_argument import find_robot
+from firmware_bridge.cli.trusted import trust_of
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.drivers.epos2.serial.line import MaxonLine
 from firmware_bridge.drivers.epos2.serial.plan import PlanError
@@ -104,9 +105,10 @@ def drive(given: DriveOptions) -> None:
     """Do what `drive` says; what is wrong ends the program with a message."""
     machine = find_robot(given.robot)
     places = places_of(machine, given.link, Place(given.interface, given.channel, given.serial))
+    trust = trust_of(given.mavlink, given.key, given.allow, openly=given.openly)
     with one_message(PlanError, RobotFileError):
         machine = _with_lines(machine, places, given.protocol, given.baud)
-        bridge = Bridge(machine, kind_of(machine))
+        bridge = Bridge(machine, kind_of(machine), trust)
     node: Node = guarded(bridge, machine)
     openers: dict[str, Callable[[], Port]] = {}
     for name, place in places.items():

@@ -22,15 +22,20 @@ from firmware_bridge.intent import (
     Verdict,
 )
 from firmware_bridge.teleop.exchange import Exchange
-from firmware_bridge.teleop.mavlink import dialect
-from firmware_bridge.teleop.station import FASTEST
+from firmware_bridge.teleop.mavlink import Message, dialect
+from firmware_bridge.teleop.setpoints import pressed
+from firmware_bridge.teleop.station import FASTEST, AnyStation
 from firmware_bridge.units import NEVER
 
 FORCE: Final = 21196
 """The second parameter of COMPONENT_ARM_DISARM that means: without checks (common.xml)."""
+MAV_CMD_REQUEST_OPERATOR_CONTROL: Final = 32100
+"""Of development.xml; pymavlink has it in no dialect that carries the rest."""
 HOLD: Final = 4
 """The custom mode with which stations ask to stand: ArduPilot Rover's HOLD, and PX4's main mode AUTO, whose
 submode LOITER MAVSDK's `hold` names. A robot with so many modes of its own means its own."""
+_TERMINATES: Final = 0.5
+"""Above this DO_FLIGHTTERMINATION's parameter says so (common.xml)."""
 _LARGEST_NUMBER: Final = 0xFFFF
 """MESSAGE_INTERVAL carries 16 bits of a message's number."""
 _LONGEST_INTERVAL_US: Final = 0x7FFF_FFFF
@@ -43,6 +48,7 @@ class Result(IntEnum):
     TEMPORARILY_REJECTED = 1
     DENIED = 2
     UNSUPPORTED = 3
+    FAILED = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +96,7 @@ def _arm_or_disarm(order: Order, exchange: Exchange) -> Answer:
 
 
 def _terminate(order: Order, exchange: Exchange) -> Answer:
-    if order.params[0] > 0.5:  # noqa: PLR2004 - the threshold of common.xml
+    if order.params[0] > _TERMINATES:
         return _judged(exchange.request(EmergencyStop(final=True)))
     return _denied("termination is undone by a restart of the bridge only")
 
@@ -243,6 +249,34 @@ def _reboot(_: Order, exchange: Exchange) -> Answer:
     return Answer(Result.UNSUPPORTED, "reboot: restart the bridge's program where it runs")
 
 
+def _request_control(order: Order, exchange: Exchange) -> Answer:
+    """Take or give up control; stations of 2025 say in parameter 2 what those of 2026 say in parameter 1."""
+    first, second, third = order.params[:3]
+    if first == 1.0:
+        return change_control(exchange, asks=True, yields=second == 1.0)
+    if first == 0.0 and second in (0.0, 1.0):
+        return change_control(exchange, asks=second == 1.0, yields=third == 1.0)
+    return _denied("control: parameter 1 must be 0 (give up) or 1 (ask for it)")
+
+
+def change_control(exchange: Exchange, *, asks: bool, yields: bool) -> Answer:
+    """Take or give up control; `yields`: and let anybody take it over who asks.
+
+    Who drives is told who asks, by the same command, so that his station may ask him.
+    """
+    control = exchange.session.control
+    if not asks and control.driver != exchange.sender:
+        return _denied(f"control: {exchange.sender} does not drive")
+    if not asks:
+        exchange.give_up_control()
+    elif exchange.refusal is None or control.yields:
+        exchange.take_control(yields=yields)
+    else:
+        exchange.ask_driver(MAV_CMD_REQUEST_OPERATOR_CONTROL)
+        return Answer(Result.FAILED)
+    return ACCEPTED
+
+
 @dataclass(frozen=True, slots=True)
 class Row:
     """One command that the bridge knows."""
@@ -250,21 +284,40 @@ class Row:
     command: int
     act: Action
     does: str
+    anyone: bool = False
+    """Whether it is obeyed of a station that does not drive; what it requests is judged there once more."""
 
 
 ROWS: Final = (
-    Row(dialect.MAV_CMD_COMPONENT_ARM_DISARM, _arm_or_disarm, "arm; disarm, forced with p2 = 21196"),
-    Row(dialect.MAV_CMD_DO_FLIGHTTERMINATION, _terminate, "emergency stop until the bridge is restarted"),
+    Row(
+        dialect.MAV_CMD_COMPONENT_ARM_DISARM,
+        _arm_or_disarm,
+        "arm; disarm, forced with p2 = 21196",
+        anyone=True,
+    ),
+    Row(
+        dialect.MAV_CMD_DO_FLIGHTTERMINATION,
+        _terminate,
+        "emergency stop until the bridge is restarted",
+        anyone=True,
+    ),
     Row(dialect.MAV_CMD_DO_PAUSE_CONTINUE, _pause, "p1 0: come to rest and wait; 1: go on, the stick let go"),
     Row(dialect.MAV_CMD_OVERRIDE_GOTO, _pause, "the same"),
-    Row(dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE, _safety_switch, "p1 0: emergency stop; 1: clear it"),
+    Row(
+        dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE,
+        _safety_switch,
+        "p1 0: emergency stop; 1: clear it",
+        anyone=True,
+    ),
     Row(dialect.MAV_CMD_DO_SET_ACTUATOR, _actuator, "actuators of set 0: -1 lowest to 1 highest, NaN stays"),
     Row(dialect.MAV_CMD_DO_SET_RELAY, _relay, "p1: its number; p2 0 or 1"),
     Row(dialect.MAV_CMD_ILLUMINATOR_ON_OFF, _illuminate, "p1 0 or 1"),
-    Row(dialect.MAV_CMD_REQUEST_MESSAGE, _request_message, "send a message once"),
-    Row(dialect.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES, _capabilities, "send AUTOPILOT_VERSION"),
+    Row(dialect.MAV_CMD_REQUEST_MESSAGE, _request_message, "send a message once", anyone=True),
+    Row(dialect.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES, _capabilities, "send AUTOPILOT_VERSION", anyone=True),
     Row(dialect.MAV_CMD_SET_MESSAGE_INTERVAL, _change_interval, "how often a message is sent"),
-    Row(dialect.MAV_CMD_GET_MESSAGE_INTERVAL, _send_interval, "send how often a message is sent"),
+    Row(
+        dialect.MAV_CMD_GET_MESSAGE_INTERVAL, _send_interval, "send how often a message is sent", anyone=True
+    ),
     Row(
         dialect.MAV_CMD_DO_SET_MODE,
         _set_mode,
@@ -274,15 +327,41 @@ ROWS: Final = (
     Row(dialect.MAV_CMD_DO_SET_STANDARD_MODE, _set_standard_mode, "p1 1, position hold: pause"),
     Row(dialect.MAV_CMD_DO_SET_HOME, _home, "p1 = 1: the present place is the origin"),
     Row(dialect.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, _reboot, "never from afar"),
+    Row(
+        MAV_CMD_REQUEST_OPERATOR_CONTROL,
+        _request_control,
+        "p1 1: drive, p2 1: and let others take over; p1 0: give control up",
+        anyone=True,
+    ),
 )
 
 _BY_NUMBER: Final = {row.command: row for row in ROWS}
 
 
+def asks_to_stop(message: Message, station: AnyStation) -> bool:
+    """Tell whether a message is an emergency stop: one of three commands, or the stick's button."""
+    if message.get_type() == "MANUAL_CONTROL":
+        return pressed(message.buttons, station.stop_button)
+    if message.get_type() not in ("COMMAND_LONG", "COMMAND_INT"):
+        return False
+    match message.command, message.param1:
+        case dialect.MAV_CMD_DO_FLIGHTTERMINATION, share:
+            return bool(share > _TERMINATES)
+        case dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE, dialect.SAFETY_SWITCH_STATE_SAFE:
+            return True
+        case dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0:
+            return bool(message.param2 == FORCE)
+    return False
+
+
 def obey(order: Order, exchange: Exchange) -> Answer:
-    """Do what an order asks, where it can be done."""
+    """Do what an order asks, where it can be done, and where its sender may ask it."""
     row = _BY_NUMBER.get(order.command)
-    return row.act(order, exchange) if row else Answer(Result.UNSUPPORTED)
+    if row is None:
+        return Answer(Result.UNSUPPORTED)
+    if exchange.refusal is not None and not row.anyone:
+        return _denied(exchange.refusal)
+    return row.act(order, exchange)
 
 
 def _number(parameter: float) -> int | None:

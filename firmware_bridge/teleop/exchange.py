@@ -2,16 +2,29 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from typing import Any, Final, TypeAlias
 
-from firmware_bridge.intent import EmergencyStop, Intent, Request, ResetOdometry, Verdict
-from firmware_bridge.teleop.mavlink import Message
-from firmware_bridge.teleop.session import Address, Peer, Session
+from firmware_bridge.intent import (
+    Arm,
+    ChangeDriver,
+    Disarm,
+    EmergencyStop,
+    Intent,
+    Request,
+    ResetOdometry,
+    Verdict,
+)
+from firmware_bridge.safety.row import Severity
+from firmware_bridge.teleop.control import Sender
+from firmware_bridge.teleop.mavlink import Message, dialect
+from firmware_bridge.teleop.session import Motion, Peer, Said, Session
 from firmware_bridge.teleop.setpoints import pressed, stick_of, velocity_of
 from firmware_bridge.teleop.station import AnyStation, Switch, Unusable
 from firmware_bridge.units import Nanoseconds
 
 Decide: TypeAlias = Callable[[Request], Verdict]
+_ANSWER_WITHIN_S: Final = 10.0
+"""So long a station shows its operator that another one asks for control."""
 
 
 @dataclass(slots=True, eq=False)
@@ -20,15 +33,27 @@ class Exchange:
 
     session: Session
     message: Message
-    address: Address
+    sender: Sender
     now: Nanoseconds
     decide: Decide
+    doubt: str | None = None
+    """Why the message is not believed; None where it is."""
     replies: list[Message] = field(default_factory=list)
 
     @property
     def peer(self) -> Peer:
         """What is remembered of the sender."""
-        return self.session.peer(self.address)
+        return self.session.peers[self.sender]
+
+    @property
+    def address(self) -> tuple[int, int]:
+        """The sender's system and component, to which an answer is addressed."""
+        return self.sender.system, self.sender.component
+
+    @property
+    def refusal(self) -> str | None:
+        """Why the sender may not drive; None where he does, or nobody does."""
+        return self.doubt or self.session.control.refusal(self.sender)
 
     @property
     def station(self) -> AnyStation:
@@ -40,12 +65,34 @@ class Exchange:
         """Whether the robot may move, as of the newest snapshot."""
         return self.session.snapshot is not None and self.session.snapshot.facts.armed
 
+    @property
+    def stopped(self) -> bool:
+        """Whether the emergency stop is latched, as of the newest snapshot."""
+        return self.session.snapshot is not None and self.session.snapshot.facts.emergency_stopped
+
     def request(self, request: Request) -> Verdict:
-        """Ask the bridge; what of a wish does not outlive a change of state is forgotten."""
+        """Ask the bridge, for who drives; what of a wish does not outlive a change of state is forgotten.
+
+        Of anybody else an emergency stop is obeyed, and nothing else. Power is not taken for him, which would
+        let the robot roll, and his stop can be cleared.
+        """
+        session, refusal = self.session, self.refusal
+        if refusal is not None:
+            if not _stops(request):
+                return Verdict(accepted=False, reason=refusal)
+            request = EmergencyStop()
+            session.untold += session.speaker.say_sometimes(
+                "stopped", f"emergency stop by {self.sender}", self.now
+            )
+        arms = isinstance(request, Arm) and session.control.driver is None
+        if arms:
+            session.adopt(self.peer, self.now)
         verdict = self.decide(request)
-        session = self.session
         if not verdict.accepted:
             return verdict
+        if arms:
+            session.control.take(self.sender, self.now)
+            self.tell(f"control: {self.sender} drives")
         if isinstance(request, ResetOdometry):
             session.resets += 1
         else:
@@ -53,6 +100,42 @@ class Exchange:
         if isinstance(request, EmergencyStop) and request.final:
             session.terminated = True
         return verdict
+
+    def take_control(self, *, yields: bool = False) -> None:
+        """Let the sender drive; nothing moves before his own controls are let go."""
+        control = self.session.control
+        changes = control.driver != self.sender
+        control.take(self.sender, self.now, yields=yields)
+        if changes:
+            self.session.adopt(self.peer, self.now)
+            self.decide(ChangeDriver())
+            self.tell(f"control: {self.sender} drives")
+
+    def give_up_control(self) -> None:
+        """Let nobody drive: the robot comes to rest, disarmed."""
+        session = self.session
+        self.decide(Disarm())
+        self.decide(ChangeDriver())
+        session.control.give_up()
+        session.adopt(None, self.now)
+        self.tell(f"control: {self.sender} has given it up, nobody drives")
+
+    def ask_driver(self, command: int) -> None:
+        """Tell who drives that the sender asks for control, and ask his station by a command."""
+        session, driver = self.session, self.session.control.driver
+        told = session.speaker.say_sometimes(
+            "asked for control", f"control: {self.sender} asks for it; {driver} drives", self.now
+        )
+        session.untold += told
+        if told and driver is not None:
+            ask = (1.0, 0.0, _ANSWER_WITHIN_S, float(self.sender.system), 0.0, 0.0, 0.0)
+            session.untold.append(
+                dialect.MAVLink_command_long_message(driver.system, driver.component, command, 0, *ask)
+            )
+
+    def tell(self, text: str) -> None:
+        """Tell everybody what has changed."""
+        self.session.tell(Severity.NOTICE, text)
 
     def switch(self, switch: Switch[Any], *, on: bool) -> None:
         """Switch one of the station's switches."""
@@ -81,36 +164,48 @@ class Exchange:
 
     def take_stick(self) -> None:
         """Take the axes of a MANUAL_CONTROL as the newest wish, or say why they are none."""
-        session, station = self.session, self.session.station
+        station = self.session.station
         up = station.up_button is None or pressed(self.message.buttons, station.up_button)
         stick = stick_of(self.message, up=up, dead_band=station.dead_band)
         if isinstance(stick, Unusable):
             self.refuse(stick)
         else:
-            wish = station.stick(stick, session.intent.wish, session.robot)
-            self.move(wish, neutral=stick.let_go(station.dead_band))
+            self.move(stick, neutral=stick.let_go(station.dead_band))
 
     def take_target(self) -> None:
         """Take a SET_POSITION_TARGET_LOCAL_NED as the newest wish, or say why it is none."""
-        session, station = self.session, self.session.station
-        velocity = velocity_of(self.message, station.largest(session.robot))
+        if self.refusal is not None:
+            self.ignore()
+            return
+        velocity = velocity_of(self.message, self.station.largest(self.session.robot))
         if isinstance(velocity, Unusable):
             self.refuse(velocity)
-            return
-        wish = station.target(velocity, session.intent.wish, session.robot)
+        else:
+            self.move(velocity, neutral=velocity.zero)
+
+    def move(self, motion: Motion, *, neutral: bool) -> None:
+        """Take a motion command for the newest wish, unless a newer one has overtaken it, or it is none."""
+        session = self.session
+        wish = session.wished(motion, session.intent.wish)
         if isinstance(wish, Unusable):
             self.refuse(wish)
+        elif self.peer.is_newest(self.message.get_seq(), self.now):
+            self.peer.said = Said(motion, self.now, neutral)
+            session.intent = Intent(wish, self.now, neutral=neutral)
         else:
-            self.move(wish, neutral=velocity.zero)
+            session.dropped.overtaken += 1
 
-    def move(self, wish: object, *, neutral: bool) -> None:
-        """Take a wish as the newest, unless a newer one has overtaken it."""
-        if self.peer.is_newest(self.message.get_seq(), self.now):
-            self.session.intent = Intent(wish, self.now, neutral=neutral)
-        else:
-            self.session.dropped.overtaken += 1
+    def ignore(self) -> None:
+        """Say that a motion command of somebody who does not drive moves nothing."""
+        self.session.dropped.undriven += 1
+        self.warn("control", f"{self.message.get_type()} of {self.sender} moves nothing: {self.refusal}")
 
     def refuse(self, unusable: Unusable) -> None:
         """Say why a motion command is no wish."""
         self.session.dropped.refused += 1
         self.warn(unusable.key, f"{self.message.get_type()} refused: {unusable.reason}")
+
+
+def _stops(request: Request) -> bool:
+    """Return whether it is an emergency stop: stations send the forced disarm as one, too."""
+    return isinstance(request, EmergencyStop) or (isinstance(request, Disarm) and request.force)

@@ -45,14 +45,24 @@ class Counters:
 class Codec:
     """One end of a link, under one system and component number, with its own sequence."""
 
-    def __init__(self, system: int, component: int) -> None:
+    def __init__(self, system: int, component: int, signs: tuple[bytes, int] | None = None) -> None:
+        """Write under these numbers; `signs` is the key and the link's number of what is to be signed."""
         self.system = system
         self.component = component
         self.counters = Counters()
         self._mavlink = dialect.MAVLink(None, srcSystem=system, srcComponent=component)
+        if signs is not None:
+            signing = self._mavlink.signing
+            signing.secret_key, signing.link_id = signs
+            signing.sign_outgoing = True
 
-    def encode(self, message: Message) -> bytes:
-        """Return the message as one frame, with the next sequence number."""
+    def encode(self, message: Message, stamp: int = 0) -> bytes:
+        """Return the message as one frame, with the next sequence number.
+
+        One that is signed carries `stamp`, or the next one after the frame before, if that is newer.
+        """
+        signing = self._mavlink.signing
+        signing.timestamp = max(signing.timestamp, stamp)
         frame: bytes = message.pack(self._mavlink)
         self._mavlink.seq = (self._mavlink.seq + 1) & 0xFF
         return frame

@@ -6,14 +6,19 @@ from typing import Final
 
 from firmware_bridge.intent import EmergencyStop
 from firmware_bridge.safety.row import Severity
-from firmware_bridge.teleop.commands import Order, Result, obey
+from firmware_bridge.teleop.commands import Order, Result, asks_to_stop, change_control, obey
 from firmware_bridge.teleop.exchange import Exchange
-from firmware_bridge.teleop.mavlink import dialect, text_of
+from firmware_bridge.teleop.mavlink import Message, dialect, text_of
 from firmware_bridge.teleop.session import REMEMBERED, Answered
 from firmware_bridge.teleop.setpoints import pressed
-from firmware_bridge.units import NEVER
+from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
+STOP_ANSWERED_EVERY: Final[Nanoseconds] = SECOND
+"""Of one station that does not drive, and of all that are not believed."""
 _PROGRESS_UNKNOWN: Final = 0
+_REQUESTS: Final = 0
+_ALREADY_CONTROLLED: Final = 3
+"""Of CHANGE_OPERATOR_CONTROL and its acknowledgement (common.xml)."""
 
 
 def _manual_control(exchange: Exchange) -> None:
@@ -22,9 +27,11 @@ def _manual_control(exchange: Exchange) -> None:
     # The first message of a station has no edges: a button that is already down says nothing new.
     gone_down = buttons & ~(buttons if peer.buttons is None else peer.buttons)
     peer.buttons = buttons
-    stopped = session.snapshot is not None and session.snapshot.facts.emergency_stopped
-    if pressed(buttons, session.station.stop_button) and not stopped:
+    if pressed(buttons, session.station.stop_button) and not exchange.stopped:
         exchange.request(EmergencyStop())
+    if exchange.refusal is not None:
+        exchange.ignore()
+        return
     exchange.press(gone_down)
     exchange.take_stick()
 
@@ -57,11 +64,31 @@ def _order(exchange: Exchange, order: Order, *, repeated: bool) -> None:
         if same:
             _acknowledge(exchange, order.command, before.result)
             return
+    stops = exchange.refusal is not None and asks_to_stop(exchange.message, exchange.station)
     answer = obey(order, exchange)
-    if answer.reason:
+    if stops and exchange.now - peer.stop_answered_at < STOP_ANSWERED_EVERY:
+        return
+    if stops:
+        peer.stop_answered_at = exchange.now
+    if answer.reason and exchange.refusal is None:
         exchange.replies += exchange.session.speaker.say(Severity.WARNING, answer.reason)
+    elif answer.reason:
+        exchange.warn("command", answer.reason)
     peer.answered = Answered(order.command, order.params, answer.result, exchange.now)
     _acknowledge(exchange, order.command, answer.result)
+
+
+def stop_for_anybody(exchange: Exchange) -> list[Message]:
+    """Obey an emergency stop of somebody who is not believed; it is answered once a second."""
+    session, message = exchange.session, exchange.message
+    if not exchange.stopped:
+        exchange.request(EmergencyStop())
+    if exchange.now - session.stop_answered_at < STOP_ANSWERED_EVERY:
+        return []
+    session.stop_answered_at = exchange.now
+    if message.get_type() != "MANUAL_CONTROL":
+        _acknowledge(exchange, message.command, Result.ACCEPTED)
+    return exchange.replies
 
 
 def _acknowledge(exchange: Exchange, command: int, result: Result | int) -> None:
@@ -71,6 +98,8 @@ def _acknowledge(exchange: Exchange, command: int, result: Result | int) -> None
 
 
 def _parameter_list(exchange: Exchange) -> None:
+    if exchange.refusal is not None and exchange.session.list_due != NEVER:
+        return  # who asks all the time must not keep it from its end
     exchange.session.listed = 0
     exchange.session.list_due = exchange.now
 
@@ -89,7 +118,7 @@ def _parameter_set(exchange: Exchange) -> None:
     if index is None:
         _parameter_error(exchange, -1)
         return
-    trouble = session.store.change(index, message.param_value)
+    trouble = exchange.refusal or session.store.change(index, message.param_value)
     if trouble:
         exchange.warn(f"parameter {index}", trouble)
     else:
@@ -115,6 +144,20 @@ def _mission_ack(kind: int, exchange: Exchange) -> None:
     exchange.replies.append(
         dialect.MAVLink_mission_ack_message(*exchange.address, kind, exchange.message.mission_type)
     )
+
+
+def _change_control(exchange: Exchange) -> None:
+    """Take the old CHANGE_OPERATOR_CONTROL as the command that replaced it; a pass key is not asked for."""
+    asks: int = exchange.message.control_request
+    answer = change_control(exchange, asks=asks == _REQUESTS, yields=False)
+    refused = _ALREADY_CONTROLLED if answer.result is not Result.ACCEPTED else 0
+    exchange.replies.append(
+        dialect.MAVLink_change_operator_control_ack_message(exchange.sender.system, asks, refused)
+    )
+
+
+def _setup_signing(exchange: Exchange) -> None:
+    exchange.warn("signing", "SETUP_SIGNING refused: the key comes from a file, drive --key")
 
 
 def _timesync(exchange: Exchange) -> None:
@@ -144,6 +187,8 @@ HANDLERS: Final[dict[int, Callable[[Exchange], None]]] = {
     dialect.MAVLINK_MSG_ID_MISSION_REQUEST: partial(_mission_ack, dialect.MAV_MISSION_INVALID_SEQUENCE),
     dialect.MAVLINK_MSG_ID_MISSION_REQUEST_INT: partial(_mission_ack, dialect.MAV_MISSION_INVALID_SEQUENCE),
     dialect.MAVLINK_MSG_ID_MISSION_CLEAR_ALL: partial(_mission_ack, dialect.MAV_MISSION_ACCEPTED),
+    dialect.MAVLINK_MSG_ID_CHANGE_OPERATOR_CONTROL: _change_control,
+    dialect.MAVLINK_MSG_ID_SETUP_SIGNING: _setup_signing,
     dialect.MAVLINK_MSG_ID_TIMESYNC: _timesync,
     dialect.MAVLINK_MSG_ID_PING: _ping,
 }

@@ -1,21 +1,25 @@
 """The operator's side of the bridge, whole: datagrams to intent and answers, snapshots to telemetry.
 
 It opens no socket, reads no clock and judges nothing: requests go to the bridge through `decide`, limits are
-the interlocks'. Every station that speaks to us is obeyed and the newest word counts; an echo of our own
-words and messages for other systems are left alone. What a robot makes of it stands in its station's rows.
+the interlocks'. One station drives; while none does, the newest word counts. An echo of our own words and
+messages for other systems are left alone. What a robot makes of it stands in its station's rows.
 """
 
 from typing import Final, Generic, TypeVar
 
 from firmware_bridge.intent import Intent
+from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Robot, Table
 from firmware_bridge.safety.row import Severity
 from firmware_bridge.safety.snapshot import Hold, Snapshot
+from firmware_bridge.teleop.commands import asks_to_stop
+from firmware_bridge.teleop.control import Sender
 from firmware_bridge.teleop.exchange import Decide, Exchange
-from firmware_bridge.teleop.mavlink import Counters, Message, concerns
-from firmware_bridge.teleop.messages import HANDLERS
-from firmware_bridge.teleop.session import LISTING_GAP, Address, Dropped, Session
+from firmware_bridge.teleop.mavlink import Counters, Message, concerns, dialect
+from firmware_bridge.teleop.messages import HANDLERS, stop_for_anybody
+from firmware_bridge.teleop.session import EVERYBODY, LISTING_GAP, Dropped, Session
 from firmware_bridge.teleop.station import Station
+from firmware_bridge.teleop.trust import Trust, is_signed
 from firmware_bridge.units import NEVER, Nanoseconds
 
 G = TypeVar("G", bound=Table)
@@ -35,9 +39,15 @@ class Operator(Generic[G, M, S]):
         rolling: tuple[str, ...],
         modes: tuple[str, ...] = (),
         guides: tuple[str, ...] = (),
+        trust: Trust = EVERYBODY,
     ) -> None:
-        """Take the robot, its body's rolling axes, and its kind's rows, motion at rest, modes and guides."""
-        self._session: Final = Session(robot, station, rest, rolling=rolling, modes=modes, guides=guides)
+        """Take the robot, its body's rolling axes, and its kind's rows, motion at rest, modes and guides.
+
+        `trust` says whose frames are believed.
+        """
+        self._session: Final = Session(
+            robot, station, rest, rolling=rolling, modes=modes, guides=guides, trust=trust
+        )
         self._holds: dict[str, Hold] = {}
         self._called: Final = {axis.name: axis.called for axis in robot.axes}
         self._faults: Final[dict[str, str]] = {}
@@ -46,6 +56,16 @@ class Operator(Generic[G, M, S]):
     def intent(self) -> Intent[M]:
         """What the operator wants now."""
         return self._session.intent
+
+    @property
+    def driver(self) -> Sender | None:
+        """Who drives; None where nobody does."""
+        return self._session.control.driver
+
+    @property
+    def stations(self) -> tuple[Sender, ...]:
+        """Who is remembered."""
+        return tuple(self._session.peers)
 
     @property
     def counters(self) -> Counters:
@@ -63,25 +83,72 @@ class Operator(Generic[G, M, S]):
         session = self._session
         return min(session.schedule.next_due, session.list_due)
 
-    def hear(self, datagram: bytes, now: Nanoseconds, decide: Decide) -> tuple[bytes, ...]:
+    def hear(self, datagram: bytes, now: Nanoseconds, decide: Decide, source: int = 0) -> tuple[Packet, ...]:
         """Take one datagram, ask `decide` for what only the bridge can grant, and return the answers.
 
-        No bytes make it raise: what is no MAVLink is counted and skipped.
+        `source` tells where it came from: the packet's address. No bytes make it raise: what is no MAVLink is
+        counted and skipped.
         """
         session = self._session
         codec = session.codec
         replies: list[Message] = []
+        good = beats = False
         for message in codec.decode(datagram):
-            sender = Address(message.get_srcSystem(), message.get_srcComponent())
-            if sender == (codec.system, codec.component):
+            sender = Sender(source, message.get_srcSystem(), message.get_srcComponent())
+            if sender[1:] == (codec.system, codec.component):
                 session.dropped.echoed += 1
-            elif not concerns(message, codec.system, codec.component):
+                continue
+            if not concerns(message, codec.system, codec.component):
                 session.dropped.foreign += 1
-            elif (handle := HANDLERS.get(message.get_msgId())) is not None:
+                continue
+            doubt = session.signatures.doubt(message, source, now)
+            if doubt is not None:
+                stopped = self._doubted(message, sender, doubt, now, decide)
+                good = good or bool(stopped)
+                replies += stopped
+                continue
+            self._say_if_signed_in_vain(message)
+            session.heard(sender, now)
+            good = True
+            beats = beats or message.get_msgId() == dialect.MAVLINK_MSG_ID_HEARTBEAT
+            if (handle := HANDLERS.get(message.get_msgId())) is not None:
                 exchange = Exchange(session, message, sender, now, decide)
                 handle(exchange)
                 replies += exchange.replies
-        return tuple(codec.encode(message) for message in replies)
+        if not good:
+            return ()
+        session.audience.heard(source, len(datagram), now, beats=beats)
+        return session.audience.answer(source, replies, session.drives_from, now)
+
+    def _doubted(
+        self, message: Message, sender: Sender, doubt: str, now: Nanoseconds, decide: Decide
+    ) -> list[Message]:
+        """Obey an emergency stop, whoever asks for it; of all else say that it was refused."""
+        session = self._session
+        if asks_to_stop(message, session.station):
+            exchange = Exchange(session, message, sender, now, decide, doubt=doubt)
+            return stop_for_anybody(exchange)
+        session.dropped.doubted += 1
+        text = f"{message.get_type()} of {sender} refused: it {doubt}"
+        session.untold += session.speaker.say_sometimes("doubted", text, now)
+        return []
+
+    def _say_if_signed_in_vain(self, message: Message) -> None:
+        session = self._session
+        if session.trust.key is None and not session.signed_in_vain and is_signed(message.get_msgbuf()):
+            session.signed_in_vain = True
+            session.tell(Severity.WARNING, "signatures are not checked: this bridge has no key")
+
+    def lapses(self, now: Nanoseconds) -> bool:
+        """Let nobody drive where the driver is gone, and return whether he is; only when the robot rests."""
+        session = self._session
+        if not session.control.lapses(now):
+            return False
+        text = f"control: {session.control.driver} is gone, nobody drives"
+        session.control.give_up()
+        session.adopt(None, now)
+        session.tell(Severity.WARNING, text)
+        return True
 
     def forget(self) -> None:
         """Forget the targets of an operator who has gone silent."""
@@ -89,18 +156,19 @@ class Operator(Generic[G, M, S]):
 
     def report(
         self, snapshot: Snapshot[M, S], holds: tuple[Hold, ...], now: Nanoseconds
-    ) -> tuple[bytes, ...]:
+    ) -> tuple[Packet, ...]:
         """Return what is due now, in order: texts of what began or ended, telemetry, listed parameters."""
         session = self._session
         session.snapshot = snapshot
-        messages = self._hold_texts(holds) + self._fault_texts(snapshot)
+        messages = session.untold + self._hold_texts(holds) + self._fault_texts(snapshot)
+        session.untold = []
         due = session.schedule.due(now)
         if due:
             context = session.context(snapshot)
             for place in due:
                 messages += session.streams[place].encode(context)
         messages += self._parameters(now)
-        return tuple(session.codec.encode(message) for message in messages)
+        return session.audience.tell(messages, session.drives_from, now)
 
     def _hold_texts(self, holds: tuple[Hold, ...]) -> list[Message]:
         current = {hold.name: hold for hold in holds}

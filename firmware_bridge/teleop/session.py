@@ -1,18 +1,22 @@
 """What the bridge remembers of its operators between two datagrams, and what its telemetry tells."""
 
 from dataclasses import dataclass
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple, TypeAlias
 
 from firmware_bridge.drivers.driver import Power
 from firmware_bridge.intent import NEVER_HEARD, Intent
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.safety.row import Severity
 from firmware_bridge.safety.snapshot import Facts, Snapshot
+from firmware_bridge.teleop.audience import Audience
+from firmware_bridge.teleop.control import Control, Sender
 from firmware_bridge.teleop.mavlink import Codec, Message, dialect
 from firmware_bridge.teleop.parameters import Store, parameters_of
 from firmware_bridge.teleop.schedule import Schedule
-from firmware_bridge.teleop.station import AnyStation
+from firmware_bridge.teleop.station import AnyStation, Stick, Unusable, Velocity
 from firmware_bridge.teleop.telemetry import TelemetryContext, streams_of
 from firmware_bridge.teleop.texts import Speaker
+from firmware_bridge.teleop.trust import Signatures, Trust
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 
 VERSION: Final = (0, 1, 0)
@@ -27,15 +31,15 @@ LISTING_GAP: Final[Nanoseconds] = 10 * MILLISECOND
 """Between two parameters of a list: a third of a 57600 baud link, nothing on a network."""
 REMEMBERED: Final[Nanoseconds] = 3 * SECOND
 """How long a command's answer is kept for its repetitions."""
+EVERYBODY: Final = Trust()
 OUT_OF_ORDER: Final[Nanoseconds] = 250 * MILLISECOND
 """How long an older sequence number is taken for a datagram that was overtaken, not for a new start."""
 
-
-class Address(NamedTuple):
-    """Who speaks: system and component."""
-
-    system: int
-    component: int
+MOST_PEERS: Final = 64
+"""So many stations are remembered; of more, who was heard longest ago is forgotten, but never who drives."""
+Motion: TypeAlias = Stick | Velocity
+"""A motion command as it came, before a robot makes a wish of it."""
+NOTHING: Final = Velocity(0.0, 0.0, 0.0)
 
 
 class Answered(NamedTuple):
@@ -47,14 +51,27 @@ class Answered(NamedTuple):
     at: Nanoseconds
 
 
+class Said(NamedTuple):
+    """A station's newest motion command."""
+
+    motion: Motion
+    at: Nanoseconds
+    neutral: bool
+
+
 @dataclass(slots=True)
 class Peer:
     """One ground station's last words."""
 
+    heard_at: Nanoseconds = 0
+    said: Said | None = None
+    """What it said while it drove or nobody did: who does not drive is not listened to."""
     sequence: int | None = None
     moved_at: Nanoseconds = NEVER_HEARD
     buttons: int | None = None
     answered: Answered | None = None
+    stop_answered_at: Nanoseconds = NEVER_HEARD
+    """When an emergency stop was answered that it had sent while another one drove."""
 
     def is_newest(self, sequence: int, now: Nanoseconds) -> bool:
         """Tell whether a motion command is newer than all before it, and remember it if so."""
@@ -79,6 +96,10 @@ class Dropped:
     """Motion commands that a newer one had overtaken."""
     refused: int = 0
     """Motion commands that made no sense."""
+    undriven: int = 0
+    """Motion commands of stations that do not drive."""
+    doubted: int = 0
+    """Messages that were not signed as they must be, or from a place that is not allowed."""
 
 
 class Session:
@@ -93,6 +114,7 @@ class Session:
         rolling: tuple[str, ...],
         modes: tuple[str, ...],
         guides: tuple[str, ...] = (),
+        trust: Trust = EVERYBODY,
     ) -> None:
         self.robot: Final = robot
         self.station: Final = station
@@ -108,19 +130,69 @@ class Session:
         self.speaker: Final = Speaker()
         self.intent: Intent[Any] = Intent(rest)
         self.snapshot: Snapshot[Any, Any] | None = None
-        self.peers: Final[dict[Address, Peer]] = {}
+        self.audience: Final = Audience(self.codec.system, self.codec.component, trust)
+        self.trust: Final = trust
+        self.signatures: Final = Signatures(trust)
+        self.signed_in_vain = False
+        """A frame was signed, and there is no key."""
+        self.stop_answered_at: Nanoseconds = NEVER_HEARD
+        """When an emergency stop of somebody who is not believed was answered."""
+        self.control: Final = Control()
+        self.peers: Final[dict[Sender, Peer]] = {}
+        self.untold: list[Message] = []
+        """Who drives now: told with the next report, beside the answers."""
         self.dropped: Final = Dropped()
         self.terminated = False
         self.resets = 0
         self.listed = len(self.store.rows)
         self.list_due: Nanoseconds = NEVER
 
-    def peer(self, address: Address) -> Peer:
-        """Return what is remembered of a ground station."""
-        peer = self.peers.get(address)
+    @property
+    def drives_from(self) -> int | None:
+        """The place of who drives; None where nobody does."""
+        return None if self.control.driver is None else self.control.driver.source
+
+    def heard(self, sender: Sender, now: Nanoseconds) -> Peer:
+        """Take note of a good frame; return what is remembered of its sender."""
+        self.control.heard(sender, now)
+        peer = self.peers.get(sender)
         if peer is None:
-            peer = self.peers[address] = Peer()
+            if len(self.peers) >= MOST_PEERS:
+                others = (one for one in self.peers if one != self.control.driver)
+                del self.peers[min(others, key=lambda one: self.peers[one].heard_at)]
+            peer = self.peers[sender] = Peer()
+        peer.heard_at = now
         return peer
+
+    def wished(self, motion: Motion, wish: object) -> object:
+        """Return what a motion command makes of the wish before it; `Unusable` where it is none."""
+        made: object
+        if isinstance(motion, Stick):
+            made = self.station.stick(motion, wish, self.robot)
+        else:
+            made = self.station.target(motion, wish, self.robot)
+        return made
+
+    def adopt(self, peer: Peer | None, now: Nanoseconds) -> None:
+        """Take a station's own newest motion command for the wish; nobody's, and an old one's, is to rest.
+
+        What is switched stays as it is.
+        """
+        wish: object = self.station.forgotten(self.intent.wish)
+        stands = self.wished(NOTHING, wish)
+        if not isinstance(stands, Unusable):
+            wish = stands
+        self.intent = Intent(wish)
+        gone = self.robot.operator.gone_ms * MILLISECOND
+        if peer is None or peer.said is None or now - peer.said.at >= gone:
+            return
+        asked = self.wished(peer.said.motion, wish)
+        if not isinstance(asked, Unusable):
+            self.intent = Intent(asked, peer.said.at, neutral=peer.said.neutral)
+
+    def tell(self, severity: Severity, text: str) -> None:
+        """Say something with the next report."""
+        self.untold += self.speaker.say(severity, text)
 
     def wish(self, wish: object) -> None:
         """Change the wish; what is no motion command is no sign of life."""

@@ -1,16 +1,15 @@
 """Datagrams over UDP, for MAVLink: `udpin:HOST:PORT` waits for operators, `udpout:HOST:PORT` calls one."""
 
 import errno
+import ipaddress
 import re
 import socket
 from typing import Any, Final
 
 from firmware_bridge.shell.ports.port import BURST, PortError
-from firmware_bridge.units import NEVER, SECOND, Nanoseconds
+from firmware_bridge.units import NEVER, Nanoseconds
+from firmware_bridge.wire.internet import host_and_port, number_of, scope_of
 
-PEER_MEMORY: Final = 10 * SECOND
-"""A peer that was silent for longer is answered no more."""
-MOST_PEERS: Final = 16
 _LARGEST: Final = 65_535
 _FORM: Final = re.compile(r"(?P<way>udpin|udpout):(?P<host>\[[0-9A-Fa-f:.]+\]|[^:\[\]]*):(?P<port>\d{1,5})")
 
@@ -31,7 +30,6 @@ class UdpPort:
         self.name = link
         self.retry_at: Nanoseconds = NEVER
         self.unsent = 0
-        self._heard: dict[Any, Nanoseconds] = {}
         way, family, address = _parsed(link)
         self._calls = way == "udpout"
         self._socket = socket.socket(family, socket.SOCK_DGRAM)
@@ -57,7 +55,8 @@ class UdpPort:
         return self._fileno
 
     def read(self, now: Nanoseconds) -> list[tuple[int, bytes]]:
-        """Return the datagrams that have arrived, and remember who sent them."""
+        """Return the datagrams that have arrived, each with the number of its place; 0 for the one called."""
+        del now
         datagrams: list[tuple[int, bytes]] = []
         for _ in range(BURST):
             try:
@@ -66,27 +65,21 @@ class UdpPort:
                 continue  # the answer to something that was sent before: nobody is there yet
             except OSError:
                 break
-            datagrams.append((0, datagram))
-            if not self._calls:
-                self._remember(peer, now)
+            source = 0 if self._calls else _number(peer)
+            if source is not None:
+                datagrams.append((source, datagram))
         return datagrams
 
-    def write(self, _address: int, payload: bytes, now: Nanoseconds) -> None:
-        """Send a datagram to the one that is called, or to all that were heard within `PEER_MEMORY`."""
-        if self._calls:
-            try:
+    def write(self, address: int, payload: bytes, now: Nanoseconds) -> None:
+        """Send a datagram to the one that is called, or to the place with this number; 0 is nobody there."""
+        del now
+        try:
+            if self._calls:
                 self._socket.send(payload)
-            except OSError:
-                self.unsent += 1
-            return
-        for peer, heard_at in list(self._heard.items()):
-            if now - heard_at > PEER_MEMORY:
-                del self._heard[peer]
-                continue
-            try:
-                self._socket.sendto(payload, peer)
-            except OSError:
-                self.unsent += 1
+            elif address:
+                self._socket.sendto(payload, _socket_address(address))
+        except OSError:
+            self.unsent += 1
 
     def flush(self, now: Nanoseconds) -> None:
         """Do nothing: a datagram goes out at once or never."""
@@ -95,10 +88,24 @@ class UdpPort:
         """Close the socket."""
         self._socket.close()
 
-    def _remember(self, peer: object, now: Nanoseconds) -> None:
-        if peer not in self._heard and len(self._heard) >= MOST_PEERS:
-            del self._heard[min(self._heard, key=self._heard.__getitem__)]
-        self._heard[peer] = now
+
+def reaches_beyond(link: str) -> bool:
+    """Tell whether others than this machine can be at the other end of a link; PortError where it is none."""
+    return not ipaddress.ip_address(_parsed(link)[2][0].partition("%")[0]).is_loopback
+
+
+def _number(peer: Any) -> int | None:
+    """Return the number of a place; None for one that cannot be answered: from port 0."""
+    host, port, *more = peer
+    try:
+        return number_of(host, port, more[1] if more else 0)
+    except ValueError:
+        return None
+
+
+def _socket_address(number: int) -> Any:
+    scope = scope_of(number)
+    return host_and_port(number) if scope is None else (*host_and_port(number), 0, scope)
 
 
 def _parsed(link: str) -> tuple[str, int, Any]:

@@ -81,10 +81,10 @@ class Robotlike:
                 self.armed = self.armed and not self.stopped
         return Verdict(accepted=True, reason="")
 
-    def hear(self, payload: bytes, now: Nanoseconds) -> tuple[bytes, ...]:
+    def hear(self, payload: bytes, now: Nanoseconds) -> tuple[Packet, ...]:
         return () if self.deaf else self.operator.hear(payload, now, self.decide)
 
-    def report(self, now: Nanoseconds) -> tuple[bytes, ...]:
+    def report(self, now: Nanoseconds) -> tuple[Packet, ...]:
         told = gate_bench.well(
             self.robot,
             now,
@@ -141,9 +141,10 @@ class Joined:
             self.sent.append((self.now, packet.payload))
             self._answer(self.robotlike.hear(packet.payload, self.now))
 
-    def _answer(self, payloads: tuple[bytes, ...]) -> None:
-        for payload in payloads:
-            self._carry(self.driver.receive(Packet(OPERATOR, 0, payload), self.now))
+    def _answer(self, packets: tuple[Packet, ...]) -> None:
+        for packet in packets:
+            assert (packet.link, packet.address) == (OPERATOR, 0)
+            self._carry(self.driver.receive(packet, self.now))
 
 
 def join(script: Mission, seed: int = 1) -> Joined:

@@ -105,6 +105,13 @@ def test_a_port_in_use_is_named(port_in_use: str) -> None:
     assert "in use" in line
 
 
+def test_a_robot_is_not_driven_from_beyond_the_machine_without_a_key() -> None:
+    where = "udpin:0.0.0.0:14550"
+    line = refused("drive", "rars", "-i", "virtual", "-c", "mistakes", "--mavlink", where)
+    assert where in line
+    assert "--key FILE" in line
+
+
 def test_an_operator_link_that_makes_no_sense_shows_one_that_does() -> None:
     line = refused("drive", "rars", "-i", "virtual", "-c", "mistakes", "--mavlink", "tcp:14550")
     assert "udpin:127.0.0.1:14550" in line

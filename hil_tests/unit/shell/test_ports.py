@@ -13,6 +13,7 @@ from firmware_bridge.shell.ports import LostPort, Port, PortError, UdpPort, open
 from firmware_bridge.shell.ports.outbox import PATIENCE, RETRY, Outbox
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire.can import EXTENDED, REMOTE
+from firmware_bridge.wire.internet import number_of
 
 FRAMES = [
     (0x123, b"\1\2\3"),
@@ -175,24 +176,21 @@ def test_a_bus_that_takes_nothing_for_a_cycle_is_lost() -> None:
     assert lost.value.port is port
 
 
-def test_an_operator_is_answered_where_he_is_heard_and_others_too() -> None:
-    bridge = UdpPort("udpin:127.0.0.1:0")
+@pytest.mark.parametrize("host", ["127.0.0.1", "[::1]"])
+def test_a_datagram_carries_the_place_it_came_from_and_goes_where_its_number_says(host: str) -> None:
+    bridge = UdpPort(f"udpin:{host}:0")
     with opened(bridge):
-        first, second = UdpPort(f"udpout:127.0.0.1:{bridge.port}"), UdpPort(f"udpout:127.0.0.1:{bridge.port}")
+        first, second = UdpPort(f"udpout:{host}:{bridge.port}"), UdpPort(f"udpout:{host}:{bridge.port}")
         with opened(first, second):
-            bridge.write(0, b"nobody", 0)
+            one, two = (number_of(host.strip("[]"), caller.port) for caller in (first, second))
             first.write(0, b"one", 0)
             second.write(0, b"two", 0)
-            assert sorted(heard(bridge, 2)) == [(0, b"one"), (0, b"two")]
-            bridge.write(0, b"to both", 0)
-            assert heard(first, 1) == heard(second, 1) == [(0, b"to both")]
-            second.write(0, b"still here", 0)
-            clock = Clock()
-            clock.wait([bridge.fileno()], SECOND)
-            assert bridge.read(15 * SECOND) == [(0, b"still here")]
-            bridge.write(0, b"to one", 16 * SECOND)
-            assert heard(second, 1) == [(0, b"to one")]
+            assert sorted(heard(bridge, 2)) == sorted([(one, b"one"), (two, b"two")])
+            bridge.write(two, b"to the second", 0)
+            assert heard(second, 1) == [(0, b"to the second")]
+            bridge.write(0, b"to nobody", 0)
             assert heard(first, 1, within=5 * MILLISECOND) == []
+            assert bridge.unsent == 0
 
 
 def test_a_caller_whom_nobody_answers_goes_on_calling() -> None:
@@ -208,7 +206,7 @@ def test_a_caller_whom_nobody_answers_goes_on_calling() -> None:
         with opened(answerer):
             caller.write(0, b"hello", 0)
             caller.write(0, b"hello", 0)
-            assert (0, b"hello") in heard(answerer, 1)
+            assert (number_of("127.0.0.1", caller.port), b"hello") in heard(answerer, 1)
 
 
 def test_a_port_in_use_says_so() -> None:

@@ -12,6 +12,7 @@ from firmware_bridge.shell.clock import Clock
 from firmware_bridge.shell.ports import LostPort, Port, UdpPort, open_can
 from firmware_bridge.shell.runner import run
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
+from firmware_bridge.wire.internet import number_of
 
 NUMBERS = count()
 
@@ -125,10 +126,11 @@ def test_frames_reach_the_node_by_a_thread_and_datagrams_by_a_socket(pair: tuple
     node = Ticking()
     far.write(0x181, b"\1", 0)
     caller.write(0, b"hello", 0)
+    place = number_of("127.0.0.1", caller.port)
     run(node, {"can": near, "operator": operator}, Clock(), until=30 * MILLISECOND)
     caller.close()
     by_link = sorted(node.heard, key=lambda packet: packet.link)
-    assert by_link == [Packet("can", 0x181, b"\1"), Packet("operator", 0, b"hello")]
+    assert by_link == [Packet("can", 0x181, b"\1"), Packet("operator", place, b"hello")]
     assert (0x80, b"") in far.read(0)
 
 

@@ -17,7 +17,9 @@ from firmware_bridge.safety.row import Row, Severity
 from firmware_bridge.safety.snapshot import Facts, Hold, Snapshot
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.teleop.operator import Operator
+from firmware_bridge.teleop.session import EVERYBODY
 from firmware_bridge.teleop.station import Station
+from firmware_bridge.teleop.trust import Trust
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 G = TypeVar("G", bound=Table)
@@ -49,6 +51,9 @@ class Bench(Generic[G, M, S]):
     now: Nanoseconds = 0
     asked: list[Request] = field(default_factory=list)
     verdict: Verdict | None = None
+    trust: Trust = EVERYBODY
+    heard: list[Any] = field(default_factory=list)
+    """Everything that has been reported."""
 
     def __post_init__(self) -> None:
         self.restart()
@@ -66,7 +71,9 @@ class Bench(Generic[G, M, S]):
 
     def restart(self) -> None:
         """Begin with an operator that has heard nothing."""
-        self.operator = Operator(self.robot, self.rows, self.rest, rolling=self.rolling, modes=self.modes)
+        self.operator = Operator(
+            self.robot, self.rows, self.rest, rolling=self.rolling, modes=self.modes, trust=self.trust
+        )
 
     @property
     def wish(self) -> M:
@@ -94,7 +101,7 @@ class Bench(Generic[G, M, S]):
 
     def send(self, datagram: bytes) -> list[Any]:
         replies = self.operator.hear(datagram, self.now, self.decide)
-        return [message for reply in replies for message in self.station.decode(reply)]
+        return [message for reply in replies for message in self.station.decode(reply.payload)]
 
     def snapshot(self) -> Snapshot[M, S]:
         """Return what the bridge knows now."""
@@ -105,7 +112,10 @@ class Bench(Generic[G, M, S]):
         self.now += CYCLE
         self.facts = replace(self.facts, now=self.now, heard_at=self.operator.intent.heard_at)
         sent = self.operator.report(self.snapshot(), holds, self.now)
-        return [message for datagram in sent for message in self.station.decode(datagram)]
+        own = [packet.payload for packet in sent if packet.address == 0]
+        heard = [message for datagram in own for message in self.station.decode(datagram)]
+        self.heard += heard
+        return heard
 
     def told(self, number: int) -> Any:
         """Let a cycle pass; ask for one message and return it."""

@@ -9,6 +9,7 @@ import pytest
 
 from firmware_bridge.intent import (
     Arm,
+    ChangeDriver,
     ClearEmergencyStop,
     Disarm,
     EmergencyStop,
@@ -67,6 +68,9 @@ TABLE: list[tuple[int, tuple[float, ...], int, list[Request]]] = [
     (262, (5,), DENIED, [Pause()]),
     (262, (NAN,), DENIED, [Pause()]),
     (246, (1,), UNSUPPORTED, []),
+    (32100, (1,), ACCEPTED, [ChangeDriver()]),
+    (32100, (0,), DENIED, []),
+    (32100, (2,), DENIED, []),
     (20, (), UNSUPPORTED, []),
     (519, (1,), UNSUPPORTED, []),
     (0, (), UNSUPPORTED, []),

@@ -47,7 +47,7 @@ EXCHANGES = {
 @pytest.mark.parametrize(("asked", "answered"), EXCHANGES.values(), ids=EXCHANGES.keys())
 def test_exchanges_byte_for_byte(bench: RarsBench, asked: str, answered: str) -> None:
     replies = bench.operator.hear(bytes.fromhex(asked), 0, bench.decide)
-    assert b"".join(replies) == bytes.fromhex(answered)
+    assert b"".join(reply.payload for reply in replies) == bytes.fromhex(answered)
 
 
 def test_the_frames_of_the_two_set_points_mean_this(bench: RarsBench) -> None:

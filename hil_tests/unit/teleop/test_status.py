@@ -17,6 +17,8 @@ from hil_tests.unit.teleop.bench import RarsBench, hold
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from firmware_bridge.packet import Packet
+
 
 def texts(messages: list[Any]) -> list[tuple[int, str]]:
     """Return severity and text of each whole STATUSTEXT."""
@@ -135,7 +137,7 @@ def test_a_drives_fault_is_told_once_and_its_end_as_well(bench: RarsBench) -> No
 
 
 def test_two_runs_tell_the_same_bytes(make_bench: Callable[[], RarsBench]) -> None:
-    def run() -> list[tuple[bytes, ...]]:
+    def run() -> list[tuple[Packet, ...]]:
         bench = make_bench()
         sent = []
         for now in range(0, SECOND, 50 * MILLISECOND):

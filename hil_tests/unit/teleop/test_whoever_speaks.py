@@ -80,7 +80,7 @@ def test_whatever_strangers_send_is_answered_without_an_exception(
         datagram += b"\xfd" + body + crc.crc.to_bytes(2, "little") + junk
     station = Codec(255, 190)
     for reply in operator.hear(datagram, 5, lambda _: Verdict(accepted=False, reason="no")):
-        [_] = station.decode(reply)
+        [_] = station.decode(reply.payload)
 
 
 floats = st.floats(width=32)
@@ -95,5 +95,5 @@ def test_every_command_has_exactly_one_answer(command: int, params: tuple[float,
     operator, station = rars().operator, Codec(255, 190)
     order = station.encode(dialect.MAVLink_command_long_message(1, 1, command, 0, *params))
     replies = operator.hear(order, 5, lambda _: Verdict(accepted=True, reason=""))
-    answers = [message for reply in replies for message in station.decode(reply)]
+    answers = [message for reply in replies for message in station.decode(reply.payload)]
     assert [one.command for one in answers if one.get_type() == "COMMAND_ACK"] == [command]

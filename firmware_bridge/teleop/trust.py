@@ -1,0 +1,99 @@
+"""Whose frames are believed: those from allowed places, and signed ones where there is a key.
+
+Source: mavlink.io, "Message Signing". A time stamp counts only when its signature is right: pymavlink's own
+check takes it before, so that one wrong frame with the largest stamp would lock its station out for ever.
+"""
+
+import hashlib
+import hmac
+import ipaddress
+from dataclasses import dataclass
+from typing import Final, TypeAlias
+
+from firmware_bridge.teleop.mavlink import Codec, Message, dialect
+from firmware_bridge.units import SECOND, Nanoseconds
+from firmware_bridge.wire.internet import host_and_port
+
+KEY_LENGTH: Final = 32
+EPOCH: Final[Nanoseconds] = 1_420_070_400 * SECOND
+"""1 January 2015, from which signatures count, in Unix time."""
+UNIT: Final[Nanoseconds] = 10_000
+OLDEST: Final = 60 * SECOND // UNIT
+"""So far a stream that is new here may be behind our clock."""
+_SIGNED: Final = 0x01
+_FLAGS: Final = 2
+_MAVLINK_2: Final = 0xFD
+_LINK, _STAMP, _SIGNATURE = -13, slice(-12, -6), slice(-6, None)
+_UNSIGNED_TOO: Final = frozenset({dialect.MAVLINK_MSG_ID_RADIO_STATUS})
+"""A telemetry radio puts these in, and has no key."""
+
+Network: TypeAlias = ipaddress.IPv4Network | ipaddress.IPv6Network
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Trust:
+    """What the shell says of it; without a key signatures are not looked at, without a list all may speak."""
+
+    key: bytes | None = None
+    started_at: Nanoseconds = EPOCH
+    """Unix time at the node's instant 0."""
+    allowed: tuple[Network, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.key is not None and len(self.key) != KEY_LENGTH:
+            raise ValueError(f"a key has {KEY_LENGTH} bytes, not {len(self.key)}")
+
+    def stamp(self, now: Nanoseconds) -> int:
+        """Return an instant as signatures carry it."""
+        return max(self.started_at + now - EPOCH, 0) // UNIT
+
+    def allows(self, source: int) -> bool:
+        """Tell whether a place may speak; the other end of a link that has one may."""
+        if not self.allowed or source == 0:
+            return True
+        address = ipaddress.ip_address(host_and_port(source)[0])
+        mapped = getattr(address, "ipv4_mapped", None)
+        return any((mapped or address) in network for network in self.allowed)
+
+    def writer(self, system: int, component: int, link: int) -> Codec:
+        """Return a codec that signs what it writes, where there is a key."""
+        return Codec(system, component, None if self.key is None else (self.key, link))
+
+
+class Signatures:
+    """Which streams were heard up to which time stamp: nothing is believed twice."""
+
+    __slots__ = ("_streams", "_trust")
+
+    def __init__(self, trust: Trust) -> None:
+        self._trust: Final = trust
+        self._streams: Final[dict[tuple[int, int, int], int]] = {}
+        """The newest stamp by system, component and link; who has no key cannot add one."""
+
+    def doubt(self, message: Message, source: int, now: Nanoseconds) -> str | None:
+        """Say why a frame is not believed; None where it is, and its stamp counts from then on."""
+        if not self._trust.allows(source):
+            return "is not on the list of --allow"
+        key, frame = self._trust.key, bytes(message.get_msgbuf())
+        if key is None or message.get_msgId() in _UNSIGNED_TOO:
+            return None
+        if not is_signed(frame):
+            return "is not signed"
+        digest = hashlib.sha256(key + frame[: _SIGNATURE.start]).digest()
+        if not hmac.compare_digest(digest[:6], frame[_SIGNATURE]):
+            return "is signed with another key"
+        stamp = int.from_bytes(frame[_STAMP], "little")
+        stream = (message.get_srcSystem(), message.get_srcComponent(), frame[_LINK])
+        newest = self._streams.get(stream, self._trust.stamp(now) - OLDEST - 1)
+        if stamp <= newest:
+            known = stream in self._streams
+            return (
+                "was heard before, or overtaken" if known else "is signed more than 60 s ago: see its clock"
+            )
+        self._streams[stream] = stamp
+        return None
+
+
+def is_signed(frame: bytes) -> bool:
+    """Tell whether a frame carries a signature."""
+    return frame[0] == _MAVLINK_2 and bool(frame[_FLAGS] & _SIGNED)

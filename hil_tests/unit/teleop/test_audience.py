@@ -1,0 +1,177 @@
+"""Who is told what: telemetry to stations, answers to who asked, nothing gained by a forged address."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from firmware_bridge.teleop.audience import LAPSES_AFTER, LARGEST_CREDIT, MOST_STATIONS, MOST_STRANGERS
+from firmware_bridge.teleop.mavlink import Codec, dialect
+from firmware_bridge.wire.internet import number_of
+from hil_tests.unit.teleop.bench import CYCLE, RarsBench, rars
+from hil_tests.unit.teleop.stations import ARM, CONTROL, Hand
+
+if TYPE_CHECKING:
+    from firmware_bridge.packet import Packet
+
+BEAT = dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)
+STICK = dialect.MAVLink_manual_control_message(1, 0, 0, 0, 0, 0)
+PLACES = [number_of("10.0.0.1", port) for port in range(1, 60)]
+
+
+def cycle(bench: RarsBench) -> tuple[Packet, ...]:
+    """Let a cycle pass; return what is sent."""
+    bench.now += CYCLE
+    return bench.operator.report(bench.snapshot(), (), bench.now)
+
+
+def told(bench: RarsBench) -> set[int]:
+    """Return the places that telemetry goes to, beside the one end of a link that has no other."""
+    return {packet.address for packet in cycle(bench)} - {0}
+
+
+def hears(bench: RarsBench, source: int, *messages: object, codec: Codec | None = None) -> tuple[Packet, ...]:
+    codec = codec or Codec(255, 190)
+    datagram = b"".join(codec.encode(message) for message in messages)
+    return bench.operator.hear(datagram, bench.now, bench.decide, source)
+
+
+@pytest.mark.parametrize(
+    "datagram",
+    [
+        b"\xfd garbage",
+        b"",
+        b"\xfd" * 5000,
+        Codec(255, 190).encode(dialect.MAVLink_command_long_message(2, 1, 512, 0, 148, *(0.0,) * 6)),
+        Codec(1, 1).encode(BEAT),
+    ],
+    ids=["garbage", "nothing", "much garbage", "for another", "our own"],
+)
+def test_what_is_no_good_frame_for_us_is_answered_with_nothing(bench: RarsBench, datagram: bytes) -> None:
+    assert bench.operator.hear(datagram, 0, bench.decide, PLACES[0]) == ()
+    assert told(bench) == set()
+
+
+def test_a_frame_makes_no_station_and_a_heartbeat_does(bench: RarsBench) -> None:
+    hears(bench, PLACES[0], STICK)
+    assert told(bench) == set()
+    hears(bench, PLACES[0], BEAT)
+    assert told(bench) == {PLACES[0]}
+
+
+@pytest.mark.parametrize("keeps", [BEAT, STICK])
+def test_a_station_lapses_unless_it_is_heard(bench: RarsBench, keeps: object) -> None:
+    hears(bench, PLACES[0], BEAT)
+    bench.now += LAPSES_AFTER - 1
+    hears(bench, PLACES[0], keeps)
+    bench.now += LAPSES_AFTER - 1 - CYCLE
+    assert told(bench) == {PLACES[0]}
+    bench.now += 1 - CYCLE
+    assert told(bench) == set()
+
+
+def test_there_are_so_many_stations_and_a_place_is_free_when_one_lapses(bench: RarsBench) -> None:
+    for source in PLACES[: MOST_STATIONS + 1]:
+        hears(bench, source, BEAT)
+    assert told(bench) == set(PLACES[:MOST_STATIONS])
+    bench.now += LAPSES_AFTER
+    hears(bench, PLACES[20], BEAT)
+    assert told(bench) == {PLACES[20]}
+
+
+def test_who_drives_is_told_however_many_others_there_are(bench: RarsBench) -> None:
+    for source in PLACES[:40]:
+        hears(bench, source, BEAT)
+    driver = Hand(bench, PLACES[50])
+    assert PLACES[50] not in told(bench)
+    assert driver.result(ARM, 1) == 0
+    for _ in range(40):
+        for source in PLACES[:40]:
+            hears(bench, source, BEAT, STICK)
+        assert PLACES[50] in told(bench)
+    assert len(told(bench)) == MOST_STATIONS + 1
+    driver.result(CONTROL, 0)
+    assert PLACES[50] not in told(bench)
+
+
+def test_each_station_hears_a_sequence_without_gaps(bench: RarsBench) -> None:
+    counts: dict[int, list[int]] = {source: [] for source in PLACES[:3]}
+    for source in PLACES[:2]:
+        hears(bench, source, BEAT)
+    for turn in range(20):
+        sent = (*cycle(bench), *hears(bench, PLACES[turn % 3], dialect.MAVLink_ping_message(1, turn, 0, 0)))
+        for packet in sent:
+            if packet.address in counts:
+                counts[packet.address].append(packet.payload[4])
+    for source in PLACES[:2]:
+        first = counts[source][0]
+        assert counts[source] == [(first + place) & 0xFF for place in range(len(counts[source]))]
+
+
+def test_an_answer_goes_to_who_asked(bench: RarsBench) -> None:
+    for source in PLACES[:2]:
+        hears(bench, source, BEAT)
+    [answer] = hears(bench, PLACES[1], dialect.MAVLink_ping_message(1, 2, 0, 0))
+    assert answer.address == PLACES[1]
+
+
+def test_an_acknowledgement_goes_before_a_text_where_one_alone_is_paid_for(bench: RarsBench) -> None:
+    order = dialect.MAVLink_command_long_message(1, 1, 400, 0, 2, *(0.0,) * 6)
+    [answer] = hears(bench, PLACES[0], order)
+    assert Codec(9, 9).decode(answer.payload)[0].get_type() == "COMMAND_ACK"
+
+
+QUESTIONS = st.sampled_from(
+    [
+        dialect.MAVLink_command_long_message(1, 1, 512, 0, number, *(0.0,) * 6)
+        for number in (148, 331, 0, 1, 32, 147)
+    ]
+    + [dialect.MAVLink_command_long_message(1, 1, 400, 0, 2, *(0.0,) * 6), STICK]
+    + [dialect.MAVLink_param_request_list_message(1, 1), dialect.MAVLink_timesync_message(0, 5)]
+    + [dialect.MAVLink_param_request_read_message(1, 1, b"CYCLE", -1)]
+)
+
+
+@given(st.lists(st.tuples(st.integers(0, 100), st.lists(QUESTIONS, max_size=6)), max_size=40))
+@settings(max_examples=100, deadline=None)
+def test_no_place_that_is_no_station_gets_more_bytes_than_it_sent(
+    asked: list[tuple[int, list[object]]],
+) -> None:
+    bench = rars()
+    paid: dict[int, int] = {}
+    for place, messages in asked:
+        codec = Codec(255, 190)
+        datagram = b"".join(codec.encode(message) for message in messages)
+        paid[place + 1] = paid.get(place + 1, 0) + len(datagram)
+        sent = (*bench.operator.hear(datagram, bench.now, bench.decide, place + 1), *cycle(bench))
+        for packet in sent:
+            if packet.address:
+                paid[packet.address] -= len(packet.payload)
+    assert all(left >= 0 for left in paid.values())
+
+
+def test_the_memory_of_strangers_is_bounded_and_so_is_their_credit(bench: RarsBench) -> None:
+    for source in range(1, 3 * MOST_STRANGERS):
+        hears(bench, source, STICK)
+    for _ in range(200):
+        hears(bench, 1, STICK)
+    ping = dialect.MAVLink_command_long_message(1, 1, 512, 0, 331, *(0.0,) * 6)
+    bench.report()
+    answers = b"".join(packet.payload for packet in hears(bench, 1, *[ping] * 20))
+    assert len(answers) <= LARGEST_CREDIT
+
+
+def test_who_asks_for_the_list_all_the_time_does_not_keep_it_from_its_end(bench: RarsBench) -> None:
+    driver, other = Hand(bench, PLACES[0]), Hand(bench, PLACES[1])
+    driver.result(ARM, 1)
+    bench.report()
+    driver.say(dialect.MAVLink_param_request_list_message(1, 1))
+    listed = []
+    for _ in range(20):
+        listed += [one.param_index for one in bench.report() if one.get_type() == "PARAM_VALUE"]
+        other.say(dialect.MAVLink_param_request_list_message(1, 1))
+    count = driver.say(dialect.MAVLink_param_request_read_message(1, 1, b"CYCLE", -1))[0].param_count
+    assert set(listed) == set(range(count))

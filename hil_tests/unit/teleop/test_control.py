@@ -1,0 +1,294 @@
+"""Who drives: what is obeyed of whom, and how control is taken, handed over, given up and lost."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import pytest
+
+from firmware_bridge.intent import (
+    NEVER_HEARD,
+    Arm,
+    ChangeDriver,
+    ClearEmergencyStop,
+    Disarm,
+    EmergencyStop,
+    Verdict,
+)
+from firmware_bridge.teleop.commands import ROWS
+from firmware_bridge.teleop.control import LAPSES_AFTER, Sender
+from firmware_bridge.teleop.mavlink import dialect
+from firmware_bridge.teleop.session import MOST_PEERS
+from firmware_bridge.units import MILLISECOND, SECOND
+from firmware_bridge.wire.internet import number_of
+from hil_tests.unit.teleop.heard import texts, types
+from hil_tests.unit.teleop.stations import (
+    ARM,
+    CLEAR,
+    CONTROL,
+    FORCE,
+    INTERVAL,
+    PAUSE,
+    RELAY,
+    STOP,
+    Hand,
+)
+
+if TYPE_CHECKING:
+    from hil_tests.unit.teleop.bench import RarsBench
+
+ACCEPTED, DENIED, FAILED = 0, 2, 4
+HERE, THERE = number_of("10.0.0.1", 14550), number_of("10.0.0.2", 14550)
+
+
+@pytest.fixture
+def driver(bench: RarsBench) -> Hand:
+    """A station that has armed, and drives."""
+    hand = Hand(bench, HERE)
+    hand.stick()
+    assert hand.result(ARM, 1) == ACCEPTED
+    bench.report()
+    hand.stick(500)
+    bench.asked.clear()
+    return hand
+
+
+@pytest.fixture(
+    params=[(THERE, 255, 190), (HERE, 254, 190), (HERE, 255, 191), (number_of("10.0.0.1", 14551), 255, 190)]
+)
+def other(bench: RarsBench, driver: Hand, request: pytest.FixtureRequest) -> Hand:
+    """A station that differs from who drives in one of address, port, system and component."""
+    assert driver.bench is bench
+    return Hand(bench, *request.param)
+
+
+def drives(bench: RarsBench) -> Sender | None:
+    return bench.operator.driver
+
+
+def test_who_arms_while_nobody_drives_drives(bench: RarsBench, driver: Hand) -> None:
+    assert drives(bench) == (driver.source, 255, 190)
+    assert "control: 255/190 at 10.0.0.1:14550 drives" in told(bench)
+
+
+def told(bench: RarsBench) -> str:
+    return "".join(texts(bench.heard))
+
+
+def test_who_is_denied_to_arm_does_not_drive(bench: RarsBench) -> None:
+    bench.verdict = Verdict(accepted=False, reason="no")
+    assert Hand(bench, HERE).result(ARM, 1) == DENIED
+    assert drives(bench) is None
+
+
+def test_sticks_of_anybody_else_are_no_intent(bench: RarsBench, other: Hand) -> None:
+    before = bench.operator.intent
+    bench.now += 50 * MILLISECOND
+    text = "".join(texts(other.stick(-1000, buttons=1)))
+    assert bench.operator.intent is before
+    assert bench.operator.dropped.undriven == 1
+    assert text.startswith("MANUAL_CONTROL of ")
+    assert other.stick() == [], "not told at the rate of a joystick"
+    bench.now += 2 * SECOND
+    assert texts(
+        other.say(dialect.MAVLink_set_position_target_local_ned_message(0, 1, 1, 8, 1511, *(0.0,) * 11))
+    )
+    assert bench.operator.intent is before
+
+
+@pytest.mark.parametrize("row", [row for row in ROWS if not row.anyone], ids=lambda row: str(row.command))
+def test_words_of_anybody_else_are_refused(bench: RarsBench, driver: Hand, row: object) -> None:
+    before = bench.operator.intent
+    other = Hand(driver.bench, THERE)
+    assert other.result(row.command, 1, 1, 1) == DENIED  # type: ignore[attr-defined] # a row
+    assert bench.asked == []
+    assert bench.operator.intent is before
+
+
+@pytest.mark.parametrize(("command", "params"), [(ARM, (1,)), (ARM, (0,)), (CLEAR, (1,)), (PAUSE, (0,))])
+def test_arming_clearing_and_pausing_are_the_drivers(
+    bench: RarsBench, other: Hand, command: int, params: tuple[float, ...]
+) -> None:
+    replies = other.order(command, *params)
+    assert (types(replies)[-1], replies[-1].result) == ("COMMAND_ACK", DENIED)
+    assert "255/190 at 10.0.0.1:14550 drives" in "".join(texts(replies))
+    assert bench.asked == []
+
+
+def test_a_parameter_is_the_drivers(bench: RarsBench, other: Hand) -> None:
+    replies = other.say(dialect.MAVLink_param_set_message(1, 1, b"RATE_ODOM", 1.0, 9))
+    assert replies[-1].param_value == 20.0
+    assert "drives" in "".join(texts(replies))
+    assert bench.operator.dropped.undriven == 0
+
+
+def test_anybody_may_read(other: Hand) -> None:
+    assert other.result(512, 148) == ACCEPTED
+    assert types(other.say(dialect.MAVLink_ping_message(1, 2, 0, 0))) == ["PING"]
+
+
+@pytest.mark.parametrize(
+    ("command", "params"), [(STOP, (1,)), (CLEAR, (0,)), (ARM, (0, FORCE))], ids=["terminate", "safe", "kill"]
+)
+def test_an_emergency_stop_is_anybodys_and_one_that_can_be_cleared(
+    bench: RarsBench, other: Hand, command: int, params: tuple[float, ...]
+) -> None:
+    replies = other.order(command, *params)
+    assert replies[-1].result == ACCEPTED
+    assert bench.asked == [EmergencyStop()]
+    assert "emergency stop by" in "".join(texts(bench.report()))
+
+
+def test_a_stop_button_is_anybodys(bench: RarsBench, other: Hand) -> None:
+    other.stick(0x7FFE, buttons=4)
+    assert bench.asked == [EmergencyStop()]
+    assert bench.operator.intent.heard_at == bench.now
+
+
+def test_each_station_counts_its_own_frames(bench: RarsBench) -> None:
+    first, second = Hand(bench, HERE), Hand(bench, THERE)
+    for _ in range(100):
+        first.stick()
+    second.stick(500)
+    assert bench.wish.speed_mps == 0.25
+    assert bench.operator.dropped.overtaken == 0
+
+
+def test_the_arming_stations_own_stick_is_judged(bench: RarsBench) -> None:
+    first, second = Hand(bench, HERE), Hand(bench, THERE)
+    second.stick()
+    bench.now += 50 * MILLISECOND
+    first.stick(1000)
+    second.result(ARM, 1)
+    assert (bench.wish.speed_mps, bench.operator.intent.neutral) == (0.0, True)
+
+
+def test_a_deflected_stick_of_who_arms_counts_until_it_is_gone(bench: RarsBench) -> None:
+    hand = Hand(bench, HERE)
+    for ago, neutral in ((10 * SECOND - 1, False), (10 * SECOND, True)):
+        hand.stick(1000)
+        bench.now += ago
+        hand.order(ARM, 1)
+        assert bench.operator.intent.neutral is neutral
+        hand.order(CONTROL, 0)
+        assert bench.operator.intent.neutral
+
+
+def test_control_is_asked_for_and_given_up(bench: RarsBench) -> None:
+    hand = Hand(bench, HERE)
+    assert hand.result(CONTROL, 1) == ACCEPTED
+    assert drives(bench) == (HERE, 255, 190)
+    assert hand.result(CONTROL, 1) == ACCEPTED
+    assert bench.asked == [ChangeDriver()], "asked for once more, nothing changes"
+    assert hand.result(CONTROL, 0) == ACCEPTED
+    assert drives(bench) is None
+    assert bench.asked == [ChangeDriver(), Disarm(), ChangeDriver()]
+    assert hand.result(CONTROL, 0) == DENIED
+    bench.report()
+    assert "control: 255/190 at 10.0.0.1:14550 has given it up, nobody drives" in told(bench)
+
+
+@pytest.mark.parametrize(
+    ("params", "then"),
+    [((1, 0), FAILED), ((1, 1), ACCEPTED), ((0, 1, 0), FAILED), ((0, 1, 1), ACCEPTED)],
+    ids=["of 2026", "of 2026, yielding", "of 2025", "of 2025, yielding"],
+)
+def test_both_ways_to_say_it(bench: RarsBench, params: tuple[float, ...], then: int) -> None:
+    Hand(bench, HERE).order(CONTROL, *params)
+    assert drives(bench) == (HERE, 255, 190)
+    assert Hand(bench, THERE).result(CONTROL, 1) == then
+
+
+@pytest.mark.parametrize("params", [(2,), (float("nan"),), (0, 2), (0.5, 1)])
+def test_what_is_neither_is_denied(bench: RarsBench, params: tuple[float, ...]) -> None:
+    assert Hand(bench, HERE).result(CONTROL, *params) == DENIED
+    assert drives(bench) is None
+
+
+def test_a_request_is_refused_and_brought_to_who_drives(bench: RarsBench, other: Hand, driver: Hand) -> None:
+    [ack] = other.order(CONTROL, 1)
+    [asked] = [one for one in bench.report() if one.get_type() == "COMMAND_LONG"]
+    assert "asks for it" in told(bench)
+    assert (asked.command, asked.target_system, asked.target_component) == (CONTROL, 255, 190)
+    assert (asked.param1, asked.param4) == (1.0, float(other.codec.system))
+    assert (ack.command, ack.result) == (CONTROL, FAILED)
+    other.order(CONTROL, 1)
+    assert "COMMAND_LONG" not in types(bench.report()), "not at the rate at which it asks"
+    assert drives(bench) == (driver.source, 255, 190)
+
+
+def test_control_is_handed_over_to_who_asks(bench: RarsBench, other: Hand, driver: Hand) -> None:
+    driver.order(CONTROL, 1, 1)
+    assert other.result(CONTROL, 1) == ACCEPTED
+    assert drives(bench) == (other.source, other.codec.system, other.codec.component)
+    assert bench.asked == [ChangeDriver()]
+    assert (bench.wish.speed_mps, bench.operator.intent.heard_at) == (0.0, NEVER_HEARD)
+    assert driver.result(ARM, 0) == DENIED
+
+
+def test_a_lamp_stays_lit_when_control_changes(bench: RarsBench, driver: Hand) -> None:
+    driver.order(RELAY, 1, 1)
+    driver.order(CONTROL, 1, 1)
+    Hand(bench, THERE).order(CONTROL, 1)
+    assert bench.wish.headlamp
+
+
+def test_the_old_message_does_the_same(bench: RarsBench) -> None:
+    first, second = Hand(bench, HERE), Hand(bench, THERE)
+    asks = dialect.MAVLink_change_operator_control_message(1, 0, 0, b"")
+    gives = dialect.MAVLink_change_operator_control_message(1, 1, 0, b"")
+    for hand, message, ack in (
+        (first, asks, 0),
+        (second, asks, 3),
+        (second, gives, 3),
+        (first, gives, 0),
+        (second, asks, 0),
+    ):
+        answer = hand.say(message)[-1]
+        assert (answer.get_type(), answer.ack) == ("CHANGE_OPERATOR_CONTROL_ACK", ack)
+    assert drives(bench) == (THERE, 255, 190)
+
+
+@pytest.mark.parametrize(("silence", "lost"), [(LAPSES_AFTER - 1, False), (LAPSES_AFTER, True)])
+def test_who_says_nothing_loses_control(bench: RarsBench, driver: Hand, silence: int, *, lost: bool) -> None:
+    bench.now += silence
+    assert bench.operator.lapses(bench.now) is lost
+    assert (drives(bench) is None) is lost
+    bench.report()
+    assert ("is gone, nobody drives" in told(bench)) is lost
+    assert (bench.operator.intent.heard_at == NEVER_HEARD) is lost
+    assert driver.result(ARM, 1) == ACCEPTED
+
+
+def test_any_good_frame_keeps_control_and_that_of_another_does_not(bench: RarsBench, driver: Hand) -> None:
+    beat = dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)
+    bench.now += LAPSES_AFTER - 1
+    driver.say(beat)
+    bench.now += LAPSES_AFTER - 1
+    assert not bench.operator.lapses(bench.now)
+    Hand(bench, THERE).say(beat)
+    bench.now += 1
+    assert bench.operator.lapses(bench.now)
+
+
+def test_nobody_but_the_driver_sets_rates(other: Hand) -> None:
+    assert other.result(INTERVAL, 331, -1) == DENIED
+
+
+def test_strangers_do_not_fill_the_memory_nor_push_the_driver_out(bench: RarsBench, driver: Hand) -> None:
+    for place in range(3 * MOST_PEERS):
+        bench.now += 1
+        Hand(bench, place + 1).stick()
+    bench.now += MILLISECOND
+    driver.stick(200)
+    assert bench.wish.speed_mps == pytest.approx(0.1)
+    assert len(bench.operator.stations) <= MOST_PEERS
+
+
+def test_while_nobody_drives_anybody_clears_and_arms(bench: RarsBench) -> None:
+    bench.facts = replace(bench.facts, emergency_stopped=True)
+    assert Hand(bench, HERE).result(CLEAR, 1) == ACCEPTED
+    assert Hand(bench, THERE).result(ARM, 1) == ACCEPTED
+    assert bench.asked == [ClearEmergencyStop(), Arm()]
+    assert drives(bench) == (THERE, 255, 190)
