@@ -81,6 +81,20 @@ class Permission(Generic[G, M, S]):
             if hold.row.takes_power:
                 self.disbelieved.add(hold.axis)
 
+    def send(self, packets: tuple[Packet, ...]) -> None:
+        """Send at once what a request has brought about."""
+        self._outbox += packets
+
+    def keeps_zeros(self, seen: Snapshot[M, S]) -> str | None:
+        """Return why no axis may be told where it stands, or None."""
+        if self.armed:
+            return "disarm first"
+        if self.emergency_stopped:
+            return "the emergency stop is latched; clear it first"
+        if not self.rules.at_rest(seen):
+            return "the robot still moves"
+        return self.stops.holds[0].reason if self.stops.escalating else None
+
     def decide(self, request: Request, seen: Snapshot[M, S], holds: tuple[Hold, ...]) -> Verdict:
         """Answer one request; `seen` and `holds` are of this instant."""
         verdict = Verdict(accepted=True, reason="")

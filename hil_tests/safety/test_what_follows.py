@@ -38,6 +38,7 @@ FOLLOWS: Final = {
     "axis silent": (ALL, "disarms", "blocks arming"),
     "axis fault": (ALL, "disarms", "blocks arming"),
     "axis not enabled": (ALL, "disarms", "blocks arming"),
+    "axis zero lost": (ALL, "disarms", "blocks arming"),
     "axis left out": (ALL, "disarms", "blocks arming"),
     "speed limit": (set(),),
     "tipping limit": (set(),),

@@ -24,6 +24,8 @@ READY_S: Final = 3.0
 SETTLED_S: Final = 3.9
 FIRST_S: Final = 4.0
 """The first step of a story that goes on from the armed robot; the operator has spoken once since then."""
+STANDS: Final = Step(at_s=0.0, title="where it stands", zero={"steering": 0.0, "lift": 0.0})
+"""Every story begins so, but those that are about it."""
 ARMED: Final = Step(at_s=READY_S, title="arm", arm=True)
 
 
@@ -103,7 +105,7 @@ def story(*steps: Step, seconds: float, noise: Noise | None = None) -> Mission:
         duration_s=seconds,
         input=Input.STICK,
         noise=noise or Noise(),
-        step=tuple(sorted(steps, key=lambda step: step.at_s)),
+        step=tuple(sorted((STANDS, *steps), key=lambda step: step.at_s)),
     )
 
 

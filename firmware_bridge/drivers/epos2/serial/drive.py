@@ -104,6 +104,11 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         self._taken.clear()
         return self._sent(self._tasks.begin(tasks, now))
 
+    def set_zero(self, position: float, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Have it count from this position, in the axis's unit, where it stands."""
+        self._taken.clear()
+        return self._sent(self._tasks.set_zero(position, now))
+
     def command(self, demand: Demand) -> tuple[Packet, ...]:
         """Send a demand; while tasks are under way only quick stop or power off.
 

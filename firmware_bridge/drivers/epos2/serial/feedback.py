@@ -77,7 +77,7 @@ class SerialFeedback(DriveFeedback):
         """
         remote = bool(word & Status.REMOTE)
         if self.expected and self.operational and not remote:
-            self.restarted = True
+            self.restarted = self.zero_lost = True
             self.expected = False
             self.forget_motion()
         self.operational = remote
@@ -103,6 +103,8 @@ class SerialFeedback(DriveFeedback):
         Two wheels that are read one after the other would look like a robot that turns a little.
         """
         position, shift = counter, 0
+        if self.zeroing:
+            self._before, self.velocity = None, 0.0
         if self._before is not None:
             before, before_at = self._before
             moved = wrapped(counter - before)
