@@ -128,10 +128,8 @@ class Pipeline(Generic[G, M, S]):
             return self._follow(request.guide)
         known = self.known(now)
         if isinstance(request, ConfirmZero):
-            kept = self._permission.keeps_zeros(known)
-            verdict, sent = self._zeros.confirm(request, now, kept=kept)
-            self._permission.send(sent)
-            return verdict
+            asked = self._zeros.asked(request)
+            return asked if isinstance(asked, Verdict) else self._permission.set_zero(*asked, known)
         return self._permission.decide(request, known, self._gate.rule(known).holds)
 
     def known(self, now: Nanoseconds) -> Snapshot[M, S]:

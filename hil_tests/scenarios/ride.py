@@ -89,10 +89,15 @@ def ride(
     noise: Noise | None = None,
     seed: int = 0,
     faults: Sequence[Fault] = (),
+    stands: bool = True,
 ) -> Ride:
-    """Build the bench with an operator who does these steps; nothing has run yet."""
+    """Build the bench with an operator who does these steps; nothing has run yet.
+
+    `stands`: he begins with where it stands.
+    """
     machine = find("rars") if robot is None else robot
-    mission = story(*steps, seconds=seconds, noise=noise)
+    known = (STANDS,) if stands else ()
+    mission = story(*known, *steps, seconds=seconds, noise=noise)
     operator = ScriptedOperator(machine, REHEARSAL, mission, np.random.default_rng(seed))
     rig = Rig(machine, REHEARSAL, operator, seed=seed, noise=mission.noise, faults=faults)
     return Ride(rig, operator)
@@ -105,7 +110,7 @@ def story(*steps: Step, seconds: float, noise: Noise | None = None) -> Mission:
         duration_s=seconds,
         input=Input.STICK,
         noise=noise or Noise(),
-        step=tuple(sorted((STANDS, *steps), key=lambda step: step.at_s)),
+        step=tuple(sorted(steps, key=lambda step: step.at_s)),
     )
 
 
@@ -142,7 +147,7 @@ class Armed:
         one.rig.restore(self._moment)
         one.rig.can_wire.unobserved()
         one.rig.operator_wire.unobserved()
-        one.operator.take_over(story(*steps, seconds=seconds))
+        one.operator.take_over(story(STANDS, *steps, seconds=seconds))
         one.rig.faults.plan(faults)
         return Ride(one.rig, one.operator)
 

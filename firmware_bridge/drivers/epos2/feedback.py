@@ -88,6 +88,12 @@ class DriveFeedback:
         self.sampled_at = NEVER_HEARD
         self.velocity = 0.0
 
+    def restart(self) -> None:
+        """Learn that it has restarted: set-up and zero are lost, and its counter begins anew."""
+        self.restarted = self.zero_lost = True
+        self.expected = False
+        self.forget_motion()
+
     def zero_set(self, counter: int) -> None:
         """Count from the zero that was just set; that is what the drive's counter shows by it."""
         self.zero_lost = self.zeroing = False

@@ -32,13 +32,15 @@ class TaskRunner:
         configuration: tuple[Row, ...],
         *,
         started: Callable[[], Script] = tuple,
+        listens: Callable[[], Script] = tuple,
     ) -> None:
-        """Take the drive's parts and its set-up; `started` is what the link wants done after that task."""
+        """Take the drive's parts and its set-up; what the link wants done once it is started, or listens."""
         self._axis = axis
         self._feedback = feedback
         self._set_point = set_point
         self._scripts = runner
         self._started = started
+        self._listens = listens
         self._made: Final[Mapping[Task, Callable[[], Script]]] = {
             Task.FIND: partial(scripts.find, axis, feedback),
             Task.IDENTIFY: partial(scripts.identify, axis),
@@ -46,7 +48,7 @@ class TaskRunner:
             Task.START: self._start,
             Task.ENABLE: partial(scripts.enable, axis, feedback, set_point),
             Task.LEAVE: partial(scripts.leave, axis, feedback, set_point),
-            Task.LISTEN: partial(scripts.listen, axis),
+            Task.LISTEN: self._listen,
             Task.BRAKE: partial(scripts.brake, axis),
             Task.DISABLE: partial(scripts.disable, axis, feedback),
             Task.RESET: partial(scripts.reset, axis, feedback),
@@ -151,6 +153,9 @@ class TaskRunner:
         # What it was told by the zero of before is no target any more.
         self._set_point.word(QUICK_STOP)
         return ()
+
+    def _listen(self) -> Script:
+        return (*scripts.listen(self._axis), Do(self._listens))
 
     def _start(self) -> Script:
         return (*scripts.start(self._axis, self._feedback), Do(self._started))

@@ -87,6 +87,7 @@ LOUD = {
     "link lost: drives": Severity.CRITICAL,
     "axis silent": Severity.CRITICAL,
     "axis fault": Severity.CRITICAL,
+    "axis zero lost": Severity.CRITICAL,
     "steer angle unknown": Severity.ERROR,
     "lift height unknown": Severity.ERROR,
 }

@@ -74,9 +74,6 @@ class CanFeedback(DriveFeedback):
         if not self.operational:
             self.state = None
         if state is NmtState.BOOT_UP:
-            self.restarted = self.zero_lost = True
-            self.expected = False
+            self.restart()
             # That is how power-on and reset node end, but reset communication, too: it proves no power off.
             self.unpowered = False
-            # The counter starts from zero again.
-            self.forget_motion()

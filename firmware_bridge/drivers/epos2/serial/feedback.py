@@ -77,9 +77,7 @@ class SerialFeedback(DriveFeedback):
         """
         remote = bool(word & Status.REMOTE)
         if self.expected and self.operational and not remote:
-            self.restarted = self.zero_lost = True
-            self.expected = False
-            self.forget_motion()
+            self.restart()
         self.operational = remote
         self.told(word)
         self.state = state_of(word) if remote else None
