@@ -74,6 +74,14 @@ class ResetOdometry:
 
 
 @dataclass(frozen=True, slots=True)
+class ConfirmZero:
+    """Say where an axis stands, in the unit in which it is read off the robot, disarmed and at rest."""
+
+    axis: str
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
 class EnterMode:
     """Go on in another mode, at rest and disarmed; empty for the whole robot's."""
 
@@ -100,6 +108,7 @@ Request: TypeAlias = (
     | Pause
     | Resume
     | ResetOdometry
+    | ConfirmZero
     | EnterMode
     | Follow
     | ChangeDriver

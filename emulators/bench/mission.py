@@ -130,6 +130,7 @@ def _misfits(mission: Mission, robot: AnyRobot, rehearsal: Rehearsal) -> Iterato
         if step.guide is not None and step.guide not in guides(robot):
             known = near(step.guide, [name for name in guides(robot) if name])
             yield Problem(f"step[{index}].guide", f"{robot.name} has no guide '{step.guide}'; {known}")
+        yield from _unconfirmed(index, step, robot)
         for key, row in inputs(type(step)).items():
             value = getattr(step, key)
             if value is None:
@@ -141,6 +142,15 @@ def _misfits(mission: Mission, robot: AnyRobot, rehearsal: Rehearsal) -> Iterato
                     yield Problem(where, f"'{step.title}' is beyond full stick; input = 'twist' can say it")
             elif held is Input.TWIST and value and _needs_stick(row, rehearsal):
                 yield Problem(where, f"'{step.title}' needs the stick")
+
+
+def _unconfirmed(index: int, step: Step, robot: AnyRobot) -> Iterator[Problem]:
+    """Yield the roles whose place nobody has to tell this robot."""
+    known = [axis.role for axis in robot.axes if axis.zero_confirmed]
+    for role in step.zero or ():
+        if role not in known:
+            problem = f"nobody tells {robot.name} where such an axis stands; {near(role, known)}"
+            yield Problem(f"step[{index}].zero.{role}", problem)
 
 
 def _needs_stick(row: object, rehearsal: Rehearsal) -> bool:

@@ -102,7 +102,7 @@ class ScriptedOperator:
         due = min(self._beat_due, self._send_due)
         due = min(due, self._step_at)
         due = min(due, self._controls.released_at)
-        for pending in self._pending:
+        for pending in orders.first_of_each(self._pending):
             due = min(due, pending.due)
         return due
 
@@ -111,9 +111,9 @@ class ScriptedOperator:
         self._controls.move(step, now)
         if step.silent_s is not None:
             self._silent_until = now + from_seconds(step.silent_s)
-        for pending in orders.of_step(step, self._robot, now):
-            self._pending = [old for old in self._pending if old.number != pending.number]
-            self._pending.append(pending)
+        ordered = list(orders.of_step(step, self._robot, now))
+        numbers = {pending.number for pending in ordered}
+        self._pending = [old for old in self._pending if old.number not in numbers] + ordered
         if step.stray is None:
             return []
         return [datagram(step.stray, self._codec, self._system, self._component)]
@@ -140,7 +140,7 @@ class ScriptedOperator:
             for pending in self._pending:
                 pending.due = max(pending.due, self._silent_until)
             return messages
-        for pending in [one for one in self._pending if one.due <= now]:
+        for pending in [one for one in orders.first_of_each(self._pending) if one.due <= now]:
             if pending.tries == orders.MOST_TRIES:
                 self._pending.remove(pending)
                 self.diary.note(now, Kind.UNANSWERED, pending.title)
@@ -160,11 +160,16 @@ class ScriptedOperator:
     def _acknowledged(self, message: Message, now: Nanoseconds) -> None:
         if message.target_system not in (0, SYSTEM):
             return
-        waiting = [pending for pending in self._pending if pending.number == message.command]
+        first = orders.first_of_each(self._pending)
+        waiting = [pending for pending in first if pending.number == message.command]
         again = message.result == dialect.MAV_RESULT_TEMPORARILY_REJECTED
         for pending in waiting:
             if not (again and pending.try_anew(now)):
                 self._pending.remove(pending)
+                for one in self._pending:
+                    one.due = (
+                        max(one.due, now + orders.NEXT_AFTER) if one.number == pending.number else one.due
+                    )
         if again and waiting and waiting[0].rejections > 1:
             return
         title = waiting[0].title if waiting else f"command {message.command}"

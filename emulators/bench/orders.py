@@ -12,9 +12,14 @@ from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 RETRY_AFTER: Final[Nanoseconds] = 500 * MILLISECOND
 """As MAVSDK repeats a command."""
+NEXT_AFTER: Final[Nanoseconds] = 10 * MILLISECOND
+"""A command of the same number follows an answer."""
 MOST_TRIES: Final = 4
 MOST_REJECTIONS: Final = 20
 """How often an operator tries again what the robot rejects for the moment: 10 s long."""
+
+CONFIRM: Final = 31010
+"""USER_1: an axis by its place in the robot file, from 1, and where it stands."""
 
 RESULTS: Final = {
     dialect.MAV_RESULT_ACCEPTED: "accepted",
@@ -52,10 +57,18 @@ class Pending:
 
 
 def of_step(step: Step, robot: AnyRobot, now: Nanoseconds) -> Iterator[Pending]:
-    """Yield the commands of a step, the most urgent first."""
+    """Yield the commands of a step, the most urgent first, and then where axes stand."""
     rows = [(key, row) for key, row in inputs(type(step)).items() if isinstance(row, Sends)]
     for key, row in sorted(rows, key=lambda pair: -pair[1].urgency):
         value = getattr(step, key)
         if value is not None:
             title = key.removesuffix("_m").replace("_", " ")
             yield Pending(title, row.command, row.params(value, robot), now)
+    places = {axis.role: place for place, axis in enumerate(robot.axes, 1)}
+    for role, value in (step.zero or {}).items():
+        yield Pending(f"zero of {role}", CONFIRM, (places[role], value), now)
+
+
+def first_of_each(pending: list[Pending]) -> list[Pending]:
+    """Return those whose turn it is: an answer tells a number alone, so one command of each is under way."""
+    return list({one.number: one for one in reversed(pending)}.values())[::-1]

@@ -82,6 +82,37 @@ class Permission(Generic[G, M, S]):
             if hold.row.takes_power:
                 self.disbelieved.add(hold.axis)
 
+    def set_zero(self, driver: Driver, position: float, seen: Snapshot[M, S]) -> Verdict:
+        """Have a device count from where its axis was seen to stand; one without power is enabled before."""
+        kept = self._keeps_zeros(seen)
+        if kept is not None:
+            return Verdict(accepted=False, reason=f"zero: {kept}", temporary=True)
+        if driver.axis.name in self.disbelieved:
+            reason = f"zero: the power of {driver.axis.called} was taken; arm once, that puts it on"
+            return Verdict(accepted=False, reason=reason, temporary=True)
+        now, feedback = seen.facts.now, driver.feedback
+        if not self._ready(driver, now):
+            failed = f" (last try: {driver.failure.problem})" if driver.failure is not None else ""
+            self._enable(driver, now)
+            reason = f"zero: enabling {driver.axis.called}{failed} first, say it again"
+            return Verdict(accepted=False, reason=reason, temporary=True)
+        if abs(feedback.velocity) > driver.axis.rests_below:
+            return Verdict(accepted=False, reason=f"zero: {driver.axis.called} moves", temporary=True)
+        self._outbox += driver.set_zero(position, now)
+        return Verdict(accepted=True, reason=f"zero: {driver.axis.called} counts from there")
+
+    def _keeps_zeros(self, seen: Snapshot[M, S]) -> str | None:
+        """Return why no axis may be told where it stands, or None."""
+        if self.armed:
+            return "disarm first"
+        if self.emergency_stopped:
+            return "the emergency stop is latched; clear it first"
+        if self.powered_off:
+            return "the power was taken by force; arm once, that puts it on"
+        if not self.rules.at_rest(seen):
+            return "the robot still moves"
+        return self.stops.holds[0].reason if self.stops.escalating else None
+
     def decide(self, request: Request, seen: Snapshot[M, S], holds: tuple[Hold, ...]) -> Verdict:
         """Answer one request; `seen` and `holds` are of this instant."""
         verdict = Verdict(accepted=True, reason="")
@@ -169,10 +200,13 @@ class Permission(Generic[G, M, S]):
         for driver in asleep:
             before = f" (last try: {driver.failure.problem})" if driver.failure is not None else ""
             named.append(f"{driver.axis.called}{before}")
-            if not driver.busy:
-                lost = not driver.configured or self._silent(driver, now)
-                self._outbox += driver.begin(BRING_UP if lost else (Task.ENABLE,), now)
+            self._enable(driver, now)
         return Verdict(accepted=False, reason=f"enabling {', '.join(named)} again, arm again", temporary=True)
+
+    def _enable(self, driver: Driver, now: Nanoseconds) -> None:
+        if not driver.busy:
+            lost = not driver.configured or self._silent(driver, now)
+            self._outbox += driver.begin(BRING_UP if lost else (Task.ENABLE,), now)
 
     def _disarm(self, seen: Snapshot[M, S]) -> Verdict:
         self.armed = False

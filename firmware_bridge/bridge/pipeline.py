@@ -10,8 +10,17 @@ from typing import Final, Generic, TypeVar
 
 from firmware_bridge.bridge.fleets import Fleets
 from firmware_bridge.bridge.permission import Permission
+from firmware_bridge.bridge.zeros import Zeros
 from firmware_bridge.drivers.driver import Demand, Feedback, Level, Stop
-from firmware_bridge.intent import NEVER_HEARD, ChangeDriver, Follow, Request, ResetOdometry, Verdict
+from firmware_bridge.intent import (
+    NEVER_HEARD,
+    ChangeDriver,
+    ConfirmZero,
+    Follow,
+    Request,
+    ResetOdometry,
+    Verdict,
+)
 from firmware_bridge.kind import Guide, Kind
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.packet import Packet
@@ -59,6 +68,7 @@ class Pipeline(Generic[G, M, S]):
         tells = {driver.axis.name: driver.tells for driver in fleets.drivers}
         self._gate: Gate[G, M, S] = Gate(robot, rules, tells)
         self._charge: Final = Charge(robot)
+        self._zeros: Final = Zeros(robot, kind.station.gauges, fleets)
         self._followers: Final = Followers(robot)
         self._guide: Guide[M, S] | None = None
         """Whoever makes the wishes in the operator's place; None while he makes them himself."""
@@ -130,6 +140,9 @@ class Pipeline(Generic[G, M, S]):
             self._permission.parted = True
             return Verdict(accepted=True, reason="")
         known = self.known(now)
+        if isinstance(request, ConfirmZero):
+            asked = self._zeros.asked(request)
+            return asked if isinstance(asked, Verdict) else self._permission.set_zero(*asked, known)
         return self._permission.decide(request, known, self._gate.rule(known).holds)
 
     def known(self, now: Nanoseconds) -> Snapshot[M, S]:

@@ -71,6 +71,8 @@ class Task(Enum):
     """Take the power off in the same way."""
     RESET = "reset"
     """Make the device start anew: it has no torque then, and loses what it has counted."""
+    SET_ZERO = "set zero"
+    """Have it count from where somebody saw it stand; with power, at rest, and nothing moves."""
 
 
 BRING_UP: Final = (Task.FIND, Task.IDENTIFY, Task.CONFIGURE, Task.START, Task.ENABLE)
@@ -113,6 +115,8 @@ class Tells(Enum):
     CURRENT = "current"
     STOP = "stop"
     """That they have come to rest when they were asked to."""
+    ZERO = "zero"
+    """Whether the zero from which they count still holds."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,6 +139,9 @@ class Feedback:
     """The device's code of its newest fault; empty where there is none, or it was reset."""
     says: str = ""
     """The device's own word for its state; empty while it is unknown."""
+    zero_lost: bool = False
+    """It said so, or was heard to restart, and its zero was not set since. A driver whose device does not
+    tell begins with True."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,6 +194,9 @@ class Driver(Protocol):
 
     def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
         """Do these tasks in order, in place of those under way."""
+
+    def set_zero(self, position: float, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Do `Task.SET_ZERO`: the axis stands at this position, in its unit."""
 
     def command(self, demand: Demand) -> tuple[Packet, ...]:
         """Send a demand; while tasks are under way only quick stop or power off.

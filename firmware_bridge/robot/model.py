@@ -9,6 +9,7 @@ from pydantic import Field, field_validator, model_validator
 from firmware_bridge.robot.belief import STANDS, Belief
 from firmware_bridge.robot.settings.epos2 import Epos2AnalogueInput, Epos2Axis, Epos2DigitalOutput, Epos2Link
 from firmware_bridge.robot.table import Finite, Name, Positive, Table
+from firmware_bridge.robot.zero import Zero, ZeroFrom
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 G_co = TypeVar("G_co", bound=Table, covariant=True)
@@ -65,6 +66,7 @@ class Axis(Table):
     ratio: Positive
     """Radians of the motor for each `unit`."""
     direction: Annotated[int, Field(ge=-1, le=1)] = 1
+    zero: Zero = Zero()
     belief: Belief = Belief()
     settings: AnyAxis
 
@@ -91,10 +93,19 @@ class Axis(Table):
     def _makes_sense(self) -> Self:
         if self.travel is None and self.command is Command.POSITION:
             raise ValueError("an axis that is commanded by position needs travel = [lowest, highest]")
+        if self.travel is not None and self.zero.how is ZeroFrom.AT_POWER_ON:
+            raise ValueError("an axis with travel takes no zero 'at power-on': it may stand anywhere then")
+        if self.travel is None and self.zero.how is ZeroFrom.CONFIRM:
+            raise ValueError("an axis without travel has no place to confirm; leave zero out")
         furthest = self.settings.furthest(self.ratio)
         if self.travel is not None and max(map(abs, self.travel)) > furthest:
             raise ValueError(f"travel goes beyond {furthest:.6g} {self.unit}, all that the drive can count")
         return self
+
+    @property
+    def zero_confirmed(self) -> bool:
+        """Whether somebody has to say where it stands before it may move."""
+        return self.travel is not None
 
     @property
     def rests_below(self) -> float:

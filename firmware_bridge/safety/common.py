@@ -170,6 +170,19 @@ def _axis_not_enabled(axis: Axis, feedback: Feedback, _facts: Facts, _limit: Nan
     return f"{axis.called} is not enabled: {feedback.says or 'state unknown'}"
 
 
+def _axis_zero_lost(axis: Axis, feedback: Feedback, _facts: Facts, _limit: Nanoseconds) -> str | None:
+    # One that was never heard is silent: one cause, one hold.
+    if feedback.heard_at == NEVER_HEARD or not (axis.zero_confirmed and feedback.zero_lost):
+        return None
+    return f"{axis.called}: its zero is lost, nobody knows where it stands"
+
+
+def _axis_restarted(axis: Axis, feedback: Feedback, _facts: Facts, _limit: Nanoseconds) -> str | None:
+    if feedback.heard_at == NEVER_HEARD or not (axis.zero_confirmed and feedback.zero_lost):
+        return None
+    return f"{axis.called} has restarted, or was not asked for its zero yet: nobody knows where it stands"
+
+
 def _axis_does_not_follow(axis: Axis, _feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
     known = facts.following.get(axis.name)
     if known is None or known.obeyed_at == known.sampled_at or known.unasked:
@@ -254,6 +267,14 @@ AXIS_UNMEASURED: Final = AxisInterlock(
 """Stands in for the rows that watch how an axis moves where its device cannot tell: then, too, each answer
 must be fresh. Nobody notices that it does not follow."""
 
+CONFIRM_ZERO: Final = "look where it stands, and say so (drive --zero, or MAV_CMD_USER_1)"
+
+AXIS_RESTARTED: Final = AxisInterlock(
+    "axis restarted", _axis_restarted, CONFIRM_ZERO, severity=Severity.CRITICAL
+)
+"""Stands in for "axis zero lost" where the device has no word for its zero: it is lost when the bridge
+begins, and when the device is heard to restart. One that restarts in silence is believed."""
+
 MEASURED: Final = frozenset({Tells.POSITION, Tells.VELOCITY})
 
 AXIS_ROWS: Final = (
@@ -276,6 +297,14 @@ AXIS_ROWS: Final = (
         "wait for it, or disarm and arm",
         needs=frozenset({Tells.POWER}),
         instead=AXIS_ANSWERS,
+    ),
+    AxisInterlock(
+        "axis zero lost",
+        _axis_zero_lost,
+        CONFIRM_ZERO,
+        needs=frozenset({Tells.ZERO}),
+        instead=AXIS_RESTARTED,
+        severity=Severity.CRITICAL,
     ),
     AxisInterlock(
         "axis does not follow",

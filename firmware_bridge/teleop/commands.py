@@ -12,6 +12,7 @@ from typing import Final, TypeAlias
 from firmware_bridge.intent import (
     Arm,
     ClearEmergencyStop,
+    ConfirmZero,
     Disarm,
     EmergencyStop,
     EnterMode,
@@ -243,6 +244,14 @@ def _home(order: Order, exchange: Exchange) -> Answer:
     return _judged(exchange.request(ResetOdometry()))
 
 
+def _confirm_zero(order: Order, exchange: Exchange) -> Answer:
+    number, axes = _number(order.params[0]), exchange.session.robot.axes
+    # Counted from 1: a command of zeros alone names no axis.
+    known = number is not None and 1 <= number <= len(axes)
+    axis = axes[number - 1].name if number is not None and known else f"axis {order.params[0]:g}"
+    return _judged(exchange.request(ConfirmZero(axis, order.params[1])))
+
+
 def _reboot(_: Order, exchange: Exchange) -> Answer:
     if exchange.armed:
         return _denied("reboot: disarm first")
@@ -326,6 +335,11 @@ ROWS: Final = (
     ),
     Row(dialect.MAV_CMD_DO_SET_STANDARD_MODE, _set_standard_mode, "p1 1, position hold: pause"),
     Row(dialect.MAV_CMD_DO_SET_HOME, _home, "p1 = 1: the present place is the origin"),
+    Row(
+        dialect.MAV_CMD_USER_1,
+        _confirm_zero,
+        "p1: an axis by its place in the robot file, from 1; p2: where it stands, as read off the robot",
+    ),
     Row(dialect.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, _reboot, "never from afar"),
     Row(
         MAV_CMD_REQUEST_OPERATOR_CONTROL,

@@ -129,6 +129,18 @@ class Fixed(Generic[G]):
     unit: str
 
 
+@dataclass(frozen=True)
+class Gauge(Generic[G]):
+    """What a person reads off the robot where an axis stands; it grows or falls with its position."""
+
+    role: str
+    unit: str
+    reading: Callable[[float, Robot[G]], float]
+    """Return it for a position of the axis."""
+    position: Callable[[float, Robot[G]], float]
+    """Return the axis's position for it."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Station(Generic[G, M, S]):
     """One kind of robot's rows; ValueError where MAVLink could not carry them."""
@@ -156,6 +168,8 @@ class Station(Generic[G, M, S]):
     """By DO_SET_ACTUATOR's parameters 1, 2, ... of set 0."""
     values: tuple[Value[M, S], ...] = ()
     parameters: tuple[Fixed[G], ...] = ()
+    gauges: tuple[Gauge[G], ...] = ()
+    """Of axes whose place is read off in another way than the axis's own unit; others need no row."""
 
     def __post_init__(self) -> None:
         buttons = [button for button in (self.stop_button, self.up_button) if button is not None]
@@ -163,6 +177,7 @@ class Station(Generic[G, M, S]):
         named = [value.name for value in self.values] + [
             row.telemetry for row in self.switches if row.telemetry
         ]
+        _need_distinct("gauges", [gauge.role for gauge in self.gauges])
         _need_distinct("buttons", buttons)
         _need_distinct("relays", [switch.relay for switch in self.switches])
         _need_names("values", named, VALUE_NAME)

@@ -39,6 +39,7 @@ from fmu.rars.interface import AXES, INPUTS, OUTPUTS
 from fmu.verify import Verdict
 
 STEPS = (
+    Step(at_s=0.0, title="where it stands", zero={"steering": 0.0, "lift": 0.0}),
     Step(at_s=3.0, title="arm", arm=True),
     Step(at_s=3.3, title="crawl", speed_mps=0.2),
     Step(at_s=3.6, title="steer", steer_deg=10.0),
@@ -46,6 +47,11 @@ STEPS = (
 MISSION = """
 title = "crawl"
 duration_s = 5.0
+
+[[step]]
+at_s = 0.0
+title = "where it stands"
+zero = { steering = 0.0, lift = 0.0 }
 
 [[step]]
 at_s = 3.0

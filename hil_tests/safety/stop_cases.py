@@ -240,6 +240,15 @@ CASES: Final = (
     ),
     *(
         Case(
+            f"axis zero lost: {name}",
+            drive(name, zero_lost=True),
+            {},
+            f"{TITLES[name]}: its zero is lost, nobody knows where it stands",
+        )
+        for name in ("steer", "lift")
+    ),
+    *(
+        Case(
             f"axis fault: {name}",
             drive(name, fault="0x8611"),
             drive(name, fault=""),

@@ -45,6 +45,7 @@ FOLLOWS: Final = {
     "axis does not follow": (ALL, "disarms", "blocks arming"),
     "axis moves unasked": (ALL, "disarms", "blocks arming", "takes power"),
     "axis position repeats": (ALL, "disarms", "blocks arming", "takes power"),
+    "axis zero lost": (ALL, "disarms", "blocks arming"),
     "axis left out": (ALL, "disarms", "blocks arming"),
     "speed limit": (set(),),
     "tipping limit": (set(),),

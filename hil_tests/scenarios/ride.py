@@ -24,6 +24,8 @@ READY_S: Final = 3.0
 SETTLED_S: Final = 3.9
 FIRST_S: Final = 4.0
 """The first step of a story that goes on from the armed robot; the operator has spoken once since then."""
+STANDS: Final = Step(at_s=0.0, title="where it stands", zero={"steering": 0.0, "lift": 0.0})
+"""Every story begins so, but those that are about it."""
 ARMED: Final = Step(at_s=READY_S, title="arm", arm=True)
 
 
@@ -87,10 +89,15 @@ def ride(
     noise: Noise | None = None,
     seed: int = 0,
     faults: Sequence[Fault] = (),
+    stands: bool = True,
 ) -> Ride:
-    """Build the bench with an operator who does these steps; nothing has run yet."""
+    """Build the bench with an operator who does these steps; nothing has run yet.
+
+    `stands`: he begins with where it stands.
+    """
     machine = find("rars") if robot is None else robot
-    mission = story(*steps, seconds=seconds, noise=noise)
+    known = (STANDS,) if stands else ()
+    mission = story(*known, *steps, seconds=seconds, noise=noise)
     operator = ScriptedOperator(machine, REHEARSAL, mission, np.random.default_rng(seed))
     rig = Rig(machine, REHEARSAL, operator, seed=seed, noise=mission.noise, faults=faults)
     return Ride(rig, operator)
@@ -140,7 +147,7 @@ class Armed:
         one.rig.restore(self._moment)
         one.rig.can_wire.unobserved()
         one.rig.operator_wire.unobserved()
-        one.operator.take_over(story(*steps, seconds=seconds))
+        one.operator.take_over(story(STANDS, *steps, seconds=seconds))
         one.rig.faults.plan(faults)
         return Ride(one.rig, one.operator)
 

@@ -10,7 +10,7 @@ from firmware_bridge.drivers.epos2.scale import Scale, wrapped
 from firmware_bridge.intent import NEVER_HEARD
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds, to_seconds
-from firmware_bridge.wire.cia402 import State, state_of
+from firmware_bridge.wire.cia402 import State, Status, state_of
 
 TELLS: Final = frozenset(Tells)
 """An EPOS2 tells all that there is."""
@@ -29,6 +29,7 @@ _POWERS: Final = {
     **dict.fromkeys(FAULT_STATES, Power.FAULT),
 }
 MILLIAMPERES: Final = 1000.0
+_REFERENCED: Final = int(Status.REFERENCED)
 
 
 class DriveFeedback:
@@ -58,9 +59,19 @@ class DriveFeedback:
         self.unpowered = False
         """Whether the newest statusword tells a state without torque; False again when power is asked for."""
 
+        self.zero_lost = False
+        """Whether a statusword has said so, or it restarted, since its zero was set."""
+        self.zeroing = False
+        """Whether its counter is being set: what differs between two samples then is no motion."""
+
     def told(self, statusword: int) -> None:
-        """Take a statusword, by whatever way it came and whether the drive listens to set-points or not."""
+        """Take a statusword, by whatever way it came and whether the drive listens to set-points or not.
+
+        ASSUME: switching off or a reset clears bit 15, homing by any method sets it.
+        """
         self.statusword = statusword
+        if not statusword & _REFERENCED:
+            self.zero_lost = True
         state = state_of(statusword)
         self.unpowered = state is not None and state not in POWERED
 
@@ -77,6 +88,18 @@ class DriveFeedback:
         self.sampled_at = NEVER_HEARD
         self.velocity = 0.0
 
+    def restart(self) -> None:
+        """Learn that it has restarted: set-up and zero are lost, and its counter begins anew."""
+        self.restarted = self.zero_lost = True
+        self.expected = False
+        self.forget_motion()
+
+    def zero_set(self, counter: int) -> None:
+        """Count from the zero that was just set; that is what the drive's counter shows by it."""
+        self.zero_lost = self.zeroing = False
+        self.position_qc = counter
+        self.forget_motion()
+
     def published(self) -> Feedback:
         """Return what everybody may know of it."""
         state, fault = self.state, self.fault
@@ -90,4 +113,5 @@ class DriveFeedback:
             current_a=self.current_ma / MILLIAMPERES,
             fault=f"0x{fault:04X}" if fault else "",
             says="" if state is None else state.title,
+            zero_lost=self.zero_lost,
         )

@@ -7,8 +7,9 @@ from typing import Final
 
 from firmware_bridge.drivers.driver import STOPPING, StartupError, Task
 from firmware_bridge.drivers.epos2 import tasks as scripts
+from firmware_bridge.drivers.epos2 import zero
 from firmware_bridge.drivers.epos2.feedback import DriveFeedback
-from firmware_bridge.drivers.epos2.set_point import SetPoint
+from firmware_bridge.drivers.epos2.set_point import QUICK_STOP, SetPoint
 from firmware_bridge.drivers.epos2.setup import Row
 from firmware_bridge.drivers.script_runner import Do, Script, ScriptRunner
 from firmware_bridge.packet import Packet
@@ -16,7 +17,7 @@ from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds
 
 _LOSES_SET_UP: Final = (Task.FIND, Task.RESET)
-_NEEDS_SET_UP: Final = (Task.IDENTIFY, Task.CONFIGURE, Task.START, Task.ENABLE)
+_NEEDS_SET_UP: Final = (Task.IDENTIFY, Task.CONFIGURE, Task.START, Task.ENABLE, Task.SET_ZERO)
 
 
 class TaskRunner:
@@ -31,12 +32,15 @@ class TaskRunner:
         configuration: tuple[Row, ...],
         *,
         started: Callable[[], Script] = tuple,
+        listens: Callable[[], Script] = tuple,
     ) -> None:
-        """Take the drive's parts and its set-up; `started` is what the link wants done after that task."""
+        """Take the drive's parts and its set-up; what the link wants done once it is started, or listens."""
         self._axis = axis
         self._feedback = feedback
+        self._set_point = set_point
         self._scripts = runner
         self._started = started
+        self._listens = listens
         self._made: Final[Mapping[Task, Callable[[], Script]]] = {
             Task.FIND: partial(scripts.find, axis, feedback),
             Task.IDENTIFY: partial(scripts.identify, axis),
@@ -44,13 +48,18 @@ class TaskRunner:
             Task.START: self._start,
             Task.ENABLE: partial(scripts.enable, axis, feedback, set_point),
             Task.LEAVE: partial(scripts.leave, axis, feedback, set_point),
-            Task.LISTEN: partial(scripts.listen, axis),
+            Task.LISTEN: self._listen,
             Task.BRAKE: partial(scripts.brake, axis),
             Task.DISABLE: partial(scripts.disable, axis, feedback),
             Task.RESET: partial(scripts.reset, axis, feedback),
+            Task.SET_ZERO: self._set_zero,
         }
         self._tasks: deque[Task] = deque()
         self._task: Task | None = None
+        self._position = 0.0
+        """Where the axis was seen to stand, in its unit."""
+        self._in_own_mode = True
+        """Whether its mode of operation is the set-up's; not while a zero is set, nor where that failed."""
         self.set_up = False
         """Whether its set-up was written since it was found."""
         self.set_ups = 0
@@ -72,7 +81,7 @@ class TaskRunner:
     def configured(self) -> bool:
         """Whether the set-up is in force and the drive listens to set-points."""
         feedback = self._feedback
-        return self.set_up and feedback.operational and not feedback.restarted
+        return self.set_up and self._in_own_mode and feedback.operational and not feedback.restarted
 
     def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
         """Do these tasks in order, in place of those under way."""
@@ -81,9 +90,18 @@ class TaskRunner:
         self._tasks.extend(tasks)
         return self.go_on((), now)
 
+    def set_zero(self, position: float, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Have the drive count from this position, in the axis's unit, where it stands."""
+        self._position = position
+        return self.begin((Task.SET_ZERO,), now)
+
     def end(self) -> None:
         """Forget the tasks under way."""
         self._scripts.stop()
+        if self._feedback.zeroing:
+            # Nobody knows whether the counter was set already.
+            self._feedback.zero_lost, self._feedback.zeroing = True, False
+            self._feedback.forget_motion()
         self._tasks.clear()
         self._task = None
 
@@ -113,7 +131,7 @@ class TaskRunner:
                 self.failure = failure
                 break
             if self._task is Task.CONFIGURE:
-                self.set_up = True
+                self.set_up = self._in_own_mode = True
                 self.set_ups += 1
             self._task = self._tasks.popleft() if self._tasks else None
             if self._task is None:
@@ -125,6 +143,19 @@ class TaskRunner:
         if task in _LOSES_SET_UP:
             self.set_up = False
         return self._made[task]()
+
+    def _set_zero(self) -> Script:
+        self._feedback.zeroing, self._in_own_mode = True, False
+        return (*zero.set_zero(self._axis, self._feedback, self._position), Do(self._zero_is_set))
+
+    def _zero_is_set(self) -> Script:
+        self._in_own_mode = True
+        # What it was told by the zero of before is no target any more.
+        self._set_point.word(QUICK_STOP)
+        return ()
+
+    def _listen(self) -> Script:
+        return (*scripts.listen(self._axis), Do(self._listens))
 
     def _start(self) -> Script:
         return (*scripts.start(self._axis, self._feedback), Do(self._started))

@@ -8,15 +8,17 @@ import math
 from dataclasses import replace
 from typing import Final
 
-from firmware_bridge.motion.davis import DavisBase, steer_from_curvature
-from firmware_bridge.motion.scissor import highest
+from firmware_bridge.motion.davis import DavisBase, pinion_from_steer, steer_from_curvature, steer_from_pinion
+from firmware_bridge.motion.scissor import height_from_screw, highest, screw_from_height
 from firmware_bridge.robot import Robot
+from firmware_bridge.robots.rars.body import SCREW, STEERING
 from firmware_bridge.robots.rars.geometry import Geometry
 from firmware_bridge.robots.rars.motion import Motion, State
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.teleop.station import (
     Actuator,
     Fixed,
+    Gauge,
     Station,
     Stick,
     Switch,
@@ -115,6 +117,20 @@ STATION: Final[Station[Geometry, Motion, State]] = Station(
     values=(
         Value("STEER", SECOND // 10, _steer_deg, "inner wheel, deg, left positive"),
         Value("ZPOS", SECOND // 5, lambda seen: seen.body.lift_m, "m above collapsed"),
+    ),
+    gauges=(
+        Gauge(
+            STEERING,
+            "deg",
+            reading=lambda pinion, robot: math.degrees(steer_from_pinion(robot.geometry.base, pinion)),
+            position=lambda angle, robot: pinion_from_steer(robot.geometry.base, math.radians(angle)),
+        ),
+        Gauge(
+            SCREW,
+            "m",
+            reading=lambda screw, robot: height_from_screw(robot.geometry.lift, screw),
+            position=lambda height, robot: screw_from_height(robot.geometry.lift, height),
+        ),
     ),
     parameters=(
         Fixed("WHEEL_R", lambda robot: robot.geometry.base.wheel_radius_m, "m"),

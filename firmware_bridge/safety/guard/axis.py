@@ -1,5 +1,6 @@
 """One axis as the guard knows it: what was sent to its drive, what that reported, what it may be sent."""
 
+from collections.abc import Iterable
 from typing import Final
 
 from firmware_bridge.robot import AnyRobot, Axis, Command
@@ -14,8 +15,10 @@ from firmware_bridge.safety.guard.epos2_words import (
     QUICK_STOP,
     SetPoint,
 )
+from firmware_bridge.safety.guard.zeroing import READ, WRITTEN, Zeroing
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 from firmware_bridge.wire.cia402 import State, Status, state_of
+from firmware_bridge.wire.epos2.address import CONTROLWORD, Address
 
 _TARGET_REACHED: Final = int(Status.TARGET_REACHED)
 
@@ -42,6 +45,7 @@ class GuardedAxis:
         "speed",
         "target",
         "targets",
+        "zeroing",
     )
 
     def __init__(self, axis: Axis, robot: AnyRobot) -> None:
@@ -49,6 +53,7 @@ class GuardedAxis:
         self.node: Final = axis.settings.node
         self.by_speed: Final = axis.command is Command.SPEED
         """Whether its target is a speed; else it is a position."""
+        self.zeroing: Final = Zeroing(axis)
         self.targets: Final = targets(axis)
         """All that it may be sent; rpm or quadcounts."""
         self.cycle: Final = robot.cycle * robot.links[axis.link].every
@@ -175,6 +180,36 @@ class GuardedAxis:
         self.reported = None
         self._confirmed_off = False
         self._rests_at = None
+        self.zeroing.restarted()
+
+    def refuses_write(
+        self, address: Address, raw: bytes, link: Iterable["GuardedAxis"], *, by_object: bool
+    ) -> str | None:
+        """Return why a listed value may not be written now; on a `link` where some axis moves it may not."""
+        if address == CONTROLWORD:
+            return self.zeroing.refuses_word(int.from_bytes(raw, "little"), by_object=by_object)
+        kind = WRITTEN.get(address)
+        if kind is None:
+            return None
+        moving = next((f"node {axis.node}" for axis in link if axis.moving), None)
+        word = DISABLE_VOLTAGE if self._word is None else self._word
+        return self.zeroing.refuses_write(address, kind.decode(raw), word, moving)
+
+    def wrote(self, address: Address, raw: bytes) -> None:
+        """Note what was written to an object of its drive."""
+        kind = WRITTEN.get(address)
+        if kind is None:
+            return
+        self.zeroing.wrote(address, kind.decode(raw[: kind.size]))
+        if self.zeroing.in_homing:
+            # Another mode drops where it was sent; and it may count from elsewhere soon.
+            self._has_goal, self._rests_at = False, None
+
+    def read(self, address: Address, raw: bytes) -> None:
+        """Note what its drive has said of an object."""
+        kind = READ.get(address)
+        if kind is not None:
+            self.zeroing.read(address, kind.decode(raw[: kind.size]))
 
     def reports(self, statusword: int, now: Nanoseconds) -> None:
         """Note a statusword; one that tells no state changes nothing."""

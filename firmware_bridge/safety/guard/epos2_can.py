@@ -142,10 +142,18 @@ class Epos2CanRules(WireRules):
             return reason
         if packet.address == canopen.NMT:
             return self._refuses_command(packet.payload[0], packet.payload[1], now)
+        axis = self._by_set_point.get(packet.address)
+        if axis is not None:
+            return axis.zeroing.refuses_word(_STATUSWORD.unpack_from(packet.payload)[0], by_object=False)
         requested = self._by_request.get(packet.address)
-        if requested is not None and not requested.watch_may_end and _ends_watch(packet.payload):
-            return f"{CONSUMER_HEARTBEAT_1} set to 0 while node {requested.node} may have power"
-        return None
+        written = None if requested is None else _written(packet.payload)
+        return None if requested is None or written is None else self._refuses_write(requested, *written)
+
+    def _refuses_write(self, axis: GuardedAxis, address: Address, raw: bytes) -> str | None:
+        """Return why an object whose value is listed may not be written now."""
+        if address == CONSUMER_HEARTBEAT_1 and not axis.watch_may_end and not any(raw):
+            return f"{CONSUMER_HEARTBEAT_1} set to 0 while node {axis.node} may have power"
+        return axis.refuses_write(address, raw, self.axes, by_object=True)
 
     def _refuses_command(self, command: int, node: int, now: Nanoseconds) -> str | None:
         for axis in self._addressed(node) if command != NmtCommand.START else ():
@@ -179,9 +187,14 @@ class Epos2CanRules(WireRules):
             self._commands(packet.payload[0], packet.payload[1])
             return None
         axis = self._by_request.get(packet.address)
-        if axis is None or not _writes(packet.payload, CONTROLWORD.index):
+        written = None if axis is None else _written(packet.payload)
+        if axis is None or written is None:
             return None
-        axis.sent(SetPoint(int.from_bytes(packet.payload[4:6], "little"), axis.target), now)
+        address, raw = written
+        if address != CONTROLWORD:
+            axis.wrote(address, raw)
+            return None
+        axis.sent(SetPoint(int.from_bytes(raw, "little"), axis.target), now)
         return axis
 
     def receives(self, packet: Packet, now: Nanoseconds) -> bool:
@@ -196,8 +209,13 @@ class Epos2CanRules(WireRules):
             axis.reports(statusword, now)
             axis.reports_position(position_qc, now)
         axis = self._by_response.get(packet.address)
-        if axis is not None and _tells_statusword(payload):
-            axis.reports(_STATUSWORD.unpack_from(payload, 4)[0], now)
+        told = None if axis is None else _uploaded(payload)
+        if axis is not None and told is not None:
+            address, raw = told
+            if address == STATUSWORD:
+                axis.reports(_STATUSWORD.unpack_from(raw)[0], now)
+            else:
+                axis.read(address, raw)
         return True
 
     def _commands(self, command: int, node: int) -> None:
@@ -232,17 +250,19 @@ def _set_point_id(axis: GuardedAxis) -> int:
     return _SET_POINT_ID[axis.axis.command] + axis.node
 
 
-def _ends_watch(payload: bytes) -> bool:
-    return _writes(payload, CONSUMER_HEARTBEAT_1.index) and payload[4:] == bytes(4)
+def _written(payload: bytes) -> tuple[Address, bytes] | None:
+    """Return the object that a request writes, and the value; None for a request of another kind."""
+    if len(payload) != _SDO_LENGTH or payload[0] & _EXPEDITED_SIZED != _EXPEDITED_SIZED:
+        return None
+    return _addressed(payload), payload[4 : _SDO_LENGTH - (payload[0] >> 2 & 0b11)]
 
 
-def _writes(payload: bytes, index: int) -> bool:
-    return payload[0] & _EXPEDITED_SIZED == _EXPEDITED_SIZED and payload[1:3] == index.to_bytes(2, "little")
+def _uploaded(payload: bytes) -> tuple[Address, bytes] | None:
+    """Return the object that an answer tells, and four bytes with its value; None where it tells none."""
+    if len(payload) != _SDO_LENGTH or payload[0] & _SPECIFIER != _UPLOADED:
+        return None
+    return _addressed(payload), payload[4:]
 
 
-def _tells_statusword(payload: bytes) -> bool:
-    return (
-        len(payload) == _SDO_LENGTH
-        and payload[0] & _SPECIFIER == _UPLOADED
-        and payload[1:4] == STATUSWORD.index.to_bytes(2, "little") + bytes((STATUSWORD.subindex,))
-    )
+def _addressed(payload: bytes) -> Address:
+    return Address(int.from_bytes(payload[1:3], "little"), payload[3])

@@ -15,7 +15,7 @@ from firmware_bridge.node import LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.guard.axis import GuardedAxis
-from firmware_bridge.safety.guard.epos2_words import CONTROLWORDS, LISTED_NMT, TARGET, SetPoint
+from firmware_bridge.safety.guard.epos2_words import CONTROLWORDS, LISTED_NMT, START_HOMING, TARGET, SetPoint
 from firmware_bridge.safety.guard.wire_rules import WireRules
 from firmware_bridge.safety.guard.writes import Values, Writes, writes_over_serial
 from firmware_bridge.units import Nanoseconds
@@ -117,6 +117,8 @@ class Epos2SerialRules(WireRules):
                 axis.sent(written, now)
             else:
                 axis.aims(written.target)
+        elif isinstance(request, WriteObject):
+            self._by_node[request.node].wrote(address_of(request), request.raw)
         return axis
 
     def receives(self, packet: Packet, now: Nanoseconds) -> bool:
@@ -128,13 +130,18 @@ class Epos2SerialRules(WireRules):
         if not self._unanswered:
             return False
         request, asked = self._unanswered.popleft()
-        if isinstance(request, ReadObject) and address_of(request) in (STATUSWORD, POSITION_ACTUAL):
+        if isinstance(request, ReadObject):
             self._reads(request, packet, now)
         return asked
 
     def addressed(self, node: int) -> Iterable[GuardedAxis]:
         """Return whom a network command is for."""
         return self.axes if node == canopen.ALL_NODES else (self._by_node[node],)
+
+    def refuses_write(self, request: WriteObject, size: int) -> str | None:
+        """Return why an object whose value is listed may not be written now."""
+        axis, address = self._by_node[request.node], address_of(request)
+        return axis.refuses_write(address, request.raw[:size], self.axes, by_object=False)
 
     def watch_may_end(self, node: int) -> bool:
         """Tell whether a listed drive has confirmed that it has no power."""
@@ -145,11 +152,13 @@ class Epos2SerialRules(WireRules):
         answer = decode_answer(request, outcome.body) if isinstance(outcome, Answered) else None
         if not isinstance(answer, ObjectRead) or answer.error != 0:
             return
-        axis = self._by_node[request.node]
-        if address_of(request) == STATUSWORD:
+        axis, address = self._by_node[request.node], address_of(request)
+        if address == STATUSWORD:
             axis.reports(DataType.UNSIGNED16.decode(answer.raw[:2]), now)
-        else:
+        elif address == POSITION_ACTUAL:
             axis.reports_position(DataType.INTEGER32.decode(answer.raw), now)
+        else:
+            axis.read(address, answer.raw)
 
     def _writing(self, axis: GuardedAxis, address: Address, value: int) -> Packet:
         raw = (value & 0xFFFF_FFFF).to_bytes(_RAW, "little")
@@ -158,9 +167,10 @@ class Epos2SerialRules(WireRules):
 
 
 def _all_writes(axis: GuardedAxis, robot: AnyRobot) -> Writes:
+    homing = () if axis.zeroing.homes is None else (START_HOMING,)
     return {
         **writes_over_serial(axis.axis, robot),
-        CONTROLWORD: Values(DataType.UNSIGNED16, CONTROLWORDS[axis.axis.command]),
+        CONTROLWORD: Values(DataType.UNSIGNED16, (*CONTROLWORDS[axis.axis.command], *homing)),
         _target(axis): Values(DataType.INTEGER32, axis.targets),
     }
 
@@ -198,7 +208,7 @@ def _write(rules: Epos2SerialRules, request: WriteObject, _now: Nanoseconds) -> 
         and not rules.watch_may_end(request.node)
     ):
         return f"{address} set to 0 while node {request.node} may have power"
-    return values.refuses(address, request.raw[:size])
+    return values.refuses(address, request.raw[:size]) or rules.refuses_write(request, size)
 
 
 def _command(rules: Epos2SerialRules, request: SendNmtService, now: Nanoseconds) -> str | None:

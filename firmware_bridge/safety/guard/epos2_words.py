@@ -23,12 +23,14 @@ QUICK_STOP: Final = 0x000B
 """A drive with power ramps down and keeps it; one without gets none."""
 UNPOWERED: Final = (DISABLE_VOLTAGE, 0x0002, 0x0006, 0x0007, QUICK_STOP)
 """Disable voltage, quick stop (twice), shutdown, switch on: none puts the power on or asks for motion."""
-POWERED: Final = (ENABLE, HALT, NEW_SET_POINT)
+START_HOMING: Final = 0x001F
+"""By method 35 it turns no shaft; `firmware_bridge.safety.guard.zeroing` lets it pass by no other."""
+POWERED: Final = (ENABLE, HALT, NEW_SET_POINT, START_HOMING)
 """Words after which the drive has power and may have torque."""
 STOP_WORDS: Final = (DISABLE_VOLTAGE, 0x0002, QUICK_STOP)
 CONTROLWORDS: Final = {
     Command.SPEED: (*UNPOWERED, FAULT_RESET, ENABLE, HALT),
-    Command.POSITION: (*UNPOWERED, FAULT_RESET, *POWERED),
+    Command.POSITION: (*UNPOWERED, FAULT_RESET, ENABLE, HALT, NEW_SET_POINT),
 }
 
 POWERED_STATES: Final = frozenset(

@@ -12,7 +12,8 @@ from typing import Final, TypeAlias
 
 from firmware_bridge.robot import AnyLink, AnyRobot, Axis, Command, Output
 from firmware_bridge.safety.guard.bounds import ends_qc, highest_rpm
-from firmware_bridge.safety.guard.epos2_words import STOP_WORDS
+from firmware_bridge.safety.guard.epos2_words import ENABLE, HALT, START_HOMING, STOP_WORDS
+from firmware_bridge.safety.guard.zeroing import ACTUAL_POSITION, OWN_MODE
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.cia402 import Mode
 from firmware_bridge.wire.epos2 import address as at
@@ -32,7 +33,6 @@ QUICK_STOP_ON_LOST_CONNECTION: Final = 3
 QUICK_STOP_ON_FAULT: Final = 2
 TRANSMISSIONS: Final = (1, 255)
 """At each SYNC, on change: what the EPOS2 supports and the bridge uses."""
-_MODES: Final = {Command.SPEED: Mode.PROFILE_VELOCITY, Command.POSITION: Mode.PROFILE_POSITION}
 _MAPPED: Final = {Command.SPEED: 0x60FF_0020, Command.POSITION: 0x607A_0020}
 _CONTROLWORD_MAPPED: Final = 0x6040_0010
 _SET_POINT_PDO: Final = {Command.SPEED: 3, Command.POSITION: 2}
@@ -115,6 +115,7 @@ def _writes(axis: Axis, robot: AnyRobot, watch: int, heartbeat_ms: int) -> Write
             *_motion(axis),
             *_gains(axis),
             *_outputs(outputs),
+            *_zero(axis),
         )
     )
 
@@ -190,7 +191,8 @@ def _range(axis: Axis) -> Iterator[tuple[Address, Values]]:
 
 def _motion(axis: Axis) -> Iterator[tuple[Address, Values]]:
     profile = axis.settings.profile
-    yield at.MODE, _exactly(I8, _MODES[axis.command])
+    zeroing = () if axis.travel is None else (Mode.HOMING,)
+    yield at.MODE, _exactly(I8, OWN_MODE[axis.command], *zeroing)
     yield at.MOTION_PROFILE_TYPE, _exactly(I16, 0)
     top_rpm = highest_rpm(axis) if axis.command is Command.POSITION else profile.max_velocity_rpm
     yield at.PROFILE_VELOCITY, _within(U32, 1, top_rpm)
@@ -216,6 +218,15 @@ def _gains(axis: Axis) -> Iterator[tuple[Address, Values]]:
         (at.POSITION_ACCELERATION_FEEDFORWARD, U16, gains.position_acceleration_feedforward),
     ):
         yield address, _exactly(kind, value)
+
+
+def _zero(axis: Axis) -> Iterator[tuple[Address, Values]]:
+    """Yield what tells a drive where its axis stands; when and in which order is `zeroing`'s."""
+    if axis.travel is None:
+        return
+    yield at.HOME_POSITION, _within(I32, *ends_qc(axis))
+    yield at.HOMING_METHOD, _exactly(I8, ACTUAL_POSITION)
+    yield at.CONTROLWORD, _exactly(U16, *STOP_WORDS, ENABLE, HALT, START_HOMING)
 
 
 def _outputs(outputs: Sequence[Output]) -> Iterator[tuple[Address, Values]]:

@@ -20,6 +20,9 @@ LINK = "drives"
 LIFT_BUTTON = 8
 ACCEPTED, TEMPORARILY_REJECTED, DENIED = 0, 1, 2
 ARM = dialect.MAV_CMD_COMPONENT_ARM_DISARM
+STANDS = dialect.MAV_CMD_USER_1
+STEER, LIFT = 3, 4
+"""Axes by their place in the robot file."""
 RPM_AT_03 = 1490
 """0.3 m/s: 6 rad/s at the wheel, times 26, is 1490 rpm at the motor."""
 
@@ -108,6 +111,12 @@ class Bench:
     def starts(self) -> None:
         self.runs(1.5)
         assert self.bridge.phase is Phase.RUNNING
+
+    def stands(self, steer_deg: float = 0.0, lift_m: float = 0.0) -> None:
+        """Say where steering and lift stand, and let it be taken."""
+        assert self.commands(STANDS, STEER, steer_deg) == ACCEPTED
+        assert self.commands(STANDS, LIFT, lift_m) == ACCEPTED
+        self.runs(0.3)
 
     def stops(self) -> None:
         """Ask for the orderly end."""

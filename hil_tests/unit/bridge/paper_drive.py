@@ -12,6 +12,10 @@ from firmware_bridge.wire.cia402 import Command, Control, State, command_of
 from firmware_bridge.wire.epos2 import address as at
 
 REMOTE = 1 << 9
+ATTAINED = 1 << 12
+REFERENCED = 1 << 15
+HOMING = b"\x06"
+ACTUAL_POSITION = b"\x23"
 STEPS = {
     (State.SWITCH_ON_DISABLED, Command.SHUTDOWN): State.READY_TO_SWITCH_ON,
     (State.READY_TO_SWITCH_ON, Command.DISABLE_OPERATION): State.SWITCHED_ON,
@@ -54,6 +58,9 @@ class PaperDrive:
         """Each set-point: when, controlword, target."""
         self.rpm = 0
         self.position = 0.0
+        self.referenced = True
+        """Its zero was set before, and it had power since."""
+        self.attained = False
         self._word = 0
         self._moved_at: Nanoseconds = 0
 
@@ -77,6 +84,7 @@ class PaperDrive:
         fresh = PaperDrive(self.axis)
         self.memory, self.state, self.nmt = fresh.memory, fresh.state, fresh.nmt
         self.rpm, self.position, self._word = 0, 0.0, 0
+        self.referenced = self.attained = False
         return [Packet(CAN, 0x700 + self.axis.settings.node, b"\0")]
 
     def _heard(self, packet: Packet, now: Nanoseconds) -> list[tuple[int, bytes]]:
@@ -116,6 +124,8 @@ class PaperDrive:
                 else:
                     self.written.append((address, raw))
                     self.memory[address] = bytes(len(raw)) if address in self.forgets else raw
+                    if address == at.MODE:
+                        self.memory[at.MODE_DISPLAY] = raw
                     if address == at.CONTROLWORD:
                         self._obey(int.from_bytes(raw, "little"))
                     answer = sdo.encode_download_response(address)
@@ -125,7 +135,7 @@ class PaperDrive:
         word = int.from_bytes(payload[:2], "little")
         target = int.from_bytes(payload[2:6], "little", signed=True)
         self.words.append((now, word, target))
-        before, edge = self.state, word & ~self._word & Control.NEW_SETPOINT
+        before, edge = self.state, word & ~self._word & Control.NEW_SETPOINT and not self._homes
         self._move(now)
         self._obey(word)
         moves = self.state is State.OPERATION_ENABLED
@@ -137,7 +147,12 @@ class PaperDrive:
 
     def _obey(self, word: int) -> None:
         reset = word & ~self._word & Control.FAULT_RESET
+        edge = word & ~self._word & Control.NEW_SETPOINT
         self._word = word
+        if edge and self._homes and self.state is State.OPERATION_ENABLED:
+            assert self.memory[at.HOMING_METHOD] == ACTUAL_POSITION, "by another method it would move"
+            self.position = float(int.from_bytes(self.memory[at.HOME_POSITION], "little", signed=True))
+            self.referenced = self.attained = True
         if self.state in self.stuck_in:
             return
         if self.state is State.FAULT and reset:
@@ -151,4 +166,10 @@ class PaperDrive:
 
     def _status(self) -> bytes:
         remote = REMOTE if self.nmt is NmtState.OPERATIONAL else 0
-        return (self.state.value | remote).to_bytes(2, "little")
+        known = REFERENCED if self.referenced else 0
+        attained = ATTAINED if self.attained and self._homes else 0
+        return (self.state.value | remote | known | attained).to_bytes(2, "little")
+
+    @property
+    def _homes(self) -> bool:
+        return self.memory.get(at.MODE) == HOMING

@@ -155,7 +155,7 @@ def test_limits_and_modes_reach_the_drive(bench: "Bench") -> None:
             lambda drive: drive.stuck_in.add(State.READY_TO_SWITCH_ON),
             (
                 "it stayed in 'ready to switch on' for 1000 ms after controlword 0x0007 "
-                "(expected 'operation enabled', statusword 0x0321)"
+                "(expected 'operation enabled', statusword 0x8321)"
             ),
         ),
     ],
@@ -254,5 +254,5 @@ def test_a_fault_that_cannot_be_reset_is_named_with_its_cause(bench: "Bench") ->
     bench.runs(3)
     assert bench.bridge.failure == (
         "node 3 (steering): it stayed in 'fault' for 1000 ms after controlword 0x0080 "
-        "(expected 'operation enabled', statusword 0x0308); fault 0x8120, CAN error passive"
+        "(expected 'operation enabled', statusword 0x8308); fault 0x8120, CAN error passive"
     )

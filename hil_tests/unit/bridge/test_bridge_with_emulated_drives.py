@@ -28,6 +28,7 @@ def test_the_plant_drives_as_the_operator_wishes_and_odometry_knows(
 ) -> None:
     bench, below = emulated
     bench.starts()
+    bench.stands()
     assert bench.arms() == ACCEPTED
     bench.speed, bench.steer = 0.3, 30.0
     bench.runs(3)
@@ -46,6 +47,7 @@ def test_without_the_bridge_the_drives_stop_by_themselves_and_are_enabled_again(
 ) -> None:
     bench, below = emulated
     bench.starts()
+    bench.stands()
     bench.arms()
     bench.speed = 0.4
     bench.runs(1.5)
@@ -65,6 +67,7 @@ def test_an_orderly_end_leaves_drives_without_power_and_without_fault(
 ) -> None:
     bench, below = emulated
     bench.starts()
+    bench.stands()
     bench.arms()
     bench.speed = 0.4
     bench.runs(1.5)

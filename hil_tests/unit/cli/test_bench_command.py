@@ -17,6 +17,11 @@ duration_s = 2.0
 jitter_ms = 5.0
 
 [[step]]
+at_s = 0.0
+title = "where it stands"
+zero = { steering = 0.0, lift = 0.0 }
+
+[[step]]
 at_s = 0.2
 title = "arm"
 arm = true

@@ -211,6 +211,7 @@ class PaperDriver:
         self.feedback = Feedback(axis.name, Power.ON, heard_at=0, sampled_at=0)
         self.demands: list[Demand] = []
         self.begun: list[Task] = []
+        self.zeros: list[float] = []
 
     @property
     def sampled_at(self) -> Nanoseconds:
@@ -218,6 +219,10 @@ class PaperDriver:
 
     def begin(self, tasks: tuple[Task, ...], _now: Nanoseconds) -> tuple[Packet, ...]:
         self.begun += tasks
+        return ()
+
+    def set_zero(self, position: float, _now: Nanoseconds) -> tuple[Packet, ...]:
+        self.zeros.append(position)
         return ()
 
     def command(self, demand: Demand) -> tuple[Packet, ...]:

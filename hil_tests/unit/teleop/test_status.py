@@ -94,6 +94,7 @@ LOUD = {
     "axis position repeats": Severity.CRITICAL,
     "battery low": Severity.CRITICAL,
     "paused": Severity.NOTICE,
+    "axis zero lost": Severity.CRITICAL,
     "steer angle unknown": Severity.ERROR,
     "lift height unknown": Severity.ERROR,
 }

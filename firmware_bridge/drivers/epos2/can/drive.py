@@ -34,10 +34,13 @@ class Epos2OnCan(Epos2Drive[CanFeedback]):
 
     def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
         """Do these tasks in order, in place of those under way."""
-        for request in self._requests:
-            request.over = True
-        self._requests.clear()
+        self._drop_requests()
         return self._waiting(self._tasks.begin(tasks, now))
+
+    def set_zero(self, position: float, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Have it count from this position, in the axis's unit, where it stands."""
+        self._drop_requests()
+        return self._waiting(self._tasks.set_zero(position, now))
 
     def command(self, demand: Demand) -> tuple[Packet, ...]:
         """Send a demand; while tasks are under way only quick stop or power off.
@@ -87,6 +90,11 @@ class Epos2OnCan(Epos2Drive[CanFeedback]):
             self._requests.popleft().end(outcome, now)
             sent += self._next_request(now)
         return self._waiting(self._tasks.go_on(sent, now))
+
+    def _drop_requests(self) -> None:
+        for request in self._requests:
+            request.over = True
+        self._requests.clear()
 
     def _next_request(self, now: Nanoseconds) -> tuple[Packet, ...]:
         if not self._requests or not self._scripts.idle:

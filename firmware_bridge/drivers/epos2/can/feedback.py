@@ -43,8 +43,8 @@ class CanFeedback(DriveFeedback):
             return
         statusword, counter, current = SAMPLE.unpack(payload)
         self._state(statusword)
-        if self.sampled_at == NEVER_HEARD:
-            self.position_qc = counter
+        if self.sampled_at == NEVER_HEARD or self.zeroing:
+            self.position_qc, self.velocity = counter, 0.0
         else:
             moved = self.moved_to(counter)
             elapsed = self._synchronised_at - self.sampled_at
@@ -74,9 +74,6 @@ class CanFeedback(DriveFeedback):
         if not self.operational:
             self.state = None
         if state is NmtState.BOOT_UP:
-            self.restarted = True
-            self.expected = False
+            self.restart()
             # That is how power-on and reset node end, but reset communication, too: it proves no power off.
             self.unpowered = False
-            # The counter starts from zero again.
-            self.forget_motion()

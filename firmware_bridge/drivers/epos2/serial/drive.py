@@ -5,6 +5,7 @@ makes it count. A set-point that has not wholly left when the next one comes is 
 """
 
 from collections.abc import Callable
+from functools import partial
 from typing import Final
 
 from firmware_bridge.drivers.driver import Demand, Stop, Task
@@ -33,7 +34,7 @@ from firmware_bridge.drivers.epos2.serial.feedback import (
 from firmware_bridge.drivers.epos2.serial.proof import Proof
 from firmware_bridge.drivers.epos2.set_point import DISABLE_VOLTAGE, ENABLE, NEW_POSITION
 from firmware_bridge.drivers.epos2.setup import configuration, through_gateway
-from firmware_bridge.drivers.epos2.tasks import NEWEST_ERROR
+from firmware_bridge.drivers.epos2.tasks import NEWEST_ERROR, still_set_up
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Axis, Command
 from firmware_bridge.units import MILLISECOND, Nanoseconds
@@ -71,12 +72,15 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
             speaks_for=HEARD_BEATS * link.bridge_heartbeat_ms * MILLISECOND,
             within=link.bridge_silent_ms * MILLISECOND + NOTICED_CYCLES * link.every * robot.cycle,
         )
+        rows = configuration(axis, link, outputs_at(robot, axis), traffic)
+        watch = next(row for row in rows if row.address == at.CONSUMER_HEARTBEAT_1)
         super().__init__(
             axis,
             feedback,
             SerialClient(axis.settings.node, exchange, self._note),
-            configuration(axis, link, outputs_at(robot, axis), traffic),
+            rows,
             started=self._proof.script,
+            listens=partial(still_set_up, feedback, watch),
         )
         self._writes: Job | None = None
         """The newest set-point."""
@@ -103,6 +107,11 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         # It may have restarted since, and its target with it.
         self._taken.clear()
         return self._sent(self._tasks.begin(tasks, now))
+
+    def set_zero(self, position: float, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Have it count from this position, in the axis's unit, where it stands."""
+        self._taken.clear()
+        return self._sent(self._tasks.set_zero(position, now))
 
     def command(self, demand: Demand) -> tuple[Packet, ...]:
         """Send a demand; while tasks are under way only quick stop or power off.

@@ -77,9 +77,7 @@ class SerialFeedback(DriveFeedback):
         """
         remote = bool(word & Status.REMOTE)
         if self.expected and self.operational and not remote:
-            self.restarted = True
-            self.expected = False
-            self.forget_motion()
+            self.restart()
         self.operational = remote
         self.told(word)
         self.state = state_of(word) if remote else None
@@ -103,6 +101,8 @@ class SerialFeedback(DriveFeedback):
         Two wheels that are read one after the other would look like a robot that turns a little.
         """
         position, shift = counter, 0
+        if self.zeroing:
+            self._before, self.velocity = None, 0.0
         if self._before is not None:
             before, before_at = self._before
             moved = wrapped(counter - before)
