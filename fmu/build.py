@@ -4,9 +4,9 @@ Several processes may build at once: each builds aside and moves the result into
 """
 
 import hashlib
-import io
 import importlib
 import importlib.util
+import io
 import os
 import platform
 import shutil

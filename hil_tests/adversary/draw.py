@@ -164,7 +164,7 @@ class Draw:
         return read(said)
 
     def _stands(self) -> Iterator[Step]:
-        zeros = {axis.role: 0.0 for axis in self._robot.axes if getattr(axis, "zero_confirmed", False)}
+        zeros = {axis.role: 0.0 for axis in self._robot.axes if axis.zero_confirmed}
         if zeros:
             yield self._step(0.0, {"zero": zeros})
 
