@@ -16,8 +16,8 @@ from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.units import SECOND, Nanoseconds, from_seconds
 from firmware_bridge.wire.epos2 import address as at
 
-ROUNDED: Final = 1.01
-"""Beside a bound of the robot file: what regulators overshoot, a hundredth."""
+ROUNDED: Final = 1.02
+"""Beside a bound of the robot file: what regulators and slip make of a hand that trembles at full stick."""
 STANDS: Final = 1.0 / 40.0
 """An axis moves above this share of its top speed."""
 OWN: Final[Mapping[str, Mapping[str, float]]] = {"rars": {"speed_mps": 0.505}}
