@@ -18,6 +18,8 @@ from firmware_bridge.wire.epos2 import address as at
 
 ROUNDED: Final = 1.02
 """Beside a bound of the robot file: what regulators and slip make of a hand that trembles at full stick."""
+OVERSHOOTS_S: Final = 0.1
+"""A wheel may be quicker for a moment where its set-point jumps; the base may not."""
 STANDS: Final = 1.0 / 40.0
 """An axis moves above this share of its top speed."""
 OWN: Final[Mapping[str, Mapping[str, float]]] = {"rars": {"speed_mps": 0.505}}
@@ -134,7 +136,7 @@ def _sum(total: GuardSum) -> Invariant:
         summed = sum(look.speeds[name] * factor for name, factor in total.of.items())
         return abs(summed) / (ROUNDED * total.bound)
 
-    return Invariant(f"{total.name} beyond its bound", ratio)
+    return Invariant(f"{total.name} beyond its bound", ratio, OVERSHOOTS_S)
 
 
 def _exclusive(pair: GuardExclusive, slowest: Mapping[str, float]) -> Invariant:
