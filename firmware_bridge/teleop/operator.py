@@ -139,7 +139,7 @@ class Operator(Generic[G, M, S]):
             session.signed_in_vain = True
             session.tell(Severity.WARNING, "signatures are not checked: this bridge has no key")
 
-    def lapses(self, now: Nanoseconds) -> bool:
+    def lapse(self, now: Nanoseconds) -> bool:
         """Let nobody drive where the driver is gone, and return whether he is; only when the robot rests."""
         session = self._session
         if not session.control.lapses(now):
