@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 PLACE = number_of("192.0.2.7", 14550)
 CONTROL = 32100
-OTHER = Codec(254, 190)
+OTHER = Codec(255, 190)
 
 
 def stick(x: int) -> Any:

@@ -284,6 +284,7 @@ def test_strangers_do_not_fill_the_memory_nor_push_the_driver_out(bench: RarsBen
     driver.stick(200)
     assert bench.wish.speed_mps == pytest.approx(0.1)
     assert len(bench.operator.stations) <= MOST_PEERS
+    assert bench.operator.stations[0] == bench.operator.driver, "remembered from the first"
 
 
 def test_while_nobody_drives_anybody_clears_and_arms(bench: RarsBench) -> None:
