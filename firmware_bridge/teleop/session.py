@@ -41,6 +41,8 @@ FEW: Final = 96
 """What a station says in three seconds, at 30 frames a second."""
 _HALF: Final = 0x80
 """Of all sequence numbers; one that is so many or more behind is ahead."""
+MOST_UNTOLD: Final = 8
+"""Control that changes all the time must not flood those who only watch."""
 MOST_PEERS: Final = 64
 """So many stations are remembered; of more, who was heard longest ago is forgotten, but never who drives."""
 Motion: TypeAlias = Stick | Velocity
@@ -198,8 +200,9 @@ class Session:
             self.intent = Intent(asked, peer.said.at, neutral=peer.said.neutral)
 
     def tell(self, severity: Severity, text: str) -> None:
-        """Say something with the next report."""
-        self.untold += self.speaker.say(severity, text)
+        """Say something with the next report, unless there is too much to be said already."""
+        if len(self.untold) < MOST_UNTOLD:
+            self.untold += self.speaker.say(severity, text)
 
     def wish(self, wish: object) -> None:
         """Change the wish; what is no motion command is no sign of life."""

@@ -306,6 +306,16 @@ def test_a_drivers_own_stick_that_he_left_deflected_is_gone_in_time(bench: RarsB
         assert bench.operator.intent.neutral is neutral
 
 
+def test_control_that_changes_all_the_time_floods_nobody(bench: RarsBench) -> None:
+    hand = Hand(bench, HERE)
+    for _ in range(500):
+        hand.order(CONTROL, 1)
+        hand.order(CONTROL, 0)
+    assert len(texts(bench.report())) < 20
+    hand.order(CONTROL, 1)
+    assert "control: 255/190 at 10.0.0.1:14550 drives" in texts(bench.report())[-1]
+
+
 def test_the_old_set_mode_is_refused_in_words(other: Hand) -> None:
     replies = other.say(dialect.MAVLink_set_mode_message(1, 1, 0))
     assert replies[-1].result == DENIED
