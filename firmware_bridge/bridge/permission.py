@@ -44,7 +44,6 @@ class Permission(Generic[G, M, S]):
         self._silent_after = {
             axis.name: robot.links[axis.link].silent_ms * MILLISECOND for axis in robot.axes
         }
-        self._operator_silent_after: Final = robot.operator.silent_ms * MILLISECOND
         self._final = False
         self.stops: Final = Stops(robot, fleets)
         """Whether the axes obey when they are to stop."""
@@ -160,8 +159,6 @@ class Permission(Generic[G, M, S]):
             if hold.row.blocks_arming:
                 return Verdict(accepted=False, reason=f"arm: {hold.reason}; {hold.remedy}", temporary=True)
         self.armed = True
-        if now - seen.facts.heard_at >= self._operator_silent_after:
-            self.parted = True
         self.paused = False
         self.disbelieved.clear()
         return Verdict(accepted=True, reason="armed")

@@ -181,7 +181,7 @@ class Pipeline(Generic[G, M, S]):
 
     def _lapse(self, now: Nanoseconds) -> None:
         """Let nobody drive where the driver is gone and the robot rests; the next one arms anew."""
-        if self._permission.rules.at_rest(self.seen) and self._operator.lapses(now):
+        if self._permission.rules.at_rest(self.seen) and self._operator.lapse(now):
             self._permission.armed = False
 
     def _guided(self, known: Snapshot[M, S], elapsed: Nanoseconds) -> Snapshot[M, S]:

@@ -84,13 +84,12 @@ class Exchange:
             session.untold += session.speaker.say_sometimes(
                 "stopped", f"emergency stop by {self.sender}", self.now
             )
-        arms = isinstance(request, Arm) and session.control.driver is None
-        if arms:
+        if isinstance(request, Arm) and not self.armed:
             session.adopt(self.peer, self.now)
         verdict = self.decide(request)
         if not verdict.accepted:
             return verdict
-        if arms:
+        if isinstance(request, Arm) and session.control.driver is None:
             session.control.take(self.sender, self.now)
             self.tell(f"control: {self.sender} drives")
         if isinstance(request, ResetOdometry):
@@ -180,20 +179,24 @@ class Exchange:
         velocity = velocity_of(self.message, self.station.largest(self.session.robot))
         if isinstance(velocity, Unusable):
             self.refuse(velocity)
-        else:
+        elif self.newest():
             self.move(velocity, neutral=velocity.zero)
 
     def move(self, motion: Motion, *, neutral: bool) -> None:
-        """Take a motion command for the newest wish, unless a newer one has overtaken it, or it is none."""
+        """Take a motion command for the newest wish, unless it is none."""
         session = self.session
         wish = session.wished(motion, session.intent.wish)
         if isinstance(wish, Unusable):
             self.refuse(wish)
-        elif self.peer.is_newest(self.message.get_seq(), self.now):
+        else:
             self.peer.said = Said(motion, self.now, neutral)
             session.intent = Intent(wish, self.now, neutral=neutral)
-        else:
-            session.dropped.overtaken += 1
+
+    def newest(self) -> bool:
+        """Return whether no newer motion command has overtaken this one."""
+        newest = self.peer.is_newest(self.message.get_seq(), self.now)
+        self.session.dropped.overtaken += not newest
+        return newest
 
     def ignore(self) -> None:
         """Say that a motion command of somebody who does not drive moves nothing."""

@@ -24,11 +24,13 @@ _ALREADY_CONTROLLED: Final = 3
 def _manual_control(exchange: Exchange) -> None:
     session, peer = exchange.session, exchange.peer
     buttons: int = exchange.message.buttons
+    if pressed(buttons, session.station.stop_button) and not exchange.stopped:
+        exchange.request(EmergencyStop())
+    if not exchange.newest():
+        return  # its buttons would go down twice
     # The first message of a station has no edges: a button that is already down says nothing new.
     gone_down = buttons & ~(buttons if peer.buttons is None else peer.buttons)
     peer.buttons = buttons
-    if pressed(buttons, session.station.stop_button) and not exchange.stopped:
-        exchange.request(EmergencyStop())
     if exchange.refusal is not None:
         exchange.ignore()
         return
@@ -53,6 +55,8 @@ def _set_mode(exchange: Exchange) -> None:
         ),
         exchange,
     )
+    if exchange.refusal is not None:
+        exchange.warn("command", exchange.refusal)
     _acknowledge(exchange, dialect.MAVLINK_MSG_ID_SET_MODE, answer.result)
 
 

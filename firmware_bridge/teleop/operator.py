@@ -22,6 +22,8 @@ from firmware_bridge.teleop.station import Station
 from firmware_bridge.teleop.trust import Trust, is_signed
 from firmware_bridge.units import NEVER, Nanoseconds
 
+RADIO_STATUS: Final = dialect.MAVLINK_MSG_ID_RADIO_STATUS
+
 G = TypeVar("G", bound=Table)
 M = TypeVar("M")
 S = TypeVar("S")
@@ -101,6 +103,8 @@ class Operator(Generic[G, M, S]):
             if not concerns(message, codec.system, codec.component):
                 session.dropped.foreign += 1
                 continue
+            if message.get_msgId() == RADIO_STATUS:
+                continue  # a telemetry radio puts it in, unsigned: a sign of nobody's life
             doubt = session.signatures.doubt(message, source, now)
             if doubt is not None:
                 stopped = self._doubted(message, sender, doubt, now, decide)
@@ -139,7 +143,7 @@ class Operator(Generic[G, M, S]):
             session.signed_in_vain = True
             session.tell(Severity.WARNING, "signatures are not checked: this bridge has no key")
 
-    def lapses(self, now: Nanoseconds) -> bool:
+    def lapse(self, now: Nanoseconds) -> bool:
         """Let nobody drive where the driver is gone, and return whether he is; only when the robot rests."""
         session = self._session
         if not session.control.lapses(now):

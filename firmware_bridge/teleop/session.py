@@ -35,6 +35,14 @@ EVERYBODY: Final = Trust()
 OUT_OF_ORDER: Final[Nanoseconds] = 250 * MILLISECOND
 """How long an older sequence number is taken for a datagram that was overtaken, not for a new start."""
 
+OVERTAKEN: Final[Nanoseconds] = 3 * SECOND
+"""How long one that is only a few behind is: a "go" that comes 0.26 s after the stop is no new start."""
+FEW: Final = 96
+"""What a station says in three seconds, at 30 frames a second."""
+_HALF: Final = 0x80
+"""Of all sequence numbers; one that is so many or more behind is ahead."""
+MOST_UNTOLD: Final = 8
+"""Control that changes all the time must not flood those who only watch."""
 MOST_PEERS: Final = 64
 """So many stations are remembered; of more, who was heard longest ago is forgotten, but never who drives."""
 Motion: TypeAlias = Stick | Velocity
@@ -75,9 +83,10 @@ class Peer:
 
     def is_newest(self, sequence: int, now: Nanoseconds) -> bool:
         """Tell whether a motion command is newer than all before it, and remember it if so."""
-        if self.sequence is not None and now - self.moved_at < OUT_OF_ORDER:
-            ahead = (sequence - self.sequence) & 0xFF
-            if ahead == 0 or ahead & 0x80:
+        if self.sequence is not None:
+            behind = (self.sequence - sequence) & 0xFF
+            late = OVERTAKEN if behind <= FEW else OUT_OF_ORDER
+            if behind < _HALF and now - self.moved_at < late:
                 return False
         self.sequence = sequence
         self.moved_at = now
@@ -191,8 +200,9 @@ class Session:
             self.intent = Intent(asked, peer.said.at, neutral=peer.said.neutral)
 
     def tell(self, severity: Severity, text: str) -> None:
-        """Say something with the next report."""
-        self.untold += self.speaker.say(severity, text)
+        """Say something with the next report, unless there is too much to be said already."""
+        if len(self.untold) < MOST_UNTOLD:
+            self.untold += self.speaker.say(severity, text)
 
     def wish(self, wish: object) -> None:
         """Change the wish; what is no motion command is no sign of life."""

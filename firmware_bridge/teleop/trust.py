@@ -10,7 +10,7 @@ import ipaddress
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-from firmware_bridge.teleop.mavlink import Codec, Message, dialect
+from firmware_bridge.teleop.mavlink import Codec, Message
 from firmware_bridge.units import SECOND, Nanoseconds
 from firmware_bridge.wire.internet import host_and_port
 
@@ -24,8 +24,6 @@ _SIGNED: Final = 0x01
 _FLAGS: Final = 2
 _MAVLINK_2: Final = 0xFD
 _LINK, _STAMP, _SIGNATURE = -13, slice(-12, -6), slice(-6, None)
-_UNSIGNED_TOO: Final = frozenset({dialect.MAVLINK_MSG_ID_RADIO_STATUS})
-"""A telemetry radio puts these in, and has no key."""
 
 Network: TypeAlias = ipaddress.IPv4Network | ipaddress.IPv6Network
 
@@ -75,7 +73,7 @@ class Signatures:
         if not self._trust.allows(source):
             return "is not on the list of --allow"
         key, frame = self._trust.key, bytes(message.get_msgbuf())
-        if key is None or message.get_msgId() in _UNSIGNED_TOO:
+        if key is None:
             return None
         if not is_signed(frame):
             return "is not signed"

@@ -3,7 +3,7 @@
 import pytest
 
 from firmware_bridge.drivers.driver import Power, Speed, Stop
-from firmware_bridge.intent import Arm, ClearEmergencyStop, Disarm, EnterMode, Follow
+from firmware_bridge.intent import Arm, ChangeDriver, ClearEmergencyStop, Disarm, EnterMode, Follow
 from hil_tests.unit.pipeline.cart import GUIDED_MPS, RADIUS_M, PaperCart
 
 GUIDED = Speed(GUIDED_MPS / RADIUS_M)
@@ -181,6 +181,13 @@ def test_a_guide_that_was_held_back_begins_anew() -> None:
         cart.runs()
         resting += 1
     assert resting >= 9
+
+
+def test_a_guide_ends_when_another_operator_drives() -> None:
+    cart = guided()
+    assert cart.asks(ChangeDriver()).accepted
+    cart.runs(40)
+    assert cart.newest("left") == Speed(0.0)
 
 
 def test_a_guide_is_refused_by_a_robot_that_is_not_armed() -> None:

@@ -63,14 +63,15 @@ def test_a_frame_makes_no_station_and_a_heartbeat_does(bench: RarsBench) -> None
 
 
 @pytest.mark.parametrize("keeps", [BEAT, STICK])
-def test_a_station_lapses_unless_it_is_heard(bench: RarsBench, keeps: object) -> None:
+@pytest.mark.parametrize(("silence", "expected"), [(LAPSES_AFTER - 1, {PLACES[0]}), (LAPSES_AFTER, set())])
+def test_a_station_lapses_unless_it_is_heard(
+    bench: RarsBench, keeps: object, silence: int, expected: set[int]
+) -> None:
     hears(bench, PLACES[0], BEAT)
     bench.now += LAPSES_AFTER - 1
     hears(bench, PLACES[0], keeps)
-    bench.now += LAPSES_AFTER - 1 - CYCLE
-    assert told(bench) == {PLACES[0]}
-    bench.now += 1 - CYCLE
-    assert told(bench) == set()
+    bench.now += silence - CYCLE
+    assert told(bench) == expected
 
 
 def test_there_are_so_many_stations_and_a_place_is_free_when_one_lapses(bench: RarsBench) -> None:

@@ -253,7 +253,7 @@ def test_the_old_message_does_the_same(bench: RarsBench) -> None:
 @pytest.mark.parametrize(("silence", "lost"), [(LAPSES_AFTER - 1, False), (LAPSES_AFTER, True)])
 def test_who_says_nothing_loses_control(bench: RarsBench, driver: Hand, silence: int, *, lost: bool) -> None:
     bench.now += silence
-    assert bench.operator.lapses(bench.now) is lost
+    assert bench.operator.lapse(bench.now) is lost
     assert (drives(bench) is None) is lost
     bench.report()
     assert ("is gone, nobody drives" in told(bench)) is lost
@@ -266,10 +266,10 @@ def test_any_good_frame_keeps_control_and_that_of_another_does_not(bench: RarsBe
     bench.now += LAPSES_AFTER - 1
     driver.say(beat)
     bench.now += LAPSES_AFTER - 1
-    assert not bench.operator.lapses(bench.now)
+    assert not bench.operator.lapse(bench.now)
     Hand(bench, THERE).say(beat)
     bench.now += 1
-    assert bench.operator.lapses(bench.now)
+    assert bench.operator.lapse(bench.now)
 
 
 def test_nobody_but_the_driver_sets_rates(other: Hand) -> None:
@@ -284,6 +284,7 @@ def test_strangers_do_not_fill_the_memory_nor_push_the_driver_out(bench: RarsBen
     driver.stick(200)
     assert bench.wish.speed_mps == pytest.approx(0.1)
     assert len(bench.operator.stations) <= MOST_PEERS
+    assert bench.operator.stations[0] == bench.operator.driver, "remembered from the first"
 
 
 def test_while_nobody_drives_anybody_clears_and_arms(bench: RarsBench) -> None:
@@ -292,3 +293,30 @@ def test_while_nobody_drives_anybody_clears_and_arms(bench: RarsBench) -> None:
     assert Hand(bench, THERE).result(ARM, 1) == ACCEPTED
     assert bench.asked == [ClearEmergencyStop(), Arm()]
     assert drives(bench) == (THERE, 255, 190)
+
+
+def test_a_drivers_own_stick_that_he_left_deflected_is_gone_in_time(bench: RarsBench, driver: Hand) -> None:
+    bench.facts = replace(bench.facts, armed=False)
+    bench.report()
+    for ago, neutral in ((9 * SECOND, False), (SECOND, True)):
+        bench.now += ago
+        driver.order(ARM, 1)
+        bench.facts = replace(bench.facts, armed=False)
+        bench.report()
+        assert bench.operator.intent.neutral is neutral
+
+
+def test_control_that_changes_all_the_time_floods_nobody(bench: RarsBench) -> None:
+    hand = Hand(bench, HERE)
+    for _ in range(500):
+        hand.order(CONTROL, 1)
+        hand.order(CONTROL, 0)
+    assert len(texts(bench.report())) < 20
+    hand.order(CONTROL, 1)
+    assert "control: 255/190 at 10.0.0.1:14550 drives" in texts(bench.report())[-1]
+
+
+def test_the_old_set_mode_is_refused_in_words(other: Hand) -> None:
+    replies = other.say(dialect.MAVLink_set_mode_message(1, 1, 0))
+    assert replies[-1].result == DENIED
+    assert "drives" in "".join(texts(replies))

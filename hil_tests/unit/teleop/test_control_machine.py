@@ -110,7 +110,7 @@ class Ownership(RuleBasedStateMachine):
     def time(self, passes: int) -> None:
         self.bench.now += passes * MILLISECOND
         gone = self.driver is not None and self.bench.now - self.heard_at >= LAPSES_AFTER
-        assert self.bench.operator.lapses(self.bench.now) is gone
+        assert self.bench.operator.lapse(self.bench.now) is gone
         if gone:
             self.driver, self.yields = None, False
 

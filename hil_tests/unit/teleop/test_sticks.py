@@ -87,6 +87,42 @@ def test_a_station_that_starts_anew_is_heard_after_a_quarter_of_a_second(bench: 
     assert bench.wish.speed_mps == pytest.approx(0.05)
 
 
+@pytest.mark.parametrize("late", [249, 250, 260, 499, 2999])
+def test_a_go_that_comes_after_the_stop_is_not_obeyed(bench: RarsBench, late: int) -> None:
+    bench.stick()
+    go = bench.station.encode(dialect.MAVLink_manual_control_message(1, 1000, 0, 0, 0, 0))
+    bench.stick()
+    bench.now += late * MILLISECOND
+    bench.send(go)
+    assert bench.wish.speed_mps == 0.0
+    assert bench.operator.dropped.overtaken == 1
+
+
+@pytest.mark.parametrize(("behind", "late", "heard"), [(96, 2999, False), (96, 3000, True), (97, 250, True)])
+def test_what_is_far_behind_or_comes_late_is_a_station_that_starts_anew(
+    bench: RarsBench, behind: int, late: int, *, heard: bool
+) -> None:
+    early = bench.station.encode(dialect.MAVLink_manual_control_message(1, 200, 0, 0, 0, 0))
+    for _ in range(behind):
+        bench.stick()
+    bench.now += late * MILLISECOND
+    bench.send(early)
+    assert (bench.wish.speed_mps > 0.0) is heard
+
+
+@pytest.mark.parametrize("order", [(0, 1, 3, 2, 4), (0, 2, 1, 3, 4), (0, 1, 2, 4, 3)])
+def test_one_swapped_datagram_switches_a_lamp_once(bench: RarsBench, order: tuple[int, ...]) -> None:
+    presses = [bench.station.encode(one) for one in map(_pressing, (0, 2, 2, 0, 0))]
+    for place in order:
+        bench.send(presses[place])
+        bench.now += 50 * MILLISECOND
+    assert bench.wish.headlamp
+
+
+def _pressing(buttons: int) -> object:
+    return dialect.MAVLink_manual_control_message(1, 0, 0, 0, 0, buttons)
+
+
 def test_an_overtaken_stop_button_still_stops(bench: RarsBench) -> None:
     early = bench.station.encode(dialect.MAVLink_manual_control_message(1, 0, 0, 0, 0, 4))
     bench.stick()

@@ -178,8 +178,13 @@ def test_a_wrong_signature_with_the_largest_stamp_locks_nobody_out(keyed: RarsBe
     assert believed(keyed, station.says(BEAT))
 
 
-def test_a_radio_may_speak_unsigned(keyed: RarsBench) -> None:
-    assert believed(keyed, Signer(None).says(dialect.MAVLink_radio_status_message(1, 2, 3, 4, 5, 6, 7)))
+@pytest.mark.parametrize("key", [KEY, None])
+def test_a_radio_may_speak_unsigned_and_is_nobodys_sign_of_life(key: bytes | None) -> None:
+    bench = bench_with(Trust(key=key, started_at=NOW))
+    assert believed(bench, Signer(None).says(dialect.MAVLink_radio_status_message(1, 2, 3, 4, 5, 6, 7)))
+    assert bench.operator.stations == ()
+    bench.now += CYCLE
+    assert "".join(texts(bench.report())) == ""
 
 
 def test_without_a_key_signed_frames_count_as_unsigned_and_it_is_told_once() -> None:
