@@ -15,8 +15,10 @@ from firmware_bridge.teleop.station import Gauge
 
 G = TypeVar("G", bound=Table)
 
+DIGITS: Final = 9
+"""Of what is read off the robot; conversions round."""
 SLACK: Final = 1e-6
-"""Share of its travel by which the end of an axis may be misread: conversions round."""
+"""Share of its travel by which the end of an axis may be misread."""
 
 
 class Zeros(Generic[G]):
@@ -41,7 +43,8 @@ class Zeros(Generic[G]):
             known = ", ".join(f"{name} ({gauge.unit})" for name, gauge in self._gauges.items()) or "none"
             return _refused(f"nobody has to tell where {request.axis} stands; to be told: {known}")
         gauge = self._gauges[request.axis]
-        low, high = sorted(gauge.reading(end, self._robot) for end in driver.axis.travel or (math.nan,) * 2)
+        ends = driver.axis.travel or (math.nan, math.nan)
+        low, high = sorted(round(gauge.reading(end, self._robot), DIGITS) + 0.0 for end in ends)
         slack = SLACK * (high - low)
         if not low - slack <= request.value <= high + slack:
             seen = f"{request.value:.6g} {gauge.unit}"
