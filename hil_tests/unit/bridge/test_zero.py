@@ -5,6 +5,10 @@ from typing import TYPE_CHECKING, Final
 
 import pytest
 
+from firmware_bridge import kinds
+from firmware_bridge.bridge import Bridge
+from firmware_bridge.intent import ConfirmZero
+from firmware_bridge.robots.rars import KIND
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.wire.abort import AbortCode
 from firmware_bridge.wire.cia402 import State
@@ -12,6 +16,8 @@ from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.bridge.bench import ACCEPTED, DENIED, LIFT, STANDS, STEER, TEMPORARILY_REJECTED, driving
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from hil_tests.unit.bridge.bench import Bench
 
 NAN: Final = float("nan")
@@ -241,3 +247,63 @@ def test_a_stop_in_the_middle_leaves_it_lost_and_the_drive_is_set_up_anew(
     bench.runs(0.2)
     assert drive.memory[at.MODE] == b"\x01"
     assert bench.bridge.seen.body.lift_m == pytest.approx(0.1, abs=1e-5)
+
+
+def test_what_an_earlier_run_has_kept_is_told_and_not_believed(bench: "Bench") -> None:
+    bench.bridge.offer({"lift": 0.25, "left": 3.0, "nobody": 1.0})
+    for drive in bench.drives.values():
+        drive.referenced = False
+    bench.starts()
+    assert lost(bench, "lift")
+    assert "nobody knows where it stands (last known: 0.25 m)" in bench.told()
+    assert bench.arms() == TEMPORARILY_REJECTED
+    assert bench.bridge.places == {"lift": 0.25}
+    bench.stands(lift_m=0.1)
+    assert bench.bridge.places == {"lift": 0.1, "steer": 0.0}
+
+
+def test_after_a_restart_it_is_told_where_the_axis_was_last(bench: "Bench") -> None:
+    bench.starts()
+    bench.stands(steer_deg=-30.0, lift_m=0.3)
+    restarted(bench)
+    assert "nobody knows where it stands (last known: 0.3 m)" in bench.told()
+    assert bench.bridge.places == pytest.approx({"lift": 0.3, "steer": -30.0}, abs=1e-3)
+
+
+def started_with(bench_with: "Callable[[Bridge], Bench]", **stands: float) -> "Bench":
+    """A bench whose bridge is told where axes stand when it is started; its drives know nothing."""
+    robot = kinds.find("rars")
+    bench = bench_with(Bridge(robot, KIND, tuple(ConfirmZero(*one) for one in stands.items())))
+    for drive in bench.drives.values():
+        drive.referenced = False
+    return bench
+
+
+def test_what_is_said_at_the_start_is_taken_when_the_drives_are_ready(
+    bench_with: "Callable[[Bridge], Bench]",
+) -> None:
+    bench = started_with(bench_with, lift=0.2, steer=10.0)
+    bench.starts()
+    bench.runs(0.5)
+    assert bench.bridge.places == {"lift": 0.2, "steer": 10.0}
+    assert bench.arms() == ACCEPTED
+    assert bench.guard.refused == 0
+
+
+def test_what_was_said_at_the_start_is_not_taken_later(bench_with: "Callable[[Bridge], Bench]") -> None:
+    bench = started_with(bench_with, lift=0.2)
+    bench.runs(0.1)
+    bench.commands(dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE, 0.0)
+    bench.runs(6.0)
+    bench.commands(dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE, 1.0)
+    bench.arms()
+    bench.runs(2.0)
+    assert lost(bench, "lift")
+    assert bench.bridge.places == {}
+
+
+@pytest.mark.parametrize("stands", [{"lift": 2.0}, {"left": 0.0}, {"nobody": 0.0}, {"steer": NAN}])
+def test_nobody_starts_a_bridge_with_a_place_that_there_is_not(stands: dict[str, float]) -> None:
+    robot = kinds.find("rars")
+    with pytest.raises(ValueError, match="zero: "):
+        Bridge(robot, KIND, tuple(ConfirmZero(*one) for one in stands.items()))
