@@ -6,6 +6,7 @@ from typing import Final, TypeAlias
 
 import firmware_bridge
 from firmware_bridge import kinds
+from firmware_bridge.drivers.driver import Tells
 from firmware_bridge.drivers.fleets import STOP_STEPS, TELLS
 from firmware_bridge.kind import AnyKind
 from firmware_bridge.robot import AnyRobot, Axis, Command
@@ -27,7 +28,9 @@ AXIS_HEADINGS: Final = (
 BELIEF_HEADINGS: Final = (
     "axis", "stands below", "speed", "position", "ramp", "cruise", "lag", "repeats", "holds with", "within"
 )  # fmt: skip
-BOUND_HEADINGS: Final = ("axis", "on the link", "silent after", "top speed", "travel", "on the wire", "rows")
+BOUND_HEADINGS: Final = (
+    "axis", "on the link", "silent after", "top speed", "travel", "zero", "on the wire", "rows"
+)  # fmt: skip
 SUM_HEADINGS: Final = ("sum", "of", "bound to both sides")
 EXCLUSIVE_HEADINGS: Final = ("never together", "one side", "other side")
 STOP_HEADINGS: Final = (
@@ -96,6 +99,7 @@ def bounds(robot: AnyRobot) -> Iterator[Cells]:
             f"{link.silent_ms} ms",
             f"{axis.top_speed:g} {axis.unit.value}/s",
             "-" if axis.travel is None else f"{axis.travel[0]:g} to {axis.travel[1]:g} {axis.unit.value}",
+            "confirmed" if axis.zero_confirmed else "at power-on",
             _on_the_wire(axis),
             ", ".join(_fitting(robot, axis)),
         )
@@ -154,6 +158,8 @@ def stops(robot: AnyRobot, link: str) -> Iterator[Cells]:
 
 def _fitting(robot: AnyRobot, axis: Axis) -> Iterator[str]:
     for row in AXIS_ROWS:
+        if Tells.ZERO in row.needs and not axis.zero_confirmed:
+            continue
         fitting = row.fitting(TELLS[robot.links[axis.link].driver])
         yield "none: refused" if fitting is None else fitting.name
 

@@ -8,15 +8,17 @@ confirm that it rests, or at the end that it has no power, is stopped with more 
 """
 
 from collections import deque
+from collections.abc import Mapping
 from enum import Enum
 from typing import Any, Final
 
 from firmware_bridge.bridge.fleets import Fleets
 from firmware_bridge.bridge.permission import Permission
 from firmware_bridge.bridge.pipeline import Pipeline
+from firmware_bridge.bridge.said_at_start import SaidAtStart
 from firmware_bridge.drivers.driver import BRING_UP, Stop, Task
 from firmware_bridge.drivers.fleets import fleets_of
-from firmware_bridge.intent import Disarm, EmergencyStop, Request, Verdict
+from firmware_bridge.intent import ConfirmZero, Disarm, EmergencyStop, Request, Verdict
 from firmware_bridge.kind import AnyKind
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
@@ -32,6 +34,8 @@ REST_WITHIN: Final[Nanoseconds] = 3 * SECOND
 """The longest way to rest at an orderly end; then the power goes off, unless a stop still escalates."""
 LEFT_WITHIN: Final[Nanoseconds] = 3 * SECOND
 """The longest that taking the power off in order may last; then it is taken off step by step."""
+PLACE_DIGITS: Final = 4
+"""Of a place that is kept for the next run."""
 ENDING: Final = "the bridge is ending; only an emergency stop or a forced disarm is obeyed now"
 STARTING: Final = Row("starting", "wait")
 ENDS: Final = Row("ending", "start the bridge again", severity=Severity.NOTICE)
@@ -55,10 +59,16 @@ class Phase(Enum):
 class Bridge:
     """Between the links of the devices and "operator"; a `firmware_bridge.node.Node`."""
 
-    def __init__(self, robot: AnyRobot, kind: AnyKind, trust: Trust = EVERYBODY) -> None:
-        """Take a robot file, its kind, and whose words are believed.
+    def __init__(
+        self,
+        robot: AnyRobot,
+        kind: AnyKind,
+        trust: Trust = EVERYBODY,
+        stands: tuple[ConfirmZero, ...] = (),
+    ) -> None:
+        """Take a robot file, its kind, whose words are believed, and where axes stand.
 
-        PlanError where a cycle does not fit on a link.
+        PlanError where a cycle does not fit on a link, ValueError where an axis cannot stand there.
         """
         self._cycle: Final = robot.cycle
         self._outbox: list[Packet] = []
@@ -84,6 +94,9 @@ class Bridge:
             operator=self._operator,
             permission=self._permission,
         )
+        for request in stands:
+            self._pipeline.check(request)
+        self._said = SaidAtStart(stands)
         self._tasks = deque(BRING_UP)
         self._task: Task | None = None
         self._cycle_at: Nanoseconds | None = None
@@ -118,6 +131,15 @@ class Bridge:
     def fleets(self) -> Fleets:
         """The ways to the devices."""
         return self._fleets
+
+    @property
+    def places(self) -> dict[str, float]:
+        """Where each axis that is told its place stood last, as it is read off the robot."""
+        return {axis: round(place, PLACE_DIGITS) for axis, place in self._pipeline.places.items()}
+
+    def offer(self, last: Mapping[str, float]) -> None:
+        """Take where the axes stood in an earlier run; it is told, and never believed."""
+        self._pipeline.offer(last)
 
     @property
     def seen(self) -> Snapshot[Any, Any]:
@@ -186,6 +208,7 @@ class Bridge:
             self._collect_until = now + self._fleets.answers_within()
             self._release_at = now + self._cycle // 2
             self._outbox += self._fleets.measure(now)
+            self._said.tell(lambda request: self._pipeline.decide(request, now), now)
         elif self.phase is Phase.STOPPING:
             self._come_to_rest(now)
         else:

@@ -128,6 +128,21 @@ class Pipeline(Generic[G, M, S]):
                 sent += driver.command(demands[driver.axis.name])
         return sent
 
+    @property
+    def places(self) -> dict[str, float]:
+        """Where each axis stood when its zero was known last, as it is read off the robot."""
+        return self._zeros.last
+
+    def offer(self, last: Mapping[str, float]) -> None:
+        """Take where the axes stood in an earlier run; it is told, and never believed."""
+        self._zeros.offer(last)
+
+    def check(self, request: ConfirmZero) -> None:
+        """Raise ValueError where the axis of a request cannot stand there."""
+        refused = self._zeros.refuses(request)
+        if refused is not None:
+            raise ValueError(refused)
+
     def decide(self, request: Request, now: Nanoseconds) -> Verdict:
         """Answer one request of the operator."""
         if isinstance(request, ResetOdometry):
@@ -141,8 +156,10 @@ class Pipeline(Generic[G, M, S]):
             return Verdict(accepted=True, reason="")
         known = self.known(now)
         if isinstance(request, ConfirmZero):
-            asked = self._zeros.asked(request)
-            return asked if isinstance(asked, Verdict) else self._permission.set_zero(*asked, known)
+            refused = self._zeros.refuses(request)
+            if refused is not None:
+                return Verdict(accepted=False, reason=refused)
+            return self._permission.set_zero(*self._zeros.place(request), known)
         return self._permission.decide(request, known, self._gate.rule(known).holds)
 
     def known(self, now: Nanoseconds) -> Snapshot[M, S]:
@@ -163,6 +180,7 @@ class Pipeline(Generic[G, M, S]):
             mode=permission.mode,
             without=permission.rules.without,
             battery_low_since=self._charge.low_since(sensors),
+            stood=self._zeros.saw(axes),
             following=self._followers.saw(axes),
         )
         return Snapshot(

@@ -21,6 +21,8 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge drive rars -i socketcan -c can0`
 
+`firmware-bridge drive rars -i socketcan -c can0 --zero lift=0 --zero steer=0` says where it stands.
+
 `firmware-bridge drive rars --serial /dev/ttyUSB0` drives over the first drive's USB or RS232 port.
 
 `firmware-bridge drive rars -i slcan -c /dev/ttyACM0 --mavlink udpout:192.168.1.10:14550 --key rars.key`
@@ -88,6 +90,24 @@ class DriveOptions:
         ),
     ] = None
     link: LinkOption = None
+    zero: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--zero",
+            metavar="AXIS=VALUE",
+            help="Where an axis stands now, read off the robot (RARS: lift in m, steer in degrees left); may "
+            "be repeated. Without it whoever drives says so before the robot is armed.",
+            show_default=False,
+        ),
+    ] = None
+    state: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Where the places of the axes are kept for the next run, which tells them as an offer.",
+            show_default="~/.local/state/firmware-bridge/ROBOT.json",
+        ),
+    ] = None
     duration: DurationOption = None
 
 

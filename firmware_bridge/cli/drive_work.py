@@ -11,6 +11,7 @@ from firmware_bridge.cli.places import Place, places_of
 from firmware_bridge.cli.real_time import carry
 from firmware_bridge.cli.robot_argument import find_robot
 from firmware_bridge.cli.trusted import trust_of
+from firmware_bridge.cli.zeros import zeros_of
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.drivers.epos2.serial.line import MaxonLine
 from firmware_bridge.drivers.epos2.serial.plan import PlanError
@@ -21,6 +22,7 @@ from firmware_bridge.robot import AnyRobot, RobotFileError
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.safety.snapshot import Hold
+from firmware_bridge.shell.last_places import LastPlaces, usual_path
 from firmware_bridge.shell.ports import Port, ReturningLine, UdpPort, open_can
 from firmware_bridge.units import SECOND, Nanoseconds, to_seconds
 from firmware_bridge.wire.maxon.frame import Generation
@@ -38,8 +40,10 @@ class Narrated:
     It ends the run when the start-up has failed. `node` is what is carried: the bridge, or a node around it.
     """
 
-    def __init__(self, bridge: Bridge, node: Node, tell: Tell) -> None:
+    def __init__(self, bridge: Bridge, node: Node, tell: Tell, kept: LastPlaces) -> None:
         self._bridge = bridge
+        self._kept: LastPlaces | None = kept
+        """Where the axes' places are kept; None where that file cannot be written."""
         self._node = node
         self._tell = tell
         self._phase: Phase | None = None
@@ -76,6 +80,7 @@ class Narrated:
             self._say(self._phase.value, now)
             if self._phase is Phase.FINISHED and bridge.unconfirmed:
                 self._say(_unconfirmed(bridge), now)
+        self._keep(now)
         if bridge.seen.facts.armed != self._armed:
             self._armed = bridge.seen.facts.armed
             self._say("armed" if self._armed else "disarmed", now)
@@ -87,6 +92,16 @@ class Narrated:
             self._tell_holds({hold.name: hold for hold in bridge.holds}, now)
             self._holds = bridge.holds
         return reaction
+
+    def _keep(self, now: Nanoseconds) -> None:
+        """Keep where the axes stand; a file that cannot be written ends no run."""
+        if self._kept is None:
+            return
+        try:
+            self._kept.keep(self._bridge.places, now)
+        except OSError as error:
+            self._say(f"where the axes stand is not kept: {self._kept.path}: {error.strerror}", now)
+            self._kept = None
 
     def _tell_holds(self, standing: Mapping[str, Hold], now: Nanoseconds) -> None:
         known = {hold.name: hold.reason for hold in self._holds}
@@ -106,9 +121,12 @@ def drive(given: DriveOptions) -> None:
     machine = find_robot(given.robot)
     places = places_of(machine, given.link, Place(given.interface, given.channel, given.serial))
     trust = trust_of(given.mavlink, given.key, given.allow, openly=given.openly)
-    with one_message(PlanError, RobotFileError):
+    stands = zeros_of(given.zero)
+    with one_message(PlanError, RobotFileError, ValueError):
         machine = _with_lines(machine, places, given.protocol, given.baud)
-        bridge = Bridge(machine, kind_of(machine), trust)
+        bridge = Bridge(machine, kind_of(machine), trust, stands)
+    kept = LastPlaces(given.state or usual_path(machine.name))
+    bridge.offer(kept.read())
     node: Node = guarded(bridge, machine)
     openers: dict[str, Callable[[], Port]] = {}
     for name, place in places.items():
@@ -120,7 +138,7 @@ def drive(given: DriveOptions) -> None:
             openers[name] = _can_opener(place, given.bit_rate, table.bit_rate)
     where = ", ".join(_title(machine, name, place) for name, place in places.items())
     carry(
-        Narrated(bridge, node, say),
+        Narrated(bridge, node, say, kept),
         {**openers, OPERATOR: lambda: UdpPort(given.mavlink)},
         until(given.duration),
         f"{machine.name}: bridge on {where}, operator on {given.mavlink}",

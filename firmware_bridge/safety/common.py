@@ -170,17 +170,23 @@ def _axis_not_enabled(axis: Axis, feedback: Feedback, _facts: Facts, _limit: Nan
     return f"{axis.called} is not enabled: {feedback.says or 'state unknown'}"
 
 
-def _axis_zero_lost(axis: Axis, feedback: Feedback, _facts: Facts, _limit: Nanoseconds) -> str | None:
+def _axis_zero_lost(axis: Axis, feedback: Feedback, facts: Facts, _limit: Nanoseconds) -> str | None:
     # One that was never heard is silent: one cause, one hold.
     if feedback.heard_at == NEVER_HEARD or not (axis.zero_confirmed and feedback.zero_lost):
         return None
-    return f"{axis.called}: its zero is lost, nobody knows where it stands"
+    return f"{axis.called}: its zero is lost, nobody knows where it stands{_stood(axis, facts)}"
 
 
-def _axis_restarted(axis: Axis, feedback: Feedback, _facts: Facts, _limit: Nanoseconds) -> str | None:
+def _stood(axis: Axis, facts: Facts) -> str:
+    known = facts.stood.get(axis.name)
+    return "" if known is None else f" (last known: {known})"
+
+
+def _axis_restarted(axis: Axis, feedback: Feedback, facts: Facts, _limit: Nanoseconds) -> str | None:
     if feedback.heard_at == NEVER_HEARD or not (axis.zero_confirmed and feedback.zero_lost):
         return None
-    return f"{axis.called} has restarted, or was not asked for its zero yet: nobody knows where it stands"
+    begun = f"{axis.called} has restarted, or was not asked about since the bridge began"
+    return f"{begun}: nobody knows where it stands{_stood(axis, facts)}"
 
 
 def _axis_does_not_follow(axis: Axis, _feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:

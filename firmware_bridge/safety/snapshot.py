@@ -79,6 +79,8 @@ class Facts:
     """The axes that this mode does without."""
     battery_low_since: Nanoseconds | None = None
     """Since which sample the battery has been low; None where it is not, or is not known to be."""
+    stood: Mapping[str, str] = field(default_factory=dict)
+    """Where axes were when their zero was known last, in words, by their names: no certainty."""
     following: Mapping[str, Following] = field(default_factory=dict)
     """By the axes' names; one without is not judged by what it was told."""
 

@@ -1,6 +1,7 @@
 """What a driver can tell decides which rows judge its axis: the strong one, a weaker one, or none at all."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Final, TypeAlias
 
 import pytest
@@ -159,3 +160,18 @@ def test_one_that_was_never_heard_is_silent_and_not_late(robot: Rars, well: Well
 
 def test_the_word_for_power_is_not_asked_of_who_has_none(robot: Rars, well: Well) -> None:
     assert names(mute(robot).rule(heard(well(SECOND), "lift", SECOND))) == ()
+
+
+def test_a_device_without_a_word_for_its_zero_is_asked_about_when_it_restarts(
+    robot: Rars, well: Well
+) -> None:
+    told = tells_of(robot, lift=EVERYTHING - {Tells.ZERO}, left=EVERYTHING - {Tells.ZERO})
+    for name, holds in (
+        ("lift", {"axis restarted: lift"}),
+        ("left", set()),
+        ("steer", {"axis zero lost: steer"}),
+    ):
+        axes = dict(well(SECOND).facts.axes)
+        axes[name] = replace(axes[name], zero_lost=True)
+        ruling = gate.Gate(robot, KIND.rules(robot), told).rule(with_facts(well(SECOND), axes=axes))
+        assert set(names(ruling)) == holds

@@ -96,6 +96,12 @@ class Operator:
     def holds_the_stick(self) -> None:
         self._says(mavlink.MAVLink_manual_control_message(1, 0, 0, 0, 0, 0))
 
+    def stands(self) -> None:
+        """Say where steering and lift stand."""
+        self.holds_the_stick()
+        for axis in (3.0, 4.0):
+            self._says(mavlink.MAVLink_command_long_message(1, 1, 31010, 0, axis, 0, 0, 0, 0, 0, 0))
+
     def arms(self) -> None:
         self.holds_the_stick()
         self._says(mavlink.MAVLink_command_long_message(1, 1, 400, 0, 1.0, 0, 0, 0, 0, 0, 0))
@@ -121,7 +127,9 @@ def test_the_robot_is_armed_over_the_line_loses_it_and_is_armed_anew(
     emulation = ("emulate", "rars", "--serial", "pty", "--serial-link", str(link), "--protocol", "v2")
     drives = start(*emulation)
     until(link.is_symlink, lambda: drives.told, lambda: None)
-    bridge = start("drive", "rars", "--serial", str(link), "--mavlink", f"udpin:127.0.0.1:{operator.port}")
+    stands = ("--zero", "lift=0", "--zero", "steer=0", "--state", str(tmp_path / "last.json"))
+    mavlink_at = f"udpin:127.0.0.1:{operator.port}"
+    bridge = start("drive", "rars", "--serial", str(link), "--mavlink", mavlink_at, *stands)
 
     def comes(text: str, meanwhile: Callable[[], None] = operator.holds_the_stick) -> None:
         until(lambda: bridge.says(text), lambda: bridge.told, meanwhile)
@@ -133,6 +141,7 @@ def test_the_robot_is_armed_over_the_line_loses_it_and_is_armed_anew(
     comes("  disarmed")
     start(*emulation)
     comes("lets go: link lost: drives")
+    until(lambda: bridge.told.count("lets go: axis zero lost") == 4, lambda: bridge.told, operator.stands)
     armed = bridge.told.count("  armed")
     until(lambda: bridge.told.count("  armed") > armed, lambda: bridge.told, operator.arms)
     assert bridge.ends() == 0, bridge.told
@@ -149,6 +158,14 @@ def test_the_robot_is_armed_over_the_line_loses_it_and_is_armed_anew(
         (
             ("--serial", "/dev/ttyS0", "--protocol", "v1"),
             "link 'drives': a cycle of 50 ms does not hold statusword of node 4",
+        ),
+        (("--zero", "lift"), "--zero lift: say AXIS=VALUE, as in lift=0.2"),
+        (("--zero", "lift=up"), "--zero lift=up: say AXIS=VALUE"),
+        (("--zero", "lift=0", "--zero", "lift=1"), "--zero lift=1: lift is said twice"),
+        (("--zero", "lift=2"), "zero: lift at 2 m is not within 0 to 1.116"),
+        (
+            ("--zero", "left=0"),
+            "zero: nobody has to tell where left stands; to be told: steer (deg), lift (m)",
         ),
         (("--baud", "9600"), "--protocol and --baud are of a serial port; name it with --serial DEVICE"),
     ],

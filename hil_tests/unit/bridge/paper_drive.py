@@ -101,8 +101,7 @@ class PaperDrive:
             return []
         if packet.address == 0x080:
             self._move(now)
-            position = round(self.position) & 0xFFFF_FFFF
-            return [(0x280 + node, self._status() + position.to_bytes(4, "little") + bytes((7, 0)))]
+            return [(0x280 + node, self._status() + self._counter() + bytes((7, 0)))]
         if packet.address == (0x500 if self.axis.command is Commanded.SPEED else 0x400) + node:
             return self._commanded(packet.payload, now)
         return []
@@ -113,7 +112,8 @@ class PaperDrive:
             case sdo.UploadRequest(address) if address in self.refuses:
                 answer = sdo.encode_abort(address, self.refuses[address])
             case sdo.UploadRequest(address):
-                raw = self._status() if address == at.STATUSWORD else self.memory.get(address)
+                now = {at.STATUSWORD: self._status(), at.POSITION_ACTUAL: self._counter()}
+                raw = now.get(address) or self.memory.get(address)
                 if raw is None:
                     answer = sdo.encode_abort(address, AbortCode.NO_OBJECT)
                 else:
@@ -125,7 +125,7 @@ class PaperDrive:
                     self.written.append((address, raw))
                     self.memory[address] = bytes(len(raw)) if address in self.forgets else raw
                     if address == at.MODE:
-                        self.memory[at.MODE_DISPLAY] = raw
+                        self.memory[at.MODE_DISPLAY] = self.memory[at.MODE]
                     if address == at.CONTROLWORD:
                         self._obey(int.from_bytes(raw, "little"))
                     answer = sdo.encode_download_response(address)
@@ -163,6 +163,9 @@ class PaperDrive:
         turns = self.rpm / 60.0 * (now - self._moved_at) / SECOND
         self.position += turns * self.axis.settings.quadcounts_per_turn
         self._moved_at = now
+
+    def _counter(self) -> bytes:
+        return (round(self.position) & 0xFFFF_FFFF).to_bytes(4, "little")
 
     def _status(self) -> bytes:
         remote = REMOTE if self.nmt is NmtState.OPERATIONAL else 0

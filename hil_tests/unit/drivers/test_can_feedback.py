@@ -212,3 +212,31 @@ def test_before_a_drive_has_sent_anything_nothing_is_known() -> None:
     public = CanFeedback(AXIS).published()
     assert (public.power, public.says, public.fault) == (Power.UNKNOWN, "", "")
     assert public.heard_at == public.sampled_at == NEVER_HEARD
+
+
+def test_bit_15_tells_that_the_zero_holds_until_it_was_gone_once(feedback: CanFeedback) -> None:
+    for word, lost in (("37 87", False), ("37 07", True), ("37 87", True)):
+        feedback.hear(0x182, bytes.fromhex(word), 5)
+        assert feedback.published().zero_lost is lost
+    feedback.zero_set(0)
+    assert not feedback.published().zero_lost
+
+
+def test_a_boot_up_loses_the_zero_whatever_bit_15_says_then(feedback: CanFeedback) -> None:
+    feedback.hear(0x182, bytes.fromhex("37 87"), 5)
+    feedback.hear(0x702, b"\0", 6)
+    feedback.expected = True
+    feedback.hear(0x182, bytes.fromhex("37 87"), 7)
+    assert feedback.published().zero_lost
+
+
+def test_while_the_counter_is_set_no_way_is_a_motion(feedback: CanFeedback) -> None:
+    feedback.zeroing = True
+    for cycle, counter in enumerate((0, 2_000_000, -2_000_000)):
+        feedback.synchronised(cycle * CYCLE)
+        feedback.hear(0x282, sample(counter), cycle * CYCLE + 1)
+        assert (feedback.velocity, feedback.position_qc) == (0.0, counter)
+    feedback.zero_set(777)
+    feedback.synchronised(9 * CYCLE)
+    feedback.hear(0x282, sample(800), 9 * CYCLE + 1)
+    assert (feedback.velocity, feedback.position_qc) == (0.0, 800)

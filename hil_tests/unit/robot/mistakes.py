@@ -152,6 +152,30 @@ MISTAKES = (
         "axes[2].travel[1]",
         ("is missing",),
     ),
+    Mistake(
+        "a zero that nobody confirms where it does harm",
+        ('how = "confirm"', 'how = "at power-on"'),
+        "axes[2]",
+        ("takes no zero 'at power-on'",),
+    ),
+    Mistake(
+        "a homing that the bridge does not do",
+        ('how = "confirm"', 'how = "home"'),
+        "axes[2].zero.how",
+        ("the bridge homes no axis; say 'confirm'",),
+    ),
+    Mistake(
+        "a zero from nowhere",
+        ('how = "confirm"', 'how = "luck"'),
+        "axes[2].zero.how",
+        ("there are: confirm, at power-on",),
+    ),
+    Mistake(
+        "a wheel that somebody confirms",
+        ("[axes.settings]", '[axes.zero]\nhow = "confirm"\n\n[axes.settings]'),
+        "axes[0]",
+        ("without travel has no place to confirm",),
+    ),
     Mistake("no direction", ("direction = 1", "direction = 0"), "axes[0].direction", ("must be 1 or -1",)),
     Mistake(
         "a top speed below what the limits ask",

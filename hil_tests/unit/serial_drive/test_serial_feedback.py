@@ -13,6 +13,7 @@ AXIS = RARS.axes[0]
 QUADCOUNTS_PER_RADIAN = Scale.of(AXIS).quadcounts_per_unit
 CYCLE = 50 * MILLISECOND
 ENABLED, DISABLED, NOT_REMOTE = 0x0337, 0x0340, 0x0140
+REFERENCED = 0x8000
 
 
 @pytest.fixture
@@ -119,3 +120,20 @@ def test_after_a_lost_line_the_position_begins_anew(feedback: SerialFeedback) ->
     feedback.expected = True
     cycle(feedback, 3, -500, 0)
     assert (feedback.position_qc, feedback.velocity) == (-500, 0.0)
+
+
+def test_a_drive_that_is_not_remote_any_more_has_lost_its_zero(feedback: SerialFeedback) -> None:
+    cycle(feedback, 1, 100, MILLISECOND, word=ENABLED | REFERENCED)
+    assert not feedback.published().zero_lost
+    cycle(feedback, 2, 100, MILLISECOND, word=NOT_REMOTE | REFERENCED)
+    assert feedback.published().zero_lost
+
+
+def test_while_the_counter_is_set_no_way_is_a_motion(feedback: SerialFeedback) -> None:
+    cycle(feedback, 1, 100, MILLISECOND)
+    feedback.zeroing = True
+    cycle(feedback, 2, 900_000, MILLISECOND)
+    assert (feedback.velocity, feedback.position_qc) == (0.0, 900_000)
+    feedback.zero_set(500)
+    cycle(feedback, 3, 510, MILLISECOND)
+    assert (feedback.velocity, feedback.position_qc) == (0.0, 510)

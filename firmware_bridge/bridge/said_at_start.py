@@ -1,0 +1,31 @@
+"""Where axes stand, said when the bridge was started: told to it as an operator would, once it runs.
+
+It is of that moment. What cannot be taken for some seconds is dropped, and the zero stays unknown.
+"""
+
+from collections.abc import Callable, Iterable
+from typing import Final
+
+from firmware_bridge.intent import ConfirmZero, Verdict
+from firmware_bridge.units import NEVER, SECOND, Nanoseconds
+
+WITHIN: Final[Nanoseconds] = 5 * SECOND
+"""From the first time that the bridge could take it."""
+
+
+class SaidAtStart:
+    """The requests that are left."""
+
+    def __init__(self, requests: Iterable[ConfirmZero]) -> None:
+        self._left = tuple(requests)
+        self._until: Nanoseconds = NEVER
+
+    def tell(self, decide: Callable[[ConfirmZero], Verdict], now: Nanoseconds) -> None:
+        """Ask for what is left; called in every cycle of a bridge that runs."""
+        if not self._left:
+            return
+        if self._until == NEVER:
+            self._until = now + WITHIN
+        verdicts = [(request, decide(request)) for request in self._left]
+        again = [request for request, verdict in verdicts if not verdict.accepted and verdict.temporary]
+        self._left = tuple(again) if now < self._until else ()

@@ -1,0 +1,57 @@
+"""Where the axes stood last, kept in a small file for the next run of the bridge: an offer, no certainty.
+
+Whatever moved the robot in between is not in it. A file that is missing or damaged offers nothing.
+"""
+
+import json
+import math
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Final
+
+from firmware_bridge.units import SECOND, Nanoseconds
+
+EVERY: Final[Nanoseconds] = 2 * SECOND
+"""It is written no more often, and only where something has changed."""
+
+
+def usual_path(robot: str) -> Path:
+    """Return where the file of a robot is kept unless the user says otherwise."""
+    root = os.environ.get("XDG_STATE_HOME") or str(Path.home() / ".local" / "state")
+    return Path(root) / "firmware-bridge" / f"{robot}.json"
+
+
+class LastPlaces:
+    """One robot's file; each write replaces it whole, so that a crash leaves the old one or the new one."""
+
+    def __init__(self, path: Path) -> None:
+        self.path: Final = path
+        self._written: Mapping[str, float] = {}
+        self._due: Nanoseconds = 0
+
+    def read(self) -> dict[str, float]:
+        """Return what was kept, by axis; what is no finite number is left out."""
+        try:
+            table = json.loads(self.path.read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return {}
+        found = table if isinstance(table, dict) else {}
+        places = {str(axis): value for axis, value in found.items() if isinstance(value, float)}
+        return {axis: value for axis, value in places.items() if math.isfinite(value)}
+
+    def keep(self, places: Mapping[str, float], now: Nanoseconds) -> None:
+        """Keep where the axes stand, where that is due; OSError where the file cannot be written."""
+        if now >= self._due and places != self._written:
+            self._due = now + EVERY
+            self.write(places)
+
+    def write(self, places: Mapping[str, float]) -> None:
+        """Replace the file; OSError where it cannot be written."""
+        if not places:
+            return
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        fresh = self.path.with_name(f"{self.path.name}.{os.getpid()}")
+        fresh.write_text(json.dumps(dict(places)), encoding="utf-8")
+        fresh.replace(self.path)
+        self._written = dict(places)

@@ -1,0 +1,267 @@
+"""What the guard lets pass of a homing by method 35: in its order, by the drive's own word, no more."""
+
+from collections.abc import Callable
+from typing import Final, Protocol, TypeAlias
+
+import pytest
+
+from firmware_bridge.kinds import find
+from firmware_bridge.packet import Packet
+from firmware_bridge.units import MILLISECOND, Nanoseconds
+from firmware_bridge.wire.canopen import NmtCommand
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.maxon.messages import SendNmtService
+from hil_tests.safety import guard_bench, serial_bench
+
+LEFT, STEER, LIFT = 1, 3, 4
+LIFT_TOP: Final = 2_890_879
+SIZES: Final = {
+    at.HOME_POSITION: 4,
+    at.HOMING_METHOD: 1,
+    at.MODE: 1,
+    at.MODE_DISPLAY: 1,
+    at.CONTROLWORD: 2,
+    at.STATUSWORD: 2,
+}
+ENABLE, HALT, START, NEW_POSITION = 0x000F, 0x010F, 0x001F, 0x003F
+ENABLED: Final = 0x0737
+
+
+class Line(Protocol):
+    """One way to the drives of RARS, with the guard on it."""
+
+    def writes(self, node: int, address: Address, value: int) -> str | None:
+        """Let the bridge write; return why it was refused."""
+
+    def tells(self, node: int, address: Address, value: int) -> None:
+        """Let a drive tell what it was asked for."""
+
+    def wheel(self, rpm: int) -> None:
+        """Let the left wheel be told a speed."""
+
+    def position(self, word: int, target: int) -> str | None:
+        """Let the lift be told a position in the ordinary way."""
+
+    def resets(self) -> None:
+        """Let the lift's drive be reset when nothing else stops it."""
+
+
+class OverCan:
+    def __init__(self) -> None:
+        self.bench = guard_bench.Bench(find("rars"))
+        self.now: Nanoseconds = 0
+
+    def _says(self, packet: Packet) -> str | None:
+        self.now += MILLISECOND
+        before = self.bench.guard.refused
+        self.bench.says(packet, now=self.now)
+        return None if self.bench.guard.refused == before else self.bench.refusals[-1].reason
+
+    def writes(self, node: int, address: Address, value: int) -> str | None:
+        raw = guard_bench.raw(value, SIZES[address])
+        return self._says(guard_bench.write(node, address.index, address.subindex, raw))
+
+    def tells(self, node: int, address: Address, value: int) -> None:
+        size = SIZES[address]
+        head = bytes((0x43 | (4 - size) << 2,)) + address.index.to_bytes(2, "little") + b"\0"
+        payload = head + guard_bench.raw(value, size).ljust(4, b"\0")
+        self.bench.hears(Packet(guard_bench.LINK, 0x580 + node, payload), now=self.now)
+
+    def wheel(self, rpm: int) -> None:
+        assert self._says(guard_bench.wheel(LEFT, ENABLE, rpm)) is None
+
+    def position(self, word: int, target: int) -> str | None:
+        return self._says(guard_bench.position(LIFT, word, target))
+
+    def resets(self) -> None:
+        self._says(guard_bench.position(LIFT, 0, 0))
+        self.now += 1000 * MILLISECOND
+        assert self._says(guard_bench.frame(0, f"81 0{LIFT}")) is None
+
+
+class OverSerial:
+    def __init__(self) -> None:
+        self.bench = serial_bench.SerialBench()
+        self.now: Nanoseconds = 0
+
+    def _says(self, packet: Packet) -> str | None:
+        self.now += MILLISECOND
+        before = self.bench.guard.refused
+        self.bench.says(packet, now=self.now)
+        if self.bench.guard.refused == before:
+            self.bench.hears(serial_bench.done(packet), now=self.now)
+            return None
+        for sent in self.bench.refusals[-1].sent:
+            self.bench.hears(serial_bench.done(sent), now=self.now)
+        return self.bench.refusals[-1].reason
+
+    def writes(self, node: int, address: Address, value: int) -> str | None:
+        return self._says(serial_bench.writing(node, address, guard_bench.raw(value, SIZES[address])))
+
+    def tells(self, node: int, address: Address, value: int) -> None:
+        asked = serial_bench.reading(node, address)
+        self.bench.says(asked, now=self.now)
+        raw = guard_bench.raw(value, SIZES[address])
+        self.bench.hears(serial_bench.value(asked, raw), now=self.now)
+
+    def wheel(self, rpm: int) -> None:
+        assert self._says(serial_bench.word(LEFT, ENABLE)) is None
+        assert self._says(serial_bench.speed(rpm)) is None
+
+    def position(self, word: int, target: int) -> str | None:
+        self._says(serial_bench.target(LIFT, target))
+        return self._says(serial_bench.word(LIFT, word))
+
+    def resets(self) -> None:
+        self._says(serial_bench.word(LIFT, 0))
+        self.now += 1000 * MILLISECOND
+        assert self._says(serial_bench.says(SendNmtService(LIFT, NmtCommand.RESET_NODE))) is None
+
+
+Made: TypeAlias = Callable[[], Line]
+BOTH: Final = pytest.mark.parametrize("made", [OverCan, OverSerial], ids=["can", "serial"])
+PLACE: Final = 12_345
+STEPS: Final = (
+    ("writes", at.HOME_POSITION, PLACE),
+    ("tells", at.HOME_POSITION, PLACE),
+    ("writes", at.HOMING_METHOD, 35),
+    ("tells", at.HOMING_METHOD, 35),
+    ("writes", at.MODE, 6),
+    ("tells", at.MODE_DISPLAY, 6),
+    ("writes", at.CONTROLWORD, ENABLE),
+)
+"""All before the word that starts."""
+
+
+def prepared(line: Line, *changed: tuple[str, Address, int], without: int | None = None) -> Line:
+    """Do the steps, one left out, and then the changed ones."""
+    line.tells(LIFT, at.STATUSWORD, ENABLED)
+    line.position(HALT, 0)
+    for place, (how, address, value) in enumerate(STEPS):
+        if place != without:
+            assert getattr(line, how)(LIFT, address, value) is None
+    for how, address, value in changed:
+        getattr(line, how)(LIFT, address, value)
+    return line
+
+
+@BOTH
+def test_the_whole_of_it_passes(made: Made) -> None:
+    line = prepared(made())
+    assert line.writes(LIFT, at.CONTROLWORD, START) is None
+    assert line.writes(LIFT, at.CONTROLWORD, HALT) is None
+    assert line.writes(LIFT, at.MODE, 1) is None
+    line.tells(LIFT, at.MODE_DISPLAY, 1)
+    assert line.position(NEW_POSITION, PLACE) is None
+
+
+@BOTH
+@pytest.mark.parametrize("without", [1, 3, 4, 5])
+def test_the_start_needs_each_word_of_the_drives(made: Made, without: int) -> None:
+    line = made()
+    line.tells(LIFT, at.STATUSWORD, ENABLED)
+    line.position(HALT, 0)
+    for place, (how, address, value) in enumerate(STEPS):
+        if place != without:
+            getattr(line, how)(LIFT, address, value)
+    assert line.writes(LIFT, at.CONTROLWORD, START) == "the drive has not said that its homing moves nothing"
+
+
+@BOTH
+@pytest.mark.parametrize(
+    ("address", "value"),
+    [
+        (at.HOMING_METHOD, 7),
+        (at.HOMING_METHOD, 34),
+        (at.HOMING_METHOD, -3),
+        (at.HOME_POSITION, -1),
+        (at.HOME_POSITION, LIFT_TOP + 1),
+        (at.MODE_DISPLAY, 1),
+        (at.MODE_DISPLAY, 7),
+    ],
+)
+def test_and_it_must_be_the_right_word(made: Made, address: Address, value: int) -> None:
+    line = prepared(made(), ("tells", address, value))
+    assert line.writes(LIFT, at.CONTROLWORD, START) is not None
+
+
+@BOTH
+@pytest.mark.parametrize(
+    ("address", "value"), [(at.HOMING_METHOD, 35), (at.HOME_POSITION, PLACE), (at.MODE, 6)]
+)
+def test_what_was_said_before_it_was_written_again_counts_no_more(
+    made: Made, address: Address, value: int
+) -> None:
+    line = prepared(made(), ("writes", address, value))
+    assert line.writes(LIFT, at.CONTROLWORD, START) is not None
+
+
+@BOTH
+@pytest.mark.parametrize("address", [at.HOMING_METHOD, at.HOME_POSITION, at.MODE])
+def test_nothing_of_it_while_another_axis_may_move(made: Made, address: Address) -> None:
+    line = made()
+    line.wheel(100)
+    values = {at.HOMING_METHOD: 35, at.HOME_POSITION: PLACE, at.MODE: 6}
+    assert line.writes(LIFT, address, values[address]) == f"{address} written while node 1 may move"
+
+
+@BOTH
+def test_no_new_position_in_homing_mode_and_no_other_mode_while_bit_4_is_up(made: Made) -> None:
+    assert prepared(made()).position(NEW_POSITION, 0) == "a new position in homing mode"
+    line = prepared(made())
+    assert line.writes(LIFT, at.CONTROLWORD, START) is None
+    assert line.writes(LIFT, at.MODE, 1) == "bit 4 is up, and would be a new position in another mode"
+
+
+@BOTH
+def test_a_drive_that_was_reset_has_said_nothing(made: Made) -> None:
+    line = prepared(made())
+    line.resets()
+    assert line.writes(LIFT, at.CONTROLWORD, START) is not None
+
+
+@BOTH
+@pytest.mark.parametrize(
+    ("node", "address", "value"),
+    [
+        (LIFT, at.HOME_POSITION, -1),
+        (LIFT, at.HOME_POSITION, LIFT_TOP + 1),
+        (STEER, at.HOME_POSITION, 134_954),
+        (LIFT, at.HOMING_METHOD, 34),
+        (LIFT, at.HOMING_METHOD, -1),
+        (LIFT, at.MODE, 3),
+        (LIFT, at.MODE, 7),
+        (LEFT, at.HOME_POSITION, 0),
+        (LEFT, at.HOMING_METHOD, 35),
+        (LEFT, at.MODE, 6),
+        (LEFT, at.CONTROLWORD, START),
+        (LIFT, at.CONTROLWORD, START),
+        (LIFT, at.CONTROLWORD, 0x005F),
+    ],
+)
+def test_beyond_that_nothing_is_listed(made: Made, node: int, address: Address, value: int) -> None:
+    assert made().writes(node, address, value) is not None
+
+
+def test_outside_homing_mode_no_word_of_power_goes_by_sdo() -> None:
+    for word in (ENABLE, HALT):
+        assert OverCan().writes(LIFT, at.CONTROLWORD, word) == f"controlword 0x{word:04X} by object"
+
+
+def test_a_start_by_process_data_is_never_listed() -> None:
+    line = OverCan()
+    prepared(line)
+    assert line.position(START, 0) == "controlword 0x001F is not listed"
+
+
+@BOTH
+def test_after_it_the_lift_rests_where_the_drive_says_now(made: Made) -> None:
+    """What was far before is near now: to hold it there is no motion, so the wheels may go."""
+    line = prepared(made())
+    for word in (START, HALT):
+        assert line.writes(LIFT, at.CONTROLWORD, word) is None
+    assert line.writes(LIFT, at.MODE, 1) is None
+    line.tells(LIFT, at.MODE_DISPLAY, 1)
+    line.wheel(100)
+    assert line.position(NEW_POSITION, LIFT_TOP) is not None, "the lift may not move with the wheels"

@@ -1,0 +1,309 @@
+"""Saying where an axis stands: who may, when, and what goes to its drive for it, frame by frame."""
+
+from itertools import product
+from typing import TYPE_CHECKING, Final
+
+import pytest
+
+from firmware_bridge import kinds
+from firmware_bridge.bridge import Bridge
+from firmware_bridge.intent import ConfirmZero
+from firmware_bridge.robots.rars import KIND
+from firmware_bridge.teleop.mavlink import dialect
+from firmware_bridge.wire.abort import AbortCode
+from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.epos2 import address as at
+from hil_tests.unit.bridge.bench import ACCEPTED, DENIED, LIFT, STANDS, STEER, TEMPORARILY_REJECTED, driving
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from hil_tests.unit.bridge.bench import Bench
+
+NAN: Final = float("nan")
+HALF_UP_M: Final = 0.5
+HALF_UP_QC: Final = 651_611
+"""By hand: asin(0.5 / 1.8 + sin 5 deg) is 21.4 deg, so the screw goes 0.3 m * (cos 5 deg - cos 21.4 deg),
+over 1.5 mm a turn, times 25 in the gear, times 2000 quadcounts."""
+
+FRAMES: Final = (
+    # 0x2081 := the place, and 0x6098 := 35, each read back; EPOS2 EDS for types.
+    "23 81 20 00 00 00 00 00",
+    "40 81 20 00 00 00 00 00",
+    "2f 98 60 00 23 00 00 00",
+    "40 98 60 00 00 00 00 00",
+    # 0x6060 := 6, homing mode, until 0x6061 says so (CiA 402).
+    "2f 60 60 00 06 00 00 00",
+    "40 61 60 00 00 00 00 00",
+    # The halt ends, bit 4 rises: 0x000F, 0x001F (EPOS Firmware Specification 9.3, maxon's command library).
+    "2b 40 60 00 0f 00 00 00",
+    "2b 40 60 00 1f 00 00 00",
+    "40 41 60 00 00 00 00 00",
+    # Halted, and back to profile position.
+    "2b 40 60 00 0f 01 00 00",
+    "2f 60 60 00 01 00 00 00",
+    "40 61 60 00 00 00 00 00",
+    "40 64 60 00 00 00 00 00",
+)
+
+
+def lost(bench: "Bench", name: str) -> bool:
+    return f"axis zero lost: {name}" in {hold.name for hold in bench.bridge.holds}
+
+
+def restarted(bench: "Bench", name: str = "lift") -> None:
+    """Let a drive restart, and be enabled again by an arm."""
+    bench.inject(name, bench.drives[name].boots())
+    bench.runs(3)
+    assert bench.arms() == TEMPORARILY_REJECTED
+    bench.runs(1)
+    assert bench.drives[name].state is State.OPERATION_ENABLED
+
+
+def test_what_goes_to_the_drive_is_homing_by_method_35(bench: "Bench") -> None:
+    bench.starts()
+    begin = bench.now
+    assert bench.commands(STANDS, LIFT, 0.0) == ACCEPTED
+    bench.runs(0.3)
+    assert tuple(payload for _, payload in bench.sent(0x604, begin)) == FRAMES
+    for node in (1, 2, 3):
+        assert [word for _, word in bench.sent(0x600 + node, begin) if not word.startswith("40 7c")] == []
+
+
+def test_the_place_is_that_of_the_axis(bench: "Bench") -> None:
+    bench.starts()
+    assert bench.commands(STANDS, LIFT, HALF_UP_M) == ACCEPTED
+    bench.runs(0.3)
+    assert bench.drives["lift"].position == pytest.approx(HALF_UP_QC, abs=1)
+    assert bench.bridge.seen.body.lift_m == pytest.approx(HALF_UP_M, abs=1e-5)
+    assert bench.commands(STANDS, STEER, -45.0) == ACCEPTED
+    bench.runs(0.3)
+    assert bench.bridge.seen.body.steer_rad == pytest.approx(-0.7853982, abs=1e-4)
+
+
+def test_a_restarted_drive_moves_when_it_was_told_where_it_stands(bench: "Bench") -> None:
+    bench.starts()
+    restarted(bench)
+    assert lost(bench, "lift")
+    assert not lost(bench, "steer")
+    assert bench.arms() == TEMPORARILY_REJECTED
+    assert "its zero is lost" in bench.told()
+    assert bench.commands(STANDS, LIFT, HALF_UP_M) == ACCEPTED
+    bench.runs(0.3)
+    assert not lost(bench, "lift")
+    assert bench.arms() == ACCEPTED
+    bench.runs(0.5)
+    assert bench.drives["lift"].position == pytest.approx(HALF_UP_QC, abs=1), "to be told moves nothing"
+
+
+def test_it_may_be_said_twice_and_once_more_otherwise(bench: "Bench") -> None:
+    bench.starts()
+    for height in (0.1, 0.1, 0.2):
+        assert bench.commands(STANDS, LIFT, height) == ACCEPTED
+        bench.runs(0.3)
+        assert bench.bridge.seen.body.lift_m == pytest.approx(height, abs=1e-5)
+    assert bench.arms() == ACCEPTED
+
+
+def test_while_it_is_set_it_is_said_again_in_vain_and_nobody_is_armed(bench: "Bench") -> None:
+    bench.starts()
+    assert bench.commands(STANDS, LIFT, 0.1) == ACCEPTED
+    assert bench.commands(STANDS, LIFT, 0.2) == TEMPORARILY_REJECTED
+    assert bench.arms() == TEMPORARILY_REJECTED
+    bench.runs(0.3)
+    assert bench.bridge.seen.body.lift_m == pytest.approx(0.1, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("axis", "value", "why"),
+    [
+        (1, 0.0, "nobody has to tell where left stands; to be told: steer (deg), lift (m)"),
+        (0, 0.0, "nobody has to tell where axis 0 stands"),
+        (5, 0.0, "nobody has to tell where axis 5 stands"),
+        (LIFT, 2.0, "lift at 2 m is not within 0 to 1.116"),
+        (LIFT, -0.001, "lift at -0.001 m is not within"),
+        (LIFT, NAN, "lift at nan m is not within"),
+        (LIFT, float("inf"), "lift at inf m is not within"),
+        (STEER, 60.1, "steer at 60.1 deg is not within -60 to 60"),
+        (STEER, -60.1, "steer at -60.1 deg is not within"),
+    ],
+)
+def test_a_wrong_axis_or_value_is_refused_with_its_reason(
+    bench: "Bench", axis: int, value: float, why: str
+) -> None:
+    bench.starts()
+    begin = bench.now
+    assert bench.commands(STANDS, axis, value) == DENIED
+    assert f"zero: {why}" in bench.told()
+    bench.runs(0.3)
+    written = [word for node in (1, 2, 3, 4) for _, word in bench.sent(0x600 + node, begin)]
+    assert [word for word in written if not word.startswith("40")] == []
+
+
+@pytest.mark.parametrize(("axis", "value"), [(LIFT, 0.0), (LIFT, 1.115), (STEER, 60.0), (STEER, -60.0)])
+def test_the_ends_of_an_axis_are_places_too(bench: "Bench", axis: int, value: float) -> None:
+    bench.starts()
+    assert bench.commands(STANDS, axis, value) == ACCEPTED
+
+
+def test_nobody_is_asked_while_the_robot_is_armed_or_moves(armed: "Bench") -> None:
+    assert armed.commands(STANDS, LIFT, 0.1) == TEMPORARILY_REJECTED
+    assert "zero: disarm first" in armed.told()
+    driving(armed)
+    assert armed.commands(STANDS, LIFT, 0.1) == TEMPORARILY_REJECTED
+    armed.commands(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0)
+    assert armed.commands(STANDS, LIFT, 0.1) == TEMPORARILY_REJECTED
+    assert "zero: the robot still moves" in armed.told()
+
+
+def test_nor_after_a_forced_disarm_or_in_an_emergency_stop(armed: "Bench") -> None:
+    armed.commands(dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE, 0.0)
+    assert armed.commands(STANDS, LIFT, 0.1) == TEMPORARILY_REJECTED
+    assert "zero: the emergency stop is latched" in armed.told()
+    armed.runs(0.5)
+    armed.commands(dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE, 1.0)
+    armed.commands(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0, 21196.0)
+    assert armed.commands(STANDS, LIFT, 0.1) == TEMPORARILY_REJECTED
+    assert "zero: the power was taken by force" in armed.told()
+
+
+def test_a_drive_without_power_is_enabled_first(bench: "Bench") -> None:
+    """An arm would do it, too; but one is refused while the lift would go where it was told before."""
+    bench.starts()
+    bench.inject("lift", bench.drives["lift"].boots())
+    bench.runs(3)
+    assert bench.commands(STANDS, LIFT, 0.1) == TEMPORARILY_REJECTED
+    assert "first, say it again" in bench.told()
+    bench.runs(1.0)
+    assert bench.commands(STANDS, LIFT, 0.1) == ACCEPTED
+    bench.runs(0.3)
+    assert bench.arms() == ACCEPTED
+
+
+@pytest.mark.parametrize(
+    ("address", "how", "says"),
+    [
+        (at.HOMING_METHOD, "refuses", "0x6098"),
+        (at.HOMING_METHOD, "forgets", "0x6098"),
+        (at.HOME_POSITION, "refuses", "0x2081"),
+        (at.HOME_POSITION, "forgets", "0x2081"),
+        (at.MODE, "refuses", "0x6060"),
+        (at.MODE, "forgets", "0x6061"),
+        (at.MODE_DISPLAY, "refuses", "0x6061"),
+    ],
+)
+def test_a_drive_that_does_not_take_it_is_never_told_to_home(
+    bench: "Bench", address: at.Address, how: str, says: str
+) -> None:
+    bench.starts()
+    drive = bench.drives["steer"]
+    drive.referenced = False
+    if how == "refuses":
+        drive.refuses[address] = AbortCode.DEVICE_STATE
+    else:
+        drive.forgets.add(address)
+    begin = bench.now
+    assert bench.commands(STANDS, STEER, 10.0) == ACCEPTED
+    bench.runs(1.0)
+    words = [word for _, word in bench.sent(0x603, begin)]
+    assert [word for word in words if word.startswith("2b 40 60 00 1f")] == []
+    assert lost(bench, "steer")
+    assert bench.arms() == TEMPORARILY_REJECTED
+    assert says in bench.told()
+
+
+def test_one_that_restarts_meanwhile_has_lost_it(bench: "Bench") -> None:
+    bench.starts()
+    assert bench.commands(STANDS, LIFT, 0.1) == ACCEPTED
+    bench.inject("lift", bench.drives["lift"].boots())
+    bench.runs(0.5)
+    assert lost(bench, "lift")
+    assert bench.arms() == TEMPORARILY_REJECTED
+
+
+@pytest.mark.parametrize(("after", "force"), list(product((0, 1, 2, 3, 5, 8), (False, True))))
+def test_a_stop_in_the_middle_leaves_it_lost_and_the_drive_is_set_up_anew(
+    bench: "Bench", after: int, *, force: bool
+) -> None:
+    bench.starts()
+    drive = bench.drives["lift"]
+    drive.referenced = False
+    bench.says(dialect.MAVLink_command_long_message(1, 1, STANDS, 0, LIFT, 0.1, 0, 0, 0, 0, 0))
+    bench.world.run(bench.now + after * 250_000)
+    if force:
+        bench.commands(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0, 21196.0)
+    else:
+        bench.commands(dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE, 0.0)
+        bench.runs(0.3)
+        bench.commands(dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE, 1.0)
+    bench.runs(0.5)
+    began = lost(bench, "lift")
+    bench.arms()
+    bench.runs(1.0)
+    if began:
+        assert bench.commands(STANDS, LIFT, 0.1) == ACCEPTED
+        bench.runs(0.3)
+    assert bench.arms() == ACCEPTED
+    bench.runs(0.2)
+    assert drive.memory[at.MODE] == b"\x01"
+    assert bench.bridge.seen.body.lift_m == pytest.approx(0.1, abs=1e-5)
+
+
+def test_what_an_earlier_run_has_kept_is_told_and_not_believed(bench: "Bench") -> None:
+    bench.bridge.offer({"lift": 0.25, "left": 3.0, "nobody": 1.0})
+    for drive in bench.drives.values():
+        drive.referenced = False
+    bench.starts()
+    assert lost(bench, "lift")
+    assert "nobody knows where it stands (last known: 0.25 m)" in bench.told()
+    assert bench.arms() == TEMPORARILY_REJECTED
+    assert bench.bridge.places == {"lift": 0.25}
+    bench.stands(lift_m=0.1)
+    assert bench.bridge.places == {"lift": 0.1, "steer": 0.0}
+
+
+def test_after_a_restart_it_is_told_where_the_axis_was_last(bench: "Bench") -> None:
+    bench.starts()
+    bench.stands(steer_deg=-30.0, lift_m=0.3)
+    restarted(bench)
+    assert "nobody knows where it stands (last known: 0.3 m)" in bench.told()
+    assert bench.bridge.places == pytest.approx({"lift": 0.3, "steer": -30.0}, abs=1e-3)
+
+
+def started_with(bench_with: "Callable[[Bridge], Bench]", **stands: float) -> "Bench":
+    """A bench whose bridge is told where axes stand when it is started; its drives know nothing."""
+    robot = kinds.find("rars")
+    bench = bench_with(Bridge(robot, KIND, stands=tuple(ConfirmZero(*one) for one in stands.items())))
+    for drive in bench.drives.values():
+        drive.referenced = False
+    return bench
+
+
+def test_what_is_said_at_the_start_is_taken_when_the_drives_are_ready(
+    bench_with: "Callable[[Bridge], Bench]",
+) -> None:
+    bench = started_with(bench_with, lift=0.2, steer=10.0)
+    bench.starts()
+    bench.runs(0.5)
+    assert bench.bridge.places == {"lift": 0.2, "steer": 10.0}
+    assert bench.arms() == ACCEPTED
+    assert bench.guard.refused == 0
+
+
+def test_what_was_said_at_the_start_is_not_taken_later(bench_with: "Callable[[Bridge], Bench]") -> None:
+    bench = started_with(bench_with, lift=0.2)
+    bench.runs(0.1)
+    bench.commands(dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE, 0.0)
+    bench.runs(6.0)
+    bench.commands(dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE, 1.0)
+    bench.arms()
+    bench.runs(2.0)
+    assert lost(bench, "lift")
+    assert bench.bridge.places == {}
+
+
+@pytest.mark.parametrize("stands", [{"lift": 2.0}, {"left": 0.0}, {"nobody": 0.0}, {"steer": NAN}])
+def test_nobody_starts_a_bridge_with_a_place_that_there_is_not(stands: dict[str, float]) -> None:
+    robot = kinds.find("rars")
+    with pytest.raises(ValueError, match="zero: "):
+        Bridge(robot, KIND, stands=tuple(ConfirmZero(*one) for one in stands.items()))
