@@ -104,7 +104,10 @@ class Operator:
 
     def arms(self) -> None:
         self.holds_the_stick()
-        self._says(mavlink.MAVLink_command_long_message(1, 1, 400, 0, 1.0, 0, 0, 0, 0, 0, 0))
+        self.orders(400, 1.0)
+
+    def orders(self, command: int, first: float) -> None:
+        self._says(mavlink.MAVLink_command_long_message(1, 1, command, 0, first, 0, 0, 0, 0, 0, 0))
 
 
 @pytest.fixture
@@ -146,6 +149,39 @@ def test_the_robot_is_armed_over_the_line_loses_it_and_is_armed_anew(
     until(lambda: bridge.told.count("  armed") > armed, lambda: bridge.told, operator.arms)
     assert bridge.ends() == 0, bridge.told
     assert bridge.says("ended: SIGINT")
+
+
+def test_a_second_station_on_another_port_clears_and_arms_nothing_but_may_stop(
+    start: Callable[..., Program], operator: Operator, tmp_path: Path
+) -> None:
+    """With the same numbers as the first: it is known by where it speaks from."""
+    link = tmp_path / "rars.tty"
+    drives = start("emulate", "rars", "--serial", "pty", "--serial-link", str(link), "--protocol", "v2")
+    until(link.is_symlink, lambda: drives.told, lambda: None)
+    bridge = start("drive", "rars", "--serial", str(link), "--mavlink", f"udpin:127.0.0.1:{operator.port}")
+    other = Operator(operator.port)
+
+    def both() -> None:
+        operator.holds_the_stick()
+        other.orders(400, 0.0)
+        other.orders(5300, 1.0)
+        other.orders(400, 1.0)
+
+    def later(seconds: int, meanwhile: Callable[[], None]) -> None:
+        clock = Clock()
+        until(lambda: clock.now() > seconds * SECOND, lambda: "", meanwhile)
+
+    until(lambda: bridge.says("  armed"), lambda: bridge.told, operator.arms)
+    later(1, both)
+    assert not bridge.says("  disarmed")
+    other.orders(185, 1.0)
+    until(lambda: bridge.says("  disarmed"), lambda: bridge.told, operator.holds_the_stick)
+    later(1, both)
+    assert not bridge.says("lets go: emergency stop")
+    operator.orders(5300, 1.0)
+    until(lambda: bridge.says("lets go: emergency stop"), lambda: bridge.told, operator.holds_the_stick)
+    other.leaves()
+    assert bridge.ends() == 0, bridge.told
 
 
 @pytest.mark.parametrize(
