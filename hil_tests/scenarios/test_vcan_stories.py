@@ -170,7 +170,9 @@ class Bench:
 
     def drives(self) -> Program:
         where = f"udpin:127.0.0.1:{self.port}"
-        return self.starts("drive", "drive", "rars", "-i", "socketcan", "-c", CHANNEL, "--mavlink", where)
+        stands = ("--zero", "lift=0", "--zero", "steer=0", "--state", str(self.folder / "last.json"))
+        bus = ("-i", "socketcan", "-c", CHANNEL)
+        return self.starts("drive", "drive", "rars", *bus, "--mavlink", where, *stands)
 
 
 @pytest.fixture
