@@ -27,7 +27,7 @@ TESTED = @begun=$$(date +%s); \
 
 .DEFAULT_GOAL := help
 SHELL := bash
-.PHONY: help setup compiled same demo test long test-all check docs golden bench hour clean
+.PHONY: help setup compiled same demo test long test-all check docs golden bench adversary hour clean
 
 help: ## list these commands
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' Makefile
@@ -118,6 +118,12 @@ bench: $(MEASURED) $(COMPILED)/.ready ## measure how fast the bench is, what it 
 	@status=0; for one in realtime moments against_fmpy many_drives device memory; do \
 		$(COMPILED)/bin/python -P -m benchmarks.$$one || status=$$?; \
 	done; exit $$status
+
+ROBOT ?= rars
+HOURS ?= 1
+NATURES ?= honest
+adversary: $(COMPILED)/.ready ## look for HOURS simulated hours for what breaks a rule of ROBOT; finds in out/adversary
+	@$(COMPILED)/bin/python -P -m hil_tests.adversary $(ROBOT) --hours $(HOURS) --natures $(NATURES)
 
 hour: $(READY) ## drive a simulated hour and watch the memory
 	@$(BIN)/python -m benchmarks.memory 60
