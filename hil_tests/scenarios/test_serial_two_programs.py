@@ -159,7 +159,7 @@ def test_the_robot_is_armed_over_the_line_loses_it_and_is_armed_anew(
             ("--serial", "/dev/ttyS0", "--protocol", "v1"),
             "link 'drives': a cycle of 50 ms does not hold statusword of node 4",
         ),
-        (("--zero", "lift"), "--zero lift: say AXIS=VALUE, as in lift=0.2"),
+        (("--zero", "lift"), "--zero lift: say AXIS=VALUE"),
         (("--zero", "lift=up"), "--zero lift=up: say AXIS=VALUE"),
         (("--zero", "lift=0", "--zero", "lift=1"), "--zero lift=1: lift is said twice"),
         (("--zero", "lift=2"), "zero: lift at 2 m is not within 0 to 1.116"),
