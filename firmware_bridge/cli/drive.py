@@ -70,9 +70,9 @@ class DriveOptions:
         typer.Option(
             "--zero",
             metavar="AXIS=VALUE",
-            help="Where an axis stands now, read off the robot; may be repeated. A name that is wrong is answered "
-            "with those that there are, and their units. Without it whoever drives says so before the robot "
-            "is armed.",
+            help="Where an axis stands now, read off the robot; may be repeated. A wrong name is answered "
+            "with those that there are, and their units. Without it whoever drives says so before the "
+            "robot is armed.",
             show_default=False,
         ),
     ] = None
