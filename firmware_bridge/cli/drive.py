@@ -21,8 +21,6 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge drive rars -i socketcan -c can0`
 
-`firmware-bridge drive rars -i socketcan -c can0 --zero lift=0 --zero steer=0` says where it stands.
-
 `firmware-bridge drive rars --serial /dev/ttyUSB0` drives over the first drive's USB or RS232 port.
 
 `firmware-bridge drive rars -i slcan -c /dev/ttyACM0 --mavlink udpout:192.168.1.10:14550 --key rars.key`
@@ -95,8 +93,9 @@ class DriveOptions:
         typer.Option(
             "--zero",
             metavar="AXIS=VALUE",
-            help="Where an axis stands now, read off the robot (RARS: lift in m, steer in degrees left); may "
-            "be repeated. Without it whoever drives says so before the robot is armed.",
+            help="Where an axis stands now, read off the robot; may be repeated. A wrong name is answered "
+            "with those that there are, and their units. Without it whoever drives says so before the "
+            "robot is armed.",
             show_default=False,
         ),
     ] = None

@@ -17,7 +17,7 @@ def zeros_of(texts: Sequence[str] | None) -> tuple[ConfirmZero, ...]:
         except ValueError:
             number = math.nan
         if not sign or not axis or math.isnan(number):
-            raise refusal(f"--zero {text}: say AXIS=VALUE, as in lift=0.2")
+            raise refusal(f"--zero {text}: say AXIS=VALUE")
         if axis in said:
             raise refusal(f"--zero {text}: {axis} is said twice")
         said[axis] = number

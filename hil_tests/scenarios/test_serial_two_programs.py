@@ -195,7 +195,7 @@ def test_a_second_station_on_another_port_clears_and_arms_nothing_but_may_stop(
             ("--serial", "/dev/ttyS0", "--protocol", "v1"),
             "link 'drives': a cycle of 50 ms does not hold statusword of node 4",
         ),
-        (("--zero", "lift"), "--zero lift: say AXIS=VALUE, as in lift=0.2"),
+        (("--zero", "lift"), "--zero lift: say AXIS=VALUE"),
         (("--zero", "lift=up"), "--zero lift=up: say AXIS=VALUE"),
         (("--zero", "lift=0", "--zero", "lift=1"), "--zero lift=1: lift is said twice"),
         (("--zero", "lift=2"), "zero: lift at 2 m is not within 0 to 1.116"),

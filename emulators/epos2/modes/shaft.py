@@ -43,7 +43,7 @@ class Shaft:
         self.halted = False
         """Bit 8 of the controlword is up, in a mode that heeds it."""
         self.referenced = False
-        """Bit 15: a homing has found where the shaft is."""
+        """Bit 15: a homing has found where the shaft is. ASSUME: by any method; a restart forgets it."""
         self.error = emergency.NO_ERROR
         """What a mode cannot do, as an emergency's code; see `take_error`."""
 

@@ -307,3 +307,14 @@ def test_nobody_starts_a_bridge_with_a_place_that_there_is_not(stands: dict[str,
     robot = kinds.find("rars")
     with pytest.raises(ValueError, match="zero: "):
         Bridge(robot, KIND, stands=tuple(ConfirmZero(*one) for one in stands.items()))
+
+
+def test_a_zero_that_was_known_is_lost_where_a_new_one_did_not_come_to_its_end(bench: "Bench") -> None:
+    """Bit 15 stands all the time; but nobody knows which of the two the drive counts from."""
+    bench.starts()
+    assert not lost(bench, "lift")
+    bench.says(dialect.MAVLink_command_long_message(1, 1, STANDS, 0, LIFT, 0.1, 0, 0, 0, 0, 0))
+    bench.world.run(bench.now + 750_000)
+    bench.commands(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0, 21196.0)
+    bench.runs(0.5)
+    assert lost(bench, "lift")
