@@ -70,16 +70,18 @@ def test_both_are_obeyed_after_a_failed_start(bench: "Bench", order: tuple[Any, 
     assert bench.commands(*order) == ACCEPTED
 
 
-def test_while_it_comes_to_rest_a_forced_disarm_takes_the_power_at_once(armed: "Bench") -> None:
+def test_while_it_comes_to_rest_a_forced_disarm_brakes_and_takes_the_power_at_rest(armed: "Bench") -> None:
     driving(armed)
     armed.stops()
     armed.runs(0.05)
     assert armed.bridge.phase is Phase.STOPPING
     assert armed.drives["left"].rpm > RPM_AT_03 // 2
     assert armed.commands(*FORCED_DISARM) == ACCEPTED
+    assert states(armed) == {State.QUICK_STOP_ACTIVE}
+    armed.runs(0.2)
     assert states(armed) <= WITHOUT_POWER
-    armed.runs(1)
-    assert armed.bridge.finished
+    armed.runs(0.3)
+    assert armed.bridge.finished, "it was ordered: nobody looks whether the robot stands by itself"
     assert states(armed) <= WITHOUT_POWER
     assert armed.bridge.unconfirmed == ()
 
@@ -90,7 +92,7 @@ def test_while_it_comes_to_rest_an_emergency_stop_is_latched_and_told(armed: "Be
     assert armed.commands(*EMERGENCY_STOP) == ACCEPTED
     armed.runs(0.2)
     assert armed.bridge.seen.facts.emergency_stopped
-    armed.runs(1)
+    armed.runs(3)
     assert armed.bridge.finished
     assert states(armed) <= WITHOUT_POWER
 
