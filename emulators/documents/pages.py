@@ -151,8 +151,8 @@ LETTING_GO_TEXT: Final = f"""What ends without power, and what keeps it. Categor
   without power then. On a slope the robot **rolls**: 1.9 m/s on 5 degrees 4 s later. Only brakes, or wheels
   that are blocked, hold it.
 
-An axis that **holds** by itself stands without power, by its gear or screw; the file says so with
-`unpowered = "holds"`. Without `friction` in `[axes.belief]` friction counts as a 30th of the motor's
+An axis that **holds** by itself stands without power, by its gear; the file says so with
+`unpowered = "holds"`. Without `friction` in `[axes.belief]` friction counts as a 20th of the motor's
 continuous current."""
 GUARD_TEXT: Final = """The guard shares neither code nor state with the interlocks. It lets no set-point
 pass that lies beyond these bounds, no sum of speeds beyond its own, and no motion of one side while the

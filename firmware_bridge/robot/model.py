@@ -41,7 +41,7 @@ class Unpowered(StrEnum):
     """What becomes of an axis that stands, and loses its power."""
 
     HOLDS = "holds"
-    """It stays: its gear or screw locks itself."""
+    """It stays: its gear locks itself."""
     FREE = "free"
     """Only its device keeps it from moving."""
 

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 START: Final[Nanoseconds] = 10 * SECOND
 CYCLE: Final = 50 * MILLISECOND
 SILENT: Final = 250 * MILLISECOND
-FRICTION: Final = 10.0 / 30.0
-"""A: a 30th of the wheels' continuous current."""
+FRICTION: Final = 10.0 / 20.0
+"""A: a 20th of the wheels' continuous current."""
 RESTS: Final = 12.0 / 80.0
 """rad/s: an 80th of their top speed."""
 
@@ -27,6 +27,7 @@ def held_brush(table: dict[str, Any]) -> None:
     table["axes"][2]["unpowered"] = "holds"
     for axis in table["axes"]:
         axis.pop("stands_with", None)
+        axis.pop("belief", None)
 
 
 class Standing:
@@ -106,7 +107,7 @@ def test_more_than_friction_explains_holds_it_with_power(
     assert standing.letting_go.held is held
     assert stop is (Stop.QUICK_STOP if held else Stop.POWER_OFF)
     number = {"left": 1, "right": 2}[name]
-    reason = f"on a slope: held with power, 0.33 A at node {number} ({name}), and friction explains 0.33 A"
+    reason = f"on a slope: held with power, 0.50 A at node {number} ({name}), and friction explains 0.50 A"
     assert standing.told() == ([reason] if held else [])
     assert standing.asks(WATCHED_FOR) is stop
     assert standing.letting_go.held is held
@@ -125,7 +126,7 @@ def test_what_stands_together_may_be_strained_against_each_other(left: float, *,
     assert standing.letting_go.held is held
     if left > 0:
         reason = "on a slope: held with power, 2.30 A at node 1 (left) and node 2 (right), and friction"
-        assert standing.told() == [f"{reason} explains 0.67 A"]
+        assert standing.told() == [f"{reason} explains 1.00 A"]
 
 
 def test_the_currents_of_braking_do_not_count() -> None:
@@ -176,7 +177,7 @@ def test_where_all_are_silent_nothing_is_known(early: int, *, held: bool) -> Non
     assert silent_since(set(), early=early).letting_go.held is held
 
 
-@pytest.mark.parametrize(("current_a", "held"), [(0.1, False), (0.9, True)])
+@pytest.mark.parametrize(("current_a", "held"), [(0.1, False), (2.0, True)])
 def test_one_that_is_silent_leaves_it_to_those_that_are_heard(current_a: float, *, held: bool) -> None:
     assert silent_since({"right"}, current_a=current_a).letting_go.held is held
 
