@@ -53,6 +53,20 @@ class Stoppable(Protocol):
 
 
 @runtime_checkable
+class Holding(Protocol):
+    """A node that may have to hold something after it was asked to end, until it is asked again."""
+
+    @property
+    def holding(self) -> bool:
+        """Whether it does."""
+
+
+def holds(node: object) -> bool:
+    """Return whether a node, asked to end, does not before it is asked again."""
+    return isinstance(node, Holding) and node.holding
+
+
+@runtime_checkable
 class Finite(Protocol):
     """A node that has something to do and is done with it, so that its run ends by itself."""
 

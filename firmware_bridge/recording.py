@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from enum import Enum
 from typing import Final, TypeAlias
 
-from firmware_bridge.node import CAN, Node, Stoppable
+from firmware_bridge.node import CAN, Node, Stoppable, holds
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MICROSECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.can import ERROR, EXTENDED, EXTENDED_MASK, MAX_PAYLOAD, REMOTE, STANDARD_MASK
@@ -54,6 +54,11 @@ class Recorded:
     def __init__(self, node: Node, listener: Listener) -> None:
         self.node = node
         self._listener = listener
+
+    @property
+    def holding(self) -> bool:
+        """Whether the node holds something after it was asked to end."""
+        return holds(self.node)
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Note the packet, pass it on, and note what the node sends."""

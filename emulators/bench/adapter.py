@@ -1,6 +1,6 @@
 """The adapter between a computer and a drive's serial port: it can be unplugged in the middle of a run."""
 
-from firmware_bridge.node import LINE_BACK, LINE_LOST, Node, Stoppable
+from firmware_bridge.node import LINE_BACK, LINE_LOST, Node, Stoppable, holds
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import Nanoseconds
 
@@ -17,6 +17,11 @@ class Adapter:
         self.plugged = True
         """To be changed by whoever pulls the plug."""
         self._told = True
+
+    @property
+    def holding(self) -> bool:
+        """Whether the node holds something after it was asked to end."""
+        return holds(self.node)
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Pass a packet on, unless it is of a line that is not there."""

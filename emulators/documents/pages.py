@@ -16,7 +16,11 @@ from emulators.documents import (
 from emulators.epos2.control.power_states import TRANSITIONS
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import EPOS2_70_10
+from firmware_bridge.bridge.bridge import ASKED_AGAIN_WITHIN
+from firmware_bridge.bridge.letting_go import LOOKS_FOR, WATCHED_FOR
+from firmware_bridge.bridge.permission import BRAKED_WITHIN
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
+from firmware_bridge.units import MILLISECOND, SECOND
 
 MADE: Final = "This page is made by `make docs` from the tables in the code; change those."
 OBJECTS_TEXT: Final = """{objects} objects under {indexes} indexes, as a 70/10 has them; the other types
@@ -109,7 +113,14 @@ SAFETY_TEXT: Final = """The robots that come with this package; `firmware-bridge
 A hold stops the groups that it names, and lets go when its row has been clear for its time at every look.
 One that **disarms** takes the leave to move: to go on, arm again. While one that **blocks arming** holds, the
 robot cannot be armed. One that **latches** sets the emergency stop, which stays until an order clears it. On
-a link whose `stops` names groups, its own row and those of its axes stop these alone, and do not disarm."""
+a link whose `stops` names groups, its own row and those of its axes stop these alone, and do not disarm.
+
+**Another master** is whoever else sends on a CAN link what only the master of its drives sends: network
+commands, SYNC, set-points to these drives, a heartbeat with the bridge's own node. Heard once, it counts for
+1 s. A starting bridge listens for `bridge_silent_ms` before it sends anything, and refuses to start where it
+hears one; ended until then, it leaves the drives as they are. Behind a gateway a serial line shows nothing of
+the bus, so that there nobody notices; reading and writing objects, as an engineer does, is not held against
+anyone."""
 AXIS_TEXT: Final = """Each axis is judged by these rows; while one holds, everything stops, and the robot is
 disarmed. A row **needs** something that a driver's devices tell. Where they do not, the weaker row stands in
 for it; where there is none, the robot file is refused. One that **takes power** switches its axis off until
@@ -124,6 +135,25 @@ bit for as long may owe no more than **repeats** of the way asked; and it may st
 **holds with** for twice as long. A robot rests when each axis that takes it from its place is slower than
 **stands below**. All of them are worked out from top speed, drive and link unless `[axes.belief]` in the
 robot file says otherwise."""
+LETTING_GO_TEXT: Final = f"""What ends without power, and what keeps it. Category 0 takes the power at once,
+1 at rest, 2 keeps it (EN 60204-1).
+
+* **Disarmed**: category 2, on a slope and on the flat.
+* **Emergency stop, end of the program**: category 1 where the robot stands by itself. All axes keep their
+  torque until the base rests; for {LOOKS_FOR // MILLISECOND} ms the current is looked at with which each
+  **free** axis stands. No more than **friction** explains, and all let go together; {WATCHED_FOR // SECOND} s
+  long a free axis that moves is given its power again. More, or a current that is not known: "on a slope:
+  held with power", category 2, until it is ordered off.
+* **Forced disarm**: category 1 in any place: quick stop, and at rest, or after {BRAKED_WITHIN // SECOND} s at
+  the latest, no power. It is the order that lets a held robot go. Where the program ends, asking it twice
+  within {ASKED_AGAIN_WITHIN // SECOND} s is that order, too.
+* **A bridge that is dead**, killed or cut off: each drive stops by its own watch with a quick stop, and is
+  without power then. On a slope the robot **rolls**: 1.9 m/s on 5 degrees 4 s later. Only brakes, or wheels
+  that are blocked, hold it.
+
+An axis that **holds** by itself stands without power, by its gear; the file says so with
+`unpowered = "holds"`. Without `friction` in `[axes.belief]` friction counts as a 20th of the motor's
+continuous current."""
 GUARD_TEXT: Final = """The guard shares neither code nor state with the interlocks. It lets no set-point
 pass that lies beyond these bounds, no sum of speeds beyond its own, and no motion of one side while the
 other may move. It ends a drive's watch over the bridge only after a statusword without power, and resets a
@@ -243,6 +273,9 @@ def _safety() -> str:
             "### How far its axes are believed",
             BELIEF_TEXT,
             table(safety.BELIEF_HEADINGS, safety.beliefs(robot)),
+            "### What becomes of its power",
+            LETTING_GO_TEXT,
+            table(safety.UNPOWERED_HEADINGS, safety.unpowered(robot)),
             "### What its guard lets pass",
             GUARD_TEXT,
             table(safety.BOUND_HEADINGS, safety.bounds(robot)),

@@ -28,6 +28,7 @@ AXIS_HEADINGS: Final = (
 BELIEF_HEADINGS: Final = (
     "axis", "stands below", "speed", "position", "ramp", "cruise", "lag", "repeats", "holds with", "within"
 )  # fmt: skip
+UNPOWERED_HEADINGS: Final = ("axis", "without power", "friction")
 BOUND_HEADINGS: Final = (
     "axis", "on the link", "silent after", "top speed", "travel", "zero", "on the wire", "rows"
 )  # fmt: skip
@@ -121,6 +122,12 @@ def beliefs(robot: AnyRobot) -> Iterator[Cells]:
             f"{axis.holds_with:g} A",
             f"{within(axis, robot.links[axis.link].silent_ms * MILLISECOND) // MILLISECOND} ms",
         )
+
+
+def unpowered(robot: AnyRobot) -> Iterator[Cells]:
+    """Yield what becomes of each axis without power, and what friction explains where it stands with it."""
+    for axis in robot.axes:
+        yield (f"`{axis.name}`", axis.unpowered.value, f"{axis.friction:.2g} A")
 
 
 def sums(robot: AnyRobot) -> Iterator[Cells]:

@@ -32,10 +32,13 @@ from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
 REST_WITHIN: Final[Nanoseconds] = 3 * SECOND
 """The longest way to rest at an orderly end; then the power goes off, unless a stop still escalates."""
+ASKED_AGAIN_WITHIN: Final[Nanoseconds] = 5 * SECOND
+"""Asked twice within this time to end, a robot that is held on a slope is let go."""
 LEFT_WITHIN: Final[Nanoseconds] = 3 * SECOND
 """The longest that taking the power off in order may last; then it is taken off step by step."""
 PLACE_DIGITS: Final = 4
 """Of a place that is kept for the next run."""
+HELD: Final = "the robot would not stand without power: Ctrl-C within 5 s lets go"
 ENDING: Final = "the bridge is ending; only an emergency stop or a forced disarm is obeyed now"
 STARTING: Final = Row("starting", "wait")
 ENDS: Final = Row("ending", "start the bridge again", severity=Severity.NOTICE)
@@ -108,6 +111,10 @@ class Bridge:
         self._release_at: Nanoseconds = NEVER
         self._rest_until: Nanoseconds = NEVER
         self._began_at: Nanoseconds = 0
+        self._listens_until: Nanoseconds = 0
+        """Until then nothing is sent to the devices: another bridge may be driving them."""
+        self._asked_at: Nanoseconds = NEVER
+        """When a robot that is held with power was last asked to end, or was first held."""
         self._leave_until: Nanoseconds = NEVER
         self._left: set[str] | None = None
         """The axes that did not confirm that they are without power; None while they are not known."""
@@ -119,6 +126,11 @@ class Bridge:
     def finished(self) -> bool:
         """Whether the orderly end is over and the node may be let go."""
         return self.phase is Phase.FINISHED
+
+    @property
+    def holding(self) -> bool:
+        """Whether it has been asked to end, and keeps a robot from moving until it is asked again."""
+        return self.phase is Phase.STOPPING and self._permission.letting_go.held
 
     @property
     def unconfirmed(self) -> tuple[str, ...]:
@@ -166,19 +178,28 @@ class Bridge:
         if self.phase is not Phase.FINISHED:
             if self._cycle_at is None:
                 self._cycle_at = self._began_at = now
-                self._fleets.begin_beats(now)
+                self._listens_until = now + self._fleets.listens_for
+                self._fleets.begin_beats(self._listens_until)
             self._outbox += self._fleets.wake(now)
             self._keep_time(now, self._cycle_at)
         return self._reaction(now)
 
     def stop(self, now: Nanoseconds) -> Reaction:
-        """Begin the orderly end: ramp to rest, power off, leave; done when `finished`."""
-        if self.phase is Phase.RUNNING:
+        """Begin the orderly end: ramp to rest, power off, leave; done when `finished`.
+
+        While it is `holding` it does not end; asked again, twice within 5 s, it lets go.
+        """
+        if self.holding:
+            if now < self._asked_at + ASKED_AGAIN_WITHIN:
+                self._permission.order_off(now)
+            self._asked_at = now
+        elif self.phase is Phase.RUNNING:
             self._permission.armed = False
             self._collect_until = NEVER
             self._rest_until = now + REST_WITHIN
             self.phase = Phase.STOPPING
-        elif self._cycle_at is None:
+        elif self._task is None:
+            # It has sent nothing to any device, and leaves them as they are.
             self.phase = Phase.FINISHED
         elif self.phase in (Phase.STARTING, Phase.FAILED):
             self._leave(now)
@@ -189,7 +210,8 @@ class Bridge:
             # A late wake skips the cycles that it missed: two in a row would be worse than one too few.
             self._cycle_at = cycle_at + ((now - cycle_at) // self._cycle + 1) * self._cycle
             self._begin_cycle(now)
-        self._outbox += self._fleets.beat(now)
+        if not self._refused(now):
+            self._outbox += self._fleets.beat(now)
         if now >= self._release_at:
             self._release_at = NEVER
             self._outbox += self._fleets.release()
@@ -212,13 +234,14 @@ class Bridge:
         elif self.phase is Phase.STOPPING:
             self._come_to_rest(now)
         else:
-            if self.phase is not Phase.STARTING:
+            if self.phase is not Phase.STARTING and self._task is not None:
                 self._let_go(now)
-            self._outbox += self._pipeline.reported((self._waiting(), *self._permission.stops.holds), now)
+            self._outbox += self._pipeline.reported((self._waiting(now), *self._permission.holds), now)
 
     def _reaction(self, now: Nanoseconds) -> Reaction:
         """Carry on what the newest packet or instant made possible, and hand out what is to be sent."""
-        if self.phase is Phase.STARTING and self._cycle_at is not None and not self._fleets.busy:
+        listened = self._cycle_at is not None and now >= self._listens_until
+        if self.phase is Phase.STARTING and listened and not self._fleets.busy:
             self._start_up(now)
         elif self._collect_until != NEVER and self._fleets.sampled(self._synchronised_at):
             self._collect_until = NEVER
@@ -237,6 +260,8 @@ class Bridge:
     def _wake_at(self) -> Nanoseconds:
         if self.phase is Phase.FINISHED or self._cycle_at is None:
             return NEVER
+        if self.phase is Phase.FAILED and self._task is None:
+            return self._cycle_at
         first = min(self._cycle_at, self._collect_until)
         first = min(first, self._release_at)
         first = min(first, self._gate_deadline())
@@ -254,6 +279,8 @@ class Bridge:
     def _start_up(self, now: Nanoseconds) -> None:
         """Take all drives to the next task; where one failed, switch all of them off and say so."""
         failures = self._fleets.failures
+        if self._refused(now):
+            return
         if failures:
             self.failure = "; ".join(failures)
             self.phase = Phase.FAILED
@@ -264,12 +291,26 @@ class Bridge:
         else:
             self.phase = Phase.RUNNING
 
+    def _refused(self, now: Nanoseconds) -> bool:
+        """Whether another master was heard before anything was sent; this bridge stays silent then."""
+        masters = self._fleets.masters(now) if self._task is None and self.phase is Phase.STARTING else {}
+        if masters:
+            self.failure = "; ".join(f"link '{name}': {what}" for name, what in masters.items())
+            self.phase = Phase.FAILED
+        return self._task is None and self.phase is Phase.FAILED
+
     def _come_to_rest(self, now: Nanoseconds) -> None:
         demanded, rests = self._pipeline.come_to_rest(now)
         self._outbox += demanded
-        self._outbox += self._pipeline.reported((self._waiting(), *self._permission.stops.holds), now)
-        stops = self._permission.stops
-        if (rests and not stops.under_way) or (now >= self._rest_until and not stops.escalating):
+        if not self.holding:
+            self._asked_at = NEVER
+        elif self._asked_at == NEVER:
+            self._asked_at = now
+        self._outbox += self._pipeline.reported((self._waiting(now), *self._permission.holds), now)
+        permission = self._permission
+        done = rests and permission.let_go and not permission.stops.under_way
+        late = now >= self._rest_until and not permission.letting_go.under_way
+        if done or (late and not permission.stops.escalating):
             self._leave(now)
 
     def _leave(self, now: Nanoseconds) -> None:
@@ -312,17 +353,25 @@ class Bridge:
 
     def _decide(self, request: Request, now: Nanoseconds) -> Verdict:
         stops = isinstance(request, EmergencyStop) or (isinstance(request, Disarm) and request.force)
+        if isinstance(request, Disarm) and stops and self.phase in (Phase.FAILED, Phase.LEAVING):
+            # The drives are on their way there, and a demand would end it.
+            return Verdict(accepted=True, reason="disarmed by force: the power is being taken already")
         if self.phase is Phase.RUNNING or stops:
-            return self._pipeline.decide(request, now)
-        hold = self._waiting()
+            verdict = self._pipeline.decide(request, now)
+            if self._task is None:
+                # It is remembered: no power comes on. To the devices nothing is said while it only listens.
+                self._outbox[:] = [packet for packet in self._outbox if packet.link == OPERATOR]
+            return verdict
+        hold = self._waiting(now)
         return Verdict(accepted=False, reason=hold.reason, temporary=self.phase is Phase.STARTING)
 
-    def _waiting(self) -> Hold:
+    def _waiting(self, now: Nanoseconds) -> Hold:
         """Say why nothing moves before the drives are ready, or after they failed."""
         if self.failure is not None:
             return Hold(FAILED.name, self.failure, FAILED, self._began_at)
         if self.phase is not Phase.STARTING:
-            return Hold(ENDS.name, ENDING, ENDS, self._began_at)
+            asked = self._asked_at <= now < self._asked_at + ASKED_AGAIN_WITHIN
+            return Hold(ENDS.name, HELD if asked else ENDING, ENDS, self._began_at)
         waiting = [driver.axis.title for driver in self._fleets.drivers if driver.busy]
         step = "" if self._task is None else f" ({self._task.value}: {', '.join(waiting)})"
         return Hold(STARTING.name, f"the drives are being set up{step}", STARTING, self._began_at)

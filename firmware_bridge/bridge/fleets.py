@@ -64,6 +64,16 @@ class Fleets:
         """Why no device on a link can be reached, by the link's name."""
         return {fleet.name: fleet.link.lost for fleet in self.all if fleet.link.lost is not None}
 
+    @property
+    def listens_for(self) -> Nanoseconds:
+        """How long a starting bridge listens before it sends anything."""
+        return max(fleet.link.listens_for for fleet in self.all)
+
+    def masters(self, now: Nanoseconds) -> dict[str, str]:
+        """Return what was heard of other masters, by the link's name."""
+        heard = {fleet.name: fleet.link.master(now) for fleet in self.all}
+        return {name: what for name, what in heard.items() if what is not None}
+
     def readings(self, now: Nanoseconds) -> dict[str, Reading]:
         """Return what the sensors have told, by their names; what is too old is left out."""
         return {name: reading for fleet in self.all for name, reading in fleet.readings(now).items()}

@@ -6,9 +6,11 @@ It answers every request with a reason. What the interlocks say comes in with th
 from typing import Final, Generic, TypeVar
 
 from firmware_bridge.bridge.fleets import Fleets
+from firmware_bridge.bridge.letting_go import LettingGo
 from firmware_bridge.bridge.stops import Stops
 from firmware_bridge.drivers.driver import BRING_UP, Driver, Power, Stop, Task
 from firmware_bridge.intent import (
+    NEVER_HEARD,
     Arm,
     ClearEmergencyStop,
     Disarm,
@@ -24,11 +26,14 @@ from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.table import Table
 from firmware_bridge.safety.rules import Rules
 from firmware_bridge.safety.snapshot import Hold, Snapshot
-from firmware_bridge.units import MILLISECOND, Nanoseconds
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 G = TypeVar("G", bound=Table)
 M = TypeVar("M")
 S = TypeVar("S")
+
+BRAKED_WITHIN: Final[Nanoseconds] = 3 * SECOND
+"""The longest way to rest before an ordered power-off."""
 
 
 class Permission(Generic[G, M, S]):
@@ -47,12 +52,16 @@ class Permission(Generic[G, M, S]):
         self._final = False
         self.stops: Final = Stops(robot, fleets)
         """Whether the axes obey when they are to stop."""
+        self.letting_go: Final = LettingGo(robot, fleets, outbox)
+        """Whether the robot stands by itself where its power shall go."""
         self.armed = False
         self.emergency_stopped = False
         self.mode = ""
         """The mode after a failed actuator; empty while the robot is whole."""
         self.powered_off = False
-        """A forced disarm took the power off; it stays off until arming puts it on again."""
+        """A forced disarm takes the power off at rest; it stays off until arming puts it on again."""
+        self._brakes_until: Nanoseconds = NEVER_HEARD
+        """So long the robot may take to come to rest for that; over as soon as it has."""
         self.paused = False
         self.parted = True
         """The operator was away, or another one drives, and has not let his controls go since."""
@@ -68,6 +77,28 @@ class Permission(Generic[G, M, S]):
     def forbids_power(self) -> bool:
         """Whether no drive may be given power now."""
         return self.emergency_stopped or self.powered_off
+
+    @property
+    def holds(self) -> tuple[Hold, ...]:
+        """What is to be told of stops, and of the letting go."""
+        return self.stops.holds + self.letting_go.holds
+
+    @property
+    def let_go(self) -> bool:
+        """Whether the power goes for good: it was ordered off at rest, or the robot has stood without it."""
+        return self.letting_go.let_go or (self.powered_off and self._brakes_until == NEVER_HEARD)
+
+    def ordered_off(self, now: Nanoseconds, *, rests: bool) -> Stop:
+        """Return what a forced disarm demands of all axes now: brake first, and no power from rest on."""
+        if rests or now >= self._brakes_until:
+            self._brakes_until = NEVER_HEARD
+        return Stop.POWER_OFF if self._brakes_until == NEVER_HEARD else Stop.QUICK_STOP
+
+    def order_off(self, now: Nanoseconds) -> None:
+        """Take the leave to move, and the power as soon as the robot rests."""
+        self.armed = False
+        if not self.powered_off:
+            self.powered_off, self._brakes_until = True, now + BRAKED_WITHIN
 
     def watch(self, holds: tuple[Hold, ...]) -> None:
         """Do what the holds' rows say: take the leave away, latch the emergency stop, part the operator."""
@@ -119,7 +150,7 @@ class Permission(Generic[G, M, S]):
             case Arm():
                 verdict = self._arm(seen, holds)
             case Disarm(force=force):
-                verdict = self._disarm_by_force() if force else self._disarm(seen)
+                verdict = self._disarm_by_force(seen) if force else self._disarm(seen)
             case EmergencyStop(final=final):
                 verdict = self._stop(final=final)
             case ClearEmergencyStop():
@@ -139,11 +170,14 @@ class Permission(Generic[G, M, S]):
         self.armed = False
         return Verdict(accepted=True, reason="emergency stop: it stays until it is cleared")
 
-    def _disarm_by_force(self) -> Verdict:
-        self.armed = False
-        self.powered_off = True
-        self._outbox += self._fleets.command_all(Stop.POWER_OFF)
-        return Verdict(accepted=True, reason="disarmed by force: the drives are without power")
+    def _disarm_by_force(self, seen: Snapshot[M, S]) -> Verdict:
+        now = seen.facts.now
+        self.order_off(now)
+        # Its own demand may be above zero still: what was measured counts.
+        stop = self.ordered_off(now, rests=self.rules.stands(seen))
+        self._outbox += self._fleets.command_all(stop)
+        does = "the drives are without power" if stop is Stop.POWER_OFF else "it brakes, then the power goes"
+        return Verdict(accepted=True, reason=f"disarmed by force: {does}")
 
     def _arm(self, seen: Snapshot[M, S], holds: tuple[Hold, ...]) -> Verdict:
         if self.armed:

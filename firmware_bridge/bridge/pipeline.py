@@ -104,20 +104,23 @@ class Pipeline(Generic[G, M, S]):
             self._asked_to_stop(ruling.stopped), self._demands(known), self._levels(ruling), now
         )
         self._advance(known.facts.axes)
-        self._keep(known, ruling.holds + self._permission.stops.holds)
+        self._keep(known, ruling.holds + self._permission.holds)
         return sent, self._operator.report(self.seen, self.holds, now)
 
     def come_to_rest(self, now: Nanoseconds) -> tuple[tuple[Packet, ...], bool]:
-        """Ramp down without asking anybody; return what goes to the devices, and whether the robot stands."""
+        """Ramp down and let go without asking anybody; return what goes to the devices, and whether it rests.
+
+        A robot that would not stand without power is not let go before it is ordered.
+        """
         known = self.known(now)
         rules = self._permission.rules
         rest = rules.body.rested(self._demanded, rules.groups)
         self._demanded = rules.body.ramped(self._demanded, rest, known.body, self._elapsed(now))
-        off = self._permission.powered_off
-        demands = self._all(Stop.POWER_OFF) if off else self._demands_of_body(known)
+        rests = rules.at_rest(known) and self._demand_rests(known)
+        demands = self._without_power(known, rests=rests) or self._demands_of_body(known)
         sent = self._stopped(demands.keys() | self._group_of.keys(), demands, self._kind.on_stop, now)
-        self._keep(known, self._permission.stops.holds)
-        return sent, off or (rules.at_rest(known) and rules.at_rest(self.seen))
+        self._keep(known, self._permission.holds)
+        return sent, rests or self._permission.powered_off
 
     def let_go(self, names: Collection[str], now: Nanoseconds) -> tuple[Packet, ...]:
         """Carry on to take the power from these axes, which have not confirmed that they have none."""
@@ -175,6 +178,7 @@ class Pipeline(Generic[G, M, S]):
             axes=axes,
             sensors=sensors,
             links_lost=fleets.links_lost,
+            masters=fleets.masters(now),
             paused=permission.paused,
             parted=permission.parted,
             mode=permission.mode,
@@ -253,12 +257,22 @@ class Pipeline(Generic[G, M, S]):
 
     def _demands(self, known: Snapshot[M, S]) -> Mapping[str, Demand]:
         """Return each axis's demand, in the order of the body."""
-        permission, rules = self._permission, self._permission.rules
-        if permission.powered_off:
-            return self._all(Stop.POWER_OFF)
-        if known.facts.emergency_stopped and rules.at_rest(known) and self._demand_rests(known):
-            return self._used(self._all(Stop.QUICK_STOP))
+        permission = self._permission
+        if permission.emergency_stopped or permission.powered_off:
+            rests = permission.rules.at_rest(known) and self._demand_rests(known)
+            return self._without_power(known, rests=rests) or self._demands_of_body(known)
+        permission.letting_go.not_asked(known.facts.now)
         return self._demands_of_body(known)
+
+    def _without_power(self, known: Snapshot[M, S], *, rests: bool) -> Mapping[str, Demand]:
+        """Return what takes the power of all axes, or keeps it at rest; nothing while they do not rest."""
+        permission, now = self._permission, known.facts.now
+        if permission.powered_off:
+            permission.letting_go.ordered(now)
+            return self._all(permission.ordered_off(now, rests=permission.rules.stands(known)))
+        without = permission.rules.without
+        stop = permission.letting_go.asked(rests=rests, now=now, without=without)
+        return {} if stop is None else self._used(self._all(stop))
 
     def _demands_of_body(self, known: Snapshot[M, S]) -> Mapping[str, Demand]:
         """Return what the body makes of what is demanded."""

@@ -16,7 +16,7 @@ from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.drivers.epos2.serial.line import MaxonLine
 from firmware_bridge.drivers.epos2.serial.plan import PlanError
 from firmware_bridge.kinds import kind_of
-from firmware_bridge.node import OPERATOR, Node, Stoppable
+from firmware_bridge.node import OPERATOR, Node, Stoppable, holds
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot, RobotFileError
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
@@ -51,6 +51,11 @@ class Narrated:
         self._late = 0
         self._late_told_at: Nanoseconds = 0
         self._holds: tuple[Hold, ...] = ()
+
+    @property
+    def holding(self) -> bool:
+        """Whether the node holds something after it was asked to end."""
+        return holds(self._node)
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Pass the packet on, and tell what has changed."""

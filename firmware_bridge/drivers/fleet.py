@@ -31,12 +31,18 @@ class Link(Protocol):
     beat_every: Nanoseconds
     """How often the devices are to be shown that the bridge lives."""
 
+    listens_for: Nanoseconds
+    """How long a starting bridge listens for another master before it sends; 0 where none is heard."""
+
     late: int
     """Cycles that began before the samples of the one before were in."""
 
     @property
     def lost(self) -> str | None:
         """Why no drive can be reached, in words; None while the link stands."""
+
+    def master(self, now: Nanoseconds) -> str | None:
+        """Return what was heard lately that only another master sends, in words; None where nothing was."""
 
     @property
     def wake_at(self) -> Nanoseconds:

@@ -15,6 +15,7 @@ from firmware_bridge.robot.model import (
     Robot,
     Sensor,
     Unit,
+    Unpowered,
 )
 from firmware_bridge.robot.problems import Problem, RobotFileError
 from firmware_bridge.robot.table import Table
@@ -37,4 +38,5 @@ __all__ = [
     "Sensor",
     "Table",
     "Unit",
+    "Unpowered",
 ]

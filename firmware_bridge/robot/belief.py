@@ -8,6 +8,8 @@ from firmware_bridge.robot.table import Positive, Table
 
 STANDS: Final = 1.0 / 80.0
 """Share of its top speed below which an axis stands."""
+RUBS: Final = 1.0 / 20.0
+"""Share of its motor's continuous current that friction may take."""
 
 
 class Belief(Table):
@@ -23,6 +25,9 @@ class Belief(Table):
     """In a second squared: it changes its speed at least so fast. Half the gentlest of its drive's."""
     cruise: Positive | None = None
     """In a second: it approaches a position at least so fast. Half of what its drive is told."""
+    friction: Positive | None = None
+    """In A: what friction alone may hold. One that stands with more would move without power. A 20th of what
+    its drive may give for ever: a motor without load takes 2 to 3 % of it, gear and wheels a little."""
     holds_with: Positive | None = None
     """In A: more it does not take to stand where it is. What its drive may give for ever."""
     lag_ms: Annotated[int, Field(ge=10, le=10_000)] | None = None

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Final, Generic, Self, TypeAlias, TypeVar
 
 from pydantic import Field, field_validator, model_validator
 
-from firmware_bridge.robot.belief import STANDS, Belief
+from firmware_bridge.robot.belief import RUBS, STANDS, Belief
 from firmware_bridge.robot.settings.epos2 import Epos2AnalogueInput, Epos2Axis, Epos2DigitalOutput, Epos2Link
 from firmware_bridge.robot.table import Finite, Name, Positive, Table
 from firmware_bridge.robot.zero import Zero, ZeroFrom
@@ -38,6 +38,15 @@ class Unit(StrEnum):
     METRE = "m"
 
 
+class Unpowered(StrEnum):
+    """What becomes of an axis that stands, and loses its power."""
+
+    HOLDS = "holds"
+    """It stays: its gear locks itself."""
+    FREE = "free"
+    """Only its device keeps it from moving."""
+
+
 class OperatorLink(Table):
     """The operator's link: how long silence is allowed, and the identity on MAVLink."""
 
@@ -67,6 +76,11 @@ class Axis(Table):
     """Radians of the motor for each `unit`."""
     direction: Annotated[int, Field(ge=-1, le=1)] = 1
     zero: Zero = Zero()
+    unpowered: Annotated[Unpowered, Field(strict=False)] = Unpowered.FREE
+    """Whether it stands without power; a free one keeps its power on a slope."""
+    stands_with: Name | None = None
+    """Free axes of one name stand on one floor, which may strain them against each other: the sum of their
+    currents tells a slope. One without is looked at alone."""
     belief: Belief = Belief()
     settings: AnyAxis
 
@@ -116,6 +130,11 @@ class Axis(Table):
     def holds_with(self) -> float:
         """The current in A above which it does not only stand."""
         return self.belief.holds_with or self.settings.continuous_current_ma / MILLIAMPERES
+
+    @property
+    def friction(self) -> float:
+        """The current in A that friction alone may hold, where the axis stands."""
+        return self.belief.friction or RUBS * self.settings.continuous_current_ma / MILLIAMPERES
 
     @property
     def called(self) -> str:

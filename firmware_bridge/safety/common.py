@@ -50,6 +50,7 @@ def whole_robot_rows(
             disarms=True,
         ),
         *(_link_row(name, link) for name, link in links.items()),
+        *(_master_row(name, link) for name, link in links.items()),
         Interlock(
             "battery low",
             _battery_low,
@@ -95,6 +96,23 @@ def _link_row(name: str, link: LinkTable) -> Interlock[G, M, S]:
         f"link lost: {name}",
         lost,
         "plug the adapter in again, then arm",
+        stops=None if link.stops is None else frozenset(link.stops),
+        clear_after=LINK_CLEARS_AFTER,
+        severity=Severity.CRITICAL,
+        disarms=link.stops is None,
+    )
+
+
+def _master_row(name: str, link: LinkTable) -> Interlock[G, M, S]:
+    """Return the row that holds while somebody else sends on a link what only its master sends."""
+
+    def heard(view: View[G, M, S]) -> str | None:
+        return view.facts.masters.get(name)
+
+    return Interlock(
+        f"another master: {name}",
+        heard,
+        "end the other program, or take it off the bus, then arm",
         stops=None if link.stops is None else frozenset(link.stops),
         clear_after=LINK_CLEARS_AFTER,
         severity=Severity.CRITICAL,

@@ -53,8 +53,11 @@ class Rules(Generic[G, M, S]):
 
         Each axis is asked: wheels that turn against each other leave the robot where it is, and do not rest.
         """
-        under_way = self.body.asked(seen.demanded, seen.body) | self.body.moving(seen.body)
+        return not self.body.asked(seen.demanded, seen.body) & self.travelling and self.stands(seen)
+
+    def stands(self, seen: Snapshot[M, S]) -> bool:
+        """Return whether the robot stands where it is, whatever it is told."""
         axes = seen.facts.axes
-        return not under_way & self.travelling and all(
+        return not self.body.moving(seen.body) & self.travelling and all(
             abs(axes[name].velocity) < bound for name, bound in self._rests_below
         )

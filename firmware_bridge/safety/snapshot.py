@@ -69,6 +69,8 @@ class Facts:
     """By the sensors' names; one that was never heard, or is silent for too long, is left out."""
     links_lost: Mapping[str, str]
     """Why no device on a link can be reached, by the link's name; empty while all links stand."""
+    masters: Mapping[str, str] = field(default_factory=dict)
+    """What only another master sends, heard lately on a link, by the link's name."""
     paused: bool = False
     """The operator has asked the robot to wait."""
     parted: bool = False

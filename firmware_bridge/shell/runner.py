@@ -2,7 +2,7 @@
 
 It refuses to know what the node is. On SIGINT, SIGTERM, an exception in the node, a lost port, the end of
 its time, or when a finite node has finished, it asks the node to stop, carries on until the node says that it
-is done, and closes the ports.
+is done, and closes the ports. A node that holds something then is carried on, and asked again at a signal.
 """
 
 import signal
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from types import FrameType
 from typing import Final
 
-from firmware_bridge.node import Finite, Node, Stoppable
+from firmware_bridge.node import Finite, Node, Stoppable, holds
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.shell.clock import Clock
 from firmware_bridge.shell.ports.port import LostPort, Port
@@ -47,7 +47,7 @@ def run(
     """Run a node on its ports until a signal comes, the time is over or it has finished; close the ports.
 
     The clock restarts at zero. What ended the run by force is raised when the node has stopped: LostPort, or
-    the node's own exception. A second signal ends the stopping at once.
+    the node's own exception. A second signal ends the stopping at once, unless the node is holding something.
     """
     carrier = _Carrier(node, ports, stop_within)
     clock.restart()
@@ -93,6 +93,7 @@ class _Carrier:
         self._node = node
         self._finite = node if isinstance(node, Finite) else None
         self._ports = dict(ports)
+        self._opened = len(ports)
         self._links = {port.fileno(): link for link, port in ports.items()}
         self._stop_within = stop_within
         self._wake_at: Nanoseconds = 0
@@ -122,12 +123,17 @@ class _Carrier:
         return self._finite is not None and not self._stopping and self._finite.finished
 
     def asked_to_stop(self, reason: str, now: Nanoseconds) -> None:
-        """Begin to stop; asked twice, end at once."""
-        if self._stopping:
+        """Begin to stop; asked twice, end at once, or ask a node that is holding something once more."""
+        if self._stopping and not self._holding:
             self._ended = True
             return
         self.reason = self.reason or reason
         self._stop(now)
+
+    @property
+    def _holding(self) -> bool:
+        """Whether the node, asked to stop, holds something; over a port that is lost it cannot."""
+        return self._stopping and holds(self._node) and len(self._ports) == self._opened
 
     def next_at(self) -> Nanoseconds:
         """Return when there is something to do, if nothing arrives before."""
@@ -136,6 +142,8 @@ class _Carrier:
 
     def over(self, now: Nanoseconds) -> bool:
         """Tell whether the run has ended: the node is done and all is sent, or its time to stop is over."""
+        if self._holding:
+            self._cut_off_at = now + self._stop_within
         if self._done and all(port.retry_at == NEVER for port in self._ports.values()):
             self.in_order = self._ended = True
         return self._ended or now >= self._cut_off_at

@@ -105,6 +105,13 @@ CASES: Final = (
         "the serial line to the drives is gone",
         LINK,
     ),
+    Case(
+        "another master: drives",
+        {"masters": {"drives": "somebody else sends SYNC: 080#"}},
+        {},
+        "somebody else sends SYNC: 080#",
+        LINK,
+    ),
     Case("wish unusable", intent(speed_mps=NAN), {}, "the speed asked for is nan"),
     Case("wish unusable", intent(speed_mps=math.inf), {}, "the speed asked for is inf"),
     Case("wish unusable", intent(steer_rad=NAN), {}, "the steer angle asked for is nan"),

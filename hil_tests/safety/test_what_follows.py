@@ -25,6 +25,7 @@ ALL: Final = None
 FOLLOWS: Final = {
     "emergency stop": (ALL, "disarms", "blocks arming"),
     "link lost: drives": (ALL, "disarms", "blocks arming"),
+    "another master: drives": (ALL, "disarms", "blocks arming"),
     # Arming must not wait for what only arming changes, nor for who speaks of motion afterwards.
     "not armed": (ALL,),
     "operator silent": (ALL, "parts"),

@@ -184,13 +184,17 @@ def test_an_orderly_end_leaves_every_drive_without_power(rides: Ridden) -> None:
         assert state in (State.SWITCH_ON_DISABLED, State.READY_TO_SWITCH_ON)
 
 
-def test_a_forced_disarm_takes_the_power_off_and_the_robot_rolls_out(rides: Ridden) -> None:
+def test_a_forced_disarm_brakes_within_a_cycle_and_takes_the_power_off_at_rest(rides: Ridden) -> None:
     ride = rides(ARMED, step(4.0, speed_mps=0.5), step(6.0, force_disarm=True), seconds=20)
     ride.runs_until(6.05)
     for drive in ride.rig.devices.drives.values():
-        assert state_of(drive.store.get(STATUSWORD)) is State.SWITCH_ON_DISABLED, "within one cycle"
+        assert state_of(drive.store.get(STATUSWORD)) is State.QUICK_STOP_ACTIVE, "within one cycle"
+    began = ride.now["x_m"]
     ride.runs_until(7.0)
-    assert ride.now["speed_mps"] > 0.35, "nothing brakes it but friction"
+    assert ride.now["x_m"] - began < 0.14
+    assert ride.stands_from(6.0, slower_than=0.01) < 6.5
+    for drive in ride.rig.devices.drives.values():
+        assert state_of(drive.store.get(STATUSWORD)) is State.SWITCH_ON_DISABLED
     assert not ride.held("axis fault")
     assert ride.hardest() < 1.45
     assert max(abs(ride.now[f"current_{axis.name}_a"]) for axis in ride.rig.robot.axes) < 0.1

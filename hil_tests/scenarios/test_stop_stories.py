@@ -6,10 +6,11 @@ import pytest
 
 from emulators.robots.rars import RarsStep as Step
 from emulators.wires import DatagramWire
-from firmware_bridge.bridge import Bridge
+from firmware_bridge.bridge import Bridge, Phase
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.kinds import find, kind_of
-from firmware_bridge.node import OPERATOR
+from firmware_bridge.node import CAN, OPERATOR
+from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.units import to_seconds
@@ -162,18 +163,72 @@ def test_an_end_that_a_drive_does_not_confirm_goes_on_to_the_last_step_and_names
     assert one.rig.devices.drives["right"].store.get(at.CONSUMER_HEARTBEAT_1) != 0
 
 
-def test_a_second_bridge_that_is_ended_at_once_leaves_no_drive_with_power(rides: Ridden) -> None:
-    """It finds drives that another one drives: what it has touched it stops before it goes."""
-    one = driven(rides, "can", fresh=True)
-    one.runs_until(DEAF_S)
-    second = Bridge(RARS, kind_of(RARS))
+def second_bridge(one: Ride) -> tuple[Bridge, list[Packet]]:
+    """Start a second bridge on the drives' bus, now; return it, and the frames that it sends there."""
+    second, sent = Bridge(RARS, kind_of(RARS)), list[Packet]()
     links: dict[str, Wire] = {"drives": one.rig.can_wire, OPERATOR: DatagramWire()}
     one.rig.world.attach("second", guarded(second, RARS), links)
-    one.runs(0.005)
+    one.rig.can_wire.observe(lambda _, sender, packet: sent.append(packet) if sender == "second" else None)
+    return second, sent
+
+
+@pytest.mark.parametrize("after_s", [0.0, 0.005, 0.1, 0.19])
+def test_a_second_bridge_that_is_ended_at_once_leaves_the_first_one_s_robot_alone(
+    rides: Ridden, after_s: float
+) -> None:
+    one = driven(rides, "can", fresh=True)
+    one.runs_until(DEAF_S)
+    second, sent = second_bridge(one)
+    one.runs(after_s)
     one.rig.world.stop("second")
-    one.runs_until(DEAF_S + 2.0)
+    one.runs_until(DEAF_S + 1.0)
     assert second.finished
-    assert second.unconfirmed == ()
-    assert unpowered(one)
-    assert one.stands_from(DEAF_S, slower_than=0.01) < DEAF_S + 1.0
+    assert sent == []
+    assert one.now["armed"]
+    assert one.now["speed_mps"] == pytest.approx(0.3, abs=0.02)
+
+
+def test_a_second_bridge_refuses_to_start_and_says_why(rides: Ridden) -> None:
+    one = driven(rides, "can", fresh=True)
+    one.runs_until(DEAF_S)
+    second, sent = second_bridge(one)
+    one.runs_until(DEAF_S + 1.0)
+    assert second.phase is Phase.FAILED
+    assert second.failure is not None
+    assert second.failure.startswith("link 'drives': somebody else sends ")
+    one.rig.world.stop("second")
+    one.runs(1.0)
+    assert second.finished
+    assert sent == []
+    assert one.now["armed"]
+    assert one.now["speed_mps"] == pytest.approx(0.3, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("frame", "told"),
+    [
+        (Packet(CAN, BEAT, b"\x05"), "somebody else sends the heartbeat of this bridge, node 100: 764#05"),
+        (Packet(CAN, canopen.SYNC, b""), "somebody else sends SYNC: 080#"),
+        (Packet(CAN, canopen.NMT, b"\x01\x09"), "somebody else sends a network command: 000#0109"),
+        (
+            Packet(CAN, 0x502, bytes.fromhex("0F0000000000")),
+            "somebody else sends node 2 (right rear wheel) set-points: 502#0F0000000000",
+        ),
+    ],
+    ids=["heartbeat", "sync", "network command", "set-point"],
+)
+def test_another_master_stops_the_robot_and_blocks_arming_while_it_is_heard(
+    rides: Ridden, frame: Packet, told: str
+) -> None:
+    one = driven(rides, "can", step(6.5, speed_mps=0.0), step(8.0, arm=True), step(10.5, arm=True))
+    one.runs_until(DEAF_S)
+    sender = one.rig.world._stations["left"]  # noqa: SLF001 - a stranger's word
+    while to_seconds(one.rig.world.now) < 8.5:
+        one.rig.can_wire.carry(sender, frame)
+        one.runs(0.25)
+    assert one.stands_from(DEAF_S, slower_than=0.01) < DEAF_S + 0.8
     assert not one.now["armed"]
+    assert one.held("another master: drives") == [told]
+    one.runs_until(11.0)
+    assert "another master: drives" not in one.holding
+    assert one.now["armed"]

@@ -43,6 +43,8 @@ class DriveFeedback:
         self.statusword = 0
         self.operational = False
         """Whether the drive listens to set-points."""
+        self.found_operational: bool | None = None
+        """Whether it listened to them when it was first found; None before that."""
         self.restarted = False
         """Whether it booted since it was found: its set-up is lost."""
         self.expected = False

@@ -47,6 +47,8 @@ NEWEST_ERROR: Final = at.Address(at.ERROR_HISTORY_COUNT.index, 1)
 def find(axis: Axis, feedback: DriveFeedback) -> Script:
     """Take the node to pre-operational, no reset: it may be moving. Wait until it answers."""
     feedback.expected = False
+    if feedback.found_operational is None:
+        feedback.found_operational = feedback.operational
     row = setup.identity(axis)[0]
     return (
         nmt(axis, NmtCommand.ENTER_PRE_OPERATIONAL),
@@ -96,12 +98,12 @@ def enable(axis: Axis, feedback: DriveFeedback, set_point: SetPoint) -> Script:
 
 
 def leave(axis: Axis, feedback: DriveFeedback, set_point: SetPoint) -> Script:
-    """Take the power off in order, end the watch over the bridge, stop process data.
+    """Take the power off in order, end the watch over the bridge, stop process data unless it flowed before.
 
     The task fails, and leaves the watch on, where the drive's own statusword does not confirm that it has no
     power: object by object where it does not by process data.
     """
-    confirmed = (Do(lambda: _confirmed_off(axis, feedback)), *_farewell(axis, setup.farewell()))
+    confirmed = (Do(lambda: _confirmed_off(axis, feedback)), *_farewell(axis, feedback, setup.farewell()))
     if not feedback.operational:
         return (Do(lambda: _come_to_rest(axis, feedback, at_last=True)), *confirmed)
     return (
@@ -239,14 +241,15 @@ def _restarted(axis: Axis, feedback: DriveFeedback, polls: int) -> Ask:
     return Ask(Transfer(at.STATUSWORD, attempts=1), judge)
 
 
-def _farewell(axis: Axis, rows: tuple[Row, ...]) -> Script:
+def _farewell(axis: Axis, feedback: DriveFeedback, rows: tuple[Row, ...]) -> Script:
     """Write what is written before leaving; a drive that refuses is left as it is."""
     if not rows:
-        return (nmt(axis, NmtCommand.ENTER_PRE_OPERATIONAL),)
+        left = NmtCommand.START if feedback.found_operational else NmtCommand.ENTER_PRE_OPERATIONAL
+        return (nmt(axis, left),)
 
     def judge(outcome: Outcome) -> Script:
         # Its own watch over the heartbeat will stop it: that is what the watch is for.
-        return () if isinstance(outcome, SdoError) else _farewell(axis, rows[1:])
+        return () if isinstance(outcome, SdoError) else _farewell(axis, feedback, rows[1:])
 
     return (Ask(Transfer(rows[0].address, rows[0].raw, attempts=1), judge),)
 

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-from firmware_bridge.node import OPERATOR, Node, Stoppable
+from firmware_bridge.node import OPERATOR, Node, Stoppable, holds
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
@@ -80,6 +80,11 @@ class Guarded:
     def refusals(self) -> tuple[Refusal, ...]:
         """The newest refusals, oldest first."""
         return tuple(self._refusals)
+
+    @property
+    def holding(self) -> bool:
+        """Whether the node holds something after it was asked to end."""
+        return holds(self.node)
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Pass a packet on, and judge what the node sends."""

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from firmware_bridge.teleop.mavlink import dialect
-from firmware_bridge.units import MILLISECOND
+from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.bridge.bench import ACCEPTED, ARM, DENIED, RPM_AT_03, TEMPORARILY_REJECTED, driving
@@ -177,8 +177,7 @@ def test_disarming_at_rest_keeps_power_on_and_holds_still(armed: "Bench") -> Non
     assert set(armed.words("left", begin)) == {(0x000F, 0)}
 
 
-def test_a_forced_disarm_takes_the_power_off_at_once(armed: "Bench") -> None:
-    driving(armed)
+def test_a_forced_disarm_at_rest_takes_the_power_off_at_once(armed: "Bench") -> None:
     begin = armed.now
     assert armed.commands(ARM, 0.0, FORCE) == ACCEPTED
     assert armed.now - begin <= MILLISECOND
@@ -186,6 +185,32 @@ def test_a_forced_disarm_takes_the_power_off_at_once(armed: "Bench") -> None:
     after = armed.now
     armed.runs(0.5)
     assert {word for name in armed.drives for word, _ in armed.words(name, after)} == {0x0000}
+
+
+def test_a_forced_disarm_under_way_brakes_at_once_and_takes_the_power_off_at_rest(armed: "Bench") -> None:
+    driving(armed)
+    begin = armed.now
+    assert armed.commands(ARM, 0.0, FORCE) == ACCEPTED
+    assert armed.now - begin <= MILLISECOND
+    assert {drive.state for drive in armed.drives.values()} == {State.QUICK_STOP_ACTIVE}
+    assert armed.commands(ARM, 0.0, FORCE) == ACCEPTED, "a station repeats it"
+    armed.runs(0.5)
+    assert {drive.state for drive in armed.drives.values()} == {State.SWITCH_ON_DISABLED}
+    words = [word for word, _ in armed.words("left", begin)]
+    assert words == sorted(words, reverse=True)
+    assert set(words) == {0x000B, 0x0000}
+
+
+def test_a_forced_disarm_takes_the_power_of_what_does_not_come_to_rest(armed: "Bench") -> None:
+    """Within 3 s at the latest: an encoder that shows motion must not keep the power on."""
+    driving(armed)
+    left = armed.drives["left"]
+    begin = armed.now
+    assert armed.commands(ARM, 0.0, FORCE) == ACCEPTED
+    while armed.now < begin + 3.1 * SECOND:
+        left.position += 2_000.0
+        armed.runs(0.05)
+    assert {drive.state for drive in armed.drives.values()} == {State.SWITCH_ON_DISABLED}
 
 
 def test_after_a_forced_disarm_arming_enables_again_and_is_asked_for_twice(armed: "Bench") -> None:
@@ -198,17 +223,34 @@ def test_after_a_forced_disarm_arming_enables_again_and_is_asked_for_twice(armed
     assert armed.arms() == ACCEPTED
 
 
-def test_an_emergency_stop_ramps_down_then_latches_a_quick_stop(armed: "Bench") -> None:
+def test_an_emergency_stop_ramps_down_stands_and_then_lets_go(armed: "Bench") -> None:
     driving(armed)
     begin = armed.now
     assert armed.commands(SAFETY_SWITCH, STOP) == ACCEPTED
-    armed.runs(1)
+    armed.runs(0.6)
     words = armed.words("left", begin)
     ramp = [rpm for word, rpm in words if word == 0x000F]
     assert ramp == sorted(ramp, reverse=True)
     assert max(earlier - later for earlier, later in pairwise([RPM_AT_03, *ramp])) <= 351
     assert words[-1] == (0x000B, 0)
     assert {drive.state for drive in armed.drives.values()} == {State.QUICK_STOP_ACTIVE}
+    armed.runs(0.4)
+    assert armed.words("left", begin)[-1] == (0x0000, 0)
+    assert {drive.state for drive in armed.drives.values()} == {State.SWITCH_ON_DISABLED}
+
+
+def test_cleared_after_it_was_let_go_it_is_armed_as_after_a_quick_stop(armed: "Bench") -> None:
+    armed.commands(SAFETY_SWITCH, STOP)
+    armed.runs(1)
+    assert armed.commands(SAFETY_SWITCH, CLEAR) == ACCEPTED
+    armed.runs(0.2)
+    assert armed.drives["left"].state is State.SWITCH_ON_DISABLED
+    assert armed.arms() == TEMPORARILY_REJECTED
+    armed.runs(0.2)
+    assert armed.arms() == ACCEPTED
+    armed.runs(3)
+    driving(armed)
+    assert armed.drives["left"].rpm == RPM_AT_03
 
 
 def test_an_emergency_stop_is_left_by_clearing_and_arming(armed: "Bench") -> None:

@@ -150,7 +150,7 @@ def test_the_orderly_end_stops_disables_and_leaves(armed: "Bench") -> None:
     driving(armed)
     begin = armed.now
     armed.stops()
-    armed.runs(1.5)
+    armed.runs(3.5)
     assert armed.bridge.finished
     words = [word for word, _ in armed.words("left", begin)]
     ramp = [rpm for word, rpm in armed.words("left", begin) if word == 0x000F]
@@ -165,7 +165,7 @@ def test_the_orderly_end_stops_disables_and_leaves(armed: "Bench") -> None:
 
 def test_a_finished_bridge_is_silent(armed: "Bench") -> None:
     armed.stops()
-    armed.runs(1)
+    armed.runs(3)
     begin = armed.now
     armed.runs(0.5)
     assert [sender for now, sender, _ in armed.frames if now > begin and sender == "bridge"] == []
@@ -215,7 +215,7 @@ def test_an_exception_in_the_pipeline_ends_in_the_same_orderly_stop(
     driving(bench)
     begin = bench.now
     bridge.fails = True
-    bench.runs(1.5)
+    bench.runs(3.5)
     assert isinstance(bench.carrier.failed, ZeroDivisionError)
     assert bridge.finished
     ramp = [rpm for word, rpm in bench.words("left", begin) if word == 0x000F]

@@ -98,11 +98,11 @@ def test_a_recorded_walk_to_operation_enabled(bench: "Bench") -> None:
     ]
 
 
-def test_the_heartbeat_comes_every_50_ms_from_the_start(bench: "Bench") -> None:
+def test_the_heartbeat_comes_every_50_ms_once_it_has_listened(bench: "Bench") -> None:
     bench.starts()
     beats = bench.sent(0x764)
     assert {payload for _, payload in beats} == {"05"}
-    assert len(beats) == 30
+    assert len(beats) == 26, "it listens for 200 ms first"
     assert all(
         abs(later[0] - earlier[0] - 50 * MILLISECOND) < MILLISECOND for earlier, later in pairwise(beats)
     )
@@ -194,7 +194,7 @@ def test_a_drive_that_boots_late_is_waited_for(bench: "Bench") -> None:
 
 
 def test_a_drive_that_restarts_while_it_is_set_up_is_named(bench: "Bench") -> None:
-    bench.runs(0.03)
+    bench.runs(0.23)
     bench.inject("lift", bench.drives["lift"].boots())
     bench.runs(1)
     assert bench.bridge.failure == "node 4 (scissor lift): it restarted by itself and lost its set-up"

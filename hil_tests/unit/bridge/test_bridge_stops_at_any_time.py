@@ -9,6 +9,7 @@ from firmware_bridge.drivers.driver import Task
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.units import MILLISECOND
 from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.bridge.bench import ACCEPTED, ARM, DENIED, RPM_AT_03, TEMPORARILY_REJECTED, driving
 
 if TYPE_CHECKING:
@@ -53,6 +54,37 @@ def test_what_stops_while_starting_keeps_the_power_from_coming_on(
     assert states(bench) == {State.OPERATION_ENABLED}
 
 
+@both
+def test_what_stops_while_it_only_listens_is_kept_and_says_nothing_to_the_drives(
+    bench: "Bench", order: tuple[Any, ...]
+) -> None:
+    bench.runs(0.1)
+    assert bench.commands(*order) == ACCEPTED
+    assert [packet for _, sender, packet in bench.frames if sender == "bridge"] == []
+    bench.runs(2)
+    assert bench.bridge.phase is Phase.RUNNING
+    assert states(bench) <= WITHOUT_POWER
+
+
+def test_ended_while_it_only_listens_it_is_finished_at_once_and_has_said_nothing(bench: "Bench") -> None:
+    bench.runs(0.19)
+    bench.stops()
+    assert bench.bridge.finished
+    bench.runs(1)
+    assert bench.frames == []
+    assert bench.bridge.unconfirmed == ()
+
+
+def test_a_forced_disarm_does_not_end_the_way_on_which_the_power_goes(armed: "Bench") -> None:
+    armed.stops()
+    while armed.bridge.phase is not Phase.LEAVING:
+        armed.world.run(armed.now + MILLISECOND // 10)
+    assert armed.commands(*FORCED_DISARM) == ACCEPTED
+    armed.runs(0.5)
+    assert armed.bridge.finished
+    assert {drive.memory[at.CONSUMER_HEARTBEAT_1] for drive in armed.drives.values()} == {bytes(4)}
+
+
 def test_a_stop_is_not_cleared_before_the_drives_are_set_up(bench: "Bench") -> None:
     runs_until(bench, Task.IDENTIFY)
     bench.commands(*EMERGENCY_STOP)
@@ -70,16 +102,18 @@ def test_both_are_obeyed_after_a_failed_start(bench: "Bench", order: tuple[Any, 
     assert bench.commands(*order) == ACCEPTED
 
 
-def test_while_it_comes_to_rest_a_forced_disarm_takes_the_power_at_once(armed: "Bench") -> None:
+def test_while_it_comes_to_rest_a_forced_disarm_brakes_and_takes_the_power_at_rest(armed: "Bench") -> None:
     driving(armed)
     armed.stops()
     armed.runs(0.05)
     assert armed.bridge.phase is Phase.STOPPING
     assert armed.drives["left"].rpm > RPM_AT_03 // 2
     assert armed.commands(*FORCED_DISARM) == ACCEPTED
+    assert states(armed) == {State.QUICK_STOP_ACTIVE}
+    armed.runs(0.2)
     assert states(armed) <= WITHOUT_POWER
-    armed.runs(1)
-    assert armed.bridge.finished
+    armed.runs(0.3)
+    assert armed.bridge.finished, "it was ordered: nobody looks whether the robot stands by itself"
     assert states(armed) <= WITHOUT_POWER
     assert armed.bridge.unconfirmed == ()
 
@@ -90,7 +124,7 @@ def test_while_it_comes_to_rest_an_emergency_stop_is_latched_and_told(armed: "Be
     assert armed.commands(*EMERGENCY_STOP) == ACCEPTED
     armed.runs(0.2)
     assert armed.bridge.seen.facts.emergency_stopped
-    armed.runs(1)
+    armed.runs(3)
     assert armed.bridge.finished
     assert states(armed) <= WITHOUT_POWER
 

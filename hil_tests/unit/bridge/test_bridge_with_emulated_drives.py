@@ -73,7 +73,7 @@ def test_an_orderly_end_leaves_drives_without_power_and_without_fault(
     bench.runs(1.5)
     begin = bench.now
     bench.stops()
-    bench.runs(2)
+    bench.runs(3.5)
     assert bench.bridge.finished
     assert below.plant.read("speed") == pytest.approx(0.0, abs=0.01)
     emergencies = [p for now, _, p in bench.frames if now > begin and 0x081 <= p.address <= 0x0FF]

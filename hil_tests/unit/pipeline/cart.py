@@ -249,13 +249,18 @@ class PaperLink:
 
     answers_within: Nanoseconds = 10 * MILLISECOND
     beat_every: Nanoseconds = 50 * MILLISECOND
+    listens_for: Nanoseconds = 0
     late = 0
     wake_at: Nanoseconds = NEVER
 
     def __init__(self, name: str) -> None:
         self.name = name
         self.lost: str | None = None
+        self.heard_master: str | None = None
         self.beats: list[Nanoseconds] = []
+
+    def master(self, _now: Nanoseconds) -> str | None:
+        return self.heard_master
 
     def sample(self, _now: Nanoseconds) -> tuple[Packet, ...]:
         return ()

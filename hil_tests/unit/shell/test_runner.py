@@ -163,6 +163,50 @@ def test_a_second_signal_ends_at_once() -> None:
     assert 0x100 not in port.written
 
 
+class Gripping(Winding):
+    """Asked to end, by a signal at its 2nd tick, it holds something until it is asked again."""
+
+    holding = False
+    asked = 0
+    held = 0
+    ticks_before_second = 12
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        if not self.holding:
+            return super().wake(now)
+        self.held += 1
+        if self.held == self.ticks_before_second:
+            signal.raise_signal(signal.SIGINT)
+        return Reaction((Packet("can", 0x200, b""),), now + self.period)
+
+    def tick(self, number: int) -> None:
+        if number == 2:
+            signal.raise_signal(signal.SIGINT)
+
+    def stop(self, now: Nanoseconds) -> Reaction:
+        self.asked += 1
+        self.holding = self.asked == 1
+        return Reaction((), now + self.period) if self.holding else super().stop(now)
+
+
+def test_a_node_that_holds_something_is_not_cut_off_and_is_asked_again_by_a_second_signal() -> None:
+    node, port = Gripping(), Flat()
+    ending = run(node, {"can": port}, Clock(), stop_within=20 * MILLISECOND)
+    assert ending.in_order
+    assert node.asked == 2
+    assert port.written.count(0x200) == node.ticks_before_second, "60 ms, and the limit is 20 ms"
+    assert port.written[-3:] == [0x100, 0x100, 0x100]
+
+
+def test_over_a_lost_port_nothing_is_held() -> None:
+    node, port = Gripping(), Flat(lost_at=5)
+    clock = Clock()
+    with pytest.raises(LostPort):
+        run(node, {"can": port}, clock, stop_within=20 * MILLISECOND)
+    assert clock.now() < SECOND
+    assert node.held < node.ticks_before_second
+
+
 def test_a_node_that_never_comes_to_rest_is_cut_off() -> None:
     class Endless(Winding):
         def stop(self, now: Nanoseconds) -> Reaction:

@@ -87,6 +87,7 @@ LOUD = {
     "not armed": Severity.NOTICE,
     "emergency stop": Severity.CRITICAL,
     "link lost: drives": Severity.CRITICAL,
+    "another master: drives": Severity.CRITICAL,
     "axis silent": Severity.CRITICAL,
     "axis fault": Severity.CRITICAL,
     "axis does not follow": Severity.CRITICAL,

@@ -5,16 +5,19 @@ from typing import Final
 
 from firmware_bridge.drivers.epos2.can.drive import Epos2OnCan
 from firmware_bridge.drivers.epos2.inputs_outputs import inputs_of, outputs_at, outputs_of
+from firmware_bridge.drivers.epos2.process_data import SET_POINT_COB_ID
 from firmware_bridge.drivers.fleet import Fleet
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.settings.epos2 import Epos2Link
-from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
+from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire import can, canopen
 from firmware_bridge.wire.canopen import NODE_MASK, NmtState
 
 ANSWERS_WITHIN: Final[Nanoseconds] = 10 * MILLISECOND
 """The drives answer a SYNC within a millisecond; later ones are not waited for."""
+REMEMBERED: Final[Nanoseconds] = SECOND
+"""So long a frame of another master counts: it may be back any moment."""
 
 
 def can_fleet(robot: AnyRobot, name: str) -> Fleet:
@@ -32,6 +35,8 @@ class CanLink:
         self.name = name
         self.answers_within = ANSWERS_WITHIN
         self.beat_every = table.bridge_heartbeat_ms * MILLISECOND
+        self.listens_for = table.bridge_silent_ms * MILLISECOND
+        """Whoever keeps the drives' watch content beats within that time."""
         self.late = 0
         """Always: the samples of a cycle leave at its SYNC."""
         self.lost: str | None = None
@@ -42,6 +47,17 @@ class CanLink:
         beat = canopen.encode_heartbeat(NmtState.OPERATIONAL)
         self._beat = Packet(name, canopen.ERROR_CONTROL + table.bridge_node, beat)
         self._sync = Packet(name, canopen.SYNC, b"")
+        self._masters = _masters(self._drives, table)
+        """What only a master sends: our own frames do not come back to us."""
+        self._master: tuple[Nanoseconds, str, Packet] | None = None
+        """When one was heard last, what it is, and its frame."""
+
+    def master(self, now: Nanoseconds) -> str | None:
+        """Return what was heard of another master lately, with its frame."""
+        if self._master is None or now >= self._master[0] + REMEMBERED:
+            return None
+        _, what, packet = self._master
+        return f"somebody else sends {what}: {packet.address:03X}#{packet.payload.hex().upper()}"
 
     def sample(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Send SYNC."""
@@ -57,9 +73,27 @@ class CanLink:
         """Take a frame; those of strangers, remote requests and error reports are ignored."""
         if packet.address & ~can.STANDARD_MASK:
             return ()
+        if packet.address in self._masters:
+            self._master = (now, self._masters[packet.address], packet)
+            return ()
         drive = self._by_node.get(packet.address & NODE_MASK)
         return () if drive is None else drive.hear(packet, now)
 
     def wake(self, _now: Nanoseconds) -> tuple[Packet, ...]:
         """Do nothing."""
         return ()
+
+
+def _masters(drives: Iterable[Epos2OnCan], table: Epos2Link) -> dict[int, str]:
+    """Return what only the master of these drives sends, in words, by its identifier.
+
+    Requests for objects are not in it: an engineer may read a drive while the robot drives.
+    """
+    beat = canopen.ERROR_CONTROL + table.bridge_node
+    axes = [drive.axis for drive in drives]
+    return {
+        canopen.NMT: "a network command",
+        canopen.SYNC: "SYNC",
+        beat: f"the heartbeat of this bridge, node {table.bridge_node}",
+        **{SET_POINT_COB_ID[axis.command] + axis.settings.node: f"{axis.called} set-points" for axis in axes},
+    }

@@ -7,7 +7,7 @@ command means. Commands for a line that is gone are dropped; the node knows.
 from collections import deque
 from typing import Final
 
-from firmware_bridge.node import LINE_BACK, LINE_LOST, Node, Stoppable
+from firmware_bridge.node import LINE_BACK, LINE_LOST, Node, Stoppable, holds
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 from firmware_bridge.wire.maxon.frame import Frame, Generation, Outcome
@@ -40,6 +40,11 @@ class MaxonLine:
         self._outbox: list[Packet] = []
         self._wake_at: Nanoseconds = 0
         self._gone = False
+
+    @property
+    def holding(self) -> bool:
+        """Whether the node holds something after it was asked to end."""
+        return holds(self.node)
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Take bytes of the line, or a packet of another link."""

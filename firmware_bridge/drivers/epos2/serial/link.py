@@ -48,6 +48,8 @@ class SerialLink:
         self.name = name
         self.answers_within = answers_within
         self.beat_every = table.bridge_heartbeat_ms * MILLISECOND
+        self.listens_for: Nanoseconds = 0
+        """Frames of another master on the bus behind the gateway do not come to this end of the line."""
         self.late = 0
         self.longest_cycle: Nanoseconds = 0
         """From the begin of a cycle to the end of its last command, where no drive had tasks to do."""
@@ -70,6 +72,9 @@ class SerialLink:
     def lost(self) -> str | None:
         """Why no drive can be reached."""
         return LOST if self._exchange.gone else None
+
+    def master(self, _now: Nanoseconds) -> None:
+        """Tell nothing: what others send on the bus stays behind the gateway."""
 
     @property
     def wake_at(self) -> Nanoseconds:

@@ -1,0 +1,219 @@
+"""Whether the robot stands by itself: looked at before its power goes, and watched for a while after.
+
+All axes let go together. Beforehand the current is looked at that each free axis needs to stand: more than
+friction explains means a slope, and the power stays until it is ordered off. One that moves nevertheless is
+given power again. It refuses to know why the power shall go; an order that takes it asks nobody here.
+"""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from math import isfinite
+from typing import Final
+
+from firmware_bridge.bridge.fleets import Fleets
+from firmware_bridge.drivers.driver import Driver, Power, Stop, Task, Tells
+from firmware_bridge.packet import Packet
+from firmware_bridge.robot import AnyRobot, Unpowered
+from firmware_bridge.safety.row import Row, Severity
+from firmware_bridge.safety.snapshot import Hold
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+
+LOOKS_FOR: Final[Nanoseconds] = 500 * MILLISECOND
+"""The base rests for so long before its currents are believed: they are averages, and decay from braking."""
+AVERAGED: Final[Nanoseconds] = 250 * MILLISECOND
+"""Over the last part of it; on a serial line a current comes once in this time at least."""
+WATCHED_FOR: Final[Nanoseconds] = 2 * SECOND
+"""What has not moved by then stands."""
+SLIPS_S: Final = 0.25
+"""One that goes further than in this time at the speed below which it rests does not stand."""
+HELD: Final = Row(
+    "held with power",
+    "block the wheels, then disarm by force; where the program ends, Ctrl-C twice within 5 s lets go, too",
+    severity=Severity.CRITICAL,
+    blocks_arming=False,
+)
+
+
+class Stage(Enum):
+    """How far the letting go has come."""
+
+    KEPT = "kept"
+    """Nobody has asked for it, or the base does not rest yet."""
+    LOOKED_AT = "looked at"
+    WATCHED = "watched"
+    """Without power; a free axis that moves now gets it again."""
+    LET_GO = "let go"
+    HELD = "held with power"
+    """Until it is ordered off."""
+
+
+@dataclass(slots=True)
+class _Axis:
+    """A free axis: nothing but its device keeps it where it is."""
+
+    driver: Driver
+    silent_after: Nanoseconds
+    pulls: float = 0.0
+    """Sum of the currents that were looked at, A."""
+    looks: int = 0
+    was_at: float = 0.0
+    """Its position when it was let go."""
+    let_go: bool = False
+
+    @property
+    def powered(self) -> bool:
+        """Whether it may have torque, as far as its device has told."""
+        return self.driver.feedback.power not in (Power.OFF, Power.FAULT)
+
+    def silent(self, now: Nanoseconds) -> bool:
+        """Whether its device has not been heard for too long."""
+        return now - self.driver.feedback.heard_at >= self.silent_after
+
+    @property
+    def slips(self) -> bool:
+        """Whether it moves, or has moved, since it was let go."""
+        feedback, bound = self.driver.feedback, self.driver.axis.rests_below
+        return abs(feedback.velocity) > bound or abs(feedback.position - self.was_at) > SLIPS_S * bound
+
+    def look(self, now: Nanoseconds) -> None:
+        """Take the current of one instant; NaN where it is not known."""
+        feedback, told = self.driver.feedback, Tells.CURRENT in self.driver.tells
+        known = told and feedback.power is not Power.UNKNOWN and not self.silent(now)
+        current = feedback.current_a if known else None
+        self.pulls += float("nan") if current is None else current
+        self.looks += 1
+
+    @property
+    def pulled(self) -> float:
+        """The current with which it stands, A; NaN where it is not known."""
+        return self.pulls / self.looks if self.looks else float("nan")
+
+
+class LettingGo:
+    """The way of a whole robot from rest with power to rest without."""
+
+    __slots__ = ("_free", "_hold", "_outbox", "_since", "stage")
+
+    def __init__(self, robot: AnyRobot, fleets: Fleets, outbox: list[Packet]) -> None:
+        """Take the drives, and where to put what is to be sent at once."""
+        self._outbox = outbox
+        self._free: Final = tuple(
+            _Axis(driver, robot.links[driver.axis.link].silent_ms * MILLISECOND)
+            for driver in fleets.drivers
+            if driver.axis.unpowered is Unpowered.FREE
+        )
+        self.stage = Stage.KEPT
+        self._since: Nanoseconds = 0
+        """When the stage began."""
+        self._hold: Hold | None = None
+
+    @property
+    def holds(self) -> tuple[Hold, ...]:
+        """What is to be told."""
+        return () if self._hold is None else (self._hold,)
+
+    @property
+    def held(self) -> bool:
+        """Whether the robot keeps its power because it would not stand without."""
+        return self.stage is Stage.HELD
+
+    @property
+    def let_go(self) -> bool:
+        """Whether it has lost its power, and has stood without it for long enough."""
+        return self.stage is Stage.LET_GO
+
+    @property
+    def under_way(self) -> bool:
+        """Whether the base has rested and it is not known yet whether it stands by itself, or it does not."""
+        return self.stage not in (Stage.KEPT, Stage.LET_GO)
+
+    def asked(self, *, rests: bool, now: Nanoseconds, without: Collection[str] = ()) -> Stop | None:
+        """Go on where the power shall go; return what all axes shall do, None while the base does not rest.
+
+        `without` are the axes that the robot's mode does without.
+        """
+        if self.stage in (Stage.KEPT, Stage.LOOKED_AT) and not rests:
+            self._enter(Stage.KEPT, now)
+        elif self.stage is Stage.KEPT:
+            self._enter(Stage.LOOKED_AT, now)
+            for axis in self._free:
+                axis.pulls, axis.looks = 0.0, 0
+        elif self.stage is Stage.LOOKED_AT:
+            self._look(now, without)
+        elif self.stage is Stage.WATCHED:
+            self._watch(now)
+        return self._demand()
+
+    def not_asked(self, now: Nanoseconds) -> None:
+        """Learn that the power shall stay as it is; what was let go is still watched, until it has power."""
+        if self.stage is Stage.WATCHED and not any(axis.driver.busy for axis in self._free):
+            self._watch(now)
+        else:
+            self._enter(Stage.KEPT, now)
+
+    def ordered(self, now: Nanoseconds) -> None:
+        """Learn that the power goes by an order: nothing is looked at, and nothing gets it again."""
+        self._enter(Stage.KEPT, now)
+
+    def _demand(self) -> Stop | None:
+        if self.stage is Stage.KEPT:
+            return None
+        if self.stage in (Stage.WATCHED, Stage.LET_GO):
+            return Stop.POWER_OFF
+        # A quick stop would end the tasks that give power again.
+        return Stop.REST if any(axis.driver.busy for axis in self._free) else Stop.QUICK_STOP
+
+    def _look(self, now: Nanoseconds, without: Collection[str]) -> None:
+        powered = [axis for axis in self._free if axis.powered and axis.driver.axis.name not in without]
+        if now >= self._since + LOOKS_FOR - AVERAGED:
+            for axis in powered:
+                axis.look(now)
+        if now < self._since + LOOKS_FOR:
+            return
+        # One that is silent is stopped by its own watch: what is left holds the robot, and can tell.
+        heard = [axis for axis in powered if not axis.silent(now)]
+        together: dict[str, list[_Axis]] = {}
+        for axis in heard or powered:
+            together.setdefault(axis.driver.axis.stands_with or axis.driver.axis.name, []).append(axis)
+        for axes in together.values():
+            reason = _pulls(axes)
+            if reason is not None:
+                self._keep(reason, now)
+                return
+        for axis in self._free:
+            axis.let_go, axis.was_at = axis in powered, axis.driver.feedback.position
+        self._enter(Stage.WATCHED if powered else Stage.LET_GO, now)
+
+    def _watch(self, now: Nanoseconds) -> None:
+        free = [axis for axis in self._free if axis.let_go]
+        slips = next((axis for axis in free if axis.slips), None)
+        if slips is not None:
+            for axis in free:
+                if axis.driver.feedback.power is not Power.FAULT:
+                    self._outbox += axis.driver.begin((Task.ENABLE,), now)
+            called = slips.driver.axis.called
+            self._keep(f"on a slope: held with power; {called} moved when it was let go", now)
+        elif now >= self._since + WATCHED_FOR:
+            self._enter(Stage.LET_GO, now)
+
+    def _keep(self, reason: str, now: Nanoseconds) -> None:
+        self._enter(Stage.HELD, now)
+        self._hold = Hold(HELD.name, reason, HELD, now)
+
+    def _enter(self, stage: Stage, now: Nanoseconds) -> None:
+        if stage is not self.stage:
+            self.stage, self._since, self._hold = stage, now, None
+
+
+def _pulls(axes: Sequence[_Axis]) -> str | None:
+    """Return why these, which stand together, do not stand by themselves, as far as the looks tell."""
+    for axis in axes:
+        if not isfinite(axis.pulled):
+            return f"held with power: the current with which {axis.driver.axis.called} stands is not known"
+    pulled = abs(sum(axis.pulled for axis in axes))
+    friction = sum(axis.driver.axis.friction for axis in axes)
+    if pulled <= friction:
+        return None
+    called = " and ".join(axis.driver.axis.called for axis in axes)
+    return f"on a slope: held with power, {pulled:.2f} A at {called}, and friction explains {friction:.2f} A"

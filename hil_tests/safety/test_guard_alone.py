@@ -1,0 +1,133 @@
+"""What the guard refuses by itself, with no bridge before it, over CAN and serial: the worst for RARS."""
+
+from typing import Final
+
+import pytest
+
+from firmware_bridge.packet import Packet
+from firmware_bridge.units import MILLISECOND
+from firmware_bridge.wire.epos2 import address as at
+from hil_tests.safety.guard_bench import Bench, position, sample, status, wheel, write
+from hil_tests.safety.guard_robots import RARS
+from hil_tests.safety.serial_bench import SerialBench, done, number, reading, speed, target, value, word
+
+CYCLE: Final = 50 * MILLISECOND
+ENABLE, HALT, GO, OFF, QUICK_STOP = 0x000F, 0x010F, 0x003F, 0x0000, 0x000B
+POWERED: Final = (0x0737, 0x0717, 0x071F)
+"""Operation enabled, quick stop active, fault reaction active."""
+TOP: Final = 3972
+
+
+def serial_desk() -> SerialBench:
+    """All four enabled at rest, as the drives have confirmed."""
+    desk = SerialBench()
+    for node in (1, 2, 3, 4):
+        said = word(node, ENABLE)
+        assert desk.says(said) == (said,)
+        desk.hears(done(said))
+    return desk
+
+
+def in_force(sent: tuple[Packet, ...], before: dict[int, int]) -> dict[int, int]:
+    """The wheels' speeds after these frames, in rpm."""
+    rpm = dict(before)
+    for packet in sent:
+        if packet.address in (0x501, 0x502):
+            rpm[packet.address - 0x500] = int.from_bytes(packet.payload[2:6], "little", signed=True)
+    return rpm
+
+
+@pytest.mark.parametrize("rpm", [4000, -4000, TOP, -TOP, 2600])
+def test_over_can_both_wheels_never_go_faster_than_the_base_may(rpm: int) -> None:
+    bench = Bench(RARS)
+    in_use = in_force(bench.says(wheel(1, ENABLE, 0), wheel(2, ENABLE, 0)), {})
+    for cycle in range(1, 6):
+        sent = bench.says(wheel(1, ENABLE, rpm), wheel(2, ENABLE, rpm), now=cycle * CYCLE)
+        in_use = in_force(sent, in_use)
+        assert abs(in_use[1] + in_use[2]) * 0.025 * 2 * 3.14159265 / 60 / 26 < 0.502
+    assert bench.guard.refused
+
+
+@pytest.mark.parametrize("rpm", [4000, -4000, TOP, 2600])
+def test_over_a_serial_line_neither(rpm: int) -> None:
+    desk = serial_desk()
+    rates = {1: 0, 2: 0}
+    for cycle in range(1, 6):
+        for node in (1, 2):
+            for packet in desk.says(speed(rpm, node), now=cycle * CYCLE):
+                for each in (1, 2):
+                    for value_ in (0, rpm):
+                        rates[each] = value_ if packet == speed(value_, each) else rates[each]
+                desk.hears(done(packet), cycle * CYCLE)
+    assert abs(rates[1] + rates[2]) * 0.025 * 2 * 3.14159265 / 60 / 26 < 0.502
+    assert desk.refusals
+
+
+def test_over_can_wheels_and_lift_never_move_together_whoever_is_first() -> None:
+    bench = Bench(RARS)
+    bench.says(*(wheel(node, ENABLE, 0) for node in (1, 2)), position(4, ENABLE, 0))
+    bench.says(wheel(1, ENABLE, 100), wheel(2, ENABLE, 100))
+    assert bench.says(position(4, GO, 90_000), now=CYCLE) == (position(4, HALT, 0),)
+    bench = Bench(RARS)
+    bench.says(*(wheel(node, ENABLE, 0) for node in (1, 2)), position(4, GO, 90_000))
+    assert bench.says(wheel(1, ENABLE, 100), now=CYCLE) == (wheel(1, ENABLE, 0),)
+    assert bench.says(wheel(2, ENABLE, -100), now=CYCLE) == (wheel(2, ENABLE, 0),)
+
+
+def test_over_a_serial_line_neither_do_they() -> None:
+    desk = serial_desk()
+    assert desk.says(speed(100, 1)) == (speed(100, 1),)
+    assert desk.says(target(4, 90_000), word(4, GO)) == (target(4, 90_000), word(4, HALT))
+    desk = serial_desk()
+    assert desk.says(target(4, 90_000), word(4, GO)) == (target(4, 90_000), word(4, GO))
+    assert desk.says(speed(100, 1))[0] == speed(0, 1)
+
+
+def test_over_can_a_watch_ends_only_after_a_word_without_power() -> None:
+    ends = write(1, 0x1016, 1, bytes(4))
+    bench = Bench(RARS)
+    assert bench.says(ends) != (ends,), "what is not known counts as power"
+    for powered in POWERED:
+        for report in (status(1, powered), sample(1, powered)):
+            bench.hears(status(1, 0x0140), report)
+            assert bench.says(ends) != (ends,), hex(powered)
+    bench.hears(status(2, 0x0140))
+    assert bench.says(ends) != (ends,), "another drive's word"
+    bench.says(wheel(1, OFF, 0))
+    assert bench.says(ends) != (ends,), "what was sent is no confirmation"
+    bench.hears(status(1, 0x0140))
+    assert bench.says(ends) == (ends,)
+    bench.says(wheel(1, ENABLE, 0))
+    assert bench.says(ends) != (ends,), "power was asked for since"
+
+
+def test_over_a_serial_line_it_is_the_same() -> None:
+    ends = number(1, at.CONSUMER_HEARTBEAT_1, 0)
+    asks = reading(1, at.STATUSWORD)
+
+    def tells(desk: SerialBench, statusword: int) -> None:
+        for packet in desk.says(asks):
+            desk.hears(value(packet, statusword.to_bytes(2, "little")))
+
+    def leaves(desk: SerialBench) -> bool:
+        sent = desk.says(ends)
+        for packet in sent:
+            desk.hears(done(packet))
+        return ends in sent
+
+    desk = SerialBench()
+    assert not leaves(desk), "what is not known counts as power"
+    for powered in POWERED:
+        tells(desk, 0x0140)
+        tells(desk, powered)
+        assert not leaves(desk), hex(powered)
+    off = word(1, OFF)
+    for packet in desk.says(off):
+        desk.hears(done(packet))
+    assert not leaves(desk), "what was sent is no confirmation"
+    tells(desk, 0x0140)
+    assert leaves(desk)
+    on = word(1, ENABLE)
+    for packet in desk.says(on):
+        desk.hears(done(packet))
+    assert not leaves(desk), "power was asked for since"

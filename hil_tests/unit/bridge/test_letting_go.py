@@ -1,0 +1,295 @@
+"""Whether the robot stands by itself, at both edges of each time and bound; above paper devices."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Final
+
+import pytest
+
+from firmware_bridge.bridge.letting_go import LOOKS_FOR, SLIPS_S, WATCHED_FOR, LettingGo, Stage
+from firmware_bridge.drivers.driver import Power, Stop, Task, Tells
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+from hil_tests.unit.pipeline.cart import PaperCart, cart
+
+if TYPE_CHECKING:
+    from firmware_bridge.packet import Packet
+
+START: Final[Nanoseconds] = 10 * SECOND
+CYCLE: Final = 50 * MILLISECOND
+SILENT: Final = 250 * MILLISECOND
+FRICTION: Final = 10.0 / 20.0
+"""A: a 20th of the wheels' continuous current."""
+RESTS: Final = 12.0 / 80.0
+"""rad/s: an 80th of their top speed."""
+
+
+def held_brush(table: dict[str, Any]) -> None:
+    table["axes"][2]["unpowered"] = "holds"
+    for axis in table["axes"]:
+        axis.pop("stands_with", None)
+        axis.pop("belief", None)
+
+
+class Standing:
+    """A cart at rest, whose brush holds by itself."""
+
+    def __init__(self, change: Callable[[dict[str, Any]], None] = held_brush) -> None:
+        self.cart = PaperCart(cart(change))
+        self.sent: list[Packet] = []
+        self.letting_go = LettingGo(self.cart.robot, self.cart.fleets, self.sent)
+        self.now = START
+        self.without: frozenset[str] = frozenset()
+        for name in self.cart.drivers:
+            self.tells(name, current_a=0.1)
+
+    def tells(self, name: str, **what: Any) -> None:
+        """Let a device tell something, now."""
+        driver = self.cart.drivers[name]
+        driver.feedback = replace(driver.feedback, **{"heard_at": self.now, "sampled_at": self.now} | what)
+
+    def asks(self, later: Nanoseconds = 0, *, rests: bool = True) -> Stop | None:
+        """Ask for it, cycle by cycle, for so long; return the newest demand."""
+        until, silent = self.now + later, {}
+        for name, driver in self.cart.drivers.items():
+            silent[name] = self.now - driver.feedback.heard_at > 0
+        while True:
+            stop = self.letting_go.asked(rests=rests, now=self.now, without=self.without)
+            if self.now == until:
+                return stop
+            self.now = min(self.now + CYCLE, until)
+            for name in self.cart.drivers:
+                if not silent[name]:
+                    self.tells(name)
+
+    def power(self, power: Power) -> None:
+        for name in self.cart.drivers:
+            self.tells(name, power=power)
+
+    def lets_go(self) -> None:
+        assert self.asks(LOOKS_FOR) is Stop.POWER_OFF
+        self.power(Power.OFF)
+
+    def told(self) -> list[str]:
+        return [hold.reason for hold in self.letting_go.holds]
+
+
+def test_while_the_base_moves_nothing_is_asked_for() -> None:
+    standing = Standing()
+    assert standing.asks(SECOND, rests=False) is None
+    assert standing.letting_go.stage is Stage.KEPT
+
+
+def test_it_stands_with_power_while_it_is_looked_at_and_then_all_let_go() -> None:
+    standing = Standing()
+    assert standing.asks(LOOKS_FOR - 1) is Stop.QUICK_STOP
+    assert standing.letting_go.under_way
+    assert standing.asks(1) is Stop.POWER_OFF
+    assert standing.told() == []
+
+
+def test_a_base_that_moves_again_is_looked_at_anew() -> None:
+    standing = Standing()
+    standing.asks(LOOKS_FOR - 1)
+    assert standing.asks(rests=False) is None
+    assert standing.asks(LOOKS_FOR - 1) is Stop.QUICK_STOP
+    assert standing.asks(1) is Stop.POWER_OFF
+
+
+@pytest.mark.parametrize("name", ["left", "right"])
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize(("beyond", "held"), [(0.999, False), (1.001, True)])
+def test_more_than_friction_explains_holds_it_with_power(
+    name: str, sign: int, beyond: float, *, held: bool
+) -> None:
+    standing = Standing()
+    standing.tells(name, current_a=sign * beyond * FRICTION)
+    stop = standing.asks(LOOKS_FOR)
+    assert standing.letting_go.held is held
+    assert stop is (Stop.QUICK_STOP if held else Stop.POWER_OFF)
+    number = {"left": 1, "right": 2}[name]
+    reason = f"on a slope: held with power, 0.50 A at node {number} ({name}), and friction explains 0.50 A"
+    assert standing.told() == ([reason] if held else [])
+    assert standing.asks(WATCHED_FOR) is stop
+    assert standing.letting_go.held is held
+
+
+@pytest.mark.parametrize(("left", "held"), [(-1.0, False), (1.0, True), (-1.4 - 2 * FRICTION, True)])
+def test_what_stands_together_may_be_strained_against_each_other(left: float, *, held: bool) -> None:
+    def together(table: dict[str, Any]) -> None:
+        held_brush(table)
+        table["axes"][0]["stands_with"] = table["axes"][1]["stands_with"] = "wheels"
+
+    standing = Standing(together)
+    standing.tells("left", current_a=left)
+    standing.tells("right", current_a=1.3)
+    standing.asks(LOOKS_FOR)
+    assert standing.letting_go.held is held
+    if left > 0:
+        reason = "on a slope: held with power, 2.30 A at node 1 (left) and node 2 (right), and friction"
+        assert standing.told() == [f"{reason} explains 1.00 A"]
+
+
+def test_the_currents_of_braking_do_not_count() -> None:
+    standing = Standing()
+    standing.tells("left", current_a=5.0)
+    standing.asks(LOOKS_FOR // 2 - CYCLE)
+    standing.tells("left", current_a=0.0)
+    assert standing.asks(LOOKS_FOR // 2 + CYCLE) is Stop.POWER_OFF
+
+
+def test_an_axis_that_holds_by_itself_may_pull_as_it_likes() -> None:
+    standing = Standing()
+    standing.tells("brush", current_a=9.0)
+    standing.lets_go()
+
+
+@pytest.mark.parametrize("what", [{"current_a": None}, {"current_a": float("nan")}, {"power": Power.UNKNOWN}])
+def test_a_current_that_is_not_known_keeps_the_power(what: dict[str, Any]) -> None:
+    standing = Standing()
+    standing.tells("right", **what)
+    assert standing.asks(LOOKS_FOR) is Stop.QUICK_STOP
+    assert standing.told() == ["held with power: the current with which node 2 (right) stands is not known"]
+
+
+def test_a_driver_that_cannot_tell_it_keeps_the_power() -> None:
+    standing = Standing()
+    standing.cart.drivers["left"].tells = frozenset(Tells) - {Tells.CURRENT}
+    standing.asks(LOOKS_FOR)
+    assert standing.letting_go.held
+
+
+def silent_since(heard: set[str], *, early: int = 0, current_a: float = 0.1) -> Standing:
+    """Look at a cart of whose wheels only these are heard; the others since one silence, but for so much."""
+    standing = Standing()
+    standing.asks(LOOKS_FOR - SILENT)
+    standing.now += early
+    for name in ("left", "right"):
+        standing.tells(name, current_a=current_a)
+    standing.now = START + LOOKS_FOR
+    for name in heard:
+        standing.tells(name)
+    standing.letting_go.asked(rests=True, now=standing.now)
+    return standing
+
+
+@pytest.mark.parametrize(("early", "held"), [(0, True), (1, False)])
+def test_where_all_are_silent_nothing_is_known(early: int, *, held: bool) -> None:
+    assert silent_since(set(), early=early).letting_go.held is held
+
+
+@pytest.mark.parametrize(("current_a", "held"), [(0.1, False), (2.0, True)])
+def test_one_that_is_silent_leaves_it_to_those_that_are_heard(current_a: float, *, held: bool) -> None:
+    assert silent_since({"right"}, current_a=current_a).letting_go.held is held
+
+
+@pytest.mark.parametrize("power", [Power.OFF, Power.FAULT])
+def test_one_without_power_is_neither_looked_at_nor_given_any(power: Power) -> None:
+    standing = Standing()
+    standing.tells("left", power=power, current_a=None)
+    assert standing.asks(LOOKS_FOR) is Stop.POWER_OFF
+    standing.power(Power.OFF)
+    standing.tells("left", power=power, velocity=5.0)
+    standing.asks(CYCLE)
+    assert standing.letting_go.stage is Stage.WATCHED
+    standing.tells("right", velocity=5.0)
+    standing.asks()
+    assert standing.cart.drivers["left"].begun == []
+    assert standing.cart.drivers["right"].begun == [Task.ENABLE]
+
+
+def test_where_nothing_had_power_nothing_gets_it_however_it_is_pushed() -> None:
+    standing = Standing()
+    standing.power(Power.OFF)
+    standing.asks(LOOKS_FOR)
+    assert standing.letting_go.let_go
+    standing.tells("left", velocity=5.0, position=3.0)
+    assert standing.asks(WATCHED_FOR) is Stop.POWER_OFF
+    assert standing.cart.drivers["left"].begun == []
+
+
+def test_an_axis_that_the_mode_does_without_is_not_looked_at() -> None:
+    standing = Standing()
+    standing.without = frozenset({"left"})
+    standing.tells("left", current_a=9.0)
+    standing.lets_go()
+
+
+@pytest.mark.parametrize(
+    ("what", "slips"),
+    [
+        ({"velocity": RESTS}, False),
+        ({"velocity": 1.001 * RESTS}, True),
+        ({"velocity": -1.001 * RESTS}, True),
+        ({"position": 0.999 * SLIPS_S * RESTS}, False),
+        ({"position": -1.001 * SLIPS_S * RESTS}, True),
+        ({"position": 1.001 * SLIPS_S * RESTS}, True),
+    ],
+)
+def test_one_that_moves_after_it_was_let_go_is_caught(what: dict[str, Any], *, slips: bool) -> None:
+    standing = Standing()
+    standing.lets_go()
+    standing.tells("left", **what)
+    standing.asks()
+    begun = [standing.cart.drivers[name].begun for name in ("left", "right", "brush")]
+    assert begun == ([[Task.ENABLE], [Task.ENABLE], []] if slips else [[], [], []])
+    assert standing.letting_go.held is slips
+    if slips:
+        assert standing.told() == ["on a slope: held with power; node 1 (left) moved when it was let go"]
+        standing.cart.drivers["left"].busy = True
+        assert standing.asks() is Stop.REST, "a quick stop would end what gives it power"
+        standing.cart.drivers["left"].busy = False
+        assert standing.asks() is Stop.QUICK_STOP
+
+
+@pytest.mark.parametrize(("early", "caught"), [(1, True), (0, False)])
+def test_it_is_watched_for_2_s(early: int, *, caught: bool) -> None:
+    standing = Standing()
+    standing.lets_go()
+    standing.asks(WATCHED_FOR - early)
+    standing.tells("left", velocity=5.0)
+    standing.asks()
+    assert standing.letting_go.held is caught
+    assert standing.letting_go.let_go is not caught
+
+
+def test_one_in_fault_is_not_given_power() -> None:
+    standing = Standing()
+    standing.lets_go()
+    standing.tells("right", power=Power.FAULT)
+    standing.tells("left", velocity=5.0)
+    standing.asks()
+    assert standing.cart.drivers["right"].begun == []
+    assert standing.cart.drivers["left"].begun == [Task.ENABLE]
+
+
+def test_what_is_not_asked_for_any_more_is_watched_on_until_somebody_gives_power() -> None:
+    standing = Standing()
+    standing.lets_go()
+    standing.letting_go.not_asked(standing.now)
+    standing.tells("left", velocity=5.0)
+    standing.letting_go.not_asked(standing.now)
+    assert standing.cart.drivers["left"].begun == [Task.ENABLE]
+    standing.letting_go.not_asked(standing.now)
+    assert standing.told() == []
+    standing = Standing()
+    standing.lets_go()
+    standing.cart.drivers["right"].busy = True
+    standing.tells("left", velocity=5.0)
+    standing.letting_go.not_asked(standing.now)
+    assert standing.cart.drivers["left"].begun == []
+    assert standing.letting_go.stage is Stage.KEPT
+
+
+def test_an_order_ends_the_watch_and_the_holding() -> None:
+    standing = Standing()
+    standing.lets_go()
+    standing.letting_go.ordered(standing.now)
+    standing.tells("left", velocity=5.0)
+    standing.letting_go.ordered(standing.now)
+    assert standing.cart.drivers["left"].begun == []
+    standing = Standing()
+    standing.tells("left", current_a=2.0)
+    standing.asks(LOOKS_FOR)
+    standing.letting_go.ordered(standing.now)
+    assert not standing.letting_go.held
+    assert standing.told() == []

@@ -1,0 +1,61 @@
+"""What counts as another master's frame on a CAN link, and for how long, at both edges."""
+
+from typing import Final
+
+import pytest
+
+from firmware_bridge.drivers.epos2.can.fleet import REMEMBERED, can_fleet
+from firmware_bridge.drivers.epos2.serial.fleet import over_serial
+from firmware_bridge.drivers.fleet import Fleet
+from firmware_bridge.drivers.fleets import fleets_of
+from firmware_bridge.kinds import find
+from firmware_bridge.packet import Packet
+from firmware_bridge.units import MILLISECOND, Nanoseconds
+
+LINK: Final = "drives"
+ROBOT: Final = find("rars")
+HEARD: Final[Nanoseconds] = 7 * MILLISECOND
+
+
+def hears(address: int, payload: bytes = b"") -> Fleet:
+    fleet = can_fleet(ROBOT, LINK)
+    assert fleet.link.hear(Packet(LINK, address, payload), HEARD) == ()
+    return fleet
+
+
+@pytest.mark.parametrize(
+    ("address", "what"),
+    [
+        (0x000, "a network command: 000#"),
+        (0x080, "SYNC: 080#"),
+        (0x764, "the heartbeat of this bridge, node 100: 764#"),
+        (0x501, "node 1 (left rear wheel) set-points: 501#"),
+        (0x502, "node 2 (right rear wheel) set-points: 502#"),
+        (0x403, "node 3 (steering) set-points: 403#"),
+        (0x404, "node 4 (scissor lift) set-points: 404#"),
+    ],
+)
+def test_what_only_the_master_of_these_drives_sends(address: int, what: str) -> None:
+    link = hears(address).link
+    assert link.master(HEARD) == f"somebody else sends {what}"
+    assert link.master(HEARD + REMEMBERED - 1) is not None
+    assert link.master(HEARD + REMEMBERED) is None
+
+
+@pytest.mark.parametrize(
+    "address",
+    [
+        *(0x081, 0x100, 0x181, 0x281, 0x581, 0x601, 0x701, 0x763, 0x765),
+        *(0x401, 0x402, 0x503, 0x504, 0x405, 0x505),
+        *(0x8000_0000, 0x4000_0080, 0x8000_0764),
+    ],
+)
+def test_what_others_may_send(address: int) -> None:
+    """Drives, other nodes, an engineer's requests; frames with flags are none of CANopen's."""
+    assert hears(address).link.master(HEARD) is None
+
+
+def test_it_listens_as_long_as_the_drives_would_and_a_serial_line_hears_nobody() -> None:
+    assert can_fleet(ROBOT, LINK).link.listens_for == 200 * MILLISECOND
+    (line,) = fleets_of(over_serial(ROBOT))
+    assert (line.link.listens_for, line.link.master(0)) == (0, None)
