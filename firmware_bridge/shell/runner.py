@@ -163,7 +163,7 @@ class _Carrier:
     def _hear(self, ready: Sequence[int], now: Nanoseconds) -> None:
         for fileno in ready:
             link = self._links.get(fileno)
-            if link is None:
+            if link is None or self._done:
                 continue
             for address, payload in self._ports[link].read(now):
                 self._take(self._node.receive(Packet(link, address, payload), now), now)

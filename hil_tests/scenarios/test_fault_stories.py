@@ -230,7 +230,8 @@ def test_a_lift_that_says_it_is_not_where_it_was_sent_is_not_armed(rides: Ridden
     answers = [
         (entry.at, entry.text) for entry in ride.operator.diary.entries if entry.at >= from_seconds(11)
     ]
-    assert (from_seconds(11), "arm: denied") in answers
+    assert (from_seconds(11), "arm: temporarily rejected") in answers
+    assert any("its zero is lost" in text for _, text in answers)
     assert ride.now["lift_m"] == pytest.approx(0.05, abs=2e-4), "it has not moved"
     assert ride.fastest(9.0, 14.0) < 0.002
 

@@ -9,7 +9,7 @@ from emulators.bench.step import Input
 from emulators.rig import Rig
 from emulators.robots.rars import REHEARSAL
 from firmware_bridge.kinds import find
-from hil_tests.scenarios.ride import ARMED, Ride, step
+from hil_tests.scenarios.ride import ARMED, STANDS, Ride, step
 
 
 def test_the_robot_drives_with_the_published_answer_times() -> None:
@@ -18,7 +18,7 @@ def test_the_robot_drives_with_the_published_answer_times() -> None:
         title="a straight line",
         duration_s=8.0,
         input=Input.STICK,
-        step=(ARMED, step(3.5, speed_mps=0.2)),
+        step=(STANDS, ARMED, step(3.5, speed_mps=0.2)),
     )
     operator = ScriptedOperator(robot, REHEARSAL, mission, np.random.default_rng(0))
     rig = Rig(robot, REHEARSAL, operator, realistic_latency=True)

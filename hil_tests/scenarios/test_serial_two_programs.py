@@ -158,7 +158,9 @@ def test_a_second_station_on_another_port_clears_and_arms_nothing_but_may_stop(
     link = tmp_path / "rars.tty"
     drives = start("emulate", "rars", "--serial", "pty", "--serial-link", str(link), "--protocol", "v2")
     until(link.is_symlink, lambda: drives.told, lambda: None)
-    bridge = start("drive", "rars", "--serial", str(link), "--mavlink", f"udpin:127.0.0.1:{operator.port}")
+    stands = ("--zero", "lift=0", "--zero", "steer=0", "--state", str(tmp_path / "last.json"))
+    words = ("--serial", str(link), "--mavlink", f"udpin:127.0.0.1:{operator.port}", *stands)
+    bridge = start("drive", "rars", *words)
     other = Operator(operator.port)
 
     def both() -> None:
