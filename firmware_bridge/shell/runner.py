@@ -106,7 +106,7 @@ class _Carrier:
         """Carry what has arrived to the node, wake it where that is due, and carry what it sends."""
         try:
             self._hear(ready, now)
-            if now >= self._wake_at and not self._ended:
+            if now >= self._wake_at and not (self._ended or self._done):
                 self.latest_wake = max(self.latest_wake, now - self._wake_at)
                 self._take(self._node.wake(now), now)
             for port in tuple(self._ports.values()):

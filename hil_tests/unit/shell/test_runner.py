@@ -134,6 +134,20 @@ def test_frames_reach_the_node_by_a_thread_and_datagrams_by_a_socket(pair: tuple
     assert (0x80, b"") in far.read(0)
 
 
+def test_a_node_that_is_late_and_cannot_stop_is_not_woken_after_a_signal() -> None:
+    class Late(Ticking):
+        period = 0
+
+        def tick(self, tick: int) -> None:
+            if tick == 3:
+                signal.raise_signal(signal.SIGINT)
+
+    node, port = Late(), Flat()
+    ending = run(node, {"can": port}, Clock(), until=SECOND)
+    assert (ending.reason, ending.in_order) == ("SIGINT", True)
+    assert len(node.woken) == 3
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_lets_the_node_come_to_rest(number: signal.Signals) -> None:
     class Interrupted(Winding):
