@@ -132,8 +132,11 @@ class Client:
                 self.x = message.x
 
     def arms(self) -> None:
+        """Arm with the stick let go, as who drives must."""
+
         def armed() -> bool:
             self.link.mav.heartbeat_send(6, 8, 0, 0, 4)
+            self.link.mav.manual_control_send(1, 0, 0x7FFF, 0, 0, 0)
             self.link.mav.command_long_send(1, 1, 400, 0, 1, 0, 0, 0, 0, 0, 0)
             answer = self.link.recv_match(type="COMMAND_ACK", blocking=True, timeout=0.5)
             return answer is not None and answer.command == 400 and answer.result == 0
@@ -231,6 +234,7 @@ def test_the_drives_stop_by_themselves_when_the_bridge_is_killed(bench: Bench) -
     client = bench.joins()
     client.arms()
     client.says(0.3, 2.0)
+    assert bench.eye.speed() > 0.2
     bridge.ends(signal.SIGKILL)
     sleep(0.8)
     at_rest = bench.eye.metres()
