@@ -139,7 +139,11 @@ class Operator(Generic[G, M, S]):
 
     def _say_if_signed_in_vain(self, message: Message) -> None:
         session = self._session
-        if session.trust.key is None and not session.signed_in_vain and is_signed(message.get_msgbuf()):
+        if (
+            session.trust.key is None
+            and not session.signed_in_vain
+            and is_signed(bytes(message.get_msgbuf()))
+        ):
             session.signed_in_vain = True
             session.tell(Severity.WARNING, "signatures are not checked: this bridge has no key")
 

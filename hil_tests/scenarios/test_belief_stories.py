@@ -207,6 +207,7 @@ def beside(known: Following) -> float:
     return max(known.low - does, does - known.high)
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize(
     ("name", "mission", "floor"),
     [

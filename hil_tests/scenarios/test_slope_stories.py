@@ -224,6 +224,7 @@ def test_a_bridge_that_dies_on_a_slope_leaves_the_robot_to_roll(rides: Ridden) -
     assert one.fastest(STOPPED_S + 2.9) > 0.5
 
 
+@pytest.mark.interpreted
 def test_a_driver_that_tells_no_current_keeps_the_power(
     rides: Ridden, monkeypatch: pytest.MonkeyPatch
 ) -> None:
