@@ -20,6 +20,8 @@ PAUSE_S: Final = 0.8
 """Between two things that an operator does, on the average."""
 RECOVERS: Final = 0.3
 """So often he lets go, clears what is latched, and arms: else most of an evening is spent at rest."""
+POWER_S: Final = 3.0
+"""He waits up to so long for power that an emergency stop has taken."""
 DRIVES: Final = 0.3
 """So often he moves the first channel of his stick alone."""
 TRIES: Final = 50
@@ -130,6 +132,7 @@ class Draw:
                 found.append(self._step(now, {**self._lets_go(), "clear": True}))
                 if (now := self._later(now, 0.2)) < end - 0.1:
                     found.append(self._step(now, {"arm": True}))
+                now += float(self._chance.uniform(0.0, POWER_S))
             elif habit < RECOVERS + DRIVES:
                 found.append(self._step(now, {self._main: self._held(self._held_by[self._main])}))
             else:
@@ -144,13 +147,16 @@ class Draw:
         return dict.fromkeys(keys.values(), 0.0)
 
     def faults(self, begin: float, end: float, others: tuple[Fault, ...] = ()) -> tuple[Fault, ...]:
-        """Return what fails between two seconds, one thing after the other, each of them once."""
-        used, found = {fault.kind for fault in others}, []
-        for _ in range(int(self._chance.integers(0, 4))):
-            name = str(self._chance.choice(self._kinds)) if self._kinds else ""
-            if name and name not in used:
-                used.add(name)
-                found.append(self._fault(name, round(float(self._chance.uniform(begin, end)), 3)))
+        """Return what fails between two seconds, each kind once, and of one node no more than one thing."""
+        used = {word for fault in others for word in (fault.kind, str(getattr(fault, "node", "")))}
+        found = []
+        for _ in range(int(self._chance.integers(0, 4)) if self._kinds else 0):
+            name = str(self._chance.choice(self._kinds))
+            fault = self._fault(name, round(float(self._chance.uniform(begin, end)), 3))
+            words = {name, str(getattr(fault, "node", None) or name)}
+            if not words & used:
+                used |= words
+                found.append(fault)
         return tuple(found)
 
     def _fault(self, name: str, second: float) -> Fault:

@@ -171,11 +171,14 @@ class Search:
     def shrunk(self, found: Found) -> Found:
         """Leave out all noise, and each fault and step, without which the same rule is broken as well."""
         best = self._smaller(found, {"noise": type(found.mission.noise)()})
-        for key in ("fault", "step"):
-            for one in getattr(found.mission, key):
-                rest = tuple(other for other in getattr(best.mission, key) if other is not one)
-                if rest or key == "fault":
-                    best = self._smaller(best, {key: rest})
+        before = None
+        while best is not before:
+            before = best
+            for key in ("fault", "step"):
+                for one in getattr(before.mission, key):
+                    rest = tuple(other for other in getattr(best.mission, key) if other is not one)
+                    if rest or key == "fault":
+                        best = self._smaller(best, {key: rest})
         return best
 
     def _smaller(self, best: Found, change: dict[str, Any]) -> Found:

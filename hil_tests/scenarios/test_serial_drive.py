@@ -97,9 +97,11 @@ def test_every_interlock_holds_as_over_can(driven: Callable[[AnyRobot, str], Pat
     over_can, through = (
         json.loads((driven(robot, "interlocks") / "summary.json").read_text()) for robot in (RARS, USB)
     )
-    names, began = (
-        [[hold[key] for hold in told["holds"]] for told in (over_can, through)] for key in ("name", "began_s")
-    )
+    # A line reads the currents one by one: after a hard stop it may keep the power where CAN lets go.
+    holds = [
+        [hold for hold in told["holds"] if hold["name"] != "held with power"] for told in (over_can, through)
+    ]
+    names, began = ([[hold[key] for hold in told] for told in holds] for key in ("name", "began_s"))
     assert names[0] == names[1]
     # The set-up takes longer; what is wrong then follows it.
     first = ["starting", "not armed", "axis zero lost: steer", "axis zero lost: lift"]
