@@ -8,7 +8,6 @@ import pytest
 from emulators.bench import mission as missions
 from emulators.bench.rehearsal import rehearsal_of
 from firmware_bridge.bridge.permission import Permission
-from firmware_bridge.bridge.stops import Stops
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.intent import Verdict
 from firmware_bridge.kinds import find
@@ -79,11 +78,3 @@ def test_an_emergency_stop_that_does_nothing_is_found(monkeypatch: pytest.Monkey
     assert found.violation.name == "motion with power that may not be"
     assert any(step.emergency_stop for step in found.mission.step)
     assert len(found.mission.step) <= 4
-
-
-@pytest.mark.interpreted
-def test_a_stop_that_is_only_said_is_found_where_a_stranger_speaks(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Stops, "watch", lambda _, __, demands, *___: ((), dict(demands)))
-    one = search(find("carrier"), frozenset({Nature.STRANGER}))
-    found = found_by(one, 10)
-    assert [fault.kind for fault in found.mission.fault] == ["nmt_stranger"]
