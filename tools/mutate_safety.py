@@ -37,6 +37,7 @@ ACROSS_TESTS: Final = (
     "safety/test_guard_links.py",
     "safety/test_guard_sums.py",
 )
+ZERO_TESTS: Final = ("safety/test_guard_zero.py",)
 EVERY_ROBOTS_TESTS: Final = tuple(
     f"robots/test_every_robot.py::test_{what}"
     for what in (
@@ -48,23 +49,34 @@ EVERY_ROBOTS_TESTS: Final = tuple(
 )
 TARGETS: Final = {
     "motion/ramp": ("unit/motion/test_ramp.py",),
+    "safety/charge": ("unit/pipeline/test_charge.py",),
     "safety/common": (*GATE_TESTS, "safety/test_weaker_rows.py"),
     "safety/gate": (*GATE_TESTS, "safety/test_weaker_rows.py"),
     "safety/interlock": (*GATE_TESTS, "safety/test_weaker_rows.py"),
-    "safety/following": ("safety/test_following.py",),
+    "safety/following": ("safety/test_following.py", "unit/pipeline/test_disbelieved.py"),
     "safety/limits": GATE_TESTS,
     "safety/row": ("safety/test_what_follows.py",),
-    "safety/rules": ("safety/test_what_follows.py",),
-    "safety/snapshot": ("safety/test_gate_limits.py",),
+    "safety/rules": ("safety/test_what_follows.py", "unit/pipeline/test_rest.py"),
+    "safety/snapshot": (
+        "safety/test_gate_limits.py",
+        "safety/test_following.py",
+        "safety/test_what_follows.py",
+    ),
     "robots/rars/rules": GATE_TESTS,
     "carrier/rules": ("robots/test_carrier_rules.py", *EVERY_ROBOTS_TESTS),
     "safety/guard/guard": GUARD_TESTS + GUARD_SERIAL_TESTS + ACROSS_TESTS,
     "safety/guard/across_axes": ACROSS_TESTS,
-    "safety/guard/axis": GUARD_TESTS + ACROSS_TESTS,
+    "safety/guard/axis": GUARD_TESTS + ACROSS_TESTS + ZERO_TESTS,
     "safety/guard/bounds": ("safety/test_guard_bounds.py",),
-    "safety/guard/epos2_can": GUARD_TESTS + ACROSS_TESTS,
-    "safety/guard/epos2_serial": (*GUARD_SERIAL_TESTS, "safety/test_guard_reports.py", *ACROSS_TESTS),
-    "safety/guard/epos2_words": GUARD_TESTS[::-1],
+    "safety/guard/epos2_can": GUARD_TESTS + ACROSS_TESTS + ZERO_TESTS,
+    "safety/guard/epos2_serial": (
+        *GUARD_SERIAL_TESTS,
+        "safety/test_guard_reports.py",
+        *ACROSS_TESTS,
+        *ZERO_TESTS,
+    ),
+    "safety/guard/epos2_words": GUARD_TESTS[::-1] + ZERO_TESTS,
+    "safety/guard/zeroing": ZERO_TESTS,
     "safety/guard/writes": GUARD_TESTS[::-1] + GUARD_SERIAL_TESTS,
 }
 """Modules of `firmware_bridge` or an example, and the tests of `hil_tests` that must kill their mutants."""
