@@ -90,11 +90,11 @@ test: $(READY) ## run the tests, every behaviour once; `make check` judges the s
 	$(TESTED)
 
 # Three times as fast there, and the compiled core is what `make same` shows to be the same.
-long: LANE := -m 'long and not interpreted'
+long: LANE := -m 'long and not interpreted' --ignore=hil_tests/architecture
 long: TESTER := $(COMPILED)/bin/python -P
 long: $(COMPILED)/.ready ## run what `make test` has no time for: whole missions, a thousand instants
 	$(TESTED)
-	@$(BIN)/python -m pytest -n $(JOBS) --dist worksteal -q -m 'long and interpreted'
+	@$(BIN)/python -m pytest -n $(JOBS) --dist worksteal -q -m 'long and interpreted' --ignore=hil_tests/architecture
 
 test-all: test long ## run every test
 

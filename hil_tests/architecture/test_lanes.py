@@ -33,8 +33,8 @@ def test_one_lane_is_what_the_other_is_not_and_both_are_checked() -> None:
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     lanes = dict(re.findall(r"^([a-z-]+): LANE :=(.*)$", makefile, flags=re.MULTILINE))
     # What judges the sources is `make check`'s.
-    quick, long = " -m 'not long' --ignore=hil_tests/architecture", " -m 'long and not interpreted'"
-    assert lanes == {"test": quick, "long": long}
+    others = " --ignore=hil_tests/architecture"
+    assert lanes == {"test": f" -m 'not long'{others}", "long": f" -m 'long and not interpreted'{others}"}
     assert "worksteal -q -m 'long and interpreted'" in makefile
     assert "pytest -q -p no:xdist hil_tests/architecture" in makefile
     assert re.search(r"^test-all: test long ", makefile, flags=re.MULTILINE)
