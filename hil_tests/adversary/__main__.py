@@ -12,6 +12,7 @@ from pathlib import Path
 from emulators.bench.rehearsal import rehearsal_of
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.kinds import find
+from firmware_bridge.robot import RobotFileError
 from hil_tests.adversary.draw import Nature
 from hil_tests.adversary.search import Search, as_toml
 from hil_tests.adversary.truth import invariants
@@ -27,7 +28,10 @@ def main() -> int:
     words.add_argument("--seed", type=int, default=0, help="the first one")
     words.add_argument("--out", type=Path, default=Path("out/adversary"))
     told = words.parse_args()
-    robot = over_serial(find(told.robot)) if told.serial else find(told.robot)
+    try:
+        robot = over_serial(find(told.robot)) if told.serial else find(told.robot)
+    except RobotFileError as error:
+        words.error(str(error))
     natures = frozenset(map(Nature, told.natures))
     search = Search(robot, rehearsal_of(robot), invariants(robot), natures, print)
     driven, seed, count = 0.0, told.seed, 0

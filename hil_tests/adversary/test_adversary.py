@@ -12,6 +12,7 @@ from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.intent import Verdict
 from firmware_bridge.kinds import find
 from firmware_bridge.robot import AnyRobot
+from hil_tests.adversary.__main__ import main
 from hil_tests.adversary.draw import Nature
 from hil_tests.adversary.search import Found, Search, as_toml
 from hil_tests.adversary.truth import invariants
@@ -78,3 +79,13 @@ def test_an_emergency_stop_that_does_nothing_is_found(monkeypatch: pytest.Monkey
     assert found.violation.name == "motion with power that may not be"
     assert any(step.emergency_stop for step in found.mission.step)
     assert len(found.mission.step) <= 4
+
+
+def test_a_robot_that_there_is_not_is_one_line_and_no_find(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("sys.argv", ["adversary", "mars"])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 2, "1 says that something was found"
+    assert "mars: no such robot; perhaps 'rars'?" in capsys.readouterr().err
