@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from emulators.bench.columns import Sample, motor_speed
+from emulators.epos2.drive import Epos2
 from emulators.rig import Rig
 from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.robot.model import GuardExclusive, GuardSum
@@ -86,14 +87,14 @@ class Truth:
         turned = dict(zip(plant.output_names, plant.outputs, strict=True))
         powered = frozenset(name for name, axis in axes.items() if axis.powered)
         drives = rig.devices.drives
-        watched = {name for name in powered if self._watches(name) and not _watch(drives[name].store)}
+        unwatched = {name for name in powered if self._watches(name) and not _watch(drives[name])}
         return Look(
             self.robot,
             row,
             {axis.name: _of(axis, row[motor_speed(axis.name)]) for axis in self.robot.axes},
             {axis.name: _of(axis, turned[f"angle_{axis.name}"]) for axis in self._travelling},
             powered,
-            frozenset(watched),
+            frozenset(unwatched),
             bool(row["armed"]) and not told_to_stop,
         )
 
@@ -103,8 +104,9 @@ class Truth:
         return self.robot.links[axis.link].driver is Epos2Driver.CAN
 
 
-def _watch(store: object) -> int:
-    return int(store.get(at.CONSUMER_HEARTBEAT_1)) & 0xFFFF  # type: ignore[attr-defined] # the drives' object store
+def _watch(drive: Epos2) -> int:
+    """Return after how many ms of the bridge's silence a drive stops by itself; 0 for never."""
+    return int(drive.store.get(at.CONSUMER_HEARTBEAT_1)) & 0xFFFF
 
 
 def _of(axis: Axis, motor: float) -> float:
