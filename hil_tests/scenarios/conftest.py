@@ -1,10 +1,14 @@
 """Rides end with their test. Those that begin with an armed robot go on from one instant of one bench."""
 
+import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
+import can
 import pytest
 
 from emulators.robots.rars import RarsStep as Step
+from hil_tests.scenarios.real_bus import CHANNEL, Bench, Eye
 from hil_tests.scenarios.ride import Armed, Ridden, Ride, ride
 
 
@@ -40,3 +44,21 @@ def rides(armed: Callable[[], Armed]) -> Iterator[Ridden]:
     yield begin
     for one in made:
         one.rig.finish()
+
+
+@pytest.fixture
+def bench(tmp_path: Path, unused_port: int) -> Iterator[Bench]:
+    with can.Bus(interface="socketcan", channel=CHANNEL) as bus:
+        made = Bench(tmp_path, {}, Eye(bus), unused_port)
+        yield made
+        if made.client is not None:
+            made.client.link.close()
+        for program in made.programs.values():
+            if program.process.poll() is None:
+                program.process.kill()
+                program.process.wait()
+
+
+@pytest.fixture
+def unused_port() -> int:
+    return 14550 + time.monotonic_ns() % 1000
