@@ -126,8 +126,9 @@ NATURES ?= honest
 adversary: $(COMPILED)/.ready ## look for HOURS simulated hours for what breaks a rule of ROBOT; finds in out/adversary
 	@$(COMPILED)/bin/python -P -m hil_tests.adversary $(ROBOT) --hours $(HOURS) --natures $(NATURES)
 
-hour: $(READY) ## drive a simulated hour and watch the memory
+hour: $(READY) ## drive a simulated hour and watch the memory, and another and look for false alarms
 	@$(BIN)/python -m benchmarks.memory 60
+	@$(BIN)/python -m benchmarks.false_alarms 60
 
 clean: ## remove what was built and measured; .venv stays
 	rm -rf build dist out .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

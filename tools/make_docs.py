@@ -7,6 +7,7 @@ serial command with the mark `opcode`; the pages name them.
 # ruff: noqa: INP001 - a script, not a package
 
 import ast
+import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Final
@@ -14,6 +15,10 @@ from typing import Final
 from emulators.documents.pages import pages
 
 ROOT: Final = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT))
+
+from hil_tests.failures.page import sections  # noqa: E402 - it is found from the checkout only
+
 EMERGENCY: Final = "emergency"
 OPCODE: Final = "opcode"
 
@@ -39,7 +44,7 @@ def _codes(function: ast.FunctionDef, mark: str) -> Iterator[int]:
 
 def made() -> Mapping[str, str]:
     """Return every page by its file name."""
-    return pages(marked(EMERGENCY), marked(OPCODE))
+    return pages(marked(EMERGENCY), marked(OPCODE), {"rars": sections()})
 
 
 def main() -> None:

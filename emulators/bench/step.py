@@ -65,6 +65,7 @@ class Input(StrEnum):
 _ARM_DISARM = 400
 _SAFETY_SWITCH = 5300
 _TERMINATE = 185
+_PAUSE_CONTINUE = 193
 _FORCE = 21196
 
 
@@ -84,6 +85,8 @@ class Step(Table):
     """Emergency stop for good."""
     zero: Annotated[dict[str, Finite] | None, Field(min_length=1)] = None
     """Say where axes stand, by their roles, as read off the robot; it wants to know before it is armed."""
+    pause: Annotated[bool | None, Sends(_PAUSE_CONTINUE, lambda wait, _: (0.0 if wait else 1.0,), 1)] = None
+    """Come to rest and wait there; false: go on, the stick let go."""
     mode: Annotated[int | None, Field(ge=0), Sends(176, lambda mode, _: (1.0, mode))] = None
     """DO_SET_MODE's custom mode: 0 is the whole robot, others are its modes after a failed actuator."""
     guide: Annotated[str | None, Sends(176, lambda guide, robot: (1.0, 0.0, guides(robot).index(guide)))] = (

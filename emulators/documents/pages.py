@@ -161,10 +161,13 @@ drive only when the word that takes the power has been in force for `by_object` 
 confirmed it."""
 
 
-def pages(tests: emergencies.Tests, commands: serial_commands.Tests) -> Mapping[str, str]:
+def pages(
+    tests: emergencies.Tests, commands: serial_commands.Tests, measured: Mapping[str, Sequence[str]]
+) -> Mapping[str, str]:
     """Return every page by its file name.
 
-    `tests` tells which tests reach which emergency, `commands` which go through which serial command.
+    `tests` tells which tests reach which emergency, `commands` which go through which serial command,
+    `measured` what else there is to say of a robot's safety.
     """
     return {
         "objects.md": _objects(),
@@ -173,7 +176,7 @@ def pages(tests: emergencies.Tests, commands: serial_commands.Tests) -> Mapping[
         "power-machine.md": _machine(),
         "opcodes.md": _opcodes(commands),
         "faults.md": _faults(),
-        "safety.md": _safety(),
+        "safety.md": _safety(measured),
     }
 
 
@@ -261,7 +264,7 @@ def _faults() -> str:
     return _page("Faults that a mission can name", *parts)
 
 
-def _safety() -> str:
+def _safety(measured: Mapping[str, Sequence[str]]) -> str:
     parts = [SAFETY_TEXT, "## Every axis", AXIS_TEXT, table(safety.AXIS_HEADINGS, safety.axis_rows())]
     for kind, robot in safety.shipped():
         parts += [
@@ -292,4 +295,5 @@ def _safety() -> str:
             for link in reached.links:
                 parts.append(f"Link `{link}`, {reached.links[link].driver.value}:")
                 parts.append(table(safety.STOP_HEADINGS, safety.stops(reached, link)))
+        parts += measured.get(robot.name, ())
     return _page("What holds a robot back", *parts)

@@ -6,7 +6,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Final
+from typing import Any, Final
 
 LINKS: Final = ("can", "serial")
 CAN: Final = ("can",)
@@ -32,17 +32,20 @@ class Motion:
     steps: Mapping[str, float]
     axis: str
     """Which axis a failure of one axis hits: one that moves."""
+    then: Mapping[str, float] = field(default_factory=dict)
+    """What the operator asks for right after such a failure: at rest an axis shows little."""
     lifts: bool = False
     """Whether the way that counts is the lift's."""
 
 
-DRIVING: Final = (
-    Motion("ahead at 0.5 m/s", {"speed_mps": 0.5}, "left"),
-    Motion("backwards at 0.5 m/s", {"speed_mps": -0.5}, "right"),
-    Motion("at 0.4 m/s in a turn", {"speed_mps": 0.4, "steer_deg": 12.0}, "steer"),
+AHEAD: Final = Motion("ahead at 0.5 m/s", {"speed_mps": 0.5}, "left")
+BACK: Final = Motion("backwards at 0.5 m/s", {"speed_mps": -0.5}, "right")
+TURNING: Final = Motion(
+    "at 0.4 m/s in a turn", {"speed_mps": 0.4, "steer_deg": 12.0}, "steer", then={"steer_deg": -12.0}
 )
 LIFTING: Final = Motion("lifting at 0.1 m/s", {"lift_rate_mps": 0.1}, "lift", lifts=True)
-MOTIONS: Final = (*DRIVING, LIFTING)
+MOTIONS: Final = (AHEAD, BACK, TURNING, LIFTING)
+LETS_GO: Final = {"speed_mps": 0.0, "steer_deg": 0.0, "lift_rate_mps": 0.0}
 PHASES_MS: Final = (0, 17, 34)
 """When in a cycle of 50 ms it begins."""
 
@@ -59,10 +62,13 @@ class Cause:
     """The step's or the fault's keys."""
     hits: bool = False
     """Whether it hits one axis, the motion's."""
+    also: Mapping[str, object] = field(default_factory=dict)
+    """What the operator does at that instant, where the failure shows by it."""
     links: tuple[str, ...] = LINKS
     motions: tuple[Motion, ...] = MOTIONS
     tells: tuple[str, ...] = ()
-    """One of these holds begins, by how its name begins; empty: the order is its own word."""
+    """One of these holds begins, by how its name begins; empty: the order is its own word, or nobody is left
+    to tell."""
     category: int | None = None
     """Of the stop (EN 60204-1), where it is one that somebody asks for."""
     answer: str
@@ -71,20 +77,18 @@ class Cause:
     """What is left to the user."""
 
 
-_ROLLS: Final = "an axis without torque rolls out; on a slope only brakes hold it"
-_OFF: Final = "that drive has no power at once; the others ramp"
+_RAMP: Final = "ramp"
+_WATCH: Final = "each drive stops by its own watch, and has no power then"
+_ONE_OFF: Final = "that drive has no power, the others ramp"
+_ESCALATES: Final = "the others ramp; that one by the next step, and the next"
+_ON_A_SLOPE: Final = "on a slope it rolls then: brakes"
+_ROLLS_OUT: Final = "that axis rolls out, or drops what it holds: brakes"
 
 ASKED: Final = (
+    Cause(name="stick let go", by=By.OPERATOR, how=LETS_GO, category=2, answer=_RAMP),
+    Cause(name="pause", by=By.OPERATOR, how={"pause": True}, tells=("paused",), category=2, answer=_RAMP),
     Cause(
-        name="stick let go",
-        by=By.OPERATOR,
-        how={"speed_mps": 0.0, "steer_deg": 0.0, "lift_rate_mps": 0.0},
-        category=2,
-        answer="ramp",
-    ),
-    Cause(name="pause", by=By.OPERATOR, how={"pause": True}, tells=("paused",), category=2, answer="ramp"),
-    Cause(
-        name="disarm", by=By.OPERATOR, how={"disarm": True}, tells=("not armed",), category=2, answer="ramp"
+        name="disarm", by=By.OPERATOR, how={"disarm": True}, tells=("not armed",), category=2, answer=_RAMP
     ),
     Cause(
         name="emergency stop",
@@ -109,42 +113,238 @@ ASKED: Final = (
         tells=("not armed",),
         category=1,
         answer="quick stop, then no power in any place",
-        remains="on a slope it rolls then: brakes",
+        remains=_ON_A_SLOPE,
     ),
     Cause(
         name="end of the program",
         by=By.PROGRAM,
         what="ends",
-        tells=("ending",),
         category=1,
         answer="ramp, then no power where it stands by itself",
     ),
 )
 """Somebody asks for it."""
 
+
+def _fault(name: str, kind: str, answer: str, tells: str, **row: Any) -> Cause:
+    return Cause(name=name, by=By.FAULT, what=kind, answer=answer, tells=tuple(tells.split(", ")), **row)
+
+
+_FAULT: Final = "axis fault"
+_SILENT: Final = "axis silent"
+_GONE: Final = "axis silent, axis not enabled, axis zero lost, axis restarted"
+_MASTER: Final = "another master, axis not enabled, axis silent, axis fault, axis zero lost, axis restarted"
+_BELIEF: Final = "axis fault, axis does not follow, axis moves unasked, axis position repeats"
+
 FAILS: Final = (
-    Cause(
-        name="operator's link dead",
-        by=By.OPERATOR,
-        how={"silent_s": 20.0},
-        tells=("operator silent",),
-        answer="ramp",
+    _fault("operator's link dead", "datagram_loss", _RAMP, "operator silent"),
+    Cause(name="bridge's process dead", by=By.PROGRAM, what="dies", answer=_WATCH, remains=_ON_A_SLOPE),
+    _fault("bridge off the bus", "node_silent", _WATCH, _SILENT, how={"node": "bridge"}, remains=_ON_A_SLOPE),
+    _fault(
+        "serial adapter unplugged", "serial_unplugged", _WATCH, "link lost", links=SERIAL, remains=_ON_A_SLOPE
     ),
-    Cause(
-        name="bridge's process dead",
-        by=By.PROGRAM,
-        what="dies",
-        answer="each drive stops by its own watch, and has no power then",
-        remains="on a slope it rolls then: brakes",
-    ),
-    Cause(
-        name="bridge's CAN adapter unplugged",
-        by=By.FAULT,
-        what="can_cut",
+    _fault(
+        "cable cut before all drives",
+        "can_cut",
+        _WATCH,
+        _SILENT,
         how={"between": ["bridge", "left"]},
         links=CAN,
-        tells=("axis silent", "axis answers late", "left"),
-        answer="each drive stops by its own watch, and has no power then",
-        remains="on a slope it rolls then: brakes",
+        remains=_ON_A_SLOPE,
+    ),
+    _fault(
+        "cable cut behind one drive",
+        "can_cut",
+        "the drives beyond it stop by their own watch, that one is stopped",
+        _SILENT,
+        how={"between": ["left", "right"]},
+        remains=_ON_A_SLOPE,
+    ),
+    _fault("wires of one drive swapped", "can_swapped", _WATCH, f"{_SILENT}, {_FAULT}", hits=True),
+    _fault(
+        "a node that babbles",
+        "babbling_node",
+        _WATCH,
+        f"{_SILENT}, {_FAULT}, axis answers late",
+        how={"every_us": 100},
+    ),
+    _fault("all frames of one drive damaged", "frame_error", _ESCALATES, f"{_SILENT}, {_FAULT}", hits=True),
+    _fault(
+        "one drive hears no frame whole", "reception_error", _ESCALATES, f"{_SILENT}, {_FAULT}", hits=True
+    ),
+    _fault("one drive's frames are lost", "frame_loss", _ESCALATES, _SILENT, hits=True),
+    _fault("one drive misses frames", "receive_overrun", _ESCALATES, f"{_SILENT}, {_FAULT}", hits=True),
+    _fault("one drive off the bus", "bus_off", _ESCALATES, _SILENT, hits=True),
+    _fault("one drive's cables out", "node_silent", _ESCALATES, _SILENT, hits=True),
+    _fault("one drive restarts", "drive_restart", _ONE_OFF, _GONE, hits=True, remains=_ROLLS_OUT),
+    _fault(
+        "a stranger stops a drive's process data",
+        "nmt_stranger",
+        _ESCALATES,
+        _MASTER,
+        hits=True,
+        how={"command": "stop"},
+    ),
+    _fault(
+        "a stranger resets a drive",
+        "nmt_stranger",
+        _ONE_OFF,
+        _MASTER,
+        hits=True,
+        how={"command": "reset_node"},
+        remains=_ROLLS_OUT,
+    ),
+    _fault(
+        "a stranger resets a drive's communication",
+        "nmt_stranger",
+        _ESCALATES,
+        _MASTER,
+        hits=True,
+        how={"command": "reset_communication"},
+    ),
+    _fault(
+        "one drive ignores set-points",
+        "set_points_ignored",
+        _ESCALATES,
+        _BELIEF,
+        hits=True,
+        also=LETS_GO,
+        motions=(AHEAD, BACK, TURNING),  # the lift's last target is near
+    ),
+    _fault(
+        "one drive's supply too low",
+        "supply_sag",
+        _ONE_OFF,
+        _FAULT,
+        hits=True,
+        how={"to_v": 5.0},
+        remains=_ROLLS_OUT,
+    ),
+    _fault(
+        "all drives' supply too low",
+        "supply_sag",
+        "no drive has power",
+        _FAULT,
+        how={"to_v": 5.0},
+        remains="the robot rolls out: brakes",
+    ),
+    _fault("one encoder's cable out", "encoder_cut", _ONE_OFF, _FAULT, hits=True, remains=_ROLLS_OUT),
+    _fault(
+        "one encoder's channels swapped", "encoder_swapped", _ONE_OFF, _BELIEF, hits=True, remains=_ROLLS_OUT
+    ),
+    _fault(
+        "one encoder loses half its counts",
+        "encoder_counts_lost",
+        _ONE_OFF,
+        _BELIEF,
+        hits=True,
+        how={"share": 0.5},
+        remains=_ROLLS_OUT,
+    ),
+    _fault(
+        "one encoder stands",
+        "encoder_frozen",
+        "that drive's power is taken, the others ramp",
+        _BELIEF,
+        hits=True,
+        remains=_ROLLS_OUT,
     ),
 )
+"""Something fails, at one axis that moves or for all."""
+
+CAUSES: Final = (*ASKED, *FAILS)
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """What else goes wrong, where no way tells what matters; a test tells it as a story."""
+
+    name: str
+    noticed: str
+    answer: str
+    test: str
+
+
+STORIES: Final = (
+    Told(
+        "another master drives the disarmed robot",
+        "another master; axis moves unasked",
+        "power taken within 0.5 s, and with each of the bridge's frames",
+        "test_another_master_does_not_drive_a_disarmed_robot_for_long",
+    ),
+    Told(
+        "a second bridge is started",
+        "its own: somebody else sends",
+        "it sends nothing, and ends",
+        "test_a_second_bridge_refuses_to_start_and_says_why",
+    ),
+    Told(
+        "a drive has lost its zero with the lift up",
+        "axis zero lost",
+        "no arming before somebody has said where it stands",
+        "test_a_raised_lift_that_restarts_is_believed_where_somebody_saw_it",
+    ),
+    Told(
+        "a wrong zero is confirmed",
+        "-: it is believed within the travel",
+        "none: look twice",
+        "test_a_raised_lift_that_restarts_is_believed_where_somebody_saw_it",
+    ),
+    Told(
+        "the battery is low",
+        "battery low",
+        "ramp, no arming",
+        "test_a_battery_that_stays_low_stops_the_robot_and_lets_nobody_arm",
+    ),
+    Told(
+        "another station joins in",
+        "control: told",
+        "who does not drive is not listened to, but for an emergency stop",
+        "test_a_second_station_takes_nothing_from_who_drives",
+    ),
+    Told(
+        "somebody forges an emergency stop",
+        "emergency stop",
+        "obeyed: the robot stands, and who drives clears it",
+        "test_anybodys_emergency_stop_is_obeyed_and_only_the_driver_clears_it",
+    ),
+    Told(
+        "a crowd floods the operator's link",
+        "-",
+        "who drives is heard and answered first",
+        "test_a_crowd_that_beats_does_not_starve_who_drives",
+    ),
+    Told(
+        "an emergency stop on a slope",
+        "held with power",
+        "power kept until it is ordered off",
+        "test_an_emergency_stop_ends_without_power_where_the_robot_stands_by_itself",
+    ),
+    Told(
+        "the bridge dies on a slope",
+        "by the drives",
+        "it stops, then rolls: brakes",
+        "test_a_bridge_that_dies_on_a_slope_leaves_the_robot_to_roll",
+    ),
+    Told(
+        "nothing reaches a drive any more",
+        "reset unconfirmed",
+        "told; the emergency stop switch of the robot",
+        "test_where_nothing_helps_the_operator_and_the_program_say_so",
+    ),
+)
+
+ALIKE: Final = {
+    "supply_surge": "supply_sag",
+    "logic_supply_sag": "supply_sag",
+    "gate_supply_sag": "supply_sag",
+    "overheating": "supply_sag",
+}
+"""Kinds of faults that take one drive's power at once, as another one does."""
+
+HARMLESS: Final = {
+    "datagram_doubled": "a command counts once",
+    "index_missing": "no drive of RARS watches the index",
+    "index_spurious": "no drive of RARS watches the index",
+}
+"""Kinds of faults by which nothing has to stop, and why."""

@@ -1,6 +1,8 @@
 """Drives one cause of a stop on the whole bench, and measures by the plant's truth what comes of it."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -12,14 +14,16 @@ from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.kinds import find
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
-from hil_tests.failures.cases import PHASES_MS, By, Cause, Motion
-from hil_tests.scenarios.ride import ARMED, Ride, fault, ride, step
+from hil_tests.failures.cases import LETS_GO, MOTIONS, PHASES_MS, By, Cause, Motion
+from hil_tests.scenarios.ride import ARMED, STANDS, Ride, fault, ride, step, story
 
 RARS: Final[AnyRobot] = find("rars")
 ROBOTS: Final = {"can": RARS, "serial": over_serial(RARS)}
 MOVES_S: Final = 4.0
 BEGINS_S: Final = 6.0
+THEN_S: Final = 0.1
 WATCHED_S: Final = 15.0
+LASTS_S: Final = 60.0
 STILL_S: Final = 1.5
 """Who has not moved for so long has come to rest; no step of a stop takes longer."""
 SLOWER_MPS: Final = 0.005
@@ -50,28 +54,59 @@ class Came:
     """Until the first of the holds that notice it; None where there was none."""
 
 
-def driven(cause: Cause, draw: Draw) -> tuple[Came, Ride]:
+class Driven(NamedTuple):
+    """What came of it, and what was held since."""
+
+    came: Came
+    holds: frozenset[str]
+
+
+class Moving:
+    """A robot that drives or lifts as a motion says; each cause goes on from there."""
+
+    def __init__(self, link: str, motion: Motion) -> None:
+        """Drive until just before anything begins."""
+        moves = {"at_s": MOVES_S, "title": "it moves", **motion.steps}
+        self._begun: Final = (ARMED, Step.model_validate(moves))
+        self._ride: Final = ride(*self._begun, seconds=LASTS_S, robot=ROBOTS[link])
+        self._ride.runs_until(BEGINS_S - 0.1)
+        self._moment: Final = self._ride.rig.snapshot()
+
+    def fork(self, steps: Sequence[Step], faults: Sequence[Fault]) -> Ride:
+        """Go back, and on with these steps and faults."""
+        self._ride.rig.restore(self._moment)
+        self._ride.operator.take_over(story(STANDS, *self._begun, *steps, seconds=LASTS_S))
+        self._ride.rig.faults.plan(faults)
+        return Ride(self._ride.rig, self._ride.operator)
+
+
+@cache
+def moving(link: str, motion: str) -> Moving:
+    """Return the robot that moves so; it is driven there once."""
+    return Moving(link, next(one for one in MOTIONS if one.name == motion))
+
+
+def driven(cause: Cause, draw: Draw) -> Driven:
     """Drive it; who moved at the end has come to no rest, and AssertionError says so."""
     steps, faults = [], []
     second = BEGINS_S + draw.phase_ms / 1000.0
-    match cause.by:
-        case By.OPERATOR:
-            steps.append(step(second, **_of(cause, draw.motion)))
-        case By.FAULT:
-            hit = {"node": draw.motion.axis} if cause.hits else {}
-            faults.append(fault(cause.what, second, **hit, **cause.how))
-    moves = Step.model_validate({"at_s": MOVES_S, "title": "it moves", **draw.motion.steps})
-    one = ride(ARMED, moves, *steps, seconds=60.0, robot=ROBOTS[draw.link], faults=faults)
-    try:
-        return _watched(one, cause, draw), one
-    finally:
-        one.rig.finish()
+    if cause.by is By.OPERATOR:
+        steps.append(step(second, **_meant(cause.how, draw.motion)))
+    if cause.by is By.FAULT:
+        hit = {"node": draw.motion.axis} if cause.hits else {}
+        faults.append(fault(cause.what, second, **hit, **cause.how))
+    if cause.also:
+        steps.append(step(second, **_meant(cause.also, draw.motion)))
+    elif cause.hits and draw.motion.then:
+        steps.append(step(second + THEN_S, **draw.motion.then))
+    one = moving(draw.link, draw.motion.name).fork(steps, faults)
+    came = _watched(one, cause, draw)
+    return Driven(came, frozenset(hold.name for hold in one.rig.holds if hold.began >= draw.begins))
 
 
-def _of(cause: Cause, motion: Motion) -> dict[str, object]:
-    """Return the keys of the step; a channel that the motion leaves alone stays alone."""
-    channels = {"speed_mps", "steer_deg", "lift_rate_mps"}
-    return {key: value for key, value in cause.how.items() if key not in channels or key in motion.steps}
+def _meant(keys: Mapping[str, object], motion: Motion) -> dict[str, object]:
+    """Return the keys of a step; a channel that the motion leaves alone stays alone."""
+    return {key: value for key, value in keys.items() if key not in LETS_GO or key in motion.steps}
 
 
 def _watched(one: Ride, cause: Cause, draw: Draw) -> Came:

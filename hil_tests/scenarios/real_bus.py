@@ -122,6 +122,15 @@ class Client:
             self.link.mav.manual_control_send(1, round(speed / 0.5 * 1000), 0x7FFF, 0, 0, 0)
             self.hears(0.05)
 
+    def says_until(self, speed: float, happens: Callable[[], object], within: float, what: str) -> None:
+        """Drive straight until something happens."""
+
+        def happened() -> object:
+            self.says(speed, 0.1)
+            return happens()
+
+        until(happened, within, what)
+
     def hears(self, seconds: float) -> None:
         end = time.monotonic() + seconds
         while (left := end - time.monotonic()) > 0:

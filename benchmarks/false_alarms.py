@@ -1,0 +1,84 @@
+"""Whether a robot that is well is ever disbelieved: ordinary missions, seed after seed, on two floors.
+
+Usage: python -m benchmarks.false_alarms [MINUTES]    simulated time; 5 by default, `make hour` drives 60.
+
+Exit status 1 where an axis is held that does what it was told. The missions bring an operator's tremor and
+late datagrams; the second floor has half the grip.
+"""
+
+import sys
+from itertools import count, cycle
+from typing import Final
+
+import numpy as np
+
+from emulators.bench import mission as missions
+from emulators.bench.operator import ScriptedOperator
+from emulators.bench.rehearsal import rehearsal_of
+from emulators.rig import Rig
+from firmware_bridge.kinds import find
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.units import from_seconds
+
+MINUTES: Final = 5
+DRIVEN: Final = (
+    ("rars", "interlocks"),
+    ("rars", "circles"),
+    ("rars", "line"),
+    ("carrier", "figure_eight"),
+    ("carrier", "interlocks"),
+)
+FLOORS: Final = (None, 0.15)
+"""The plant's own, and one so slippery."""
+ALARMS: Final = (
+    "axis silent",
+    "axis fault",
+    "axis answers late",
+    "axis restarted",
+    "axis unmeasured",
+    "axis does not follow",
+    "axis moves unasked",
+    "axis position repeats",
+    "link lost",
+    "another master",
+    "battery low",
+)
+"""What holds where something has failed; what an emergency stop or an unknown zero ends in is none of it."""
+
+
+def alarms(robot: AnyRobot, mission: str, seed: int) -> tuple[float, list[str]]:
+    """Drive a mission; return its seconds, and what was held although nothing has failed."""
+    rehearsal = rehearsal_of(robot)
+    script = missions.find(mission, robot, rehearsal)
+    operator = ScriptedOperator(robot, rehearsal, script, np.random.default_rng(seed))
+    rig = Rig(robot, rehearsal, operator, seed=seed, noise=script.noise, faults=script.fault)
+    rig.run(from_seconds(script.duration_s))
+    held = [f"{hold.name}: {hold.reason}" for hold in rig.holds if hold.name.startswith(ALARMS)]
+    rig.finish()
+    return script.duration_s, held
+
+
+def main() -> int:
+    """Drive for as long as asked."""
+    minutes = float(sys.argv[1]) if len(sys.argv) > 1 else MINUTES
+    driven, found = 0.0, 0
+    for seed, ((name, mission), floor) in zip(
+        count(), cycle((one, floor) for floor in FLOORS for one in DRIVEN)
+    ):
+        if driven >= 60.0 * minutes:
+            break
+        robot = find(name)
+        if floor is not None:
+            plant = robot.plant.model_copy(update={"parameters": {"floor_friction": floor}})
+            robot = robot.model_copy(update={"plant": plant})
+        seconds, held = alarms(robot, mission, seed)
+        driven += seconds
+        found += len(held)
+        for text in held:
+            print(f"{name}, {mission}, seed {seed}, floor {floor or 'its own'}: {text}")
+    print(f"{driven / 60.0:.0f} minutes of missions: {found} false alarms")
+    return int(found > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

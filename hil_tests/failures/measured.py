@@ -1,0 +1,71 @@
+"""The worst that came of each cause of a stop, as `tools/measure_stops.py` has measured it."""
+
+import json
+import tomllib
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Final, Self
+
+from hil_tests.failures.cases import CAUSES, LINKS, MOTIONS, Cause
+from hil_tests.failures.drive import Came, Draw
+
+FILE: Final = Path(__file__).with_name("measured.toml")
+HEAD: Final = (
+    "# Made by tools/measure_stops.py: of all ways to begin it the one with the longest way to rest.\n"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Worst:
+    """One row of the file."""
+
+    cause: str
+    link: str
+    motion: str
+    phase_ms: int
+    way_mm: int
+    rest_ms: int
+    noticed_ms: int | None = None
+
+    @classmethod
+    def of(cls, cause: Cause, draw: Draw, came: Came) -> Self:
+        """Return the row for what came of a draw."""
+        begun = cause.name, draw.link, draw.motion.name, draw.phase_ms
+        return cls(*begun, came.way_mm, came.rest_ms, came.noticed_ms)
+
+    @property
+    def drawn(self) -> tuple[Cause, Draw]:
+        """How it was begun."""
+        motion = next(motion for motion in MOTIONS if motion.name == self.motion)
+        cause = next(cause for cause in CAUSES if cause.name == self.cause)
+        return cause, Draw(self.link, motion, self.phase_ms)
+
+    @property
+    def came(self) -> Came:
+        """What came of it."""
+        return Came(self.way_mm, self.rest_ms, self.noticed_ms)
+
+    @property
+    def place(self) -> tuple[int, int, bool]:
+        """Its place in the file."""
+        cause, draw = self.drawn
+        return CAUSES.index(cause), LINKS.index(draw.link), draw.motion.lifts
+
+
+def kept() -> tuple[Worst, ...]:
+    """Return the rows of the file, without those of causes that there are no more."""
+    if not FILE.exists():
+        return ()
+    names = {cause.name for cause in CAUSES}
+    rows = tomllib.loads(FILE.read_text(encoding="utf-8")).get("worst", [])
+    return tuple(Worst(**row) for row in rows if row["cause"] in names)
+
+
+def write(rows: Iterable[Worst]) -> None:
+    """Write them, in the order of the causes."""
+    text = [HEAD]
+    for row in sorted(rows, key=lambda row: row.place):
+        keys = (f"{key} = {json.dumps(value)}\n" for key, value in asdict(row).items() if value is not None)
+        text.append("\n[[worst]]\n" + "".join(keys))
+    FILE.write_text("".join(text), encoding="utf-8")

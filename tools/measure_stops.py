@@ -1,0 +1,48 @@
+"""Drive every cause of a stop in every way, and keep the worst: `python tools/measure_stops.py [-k TEXT]`.
+
+It writes `hil_tests/failures/measured.toml`, of which `make docs` makes tables; a test drives each row again.
+"""
+
+# ruff: noqa: INP001 - a script, not a package
+
+import argparse
+import os
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from hil_tests.failures.cases import CAUSES, Cause
+from hil_tests.failures.drive import draws, driven
+from hil_tests.failures.measured import Worst, kept, write
+
+
+def worst(cause: Cause) -> list[Worst]:
+    """Return the longest way of the base and of the lift on each link."""
+    found: dict[tuple[str, bool], Worst] = {}
+    for draw in draws(cause):
+        row = Worst.of(cause, draw, driven(cause, draw).came)
+        key = draw.link, draw.motion.lifts
+        if key not in found or row.way_mm > found[key].way_mm:
+            found[key] = row
+    return list(found.values())
+
+
+def main() -> None:
+    """Measure, and write after each cause."""
+    words = argparse.ArgumentParser(description=__doc__)
+    words.add_argument("-k", default="", metavar="TEXT", help="only causes whose name holds this")
+    words.add_argument("-j", type=int, default=os.cpu_count() or 1, metavar="N", help="runs at a time")
+    told = words.parse_args()
+    chosen = [cause for cause in CAUSES if told.k in cause.name]
+    with ProcessPoolExecutor(told.j) as pool:
+        for cause, rows in zip(chosen, pool.map(worst, chosen), strict=True):
+            others = [row for row in kept() if row.cause != cause.name]
+            write((*others, *rows))
+            for row in rows:
+                print(f"{row.cause}, {row.link}, {row.motion}: {row.way_mm} mm, {row.rest_ms} ms")  # noqa: T201
+
+
+if __name__ == "__main__":
+    main()
