@@ -69,6 +69,23 @@ def whole_robot_rows(
             blocks_arming=False,
             parts=True,
         ),
+        # What he sees is as old, and what he asks for was right long ago. He may have let go since.
+        Interlock(
+            "word too old",
+            _word_too_old,
+            "wait for a better link; after a change of the station's clock give control up, and take it anew",
+            clear_after=LINK_CLEARS_AFTER,
+            parts=True,
+        ),
+        # A station is asked about its clock once it drives, and so after arming.
+        Interlock(
+            "word undated",
+            _word_undated,
+            "send set-points with their time and answer TIMESYNC, or see operator.unknown_age in the robot file",
+            clear_after=LINK_CLEARS_AFTER,
+            blocks_arming=False,
+            parts=True,
+        ),
         Interlock(
             "operator gone",
             _operator_gone,
@@ -140,13 +157,33 @@ def _not_armed(view: View[G, M, S]) -> str | None:
 
 
 def _operator_silent(view: View[G, M, S]) -> str | None:
-    limit = view.robot.operator.silent_ms * MILLISECOND
+    limit = view.facts.lives_for(view.robot.operator.silent_ms * MILLISECOND)
     if view.facts.heard_at == NEVER_HEARD:
         return "no motion command has come yet"
     silence = view.facts.now - view.facts.heard_at
     if silence < limit:
         return None
     return f"no motion command for {to_seconds(silence):.2f} s, limit {to_seconds(limit):.2f} s"
+
+
+def _word_too_old(view: View[G, M, S]) -> str | None:
+    age, limit = view.facts.age, view.facts.age_limit.most
+    if age is None or age <= limit or _is_silent(view):
+        return None
+    least = "" if view.facts.dated else "at least "
+    old = f"{least}{to_seconds(age):.2f} s"
+    return f"the newest motion command was {old} old when it came, limit {to_seconds(limit):.2f} s"
+
+
+def _word_undated(view: View[G, M, S]) -> str | None:
+    if view.facts.dated or not view.facts.age_limit.needed or _is_silent(view):
+        return None
+    return "nobody can tell how old the motion commands are"
+
+
+def _is_silent(view: View[G, M, S]) -> bool:
+    """Return whether the silence holds the robot: one cause, one hold."""
+    return view.facts.now - view.facts.heard_at >= view.robot.operator.silent_ms * MILLISECOND
 
 
 def _operator_gone(view: View[G, M, S]) -> str | None:

@@ -7,7 +7,7 @@ messages for other systems are left alone. What a robot makes of it stands in it
 
 from typing import Final, Generic, TypeVar
 
-from firmware_bridge.intent import Intent
+from firmware_bridge.intent import AgeLimit, Intent
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Robot, Table
 from firmware_bridge.safety.row import Severity
@@ -58,6 +58,11 @@ class Operator(Generic[G, M, S]):
     def intent(self) -> Intent[M]:
         """What the operator wants now."""
         return self._session.intent
+
+    @property
+    def age_limit(self) -> AgeLimit:
+        """How old a motion command may be that is obeyed."""
+        return self._session.age_limit
 
     @property
     def driver(self) -> Sender | None:
@@ -114,6 +119,8 @@ class Operator(Generic[G, M, S]):
             self._say_if_signed_in_vain(message)
             session.heard(sender, now)
             good = True
+            if sender == session.control.driver:
+                session.ages.losses.heard(message.get_seq(), now)
             beats = beats or message.get_msgId() == dialect.MAVLINK_MSG_ID_HEARTBEAT
             if (handle := HANDLERS.get(message.get_msgId())) is not None:
                 exchange = Exchange(session, message, sender, now, decide)
@@ -176,7 +183,14 @@ class Operator(Generic[G, M, S]):
             for place in due:
                 messages += session.streams[place].encode(context)
         messages += self._parameters(now)
-        return session.audience.tell(messages, session.drives_from, now)
+        return session.audience.tell(messages, session.drives_from, now) + self._questions(now)
+
+    def _questions(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Ask who drives about his clock, and how long his answer takes; nobody else is asked."""
+        session, place = self._session, self._session.drives_from
+        if place is None:
+            return ()
+        return session.audience.answer(place, session.ages.questions(now), place, now)
 
     def _hold_texts(self, holds: tuple[Hold, ...]) -> list[Message]:
         current = {hold.name: hold for hold in holds}

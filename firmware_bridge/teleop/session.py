@@ -4,10 +4,11 @@ from dataclasses import dataclass
 from typing import Any, Final, NamedTuple, TypeAlias
 
 from firmware_bridge.drivers.driver import Power
-from firmware_bridge.intent import NEVER_HEARD, Intent
-from firmware_bridge.robot import AnyRobot
+from firmware_bridge.intent import NEVER_HEARD, AgeLimit, Intent
+from firmware_bridge.robot import AnyRobot, UnknownAge
 from firmware_bridge.safety.row import Severity
 from firmware_bridge.safety.snapshot import Facts, Snapshot
+from firmware_bridge.teleop.age import BOOT_WRAPS, Age, Ages, boot_ms
 from firmware_bridge.teleop.audience import Audience
 from firmware_bridge.teleop.control import Control, Sender
 from firmware_bridge.teleop.mavlink import Codec, Message, dialect
@@ -39,6 +40,8 @@ OVERTAKEN: Final[Nanoseconds] = 3 * SECOND
 """How long one that is only a few behind is: a "go" that comes 0.26 s after the stop is no new start."""
 FEW: Final = 96
 """What a station says in three seconds, at 30 frames a second."""
+LATEST_BOOT_MS: Final = 10_000
+"""So far behind the newest one a set-point's time is overtaken; further behind its station has begun anew."""
 _HALF: Final = 0x80
 """Of all sequence numbers; one that is so many or more behind is ahead."""
 MOST_UNTOLD: Final = 8
@@ -67,6 +70,19 @@ class Said(NamedTuple):
     neutral: bool
 
 
+class Asked(NamedTuple):
+    """A frame by its sequence number, and when it came."""
+
+    sequence: int
+    at: Nanoseconds
+
+    def overtook(self, sequence: int, now: Nanoseconds) -> bool:
+        """Tell whether a frame that comes now was sent before this one."""
+        behind = (self.sequence - sequence) & 0xFF
+        late = OVERTAKEN if behind <= FEW else OUT_OF_ORDER
+        return behind < _HALF and now - self.at < late
+
+
 @dataclass(slots=True)
 class Peer:
     """One ground station's last words."""
@@ -74,22 +90,27 @@ class Peer:
     heard_at: Nanoseconds = 0
     said: Said | None = None
     """What it said while it drove or nobody did: who does not drive is not listened to."""
-    sequence: int | None = None
-    moved_at: Nanoseconds = NEVER_HEARD
+    moved: Asked | None = None
+    """Its newest motion command."""
+    boot_ms: int | None = None
+    """The newest time that a set-point carried."""
+    stopped: Asked | None = None
+    """Its newest wish to stop."""
     buttons: int | None = None
     answered: Answered | None = None
     stop_answered_at: Nanoseconds = NEVER_HEARD
     """When an emergency stop was answered that it had sent while another one drove."""
 
-    def is_newest(self, sequence: int, now: Nanoseconds) -> bool:
+    def is_newest(self, message: Message, now: Nanoseconds) -> bool:
         """Tell whether a motion command is newer than all before it, and remember it if so."""
-        if self.sequence is not None:
-            behind = (self.sequence - sequence) & 0xFF
-            late = OVERTAKEN if behind <= FEW else OUT_OF_ORDER
-            if behind < _HALF and now - self.moved_at < late:
+        sequence, time = message.get_seq(), boot_ms(message)
+        if self.moved is not None and self.moved.overtook(sequence, now):
+            return False
+        if time is not None:
+            if self.boot_ms is not None and 0 < (self.boot_ms - time) % BOOT_WRAPS <= LATEST_BOOT_MS:
                 return False
-        self.sequence = sequence
-        self.moved_at = now
+            self.boot_ms = time
+        self.moved = Asked(sequence, now)
         return True
 
 
@@ -105,6 +126,8 @@ class Dropped:
     """Motion commands that a newer one had overtaken."""
     refused: int = 0
     """Motion commands that made no sense."""
+    aged: int = 0
+    """Wishes to go that were said before a wish to stop, or too long ago."""
     undriven: int = 0
     """Motion commands of stations that do not drive."""
     doubted: int = 0
@@ -147,6 +170,11 @@ class Session:
         self.stop_answered_at: Nanoseconds = NEVER_HEARD
         """When an emergency stop of somebody who is not believed was answered."""
         self.control: Final = Control()
+        decided = robot.operator.unknown_age
+        needed = trust.key is not None if decided is None else decided is UnknownAge.REFUSE
+        self.age_limit = AgeLimit(robot.operator.max_age_ms * MILLISECOND, needed)
+        """How old a word may be; an order for a slow link would change it here."""
+        self._ages: tuple[Sender | None, Ages] = (None, Ages(signed=False))
         self.peers: Final[dict[Sender, Peer]] = {}
         self.untold: list[Message] = []
         """Who drives now: told with the next report, beside the answers."""
@@ -160,6 +188,18 @@ class Session:
     def drives_from(self) -> int | None:
         """The place of who drives; None where nobody does."""
         return None if self.control.driver is None else self.control.driver.source
+
+    @property
+    def ages(self) -> Ages:
+        """The clocks and the link of who drives; of another one than before nothing is known."""
+        driver = self.control.driver
+        if self._ages[0] != driver:
+            self._ages = (driver, Ages(signed=self.trust.key is not None))
+        return self._ages[1]
+
+    def age(self, message: Message, sender: Sender, now: Nanoseconds) -> Age | None:
+        """Return how old a word is that comes now; None where nothing tells, or its sender does not drive."""
+        return self.ages.age(message, now) if sender == self.control.driver else None
 
     def heard(self, sender: Sender, now: Nanoseconds) -> Peer:
         """Take note of a good frame; return what is remembered of its sender."""
@@ -207,7 +247,9 @@ class Session:
     def wish(self, wish: object) -> None:
         """Change the wish; what is no motion command is no sign of life."""
         before = self.intent
-        self.intent = Intent(wish, before.heard_at, before.said_at, neutral=before.neutral)
+        self.intent = Intent(
+            wish, before.heard_at, before.said_at, dated=before.dated, neutral=before.neutral
+        )
 
     def forget(self) -> None:
         """Forget what of a wish does not outlive a change of state."""

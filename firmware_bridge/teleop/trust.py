@@ -80,7 +80,7 @@ class Signatures:
         digest = hashlib.sha256(key + frame[: _SIGNATURE.start]).digest()
         if not hmac.compare_digest(digest[:6], frame[_SIGNATURE]):
             return "is signed with another key"
-        stamp = int.from_bytes(frame[_STAMP], "little")
+        stamp = stamp_of(frame)
         stream = (message.get_srcSystem(), message.get_srcComponent(), frame[_LINK])
         newest = self._streams.get(stream, self._trust.stamp(now) - OLDEST - 1)
         if stamp <= newest:
@@ -90,6 +90,11 @@ class Signatures:
             )
         self._streams[stream] = stamp
         return None
+
+
+def stamp_of(frame: bytes) -> int:
+    """Return the time stamp of a signed frame, in 10 us since 1 January 2015."""
+    return int.from_bytes(frame[_STAMP], "little")
 
 
 def is_signed(frame: bytes) -> bool:
