@@ -79,7 +79,9 @@ class Controls:
                 values[name] += kick * self._full[name]
         if self._input is Input.TWIST:
             twist = self._rehearsal.twist(values, self._robot)
-            return velocity(system, component, twist.vx, twist.yaw_rate, vy=twist.vy)
+            return velocity(
+                system, component, twist.vx, twist.yaw_rate, vy=twist.vy, at_ms=now // MILLISECOND
+            )
         axes = self._rehearsal.stick(values, self._robot)
         return dialect.MAVLink_manual_control_message(
             system, _axis(axes.x), _axis(axes.y), _axis(axes.z), _axis(axes.r), self._buttons | axes.buttons

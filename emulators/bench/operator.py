@@ -52,6 +52,7 @@ class ScriptedOperator:
         self._beat_due: Nanoseconds = 0
         self._send_due: Nanoseconds = 0
         self._greetings: list[Message] = []
+        self._answers: list[Message] = []
         self._heard: Final[dict[int, Reader]] = {
             dialect.MAVLINK_MSG_ID_HEARTBEAT: self._heartbeat,
             dialect.MAVLINK_MSG_ID_COMMAND_ACK: self._acknowledged,
@@ -60,6 +61,8 @@ class ScriptedOperator:
             dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT: self._valued,
             dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT: self._valued,
             dialect.MAVLINK_MSG_ID_PARAM_VALUE: self._parametrised,
+            dialect.MAVLINK_MSG_ID_TIMESYNC: self._asked_the_time,
+            dialect.MAVLINK_MSG_ID_PING: self._pinged,
         }  # all other messages are left packed
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
@@ -67,7 +70,9 @@ class ScriptedOperator:
         for message in self._codec.decode(packet.payload, self._heard):
             if message.get_srcSystem() == self._system:
                 self._heard[message.get_msgId()](message, now)
-        return Reaction((), self._wake_at())
+        answers = tuple(Packet(OPERATOR, 0, self._codec.encode(answer)) for answer in self._answers)
+        self._answers.clear()
+        return Reaction(() if now < self._silent_until else answers, self._wake_at())
 
     def wake(self, now: Nanoseconds) -> Reaction:
         """Take the steps that are due, then send what is due."""
@@ -182,6 +187,15 @@ class ScriptedOperator:
 
     def _located(self, message: Message, now: Nanoseconds) -> None:
         self.diary.odometry.append(place_of(message, now))
+
+    def _asked_the_time(self, message: Message, now: Nanoseconds) -> None:
+        if message.tc1 == 0:
+            self._answers.append(dialect.MAVLink_timesync_message(max(now, 1), message.ts1))
+
+    def _pinged(self, message: Message, _: Nanoseconds) -> None:
+        if message.target_system == 0:
+            who = (message.get_srcSystem(), message.get_srcComponent())
+            self._answers.append(dialect.MAVLink_ping_message(message.time_usec, message.seq, *who))
 
     def _valued(self, message: Message, _: Nanoseconds) -> None:
         self.diary.values[text_of(message.name)] = message.value

@@ -168,7 +168,7 @@ def _operator_silent(view: View[G, M, S]) -> str | None:
 
 def _word_too_old(view: View[G, M, S]) -> str | None:
     age, limit = view.facts.age, view.facts.age_limit.most
-    if age is None or age <= limit or _is_silent(view):
+    if age is None or age < limit or _is_silent(view):
         return None
     least = "" if view.facts.dated else "at least "
     old = f"{least}{to_seconds(age):.2f} s"

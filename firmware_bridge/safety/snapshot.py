@@ -101,7 +101,7 @@ class Facts:
 
         As long as silence may last, and no longer than until it is as old as a command may be.
         """
-        if self.age is None or not self.dated or self.age > self.age_limit.most:
+        if self.age is None or not self.dated or self.age >= self.age_limit.most:
             return silent_after
         return min(silent_after, self.age_limit.most - self.age)
 

@@ -65,7 +65,7 @@ class Exchange:
         if stopped is not None and stopped.overtook(self.message.get_seq(), self.now):
             return "it was said before a wish to stop, and came after it"
         age = self.session.age(self.message, self.sender, self.now)
-        if age is None or age.nanoseconds <= limit:
+        if age is None or age.nanoseconds < limit:
             return None
         return f"it was said {to_seconds(age.nanoseconds):.2f} s ago, limit {to_seconds(limit):.2f} s"
 

@@ -175,6 +175,7 @@ class Operator(Generic[G, M, S]):
         """Return what is due now, in order: texts of what began or ended, telemetry, listed parameters."""
         session = self._session
         session.snapshot = snapshot
+        session.tell_link(now)
         messages = session.untold + self._hold_texts(holds) + self._fault_texts(snapshot)
         session.untold = []
         due = session.schedule.due(now)

@@ -22,18 +22,21 @@ _HALF: Final = 128
 class RoundTrips:
     """The open questions, and how long the newest answers took."""
 
-    __slots__ = ("_lasted", "_open", "due")
+    __slots__ = ("_lasted", "_open", "began_at", "due")
 
     def __init__(self) -> None:
         self._open: Final[dict[tuple[int, int], Nanoseconds]] = {}
         """When each was asked, by the message's number and what it carries back."""
         self._lasted: Final[deque[tuple[Nanoseconds, Nanoseconds]]] = deque()
         """When answers came, and how long they took."""
+        self.began_at: Nanoseconds | None = None
+        """When the first question was asked."""
         self.due: Nanoseconds = 0
         """When the next question is due."""
 
     def ask(self, *questions: tuple[int, int], now: Nanoseconds) -> None:
         """Take note of questions that are sent now; the next are due `EVERY` later."""
+        self.began_at = now if self.began_at is None else self.began_at
         self.due = now + EVERY
         for question in questions:
             self._open[question] = now

@@ -11,6 +11,7 @@ from firmware_bridge.safety.snapshot import Facts, Snapshot
 from firmware_bridge.teleop.age import BOOT_WRAPS, Age, Ages, boot_ms
 from firmware_bridge.teleop.audience import Audience
 from firmware_bridge.teleop.control import Control, Sender
+from firmware_bridge.teleop.link_quality import Link, Quality
 from firmware_bridge.teleop.mavlink import Codec, Message, dialect
 from firmware_bridge.teleop.parameters import Store, parameters_of
 from firmware_bridge.teleop.schedule import Schedule
@@ -174,7 +175,7 @@ class Session:
         needed = trust.key is not None if decided is None else decided is UnknownAge.REFUSE
         self.age_limit = AgeLimit(robot.operator.max_age_ms * MILLISECOND, needed)
         """How old a word may be; an order for a slow link would change it here."""
-        self._ages: tuple[Sender | None, Ages] = (None, Ages(signed=False))
+        self._ages: tuple[Sender | None, Ages, Quality] = (None, Ages(signed=False), Quality())
         self.peers: Final[dict[Sender, Peer]] = {}
         self.untold: list[Message] = []
         """Who drives now: told with the next report, beside the answers."""
@@ -194,12 +195,19 @@ class Session:
         """The clocks and the link of who drives; of another one than before nothing is known."""
         driver = self.control.driver
         if self._ages[0] != driver:
-            self._ages = (driver, Ages(signed=self.trust.key is not None))
+            self._ages = (driver, Ages(signed=self.trust.key is not None), Quality())
         return self._ages[1]
 
     def age(self, message: Message, sender: Sender, now: Nanoseconds) -> Age | None:
         """Return how old a word is that comes now; None where nothing tells, or its sender does not drive."""
         return self.ages.age(message, now) if sender == self.control.driver else None
+
+    def tell_link(self, now: Nanoseconds) -> None:
+        """Tell what has changed about the link of who drives."""
+        ages, quality = self.ages, self._ages[2]
+        if self.control.driver is not None:
+            for severity, text in quality.changes(Link(ages, self.age_limit, self.intent.dated, now)):
+                self.tell(severity, text)
 
     def heard(self, sender: Sender, now: Nanoseconds) -> Peer:
         """Take note of a good frame; return what is remembered of its sender."""
@@ -274,6 +282,8 @@ class Session:
             healthy=status in (dialect.MAV_STATE_STANDBY, dialect.MAV_STATE_ACTIVE),
             corrupt=self.codec.counters.corrupt,
             resets=self.resets,
+            round_trip=self.ages.trips.newest(facts.now),
+            lost=self.ages.losses.share,
         )
 
     def messages(self, number: int) -> tuple[Message, ...] | None:
