@@ -22,6 +22,9 @@ class AgeLimit:
     """Whether one whose age nobody knows is not obeyed."""
 
 
+USUAL_AGE_LIMIT: Final = AgeLimit()
+
+
 class Intent(Immutable, Generic[M_co]):
     """The newest wish for motion, and when it came."""
 

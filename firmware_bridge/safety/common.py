@@ -13,6 +13,7 @@ from firmware_bridge.robot import Axis
 from firmware_bridge.robot.table import LinkTable, Table
 from firmware_bridge.safety.following import within
 from firmware_bridge.safety.interlock import AxisInterlock, Interlock, View
+from firmware_bridge.safety.operator_rows import operator_rows
 from firmware_bridge.safety.row import Severity
 from firmware_bridge.safety.snapshot import Facts, Following
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
@@ -22,7 +23,7 @@ M = TypeVar("M")
 S = TypeVar("S")
 
 LINK_CLEARS_AFTER: Final[Nanoseconds] = 200 * MILLISECOND
-"""A silent operator or axis is back when it has been heard for this long: four cycles, no stray packet."""
+"""An axis or a link is well again when it has been so for this long: four cycles, no stray packet."""
 BATTERY_CLEARS_AFTER: Final[Nanoseconds] = 5000 * MILLISECOND
 """It recovers where nothing moves; what it gives for so long it gives to the next start, too."""
 STRAINS: Final = 2
@@ -60,42 +61,7 @@ def whole_robot_rows(
             disarms=True,
         ),
         Interlock("not armed", _not_armed, "arm the robot", severity=Severity.NOTICE, blocks_arming=False),
-        # Many stations arm first and speak of motion then; until they do, the silence holds the robot itself.
-        Interlock(
-            "operator silent",
-            _operator_silent,
-            "send motion commands",
-            clear_after=LINK_CLEARS_AFTER,
-            blocks_arming=False,
-            parts=True,
-        ),
-        # What he sees is as old, and what he asks for was right long ago. He may have let go since.
-        Interlock(
-            "word too old",
-            _word_too_old,
-            "wait for a better link; after a change of the station's clock give control up, and take it anew",
-            clear_after=LINK_CLEARS_AFTER,
-            parts=True,
-        ),
-        # A station is asked about its clock once it drives, and so after arming.
-        Interlock(
-            "word undated",
-            _word_undated,
-            "send set-points with their time and answer TIMESYNC, or see operator.unknown_age in the robot file",
-            clear_after=LINK_CLEARS_AFTER,
-            blocks_arming=False,
-            parts=True,
-        ),
-        Interlock(
-            "operator gone",
-            _operator_gone,
-            "send motion commands, then arm",
-            clear_after=LINK_CLEARS_AFTER,
-            disarms=True,
-            blocks_arming=False,
-        ),
-        Interlock("controls deflected", _deflected, "let the stick go", blocks_arming=False),
-        Interlock("paused", _paused, "continue, or arm", severity=Severity.NOTICE, blocks_arming=False),
+        *operator_rows(),
         Interlock("wish unusable", wish_unusable, "send finite numbers"),
     )
 
@@ -154,53 +120,6 @@ def _battery_low(view: View[G, M, S]) -> str | None:
 
 def _not_armed(view: View[G, M, S]) -> str | None:
     return None if view.facts.armed else "the robot is not armed"
-
-
-def _operator_silent(view: View[G, M, S]) -> str | None:
-    limit = view.facts.lives_for(view.robot.operator.silent_ms * MILLISECOND)
-    if view.facts.heard_at == NEVER_HEARD:
-        return "no motion command has come yet"
-    silence = view.facts.now - view.facts.heard_at
-    if silence < limit:
-        return None
-    return f"no motion command for {to_seconds(silence):.2f} s, limit {to_seconds(limit):.2f} s"
-
-
-def _word_too_old(view: View[G, M, S]) -> str | None:
-    age, limit = view.facts.age, view.facts.age_limit.most
-    if age is None or age < limit or _is_silent(view):
-        return None
-    least = "" if view.facts.dated else "at least "
-    old = f"{least}{to_seconds(age):.2f} s"
-    return f"the newest motion command was {old} old when it came, limit {to_seconds(limit):.2f} s"
-
-
-def _word_undated(view: View[G, M, S]) -> str | None:
-    if view.facts.dated or not view.facts.age_limit.needed or _is_silent(view):
-        return None
-    return "nobody can tell how old the motion commands are"
-
-
-def _is_silent(view: View[G, M, S]) -> bool:
-    """Return whether the silence holds the robot: one cause, one hold."""
-    return view.facts.now - view.facts.heard_at >= view.robot.operator.silent_ms * MILLISECOND
-
-
-def _operator_gone(view: View[G, M, S]) -> str | None:
-    limit = view.robot.operator.gone_ms * MILLISECOND
-    if view.facts.heard_at == NEVER_HEARD or view.facts.now - view.facts.heard_at < limit:
-        return None
-    return f"no motion command for {to_seconds(limit):g} s: nobody drives"
-
-
-def _deflected(view: View[G, M, S]) -> str | None:
-    if view.facts.neutral or not view.facts.parted:
-        return None
-    return "the stick was not let go after the silence"
-
-
-def _paused(view: View[G, M, S]) -> str | None:
-    return "the operator has paused the robot" if view.facts.paused else None
 
 
 def _axis_silent(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:

@@ -10,7 +10,7 @@ from typing import Final, Generic, TypeAlias, TypeVar
 
 from firmware_bridge.drivers.driver import Demand, Feedback, Reading, Stop
 from firmware_bridge.immutable import Immutable
-from firmware_bridge.intent import NEVER_HEARD, AgeLimit
+from firmware_bridge.intent import NEVER_HEARD, USUAL_AGE_LIMIT, AgeLimit
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.safety.row import Row
 from firmware_bridge.units import Nanoseconds
@@ -89,7 +89,7 @@ class Facts:
     """When the newest motion command was said, or later; None where nothing tells."""
     dated: bool = False
     """Whether it was said then, to within half a round trip; else it may be older."""
-    age_limit: AgeLimit = AgeLimit()
+    age_limit: AgeLimit = USUAL_AGE_LIMIT
 
     @property
     def age(self) -> Nanoseconds | None:

@@ -1,9 +1,9 @@
-"""One clock of a station against ours: within which bounds its offset lies, from what was seen and nothing else.
+"""One clock of a station against ours: within which bounds its offset lies, from what was seen alone.
 
-Whoever answers has read his clock after he was asked and before his answer came: that bounds the offset from both
-sides. Whoever says something has read it before his word came: that bounds it from one. All bounds hold at once,
-each as wide as the drift since has made it; where they contradict one another, the clock was set, or is none.
-Nothing here knows MAVLink. Instants and readings in nanoseconds; an offset is our time less theirs.
+Whoever answers has read his clock after he was asked and before his answer came: that bounds the offset from
+both sides. Whoever says something has read it before his word came: that bounds it from one. All bounds hold
+at once, each as wide as the drift since has made it; where they contradict one another, the clock was set, or
+is none. Nothing here knows MAVLink. Instants and readings in nanoseconds; an offset is our time less theirs.
 """
 
 from typing import Final
@@ -13,7 +13,7 @@ from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 DRIFT: Final = 10_000
 """Two clocks part by one nanosecond in so many at most: 100 ppm."""
 TOLERANCE: Final[Nanoseconds] = 20 * MILLISECOND
-"""So much a reading may be out of order: stamps of frames that are written at once count up ahead of the clock."""
+"""So much a reading may be ahead: stamps of frames that are written at once count up before the clock."""
 PROVEN_AFTER: Final[Nanoseconds] = 200 * MILLISECOND
 """A clock has run between two answers that are so far apart; what only counts frames contradicts itself."""
 EXPIRES_AFTER: Final[Nanoseconds] = 10 * SECOND
@@ -42,7 +42,7 @@ class AnsweredClock:
     def answered(
         self, asked_at: Nanoseconds, reading: Nanoseconds, came_at: Nanoseconds, resolution: Nanoseconds
     ) -> None:
-        """Take an answer: the clock showed `reading`, rounded down to its resolution, between these instants."""
+        """Take an answer: between these instants the clock showed `reading`, rounded down."""
         low, high = asked_at - reading - resolution, came_at - reading
         known = self._bounds(came_at)
         if known is None or low > known[1] + TOLERANCE or high < known[0] - TOLERANCE:
@@ -54,10 +54,10 @@ class AnsweredClock:
         self._at = self._read_at = came_at
 
     def age(self, reading: Nanoseconds, now: Nanoseconds) -> Nanoseconds | None:
-        """Return how old a word is that comes now, when the clock showed this; None where it is not known.
+        """Return how old a word is that comes now, said when the clock showed this; None: not known.
 
-        It is off by half the shortest round trip at most, beside drift and resolution. The word itself is taken
-        for a bound: a clock that it contradicts has been set, and is not known any more.
+        It is off by half the shortest round trip at most, beside drift and resolution. The word itself is
+        a bound: a clock that it contradicts has been set, and is not known any more.
         """
         known = self._bounds(now)
         if known is None:
@@ -91,7 +91,7 @@ class AnsweredClock:
 
 
 class HeardClock:
-    """A clock that nobody answers for: of its words is known how much later they come than the fastest one."""
+    """A clock that nobody answers for: of a word is known how much later it comes than the fastest one."""
 
     __slots__ = ("_before", "_began_at", "_began_with", "_least", "_newest", "_runs")
 

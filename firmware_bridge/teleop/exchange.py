@@ -90,15 +90,13 @@ class Exchange:
         Of anybody else an emergency stop is obeyed, and nothing else. Power is not taken for him, which would
         let the robot roll, and his stop can be cleared.
         """
-        session, refusal = self.session, self.refusal
+        session = self.session
         if isinstance(request, STOPS) and self.doubt is None:
             self.peer.stopped = Asked(self.message.get_seq(), self.now)
-        if refusal is None and not isinstance(request, STOPS) and (late := self.late) is not None:
-            session.dropped.aged += 1
-            return Verdict(accepted=False, reason=late, temporary=True)
-        if refusal is not None:
-            if not _stops(request):
-                return Verdict(accepted=False, reason=refusal)
+        refused = self._refused(request)
+        if refused is not None:
+            return refused
+        if self.refusal is not None:
             request = EmergencyStop()
             session.untold += session.speaker.say_sometimes(
                 "stopped", f"emergency stop by {self.sender}", self.now
@@ -106,8 +104,13 @@ class Exchange:
         if isinstance(request, Arm) and not self.armed:
             session.adopt(self.peer, self.now)
         verdict = self.decide(request)
-        if not verdict.accepted:
-            return verdict
+        if verdict.accepted:
+            self._granted(request)
+        return verdict
+
+    def _granted(self, request: Request) -> None:
+        """Take note of what the bridge has done."""
+        session = self.session
         if isinstance(request, Arm) and session.control.driver is None:
             session.control.take(self.sender, self.now)
             self.tell(f"control: {self.sender} drives")
@@ -117,7 +120,16 @@ class Exchange:
             session.forget()
         if isinstance(request, EmergencyStop) and request.final:
             session.terminated = True
-        return verdict
+
+    def _refused(self, request: Request) -> Verdict | None:
+        """Refuse what somebody asks who does not drive, or asks too late; stops are not refused."""
+        if self.refusal is not None:
+            return None if _stops(request) else Verdict(accepted=False, reason=self.refusal)
+        late = None if isinstance(request, STOPS) else self.late
+        if late is None:
+            return None
+        self.session.dropped.aged += 1
+        return Verdict(accepted=False, reason=late, temporary=True)
 
     def take_control(self, *, yields: bool = False) -> None:
         """Let the sender drive; nothing moves before his own controls are let go."""

@@ -1,4 +1,4 @@
-"""What who drives is told of his link, once when it gets bad and once when it is good again: a row for each."""
+"""What who drives is told of his link, when it gets bad and when it is good again: a row for each figure."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

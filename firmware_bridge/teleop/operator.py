@@ -19,7 +19,7 @@ from firmware_bridge.teleop.mavlink import Counters, Message, concerns, dialect
 from firmware_bridge.teleop.messages import HANDLERS, stop_for_anybody
 from firmware_bridge.teleop.session import EVERYBODY, LISTING_GAP, Dropped, Session
 from firmware_bridge.teleop.station import Station
-from firmware_bridge.teleop.trust import Trust, is_signed
+from firmware_bridge.teleop.trust import Stamps, Trust, is_signed
 from firmware_bridge.units import NEVER, Nanoseconds
 
 RADIO_STATUS: Final = dialect.MAVLINK_MSG_ID_RADIO_STATUS
@@ -63,6 +63,10 @@ class Operator(Generic[G, M, S]):
     def age_limit(self) -> AgeLimit:
         """How old a motion command may be that is obeyed."""
         return self._session.age_limit
+
+    def stamps(self, now: Nanoseconds) -> Stamps:
+        """Return which signatures' time stamps must outlive this run."""
+        return self._session.signatures.kept(now)
 
     @property
     def driver(self) -> Sender | None:
@@ -117,10 +121,8 @@ class Operator(Generic[G, M, S]):
                 replies += stopped
                 continue
             self._say_if_signed_in_vain(message)
-            session.heard(sender, now)
+            session.heard(sender, message.get_seq(), now)
             good = True
-            if sender == session.control.driver:
-                session.ages.losses.heard(message.get_seq(), now)
             beats = beats or message.get_msgId() == dialect.MAVLINK_MSG_ID_HEARTBEAT
             if (handle := HANDLERS.get(message.get_msgId())) is not None:
                 exchange = Exchange(session, message, sender, now, decide)

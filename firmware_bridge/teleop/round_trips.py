@@ -1,4 +1,4 @@
-"""How good the link to one station is: round trips, from questions that it answers, and frames lost, from gaps.
+"""How good the link to one station is: round trips of questions that it answers, frames lost by their gaps.
 
 An answer counts once, and only to a question that is still open. Time is an argument; it sends nothing.
 """
@@ -72,7 +72,7 @@ class Losses:
         """Of the last five seconds that are over; None before."""
 
     def heard(self, sequence: int, now: Nanoseconds) -> None:
-        """Take note of a frame; one that comes late is not missing any more, one that comes twice counts once."""
+        """Take note of a frame; one that comes late is missing no more, one that comes twice counts once."""
         if self._newest is None:
             self._until = now + LOSS_OVER
         elif now >= self._until:

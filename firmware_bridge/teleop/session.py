@@ -163,9 +163,9 @@ class Session:
         self.speaker: Final = Speaker()
         self.intent: Intent[Any] = Intent(rest)
         self.snapshot: Snapshot[Any, Any] | None = None
-        self.audience: Final = Audience(self.codec.system, self.codec.component, trust)
         self.trust: Final = trust
         self.signatures: Final = Signatures(trust)
+        self.audience: Final = Audience(self.codec.system, self.codec.component, trust, self.signatures.stamp)
         self.signed_in_vain = False
         """A frame was signed, and there is no key."""
         self.stop_answered_at: Nanoseconds = NEVER_HEARD
@@ -209,9 +209,11 @@ class Session:
             for severity, text in quality.changes(Link(ages, self.age_limit, self.intent.dated, now)):
                 self.tell(severity, text)
 
-    def heard(self, sender: Sender, now: Nanoseconds) -> Peer:
+    def heard(self, sender: Sender, sequence: int, now: Nanoseconds) -> Peer:
         """Take note of a good frame; return what is remembered of its sender."""
         self.control.heard(sender, now)
+        if sender == self.control.driver:
+            self.ages.losses.heard(sequence, now)
         peer = self.peers.get(sender)
         if peer is None:
             if len(self.peers) >= MOST_PEERS:

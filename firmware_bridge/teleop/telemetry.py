@@ -110,8 +110,8 @@ def streams_of(robot: AnyRobot, station: AnyStation) -> tuple[Stream, ...]:
             dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT,
             SECOND,
             _link,
-            "of who drives: RTT, round trip, s; AGE of his newest motion command as it came, s; LOSS, share of "
-            "his frames",
+            "of who drives: RTT, round trip, s; AGE, of his newest motion command as it came, s; LOSS, share "
+            "of his frames",
         ),
         Stream(dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT, SECOND // 2, _switches, f"{switches}: 0 or 1"),
         Stream(dialect.MAVLINK_MSG_ID_SYS_STATUS, SECOND, _system, "voltage, health, corrupt frames, faults"),
