@@ -37,6 +37,8 @@ class ScriptedOperator:
     ) -> None:
         """Take the mission in hand; `generator` is drawn from only where the mission has a tremor."""
         self.diary = Diary()
+        self.clock_ahead: Nanoseconds = 0
+        """The station's own clock, less the world's."""
         self._robot = robot
         self._system: int = robot.operator.system_id
         self._component: int = robot.operator.component_id
@@ -136,7 +138,8 @@ class ScriptedOperator:
         messages += self._insisted(now)
         if now >= self._send_due:
             self._send_due += self._period
-            messages.append(self._controls.message(self._system, self._component, now))
+            clock = now + self.clock_ahead
+            messages.append(self._controls.message(self._system, self._component, now, clock))
         return [self._codec.encode(message) for message in messages]
 
     def _insisted(self, now: Nanoseconds) -> list[Message]:
@@ -190,7 +193,7 @@ class ScriptedOperator:
 
     def _asked_the_time(self, message: Message, now: Nanoseconds) -> None:
         if message.tc1 == 0:
-            self._answers.append(dialect.MAVLink_timesync_message(max(now, 1), message.ts1))
+            self._answers.append(dialect.MAVLink_timesync_message(max(now + self.clock_ahead, 1), message.ts1))
 
     def _pinged(self, message: Message, _: Nanoseconds) -> None:
         if message.target_system == 0:

@@ -77,6 +77,10 @@ class Asked(NamedTuple):
     sequence: int
     at: Nanoseconds
 
+    def follows(self, sequence: int) -> bool:
+        """Tell whether this frame comes after one with another number, as far as eight bits tell."""
+        return 0 < (self.sequence - sequence) & 0xFF < _HALF
+
     def overtook(self, sequence: int, now: Nanoseconds) -> bool:
         """Tell whether a frame that comes now was sent before this one."""
         behind = (self.sequence - sequence) & 0xFF
@@ -108,7 +112,9 @@ class Peer:
         if self.moved is not None and self.moved.overtook(sequence, now):
             return False
         if time is not None:
-            if self.boot_ms is not None and 0 < (self.boot_ms - time) % BOOT_WRAPS <= LATEST_BOOT_MS:
+            behind = 0 if self.boot_ms is None else (self.boot_ms - time) % BOOT_WRAPS
+            # Only both together: a clock that was set back goes on with the next number.
+            if self.moved is not None and self.moved.follows(sequence) and 0 < behind <= LATEST_BOOT_MS:
                 return False
             self.boot_ms = time
         self.moved = Asked(sequence, now)
