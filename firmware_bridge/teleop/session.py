@@ -181,7 +181,7 @@ class Session:
         needed = trust.key is not None if decided is None else decided is UnknownAge.REFUSE
         self.age_limit = AgeLimit(robot.operator.max_age_ms * MILLISECOND, needed)
         """How old a word may be; an order for a slow link would change it here."""
-        self._ages: tuple[Sender | None, Ages, Quality] = (None, Ages(signed=False), Quality())
+        self._ages: tuple[int, Ages, Quality] = (0, Ages(signed=False), Quality())
         self.peers: Final[dict[Sender, Peer]] = {}
         self.untold: list[Message] = []
         """Who drives now: told with the next report, beside the answers."""
@@ -198,10 +198,9 @@ class Session:
 
     @property
     def ages(self) -> Ages:
-        """The clocks and the link of who drives; of another one than before nothing is known."""
-        driver = self.control.driver
-        if self._ages[0] != driver:
-            self._ages = (driver, Ages(signed=self.trust.key is not None), Quality())
+        """The clocks and the link of who drives; of who has just taken control nothing is known."""
+        if self._ages[0] != self.control.turns:
+            self._ages = (self.control.turns, Ages(signed=self.trust.key is not None), Quality())
         return self._ages[1]
 
     def age(self, message: Message, sender: Sender, now: Nanoseconds) -> Age | None:

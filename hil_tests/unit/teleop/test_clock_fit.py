@@ -86,12 +86,12 @@ def test_an_age_is_off_by_half_the_shortest_round_trip_at_most(
         if age is None:
             continue
         told += 1
-        # Each answer bounds it: half its round trip, and what two clocks part since, and in these two seconds.
+        # Each answer bounds it: half its round trip, and what the clocks part since, and on the way.
         bounds = [(each.there + each.back) // 2 + (now - each.comes_at) // 10_000 for each in answers]
         off = min(bounds) + resolution + 4 * SECOND // 10_000
         assert one.delay - off <= age <= one.delay + off
-    assert told or not regular or not any(
-        isinstance(one, Word) and one.said_at > 2 * SECOND for one in events
+    assert (
+        told or not regular or not any(isinstance(one, Word) and one.said_at > 2 * SECOND for one in events)
     ), "a clock that is answered for every half second is known"
 
 
