@@ -193,7 +193,8 @@ class ScriptedOperator:
 
     def _asked_the_time(self, message: Message, now: Nanoseconds) -> None:
         if message.tc1 == 0:
-            self._answers.append(dialect.MAVLink_timesync_message(max(now + self.clock_ahead, 1), message.ts1))
+            clock = max(now + self.clock_ahead, 1)
+            self._answers.append(dialect.MAVLink_timesync_message(clock, message.ts1))
 
     def _pinged(self, message: Message, _: Nanoseconds) -> None:
         if message.target_system == 0:

@@ -11,112 +11,16 @@ from firmware_bridge.robot import UnknownAge
 from firmware_bridge.teleop.age import BOOT_WRAPS, ROWS
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.teleop.round_trips import EVERY, LOSS_OVER, MOST_OPEN, Losses, RoundTrips
-from firmware_bridge.teleop.trust import EPOCH, UNIT, Trust
-from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
-from firmware_bridge.wire.internet import number_of
-from hil_tests.unit.teleop.bench import CYCLE, RarsBench, rars, target_message
+from firmware_bridge.teleop.trust import Trust
+from firmware_bridge.units import MILLISECOND, SECOND
+from hil_tests.unit.teleop.bench import CYCLE, rars, target_message
+from hil_tests.unit.teleop.dated import BEAT, HERE, NOW, QUESTIONS, THERE, Station, age_of, driving
 from hil_tests.unit.teleop.heard import texts
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-HERE, THERE = number_of("10.0.0.1", 14550), number_of("192.0.2.7", 14550)
 KEY = bytes(range(32))
-NOW = EPOCH + 300_000_000 * SECOND
-QUESTIONS = {"TIMESYNC", "PING"}
-BEAT = dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)
-
-
-class Station:
-    """A ground station with a clock of its own, whose words come `late` after it has said them."""
-
-    def __init__(self, bench: RarsBench, source: int = HERE, *, key: bytes | None = None) -> None:
-        self.bench = bench
-        self.source = source
-        self.codec = Codec(255, 190, None if key is None else (key, 1))
-        self.ahead: Nanoseconds = 1_000 * SECOND
-        """Its clock, less ours; it stamps by the same."""
-        self.boot_ahead: Nanoseconds | None = None
-        """The clock of its set-points, less ours, where that is another one."""
-        self.late: Nanoseconds = 0
-        self.answers = QUESTIONS
-        self.asked: list[Any] = []
-        self.said(BEAT)
-
-    def frame(self, message: Any, said_at: Nanoseconds) -> bytes:
-        return self.codec.encode(message, (NOW + said_at + self.ahead - EPOCH) // UNIT)
-
-    def said(self, message: Any) -> list[Any]:
-        """Say something that comes now, `late` after it was said."""
-        return self.comes(self.frame(message, self.bench.now - self.late))
-
-    def comes(self, frame: bytes, source: int | None = None) -> list[Any]:
-        bench, place = self.bench, self.source if source is None else source
-        replies = bench.operator.hear(frame, bench.now, bench.decide, place)
-        return [message for reply in replies for message in Codec(9, 9).decode(reply.payload)]
-
-    def goes(self, vx: float = 0.2) -> list[Any]:
-        return self.said(self.set_point(vx))
-
-    def set_point(self, vx: float, said_at: Nanoseconds | None = None) -> Any:
-        message = target_message(vx)
-        at = self.bench.now - self.late if said_at is None else said_at
-        ahead = self.ahead if self.boot_ahead is None else self.boot_ahead
-        message.time_boot_ms = (at + ahead) // MILLISECOND % BOOT_WRAPS
-        return message
-
-    def orders(self, command: int, *params: float) -> list[Any]:
-        seven = (*params, *(0.0,) * (7 - len(params)))
-        return self.said(dialect.MAVLink_command_long_message(1, 1, command, 0, *seven))
-
-    def answer(self, question: Any) -> bytes:
-        """An answer that was written `late` ago."""
-        at = self.bench.now - self.late
-        if question.get_type() == "TIMESYNC":
-            return self.frame(dialect.MAVLink_timesync_message(at + self.ahead, question.ts1), at)
-        return self.frame(dialect.MAVLink_ping_message(question.time_usec, question.seq, 1, 1), at)
-
-    def reported(self) -> list[Any]:
-        """Let a cycle pass, answer what is asked, and return all that was told."""
-        bench = self.bench
-        bench.report()
-        return self.hears(bench)
-
-    def hears(self, bench: RarsBench) -> list[Any]:
-        sent = bench.operator.report(bench.snapshot(), (), bench.now)
-        return [one for packet in sent for one in Codec(9, 9).decode(packet.payload)]
-
-    def drives(self, seconds: float, vx: float = 0.0) -> None:
-        """Go on for so long: set-points at 20 Hz, each question answered as it comes."""
-        bench = self.bench
-        for _ in range(round(seconds * SECOND / CYCLE)):
-            bench.now += CYCLE
-            self.goes(vx)
-            for packet in bench.operator.report(bench.snapshot(), (), bench.now):
-                for one in Codec(9, 9).decode(packet.payload):
-                    if one.get_type() in QUESTIONS and packet.address == self.source:
-                        self.asked.append(one)
-                        if one.get_type() in self.answers:
-                            self.comes(self.answer(one))
-
-
-def driving(*, key: bytes | None = None, seconds: float = 2.0, **how: Any) -> Station:
-    """A station that has taken control, and driven for some seconds."""
-    bench = rars()
-    bench.trust = Trust(key=key, started_at=NOW)
-    bench.restart()
-    station = Station(bench, key=key)
-    for name, value in how.items():
-        setattr(station, name, value)
-    station.orders(400, 1.0)
-    station.drives(seconds)
-    return station
-
-
-def age_of(station: Station) -> tuple[float | None, bool]:
-    """The newest motion command's age in s, and whether it is dated."""
-    intent = station.bench.operator.intent
-    return None if intent.said_at is None else (intent.heard_at - intent.said_at) / SECOND, intent.dated
 
 
 def test_there_is_a_row_for_each_way_to_tell_the_best_first() -> None:
@@ -204,7 +108,7 @@ def test_a_signature_tells_the_age_of_a_stick_by_the_stamps_of_answers() -> None
 def test_a_station_whose_stamps_count_frames_does_not_date_its_words() -> None:
     """So pymavlink and the C library sign: the stamp of the start, and one more for each frame."""
     station = driving(key=KEY, seconds=0.05)
-    station.frame = lambda message, _at: station.codec.encode(message)  # type: ignore[method-assign]
+    station.frame = lambda message, said_at: station.codec.encode(message)  # type: ignore[method-assign] # noqa: ARG005
     for _ in range(200):
         station.bench.now += CYCLE
         station.said(dialect.MAVLink_manual_control_message(1, 0, 0, 0, 0, 0))
