@@ -21,6 +21,8 @@ BOOT_WRAPS: Final = 1 << 32
 _TIMESYNC: Final = dialect.MAVLINK_MSG_ID_TIMESYNC
 _PING: Final = dialect.MAVLINK_MSG_ID_PING
 _SET_POINT: Final = dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_LOCAL_NED
+_GRAIN: Final[Nanoseconds] = 1_000
+"""Instants count in whole microseconds here, as recordings keep them: a replay asks and finds the same."""
 _LARGEST_PING: Final = 0xFFFF_FFFF
 _ANYONE: Final = (0, 0)
 
@@ -66,8 +68,8 @@ class Ages:
         if now < self.trips.due:
             return []
         self._pings = self._pings % _LARGEST_PING + 1
-        asked_at = max(now, 1)
-        self.trips.ask((_TIMESYNC, asked_at), (_PING, self._pings), now=now)
+        asked_at = max(_whole(now), _GRAIN)
+        self.trips.ask((_TIMESYNC, asked_at), (_PING, self._pings), now=_whole(now))
         return [
             dialect.MAVLink_timesync_message(0, asked_at),
             dialect.MAVLink_ping_message(now // 1000, self._pings, *_ANYONE),
@@ -77,6 +79,7 @@ class Ages:
         """Take an answer of this station; one to no open question says nothing."""
         syncs = message.get_msgId() == _TIMESYNC
         carried = message.ts1 if syncs else message.seq
+        now = _whole(now)
         asked_at = self.trips.answered((message.get_msgId(), carried), now)
         if asked_at is None:
             return
@@ -89,7 +92,7 @@ class Ages:
     def age(self, message: Message, now: Nanoseconds) -> Age | None:
         """Return how old a word is that comes now, as the best row tells that tells anything."""
         for row in ROWS:
-            age = row.tells(self, message, now)
+            age = row.tells(self, message, _whole(now))
             if age is not None:
                 return Age(age, row.dated)
         return None
@@ -140,6 +143,10 @@ class Ages:
 
     def _stamp(self, message: Message) -> Nanoseconds | None:
         return stamp_of(bytes(message.get_msgbuf())) * UNIT if self.signed else None
+
+
+def _whole(now: Nanoseconds) -> Nanoseconds:
+    return now // _GRAIN * _GRAIN
 
 
 Tells: TypeAlias = Callable[[Ages, Message, Nanoseconds], Nanoseconds | None]
