@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Final, Generic, TypeAlias, TypeVar
 
 from firmware_bridge.immutable import Immutable
-from firmware_bridge.units import NEVER, Nanoseconds
+from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 
 NEVER_HEARD: Final[Nanoseconds] = -NEVER
 """The instant of what has not come yet."""
@@ -12,10 +12,23 @@ NEVER_HEARD: Final[Nanoseconds] = -NEVER
 M_co = TypeVar("M_co", covariant=True)
 
 
+@dataclass(frozen=True, slots=True)
+class AgeLimit:
+    """How old a motion command may be that is still obeyed."""
+
+    most: Nanoseconds = 500 * MILLISECOND
+    """Since it was said. It belongs to the operator's side: an order may change it while the bridge runs."""
+    needed: bool = False
+    """Whether one whose age nobody knows is not obeyed."""
+
+
+USUAL_AGE_LIMIT: Final = AgeLimit()
+
+
 class Intent(Immutable, Generic[M_co]):
     """The newest wish for motion, and when it came."""
 
-    __slots__ = ("heard_at", "neutral", "said_at", "wish")
+    __slots__ = ("dated", "heard_at", "neutral", "said_at", "wish")
 
     def __init__(
         self,
@@ -23,13 +36,16 @@ class Intent(Immutable, Generic[M_co]):
         heard_at: Nanoseconds = NEVER_HEARD,
         said_at: Nanoseconds | None = None,
         *,
+        dated: bool = False,
         neutral: bool = True,
     ) -> None:
         self.wish: Final = wish
         self.heard_at: Final = heard_at
         """When the newest motion command arrived; `NEVER_HEARD` before the first."""
         self.said_at: Final = said_at
-        """When it was sent, by the robot's clock; None where the operator's messages do not tell."""
+        """When it was said, by the robot's clock, or later; None where nothing tells."""
+        self.dated: Final = dated
+        """Whether it was said then, to within half a round trip; else it may be older."""
         self.neutral: Final = neutral
         """Every stick is let go, or the velocity asked for is zero."""
 

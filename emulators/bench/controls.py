@@ -69,8 +69,11 @@ class Controls:
             self._buttons = 0
             self.released_at = NEVER
 
-    def message(self, system: int, component: int, now: Nanoseconds) -> Message:
-        """Return what the station says to this robot once a period: MANUAL_CONTROL, or a velocity."""
+    def message(self, system: int, component: int, now: Nanoseconds, clock: Nanoseconds) -> Message:
+        """Return what the station says to this robot once a period: MANUAL_CONTROL, or a velocity.
+
+        `clock`: what the station's own clock shows now.
+        """
         still = {name: ramp.at(now) for name, ramp in self._ramps.items()}
         values = dict(still)
         for name, tremor in self._tremors.items():
@@ -79,7 +82,9 @@ class Controls:
                 values[name] += kick * self._full[name]
         if self._input is Input.TWIST:
             twist = self._rehearsal.twist(values, self._robot)
-            return velocity(system, component, twist.vx, twist.yaw_rate, vy=twist.vy)
+            return velocity(
+                system, component, twist.vx, twist.yaw_rate, vy=twist.vy, at_ms=max(clock, 0) // MILLISECOND
+            )
         axes = self._rehearsal.stick(values, self._robot)
         return dialect.MAVLink_manual_control_message(
             system, _axis(axes.x), _axis(axes.y), _axis(axes.z), _axis(axes.r), self._buttons | axes.buttons

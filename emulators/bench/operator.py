@@ -37,6 +37,8 @@ class ScriptedOperator:
     ) -> None:
         """Take the mission in hand; `generator` is drawn from only where the mission has a tremor."""
         self.diary = Diary()
+        self.clock_ahead: Nanoseconds = 0
+        """The station's own clock, less the world's."""
         self._robot = robot
         self._system: int = robot.operator.system_id
         self._component: int = robot.operator.component_id
@@ -52,6 +54,7 @@ class ScriptedOperator:
         self._beat_due: Nanoseconds = 0
         self._send_due: Nanoseconds = 0
         self._greetings: list[Message] = []
+        self._answers: list[Message] = []
         self._heard: Final[dict[int, Reader]] = {
             dialect.MAVLINK_MSG_ID_HEARTBEAT: self._heartbeat,
             dialect.MAVLINK_MSG_ID_COMMAND_ACK: self._acknowledged,
@@ -60,6 +63,8 @@ class ScriptedOperator:
             dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT: self._valued,
             dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT: self._valued,
             dialect.MAVLINK_MSG_ID_PARAM_VALUE: self._parametrised,
+            dialect.MAVLINK_MSG_ID_TIMESYNC: self._asked_the_time,
+            dialect.MAVLINK_MSG_ID_PING: self._pinged,
         }  # all other messages are left packed
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
@@ -67,7 +72,9 @@ class ScriptedOperator:
         for message in self._codec.decode(packet.payload, self._heard):
             if message.get_srcSystem() == self._system:
                 self._heard[message.get_msgId()](message, now)
-        return Reaction((), self._wake_at())
+        answers = tuple(Packet(OPERATOR, 0, self._codec.encode(answer)) for answer in self._answers)
+        self._answers.clear()
+        return Reaction(() if now < self._silent_until else answers, self._wake_at())
 
     def wake(self, now: Nanoseconds) -> Reaction:
         """Take the steps that are due, then send what is due."""
@@ -131,7 +138,8 @@ class ScriptedOperator:
         messages += self._insisted(now)
         if now >= self._send_due:
             self._send_due += self._period
-            messages.append(self._controls.message(self._system, self._component, now))
+            clock = now + self.clock_ahead
+            messages.append(self._controls.message(self._system, self._component, now, clock))
         return [self._codec.encode(message) for message in messages]
 
     def _insisted(self, now: Nanoseconds) -> list[Message]:
@@ -182,6 +190,16 @@ class ScriptedOperator:
 
     def _located(self, message: Message, now: Nanoseconds) -> None:
         self.diary.odometry.append(place_of(message, now))
+
+    def _asked_the_time(self, message: Message, now: Nanoseconds) -> None:
+        if message.tc1 == 0:
+            clock = max(now + self.clock_ahead, 1)
+            self._answers.append(dialect.MAVLink_timesync_message(clock, message.ts1))
+
+    def _pinged(self, message: Message, _: Nanoseconds) -> None:
+        if message.target_system == 0:
+            who = (message.get_srcSystem(), message.get_srcComponent())
+            self._answers.append(dialect.MAVLink_ping_message(message.time_usec, message.seq, *who))
 
     def _valued(self, message: Message, _: Nanoseconds) -> None:
         self.diary.values[text_of(message.name)] = message.value

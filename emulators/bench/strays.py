@@ -37,13 +37,23 @@ class Stray(StrEnum):
 
 
 def velocity(
-    system: int, component: int, vx: float, yaw_rate: float = 0.0, *, vy: float = 0.0, frame: int = 8
+    system: int,
+    component: int,
+    vx: float,
+    yaw_rate: float = 0.0,
+    *,
+    vy: float = 0.0,
+    frame: int = 8,
+    at_ms: int = 0,
 ) -> Message:
-    """Return a SET_POSITION_TARGET_LOCAL_NED that asks for a velocity and a yaw rate, mask 1511; SI, NED."""
+    """Return a SET_POSITION_TARGET_LOCAL_NED that asks for a velocity and a yaw rate, mask 1511; SI, NED.
+
+    `at_ms`: the station's clock; without it the message carries no time.
+    """
     mask = 1511
     rest = (0.0,) * 4
     return dialect.MAVLink_set_position_target_local_ned_message(
-        0, system, component, frame, mask, 0.0, 0.0, 0.0, vx, vy, *rest, 0.0, yaw_rate
+        at_ms, system, component, frame, mask, 0.0, 0.0, 0.0, vx, vy, *rest, 0.0, yaw_rate
     )
 
 

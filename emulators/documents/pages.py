@@ -264,8 +264,17 @@ def _faults() -> str:
     return _page("Faults that a mission can name", *parts)
 
 
+AGE_TEXT: Final = """\
+No motion command is obeyed that was said longer ago than `operator.max_age_ms`, counted to the instant at
+which it is obeyed. How old it is when it comes is told by the first of these rows that tells anything; a row
+that dates it is off by half the shortest round trip at most. What no row dates is obeyed under the rule of
+silence, or moves nothing: `operator.unknown_age`. A wish to stop is obeyed however old, and nothing that was
+said before it undoes it. [Why](decisions/age-of-words.md)."""
+
+
 def _safety(measured: Mapping[str, Sequence[str]]) -> str:
     parts = [SAFETY_TEXT, "## Every axis", AXIS_TEXT, table(safety.AXIS_HEADINGS, safety.axis_rows())]
+    parts += ["## How old a word is", AGE_TEXT, table(safety.AGE_HEADINGS, safety.ages())]
     for kind, robot in safety.shipped():
         parts += [
             f"## {robot.title}",

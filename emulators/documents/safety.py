@@ -15,6 +15,7 @@ from firmware_bridge.safety.following import bounds_of, within
 from firmware_bridge.safety.guard.bounds import targets
 from firmware_bridge.safety.interlock import AxisInterlock
 from firmware_bridge.safety.row import Row
+from firmware_bridge.teleop.age import ROWS as AGES
 from firmware_bridge.units import MILLISECOND
 
 Cells: TypeAlias = tuple[str, ...]
@@ -28,6 +29,7 @@ AXIS_HEADINGS: Final = (
 BELIEF_HEADINGS: Final = (
     "axis", "stands below", "speed", "position", "ramp", "cruise", "lag", "repeats", "holds with", "within"
 )  # fmt: skip
+AGE_HEADINGS: Final = ("from", "dated", "tells")
 UNPOWERED_HEADINGS: Final = ("axis", "without power", "friction")
 BOUND_HEADINGS: Final = (
     "axis", "on the link", "silent after", "top speed", "travel", "zero", "on the wire", "rows"
@@ -88,6 +90,12 @@ def axis_rows() -> Iterator[Cells]:
                 *(_clear(standing), standing.remedy),
             )
             standing = standing.instead
+
+
+def ages() -> Iterator[Cells]:
+    """Yield the ways to tell how old a word is, the best first."""
+    for row in AGES:
+        yield (row.name, _yes(row.dated), "its age" if row.dated else "how old it is at least")
 
 
 def bounds(robot: AnyRobot) -> Iterator[Cells]:

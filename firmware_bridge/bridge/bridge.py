@@ -27,7 +27,7 @@ from firmware_bridge.safety.row import Row, Severity
 from firmware_bridge.safety.snapshot import Hold, Snapshot
 from firmware_bridge.teleop.operator import Operator
 from firmware_bridge.teleop.session import EVERYBODY
-from firmware_bridge.teleop.trust import Trust
+from firmware_bridge.teleop.trust import Stamps, Trust
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
 REST_WITHIN: Final[Nanoseconds] = 3 * SECOND
@@ -152,6 +152,10 @@ class Bridge:
     def offer(self, last: Mapping[str, float]) -> None:
         """Take where the axes stood in an earlier run; it is told, and never believed."""
         self._pipeline.offer(last)
+
+    def stamps(self, now: Nanoseconds) -> Stamps:
+        """Return which signatures' time stamps must outlive this run."""
+        return self._operator.stamps(now)
 
     @property
     def seen(self) -> Snapshot[Any, Any]:

@@ -186,6 +186,9 @@ class Pipeline(Generic[G, M, S]):
             battery_low_since=self._charge.low_since(sensors),
             stood=self._zeros.saw(axes),
             following=self._followers.saw(axes),
+            said_at=operator.intent.said_at,
+            dated=operator.intent.dated,
+            age_limit=operator.age_limit,
         )
         return Snapshot(
             facts=facts,

@@ -1,6 +1,7 @@
 """Runs the bridge on real links, telling the user what it does."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import TypeAlias
 
 from firmware_bridge.bridge import Bridge, Phase
@@ -22,8 +23,10 @@ from firmware_bridge.robot import AnyRobot, RobotFileError
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.safety.snapshot import Hold
+from firmware_bridge.shell.kept_stamps import DamagedStampsError, KeptStamps
 from firmware_bridge.shell.last_places import LastPlaces, usual_path
 from firmware_bridge.shell.ports import Port, ReturningLine, UdpPort, open_can
+from firmware_bridge.teleop.trust import Stamps
 from firmware_bridge.units import SECOND, Nanoseconds, to_seconds
 from firmware_bridge.wire.maxon.frame import Generation
 
@@ -40,8 +43,12 @@ class Narrated:
     It ends the run when the start-up has failed. `node` is what is carried: the bridge, or a node around it.
     """
 
-    def __init__(self, bridge: Bridge, node: Node, tell: Tell, kept: LastPlaces) -> None:
+    def __init__(
+        self, bridge: Bridge, node: Node, tell: Tell, kept: LastPlaces, stamps: KeptStamps | None
+    ) -> None:
         self._bridge = bridge
+        self._stamps = stamps
+        """Where signatures' time stamps are kept; None without a key, or where they cannot be."""
         self._kept: LastPlaces | None = kept
         """Where the axes' places are kept; None where that file cannot be written."""
         self._node = node
@@ -86,6 +93,7 @@ class Narrated:
             if self._phase is Phase.FINISHED and bridge.unconfirmed:
                 self._say(_unconfirmed(bridge), now)
         self._keep(now)
+        self._keep_stamps(now)
         if bridge.seen.facts.armed != self._armed:
             self._armed = bridge.seen.facts.armed
             self._say("armed" if self._armed else "disarmed", now)
@@ -108,6 +116,19 @@ class Narrated:
             self._say(f"where the axes stand is not kept: {self._kept.path}: {error.strerror}", now)
             self._kept = None
 
+    def _keep_stamps(self, now: Nanoseconds) -> None:
+        """Keep up to where signed streams were heard; at the end not ahead: nothing is heard any more."""
+        if self._stamps is None:
+            return
+        try:
+            if self._bridge.finished:
+                self._stamps.write(self._bridge.stamps(now))
+            else:
+                self._stamps.keep(self._bridge.stamps(now), now)
+        except OSError as error:
+            self._say(f"time stamps are not kept: {self._stamps.path}: {error.strerror}", now)
+            self._stamps = None
+
     def _tell_holds(self, standing: Mapping[str, Hold], now: Nanoseconds) -> None:
         known = {hold.name: hold.reason for hold in self._holds}
         for name in known:
@@ -126,11 +147,14 @@ def drive(given: DriveOptions) -> None:
     machine = find_robot(given.robot)
     places = places_of(machine, given.link, Place(given.interface, given.channel, given.serial))
     trust = trust_of(given.mavlink, given.key, given.allow, openly=given.openly)
+    state = given.state or usual_path(machine.name)
+    stamps = None if trust.key is None else KeptStamps(state.with_suffix(".stamps.json"))
+    trust = trust if stamps is None else replace(trust, kept=_kept(stamps))
     stands = zeros_of(given.zero)
     with one_message(PlanError, RobotFileError, ValueError):
         machine = _with_lines(machine, places, given.protocol, given.baud)
         bridge = Bridge(machine, kind_of(machine), trust, stands)
-    kept = LastPlaces(given.state or usual_path(machine.name))
+    kept = LastPlaces(state)
     bridge.offer(kept.read())
     node: Node = guarded(bridge, machine)
     openers: dict[str, Callable[[], Port]] = {}
@@ -143,7 +167,7 @@ def drive(given: DriveOptions) -> None:
             openers[name] = _can_opener(place, given.bit_rate, table.bit_rate)
     where = ", ".join(_title(machine, name, place) for name, place in places.items())
     carry(
-        Narrated(bridge, node, say, kept),
+        Narrated(bridge, node, say, kept, stamps),
         {**openers, OPERATOR: lambda: UdpPort(given.mavlink)},
         until(given.duration),
         f"{machine.name}: bridge on {where}, operator on {given.mavlink}",
@@ -151,6 +175,17 @@ def drive(given: DriveOptions) -> None:
     )
     if bridge.unconfirmed:
         raise refusal(_unconfirmed(bridge), FAILED)
+
+
+def _kept(stamps: KeptStamps) -> Stamps:
+    """Return the time stamps of the run before; what is damaged ends the program."""
+    try:
+        return stamps.read()
+    except DamagedStampsError as error:
+        raise refusal(
+            f"{error}; it keeps a recording of signed words from being obeyed: delete it, and wait for a "
+            "minute, to start without"
+        ) from None
 
 
 def _unconfirmed(bridge: Bridge) -> str:

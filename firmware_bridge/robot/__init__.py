@@ -15,6 +15,7 @@ from firmware_bridge.robot.model import (
     Robot,
     Sensor,
     Unit,
+    UnknownAge,
     Unpowered,
 )
 from firmware_bridge.robot.problems import Problem, RobotFileError
@@ -38,5 +39,6 @@ __all__ = [
     "Sensor",
     "Table",
     "Unit",
+    "UnknownAge",
     "Unpowered",
 ]

@@ -47,12 +47,25 @@ class Unpowered(StrEnum):
     """Only its device keeps it from moving."""
 
 
+class UnknownAge(StrEnum):
+    """What becomes of a motion command of which nobody knows how old it is."""
+
+    DRIVE = "drive"
+    """It is obeyed, under the rule of silence; so it is where no key is set."""
+    REFUSE = "refuse"
+    """It moves nothing; so it is where only signed words are believed."""
+
+
 class OperatorLink(Table):
-    """The operator's link: how long silence is allowed, and the identity on MAVLink."""
+    """The operator's link: how long silence is allowed, how old a word may be, the identity on MAVLink."""
 
     silent_ms: Annotated[int, Field(ge=50, le=10_000)]
     gone_ms: Annotated[int, Field(ge=1_000, le=60_000)] = 10_000
     """After so long a silence the robot is disarmed."""
+    max_age_ms: Annotated[int, Field(ge=50, le=2_000)] = 500
+    """No older motion command is obeyed; a wish to stop is, however old."""
+    unknown_age: Annotated[UnknownAge, Field(strict=False)] | None = None
+    """What becomes of motion commands whose age nobody knows; without it the key decides."""
     system_id: Annotated[int, Field(ge=1, le=255)]
     component_id: Annotated[int, Field(ge=1, le=255)]
 

@@ -13,6 +13,7 @@ from firmware_bridge.robot import Axis
 from firmware_bridge.robot.table import LinkTable, Table
 from firmware_bridge.safety.following import within
 from firmware_bridge.safety.interlock import AxisInterlock, Interlock, View
+from firmware_bridge.safety.operator_rows import operator_rows
 from firmware_bridge.safety.row import Severity
 from firmware_bridge.safety.snapshot import Facts, Following
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
@@ -22,7 +23,7 @@ M = TypeVar("M")
 S = TypeVar("S")
 
 LINK_CLEARS_AFTER: Final[Nanoseconds] = 200 * MILLISECOND
-"""A silent operator or axis is back when it has been heard for this long: four cycles, no stray packet."""
+"""An axis or a link is well again when it has been so for this long: four cycles, no stray packet."""
 BATTERY_CLEARS_AFTER: Final[Nanoseconds] = 5000 * MILLISECOND
 """It recovers where nothing moves; what it gives for so long it gives to the next start, too."""
 STRAINS: Final = 2
@@ -60,25 +61,7 @@ def whole_robot_rows(
             disarms=True,
         ),
         Interlock("not armed", _not_armed, "arm the robot", severity=Severity.NOTICE, blocks_arming=False),
-        # Many stations arm first and speak of motion then; until they do, the silence holds the robot itself.
-        Interlock(
-            "operator silent",
-            _operator_silent,
-            "send motion commands",
-            clear_after=LINK_CLEARS_AFTER,
-            blocks_arming=False,
-            parts=True,
-        ),
-        Interlock(
-            "operator gone",
-            _operator_gone,
-            "send motion commands, then arm",
-            clear_after=LINK_CLEARS_AFTER,
-            disarms=True,
-            blocks_arming=False,
-        ),
-        Interlock("controls deflected", _deflected, "let the stick go", blocks_arming=False),
-        Interlock("paused", _paused, "continue, or arm", severity=Severity.NOTICE, blocks_arming=False),
+        *operator_rows(),
         Interlock("wish unusable", wish_unusable, "send finite numbers"),
     )
 
@@ -137,33 +120,6 @@ def _battery_low(view: View[G, M, S]) -> str | None:
 
 def _not_armed(view: View[G, M, S]) -> str | None:
     return None if view.facts.armed else "the robot is not armed"
-
-
-def _operator_silent(view: View[G, M, S]) -> str | None:
-    limit = view.robot.operator.silent_ms * MILLISECOND
-    if view.facts.heard_at == NEVER_HEARD:
-        return "no motion command has come yet"
-    silence = view.facts.now - view.facts.heard_at
-    if silence < limit:
-        return None
-    return f"no motion command for {to_seconds(silence):.2f} s, limit {to_seconds(limit):.2f} s"
-
-
-def _operator_gone(view: View[G, M, S]) -> str | None:
-    limit = view.robot.operator.gone_ms * MILLISECOND
-    if view.facts.heard_at == NEVER_HEARD or view.facts.now - view.facts.heard_at < limit:
-        return None
-    return f"no motion command for {to_seconds(limit):g} s: nobody drives"
-
-
-def _deflected(view: View[G, M, S]) -> str | None:
-    if view.facts.neutral or not view.facts.parted:
-        return None
-    return "the stick was not let go after the silence"
-
-
-def _paused(view: View[G, M, S]) -> str | None:
-    return "the operator has paused the robot" if view.facts.paused else None
 
 
 def _axis_silent(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:

@@ -124,7 +124,7 @@ class Gate(Generic[G, M, S]):
         It lies after `facts.now`: a silence that has tripped already asks for nothing.
         """
         first = NEVER
-        operator = facts.heard_at + self._silent_after
+        operator = facts.heard_at + facts.lives_for(self._silent_after)
         if operator > facts.now:
             first = operator
         for one in self._axes:

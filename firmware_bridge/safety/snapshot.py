@@ -10,7 +10,7 @@ from typing import Final, Generic, TypeAlias, TypeVar
 
 from firmware_bridge.drivers.driver import Demand, Feedback, Reading, Stop
 from firmware_bridge.immutable import Immutable
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.intent import NEVER_HEARD, USUAL_AGE_LIMIT, AgeLimit
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.safety.row import Row
 from firmware_bridge.units import Nanoseconds
@@ -85,6 +85,25 @@ class Facts:
     """Where axes were when their zero was known last, in words, by their names: no certainty."""
     following: Mapping[str, Following] = field(default_factory=dict)
     """By the axes' names; one without is not judged by what it was told."""
+    said_at: Nanoseconds | None = None
+    """When the newest motion command was said, or later; None where nothing tells."""
+    dated: bool = False
+    """Whether it was said then, to within half a round trip; else it may be older."""
+    age_limit: AgeLimit = USUAL_AGE_LIMIT
+
+    @property
+    def age(self) -> Nanoseconds | None:
+        """How old the newest motion command was when it arrived; at least so old where it is not `dated`."""
+        return None if self.said_at is None else self.heard_at - self.said_at
+
+    def lives_for(self, silent_after: Nanoseconds) -> Nanoseconds:
+        """Return how long the newest motion command counts from its arrival on.
+
+        As long as silence may last, and no longer than until it is as old as a command may be.
+        """
+        if self.age is None or not self.dated or self.age >= self.age_limit.most:
+            return silent_after
+        return min(silent_after, self.age_limit.most - self.age)
 
 
 class Snapshot(Immutable, Generic[M, S_co]):

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
+from firmware_bridge.shell import whole_file
 from firmware_bridge.units import SECOND, Nanoseconds
 
 EVERY: Final[Nanoseconds] = 2 * SECOND
@@ -50,8 +51,5 @@ class LastPlaces:
         """Replace the file; OSError where it cannot be written."""
         if not places:
             return
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        fresh = self.path.with_name(f"{self.path.name}.{os.getpid()}")
-        fresh.write_text(json.dumps(dict(places)), encoding="utf-8")
-        fresh.replace(self.path)
+        whole_file.replace(self.path, json.dumps(dict(places)))
         self._written = dict(places)

@@ -4,7 +4,7 @@ A station is a place that a heartbeat came from, and any good frame for this rob
 others must fit into the bytes that came from there, so that a forged address gains nothing.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Final
 
 from firmware_bridge.node import OPERATOR
@@ -30,12 +30,15 @@ ONE_END: Final = 0
 class Audience:
     """The places that frames came from; each station hears a sequence of its own, without gaps."""
 
-    __slots__ = ("_aside", "_codecs", "_credits", "_numbers", "_stations", "_trust")
+    __slots__ = ("_aside", "_codecs", "_credits", "_numbers", "_stamp", "_stations", "_trust")
 
-    def __init__(self, system: int, component: int, trust: Trust) -> None:
-        """Write under these numbers, and signed where there is a key."""
+    def __init__(
+        self, system: int, component: int, trust: Trust, stamp: Callable[[Nanoseconds], int]
+    ) -> None:
+        """Write under these numbers, and signed where there is a key: with the `stamp` of the instant."""
         self._numbers: Final = (system, component)
         self._trust: Final = trust
+        self._stamp: Final = stamp
         self._aside: Final = trust.writer(system, component, _ASIDE)
         """Writes to those that are no stations."""
         self._codecs: Final[dict[int, Codec]] = {}
@@ -62,7 +65,7 @@ class Audience:
         self, source: int, messages: Iterable[Message], driver: int | None, now: Nanoseconds
     ) -> tuple[Packet, ...]:
         """Return answers for a place; what it has not paid for is left out."""
-        stamp = self._trust.stamp(now)
+        stamp = self._stamp(now)
         if source in self._told(driver, now):
             codec = self._codec(source)
             return tuple(Packet(OPERATOR, source, codec.encode(message, stamp)) for message in messages)
@@ -78,7 +81,7 @@ class Audience:
 
     def tell(self, messages: Iterable[Message], driver: int | None, now: Nanoseconds) -> tuple[Packet, ...]:
         """Return what goes to every station, and to the place of who drives."""
-        told, stamp = self._told(driver, now), self._trust.stamp(now)
+        told, stamp = self._told(driver, now), self._stamp(now)
         codecs = [(source, self._codec(source)) for source in told]
         for source in self._codecs.keys() - set(told):
             del self._codecs[source]

@@ -29,10 +29,12 @@ class Sender(NamedTuple):
 class Control:
     """Who drives now; nobody at first."""
 
-    __slots__ = ("driver", "heard_at", "yields")
+    __slots__ = ("driver", "heard_at", "turns", "yields")
 
     def __init__(self) -> None:
         self.driver: Sender | None = None
+        self.turns = 0
+        """How often somebody has taken control who had it not."""
         self.yields = False
         """Whether the driver lets anybody take over who asks."""
         self.heard_at: Nanoseconds = 0
@@ -51,6 +53,7 @@ class Control:
 
     def take(self, sender: Sender, now: Nanoseconds, *, yields: bool = False) -> None:
         """Let a station drive."""
+        self.turns += sender != self.driver
         self.driver, self.heard_at, self.yields = sender, now, yields
 
     def give_up(self) -> None:

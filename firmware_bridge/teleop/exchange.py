@@ -10,6 +10,7 @@ from firmware_bridge.intent import (
     Disarm,
     EmergencyStop,
     Intent,
+    Pause,
     Request,
     ResetOdometry,
     Verdict,
@@ -17,11 +18,13 @@ from firmware_bridge.intent import (
 from firmware_bridge.safety.row import Severity
 from firmware_bridge.teleop.control import Sender
 from firmware_bridge.teleop.mavlink import Message, dialect
-from firmware_bridge.teleop.session import Motion, Peer, Said, Session
+from firmware_bridge.teleop.session import Asked, Motion, Peer, Said, Session
 from firmware_bridge.teleop.setpoints import pressed, stick_of, velocity_of
 from firmware_bridge.teleop.station import AnyStation, Switch, Unusable
-from firmware_bridge.units import Nanoseconds
+from firmware_bridge.units import Nanoseconds, to_seconds
 
+STOPS: Final = (Disarm, EmergencyStop, Pause)
+"""Obeyed however old they are; nothing that was said before one of them undoes it."""
 Decide: TypeAlias = Callable[[Request], Verdict]
 _ANSWER_WITHIN_S: Final = 10.0
 """So long a station shows its operator that another one asks for control."""
@@ -56,6 +59,17 @@ class Exchange:
         return self.doubt or self.session.control.refusal(self.sender)
 
     @property
+    def late(self) -> str | None:
+        """Why a wish to go comes too late; None where it comes in time, or nobody knows."""
+        stopped, limit = self.peer.stopped, self.session.age_limit.most
+        if stopped is not None and stopped.overtook(self.message.get_seq(), self.now):
+            return "it was said before a wish to stop, and came after it"
+        age = self.session.age(self.message, self.sender, self.now)
+        if age is None or age.nanoseconds < limit:
+            return None
+        return f"it was said {to_seconds(age.nanoseconds):.2f} s ago, limit {to_seconds(limit):.2f} s"
+
+    @property
     def station(self) -> AnyStation:
         """The robot's rows."""
         return self.session.station
@@ -76,10 +90,13 @@ class Exchange:
         Of anybody else an emergency stop is obeyed, and nothing else. Power is not taken for him, which would
         let the robot roll, and his stop can be cleared.
         """
-        session, refusal = self.session, self.refusal
-        if refusal is not None:
-            if not _stops(request):
-                return Verdict(accepted=False, reason=refusal)
+        session = self.session
+        if isinstance(request, STOPS) and self.doubt is None:
+            self.peer.stopped = Asked(self.message.get_seq(), self.now)
+        refused = self._refused(request)
+        if refused is not None:
+            return refused
+        if self.refusal is not None:
             request = EmergencyStop()
             session.untold += session.speaker.say_sometimes(
                 "stopped", f"emergency stop by {self.sender}", self.now
@@ -87,8 +104,13 @@ class Exchange:
         if isinstance(request, Arm) and not self.armed:
             session.adopt(self.peer, self.now)
         verdict = self.decide(request)
-        if not verdict.accepted:
-            return verdict
+        if verdict.accepted:
+            self._granted(request)
+        return verdict
+
+    def _granted(self, request: Request) -> None:
+        """Take note of what the bridge has done."""
+        session = self.session
         if isinstance(request, Arm) and session.control.driver is None:
             session.control.take(self.sender, self.now)
             self.tell(f"control: {self.sender} drives")
@@ -98,7 +120,16 @@ class Exchange:
             session.forget()
         if isinstance(request, EmergencyStop) and request.final:
             session.terminated = True
-        return verdict
+
+    def _refused(self, request: Request) -> Verdict | None:
+        """Refuse what somebody asks who does not drive, or asks too late; stops are not refused."""
+        if self.refusal is not None:
+            return None if _stops(request) else Verdict(accepted=False, reason=self.refusal)
+        late = None if isinstance(request, STOPS) else self.late
+        if late is None:
+            return None
+        self.session.dropped.aged += 1
+        return Verdict(accepted=False, reason=late, temporary=True)
 
     def take_control(self, *, yields: bool = False) -> None:
         """Let the sender drive; nothing moves before his own controls are let go."""
@@ -190,11 +221,14 @@ class Exchange:
             self.refuse(wish)
         else:
             self.peer.said = Said(motion, self.now, neutral)
-            session.intent = Intent(wish, self.now, neutral=neutral)
+            age = session.age(self.message, self.sender, self.now)
+            said_at = None if age is None else self.now - age.nanoseconds
+            dated = age is not None and age.dated
+            session.intent = Intent(wish, self.now, said_at, dated=dated, neutral=neutral)
 
     def newest(self) -> bool:
         """Return whether no newer motion command has overtaken this one."""
-        newest = self.peer.is_newest(self.message.get_seq(), self.now)
+        newest = self.peer.is_newest(self.message, self.now)
         self.session.dropped.overtaken += not newest
         return newest
 

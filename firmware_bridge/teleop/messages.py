@@ -34,7 +34,8 @@ def _manual_control(exchange: Exchange) -> None:
     if exchange.refusal is not None:
         exchange.ignore()
         return
-    exchange.press(gone_down)
+    if exchange.late is None:
+        exchange.press(gone_down)
     exchange.take_stick()
 
 
@@ -165,7 +166,9 @@ def _setup_signing(exchange: Exchange) -> None:
 
 
 def _timesync(exchange: Exchange) -> None:
-    if exchange.message.tc1 == 0:  # anything else answers a request, and we made none
+    if exchange.message.tc1 != 0:
+        _answered(exchange)
+    else:
         exchange.replies.append(dialect.MAVLink_timesync_message(max(exchange.now, 1), exchange.message.ts1))
 
 
@@ -175,6 +178,15 @@ def _ping(exchange: Exchange) -> None:
         exchange.replies.append(
             dialect.MAVLink_ping_message(message.time_usec, message.seq, *exchange.address)
         )
+    else:
+        _answered(exchange)
+
+
+def _answered(exchange: Exchange) -> None:
+    """Take an answer to a question of ours: only who drives is asked."""
+    session = exchange.session
+    if exchange.sender == session.control.driver:
+        session.ages.answered(exchange.message, exchange.now)
 
 
 HANDLERS: Final[dict[int, Callable[[Exchange], None]]] = {

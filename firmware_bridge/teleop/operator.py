@@ -7,7 +7,7 @@ messages for other systems are left alone. What a robot makes of it stands in it
 
 from typing import Final, Generic, TypeVar
 
-from firmware_bridge.intent import Intent
+from firmware_bridge.intent import AgeLimit, Intent
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Robot, Table
 from firmware_bridge.safety.row import Severity
@@ -19,7 +19,7 @@ from firmware_bridge.teleop.mavlink import Counters, Message, concerns, dialect
 from firmware_bridge.teleop.messages import HANDLERS, stop_for_anybody
 from firmware_bridge.teleop.session import EVERYBODY, LISTING_GAP, Dropped, Session
 from firmware_bridge.teleop.station import Station
-from firmware_bridge.teleop.trust import Trust, is_signed
+from firmware_bridge.teleop.trust import Stamps, Trust, is_signed
 from firmware_bridge.units import NEVER, Nanoseconds
 
 RADIO_STATUS: Final = dialect.MAVLINK_MSG_ID_RADIO_STATUS
@@ -58,6 +58,15 @@ class Operator(Generic[G, M, S]):
     def intent(self) -> Intent[M]:
         """What the operator wants now."""
         return self._session.intent
+
+    @property
+    def age_limit(self) -> AgeLimit:
+        """How old a motion command may be that is obeyed."""
+        return self._session.age_limit
+
+    def stamps(self, now: Nanoseconds) -> Stamps:
+        """Return which signatures' time stamps must outlive this run."""
+        return self._session.signatures.kept(now)
 
     @property
     def driver(self) -> Sender | None:
@@ -112,7 +121,7 @@ class Operator(Generic[G, M, S]):
                 replies += stopped
                 continue
             self._say_if_signed_in_vain(message)
-            session.heard(sender, now)
+            session.heard(sender, message.get_seq(), now)
             good = True
             beats = beats or message.get_msgId() == dialect.MAVLINK_MSG_ID_HEARTBEAT
             if (handle := HANDLERS.get(message.get_msgId())) is not None:
@@ -168,6 +177,7 @@ class Operator(Generic[G, M, S]):
         """Return what is due now, in order: texts of what began or ended, telemetry, listed parameters."""
         session = self._session
         session.snapshot = snapshot
+        session.tell_link(now)
         messages = session.untold + self._hold_texts(holds) + self._fault_texts(snapshot)
         session.untold = []
         due = session.schedule.due(now)
@@ -176,7 +186,14 @@ class Operator(Generic[G, M, S]):
             for place in due:
                 messages += session.streams[place].encode(context)
         messages += self._parameters(now)
-        return session.audience.tell(messages, session.drives_from, now)
+        return session.audience.tell(messages, session.drives_from, now) + self._questions(now)
+
+    def _questions(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Ask who drives about his clock, and how long his answer takes; nobody else is asked."""
+        session, place = self._session, self._session.drives_from
+        if place is None:
+            return ()
+        return session.audience.answer(place, session.ages.questions(now), place, now)
 
     def _hold_texts(self, holds: tuple[Hold, ...]) -> list[Message]:
         current = {hold.name: hold for hold in holds}

@@ -4,12 +4,14 @@ from dataclasses import dataclass
 from typing import Any, Final, NamedTuple, TypeAlias
 
 from firmware_bridge.drivers.driver import Power
-from firmware_bridge.intent import NEVER_HEARD, Intent
-from firmware_bridge.robot import AnyRobot
+from firmware_bridge.intent import NEVER_HEARD, AgeLimit, Intent
+from firmware_bridge.robot import AnyRobot, UnknownAge
 from firmware_bridge.safety.row import Severity
 from firmware_bridge.safety.snapshot import Facts, Snapshot
+from firmware_bridge.teleop.age import BOOT_WRAPS, Age, Ages, boot_ms
 from firmware_bridge.teleop.audience import Audience
 from firmware_bridge.teleop.control import Control, Sender
+from firmware_bridge.teleop.link_quality import Link, Quality
 from firmware_bridge.teleop.mavlink import Codec, Message, dialect
 from firmware_bridge.teleop.parameters import Store, parameters_of
 from firmware_bridge.teleop.schedule import Schedule
@@ -39,6 +41,8 @@ OVERTAKEN: Final[Nanoseconds] = 3 * SECOND
 """How long one that is only a few behind is: a "go" that comes 0.26 s after the stop is no new start."""
 FEW: Final = 96
 """What a station says in three seconds, at 30 frames a second."""
+LATEST_BOOT_MS: Final = 10_000
+"""So far behind the newest one a set-point's time is overtaken; further behind its station has begun anew."""
 _HALF: Final = 0x80
 """Of all sequence numbers; one that is so many or more behind is ahead."""
 MOST_UNTOLD: Final = 8
@@ -67,6 +71,23 @@ class Said(NamedTuple):
     neutral: bool
 
 
+class Asked(NamedTuple):
+    """A frame by its sequence number, and when it came."""
+
+    sequence: int
+    at: Nanoseconds
+
+    def follows(self, sequence: int) -> bool:
+        """Tell whether this frame comes after one with another number, as far as eight bits tell."""
+        return 0 < (self.sequence - sequence) & 0xFF < _HALF
+
+    def overtook(self, sequence: int, now: Nanoseconds) -> bool:
+        """Tell whether a frame that comes now was sent before this one."""
+        behind = (self.sequence - sequence) & 0xFF
+        late = OVERTAKEN if behind <= FEW else OUT_OF_ORDER
+        return behind < _HALF and now - self.at < late
+
+
 @dataclass(slots=True)
 class Peer:
     """One ground station's last words."""
@@ -74,22 +95,29 @@ class Peer:
     heard_at: Nanoseconds = 0
     said: Said | None = None
     """What it said while it drove or nobody did: who does not drive is not listened to."""
-    sequence: int | None = None
-    moved_at: Nanoseconds = NEVER_HEARD
+    moved: Asked | None = None
+    """Its newest motion command."""
+    boot_ms: int | None = None
+    """The newest time that a set-point carried."""
+    stopped: Asked | None = None
+    """Its newest wish to stop."""
     buttons: int | None = None
     answered: Answered | None = None
     stop_answered_at: Nanoseconds = NEVER_HEARD
     """When an emergency stop was answered that it had sent while another one drove."""
 
-    def is_newest(self, sequence: int, now: Nanoseconds) -> bool:
+    def is_newest(self, message: Message, now: Nanoseconds) -> bool:
         """Tell whether a motion command is newer than all before it, and remember it if so."""
-        if self.sequence is not None:
-            behind = (self.sequence - sequence) & 0xFF
-            late = OVERTAKEN if behind <= FEW else OUT_OF_ORDER
-            if behind < _HALF and now - self.moved_at < late:
+        sequence, time = message.get_seq(), boot_ms(message)
+        if self.moved is not None and self.moved.overtook(sequence, now):
+            return False
+        if time is not None:
+            behind = 0 if self.boot_ms is None else (self.boot_ms - time) % BOOT_WRAPS
+            # Only both together: a clock that was set back goes on with the next number.
+            if self.moved is not None and self.moved.follows(sequence) and 0 < behind <= LATEST_BOOT_MS:
                 return False
-        self.sequence = sequence
-        self.moved_at = now
+            self.boot_ms = time
+        self.moved = Asked(sequence, now)
         return True
 
 
@@ -105,6 +133,8 @@ class Dropped:
     """Motion commands that a newer one had overtaken."""
     refused: int = 0
     """Motion commands that made no sense."""
+    aged: int = 0
+    """Wishes to go that were said before a wish to stop, or too long ago."""
     undriven: int = 0
     """Motion commands of stations that do not drive."""
     doubted: int = 0
@@ -139,14 +169,19 @@ class Session:
         self.speaker: Final = Speaker()
         self.intent: Intent[Any] = Intent(rest)
         self.snapshot: Snapshot[Any, Any] | None = None
-        self.audience: Final = Audience(self.codec.system, self.codec.component, trust)
         self.trust: Final = trust
         self.signatures: Final = Signatures(trust)
+        self.audience: Final = Audience(self.codec.system, self.codec.component, trust, self.signatures.stamp)
         self.signed_in_vain = False
         """A frame was signed, and there is no key."""
         self.stop_answered_at: Nanoseconds = NEVER_HEARD
         """When an emergency stop of somebody who is not believed was answered."""
         self.control: Final = Control()
+        decided = robot.operator.unknown_age
+        needed = trust.key is not None if decided is None else decided is UnknownAge.REFUSE
+        self.age_limit = AgeLimit(robot.operator.max_age_ms * MILLISECOND, needed)
+        """How old a word may be; an order for a slow link would change it here."""
+        self._ages: tuple[int, Ages, Quality] = (0, Ages(signed=False), Quality())
         self.peers: Final[dict[Sender, Peer]] = {}
         self.untold: list[Message] = []
         """Who drives now: told with the next report, beside the answers."""
@@ -161,9 +196,29 @@ class Session:
         """The place of who drives; None where nobody does."""
         return None if self.control.driver is None else self.control.driver.source
 
-    def heard(self, sender: Sender, now: Nanoseconds) -> Peer:
+    @property
+    def ages(self) -> Ages:
+        """The clocks and the link of who drives; of who has just taken control nothing is known."""
+        if self._ages[0] != self.control.turns:
+            self._ages = (self.control.turns, Ages(signed=self.trust.key is not None), Quality())
+        return self._ages[1]
+
+    def age(self, message: Message, sender: Sender, now: Nanoseconds) -> Age | None:
+        """Return how old a word is that comes now; None where nothing tells, or its sender does not drive."""
+        return self.ages.age(message, now) if sender == self.control.driver else None
+
+    def tell_link(self, now: Nanoseconds) -> None:
+        """Tell what has changed about the link of who drives."""
+        ages, quality = self.ages, self._ages[2]
+        if self.control.driver is not None:
+            for severity, text in quality.changes(Link(ages, self.age_limit, self.intent.dated, now)):
+                self.tell(severity, text)
+
+    def heard(self, sender: Sender, sequence: int, now: Nanoseconds) -> Peer:
         """Take note of a good frame; return what is remembered of its sender."""
         self.control.heard(sender, now)
+        if sender == self.control.driver:
+            self.ages.losses.heard(sequence, now)
         peer = self.peers.get(sender)
         if peer is None:
             if len(self.peers) >= MOST_PEERS:
@@ -207,7 +262,9 @@ class Session:
     def wish(self, wish: object) -> None:
         """Change the wish; what is no motion command is no sign of life."""
         before = self.intent
-        self.intent = Intent(wish, before.heard_at, before.said_at, neutral=before.neutral)
+        self.intent = Intent(
+            wish, before.heard_at, before.said_at, dated=before.dated, neutral=before.neutral
+        )
 
     def forget(self) -> None:
         """Forget what of a wish does not outlive a change of state."""
@@ -232,6 +289,8 @@ class Session:
             healthy=status in (dialect.MAV_STATE_STANDBY, dialect.MAV_STATE_ACTIVE),
             corrupt=self.codec.counters.corrupt,
             resets=self.resets,
+            round_trip=self.ages.trips.newest(facts.now),
+            lost=self.ages.losses.share,
         )
 
     def messages(self, number: int) -> tuple[Message, ...] | None:

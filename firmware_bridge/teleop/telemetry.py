@@ -14,7 +14,7 @@ from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.teleop.mavlink import Message, dialect
 from firmware_bridge.teleop.station import AnyStation, Twist, Value
-from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, to_seconds
 
 UNKNOWN_U16: Final = 0xFFFF
 UNKNOWN: Final = -1
@@ -45,6 +45,10 @@ class TelemetryContext:
     corrupt: int
     resets: int
     """How often the odometry was set to zero."""
+    round_trip: Nanoseconds | None
+    """To who drives and back; None where he does not answer, or nobody drives."""
+    lost: float | None
+    """The share of his frames that did not come."""
 
     @property
     def boot_ms(self) -> int:
@@ -102,6 +106,13 @@ def streams_of(robot: AnyRobot, station: AnyStation) -> tuple[Stream, ...]:
         *(_stream_of(value) for value in station.values),
         Stream(dialect.MAVLINK_MSG_ID_DEBUG_FLOAT_ARRAY, SECOND // 10, _speeds, "wheels: units a second"),
         Stream(dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT, SECOND // 5, _currents, "I1, I2, ...: A, all axes"),
+        Stream(
+            dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT,
+            SECOND,
+            _link,
+            "of who drives: RTT, round trip, s; AGE, of his newest motion command as it came, s; LOSS, share "
+            "of his frames",
+        ),
         Stream(dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT, SECOND // 2, _switches, f"{switches}: 0 or 1"),
         Stream(dialect.MAVLINK_MSG_ID_SYS_STATUS, SECOND, _system, "voltage, health, corrupt frames, faults"),
         Stream(dialect.MAVLINK_MSG_ID_EXTENDED_SYS_STATE, SECOND, _landed, "on the ground"),
@@ -196,6 +207,18 @@ def _currents(context: TelemetryContext) -> Iterator[Message]:
     for place, axis in enumerate(context.axes, 1):
         if axis.current_a is not None:
             yield _named(context.boot_ms, f"I{place}", axis.current_a)
+
+
+def _link(context: TelemetryContext) -> Iterator[Message]:
+    age, trip = context.snapshot.facts.age, context.round_trip
+    figures = {
+        "RTT": None if trip is None else to_seconds(trip),
+        "AGE": None if age is None else to_seconds(age),
+        "LOSS": context.lost,
+    }
+    for name, value in figures.items():
+        if value is not None:
+            yield _named(context.boot_ms, name, value)
 
 
 def _switches(context: TelemetryContext) -> Iterator[Message]:

@@ -7,7 +7,8 @@ check takes it before, so that one wrong frame with the largest stamp would lock
 import hashlib
 import hmac
 import ipaddress
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Final, TypeAlias
 
 from firmware_bridge.teleop.mavlink import Codec, Message
@@ -25,6 +26,22 @@ _FLAGS: Final = 2
 _MAVLINK_2: Final = 0xFD
 _LINK, _STAMP, _SIGNATURE = -13, slice(-12, -6), slice(-6, None)
 
+Stream: TypeAlias = tuple[int, int, int]
+"""Of signed frames: system, component and link."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stamps:
+    """What must outlive a restart, so that nothing is believed twice and no stamp is used again."""
+
+    own: int = 0
+    """Later than every stamp of ours."""
+    streams: Mapping[Stream, int] = field(default_factory=dict)
+    """The newest stamp that was believed, by stream."""
+
+
+NO_STAMPS: Final = Stamps()
+
 Network: TypeAlias = ipaddress.IPv4Network | ipaddress.IPv6Network
 
 
@@ -36,6 +53,8 @@ class Trust:
     started_at: Nanoseconds = EPOCH
     """Unix time at the node's instant 0."""
     allowed: tuple[Network, ...] = ()
+    kept: Stamps = NO_STAMPS
+    """From the run before."""
 
     def __post_init__(self) -> None:
         if self.key is not None and len(self.key) != KEY_LENGTH:
@@ -59,14 +78,24 @@ class Trust:
 
 
 class Signatures:
-    """Which streams were heard up to which time stamp: nothing is believed twice."""
+    """Which streams were heard up to which time stamp: nothing is believed twice, after a restart neither."""
 
-    __slots__ = ("_streams", "_trust")
+    __slots__ = ("_least", "_streams", "_trust")
 
     def __init__(self, trust: Trust) -> None:
         self._trust: Final = trust
-        self._streams: Final[dict[tuple[int, int, int], int]] = {}
+        self._streams: Final[dict[Stream, int]] = dict(trust.kept.streams)
         """The newest stamp by system, component and link; who has no key cannot add one."""
+        self._least = trust.kept.own
+        """What our clock showed at the instant 0 at least, though the machine's has been set back since."""
+
+    def stamp(self, now: Nanoseconds) -> int:
+        """Return our clock as signatures carry it: never behind one of ours, or one that was believed."""
+        return max(self._trust.stamp(now), self._least + now // UNIT)
+
+    def kept(self, now: Nanoseconds) -> Stamps:
+        """Return what must outlive this run."""
+        return Stamps(self.stamp(now), dict(self._streams))
 
     def doubt(self, message: Message, source: int, now: Nanoseconds) -> str | None:
         """Say why a frame is not believed; None where it is, and its stamp counts from then on."""
@@ -80,16 +109,22 @@ class Signatures:
         digest = hashlib.sha256(key + frame[: _SIGNATURE.start]).digest()
         if not hmac.compare_digest(digest[:6], frame[_SIGNATURE]):
             return "is signed with another key"
-        stamp = int.from_bytes(frame[_STAMP], "little")
+        stamp = stamp_of(frame)
         stream = (message.get_srcSystem(), message.get_srcComponent(), frame[_LINK])
-        newest = self._streams.get(stream, self._trust.stamp(now) - OLDEST - 1)
+        newest = self._streams.get(stream, self.stamp(now) - OLDEST - 1)
         if stamp <= newest:
             known = stream in self._streams
             return (
                 "was heard before, or overtaken" if known else "is signed more than 60 s ago: see its clock"
             )
         self._streams[stream] = stamp
+        self._least = max(self._least, stamp - now // UNIT)
         return None
+
+
+def stamp_of(frame: bytes) -> int:
+    """Return the time stamp of a signed frame, in 10 us since 1 January 2015."""
+    return int.from_bytes(frame[_STAMP], "little")
 
 
 def is_signed(frame: bytes) -> bool:

@@ -108,7 +108,8 @@ def shifted(seen: Snapshot, by: Nanoseconds) -> Snapshot:
 
     facts = seen.facts
     axes = {name: replace(one, heard_at=later(one.heard_at)) for name, one in facts.axes.items()}
-    return with_facts(seen, now=facts.now + by, heard_at=later(facts.heard_at), axes=axes)
+    said_at = None if facts.said_at is None else facts.said_at + by
+    return with_facts(seen, now=facts.now + by, heard_at=later(facts.heard_at), said_at=said_at, axes=axes)
 
 
 def names(ruling: Ruling) -> tuple[str, ...]:

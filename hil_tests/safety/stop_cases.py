@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from firmware_bridge.drivers.driver import Position, Speed, Stop
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.intent import NEVER_HEARD, AgeLimit
 from firmware_bridge.safety.snapshot import Following
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.cia402 import State
@@ -42,6 +42,11 @@ class Case:
 
 def intent(**fields: Any) -> dict[str, Any]:
     return {"intent": fields}
+
+
+def dated(age: Nanoseconds) -> dict[str, Any]:
+    """A motion command that was said so long ago, counted from the look."""
+    return {"said_at": START - age, "dated": True}
 
 
 def drive(name: str, **fields: Any) -> dict[str, Any]:
@@ -97,6 +102,34 @@ CASES: Final = (
         "the stick was not let go after the silence",
     ),
     Case("paused", {"paused": True}, {}, "the operator has paused the robot"),
+    Case(
+        "operator silent",
+        intent(heard_at=START - 200 * MILLISECOND) | dated(500 * MILLISECOND),
+        intent(heard_at=START - 200 * MILLISECOND + 1) | dated(500 * MILLISECOND - 1),
+        "no motion command for 0.20 s, limit 0.20 s",
+        LINK,
+    ),
+    Case(
+        "word too old",
+        dated(500 * MILLISECOND),
+        dated(500 * MILLISECOND - 1),
+        "the newest motion command was 0.50 s old when it came, limit 0.50 s",
+        LINK,
+    ),
+    Case(
+        "word too old",
+        dated(500 * MILLISECOND) | {"dated": False},
+        dated(500 * MILLISECOND - 1) | {"dated": False},
+        "the newest motion command was at least 0.50 s old when it came, limit 0.50 s",
+        LINK,
+    ),
+    Case(
+        "word undated",
+        {"age_limit": AgeLimit(needed=True)},
+        {"age_limit": AgeLimit(needed=True), **dated(0)},
+        "nobody can tell how old the motion commands are",
+        LINK,
+    ),
     Case("operator silent", intent(heard_at=NEVER_HEARD), {}, "no motion command has come yet", LINK),
     Case(
         "link lost: drives",

@@ -29,6 +29,8 @@ FOLLOWS: Final = {
     # Arming must not wait for what only arming changes, nor for who speaks of motion afterwards.
     "not armed": (ALL,),
     "operator silent": (ALL, "parts"),
+    "word too old": (ALL, "blocks arming", "parts"),
+    "word undated": (ALL, "parts"),
     "operator gone": (ALL, "disarms"),
     "controls deflected": (ALL,),
     "paused": (ALL,),

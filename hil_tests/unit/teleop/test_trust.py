@@ -275,3 +275,46 @@ def test_whether_a_frame_is_signed() -> None:
 
 def test_a_signature_is_the_first_six_bytes_of_a_hash_with_the_key_before_all() -> None:
     assert hashlib.sha256(KEY + SIGNED_BEAT[:-6]).digest()[:6] == SIGNED_BEAT[-6:]
+
+
+def restarted(bench: RarsBench, *, started_at: int = NOW) -> RarsBench:
+    """A bridge that begins anew with what the one before has kept."""
+    return bench_with(Trust(key=KEY, started_at=started_at, kept=bench.operator.stamps(bench.now)))
+
+
+def test_what_was_recorded_is_not_believed_after_a_restart(keyed: RarsBench) -> None:
+    station = Signer()
+    recorded = [station.says(BEAT), station.says(ARM)]
+    assert all(believed(keyed, frame) for frame in recorded)
+    keyed.now = 5 * SECOND
+    again = restarted(keyed, started_at=NOW + 6 * SECOND)
+    for frame in recorded:
+        assert not believed(again, frame)
+    assert again.asked == []
+    assert believed(again, station.says(BEAT)), "the station goes on"
+    forgetful = bench_with(Trust(key=KEY, started_at=NOW + 6 * SECOND))
+    assert believed(forgetful, recorded[1]), "this is what it would be without"
+
+
+def test_a_clock_that_was_set_back_lets_no_old_stream_in_and_uses_no_stamp_twice(keyed: RarsBench) -> None:
+    """A machine without a clock of its own begins where it ended, or in 1970."""
+    keyed.now = 100 * SECOND
+    old = Signer(system=77, at=0).says(ARM)
+    last = stamp(keyed.now)
+    again = restarted(keyed, started_at=0)
+    assert not believed(again, old), "never heard here, and more than a minute old"
+    again.now = CYCLE
+    hears(again, Signer(at=keyed.now).says(BEAT))
+    own = [one for one in again.operator.report(again.snapshot(), (), again.now) if one.address == HERE]
+    assert own
+    assert all(int.from_bytes(one.payload[-12:-6], "little") > last for one in own)
+
+
+def test_a_believed_stamp_raises_our_clock(keyed: RarsBench) -> None:
+    """So MAVLink has it: what is known to be later is the time of what comes next."""
+    ahead = Signer(at=500 * SECOND)
+    assert believed(keyed, ahead.says(BEAT))
+    assert not believed(keyed, Signer(system=254).says(BEAT)), "a new stream, 500 s behind"
+    forged = Signer(OTHER, system=253, at=10_000 * SECOND)
+    assert not believed(keyed, forged.says(BEAT))
+    assert believed(keyed, Signer(system=252, at=450 * SECOND).says(BEAT))

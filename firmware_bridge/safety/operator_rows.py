@@ -1,0 +1,108 @@
+"""The rows about who drives: whether he speaks, how old his words are, whether his controls are let go.
+
+They belong to every robot; `firmware_bridge.safety.common` puts them into their place.
+"""
+
+from typing import Final, TypeVar
+
+from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.robot.table import Table
+from firmware_bridge.safety.interlock import Interlock, View
+from firmware_bridge.safety.row import Severity
+from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
+
+G = TypeVar("G", bound=Table)
+M = TypeVar("M")
+S = TypeVar("S")
+
+OPERATOR_CLEARS_AFTER: Final[Nanoseconds] = 200 * MILLISECOND
+"""He is back when he has been heard in time for so long: four cycles, no stray packet."""
+
+
+def operator_rows() -> tuple[Interlock[G, M, S], ...]:
+    """Return the rows in the order in which they are judged."""
+    return (
+        # Many stations arm first and speak of motion then; until they do, the silence holds the robot itself.
+        Interlock(
+            "operator silent",
+            _operator_silent,
+            "send motion commands",
+            clear_after=OPERATOR_CLEARS_AFTER,
+            blocks_arming=False,
+            parts=True,
+        ),
+        # What he sees is as old, and what he asks for was right long ago. He may have let go since.
+        Interlock(
+            "word too old",
+            _word_too_old,
+            "let the stick go, wait for a better link; where the station's clock was set, take control anew",
+            clear_after=OPERATOR_CLEARS_AFTER,
+            parts=True,
+        ),
+        # A station is asked about its clock once it drives, and so after arming.
+        Interlock(
+            "word undated",
+            _word_undated,
+            "send set-points with their time and answer TIMESYNC, or see operator.unknown_age",
+            clear_after=OPERATOR_CLEARS_AFTER,
+            blocks_arming=False,
+            parts=True,
+        ),
+        Interlock(
+            "operator gone",
+            _operator_gone,
+            "send motion commands, then arm",
+            clear_after=OPERATOR_CLEARS_AFTER,
+            disarms=True,
+            blocks_arming=False,
+        ),
+        Interlock("controls deflected", _deflected, "let the stick go", blocks_arming=False),
+        Interlock("paused", _paused, "continue, or arm", severity=Severity.NOTICE, blocks_arming=False),
+    )
+
+
+def _operator_silent(view: View[G, M, S]) -> str | None:
+    limit = view.facts.lives_for(view.robot.operator.silent_ms * MILLISECOND)
+    if view.facts.heard_at == NEVER_HEARD:
+        return "no motion command has come yet"
+    silence = view.facts.now - view.facts.heard_at
+    if silence < limit:
+        return None
+    return f"no motion command for {to_seconds(silence):.2f} s, limit {to_seconds(limit):.2f} s"
+
+
+def _word_too_old(view: View[G, M, S]) -> str | None:
+    age, limit = view.facts.age, view.facts.age_limit.most
+    if age is None or age < limit or _is_silent(view):
+        return None
+    least = "" if view.facts.dated else "at least "
+    old = f"{least}{to_seconds(age):.2f} s"
+    return f"the newest motion command was {old} old when it came, limit {to_seconds(limit):.2f} s"
+
+
+def _word_undated(view: View[G, M, S]) -> str | None:
+    if view.facts.dated or not view.facts.age_limit.needed or _is_silent(view):
+        return None
+    return "nobody can tell how old the motion commands are"
+
+
+def _is_silent(view: View[G, M, S]) -> bool:
+    """Return whether the silence holds the robot: one cause, one hold."""
+    return view.facts.now - view.facts.heard_at >= view.robot.operator.silent_ms * MILLISECOND
+
+
+def _operator_gone(view: View[G, M, S]) -> str | None:
+    limit = view.robot.operator.gone_ms * MILLISECOND
+    if view.facts.heard_at == NEVER_HEARD or view.facts.now - view.facts.heard_at < limit:
+        return None
+    return f"no motion command for {to_seconds(limit):g} s: nobody drives"
+
+
+def _deflected(view: View[G, M, S]) -> str | None:
+    if view.facts.neutral or not view.facts.parted:
+        return None
+    return "the stick was not let go after the silence"
+
+
+def _paused(view: View[G, M, S]) -> str | None:
+    return "the operator has paused the robot" if view.facts.paused else None

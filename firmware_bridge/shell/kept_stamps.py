@@ -1,0 +1,77 @@
+"""The time stamps of signatures, kept in a small file, so that nothing is believed again after a restart.
+
+What is kept runs ahead by what may be heard until it is written next, at the pace of each stream: a crash in
+between must not open it to a recording. Source: mavlink.io, "Message Signing".
+"""
+
+import json
+from contextlib import suppress
+from pathlib import Path
+from typing import Final
+
+from firmware_bridge.shell import whole_file
+from firmware_bridge.teleop.trust import NO_STAMPS, UNIT, Stamps, Stream
+from firmware_bridge.units import SECOND, Nanoseconds
+
+EVERY: Final[Nanoseconds] = 2 * SECOND
+_AHEAD: Final = 3 * EVERY // 2
+_LARGEST: Final = (1 << 48) - 1
+_PARTS: Final = 3
+
+
+class DamagedStampsError(Exception):
+    """The file is there, and cannot be read as what this wrote."""
+
+
+class KeptStamps:
+    """One robot's file; each write replaces it whole."""
+
+    def __init__(self, path: Path) -> None:
+        self.path: Final = path
+        self._before: Stamps = NO_STAMPS
+        self._due: Nanoseconds = 0
+
+    def read(self) -> Stamps:
+        """Return what was kept, nothing where there is no file; DamagedStampsError for any other file."""
+        try:
+            text = self.path.read_text(encoding="utf-8")
+        except FileNotFoundError:
+            return NO_STAMPS
+        except (OSError, ValueError) as error:
+            raise DamagedStampsError(f"{self.path}: cannot be read: {error}") from None
+        with suppress(ValueError, TypeError, KeyError, AttributeError):
+            table = json.loads(text)
+            streams = {_stream(name): _stamp(stamp) for name, stamp in table["streams"].items()}
+            return Stamps(_stamp(table["own"]), streams)
+        raise DamagedStampsError(f"{self.path}: is damaged")
+
+    def keep(self, stamps: Stamps, now: Nanoseconds) -> None:
+        """Keep the stamps, ahead, where that is due or a new stream has begun; OSError where that fails."""
+        if now >= self._due or stamps.streams.keys() != self._before.streams.keys():
+            self._due = now + EVERY
+            before = self._before.streams
+            streams = {one: _ahead(stamp, before.get(one)) for one, stamp in stamps.streams.items()}
+            self.write(Stamps(stamps.own + _AHEAD // UNIT, streams))
+            self._before = stamps
+
+    def write(self, stamps: Stamps) -> None:
+        """Replace the file; OSError where it cannot be written."""
+        streams = {"/".join(map(str, stream)): stamp for stream, stamp in stamps.streams.items()}
+        whole_file.replace(self.path, json.dumps({"own": stamps.own, "streams": streams}))
+
+
+def _ahead(stamp: int, before: int | None) -> int:
+    return stamp if before is None else min(stamp + 3 * (stamp - before) // 2, _LARGEST)
+
+
+def _stream(name: str) -> Stream:
+    parts = [int(part) for part in name.split("/")]
+    if len(parts) != _PARTS:
+        raise ValueError(name)
+    return parts[0], parts[1], parts[2]
+
+
+def _stamp(value: object) -> int:
+    if not isinstance(value, int) or not 0 <= value <= _LARGEST:
+        raise ValueError(value)
+    return value

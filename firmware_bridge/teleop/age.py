@@ -1,0 +1,171 @@
+"""How old a station's words are when they come: a row for each way to tell, the best first.
+
+Only the clocks of who drives are followed, and only by what he answers himself. Sources: mavlink.io, "Time
+Synchronization Protocol v2" (TIMESYNC), "Message Signing"; common.xml, PING, SET_POSITION_TARGET_LOCAL_NED.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final, NamedTuple, TypeAlias
+
+from firmware_bridge.teleop.clock_fit import AnsweredClock, HeardClock
+from firmware_bridge.teleop.mavlink import Message, dialect
+from firmware_bridge.teleop.round_trips import Losses, RoundTrips
+from firmware_bridge.teleop.trust import UNIT, stamp_of
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+
+TIED_WITHIN: Final[Nanoseconds] = 2 * SECOND
+"""A set-point's time that TIMESYNC's clock makes older at first is another clock's."""
+BOOT_WRAPS: Final = 1 << 32
+"""Of `time_boot_ms`, in milliseconds."""
+_TIMESYNC: Final = dialect.MAVLINK_MSG_ID_TIMESYNC
+_PING: Final = dialect.MAVLINK_MSG_ID_PING
+_SET_POINT: Final = dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_LOCAL_NED
+_GRAIN: Final[Nanoseconds] = 1_000
+"""Instants count in whole microseconds here, as recordings keep them: a replay asks and finds the same."""
+_LARGEST_PING: Final = 0xFFFF_FFFF
+_ANYONE: Final = (0, 0)
+
+
+class Age(NamedTuple):
+    """How old a word is."""
+
+    nanoseconds: Nanoseconds
+    dated: bool
+    """Whether that is its age to within half a round trip; else it is at least so old."""
+
+
+def boot_ms(message: Message) -> int | None:
+    """Return the time that a set-point carries, in ms since its station began; None where it carries none."""
+    if message.get_msgId() != _SET_POINT or message.time_boot_ms == 0:
+        return None
+    time: int = message.time_boot_ms
+    return time
+
+
+class Ages:
+    """One station's clocks and its link."""
+
+    def __init__(self, *, signed: bool) -> None:
+        """Begin to know nothing; `signed`: signatures are checked, so that their stamps are the station's."""
+        self.signed: Final = signed
+        self.trips: Final = RoundTrips()
+        self.losses: Final = Losses()
+        self.synced: Final = AnsweredClock()
+        """The one that TIMESYNC tells."""
+        self.stamped: Final = AnsweredClock()
+        """The one that stamps its frames, if it is one."""
+        self.heard_boot: Final = HeardClock()
+        self.heard_stamps: Final = HeardClock()
+        self.tied = False
+        """Whether the set-points' times have been found to be of TIMESYNC's clock."""
+        self._boot: Nanoseconds | None = None
+        """The newest set-point's time, unwrapped."""
+        self._pings = 0
+
+    def questions(self, now: Nanoseconds) -> list[Message]:
+        """Return what is to be asked now: some stations answer TIMESYNC, others only PING."""
+        if now < self.trips.due:
+            return []
+        self._pings = self._pings % _LARGEST_PING + 1
+        asked_at = max(_whole(now), _GRAIN)
+        self.trips.ask((_TIMESYNC, asked_at), (_PING, self._pings), now=_whole(now))
+        return [
+            dialect.MAVLink_timesync_message(0, asked_at),
+            dialect.MAVLink_ping_message(now // 1000, self._pings, *_ANYONE),
+        ]
+
+    def answered(self, message: Message, now: Nanoseconds) -> None:
+        """Take an answer of this station; one to no open question says nothing."""
+        syncs = message.get_msgId() == _TIMESYNC
+        carried = message.ts1 if syncs else message.seq
+        now = _whole(now)
+        asked_at = self.trips.answered((message.get_msgId(), carried), now)
+        if asked_at is None:
+            return
+        if syncs:
+            self.synced.answered(asked_at, message.tc1, now, 1)
+        stamp = self._stamp(message)
+        if stamp is not None:
+            self.stamped.answered(asked_at, stamp, now, UNIT)
+
+    def age(self, message: Message, now: Nanoseconds) -> Age | None:
+        """Return how old a word is that comes now, as the best row tells that tells anything."""
+        for row in ROWS:
+            age = row.tells(self, message, _whole(now))
+            if age is not None:
+                return Age(age, row.dated)
+        return None
+
+    def by_set_point(self, message: Message, now: Nanoseconds) -> Nanoseconds | None:
+        """Map a set-point's time by TIMESYNC, once it has been found to be of the same clock."""
+        time, shows = boot_ms(message), self.synced.shows(now)
+        if time is None or shows is None:
+            return None
+        around = BOOT_WRAPS * MILLISECOND
+        behind = (shows - time * MILLISECOND + around // 2) % around - around // 2
+        reading = shows - behind
+        if not self.tied and (behind >= TIED_WITHIN or self.synced.contradicts(reading, now)):
+            return None
+        age = self.synced.age(reading, now)
+        self.tied = age is not None
+        return age
+
+    def by_signature(self, message: Message, now: Nanoseconds) -> Nanoseconds | None:
+        """Take a signature's stamp by the stamps of the station's answers."""
+        stamp = self._stamp(message)
+        return None if stamp is None else self.stamped.age(stamp, now)
+
+    def above_fastest_set_point(self, message: Message, now: Nanoseconds) -> Nanoseconds | None:
+        """Take a set-point's time as that of a clock that nobody answers for."""
+        time = boot_ms(message)
+        if time is None:
+            return None
+        before = 0 if self._boot is None else self._boot // MILLISECOND
+        ahead = (time - before + BOOT_WRAPS // 2) % BOOT_WRAPS - BOOT_WRAPS // 2
+        self._boot = (before + ahead) * MILLISECOND
+        return self._least(self.heard_boot.excess(self._boot, now), now)
+
+    def above_fastest_signature(self, message: Message, now: Nanoseconds) -> Nanoseconds | None:
+        """Take a signature's stamp as that of a clock that nobody answers for."""
+        stamp = self._stamp(message)
+        return None if stamp is None else self._least(self.heard_stamps.excess(stamp, now), now)
+
+    def half_round_trip(self, _message: Message, now: Nanoseconds) -> Nanoseconds | None:
+        """Take what any word has needed lately: MANUAL_CONTROL carries no time."""
+        trip = self.trips.newest(now)
+        return None if trip is None else trip // 2
+
+    def _least(self, excess: Nanoseconds | None, now: Nanoseconds) -> Nanoseconds | None:
+        """Add to what a word came later than the fastest one what that one has needed itself."""
+        trip = self.trips.newest(now)
+        return excess if excess is None or trip is None else max(excess, trip // 2)
+
+    def _stamp(self, message: Message) -> Nanoseconds | None:
+        return stamp_of(bytes(message.get_msgbuf())) * UNIT if self.signed else None
+
+
+def _whole(now: Nanoseconds) -> Nanoseconds:
+    return now // _GRAIN * _GRAIN
+
+
+Tells: TypeAlias = Callable[[Ages, Message, Nanoseconds], Nanoseconds | None]
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One way to tell how old a word is."""
+
+    name: str
+    tells: Tells
+    dated: bool
+    """Whether it tells the age to within half a round trip; else only how old the word is at least."""
+
+
+ROWS: Final = (
+    Row("the set-point's time, by TIMESYNC", Ages.by_set_point, dated=True),
+    Row("the signature's time stamp, by the stamps of answers", Ages.by_signature, dated=True),
+    Row("the set-point's time, above the fastest", Ages.above_fastest_set_point, dated=False),
+    Row("the signature's time stamp, above the fastest", Ages.above_fastest_signature, dated=False),
+    Row("half a round trip", Ages.half_round_trip, dated=False),
+)

@@ -1,0 +1,121 @@
+"""One clock of a station against ours: within which bounds its offset lies, from what was seen alone.
+
+Whoever answers has read his clock after he was asked and before his answer came: that bounds the offset from
+both sides. Whoever says something has read it before his word came: that bounds it from one. All bounds hold
+at once, each as wide as the drift since has made it; where they contradict one another, the clock was set, or
+is none. Nothing here knows MAVLink. Instants and readings in nanoseconds; an offset is our time less theirs.
+"""
+
+from typing import Final
+
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+
+DRIFT: Final = 10_000
+"""Two clocks part by one nanosecond in so many at most: 100 ppm."""
+TOLERANCE: Final[Nanoseconds] = 20 * MILLISECOND
+"""So much a reading may be ahead: stamps of frames that are written at once count up before the clock."""
+PROVEN_AFTER: Final[Nanoseconds] = 200 * MILLISECOND
+"""A clock has run between two answers that are so far apart; what only counts frames contradicts itself."""
+EXPIRES_AFTER: Final[Nanoseconds] = 10 * SECOND
+"""A clock that is not read for so long may have been set since."""
+LEAST_OVER: Final[Nanoseconds] = 30 * SECOND
+"""The least delay is that of one to two such windows."""
+_RUNS_AFTER: Final[Nanoseconds] = SECOND
+
+
+class AnsweredClock:
+    """A clock whose owner answers when he is asked."""
+
+    __slots__ = ("_at", "_high", "_low", "_proven", "_read_at", "_since")
+
+    def __init__(self) -> None:
+        self._low: Nanoseconds | None = None
+        """None while nothing is known."""
+        self._high: Nanoseconds = 0
+        self._at: Nanoseconds = 0
+        """When these were the bounds; they widen since."""
+        self._since: Nanoseconds = 0
+        """When the first answer of this clock came."""
+        self._read_at: Nanoseconds = 0
+        self._proven = False
+
+    def answered(
+        self, asked_at: Nanoseconds, reading: Nanoseconds, came_at: Nanoseconds, resolution: Nanoseconds
+    ) -> None:
+        """Take an answer: between these instants the clock showed `reading`, rounded down."""
+        low, high = asked_at - reading - resolution, came_at - reading
+        known = self._bounds(came_at)
+        if known is None or low > known[1] + TOLERANCE or high < known[0] - TOLERANCE:
+            self._proven, self._since = False, came_at
+        else:
+            low, high = max(low, known[0]), min(high, known[1])
+            self._proven = self._proven or asked_at - self._since >= PROVEN_AFTER
+        self._low, self._high = min(low, high), max(low, high)
+        self._at = self._read_at = came_at
+
+    def age(self, reading: Nanoseconds, now: Nanoseconds) -> Nanoseconds | None:
+        """Return how old a word is that comes now, said when the clock showed this; None: not known.
+
+        It is off by half the shortest round trip at most, beside drift and resolution. The word itself is
+        a bound: a clock that it contradicts has been set, and is not known any more.
+        """
+        known = self._bounds(now)
+        if known is None:
+            return None
+        low, high = known
+        if self.contradicts(reading, now):
+            self._low, self._proven = None, False
+            return None
+        if now - reading < high:
+            high = max(now - reading, low)
+            self._low, self._high, self._at = low, high, now
+        if not self._proven:
+            return None
+        return max(now - reading - (low + high) // 2, 0)
+
+    def contradicts(self, reading: Nanoseconds, now: Nanoseconds) -> bool:
+        """Return whether a word that comes now cannot have been said when this clock showed `reading`."""
+        known = self._bounds(now)
+        return known is not None and now - reading < known[0] - TOLERANCE
+
+    def shows(self, now: Nanoseconds) -> Nanoseconds | None:
+        """Return what the clock shows now, or None where it is not known."""
+        known = self._bounds(now)
+        return None if known is None or not self._proven else now - (known[0] + known[1]) // 2
+
+    def _bounds(self, now: Nanoseconds) -> tuple[Nanoseconds, Nanoseconds] | None:
+        if self._low is None or now - self._read_at > EXPIRES_AFTER:
+            return None
+        wider = -(-(now - self._at) // DRIFT)
+        return self._low - wider, self._high + wider
+
+
+class HeardClock:
+    """A clock that nobody answers for: of a word is known how much later it comes than the fastest one."""
+
+    __slots__ = ("_before", "_began_at", "_began_with", "_least", "_newest", "_runs")
+
+    def __init__(self) -> None:
+        self._before: Nanoseconds | None = None
+        """The least of the window before this one."""
+        self._least: Nanoseconds | None = None
+        """The least of arrival less reading in this window."""
+        self._began_at: Nanoseconds = 0
+        self._began_with: Nanoseconds = 0
+        """The reading at its begin."""
+        self._newest: Nanoseconds = 0
+        self._runs = False
+        """Whether it has been seen to run about as fast as ours."""
+
+    def excess(self, reading: Nanoseconds, now: Nanoseconds) -> Nanoseconds | None:
+        """Return how much later this word comes than the fastest one; None for what is no clock that runs."""
+        late = now - reading
+        if self._least is None or now - self._began_at >= LEAST_OVER:
+            self._before, self._least = self._least, late
+            self._began_at, self._began_with = now, reading
+        self._least = min(self._least, late)
+        elapsed = now - self._began_at
+        if elapsed >= _RUNS_AFTER:
+            self._runs = self._runs or elapsed // 2 <= reading - self._began_with <= 2 * elapsed
+        least = self._least if self._before is None else min(self._least, self._before)
+        return late - least if self._runs else None

@@ -1,0 +1,99 @@
+"""What who drives is told of his link, when it gets bad and when it is good again: a row for each figure."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+from firmware_bridge.intent import AgeLimit
+from firmware_bridge.safety.row import Severity
+from firmware_bridge.teleop.age import Ages
+from firmware_bridge.units import SECOND, Nanoseconds, to_seconds
+
+TOLD_AFTER: Final[Nanoseconds] = 3 * SECOND
+"""By then a station that answers has answered."""
+
+
+class Link(NamedTuple):
+    """What is known of the link now."""
+
+    ages: Ages
+    limit: AgeLimit
+    dated: bool
+    """Whether the newest motion command tells its age."""
+    now: Nanoseconds
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One figure, None while it is not known; between its bounds nothing changes."""
+
+    reads: Callable[[Link], float | None]
+    bad_from: float
+    good_below: float
+    bad: str
+    """A text with the figure in it."""
+    good: str
+
+
+def _round_trip(link: Link) -> float | None:
+    """Return the round trip as a share of how old a word may be."""
+    trip = link.ages.trips.newest(link.now)
+    return None if trip is None else trip / link.limit.most
+
+
+def _lost(link: Link) -> float | None:
+    return link.ages.losses.share
+
+
+def _undated(link: Link) -> float | None:
+    asked_at = link.ages.trips.began_at
+    told = asked_at is not None and link.now - asked_at >= TOLD_AFTER
+    return float(not link.dated) if told else None
+
+
+ROWS: Final = (
+    Row(_round_trip, 1.0, 0.75, "link: round trip {trip:.2f} s", "link: round trip {trip:.2f} s, good again"),
+    Row(
+        _lost,
+        0.1,
+        0.05,
+        "link: {lost:.0%} of this station's frames are lost",
+        "link: frames come again",
+    ),
+    Row(
+        _undated,
+        1.0,
+        1.0,
+        "link: nobody can tell how old this station's words are, only when they cease",
+        "link: how old this station's words are is known",
+    ),
+)
+
+
+class Quality:
+    """Which rows are bad; one for each that drives."""
+
+    __slots__ = ("_bad",)
+
+    def __init__(self) -> None:
+        self._bad: Final[set[int]] = set()
+
+    def changes(self, link: Link) -> list[tuple[Severity, str]]:
+        """Return what has changed, in words."""
+        told: list[tuple[Severity, str]] = []
+        for place, row in enumerate(ROWS):
+            value = row.reads(link)
+            if value is None:
+                continue
+            if place not in self._bad and value >= row.bad_from:
+                self._bad.add(place)
+                told.append((Severity.WARNING, _text(row.bad, link)))
+            elif place in self._bad and value < row.good_below:
+                self._bad.discard(place)
+                told.append((Severity.INFO, _text(row.good, link)))
+        return told
+
+
+def _text(text: str, link: Link) -> str:
+    trip, lost = link.ages.trips.newest(link.now) or 0, link.ages.losses.share or 0.0
+    return text.format(trip=to_seconds(trip), lost=lost)
