@@ -84,6 +84,8 @@ class Step(Table):
     """Emergency stop for good."""
     zero: Annotated[dict[str, Finite] | None, Field(min_length=1)] = None
     """Say where axes stand, by their roles, as read off the robot; it wants to know before it is armed."""
+    home: Annotated[tuple[str, ...] | None, Field(min_length=1, strict=False)] = None
+    """Let axes find their zero, by their roles, one after the other; they move."""
     mode: Annotated[int | None, Field(ge=0), Sends(176, lambda mode, _: (1.0, mode))] = None
     """DO_SET_MODE's custom mode: 0 is the whole robot, others are its modes after a failed actuator."""
     guide: Annotated[str | None, Sends(176, lambda guide, robot: (1.0, 0.0, guides(robot).index(guide)))] = (

@@ -126,7 +126,7 @@ def drive(given: DriveOptions) -> None:
     machine = find_robot(given.robot)
     places = places_of(machine, given.link, Place(given.interface, given.channel, given.serial))
     trust = trust_of(given.mavlink, given.key, given.allow, openly=given.openly)
-    stands = zeros_of(given.zero)
+    stands = zeros_of(given.zero, given.home)
     with one_message(PlanError, RobotFileError, ValueError):
         machine = _with_lines(machine, places, given.protocol, given.baud)
         bridge = Bridge(machine, kind_of(machine), trust, stands)
