@@ -114,7 +114,7 @@ class Homing:
         if driver.failure is not None:
             self.interrupt(driver.failure.problem, now)
         elif driver.feedback.zero_lost:
-            self.interrupt("its drive was stopped", now)
+            self.interrupt(self._reason or "its drive was stopped", now)
         self._driver = None
 
     def _go(self, driver: Driver, facts: Facts) -> None:
