@@ -1,10 +1,11 @@
-"""What the guard lets pass of a homing that moves: what the file says, by the drive's own word, one axis at a time."""
+"""What the guard lets pass of a homing that moves: no more than the file says, and one axis at a time."""
 
 from collections.abc import Callable
 from typing import Final, TypeAlias
 
 import pytest
 
+from firmware_bridge.kinds import parse
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import MILLISECOND, SECOND
@@ -27,7 +28,7 @@ from hil_tests.safety.test_guard_zero import OverCan as ZeroOverCan
 from hil_tests.safety.test_guard_zero import OverSerial as ZeroOverSerial
 from hil_tests.scenarios.homed import LIFT as FILE
 from hil_tests.scenarios.homed import STEER as STEERS
-from hil_tests.scenarios.homed import homed
+from hil_tests.scenarios.homed import TEXT, homed, text_of
 
 SIZE: Final = {
     **SIZES,
@@ -49,6 +50,15 @@ class OverCan(ZeroOverCan):
     def __init__(self, robot: AnyRobot = ROBOT) -> None:
         super().__init__()
         self.bench = guard_bench.Bench(robot)
+        self.far = False
+        """Whether the lift is on a link of its own."""
+
+    def _says(self, packet: Packet) -> str | None:
+        """Let it leave on the link of its node."""
+        return super()._says(Packet(self._link_of(packet.address), packet.address, packet.payload))
+
+    def _link_of(self, address: int) -> str:
+        return "far" if self.far and address % 0x80 == LIFT else guard_bench.LINK
 
     def writes(self, node: int, address: Address, value: int) -> str | None:
         write = guard_bench.write(node, address.index, address.subindex, raw(value, SIZE[address]))
@@ -58,7 +68,7 @@ class OverCan(ZeroOverCan):
         size = SIZE[address]
         head = bytes((0x43 | (4 - size) << 2,)) + address.index.to_bytes(2, "little")
         payload = head + bytes((address.subindex,)) + raw(value, size).ljust(4, b"\0")
-        self.bench.hears(Packet(guard_bench.LINK, 0x580 + node, payload), now=self.now)
+        self.bench.hears(Packet(self._link_of(node), 0x580 + node, payload), now=self.now)
 
     def goes(self, node: int, target: int) -> str | None:
         return self._says(guard_bench.position(node, NEW_POSITION, target))
@@ -295,3 +305,19 @@ def test_a_homing_that_stands_too_long_is_stopped(made: Made) -> None:
     line.rests(3)
     assert line.bench.refusals[-1].reason == "homing stayed beyond its bound"
     assert line.goes(STEER, 20_000) is None, "the halt has ended it"
+
+
+def test_another_link_counts_as_well() -> None:
+    """The lift on a bus of its own: it is not started while steering moves, nor the other way round."""
+    link = TEXT[TEXT.index("[links.drives]") : TEXT.index("[geometry.base]")]
+    head, lift = text_of(FILE).split('title = "scissor lift"')
+    two = head.replace(link, link + link.replace("drives", "far", 1)) + 'title = "scissor lift"'
+    robot = parse(two + lift.replace('link = "drives"', 'link = "far"', 1), "far.toml")
+    line = OverCan(robot)
+    line.far = True
+    prepared(line)
+    assert line.goes(STEER, 20_000) is None
+    assert line.writes(LIFT, at.CONTROLWORD, START) == "a homing started while node 3 may move"
+    line.rests(1)
+    assert line.writes(LIFT, at.CONTROLWORD, START) is None
+    assert line.goes(STEER, 20_000) == "homing: steering may not move while scissor lift finds its zero"

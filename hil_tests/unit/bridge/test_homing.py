@@ -61,7 +61,7 @@ class Seeking(PaperDrive):
     def __init__(self, axis: Axis) -> None:
         super().__init__(axis)
         self.seeks_for: Nanoseconds = SECOND
-        self.fails = False
+        self.gives_up = False
         self.rushes = 1.0
         """So many times as fast as it was told."""
         self.seeking = False
@@ -90,7 +90,7 @@ class Seeking(PaperDrive):
 
     def _ends(self) -> None:
         self.seeking = False
-        if self.fails:
+        if self.gives_up:
             self.error = True
             return
         self.position = float(int.from_bytes(self.memory[at.HOME_POSITION], "little", signed=True))
@@ -103,7 +103,7 @@ class Seeking(PaperDrive):
 
 @pytest.fixture
 def bench() -> Iterator[Bench]:
-    """Four drives that know their zero, and a bridge that homes lift and steering; the guard refuses nothing."""
+    """Four drives that know their zero; a bridge that homes lift and steering; the guard refuses nothing."""
     made = begun(Bridge(ROBOT, KIND))
     yield made
     assert [refusal.reason for refusal in made.guard.refusals] == made.refused
@@ -245,7 +245,7 @@ def test_one_that_was_stopped_is_set_up_anew_and_homed_by_the_next_order(bench: 
 
 
 def test_a_drive_that_fails_is_told_and_halted(bench: Bench) -> None:
-    bench.drives["lift"].fails = True
+    bench.drives["lift"].gives_up = True
     homing(bench)
     begin = bench.now
     bench.runs(1.5)
