@@ -5,7 +5,6 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from emulators.bench.faults import Fault
 from emulators.rig import BRIDGE
 from emulators.robots.rars import RarsStep as Step
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial

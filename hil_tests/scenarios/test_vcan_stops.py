@@ -29,6 +29,12 @@ def client(bench: Bench) -> Client:
     return made
 
 
+def speaks(client: Client, speed: float, seconds: float) -> bool:
+    """Let the operator say this; true, whatever comes of it."""
+    client.says(speed, seconds)
+    return True
+
+
 def comes_to_rest(bench: Bench, within: float) -> None:
     until(lambda: abs(bench.eye.speed()) < 0.005, within, "at rest")
 
@@ -54,9 +60,9 @@ def test_a_raised_lift_that_was_reset_is_not_driven_with(bench: Bench, client: C
         return bench.eye.ask(LIFT, 0x6064) or 0
 
     until(lambda: client.asks(ACTUATOR, RAISED) == ACCEPTED, 5.0, "the lift goes up")
-    until(lambda: (client.says(0.0, 0.3), height_qc() > 10_000)[1], 20.0, "the lift is up")
+    until(lambda: speaks(client, 0.0, 0.3) and height_qc() > 10_000, 20.0, "the lift is up")
     bench.eye.sends(NMT, bytes((RESET_NODE, LIFT)))
-    until(lambda: (client.says(0.0, 0.3), client.is_told("lost"))[1], 10.0, "the zero is lost")
+    until(lambda: speaks(client, 0.0, 0.3) and client.is_told("lost"), 10.0, "the zero is lost")
     for _ in range(6):
         assert client.asks(ARM, 1) != ACCEPTED, client.texts
     before = bench.eye.metres()
@@ -89,9 +95,9 @@ def test_a_second_bridge_leaves_the_first_one_s_robot_alone(
     # To start a program takes all of a small machine, where the drives would fall behind.
     second = bench.drives("second", bench.port + 1000, before=("nice", "-n", "19"))
     if at_once:
-        until(lambda: (client.says(0.2, 0.1), second.printed)[1], 40.0, "the second one has begun")
+        until(lambda: speaks(client, 0.2, 0.1) and second.printed, 40.0, "the second one has begun")
         second.process.send_signal(signal.SIGINT)
-    until(lambda: (client.says(0.2, 0.1), second.process.poll() is not None)[1], 40.0, "its end")
+    until(lambda: speaks(client, 0.2, 0.1) and second.process.poll() is not None, 40.0, "its end")
     for word in ("another master", "axis", "link", "unconfirmed"):
         assert f"holds: {word}" not in first.printed[before:], first.printed
     client.arms()  # who was silent for long
