@@ -66,7 +66,8 @@ class Zeros(Generic[G]):
         if low - slack <= request.value <= high + slack:
             return None
         seen = f"{request.value:.6g} {gauge.unit}"
-        return f"zero: {request.axis} at {seen} is not within {low:.4g} to {high:.4g}"
+        blind = "; its robot file does not say how it is homed" if math.isnan(request.value) else ""
+        return f"zero: {request.axis} at {seen} is not within {low:.4g} to {high:.4g}{blind}"
 
     def place(self, request: ConfirmZero) -> tuple[Driver, float | None]:
         """Return the axis's device and its position in its unit, of a request that is not refused.
