@@ -4,10 +4,14 @@ from collections.abc import Callable
 from typing import Final, TypeAlias
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+from firmware_bridge.drivers.epos2.zero import rows_of
 from firmware_bridge.kinds import parse
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.safety.guard.zeroing import by_file
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
@@ -321,3 +325,31 @@ def test_another_link_counts_as_well() -> None:
     line.rests(1)
     assert line.writes(LIFT, at.CONTROLWORD, START) is None
     assert line.goes(STEER, 20_000) == "homing: steering may not move while scissor lift finds its zero"
+
+
+TOLD: Final = st.fixed_dictionaries(
+    {
+        "speed": st.floats(0.11, 29.0),
+        "zero_speed": st.floats(0.11, 29.0),
+        "acceleration": st.floats(0.11, 1e4),
+        "offset": st.floats(-300.0, 300.0),
+        "at": st.floats(0.0, 363.0),
+    }
+)
+
+
+@given(direction=st.sampled_from((-1, 1)), ratio=st.floats(1.0, 500.0), told=TOLD)
+def test_what_the_driver_writes_is_what_the_guard_lets_pass(
+    direction: int, ratio: float, told: dict[str, float]
+) -> None:
+    """They convert apart from each other, for any gear and either direction."""
+    of_file = ROBOT.axes[3]
+    homing = of_file.zero.homing
+    assert homing is not None
+    zero = of_file.zero.model_copy(update={"homing": homing.model_copy(update=told)})
+    axis = of_file.model_copy(update={"zero": zero, "direction": direction, "ratio": ratio})
+    allowed = by_file(axis)
+    rows = rows_of(axis)
+    assert {row.address for row in rows} == set(allowed)
+    for row in rows:
+        assert row.value in allowed[row.address], row.expected
