@@ -13,6 +13,7 @@ from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, plant_outputs
 from emulators.servo.fmu_axes import back_emf, fmu_bank, fmu_plant
+from emulators.servo.pins import SWITCHES, input_lines
 from firmware_bridge.robot import AnyRobot, Axis, Problem, RobotFileError
 from firmware_bridge.wire.maxon.frame import Generation
 from fmu.build import ensure
@@ -58,6 +59,7 @@ def devices(
     else:
         path, parameters = plant_path, robot.plant.parameters
     plant = fmu_plant(path, names, parameters, (SUPPLY, *outputs))
+    _have_switches(robot, plant)
     axes = [
         ServoAxis(axis.name, axis.settings.quadcounts_per_turn, back_emf=back_emf(plant, axis.name))
         for axis in robot.axes
@@ -68,6 +70,17 @@ def devices(
         for axis, servo in zip(robot.axes, axes, strict=True)
     }
     return Devices(drives, bank, plant)
+
+
+def _have_switches(robot: AnyRobot, plant: FmuPlant) -> None:
+    """Check that the plant has the switches by which axes are homed; RobotFileError."""
+    wired = input_lines(plant.output_names, [axis.name for axis in robot.axes])
+    closed = {(line.axis, line.mask) for line in wired}
+    for index, axis in enumerate(robot.axes):
+        switch = None if axis.zero.homing is None else axis.zero.homing.goes_by.switch
+        if switch is not None and (index, 1 << SWITCHES[switch] - 1) not in closed:
+            problem = f"goes by a switch; the plant has no output '{switch}_{axis.name}'"
+            raise RobotFileError(robot.name, Problem(f"axes[{index}].zero.homing.method", problem))
 
 
 def _supply_input(robot: AnyRobot) -> tuple[str, float] | None:

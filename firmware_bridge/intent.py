@@ -1,5 +1,6 @@
 """What the operator wants, in the robot's words, before anything has judged it."""
 
+import math
 from dataclasses import dataclass
 from typing import Final, Generic, TypeAlias, TypeVar
 
@@ -94,7 +95,8 @@ class ConfirmZero:
     """Say where an axis stands, in the unit in which it is read off the robot, disarmed and at rest."""
 
     axis: str
-    value: float
+    value: float = math.nan
+    """NaN: nobody has looked, it is to find out by itself."""
 
 
 @dataclass(frozen=True, slots=True)

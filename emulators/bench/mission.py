@@ -151,6 +151,11 @@ def _unconfirmed(index: int, step: Step, robot: AnyRobot) -> Iterator[Problem]:
         if role not in known:
             problem = f"nobody tells {robot.name} where such an axis stands; {near(role, known)}"
             yield Problem(f"step[{index}].zero.{role}", problem)
+    homed = [axis.role for axis in robot.axes if axis.zero.homing is not None]
+    for place, role in enumerate(step.home or ()):
+        if role not in homed:
+            problem = f"{robot.name} does not home '{role}'; {near(role, homed)}"
+            yield Problem(f"step[{index}].home[{place}]", problem)
 
 
 def _needs_stick(row: object, rehearsal: Rehearsal) -> bool:

@@ -1,5 +1,6 @@
 """The commands of a mission's step, and how a ground station insists on an answer to each."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
@@ -67,6 +68,8 @@ def of_step(step: Step, robot: AnyRobot, now: Nanoseconds) -> Iterator[Pending]:
     places = {axis.role: place for place, axis in enumerate(robot.axes, 1)}
     for role, value in (step.zero or {}).items():
         yield Pending(f"zero of {role}", CONFIRM, (places[role], value), now)
+    for role in step.home or ():
+        yield Pending(f"homing of {role}", CONFIRM, (places[role], math.nan), now)
 
 
 def first_of_each(pending: list[Pending]) -> list[Pending]:

@@ -85,6 +85,8 @@ class Step(Table):
     """Emergency stop for good."""
     zero: Annotated[dict[str, Finite] | None, Field(min_length=1)] = None
     """Say where axes stand, by their roles, as read off the robot; it wants to know before it is armed."""
+    home: Annotated[tuple[str, ...] | None, Field(min_length=1, strict=False)] = None
+    """Let axes find their zero, by their roles, one after the other; they move."""
     pause: Annotated[bool | None, Sends(_PAUSE_CONTINUE, lambda wait, _: (0.0 if wait else 1.0,), 1)] = None
     """Come to rest and wait there; false: go on, the stick let go."""
     mode: Annotated[int | None, Field(ge=0), Sends(176, lambda mode, _: (1.0, mode))] = None

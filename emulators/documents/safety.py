@@ -108,7 +108,7 @@ def bounds(robot: AnyRobot) -> Iterator[Cells]:
             f"{link.silent_ms} ms",
             f"{axis.top_speed:g} {axis.unit.value}/s",
             "-" if axis.travel is None else f"{axis.travel[0]:g} to {axis.travel[1]:g} {axis.unit.value}",
-            "confirmed" if axis.zero_confirmed else "at power-on",
+            axis.zero.how or ("confirm" if axis.zero_confirmed else "at power-on"),
             _on_the_wire(axis),
             ", ".join(_fitting(robot, axis)),
         )

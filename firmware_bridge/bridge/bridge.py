@@ -234,7 +234,10 @@ class Bridge:
             self._collect_until = now + self._fleets.answers_within()
             self._release_at = now + self._cycle // 2
             self._outbox += self._fleets.measure(now)
-            self._said.tell(lambda request: self._pipeline.decide(request, now), now)
+            if self._permission.homing.under_way:
+                self._said.wait()
+            else:
+                self._said.tell(lambda request: self._pipeline.decide(request, now), now)
         elif self.phase is Phase.STOPPING:
             self._come_to_rest(now)
         else:

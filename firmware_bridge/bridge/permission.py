@@ -6,6 +6,7 @@ It answers every request with a reason. What the interlocks say comes in with th
 from typing import Final, Generic, TypeVar
 
 from firmware_bridge.bridge.fleets import Fleets
+from firmware_bridge.bridge.homing import Homing
 from firmware_bridge.bridge.letting_go import LettingGo
 from firmware_bridge.bridge.stops import Stops
 from firmware_bridge.drivers.driver import BRING_UP, Driver, Power, Stop, Task
@@ -45,6 +46,8 @@ class Permission(Generic[G, M, S]):
         """Take the drives that a request may switch, and where to put what is to be sent at once."""
         self._rules: Final = rules
         self._fleets = fleets
+        self.homing: Final = Homing()
+        """Which axis finds its zero now."""
         self._outbox = outbox
         self._silent_after = {
             axis.name: robot.links[axis.link].silent_ms * MILLISECOND for axis in robot.axes
@@ -81,7 +84,7 @@ class Permission(Generic[G, M, S]):
     @property
     def holds(self) -> tuple[Hold, ...]:
         """What is to be told of stops, and of the letting go."""
-        return self.stops.holds + self.letting_go.holds
+        return self.stops.holds + self.letting_go.holds + self.homing.holds
 
     @property
     def let_go(self) -> bool:
@@ -112,8 +115,13 @@ class Permission(Generic[G, M, S]):
             if hold.row.takes_power:
                 self.disbelieved.add(hold.axis)
 
-    def set_zero(self, driver: Driver, position: float, seen: Snapshot[M, S]) -> Verdict:
-        """Have a device count from where its axis was seen to stand; one without power is enabled before."""
+    def set_zero(
+        self, driver: Driver, position: float | None, seen: Snapshot[M, S], holds: tuple[Hold, ...]
+    ) -> Verdict:
+        """Have a device count from where its axis was seen to stand, or home it where nobody has looked.
+
+        One without power is enabled before. `holds` are those that stop this axis.
+        """
         kept = self._keeps_zeros(seen)
         if kept is not None:
             return Verdict(accepted=False, reason=f"zero: {kept}", temporary=True)
@@ -128,13 +136,25 @@ class Permission(Generic[G, M, S]):
             return Verdict(accepted=False, reason=reason, temporary=True)
         if abs(feedback.velocity) > driver.axis.rests_below:
             return Verdict(accepted=False, reason=f"zero: {driver.axis.called} moves", temporary=True)
+        if position is None:
+            return self._home(driver, holds, now)
         self._outbox += driver.set_zero(position, now)
         return Verdict(accepted=True, reason=f"zero: {driver.axis.called} counts from there")
+
+    def _home(self, driver: Driver, holds: tuple[Hold, ...], now: Nanoseconds) -> Verdict:
+        axis = driver.axis
+        hold = self.homing.kept_by(axis, holds)
+        if hold is not None:
+            return Verdict(accepted=False, reason=f"home: {hold.reason}; {hold.remedy}", temporary=True)
+        self._outbox += self.homing.begin(driver, now)
+        return Verdict(accepted=True, reason=f"home: {axis.called} moves to find its zero")
 
     def _keeps_zeros(self, seen: Snapshot[M, S]) -> str | None:
         """Return why no axis may be told where it stands, or None."""
         if self.armed:
             return "disarm first"
+        for hold in self.homing.under_way:
+            return hold.reason
         if self.emergency_stopped:
             return "the emergency stop is latched; clear it first"
         if self.powered_off:
@@ -146,6 +166,7 @@ class Permission(Generic[G, M, S]):
     def decide(self, request: Request, seen: Snapshot[M, S], holds: tuple[Hold, ...]) -> Verdict:
         """Answer one request; `seen` and `holds` are of this instant."""
         verdict = Verdict(accepted=True, reason="")
+        self.homing.ordered(request)
         match request:
             case Arm():
                 verdict = self._arm(seen, holds)
@@ -202,6 +223,8 @@ class Permission(Generic[G, M, S]):
             return Verdict(accepted=False, reason="arm: the emergency stop is latched; clear it first")
         for hold in self.stops.holds if self.stops.escalating else ():
             return Verdict(accepted=False, reason=f"arm: {hold.reason}", temporary=True)
+        for hold in self.homing.under_way:
+            return Verdict(accepted=False, reason=f"arm: {hold.reason}; {hold.remedy}", temporary=True)
         for lost in seen.facts.links_lost.values():
             return Verdict(accepted=False, reason=f"arm: {lost}; plug it in again", temporary=True)
         if not self.rules.at_rest(seen):

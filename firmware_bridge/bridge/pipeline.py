@@ -93,6 +93,7 @@ class Pipeline(Generic[G, M, S]):
         self._lapse(now)
         known = self._guided(self.known(now), elapsed)
         ruling = self._gate.rule(known)
+        self._watch_homing(ruling.holds + self._permission.stops.holds, known.facts)
         if known.facts.neutral:
             self._permission.parted = False
         self._permission.watch(ruling.holds)
@@ -112,6 +113,7 @@ class Pipeline(Generic[G, M, S]):
 
         A robot that would not stand without power is not let go before it is ordered.
         """
+        self._permission.homing.interrupt("the bridge is ending", now)
         known = self.known(now)
         rules = self._permission.rules
         rest = rules.body.rested(self._demanded, rules.groups)
@@ -156,13 +158,15 @@ class Pipeline(Generic[G, M, S]):
         if isinstance(request, ChangeDriver):
             self._guide = self._wish = None
             self._permission.parted = True
+            self._permission.homing.ordered(request)
             return Verdict(accepted=True, reason="")
         known = self.known(now)
         if isinstance(request, ConfirmZero):
             refused = self._zeros.refuses(request)
             if refused is not None:
                 return Verdict(accepted=False, reason=refused)
-            return self._permission.set_zero(*self._zeros.place(request), known)
+            holds = self._against(request.axis, self._gate.rule(known).holds)
+            return self._permission.set_zero(*self._zeros.place(request), known, holds)
         return self._permission.decide(request, known, self._gate.rule(known).holds)
 
     def known(self, now: Nanoseconds) -> Snapshot[M, S]:
@@ -237,11 +241,23 @@ class Pipeline(Generic[G, M, S]):
         self._wish = None
         return Verdict(accepted=True, reason=f"guide: {name or 'the operator'}")
 
+    def _against(self, axis: str, holds: tuple[Hold, ...]) -> tuple[Hold, ...]:
+        """Return the holds that stop an axis."""
+        group = self._group_of[axis]
+        return tuple(hold for hold in holds if hold.row.stops is None or group in hold.row.stops)
+
+    def _watch_homing(self, holds: tuple[Hold, ...], facts: Facts) -> None:
+        homing = self._permission.homing
+        for axis in homing.demands:
+            holds = self._against(axis, holds)
+        homing.watch(holds, facts)
+
     def _asked_to_stop(self, stopped: frozenset[Group]) -> set[str]:
         """Return the axes that are to stop; what the mode does without is not asked."""
         permission = self._permission
         asked = (permission.powered_off or group in stopped for group in self._group_of.values())
-        return set(compress(self._group_of, asked)) - permission.rules.without
+        moves = permission.homing.demands.keys()
+        return set(compress(self._group_of, asked)) - permission.rules.without - moves
 
     def _stopped(
         self,
@@ -283,8 +299,9 @@ class Pipeline(Generic[G, M, S]):
 
     def _used(self, demands: Mapping[str, Demand]) -> Mapping[str, Demand]:
         """Return the demands; an axis that the mode does without, or that is not believed, has no power."""
-        unused = self._permission.rules.without | self._permission.disbelieved
-        return {**demands, **dict.fromkeys(unused, Stop.POWER_OFF)} if unused else demands
+        permission = self._permission
+        unused, homed = permission.rules.without | permission.disbelieved, permission.homing.demands
+        return {**demands, **homed, **dict.fromkeys(unused, Stop.POWER_OFF)} if unused or homed else demands
 
     def _demand_rests(self, known: Snapshot[M, S]) -> bool:
         rules = self._permission.rules

@@ -20,6 +20,10 @@ class SaidAtStart:
         self._left = tuple(requests)
         self._until: Nanoseconds = NEVER
 
+    def wait(self) -> None:
+        """Let what is left wait, however long: one of its own is under way, as a homing is."""
+        self._until = NEVER
+
     def tell(self, decide: Callable[[ConfirmZero], Verdict], now: Nanoseconds) -> None:
         """Ask for what is left; called in every cycle of a bridge that runs."""
         if not self._left:

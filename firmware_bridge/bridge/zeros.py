@@ -58,16 +58,24 @@ class Zeros(Generic[G]):
         if driver is None:
             known = ", ".join(f"{name} ({gauge.unit})" for name, gauge in self._gauges.items()) or "none"
             return f"zero: nobody has to tell where {request.axis} stands; to be told: {known}"
+        if math.isnan(request.value) and driver.axis.zero.homing is not None:
+            return None
         gauge, ends = self._gauges[request.axis], driver.axis.travel or (math.nan, math.nan)
         low, high = sorted(round(gauge.reading(end, self._robot), DIGITS) + 0.0 for end in ends)
         slack = SLACK * (high - low)
         if low - slack <= request.value <= high + slack:
             return None
         seen = f"{request.value:.6g} {gauge.unit}"
-        return f"zero: {request.axis} at {seen} is not within {low:.4g} to {high:.4g}"
+        blind = "; its robot file does not say how it is homed" if math.isnan(request.value) else ""
+        return f"zero: {request.axis} at {seen} is not within {low:.4g} to {high:.4g}{blind}"
 
-    def place(self, request: ConfirmZero) -> tuple[Driver, float]:
-        """Return the axis's device and its position in its unit, of a request that is not refused."""
+    def place(self, request: ConfirmZero) -> tuple[Driver, float | None]:
+        """Return the axis's device and its position in its unit, of a request that is not refused.
+
+        None where it is to be homed.
+        """
+        if math.isnan(request.value):
+            return self._drivers[request.axis], None
         position = self._gauges[request.axis].position(request.value, self._robot)
         return self._drivers[request.axis], position
 

@@ -99,6 +99,16 @@ class DriveOptions:
             show_default=False,
         ),
     ] = None
+    home: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--home",
+            metavar="AXIS",
+            help="Home an axis once the drives are ready, as its robot file says; may be repeated, one comes "
+            "after the other. IT MOVES: somebody who drives must be speaking by then, and may stop it.",
+            show_default=False,
+        ),
+    ] = None
     state: Annotated[
         Path | None,
         typer.Option(

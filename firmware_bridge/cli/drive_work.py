@@ -150,7 +150,7 @@ def drive(given: DriveOptions) -> None:
     state = given.state or usual_path(machine.name)
     stamps = None if trust.key is None else KeptStamps(state.with_suffix(".stamps.json"))
     trust = trust if stamps is None else replace(trust, kept=_kept(stamps))
-    stands = zeros_of(given.zero)
+    stands = zeros_of(given.zero, given.home)
     with one_message(PlanError, RobotFileError, ValueError):
         machine = _with_lines(machine, places, given.protocol, given.baud)
         bridge = Bridge(machine, kind_of(machine), trust, stands)

@@ -1,4 +1,4 @@
-"""`--zero AXIS=VALUE`: where axes stand, as the user of a command reads it off the robot."""
+"""`--zero AXIS=VALUE`, `--home AXIS`: where axes stand, as read off the robot, or which shall find out."""
 
 import math
 from collections.abc import Sequence
@@ -7,8 +7,11 @@ from firmware_bridge.cli.console import refusal
 from firmware_bridge.intent import ConfirmZero
 
 
-def zeros_of(texts: Sequence[str] | None) -> tuple[ConfirmZero, ...]:
-    """Return what is said of each axis; what is no number, or said twice, ends the program."""
+def zeros_of(texts: Sequence[str] | None, homed: Sequence[str] | None = None) -> tuple[ConfirmZero, ...]:
+    """Return what is said of each axis; what is no number, or said twice, ends the program.
+
+    First those that were looked at, then those that are `homed`, in their order.
+    """
     said: dict[str, float] = {}
     for text in texts or ():
         axis, sign, value = text.partition("=")
@@ -21,4 +24,8 @@ def zeros_of(texts: Sequence[str] | None) -> tuple[ConfirmZero, ...]:
         if axis in said:
             raise refusal(f"--zero {text}: {axis} is said twice")
         said[axis] = number
+    for axis in homed or ():
+        if axis in said:
+            raise refusal(f"--home {axis}: {axis} is said twice")
+        said[axis] = math.nan
     return tuple(ConfirmZero(axis, number) for axis, number in said.items())

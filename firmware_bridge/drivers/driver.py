@@ -35,6 +35,11 @@ class Level:
     on: bool
 
 
+@dataclass(frozen=True, slots=True)
+class Homed:
+    """Go on with `Task.HOME`: the device moves by itself, and is sent nothing."""
+
+
 class Stop(Enum):
     """Demands that end motion, from the gentlest on."""
 
@@ -46,7 +51,7 @@ class Stop(Enum):
     """No torque from now on: the shaft coasts."""
 
 
-Demand: TypeAlias = Speed | Position | Stop
+Demand: TypeAlias = Speed | Position | Homed | Stop
 
 
 class Task(Enum):
@@ -73,6 +78,8 @@ class Task(Enum):
     """Make the device start anew: it has no torque then, and loses what it has counted."""
     SET_ZERO = "set zero"
     """Have it count from where somebody saw it stand; with power, at rest, and nothing moves."""
+    HOME = "home"
+    """Have it go to where its zero can be found, and count from there; as the robot file says."""
 
 
 BRING_UP: Final = (Task.FIND, Task.IDENTIFY, Task.CONFIGURE, Task.START, Task.ENABLE)
@@ -198,8 +205,11 @@ class Driver(Protocol):
     def set_zero(self, position: float, now: Nanoseconds) -> tuple[Packet, ...]:
         """Do `Task.SET_ZERO`: the axis stands at this position, in its unit."""
 
+    def home(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Do `Task.HOME`; only for an axis whose robot file says how."""
+
     def command(self, demand: Demand) -> tuple[Packet, ...]:
-        """Send a demand; while tasks are under way only quick stop or power off.
+        """Send a demand; while tasks are under way only quick stop or power off, and rest to one that homes.
 
         Those end the tasks, unless they are of `STOPPING` themselves.
         """

@@ -44,6 +44,24 @@ def cross_checked(table: Raw, roles: Mapping[str, str]) -> Iterator[Problem]:
         for key, rows in (("sensors", sensors), ("outputs", outputs)):
             yield from _at_drives(key, rows, axes, links)
         yield from _guarded(table, axes)
+        yield from _homed(axes)
+
+
+def _homed(axes: list[Raw]) -> Iterator[Problem]:
+    """Check that the axes that are homed before another one exist, and that some order is possible."""
+    before = {str(axis.get("name")): _after(axis) for axis in axes}
+    for index, (name, first) in enumerate(before.items()):
+        key = f"axes[{index}].zero.homing.after"
+        for other in first:
+            if other not in before:
+                yield Problem(key, f"no axis '{other}'; {near(other, before)}")
+            elif name == other or name in before[other]:
+                yield Problem(key, f"'{name}' would wait for '{other}', which waits for it")
+
+
+def _after(axis: Raw) -> list[str]:
+    first = _within(_within(axis, "zero"), "homing").get("after")
+    return [name for name in first if isinstance(name, str)] if isinstance(first, list) else []
 
 
 def _linked(key: str, rows: list[Raw], links: Collection[str]) -> Iterator[Problem]:

@@ -1,5 +1,6 @@
 """The whole robot file: what any robot says, its links, axes, sensors, outputs, and its kind's own table."""
 
+import math
 from collections.abc import Mapping
 from enum import StrEnum
 from typing import Annotated, Any, Final, Generic, Self, TypeAlias, TypeVar
@@ -9,8 +10,8 @@ from pydantic import Field, field_validator, model_validator
 from firmware_bridge.robot.belief import RUBS, STANDS, Belief
 from firmware_bridge.robot.settings.epos2 import Epos2AnalogueInput, Epos2Axis, Epos2DigitalOutput, Epos2Link
 from firmware_bridge.robot.table import Finite, Name, Positive, Table
-from firmware_bridge.robot.zero import Zero, ZeroFrom
-from firmware_bridge.units import MILLISECOND, Nanoseconds
+from firmware_bridge.robot.zero import Homing, Zero, ZeroFrom
+from firmware_bridge.units import MILLISECOND, RPM_PER_RAD_S, Nanoseconds
 
 G_co = TypeVar("G_co", bound=Table, covariant=True)
 
@@ -124,14 +125,48 @@ class Axis(Table):
             raise ValueError("an axis with travel takes no zero 'at power-on': it may stand anywhere then")
         if self.travel is None and self.zero.how is ZeroFrom.CONFIRM:
             raise ValueError("an axis without travel has no place to confirm; leave zero out")
+        self._homes_within(self.zero.homing)
         furthest = self.settings.furthest(self.ratio)
         if self.travel is not None and max(map(abs, self.travel)) > furthest:
             raise ValueError(f"travel goes beyond {furthest:.6g} {self.unit}, all that the drive can count")
         return self
 
+    def _homes_within(self, homing: Homing | None) -> None:
+        """Check a homing against the axis; ValueError where the axis cannot do it."""
+        if homing is None:
+            return
+        if self.travel is None:
+            raise ValueError("an axis without travel has no place to be homed to; leave zero out")
+        low, high = self.travel
+        lowest = 1.0 / RPM_PER_RAD_S / self.ratio
+        slowest = min(homing.speed, homing.zero_speed, homing.acceleration)
+        threshold_ma = (homing.current_a or 0.0) * MILLIAMPERES
+        lasts = homing.lasts_s(self.travel, self.motor_turn)
+        for wrong, problem in (
+            (
+                homing.fastest > self.top_speed,
+                f"goes with {homing.fastest:g}, top_speed is {self.top_speed:g}",
+            ),
+            (slowest < lowest, f"has {slowest:g} where 1 rpm of the motor is {lowest:.4g}"),
+            (not low <= homing.at <= high, f"ends at {homing.at:g}, which is not within travel"),
+            (abs(homing.offset) > high - low, "has an offset longer than travel"),
+            (
+                threshold_ma > self.settings.peak_current_ma,
+                "waits for more current_a than the drive may give",
+            ),
+            (homing.within_s < lasts, f"lasts {lasts:.3g} s from end to end, within_s is less"),
+        ):
+            if wrong:
+                raise ValueError(f"zero.homing {problem}")
+
+    @property
+    def motor_turn(self) -> float:
+        """The way in its unit for one turn of the motor, from one index to the next."""
+        return math.tau / self.ratio
+
     @property
     def zero_confirmed(self) -> bool:
-        """Whether somebody has to say where it stands before it may move."""
+        """Whether somebody has to say where it stands, or to home it, before it may move."""
         return self.travel is not None
 
     @property

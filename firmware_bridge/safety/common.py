@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Final, TypeVar
 
-from firmware_bridge.drivers.driver import Feedback, Position, Power, Speed, Tells
+from firmware_bridge.drivers.driver import Feedback, Homed, Position, Power, Speed, Tells
 from firmware_bridge.intent import NEVER_HEARD
 from firmware_bridge.robot import Axis
 from firmware_bridge.robot.table import LinkTable, Table
@@ -153,7 +153,8 @@ def _axis_zero_lost(axis: Axis, feedback: Feedback, facts: Facts, _limit: Nanose
 
 def _stood(axis: Axis, facts: Facts) -> str:
     known = facts.stood.get(axis.name)
-    return "" if known is None else f" (last known: {known})"
+    last = "" if known is None else f" (last known: {known})"
+    return last if axis.zero.homing is None else f"{last}; home it (drive --home, or MAV_CMD_USER_1 with NaN)"
 
 
 def _axis_restarted(axis: Axis, feedback: Feedback, facts: Facts, _limit: Nanoseconds) -> str | None:
@@ -209,6 +210,8 @@ def _did(axis: Axis, known: Following) -> str:
         did = f"told to go to {demand.value:.3f} {unit}, is at {known.position:.3f} {unit}"
     elif isinstance(demand, Speed):
         did = f"told {demand.value:.2f} {unit}/s, moves with {known.velocity:.2f} {unit}/s"
+    elif isinstance(demand, Homed):
+        did = f"told to find its zero, moves with {known.velocity:.2f} {unit}/s"
     else:
         did = f"told to stop, moves with {known.velocity:.2f} {unit}/s"
     return f"{axis.called}, {did}"

@@ -1,8 +1,9 @@
 """Whether each axis does what it was told: from its demands the range in which it may be, sample by sample.
 
 The range reaches to a new demand at once, and leaves an old one no faster than the laziest axis that is well:
-with a time constant, and at a rate. A speed, or a stop, bounds the speed between two samples; a position
-bounds the position. It refuses to know what follows when an axis strays: that is the rows' in `common`.
+with a time constant, and at a rate. A speed, a stop or a homing bounds the speed between two samples; a
+position bounds the position. It refuses to know what follows when an axis strays: that is for the rows in
+`common`.
 """
 
 import math
@@ -10,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from firmware_bridge.drivers.driver import Demand, Feedback, Position, Power, Stop
+from firmware_bridge.drivers.driver import Demand, Feedback, Homed, Position, Power, Stop
 from firmware_bridge.intent import NEVER_HEARD
 from firmware_bridge.robot import AnyRobot, Axis, Command
 from firmware_bridge.safety.snapshot import Following
@@ -36,6 +37,8 @@ class Bounds:
     creep: float
     """What it may owe of a way that it should have gone, while its position repeats."""
     lag_s: float
+    homing: float = 0.0
+    """How fast it may be while it is homed."""
 
 
 def within(axis: Axis, silence: Nanoseconds) -> Nanoseconds:
@@ -46,16 +49,21 @@ def within(axis: Axis, silence: Nanoseconds) -> Nanoseconds:
 
 def bounds_of(robot: AnyRobot, axis: Axis) -> Bounds:
     """Return what the robot file says, and where it does not, what follows from axis, drive and link."""
-    said, stray = axis.belief, STRAYS * axis.top_speed
+    said, stray, homing = axis.belief, STRAYS * axis.top_speed, axis.zero.homing
+    slowest = axis.settings.slowest_ramp(axis.ratio)
+    if homing is not None:
+        # Interrupted it is halted with the acceleration of its homing.
+        slowest = min(slowest, homing.acceleration)
     link = robot.links[axis.link]
     lag = REGULATED + 2 * link.every * robot.cycle
     return Bounds(
         speed=said.speed or stray,
         position=said.position or stray,
-        ramp=said.ramp or LAZY * axis.settings.slowest_ramp(axis.ratio),
+        ramp=said.ramp or LAZY * slowest,
         cruise=said.cruise or LAZY * axis.settings.cruise(axis.ratio),
         creep=axis.rests_below * to_seconds(within(axis, link.silent_ms * MILLISECOND)),
         lag_s=to_seconds(lag if said.lag_ms is None else said.lag_ms * MILLISECOND),
+        homing=0.0 if homing is None else homing.fastest,
     )
 
 
@@ -124,13 +132,17 @@ class Follower:
                 self._low, self._high = place - further, place + further
             else:
                 self._low, self._high = min(speed, -self._coasts_at), max(speed, self._coasts_at)
+        if isinstance(aim, Homed):
+            # To either side, and from one to the other whenever its method wants.
+            self._goal, self._low, self._high = 0.0, -self._bounds.homing, self._bounds.homing
+            return
         self._goal = 0.0 if isinstance(aim, Stop) else aim.value
         self._low, self._high = min(self._low, self._goal), max(self._high, self._goal)
 
     def _leave(self, seconds: float) -> None:
         """Let the range leave what it has reached to, on the way to its goal."""
         goal, below, above = self._goal, self._goal - self._low, self._high - self._goal
-        if not below and not above:
+        if (not below and not above) or isinstance(self._aim, Homed):
             return
         if seconds != self._share_of:
             self._share_of, self._share = seconds, -math.expm1(-seconds / self._bounds.lag_s)

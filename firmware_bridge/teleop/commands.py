@@ -338,7 +338,8 @@ ROWS: Final = (
     Row(
         dialect.MAV_CMD_USER_1,
         _confirm_zero,
-        "p1: an axis by its place in the robot file, from 1; p2: where it stands, as read off the robot",
+        "p1: an axis by its place in the robot file, from 1; p2: where it stands, as read off the robot; "
+        "NaN: home it",
     ),
     Row(dialect.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, _reboot, "never from afar"),
     Row(

@@ -15,7 +15,7 @@ from emulators.bench.cases import Situation
 from emulators.bench.operator import ScriptedOperator
 from emulators.bench.rehearsal import rehearsal_of
 from emulators.rig import BRIDGE, Rig
-from firmware_bridge.drivers.driver import Position, Power, Stop
+from firmware_bridge.drivers.driver import Position, Power, Speed
 from firmware_bridge.intent import NEVER_HEARD
 from firmware_bridge.kinds import find, kind_of
 from firmware_bridge.robot import AnyRobot
@@ -265,7 +265,7 @@ def moves(paper: Paper, axes: tuple[str, ...]) -> bool:
         if isinstance(demand, Position):
             if abs(demand.value - paper.before[name].position) > 1e-6:
                 return True
-        elif demand is not None and not isinstance(demand, Stop) and demand.value != 0.0:
+        elif isinstance(demand, Speed) and demand.value != 0.0:
             return True
     return False
 

@@ -30,6 +30,7 @@ _POWERS: Final = {
 }
 MILLIAMPERES: Final = 1000.0
 _REFERENCED: Final = int(Status.REFERENCED)
+_ATTAINED: Final = int(Status.HOMING_ATTAINED)
 
 
 class DriveFeedback:
@@ -65,6 +66,8 @@ class DriveFeedback:
         """Whether a statusword has said so, or it restarted, since its zero was set."""
         self.zeroing = False
         """Whether its counter is being set: what differs between two samples then is no motion."""
+        self.seeking = False
+        """Whether it moves to find its zero; its counter is set when it says that it has attained it."""
 
     def told(self, statusword: int) -> None:
         """Take a statusword, by whatever way it came and whether the drive listens to set-points or not.
@@ -74,6 +77,8 @@ class DriveFeedback:
         self.statusword = statusword
         if not statusword & _REFERENCED:
             self.zero_lost = True
+        if self.seeking and statusword & _ATTAINED:
+            self.zeroing = True
         state = state_of(statusword)
         self.unpowered = state is not None and state not in POWERED
 
@@ -96,9 +101,14 @@ class DriveFeedback:
         self.expected = False
         self.forget_motion()
 
+    def lose_zero(self) -> None:
+        """Learn that nobody knows whether its counter was set already: what was to set it has ended."""
+        self.zero_lost, self.zeroing, self.seeking = True, False, False
+        self.forget_motion()
+
     def zero_set(self, counter: int) -> None:
         """Count from the zero that was just set; that is what the drive's counter shows by it."""
-        self.zero_lost = self.zeroing = False
+        self.zero_lost = self.zeroing = self.seeking = False
         self.position_qc = counter
         self.forget_motion()
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Final
 
-from firmware_bridge.drivers.driver import STOPPING, StartupError, Task
+from firmware_bridge.drivers.driver import STOPPING, Demand, StartupError, Stop, Task
 from firmware_bridge.drivers.epos2 import tasks as scripts
 from firmware_bridge.drivers.epos2 import zero
 from firmware_bridge.drivers.epos2.feedback import DriveFeedback
@@ -17,7 +17,7 @@ from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds
 
 _LOSES_SET_UP: Final = (Task.FIND, Task.RESET)
-_NEEDS_SET_UP: Final = (Task.IDENTIFY, Task.CONFIGURE, Task.START, Task.ENABLE, Task.SET_ZERO)
+_NEEDS_SET_UP: Final = (Task.IDENTIFY, Task.CONFIGURE, Task.START, Task.ENABLE, Task.SET_ZERO, Task.HOME)
 
 
 class TaskRunner:
@@ -53,6 +53,7 @@ class TaskRunner:
             Task.DISABLE: partial(scripts.disable, axis, feedback),
             Task.RESET: partial(scripts.reset, axis, feedback),
             Task.SET_ZERO: self._set_zero,
+            Task.HOME: self._home,
         }
         self._tasks: deque[Task] = deque()
         self._task: Task | None = None
@@ -77,6 +78,15 @@ class TaskRunner:
         """Whether the one under way stops the drive itself."""
         return self._task in STOPPING
 
+    def lets(self, demand: Demand) -> bool:
+        """Whether a demand may be sent: while tasks are under way what stops, and rest where it homes."""
+        stops = demand in (Stop.QUICK_STOP, Stop.POWER_OFF)
+        return not self.busy or stops or (demand is Stop.REST and self._task is Task.HOME)
+
+    def meant(self, demand: Demand) -> Demand:
+        """Return a demand as it may reach the drive: in homing mode a new position would start that."""
+        return demand if self._in_own_mode or isinstance(demand, Stop) else Stop.REST
+
     @property
     def configured(self) -> bool:
         """Whether the set-up is in force and the drive listens to set-points."""
@@ -98,10 +108,8 @@ class TaskRunner:
     def end(self) -> None:
         """Forget the tasks under way."""
         self._scripts.stop()
-        if self._feedback.zeroing:
-            # Nobody knows whether the counter was set already.
-            self._feedback.zero_lost, self._feedback.zeroing = True, False
-            self._feedback.forget_motion()
+        if self._feedback.zeroing or self._feedback.seeking:
+            self._feedback.lose_zero()
         self._tasks.clear()
         self._task = None
 
@@ -147,6 +155,11 @@ class TaskRunner:
     def _set_zero(self) -> Script:
         self._feedback.zeroing, self._in_own_mode = True, False
         return (*zero.set_zero(self._axis, self._feedback, self._position), Do(self._zero_is_set))
+
+    def _home(self) -> Script:
+        self._feedback.zeroing, self._in_own_mode = True, False
+        self._feedback.zero_lost = True
+        return (*zero.home(self._axis, self._feedback), Do(self._zero_is_set))
 
     def _zero_is_set(self) -> Script:
         self._in_own_mode = True

@@ -1,23 +1,27 @@
-"""How one EPOS2 is told where its axis stands: homing by method 35, at rest and with power on.
+"""How one EPOS2 comes to count from where its axis stands: homing, begun at rest and with power on.
 
-The drive takes the home position (0x2081) for the place where it is; no shaft turns (EPOS Firmware
-Specification, homing mode, by analogy). What the start hangs on is read back before: by another method the
-same word would set the axis in motion. The halt of before stands until the mode is another, so that no
-position waits for its end. ASSUME: a mode may be changed with power on, as maxon's command library does.
+By method 35 it is told: it takes the home position (0x2081) for the place where it is, and no shaft turns. By
+any other it moves to find out (EPOS Firmware Specification, homing mode, by analogy). ASSUME: the offset
+0x607C is a way that it goes from what it has found, with its sign, and the home position is where it is then.
+
+What the start hangs on is read back before: by another method the same word would set the axis in motion. The
+halt of before stands until the mode is another, so that no position waits for its end. ASSUME: a mode may be
+changed with power on, as maxon's command library does.
 """
 
+import math
 from typing import Final
 
 from firmware_bridge.drivers.driver import StartupError
-from firmware_bridge.drivers.epos2.feedback import DriveFeedback
+from firmware_bridge.drivers.epos2.feedback import MILLIAMPERES, DriveFeedback
 from firmware_bridge.drivers.epos2.scale import Scale, travel_of
 from firmware_bridge.drivers.epos2.set_point import ENABLE, HALT
 from firmware_bridge.drivers.epos2.setup import MODE, Row
-from firmware_bridge.drivers.epos2.steps import controlled, expected, pause, read, written
-from firmware_bridge.drivers.script_runner import Ask, Do, Script, Step
+from firmware_bridge.drivers.epos2.steps import controlled, expected, failing, pause, read, written
+from firmware_bridge.drivers.script_runner import Ask, Do, Script, Step, Until
 from firmware_bridge.drivers.sdo_client import Transfer
 from firmware_bridge.robot import Axis, Command
-from firmware_bridge.units import MILLISECOND, Nanoseconds
+from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 from firmware_bridge.wire.cia402 import Control, Mode, State, Status
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.rows import FIRMWARE_SPECIFICATION, DataType
@@ -28,7 +32,9 @@ POLL: Final[Nanoseconds] = 10 * MILLISECOND
 POLLS: Final = 20
 _ATTAINED: Final = int(Status.HOMING_ATTAINED | Status.REFERENCED)
 _FAILED: Final = int(Status.HOMING_ERROR)
+_ENDED: Final = int(Status.HOMING_ATTAINED | Status.HOMING_ERROR)
 _WHY: Final = "it stands there, somebody saw it"
+_SLOW: Final = "no faster than the robot file says"
 
 
 def set_zero(axis: Axis, feedback: DriveFeedback, position: float) -> Script:
@@ -37,8 +43,30 @@ def set_zero(axis: Axis, feedback: DriveFeedback, position: float) -> Script:
     if travel is None:
         raise StartupError(axis, "an axis without travel has no zero to be set")
     home_qc = Scale.of(axis).within(position, travel)
+    return _homing(axis, feedback, rows(home_qc), (_attained(axis, feedback, POLLS),))
+
+
+def home(axis: Axis, feedback: DriveFeedback) -> Script:
+    """Let it seek its zero as the robot file says; it is halted where it does not find it in time."""
+    homing = axis.zero.homing
+    if homing is None:
+        raise StartupError(axis, "the robot file does not say how it is homed")
+    return _homing(
+        axis,
+        feedback,
+        rows_of(axis),
+        (
+            _sets_out(axis, feedback),
+            Until(lambda: bool(feedback.statusword & _ENDED), from_seconds(homing.within_s)),
+            _found(axis, feedback),
+        ),
+    )
+
+
+def _homing(axis: Axis, feedback: DriveFeedback, rows: tuple[Row, ...], awaited: Script) -> Script:
+    """Write and read back what it hangs on, start, wait; then back to the axis's own mode."""
     steps: list[Step] = [Do(lambda: _is_enabled(axis, feedback))]
-    for row in rows(home_qc):
+    for row in rows:
         steps.append(written(axis, Transfer(row.address, row.raw), f"writing {row.expected}"))
         steps.append(expected(axis, row))
     return (
@@ -46,11 +74,11 @@ def set_zero(axis: Axis, feedback: DriveFeedback, position: float) -> Script:
         *_mode(axis, Mode.HOMING),
         controlled(axis, ENABLE),
         controlled(axis, START_HOMING),
-        _attained(axis, feedback, POLLS),
+        *awaited,
         # Bit 4 falls before the mode is another: there it is a new position, the one of before.
-        controlled(axis, HALT if axis.command is Command.POSITION else ENABLE),
+        _halted(axis),
         *_mode(axis, MODE[axis.command]),
-        _counts(axis, feedback, home_qc),
+        _counts(axis, feedback, rows[0].value),
     )
 
 
@@ -61,6 +89,63 @@ def rows(home_qc: int) -> tuple[Row, ...]:
         Row(at.HOME_POSITION, DataType.INTEGER32, home_qc, "home position", _WHY, source),
         Row(at.HOMING_METHOD, DataType.INTEGER8, ACTUAL_POSITION, "homing method", "no shaft turns", source),
     )
+
+
+def rows_of(axis: Axis) -> tuple[Row, ...]:
+    """Return what the homing of an axis hangs on; StartupError where it has none."""
+    homing, travel, scale, source = axis.zero.homing, travel_of(axis), Scale.of(axis), FIRMWARE_SPECIFICATION
+    if homing is None or travel is None:
+        raise StartupError(axis, "the robot file does not say how it is homed")
+    fast, slow, ramp = homing.speed, homing.zero_speed, homing.acceleration
+    offset_qc = scale.quadcounts(homing.offset)
+    current = () if homing.current_a is None else (math.floor(homing.current_a * MILLIAMPERES),)
+    u16, u32, i32 = DataType.UNSIGNED16, DataType.UNSIGNED32, DataType.INTEGER32
+    there = "the robot file knows this place"
+    return (
+        Row(at.HOME_POSITION, i32, scale.within(homing.at, travel), "home position", there, source),
+        Row(at.HOME_OFFSET, i32, offset_qc, "home offset", "off stop and switch", source),
+        Row(at.HOMING_SPEED_SWITCH, u32, _whole_rpm(scale, fast), "speed for switch search", _SLOW, source),
+        Row(at.HOMING_SPEED_ZERO, u32, _whole_rpm(scale, slow), "speed for zero search", _SLOW, source),
+        Row(at.HOMING_ACCELERATION, u32, _whole_rpm(scale, ramp), "homing acceleration", _SLOW, source),
+        *(
+            Row(at.HOMING_CURRENT, u16, threshold, "current threshold", "this is the stop", source)
+            for threshold in current
+        ),
+        Row(at.HOMING_METHOD, DataType.INTEGER8, homing.method, "homing method", "as the robot file", source),
+    )
+
+
+def _whole_rpm(scale: Scale, speed: float) -> int:
+    """Return whole rpm, or rpm/s, that are not above a speed behind the gear."""
+    return max(1, math.floor(abs(scale.rpm(speed))))
+
+
+def _halted(axis: Axis) -> Ask:
+    return controlled(axis, HALT if axis.command is Command.POSITION else ENABLE)
+
+
+def _sets_out(axis: Axis, feedback: DriveFeedback) -> Ask:
+    """Read a statusword that is newer than the start: bit 12 of before is none of this homing's."""
+
+    def judge(statusword: int) -> Script:
+        feedback.zeroing, feedback.seeking = False, True
+        feedback.told(statusword)
+        return ()
+
+    return read(axis, at.STATUSWORD, DataType.UNSIGNED16, judge)
+
+
+def _found(axis: Axis, feedback: DriveFeedback) -> Ask:
+    """Look how the homing has ended; one that did not come to its end is halted at once."""
+
+    def judge(statusword: int) -> Script:
+        feedback.told(statusword)
+        if statusword & _ATTAINED == _ATTAINED and not statusword & _FAILED:
+            return ()
+        why = "it gave its homing up" if statusword & _FAILED else "it has not found its zero in time"
+        return (_halted(axis), failing(axis, f"{why} (statusword 0x{statusword:04X})"))
+
+    return read(axis, at.STATUSWORD, DataType.UNSIGNED16, judge)
 
 
 def _is_enabled(axis: Axis, feedback: DriveFeedback) -> Script:

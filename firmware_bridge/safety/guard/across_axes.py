@@ -9,13 +9,16 @@ can reach with mixtures; so nobody can go on from one mixture to the next.
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Final
 
 from firmware_bridge.robot import AnyRobot, GuardExclusive, GuardSum
 from firmware_bridge.safety.guard.axis import GuardedAxis
 from firmware_bridge.safety.guard.epos2_words import SetPoint
-from firmware_bridge.units import NEVER, Nanoseconds
+from firmware_bridge.units import NEVER, SECOND, Nanoseconds, from_seconds
+
+HALTED_WITHIN: Final[Nanoseconds] = SECOND
+"""So much longer than the robot file says may a homing stand; whoever started it halts it before."""
 
 
 class AxesRule(ABC):
@@ -146,9 +149,41 @@ class Exclusion(AxesRule):
         """Do nothing: each axis knows what is in force."""
 
 
+class OneHomes(AxesRule):
+    """While one axis finds its zero no other one may be told to move; it may do so for its time only."""
+
+    name = "homing"
+
+    def __init__(self, axes: Iterable[GuardedAxis]) -> None:
+        self.axes = tuple(axes)
+        self.due = NEVER
+
+    def refuses(self, axis: GuardedAxis, set_point: SetPoint, now: Nanoseconds) -> str | None:
+        """Refuse motion while another axis homes."""
+        del now
+        homing = next((other.axis.title for other in self.axes if other is not axis and other.homes), None)
+        if homing is None or not axis.moves_with(set_point):
+            return None
+        return f"{self.name}: {axis.axis.title} may not move while {homing} finds its zero"
+
+    def stops_with(self, axis: GuardedAxis) -> tuple[GuardedAxis, ...]:
+        """Stop nobody else: it finds its zero alone, and may go on."""
+        del axis
+        return ()
+
+    def sent(self, axis: GuardedAxis, now: Nanoseconds) -> None:
+        """Find out until when a homing may last that was started, or whether it has ended."""
+        if axis.homes:
+            self.due = now + from_seconds(axis.zeroing.within_s) + HALTED_WITHIN
+        elif not any(other.homes for other in self.axes):
+            self.due = NEVER
+
+
 def rules_across(robot: AnyRobot, axes: Mapping[str, GuardedAxis]) -> tuple[AxesRule, ...]:
     """Return the rules of a robot file over several axes; `axes` by their names."""
+    homed = any(axis.axis.zero.homing is not None for axis in axes.values())
     return (
+        *((OneHomes(axes.values()),) if homed else ()),
         *(SpeedSum(row, axes) for row in robot.guard.sums),
         *(Exclusion(row, axes) for row in robot.guard.exclusive),
     )

@@ -13,6 +13,7 @@ from firmware_bridge.safety.guard.epos2_words import (
     POWERED,
     POWERED_STATES,
     QUICK_STOP,
+    START_HOMING,
     SetPoint,
 )
 from firmware_bridge.safety.guard.zeroing import READ, WRITTEN, Zeroing
@@ -36,6 +37,7 @@ class GuardedAxis:
         "_rests_at",
         "_rpm_per_unit",
         "_word",
+        "all",
         "axis",
         "by_speed",
         "commanded_at",
@@ -54,6 +56,8 @@ class GuardedAxis:
         self.by_speed: Final = axis.command is Command.SPEED
         """Whether its target is a speed; else it is a position."""
         self.zeroing: Final = Zeroing(axis)
+        self.all: tuple[GuardedAxis, ...] = ()
+        """Every axis of the robot, this one among them."""
         self.targets: Final = targets(axis)
         """All that it may be sent; rpm or quadcounts."""
         self.cycle: Final = robot.cycle * robot.links[axis.link].every
@@ -96,10 +100,17 @@ class GuardedAxis:
 
     @property
     def moving(self) -> bool:
-        """Whether the set-point in force asks for motion."""
+        """Whether the set-point in force asks for motion, or its drive moves to find its zero."""
+        if self.homes:
+            return True
         if self.by_speed:
             return self._word == ENABLE and self.target != 0
         return self._word in {ENABLE, NEW_SET_POINT} and self._has_goal
+
+    @property
+    def homes(self) -> bool:
+        """Whether its drive was told to find its zero, by moving."""
+        return self._word == START_HOMING and self.zeroing.turns
 
     @property
     def set_point(self) -> SetPoint:
@@ -117,6 +128,8 @@ class GuardedAxis:
         A position counts until its drive reports that it is there, until a halt, or until the power is off.
         One near to where the axis rests does not count at all.
         """
+        if set_point.word == START_HOMING:
+            return self.zeroing.turns
         if self.by_speed:
             return set_point.word == ENABLE and set_point.target != 0
         if set_point.word == NEW_SET_POINT:
@@ -187,13 +200,20 @@ class GuardedAxis:
     ) -> str | None:
         """Return why a listed value may not be written now; on a `link` where some axis moves it may not."""
         if address == CONTROLWORD:
-            return self.zeroing.refuses_word(int.from_bytes(raw, "little"), by_object=by_object)
+            word = int.from_bytes(raw, "little")
+            return self.zeroing.refuses_word(word, by_object=by_object) or self._homes_beside(word)
         kind = WRITTEN.get(address)
         if kind is None:
             return None
         moving = next((f"node {axis.node}" for axis in link if axis.moving), None)
         word = DISABLE_VOLTAGE if self._word is None else self._word
         return self.zeroing.refuses_write(address, kind.decode(raw), word, moving)
+
+    def _homes_beside(self, word: int) -> str | None:
+        """Return who moves, on whatever link, itself included, where a word starts a homing that moves."""
+        moving = next((f"node {axis.node}" for axis in self.all if axis.moving), None)
+        starts = word == START_HOMING and self.zeroing.turns
+        return f"a homing started while {moving} may move" if starts and moving is not None else None
 
     def wrote(self, address: Address, raw: bytes) -> None:
         """Note what was written to an object of its drive."""

@@ -11,7 +11,7 @@ from firmware_bridge.robot import Axis, Command
 _EDGES_PER_LINE: Final = 4
 """Of an encoder with two channels."""
 _SECONDS_PER_MINUTE: Final = 60.0
-_ROUNDING: Final = 1e-12
+ROUNDING: Final = 1e-12
 """Share of a speed by which its conversion may fall short: a bound of 4000 rpm must not become 3999."""
 
 
@@ -22,7 +22,12 @@ def rpm_per_unit(axis: Axis) -> float:
 
 def highest_rpm(axis: Axis) -> int:
     """Return the largest whole number of rpm that is not beyond the axis's top speed."""
-    return math.floor(axis.top_speed * abs(rpm_per_unit(axis)) * (1.0 + _ROUNDING))
+    return math.floor(axis.top_speed * abs(rpm_per_unit(axis)) * (1.0 + ROUNDING))
+
+
+def qc_per_unit(axis: Axis) -> float:
+    """Return the motor's quadcounts for one unit behind the gear, negative for a mirrored axis."""
+    return axis.direction * axis.ratio * _EDGES_PER_LINE * axis.settings.encoder_lines / math.tau
 
 
 def ends_qc(axis: Axis) -> tuple[int, int]:
@@ -30,7 +35,7 @@ def ends_qc(axis: Axis) -> tuple[int, int]:
 
     The drive counts from where the axis's position is 0. An axis without travel may go nowhere.
     """
-    per_unit = axis.direction * axis.ratio * _EDGES_PER_LINE * axis.settings.encoder_lines / math.tau
+    per_unit = qc_per_unit(axis)
     low, high = sorted(round(end * per_unit) for end in axis.travel or (0, 0))
     return low, high
 

@@ -228,7 +228,12 @@ class Guarded:
         return self._replaced(None, f"no set-point for {patience} ms: {titles}", self._all_safe(), now)
 
     def _overdue_at(self, axis: GuardedAxis) -> Nanoseconds:
-        """Return when the axis is overdue: so long after its set-point, or after the motion began."""
+        """Return when the axis is overdue: so long after its set-point, or after the motion began.
+
+        One that finds its zero is sent none; the bridge shows by the others that it lives.
+        """
+        if axis.homes:
+            return NEVER
         return max(axis.commanded_at, self._moving_since) + SILENT_CYCLES * axis.cycle
 
 
@@ -236,6 +241,8 @@ def guarded(node: Node, robot: AnyRobot, listener: Listener | None = None) -> Gu
     """Put a guard around a node, with the rules of every link that the robot's file names."""
     links = [_RULES[table.driver](robot, link) for link, table in robot.links.items()]
     axes = {axis.axis.name: axis for rules in links for axis in rules.axes}
+    for axis in axes.values():
+        axis.all = tuple(axes.values())
     return Guarded(node, links, rules_across(robot, axes), listener)
 
 

@@ -13,7 +13,7 @@ from typing import Final, TypeAlias
 from firmware_bridge.robot import AnyLink, AnyRobot, Axis, Command, Output
 from firmware_bridge.safety.guard.bounds import ends_qc, highest_rpm
 from firmware_bridge.safety.guard.epos2_words import ENABLE, HALT, START_HOMING, STOP_WORDS
-from firmware_bridge.safety.guard.zeroing import ACTUAL_POSITION, OWN_MODE
+from firmware_bridge.safety.guard.zeroing import ACTUAL_POSITION, OWN_MODE, WRITTEN, by_file
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.cia402 import Mode
 from firmware_bridge.wire.epos2 import address as at
@@ -225,7 +225,10 @@ def _zero(axis: Axis) -> Iterator[tuple[Address, Values]]:
     if axis.travel is None:
         return
     yield at.HOME_POSITION, _within(I32, *ends_qc(axis))
-    yield at.HOMING_METHOD, _exactly(I8, ACTUAL_POSITION)
+    homing = by_file(axis)
+    yield at.HOMING_METHOD, _exactly(I8, ACTUAL_POSITION, *homing.get(at.HOMING_METHOD, ()))
+    for address in homing.keys() - {at.HOMING_METHOD, at.HOME_POSITION}:
+        yield address, Values(WRITTEN[address], homing[address])
     yield at.CONTROLWORD, _exactly(U16, *STOP_WORDS, ENABLE, HALT, START_HOMING)
 
 

@@ -1,15 +1,19 @@
-"""One drive that is told where its axis stands: what it may be sent for it, and in which order.
+"""One drive that is told where its axis stands, or finds it out: what it may be sent for it, in which order.
 
 Homing by method 35 turns no shaft; by any other the word that starts it does. So that word passes only where
-the drive itself has said, since it was last written to, that the method is 35, that the home position is
-within the axis's travel, and that its mode is homing. In that mode no new position passes, and the mode is
-left only when the word that starts is out of force: in another one it would be a new position.
+the drive itself has said, since it was last written to, that its mode is homing, and either that the method
+is 35 and the home position within the axis's travel, or that all is as the robot file says: the method, the
+home position and the offset, and speeds, acceleration and current not above the file's. In that mode no new
+position passes, and the mode is left only when the word that starts is out of force: in another one it would
+be a new position.
 """
 
+import math
+from collections.abc import Mapping
 from typing import Final
 
 from firmware_bridge.robot import Axis, Command
-from firmware_bridge.safety.guard.bounds import ends_qc
+from firmware_bridge.safety.guard.bounds import ROUNDING, ends_qc, qc_per_unit, rpm_per_unit
 from firmware_bridge.safety.guard.epos2_words import ENABLE, HALT, NEW_SET_POINT, START_HOMING
 from firmware_bridge.wire.cia402 import Mode
 from firmware_bridge.wire.epos2 import address as at
@@ -17,34 +21,74 @@ from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.rows import DataType
 
 ACTUAL_POSITION: Final = 35
+MILLIAMPERES: Final = 1000.0
 OWN_MODE: Final = {Command.SPEED: Mode.PROFILE_VELOCITY, Command.POSITION: Mode.PROFILE_POSITION}
-READ: Final = {
-    at.MODE: DataType.INTEGER8,
-    at.MODE_DISPLAY: DataType.INTEGER8,
-    at.HOME_POSITION: DataType.INTEGER32,
-    at.HOMING_METHOD: DataType.INTEGER8,
-}
-"""What the drive says of itself that counts here."""
 WRITTEN: Final = {
     at.MODE: DataType.INTEGER8,
     at.HOME_POSITION: DataType.INTEGER32,
     at.HOMING_METHOD: DataType.INTEGER8,
+    at.HOME_OFFSET: DataType.INTEGER32,
+    at.HOMING_SPEED_SWITCH: DataType.UNSIGNED32,
+    at.HOMING_SPEED_ZERO: DataType.UNSIGNED32,
+    at.HOMING_ACCELERATION: DataType.UNSIGNED32,
+    at.HOMING_CURRENT: DataType.UNSIGNED16,
 }
-_PREPARED: Final = (at.MODE, at.HOME_POSITION, at.HOMING_METHOD)
+READ: Final = {**WRITTEN, at.MODE_DISPLAY: DataType.INTEGER8}
+"""What the drive says of itself that counts here."""
 _SAME: Final = {at.MODE: at.MODE_DISPLAY}
 """Which object tells that another one was written."""
+
+
+def by_file(axis: Axis) -> Mapping[Address, range]:
+    """Return what the homing of an axis may hang on, by the robot file; nothing where it is not homed.
+
+    Speeds in rpm, the acceleration in rpm/s, places in quadcounts, the current in mA; its own arithmetic.
+    """
+    homing = axis.zero.homing
+    if homing is None or axis.travel is None:
+        return {}
+    rpm, per_unit = abs(rpm_per_unit(axis)), qc_per_unit(axis)
+    current_a = 0.0 if homing.current_a is None else homing.current_a
+    return {
+        at.HOMING_METHOD: _only(homing.method),
+        at.HOME_POSITION: _only(round(homing.at * per_unit)),
+        at.HOME_OFFSET: _only(round(homing.offset * per_unit)),
+        at.HOMING_SPEED_SWITCH: _up_to(homing.speed * rpm),
+        at.HOMING_SPEED_ZERO: _up_to(homing.zero_speed * rpm),
+        at.HOMING_ACCELERATION: _up_to(homing.acceleration * rpm),
+        **({at.HOMING_CURRENT: _up_to(current_a * MILLIAMPERES)} if current_a else {}),
+    }
+
+
+def _only(value: int) -> range:
+    return range(value, value + 1)
+
+
+def _up_to(value: float) -> range:
+    """Return the whole numbers from 1 on that are not above a value; 1 in any case."""
+    return range(1, max(1, math.floor(value * (1.0 + ROUNDING))) + 1)
 
 
 class Zeroing:
     """What one drive was told, and has said, of its homing."""
 
-    __slots__ = ("_own", "_said", "homes", "in_homing")
+    __slots__ = ("_own", "_said", "_ways", "homes", "in_homing", "within_s")
 
     def __init__(self, axis: Axis) -> None:
         """Take the axis; one without travel has no zero to be set."""
         low, high = ends_qc(axis)
         self.homes: Final = None if axis.travel is None else range(low, high + 1)
         """The home positions that it may be given, in quadcounts; None for none."""
+        in_place = (
+            {}
+            if self.homes is None
+            else {at.HOMING_METHOD: _only(ACTUAL_POSITION), at.HOME_POSITION: self.homes}
+        )
+        self._ways: Final = tuple(way for way in (in_place, by_file(axis)) if way)
+        """What the drive must have said of itself; one of them is enough."""
+        homing = axis.zero.homing
+        self.within_s: Final = 0.0 if homing is None else homing.within_s
+        """How long its homing may last."""
         self._own: Final = int(OWN_MODE[axis.command])
         self.in_homing = False
         """Whether it was sent to homing mode, and has not said since that it is in its own."""
@@ -52,21 +96,21 @@ class Zeroing:
 
     @property
     def prepared(self) -> bool:
-        """Whether the drive has said that to start its homing moves nothing."""
+        """Whether the drive has said that to start its homing moves nothing, or what the robot file says."""
         said = self._said
-        home = said.get(at.HOME_POSITION)
-        return (
-            self.in_homing
-            and said.get(at.MODE_DISPLAY) == Mode.HOMING
-            and said.get(at.HOMING_METHOD) == ACTUAL_POSITION
-            and home is not None
-            and self.homes is not None
-            and home in self.homes
+        homes = self.in_homing and said.get(at.MODE_DISPLAY) == Mode.HOMING
+        return homes and any(
+            all(said.get(address) in allowed for address, allowed in way.items()) for way in self._ways
         )
+
+    @property
+    def turns(self) -> bool:
+        """Whether to start its homing would turn its shaft, as far as it has said."""
+        return self._said.get(at.HOMING_METHOD) != ACTUAL_POSITION
 
     def refuses_write(self, address: Address, value: int, word: int, moving: str | None) -> str | None:
         """Return why an object may not be written now; `word` is in force, `moving` says who moves."""
-        if address not in _PREPARED:
+        if address not in WRITTEN:
             return None
         if address == at.MODE and value == self._own:
             return (
@@ -77,7 +121,10 @@ class Zeroing:
     def refuses_word(self, word: int, *, by_object: bool) -> str | None:
         """Return why a controlword may not be sent now; `by_object` where it is by SDO."""
         if word == START_HOMING and not self.prepared:
-            return "the drive has not said that its homing moves nothing"
+            moves = (
+                "nothing" if len(self._ways) < len(("in place", "by file")) else "no more than the file says"
+            )
+            return f"the drive has not said that its homing moves {moves}"
         if word == NEW_SET_POINT and self.in_homing:
             return "a new position in homing mode"
         if by_object and word in {ENABLE, HALT} and not self.in_homing:
@@ -86,7 +133,7 @@ class Zeroing:
 
     def wrote(self, address: Address, value: int) -> None:
         """Note what was written: what the drive has said of it before counts no more."""
-        if address in _PREPARED:
+        if address in WRITTEN:
             self._said.pop(_SAME.get(address, address), None)
             self.in_homing = self.in_homing or (address == at.MODE and value == Mode.HOMING)
 

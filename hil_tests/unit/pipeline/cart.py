@@ -225,6 +225,10 @@ class PaperDriver:
         self.zeros.append(position)
         return ()
 
+    def home(self, _now: Nanoseconds) -> tuple[Packet, ...]:
+        self.begun.append(Task.HOME)
+        return ()
+
     def command(self, demand: Demand) -> tuple[Packet, ...]:
         self.demands.append(demand)
         speed = demand.value if isinstance(demand, Speed) else 0.0

@@ -159,16 +159,16 @@ MISTAKES = (
         ("takes no zero 'at power-on'",),
     ),
     Mistake(
-        "a homing that the bridge does not do",
+        "a homing that nobody describes",
         ('how = "confirm"', 'how = "home"'),
-        "axes[2].zero.how",
-        ("the bridge homes no axis; say 'confirm'",),
+        "axes[2].zero",
+        ("how = 'home' and the table homing",),
     ),
     Mistake(
         "a zero from nowhere",
         ('how = "confirm"', 'how = "luck"'),
         "axes[2].zero.how",
-        ("there are: confirm, at power-on",),
+        ("there are: confirm, home, at power-on",),
     ),
     Mistake(
         "a wheel that somebody confirms",

@@ -3,7 +3,7 @@
 from collections import deque
 from typing import Final
 
-from firmware_bridge.drivers.driver import Demand, Stop, Task
+from firmware_bridge.drivers.driver import Demand, Task
 from firmware_bridge.drivers.epos2.can.feedback import CanFeedback
 from firmware_bridge.drivers.epos2.drive import Epos2Drive
 from firmware_bridge.drivers.epos2.inputs_outputs import ObjectRequest
@@ -42,18 +42,23 @@ class Epos2OnCan(Epos2Drive[CanFeedback]):
         self._drop_requests()
         return self._waiting(self._tasks.set_zero(position, now))
 
+    def home(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Have it seek its zero as the robot file says."""
+        self._drop_requests()
+        return self._waiting(self._tasks.begin((Task.HOME,), now))
+
     def command(self, demand: Demand) -> tuple[Packet, ...]:
-        """Send a demand; while tasks are under way only quick stop or power off.
+        """Send a demand; while tasks are under way only what stops.
 
         Those end the tasks, unless they stop the drive themselves.
         """
+        if not self._tasks.lets(demand):
+            return ()
         if self.busy:
-            if demand not in (Stop.QUICK_STOP, Stop.POWER_OFF):
-                return ()
             if not self._tasks.stopping:
                 self._tasks.end()
             self.wake_at = self._scripts.wake_at
-        return (self._set_point.demand(demand),)
+        return (self._set_point.demand(self._tasks.meant(demand)),)
 
     def release(self) -> tuple[Packet, ...]:
         """End the handshake of a new position, where one is open."""

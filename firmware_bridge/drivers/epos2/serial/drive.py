@@ -8,7 +8,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Final
 
-from firmware_bridge.drivers.driver import Demand, Stop, Task
+from firmware_bridge.drivers.driver import Demand, Task
 from firmware_bridge.drivers.epos2.drive import Epos2Drive
 from firmware_bridge.drivers.epos2.feedback import FAULT_STATES
 from firmware_bridge.drivers.epos2.inputs_outputs import ObjectRequest, outputs_at
@@ -113,18 +113,21 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         self._taken.clear()
         return self._sent(self._tasks.set_zero(position, now))
 
+    def home(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Have it seek its zero as the robot file says."""
+        return self.begin((Task.HOME,), now)
+
     def command(self, demand: Demand) -> tuple[Packet, ...]:
-        """Send a demand; while tasks are under way only quick stop or power off.
+        """Send a demand; while tasks are under way only what stops.
 
         Those end the tasks, unless they stop the drive themselves.
         """
-        if self.busy:
-            if demand not in (Stop.QUICK_STOP, Stop.POWER_OFF):
-                return ()
-            if not self._tasks.stopping:
-                self._tasks.end()
+        if not self._tasks.lets(demand):
+            return ()
+        if self.busy and not self._tasks.stopping:
+            self._tasks.end()
         self._forget_unsent()
-        return self._sent((self._set_point.demand(demand),))
+        return self._sent((self._set_point.demand(self._tasks.meant(demand)),))
 
     def release(self) -> tuple[Packet, ...]:
         """End the handshake of a new position, where one is open."""

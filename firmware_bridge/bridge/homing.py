@@ -1,0 +1,142 @@
+"""Which axis finds its zero now, by moving, and whether it may go on: one at a time, watched, and told.
+
+It ends as a stop of any axis does: the axis is told to rest, and from then on it is one of those that shall.
+It refuses to know how a device seeks its zero, and which hold stops which axis.
+"""
+
+from collections.abc import Mapping
+from typing import Final
+
+from firmware_bridge.drivers.driver import Demand, Driver, Homed
+from firmware_bridge.intent import (
+    NEVER_HEARD,
+    ChangeDriver,
+    Disarm,
+    EmergencyStop,
+    EnterMode,
+    Pause,
+    Request,
+)
+from firmware_bridge.packet import Packet
+from firmware_bridge.robot import Axis
+from firmware_bridge.safety.following import STRAYS
+from firmware_bridge.safety.row import Row, Severity
+from firmware_bridge.safety.snapshot import Facts, Hold
+from firmware_bridge.units import SECOND, Nanoseconds, from_seconds, to_seconds
+
+STOPS: Final = (Disarm, EmergencyStop, EnterMode, Pause, ChangeDriver)
+"""Requests that end a homing."""
+MEANWHILE: Final = ("not armed", "controls deflected", "axis zero lost", "axis restarted")
+"""Rows that keep no axis from its homing: it is what they wait for, or no stick moves it."""
+PREPARED_WITHIN: Final[Nanoseconds] = 2 * SECOND
+"""What reading back before the start, and after the end, may add to the time in the robot file."""
+UNDER_WAY: Final = Row(
+    "homing", "wait; or disarm, that stops it", stops=frozenset(), severity=Severity.NOTICE
+)
+FAILED: Final = Row(
+    "not homed",
+    "look what held it, then home it again, or say where it stands",
+    stops=frozenset(),
+    severity=Severity.CRITICAL,
+)
+
+
+class Homing:
+    """The homing of one axis after the other."""
+
+    __slots__ = ("_driver", "_high", "_low", "_place", "_reason", "_sampled_at", "_since", "holds")
+
+    def __init__(self) -> None:
+        self._driver: Driver | None = None
+        """Whose axis is homed; None while none is."""
+        self._reason = ""
+        """Why it has to end; empty while it may go on."""
+        self._since: Nanoseconds = 0
+        self._place = self._low = self._high = 0.0
+        """How far it has gone, now and at most, in its unit: its own count jumps at the end."""
+        self._sampled_at: Nanoseconds = NEVER_HEARD
+        self.holds: tuple[Hold, ...] = ()
+        """What is to be told: that one is under way, or why the last one failed."""
+
+    @property
+    def under_way(self) -> tuple[Hold, ...]:
+        """The hold of the homing that is under way; it keeps whatever else would move."""
+        return () if self._driver is None else self.holds
+
+    @property
+    def demands(self) -> Mapping[str, Demand]:
+        """What an axis is told that may go on; none."""
+        return {} if self._driver is None else {self._driver.axis.name: Homed()}
+
+    def kept_by(self, axis: Axis, holds: tuple[Hold, ...]) -> Hold | None:
+        """Return the first of the holds that stop an axis which keeps it from being homed; or None."""
+        homing = axis.zero.homing
+        first = () if homing is None else homing.after
+        return next((hold for hold in holds if hold.axis in first or hold.row.name not in MEANWHILE), None)
+
+    def begin(self, driver: Driver, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Home an axis; return what is sent for it."""
+        self._driver, self._reason, self._since = driver, "", now
+        self._place = self._low = self._high = 0.0
+        self._sampled_at = NEVER_HEARD
+        self._tell(UNDER_WAY, f"{driver.axis.called} moves to find its zero", now)
+        return driver.home(now)
+
+    def ordered(self, request: Request) -> None:
+        """Learn what was asked for: whatever asks for a stop ends it."""
+        if isinstance(request, STOPS):
+            self._reason = "it was stopped by an order"
+
+    def watch(self, holds: tuple[Hold, ...], facts: Facts) -> None:
+        """Look once in a cycle whether it may go on; `holds` are those that stop its axis."""
+        driver, now = self._driver, facts.now
+        if driver is None:
+            self._forget(facts)
+            return
+        if not driver.busy:
+            self._ended(driver, now)
+            return
+        kept = self.kept_by(driver.axis, holds)
+        if kept is not None:
+            self._reason = self._reason or kept.reason
+        self._go(driver, facts)
+        if self._reason:
+            self.interrupt(self._reason, now)
+
+    def interrupt(self, reason: str, now: Nanoseconds) -> None:
+        """End the one that is under way, if any: its axis is told to rest from now on."""
+        if self._driver is not None:
+            self._tell(FAILED, f"{self._driver.axis.called} was not homed: {reason}", now)
+            self._driver = None
+
+    def _ended(self, driver: Driver, now: Nanoseconds) -> None:
+        self.holds = ()
+        if driver.failure is not None:
+            self.interrupt(driver.failure.problem, now)
+        elif driver.feedback.zero_lost:
+            self.interrupt(self._reason or "its drive was stopped", now)
+        self._driver = None
+
+    def _go(self, driver: Driver, facts: Facts) -> None:
+        """Judge how far it has gone, and for how long."""
+        axis, feedback = driver.axis, facts.axes[driver.axis.name]
+        homing, travel = axis.zero.homing, axis.travel
+        if homing is None or travel is None:
+            return
+        if NEVER_HEARD not in (self._sampled_at, feedback.sampled_at):
+            self._place += feedback.velocity * to_seconds(feedback.sampled_at - self._sampled_at)
+            self._low, self._high = min(self._low, self._place), max(self._high, self._place)
+        self._sampled_at = feedback.sampled_at
+        furthest = homing.furthest(travel, axis.motor_turn) + 2.0 * STRAYS * axis.top_speed
+        if self._high - self._low > furthest:
+            self._reason = f"it went further than {furthest:.4g} {axis.unit}, from end to end and beyond"
+        elif facts.now > self._since + from_seconds(homing.within_s) + PREPARED_WITHIN:
+            self._reason = f"it took longer than {homing.within_s:g} s"
+
+    def _forget(self, facts: Facts) -> None:
+        """Tell no failure any more of an axis whose zero is known."""
+        self.holds = tuple(hold for hold in self.holds if facts.axes[hold.axis].zero_lost)
+
+    def _tell(self, row: Row, reason: str, now: Nanoseconds) -> None:
+        name = "" if self._driver is None else self._driver.axis.name
+        self.holds = (Hold(f"{row.name}: {name}", reason, row, now, name),)

@@ -1,0 +1,59 @@
+"""What is believed of an axis that finds its zero: as fast as it is told to, either way, and then at rest."""
+
+from typing import Final
+
+from firmware_bridge.drivers.driver import Homed, Stop
+from firmware_bridge.robot import Axis
+from firmware_bridge.safety.following import bounds_of
+from hil_tests.safety.test_following import RARS, Told
+from hil_tests.scenarios.homed import homed
+
+LIFT: Final[Axis] = homed().axes[3]
+FAST: Final = 4.0
+SLACK: Final = 29.3 / 40.0
+"""rad/s of the screw: a 40th of its top speed."""
+
+
+def homes() -> Told:
+    one = Told(LIFT)
+    one.told(Stop.REST)
+    one.does(0.0, 3)
+    one.told(Homed())
+    return one
+
+
+def test_it_may_go_either_way_as_fast_as_its_file_says_and_stand() -> None:
+    one = homes()
+    for speed in (-FAST - 0.99 * SLACK, FAST + 0.99 * SLACK, 0.0, -1.0, -FAST):
+        for _ in range(40):
+            assert not one.strays(speed), speed
+
+
+def test_faster_is_unasked_from_the_first_sample_on() -> None:
+    for speed in (-FAST - 1.01 * SLACK, FAST + 1.01 * SLACK):
+        one = homes()
+        assert one.strays(speed)
+        assert one.does(speed).unasked
+
+
+def test_to_stand_is_no_debt() -> None:
+    known = homes().does(0.0, 100)
+    assert known.settled_at == known.sampled_at
+    assert known.owes == 0.0
+
+
+def test_told_to_rest_it_may_ramp_down_and_no_longer_run() -> None:
+    one = homes()
+    one.does(-FAST, 5)
+    one.told(Stop.REST)
+    assert not one.strays(-FAST)
+    one.does(-0.1, 20)
+    assert one.strays(-FAST)
+
+
+def test_a_gentle_homing_is_awaited_as_gently() -> None:
+    """Half of what it is halted with; without a homing half of what its drive ramps with."""
+    gentle = homed().axes[3]
+    assert bounds_of(RARS, gentle).ramp == 0.5 * 40.0
+    steep = RARS.axes[3]
+    assert bounds_of(RARS, steep).ramp > 0.5 * 40.0

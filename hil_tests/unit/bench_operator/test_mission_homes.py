@@ -1,0 +1,44 @@
+"""`home` in a mission's step: which axes a robot homes, and in which words the station asks for it."""
+
+import math
+
+import pytest
+
+from emulators.bench import mission as missions
+from emulators.bench.mission import Mission, MissionFileError
+from emulators.bench.orders import CONFIRM, of_step
+from emulators.robots.rars import REHEARSAL
+from firmware_bridge.robot import AnyRobot
+from hil_tests.scenarios.homed import LIFT, STEER, homed
+
+ROBOT = homed(LIFT, STEER)
+TEXT = 'title = "t"\nduration_s = 10.0\n[[step]]\nat_s = 1.0\ntitle = "s"\nhome = {roles}\n'
+
+
+def parse(roles: str, robot: AnyRobot = ROBOT) -> Mission:
+    return missions.parse(TEXT.format(roles=roles), "my.toml", robot, REHEARSAL)
+
+
+def test_each_is_asked_for_by_its_place_and_no_number() -> None:
+    (step,) = parse('["lift", "steering"]').step
+    orders = list(of_step(step, ROBOT, 0))
+    assert [(order.title, order.number, order.params[0]) for order in orders] == [
+        ("homing of lift", CONFIRM, 4),
+        ("homing of steering", CONFIRM, 3),
+    ]
+    assert all(math.isnan(order.params[1]) for order in orders)
+
+
+@pytest.mark.parametrize(
+    ("roles", "robot", "told"),
+    [
+        ('["lfit"]', ROBOT, "step[0].home[0]: rars does not home 'lfit'; perhaps 'lift'?"),
+        ('["left_wheel"]', ROBOT, "step[0].home[0]: rars does not home 'left_wheel'"),
+        ('["lift"]', homed(None), "step[0].home[0]: rars does not home 'lift'; there are none"),
+        ("[]", ROBOT, "at least 1"),
+    ],
+)
+def test_what_is_not_homed_is_told(roles: str, robot: AnyRobot, told: str) -> None:
+    with pytest.raises(MissionFileError) as wrong:
+        parse(roles, robot)
+    assert told in str(wrong.value)
