@@ -17,6 +17,7 @@ from emulators.rewind import Checkpoint, Rewind
 from emulators.wires import DatagramWire, FaultyCanWire
 from emulators.world import Wire, World
 from firmware_bridge.bridge import Bridge
+from firmware_bridge.intent import ConfirmZero
 from firmware_bridge.kinds import kind_of
 from firmware_bridge.node import CAN, OPERATOR, SERIAL, Node
 from firmware_bridge.robot import AnyRobot
@@ -47,7 +48,8 @@ def _is_gateway(robot: AnyRobot, name: str) -> bool:
 class Rig:
     """A robot on the bench: `run` moves time on; what happened stands in `samples` and `holds`.
 
-    The operator's link delays, jitters and loses as `noise` says, by the run's seed.
+    The operator's link delays, jitters and loses as `noise` says, by the run's seed. `stands`: what the
+    bridge is told at its start of where its axes stand.
     """
 
     def __init__(
@@ -61,6 +63,7 @@ class Rig:
         noise: Noise = QUIET,
         realistic_latency: bool = False,
         faults: Sequence[Fault] = (),
+        stands: tuple[ConfirmZero, ...] = (),
     ) -> None:
         self.robot: Final = robot
         columns = columns_of([axis.name for axis in robot.axes], rehearsal.columns)
@@ -69,7 +72,7 @@ class Rig:
             robot, plant_path, outputs=outputs, realistic_latency=realistic_latency, serial=_served(robot)
         )
         self._reads: Final = _reads(columns, self.devices.plant.output_names)
-        self.bridge: Final = Bridge(robot, kind_of(robot))
+        self.bridge: Final = Bridge(robot, kind_of(robot), stands=stands)
         self.guard: Final = guarded(self.bridge, robot)
         single = len(robot.links) == 1
         self.can_wires: Final = {

@@ -8,7 +8,7 @@ import typer
 
 from emulators.replay.order import Into
 from firmware_bridge.cli.commands import command
-from firmware_bridge.cli.options import RobotArgument
+from firmware_bridge.cli.options import HomeOption, RobotArgument, ZeroOption
 from firmware_bridge.dissector.canopen import SERVICE_NAMES
 
 EXAMPLES: Final = """Examples:
@@ -20,7 +20,9 @@ and operator have sent into the bridge.
 
 `firmware-bridge replay out/rars-line/operator.tlog rars` plays the operator's messages into the whole bench.
 
-`firmware-bridge replay robot.log rars --without pdo --tolerance-us 5000` suits the bus of a real robot."""
+`firmware-bridge replay robot.log rars --without pdo --tolerance-us 5000` suits the bus of a real robot.
+
+`--zero` and `--home` are those that `drive` was started with."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,6 +69,8 @@ class ReplayOptions:
         list[str] | None,
         typer.Option(metavar="SERVICE", help=f"Do not compare: {', '.join(SERVICE_NAMES)}; may be repeated."),
     ] = None
+    zero: ZeroOption = None
+    home: HomeOption = None
     plant: Annotated[
         Path | None,
         typer.Option(metavar="FMU", help="Another plant below the drives.", show_default=False),

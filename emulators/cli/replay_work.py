@@ -9,6 +9,7 @@ from emulators.replay import replay as play
 from emulators.servo.bank import ServoError
 from firmware_bridge.cli.console import FAILED, one_message, refusal, say
 from firmware_bridge.cli.robot_argument import find_robot
+from firmware_bridge.cli.zeros import zeros_of
 from firmware_bridge.dissector.canopen import SERVICE_NAMES
 from firmware_bridge.drivers.epos2.serial.plan import PlanError
 from firmware_bridge.units import MICROSECOND, from_seconds, to_seconds
@@ -34,6 +35,7 @@ def replay(given: ReplayOptions) -> None:
             round(given.tolerance_us * MICROSECOND),
             frozenset(given.without or ()),
             given.plant,
+            zeros_of(given.zero, given.home),
         )
         with progress_bar() as bar:
             task = bar.add_task(given.recording.name, total=None)

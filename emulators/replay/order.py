@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 
+from firmware_bridge.intent import ConfirmZero
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import Nanoseconds
 
@@ -40,6 +41,8 @@ class Order:
     """Services that are not compared, by the names of `dissector.canopen.service_name`."""
     plant: Path | None = None
     """Another plant below the drives."""
+    stands: tuple[ConfirmZero, ...] = ()
+    """What the bridge was told at its start of where its axes stand."""
 
     @property
     def link(self) -> str:

@@ -66,6 +66,8 @@ class Stage:
 
 def _drives(order: Order) -> Stage:
     """Put the drives of the recording on a bus with whoever else was there."""
+    if order.stands:
+        raise RecordingFileError(f"{order.recording.name}: the drives are told no place, a bridge is")
     robot, link = order.robot, order.link
     recording = _can_log(order, LEAD)
     lead = 0 if recording.virtual else LEAD
@@ -122,7 +124,8 @@ def _bridge(order: Order) -> Stage:
     start = 0 if recording.virtual else _begin(own, bus.bit_time)
     world.attach(RECORDING, Player(_script(played, bus.bit_time)), {CAN: bus})
     links: dict[str, Wire] = {name: bus, OPERATOR: link}
-    _at(world, start, partial(world.attach, BRIDGE, guarded(Bridge(robot, kind_of(robot)), robot), links))
+    bridge = Bridge(robot, kind_of(robot), stands=order.stands)
+    _at(world, start, partial(world.attach, BRIDGE, guarded(bridge, robot), links))
     world.attach(OPERATOR_STATION, Player(_script(said, bus.bit_time)), {OPERATOR: link})
 
     def note(now: Nanoseconds, sender: str, packet: Packet) -> None:
@@ -148,7 +151,8 @@ def _bench(order: Order) -> Stage:
         raise RecordingFileError(f"{recording.name}: holds no message of the bridge of {robot.name}")
     said = [one for one in messages if one.sender != BRIDGE]
     answers = Messages((one for one in messages if one.sender == BRIDGE), BRIDGE)
-    rig = Rig(robot, rehearsal_of(robot), Player(_script(said, 0)), plant_path=order.plant)
+    operator = Player(_script(said, 0))
+    rig = Rig(robot, rehearsal_of(robot), operator, plant_path=order.plant, stands=order.stands)
     rig.operator_wire.observe(answers.take)
     return Stage(rig.run, (answers,), messages, len(said), _end(order, messages), finish=rig.finish)
 

@@ -10,10 +10,12 @@ from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.options import (
     ChannelOption,
     DurationOption,
+    HomeOption,
     InterfaceOption,
     LinkOption,
     RobotArgument,
     RobotBitRateOption,
+    ZeroOption,
 )
 from firmware_bridge.wire.maxon.frame import Generation
 
@@ -88,27 +90,8 @@ class DriveOptions:
         ),
     ] = None
     link: LinkOption = None
-    zero: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--zero",
-            metavar="AXIS=VALUE",
-            help="Where an axis stands now, read off the robot; may be repeated. A wrong name is answered "
-            "with those that there are, and their units. Without it whoever drives says so before the "
-            "robot is armed.",
-            show_default=False,
-        ),
-    ] = None
-    home: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--home",
-            metavar="AXIS",
-            help="Home an axis once the drives are ready, as its robot file says; may be repeated, one comes "
-            "after the other. IT MOVES: somebody who drives must be speaking by then, and may stop it.",
-            show_default=False,
-        ),
-    ] = None
+    zero: ZeroOption = None
+    home: HomeOption = None
     state: Annotated[
         Path | None,
         typer.Option(

@@ -49,6 +49,27 @@ LinkOption = Annotated[
         show_default=False,
     ),
 ]
+ZeroOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--zero",
+        metavar="AXIS=VALUE",
+        help="Where an axis stands when the bridge starts, read off the robot; may be repeated. A wrong name "
+        "is answered with those that there are, and their units. Without it whoever drives says so before "
+        "the robot is armed.",
+        show_default=False,
+    ),
+]
+HomeOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--home",
+        metavar="AXIS",
+        help="Home an axis once the drives are ready, as its robot file says; may be repeated, one comes "
+        "after the other. IT MOVES: somebody who drives must be speaking by then, and may stop it.",
+        show_default=False,
+    ),
+]
 DurationOption = Annotated[
     float | None,
     typer.Option(

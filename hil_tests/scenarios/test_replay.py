@@ -2,12 +2,17 @@
 
 import lzma
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from emulators.replay import Into, Order, Outcome, replay
+from emulators.replay import Into, Order, Outcome, RecordingFileError, replay
+from emulators.replay.player import Player
+from emulators.rig import Rig
+from emulators.robots.rars import REHEARSAL
 from emulators.trace import parse_trace_line
+from firmware_bridge.intent import ConfirmZero
 from firmware_bridge.kinds import find
 from firmware_bridge.node import CAN
 from firmware_bridge.recording import candump_line, tlog_records
@@ -213,3 +218,21 @@ def test_drives_that_say_nothing_stay_off_the_bus(line: Session, tmp_path: Path)
     )
     assert outcome.difference is None
     assert outcome.compared > 3
+
+
+def test_a_bridge_that_was_told_where_its_axes_stand_is_told_so_again(tmp_path: Path) -> None:
+    frames, messages = [], []
+    said = (ConfirmZero("lift", 0.1), ConfirmZero("steer", 10.0))
+    rig = Rig(RARS, REHEARSAL, Player([]), stands=said)
+    rig.can_wire.observe(lambda at, _, packet: frames.append(candump_line(at, packet)))
+    rig.operator_wire.observe(lambda at, _, packet: messages.append(tlog_records(at, packet.payload)))
+    rig.run(2 * SECOND)
+    rig.finish()
+    log, tlog = tmp_path / "can.log", tmp_path / "operator.tlog"
+    log.write_text("\n".join(frames) + "\n", encoding="ascii")
+    tlog.write_bytes(b"".join(messages))
+    for one in (Order(RARS, log, into=Into.BRIDGE), Order(RARS, tlog, into=Into.BENCH)):
+        assert replay(replace(one, stands=said)).difference is None
+        assert replay(one).difference is not None
+    with pytest.raises(RecordingFileError, match=r"can\.log: the drives are told no place, a bridge is"):
+        replay(Order(RARS, log, into=Into.DRIVES, stands=said))
