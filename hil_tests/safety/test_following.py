@@ -185,6 +185,18 @@ def test_a_range_shrinks_with_its_ramp_and_then_with_its_lag() -> None:
     assert last == pytest.approx(math.exp(0.25)), "50 ms of 200 ms"
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_range_reaches_to_each_new_speed_and_keeps_what_it_has(sign: float) -> None:
+    one = rested(Speed(0.0))
+    one.told(Speed(sign * 3.0))
+    one.told(Speed(0.0))
+    assert not one.strays(sign * 3.0), "told twice between two samples, it may have heard of either"
+    one = rested(Speed(sign * 3.0))
+    one.told(Speed(sign * 5.0))
+    known = one.does(0.0)
+    assert sorted((sign * known.low, sign * known.high)) == [0.0, 5.0]
+
+
 # Positions
 
 
@@ -227,6 +239,30 @@ def test_a_position_that_is_given_up_may_coast_to_rest() -> None:
     assert one.strays(1.6)
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.2])
+def test_given_up_it_may_be_as_fast_as_it_ever_is_or_as_it_was(share: float, sign: float) -> None:
+    top = STEERING.top_speed
+    one = rested(Position(sign * 9.0), STEERING)
+    one.does(sign * share * top, 2)
+    one.told(Stop.REST)
+    known = one.does(0.0)
+    ends = sorted((sign * known.low, sign * known.high))
+    assert ends == pytest.approx([-top, max(top, share * top)])
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_told_a_position_on_its_way_it_may_be_as_far_beside_it_as_its_lag_takes_it(sign: float) -> None:
+    one = Told(STEERING)
+    one.told(Speed(sign * 1.5))
+    one.does(sign * 1.5, 40)
+    place = one.position
+    one.told(Position(place))
+    known = one.does(0.0)
+    further = 1.5 * bounds_of(RARS, STEERING).lag_s
+    assert (known.low, known.high) == pytest.approx((place - further, place + further))
+
+
 def test_a_position_that_is_told_on_the_way_may_be_overshot_a_little() -> None:
     one = Told(STEERING)
     one.told(Speed(1.5))
@@ -263,11 +299,43 @@ def test_what_need_not_move_owes_nothing() -> None:
     assert known.place_at < one.now - 4 * SECOND
 
 
-def test_a_position_that_repeats_owes_what_its_range_has_left_behind() -> None:
-    one = rested(Position(0.5), STEERING)
-    known = one.does(0.0, 3)
-    assert known.owes == pytest.approx(known.low - known.position)
+@pytest.mark.parametrize("place", [0.0, 0.2])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_position_that_repeats_owes_what_its_range_has_left_behind(sign: float, place: float) -> None:
+    one = Told(STEERING)
+    one.position = place
+    one.told(Position(place))
+    assert one.does(0.0, 3).owes == 0.0
+    one.told(Position(place + sign * 0.5))
+    known = one.does(0.0, 4)
+    nearest = known.low if sign > 0.0 else known.high
+    assert known.owes == pytest.approx(sign * (nearest - known.position))
     assert known.owes > bounds_of(RARS, STEERING).creep
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_wheel_owes_the_least_that_it_should_have_gone(sign: float) -> None:
+    one = settled(Speed(sign * 2.0), sign * 2.0)
+    one.told(Speed(sign * 3.0))
+    assert one.does(0.0).owes == pytest.approx(0.05 * 2.0)
+    one = settled(Speed(sign * 2.0), sign * 2.0)
+    one.told(Speed(-sign * 3.0))
+    assert one.does(0.0).owes == 0.0, "on its way to the other side it may stand"
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_however_slow_it_should_go_it_owes_until_it_is_told_to_stand(sign: float) -> None:
+    one = settled(Speed(sign * 5e-7), sign * 5e-7)
+    assert one.does(0.0).owes == pytest.approx(0.05 * 5e-7)
+    one.told(Speed(0.0))
+    assert one.does(0.0).owes == 0.0
+
+
+def test_what_it_may_creep_it_may_owe() -> None:
+    one = rested(Speed(0.125), rests_below=0.125, within_ms=50)
+    one.does(0.125, 200)
+    assert one.does(0.0).settled_at == one.now
+    assert one.does(0.0).settled_at == one.now - CYCLE
 
 
 # Power, and samples
@@ -283,6 +351,40 @@ def test_without_torque_an_axis_may_coast(power: Power) -> None:
     assert not one.strays(4.5), "with its power back it comes to rest from where it was"
     one.does(4.5, 20)
     assert one.strays(4.5)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_power_that_comes_back_finds_the_axis_as_it_is(sign: float) -> None:
+    one = rested(Speed(sign * 3.0))
+    changed = one.now
+    for power in (Power.OFF, Power.ON):
+        known = one.does(sign * 5.0, power=power)
+        assert (known.demand, known.changed_at) == (Speed(sign * 3.0), changed)
+        assert (known.position, known.velocity) == (one.position, sign * 5.0)
+        assert known.sampled_at == known.obeyed_at == known.settled_at == known.place_at == one.now
+    known = one.does(sign * 5.0)
+    assert sorted((sign * known.low, sign * known.high)) == [0.0, 5.0]
+    assert (known.owes, known.unasked) == (0.0, False)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_nothing_that_is_told_without_torque_is_judged_by_the_next_sample(sign: float) -> None:
+    one = rested(Speed(0.0))
+    one.does(sign * 9.0, power=Power.OFF)
+    one.told(Speed(sign * 0.1))
+    assert not one.strays(sign * 9.0)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_an_axis_that_was_moved_by_hand_may_be_where_it_is_when_its_power_comes_back(sign: float) -> None:
+    one = Told(STEERING)
+    one.told(Position(sign * 1.0))
+    one.position = sign * 1.0
+    one.does(0.0, 3)
+    one.position = sign * 1.5
+    one.does(0.0, power=Power.OFF)
+    one.does(0.0)
+    assert not one.strays(0.0)
 
 
 @pytest.mark.parametrize("power", [Power.ON, Power.UNKNOWN, Power.STOPPED])
