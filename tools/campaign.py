@@ -31,7 +31,7 @@ OURS: Final = ("firmware_bridge", "emulators", "fmu", "hil_tests", "carrier")
 PATIENCE: Final = 4
 """Times what its tests take with nothing broken, and five seconds: longer than that a mutant never ends."""
 MOST: Final = 60
-"""Tests that a mutant meets beside those that are called as its module is."""
+"""Tests that a mutant meets beside those that are chosen by name, or have the module's in their file's."""
 FIRST: Final = 12
 """Tests that a mutant meets first: those that have noticed others. Most get no further."""
 QUICK: Final = (
@@ -55,17 +55,21 @@ class Reach:
     modules: tuple[str, ...] = ()
     """All that is loaded then, in that order."""
     cost_s: float = 0.0
+    named: frozenset[str] = frozenset()
+    """The files that were chosen by their names: no test of theirs is left out."""
 
     def of(self, mutant: Mutant) -> list[str]:
-        """Return the tests that may notice a mutant, the quickest first; no more than MOST of other files."""
+        """Return the tests that may notice a mutant, the quickest first."""
         tests = self.lines.get(mutant.target, {})
         if mutant.lines is None or _between(tests.get("", ()), mutant.lines):
             chosen = [test for test, lines in tests.items() if test and lines] or list(self.seconds)
         else:
             chosen = [test for test, lines in tests.items() if _between(lines, mutant.lines)]
         stem = mutant.target.rpartition("/")[2].removesuffix("s")
-        near = [test for test in chosen if stem in test.partition("::")[0].rpartition("/")[2]]
-        others = [test for test in chosen if test not in near]
+        near, others = [], []
+        for test in chosen:
+            file = test.partition("::")[0]
+            (near if file in self.named or stem in Path(file).name else others).append(test)
         # The cases of one test follow each other: to leave some out evenly leaves the most different ones.
         others = others[:: -(-len(others) // MOST) or 1]
         return sorted((*near, *others), key=lambda test: self.seconds[test])
@@ -199,12 +203,15 @@ def in_a_fork(work: Callable[[], T]) -> T:
     return done
 
 
-def reach_of(targets: Sequence[str], files: Sequence[Path]) -> Reach:
+def reach_of(targets: Sequence[str], files: Sequence[Path], named: Sequence[Path]) -> Reach:
     """Run the tests in some files with nothing broken; return what they reach of these modules.
+
+    `named` are those of the files that were chosen by name.
 
     Raises Unsound when they fail.
     """
     reach = in_a_fork(lambda: _reach(targets, files))
+    reach.named = frozenset(str(file.relative_to(ROOT)) for file in named)
     for name in reach.modules:
         # No mutant is in what is not ours, and no fork need load it.
         if name.partition(".")[0] not in OURS:

@@ -19,7 +19,7 @@ from itertools import groupby
 from campaign import Reach, Unsound, reach_of, tried
 from mutants import Key, Mutant, mutants
 from results import Result, read_reasons, read_results, write_results
-from rooms import hashes_of, targets, tests_of
+from rooms import hashes_of, named_for, targets, tests_of
 from sample import changed, drawn, seed_of
 
 
@@ -43,7 +43,8 @@ class Runs:
         target = chosen[0].target
         files = tests_of(target)
         if files != self._files:
-            self._reach = reach_of([one for one in self._every if tests_of(one) == files], files)
+            mine = [one for one in self._every if tests_of(one) == files]
+            self._reach = reach_of(mine, files, named_for(target))
             self._files = files
         begun = time.monotonic()
         alive, seconds = tried(chosen, self._reach, self._jobs)

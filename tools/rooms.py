@@ -19,8 +19,10 @@ GUARD: Final = tuple(
 )
 LINES: Final = ("safety/test_guard_serial", "safety/test_guard_serial_answers")
 ACROSS: Final = tuple(f"safety/test_guard_{what}" for what in ("exclusive", "links", "sums"))
-GATE: Final = ("safety/test_gate_*", "safety/test_what_follows")
-EVERY: Final = ("robots/test_every_robot",)
+GATE: Final = (
+    *("safety/test_gate_lift", "safety/test_gate_limits", "safety/test_gate_stops"),
+    "safety/test_what_follows",
+)
 
 ROOMS: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("safety/guard/guard", (*GUARD, *LINES, *ACROSS)),
@@ -41,7 +43,7 @@ ROOMS: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("drivers/*", ("unit/drivers/*", "unit/serial_drive/*")),
     ("motion/*", ("unit/motion/*",)),
     ("robots/*/station", ("unit/teleop/*",)),
-    ("robots/*", ("safety/test_gate_*", "unit/motion/*", "unit/pipeline/test_rest")),
+    ("robots/*", (*GATE, "unit/motion/*", "unit/pipeline/test_rest")),
     ("carrier/*", ("robots/test_carrier*",)),
     ("teleop/*", ("unit/teleop/*",)),
 )
@@ -76,6 +78,11 @@ def tests_of(target: str) -> tuple[Path, ...]:
             and not any(fnmatch(str(file.with_suffix("")), slow) for slow in SLOW)
         )
     )
+
+
+def named_for(target: str) -> tuple[Path, ...]:
+    """Return those of them that the table names, one by one."""
+    return tuple(TESTS / f"{name}.py" for name in dict(ROOMS)[_row_of(target)] if "*" not in name)
 
 
 def hashes_of(target: str) -> tuple[str, str, str]:
