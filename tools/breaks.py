@@ -136,6 +136,8 @@ def _other_arithmetic(node: ast.BinOp) -> Iterator[Change]:
 
 def _other_names(node: ast.Name | ast.Attribute, names: frozenset[str]) -> Iterator[Change]:
     field, name = ("id", node.id) if isinstance(node, ast.Name) else ("attr", node.attr)
+    if name in CALLS:
+        return
     wrong = opposite_of(name, names)
     if isinstance(node, ast.Name):
         wrong = _TAKEN_FOR.get(name, wrong)

@@ -113,10 +113,18 @@ def _breakable(
             continue
         body = inside or (isinstance(tree, CODE) and field == "body")
         for child in value if isinstance(value, list) else [value]:
-            if isinstance(child, ast.AST) and not isinstance(child, ast.Import | ast.ImportFrom):
+            if isinstance(child, ast.AST) and not _of_types(child):
                 mine = _lines(child) if body and isinstance(child, ast.stmt) else statement if body else None
                 yield child, mine
                 yield from _breakable(child, mine, inside=body)
+
+
+def _of_types(node: ast.AST) -> bool:
+    """Return whether nobody asks for it when the program runs."""
+    match node:
+        case ast.Import() | ast.ImportFrom() | ast.Call(func=ast.Name(id="TypeVar")):
+            return True
+    return False
 
 
 def _lines(statement: ast.stmt) -> tuple[int, int]:
