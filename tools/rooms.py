@@ -19,6 +19,7 @@ GUARD: Final = tuple(
 )
 LINES: Final = ("safety/test_guard_serial", "safety/test_guard_serial_answers")
 ACROSS: Final = tuple(f"safety/test_guard_{what}" for what in ("exclusive", "links", "sums"))
+FOLLOWING: Final = ("safety/test_following", "safety/test_following_power")
 GATE: Final = (
     *("safety/test_gate_lift", "safety/test_gate_limits", "safety/test_gate_stops"),
     "safety/test_what_follows",
@@ -31,7 +32,10 @@ ROOMS: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("safety/guard/epos2_serial", (*LINES, "safety/test_guard_reports", *ACROSS, "safety/test_guard_zero")),
     ("safety/guard/zeroing", ("safety/test_guard_zero",)),
     ("safety/guard/*", (*GUARD, *ACROSS, "safety/test_guard_zero", *LINES)),
-    ("safety/following", ("safety/test_following", "unit/pipeline/test_disbelieved")),
+    (
+        "safety/following",
+        ("safety/test_following", "safety/test_following_power", "unit/pipeline/test_disbelieved"),
+    ),
     ("safety/snapshot", ("safety/test_snapshot", "safety/test_following", *GATE)),
     ("safety/charge", ("unit/pipeline/test_charge",)),
     ("safety/rules", (*GATE, "unit/pipeline/test_rest")),
