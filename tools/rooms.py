@@ -32,11 +32,8 @@ ROOMS: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("safety/guard/epos2_serial", (*LINES, "safety/test_guard_reports", *ACROSS, "safety/test_guard_zero")),
     ("safety/guard/zeroing", ("safety/test_guard_zero",)),
     ("safety/guard/*", (*GUARD, *ACROSS, "safety/test_guard_zero", *LINES)),
-    (
-        "safety/following",
-        ("safety/test_following", "safety/test_following_power", "unit/pipeline/test_disbelieved"),
-    ),
-    ("safety/snapshot", ("safety/test_snapshot", "safety/test_following", *GATE)),
+    ("safety/following", (*FOLLOWING, "unit/pipeline/test_disbelieved")),
+    ("safety/snapshot", ("safety/test_snapshot", *FOLLOWING, *GATE)),
     ("safety/charge", ("unit/pipeline/test_charge",)),
     ("safety/rules", (*GATE, "unit/pipeline/test_rest")),
     ("safety/*", (*GATE, "safety/test_weaker_rows")),
@@ -47,7 +44,7 @@ ROOMS: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("drivers/*", ("unit/drivers/*", "unit/serial_drive/*")),
     ("motion/*", ("unit/motion/*",)),
     ("robots/*/station", ("unit/teleop/*",)),
-    ("robots/*", (*GATE, "unit/motion/*", "unit/pipeline/test_rest")),
+    ("robots/*", (*GATE, "robots/test_rars_body", "unit/motion/*", "unit/pipeline/test_rest")),
     ("carrier/*", ("robots/test_carrier*",)),
     ("teleop/*", ("unit/teleop/*",)),
 )
