@@ -61,15 +61,19 @@ class Reach:
     def of(self, mutant: Mutant) -> list[str]:
         """Return the tests that may notice a mutant, the quickest first."""
         tests = self.lines.get(mutant.target, {})
+        stem = mutant.target.rpartition("/")[2].removesuffix("s")
+
+        def is_near(test: str) -> bool:
+            file = test.partition("::")[0]
+            return file in self.named or stem in Path(file).name
+
         if mutant.lines is None or _between(tests.get("", ()), mutant.lines):
-            chosen = [test for test, lines in tests.items() if test and lines] or list(self.seconds)
+            # What is done when a module is loaded shows wherever it is used, or what it makes.
+            chosen = [test for test in self.seconds if tests.get(test) or is_near(test)] or list(self.seconds)
         else:
             chosen = [test for test, lines in tests.items() if _between(lines, mutant.lines)]
-        stem = mutant.target.rpartition("/")[2].removesuffix("s")
-        near, others = [], []
-        for test in chosen:
-            file = test.partition("::")[0]
-            (near if file in self.named or stem in Path(file).name else others).append(test)
+        near = [test for test in chosen if is_near(test)]
+        others = [test for test in chosen if not is_near(test)]
         # The cases of one test follow each other: to leave some out evenly leaves the most different ones.
         others = others[:: -(-len(others) // MOST) or 1]
         return sorted((*near, *others), key=lambda test: self.seconds[test])
