@@ -5,6 +5,7 @@ from typing import Any, Final
 import pytest
 
 from firmware_bridge.drivers.driver import Feedback, Position, Speed
+from firmware_bridge.intent import NEVER_HEARD
 from firmware_bridge.kinds import find
 from firmware_bridge.motion import davis, scissor
 from firmware_bridge.motion.pose import Pose
@@ -24,11 +25,11 @@ STATE: Final = State(0.2, 0.1, 0.0, 0.0, 0.0)
 
 def axes(*, heard: bool = True, **changed: tuple[float, float]) -> dict[str, Feedback]:
     """Every axis at a position and with a velocity; what is not named rests at 0."""
-    at = {} if not heard else {"heard_at": SECOND}
+    at = SECOND if heard else NEVER_HEARD
     seen = {}
     for axis in ROBOT.axes:
         position, velocity = changed.get(axis.name, (0.0, 0.0))
-        seen[axis.name] = Feedback(axis.name, position=position, velocity=velocity, **at)
+        seen[axis.name] = Feedback(axis.name, position=position, velocity=velocity, heard_at=at)
     return seen
 
 
