@@ -1,5 +1,5 @@
 # ruff: noqa: INP001 - a script's neighbour, not a package
-"""One module's mutants, each against the module's tests, in a fork of a process that has loaded the rest.
+"""Mutants of a module, each against tests that reach its line, in forks of one that has loaded all the rest.
 
 It refuses to know which modules are tried, and which mutants may survive.
 """
@@ -9,21 +9,33 @@ import importlib.abc
 import importlib.machinery
 import os
 import pickle
+import resource
 import signal
 import sys
-from collections.abc import Callable, Iterator, Sequence
+import time
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import suppress
-from types import CodeType, FrameType, ModuleType
-from typing import Any, Final, NoReturn, TypeVar
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from types import CodeType, ModuleType
+from typing import Final, NoReturn, TypeVar
 
 import pytest
-from mutants import ROOT, Mutant, module_of, path_of
+from hypothesis import Phase, settings
+from mutants import ROOT, TELL, Mutant, module_of, path_of, telling
 
 T = TypeVar("T")
 
-TIMEOUT_S: Final = 30
+OURS: Final = ("firmware_bridge", "emulators", "fmu", "hil_tests", "carrier")
+PATIENCE: Final = 4
+"""Times what its tests take with nothing broken, and five seconds: longer than that a mutant never ends."""
+MOST: Final = 60
+"""Tests that a mutant meets beside those that are chosen by name, or have the module's in their file's."""
+FIRST: Final = 12
+"""Tests that a mutant meets first: those that have noticed others. Most get no further."""
 QUICK: Final = (
-    *("-x", "-q", "--tb=no", "--assert=plain", f"--rootdir={ROOT}"),
+    *("-x", "-q", "--tb=no", "--assert=plain", f"--rootdir={ROOT}", "-mnot long and not vcan and not tshark"),
     *(f"-pno:{name}" for name in ("cacheprovider", "xdist", "hypothesispytest", "unraisableexception")),
 )
 """Nobody reads what pytest says: what makes its failures readable would take most of a run's time."""
@@ -31,6 +43,44 @@ QUICK: Final = (
 
 class Unsound(Exception):  # noqa: N818 - of the campaign, not of a call
     """What the tests said of the mutants is worth nothing, and why."""
+
+
+@dataclass(slots=True)
+class Reach:
+    """What some tests reach with nothing broken."""
+
+    lines: dict[str, dict[str, set[int]]] = field(default_factory=dict)
+    """Of each module by each test; by none of them, "", while they are collected."""
+    seconds: dict[str, float] = field(default_factory=dict)
+    modules: tuple[str, ...] = ()
+    """All that is loaded then, in that order."""
+    cost_s: float = 0.0
+    named: frozenset[str] = frozenset()
+    """The files that were chosen by their names: no test of theirs is left out."""
+
+    def of(self, mutant: Mutant) -> list[str]:
+        """Return the tests that may notice a mutant, the quickest first."""
+        tests = self.lines.get(mutant.target, {})
+        stem = mutant.target.rpartition("/")[2].removesuffix("s")
+
+        def is_near(test: str) -> bool:
+            file = test.partition("::")[0]
+            return file in self.named or stem in Path(file).name
+
+        if mutant.lines is None or _between(tests.get("", ()), mutant.lines):
+            # What is done when a module is loaded shows wherever it is used, or what it makes.
+            chosen = [test for test in self.seconds if tests.get(test) or is_near(test)] or list(self.seconds)
+        else:
+            chosen = [test for test, lines in tests.items() if _between(lines, mutant.lines)]
+        near = [test for test in chosen if is_near(test)]
+        others = [test for test in chosen if not is_near(test)]
+        # The cases of one test follow each other: to leave some out evenly leaves the most different ones.
+        others = others[:: -(-len(others) // MOST) or 1]
+        return sorted((*near, *others), key=lambda test: self.seconds[test])
+
+
+def _between(lines: Collection[int], ends: tuple[int, int]) -> bool:
+    return any(line in lines for line in range(ends[0], ends[1] + 1))
 
 
 class _Loader(importlib.machinery.SourceFileLoader):
@@ -46,56 +96,87 @@ class _Loader(importlib.machinery.SourceFileLoader):
 
 
 class _Finder(importlib.abc.MetaPathFinder):
-    """Finds the mutant before the module; until there is one, nobody finds the module."""
+    """Finds other modules in the place of some; one that is None nobody finds."""
 
-    def __init__(self, name: str) -> None:
-        self._name = name
-        self.mutant: Mutant | None = None
+    def __init__(
+        self, loaders: dict[str, Callable[[str], importlib.machinery.SourceFileLoader] | None]
+    ) -> None:
+        self.loaders = loaders
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> importlib.machinery.ModuleSpec | None:
         del path, target
-        if fullname != self._name:
+        if fullname not in self.loaders:
             return None
-        if self.mutant is None:
+        make = self.loaders[fullname]
+        if make is None:
             raise ImportError(fullname)
-        loader = _Loader(fullname, self.mutant)
+        loader = make(fullname)
         return importlib.machinery.ModuleSpec(fullname, loader, origin=loader.path)
 
 
-class _Reached:
-    """Pytest's plugin that notes which lines of a file each test reaches."""
+class _Same:
+    """Pytest's plugin that lets Hypothesis draw the same examples in each process, and shrink none."""
 
-    def __init__(self, file: str) -> None:
-        self._file = file
-        self._lines: set[int] = set()
-        self.lines: dict[str, set[int]] = {}
+    def pytest_sessionstart(self) -> None:
+        phases = (Phase.explicit, Phase.generate)
+        settings.register_profile(
+            "campaign", settings(deadline=None, derandomize=True, database=None, phases=phases)
+        )
+        settings.load_profile("campaign")
+
+
+class _Reached(_Same):
+    """Pytest's plugin that notes which statements of modules each test reaches, and its time."""
+
+    def __init__(self, targets: Sequence[str]) -> None:
+        self.found = Reach({target: {} for target in targets})
+        self.now: dict[str, set[int]] = {target: set() for target in targets}
+        """What was reached since the last note."""
+
+    def _note(self, test: str) -> None:
+        for target, lines in self.now.items():
+            if lines:
+                self.found.lines[target].setdefault(test, set()).update(lines)
+                lines.clear()
 
     @pytest.hookimpl(hookwrapper=True)
     def pytest_runtest_protocol(self, item: pytest.Item) -> Iterator[None]:
-        self._lines = self.lines[item.nodeid] = set()
-        sys.settrace(self._called)
+        self._note("")
+        begun = time.process_time()
         yield
-        sys.settrace(None)
-
-    def _called(self, frame: FrameType, _event: str, _argument: object) -> Any:
-        return self._line if frame.f_code.co_filename == self._file else None
-
-    def _line(self, frame: FrameType, _event: str, _argument: object) -> Any:
-        self._lines.add(frame.f_lineno)
-        return self._line
+        self.found.seconds[item.nodeid] = time.process_time() - begun
+        self._note(item.nodeid)
 
 
-class _Order:
-    """Pytest's plugin that runs some tests first, in their order, and writes down which one fails."""
+class _Telling(importlib.machinery.SourceFileLoader):
+    """Loads a module that tells of each statement that it comes to in its functions."""
 
-    def __init__(self, first: Sequence[str], into: int) -> None:
-        self._rank = {test: place for place, test in enumerate(first)}
+    def __init__(self, name: str, target: str, tell: Callable[[int], None]) -> None:
+        super().__init__(name, str(path_of(target)))
+        self._tell = tell
+
+    def get_code(self, fullname: str) -> CodeType:
+        del fullname
+        return compile(telling(Path(self.path).read_text(encoding="utf-8")), self.path, "exec")
+
+    def exec_module(self, module: ModuleType) -> None:
+        vars(module)[TELL] = self._tell
+        super().exec_module(module)
+
+
+class _Order(_Same):
+    """Pytest's plugin that runs some tests only, in their order, and writes down which one fails."""
+
+    def __init__(self, tests: Sequence[str], into: int) -> None:
+        self._rank = {test: place for place, test in enumerate(tests)}
         self._into = into
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
-        items.sort(key=lambda item: self._rank.get(item.nodeid, len(self._rank)))
+        items[:] = sorted(
+            (item for item in items if item.nodeid in self._rank), key=lambda item: self._rank[item.nodeid]
+        )
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         if report.failed:
@@ -113,6 +194,8 @@ def in_a_fork(work: Callable[[], T]) -> T:
                 pickle.dump((work(), None), pipe)
             except Exception as fault:  # noqa: BLE001 - its parent raises it
                 pickle.dump((None, fault), pipe)
+            except BaseException:  # noqa: BLE001 - interrupted, and so is its parent
+                os._exit(1)
         os._exit(0)
     os.close(into)
     with os.fdopen(out, "rb") as pipe:
@@ -124,101 +207,133 @@ def in_a_fork(work: Callable[[], T]) -> T:
     return done
 
 
-def tried(target: str, tests: Sequence[str], chosen: Sequence[Mutant], jobs: int) -> list[Mutant]:
-    """Run these mutants of one module, `jobs` at a time, with tests below `hil_tests`; return the survivors.
+def reach_of(targets: Sequence[str], files: Sequence[Path], named: Sequence[Path]) -> Reach:
+    """Run the tests in some files with nothing broken; return what they reach of these modules.
 
-    Raises Unsound when the tests fail with nothing broken, before or after.
+    `named` are those of the files that were chosen by name.
+
+    Raises Unsound when they fail.
     """
-    return in_a_fork(lambda: _Campaign(target, tests).survivors(chosen, jobs))
+    reach = in_a_fork(lambda: _reach(targets, files))
+    reach.named = frozenset(str(file.relative_to(ROOT)) for file in named)
+    for name in reach.modules:
+        # No mutant is in what is not ours, and no fork need load it.
+        if name.partition(".")[0] not in OURS:
+            with suppress(Exception):
+                importlib.import_module(name)
+    return reach
+
+
+def _reach(targets: Sequence[str], files: Sequence[Path]) -> Reach:
+    reached = _Reached(targets)
+    sys.meta_path.insert(
+        0,
+        _Finder(
+            {
+                module_of(target): partial(_Telling, target=target, tell=reached.now[target].add)
+                for target in targets
+            }
+        ),
+    )
+    if _status([str(file) for file in files], reached) != 0:
+        raise Unsound("its tests fail with nothing broken")
+    reached.found.modules, reached.found.cost_s = tuple(sys.modules), time.process_time()
+    return reached.found
+
+
+def tried(chosen: Sequence[Mutant], reach: Reach, jobs: int) -> tuple[list[Mutant], float]:
+    """Run these mutants of one module, `jobs` at a time; return the survivors and the processor's seconds.
+
+    Raises Unsound when the module was loaded before it could be broken.
+    """
+    return in_a_fork(lambda: _Campaign(chosen[0].target, reach).survivors(chosen, jobs))
 
 
 class _Campaign:
     """It changes what its process finds where modules are looked for: it has one of its own."""
 
-    def __init__(self, target: str, tests: Sequence[str]) -> None:
-        self._target = target
-        self._tests = [str(ROOT / "hil_tests" / test) for test in tests]
-        self._finder = _Finder(module_of(target))
-        self._reached: dict[str, set[int]] = {}
-        """The lines that each test reaches."""
+    def __init__(self, target: str, reach: Reach) -> None:
+        self._finder = _Finder({module_of(target): None})
+        self._reach = reach
         self._noticed: list[str] = []
         """The tests that have noticed a mutant, the newest first."""
 
-    def survivors(self, chosen: Sequence[Mutant], jobs: int) -> list[Mutant]:
-        self._reached, modules = in_a_fork(self._loaded)
+    def survivors(self, chosen: Sequence[Mutant], jobs: int) -> tuple[list[Mutant], float]:
         sys.meta_path.insert(0, self._finder)
-        for name in modules:
+        for name in self._reach.modules:
             # The module is not found: what depends on it fails here, and each fork loads it with the mutant.
             # Tests are left to pytest.
             if not name.startswith("hil_tests"):
                 with suppress(Exception):
                     importlib.import_module(name)
-        if module_of(self._target) in sys.modules:
+        if module_of(chosen[0].target) in sys.modules:
             raise Unsound("it is loaded before it is broken: nothing would notice its mutants")
         # No fork need look through, and copy, all that.
         gc.collect()
         gc.freeze()
-        alive = sorted(self._run(chosen, jobs), key=lambda mutant: mutant.node)
-        # A tree that changed meanwhile would let every test fail, and every mutant look noticed.
-        sys.meta_path.remove(self._finder)
-        if in_a_fork(self._status) != 0:
-            raise Unsound("its tests fail after the campaign, with nothing broken")
-        return alive
-
-    def _loaded(self) -> tuple[dict[str, set[int]], list[str]]:
-        """Run the tests with nothing broken; return what they reach, and all modules that are then loaded."""
-        reached = _Reached(str(path_of(self._target)))
-        if self._status(reached) != 0:
-            raise Unsound("its tests fail before the campaign, with nothing broken")
-        return reached.lines, list(sys.modules)
+        alive = sorted(self._run(chosen, jobs), key=lambda mutant: (mutant.node, mutant.way))
+        used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+        return alive, sum(one.ru_utime + one.ru_stime for one in used)
 
     def _run(self, chosen: Sequence[Mutant], jobs: int) -> Iterator[Mutant]:
         running: dict[int, tuple[Mutant, int]] = {}
-
-        def ended() -> Iterator[Mutant]:
-            child, status = os.wait()
-            mutant, told = running.pop(child)
-            with os.fdopen(told, encoding="utf-8") as pipe:
-                test = pipe.read()
-            if test:
-                self._noticed = [test, *(one for one in self._noticed if one != test)]
-            if status == 0:
-                yield mutant
-
         for mutant in chosen:
+            tests = self._reach.of(mutant)
+            if not tests:
+                yield mutant
+                continue
             if len(running) >= jobs:
-                yield from ended()
+                yield from self._ended(running)
             out, into = os.pipe()
             child = os.fork()
             if not child:
-                self._try(mutant, into)
+                self._try(mutant, tests, into)
             os.close(into)
             running[child] = mutant, out
         while running:
-            yield from ended()
+            yield from self._ended(running)
 
-    def _try(self, mutant: Mutant, into: int) -> NoReturn:
+    def _ended(self, running: dict[int, tuple[Mutant, int]]) -> Iterator[Mutant]:
+        """Wait until one more has ended; yield it where nobody noticed."""
+        child, status = os.wait()
+        mutant, told = running.pop(child)
+        with os.fdopen(told, encoding="utf-8") as pipe:
+            test = pipe.read()
+        if test:
+            self._noticed = [test, *(one for one in self._noticed if one != test)]
+        if status == 0:
+            yield mutant
+
+    def _try(self, mutant: Mutant, tests: Sequence[str], into: int) -> NoReturn:
         """End this process with 0 where no test notices the mutant; write into a pipe which one does."""
         # Of this process's own time: a busy machine must not look like a mutant that never ends.
-        signal.setitimer(signal.ITIMER_PROF, TIMEOUT_S)
-        self._finder.mutant = mutant
+        patience = 5 + PATIENCE * sum(self._reach.seconds[test] for test in tests)
+        signal.setitimer(signal.ITIMER_PROF, patience)
+        self._finder.loaders[module_of(mutant.target)] = partial(_Loader, mutant=mutant)
         try:
-            status = self._status(_Order(self._likely(mutant), into))
+            for some in self._in_turn(tests):
+                status = _status(sorted({test.partition("::")[0] for test in some}), _Order(some, into))
+                if status:
+                    break
         except BaseException:  # noqa: BLE001 - a mutant may fail in any way, and all of them are noticed
             status = 1
         os._exit(status)
 
-    def _likely(self, mutant: Mutant) -> list[str]:
-        """Return the tests in the order in which they are likely to notice a mutant.
+    def _in_turn(self, tests: Sequence[str]) -> Iterator[list[str]]:
+        """Yield the tests that have noticed others lately, of one file, and then all others."""
+        likely = [test for test in self._noticed if test in tests] or list(tests)
+        file = likely[0].partition("::")[0]
+        first = [test for test in likely if test.partition("::")[0] == file][:FIRST]
+        yield first
+        left = [test for test in (*likely, *tests) if test not in first]
+        if left:
+            yield list(dict.fromkeys(left))
 
-        Those that reach its line come first, among them those that noticed others.
-        """
-        tests = (*self._noticed, *(test for test in self._reached if test not in self._noticed))
-        return sorted(tests, key=lambda test: mutant.line not in self._reached.get(test, ()))
 
-    def _status(self, *plugins: object) -> int:
-        """Run the tests, silently; return pytest's status."""
-        quiet = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(quiet, 1)
-        os.dup2(quiet, 2)
-        return int(pytest.main([*QUICK, *self._tests], plugins=plugins))
+def _status(files: Sequence[str], *plugins: object) -> int:
+    """Run the tests in some files, silently; return pytest's status."""
+    quiet = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(quiet, 1)
+    os.dup2(quiet, 2)
+    os.chdir(ROOT)
+    return int(pytest.main([*QUICK, *files], plugins=plugins))

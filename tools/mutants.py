@@ -1,41 +1,22 @@
 # ruff: noqa: INP001 - a script's neighbour, not a package
-"""Ways to break a Python module in one place, and the broken modules themselves."""
+"""All modules that differ from one in a single place, each with a name that stays when lines move."""
 
 import ast
-from collections.abc import Callable, Iterator
+from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeAlias
+
+from breaks import changes, names_in
 
 ROOT: Final = Path(__file__).resolve().parent.parent
+CODE: Final = (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)
 
-COMPARISONS: Final[dict[type[ast.cmpop], tuple[type[ast.cmpop], ...]]] = {
-    ast.Lt: (ast.LtE, ast.GtE),
-    ast.LtE: (ast.Lt, ast.Gt),
-    ast.Gt: (ast.GtE, ast.LtE),
-    ast.GtE: (ast.Gt, ast.Lt),
-    ast.Eq: (ast.NotEq,),
-    ast.NotEq: (ast.Eq,),
-    ast.Is: (ast.IsNot,),
-    ast.IsNot: (ast.Is,),
-    ast.In: (ast.NotIn,),
-    ast.NotIn: (ast.In,),
-}
-ARITHMETIC: Final[dict[type[ast.operator], type[ast.operator]]] = {
-    ast.Add: ast.Sub,
-    ast.Sub: ast.Add,
-    ast.Mult: ast.Div,
-    ast.Div: ast.Mult,
-    ast.FloorDiv: ast.Mult,
-    ast.Pow: ast.Mult,
-    ast.LShift: ast.RShift,
-    ast.RShift: ast.LShift,
-    ast.BitAnd: ast.BitOr,
-    ast.BitOr: ast.BitAnd,
-}
-CALLS: Final = {"min": "max", "max": "min", "any": "all", "all": "any"}
+TELL: Final = "__reached__"
+"""What a module that tells of itself calls, with the line that it comes to."""
 
-Change = tuple[str, Callable[[ast.AST], ast.AST]]
+Key: TypeAlias = tuple[str, str, str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,75 +32,61 @@ class Mutant:
     code: str
     """The line of source, without its indentation."""
     change: str
+    """What is different; the second of the same in such a line ends with `#2`."""
+    lines: tuple[int, int] | None
+    """The first and the last line of its statement; None where that runs when the module is loaded."""
 
     @property
-    def key(self) -> tuple[str, str, str]:
+    def key(self) -> Key:
         """What names it in the list of survivors; line numbers move too easily."""
         return self.target, self.code, self.change
 
     def tree(self) -> ast.Module:
         """Return the broken module."""
         tree = ast.parse(path_of(self.target).read_text(encoding="utf-8"))
-        victim = list(_breakable(tree))[self.node]
-        _replace(tree, victim, list(changes(victim))[self.way][1](victim))
+        victim = list(_breakable(tree))[self.node][0]
+        _replace(tree, victim, list(changes(victim, names_in(tree)))[self.way][1](victim))
         return ast.fix_missing_locations(tree)
-
-
-def changes(node: ast.AST) -> Iterator[Change]:
-    """Yield the ways in which a node may be broken: a name, and what turns it into its successor."""
-    match node:
-        case ast.Compare(ops=[operator]):
-            for other in COMPARISONS[type(operator)]:
-                yield f"{_name(operator)} -> {other.__name__}", _compares(other)
-        case ast.BoolOp(op=operator):
-            opposite = ast.Or if isinstance(operator, ast.And) else ast.And
-            yield f"{_name(operator)} -> {opposite.__name__}", _set("op", opposite)
-        case ast.BinOp(op=operator) if type(operator) in ARITHMETIC:
-            wrong = ARITHMETIC[type(operator)]
-            yield f"{_name(operator)} -> {wrong.__name__}", _set("op", wrong)
-        case ast.UnaryOp(op=ast.Not() | ast.USub(), operand=operand):
-            yield f"without {_name(node.op)}", lambda _old: operand
-        case ast.Constant():
-            yield from _other_constants(node)
-        case _:
-            yield from _other_flow(node)
-
-
-def _other_constants(node: ast.Constant) -> Iterator[Change]:
-    match node.value:
-        case bool() as flag:
-            yield f"{flag} -> {not flag}", _set("value", lambda: not flag)
-        case int() as whole:
-            yield f"{whole} -> {whole + 1}", _set("value", lambda: whole + 1)
-        case float() as real:
-            yield f"{real} -> {real * 1.01 + 1e-6!r}", _set("value", lambda: real * 1.01 + 1e-6)
-
-
-def _other_flow(node: ast.AST) -> Iterator[Change]:
-    match node:
-        case ast.If() | ast.IfExp():
-            condition = node.test
-            yield "condition inverted", _set("test", lambda: ast.UnaryOp(ast.Not(), condition))
-        case ast.Return(value=ast.expr() as value) if not _is_none(value):
-            yield "returns None", _set("value", lambda: ast.Constant(None))
-        case ast.Call(func=ast.Name(id=name)) if name in CALLS:
-            yield f"{name} -> {CALLS[name]}", _set("func", lambda: ast.Name(CALLS[name], ast.Load()))
-        case (
-            ast.Expr(value=ast.Call())
-            | ast.AugAssign()
-            | ast.Assign(targets=[ast.Attribute() | ast.Subscript()])
-        ):
-            yield "statement left out", lambda _old: ast.Pass()
 
 
 def mutants(target: str) -> Iterator[Mutant]:
     """Yield every mutant of a module, in the order of its source."""
     source = path_of(target).read_text(encoding="utf-8")
-    lines = source.splitlines()
-    for number, node in enumerate(_breakable(ast.parse(source))):
-        for way, (change, _) in enumerate(changes(node)):
+    lines, tree = source.splitlines(), ast.parse(source)
+    names, seen = names_in(tree), Counter[Key]()
+    for number, (node, statement) in enumerate(_breakable(tree)):
+        for way, (change, _) in enumerate(changes(node, names)):
             line = getattr(node, "lineno", 1)
-            yield Mutant(target, number, way, line, lines[line - 1].strip(), change)
+            code = lines[line - 1].strip()
+            seen[target, code, change] += 1
+            again = seen[target, code, change]
+            named = change if again == 1 else f"{change} #{again}"
+            yield Mutant(target, number, way, line, code, named, statement)
+
+
+def telling(source: str) -> ast.Module:
+    """Return a module that tells of each statement in its functions before it runs."""
+    tree = ast.parse(source)
+    inside = {
+        id(node)
+        for function in ast.walk(tree)
+        if isinstance(function, CODE[:2])
+        for node in ast.walk(function)
+    }
+    for holder in [node for node in ast.walk(tree) if id(node) in inside]:
+        for field in ("body", "orelse", "finalbody"):
+            body = getattr(holder, field, None)
+            if isinstance(body, list):
+                setattr(holder, field, [one for statement in body for one in _told(statement)])
+    return ast.fix_missing_locations(tree)
+
+
+def _told(statement: ast.stmt) -> Iterator[ast.stmt]:
+    # A docstring stays the first.
+    if not (isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant)):
+        call = ast.Call(ast.Name(TELL, ast.Load()), [ast.Constant(statement.lineno)], [])
+        yield ast.copy_location(ast.Expr(call), statement)
+    yield statement
 
 
 def path_of(target: str) -> Path:
@@ -134,15 +101,39 @@ def module_of(target: str) -> str:
     return ".".join(names[2:] if names[0] == "examples" else names)
 
 
-def _breakable(tree: ast.AST) -> Iterator[ast.AST]:
-    """Walk through a tree in the order of its source, past imports, annotations and decorators."""
+def _breakable(
+    tree: ast.AST, statement: tuple[int, int] | None = None, *, inside: bool = False
+) -> Iterator[tuple[ast.AST, tuple[int, int] | None]]:
+    """Walk through a tree in the order of its source, past imports, annotations and decorators.
+
+    With each node comes the first and last line of its statement, where that is inside a function.
+    """
     for field, value in ast.iter_fields(tree):
         if field in {"annotation", "returns", "decorator_list", "format_spec"}:
             continue
+        body = inside or (isinstance(tree, CODE) and field == "body")
         for child in value if isinstance(value, list) else [value]:
-            if isinstance(child, ast.AST) and not isinstance(child, ast.Import | ast.ImportFrom):
-                yield child
-                yield from _breakable(child)
+            if isinstance(child, ast.AST) and not _of_types(child):
+                mine = _lines(child) if body and isinstance(child, ast.stmt) else statement if body else None
+                yield child, mine
+                yield from _breakable(child, mine, inside=body)
+
+
+def _of_types(node: ast.AST) -> bool:
+    """Return whether nobody asks for it when the program runs."""
+    match node:
+        case ast.Import() | ast.ImportFrom() | ast.Call(func=ast.Name(id="TypeVar")):
+            return True
+    return False
+
+
+def _lines(statement: ast.stmt) -> tuple[int, int]:
+    """Return its first and last line; of one that holds others those in front of them."""
+    inner = getattr(statement, "body", None) or getattr(statement, "cases", None)
+    if not inner:
+        return statement.lineno, statement.end_lineno or statement.lineno
+    first = inner[0].pattern.lineno if isinstance(inner[0], ast.match_case) else inner[0].lineno
+    return statement.lineno, max(statement.lineno, first - 1)
 
 
 def _replace(tree: ast.AST, old: ast.AST, new: ast.AST) -> None:
@@ -154,23 +145,3 @@ def _replace(tree: ast.AST, old: ast.AST, new: ast.AST) -> None:
                 setattr(parent, field, new)
             elif isinstance(value, list) and any(item is old for item in value):
                 setattr(parent, field, [new if item is old else item for item in value])
-
-
-def _set(field: str, value: Callable[[], object]) -> Callable[[ast.AST], ast.AST]:
-    def apply(node: ast.AST) -> ast.AST:
-        setattr(node, field, value())
-        return node
-
-    return apply
-
-
-def _compares(other: type[ast.cmpop]) -> Callable[[ast.AST], ast.AST]:
-    return _set("ops", lambda: [other()])
-
-
-def _name(node: ast.AST) -> str:
-    return type(node).__name__
-
-
-def _is_none(node: ast.expr) -> bool:
-    return isinstance(node, ast.Constant) and node.value is None

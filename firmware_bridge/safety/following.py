@@ -13,7 +13,7 @@ from typing import Final
 
 from firmware_bridge.drivers.driver import Demand, Feedback, Homed, Position, Power, Stop
 from firmware_bridge.intent import NEVER_HEARD
-from firmware_bridge.robot import AnyRobot, Axis, Command
+from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.safety.snapshot import Following
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
@@ -72,12 +72,12 @@ class Follower:
 
     __slots__ = (
         "_aim", "_bounds", "_changed_at", "_coasts_at", "_demand", "_goal", "_high", "_low", "_positions",
-        "_share", "_share_of", "following",
+        "following",
     )  # fmt: skip
 
     def __init__(self, axis: Axis, bounds: Bounds) -> None:
         self._bounds: Final = bounds
-        self._coasts_at: Final = axis.top_speed if axis.command is Command.POSITION else 0.0
+        self._coasts_at: Final = axis.top_speed
         """How fast it may be on its way to a position when it is told to stop."""
         self._demand: Demand = Stop.REST
         self._changed_at: Nanoseconds = NEVER_HEARD
@@ -86,8 +86,6 @@ class Follower:
         self._positions = False
         """Whether that is a position."""
         self._goal = self._low = self._high = 0.0
-        self._share_of, self._share = 0.0, 0.0
-        """A time, and the share of its way that the range goes in it: mostly the cycle's."""
         self.following = Following()
 
     def told(self, demand: Demand, now: Nanoseconds) -> None:
@@ -113,7 +111,7 @@ class Follower:
             self._low, self._high = min(feedback.velocity, 0.0), max(feedback.velocity, 0.0)
             self._take(aim)
             return self.following
-        if aim is not self._aim and aim != self._aim:
+        if aim != self._aim:
             self._take(aim)
         seconds = to_seconds(at - before.sampled_at)
         self.following = self._judged(feedback, before, seconds)
@@ -144,11 +142,10 @@ class Follower:
         goal, below, above = self._goal, self._goal - self._low, self._high - self._goal
         if (not below and not above) or isinstance(self._aim, Homed):
             return
-        if seconds != self._share_of:
-            self._share_of, self._share = seconds, -math.expm1(-seconds / self._bounds.lag_s)
+        share = -math.expm1(-seconds / self._bounds.lag_s)
         reach = (self._bounds.cruise if self._positions else self._bounds.ramp) * seconds
-        self._low = goal - below + min(below * self._share, reach)
-        self._high = goal + above - min(above * self._share, reach)
+        self._low = goal - below + min(below * share, reach)
+        self._high = goal + above - min(above * share, reach)
 
     def _unjudged(self, feedback: Feedback) -> Following:
         at = feedback.sampled_at

@@ -1,76 +1,16 @@
 """The range in which an axis may be after its demands, and at both edges of each bound what it is called."""
 
 import math
-from dataclasses import replace
-from typing import Any, Final
 
 import pytest
 
-from firmware_bridge.drivers.driver import Demand, Feedback, Position, Power, Speed, Stop
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.drivers.driver import Demand, Position, Speed, Stop
 from firmware_bridge.kinds import find, names
-from firmware_bridge.robot import AnyRobot, Axis, Command
 from firmware_bridge.robot.belief import Belief
-from firmware_bridge.safety.following import Follower, Followers, bounds_of, within
-from firmware_bridge.safety.snapshot import Following
-from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+from firmware_bridge.safety.following import bounds_of, within
+from firmware_bridge.units import MILLISECOND, SECOND
+from hil_tests.safety.following_bench import CYCLE, RARS, SLACK, STEERING, WHEEL, Told, rested, settled
 from hil_tests.safety.stop_cases import above
-
-RARS: Final = find("rars")
-CYCLE: Final = RARS.cycle
-WHEEL: Final = next(axis for axis in RARS.axes if axis.name == "left")
-STEERING: Final = next(axis for axis in RARS.axes if axis.name == "steer")
-SLACK: Final = 0.4
-"""rad/s: a 40th of the wheels' top speed."""
-
-
-class Told:
-    """One axis of RARS, its follower, and what a test has it do."""
-
-    def __init__(self, axis: Axis = WHEEL, **belief: Any) -> None:
-        self.axis = axis.model_copy(update={"belief": Belief(**belief)})
-        self.follower = Follower(self.axis, bounds_of(RARS, self.axis))
-        self.now: Nanoseconds = SECOND
-        self.position = 0.0
-        self.does(0.0)
-
-    def told(self, demand: Demand) -> None:
-        """Send it a demand."""
-        self.follower.told(demand, self.now)
-
-    def does(self, speed: float, cycles: int = 1, power: Power = Power.ON, **changed: Any) -> Following:
-        """Let it move with a speed for some cycles; return what is known then."""
-        for _ in range(cycles):
-            self.now += CYCLE
-            self.position += speed * CYCLE / SECOND
-            known = self.known(speed, power, **changed)
-        return known
-
-    def known(self, speed: float, power: Power = Power.ON, **changed: Any) -> Following:
-        """Show the newest sample."""
-        seen = Feedback(self.axis.name, power, self.now, self.now, position=self.position, velocity=speed)
-        return self.follower.saw(replace(seen, **changed))
-
-    def strays(self, speed: float, **changed: Any) -> bool:
-        """Whether one more cycle with this speed is beside its range."""
-        known = self.does(speed, **changed)
-        return known.obeyed_at != known.sampled_at
-
-
-def rested(demand: Demand, axis: Axis = WHEEL, **belief: Any) -> Told:
-    """Return an axis that stood for two seconds and was then told this, long ago."""
-    one = Told(axis, **belief)
-    one.does(0.0, 40)
-    one.told(demand)
-    return one
-
-
-def settled(demand: Demand, speed: float) -> Told:
-    """Return a wheel that has followed a demand for so long that its range has shrunk to it."""
-    one = rested(demand)
-    one.does(speed, 200)
-    return one
-
 
 # What follows from axis, drive and link
 
@@ -185,6 +125,18 @@ def test_a_range_shrinks_with_its_ramp_and_then_with_its_lag() -> None:
     assert last == pytest.approx(math.exp(0.25)), "50 ms of 200 ms"
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_range_reaches_to_each_new_speed_and_keeps_what_it_has(sign: float) -> None:
+    one = rested(Speed(0.0))
+    one.told(Speed(sign * 3.0))
+    one.told(Speed(0.0))
+    assert not one.strays(sign * 3.0), "told twice between two samples, it may have heard of either"
+    one = rested(Speed(sign * 3.0))
+    one.told(Speed(sign * 5.0))
+    known = one.does(0.0)
+    assert sorted((sign * known.low, sign * known.high)) == [0.0, 5.0]
+
+
 # Positions
 
 
@@ -227,6 +179,30 @@ def test_a_position_that_is_given_up_may_coast_to_rest() -> None:
     assert one.strays(1.6)
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.2])
+def test_given_up_it_may_be_as_fast_as_it_ever_is_or_as_it_was(share: float, sign: float) -> None:
+    top = STEERING.top_speed
+    one = rested(Position(sign * 9.0), STEERING)
+    one.does(sign * share * top, 2)
+    one.told(Stop.REST)
+    known = one.does(0.0)
+    ends = sorted((sign * known.low, sign * known.high))
+    assert ends == pytest.approx([-top, max(top, share * top)])
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_told_a_position_on_its_way_it_may_be_as_far_beside_it_as_its_lag_takes_it(sign: float) -> None:
+    one = Told(STEERING)
+    one.told(Speed(sign * 1.5))
+    one.does(sign * 1.5, 40)
+    place = one.position
+    one.told(Position(place))
+    known = one.does(0.0)
+    further = 1.5 * bounds_of(RARS, STEERING).lag_s
+    assert (known.low, known.high) == pytest.approx((place - further, place + further))
+
+
 def test_a_position_that_is_told_on_the_way_may_be_overshot_a_little() -> None:
     one = Told(STEERING)
     one.told(Speed(1.5))
@@ -263,84 +239,40 @@ def test_what_need_not_move_owes_nothing() -> None:
     assert known.place_at < one.now - 4 * SECOND
 
 
-def test_a_position_that_repeats_owes_what_its_range_has_left_behind() -> None:
-    one = rested(Position(0.5), STEERING)
-    known = one.does(0.0, 3)
-    assert known.owes == pytest.approx(known.low - known.position)
+@pytest.mark.parametrize("place", [0.0, 0.2])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_position_that_repeats_owes_what_its_range_has_left_behind(sign: float, place: float) -> None:
+    one = Told(STEERING)
+    one.position = place
+    one.told(Position(place))
+    assert one.does(0.0, 3).owes == 0.0
+    one.told(Position(place + sign * 0.5))
+    known = one.does(0.0, 4)
+    nearest = known.low if sign > 0.0 else known.high
+    assert known.owes == pytest.approx(sign * (nearest - known.position))
     assert known.owes > bounds_of(RARS, STEERING).creep
 
 
-# Power, and samples
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_wheel_owes_the_least_that_it_should_have_gone(sign: float) -> None:
+    one = settled(Speed(sign * 2.0), sign * 2.0)
+    one.told(Speed(sign * 3.0))
+    assert one.does(0.0).owes == pytest.approx(0.05 * 2.0)
+    one = settled(Speed(sign * 2.0), sign * 2.0)
+    one.told(Speed(-sign * 3.0))
+    assert one.does(0.0).owes == 0.0, "on its way to the other side it may stand"
 
 
-@pytest.mark.parametrize("power", [Power.OFF, Power.FAULT])
-def test_without_torque_an_axis_may_coast(power: Power) -> None:
-    one = rested(Speed(0.0))
-    assert not one.strays(9.0, power=power)
-    assert not one.strays(9.0, power=power)
-    known = one.does(5.0)
-    assert known.obeyed_at == known.sampled_at
-    assert not one.strays(4.5), "with its power back it comes to rest from where it was"
-    one.does(4.5, 20)
-    assert one.strays(4.5)
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_however_slow_it_should_go_it_owes_until_it_is_told_to_stand(sign: float) -> None:
+    one = settled(Speed(sign * 5e-7), sign * 5e-7)
+    assert one.does(0.0).owes == pytest.approx(0.05 * 5e-7)
+    one.told(Speed(0.0))
+    assert one.does(0.0).owes == 0.0
 
 
-@pytest.mark.parametrize("power", [Power.ON, Power.UNKNOWN, Power.STOPPED])
-def test_with_torque_or_without_a_word_for_it_an_axis_is_watched(power: Power) -> None:
-    one = rested(Speed(0.0))
-    assert one.strays(1.0, power=power)
-
-
-def test_a_device_that_has_stopped_by_itself_is_to_stand_whatever_it_is_told() -> None:
-    one = settled(Speed(3.0), 3.0)
-    assert not one.strays(3.0, power=Power.STOPPED)
-    for _ in range(20):
-        known = one.does(3.0, power=Power.STOPPED)
-    assert known.unasked
-    assert one.does(0.0, power=Power.STOPPED).obeyed_at == one.now
-    one.does(0.0, 20)
-    assert known.demand == Speed(3.0), "the demand itself is kept"
-
-
-def test_a_sample_that_was_seen_changes_nothing() -> None:
-    one = settled(Speed(3.0), 3.0)
-    known = one.follower.following
-    assert one.known(99.0) is known
-
-
-def test_a_device_that_was_not_heard_or_counts_anew_is_not_judged() -> None:
-    follower = Follower(WHEEL, bounds_of(RARS, WHEEL))
-    assert follower.saw(Feedback("left")).obeyed_at == NEVER_HEARD
-    one = rested(Speed(0.0))
-    assert one.follower.saw(Feedback("left", Power.ON, sampled_at=NEVER_HEARD)).obeyed_at == NEVER_HEARD
-    one.position = 99.0
-    assert one.does(0.0).obeyed_at == one.now
-
-
-def test_the_demand_and_when_it_changed_are_known() -> None:
-    one = rested(Speed(1.0))
-    changed = one.now
-    one.does(1.0, 3)
-    one.told(Speed(1.0))
-    assert one.does(1.0).changed_at == changed
-    one.told(Stop.REST)
-    known = one.does(1.0)
-    assert (known.demand, known.changed_at) == (Stop.REST, one.now - CYCLE)
-
-
-@pytest.mark.parametrize("name", names())
-def test_all_axes_of_a_robot_are_watched_each_by_its_own(name: str) -> None:
-    robot: AnyRobot = find(name)
-    followers = Followers(robot)
-    axes = {axis.name: Feedback(axis.name, Power.ON, SECOND, SECOND) for axis in robot.axes}
-    followers.saw(axes)
-    demands: dict[str, Demand] = {
-        axis.name: Speed(0.5 * axis.top_speed) for axis in robot.axes if axis.command is Command.SPEED
-    }
-    now = SECOND
-    followers.saw({name: replace(one, sampled_at=now + 1) for name, one in axes.items()})
-    followers.told(demands, now)
-    for _ in range(20):
-        now += robot.cycle
-        known = followers.saw({name: replace(one, sampled_at=now) for name, one in axes.items()})
-    assert {name for name, one in known.items() if one.obeyed_at < now} == set(demands)
+def test_what_it_may_creep_it_may_owe() -> None:
+    one = rested(Speed(0.125), rests_below=0.125, within_ms=50)
+    one.does(0.125, 200)
+    assert one.does(0.0).settled_at == one.now
+    assert one.does(0.0).settled_at == one.now - CYCLE

@@ -185,3 +185,16 @@ def test_a_guard_needs_no_listener(robot: AnyRobot) -> None:
     guard = guarded(Puppet((Packet(LINK, 0x123, b""),)), robot)
     assert guard.wake(0) == Reaction((), NEVER)
     assert guard.refused == 1
+
+
+@pytest.mark.parametrize("holding", [True, False])
+def test_a_node_that_holds_something_after_it_was_asked_to_end_holds_it_behind_the_guard(
+    robot: AnyRobot, *, holding: bool
+) -> None:
+    class Held(Stopping):
+        @property
+        def holding(self) -> bool:
+            return holding
+
+    assert guarded(Held(), robot).holding is holding
+    assert guarded(Puppet(), robot).holding is False

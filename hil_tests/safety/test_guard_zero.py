@@ -157,6 +157,25 @@ def test_the_whole_of_it_passes(made: Made) -> None:
 
 
 @BOTH
+@pytest.mark.parametrize("place", [0, LIFT_TOP])
+def test_both_ends_of_the_travel_are_in_it(made: Made, place: int) -> None:
+    line = prepared(made(), ("writes", at.HOME_POSITION, place), ("tells", at.HOME_POSITION, place))
+    assert line.writes(LIFT, at.CONTROLWORD, START) is None
+
+
+@BOTH
+@pytest.mark.parametrize(("address", "value"), [(at.MODE, 1), (at.HOME_POSITION, 6)])
+def test_what_is_no_order_to_home_leaves_the_drive_in_its_mode(
+    made: Made, address: Address, value: int
+) -> None:
+    line = made()
+    line.tells(LIFT, at.STATUSWORD, ENABLED)
+    line.position(HALT, 0)
+    assert line.writes(LIFT, address, value) is None
+    assert line.position(NEW_POSITION, PLACE) is None
+
+
+@BOTH
 @pytest.mark.parametrize("without", [1, 3, 4, 5])
 def test_the_start_needs_each_word_of_the_drives(made: Made, without: int) -> None:
     line = made()
@@ -219,6 +238,18 @@ def test_a_drive_that_was_reset_has_said_nothing(made: Made) -> None:
     line = prepared(made())
     line.resets()
     assert line.writes(LIFT, at.CONTROLWORD, START) is not None
+    for how, address, value in STEPS[4:6]:
+        getattr(line, how)(LIFT, address, value)
+    assert line.writes(LIFT, at.CONTROLWORD, START) is not None, "its method may be another one now"
+
+
+@BOTH
+def test_a_drive_that_was_reset_is_in_its_own_mode(made: Made) -> None:
+    line = prepared(made())
+    line.resets()
+    line.tells(LIFT, at.STATUSWORD, ENABLED)
+    line.position(HALT, 0)
+    assert line.position(NEW_POSITION, PLACE) is None
 
 
 @BOTH

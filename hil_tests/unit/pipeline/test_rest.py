@@ -1,5 +1,6 @@
 """Wheels that turn against each other: the robot is where it was, and does not rest for anybody."""
 
+import math
 from dataclasses import replace
 from typing import Final
 
@@ -55,3 +56,17 @@ def test_without_its_brush_it_rests_as_before() -> None:
     assert cart.asks(Arm()).reason == "arm: the robot still moves"
     spin(cart, 0.0, 0.0)
     assert cart.asks(Arm()).reason != "arm: the robot still moves"
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_an_axis_that_moves_by_itself_is_not_told_where_it_stands(sign: float) -> None:
+    """The robot rests, whatever its brush does; the brush does not."""
+    cart = PaperCart()
+    cart.runs(10)
+    driver = cart.drivers["brush"]
+    bound = driver.axis.rests_below
+    for speed, refused in ((math.nextafter(bound, math.inf), True), (bound, False)):
+        driver.feedback = replace(driver.feedback, velocity=sign * speed)
+        verdict = cart.permission.set_zero(driver, 0.5, cart.pipeline.known(cart.now))
+        assert (not verdict.accepted, verdict.reason.endswith("moves")) == (refused, refused)
+        assert driver.zeros == ([] if refused else [0.5])

@@ -1,0 +1,171 @@
+"""How the mutation campaign breaks a program: each way on a line of source, and what it leaves alone."""
+
+import ast
+from pathlib import Path
+
+import pytest
+from breaks import changes, names_in
+from mutants import mutants, telling
+from results import Result, read_reasons, read_results
+from rooms import hashes_of, targets
+from rooms import tests_of as files_for
+from sample import drawn, new_lines
+
+
+def broken(source: str) -> dict[str, str]:
+    """Return what becomes of a piece of source by each change."""
+    found: dict[str, str] = {}
+    for place in range(len(list(ast.walk(ast.parse(source))))):
+        tree = ast.parse(source)
+        node = list(ast.walk(tree))[place]
+        for way, (change, _) in enumerate(changes(node, names_in(tree))):
+            tree = ast.parse(source)
+            node = list(ast.walk(tree))[place]
+            new = list(changes(node, names_in(tree)))[way][1](node)
+            for parent in ast.walk(tree):
+                for field, value in ast.iter_fields(parent):
+                    if value is node:
+                        setattr(parent, field, new)
+                    elif isinstance(value, list) and node in value:
+                        setattr(parent, field, [new if one is node else one for one in value])
+            found[change] = ast.unparse(ast.fix_missing_locations(tree))
+    return found
+
+
+@pytest.mark.parametrize(
+    ("source", "change", "becomes"),
+    [
+        ("a < b", "Lt -> LtE", "a <= b"),
+        ("a < b", "Lt -> GtE", "a >= b"),
+        ("a is b", "Is -> IsNot", "a is not b"),
+        ("a and b", "And -> Or", "a or b"),
+        ("a + b", "Add -> Sub", "a - b"),
+        ("a << b", "LShift -> RShift", "a >> b"),
+        ("not a", "without Not", "a"),
+        ("-a", "without USub", "a"),
+        ("True", "True -> False", "False"),
+        ("7", "7 -> 8", "8"),
+        ("7", "7 -> 6", "6"),
+        ("2.0", "2.0 -> 2.020001", "2.020001"),
+        ("min(a, b)", "min -> max", "max(a, b)"),
+        ("any(a)", "any -> all", "all(a)"),
+        ("abs(a) < b", "without abs", "a < b"),
+        ("math.radians(a)", "radians -> degrees", "math.degrees(a)"),
+        ("math.radians(a)", "without radians", "a"),
+        ("to_seconds(a)", "without to_seconds", "a"),
+        ("a * 1000", "without 1000", "a"),
+        ("a // MILLISECOND", "without MILLISECOND", "a"),
+        ("5 * SECOND", "SECOND -> MILLISECOND", "5 * MILLISECOND"),
+        ("f(a, b.c)", "arguments 1 and 2 swapped", "f(b.c, a)"),
+        ("f(a, 1, b)", "arguments 2 and 3 swapped", "f(a, b, 1)"),
+        ("f(x=a, y=b)", "x and y swapped", "f(x=b, y=a)"),
+        ("left - right", "left -> right", "right - right"),
+        ("a.low_qc, a.high_qc", "low_qc -> high_qc", "(a.high_qc, a.high_qc)"),
+        ("a['left'] + a['right']", "'left' -> 'right'", "a['right'] + a['right']"),
+        ("if a:\n    b", "condition inverted", "if not a:\n    b"),
+        ("a.b = c", "statement left out", "pass"),
+        ("f(a)", "statement left out", "pass"),
+        ("def f():\n    return a", "returns None", "def f():\n    return None"),
+    ],
+)
+def test_each_way_to_break_a_line(source: str, change: str, becomes: str) -> None:
+    assert broken(source)[change] == becomes
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "'a text'",
+        "left",
+        "a['left']",
+        "x = isinstance(a, b)",
+        "x = f(a, a)",
+        "x = f('a', b)",
+        "left = 'right'",
+    ],
+)
+def test_what_nobody_could_notice_or_mistake_is_left_alone(source: str) -> None:
+    kept = {change for change in broken(source) if change != "'right' -> 'left'"}
+    assert kept == set()
+
+
+def test_what_only_a_type_checker_reads_is_left_alone() -> None:
+    assert [one for one in mutants("safety/snapshot") if "TypeVar" in one.code] == []
+
+
+def test_what_has_no_order_is_not_swapped() -> None:
+    assert not [change for change in broken("x = min(a, b)") if "swapped" in change]
+
+
+def test_the_second_of_the_same_in_a_line_has_a_name_of_its_own() -> None:
+    named = [one.key for target in ("safety/limits", "motion/ramp") for one in mutants(target)]
+    assert len(named) == len(set(named))
+
+
+def test_each_mutant_is_what_it_says_and_another_program() -> None:
+    target = "motion/ramp"
+    source = ast.unparse(ast.parse(Path("firmware_bridge/motion/ramp.py").read_text(encoding="utf-8")))
+    made = [ast.unparse(one.tree()) for one in mutants(target)]
+    assert source not in made
+    assert len(set(made)) == len(made)
+
+
+def test_a_module_that_tells_does_the_same_and_says_where_it_was() -> None:
+    source = '''
+def f(a):
+    """Twice, or nothing."""
+    if a:
+        a = 2 * a
+    else:
+        return None
+    return a
+'''
+    lines: list[int] = []
+    space = {"__reached__": lines.append}
+    exec(compile(telling(source), "it", "exec"), space)  # noqa: S102 - that is what is tested
+    function = space["f"]
+    assert function.__doc__ == "Twice, or nothing."
+    assert function(3) == 6
+    assert lines == [4, 5, 8]
+    lines.clear()
+    assert function(0) is None
+    assert lines == [4, 7]
+
+
+def test_the_rooms_have_modules_and_every_module_tests() -> None:
+    every = list(targets())
+    assert len(every) == len(set(every))
+    rooms = {target.partition("/")[0] for target in every}
+    assert rooms == {"safety", "bridge", "drivers", "motion", "robots", "carrier", "teleop"}
+    without = [
+        target for target in every if not all(file.exists() for file in files_for(target) or [Path("-")])
+    ]
+    assert without == []
+
+
+def test_what_is_written_down_is_of_modules_that_there_are() -> None:
+    every = set(targets())
+    assert read_results().keys() <= every
+    assert {module for module, _, _ in read_reasons()} <= every
+
+
+def test_a_hash_is_of_what_is_done() -> None:
+    assert hashes_of("motion/ramp") == hashes_of("motion/ramp")
+    assert hashes_of("motion/ramp")[0] != hashes_of("motion/davis")[0]
+    assert hashes_of("motion/ramp")[1:] == hashes_of("motion/davis")[1:]
+
+
+def test_the_lines_that_a_difference_brings() -> None:
+    assert new_lines("@@ -3 +4,2 @@ def f\n@@ -9,3 +12 @@\n@@ -20,2 +22,0 @@\n") == {4, 5, 12}
+
+
+def test_a_sample_is_the_same_for_the_same_seed_and_within_its_budget() -> None:
+    names = ("motion/ramp", "motion/davis", "motion/scissor")
+    results = {name: Result("", "", "", 0, tests_ms=1000, mutant_ms=100, survived=()) for name in names}
+    every = [one for name in names for one in mutants(name)]
+    once = drawn(every, results, 1, 3000)
+    assert once == drawn(every, results, 1, 3000)
+    assert once != drawn(every, results, 2, 3000)
+    modules = {one.target for one in once}
+    assert 0 < len(modules) * 1000 + len(once) * 100 <= 3000
+    assert drawn(every, results, 1, 900) == []

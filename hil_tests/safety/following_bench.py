@@ -1,0 +1,67 @@
+"""One axis of RARS, its follower, and what a test has it do."""
+
+from dataclasses import replace
+from typing import Any, Final
+
+from firmware_bridge.drivers.driver import Demand, Feedback, Power
+from firmware_bridge.kinds import find
+from firmware_bridge.robot import Axis
+from firmware_bridge.robot.belief import Belief
+from firmware_bridge.safety.following import Follower, bounds_of
+from firmware_bridge.safety.snapshot import Following
+from firmware_bridge.units import SECOND, Nanoseconds
+
+RARS: Final = find("rars")
+CYCLE: Final = RARS.cycle
+WHEEL: Final = next(axis for axis in RARS.axes if axis.name == "left")
+STEERING: Final = next(axis for axis in RARS.axes if axis.name == "steer")
+SLACK: Final = 0.4
+"""rad/s: a 40th of the wheels' top speed."""
+
+
+class Told:
+    """One axis, its follower, and what a test has it do."""
+
+    def __init__(self, axis: Axis = WHEEL, **belief: Any) -> None:
+        self.axis = axis.model_copy(update={"belief": Belief(**belief)})
+        self.follower = Follower(self.axis, bounds_of(RARS, self.axis))
+        self.now: Nanoseconds = SECOND
+        self.position = 0.0
+        self.does(0.0)
+
+    def told(self, demand: Demand) -> None:
+        """Send it a demand."""
+        self.follower.told(demand, self.now)
+
+    def does(self, speed: float, cycles: int = 1, power: Power = Power.ON, **changed: Any) -> Following:
+        """Let it move with a speed for some cycles; return what is known then."""
+        for _ in range(cycles):
+            self.now += CYCLE
+            self.position += speed * CYCLE / SECOND
+            known = self.known(speed, power, **changed)
+        return known
+
+    def known(self, speed: float, power: Power = Power.ON, **changed: Any) -> Following:
+        """Show the newest sample."""
+        seen = Feedback(self.axis.name, power, self.now, self.now, position=self.position, velocity=speed)
+        return self.follower.saw(replace(seen, **changed))
+
+    def strays(self, speed: float, **changed: Any) -> bool:
+        """Whether one more cycle with this speed is beside its range."""
+        known = self.does(speed, **changed)
+        return known.obeyed_at != known.sampled_at
+
+
+def rested(demand: Demand, axis: Axis = WHEEL, **belief: Any) -> Told:
+    """Return an axis that stood for two seconds and was then told this, long ago."""
+    one = Told(axis, **belief)
+    one.does(0.0, 40)
+    one.told(demand)
+    return one
+
+
+def settled(demand: Demand, speed: float) -> Told:
+    """Return a wheel that has followed a demand for so long that its range has shrunk to it."""
+    one = rested(demand)
+    one.does(speed, 200)
+    return one

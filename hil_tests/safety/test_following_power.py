@@ -1,0 +1,120 @@
+"""What is known of an axis when its power goes and comes, and when a sample is old or the first one."""
+
+from dataclasses import replace
+
+import pytest
+
+from firmware_bridge.drivers.driver import Demand, Feedback, Position, Power, Speed, Stop
+from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.kinds import find, names
+from firmware_bridge.robot import AnyRobot, Command
+from firmware_bridge.safety.following import Follower, Followers, bounds_of
+from firmware_bridge.units import SECOND
+from hil_tests.safety.following_bench import CYCLE, RARS, STEERING, WHEEL, Told, rested, settled
+
+
+@pytest.mark.parametrize("power", [Power.OFF, Power.FAULT])
+def test_without_torque_an_axis_may_coast(power: Power) -> None:
+    one = rested(Speed(0.0))
+    assert not one.strays(9.0, power=power)
+    assert not one.strays(9.0, power=power)
+    known = one.does(5.0)
+    assert known.obeyed_at == known.sampled_at
+    assert not one.strays(4.5), "with its power back it comes to rest from where it was"
+    one.does(4.5, 20)
+    assert one.strays(4.5)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_power_that_comes_back_finds_the_axis_as_it_is(sign: float) -> None:
+    one = rested(Speed(sign * 3.0))
+    changed = one.now
+    for power in (Power.OFF, Power.ON):
+        known = one.does(sign * 5.0, power=power)
+        assert (known.demand, known.changed_at) == (Speed(sign * 3.0), changed)
+        assert (known.position, known.velocity) == (one.position, sign * 5.0)
+        assert known.sampled_at == known.obeyed_at == known.settled_at == known.place_at == one.now
+    known = one.does(sign * 5.0)
+    assert sorted((sign * known.low, sign * known.high)) == [0.0, 5.0]
+    assert (known.owes, known.unasked) == (0.0, False)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_nothing_that_is_told_without_torque_is_judged_by_the_next_sample(sign: float) -> None:
+    one = rested(Speed(0.0))
+    one.does(sign * 9.0, power=Power.OFF)
+    one.told(Speed(sign * 0.1))
+    assert not one.strays(sign * 9.0)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_an_axis_that_was_moved_by_hand_may_be_where_it_is_when_its_power_comes_back(sign: float) -> None:
+    one = Told(STEERING)
+    one.told(Position(sign * 1.0))
+    one.position = sign * 1.0
+    one.does(0.0, 3)
+    one.position = sign * 1.5
+    one.does(0.0, power=Power.OFF)
+    one.does(0.0)
+    assert not one.strays(0.0)
+
+
+@pytest.mark.parametrize("power", [Power.ON, Power.UNKNOWN, Power.STOPPED])
+def test_with_torque_or_without_a_word_for_it_an_axis_is_watched(power: Power) -> None:
+    one = rested(Speed(0.0))
+    assert one.strays(1.0, power=power)
+
+
+def test_a_device_that_has_stopped_by_itself_is_to_stand_whatever_it_is_told() -> None:
+    one = settled(Speed(3.0), 3.0)
+    assert not one.strays(3.0, power=Power.STOPPED)
+    for _ in range(20):
+        known = one.does(3.0, power=Power.STOPPED)
+    assert known.unasked
+    assert one.does(0.0, power=Power.STOPPED).obeyed_at == one.now
+    one.does(0.0, 20)
+    assert known.demand == Speed(3.0), "the demand itself is kept"
+
+
+def test_a_sample_that_was_seen_changes_nothing() -> None:
+    one = settled(Speed(3.0), 3.0)
+    known = one.follower.following
+    assert one.known(99.0) is known
+
+
+def test_a_device_that_was_not_heard_or_counts_anew_is_not_judged() -> None:
+    follower = Follower(WHEEL, bounds_of(RARS, WHEEL))
+    assert follower.saw(Feedback("left")).obeyed_at == NEVER_HEARD
+    one = rested(Speed(0.0))
+    assert one.follower.saw(Feedback("left", Power.ON, sampled_at=NEVER_HEARD)).obeyed_at == NEVER_HEARD
+    one.position = 99.0
+    assert one.does(0.0).obeyed_at == one.now
+
+
+def test_the_demand_and_when_it_changed_are_known() -> None:
+    one = rested(Speed(1.0))
+    changed = one.now
+    one.does(1.0, 3)
+    one.told(Speed(1.0))
+    assert one.does(1.0).changed_at == changed
+    one.told(Stop.REST)
+    known = one.does(1.0)
+    assert (known.demand, known.changed_at) == (Stop.REST, one.now - CYCLE)
+
+
+@pytest.mark.parametrize("name", names())
+def test_all_axes_of_a_robot_are_watched_each_by_its_own(name: str) -> None:
+    robot: AnyRobot = find(name)
+    followers = Followers(robot)
+    axes = {axis.name: Feedback(axis.name, Power.ON, SECOND, SECOND) for axis in robot.axes}
+    followers.saw(axes)
+    demands: dict[str, Demand] = {
+        axis.name: Speed(0.5 * axis.top_speed) for axis in robot.axes if axis.command is Command.SPEED
+    }
+    now = SECOND
+    followers.saw({name: replace(one, sampled_at=now + 1) for name, one in axes.items()})
+    followers.told(demands, now)
+    for _ in range(20):
+        now += robot.cycle
+        known = followers.saw({name: replace(one, sampled_at=now) for name, one in axes.items()})
+    assert {name for name, one in known.items() if one.obeyed_at < now} == set(demands)

@@ -1,0 +1,119 @@
+# ruff: noqa: INP001 - a script's neighbour, not a package
+"""Which modules are broken, in which order, and which tests must notice."""
+
+import ast
+import hashlib
+from collections.abc import Iterator, Sequence
+from fnmatch import fnmatch
+from functools import cache
+from pathlib import Path
+from typing import Final
+
+from mutants import ROOT, mutants, path_of
+
+TESTS: Final = ROOT / "hil_tests"
+OPERATORS: Final = ("breaks.py", "mutants.py")
+
+GUARD: Final = tuple(
+    f"safety/test_guard_{what}" for what in ("power", "watch", "frames", "writes", "reports")
+)
+LINES: Final = ("safety/test_guard_serial", "safety/test_guard_serial_answers")
+ACROSS: Final = tuple(f"safety/test_guard_{what}" for what in ("exclusive", "links", "sums"))
+FOLLOWING: Final = ("safety/test_following", "safety/test_following_power")
+GATE: Final = (
+    *("safety/test_gate_lift", "safety/test_gate_limits", "safety/test_gate_stops"),
+    "safety/test_what_follows",
+)
+
+ROOMS: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
+    ("safety/guard/guard", (*GUARD, *LINES, *ACROSS)),
+    ("safety/guard/across_axes", ACROSS),
+    ("safety/guard/bounds", ("safety/test_guard_bounds",)),
+    ("safety/guard/epos2_serial", (*LINES, "safety/test_guard_reports", *ACROSS, "safety/test_guard_zero")),
+    ("safety/guard/zeroing", ("safety/test_guard_zero",)),
+    ("safety/guard/*", (*GUARD, *ACROSS, "safety/test_guard_zero", *LINES)),
+    ("safety/following", (*FOLLOWING, "unit/pipeline/test_disbelieved")),
+    ("safety/snapshot", ("safety/test_snapshot", *FOLLOWING, *GATE)),
+    ("safety/charge", ("unit/pipeline/test_charge",)),
+    ("safety/rules", (*GATE, "unit/pipeline/test_rest")),
+    ("safety/*", (*GATE, "safety/test_weaker_rows")),
+    ("bridge/*", ("unit/bridge/*", "unit/pipeline/*")),
+    ("drivers/commissioning/*", ("unit/commissioning/*",)),
+    ("drivers/epos2/serial/*", ("unit/serial_drive/*", "unit/drivers/*")),
+    ("drivers/*stop*", ("unit/bridge/*", "unit/drivers/*")),
+    ("drivers/*", ("unit/drivers/*", "unit/serial_drive/*")),
+    ("motion/*", ("unit/motion/*",)),
+    ("robots/*/station", ("unit/teleop/*",)),
+    ("robots/*", (*GATE, "robots/test_rars_body", "unit/motion/*", "unit/pipeline/test_rest")),
+    ("carrier/*", ("robots/test_carrier*",)),
+    ("teleop/*", ("unit/teleop/*",)),
+)
+"""Modules of `firmware_bridge` or an example, and files of `hil_tests`; what stands first counts."""
+SLOW: Final = ("*_property", "*_imports", "*_machine", "*_garbage", "*_emulated_*", "*/test_whoever_speaks")
+"""Files that never count: one of them takes as long as all others of its room."""
+NONE: Final = ("carrier/plant/*", "carrier/rehearsal", "carrier/cases")
+"""The bench's half of an example."""
+
+
+def targets() -> Iterator[str]:
+    """Yield the modules, in the order of the rooms."""
+    ours = ROOT / "firmware_bridge"
+    files = [(file, ours) for file in ours.rglob("*.py")]
+    files += [(file, file.parents[1]) for file in ROOT.glob("examples/*/*/*.py")]
+    names = sorted(str(file.relative_to(above).with_suffix("")) for file, above in files)
+    for pattern, _ in ROOMS:
+        for name in names:
+            if _row_of(name) == pattern and next(mutants(name), None) is not None:
+                yield name
+
+
+def tests_of(target: str) -> tuple[Path, ...]:
+    """Return the files of tests that must notice a target's mutants."""
+    patterns = dict(ROOMS)[_row_of(target)]
+    files = (file for pattern in patterns for file in sorted(TESTS.glob(f"{pattern}.py")))
+    return tuple(
+        dict.fromkeys(
+            file
+            for file in files
+            if file.name.startswith("test_")
+            and not any(fnmatch(str(file.with_suffix("")), slow) for slow in SLOW)
+        )
+    )
+
+
+def named_for(target: str) -> tuple[Path, ...]:
+    """Return those of them that the table names, one by one."""
+    return tuple(TESTS / f"{name}.py" for name in dict(ROOMS)[_row_of(target)] if "*" not in name)
+
+
+def hashes_of(target: str) -> tuple[str, str, str]:
+    """Return the hashes of a module, of its tests and what stands beside them, and of how it is broken."""
+    tests = tests_of(target)
+    beside = {
+        file for test in tests for file in test.parent.glob("*.py") if not file.name.startswith("test_")
+    }
+    operators = [Path(__file__).with_name(name) for name in OPERATORS]
+    return _hash([path_of(target)]), _hash([*tests, *sorted(beside)]), _hash(operators)
+
+
+def _row_of(target: str) -> str:
+    if any(fnmatch(target, pattern) for pattern in NONE):
+        return ""
+    return next((pattern for pattern, _ in ROOMS if fnmatch(target, pattern)), "")
+
+
+def _hash(files: Sequence[Path]) -> str:
+    """Return a hash of what is done in some files; comments and their places do not count."""
+    digest = hashlib.sha256()
+    for file in files:
+        digest.update(_done_in(file).encode())
+    return digest.hexdigest()[:12]
+
+
+def _done_in(file: Path) -> str:
+    return _parsed(file, file.stat().st_mtime_ns)
+
+
+@cache
+def _parsed(file: Path, _changed_at: int) -> str:
+    return ast.dump(ast.parse(file.read_text(encoding="utf-8")))
