@@ -79,15 +79,15 @@ def _joins(chance: Generator) -> dict[str, Any]:
 
 
 def _master(chance: Generator) -> dict[str, Any]:
-    """SYNC, the bridge's own heartbeat, or set-points of a wheel: its first PDOs, enabled and quick."""
+    """SYNC, the bridge's own heartbeat, or a drive's set-points: without power, enabled, and moving."""
     node = int(chance.integers(1, 5))
     identifier, data = [
         (0x080, ""),
         (0x764, "05"),
-        (0x200 + node, "0F00"),
-        (0x200 + node, "0600"),
-        (0x300 + node, "0F00E8030000"),
-        (0x400 + node, "0F00E8030000"),
+        (0x500 + node, "060000000000"),
+        (0x500 + node, "0F00E8030000"),
+        (0x400 + node, "060000000000"),
+        (0x400 + node, "3F0010270000"),
     ][int(chance.integers(6))]
     return {"identifier": identifier, "data": data, "every_ms": int(chance.choice([5, 20, 50, 200]))}
 

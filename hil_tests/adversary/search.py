@@ -142,18 +142,24 @@ class Search:
     rows: tuple[Invariant, ...]
     natures: frozenset[Nature]
     say: Callable[[str], None] = lambda _: None
+    seen: Callable[[Rig], None] = lambda _: None
+    """Told the rig when an evening has been driven to its end, before its branches."""
 
     def evening(self, seed: int) -> tuple[Found | None, float]:
         """Drive one evening and its branches; return what was found, shrunk, and the seconds driven."""
+        found, driven = self.looked(seed)
+        return (None if found is None else self.shrunk(found)), driven
+
+    def looked(self, seed: int) -> tuple[Found | None, float]:
+        """Drive one evening and its branches; return what was found, and the seconds driven."""
         chance = np.random.default_rng([seed, 7])
         draw = Draw(self.robot, self.rehearsal, chance, self.natures)
         whole = draw.mission(EVENING_S)
         life = Life(self.robot, self.rehearsal, whole, seed, self.rows)
         try:
-            found, driven = self._lived(life, draw, chance, seed)
+            return self._lived(life, draw, chance, seed)
         finally:
             life.rig.finish()
-        return (None if found is None else self.shrunk(found)), driven
 
     def _lived(self, life: Life, draw: Draw, chance: Generator, seed: int) -> tuple[Found | None, float]:
         whole, kept, end = life.mission, list[_Kept](), from_seconds(EVENING_S)
@@ -161,6 +167,7 @@ class Search:
             if isinstance(one, Violation):
                 return Found(life.mission, one, seed), to_seconds(life.rig.world.now)
             kept.append(one)
+        self.seen(life.rig)
         driven = EVENING_S
         ready = [one for one in kept if one.at > from_seconds(READY_S)]
         worst = sorted(ready, key=lambda one: -one.nearest)[: 2 * BRANCHES]
@@ -179,12 +186,16 @@ class Search:
 
     def again(self, mission: Mission, seed: int, name: str) -> Violation | None:
         """Drive a mission from its beginning; return the violation of this name."""
+        broken = self.breaks(mission, seed)
+        return broken if broken is not None and broken.name == name else None
+
+    def breaks(self, mission: Mission, seed: int) -> Violation | None:
+        """Drive a mission from its beginning; return the first rule that it breaks."""
         life = Life(self.robot, self.rehearsal, mission, seed, self.rows)
         try:
-            broken = life.run(from_seconds(mission.duration_s + BRANCH_S))
+            return life.run(from_seconds(mission.duration_s + BRANCH_S))
         finally:
             life.rig.finish()
-        return broken if broken is not None and broken.name == name else None
 
     def shrunk(self, found: Found) -> Found:
         """Leave out all noise, and each fault and step, without which the same rule is broken as well."""

@@ -1,6 +1,7 @@
 """The adversary finds nothing; and what it is there to find, it finds, and shrinks to what matters."""
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, Final
 
 import pytest
@@ -22,6 +23,8 @@ ROBOTS: Final = {
     "rars over serial": lambda: over_serial(find("rars")),
     "carrier": lambda: find("carrier"),
 }
+FOUND: Final = sorted(Path(__file__).with_name("found").glob("*.toml"))
+"""Missions that broke a rule once, or the bench."""
 HONEST: Final = frozenset({Nature.HONEST})
 ALL: Final = frozenset(Nature)
 
@@ -42,6 +45,20 @@ def test_no_evening_breaks_a_rule(
     for seed in range(first, first + count):
         found, _ = one.evening(seed)
         assert found is None, as_toml(found, one.robot)
+
+
+@pytest.mark.parametrize("file", FOUND, ids=lambda file: file.stem)
+def test_what_was_found_once_is_not_found_again(file: Path) -> None:
+    robot = ROBOTS[_robot_of(file)]()
+    one = search(robot, ALL)
+    mission = missions.load(file, robot, one.rehearsal)
+    assert one.breaks(mission, seed=0) is None
+
+
+def _robot_of(file: Path) -> str:
+    """Return the robot that the file's second line names."""
+    words = file.read_text(encoding="utf-8").splitlines()[1].split()
+    return words[words.index("bench") + 1] + (" over serial" if "--serial" in words else "")
 
 
 def found_by(one: Search, seeds: int) -> Found:
