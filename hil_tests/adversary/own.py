@@ -59,26 +59,25 @@ def _sideways(robot: AnyRobot, rig: Rig) -> float:
     return abs(float(row["speed_mps"] * row["yaw_rate_rad_s"])) / (ROUNDED * gives(robot) * limit)
 
 
-def zero_moment_margin(robot: AnyRobot, rig: Rig) -> float:
-    """Return how far within RARS's support its zero moment point is, m; negative where it tips.
+def zero_moment_point(robot: AnyRobot, rig: Rig) -> tuple[float, float]:
+    """Return where RARS's zero moment point is, in m ahead of the rear axle and away from the middle.
 
     Along from the loads of the plant's axles, across from what is felt: v times the yaw rate, and the slope
     (thesis, section 2.3.1, (2.4) and (2.6)).
     """
     base, row, plant = robot.geometry.base, rig.samples[-1], rig.devices.plant
     front, rear = plant.read("load_front_left"), plant.read("load_rear_left")
-    wheelbase: float = base.wheelbase_m
-    half: float = base.half_support_width_m
-    along = wheelbase * front / (front + rear)
     slope = robot.plant.parameters.get("slope", 0.0)
     downhill = STANDARD_GRAVITY * math.sin(slope) * math.sin(row["heading_rad"])
     felt = abs(row["speed_mps"] * row["yaw_rate_rad_s"] - downhill)
-    shift = base.centre_of_gravity_height_m * felt / (STANDARD_GRAVITY * math.cos(slope))
-    return float(min(along, wheelbase - along, half - shift))
+    across = base.centre_of_gravity_height_m * felt / (STANDARD_GRAVITY * math.cos(slope))
+    return base.wheelbase_m * front / (front + rear), float(across)
 
 
 def _tipping(robot: AnyRobot, rig: Rig) -> float:
-    margin = zero_moment_margin(robot, rig)
+    along, across = zero_moment_point(robot, rig)
+    base = robot.geometry.base
+    margin: float = min(along, base.wheelbase_m - along, base.half_support_width_m - across)
     return MARGIN_M / margin if margin > 0.0 else math.inf
 
 
