@@ -32,6 +32,8 @@ SLOPED: Final = 0.3
 STEEPEST_DEG: Final = 10.0
 GRIP: Final = {"floor_friction": 0.9}
 """... of a floor that grips: on the thesis's own one robot and wheels slide, which nobody holds."""
+LIES_S: Final = 12.0
+"""The longest lie: well beyond the time in which the bridge must have stopped him who tells it."""
 FAR: Final = 3.0
 """A value of a key without a known range is drawn from this to both sides."""
 
@@ -124,8 +126,8 @@ FAILING: Final[dict[str, Failing]] = {
     "bridge_ends": Failing(Nature.HONEST, _ends, longest_s=8.0),
     "second_bridge": Failing(Nature.HONEST, longest_s=5.0, takes_power=False),
     "second_station": Failing(Nature.HONEST, _joins, longest_s=14.0, takes_power=False),
-    "set_points_ignored": Failing(Nature.LYING, longest_s=5.0),
-    "encoder_frozen": Failing(Nature.LYING, longest_s=5.0),
+    "set_points_ignored": Failing(Nature.LYING, longest_s=LIES_S),
+    "encoder_frozen": Failing(Nature.LYING, longest_s=LIES_S),
     "encoder_cut": Failing(Nature.LYING),
     "encoder_counts_lost": Failing(Nature.LYING, lambda _: {"share": 0.2}, longest_s=5.0),
     "nmt_stranger": Failing(
@@ -136,7 +138,7 @@ FAILING: Final[dict[str, Failing]] = {
             )
         },
     ),
-    "stray_frames": Failing(Nature.STRANGER, _master, longest_s=3.0),
+    "stray_frames": Failing(Nature.STRANGER, _master, longest_s=LIES_S),
 }
 """By the faults' names; those that are not here have no place in an evening."""
 
@@ -150,7 +152,12 @@ class Draw:
         self._robot: Final = robot
         self._rehearsal: Final = rehearsal
         self._chance: Final = chance
-        self._kinds: Final = [name for name, row in FAILING.items() if row.nature in natures]
+        kinds = [
+            [name for name, row in FAILING.items() if row.nature is nature]
+            for nature in Nature
+            if nature in natures
+        ]
+        self._kinds: Final = [names for names in kinds if names]
         self._sloped = False
         rows = inputs(rehearsal.step)
         self._held_by: Final = {key: row for key, row in rows.items() if isinstance(row, Holds)}
@@ -213,11 +220,16 @@ class Draw:
         """Return what fails between two seconds; of two things that cannot be together, the first."""
         found: list[Fault] = []
         for _ in range(int(self._chance.integers(0, 4)) if self._kinds else 0):
-            name = str(self._chance.choice(self._kinds))
+            name = str(self._chance.choice(self._natured()))
             fault = self._fault(name, round(float(self._chance.uniform(begin, end)), 3))
             if self._falls(fault) and not any(misfits([*others, *found, fault], self._robot)):
                 found.append(fault)
         return tuple(found)
+
+    def _natured(self) -> list[str]:
+        """Return the kinds of one nature, each of which is as likely: else hardly anybody would lie."""
+        place = int(self._chance.integers(len(self._kinds))) if len(self._kinds) > 1 else 0
+        return self._kinds[place]
 
     def _falls(self, fault: Fault) -> bool:
         """Return whether a fault may be on this floor."""

@@ -28,6 +28,8 @@ EVENING_S: Final = 24.0
 BRANCH_S: Final = 8.0
 BRANCHES: Final = 3
 KEPT_EVERY_S: Final = 1.0
+AFTER_S: Final = 1.0
+"""What is done later than so long after a rule was first broken did not break it."""
 GOES: Final = "arm: accepted"
 FORCED: Final = "force disarm: accepted"
 STOPS: Final = {"disarm: accepted", FORCED, "emergency stop: accepted", "hold: accepted"}
@@ -198,8 +200,10 @@ class Search:
             life.rig.finish()
 
     def shrunk(self, found: Found) -> Found:
-        """Leave out all noise, and each fault and step, without which the same rule is broken as well."""
-        best = self._smaller(found, {"noise": type(found.mission.noise)()})
+        """Leave out what comes later, all noise, and each fault and step without which the same is broken."""
+        end = round(to_seconds(found.violation.since) + AFTER_S, 3)
+        best = self._smaller(found, _until(found.mission, end))
+        best = self._smaller(best, {"noise": type(found.mission.noise)()})
         before = None
         while best is not before:
             before = best
@@ -218,6 +222,13 @@ class Search:
             return best
         self.say(f"shrunk to {len(mission.step)} steps and {len(mission.fault)} faults")
         return Found(mission, broken, best.seed)
+
+
+def _until(mission: Mission, end: float) -> dict[str, Any]:
+    """Return what of a mission is before a second."""
+    steps = tuple(step for step in mission.step if step.at_s < end)
+    faults = tuple(fault for fault in mission.fault if fault.at_s < end)
+    return {"duration_s": min(end, mission.duration_s), "step": steps, "fault": faults}
 
 
 def as_toml(found: Found, robot: AnyRobot) -> str:

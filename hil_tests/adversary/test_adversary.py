@@ -92,10 +92,10 @@ def deaf(*_: Any, **__: Any) -> Verdict:
 @pytest.mark.interpreted
 def test_an_emergency_stop_that_does_nothing_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Permission, "_stop", deaf)
-    found = found_by(search(find("carrier"), HONEST), 6)
+    one = search(find("carrier"), HONEST)
+    found = next(found for found, _ in map(one.looked, range(2, 6)) if found is not None)
     assert found.violation.name == "motion with power that may not be"
     assert any(step.emergency_stop for step in found.mission.step)
-    assert len(found.mission.step) <= 4
 
 
 def test_a_robot_that_there_is_not_is_one_line_and_no_find(
