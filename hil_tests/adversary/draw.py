@@ -15,6 +15,7 @@ from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.step import Holds, Input, Presses, Sends, Slope, Step, guides, inputs
 from emulators.bench.strays import Stray
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.units import NEVER
 from fmu.plants import find as find_plant
 
 READY_S: Final = 3.0
@@ -241,7 +242,8 @@ class Draw:
         among = kind.fault.among.of(self._robot)
         if among and "node" in kind.fault.model_fields:
             said["node"] = str(self._chance.choice(among))
-        if kind.lasts:
+        # On a slope the bridge that is asked to end holds the robot: to start another one would kill it.
+        if kind.lasts and not (self._sloped and kind.fault is BridgeEnds):
             said["for_s"] = round(float(self._chance.uniform(0.05, row.longest_s)), 3)
         return read(said)
 
@@ -323,5 +325,6 @@ def takes_power(fault: Fault) -> bool:
 
 
 def _asked(fault: Fault) -> bool:
-    """Return whether it is a bridge that is asked once to end, which holds a robot on a slope."""
-    return isinstance(fault, BridgeEnds) and fault.how == "asked" and fault.again_after_s is None
+    """Return whether it is a bridge that is asked once to end, which holds a robot on a slope, and may."""
+    once = isinstance(fault, BridgeEnds) and fault.how == "asked" and fault.again_after_s is None
+    return once and fault.end == NEVER

@@ -15,6 +15,7 @@ from firmware_bridge.kinds import find
 from firmware_bridge.robot import AnyRobot
 from hil_tests.adversary.__main__ import main
 from hil_tests.adversary.draw import Nature
+from hil_tests.adversary.mutants import TARGETS, tool
 from hil_tests.adversary.search import Found, Search, as_toml
 from hil_tests.adversary.truth import invariants
 
@@ -96,6 +97,10 @@ def test_an_emergency_stop_that_does_nothing_is_found(monkeypatch: pytest.Monkey
     found = next(found for found, _ in map(one.looked, range(2, 6)) if found is not None)
     assert found.violation.name == "motion with power that may not be"
     assert any(step.emergency_stop for step in found.mission.step)
+
+
+def test_the_mutants_are_of_modules_that_there_are() -> None:
+    assert all(next(tool().mutants(target), None) is not None for target in TARGETS)
 
 
 def test_a_robot_that_there_is_not_is_one_line_and_no_find(
