@@ -32,7 +32,8 @@ AFTER_S: Final = 1.0
 """What is done later than so long after a rule was first broken did not break it."""
 GOES: Final = "arm: accepted"
 FORCED: Final = "force disarm: accepted"
-STOPS: Final = {"disarm: accepted", FORCED, "emergency stop: accepted", "hold: accepted"}
+STOPPED: Final = "emergency stop: accepted"
+STOPS: Final = {"disarm: accepted", FORCED, STOPPED, "clear: accepted", "hold: accepted"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +88,7 @@ class Life:
             look = self._truth.look(
                 self.rig,
                 told_to_stop=words[0] != GOES,
+                stopped=words[0] == STOPPED and not self.mission.plant,
                 let_go=FORCED not in words and not any(map(takes_power, self.mission.fault)),
             )
             broken = self.judge.look(self.rig.world.now, look)

@@ -67,6 +67,7 @@ def look(**how: object) -> Look:
         gone=False,
         ending=False,
         rolled_m=0.0,
+        stopped=False,
         own=dict.fromkeys((own.name for own in OWN["rars"]), 0.0),
     )
     return replace(nothing, **how)  # type: ignore[arg-type] # as they come
@@ -76,6 +77,7 @@ def look(**how: object) -> Look:
     ("name", "how", "within_s"),
     [
         ("power without a bridge", {"gone": True, "powered": frozenset({"left"})}, 2.0),
+        ("an emergency stop with power", {"stopped": True, "powered": frozenset({"lift"})}, 5.0),
         ("an end without an end", {"ending": True}, 15.0),
         ("let go, and rolls", {"rolled_m": 0.0201}, 0.0),
         ("power that nobody watches", {"unwatched": frozenset({"left"})}, 1.0),

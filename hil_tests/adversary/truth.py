@@ -52,6 +52,8 @@ class Look:
     """It has been asked to end, and neither has nor holds the robot on a slope."""
     rolled_m: float
     """How far the base has gone since it was let go at rest, by nobody's order and no fault."""
+    stopped: bool
+    """Its power shall go: by an emergency stop, on the flat, and no fault is in the way."""
     own: Mapping[str, float]
     """How near the bounds of this kind of robot are."""
 
@@ -100,10 +102,11 @@ class Truth:
         self.let_go_at: tuple[float, float] | None = None
         """Where the base rested when it last had power; None where it did not rest."""
 
-    def look(self, rig: Rig, *, told_to_stop: bool, let_go: bool) -> Look:
+    def look(self, rig: Rig, *, told_to_stop: bool, stopped: bool, let_go: bool) -> Look:
         """Return the truth of now, which must be an instant of a sample.
 
-        `let_go`: nothing but the bridge itself takes the power: neither a fault nor an order.
+        `stopped`: the last word that was accepted is an emergency stop, on the flat. `let_go`: nothing but
+        the bridge itself takes the power: neither a fault nor an order.
         """
         row, plant = rig.samples[-1], rig.devices.plant
         axes = {axis.name: axis for axis in rig.devices.bank.axes}
@@ -126,6 +129,7 @@ class Truth:
             gone,
             ending,
             rolled if let_go else 0.0,
+            stopped and let_go,
             {own.name: own.ratio(self.robot, rig) for own in OWN.get(self.robot.kind, ())},
         )
 
@@ -162,6 +166,9 @@ def invariants(robot: AnyRobot) -> tuple[Invariant, ...]:
         Invariant("motion with power that may not be", may_not_move, 2.0, 6.0),
         Invariant("power that nobody watches", lambda look: 2.0 * bool(look.unwatched), 1.0, 6.0),
         Invariant("power without a bridge", lambda look: 2.0 * bool(look.gone and look.powered), 2.0, 6.0),
+        Invariant(
+            "an emergency stop with power", lambda look: 2.0 * bool(look.stopped and look.powered), 5.0
+        ),
         Invariant("an end without an end", lambda look: 2.0 * look.ending, ENDS_S),
         Invariant("let go, and rolls", lambda look: look.rolled_m / GOES_M),
     )
