@@ -30,7 +30,7 @@ from firmware_bridge.wire.maxon.frame import Generation
 LINK_STREAM: Final = 1
 """Which stream of random numbers the operator's link draws from, beside the run's seed."""
 QUIET: Final = Noise()
-__all__ = ["BRIDGE", "OPERATOR_STATION", "QUIET", "Rig"]
+__all__ = ["BRIDGE", "OPERATOR_STATION", "QUIET", "SECOND_BRIDGE", "Rig"]
 
 
 def _served(robot: AnyRobot) -> Mapping[str, Generation]:

@@ -106,7 +106,8 @@ class Life:
         answers += [
             (at, f"{order}: accepted") for station in self.rig.stations for at, order in station.accepted
         ]
-        known = [text for _, text in sorted(answers, reverse=True) if text in STOPS or text == GOES]
+        answers.sort(key=lambda answer: answer[0])  # what came at one instant stays in its order
+        known = [text for _, text in reversed(answers) if text in STOPS or text == GOES]
         return known or ["disarm: accepted"]
 
     def kept(self, until: Nanoseconds) -> Iterator[_Kept | Violation]:

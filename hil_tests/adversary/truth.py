@@ -11,7 +11,7 @@ from typing import Final
 
 from emulators.bench.columns import Sample, motor_speed
 from emulators.epos2.drive import Epos2
-from emulators.rig import BRIDGE, Rig
+from emulators.rig import BRIDGE, SECOND_BRIDGE, Rig
 from firmware_bridge.bridge import Phase
 from firmware_bridge.robot import AnyRobot, Axis, Unpowered
 from firmware_bridge.robot.model import GuardExclusive, GuardSum
@@ -47,7 +47,7 @@ class Look:
     may_move: bool
     """The bridge is alive and armed, and the last word that it accepted is none to stop."""
     gone: bool
-    """The bridge is dead, or has ended."""
+    """The bridge is dead, or has ended, and there is no second one, which may have taken the robot over."""
     ending: bool
     """It has been asked to end, and neither has nor holds the robot on a slope."""
     rolled_m: float
@@ -117,6 +117,7 @@ class Truth:
         bridge, alive = rig.bridge, rig.world.here(BRIDGE)
         ending = alive and bridge.phase in (Phase.STOPPING, Phase.LEAVING) and not bridge.holding
         gone = not alive or bridge.finished
+        alone = gone and not rig.world.here(SECOND_BRIDGE)
         rolled = self._rolled(row, powered)
         return Look(
             self.robot,
@@ -126,7 +127,7 @@ class Truth:
             powered,
             frozenset(unwatched),
             bool(row["armed"]) and not told_to_stop and not gone,
-            gone,
+            alone,
             ending,
             rolled if let_go else 0.0,
             stopped and let_go,
