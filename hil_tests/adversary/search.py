@@ -33,7 +33,9 @@ AFTER_S: Final = 1.0
 GOES: Final = "arm: accepted"
 FORCED: Final = "force disarm: accepted"
 STOPPED: Final = "emergency stop: accepted"
-STOPS: Final = {"disarm: accepted", FORCED, STOPPED, "clear: accepted", "hold: accepted"}
+CLEARED: Final = "clear: accepted"
+STOPS: Final = {"disarm: accepted", FORCED, STOPPED, "hold: accepted"}
+WORDS: Final = {GOES, CLEARED, *STOPS}
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +89,7 @@ class Life:
             words = self._accepted()
             look = self._truth.look(
                 self.rig,
-                told_to_stop=words[0] != GOES,
+                told_to_stop=next((word for word in words if word != CLEARED), STOPPED) != GOES,
                 stopped=words[0] == STOPPED and not self.mission.plant,
                 let_go=FORCED not in words and not any(map(takes_power, self.mission.fault)),
             )
@@ -101,13 +103,13 @@ class Life:
         answers = [
             (entry.at, entry.text)
             for entry in self._operator.diary.entries
-            if entry.kind is Kind.ANSWERED and (entry.text in STOPS or entry.text == GOES)
+            if entry.kind is Kind.ANSWERED and entry.text in WORDS
         ]
         answers += [
             (at, f"{order}: accepted") for station in self.rig.stations for at, order in station.accepted
         ]
         answers.sort(key=lambda answer: answer[0])  # what came at one instant stays in its order
-        known = [text for _, text in reversed(answers) if text in STOPS or text == GOES]
+        known = [text for _, text in reversed(answers) if text in WORDS]
         return known or ["disarm: accepted"]
 
     def kept(self, until: Nanoseconds) -> Iterator[_Kept | Violation]:
