@@ -25,15 +25,24 @@ class Line:
     link: SerialLink
 
     @classmethod
-    def of(cls, robot: AnyRobot, node: Node, link: Link, host: str) -> "Line | None":
-        """Put a node on a line, under the name `host`; None where this link is no serial one."""
+    def of(
+        cls, robot: AnyRobot, node: Node, link: Link, host: str, before: "Line | None" = None
+    ) -> "Line | None":
+        """Put a node on a line, under the name `host`; None where this link is no serial one.
+
+        `before` is the line of a node that was: its wire, its plug and what it has carried go on.
+        """
         if not isinstance(link, SerialLink):
             return None
         table = robot.links[link.name]
         latency = table.port_latency_us * MICROSECOND
         inboxes = {host: Inbox(usb.BUFFER, latency)} if latency else {}
         end = MaxonLine(node, table.protocol, link.name)
-        return cls(SerialWire(table.line_rate, inboxes), Adapter(end, link.name), end, link)
+        adapter = Adapter(end, link.name)
+        if before is None:
+            return cls(SerialWire(table.line_rate, inboxes), adapter, end, link)
+        adapter.plugged, end.commands, end.busy = before.adapter.plugged, before.end.commands, before.end.busy
+        return cls(before.wire, adapter, end, link)
 
     def carried(self, robot: AnyRobot, duration: Nanoseconds) -> LineRun:
         """Return what the line has carried in a run so long."""

@@ -6,11 +6,13 @@ from typing import Final
 
 import numpy as np
 
+from emulators.bench.adapter import Adapter
 from emulators.bench.columns import SAMPLE_EVERY, Column, Samples, columns_of
-from emulators.bench.faults import BRIDGE, OPERATOR_STATION, Fault, Faults, Site
+from emulators.bench.faults import BRIDGE, OPERATOR_STATION, SECOND_BRIDGE, Fault, Faults, Site
 from emulators.bench.mission import Noise
 from emulators.bench.records import HoldRecord
 from emulators.bench.rehearsal import Rehearsal
+from emulators.bench.second_station import SecondStation
 from emulators.devices import devices
 from emulators.line import Line
 from emulators.rewind import Checkpoint, Rewind
@@ -29,7 +31,7 @@ from firmware_bridge.wire.maxon.frame import Generation
 LINK_STREAM: Final = 1
 """Which stream of random numbers the operator's link draws from, beside the run's seed."""
 QUIET: Final = Noise()
-__all__ = ["BRIDGE", "OPERATOR_STATION", "QUIET", "Rig"]
+__all__ = ["BRIDGE", "OPERATOR_STATION", "QUIET", "SECOND_BRIDGE", "Rig"]
 
 
 def _served(robot: AnyRobot) -> Mapping[str, Generation]:
@@ -72,8 +74,7 @@ class Rig:
             robot, plant_path, outputs=outputs, realistic_latency=realistic_latency, serial=_served(robot)
         )
         self._reads: Final = _reads(columns, self.devices.plant.output_names)
-        self.bridge: Final = Bridge(robot, kind_of(robot), stands=stands)
-        self.guard: Final = guarded(self.bridge, robot)
+        self._start_bridge(stands)
         single = len(robot.links) == 1
         self.can_wires: Final = {
             name: FaultyCanWire(link.bit_rate, CAN if single else name) for name, link in robot.links.items()
@@ -89,7 +90,8 @@ class Rig:
         self.lines: Final[dict[str, Line]] = {}
         """The serial lines by the links' names."""
         self._attach(operator)
-        self.faults: Final = Faults(self._site(), seed)
+        self._site: Final = self._as_site()
+        self.faults: Final = Faults(self._site, seed)
         self.faults.plan(faults)
         self.samples: Final = Samples(columns)
         self.holds: Final[list[HoldRecord]] = []
@@ -132,24 +134,62 @@ class Rig:
         """Let go of the plant."""
         self.devices.plant.close()
 
-    def _attach(self, operator: Node) -> None:
-        """Put everybody on their wires: the drives, the bridge behind its lines, and the operator."""
+    @property
+    def stations(self) -> Sequence[SecondStation]:
+        """The ground stations beside the operator's that have joined."""
+        return self._site.stations
+
+    @property
+    def adapters(self) -> Sequence[Adapter]:
+        """What the newest bridge has at its ends of the serial lines."""
+        return [line.adapter for line in self.lines.values()]
+
+    def start(self) -> None:
+        """Start a bridge in the place of the one that was, which is killed where it still runs."""
+        if self.world.here(BRIDGE):
+            self.world.detach(BRIDGE)
+        places = self.bridge.places
+        self._start_bridge()
+        self.bridge.offer(places)
+        self._attach_bridge(self._lines())
+
+    def start_second(self) -> None:
+        """Start a second bridge on the buses, with nobody at its operator's link."""
+        if self.world.here(SECOND_BRIDGE):
+            self.world.detach(SECOND_BRIDGE)
+        second = guarded(Bridge(self.robot, kind_of(self.robot)), self.robot)
+        self.world.attach(SECOND_BRIDGE, second, {**self.can_wires, OPERATOR: DatagramWire(name="second")})
+
+    def _start_bridge(self, stands: tuple[ConfirmZero, ...] = ()) -> None:
+        self.bridge = Bridge(self.robot, kind_of(self.robot), stands=stands)
+        self.guard = guarded(self.bridge, self.robot)
+
+    def _lines(self) -> Node:
+        """Put the bridge behind its serial lines; return what is on the wires for it."""
         node: Node = self.guard
-        wires: dict[str, Wire] = dict(self.can_wires)
         for fleet in self.bridge.fleets.all:
-            line = Line.of(self.robot, node, fleet.link, BRIDGE)
+            line = Line.of(self.robot, node, fleet.link, BRIDGE, self.lines.get(fleet.name))
             if line is not None:
                 self.lines[fleet.name] = line
-                node, wires[fleet.name] = line.adapter, line.wire
+                node = line.adapter
+        return node
+
+    def _attach_bridge(self, node: Node) -> None:
+        wires: dict[str, Wire] = {**self.can_wires, **{name: line.wire for name, line in self.lines.items()}}
+        self.world.attach(BRIDGE, node, {**wires, OPERATOR: self.operator_wire})
+
+    def _attach(self, operator: Node) -> None:
+        """Put everybody on their wires: the drives, the bridge behind its lines, and the operator."""
+        node = self._lines()
         for axis, drive in zip(self.robot.axes, self.devices.drives.values(), strict=True):
             links: dict[str, Wire] = {CAN: self.can_wires[axis.link]}
             if _is_gateway(self.robot, axis.name):
                 links[SERIAL] = self.lines[axis.link].wire
             self.world.attach(axis.name, drive, links)
-        self.world.attach(BRIDGE, node, {**wires, OPERATOR: self.operator_wire})
+        self._attach_bridge(node)
         self.world.attach(OPERATOR_STATION, operator, {OPERATOR: self.operator_wire})
 
-    def _site(self) -> Site:
+    def _as_site(self) -> Site:
         """Return where faults are put on."""
         return Site(
             self.robot,
@@ -158,7 +198,7 @@ class Rig:
             self.operator_wire,
             drives=self.devices.drives,
             axes={axis.name: axis for axis in self.devices.bank.axes},
-            adapters={link: line.adapter for link, line in self.lines.items()},
+            bridges=self,
         )
 
     def _sample(self, now: Nanoseconds) -> None:

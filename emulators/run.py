@@ -56,7 +56,7 @@ def drive(order: Order, progress: Progress) -> Summary:
     hand = np.random.default_rng([order.seed, HAND_STREAM])
     operator = ScriptedOperator(order.robot, order.rehearsal, order.mission, hand)
     rig = Rig(
-        order.robot,
+        order.mission.on(order.robot),
         order.rehearsal,
         operator,
         plant_path=order.plant,

@@ -113,6 +113,10 @@ class World:
         for wire in station.links.values():
             wire.leave(station)
 
+    def here(self, name: str) -> bool:
+        """Return whether a node of this name is on its wires."""
+        return name in self._stations
+
     def links(self, name: str) -> Mapping[str, Wire]:
         """Return the wires of a node, by the names that it has for them."""
         return dict(self._station(name).links)

@@ -15,6 +15,7 @@ from pydantic import Field, ValidationError, create_model, model_validator
 from emulators.bench.faults import FaultTable, misfits
 from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.step import (
+    Finite,
     Holds,
     Input,
     NonNegative,
@@ -60,8 +61,15 @@ class Mission(Table):
     input: Annotated[Input, Field(strict=False)] = Input.STICK
     noise: Noise = Noise()
     step: Annotated[tuple[Step, ...], Field(min_length=1, strict=False)]
+    plant: dict[str, Finite] = Field(default_factory=dict)
+    """Parameters of the plant beside those of the robot file: its slope, its floor."""
     fault: Annotated[tuple[FaultTable, ...], Field(strict=False)] = ()
     """What goes wrong meanwhile: `docs/faults.md`."""
+
+    def on(self, robot: AnyRobot) -> AnyRobot:
+        """Return the robot on this mission's floor."""
+        plant = robot.plant.model_copy(update={"parameters": robot.plant.parameters | self.plant})
+        return robot.model_copy(update={"plant": plant})
 
     @model_validator(mode="after")
     def _steps_are_in_order(self) -> Self:

@@ -53,6 +53,8 @@ class FaultyCanWire(CanWire):
         """Nothing is wrong, and no counter remembers that anything was."""
         self._standing: list[Standing] = []
         self._counters: dict[Station, Confinement] = {}
+        self._known: frozenset[str] = frozenset()
+        """The names of all stations that have ever been on it."""
         self._parked: dict[Station, deque[Packet]] = {}
         """What waits where a controller is off the bus, or finds nobody to acknowledge its frames."""
         self._full: set[Station] = set()
@@ -67,9 +69,12 @@ class FaultyCanWire(CanWire):
         """Stations on their way off the bus, and until when they are to stay away."""
 
     def disturb(self, what: Disturbance) -> None:
-        """Damage or lose frames from now on, as described; WorldError where a name is not on this wire."""
+        """Damage or lose frames from now on, as described; WorldError where a name was never on this wire.
+
+        A station that is off the wire meets it when it is back.
+        """
         for name in (what.sender, what.receiver):
-            if name is not None:
+            if name is not None and name not in self._known:
                 self._named(name)
         self._standing.append(Standing(what))
         self._sound = False
@@ -114,6 +119,7 @@ class FaultyCanWire(CanWire):
         """Connect a station, which calls this wire `link`."""
         super().join(world, station, link)
         self._counters[station] = Confinement()
+        self._known |= {station.name}
         self._try_again()
 
     def leave(self, station: Station) -> None:
@@ -152,8 +158,10 @@ class FaultyCanWire(CanWire):
         """Return the disturbance with this effect that meets a frame of this sender now."""
         now = self._ends.world.now
         for standing in self._standing:
-            if standing.what.effect is effect and standing.meets(sender.name, now):
-                return standing.what
+            what = standing.what
+            absent = what.receiver is not None and self._on_it(what.receiver) is None
+            if what.effect is effect and not absent and standing.meets(sender.name, now):
+                return what
         return None
 
     def _receiver(self, fault: Disturbance | None) -> Station | None:
@@ -304,8 +312,11 @@ class FaultyCanWire(CanWire):
         link = self._controllers[station].link
         self._ends.world.deliver(station, Packet(link, address, payload))
 
+    def _on_it(self, name: str) -> Station | None:
+        return next((station for station in self._counters if station.name == name), None)
+
     def _named(self, name: str) -> Station:
-        for station in self._counters:
-            if station.name == name:
-                return station
-        raise WorldError(f"there is no node '{name}' on wire '{self.name}'")
+        station = self._on_it(name)
+        if station is None:
+            raise WorldError(f"there is no node '{name}' on wire '{self.name}'")
+        return station

@@ -8,12 +8,15 @@ from typing import Annotated, Any, Final, Literal, get_args, get_origin
 
 from numpy.random import Generator
 
-from emulators.bench.faults import KINDS, Fault, read
+from emulators.bench.faults import KINDS, Fault, misfits, read
+from emulators.bench.faults.people import BridgeEnds
 from emulators.bench.mission import Mission, Noise
 from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.step import Holds, Input, Presses, Sends, Slope, Step, guides, inputs
 from emulators.bench.strays import Stray
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.units import NEVER
+from fmu.plants import find as find_plant
 
 READY_S: Final = 3.0
 PAUSE_S: Final = 0.8
@@ -25,6 +28,13 @@ POWER_S: Final = 3.0
 DRIVES: Final = 0.3
 """So often he moves the first channel of his stick alone."""
 TRIES: Final = 50
+SLOPED: Final = 0.3
+"""So many evenings are on a slope, where the plant has one, ..."""
+STEEPEST_DEG: Final = 10.0
+GRIP: Final = {"floor_friction": 0.9}
+"""... of a floor that grips: on the thesis's own one robot and wheels slide, which nobody holds."""
+LIES_S: Final = 12.0
+"""The longest lie: well beyond the time in which the bridge must have stopped him who tells it."""
 FAR: Final = 3.0
 """A value of a key without a known range is drawn from this to both sides."""
 
@@ -50,6 +60,39 @@ class Failing:
     nature: Nature
     how: How = lambda _: {}
     longest_s: float = 1.0
+    takes_power: bool = True
+    """The drives may lose their power by it: on a slope nobody holds that, so it is not drawn there."""
+
+
+def _ends(chance: Generator) -> dict[str, Any]:
+    """Ctrl-C, and once more within 5 s or not; or the process is killed."""
+    if chance.random() < 0.4:
+        return {"how": "killed"}
+    again = {"again_after_s": round(float(chance.uniform(0.05, 4.9)), 3)}
+    return {"how": "asked", **(again if chance.random() < 0.5 else {})}
+
+
+def _joins(chance: Generator) -> dict[str, Any]:
+    orders = ["", "take", "give up", "arm", "disarm", "emergency stop", "clear", "hold", "garbage"]
+    order = str(chance.choice(orders))
+    # Under the first one's name it gives no order: nobody could tell whose word an answer is to.
+    system = 255 if order in {"", "garbage"} and chance.random() < 0.5 else 254
+    stick = float(chance.choice([-1.0, 0.0, 0.0, 1.0]))
+    return {"order": order, "stick": stick, "system": system}
+
+
+def _master(chance: Generator) -> dict[str, Any]:
+    """SYNC, the bridge's own heartbeat, or a drive's set-points: without power, enabled, and moving."""
+    node = int(chance.integers(1, 5))
+    identifier, data = [
+        (0x080, ""),
+        (0x764, "05"),
+        (0x500 + node, "060000000000"),
+        (0x500 + node, "0F00E8030000"),
+        (0x400 + node, "060000000000"),
+        (0x400 + node, "3F0010270000"),
+    ][int(chance.integers(6))]
+    return {"identifier": identifier, "data": data, "every_ms": int(chance.choice([5, 20, 50, 200]))}
 
 
 def _share(chance: Generator) -> dict[str, Any]:
@@ -67,15 +110,25 @@ FAILING: Final[dict[str, Failing]] = {
     "supply_sag": Failing(Nature.HONEST, lambda chance: {"to_v": float(chance.choice([5.0, 15.0]))}),
     "logic_supply_sag": Failing(Nature.HONEST, lambda _: {"to_v": 3.0}),
     "gate_supply_sag": Failing(Nature.HONEST, lambda _: {"to_v": 6.0}),
-    "datagram_loss": Failing(Nature.HONEST, _share, longest_s=8.0),
+    "datagram_loss": Failing(Nature.HONEST, _share, longest_s=8.0, takes_power=False),
     "datagram_late": Failing(
-        Nature.HONEST, lambda chance: {"by_ms": float(chance.integers(10, 1500))}, longest_s=3.0
+        Nature.HONEST,
+        lambda chance: {"by_ms": float(chance.integers(10, 1500))},
+        longest_s=3.0,
+        takes_power=False,
     ),
     "datagram_doubled": Failing(
-        Nature.HONEST, lambda chance: {"after_ms": float(chance.integers(0, 400))}, longest_s=5.0
+        Nature.HONEST,
+        lambda chance: {"after_ms": float(chance.integers(0, 400))},
+        longest_s=5.0,
+        takes_power=False,
     ),
-    "set_points_ignored": Failing(Nature.LYING, longest_s=5.0),
-    "encoder_frozen": Failing(Nature.LYING, longest_s=5.0),
+    "serial_unplugged": Failing(Nature.HONEST, longest_s=3.0),
+    "bridge_ends": Failing(Nature.HONEST, _ends, longest_s=8.0),
+    "second_bridge": Failing(Nature.HONEST, longest_s=5.0, takes_power=False),
+    "second_station": Failing(Nature.HONEST, _joins, longest_s=14.0, takes_power=False),
+    "set_points_ignored": Failing(Nature.LYING, longest_s=LIES_S),
+    "encoder_frozen": Failing(Nature.LYING, longest_s=LIES_S),
     "encoder_cut": Failing(Nature.LYING),
     "encoder_counts_lost": Failing(Nature.LYING, lambda _: {"share": 0.2}, longest_s=5.0),
     "nmt_stranger": Failing(
@@ -86,6 +139,7 @@ FAILING: Final[dict[str, Failing]] = {
             )
         },
     ),
+    "stray_frames": Failing(Nature.STRANGER, _master, longest_s=LIES_S),
 }
 """By the faults' names; those that are not here have no place in an evening."""
 
@@ -99,7 +153,13 @@ class Draw:
         self._robot: Final = robot
         self._rehearsal: Final = rehearsal
         self._chance: Final = chance
-        self._kinds: Final = [name for name, row in FAILING.items() if row.nature in natures]
+        kinds = [
+            [name for name, row in FAILING.items() if row.nature is nature]
+            for nature in Nature
+            if nature in natures
+        ]
+        self._kinds: Final = [names for names in kinds if names]
+        self._sloped = False
         rows = inputs(rehearsal.step)
         self._held_by: Final = {key: row for key, row in rows.items() if isinstance(row, Holds)}
         self._main: Final = next(iter(self._held_by))
@@ -108,6 +168,8 @@ class Draw:
     def mission(self, seconds: float) -> Mission:
         """Return a whole evening that begins with an armed robot."""
         opening = [*self._stands(), self._step(READY_S, {"arm": True})]
+        floor = self._floor()
+        self._sloped = bool(floor)
         noise = Noise(
             stick=float(self._chance.choice([0.0, 0.02])),
             delay_ms=float(self._chance.choice([0.0, 80.0])),
@@ -119,6 +181,7 @@ class Draw:
             duration_s=seconds,
             input=Input.STICK,
             noise=noise,
+            plant=floor,
             step=(*opening, *self.steps(READY_S + 0.5, seconds)),
             fault=self.faults(READY_S + 0.5, seconds - 2.0),
         )
@@ -146,18 +209,32 @@ class Draw:
         keys = {row.channel: key for key, row in reversed(self._held_by.items())}
         return dict.fromkeys(keys.values(), 0.0)
 
+    def _floor(self) -> dict[str, float]:
+        """Return the plant's parameters on a slope, uphill or down; nothing for the flat."""
+        known = {row.name for row in find_plant(self._robot.plant.fmu).parameters}
+        if "slope" not in known or self._chance.random() >= SLOPED:
+            return {}
+        degrees = float(self._chance.uniform(-STEEPEST_DEG, STEEPEST_DEG))
+        return {"slope": round(math.radians(degrees), 4), **GRIP}
+
     def faults(self, begin: float, end: float, others: tuple[Fault, ...] = ()) -> tuple[Fault, ...]:
-        """Return what fails between two seconds, each kind once, and of one node no more than one thing."""
-        used = {word for fault in others for word in (fault.kind, str(getattr(fault, "node", "")))}
-        found = []
+        """Return what fails between two seconds; of two things that cannot be together, the first."""
+        found: list[Fault] = []
         for _ in range(int(self._chance.integers(0, 4)) if self._kinds else 0):
-            name = str(self._chance.choice(self._kinds))
+            name = str(self._chance.choice(self._natured()))
             fault = self._fault(name, round(float(self._chance.uniform(begin, end)), 3))
-            words = {name, str(getattr(fault, "node", None) or name)}
-            if not words & used:
-                used |= words
+            if self._falls(fault) and not any(misfits([*others, *found, fault], self._robot)):
                 found.append(fault)
         return tuple(found)
+
+    def _natured(self) -> list[str]:
+        """Return the kinds of one nature, each of which is as likely: else hardly anybody would lie."""
+        place = int(self._chance.integers(len(self._kinds))) if len(self._kinds) > 1 else 0
+        return self._kinds[place]
+
+    def _falls(self, fault: Fault) -> bool:
+        """Return whether a fault may be on this floor."""
+        return not (self._sloped and takes_power(fault))
 
     def _fault(self, name: str, second: float) -> Fault:
         row, kind = FAILING[name], KINDS[name]
@@ -165,7 +242,8 @@ class Draw:
         among = kind.fault.among.of(self._robot)
         if among and "node" in kind.fault.model_fields:
             said["node"] = str(self._chance.choice(among))
-        if kind.lasts:
+        # On a slope the bridge that is asked to end holds the robot: to start another one would kill it.
+        if kind.lasts and not (self._sloped and kind.fault is BridgeEnds):
             said["for_s"] = round(float(self._chance.uniform(0.05, row.longest_s)), 3)
         return read(said)
 
@@ -214,6 +292,8 @@ class Draw:
         return None
 
     def _sent(self, key: str, row: Sends) -> Any:
+        if key == "force_disarm" and self._sloped:
+            return None  # that robot rolls, as it was ordered to
         if key in {"terminate", "zero"}:
             return None  # the first ends the evening; the second may be a wrong word, which nobody can know
         said = {
@@ -237,3 +317,14 @@ class Draw:
 
     def _step(self, second: float, does: dict[str, Any]) -> Step:
         return self._rehearsal.step.model_validate({"at_s": second, "title": f"at {second:g} s", **does})
+
+
+def takes_power(fault: Fault) -> bool:
+    """Return whether the drives may lose their power by this fault, whatever the bridge does."""
+    return FAILING[fault.kind].takes_power and not _asked(fault)
+
+
+def _asked(fault: Fault) -> bool:
+    """Return whether it is a bridge that is asked once to end, which holds a robot on a slope, and may."""
+    once = isinstance(fault, BridgeEnds) and fault.how == "asked" and fault.again_after_s is None
+    return once and fault.end == NEVER

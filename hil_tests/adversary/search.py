@@ -16,9 +16,11 @@ from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.step import Step
 from emulators.rewind import Checkpoint
 from emulators.rig import Rig
+from emulators.run import HAND_STREAM
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
-from hil_tests.adversary.draw import FAILING, READY_S, Draw, Nature
+from hil_tests.adversary.draw import FAILING, READY_S, Draw, Nature, takes_power
 from hil_tests.adversary.truth import Invariant, Judge, Truth, Violation
 
 LOOK_EVERY: Final = 0.01
@@ -26,8 +28,14 @@ EVENING_S: Final = 24.0
 BRANCH_S: Final = 8.0
 BRANCHES: Final = 3
 KEPT_EVERY_S: Final = 1.0
+AFTER_S: Final = 1.0
+"""What is done later than so long after a rule was first broken did not break it."""
 GOES: Final = "arm: accepted"
-STOPS: Final = {"disarm: accepted", "force disarm: accepted", "emergency stop: accepted"}
+FORCED: Final = "force disarm: accepted"
+STOPPED: Final = "emergency stop: accepted"
+CLEARED: Final = "clear: accepted"
+STOPS: Final = {"disarm: accepted", FORCED, STOPPED, "hold: accepted"}
+WORDS: Final = {GOES, CLEARED, *STOPS}
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +59,7 @@ class _Kept:
     at: Nanoseconds
     moment: Checkpoint
     since: dict[str, Nanoseconds]
+    let_go_at: tuple[float, float] | None
     nearest: float
 
 
@@ -61,7 +70,9 @@ class Life:
         self, robot: AnyRobot, rehearsal: Rehearsal, mission: Mission, seed: int, rows: tuple[Invariant, ...]
     ) -> None:
         self.mission = mission
-        self._operator: Final = ScriptedOperator(robot, rehearsal, mission, np.random.default_rng(seed))
+        robot = mission.on(robot)
+        hand = np.random.default_rng([seed, HAND_STREAM])
+        self._operator: Final = ScriptedOperator(robot, rehearsal, mission, hand)
         self.rig: Final = Rig(
             robot, rehearsal, self._operator, seed=seed, noise=mission.noise, faults=mission.fault
         )
@@ -75,33 +86,47 @@ class Life:
             self.rig.run(self.rig.world.now + step)
             if self.rig.world.now < from_seconds(READY_S):
                 continue
-            look = self._truth.look(self.rig, told_to_stop=self._told_to_stop())
+            words = self._accepted()
+            look = self._truth.look(
+                self.rig,
+                told_to_stop=next((word for word in words if word != CLEARED), STOPPED) != GOES,
+                stopped=words[0] == STOPPED and not self.mission.plant,
+                let_go=FORCED not in words and not any(map(takes_power, self.mission.fault)),
+            )
             broken = self.judge.look(self.rig.world.now, look)
             if broken is not None:
                 return broken
         return None
 
-    def _told_to_stop(self) -> bool:
-        """Return whether the operator's last order that was accepted is one to stop."""
-        answers = (
-            entry.text for entry in reversed(self._operator.diary.entries) if entry.kind is Kind.ANSWERED
-        )
-        return next((text in STOPS for text in answers if text in STOPS or text == GOES), True)
+    def _accepted(self) -> list[str]:
+        """Return the orders to go or to stop that were accepted, of anybody, the newest first."""
+        answers = [
+            (entry.at, entry.text)
+            for entry in self._operator.diary.entries
+            if entry.kind is Kind.ANSWERED and entry.text in WORDS
+        ]
+        answers += [
+            (at, f"{order}: accepted") for station in self.rig.stations for at, order in station.accepted
+        ]
+        answers.sort(key=lambda answer: answer[0])  # what came at one instant stays in its order
+        known = [text for _, text in reversed(answers) if text in WORDS]
+        return known or ["disarm: accepted"]
 
     def kept(self, until: Nanoseconds) -> Iterator[_Kept | Violation]:
         """Run on, and yield a moment for each second of it, or what was broken."""
         while self.rig.world.now < until:
             at, moment, since = self.rig.world.now, self.rig.snapshot(), dict(self.judge.since)
+            let_go_at = self._truth.let_go_at
             self.judge.nearest = 0.0
             broken = self.run(min(until, at + from_seconds(KEPT_EVERY_S)))
-            yield _Kept(at, moment, since, self.judge.nearest) if broken is None else broken
+            yield _Kept(at, moment, since, let_go_at, self.judge.nearest) if broken is None else broken
             if broken is not None:
                 return
 
     def branch(self, kept: _Kept, steps: tuple[Step, ...], faults: tuple[Fault, ...]) -> None:
         """Go back to a moment, and on from there with other steps and more faults."""
         self.rig.restore(kept.moment)
-        self.judge.since = dict(kept.since)
+        self.judge.since, self._truth.let_go_at = dict(kept.since), kept.let_go_at
         before = tuple(step for step in self.mission.step if from_seconds(step.at_s) <= kept.at)
         spoken = self.mission.model_copy(update={"step": (*before, *steps)})
         self._operator.take_over(spoken)
@@ -124,18 +149,24 @@ class Search:
     rows: tuple[Invariant, ...]
     natures: frozenset[Nature]
     say: Callable[[str], None] = lambda _: None
+    seen: Callable[[Rig], None] = lambda _: None
+    """Told the rig when an evening has been driven to its end, before its branches."""
 
     def evening(self, seed: int) -> tuple[Found | None, float]:
         """Drive one evening and its branches; return what was found, shrunk, and the seconds driven."""
+        found, driven = self.looked(seed)
+        return (None if found is None else self.shrunk(found)), driven
+
+    def looked(self, seed: int) -> tuple[Found | None, float]:
+        """Drive one evening and its branches; return what was found, and the seconds driven."""
         chance = np.random.default_rng([seed, 7])
         draw = Draw(self.robot, self.rehearsal, chance, self.natures)
         whole = draw.mission(EVENING_S)
         life = Life(self.robot, self.rehearsal, whole, seed, self.rows)
         try:
-            found, driven = self._lived(life, draw, chance, seed)
+            return self._lived(life, draw, chance, seed)
         finally:
             life.rig.finish()
-        return (None if found is None else self.shrunk(found)), driven
 
     def _lived(self, life: Life, draw: Draw, chance: Generator, seed: int) -> tuple[Found | None, float]:
         whole, kept, end = life.mission, list[_Kept](), from_seconds(EVENING_S)
@@ -143,6 +174,7 @@ class Search:
             if isinstance(one, Violation):
                 return Found(life.mission, one, seed), to_seconds(life.rig.world.now)
             kept.append(one)
+        self.seen(life.rig)
         driven = EVENING_S
         ready = [one for one in kept if one.at > from_seconds(READY_S)]
         worst = sorted(ready, key=lambda one: -one.nearest)[: 2 * BRANCHES]
@@ -161,16 +193,22 @@ class Search:
 
     def again(self, mission: Mission, seed: int, name: str) -> Violation | None:
         """Drive a mission from its beginning; return the violation of this name."""
-        life = Life(self.robot, self.rehearsal, mission, seed, self.rows)
-        try:
-            broken = life.run(from_seconds(mission.duration_s + BRANCH_S))
-        finally:
-            life.rig.finish()
+        broken = self.breaks(mission, seed)
         return broken if broken is not None and broken.name == name else None
 
+    def breaks(self, mission: Mission, seed: int) -> Violation | None:
+        """Drive a mission from its beginning; return the first rule that it breaks."""
+        life = Life(self.robot, self.rehearsal, mission, seed, self.rows)
+        try:
+            return life.run(from_seconds(mission.duration_s + BRANCH_S))
+        finally:
+            life.rig.finish()
+
     def shrunk(self, found: Found) -> Found:
-        """Leave out all noise, and each fault and step, without which the same rule is broken as well."""
-        best = self._smaller(found, {"noise": type(found.mission.noise)()})
+        """Leave out what comes later, all noise, and each fault and step without which the same is broken."""
+        end = round(to_seconds(found.violation.since) + AFTER_S, 3)
+        best = self._smaller(found, _until(found.mission, end))
+        best = self._smaller(best, {"noise": type(found.mission.noise)()})
         before = None
         while best is not before:
             before = best
@@ -191,13 +229,24 @@ class Search:
         return Found(mission, broken, best.seed)
 
 
+def _until(mission: Mission, end: float) -> dict[str, Any]:
+    """Return what of a mission is before a second."""
+    steps = tuple(step for step in mission.step if step.at_s < end)
+    faults = tuple(fault for fault in mission.fault if fault.at_s < end)
+    return {"duration_s": min(end, mission.duration_s), "step": steps, "fault": faults}
+
+
 def as_toml(found: Found, robot: AnyRobot) -> str:
     """Return the mission as a file that `bench` drives, with what it breaks above it."""
     mission = found.mission
-    lines = [f"# {found}", f"# firmware-bridge bench {robot.name} --mission THIS --seed {found.seed}", ""]
+    serial = any(link.driver is Epos2Driver.SERIAL for link in robot.links.values())
+    line = f"{robot.name}{' --serial v2' if serial else ''}"
+    lines = [f"# {found}", f"# firmware-bridge bench {line} --mission THIS --seed {found.seed}", ""]
     lines += [f"title = {json.dumps(mission.title)}", f"duration_s = {mission.duration_s + BRANCH_S}"]
     noise = mission.noise.model_dump(exclude_defaults=True)
     lines += ["", "[noise]", *(f"{key} = {_toml(value)}" for key, value in noise.items())] if noise else []
+    if mission.plant:
+        lines += ["", "[plant]", *(f"{key} = {_toml(value)}" for key, value in mission.plant.items())]
     for table, rows in (("step", mission.step), ("fault", mission.fault)):
         for row in rows:
             said = row.model_dump(exclude_none=True, exclude_unset=True)

@@ -4,27 +4,31 @@ Bounds are the robot file's own: the guard's sums and exclusive sides, the axes'
 has lasted for its time; rows that a lying device may break for a moment have a second, longer one.
 """
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
 from emulators.bench.columns import Sample, motor_speed
 from emulators.epos2.drive import Epos2
-from emulators.rig import Rig
-from firmware_bridge.robot import AnyRobot, Axis
+from emulators.rig import BRIDGE, SECOND_BRIDGE, Rig
+from firmware_bridge.bridge import Phase
+from firmware_bridge.robot import AnyRobot, Axis, Unpowered
 from firmware_bridge.robot.model import GuardExclusive, GuardSum
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.units import SECOND, Nanoseconds, from_seconds
 from firmware_bridge.wire.epos2 import address as at
+from hil_tests.adversary.own import OWN, ROUNDED, gives
 
-ROUNDED: Final = 1.02
-"""Beside a bound of the robot file: what regulators and slip make of a hand that trembles at full stick."""
+GOES_M: Final = 0.020
+"""So far a robot may go that was let go at rest, before it is held again; docs/safety.md."""
+RESTED_MPS: Final = 0.02
 OVERSHOOTS_S: Final = 0.1
 """A wheel may be quicker for a moment where its set-point jumps; the base may not."""
 STANDS: Final = 1.0 / 40.0
 """An axis moves above this share of its top speed."""
-OWN: Final[Mapping[str, Mapping[str, float]]] = {"rars": {"speed_mps": 0.505}}
-"""Bounds of a robot's columns beside those of its file."""
+ENDS_S: Final = 15.0
+"""The longest end of a bridge; firmware_bridge/shell/runner.py waits so long."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +45,17 @@ class Look:
     unwatched: frozenset[str]
     """The axes with power whose drives watch nobody."""
     may_move: bool
-    """The bridge is armed, and the operator's last word that it accepted is none to stop."""
+    """The bridge is alive and armed, and the last word that it accepted is none to stop."""
+    gone: bool
+    """The bridge is dead, or has ended, and there is no second one, which may have taken the robot over."""
+    ending: bool
+    """It has been asked to end, and neither has nor holds the robot on a slope."""
+    rolled_m: float
+    """How far the base has gone since it was let go at rest, by nobody's order and no fault."""
+    stopped: bool
+    """Its power shall go: by an emergency stop, on the flat, and no fault is in the way."""
+    own: Mapping[str, float]
+    """How near the bounds of this kind of robot are."""
 
     def moves(self, name: str, slowest: Mapping[str, float]) -> float:
         """Return the axis's speed as a share of the slowest that counts as motion."""
@@ -79,15 +93,32 @@ class Truth:
     def __init__(self, robot: AnyRobot) -> None:
         self.robot: Final = robot
         self._travelling: Final = tuple(axis for axis in robot.axes if axis.travel is not None)
+        links = robot.links
+        self._watching: Final = {
+            axis.name for axis in robot.axes if links[axis.link].driver is Epos2Driver.CAN
+        }
+        """The axes whose drives have a watch of their own over the bridge: a gateway's is its line."""
+        self._free: Final = {axis.name for axis in robot.axes if axis.unpowered is Unpowered.FREE}
+        self.let_go_at: tuple[float, float] | None = None
+        """Where the base rested when it last had power; None where it did not rest."""
 
-    def look(self, rig: Rig, *, told_to_stop: bool) -> Look:
-        """Return the truth of now, which must be an instant of a sample."""
+    def look(self, rig: Rig, *, told_to_stop: bool, stopped: bool, let_go: bool) -> Look:
+        """Return the truth of now, which must be an instant of a sample.
+
+        `stopped`: the last word that was accepted is an emergency stop, on the flat. `let_go`: nothing but
+        the bridge itself takes the power: neither a fault nor an order.
+        """
         row, plant = rig.samples[-1], rig.devices.plant
         axes = {axis.name: axis for axis in rig.devices.bank.axes}
         turned = dict(zip(plant.output_names, plant.outputs, strict=True))
         powered = frozenset(name for name, axis in axes.items() if axis.powered)
         drives = rig.devices.drives
-        unwatched = {name for name in powered if self._watches(name) and not _watch(drives[name])}
+        unwatched = {name for name in powered if name in self._watching and not _watch(drives[name])}
+        bridge, alive = rig.bridge, rig.world.here(BRIDGE)
+        ending = alive and bridge.phase in (Phase.STOPPING, Phase.LEAVING) and not bridge.holding
+        gone = not alive or bridge.finished
+        alone = gone and not rig.world.here(SECOND_BRIDGE)
+        rolled = self._rolled(row, powered)
         return Look(
             self.robot,
             row,
@@ -95,13 +126,19 @@ class Truth:
             {axis.name: _of(axis, turned[f"angle_{axis.name}"]) for axis in self._travelling},
             powered,
             frozenset(unwatched),
-            bool(row["armed"]) and not told_to_stop,
+            bool(row["armed"]) and not told_to_stop and not gone,
+            alone,
+            ending,
+            rolled if let_go else 0.0,
+            stopped and let_go,
+            {own.name: own.ratio(self.robot, rig) for own in OWN.get(self.robot.kind, ())},
         )
 
-    def _watches(self, name: str) -> bool:
-        """Return whether an axis's drive has a watch of its own over the bridge: a gateway's is its line."""
-        axis = next(axis for axis in self.robot.axes if axis.name == name)
-        return self.robot.links[axis.link].driver is Epos2Driver.CAN
+    def _rolled(self, row: Sample, powered: frozenset[str]) -> float:
+        place = row["x_m"], row["y_m"]
+        if powered & self._free:
+            self.let_go_at = place if abs(row["speed_mps"]) < RESTED_MPS else None
+        return 0.0 if self.let_go_at is None else math.dist(place, self.let_go_at)
 
 
 def _watch(drive: Epos2) -> int:
@@ -116,6 +153,7 @@ def _of(axis: Axis, motor: float) -> float:
 def invariants(robot: AnyRobot) -> tuple[Invariant, ...]:
     """Return the rows of a robot."""
     slowest = {axis.name: STANDS * axis.top_speed for axis in robot.axes}
+    free = {axis.name for axis in robot.axes if axis.unpowered is Unpowered.FREE}
 
     def may_not_move(look: Look) -> float:
         moves = (look.moves(name, slowest) for name in look.powered)
@@ -125,9 +163,15 @@ def invariants(robot: AnyRobot) -> tuple[Invariant, ...]:
         *(_sum(total) for total in robot.guard.sums),
         *(_exclusive(pair, slowest) for pair in robot.guard.exclusive),
         *(_travel(axis.name, axis.travel) for axis in robot.axes if axis.travel is not None),
-        *(_figure(name, bound) for name, bound in OWN.get(robot.kind, {}).items()),
+        *(_own(own.name, own.lasts_s, frozenset(free)) for own in OWN.get(robot.kind, ())),
         Invariant("motion with power that may not be", may_not_move, 2.0, 6.0),
         Invariant("power that nobody watches", lambda look: 2.0 * bool(look.unwatched), 1.0, 6.0),
+        Invariant("power without a bridge", lambda look: 2.0 * bool(look.gone and look.powered), 2.0, 6.0),
+        Invariant(
+            "an emergency stop with power", lambda look: 2.0 * bool(look.stopped and look.powered), 5.0
+        ),
+        Invariant("an end without an end", lambda look: 2.0 * look.ending, ENDS_S),
+        Invariant("let go, and rolls", lambda look: look.rolled_m / GOES_M),
     )
 
 
@@ -136,7 +180,7 @@ def _sum(total: GuardSum) -> Invariant:
         if not look.powered >= total.of.keys():
             return 0.0  # what rolls out is held by nobody
         summed = sum(look.speeds[name] * factor for name, factor in total.of.items())
-        return abs(summed) / (ROUNDED * total.bound)
+        return abs(summed) / (ROUNDED * gives(look.robot) * total.bound)
 
     return Invariant(f"{total.name} beyond its bound", ratio, OVERSHOOTS_S)
 
@@ -155,8 +199,12 @@ def _travel(name: str, travel: tuple[float, float]) -> Invariant:
     )
 
 
-def _figure(name: str, bound: float) -> Invariant:
-    return Invariant(f"{name} beyond {bound:g}", lambda look: abs(look.row[name]) / bound)
+def _own(name: str, lasts_s: float, free: frozenset[str]) -> Invariant:
+    def ratio(look: Look) -> float:
+        # What rolls out, or down a slope, is held by nobody.
+        return look.own[name] if look.powered >= free else 0.0
+
+    return Invariant(name, ratio, lasts_s)
 
 
 @dataclass(slots=True)

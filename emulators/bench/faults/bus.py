@@ -21,7 +21,7 @@ from emulators.bench.faults.fault import (
 from emulators.bench.faults.site import Site
 from emulators.wires import Disturbance, Effect
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.units import MICROSECOND, NEVER
+from firmware_bridge.units import MICROSECOND, MILLISECOND, NEVER
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.canopen import NmtCommand
 
@@ -219,6 +219,30 @@ class NmtStranger(OnBus):
             (axis.settings.node for axis in site.robot.axes if axis.name == name), canopen.ALL_NODES
         )
         site.send(self.on(site.robot), canopen.NMT, canopen.encode_nmt(_COMMANDS[self.command], number))
+
+
+class StrayFrames(OnBus, Lasting):
+    """A stranger sends one frame again and again."""
+
+    kind: ClassVar = "stray_frames"
+    among: ClassVar = Stations.NONE
+    identifier: Annotated[int, Field(ge=0, le=0x7FF, description="of its frame")]
+    data: Annotated[
+        str, Field(pattern="^([0-9A-Fa-f]{2}){0,8}$", description="its bytes, in hexadecimal digits")
+    ] = ""
+    every_ms: Annotated[int, Field(ge=1, le=10_000, description="between two frames, in ms")] = 50
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Begin to send."""
+        del chance
+        self._send(site)
+
+    def _send(self, site: Site) -> None:
+        world, link = site.world, self.on(site.robot)
+        if world.now < self.end:
+            if site.waiting(link) < _AHEAD:
+                site.send(link, self.identifier, bytes.fromhex(self.data))
+            world.call_at(world.now + self.every_ms * MILLISECOND, self._send, site)
 
 
 class NodeSilent(Lasting):

@@ -89,7 +89,7 @@ class SerialUnplugged(Lasting):
         self._plug(site, plugged=True)
 
     def _plug(self, site: Site, *, plugged: bool) -> None:
-        if not site.adapters:
+        if not site.bridges.adapters:
             raise WorldError(f"{self.kind}: this bench has no serial line")
-        for adapter in site.adapters.values():
+        for adapter in site.bridges.adapters:
             adapter.plugged = plugged

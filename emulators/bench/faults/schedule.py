@@ -57,8 +57,13 @@ class Faults:
         if problems:
             raise FaultError(problems)
         self._planned = everything
+        world = self._site.world
+        # Ends before beginnings: at one instant the second fault meets a bench that the first has left.
         for number, fault in enumerate(faults, start=first):
-            self._site.world.call_at(fault.begin, self._begin, number)
+            if fault.begin < fault.end < NEVER:
+                world.call_at(fault.end, self._end, number)
+        for number, fault in enumerate(faults, start=first):
+            world.call_at(fault.begin, self._begin, number)
 
     def _begin(self, number: int) -> None:
         fault, world = self._planned[number], self._site.world
@@ -68,8 +73,6 @@ class Faults:
         ended = None if lasts else world.now
         self.records.append(FaultRecord(fault.kind, fault.title, targets, world.now, ended))
         fault.put_on(self._site, np.random.default_rng([self._seed, FAULT_STREAM, number]))
-        if lasts and fault.end != NEVER:
-            world.call_at(fault.end, self._end, number)
 
     def _end(self, number: int) -> None:
         at = self._record_of[number]

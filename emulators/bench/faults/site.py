@@ -3,16 +3,17 @@
 It refuses to know which faults there are.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, Protocol
 
 from emulators.bench.adapter import Adapter
+from emulators.bench.second_station import SecondStation
 from emulators.epos2.drive import Epos2
 from emulators.servo.axis import ServoAxis
 from emulators.wires import DatagramWire, FaultyCanWire
 from emulators.world import Station, Wire, World
-from firmware_bridge.node import CAN
+from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import Nanoseconds
@@ -20,6 +21,22 @@ from firmware_bridge.units import Nanoseconds
 BRIDGE: Final = "bridge"
 OPERATOR_STATION: Final = "operator"
 STRANGER: Final = "stranger"
+SECOND_BRIDGE: Final = "second bridge"
+SECOND_STATION: Final = "second station"
+
+
+class Bridges(Protocol):
+    """Where processes of the bridge come from, and what they have in their hands."""
+
+    @property
+    def adapters(self) -> Sequence[Adapter]:
+        """What the newest has at its ends of the serial lines."""
+
+    def start(self) -> None:
+        """Start one in the place of the one that was; it is killed where it still runs."""
+
+    def start_second(self) -> None:
+        """Start one beside it, as `SECOND_BRIDGE`."""
 
 
 class Stranger:
@@ -43,7 +60,7 @@ class Stranger:
 
 @dataclass(slots=True, eq=False)
 class Site:
-    """One bench: buses by link, drives and servo axes by axis, and the adapters of serial lines by link."""
+    """One bench: buses by link, drives and servo axes by axis."""
 
     robot: AnyRobot
     world: World
@@ -51,7 +68,9 @@ class Site:
     operator: DatagramWire
     drives: Mapping[str, Epos2]
     axes: Mapping[str, ServoAxis]
-    adapters: Mapping[str, Adapter]
+    bridges: Bridges
+    stations: list[SecondStation] = field(default_factory=list)
+    """All that have joined the operator's link, the newest last."""
     _strangers: dict[str, Station] = field(default_factory=dict)
     """By the link on whose bus they are."""
     _unplugged: dict[str, Mapping[str, Wire]] = field(default_factory=dict)
@@ -79,3 +98,15 @@ class Site:
     def switch_on(self, name: str) -> None:
         """Give the supply back: the drive starts as after power-on."""
         self.world.attach(name, self.drives[name], self._unplugged.pop(name))
+
+    def join_station(self, system: int, stick: float, order: str) -> None:
+        """Let a second ground station join the operator's link."""
+        if self.world.here(SECOND_STATION):
+            self.world.detach(SECOND_STATION)
+        ids = (self.robot.operator.system_id, self.robot.operator.component_id)
+        self.stations.append(SecondStation(ids, system, stick, order, len(self.stations)))
+        self.world.attach(SECOND_STATION, self.stations[-1], {OPERATOR: self.operator})
+
+    def dismiss_station(self) -> None:
+        """Let it say nothing any more; what is on its way still arrives."""
+        self.stations[-1].leaves()

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final
 
-from emulators.bench.faults import bus, device, link
+from emulators.bench.faults import bus, device, link, people
 from emulators.bench.faults.fault import Fault, Lasting
 from emulators.wires.faulty_can import WAITING
 
@@ -108,6 +108,13 @@ _ROWS: Final = (
         "Obeys. Stopped or pre-operational it takes no set-point and sends no process data, and by"
         " itself stops no motion (ASSUME); a reset takes the power off, and the position counter begins"
         " at 0.",
+    ),
+    Kind(
+        bus.StrayFrames,
+        "Another master, or a tool that replays a log, sends one frame again and again: a SYNC, a set-point,"
+        " the bridge's own heartbeat.",
+        "Obeys it as it would the bridge's.",
+        "the stranger",
     ),
     Kind(
         bus.NodeSilent,
@@ -229,6 +236,28 @@ _ROWS: Final = (
         "The gateway misses its host; its own watch over another drive stops the motors. The bridge"
         " holds `link lost`.",
         "the serial line",
+    ),
+    Kind(
+        people.BridgeEnds,
+        "Somebody presses Ctrl-C, once or twice, or the bridge's process is killed: what it had queued is"
+        " not sent. With the end of the fault a bridge is started, which knows of the one before what that"
+        " has left in its file: the places of the axes, as an offer.",
+        "Asked to end: the bridge brings it to rest, takes its power and its watch. Killed: it misses the"
+        " bridge's heartbeat, EMCY 0x8130, and stops as 0x6007 says.",
+        _CONNECTION,
+    ),
+    Kind(
+        people.SecondBridge,
+        "Somebody starts a second bridge on the same bus, and ends it by Ctrl-C with the end of the fault.",
+        "No device: the second bridge hears the first one, says so and sends nothing.",
+        "the second bridge",
+    ),
+    Kind(
+        people.SecondStation,
+        "A second ground station joins: it holds a stick, and may ask for something twice a second.",
+        "No device: who drives goes on to drive. The other's stick and orders are refused, but an emergency"
+        " stop is obeyed from anyone; it may take control where nobody drives, or once it is given up.",
+        "the second station",
     ),
 )
 

@@ -22,6 +22,7 @@ LEAST = {
     "can_cut": 'between = ["left", "right"]',
     "can_swapped": 'node = "left"',
     "nmt_stranger": 'command = "stop"',
+    "stray_frames": "identifier = 0x80",
     "node_silent": 'node = "bridge"',
     "drive_restart": "node = 4",
     "set_points_ignored": 'node = "left"',
@@ -207,7 +208,9 @@ def test_a_fault_from_python_is_checked_alike() -> None:
 def test_every_key_of_every_kind_is_explained(kind: Kind) -> None:
     keys = {key: (text, values) for key, text, values, _ in parameters(kind)}
     assert all(text for text, _ in keys.values())
-    assert all(values for key, (_, values) in keys.items() if key not in {"`node`", "`between`", "`link`"})
+    assert all(
+        values for key, (_, values) in keys.items() if key not in {"`node`", "`between`", "`link`", "`data`"}
+    )
     assert kind.happens.endswith(".")
     assert kind.does.endswith(".")
     assert target(kind)

@@ -194,6 +194,26 @@ def test_a_disturbance_names_nodes_that_are_there() -> None:
         wire.cut(["node7"])
 
 
+def test_a_disturbance_of_a_node_that_is_away_meets_it_when_it_is_back() -> None:
+    beats = Player(*((k * MILLISECOND, frame(0x100 + k)) for k in range(30)))
+    world, wire, (sender, hearer, _) = bus_of(beats, Player(), Player())
+    world.run(2_500_000)
+    world.detach("node1")
+    wire.disturb(Disturbance(receiver="node1", effect=Effect.OVERRUN))
+    wire.disturb(Disturbance(sender="node2", effect=Effect.LOSS))
+    wire.disturb(Disturbance(receiver="node1", end=20 * MILLISECOND))
+    world.run(9_500_000)
+    assert wire.damaged == 0, "nobody is there to see a frame wrongly"
+    world.attach("node1", hearer, {"can": wire})
+    world.run(15_500_000)
+    assert wire.damaged > 0
+    world.run(SECOND)
+    assert CONTROLLER in reports(hearer)
+    assert len(frames(hearer)) == 3, "those from before it went"
+    assert not reports(sender) or wire.confinement("node0").condition is not Condition.OFF
+    assert wire.lost == 0
+
+
 # Cables
 
 

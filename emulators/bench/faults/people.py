@@ -1,0 +1,98 @@
+"""What people do: end the bridge, or its process dies; start a second one; join with a second station."""
+
+from collections.abc import Iterator
+from typing import Annotated, ClassVar, Literal, Self
+
+from numpy.random import Generator
+from pydantic import Field, model_validator
+
+from emulators.bench.faults.fault import Lasting, Problem, Stations
+from emulators.bench.faults.site import BRIDGE, SECOND_BRIDGE, Site
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.epos2 import Epos2Driver
+from firmware_bridge.units import from_seconds
+
+
+class BridgeEnds(Lasting):
+    """The bridge is asked to end, or its process is killed; at the end of the fault one is started."""
+
+    kind: ClassVar = "bridge_ends"
+    among: ClassVar = Stations.NONE
+    how: Annotated[
+        Literal["asked", "killed"], Field(description="asked as by Ctrl-C, or killed in mid-sentence")
+    ] = "asked"
+    again_after_s: Annotated[
+        float | None, Field(gt=0, le=60, description="asked once more after so long")
+    ] = None
+
+    @model_validator(mode="after")
+    def _the_dead_are_not_asked(self) -> Self:
+        if self.how == "killed" and self.again_after_s is not None:
+            raise ValueError("again_after_s: what was killed is not asked again")
+        return self
+
+    def targets(self, robot: AnyRobot) -> frozenset[str]:
+        """Return the bridge alone."""
+        del robot
+        return frozenset({BRIDGE})
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Ask it, or kill it."""
+        del chance
+        if self.how == "killed":
+            site.world.detach(BRIDGE)
+            return
+        self._ask(site)
+        if self.again_after_s is not None:
+            site.world.call_at(site.world.now + from_seconds(self.again_after_s), self._ask, site)
+
+    def take_off(self, site: Site) -> None:
+        """Start a bridge: another process, which knows only what the one before has left in its file."""
+        site.bridges.start()
+
+    def _ask(self, site: Site) -> None:
+        if site.world.now < self.end:
+            site.world.stop(BRIDGE)
+
+
+class SecondBridge(Lasting):
+    """Somebody starts a second bridge on the same bus, and ends it by Ctrl-C."""
+
+    kind: ClassVar = "second_bridge"
+    among: ClassVar = Stations.NONE
+
+    def problems(self, robot: AnyRobot) -> Iterator[Problem]:
+        """Give what this robot lacks for it."""
+        if all(link.driver is not Epos2Driver.CAN for link in robot.links.values()):
+            yield "kind", f"{robot.name} is on a serial line, which one program alone can open"
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Start it."""
+        del chance
+        site.bridges.start_second()
+
+    def take_off(self, site: Site) -> None:
+        """Ask it to end."""
+        site.world.stop(SECOND_BRIDGE)
+
+
+class SecondStation(Lasting):
+    """A second ground station speaks to the robot."""
+
+    kind: ClassVar = "second_station"
+    among: ClassVar = Stations.NONE
+    stick: Annotated[float, Field(ge=-1, le=1, description="how far it holds its stick forward")] = 0.0
+    order: Annotated[
+        Literal["", "take", "give up", "arm", "disarm", "emergency stop", "clear", "hold", "garbage"],
+        Field(description="what it asks twice a second, or what it sends that is no MAVLink"),
+    ] = ""
+    system: Annotated[int, Field(ge=1, le=255, description="its system; the first station's is 255")] = 254
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Let it join."""
+        del chance
+        site.join_station(self.system, self.stick, self.order)
+
+    def take_off(self, site: Site) -> None:
+        """Let it leave without a word."""
+        site.dismiss_station()

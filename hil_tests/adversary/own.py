@@ -1,0 +1,94 @@
+"""What may never be of one kind of robot: bounds that stand in its file, measured on its plant."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from emulators.rig import Rig
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.units import STANDARD_GRAVITY
+
+BEYOND_MPS: Final = 0.005
+"""Above its speed limit: what RARS's regulators may overshoot, turning and reversing."""
+MARGIN_M: Final = 0.030
+"""So far within the support the zero moment point stays: A. P. Das, PhD thesis, section 2.3.1."""
+OVER: Final = 10
+"""Samples over which an acceleration is the mean: two cycles of 50 ms, each a step of the ramp."""
+RAMP: Final = 1.1
+"""Beside an acceleration limit: what regulators make of a ramp at the limit."""
+ROUNDED: Final = 1.02
+"""Beside a bound of the robot file: what regulators and slip make of a hand that trembles at full stick."""
+
+
+GIVES: Final = 0.0055
+"""So much of a speed may a regulator give way, per degree of slope: 0.5265 m/s are measured on 10."""
+
+
+def gives(robot: AnyRobot) -> float:
+    """Return the factor beside a bound of a speed on this robot's floor; 1 on the flat."""
+    return 1.0 + GIVES * abs(math.degrees(robot.plant.parameters.get("slope", 0.0)))
+
+
+@dataclass(frozen=True, slots=True)
+class Own:
+    """A bound of one kind of robot: how near the truth is to it, above 1 beyond."""
+
+    name: str
+    ratio: Callable[[AnyRobot, Rig], float]
+    lasts_s: float = 0.0
+
+
+def _speed(robot: AnyRobot, rig: Rig) -> float:
+    top: float = robot.geometry.limits.speed_mps + BEYOND_MPS
+    return abs(float(rig.samples[-1]["speed_mps"])) / (top * gives(robot))
+
+
+def _acceleration(robot: AnyRobot, rig: Rig) -> float:
+    if len(rig.samples) <= OVER:
+        return 0.0
+    newest, before = rig.samples[-1], rig.samples[-1 - OVER]
+    gained = (newest["speed_mps"] - before["speed_mps"]) / ((newest.at - before.at) * 1e-9)
+    limit: float = robot.geometry.limits.acceleration_mps2
+    return abs(float(gained)) / (RAMP * limit)
+
+
+def _sideways(robot: AnyRobot, rig: Rig) -> float:
+    row = rig.samples[-1]
+    limit: float = robot.geometry.limits.sideways_mps2
+    return abs(float(row["speed_mps"] * row["yaw_rate_rad_s"])) / (ROUNDED * gives(robot) * limit)
+
+
+def zero_moment_point(robot: AnyRobot, rig: Rig) -> tuple[float, float]:
+    """Return where RARS's zero moment point is, in m ahead of the rear axle and away from the middle.
+
+    Along from the loads of the plant's axles, across from what is felt: v times the yaw rate, and the slope
+    (thesis, section 2.3.1, (2.4) and (2.6)).
+    """
+    base, row, plant = robot.geometry.base, rig.samples[-1], rig.devices.plant
+    front, rear = plant.read("load_front_left"), plant.read("load_rear_left")
+    slope = robot.plant.parameters.get("slope", 0.0)
+    downhill = STANDARD_GRAVITY * math.sin(slope) * math.sin(row["heading_rad"])
+    felt = abs(row["speed_mps"] * row["yaw_rate_rad_s"] - downhill)
+    across = base.centre_of_gravity_height_m * felt / (STANDARD_GRAVITY * math.cos(slope))
+    return base.wheelbase_m * front / (front + rear), float(across)
+
+
+def _tipping(robot: AnyRobot, rig: Rig) -> float:
+    along, across = zero_moment_point(robot, rig)
+    base = robot.geometry.base
+    margin: float = min(along, base.wheelbase_m - along, base.half_support_width_m - across)
+    return MARGIN_M / margin if margin > 0.0 else math.inf
+
+
+OWN: Final[Mapping[str, tuple[Own, ...]]] = {
+    "rars": (
+        Own("speed beyond 0.505 m/s", _speed),
+        Own("acceleration beyond its limit", _acceleration),
+        Own("less than 30 mm from tipping", _tipping),
+    ),
+    "carrier": (
+        Own("acceleration beyond its limit", _acceleration),
+        Own("sideways acceleration beyond its limit", _sideways, 0.1),
+    ),
+}
