@@ -18,8 +18,8 @@ GUARD: Final = tuple(
     f"safety/test_guard_{what}" for what in ("power", "watch", "frames", "writes", "reports")
 )
 LINES: Final = ("safety/test_guard_serial", "safety/test_guard_serial_answers")
-ACROSS: Final = tuple(f"safety/test_guard_{what}" for what in ("exclusive", "links", "sums"))
-FOLLOWING: Final = ("safety/test_following", "safety/test_following_power")
+ACROSS: Final = tuple(f"safety/test_guard_{what}" for what in ("exclusive", "links", "sums", "homing"))
+FOLLOWING: Final = tuple(f"safety/test_following{what}" for what in ("", "_power", "_homing"))
 GATE: Final = (
     *("safety/test_gate_lift", "safety/test_gate_limits", "safety/test_gate_stops"),
     "safety/test_what_follows",
@@ -30,7 +30,7 @@ ROOMS: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("safety/guard/across_axes", ACROSS),
     ("safety/guard/bounds", ("safety/test_guard_bounds",)),
     ("safety/guard/epos2_serial", (*LINES, "safety/test_guard_reports", *ACROSS, "safety/test_guard_zero")),
-    ("safety/guard/zeroing", ("safety/test_guard_zero",)),
+    ("safety/guard/zeroing", ("safety/test_guard_zero", "safety/test_guard_homing")),
     ("safety/guard/*", (*GUARD, *ACROSS, "safety/test_guard_zero", *LINES)),
     ("safety/following", (*FOLLOWING, "unit/pipeline/test_disbelieved")),
     ("safety/snapshot", ("safety/test_snapshot", *FOLLOWING, *GATE)),

@@ -138,6 +138,13 @@ _BELIEF: Final = "axis fault, axis does not follow, axis moves unasked, axis pos
 
 FAILS: Final = (
     _fault("operator's link dead", "datagram_loss", _RAMP, "operator silent"),
+    _fault(
+        "operator's words late by 0.6 s",
+        "datagram_late",
+        "ramp; held while they are so old",
+        "operator silent, word too old",
+        how={"by_ms": 600.0},
+    ),
     Cause(name="bridge's process dead", by=By.PROGRAM, what="dies", answer=_WATCH, remains=_ON_A_SLOPE),
     _fault("bridge off the bus", "node_silent", _WATCH, _SILENT, how={"node": "bridge"}, remains=_ON_A_SLOPE),
     _fault(
@@ -342,9 +349,13 @@ ALIKE: Final = {
 }
 """Kinds of faults that take one drive's power at once, as another one does."""
 
-HARMLESS: Final = {
-    "datagram_doubled": "a command counts once",
-    "index_missing": "no drive of RARS watches the index",
-    "index_spurious": "no drive of RARS watches the index",
+ELSEWHERE: Final = {
+    "bridge_ends": "the rows of the program",
+    "second_bridge": "a story",
+    "second_station": "a story",
+    "stray_frames": "a story: another master",
+    "datagram_doubled": "nothing has to stop: a command counts once",
+    "index_missing": "nothing has to stop: no drive of RARS watches the index",
+    "index_spurious": "nothing has to stop: no drive of RARS watches the index",
 }
-"""Kinds of faults by which nothing has to stop, and why."""
+"""Kinds of faults that are no cause here, and why."""

@@ -5,7 +5,7 @@ from typing import Final
 from firmware_bridge.drivers.driver import Homed, Stop
 from firmware_bridge.robot import Axis
 from firmware_bridge.safety.following import bounds_of
-from hil_tests.safety.test_following import RARS, Told
+from hil_tests.safety.following_bench import RARS, Told
 from hil_tests.scenarios.homed import homed
 
 LIFT: Final[Axis] = homed().axes[3]

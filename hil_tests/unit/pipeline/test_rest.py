@@ -67,6 +67,6 @@ def test_an_axis_that_moves_by_itself_is_not_told_where_it_stands(sign: float) -
     bound = driver.axis.rests_below
     for speed, refused in ((math.nextafter(bound, math.inf), True), (bound, False)):
         driver.feedback = replace(driver.feedback, velocity=sign * speed)
-        verdict = cart.permission.set_zero(driver, 0.5, cart.pipeline.known(cart.now))
+        verdict = cart.permission.set_zero(driver, 0.5, cart.pipeline.known(cart.now), ())
         assert (not verdict.accepted, verdict.reason.endswith("moves")) == (refused, refused)
         assert driver.zeros == ([] if refused else [0.5])
