@@ -35,6 +35,7 @@ ROOMS: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("safety/following", (*FOLLOWING, "unit/pipeline/test_disbelieved")),
     ("safety/snapshot", ("safety/test_snapshot", *FOLLOWING, *GATE)),
     ("safety/charge", ("unit/pipeline/test_charge",)),
+    ("safety/operator_rows", (*GATE, "safety/test_one_cause_one_hold")),
     ("safety/rules", (*GATE, "unit/pipeline/test_rest")),
     ("safety/*", (*GATE, "safety/test_weaker_rows")),
     ("bridge/*", ("unit/bridge/*", "unit/pipeline/*")),

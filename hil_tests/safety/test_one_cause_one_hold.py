@@ -1,0 +1,28 @@
+"""An operator who has fallen silent is told that he is silent, and not that his last word has grown old."""
+
+from typing import Any, Final
+
+import pytest
+
+from firmware_bridge.intent import AgeLimit
+from firmware_bridge.kinds import find
+from firmware_bridge.units import MILLISECOND, Nanoseconds
+from hil_tests.safety.gate_bench import gate_of, names, well
+from hil_tests.safety.stop_cases import START
+
+RARS: Final = find("rars")
+SILENT: Final[Nanoseconds] = RARS.operator.silent_ms * MILLISECOND
+UNWELL: Final[dict[str, dict[str, Any]]] = {
+    "word too old": {"said_at": START - 600 * MILLISECOND - SILENT, "dated": True},
+    "word undated": {"age_limit": AgeLimit(needed=True)},
+}
+
+
+@pytest.mark.parametrize("row", UNWELL)
+@pytest.mark.parametrize(("silence", "silent"), [(SILENT - 1, False), (SILENT, True)])
+def test_at_the_silence_that_stops_the_other_row_gives_way(
+    row: str, silence: Nanoseconds, *, silent: bool
+) -> None:
+    seen = well(RARS, START, intent={"heard_at": START - silence}, **UNWELL[row])
+    held = names(gate_of(RARS).rule(seen))
+    assert (row in held, "operator silent" in held) == (not silent, silent)
