@@ -29,8 +29,8 @@ REMAINS_TEXT: Final = """No program holds what has no power and no brake. With t
   emergency stop needs a radio, a program and a drive that are sound;
 * **brakes** or blocked wheels wherever it may roll: without torque RARS rolls out over the ways above, and on
   a slope on;
-* the **ground**: the tipping limit is worked out for a plane. Steps, holes and slopes count against it. Downhill
-  the tyres slip, and the robot is faster than its wheels: 0.513 m/s on 5 degrees where they turn with 0.5;
+* the **ground**: the tipping limit is worked out for a plane. Steps, holes and slopes count against it.
+  Downhill the tyres slip, and the robot is faster than its wheels: 0.513 m/s on 5 degrees at 0.5 asked;
 * **an encoder that counts wrong** where no other sensor contradicts it: RARS has none of its yaw;
 * **where it stands** after a restart: a height that is said wrong is believed;
 * **people**: no row sees them."""
