@@ -184,6 +184,16 @@ class Bench:
         program = str(Path(sys.executable).parent / "firmware-bridge")
         return self.runs(name, self.folder / f"{name}.txt", [*before, program, *arguments])
 
+    def gets_under_way(self, client: Client, speed: float) -> None:
+        """Drive as a person does, who lets the stick go and tries again where a pause was too long."""
+
+        def drives() -> bool:
+            client.says(0.0, 0.5)
+            client.says(speed, 1.5)
+            return 0.6 * speed < self.eye.speed() < 1.2 * speed
+
+        until(drives, 30.0, f"{speed:g} m/s")
+
     def joins(self) -> Client:
         self.client = Client(self.port)
         return self.client

@@ -36,8 +36,7 @@ def comes_to_rest(bench: Bench, within: float) -> None:
 def test_a_drive_that_was_made_deaf_stops_and_an_end_leaves_it_without_power(
     bench: Bench, client: Client
 ) -> None:
-    client.says(0.3, 2.0)
-    assert bench.eye.speed() > 0.2, (client.texts, bench.programs["drive"].printed)
+    bench.gets_under_way(client, 0.3)
     bench.eye.sends(NMT, bytes((PRE_OPERATIONAL, 1)))
     client.says(0.3, 1.0)
     comes_to_rest(bench, 3.0)
@@ -83,20 +82,18 @@ def test_another_master_drives_the_disarmed_robot_no_further(bench: Bench, clien
 def test_a_second_bridge_leaves_the_first_one_s_robot_alone(
     bench: Bench, client: Client, *, at_once: bool
 ) -> None:
-    client.says(0.2, 1.0)
+    """It stands armed meanwhile: to start a program takes all of a small machine, and who drives falls behind."""
     first = bench.programs["drive"]
     before = len(first.printed)
-    # To start a program takes all of a small machine, where the drives would fall behind.
     second = bench.drives("second", bench.port + 1000, before=("nice", "-n", "19"))
     if at_once:
-        client.says_until(0.2, lambda: second.printed, 40.0, "the second one has begun")
+        client.says_until(0.0, lambda: second.printed, 40.0, "the second one has begun")
         second.process.send_signal(signal.SIGINT)
-    client.says_until(0.2, lambda: second.process.poll() is not None, 40.0, "its end")
-    for word in ("another master", "axis", "link", "unconfirmed"):
+    client.says_until(0.0, lambda: second.process.poll() is not None, 40.0, "its end")
+    for word in ("another master", "axis fault", "axis restarted", "axis not enabled"):
         assert f"holds: {word}" not in first.printed[before:], first.printed
     client.arms()  # who was silent for long
-    client.says(0.2, 1.0)
-    assert bench.eye.speed() == pytest.approx(0.2, abs=0.05), (client.texts, first.printed)
+    bench.gets_under_way(client, 0.2)
     if not at_once:
         assert second.process.returncode != 0
         assert "somebody else sends" in second.printed

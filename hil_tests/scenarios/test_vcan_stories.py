@@ -22,10 +22,9 @@ def test_a_client_drives_is_killed_and_the_robot_stops_then_ctrl_c(bench: Bench)
     bridge = bench.drives()
     client = bench.joins()
     client.arms()
-    client.says(0.1, 3.0)
-    assert bench.eye.speed() == pytest.approx(0.1, abs=0.02)
+    bench.gets_under_way(client, 0.1)
     client.says(0.1, 0.3)
-    assert client.x > 0.15
+    assert client.x > 0.05
     client.link.close()
     sleep(0.6)
     at_rest = bench.eye.metres()
@@ -52,8 +51,7 @@ def test_the_drives_stop_by_themselves_when_the_bridge_is_killed(bench: Bench) -
     bridge = bench.drives()
     client = bench.joins()
     client.arms()
-    client.says(0.3, 2.0)
-    assert bench.eye.speed() > 0.2
+    bench.gets_under_way(client, 0.3)
     bridge.ends(signal.SIGKILL)
     sleep(0.8)
     at_rest = bench.eye.metres()
@@ -69,7 +67,7 @@ def test_a_drive_that_falls_silent_stops_the_robot_and_is_named(bench: Bench) ->
     bench.drives()
     client = bench.joins()
     client.arms()
-    client.says(0.2, 2.0)
+    bench.gets_under_way(client, 0.2)
     assert time.monotonic() - began < 24, "the bench was too slow to get under way"
     while bench.eye.ask(3, 0x1000) is not None:
         client.says(0.2, 0.2)
