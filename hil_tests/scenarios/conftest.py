@@ -8,7 +8,7 @@ import can
 import pytest
 
 from emulators.robots.rars import RarsStep as Step
-from hil_tests.scenarios.real_bus import CHANNEL, Bench, Eye
+from hil_tests.scenarios.real_bus import CHANNEL, SDO_ANSWERS, Bench, Eye
 from hil_tests.scenarios.ride import Armed, Ridden, Ride, ride
 
 
@@ -48,7 +48,7 @@ def rides(armed: Callable[[], Armed]) -> Iterator[Ridden]:
 
 @pytest.fixture
 def bench(tmp_path: Path, unused_port: int) -> Iterator[Bench]:
-    with can.Bus(interface="socketcan", channel=CHANNEL) as bus:
+    with can.Bus(interface="socketcan", channel=CHANNEL, can_filters=SDO_ANSWERS) as bus:
         made = Bench(tmp_path, {}, Eye(bus), unused_port)
         yield made
         if made.client is not None:

@@ -82,7 +82,7 @@ def test_another_master_drives_the_disarmed_robot_no_further(bench: Bench, clien
 def test_a_second_bridge_leaves_the_first_one_s_robot_alone(
     bench: Bench, client: Client, *, at_once: bool
 ) -> None:
-    """It stands armed meanwhile: to start a program takes all of a small machine, and who drives falls behind."""
+    """It stands armed meanwhile: to start a program takes all of a small machine, and drives fall behind."""
     first = bench.programs["drive"]
     before = len(first.printed)
     second = bench.drives("second", bench.port + 1000, before=("nice", "-n", "19"))
