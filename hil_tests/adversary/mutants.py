@@ -11,7 +11,6 @@ out.
 import argparse
 import importlib.abc
 import importlib.machinery
-import importlib.util
 import json
 import os
 import signal
@@ -48,13 +47,11 @@ CALM: Final = 1
 
 
 def tool() -> Any:
-    """Return `tools/mutants.py`."""
-    spec = importlib.util.spec_from_file_location("mutants", ROOT / "tools" / "mutants.py")
-    if spec is None or spec.loader is None:
-        raise SystemExit("tools/mutants.py is missing")
-    module = sys.modules[spec.name] = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    """Return `tools/mutants.py`, which finds its neighbours beside itself."""
+    folder = str(ROOT / "tools")
+    if folder not in sys.path:
+        sys.path.insert(0, folder)
+    return importlib.import_module("mutants")
 
 
 class _Loader(importlib.machinery.SourceFileLoader):
