@@ -84,7 +84,7 @@ def test_the_parameters_of_a_run_do_not_matter(fmu_file: dict[int, Path]) -> Non
         pytest.param(
             "-O2 -ffp-contract=fast -march=native",
             marks=[
-                pytest.mark.long,
+                pytest.mark.long(beside="test_the_program_says_so_in_one_line"),
                 pytest.mark.skipif(not HAS_FMA, reason="this CPU does not fuse multiply and add"),
             ],
         ),
