@@ -8,7 +8,7 @@ from typing import Final
 
 import pytest
 
-from hil_tests.scenarios.real_bus import CHANNEL, DISABLED, Bench, sleep
+from hil_tests.scenarios.real_bus import DISABLED, SOCKETCAN, Bench, sleep
 
 pytestmark = [pytest.mark.vcan, pytest.mark.timeout(180)]
 
@@ -17,7 +17,7 @@ TSHARK: Final = shutil.which("tshark") or "tshark: not installed"
 
 def test_a_client_drives_is_killed_and_the_robot_stops_then_ctrl_c(bench: Bench) -> None:
     log = bench.folder / "can.log"
-    candump = bench.runs("candump", log, ["candump", "-L", CHANNEL])
+    candump = bench.runs("candump", log, ["candump", "-L", SOCKETCAN[1]])
     bench.emulates()
     bridge = bench.drives()
     client = bench.joins()
