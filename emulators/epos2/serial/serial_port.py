@@ -70,8 +70,8 @@ class SerialPort:
         return self._line.taken()
 
     def hear(self, chunk: bytes, now: Nanoseconds) -> None:
-        """Take bytes from the host."""
-        self.wake(now)
+        """Take bytes from the host; what is due is not late while they are still being fetched."""
+        self._change_rate(now)
         self._serve(self._line.hear(chunk, now), now)
 
     def hear_frame(self, address: int, payload: bytes, now: Nanoseconds) -> None:
@@ -84,12 +84,15 @@ class SerialPort:
 
     def wake(self, now: Nanoseconds) -> None:
         """Do what is due."""
-        if self._baud_due <= now:
-            self.baud, self._baud_due = self._next_baud, NEVER
+        self._change_rate(now)
         self._line.wake(now)
         self._answer(self._server.wake(now), now)
         if self._held_until <= now:
             self._release(now)
+
+    def _change_rate(self, now: Nanoseconds) -> None:
+        if self._baud_due <= now:
+            self.baud, self._baud_due = self._next_baud, NEVER
 
     def _timeout(self) -> Nanoseconds:
         return (self._store.get(FRAME_TIMEOUTS[self.generation]) or DEFAULT_TIMEOUT_MS) * MILLISECOND

@@ -77,8 +77,10 @@ class V1Device(LineEnd):
         self._waiting: deque[int] = deque()
 
     def hear(self, chunk: bytes, now: Nanoseconds) -> Frame | None:
-        """Take bytes; return the command that they complete, if any."""
-        self.wake(now)
+        """Take bytes; return the command that they complete, if any.
+
+        A phase ends by `wake` alone: bytes that a busy machine hands over late have arrived in time.
+        """
         free = self._phase is not _DevicePhase.WORK
         self._waiting.extend(chunk if free else chunk[: max(ROOM - len(self._waiting), 0)])
         return self._next(now)

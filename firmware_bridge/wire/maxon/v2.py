@@ -109,8 +109,7 @@ class V2Device(LineEnd):
         self._waiting: deque[int] = deque()
 
     def hear(self, chunk: bytes, now: Nanoseconds) -> Frame | None:
-        """Take bytes; return the command that they complete, if any."""
-        self.wake(now)
+        """Take bytes; return the command that they complete, if any; as in V1, a frame ends by `wake` alone."""
         free = not self._working
         self._waiting.extend(chunk if free else chunk[: max(ROOM - len(self._waiting), 0)])
         return self._next(now)
