@@ -5,7 +5,7 @@ from typing import Annotated, Final
 
 import typer
 
-from emulators.cli.options import LatencyOption, PlantOption
+from emulators.cli.options import LatencyOption, ParametersOption, PlantOption
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.options import (
     DurationOption,
@@ -45,6 +45,15 @@ class RobotOptions(Outside):
         list[str] | None,
         typer.Option(metavar="NODE@SECONDS", help="Cut a drive off the bus at this time; may be repeated."),
     ] = None
+    factory: Annotated[
+        bool,
+        typer.Option(
+            "--factory",
+            help="Drives as they come from the factory; without, they have the robot file's gains and limits, "
+            "as after commissioning.",
+        ),
+    ] = False
+    parameters: ParametersOption = None
     realistic_latency: LatencyOption = False
     link: LinkOption = None
     duration: DurationOption = None

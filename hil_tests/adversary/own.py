@@ -20,16 +20,16 @@ RAMP: Final = 1.1
 ROUNDED: Final = 1.02
 """Beside a bound of the robot file: what regulators and slip make of a hand that trembles at full stick."""
 CORNER: Final = 1.03
-"""Beside the bound of speed times turn rate: a turn overshoots where the ramp of the speed ends; 1.027 of it is
-measured on the flat."""
+"""Beside the bound of speed times turn rate: a turn overshoots where the ramp of the speed ends; 1.027 of it
+is measured on the flat."""
 
 GIVES: Final = 0.0055
 """So much of a speed may a regulator give way, per degree of slope: 0.5265 m/s are measured on 10."""
 
 
 BOTH_GIVE: Final = 0.014
-"""So much of speed times turn rate, per degree: backwards down 6.6 degrees, turning, the carrier's wheels race
-by 3 % and its turn by 7.5 % until their integrals have caught up; 0.638 of 0.576 m/s2 are measured."""
+"""So much of speed times turn rate, per degree: backwards down 6.6 degrees, turning, the carrier races by
+3 % and turns by 7.5 % too much until its regulators have caught up; 0.638 of 0.576 m/s2 are measured."""
 
 
 def degrees(robot: AnyRobot) -> float:
