@@ -25,7 +25,7 @@ from fmu.plants import find as find_plant
 
 SUPPLY: Final = "battery_voltage"
 """The plant's output that feeds the drives, V."""
-NO_SERIAL: Final[Mapping[str, Generation]] = MappingProxyType({})
+NO_SERIAL: Final[Mapping[str, Generation | None]] = MappingProxyType({})
 NO_STORAGE: Final[Mapping[str, Storage]] = MappingProxyType({})
 
 
@@ -44,14 +44,15 @@ def devices(
     *,
     outputs: Sequence[str] = (),
     realistic_latency: bool = False,
-    serial: Mapping[str, Generation] = NO_SERIAL,
+    serial: Mapping[str, Generation | None] = NO_SERIAL,
     storages: Mapping[str, Storage] = NO_STORAGE,
 ) -> Devices:
     """Build a robot's drives above its plant; PlantError where the plant cannot be used.
 
     `outputs` are the plant's that somebody wants to look at, whether an axis needs them or not. With
     `realistic_latency` the drives take the published time for an SDO answer; otherwise they answer at once.
-    `serial` names the axes whose drives have a host on their serial port, and the protocol that they speak.
+    `serial` names the axes whose drives have a host on their serial port, and the protocol that they speak,
+    None as the host does.
     `storages` keeps saved parameters by axis; without one a drive comes from the factory, and forgets.
     StorageError where they cannot be read.
 
@@ -75,7 +76,7 @@ def devices(
             axis,
             servo,
             _profile(axis, realistic_latency=realistic_latency),
-            serial.get(axis.name),
+            serial,
             storages.get(axis.name),
         )
         for axis, servo in zip(robot.axes, axes, strict=True)
@@ -106,12 +107,13 @@ def _drive(
     axis: Axis,
     servo: ServoAxis,
     profile: DeviceProfile,
-    generation: Generation | None,
+    serial: Mapping[str, Generation | None],
     storage: Storage | None,
 ) -> Epos2:
-    if generation is None:
-        return Epos2(axis.settings.node, servo, profile, storage=storage)
-    return SerialEpos2(axis.settings.node, servo, profile, generation=generation, storage=storage)
+    node = axis.settings.node
+    if axis.name not in serial:
+        return Epos2(node, servo, profile, storage=storage)
+    return SerialEpos2(node, servo, profile, generation=serial[axis.name], storage=storage)
 
 
 def _profile(axis: Axis, *, realistic_latency: bool) -> DeviceProfile:

@@ -94,7 +94,7 @@ def _profile(name: str, rate: int, *, latency: bool) -> DeviceProfile:
     return realistic(found) if latency else found
 
 
-def _rs232(baud: int | None, serial: str | None, protocol: Generation) -> int:
+def _rs232(baud: int | None, serial: str | None, protocol: Generation | None) -> int:
     """Return the code of a rate on RS232; what makes no sense ends the program with a message."""
     if baud is None:
         return len(BAUDS) - 1

@@ -2,7 +2,8 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import TypeAlias
+from types import MappingProxyType
+from typing import Final, TypeAlias
 
 from firmware_bridge.bridge import Bridge, Phase
 from firmware_bridge.cli.console import FAILED, one_message, refusal, say
@@ -30,6 +31,8 @@ from firmware_bridge.teleop.trust import Stamps
 from firmware_bridge.units import SECOND, Nanoseconds, to_seconds
 from firmware_bridge.wire.maxon.frame import Generation
 
+_OTHER: Final = {Generation.V1: Generation.V2, Generation.V2: Generation.V1}
+
 Tell: TypeAlias = Callable[[str], None]
 
 
@@ -44,9 +47,17 @@ class Narrated:
     """
 
     def __init__(
-        self, bridge: Bridge, node: Node, tell: Tell, kept: LastPlaces, stamps: KeptStamps | None
+        self,
+        bridge: Bridge,
+        node: Node,
+        tell: Tell,
+        kept: LastPlaces,
+        stamps: KeptStamps | None,
+        lines: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
         self._bridge = bridge
+        self._silent_lines = dict(lines)
+        """What may be wrong with a serial line that has said nothing yet, by its link."""
         self._stamps = stamps
         """Where signatures' time stamps are kept; None without a key, or where they cannot be."""
         self._kept: LastPlaces | None = kept
@@ -66,6 +77,8 @@ class Narrated:
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Pass the packet on, and tell what has changed."""
+        if packet.payload:
+            self._silent_lines.pop(packet.link, None)
         self._end_failed_start_up()
         return self._told(self._node.receive(packet, now), now)
 
@@ -83,7 +96,8 @@ class Narrated:
         """End the run one call after the failure, so that what the bridge sent because of it has left."""
         bridge = self._bridge
         if bridge.failure is not None and bridge.phase is Phase.FAILED:
-            raise StartUpFailedError(f"start-up failed: {bridge.failure}")
+            hints = "".join(f"; {hint}" for hint in self._silent_lines.values())
+            raise StartUpFailedError(f"start-up failed: {bridge.failure}{hints}")
 
     def _told(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
         bridge = self._bridge
@@ -158,16 +172,18 @@ def drive(given: DriveOptions) -> None:
     bridge.offer(kept.read())
     node: Node = guarded(bridge, machine)
     openers: dict[str, Callable[[], Port]] = {}
+    lines: dict[str, str] = {}
     for name, place in places.items():
         table = machine.links[name]
         if table.driver is Epos2Driver.SERIAL:
             node = MaxonLine(node, table.protocol, name)
             openers[name] = _serial_opener(machine, name, place)
+            lines[name] = _nothing_heard(table.protocol, table.line_rate)
         else:
             openers[name] = _can_opener(place, given.bit_rate, table.bit_rate)
     where = ", ".join(_title(machine, name, place) for name, place in places.items())
     carry(
-        Narrated(bridge, node, say, kept, stamps),
+        Narrated(bridge, node, say, kept, stamps, lines),
         {**openers, OPERATOR: lambda: UdpPort(given.mavlink)},
         until(given.duration),
         f"{machine.name}: bridge on {where}, operator on {given.mavlink}",
@@ -211,6 +227,14 @@ def _serial_opener(machine: AnyRobot, name: str, place: Place) -> Callable[[], P
     if device is None:
         raise refusal(f"{machine.name} is driven over a serial line; name its port with --serial DEVICE")
     return lambda: ReturningLine(device, rate)
+
+
+def _nothing_heard(spoken: Generation, rate: int) -> str:
+    other = _OTHER[spoken]
+    return (
+        f"nothing was heard on the line, which was spoken to in {spoken.value} at {rate} Bd: is the drive on, "
+        f"and is it not {other.value} (--protocol {other.value})?"
+    )
 
 
 def _can_opener(place: Place, bit_rate: int | None, default: int) -> Callable[[], Port]:

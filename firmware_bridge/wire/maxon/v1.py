@@ -76,6 +76,11 @@ class V1Device(LineEnd):
         self._answer = b""
         self._waiting: deque[int] = deque()
 
+    @property
+    def idle(self) -> bool:
+        """Whether no command is under way, nor has one begun."""
+        return self._phase is _DevicePhase.IDLE
+
     def hear(self, chunk: bytes, now: Nanoseconds) -> Frame | None:
         """Take bytes; return the command that they complete, if any.
 
