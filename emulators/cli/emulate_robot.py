@@ -49,8 +49,8 @@ class RobotOptions(Outside):
         bool,
         typer.Option(
             "--factory",
-            help="Drives as they come from the factory; without, they have the robot file's gains and limits, "
-            "as after commissioning.",
+            help="Drives as they come from the factory; without, they have the gains and limits of the robot "
+            "file, as after commissioning.",
         ),
     ] = False
     parameters: ParametersOption = None

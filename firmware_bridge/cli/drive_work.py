@@ -53,6 +53,7 @@ class Narrated:
         tell: Tell,
         kept: LastPlaces,
         stamps: KeptStamps | None,
+        *,
         lines: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
         self._bridge = bridge
@@ -183,7 +184,7 @@ def drive(given: DriveOptions) -> None:
             openers[name] = _can_opener(place, given.bit_rate, table.bit_rate)
     where = ", ".join(_title(machine, name, place) for name, place in places.items())
     carry(
-        Narrated(bridge, node, say, kept, stamps, lines),
+        Narrated(bridge, node, say, kept, stamps, lines=lines),
         {**openers, OPERATOR: lambda: UdpPort(given.mavlink)},
         until(given.duration),
         f"{machine.name}: bridge on {where}, operator on {given.mavlink}",
@@ -232,8 +233,8 @@ def _serial_opener(machine: AnyRobot, name: str, place: Place) -> Callable[[], P
 def _nothing_heard(spoken: Generation, rate: int) -> str:
     other = _OTHER[spoken]
     return (
-        f"nothing was heard on the line, which was spoken to in {spoken.value} at {rate} Bd: is the drive on, "
-        f"and is it not {other.value} (--protocol {other.value})?"
+        f"nothing was heard on the line, which was spoken to in {spoken.value} at {rate} Bd: is the drive "
+        f"on, and is it not {other.value} (--protocol {other.value})?"
     )
 
 

@@ -64,14 +64,15 @@ def ask(
     client: serial.Serial,
     generation: Generation,
     request: Request,
-    beside: Callable[[int], None] = lambda step: None,
+    beside: Callable[[int], None] | None = None,
 ) -> Answer | None:
     """Ask, and do something beside each step of it."""
     host, clock = host_end(generation, 2 * SECOND), Clock()
     host.ask(encode_request(request), clock.now())
     for step in count():
         client.write(host.taken())
-        beside(step)
+        if beside is not None:
+            beside(step)
         clock.wait([client.fileno()], host.due)
         outcome = host.hear(client.read(client.in_waiting), clock.now()) or host.wake(clock.now())
         if outcome is not None:
@@ -93,31 +94,28 @@ def test_a_program_reaches_all_four_drives_and_may_come_back(line: Line) -> None
         Clock().wait([], FRAME_TIMEOUT + 100 * MILLISECOND)  # until then RS232 takes what comes for the rest
 
 
+def stands_still(program: subprocess.Popen[str], at: int) -> Callable[[int], None]:
+    """Stop the process before a step of a command, when it has answered the one before, for 0.7 s."""
+
+    def beside(step: int) -> None:
+        if step == at - 1:
+            Clock().wait([], 50 * MILLISECOND)
+            program.send_signal(signal.SIGSTOP)
+        elif step == at:
+            Clock().wait([], 700 * MILLISECOND)
+            program.send_signal(signal.SIGCONT)
+
+    return beside
+
+
 @pytest.mark.parametrize("line", [Generation.V1], indirect=True)
 def test_a_process_that_stands_still_for_a_while_invents_no_time_out(line: Line) -> None:
     """Whatever step of a command it misses: what lies in the port has arrived in time."""
     generation, path, program = line
-
-    def stands(at: int) -> Callable[[int], None]:
-        def stand(step: int) -> None:
-            if step == at:
-                program.send_signal(signal.SIGCONT)
-            elif step == at - 1:  # the drive has answered this step, and begins to wait
-                Clock().wait([], 50 * MILLISECOND)
-                program.send_signal(signal.SIGSTOP)
-
-        def late(step: int) -> None:
-            if step == at:
-                Clock().wait([], 700 * MILLISECOND)
-            stand(step)
-
-        return late
-
     with serial.Serial(str(path), 115_200, timeout=0) as client:
-        for node in (0, 2):
-            for step in (1, 2):
-                answer = ask(client, generation, ReadObject(0x1000, 0, node), stands(step))
-                assert answer == ObjectRead(0, bytes.fromhex("92010200"))
+        for node, step in ((0, 1), (0, 2), (2, 1), (2, 2)):
+            answer = ask(client, generation, ReadObject(0x1000, 0, node), stands_still(program, step))
+            assert answer == ObjectRead(0, bytes.fromhex("92010200"))
 
 
 @pytest.mark.parametrize(

@@ -30,8 +30,8 @@ DEFAULT_TIMEOUT_MS: Final = 500
 class SerialPort:
     """One port with one protocol, or with the one that its host begins with.
 
-    A drive has two ports, RS232 for V1 and USB for V2; a line that may be either tells them apart by the first
-    byte: no opcode is DLE. From V2 back to V1 it wants silence before it, because there is noise between frames.
+    A drive has two ports, RS232 for V1 and USB for V2; a line that may be either tells them apart by the
+    first byte: no opcode is DLE. From V2 back to V1 it wants silence before: between frames there is noise.
     """
 
     def __init__(

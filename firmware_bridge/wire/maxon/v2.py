@@ -114,7 +114,7 @@ class V2Device(LineEnd):
         return not self._working and not self._reader.inside
 
     def hear(self, chunk: bytes, now: Nanoseconds) -> Frame | None:
-        """Take bytes; return the command that they complete, if any; as in V1, a frame ends by `wake` alone."""
+        """Take bytes; return the command that they complete, if any; as in V1, one ends by `wake` alone."""
         free = not self._working
         self._waiting.extend(chunk if free else chunk[: max(ROOM - len(self._waiting), 0)])
         return self._next(now)
