@@ -14,6 +14,7 @@ from firmware_bridge.cli.options import (
     DurationOption,
 )
 from firmware_bridge.cli.outside import Outside
+from firmware_bridge.cli.recorded import RecordOption
 
 EXAMPLES: Final = """Examples:
 
@@ -91,6 +92,7 @@ class DrivesOptions(Outside):
             show_default=f"{BAUDS[-1]}",
         ),
     ] = None
+    record: RecordOption = None
     duration: DurationOption = None
 
 

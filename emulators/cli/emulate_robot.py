@@ -14,6 +14,7 @@ from firmware_bridge.cli.options import (
     RobotBitRateOption,
 )
 from firmware_bridge.cli.outside import Outside
+from firmware_bridge.cli.recorded import RecordOption
 
 EXAMPLES: Final = """Examples:
 
@@ -56,6 +57,7 @@ class RobotOptions(Outside):
     parameters: ParametersOption = None
     realistic_latency: LatencyOption = False
     link: LinkOption = None
+    record: RecordOption = None
     duration: DurationOption = None
 
 

@@ -17,10 +17,12 @@ from firmware_bridge.cli.links import Openers, on_the_line, opened
 from firmware_bridge.cli.options import until
 from firmware_bridge.cli.places import Place, places_of
 from firmware_bridge.cli.real_time import carry
+from firmware_bridge.cli.recorded import recording
 from firmware_bridge.cli.robot_argument import find_robot
 from firmware_bridge.drivers.epos2.setup import commissioned
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.robot import AnyRobot, Axis, RobotFileError
+from firmware_bridge.shell.black_box import CAN_LOG, SERIAL_LOG
 from firmware_bridge.shell.ports import Port, open_can
 from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
 from fmu.errors import PlantError
@@ -51,14 +53,16 @@ def emulate(given: RobotOptions) -> None:
         say(f"'{name}' falls silent after {to_seconds(at):g} s")
     nodes = ", ".join(f"{axis.settings.node} {axis.title}" for axis in machine.axes)
     openers, where = _outside(machine, baud_of(emulated.drives[owner]), given)
-    carry(
-        cluster,
-        openers,
-        until(given.duration),
-        f"{machine.name} is on {where}: {nodes}",
-        PlantError,
-        ServoError,
-    )
+    files = dict.fromkeys(openers, CAN_LOG) | {SERIAL: SERIAL_LOG}
+    with recording(given.record, files) as (around, _):
+        carry(
+            around(cluster),
+            openers,
+            until(given.duration),
+            f"{machine.name} is on {where}: {nodes}",
+            PlantError,
+            ServoError,
+        )
 
 
 def _storage(axis: Axis, given: RobotOptions) -> Storage:

@@ -222,7 +222,15 @@ class Bench:
         until(lambda: self.eye.ask(4, 0x1000) == 0x20192, START_WITHIN_S, f"emulator: {program.printed}")
         return program
 
-    def drives(self, name: str = "drive", port: int | None = None, before: Sequence[str] = ()) -> Program:
+    def drives(
+        self,
+        name: str = "drive",
+        port: int | None = None,
+        before: Sequence[str] = (),
+        more: Sequence[str] = (),
+    ) -> Program:
         where = f"udpin:127.0.0.1:{self.port if port is None else port}"
         stands = ("--zero", "lift=0", "--zero", "steer=0", "--state", str(self.folder / f"{name}.json"))
-        return self.starts(name, "drive", "rars", *self.where, "--mavlink", where, *stands, before=before)
+        return self.starts(
+            name, "drive", "rars", *self.where, "--mavlink", where, *stands, *more, before=before
+        )

@@ -10,6 +10,7 @@ from typing import Final
 
 import pytest
 
+from firmware_bridge.recording import MAVLINK_2, parse_tlog
 from hil_tests.scenarios.real_bus import DISABLED, MULTICAST, Bench, until
 
 PORT: Final = 43113
@@ -41,9 +42,9 @@ def hops(listener: socket.socket) -> int:
     return int(struct.unpack("@i", ancillary[0][2])[0])
 
 
-def test_the_robot_is_armed_driven_and_left_without_power(datagrams: Bench) -> None:
-    datagrams.emulates()
-    bridge = datagrams.drives()
+def test_the_robot_is_armed_driven_left_without_power_and_all_of_it_recorded(datagrams: Bench) -> None:
+    datagrams.emulates("--record", str(datagrams.folder / "drives"))
+    bridge = datagrams.drives(more=("--record", str(datagrams.folder / "bridge")))
     client = datagrams.joins()
     client.arms()
     datagrams.gets_under_way(client, 0.3)
@@ -52,6 +53,25 @@ def test_the_robot_is_armed_driven_and_left_without_power(datagrams: Bench) -> N
     assert "0x8150" not in bridge.printed
     for node in NODES:
         assert datagrams.eye.state(node) in DISABLED, (node, bridge.printed)
+    assert datagrams.programs["emulate"].ends() == 0
+    (own,), (theirs,) = (list((datagrams.folder / name).iterdir()) for name in ("bridge", "drives"))
+    events = (own / "events.log").read_text(encoding="utf-8")
+    for text in ("drives", "armed", "disarmed", "finished"):
+        assert text in events
+    sent = [line for line in (own / "can.log").read_text().splitlines() if line.endswith(" T")]
+    assert sent
+    heard = {line.split()[2] for line in (theirs / "can.log").read_text().splitlines() if line.endswith(" R")}
+    assert {line.split()[2] for line in sent} <= heard
+    assert any(True for _ in parse_tlog((own / "operator.tlog").read_bytes()))
+
+
+def test_a_ground_station_that_listens_on_this_machine_is_joined(datagrams: Bench) -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as station:
+        station.bind(("127.0.0.1", 14550))
+        station.settimeout(20)
+        datagrams.emulates()
+        datagrams.starts("drive", "drive", "rars", *datagrams.where)
+        assert station.recv(2048)[0] == MAVLINK_2
 
 
 def test_what_is_sent_does_not_leave_this_machine(datagrams: Bench, listener: socket.socket) -> None:
