@@ -3,7 +3,7 @@
 A thread writes, so that no disk holds up a cycle. A disk that is full, slow or gone ends the recording with
 one message, and never the robot. Each run has a folder of its own, named by when it began:
 
-* `can.log`, as `candump -l -x` writes it: R is what this process heard, T what it sent;
+* `can.log`, as `candump -l` writes it, without the marks R and T, which Wireshark does not read;
 * `serial.log`: instant, link, R or T, and the bytes, for a line that carries maxon's serial protocol;
 * `operator.tlog`, MAVLink's telemetry log;
 * `events.log`: what was told at the terminal and to the operator, among it who drives, arms and stops.
@@ -144,10 +144,10 @@ class BlackBox:
             records = (name, tlog_records(now, packet.payload, epoch))
             sent = packet.payload if direction is Direction.SENT else b""
             return [records, *(_event(epoch + now, text) for text in self._new_texts(sent))]
-        mark = _MARK[direction]
         if name == CAN_LOG:
-            return [(name, f"{candump_line(now, packet, packet.link, epoch)} {mark}\n".encode())]
+            return [(name, f"{candump_line(now, packet, packet.link, epoch)}\n".encode())]
         if name == SERIAL_LOG and packet.payload:
+            mark = _MARK[direction]
             line = f"{_instant(epoch + now)} {packet.link} {mark} {packet.payload.hex(' ').upper()}\n"
             return [(name, line.encode())]
         return []

@@ -40,7 +40,7 @@ def test_what_passed_is_in_files_that_the_field_reads(tmp_path: Path) -> None:
     assert told == ["armed"]
     heard, sent = (box.folder / CAN_LOG).read_text().splitlines()
     first, channel, packet = parse_candump(heard, epoch=0)
-    assert (channel, packet, heard[-1], sent[-1]) == (CAN, Packet(CAN, 0x181, b"\1\2"), "R", "T")
+    assert (channel, packet) == (CAN, Packet(CAN, 0x181, b"\1\2"))
     assert parse_candump(sent, epoch=0)[0] - first == MILLISECOND
     assert (box.folder / SERIAL_LOG).read_text().endswith(" line T 90 02\n")
     assert len(list(parse_tlog((box.folder / OPERATOR_LOG).read_bytes()))) == 2 * len(said(LONG)) + 1
