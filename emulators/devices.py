@@ -9,6 +9,7 @@ from typing import Final
 from emulators.epos2.drive import Epos2
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import DeviceProfile, realistic
+from emulators.epos2.objects.saved_parameters import Storage
 from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, plant_outputs
@@ -24,7 +25,8 @@ from fmu.plants import find as find_plant
 
 SUPPLY: Final = "battery_voltage"
 """The plant's output that feeds the drives, V."""
-NO_SERIAL: Final[Mapping[str, Generation]] = MappingProxyType({})
+NO_SERIAL: Final[Mapping[str, Generation | None]] = MappingProxyType({})
+NO_STORAGE: Final[Mapping[str, Storage]] = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,13 +44,17 @@ def devices(
     *,
     outputs: Sequence[str] = (),
     realistic_latency: bool = False,
-    serial: Mapping[str, Generation] = NO_SERIAL,
+    serial: Mapping[str, Generation | None] = NO_SERIAL,
+    storages: Mapping[str, Storage] = NO_STORAGE,
 ) -> Devices:
     """Build a robot's drives above its plant; PlantError where the plant cannot be used.
 
     `outputs` are the plant's that somebody wants to look at, whether an axis needs them or not. With
     `realistic_latency` the drives take the published time for an SDO answer; otherwise they answer at once.
-    `serial` names the axes whose drives have a host on their serial port, and the protocol that they speak.
+    `serial` names the axes whose drives have a host on their serial port, and the protocol that they speak,
+    None as the host does.
+    `storages` keeps saved parameters by axis; without one a drive comes from the factory, and forgets.
+    StorageError where they cannot be read.
 
     Geometry that both know is set from the robot file into our own plant, so that they agree; a plant of the
     user's is taken as it is, with the parameters that the robot file lists for it.
@@ -66,7 +72,13 @@ def devices(
     ]
     bank = fmu_bank(plant, axes, len(plant_outputs(names)), _supply_input(robot))
     drives = {
-        axis.name: _drive(axis, servo, _profile(axis, realistic_latency=realistic_latency), serial)
+        axis.name: _drive(
+            axis,
+            servo,
+            _profile(axis, realistic_latency=realistic_latency),
+            serial,
+            storages.get(axis.name),
+        )
         for axis, servo in zip(robot.axes, axes, strict=True)
     }
     return Devices(drives, bank, plant)
@@ -91,11 +103,17 @@ def _supply_input(robot: AnyRobot) -> tuple[str, float] | None:
     return sensor.settings.axis, sensor.settings.per_volt
 
 
-def _drive(axis: Axis, servo: ServoAxis, profile: DeviceProfile, serial: Mapping[str, Generation]) -> Epos2:
-    generation = serial.get(axis.name)
-    if generation is None:
-        return Epos2(axis.settings.node, servo, profile)
-    return SerialEpos2(axis.settings.node, servo, profile, generation=generation)
+def _drive(
+    axis: Axis,
+    servo: ServoAxis,
+    profile: DeviceProfile,
+    serial: Mapping[str, Generation | None],
+    storage: Storage | None,
+) -> Epos2:
+    node = axis.settings.node
+    if axis.name not in serial:
+        return Epos2(node, servo, profile, storage=storage)
+    return SerialEpos2(node, servo, profile, generation=serial[axis.name], storage=storage)
 
 
 def _profile(axis: Axis, *, realistic_latency: bool) -> DeviceProfile:

@@ -63,12 +63,17 @@ class Cluster:
         return self._reaction(now)
 
     def wake(self, now: Nanoseconds) -> Reaction:
-        """Move the physics to now and wake the members that are due."""
+        """Move the physics to now and wake the members that are due, the one that has waited longest first.
+
+        Where the machine was busy, who answers is heard before the one who gave up waiting for it.
+        """
         self._advance(now)
-        for member in self._members.values():
+        for _, name in sorted((it.wake_at, name) for name, it in self._members.items() if it.wake_at <= now):
+            member = self._members[name]
             if member.wake_at <= now:
                 member.wake_at = NEVER
                 self._take(member, member.node.wake(now), now)
+                self._exchange(now)
         return self._reaction(now)
 
     def _advance(self, now: Nanoseconds) -> None:

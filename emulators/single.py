@@ -42,8 +42,8 @@ class Order:
     """The folder that keeps saved parameters; None keeps them as long as the drives live."""
     dip_off: bool = False
     """Whether the DIP switches say 0, so that the saved number counts."""
-    serial: Mapping[int, Generation] = field(default_factory=lambda: MappingProxyType({}))
-    """The nodes with a host on their serial port, and the protocol that they speak."""
+    serial: Mapping[int, Generation | None] = field(default_factory=lambda: MappingProxyType({}))
+    """The nodes with a host on their serial port, and the protocol that they speak; None as the host does."""
 
     @property
     def names(self) -> list[str]:
@@ -82,7 +82,7 @@ def _drive(order: Order, node: int, axis: ServoAxis) -> Epos2:
     switch = 0 if order.dip_off else node
     profile = replace(order.profile, serial_number=order.profile.serial_number + node)
     storage = None if order.parameters is None else ParameterFile(order.parameters / f"node-{node}.json")
-    generation = order.serial.get(node)
-    if generation is None:
+    if node not in order.serial:
         return Epos2(switch, axis, profile, storage=storage, bus_rate=order.bit_rate)
+    generation = order.serial[node]
     return SerialEpos2(switch, axis, profile, generation=generation, storage=storage, bus_rate=order.bit_rate)

@@ -10,11 +10,27 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
 
-from emulators.epos2.objects.saved_parameters import StorageError
+from emulators.epos2.objects.saved_parameters import Storage, StorageError
 from firmware_bridge.wire.epos2.address import Address
 
 FORMAT: Final = "EPOS2 parameters 1"
 HEX: Final = 16
+
+
+class Commissioned:
+    """The copy of a drive that somebody has set up: these values, until one is saved."""
+
+    def __init__(self, values: Mapping[Address, int], kept: Storage) -> None:
+        self._values = dict(values)
+        self._kept = kept
+
+    def read(self) -> Mapping[Address, int]:
+        """Return what was saved, else what the drive was set up with; StorageError."""
+        return self._kept.read() or self._values
+
+    def write(self, values: Mapping[Address, int]) -> None:
+        """Keep a copy; StorageError."""
+        self._kept.write(values)
 
 
 class ParameterFile:

@@ -1,11 +1,13 @@
-"""Which tests this machine can run: some need a SocketCAN bus vcan0, some need tshark beside Python.
+"""Which tests this machine can run: some need a SocketCAN bus vcan0, a network without a way out, or tshark.
 
-What is not there leaves its tests out, and counted: `tools/with-vcan` brings a kernel with the bus, Debian's
-package tshark the dissector. `.ci/run` has both. Which tests are long says `lanes.toml`, beside the marks of
-a few. Hypothesis times no example: the tests' time is virtual, and the wall's says how busy the machine is.
+What is not there leaves its tests out, and counted: `tools/with-vcan` brings a kernel with the bus,
+`tools/with-loopback` the network, Debian's package tshark the dissector. `.ci/run` has them all. Which
+tests are long says `lanes.toml`, beside the marks of a few. Hypothesis times no example: the tests' time is
+virtual, and the wall's says how busy the machine is.
 """
 
 import shutil
+import socket
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,6 +18,7 @@ from hypothesis import settings
 
 AT_HAND: Final = {
     "vcan": Path("/sys/class/net/vcan0").exists(),
+    "alone": [name for _, name in socket.if_nameindex()] == ["lo"],
     "tshark": shutil.which("tshark") is not None,
 }
 """Markers, and whether this machine has what they stand for."""

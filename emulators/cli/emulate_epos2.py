@@ -6,7 +6,7 @@ from typing import Annotated, Final
 
 import typer
 
-from emulators.cli.options import LatencyOption, ProfileOption
+from emulators.cli.options import LatencyOption, ParametersOption, ProfileOption
 from emulators.epos2.objects.device_profile import BAUDS
 from emulators.servo.motor import MOTOR, SUPPLY_MV
 from firmware_bridge.cli.commands import command
@@ -14,6 +14,7 @@ from firmware_bridge.cli.options import (
     DurationOption,
 )
 from firmware_bridge.cli.outside import Outside
+from firmware_bridge.cli.recorded import RecordOption
 
 EXAMPLES: Final = """Examples:
 
@@ -77,14 +78,7 @@ class DrivesOptions(Outside):
     supply: Annotated[
         float, typer.Option(min=0.0, max=100.0, metavar="VOLTS", help="The supply of the power stages.")
     ] = SUPPLY_MV / 1000
-    parameters: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FOLDER",
-            help="Where 'save' (0x1010) keeps parameters over restarts, in a file for each node.",
-            show_default="they are forgotten at the end",
-        ),
-    ] = None
+    parameters: ParametersOption = None
     dip_off: Annotated[
         bool,
         typer.Option("--dip-off", help="DIP switch at 0: the number saved in 0x2000 counts, 1 at first."),
@@ -98,6 +92,7 @@ class DrivesOptions(Outside):
             show_default=f"{BAUDS[-1]}",
         ),
     ] = None
+    record: RecordOption = None
     duration: DurationOption = None
 
 

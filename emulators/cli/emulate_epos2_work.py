@@ -19,7 +19,9 @@ from firmware_bridge.cli.console import one_message, refusal
 from firmware_bridge.cli.links import on_the_line, opened
 from firmware_bridge.cli.options import until
 from firmware_bridge.cli.real_time import carry
+from firmware_bridge.cli.recorded import recording
 from firmware_bridge.node import CAN, SERIAL
+from firmware_bridge.shell.black_box import CAN_LOG, SERIAL_LOG
 from firmware_bridge.wire.canopen import FIRST_NODE, LAST_NODE
 from firmware_bridge.wire.maxon.frame import Generation
 from fmu.errors import PlantError
@@ -60,14 +62,15 @@ def emulate(given: DrivesOptions) -> None:
     owner = order.names[nodes.index(near)]
     openers, where = opened(given, baud_of(made[owner]), DEFAULT_BIT_RATE)
     line = "" if given.serial is None else f", node {near} on the line"
-    carry(
-        Cluster(made, bank, links={owner: {CAN: CAN, SERIAL: SERIAL}}),
-        openers,
-        until(given.duration),
-        f"{order.profile.name} on {where}: node {given.node}{line}",
-        PlantError,
-        ServoError,
-    )
+    with recording(given.record, {CAN: CAN_LOG, SERIAL: SERIAL_LOG}) as (around, _):
+        carry(
+            around(Cluster(made, bank, links={owner: {CAN: CAN, SERIAL: SERIAL}})),
+            openers,
+            until(given.duration),
+            f"{order.profile.name} on {where}: node {given.node}{line}",
+            PlantError,
+            ServoError,
+        )
 
 
 def numbers(text: str) -> tuple[int, ...]:
@@ -94,7 +97,7 @@ def _profile(name: str, rate: int, *, latency: bool) -> DeviceProfile:
     return realistic(found) if latency else found
 
 
-def _rs232(baud: int | None, serial: str | None, protocol: Generation) -> int:
+def _rs232(baud: int | None, serial: str | None, protocol: Generation | None) -> int:
     """Return the code of a rate on RS232; what makes no sense ends the program with a message."""
     if baud is None:
         return len(BAUDS) - 1

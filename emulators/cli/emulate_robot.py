@@ -5,7 +5,7 @@ from typing import Annotated, Final
 
 import typer
 
-from emulators.cli.options import LatencyOption, PlantOption
+from emulators.cli.options import LatencyOption, ParametersOption, PlantOption
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.options import (
     DurationOption,
@@ -14,6 +14,7 @@ from firmware_bridge.cli.options import (
     RobotBitRateOption,
 )
 from firmware_bridge.cli.outside import Outside
+from firmware_bridge.cli.recorded import RecordOption
 
 EXAMPLES: Final = """Examples:
 
@@ -45,8 +46,18 @@ class RobotOptions(Outside):
         list[str] | None,
         typer.Option(metavar="NODE@SECONDS", help="Cut a drive off the bus at this time; may be repeated."),
     ] = None
+    factory: Annotated[
+        bool,
+        typer.Option(
+            "--factory",
+            help="Drives as they come from the factory; without, they have the gains and limits of the robot "
+            "file, as after commissioning.",
+        ),
+    ] = False
+    parameters: ParametersOption = None
     realistic_latency: LatencyOption = False
     link: LinkOption = None
+    record: RecordOption = None
     duration: DurationOption = None
 
 

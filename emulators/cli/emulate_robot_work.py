@@ -5,18 +5,24 @@ from collections.abc import Callable
 
 from emulators.cli.beginning import tell_of_beginning
 from emulators.cli.emulate_robot import RobotOptions
+from emulators.cli.options import parameter_file
 from emulators.devices import devices
+from emulators.epos2.objects.saved_parameters import Storage, StorageError, Volatile
 from emulators.epos2.serial.serial_drive import baud_of
 from emulators.gateway import Cluster
 from emulators.servo.bank import ServoError
+from emulators.storage import Commissioned, ParameterFile
 from firmware_bridge.cli.console import one_message, refusal, say
 from firmware_bridge.cli.links import Openers, on_the_line, opened
 from firmware_bridge.cli.options import until
 from firmware_bridge.cli.places import Place, places_of
 from firmware_bridge.cli.real_time import carry
+from firmware_bridge.cli.recorded import recording
 from firmware_bridge.cli.robot_argument import find_robot
+from firmware_bridge.drivers.epos2.setup import commissioned
 from firmware_bridge.node import CAN, SERIAL
-from firmware_bridge.robot import AnyRobot, RobotFileError
+from firmware_bridge.robot import AnyRobot, Axis, RobotFileError
+from firmware_bridge.shell.black_box import CAN_LOG, SERIAL_LOG
 from firmware_bridge.shell.ports import Port, open_can
 from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
 from fmu.errors import PlantError
@@ -29,7 +35,7 @@ def emulate(given: RobotOptions) -> None:
     near = on_the_line(given, [axis.settings.node for axis in machine.axes])
     if given.link is None and len(machine.links) > 1 and given.serial is not None:
         raise refusal("--serial is of a robot with one link; here only --link NAME=INTERFACE:CHANNEL works")
-    with one_message(RobotFileError, PlantError, ServoError):
+    with one_message(RobotFileError, PlantError, ServoError, StorageError):
         tell_of_beginning(machine, given.plant)
         owner = next(axis.name for axis in machine.axes if axis.settings.node == near)
         emulated = devices(
@@ -37,6 +43,7 @@ def emulate(given: RobotOptions) -> None:
             given.plant,
             realistic_latency=given.realistic_latency,
             serial={} if given.serial is None else {owner: given.protocol},
+            storages={axis.name: _storage(axis, given) for axis in machine.axes},
         )
     outer = {axis.name: {CAN: axis.link if len(machine.links) > 1 else CAN} for axis in machine.axes}
     outer[owner] = {**outer[owner], SERIAL: SERIAL}
@@ -46,14 +53,27 @@ def emulate(given: RobotOptions) -> None:
         say(f"'{name}' falls silent after {to_seconds(at):g} s")
     nodes = ", ".join(f"{axis.settings.node} {axis.title}" for axis in machine.axes)
     openers, where = _outside(machine, baud_of(emulated.drives[owner]), given)
-    carry(
-        cluster,
-        openers,
-        until(given.duration),
-        f"{machine.name} is on {where}: {nodes}",
-        PlantError,
-        ServoError,
+    files = dict.fromkeys(openers, CAN_LOG) | {SERIAL: SERIAL_LOG}
+    with recording(given.record, files) as (around, _):
+        carry(
+            around(cluster),
+            openers,
+            until(given.duration),
+            f"{machine.name} is on {where}: {nodes}",
+            PlantError,
+            ServoError,
+        )
+
+
+def _storage(axis: Axis, given: RobotOptions) -> Storage:
+    """Return where a drive finds its parameters at power-on: saved, the robot file's or the factory's."""
+    folder = given.parameters
+    kept: Storage = (
+        Volatile() if folder is None else ParameterFile(parameter_file(folder, axis.settings.node))
     )
+    if given.factory:
+        return kept
+    return Commissioned({row.address: row.value for row in commissioned(axis)}, kept)
 
 
 def _outside(machine: AnyRobot, baud: int, given: RobotOptions) -> tuple[Openers, str]:

@@ -19,6 +19,14 @@ PlantOption = Annotated[
     ),
 ]
 ProfileOption = Annotated[str, typer.Option("--profile", "-p", help=f"Which type: {', '.join(PROFILES)}.")]
+ParametersOption = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FOLDER",
+        help="Where 'save' (0x1010) keeps parameters over restarts, in a file for each node.",
+        show_default="they are forgotten at the end",
+    ),
+]
 LatencyOption = Annotated[
     bool,
     typer.Option(
@@ -26,6 +34,11 @@ LatencyOption = Annotated[
         help="Answer SDO requests after the time that maxon has published, or at once.",
     ),
 ]
+
+
+def parameter_file(folder: Path, node: int) -> Path:
+    """Return the file in which a node's drive keeps its parameters."""
+    return folder / f"node-{node}.json"
 
 
 def find_profile(name: str) -> DeviceProfile:

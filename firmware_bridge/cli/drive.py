@@ -17,6 +17,7 @@ from firmware_bridge.cli.options import (
     RobotBitRateOption,
     ZeroOption,
 )
+from firmware_bridge.cli.recorded import RecordOption
 from firmware_bridge.wire.maxon.frame import Generation
 
 EXAMPLES: Final = """Examples:
@@ -46,10 +47,11 @@ class DriveOptions:
         str,
         typer.Option(
             metavar="LINK",
-            help="The operator's link: udpin:HOST:PORT waits for a station, udpout:HOST:PORT calls one. One "
-            "that reaches beyond this machine needs --key or --open.",
+            help="The operator's link: udpout:HOST:PORT calls a station, by default one that listens on this "
+            "machine; udpin:HOST:PORT waits for one. One that reaches beyond this machine needs --key or "
+            "--open.",
         ),
-    ] = "udpin:127.0.0.1:14550"
+    ] = "udpout:127.0.0.1:14550"
     key: Annotated[
         Path | None,
         typer.Option(
@@ -100,6 +102,7 @@ class DriveOptions:
             show_default="~/.local/state/firmware-bridge/ROBOT.json",
         ),
     ] = None
+    record: RecordOption = None
     duration: DurationOption = None
 
 

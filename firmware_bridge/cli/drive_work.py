@@ -1,15 +1,17 @@
 """Runs the bridge on real links, telling the user what it does."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from typing import TypeAlias
+from types import MappingProxyType
+from typing import Final, TypeAlias
 
 from firmware_bridge.bridge import Bridge, Phase
-from firmware_bridge.cli.console import FAILED, one_message, refusal, say
+from firmware_bridge.cli.console import FAILED, one_message, refusal
 from firmware_bridge.cli.drive import DriveOptions
 from firmware_bridge.cli.options import until
 from firmware_bridge.cli.places import Place, places_of
 from firmware_bridge.cli.real_time import carry
+from firmware_bridge.cli.recorded import recording
 from firmware_bridge.cli.robot_argument import find_robot
 from firmware_bridge.cli.trusted import trust_of
 from firmware_bridge.cli.zeros import zeros_of
@@ -23,12 +25,17 @@ from firmware_bridge.robot import AnyRobot, RobotFileError
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.safety.snapshot import Hold
+from firmware_bridge.shell.black_box import CAN_LOG, OPERATOR_LOG, SERIAL_LOG, Texts
 from firmware_bridge.shell.kept_stamps import DamagedStampsError, KeptStamps
 from firmware_bridge.shell.last_places import LastPlaces, usual_path
 from firmware_bridge.shell.ports import Port, ReturningLine, UdpPort, open_can
+from firmware_bridge.teleop.mavlink import Codec, dialect
+from firmware_bridge.teleop.texts import Listener
 from firmware_bridge.teleop.trust import Stamps
 from firmware_bridge.units import SECOND, Nanoseconds, to_seconds
 from firmware_bridge.wire.maxon.frame import Generation
+
+_OTHER: Final = {Generation.V1: Generation.V2, Generation.V2: Generation.V1}
 
 Tell: TypeAlias = Callable[[str], None]
 
@@ -44,9 +51,18 @@ class Narrated:
     """
 
     def __init__(
-        self, bridge: Bridge, node: Node, tell: Tell, kept: LastPlaces, stamps: KeptStamps | None
+        self,
+        bridge: Bridge,
+        node: Node,
+        tell: Tell,
+        kept: LastPlaces,
+        stamps: KeptStamps | None,
+        *,
+        hints: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
         self._bridge = bridge
+        self._hints = dict(hints)
+        """What may be wrong with a link on which nothing was heard yet, by its name."""
         self._stamps = stamps
         """Where signatures' time stamps are kept; None without a key, or where they cannot be."""
         self._kept: LastPlaces | None = kept
@@ -66,6 +82,8 @@ class Narrated:
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Pass the packet on, and tell what has changed."""
+        if packet.payload:
+            self._hints.pop(packet.link, None)
         self._end_failed_start_up()
         return self._told(self._node.receive(packet, now), now)
 
@@ -83,7 +101,8 @@ class Narrated:
         """End the run one call after the failure, so that what the bridge sent because of it has left."""
         bridge = self._bridge
         if bridge.failure is not None and bridge.phase is Phase.FAILED:
-            raise StartUpFailedError(f"start-up failed: {bridge.failure}")
+            hints = "".join(f"; {hint}" for hint in self._hints.values())
+            raise StartUpFailedError(f"start-up failed: {bridge.failure}{hints}")
 
     def _told(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
         bridge = self._bridge
@@ -158,23 +177,46 @@ def drive(given: DriveOptions) -> None:
     bridge.offer(kept.read())
     node: Node = guarded(bridge, machine)
     openers: dict[str, Callable[[], Port]] = {}
+    lines: list[str] = []
+    hints: dict[str, str] = {}
     for name, place in places.items():
         table = machine.links[name]
         if table.driver is Epos2Driver.SERIAL:
             node = MaxonLine(node, table.protocol, name)
             openers[name] = _serial_opener(machine, name, place)
+            lines.append(name)
+            hints[name] = _nothing_heard(table.protocol, table.line_rate)
         else:
+            rate = given.bit_rate or table.bit_rate
             openers[name] = _can_opener(place, given.bit_rate, table.bit_rate)
+            hints[name] = (
+                f"nothing was heard on {place.title}: are the drives on, at {rate} bit/s (--bitrate)?"
+            )
     where = ", ".join(_title(machine, name, place) for name, place in places.items())
-    carry(
-        Narrated(bridge, node, say, kept, stamps),
-        {**openers, OPERATOR: lambda: UdpPort(given.mavlink)},
-        until(given.duration),
-        f"{machine.name}: bridge on {where}, operator on {given.mavlink}",
-        StartUpFailedError,
-    )
+    files = {name: SERIAL_LOG if name in lines else CAN_LOG for name in places} | {OPERATOR: OPERATOR_LOG}
+    with recording(given.record, files, texts_of()) as (around, tell):
+        carry(
+            Narrated(bridge, around(node), tell, kept, stamps, hints=hints),
+            {**openers, OPERATOR: lambda: UdpPort(given.mavlink)},
+            until(given.duration),
+            f"{machine.name}: bridge on {where}, operator on {given.mavlink}",
+            StartUpFailedError,
+        )
     if bridge.unconfirmed:
         raise refusal(_unconfirmed(bridge), FAILED)
+
+
+def texts_of() -> Texts:
+    """Return what reads the bridge's texts out of its datagrams, whole."""
+    codec, listener = Codec(0, 0), Listener()
+    wanted = frozenset({dialect.MAVLINK_MSG_ID_STATUSTEXT})
+
+    def read(datagram: bytes) -> Iterator[str]:
+        for message in codec.decode(datagram, wanted):
+            for heard in listener.hear(message):
+                yield heard.text
+
+    return read
 
 
 def _kept(stamps: KeptStamps) -> Stamps:
@@ -211,6 +253,14 @@ def _serial_opener(machine: AnyRobot, name: str, place: Place) -> Callable[[], P
     if device is None:
         raise refusal(f"{machine.name} is driven over a serial line; name its port with --serial DEVICE")
     return lambda: ReturningLine(device, rate)
+
+
+def _nothing_heard(spoken: Generation, rate: int) -> str:
+    other = _OTHER[spoken]
+    return (
+        f"nothing was heard on the line, which was spoken to in {spoken.value} at {rate} Bd: is the drive "
+        f"on, and is it not {other.value} (--protocol {other.value})?"
+    )
 
 
 def _can_opener(place: Place, bit_rate: int | None, default: int) -> Callable[[], Port]:

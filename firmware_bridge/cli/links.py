@@ -44,7 +44,8 @@ def opened(outside: Outside, baud: int, default_bit_rate: int) -> tuple[Openers,
         with one_message(PortError):
             line = open_serial(outside.serial, baud, outside.serial_link)
         found[SERIAL] = lambda: line
-        where.append(f"{line.name} ({outside.protocol.value})")
+        spoken = "v1 or v2, as its host speaks" if outside.protocol is None else outside.protocol.value
+        where.append(f"{line.name} ({spoken})")
     if outside.serial is None or outside.interface or outside.channel:
         found[CAN] = lambda: open_can(
             outside.interface, outside.channel, outside.bit_rate, default_bit_rate=default_bit_rate

@@ -21,8 +21,8 @@ InterfaceOption = Annotated[
     typer.Option(
         "--interface",
         "-i",
-        help="python-can's name for the kind of bus: socketcan, slcan, pcan ... Without it, python-can's own "
-        "configuration file decides.",
+        help="python-can's name for the kind of bus: socketcan, slcan, pcan, udp_multicast ... Without it, "
+        "python-can's own configuration file decides.",
         show_default=False,
     ),
 ]

@@ -45,5 +45,9 @@ class Outside:
         ),
     ] = None
     protocol: Annotated[
-        Generation, typer.Option(help="What the serial line speaks: v1 as on RS232, v2 as on USB.")
-    ] = Generation.V1
+        Generation | None,
+        typer.Option(
+            help="What the serial line speaks: v1 as on RS232, v2 as on USB.",
+            show_default="as its host does",
+        ),
+    ] = None

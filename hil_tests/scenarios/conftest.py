@@ -8,7 +8,7 @@ import can
 import pytest
 
 from emulators.robots.rars import RarsStep as Step
-from hil_tests.scenarios.real_bus import CHANNEL, SDO_ANSWERS, Bench, Eye
+from hil_tests.scenarios.real_bus import MULTICAST, SDO_ANSWERS, SOCKETCAN, Bench, Eye
 from hil_tests.scenarios.ride import Armed, Ridden, Ride, ride
 
 
@@ -48,15 +48,21 @@ def rides(armed: Callable[[], Armed]) -> Iterator[Ridden]:
 
 @pytest.fixture
 def bench(tmp_path: Path, unused_port: int) -> Iterator[Bench]:
-    with can.Bus(interface="socketcan", channel=CHANNEL, can_filters=SDO_ANSWERS) as bus:
+    interface, channel = SOCKETCAN
+    with can.Bus(interface=interface, channel=channel, can_filters=SDO_ANSWERS) as bus:
         made = Bench(tmp_path, {}, Eye(bus), unused_port)
         yield made
-        if made.client is not None:
-            made.client.link.close()
-        for program in made.programs.values():
-            if program.process.poll() is None:
-                program.process.kill()
-                program.process.wait()
+        made.finish()
+
+
+@pytest.fixture
+def datagrams(tmp_path: Path, unused_port: int) -> Iterator[Bench]:
+    """Return a bench whose bus is a group of receivers on this machine."""
+    interface, channel = MULTICAST
+    with can.Bus(interface=interface, channel=channel, hop_limit=0) as bus:
+        made = Bench(tmp_path, {}, Eye(bus), unused_port, MULTICAST)
+        yield made
+        made.finish()
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""The chain in two processes on a real SocketCAN bus, and who looks at it.
+"""The chain in two processes on a real bus, of SocketCAN or of datagrams, and who looks at it.
 
 A test drives as a stranger, with pymavlink over UDP, and looks at the bus with a socket of its own: it asks
 the drives by SDO where they are, and believes neither the bridge nor the emulator.
@@ -17,7 +17,8 @@ import can
 import pytest
 from pymavlink import mavutil
 
-CHANNEL: Final = "vcan0"
+SOCKETCAN: Final = ("socketcan", "vcan0")
+MULTICAST: Final = ("udp_multicast", "239.74.163.2")
 SDO_ANSWERS: Final = [can.typechecking.CanFilter(can_id=0x580, can_mask=0x780)]
 """All that the test's own socket hears: to skip all others takes longer than an operator may be silent."""
 QC_PER_M: Final = 2000 * 26 / (2 * 3.141592653589793 * 0.05)
@@ -174,7 +175,23 @@ class Bench:
     programs: dict[str, Program]
     eye: Eye
     port: int
+    bus: tuple[str, str] = SOCKETCAN
+    """Interface and channel."""
     client: Client | None = None
+
+    @property
+    def where(self) -> tuple[str, ...]:
+        """Return how the program is told its bus."""
+        return ("-i", self.bus[0], "-c", self.bus[1])
+
+    def finish(self) -> None:
+        """End whatever still runs."""
+        if self.client is not None:
+            self.client.link.close()
+        for program in self.programs.values():
+            if program.process.poll() is None:
+                program.process.kill()
+                program.process.wait()
 
     def runs(self, name: str, log: Path, command: list[str]) -> Program:
         with log.open("wb") as output:
@@ -201,12 +218,19 @@ class Bench:
         return self.client
 
     def emulates(self, *more: str) -> Program:
-        program = self.starts("emulate", "emulate", "rars", "-i", "socketcan", "-c", CHANNEL, *more)
+        program = self.starts("emulate", "emulate", "rars", *self.where, *more)
         until(lambda: self.eye.ask(4, 0x1000) == 0x20192, START_WITHIN_S, f"emulator: {program.printed}")
         return program
 
-    def drives(self, name: str = "drive", port: int | None = None, before: Sequence[str] = ()) -> Program:
+    def drives(
+        self,
+        name: str = "drive",
+        port: int | None = None,
+        before: Sequence[str] = (),
+        more: Sequence[str] = (),
+    ) -> Program:
         where = f"udpin:127.0.0.1:{self.port if port is None else port}"
         stands = ("--zero", "lift=0", "--zero", "steer=0", "--state", str(self.folder / f"{name}.json"))
-        bus = ("-i", "socketcan", "-c", CHANNEL)
-        return self.starts(name, "drive", "rars", *bus, "--mavlink", where, *stands, before=before)
+        return self.starts(
+            name, "drive", "rars", *self.where, "--mavlink", where, *stands, *more, before=before
+        )

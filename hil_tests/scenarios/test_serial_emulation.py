@@ -4,8 +4,10 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from itertools import count
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 import serial
@@ -28,8 +30,16 @@ def emulate(*words: str) -> subprocess.Popen[str]:
     )
 
 
+class Line(NamedTuple):
+    """What is on the line, and which process."""
+
+    generation: Generation
+    path: Path
+    program: subprocess.Popen[str]
+
+
 @pytest.fixture(params=Generation)
-def line(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[tuple[Generation, Path]]:
+def line(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Line]:
     """Run the drives, and see that they end in good order."""
     generation, link = request.param, tmp_path / "rars.tty"
     words = ("--serial", "pty", "--serial-link", str(link), "--protocol", generation.value)
@@ -40,8 +50,9 @@ def line(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[tuple[Gener
                 assert clock.now() < WITHIN, "the link does not come"
                 assert program.poll() is None, program.stderr and program.stderr.read()
                 clock.wait([], clock.now() + 20 * MILLISECOND)
-            yield generation, link
+            yield Line(generation, link, program)
         finally:
+            program.send_signal(signal.SIGCONT)
             program.send_signal(signal.SIGINT)
             said, complained = program.communicate(timeout=10)
     assert program.returncode == 0, complained
@@ -49,21 +60,30 @@ def line(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[tuple[Gener
     assert not link.is_symlink()
 
 
-def ask(client: serial.Serial, generation: Generation, request: Request) -> Answer | None:
+def ask(
+    client: serial.Serial,
+    generation: Generation,
+    request: Request,
+    beside: Callable[[int], None] | None = None,
+) -> Answer | None:
+    """Ask, and do something beside each step of it."""
     host, clock = host_end(generation, 2 * SECOND), Clock()
     host.ask(encode_request(request), clock.now())
-    while True:
+    for step in count():
         client.write(host.taken())
+        if beside is not None:
+            beside(step)
         clock.wait([client.fileno()], host.due)
         outcome = host.hear(client.read(client.in_waiting), clock.now()) or host.wake(clock.now())
         if outcome is not None:
             client.write(host.taken())
             assert isinstance(outcome, Answered), outcome
             return decode_answer(request, outcome.body)
+    raise AssertionError("the steps never end")
 
 
-def test_a_program_reaches_all_four_drives_and_may_come_back(line: tuple[Generation, Path]) -> None:
-    generation, path = line
+def test_a_program_reaches_all_four_drives_and_may_come_back(line: Line) -> None:
+    generation, path, _ = line
     for value in (1234, 2345):
         with serial.Serial(str(path), 115_200, timeout=0) as client:
             for node in (0, 1, 2, 3, 4):
@@ -72,6 +92,30 @@ def test_a_program_reaches_all_four_drives_and_may_come_back(line: tuple[Generat
                 assert ask(client, generation, ReadObject(0x6081, 0, node)) == ObjectRead(0, raw)
             client.write(b"\x10\x01half a command")
         Clock().wait([], FRAME_TIMEOUT + 100 * MILLISECOND)  # until then RS232 takes what comes for the rest
+
+
+def stands_still(program: subprocess.Popen[str], at: int) -> Callable[[int], None]:
+    """Stop the process before a step of a command, when it has answered the one before, for 0.7 s."""
+
+    def beside(step: int) -> None:
+        if step == at - 1:
+            Clock().wait([], 50 * MILLISECOND)
+            program.send_signal(signal.SIGSTOP)
+        elif step == at:
+            Clock().wait([], 700 * MILLISECOND)
+            program.send_signal(signal.SIGCONT)
+
+    return beside
+
+
+@pytest.mark.parametrize("line", [Generation.V1], indirect=True)
+def test_a_process_that_stands_still_for_a_while_invents_no_time_out(line: Line) -> None:
+    """Whatever step of a command it misses: what lies in the port has arrived in time."""
+    generation, path, program = line
+    with serial.Serial(str(path), 115_200, timeout=0) as client:
+        for node, step in ((0, 1), (0, 2), (2, 1), (2, 2)):
+            answer = ask(client, generation, ReadObject(0x1000, 0, node), stands_still(program, step))
+            assert answer == ObjectRead(0, bytes.fromhex("92010200"))
 
 
 @pytest.mark.parametrize(

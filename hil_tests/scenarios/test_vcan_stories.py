@@ -6,9 +6,10 @@ import subprocess
 import time
 from typing import Final
 
+import can
 import pytest
 
-from hil_tests.scenarios.real_bus import CHANNEL, DISABLED, Bench, sleep
+from hil_tests.scenarios.real_bus import DISABLED, SOCKETCAN, Bench, sleep
 
 pytestmark = [pytest.mark.vcan, pytest.mark.timeout(180)]
 
@@ -17,7 +18,7 @@ TSHARK: Final = shutil.which("tshark") or "tshark: not installed"
 
 def test_a_client_drives_is_killed_and_the_robot_stops_then_ctrl_c(bench: Bench) -> None:
     log = bench.folder / "can.log"
-    candump = bench.runs("candump", log, ["candump", "-L", CHANNEL])
+    candump = bench.runs("candump", log, ["candump", "-L", SOCKETCAN[1]])
     bench.emulates()
     bridge = bench.drives()
     client = bench.joins()
@@ -76,3 +77,14 @@ def test_a_drive_that_falls_silent_stops_the_robot_and_is_named(bench: Bench) ->
     at_rest = bench.eye.metres()
     client.says(0.2, 0.3)
     assert bench.eye.metres() == pytest.approx(at_rest, abs=0.001)
+
+
+def test_the_kernel_s_broadcast_manager_sends_a_master_s_heartbeat(bench: Bench) -> None:
+    """python-can's periodic sends: without can-bcm in the kernel they are refused."""
+    bench.emulates()
+    heartbeat = can.Message(arbitration_id=0x77F, data=[5], is_extended_id=False)
+    with can.Bus(interface=SOCKETCAN[0], channel=SOCKETCAN[1]) as listener:
+        task = bench.eye.bus.send_periodic(heartbeat, 0.05)
+        heard = [listener.recv(5.0) for _ in range(3)]
+        task.stop()
+    assert [message and message.arbitration_id for message in heard] == [0x77F] * 3

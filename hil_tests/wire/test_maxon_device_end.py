@@ -35,6 +35,7 @@ def test_v1_half_a_command_is_forgotten_after_the_time_out_and_not_before(taken:
     end = device()
     end.hear(ASKED_V1[:taken], 7)
     end.taken()
+    end.wake(7 + TIMEOUT)
     assert end.hear(ASKED_V1, 7 + TIMEOUT) == READ
     assert end.taken() == b"OO"
 
@@ -119,7 +120,16 @@ def test_v2_half_a_frame_is_forgotten_after_the_time_out_and_not_before(taken: i
         end = device(Generation.V2)
         end.hear(ASKED_V2[:taken], 7)
         assert end.due == 7 + TIMEOUT
+        end.wake(7 + late)
         assert end.hear(ASKED_V2[taken:], 7 + late) == found
+
+
+@pytest.mark.parametrize("generation", Generation)
+def test_what_a_busy_machine_hands_over_late_has_arrived_in_time(generation: Generation) -> None:
+    asked = ASKED_V1 if generation is Generation.V1 else ASKED_V2
+    end = device(generation)
+    end.hear(asked[:3], 7)
+    assert end.hear(asked[3:], 7 + 2 * TIMEOUT) == READ
 
 
 def test_v2_a_frame_cut_off_behind_a_dle_swallows_the_next_one_until_the_time_out() -> None:

@@ -82,6 +82,7 @@ def test_garbage_before_and_between_commands(exchange: Exchange, generation: Gen
             said = serve(end, exchange, generation, chunk, now)
             assert said in {b"", b"F" * len(chunk)}
         now += TIMEOUT
+        end.wake(now)
         for chunk in cut(golden(exchange, generation)[0]):
             said = serve(end, exchange, generation, chunk, now)
         assert said[:1] == (b"O" if generation is Generation.V1 else said[:1])

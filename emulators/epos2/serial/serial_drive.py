@@ -30,11 +30,11 @@ class SerialEpos2(Epos2):
         profile: DeviceProfile = EPOS2_70_10,
         motion: MotionFactory = MotionControl,
         *,
-        generation: Generation = Generation.V1,
+        generation: Generation | None = Generation.V1,
         storage: Storage | None = None,
         bus_rate: int | None = None,
     ) -> None:
-        """Give the drive a port, V1 on RS232 or V2 on USB; the rest is as in `Epos2`."""
+        """Give the drive a port, V1 on RS232, V2 on USB, None as the host speaks; the rest as in `Epos2`."""
         super().__init__(node_id, axis, profile, motion, storage=storage, bus_rate=bus_rate)
         drive = DriveOnBus(lambda: self.node_id, super()._send, self._overhear, self._written)
         self._port: Final = SerialPort(self.store, profile, generation, drive)

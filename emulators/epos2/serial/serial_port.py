@@ -13,7 +13,7 @@ from emulators.epos2.serial.can_gateway import DriveOnBus
 from emulators.epos2.serial.server import SerialServer
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire.epos2.address import Address
-from firmware_bridge.wire.maxon.frame import Frame, Generation
+from firmware_bridge.wire.maxon.frame import DLE, Frame, Generation
 from firmware_bridge.wire.maxon.lines import device_end
 from firmware_bridge.wire.maxon.opcodes import COMMANDS
 
@@ -28,18 +28,26 @@ DEFAULT_TIMEOUT_MS: Final = 500
 
 
 class SerialPort:
-    """One port with one protocol."""
+    """One port with one protocol, or with the one that its host begins with.
+
+    A drive has two ports, RS232 for V1 and USB for V2; a line that may be either tells them apart by the
+    first byte: no opcode is DLE. From V2 back to V1 it wants silence before: between frames there is noise.
+    """
 
     def __init__(
-        self, store: ObjectStore, profile: DeviceProfile, generation: Generation, drive: DriveOnBus
+        self, store: ObjectStore, profile: DeviceProfile, generation: Generation | None, drive: DriveOnBus
     ) -> None:
-        self.generation: Final = generation
+        self.generation = generation or Generation.V1
+        """What is spoken; where that was left open, what the host was heard to speak."""
+        self._open: Final = generation is None
+        self._heard_at: Nanoseconds = 0
         self.baud = USB_BAUD
         """Bits a second on the line; on RS232 as 0x2002 was at the last start."""
         self._store = store
         self._latency = profile.serial_latency
         self._server = SerialServer(store, profile, drive)
-        self._line = device_end(generation, self._timeout, profile.bad_checksum)
+        self._bad_checksum = profile.bad_checksum
+        self._line = device_end(self.generation, self._timeout, self._bad_checksum)
         self._silent = False
         self._serving = False
         self._early: bytes | None = None
@@ -70,8 +78,10 @@ class SerialPort:
         return self._line.taken()
 
     def hear(self, chunk: bytes, now: Nanoseconds) -> None:
-        """Take bytes from the host."""
-        self.wake(now)
+        """Take bytes from the host; what is due is not late while they are still being fetched."""
+        self._change_rate(now)
+        if self._open and chunk:
+            self._choose(Generation.V2 if chunk[0] == DLE else Generation.V1, now)
         self._serve(self._line.hear(chunk, now), now)
 
     def hear_frame(self, address: int, payload: bytes, now: Nanoseconds) -> None:
@@ -84,12 +94,23 @@ class SerialPort:
 
     def wake(self, now: Nanoseconds) -> None:
         """Do what is due."""
-        if self._baud_due <= now:
-            self.baud, self._baud_due = self._next_baud, NEVER
+        self._change_rate(now)
         self._line.wake(now)
         self._answer(self._server.wake(now), now)
         if self._held_until <= now:
             self._release(now)
+
+    def _choose(self, spoken: Generation, now: Nanoseconds) -> None:
+        """Take up another protocol where the host begins a command in it."""
+        quiet = now - self._heard_at >= self._timeout()
+        self._heard_at = now
+        if spoken is not self.generation and self._line.idle and (quiet or spoken is Generation.V2):
+            self.generation = spoken
+            self._line = device_end(spoken, self._timeout, self._bad_checksum)
+
+    def _change_rate(self, now: Nanoseconds) -> None:
+        if self._baud_due <= now:
+            self.baud, self._baud_due = self._next_baud, NEVER
 
     def _timeout(self) -> Nanoseconds:
         return (self._store.get(FRAME_TIMEOUTS[self.generation]) or DEFAULT_TIMEOUT_MS) * MILLISECOND

@@ -121,15 +121,23 @@ def configuration(
     An axis without `travel` leaves the drive's position limits alone. `outputs` are those at this drive.
     `traffic` is what flows on the link, without it what flows on CAN.
     """
-    flows, travel = traffic or over_can(axis, link), travel_of(axis)
+    flows = traffic or over_can(axis, link)
     return (
         *(row for pdo in flows.pdos for row in _process_data(pdo, axis.settings.node)),
         *_supervision(link, flows),
+        *commissioned(axis),
+        *_switched(outputs),
+    )
+
+
+def commissioned(axis: Axis) -> tuple[Row, ...]:
+    """Return what belongs to motor and mechanics: what who commissions the axis saves in its drive, too."""
+    travel = travel_of(axis)
+    return (
         *_protection(axis),
         *(() if travel is None else _range(travel, axis.settings.profile.max_following_error_qc)),
         *_motion(axis),
         *_gains(axis),
-        *_switched(outputs),
     )
 
 

@@ -28,7 +28,11 @@ def open_can(
     given = {"interface": interface, "channel": channel, "bitrate": bit_rate}
     found = python_can.configuration({key: value for key, value in given.items() if value is not None})
     found.setdefault("bitrate", default_bit_rate)
-    interface, channel = found["interface"], found["channel"]
+    interface = found["interface"]
+    for key, value in python_can.UNLESS_SAID.get(interface, {}).items():
+        if found.get(key) is None:
+            found[key] = value
+    channel = found["channel"]
     name = f"CAN interface {interface} channel {channel}"
     if interface != KERNEL:
         return python_can.PythonCanPort(name, found)

@@ -22,6 +22,15 @@ can.log.addHandler(logging.NullHandler())
 _SEND_S: Final = 0.02
 _LISTEN_S: Final = 0.1
 """How long a reader thread listens before it looks whether it shall end, in seconds."""
+MULTICAST: Final = "udp_multicast"
+"""A bus of datagrams: every process of one machine, or of one network, that has joined a group."""
+UNLESS_SAID: Final[dict[str, dict[str, Any]]] = {
+    # A hop limit of 0 never leaves the machine (RFC 1112, 6.1); python-can's own 1 reaches the local network.
+    MULTICAST: {"channel": "239.74.163.2", "hop_limit": 0},
+}
+"""What an interface is opened with where neither arguments nor configuration say it."""
+UNMARKED_ECHO: Final = frozenset({MULTICAST})
+"""Interfaces that bring a sender its own frames without saying that they are."""
 
 
 def configuration(given: Mapping[str, Any]) -> dict[str, Any]:
@@ -43,6 +52,7 @@ class PythonCanPort(Outbox):
     def __init__(self, name: str, config: Mapping[str, Any]) -> None:
         super().__init__()
         self.name = name
+        self._echoes = Echoes() if config.get("interface") in UNMARKED_ECHO else None
         self.ignored = 0
         """Error reports of the controller, CAN FD frames, and our own frames coming back."""
         try:
@@ -72,8 +82,14 @@ class PythonCanPort(Outbox):
         for message in messages:
             if message.is_error_frame or message.is_fd or not message.is_rx:
                 self.ignored += 1
+                continue
+            frame = _frame(message)
+            if self._echoes is not None and self._echoes.takes(frame):
+                self.ignored += 1
             else:
-                frames.append(_frame(message))
+                frames.append(frame)
+        if self._echoes is not None and len(messages) < BURST:
+            self._echoes.drained()
         return frames
 
     def close(self) -> None:
@@ -109,10 +125,45 @@ class PythonCanPort(Outbox):
             return False
         except OSError as error:
             raise self._lost(_why(error)) from error
+        if self._echoes is not None:
+            self._echoes.expects((address, bytes(message.dlc) if address & REMOTE else bytes(payload)))
         return True
 
     def _lost(self, problem: str) -> LostPort:
         return LostPort(self, problem)
+
+
+class Echoes:
+    """Frames of one's own that a bus will bring back, in the order in which they went out.
+
+    Somebody else's frame with the same content may be taken for one's own; then one's own is heard in its
+    place, so that as many are heard as others have sent.
+    """
+
+    def __init__(self) -> None:
+        self._sent: deque[tuple[int, bytes]] = deque()
+        self._overdue = 0
+        """So many of them were awaited when the bus was last read to its end."""
+
+    def expects(self, frame: tuple[int, bytes]) -> None:
+        """Take down a frame that was sent."""
+        self._sent.append(frame)
+
+    def takes(self, frame: tuple[int, bytes]) -> bool:
+        """Return whether this is one's own; those that went out before it are lost then."""
+        if frame not in self._sent:
+            return False
+        own = self._sent.index(frame) + 1
+        for _ in range(own):
+            self._sent.popleft()
+        self._overdue = max(0, self._overdue - own)
+        return True
+
+    def drained(self) -> None:
+        """Give up what has not come though the bus was read to its end twice: the kernel dropped it."""
+        for _ in range(self._overdue):
+            self._sent.popleft()
+        self._overdue = len(self._sent)
 
 
 class _Reader:

@@ -26,6 +26,10 @@ class DeviceEnd(Protocol):
 
     due: Nanoseconds
 
+    @property
+    def idle(self) -> bool:
+        """Whether no command is under way, nor has one begun."""
+
     def taken(self) -> bytes:
         """Return what is to be sent, once."""
 

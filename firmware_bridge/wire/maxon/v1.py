@@ -76,9 +76,16 @@ class V1Device(LineEnd):
         self._answer = b""
         self._waiting: deque[int] = deque()
 
+    @property
+    def idle(self) -> bool:
+        """Whether no command is under way, nor has one begun."""
+        return self._phase is _DevicePhase.IDLE
+
     def hear(self, chunk: bytes, now: Nanoseconds) -> Frame | None:
-        """Take bytes; return the command that they complete, if any."""
-        self.wake(now)
+        """Take bytes; return the command that they complete, if any.
+
+        A phase ends by `wake` alone: bytes that a busy machine hands over late have arrived in time.
+        """
         free = self._phase is not _DevicePhase.WORK
         self._waiting.extend(chunk if free else chunk[: max(ROOM - len(self._waiting), 0)])
         return self._next(now)

@@ -108,9 +108,13 @@ class V2Device(LineEnd):
         self._working = False
         self._waiting: deque[int] = deque()
 
+    @property
+    def idle(self) -> bool:
+        """Whether no command is under way, nor has one begun."""
+        return not self._working and not self._reader.inside
+
     def hear(self, chunk: bytes, now: Nanoseconds) -> Frame | None:
-        """Take bytes; return the command that they complete, if any."""
-        self.wake(now)
+        """Take bytes; return the command that they complete, if any; as in V1, one ends by `wake` alone."""
         free = not self._working
         self._waiting.extend(chunk if free else chunk[: max(ROOM - len(self._waiting), 0)])
         return self._next(now)

@@ -49,3 +49,21 @@ def test_drives_that_are_not_known_to_be_without_power_are_named_at_the_end(
         assert "not confirmed to be without power" in text
         assert all(name in text for name in NAMES)
     assert took[0] < STOP_WITHIN, to_seconds(took[0])
+
+
+def test_a_line_on_which_nothing_was_heard_is_told_with_what_it_was_spoken_to_in(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def carried(
+        node: drive_work.Narrated, _openers: Mapping[str, Callable[[], Port]], *_rest: object
+    ) -> None:
+        reaction = node.wake(0)
+        while True:
+            reaction = node.wake(reaction.wake_at)
+
+    monkeypatch.setattr(drive_work, "carry", carried)
+    options = DriveOptions(robot="rars", mavlink="udpin:127.0.0.1:0", serial="/dev/nowhere")
+    with pytest.raises(
+        drive_work.StartUpFailedError, match=r"nothing was heard .* in v2 .*\(--protocol v1\)\?$"
+    ):
+        drive_work.drive(options)

@@ -11,6 +11,7 @@ import pytest
 from firmware_bridge.shell.clock import Clock
 from firmware_bridge.shell.ports import LostPort, Port, PortError, UdpPort, open_can
 from firmware_bridge.shell.ports.outbox import PATIENCE, RETRY, Outbox
+from firmware_bridge.shell.ports.python_can import Echoes
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire.can import EXTENDED, REMOTE
 from firmware_bridge.wire.internet import number_of
@@ -114,6 +115,48 @@ def test_a_bus_that_is_not_there_is_one_clear_message(
     with pytest.raises(PortError, match=message) as raised:
         open_can(interface, channel)
     assert "\n" not in str(raised.value)
+
+
+SYNC = (0x080, b"")
+PDO = (0x181, b"\1\2")
+
+
+def test_an_echo_is_taken_for_one_s_own_once() -> None:
+    echoes = Echoes()
+    echoes.expects(SYNC)
+    assert not echoes.takes(PDO)
+    assert echoes.takes(SYNC)
+    assert not echoes.takes(SYNC)  # another master's
+
+
+def test_echoes_of_frames_before_it_were_lost() -> None:
+    echoes = Echoes()
+    for frame in (SYNC, PDO, PDO):
+        echoes.expects(frame)
+    assert echoes.takes(PDO)
+    assert not echoes.takes(SYNC)
+    assert echoes.takes(PDO)
+    assert not echoes.takes(PDO)
+
+
+def test_an_echo_that_two_readings_did_not_bring_is_not_awaited_any_more() -> None:
+    echoes = Echoes()
+    echoes.expects(SYNC)
+    echoes.drained()
+    echoes.expects(PDO)
+    echoes.drained()
+    assert not echoes.takes(SYNC)
+    assert echoes.takes(PDO)
+
+
+def test_one_that_came_in_between_leaves_the_others_their_two_readings() -> None:
+    echoes = Echoes()
+    echoes.expects(SYNC)
+    echoes.drained()
+    assert echoes.takes(SYNC)
+    echoes.expects(PDO)
+    echoes.drained()
+    assert echoes.takes(PDO)
 
 
 class Stuck(Outbox):

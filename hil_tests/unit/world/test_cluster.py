@@ -20,6 +20,24 @@ def test_members_wake_when_they_are_due_and_their_packets_reach_the_bus_and_the_
     assert two.heard == [(10, frame(0x181)), (35, frame(0x182))]
 
 
+def test_after_a_pause_who_answers_is_heard_before_the_one_who_has_waited_for_it() -> None:
+    class Waiting(Player):
+        def wake(self, now: Nanoseconds) -> Reaction:
+            self.woken.append(now)
+            return Reaction((), NEVER if now else 500)
+
+        def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+            super().receive(packet, now)
+            return Reaction((), NEVER)
+
+    patient, other = Waiting(), Player((10, frame(0x581)))
+    cluster = Cluster({"gateway": patient, "far": other})
+    cluster.wake(0)
+    assert cluster.wake(700).sent == (frame(0x581),)
+    assert patient.heard == [(700, frame(0x581))]
+    assert patient.woken == [0]
+
+
 def test_a_packet_from_the_bus_reaches_every_member_and_answers_are_exchanged() -> None:
     def answer(packet: Packet) -> list[Packet]:
         return [frame(0x281)] if packet.address == 0x080 else []

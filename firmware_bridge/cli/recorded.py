@@ -1,0 +1,43 @@
+"""`--record`: the black box of `drive` and of `emulate`."""
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, TypeAlias
+
+import typer
+
+from firmware_bridge.cli.console import one_message, say
+from firmware_bridge.node import Node
+from firmware_bridge.recording import Recorded
+from firmware_bridge.shell.black_box import BlackBox, BlackBoxError, Texts, no_texts
+
+RecordOption = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FOLDER",
+        help="Record the run in a new folder there: can.log or serial.log, operator.tlog, and events.log, "
+        "which says who armed, drove and stopped. A full disk ends the recording, never the run.",
+        show_default=False,
+    ),
+]
+Tell: TypeAlias = Callable[[str], None]
+Around: TypeAlias = Callable[[Node], Node]
+
+
+@contextmanager
+def recording(
+    folder: Path | None, files: Mapping[str, str], texts: Texts = no_texts
+) -> Iterator[tuple[Around, Tell]]:
+    """Give what goes around the node that is carried, and what tells the user; without a folder, nothing is.
+
+    A folder that cannot be made ends the program with a message.
+    """
+    if folder is None:
+        yield (lambda node: node), say
+        return
+    with one_message(BlackBoxError):
+        box = BlackBox(folder, files, say, texts)
+    with box:
+        say(f"recording in {box.folder}")
+        yield (lambda node: Recorded(node, box.note)), box.tell

@@ -1,0 +1,189 @@
+"""The black box of a run on real links: what passed the seam, and what was told, in files of the field.
+
+A thread writes, so that no disk holds up a cycle. A disk that is full, slow or gone ends the recording with
+one message, and never the robot. Each run has a folder of its own, named by when it began:
+
+* `can.log`, as `candump -l` writes it, without the marks R and T, which Wireshark does not read;
+* `serial.log`: instant, link, R or T, and the bytes, for a line that carries maxon's serial protocol;
+* `operator.tlog`, MAVLink's telemetry log;
+* `events.log`: what was told at the terminal and to the operator, among it who drives, arms and stops.
+"""
+
+import time
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
+from datetime import UTC, datetime
+from pathlib import Path
+from threading import Event, Thread
+from types import TracebackType
+from typing import BinaryIO, Final, Self, TypeAlias
+
+from firmware_bridge.packet import Packet
+from firmware_bridge.recording import Direction, candump_line, tlog_records
+from firmware_bridge.units import MICROSECOND, SECOND, Nanoseconds
+
+CAN_LOG: Final = "can.log"
+SERIAL_LOG: Final = "serial.log"
+OPERATOR_LOG: Final = "operator.tlog"
+EVENTS_LOG: Final = "events.log"
+MOST: Final = 100_000
+"""So many packets at most wait for the disk: several minutes of a bus that is never idle."""
+EVERY_S: Final = 0.2
+END_WITHIN_S: Final = 5.0
+_MARK: Final = {Direction.HEARD: "R", Direction.SENT: "T"}
+
+Written: TypeAlias = tuple[str, bytes]
+"""A file's name, and what is added to it."""
+Texts: TypeAlias = Callable[[bytes], Iterable[str]]
+"""Reads the texts for people out of a datagram."""
+
+
+def no_texts(_datagram: bytes) -> Iterable[str]:
+    """Read none."""
+    return ()
+
+
+class BlackBoxError(Exception):
+    """A folder that cannot be made: which, why, and what to do."""
+
+
+class BlackBox:
+    """One run's recording. `note` and `tell` never wait and never fail."""
+
+    def __init__(
+        self, parent: Path, files: Mapping[str, str], say: Callable[[str], None], texts: Texts = no_texts
+    ) -> None:
+        """Make the run's folder in `parent`; `files` says by link which file it goes to. BlackBoxError."""
+        began = datetime.now(tz=UTC).strftime("%Y-%m-%dT%H-%M-%SZ")
+        self.folder = parent / began
+        try:
+            self.folder = _new(self.folder)
+            self._open = {name: (self.folder / name).open("ab") for name in {*files.values(), EVENTS_LOG}}
+        except OSError as error:
+            raise BlackBoxError(
+                f"cannot record in {parent}: {error.strerror}; name a folder that can be written"
+            ) from error
+        self._files = dict(files)
+        self._say = say
+        self._texts = texts
+        self._last_text = ""
+        self._epoch: Nanoseconds | None = None
+        self._waiting: deque[tuple[Nanoseconds, Direction, Packet] | tuple[Nanoseconds, str]] = deque()
+        self._failure: str | None = None
+        self._told: str | None = None
+        self._ending = Event()
+        self._thread = Thread(target=self._write, name=f"recording in {parent}", daemon=True)
+        self._thread.start()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Bring what waits to the disk, and say so where that failed."""
+        self._ending.set()
+        self._thread.join(END_WITHIN_S)
+        if self._thread.is_alive():
+            self._failure = f"the disk takes nothing within {END_WITHIN_S:g} s"
+        self._tell_failure()
+
+    def note(self, now: Nanoseconds, direction: Direction, packet: Packet) -> None:
+        """Take down a packet."""
+        if self._epoch is None:
+            self._epoch = time.time_ns() - now
+        if self._failure is None:
+            if len(self._waiting) < MOST:
+                self._waiting.append((now, direction, packet))
+            else:
+                self._failure = "the disk is too slow"
+        self._tell_failure()
+
+    def tell(self, text: str) -> None:
+        """Say it at the terminal, and take it down."""
+        self._say(text)
+        if self._failure is None:
+            self._waiting.append((time.time_ns(), text))
+
+    def _tell_failure(self) -> None:
+        if self._failure is not None and self._told is None:
+            self._told = self._failure
+            self._waiting.clear()
+            self._say(f"recording in {self.folder} has ended: {self._failure}; the run goes on")
+
+    def _write(self) -> None:
+        """Write what waits, until the end; the thread's whole life."""
+        try:
+            while not self._ending.wait(EVERY_S):
+                self._empty()
+            self._empty()
+        except OSError as error:
+            self._failure = error.strerror or str(error)
+        finally:
+            for file in self._open.values():
+                _closed(file)
+
+    def _empty(self) -> None:
+        waiting = self._waiting
+        parts: dict[str, list[bytes]] = {name: [] for name in self._open}
+        while waiting:
+            for name, raw in self._lines(waiting.popleft()):
+                parts[name].append(raw)
+        for name, raws in parts.items():
+            if raws:
+                self._open[name].write(b"".join(raws))
+                self._open[name].flush()
+
+    def _lines(self, noted: tuple[Nanoseconds, Direction, Packet] | tuple[Nanoseconds, str]) -> list[Written]:
+        if len(noted) == 2:  # noqa: PLR2004 - told, not carried
+            return [_event(noted[0], noted[1])]
+        now, direction, packet = noted
+        epoch, name = self._epoch or 0, self._files.get(packet.link)
+        if name == OPERATOR_LOG:
+            records = (name, tlog_records(now, packet.payload, epoch))
+            sent = packet.payload if direction is Direction.SENT else b""
+            return [records, *(_event(epoch + now, text) for text in self._new_texts(sent))]
+        if name == CAN_LOG:
+            return [(name, f"{candump_line(now, packet, packet.link, epoch)}\n".encode())]
+        if name == SERIAL_LOG and packet.payload:
+            mark = _MARK[direction]
+            line = f"{_instant(epoch + now)} {packet.link} {mark} {packet.payload.hex(' ').upper()}\n"
+            return [(name, line.encode())]
+        return []
+
+    def _new_texts(self, datagram: bytes) -> Iterator[str]:
+        """Yield what the operator is told; what is told to several stations, once."""
+        for text in self._texts(datagram):
+            if text != self._last_text:
+                self._last_text = text
+                yield f"to the operator: {text}"
+
+
+def _event(at: Nanoseconds, text: str) -> Written:
+    return EVENTS_LOG, f"{_instant(at)} {text}\n".encode()
+
+
+def _instant(at: Nanoseconds) -> str:
+    seconds, rest = divmod(at, SECOND)
+    return f"({seconds:010d}.{rest // MICROSECOND:06d})"
+
+
+def _new(folder: Path) -> Path:
+    """Make a folder that is not there yet, numbered where two runs begin in one second; OSError."""
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    number, name = 1, folder.name
+    while True:
+        try:
+            folder.mkdir()
+        except FileExistsError:
+            number += 1
+            folder = folder.with_name(f"{name}-{number}")
+        else:
+            return folder
+
+
+def _closed(file: BinaryIO) -> None:
+    """Close a file; what a full disk does not take is lost, and was told."""
+    with suppress(OSError):
+        file.close()

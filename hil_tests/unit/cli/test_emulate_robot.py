@@ -1,0 +1,84 @@
+"""`emulate ROBOT`: with which parameters its drives come."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, Final, TypeAlias
+
+import pytest
+import typer
+
+from emulators.cli import emulate_robot_work
+from emulators.cli.emulate_robot import RobotOptions
+from emulators.devices import Devices, devices
+from emulators.epos2.drive import Epos2
+from emulators.storage import ParameterFile
+from firmware_bridge.drivers.epos2.setup import Row, commissioned
+from firmware_bridge.kinds import find
+from firmware_bridge.node import Node
+from firmware_bridge.units import SECOND
+from firmware_bridge.wire.epos2 import address as at
+
+Drives: TypeAlias = Callable[..., Mapping[str, Epos2]]
+RARS: Final = find("rars")
+OWN: Final = 7_777
+"""A position P gain that neither factory nor robot file has."""
+
+
+@pytest.fixture
+def emulated(monkeypatch: pytest.MonkeyPatch) -> Drives:
+    """Return the drives that `emulate` would carry, switched on."""
+
+    def emulate(**options: object) -> Mapping[str, Epos2]:
+        made: list[Devices] = []
+
+        def noted(*words: Any, **more: Any) -> Devices:
+            made.append(devices(*words, **more))
+            return made[-1]
+
+        def carried(node: Node, *_rest: object) -> None:
+            node.wake(0)
+            node.wake(2 * SECOND)
+
+        monkeypatch.setattr(emulate_robot_work, "devices", noted)
+        monkeypatch.setattr(emulate_robot_work, "carry", carried)
+        given: Any = {"robot": "rars", "interface": "virtual", **options}
+        emulate_robot_work.emulate(RobotOptions(**given))
+        return made[0].drives
+
+    return emulate
+
+
+def differing(drives: Mapping[str, Epos2]) -> set[Row]:
+    """Return what is not as in the robot file."""
+    found = set[Row]()
+    for axis in RARS.axes:
+        store = drives[axis.name].store
+        found |= {row for row in commissioned(axis) if store.get(row.address) != row.value}
+    return found
+
+
+def test_drives_come_commissioned(emulated: Drives) -> None:
+    assert differing(emulated()) == set()
+
+
+def test_from_the_factory_they_have_none_of_the_robot_s_gains(emulated: Drives) -> None:
+    names = {row.name for row in differing(emulated(factory=True))}
+    assert {"position P gain", "velocity P gain", "current P gain"} <= names
+
+
+@pytest.mark.parametrize("factory", [False, True])
+def test_what_was_saved_comes_before_both(emulated: Drives, tmp_path: Path, *, factory: bool) -> None:
+    axis = RARS.axes[0]
+    ParameterFile(tmp_path / f"node-{axis.settings.node}.json").write({at.POSITION_P: OWN})
+    drive = emulated(factory=factory, parameters=tmp_path)[axis.name]
+    assert drive.store.get(at.POSITION_P) == OWN
+
+
+def test_a_damaged_file_of_parameters_is_named(
+    emulated: Drives, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "node-2.json").write_text("{")
+    with pytest.raises(typer.Exit) as ended:
+        emulated(parameters=tmp_path)
+    assert ended.value.exit_code == 2
+    assert "node-2.json" in capsys.readouterr().err

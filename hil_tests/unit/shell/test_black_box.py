@@ -1,0 +1,94 @@
+"""The black box of a run: what it leaves behind, and that no disk holds up a run."""
+
+import resource
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final
+
+import pytest
+
+from firmware_bridge.cli.drive_work import texts_of
+from firmware_bridge.node import CAN, OPERATOR, SERIAL
+from firmware_bridge.packet import Packet
+from firmware_bridge.recording import Direction, parse_candump, parse_tlog
+from firmware_bridge.safety.row import Severity
+from firmware_bridge.shell.black_box import CAN_LOG, OPERATOR_LOG, SERIAL_LOG, BlackBox, BlackBoxError
+from firmware_bridge.teleop.mavlink import Codec
+from firmware_bridge.teleop.texts import Speaker
+from firmware_bridge.units import MILLISECOND
+
+FILES: Final = {CAN: CAN_LOG, "line": SERIAL_LOG, OPERATOR: OPERATOR_LOG}
+LONG: Final = "control: 255/190 at 10.0.0.1:14550 drives, and this is a text of more than fifty characters"
+
+
+def said(text: str) -> list[bytes]:
+    codec, speaker = Codec(1, 1), Speaker()
+    return [codec.encode(message) for message in speaker.say(Severity.WARNING, text)]
+
+
+def test_what_passed_is_in_files_that_the_field_reads(tmp_path: Path) -> None:
+    told: list[str] = []
+    with BlackBox(tmp_path, FILES, told.append, texts_of()) as box:
+        box.note(0, Direction.HEARD, Packet(CAN, 0x181, b"\1\2"))
+        box.note(MILLISECOND, Direction.SENT, Packet(CAN, 0x201, b"\3"))
+        box.note(2 * MILLISECOND, Direction.SENT, Packet("line", 0, b"\x90\x02"))
+        for _station in range(2):
+            for datagram in said(LONG):
+                box.note(3 * MILLISECOND, Direction.SENT, Packet(OPERATOR, 7, datagram))
+        box.note(4 * MILLISECOND, Direction.HEARD, Packet(OPERATOR, 7, said("from a station")[0]))
+        box.tell("armed")
+    assert told == ["armed"]
+    heard, sent = (box.folder / CAN_LOG).read_text().splitlines()
+    first, channel, packet = parse_candump(heard, epoch=0)
+    assert (channel, packet) == (CAN, Packet(CAN, 0x181, b"\1\2"))
+    assert parse_candump(sent, epoch=0)[0] - first == MILLISECOND
+    assert (box.folder / SERIAL_LOG).read_text().endswith(" line T 90 02\n")
+    assert len(list(parse_tlog((box.folder / OPERATOR_LOG).read_bytes()))) == 2 * len(said(LONG)) + 1
+    events = [line.partition(" ")[2] for line in (box.folder / "events.log").read_text().splitlines()]
+    assert events == [f"to the operator: {LONG}", "armed"]
+
+
+def test_each_run_has_a_folder_of_its_own(tmp_path: Path) -> None:
+    folders = set()
+    for _ in range(3):
+        with BlackBox(tmp_path / "runs", FILES, print) as box:
+            folders.add(box.folder)
+    assert len(folders) == 3
+
+
+def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(BlackBoxError, match=r"cannot record in .*file: File exists; name a folder"):
+        BlackBox(tmp_path / "file", FILES, print)
+
+
+@pytest.fixture
+def small_disk() -> Iterator[None]:
+    """Let no file of this process grow beyond 4 kB: the kernel refuses more, as a full disk does."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, before[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+@pytest.mark.usefixtures("small_disk")
+def test_a_disk_that_is_full_ends_the_recording_with_one_message_and_nothing_else(tmp_path: Path) -> None:
+    told: list[str] = []
+    with BlackBox(tmp_path, {SERIAL: SERIAL_LOG}, told.append) as box:
+        for at in range(1000):
+            box.note(at, Direction.HEARD, Packet(SERIAL, 0, bytes(8)))
+    for _ in range(3):
+        box.note(0, Direction.HEARD, Packet(SERIAL, 0, bytes(8)))
+    assert told == [f"recording in {box.folder} has ended: File too large; the run goes on"]
+
+
+def test_a_disk_that_is_too_slow_ends_it_before_the_memory_does(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("firmware_bridge.shell.black_box.MOST", 10)
+    monkeypatch.setattr("firmware_bridge.shell.black_box.EVERY_S", 60.0)
+    told: list[str] = []
+    with BlackBox(tmp_path, FILES, told.append) as box:
+        for at in range(100):
+            box.note(at, Direction.HEARD, Packet(CAN, 0x80, b""))
+        assert told == [f"recording in {box.folder} has ended: the disk is too slow; the run goes on"]
