@@ -17,6 +17,9 @@ size: Final = implemented_function(sp.Function("size", real=True), abs)
 larger: Final = sp.Function("larger", real=True)
 """larger(x, y): the larger of two numbers."""
 
+passed: Final = sp.Function("step_at", real=True)
+"""passed(x): 1 where x is above 0, else 0; an event is needed where it turns."""
+
 shared: Final = implemented_function(sp.Function("shared", real=True), lambda value: value)
 """shared(x): x, computed once as it is written: SymPy would take it apart wherever it stands in a sum."""
 

@@ -40,6 +40,7 @@ class Twin:
         count = max(len(block.results) for block in program.blocks if block.name == "constants")
         self._p = [float(row.start) for row in model.parameters]
         self._k = [0.0] * count
+        self._inputs = model.inputs
         self._u = [0.0] * len(model.inputs)
         self._s = [0.0] * len(model.states)
         self._reading = [0.0] * len(program.readings)
@@ -51,8 +52,11 @@ class Twin:
         run["starts"](p=self._p, k=self._k, s=self._s)
 
     def write(self, values: Sequence[float]) -> None:
-        """Set all inputs."""
-        self._u[:] = values
+        """Set all inputs, switches within 0 and 1."""
+        self._u[:] = [
+            min(max(value, 0.0), 1.0) if row.switch else value
+            for row, value in zip(self._inputs, values, strict=True)
+        ]
 
     def step(self) -> None:
         """Take one communication step of `length` seconds, as step.c does."""
@@ -178,5 +182,6 @@ _FUNCTIONS: Final[dict[str, Callable[..., float]]] = {
     "fb_positive_part": lambda x: max(0.0, x),
     "fb_clamped": lambda x, bound: bound if x > bound else max(x, -bound),
     "fb_larger": max,
+    "fb_step_at": lambda x: 1.0 if x > 0.0 else 0.0,
     "fb_reciprocal": lambda x: 1.0 / x,
 }
