@@ -129,6 +129,7 @@ def generate(program: Program, token: str, core: str) -> dict[str, str]:
         "FB_LOCALS": len(program.locals),
         "FB_STATES": len(model.states),
         "FB_CONSTANTS": max(1, constants),
+        "FB_SWITCH_INPUTS": sum(row.switch for row in model.inputs),
         "FB_SWITCHES": len(program.switch_readings),
         "FB_INDICATORS": len(model.events),
         "FB_INNER_STEP": repr(model.inner_step),

@@ -184,7 +184,10 @@ fb_level fb_set(fb_instance *instance, const unsigned *references, size_t count,
       return FB_ERROR;
     }
     if (reference < FB_FIRST_READING) {
-      if (fb_kinds[reference] != FB_FREE && !acceptable(instance, reference, &value, &clamped)) return FB_ERROR;
+      /* Most calls set the voltages of a model without switches. */
+      if ((FB_SWITCH_INPUTS || reference >= FB_FIRST_PARAMETER) && fb_kinds[reference] != FB_FREE &&
+          !acceptable(instance, reference, &value, &clamped))
+        return FB_ERROR;
     } else {
       if (reference < FB_FIRST_RATE) state = fb_settable_state[reference - FB_FIRST_READING];
       if (state < 0) {

@@ -40,9 +40,9 @@ bool fb_step(fb_instance *instance, double from, double length) {
   fb_image *image = &instance->image;
   double now = image->values[0];
   double tolerance = 1e-9 * (1.0 + fabs(now));
-  long long count, n;
+  long long count;
   double h;
-  int i;
+  int i, n;
   if (!(fabs(from - now) <= tolerance)) {
     fb_fail(instance, "a step from %.9g s was asked for, but the plant stands at %.9g s", from, now);
     return false;
@@ -59,10 +59,10 @@ bool fb_step(fb_instance *instance, double from, double length) {
   if (count < 1) count = 1;
   h = length / (double)count;
   fb_refresh_constants(image);
-  for (n = 1; n <= count; n++) {
-    integrate(image, h, image->states);
-    /* A long step that has run away ends soon. */
-    if (n % LOOKS != 0 && n != count) continue;
+  /* A long step that has run away ends soon. */
+  for (; count > 0; count -= LOOKS) {
+    int part = count < LOOKS ? (int)count : LOOKS;
+    for (n = 0; n < part; n++) integrate(image, h, image->states);
     for (i = 0; i < FB_STATES; i++)
       if (!finite_value(image->states[i])) {
         fb_fail(instance, "%s ran away between %.9g s and %.9g s", fb_state_names[i], from, from + length);
