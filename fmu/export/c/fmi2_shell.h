@@ -6,6 +6,14 @@
 #include "core.h"
 #include "fmi2Functions.h"
 
+/* Some copies of FMI's header know no prefix, by which several models link into one program. */
+#ifdef FMI2_FUNCTION_PREFIX
+#define FB_PASTE(prefix, name) prefix##name
+#define FB_PREFIXED(prefix, name) FB_PASTE(prefix, name)
+#undef fmi2FullName
+#define fmi2FullName(name) FB_PREFIXED(FMI2_FUNCTION_PREFIX, name)
+#endif
+
 /* Let a call through in these phases only. */
 #define NEED(phases)                                                           \
   fb_instance *self = component;                                               \
