@@ -64,9 +64,10 @@ PLATFORMS: Final = (
 
 def here() -> Platform:
     """Return this machine's platform. Its folder in FMI 2.0 is what FMPy looks into, on ARM, too."""
-    system, short, suffix = {"darwin": ("darwin", "darwin", ".dylib"), "win32": ("windows", "win", ".dll")}.get(
-        sys.platform, ("linux", "linux", ".so")
-    )
+    system, short, suffix = {
+        "darwin": ("darwin", "darwin", ".dylib"),
+        "win32": ("windows", "win", ".dll"),
+    }.get(sys.platform, ("linux", "linux", ".so"))
     machine = platform.machine().lower()
     architecture = {"amd64": "x86_64", "arm64": "aarch64"}.get(machine, machine)
     return Platform(f"{architecture}-{system}", f"{short}64", suffix, "", "")
@@ -102,7 +103,9 @@ def told(compiler: str) -> bytes:
     return subprocess.run([compiler, "--version"], capture_output=True, check=False).stdout  # noqa: S603
 
 
-def library(files: Mapping[str, str], units: Sequence[str], compiler: str, flags: Sequence[str] = ()) -> bytes:
+def library(
+    files: Mapping[str, str], units: Sequence[str], compiler: str, flags: Sequence[str] = ()
+) -> bytes:
     """Compile the C files `units` among `files` into one library; PlantError with what the compiler says."""
     with tempfile.TemporaryDirectory(prefix="firmware-bridge-build-") as name:
         folder = Path(name)

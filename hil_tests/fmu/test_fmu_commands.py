@@ -55,7 +55,7 @@ def test_build_writes_what_check_finds_good(tmp_path: Path, fmi: int) -> None:
     status, out, err = run("check", str(path))
     assert (status, err) == (0, "")
     assert [line.split(None, 1)[1] for line in out.splitlines()] == [
-        "rars, 179 variables",
+        "rars, 183 variables",
         f"{fmi}.0, co-simulation and model exchange",
         "valid",
         "loads, initialises, takes a step",
@@ -173,7 +173,7 @@ def test_problems_are_named_and_make_status_1(
     path = changed(renamed, tmp_path / "odd.fmu", old, new)
     status, out, err = run("check", path)
     assert status == 1
-    assert out.startswith("model:       strange, 179 variables")
+    assert out.startswith("model:       strange, 183 variables")
     problems = err.splitlines()
     assert all(line.startswith("problem: ") for line in problems)
     assert [line for line in problems if said in line], problems

@@ -74,15 +74,25 @@ void fb_refresh_constants(fb_image *image) {
   image->stale_constants = image->stale_starts = false;
 }
 
+/* A solver stops on an edge, a rounding before it or behind: at an event, switches look so far ahead, in s. */
+#define AHEAD 1e-9
+
 /* Outputs; those of switches keep in continuous time what they had at the last event. */
 static void read_outputs(fb_image *image) {
+  const double *u = image->values + FB_FIRST_INPUT, *p = image->values + FB_FIRST_PARAMETER;
   double *reading = image->values + FB_FIRST_READING;
   double held[FB_SWITCHES + 1];
   int i;
   for (i = 0; i < FB_SWITCHES; i++) held[i] = reading[fb_switch_readings[i]];
-  fb_outputs(image->states, image->values + FB_FIRST_INPUT, image->values + FB_FIRST_PARAMETER, image->constants,
-             reading);
-  if (image->phase == FB_CONTINUOUS)
+  if (FB_SWITCHES > 0 && image->phase == FB_EVENT) {
+    double ahead[FB_STATES], rate[FB_STATES];
+    fb_rates(image->states, u, p, image->constants, rate);
+    for (i = 0; i < FB_STATES; i++) ahead[i] = image->states[i] + AHEAD * rate[i];
+    fb_outputs(ahead, u, p, image->constants, reading);
+    for (i = 0; i < FB_SWITCHES; i++) held[i] = reading[fb_switch_readings[i]];
+  }
+  fb_outputs(image->states, u, p, image->constants, reading);
+  if (image->phase == FB_CONTINUOUS || image->phase == FB_EVENT)
     for (i = 0; i < FB_SWITCHES; i++) reading[fb_switch_readings[i]] = held[i];
 }
 
