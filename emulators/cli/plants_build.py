@@ -18,4 +18,6 @@ def build_model(model: str, *, fmi: int, out: Path | None) -> None:
     say(f"{target}: {model}, FMI {fmi}.0, co-simulation and model exchange, {size // 1024} KiB")
     say(f"binaries: {', '.join(one.tuple for one in (here(), *others))}")
     for one in missing:
-        say(f"no binary for {one.tuple}: no {one.compiler} here (Debian's {one.package}); its sources build there")
+        say(
+            f"no binary for {one.tuple}: no {one.compiler} here (Debian's {one.package}); its sources build there"
+        )

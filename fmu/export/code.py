@@ -18,6 +18,7 @@ _FUNCTIONS: Final[Mapping[str, str]] = {
     "sin": "fb_sine",
     "cos": "fb_cosine",
     "atan": "fb_arc_tangent",
+    "angle": "fb_angle",
     "Abs": "fabs",
     "size": "fabs",
     "positive_part": "fb_positive_part",

@@ -1,5 +1,6 @@
 """Functions that equations may use besides SymPy's own: exact where a sum of absolute values would round."""
 
+import math
 from typing import Final
 
 import sympy as sp
@@ -13,6 +14,9 @@ clamped: Final = sp.Function("clamped", real=True)
 
 size: Final = implemented_function(sp.Function("size", real=True), abs)
 """size(x): |x|, of x as it is written: SymPy's own turns signs round and takes what is shared apart."""
+
+angle: Final = implemented_function(sp.Function("angle", real=True), math.atan2)
+"""angle(y, x): that of the way (x, y), atan(y / x), for x above 0; by one division."""
 
 larger: Final = sp.Function("larger", real=True)
 """larger(x, y): the larger of two numbers."""

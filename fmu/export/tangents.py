@@ -95,6 +95,7 @@ _SLOPES: Final[Mapping[str, Callable[..., tuple[Expression, ...]]]] = {
     "sin": lambda x: (sp.cos(x),),
     "cos": lambda x: (-sp.sin(x),),
     "atan": lambda x: (1 / (1 + x**2),),
+    "angle": lambda y, x: (x / (x**2 + y**2), -y / (x**2 + y**2)),
     "Abs": lambda x: (sign(x),),
     "size": lambda x: (sign(x),),
     "positive_part": lambda x: (passed(x),),

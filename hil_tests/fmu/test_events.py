@@ -46,7 +46,11 @@ def bench_axis(fmi: int, folder: Path, kind: str = "slave", **start: float) -> I
 def test_switches_are_discrete_and_bounded(fmi: int) -> None:
     rows = {row.name: row for row in read_model_description(str(ensure("single_axis", fmi))).modelVariables}
     for name in ("brake_axis", *SWITCHES):
-        assert (rows[name].variability, float(rows[name].min), float(rows[name].max)) == ("discrete", 0.0, 1.0)
+        assert (rows[name].variability, float(rows[name].min), float(rows[name].max)) == (
+            "discrete",
+            0.0,
+            1.0,
+        )
     assert rows["voltage_axis"].variability == "continuous"
     assert rows["voltage_axis"].min is None
     assert float(rows["battery_voltage"].min) == 0.0

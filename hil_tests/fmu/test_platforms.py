@@ -43,7 +43,13 @@ MACHINES: Final = {
 
 
 def fixed_run(
-    folder: Path, plant: str, fmi: int, compiler: str, tuple_: str, runner: Sequence[str], flags: Sequence[str]
+    folder: Path,
+    plant: str,
+    fmi: int,
+    compiler: str,
+    tuple_: str,
+    runner: Sequence[str],
+    flags: Sequence[str],
 ) -> str:
     """Return the SHA-256 of what the fixed run of this platform's binary gives."""
     path = ensure(plant, fmi, elsewhere() if tuple_ != here().tuple else ())
@@ -74,7 +80,9 @@ def test_the_run_in_c_is_the_fixed_run(tmp_path: Path, plant: str, fmi: int) -> 
     """What the other machines are judged by, on this one."""
     wanted = recorded(ensure(plant, fmi))
     assert wanted is not None
-    assert fixed_run(tmp_path / "own", plant, fmi, find_compiler(), here().tuple, (), ("-ldl",)) == wanted.sha256
+    assert (
+        fixed_run(tmp_path / "own", plant, fmi, find_compiler(), here().tuple, (), ("-ldl",)) == wanted.sha256
+    )
 
 
 @pytest.fixture(scope="module")

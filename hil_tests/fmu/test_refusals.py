@@ -162,7 +162,9 @@ def told(path: Path, folder: Path, **asked: bool) -> tuple[bool, list[tuple[int,
     said: list[tuple[int, str]] = []
     try:
         instance.fmu.instantiate(
-            loggingOn=True, logMessage=lambda _e, status, _c, text: said.append((status, text.decode())), **asked
+            loggingOn=True,
+            logMessage=lambda _e, status, _c, text: said.append((status, text.decode())),
+            **asked,
         )
     except Exception:  # noqa: BLE001 - FMPy has no class of its own for it
         return False, said

@@ -128,7 +128,9 @@ def test_every_name_outside_has_the_models_name_in_front(tmp_path: Path, fmi: in
 
 @VERSIONS
 @pytest.mark.parametrize("model", ["rars", "single_axis"])
-def test_compilers_that_know_neither_inline_nor_restrict_build_it(tmp_path: Path, model: str, fmi: int) -> None:
+def test_compilers_that_know_neither_inline_nor_restrict_build_it(
+    tmp_path: Path, model: str, fmi: int
+) -> None:
     """C of 1990 knows neither word, nor arrays of a length of its own: as MSVC, which has others for both."""
     units = unpacked(model, fmi, tmp_path)
     run(find_compiler(), "-std=c90", "-Werror=vla", "-fsyntax-only", *units, cwd=tmp_path)
@@ -144,6 +146,7 @@ def test_no_word_is_gccs_own(tmp_path: Path, fmi: int) -> None:
             assert "_MSC_VER" in text
         else:
             found = re.findall(
-                r"\b(?:__attribute__|__builtin_\w+|typeof|_Complex|alloca|__inline|__restrict|_Generic)\b", text
+                r"\b(?:__attribute__|__builtin_\w+|typeof|_Complex|alloca|__inline|__restrict|_Generic)\b",
+                text,
             )
             assert found == [], path.name

@@ -77,14 +77,8 @@ FB_INLINE double fb_cosine(double x) {
   return (quarter == 1 || quarter == 2) ? -value : value;
 }
 
-/* Chebyshev fit of (atan(t) / t - 1) / t2 for |t| up to tan(pi/8), error 3e-17; larger arguments by
-   atan(x) = pi/4 + atan((x - 1) / (x + 1)) and atan(x) = pi/2 - atan(1 / x). */
-FB_INLINE double fb_arc_tangent(double x) {
-  double size = fabs(x);
-  int inverse = size > 1.0;
-  double t = inverse ? 1.0 / size : size;
-  int upper = t > 0.41421356237309503;
-  if (upper) t = (t - 1.0) / (t + 1.0);
+/* Chebyshev fit of (atan(t) / t - 1) / t2 for |t| up to tan(pi/8), error 3e-17. */
+FB_INLINE double fb_arc_tangent_core(double t) {
   double z = t * t;
   double y = z * z;
   double w = y * y;
@@ -94,10 +88,21 @@ FB_INLINE double fb_arc_tangent(double x) {
   double r3 = z * 0.0585814891280221 - 0.06664511447381948;
   double r4 = z * 0.03923165829558719 - 0.0508544973794026;
   double r = w * (w * (r4 - y * 0.01917688711906226) + (y * r3 + r2)) + (y * r1 + r0);
-  double value = t + t * z * r;
-  if (upper) value += 0.5 * FB_HALF_PI;
-  if (inverse) value = FB_HALF_PI - value;
-  return x < 0.0 ? -value : value;
+  return t + t * z * r;
 }
+
+/* The angle of the way (x, y), x above 0, by one division: larger ones by atan(q) = pi/4 + atan((q - 1) / (q + 1))
+   and atan(q) = pi/2 - atan(1 / q). */
+FB_INLINE double fb_angle(double y, double x) {
+  double size = fabs(y), value;
+  if (size <= x * 0.41421356237309503) return fb_arc_tangent_core(y / x);
+  if (size <= x * 2.414213562373095)
+    value = 0.5 * FB_HALF_PI + fb_arc_tangent_core((size - x) / (size + x));
+  else
+    value = FB_HALF_PI - fb_arc_tangent_core(x / size);
+  return y < 0.0 ? -value : value;
+}
+
+FB_INLINE double fb_arc_tangent(double x) { return fb_angle(x, 1.0); }
 
 #endif
