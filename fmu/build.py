@@ -10,48 +10,48 @@ import io
 import os
 import platform
 import shutil
-import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 from fmu.errors import PlantError
+from fmu.export.about import About
 from fmu.fingerprint import RESOURCE
-from fmu.plants import Plant, find
+from fmu.plants import UNKNOWN, Plant, find, origin
+from fmu.platforms import FLAGS, Platform, find_compiler, here, library, told
 
 if TYPE_CHECKING:
     from fmu.export.model import Model
 
-FLAGS: Final = (
-    "-std=c99", "-O3", "-fno-guess-branch-probability", "-fno-math-errno", "-fno-trapping-math",
-    "-ffp-contract=off", "-fPIC", "-fvisibility=hidden",
-)  # fmt: skip
-"""Nobody asks for errno or traps, and without them roots and choices take no branches; the bits are the same.
-gcc guesses on which side of a bound a value lies, and moves the other side away: 7 % of a run's time.
-Contraction into fused multiply-adds would make the result depend on compiler and CPU."""
-
 _HERE: Final = Path(__file__).parent
-_COMPILERS: Final = ("cc", "gcc", "clang")
 _VERSIONS: Final = (2, 3)
 _SHARED: Final = ("core.c", "exchange.c", "messages.c", "slopes.c", "states.c", "step.c")
 _GENERATED: Final = ("model.c", "tangents.c")
+_HEADERS: Final = ("compiler.h", "core.h", "elementary.h")
 _EPOCH: Final = (1980, 1, 1, 0, 0, 0)
 
 
-def ensure(plant: str | Plant, fmi: int = 3) -> Path:
+def ensure(plant: str | Plant, fmi: int = 3, others: Sequence[Platform] = ()) -> Path:
     """Return the FMU of this plant, or of the installed one of this name, for FMI 2.0 or 3.0.
 
-    It is built when it is not in the cache. PlantError where it cannot be.
+    It holds a binary for this machine, and for `others`, whose compilers must be here. It is built when it is
+    not in the cache. PlantError where it cannot be.
     """
     chosen = find(plant) if isinstance(plant, str) else plant
     compiler = find_compiler()
-    target = _kept(chosen, fmi, compiler)
-    if not target.exists():
-        build(chosen, fmi, target, compiler=compiler)
+    own = _kept(chosen, fmi, compiler)
+    target = _kept(chosen, fmi, compiler, others)
+    if target.exists():
+        return target
+    if not own.exists():
+        build(chosen, fmi, own, compiler=compiler)
+    if target != own:
+        _put(target, _with_binaries(own, fmi, others))
     return target
 
 
@@ -61,55 +61,83 @@ def is_built(plant: str | Plant, fmi: int = 3) -> bool:
     return _kept(chosen, fmi, find_compiler()).exists()
 
 
-def place(plant: str | Plant, fmi: int, target: Path) -> None:
+def place(plant: str | Plant, fmi: int, target: Path, others: Sequence[Platform] = ()) -> None:
     """Write the FMU of this plant, as `ensure` keeps it, replacing `target` at once."""
-    _put(target, ensure(plant, fmi).read_bytes())
+    _put(target, ensure(plant, fmi, others).read_bytes())
 
 
 def build(plant: str | Plant, fmi: int, target: Path, *, compiler: str | None = None) -> None:
     """Write the FMU of this plant, or of the installed one of this name, replacing `target` at once."""
     chosen = find(plant) if isinstance(plant, str) else plant
-    export(chosen.model(), fmi, target, token=f"{{{_token(chosen)}}}", compiler=compiler)
+    token = f"{{{_token(chosen)}}}"
+    export(chosen.model(), fmi, target, token=token, about=_about(chosen), compiler=compiler)
 
 
-def export(model: "Model", fmi: int, target: Path, *, token: str, compiler: str | None = None) -> None:
+def export(
+    model: "Model",
+    fmi: int,
+    target: Path,
+    *,
+    token: str,
+    about: About = UNKNOWN,
+    compiler: str | None = None,
+) -> None:
     """Write any equations as an FMU; `token` tells its versions apart. PlantError where that fails."""
     if fmi not in _VERSIONS:
         raise PlantError(f"FMI {fmi} is not offered: 2 or 3")
-    blocks, code, description, twin = (
-        importlib.import_module(f"fmu.export.{name}") for name in ("blocks", "code", "description", "twin")
+    blocks, code, description, documentation, twin = (
+        importlib.import_module(f"fmu.export.{name}")
+        for name in ("blocks", "code", "description", "documentation", "twin")
     )
-    program = blocks.Program(model)
-    shell = [f"fmi{fmi}{part}.c" for part in ("", "_absent", "_exchange", "_states")]
-    units = (*_SHARED, *shell, *_GENERATED)
-    written = ("core.h", "elementary.h", f"fmi{fmi}_shell.h", *_SHARED, *shell)
+    program, units = blocks.Program(model), _units(fmi)
+    written = (*_HEADERS, f"fmi{fmi}_shell.h", *(unit for unit in units if unit not in _GENERATED))
     files = {name: (_HERE / "export" / "c" / name).read_text(encoding="utf-8") for name in written}
-    files |= code.generate(program, token) | _headers(fmi)
-    entries = {f"sources/{name}": text.encode() for name, text in files.items()}
-    entries["modelDescription.xml"] = description.DESCRIPTIONS[fmi](program, token, units).encode()
+    files |= code.generate(program, token, files["core.h"]) | _fmi_headers(fmi)
+    texts = {f"sources/{name}": text for name, text in files.items()}
+    texts |= documentation.documentation(program, about)
+    texts["modelDescription.xml"] = description.DESCRIPTIONS[fmi](program, token, units, about)
     if fmi > 2:  # noqa: PLR2004 - since FMI 3.0 the sources have a description of their own
-        entries["sources/buildDescription.xml"] = description.fmi3_build(program, units).encode()
+        texts["sources/buildDescription.xml"] = description.fmi3_build(program, units, FLAGS)
     fingerprint = twin.fingerprint(program)
     if fingerprint is not None:
-        entries[RESOURCE] = fingerprint.to_json().encode()
-    entries[_binary_path(model.name, fmi)] = _compiled(files, units, compiler or find_compiler())
+        texts[RESOURCE] = fingerprint.to_json()
+    entries = {name: text.encode() for name, text in texts.items()}
+    entries[here().binary(model.name, fmi)] = library(files, units, compiler or find_compiler())
     _put(target, _zipped(entries))
 
 
-def find_compiler() -> str:
-    """Return the path of a C compiler: $CC, else the first of cc, gcc, clang."""
-    chosen = os.environ.get("CC")
-    for name in (chosen,) if chosen else _COMPILERS:
-        path = shutil.which(name)
-        if path:
-            return path
-    if chosen:
-        raise PlantError(f"the C compiler $CC = {chosen} was not found: correct it, or unset CC")
-    raise PlantError(f"no C compiler found (tried {', '.join(_COMPILERS)}): install one, e.g. Debian's gcc")
+def _with_binaries(fmu: Path, fmi: int, others: Sequence[Platform]) -> bytes:
+    """Return an FMU with binaries for other machines beside its own, from the sources that it carries."""
+    with ZipFile(fmu) as archive:
+        entries = {name: archive.read(name) for name in archive.namelist()}
+    own = next(name for name in entries if name.startswith("binaries/"))
+    files = {
+        name.removeprefix("sources/"): content.decode()
+        for name, content in entries.items()
+        if name.startswith("sources/")
+    }
+    for other in others:
+        compiler = shutil.which(other.compiler)
+        if compiler is None:
+            raise PlantError(f"no {other.compiler} for {other.tuple}: install Debian's {other.package}")
+        entries[other.binary(Path(own).stem, fmi)] = library(files, _units(fmi), compiler, other.flags)
+    return _zipped(entries)
 
 
-def _kept(plant: Plant, fmi: int, compiler: str) -> Path:
-    return _cache() / f"{plant.name}-fmi{fmi}-{_key(plant, fmi, compiler)[:16]}.fmu"
+def _units(fmi: int) -> tuple[str, ...]:
+    """Return the C files that are compiled, in order."""
+    return (*_SHARED, *(f"fmi{fmi}{part}.c" for part in ("", "_absent", "_exchange", "_states")), *_GENERATED)
+
+
+def _about(plant: Plant) -> About:
+    """Return what the package that brings a plant says of itself, and the plant's own page."""
+    page = _folder(plant) / "README.md"
+    return replace(origin(plant), page=page.read_text(encoding="utf-8") if page.is_file() else "")
+
+
+def _kept(plant: Plant, fmi: int, compiler: str, others: Sequence[Platform] = ()) -> Path:
+    more = "".join(f"-{other.folder}" for other in others)
+    return _cache() / f"{plant.name}-fmi{fmi}{more}-{_key(plant, fmi, compiler, others)[:16]}.fmu"
 
 
 def _cache() -> Path:
@@ -123,7 +151,7 @@ def _sources(plant: Plant) -> Iterator[tuple[str, Path]]:
     folders = {"export": _HERE / "export", "parts": _HERE / "parts", plant.package: _folder(plant)}
     for name, folder in folders.items():
         for path in sorted(folder.rglob("*")):
-            if path.suffix in {".py", ".c", ".h"}:
+            if path.suffix in {".py", ".c", ".h", ".md"}:
                 yield f"{name}/{path.relative_to(folder).as_posix()}", path
 
 
@@ -146,17 +174,19 @@ def _token(plant: Plant) -> str:
     return digest.hexdigest()[:32]
 
 
-def _key(plant: Plant, fmi: int, compiler: str) -> str:
-    # The compiler is the user's own choice.
-    version = subprocess.run([compiler, "--version"], capture_output=True, check=False).stdout  # noqa: S603
-    digest = hashlib.sha256(version)
+def _key(plant: Plant, fmi: int, compiler: str, others: Sequence[Platform]) -> str:
+    digest = hashlib.sha256(told(compiler))
     libraries = [f"{name} {metadata.version(name)}" for name in ("sympy", "fmpy")]
-    for part in (_token(plant), str(fmi), compiler, *FLAGS, *libraries, platform.machine(), sys.platform):
+    for other in others:
+        digest.update(told(shutil.which(other.compiler) or "true") + repr(other).encode())
+    about = repr(origin(plant))
+    parts = (_token(plant), about, str(fmi), compiler, *FLAGS, *libraries, platform.machine(), sys.platform)
+    for part in parts:
         digest.update(part.encode() + b"\0")
     return digest.hexdigest()
 
 
-def _headers(fmi: int) -> dict[str, str]:
+def _fmi_headers(fmi: int) -> dict[str, str]:
     """Return FMI's C headers from the installed FMPy, without importing it."""
     spec = importlib.util.find_spec("fmpy")
     if spec is None or not spec.submodule_search_locations:
@@ -166,31 +196,6 @@ def _headers(fmi: int) -> dict[str, str]:
     if not found:
         raise PlantError(f"the installed FMPy has no headers of FMI {fmi} in {folder}: install fmpy>=0.3.22")
     return {path.name: path.read_text(encoding="utf-8") for path in found}
-
-
-def _compiled(files: Mapping[str, str], units: Sequence[str], compiler: str) -> bytes:
-    with tempfile.TemporaryDirectory(prefix="firmware-bridge-build-") as name:
-        folder = Path(name)
-        for file, text in files.items():
-            (folder / file).write_text(text, encoding="utf-8")
-        # Relative names, so that no path of this machine gets into the binary.
-        command = [compiler, *FLAGS, "-shared", "-s", "-o", "plant.so", *units, "-lm"]
-        run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)  # noqa: S603
-        if run.returncode:
-            raise PlantError(f"{' '.join(command)} failed:\n{run.stderr.strip()}")
-        return (folder / "plant.so").read_bytes()
-
-
-def _binary_path(identifier: str, fmi: int) -> str:
-    system, suffix = {"darwin": ("darwin", ".dylib"), "win32": ("windows", ".dll")}.get(
-        sys.platform, ("linux", ".so")
-    )
-    machine = platform.machine().lower()
-    architecture = {"amd64": "x86_64", "arm64": "aarch64"}.get(machine, machine)
-    if fmi == 2:  # noqa: PLR2004 - the version
-        short = {"windows": "win"}.get(system, system)
-        return f"binaries/{short}64/{identifier}{suffix}"
-    return f"binaries/{architecture}-{system}/{identifier}{suffix}"
 
 
 def _zipped(entries: Mapping[str, bytes]) -> bytes:

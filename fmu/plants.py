@@ -6,17 +6,20 @@ It refuses to know robots: what a plant takes from a robot's file is looked up b
 import difflib
 import importlib
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib import metadata
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from fmu.errors import PlantError, UnknownNameError
+from fmu.export.about import About
 from fmu.export.model import Parameter
 
 if TYPE_CHECKING:
     from fmu.export.model import Model
 
 GROUP: Final = "firmware_bridge.plants"
+UNKNOWN: Final = About()
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +81,32 @@ def find(name: str) -> Plant:
     if not isinstance(plant, Plant) or plant.name != name:
         raise PlantError(f"{values[0]} is not the plant '{name}', but {plant!r:.60}: correct the entry point")
     return plant
+
+
+def origin(plant: Plant) -> About:
+    """Return what the installed package that brings a plant says of itself; empty where none does."""
+    for entry in metadata.entry_points(group=GROUP, name=plant.name):
+        if entry.dist is not None and entry.value.partition(":")[0].startswith(plant.package):
+            about = entry.dist.metadata
+            text = _licence(entry.dist)
+            author = about.get("Author") or about.get("Author-email") or ""
+            licence = about.get("License-Expression") or ""
+            known = About(entry.dist.version, author, licence, text)
+            holder = known.copyright.rpartition(")")[2].strip().lstrip("0123456789 -,")
+            return known if author else replace(known, author=holder)
+    return UNKNOWN
+
+
+def _licence(distribution: metadata.Distribution) -> str:
+    """Return the text of a package's licence (Python packaging, PEP 639), empty where it brings none."""
+    for name in distribution.metadata.get_all("License-File") or ():
+        if text := distribution.read_text(f"licenses/{name}"):
+            return text
+        # A checkout has it beside its metadata, not in them.
+        beside = Path(str(distribution.locate_file(name)))
+        if beside.is_file():
+            return beside.read_text(encoding="utf-8")
+    return ""
 
 
 def _unknown(problem: str, name: str, known: Iterable[str]) -> UnknownNameError:

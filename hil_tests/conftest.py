@@ -1,9 +1,10 @@
 """Which tests this machine can run: some need a SocketCAN bus vcan0, a network without a way out, or tshark.
 
 What is not there leaves its tests out, and counted: `tools/with-vcan` brings a kernel with the bus,
-`tools/with-loopback` the network, Debian's package tshark the dissector. `.ci/run` has them all. Which
-tests are long says `lanes.toml`, beside the marks of a few. Hypothesis times no example: the tests' time is
-virtual, and the wall's says how busy the machine is.
+`tools/with-loopback` the network, Debian's package tshark the dissector. Those of other machines' binaries need
+four packages, and run only where their mark is asked for: then they fail where something is missing. `.ci/run`
+has all. Which tests are long says `lanes.toml`, beside the marks of a few. Hypothesis times no example: the
+tests' time is virtual, and the wall's says how busy the machine is.
 """
 
 import shutil
@@ -22,6 +23,9 @@ AT_HAND: Final = {
     "tshark": shutil.which("tshark") is not None,
 }
 """Markers, and whether this machine has what they stand for."""
+
+ON_DEMAND: Final = ("platforms",)
+"""Markers whose tests run where they are asked for by name, `-m MARKER`."""
 
 settings.register_profile("virtual time", settings(deadline=None))
 settings.load_profile("virtual time")
@@ -55,6 +59,7 @@ def pytest_itemcollected(item: pytest.Item) -> None:
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     missing = [marker for marker, there in AT_HAND.items() if not there]
+    missing += [marker for marker in ON_DEMAND if marker not in config.getoption("markexpr")]
     without = [item for item in items if any(item.get_closest_marker(marker) for marker in missing)]
     if without:
         config.hook.pytest_deselected(items=without)

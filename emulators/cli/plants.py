@@ -21,7 +21,7 @@ def list_models() -> None:
     """List the models that can be built."""
 
 
-@command(BUILD_EXAMPLES, work="emulators.cli.plants_work:build_model")
+@command(BUILD_EXAMPLES, work="emulators.cli.plants_build:build_model")
 def build_model(
     model: Annotated[
         str,
@@ -38,7 +38,10 @@ def build_model(
         typer.Option("--out", "-o", metavar="FILE", help="Where it goes.", show_default="MODEL.fmu"),
     ] = None,
 ) -> None:
-    """Build a model's FMU, with its sources inside."""
+    """Build a model's FMU, with its sources inside.
+
+    It holds a binary for this machine, and for 64-bit Linux and Windows and Linux on ARM where there are compilers.
+    """
 
 
 @command(CHECK_EXAMPLE, work="emulators.cli.plants_work:check")

@@ -1,4 +1,4 @@
-"""Lists, builds and checks plants."""
+"""Lists and checks plants."""
 
 from pathlib import Path
 from typing import Final
@@ -13,7 +13,6 @@ from firmware_bridge import kinds
 from firmware_bridge.cli.console import FAILED, one_message, say
 from firmware_bridge.cli.tables import terminal
 from firmware_bridge.robot import AnyRobot
-from fmu.build import place
 from fmu.check import Findings, examine
 from fmu.errors import PlantError
 from fmu.interface import units
@@ -50,15 +49,6 @@ def list_models() -> None:
     if failed:
         raise typer.Exit(FAILED)
     say("each as FMI 2.0 or 3.0, with co-simulation and model exchange in one file")
-
-
-def build_model(model: str, *, fmi: int, out: Path | None) -> None:
-    """Do what `fmu build` says."""
-    target = out or Path(f"{model}.fmu")
-    with one_message(PlantError, OSError):
-        place(model, fmi, target)
-        size = target.stat().st_size
-    say(f"{target}: {model}, FMI {fmi}.0, co-simulation and model exchange, {size // 1024} KiB")
 
 
 def check(file: Path) -> None:

@@ -164,7 +164,12 @@ def model() -> Model:
             Output("pitch", "rad", "left half about its axle, nose up positive", symbol("pitch"), 0.1),
             Output("joint", "rad", "right half against the left", symbol("joint"), 0.1),
             Output(
-                "battery_voltage", "V", "battery's terminal voltage", terminal_voltage((left, right), P), 24.0
+                "battery_voltage",
+                "V",
+                "battery's terminal voltage",
+                terminal_voltage((left, right), P),
+                24.0,
+                least=0.0,
             ),
             left.dry_friction(),
             right.dry_friction(),

@@ -21,28 +21,52 @@ MOTORS: Final[tuple[Parameter, ...]] = (
         "ASSUME, catalogue of maxon RE25 20 W 24 V, unchecked",
         **RE25,
     ),
-    Parameter("gear_wheel", 159.0, "1", "gear ratio", "ASSUME"),
-    Parameter("presliding", 0.05, "rad", "shaft angle over which dry friction builds up", "ASSUME"),
-    Parameter("gear_friction", 0.5, "N.m", "gear's dry friction, at the wheel", "ASSUME, it holds the robot"),
+    Parameter("gear_wheel", 159.0, "1", "gear ratio", "ASSUME", least=0.0),
+    Parameter(
+        "presliding", 0.05, "rad", "shaft angle over which dry friction builds up", "ASSUME", least=0.0
+    ),
+    Parameter(
+        "gear_friction",
+        0.5,
+        "N.m",
+        "gear's dry friction, at the wheel",
+        "ASSUME, it holds the robot",
+        least=0.0,
+        tunable=True,
+    ),
     *battery_rows("ASSUME"),
 )
 
 ROBOT: Final[tuple[Parameter, ...]] = (
-    Parameter("wheel_radius", 0.0254, "m", "wheel's radius r_w", "[C] 5, where it is printed as r_c"),
     Parameter(
-        "crown_radius", 0.0254, "m", "radius of the wheel's cross section r_t, at most r_w", "ASSUME, a ball"
+        "wheel_radius", 0.0254, "m", "wheel's radius r_w", "[C] 5, where it is printed as r_c", least=0.0
     ),
-    Parameter("half_track", 0.0508, "m", "middle of the robot to a wheel's middle b", "[C] 5, 2b = 0.1016 m"),
-    Parameter("caster_distance", 0.04445, "m", "caster behind the wheels l", "[C] 5"),
-    Parameter("mass", 3.0, "kg", "whole robot", "ASSUME"),
+    Parameter(
+        "crown_radius",
+        0.0254,
+        "m",
+        "radius of the wheel's cross section r_t, at most r_w",
+        "ASSUME, a ball",
+        least=0.0,
+    ),
+    Parameter(
+        "half_track",
+        0.0508,
+        "m",
+        "middle of the robot to a wheel's middle b",
+        "[C] 5, 2b = 0.1016 m",
+        least=0.0,
+    ),
+    Parameter("caster_distance", 0.04445, "m", "caster behind the wheels l", "[C] 5", least=0.0),
+    Parameter("mass", 3.0, "kg", "whole robot", "ASSUME", tunable=True),
     Parameter("mass_behind", 0.02, "m", "centre of mass behind the wheels", "ASSUME"),
     Parameter("yaw_inertia", 0.012, "kg.m2", "whole robot about its normal, at the wheels' middle", "ASSUME"),
     Parameter("wheel_inertia", 5e-5, "kg.m2", "one wheel about its axle", "ASSUME"),
 )
 
 TANK: Final[tuple[Parameter, ...]] = (
-    Parameter("tank_radius", 0.381, "m", "cylinder's radius r_c; very large is a plane", "[C] 5"),
-    Parameter("gravity", 9.81, "m/s2", "standard gravity", "ASSUME"),
+    Parameter("tank_radius", 0.381, "m", "cylinder's radius r_c; very large is a plane", "[C] 5", least=0.0),
+    Parameter("gravity", 9.81, "m/s2", "standard gravity", "ASSUME", least=0.0),
     Parameter(
         "axis_tilt", math.pi / 2, "rad", "cylinder's axis over the horizontal", "[C] 5, a standing tank"
     ),

@@ -41,9 +41,13 @@ class Program:
 
     @cached_property
     def locals(self) -> tuple[Output, ...]:
-        """What is computed only when it is asked for; states that the model does not show are among it."""
+        """What is computed only when it is asked for; events, and states that the model does not show, are among it."""
         rows = [row for row in self.model.outputs if row.local]
         shown = {row.expression for row in self.model.outputs}
+        rows += [
+            Output(event.name, event.unit, event.description, event.expression, local=True)
+            for event in self.model.events
+        ]
         rows += [
             Output(state.name, state.unit, f"state {state.name}", real(state.name), local=True)
             for state in self.model.states
@@ -69,13 +73,19 @@ class Program:
         return tuple(state if state >= 0 and free[state] else -1 for state in self.states_of_readings)
 
     @cached_property
+    def switch_readings(self) -> tuple[int, ...]:
+        """Which readings are switches."""
+        return tuple(i for i, row in enumerate(self.readings) if row.switch)
+
+    @cached_property
     def blocks(self) -> tuple[Block, ...]:
-        """Constants, starts, rates, outputs, locals."""
+        """Constants, starts, rates, outputs, locals, event indicators."""
         model = self.model
         hoister = _Hoister(frozenset(real(row.name) for row in model.parameters))
         rates = [hoister.hoist(state.rate) for state in model.states]
         readings = [hoister.hoist(row.expression) for row in self.readings]
         starts = [hoister.hoist(sp.sympify(state.start)) for state in model.states]
+        events = [hoister.hoist(event.expression) for event in model.events]
         # The shell's reset writes zeros; derived starts follow the parameters.
         derived = [i for i, start in enumerate(starts) if start.free_symbols]
         if any(starts[i] != 0 for i in range(len(starts)) if i not in derived):
@@ -93,6 +103,7 @@ class Program:
             _block(
                 "locals", "supk", "reading", readings[count:], names=names, places=range(count, len(readings))
             ),
+            _block("indicators", "supk", "indicator", events, names=names),
         )
 
 

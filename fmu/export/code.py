@@ -1,6 +1,7 @@
 """Blocks to C: no function but sqrt and our own. Refuses to know what the equations mean."""
 
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
@@ -17,6 +18,7 @@ _FUNCTIONS: Final[Mapping[str, str]] = {
     "sin": "fb_sine",
     "cos": "fb_cosine",
     "atan": "fb_arc_tangent",
+    "angle": "fb_angle",
     "Abs": "fabs",
     "size": "fabs",
     "positive_part": "fb_positive_part",
@@ -31,6 +33,13 @@ _FUNCTIONS: Final[Mapping[str, str]] = {
     "root_slope": "fb_root_slope",
 }
 _POWERS: Final[Mapping[int, str]] = {2: "fb_square", 3: "fb_cube", 4: "fb_fourth"}
+_KINDS: Final[Mapping[str, str]] = {
+    "continuous": "FB_FREE",
+    "discrete": "FB_SWITCH",
+    "fixed": "FB_FIXED",
+    "tunable": "FB_TUNABLE",
+}
+"""Variability of time, inputs and parameters, as c/core.h knows it."""
 _HIGHEST_POWER: Final = 5
 """Of a tangent: the slope of 1 / x^4."""
 
@@ -107,8 +116,11 @@ def _power(base: Expression, exponent: Expression) -> str:
     raise UnsupportedError(f"no C for the power {exponent} of {base}")
 
 
-def generate(program: Program, token: str) -> dict[str, str]:
-    """Return model.h (sizes), model.c (tables and blocks), tangents.c."""
+def generate(program: Program, token: str, core: str) -> dict[str, str]:
+    """Return model.h (sizes and names), model.c (tables and blocks), tangents.c.
+
+    What `core`, the text of core.h, declares gets the model's name in front, so that two models link together.
+    """
     model = program.model
     constants = next(len(block.results) for block in program.blocks if block.name == "constants")
     sizes = {
@@ -118,18 +130,27 @@ def generate(program: Program, token: str) -> dict[str, str]:
         "FB_LOCALS": len(program.locals),
         "FB_STATES": len(model.states),
         "FB_CONSTANTS": max(1, constants),
+        "FB_SWITCH_INPUTS": sum(row.switch for row in model.inputs),
+        "FB_SWITCHES": len(program.switch_readings),
+        "FB_INDICATORS": len(model.events),
         "FB_INNER_STEP": repr(model.inner_step),
         "FB_TOKEN": f'"{token}"',
     }
+    outside = dict.fromkeys(re.findall(r"\bfb_\w+(?=[\[(])", core))
+    sizes |= {name: f"{model.name}_{name}" for name in outside}
     rows = variables(program)
+    settable = rows[: 1 + len(model.inputs) + len(model.parameters)]
     nominals = {row.name: row.nominal for row in rows}
     shown = {real: row.name for row, real in zip(program.readings, program.states_of_readings, strict=True)}
     head = f"/* {model.description}. Written from the equations; do not edit. */\n"
-    include = '#include "core.h"\n#include "elementary.h"\n'
+    include = '#include <float.h>\n\n#include "core.h"\n#include "elementary.h"\n'
     parts = (
         head,
         include,
         _table("char *const", "fb_names[FB_VARIABLES]", [f'"{row.name}"' for row in rows]),
+        _table("fb_kind", "fb_kinds[FB_FIRST_READING]", [_KINDS[row.variability] for row in settable]),
+        _table("double", "fb_least[FB_FIRST_READING]", [_bound(row.least, "-DBL_MAX") for row in settable]),
+        _table("double", "fb_most[FB_FIRST_READING]", [_bound(row.most, "DBL_MAX") for row in settable]),
         _table("double", "fb_parameter_starts[]", [repr(float(r.start)) for r in model.parameters]),
         _table("char *const", "fb_state_names[FB_STATES]", [f'"{state.name}"' for state in model.states]),
         _table(
@@ -139,14 +160,19 @@ def generate(program: Program, token: str) -> dict[str, str]:
         ),
         _table("int", "fb_state_of_reading[FB_READINGS]", [str(i) for i in program.states_of_readings]),
         _table("int", "fb_settable_state[FB_READINGS]", [str(i) for i in program.settable_states]),
+        _table("int", "fb_switch_readings[]", [str(i) for i in program.switch_readings]),
         *(_function(block) for block in program.blocks),
     )
-    slopes = (_tangent_function(tangents(block)) for block in program.blocks)
+    slopes = (_tangent_function(tangents(block)) for block in program.blocks if block.name != "indicators")
     return {
         "model.h": "".join(f"#define {name} {value}\n" for name, value in sizes.items()),
         "model.c": "\n".join(parts),
         "tangents.c": "\n".join((head, include, *slopes)),
     }
+
+
+def _bound(value: float | None, none: str) -> str:
+    return none if value is None else repr(float(value))
 
 
 def _table(kind: str, name: str, entries: Sequence[str]) -> str:
@@ -163,10 +189,10 @@ def body(block: Block) -> Iterator[tuple[str, str]]:
 
 def _function(block: Block) -> str:
     read = [name for name in block.reads if name != block.target]
-    signature = ", ".join(f"const double *restrict {name}" for name in read)
+    signature = ", ".join(f"FB_CONST {name}" for name in read)
     used = "".join(f"  (void){name};\n" for name in (*read, block.target))
     lines = "".join(_statement(*line) for line in body(block))
-    return f"void fb_{block.name}({signature}, double *restrict {block.target}) {{\n{used}{lines}}}\n"
+    return f"void fb_{block.name}({signature}, FB_TARGET {block.target}) {{\n{used}{lines}}}\n"
 
 
 def _statement(target: str, value: str) -> str:
@@ -179,8 +205,8 @@ def _tangent_function(tangent: TangentBlock) -> str:
     arrays = [*block.reads, *(f"d{name}" for name in block.reads if name != block.target)]
     if block.target == "s":  # derived starts are written from the free ones, in place
         arrays.insert(0, "s")
-    signature = ", ".join(f"const double *restrict {name}" for name in arrays)
+    signature = ", ".join(f"FB_CONST {name}" for name in arrays)
     lines = [f"  (void){name};\n" for name in (*arrays, target)]
     lines += [_statement(str(symbol), c_text(value)) for symbol, value in tangent.shared]
     lines += [f"  {target}[{place}] = {c_text(slope)};\n" for place, slope in tangent.results]
-    return f"void fb_{block.name}_tangent({signature}, double *restrict {target}) {{\n{''.join(lines)}}}\n"
+    return f"void fb_{block.name}_tangent({signature}, FB_TARGET {target}) {{\n{''.join(lines)}}}\n"

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Final
 from xml.sax.saxutils import quoteattr
 
+from fmu.export.about import About
 from fmu.export.blocks import Program
 from fmu.export.structure import Unknown, structure
 from fmu.export.variables import Variable, units, variables
@@ -22,7 +23,7 @@ CATEGORIES: Final[Mapping[str, str]] = {
 """Log categories of our FMUs, by the status that they come with (fmu/export/c/core.h has the same order)."""
 
 
-def fmi2(program: Program, token: str, sources: Sequence[str]) -> str:
+def fmi2(program: Program, token: str, sources: Sequence[str], about: About) -> str:
     """Return the FMI 2.0 description; `sources` are the C files of sources/."""
     model = program.model
     head = _attributes(
@@ -30,9 +31,13 @@ def fmi2(program: Program, token: str, sources: Sequence[str]) -> str:
         modelName=model.name,
         guid=token,
         description=model.description,
+        author=about.author or None,
+        version=about.version or None,
+        copyright=about.copyright or None,
+        license=about.licence or None,
         generationTool=_GENERATOR,
         variableNamingConvention="structured",
-        numberOfEventIndicators=0,
+        numberOfEventIndicators=len(model.events),
     )
     common = {
         "canBeInstantiatedOnlyOncePerProcess": "false",
@@ -63,7 +68,7 @@ def fmi2(program: Program, token: str, sources: Sequence[str]) -> str:
     return "\n".join(lines)
 
 
-def fmi3(program: Program, token: str, _sources: Sequence[str]) -> str:
+def fmi3(program: Program, token: str, _sources: Sequence[str], about: About) -> str:
     """Return the FMI 3.0 description; its sources are described by `fmi3_build`."""
     model = program.model
     head = _attributes(
@@ -71,6 +76,10 @@ def fmi3(program: Program, token: str, _sources: Sequence[str]) -> str:
         modelName=model.name,
         instantiationToken=token,
         description=model.description,
+        author=about.author or None,
+        version=about.version or None,
+        copyright=about.copyright or None,
+        license=about.licence or None,
         generationTool=_GENERATOR,
         variableNamingConvention="structured",
     )
@@ -96,22 +105,24 @@ def fmi3(program: Program, token: str, _sources: Sequence[str]) -> str:
     lines += [_unknown3("Output", row) for row in found.outputs]
     lines += [_unknown3("ContinuousStateDerivative", row) for row in found.rates]
     lines += [_unknown3("InitialUnknown", row, kinds=False) for row in found.initial]
+    lines += [_unknown3("EventIndicator", row) for row in found.events]
     lines += ["  </ModelStructure>", "</fmiModelDescription>", ""]
     return "\n".join(lines)
 
 
-def fmi3_build(program: Program, sources: Sequence[str]) -> str:
-    """Return sources/buildDescription.xml of FMI 3.0."""
+def fmi3_build(program: Program, sources: Sequence[str], flags: Sequence[str]) -> str:
+    """Return sources/buildDescription.xml of FMI 3.0; `flags` are those of the binaries beside them."""
+    compiled = _attributes(language="C99", compiler="gcc", compilerOptions=" ".join(flags))
     files = "".join(f'      <SourceFile name="{name}"/>\n' for name in sources)
     return (
         f'{_XML}\n<fmiBuildDescription fmiVersion="3.0">\n'
         f'  <BuildConfiguration modelIdentifier="{program.model.name}">\n'
-        f'    <SourceFileSet language="C99" compilerOptions="-O2 -ffp-contract=off">\n{files}'
+        f"    <SourceFileSet{compiled}>\n{files}"
         '    </SourceFileSet>\n    <Library name="m"/>\n  </BuildConfiguration>\n</fmiBuildDescription>\n'
     )
 
 
-DESCRIPTIONS: Final[Mapping[int, Callable[[Program, str, Sequence[str]], str]]] = {2: fmi2, 3: fmi3}
+DESCRIPTIONS: Final[Mapping[int, Callable[[Program, str, Sequence[str], About], str]]] = {2: fmi2, 3: fmi3}
 """The writer for each version of FMI."""
 
 
@@ -147,7 +158,9 @@ def _variable2(row: Variable) -> str:
         description=row.description,
     )
     state = None if row.rate_of is None else row.rate_of + 1
-    inner = _attributes(unit=row.unit, nominal=row.nominal, start=row.start, derivative=state)
+    inner = _attributes(
+        unit=row.unit, min=row.least, max=row.most, nominal=row.nominal, start=row.start, derivative=state
+    )
     return f"    <ScalarVariable{outer}><Real{inner}/></ScalarVariable>"
 
 
@@ -159,6 +172,8 @@ def _variable3(row: Variable) -> str:
         variability=row.variability,
         initial=row.initial,
         unit=row.unit,
+        min=row.least,
+        max=row.most,
         nominal=row.nominal,
         start=row.start,
         derivative=row.rate_of,

@@ -12,23 +12,31 @@ Expression: TypeAlias = Any
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """A fixed value that a user may set before the run; `source` says where the default comes from."""
+    """A value that a user may set before the run; `source` says where the default comes from.
+
+    A `tunable` one may change in the run: load, friction, slope, supply. Outside `least` to `most` it is
+    refused; where `least` is not given, the unit decides: no mass is below 0.
+    """
 
     name: str
     start: float
     unit: str
     description: str
     source: str
+    least: float | None = None
+    most: float | None = None
+    tunable: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class Input:
-    """A value that is held during a communication step."""
+    """A value that is held during a communication step; a `switch` is 0 open or 1 closed."""
 
     name: str
     unit: str
     description: str
     nominal: float = 1.0
+    switch: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +54,10 @@ class State:
 
 @dataclass(frozen=True, slots=True)
 class Output:
-    """A value that can be read; `local` ones are for people and tests, not for the regulators."""
+    """A value that can be read; `local` ones are for people and tests, not for the regulators.
+
+    A `switch` is 0 open or 1 closed, and changes where an event is. `least` is what it is never below.
+    """
 
     name: str
     unit: str
@@ -54,6 +65,18 @@ class Output:
     expression: Expression
     nominal: float = 1.0
     local: bool = False
+    switch: bool = False
+    least: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """A value that passes 0 where something meets a stop, a flank or a switch; solvers stop there."""
+
+    name: str
+    unit: str
+    description: str
+    expression: Expression
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,3 +91,4 @@ class Model:
     outputs: tuple[Output, ...]
     inner_step: float
     """Longest step of the integrator in seconds."""
+    events: tuple[Event, ...] = ()

@@ -11,7 +11,7 @@ import sympy as sp
 
 from fmu.export.blocks import Program, real
 from fmu.export.model import Expression
-from fmu.export.variables import Variable, first_reading, state_references, variables
+from fmu.export.variables import Variable, event_references, first_reading, state_references, variables
 
 
 class Kind(IntEnum):
@@ -32,11 +32,12 @@ class Unknown:
 
 @dataclass(frozen=True, slots=True)
 class Structure:
-    """Outputs and rates while time runs; everything computed at initialisation."""
+    """Outputs, rates and event indicators while time runs; everything computed at initialisation."""
 
     outputs: tuple[Unknown, ...]
     rates: tuple[Unknown, ...]
     initial: tuple[Unknown, ...]
+    events: tuple[Unknown, ...]
 
 
 def structure(program: Program) -> Structure:
@@ -49,6 +50,10 @@ def structure(program: Program) -> Structure:
     first = first_reading(program)
     rates = [(rows[first + len(program.readings) + i], s.rate) for i, s in enumerate(model.states)]
     outputs = [(rows[first + i], row.expression) for i, row in enumerate(program.outputs)]
+    events = [
+        (rows[reference], event.expression)
+        for reference, event in zip(event_references(program), model.events, strict=True)
+    ]
     # At initialisation parameters and free start values are known, and derived starts are not.
     fixed = {real(row.name): len(inputs) + 1 + i for i, row in enumerate(model.parameters)}
     derived = {real(s.name): sp.sympify(s.start) for s in model.states if not sp.sympify(s.start).is_number}
@@ -61,6 +66,7 @@ def structure(program: Program) -> Structure:
         tuple(_unknowns(outputs, known)),
         tuple(_unknowns(rates, known)),
         tuple(_initial([*unknown, *rates], starting, derived)),
+        tuple(_unknowns(events, known)),
     )
 
 

@@ -10,11 +10,10 @@ from typing import Final
 import sympy as sp
 
 from fmu.export.blocks import Block, UnsupportedError, real
-from fmu.export.functions import reciprocal
+from fmu.export.functions import passed, reciprocal
 from fmu.export.model import Expression
 
 sign: Final = sp.Function("sign_of", real=True)
-step: Final = sp.Function("step_at", real=True)
 inside: Final = sp.Function("inside", real=True)
 outside: Final = sp.Function("outside", real=True)
 root_slope: Final = sp.Function("root_slope", real=True)
@@ -96,12 +95,14 @@ _SLOPES: Final[Mapping[str, Callable[..., tuple[Expression, ...]]]] = {
     "sin": lambda x: (sp.cos(x),),
     "cos": lambda x: (-sp.sin(x),),
     "atan": lambda x: (1 / (1 + x**2),),
+    "angle": lambda y, x: (x / (x**2 + y**2), -y / (x**2 + y**2)),
     "Abs": lambda x: (sign(x),),
     "size": lambda x: (sign(x),),
-    "positive_part": lambda x: (step(x),),
+    "positive_part": lambda x: (passed(x),),
     "clamped": lambda x, bound: (inside(x, bound), outside(x, bound)),
     "shared": lambda _: (sp.S.One,),
-    "larger": lambda x, y: (step(x - y), 1 - step(x - y)),
+    "larger": lambda x, y: (passed(x - y), 1 - passed(x - y)),
+    "step_at": lambda _: (sp.S.Zero,),
     "reciprocal": lambda x: (-(reciprocal(x) ** 2),),
 }
 """Slopes of a function by each of its arguments."""

@@ -40,6 +40,7 @@ class Twin:
         count = max(len(block.results) for block in program.blocks if block.name == "constants")
         self._p = [float(row.start) for row in model.parameters]
         self._k = [0.0] * count
+        self._inputs = model.inputs
         self._u = [0.0] * len(model.inputs)
         self._s = [0.0] * len(model.states)
         self._reading = [0.0] * len(program.readings)
@@ -51,8 +52,11 @@ class Twin:
         run["starts"](p=self._p, k=self._k, s=self._s)
 
     def write(self, values: Sequence[float]) -> None:
-        """Set all inputs."""
-        self._u[:] = values
+        """Set all inputs, switches within 0 and 1."""
+        self._u[:] = [
+            min(max(value, 0.0), 1.0) if row.switch else value
+            for row, value in zip(self._inputs, values, strict=True)
+        ]
 
     def step(self) -> None:
         """Take one communication step of `length` seconds, as step.c does."""
@@ -149,21 +153,26 @@ def cosine(x: float) -> float:
     return -value if quarter in {1, 2} else value
 
 
+def angle(y: float, x: float) -> float:
+    """Return the angle of the way (x, y), x above 0, as c/elementary.h computes it."""
+    size = abs(y)
+    if size <= x * 0.41421356237309503:  # tan(pi / 8)
+        return _arc_tangent_core(y / x)
+    if size <= x * 2.414213562373095:  # tan(3 pi / 8)
+        value = 0.5 * _HALF_PI + _arc_tangent_core((size - x) / (size + x))
+    else:
+        value = _HALF_PI - _arc_tangent_core(x / size)
+    return -value if y < 0.0 else value
+
+
+def _arc_tangent_core(t: float) -> float:
+    z = t * t
+    return t + t * z * _series(_ARC_TANGENT, z)
+
+
 def arc_tangent(x: float) -> float:
     """Return the arc tangent, as c/elementary.h computes it."""
-    size = abs(x)
-    inverse = size > 1.0
-    t = 1.0 / size if inverse else size
-    upper = t > 0.41421356237309503  # noqa: PLR2004 - tan(pi / 8)
-    if upper:
-        t = (t - 1.0) / (t + 1.0)
-    z = t * t
-    value = t + t * z * _series(_ARC_TANGENT, z)
-    if upper:
-        value += 0.5 * _HALF_PI
-    if inverse:
-        value = _HALF_PI - value
-    return -value if x < 0.0 else value
+    return angle(x, 1.0)
 
 
 _FUNCTIONS: Final[dict[str, Callable[..., float]]] = {
@@ -172,11 +181,13 @@ _FUNCTIONS: Final[dict[str, Callable[..., float]]] = {
     "fb_sine": sine,
     "fb_cosine": cosine,
     "fb_arc_tangent": arc_tangent,
+    "fb_angle": angle,
     "fb_square": lambda x: x * x,
     "fb_cube": lambda x: x * x * x,
     "fb_fourth": lambda x: (x * x) * (x * x),
     "fb_positive_part": lambda x: max(0.0, x),
     "fb_clamped": lambda x, bound: bound if x > bound else max(x, -bound),
     "fb_larger": max,
+    "fb_step_at": lambda x: 1.0 if x > 0.0 else 0.0,
     "fb_reciprocal": lambda x: 1.0 / x,
 }

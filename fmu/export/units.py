@@ -49,6 +49,12 @@ UNITS: Final[Mapping[str, Unit]] = {
 """Units that models may use."""
 
 
+NEVER_NEGATIVE: Final = frozenset({
+    "kg", "kg.m2", "N/m", "N.m.s/rad", "N.m/rad", "N.s/m", "s/m", "s/rad", "N.m/A", "Ohm", "H", "s",
+})  # fmt: skip
+"""Units of masses, stiffnesses, dampings, windings: a parameter in one of them is 0 or more."""
+
+
 def per_second(name: str) -> tuple[str, Unit]:
     """Return the unit of the rate of a quantity in this unit: its name and its exponents."""
     unit = UNITS[name]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from fmu.export.blocks import Program, UnsupportedError
-from fmu.export.units import UNITS, Unit, per_second
+from fmu.export.units import NEVER_NEGATIVE, UNITS, Unit, per_second
 
 TIME: Final = 0
 """Value reference of the time."""
@@ -26,6 +26,8 @@ class Variable:
     start: float | None = None
     nominal: float | None = None
     rate_of: int | None = None
+    least: float | None = None
+    most: float | None = None
 
 
 def variables(program: Program) -> tuple[Variable, ...]:
@@ -42,6 +44,12 @@ def state_references(program: Program) -> tuple[int, ...]:
     first = first_reading(program)
     states = program.states_of_readings
     return tuple(first + states.index(i) for i in range(len(program.model.states)))
+
+
+def event_references(program: Program) -> tuple[int, ...]:
+    """Return the value reference of each event indicator."""
+    names = [row.name for row in program.readings]
+    return tuple(first_reading(program) + names.index(event.name) for event in program.model.events)
 
 
 def first_reading(program: Program) -> int:
@@ -70,9 +78,11 @@ def _rows(program: Program) -> Iterator[Variable]:
             entry.unit,
             entry.description,
             "input",
-            "continuous",
+            "discrete" if entry.switch else "continuous",
             start=0.0,
             nominal=entry.nominal,
+            least=0.0 if entry.switch else None,
+            most=1.0 if entry.switch else None,
         )
     for row in model.parameters:
         yield Variable(
@@ -81,9 +91,12 @@ def _rows(program: Program) -> Iterator[Variable]:
             row.unit,
             f"{row.description}. {row.source}",
             "parameter",
-            "fixed",
+            "tunable" if row.tunable else "fixed",
             "exact",
             float(row.start),
+            nominal=abs(row.start) or None,
+            least=row.least if row.least is not None or row.unit not in NEVER_NEGATIVE else 0.0,
+            most=row.most,
         )
     for reading, free in zip(program.readings, program.settable_states, strict=True):
         yield Variable(
@@ -92,10 +105,12 @@ def _rows(program: Program) -> Iterator[Variable]:
             reading.unit,
             reading.description,
             "local" if reading.local else "output",
-            "continuous",
+            "discrete" if reading.switch else "continuous",
             "calculated" if free < 0 else "exact",
             None if free < 0 else 0.0,
             reading.nominal,
+            least=0.0 if reading.switch else reading.least,
+            most=1.0 if reading.switch else None,
         )
     for state, shown in zip(model.states, state_references(program), strict=True):
         yield Variable(

@@ -23,7 +23,9 @@ def motor_rows(
         Parameter(f"inductance_{axis}", inductance, "H", "winding inductance", source),
         Parameter(f"torque_constant_{axis}", torque_constant, "N.m/A", "torque constant", source),
         Parameter(f"rotor_inertia_{axis}", rotor_inertia, "kg.m2", "rotor inertia", source),
-        Parameter(f"coulomb_{axis}", 0.5 * no_load_torque, "N.m", "dry friction of the motor", friction),
+        Parameter(
+            f"coulomb_{axis}", 0.5 * no_load_torque, "N.m", "dry friction of the motor", friction, least=0.0
+        ),
         Parameter(
             f"viscous_{axis}",
             0.5 * no_load_torque / no_load_speed,
@@ -37,18 +39,43 @@ def motor_rows(
 def battery_rows(source: str, voltage: float = 24.0) -> tuple[Parameter, ...]:
     """Return the battery's parameters."""
     return (
-        Parameter("battery_emf", voltage, "V", "battery's open-circuit voltage", source),
-        Parameter("battery_resistance", 0.050, "Ohm", "battery's inner resistance", source),
+        Parameter(
+            "battery_emf", voltage, "V", "battery's open-circuit voltage", source, least=0.0, tunable=True
+        ),
+        Parameter("battery_resistance", 0.050, "Ohm", "battery's inner resistance", source, tunable=True),
     )
 
 
 def tyre_rows(source: str, *, floor_friction: float) -> tuple[Parameter, ...]:
     """Return the parameters of fmu.parts.tyre, with RARS's ways of the tyre's rubber."""
     return (
-        Parameter("floor_friction", floor_friction, "1", "peak of the tyres' adhesion", source),
-        Parameter("peak_slip", 0.15, "1", "slip at the peak of adhesion", source),
-        Parameter("friction_circle", 1.0, "1", "1: both slips share one adhesion; 0: each its own", source),
-        Parameter("slip_speed", 0.01, "m/s", "speed below which the slip is taken over this speed", source),
+        Parameter(
+            "floor_friction",
+            floor_friction,
+            "1",
+            "peak of the tyres' adhesion",
+            source,
+            least=0.0,
+            tunable=True,
+        ),
+        Parameter("peak_slip", 0.15, "1", "slip at the peak of adhesion", source, least=0.0, most=1.0),
+        Parameter(
+            "friction_circle",
+            1.0,
+            "1",
+            "1: both slips share one adhesion; 0: each its own",
+            source,
+            least=0.0,
+            most=1.0,
+        ),
+        Parameter(
+            "slip_speed",
+            0.01,
+            "m/s",
+            "speed below which the slip is taken over this speed",
+            source,
+            least=0.0,
+        ),
         Parameter("tyre_stiffness", 5e5, "N/m", "tyre against floor, each way", source),
         Parameter("tyre_damping", 4000.0, "N.s/m", "tyre against floor, at rest", source),
     )

@@ -1,7 +1,8 @@
 """One tyre on the floor: slip, adhesion by the corrected (3.83), and a bristle that holds at rest.
 
 The tyre's deflection z grows with the slip velocity and is wiped off as the wheel rolls on: its steady state
-is (3.83) over the slip of [R] 3.4.3, both corrected; at rest it is a spring, so nothing creeps. Whatever the
+is (3.83) over the slip of [R] 3.4.3, both corrected, and sideways over the slip angle atan(v_t / v_l) below (3.76);
+at rest it is a spring, so nothing creeps. Whatever the
 load does, it takes energy out and adds none. [R] is that of fmu/rars. Refuses to know whose
 wheel it is.
 """
@@ -10,7 +11,7 @@ from collections.abc import Mapping
 
 import sympy as sp
 
-from fmu.export.functions import clamped, larger, positive_part, reciprocal, shared, size
+from fmu.export.functions import angle, clamped, larger, positive_part, reciprocal, shared, size
 from fmu.export.model import Expression, Output, State
 from fmu.parts.symbols import HALF, inner, symbol
 
@@ -22,6 +23,8 @@ LAG = sp.Float(50e-6)
 """Shortest time in s in which a deflection is wiped off: half an inner step, to be stable in every slide."""
 TRACE = sp.Float(1e-6)
 """N added to each grip, so that nothing is divided by zero on ice or under a lifted wheel."""
+REST = sp.Float(1e-12)
+"""m/s added to each slip, so that nothing is divided by zero at rest."""
 
 
 class Tyre:
@@ -49,6 +52,8 @@ class Tyre:
         # max(|r w|, |v|), the corrected denominator; the print takes the signed one.
         self._rolling = larger(size(back), size(rim))
         self._over = larger(self._rolling, self._p["slip_speed"])
+        # Over v_l alone, whatever the rim does.
+        self._angle = shared(angle(right, larger(size(back), self._p["slip_speed"])))
         self._load: Expression = None
         self._grip: Expression = None
 
@@ -63,9 +68,8 @@ class Tyre:
         return self._load
 
     def slips(self) -> tuple[Expression, Expression]:
-        """Return the slip ahead (rho) and to the left: slip velocity over rolling speed."""
-        ahead, left = self._slipping
-        return ahead / self._over, left / self._over
+        """Return the slip ahead (rho), slip velocity over rolling speed, and the slip angle, to the left."""
+        return self._slipping[0] / self._over, self._angle
 
     def force_ahead(self) -> Expression:
         """Return the force on the robot along the wheel's way in N."""
@@ -93,7 +97,7 @@ class Tyre:
         return (
             inner(f"load_{name}", "N", f"load of the wheel, {title}", self.load, 100.0),
             inner(f"slip_ahead_{name}", "1", f"slip along the wheel's way, {title}", ahead, 0.1),
-            inner(f"slip_left_{name}", "1", f"slip along the wheel's axle, {title}", left, 0.1),
+            inner(f"slip_left_{name}", "rad", f"slip angle, to the left of the wheel, {title}", left, 0.1),
             inner(f"force_ahead_{name}", "N", f"tyre's force {along}", self.force_ahead(), 10.0),
             inner(f"force_left_{name}", "N", f"tyre's force {across}", self.force_left(), 10.0),
             inner(f"tyre_ahead_{name}", "m", f"tyre's deflection {along}", z_ahead, 1e-4),
@@ -141,13 +145,20 @@ class Tyre:
         return reciprocal(larger(self._p["tyre_stiffness"] * LAG * slide, hold))
 
     def _slide(self, way: int) -> tuple[Expression, Expression]:
-        """Return D and mu N, both times one speed: so no division has to wait for another one.
+        """Return D and mu N, both times the same: so no division has to wait for another one.
 
-        D in m/s: rolling speed x peak slip up to the peak, slip over (3.83)'s share beyond.
+        D in m/s: slip velocity over lambda x peak slip up to the peak, slip velocity over (3.83)'s share beyond;
+        lambda is (rho, slip angle). Both forces share one D, so that they oppose the slip velocity.
         """
-        ahead, left = self._slipping
-        circle, peak = self._p["friction_circle"], self._p["peak_slip"]
-        slip = circle * sp.sqrt(ahead**2 + left**2) + (1 - circle) * size(self._slipping[way])
-        beyond = positive_part(slip - peak * self._over)
-        share = larger(self._over - FALL / (1 - peak) * beyond, (1 - FALL) * self._over)
-        return larger(peak * self._rolling * share, slip * self._over), self._grip * share
+        peak, over = self._p["peak_slip"], self._over
+        speed = self._both(self._slipping, way)
+        slip = self._both((self._slipping[0], shared(self._angle * over)), way)  # lambda, times `over`
+        beyond = positive_part(slip - peak * over)
+        share = larger(over - FALL / (1 - peak) * beyond, (1 - FALL) * over)
+        return speed * larger(peak * self._rolling * share, slip * over), slip * self._grip * share
+
+    def _both(self, ways: tuple[Expression, Expression], way: int) -> Expression:
+        """Return the size of both together on a friction circle, else that of this way; above 0."""
+        circle = self._p["friction_circle"]
+        together = sp.sqrt(ways[0] ** 2 + ways[1] ** 2)
+        return shared(circle * together + (1 - circle) * size(ways[way]) + REST)

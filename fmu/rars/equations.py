@@ -24,6 +24,9 @@ NOMINAL = {
 }
 
 
+LEAST = {"battery_voltage": 0.0}
+
+
 def model() -> Model:
     """Return the equations of motion of RARS with all tables."""
     left, right, steer, lift_motor = shafts = tuple(Shaft(axis, P) for axis in interface.AXES)
@@ -56,7 +59,7 @@ def model() -> Model:
         readings[f"angle_{shaft.axis}"] = (shaft.angle, f"motor shaft's angle, {shaft.axis}")
         readings[f"speed_{shaft.axis}"] = (shaft.speed, f"motor shaft's speed, {shaft.axis}")
     outputs = [
-        Output(name, unit, readings[name][1], readings[name][0], NOMINAL[unit])
+        Output(name, unit, readings[name][1], readings[name][0], NOMINAL[unit], least=LEAST.get(name))
         for name, unit in interface.OUTPUTS.items()
     ]
     local = [shaft.dry_friction() for shaft in shafts]
@@ -77,4 +80,5 @@ def model() -> Model:
         states=states,
         outputs=(*outputs, *local),
         inner_step=100e-6,
+        events=(*steering.events(), *lift.events()),
     )

@@ -3,7 +3,7 @@
 import sympy as sp
 
 from fmu.export.functions import clamped, positive_part, reciprocal, size
-from fmu.export.model import Expression
+from fmu.export.model import Event, Expression
 from fmu.parts.motor import Shaft
 from fmu.parts.symbols import HALF
 from fmu.rars.symbols import P
@@ -26,9 +26,15 @@ class Lift:
         self.mass = P["lift_mass"] + P["lift_payload"]
         self.load = self.mass * P["gravity"] * self.gain  # F = W N / tan(theta) (2.17)
         middle = HALF * link * (sp.cos(P["lift_collapsed_angle"]) - sp.cos(P["lift_extended_angle"]))
-        from_middle = self.travel - middle
-        self.pressed = from_middle - clamped(from_middle, middle + P["lift_clearance"])
+        from_middle, free = self.travel - middle, middle + P["lift_clearance"]
+        self.pressed = from_middle - clamped(from_middle, free)
+        self._past = (-from_middle - free, from_middle - free)
         self._thread = P["screw_friction"] / sp.cos(P["thread_angle"])  # mu sec(alpha)
+
+    def events(self) -> tuple[Event, ...]:
+        """Return where the nut meets its stops."""
+        ends = zip(("collapsed", "extended"), self._past, strict=True)
+        return tuple(Event(f"past_lift_{end}", "m", f"nut past its stop, {end}", way) for end, way in ends)
 
     def friction_start(self) -> Expression:
         """Return the bristle's state that holds the load at rest; -1 where the screw does not lock itself.

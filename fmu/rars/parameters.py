@@ -39,23 +39,39 @@ MOTORS: Final[tuple[Parameter, ...]] = (
         rotor_inertia=4e-7,
         no_load_current=0.02,
     ),
-    Parameter("gear_left", 26.0, "1", "gear ratio, left rear wheel", "[R] 2.3.2"),
-    Parameter("gear_right", 26.0, "1", "gear ratio, right rear wheel", "[R] 2.3.2"),
-    Parameter("gear_steer", 159.0, "1", "gear ratio to the pinion", "[R] 2.4.2"),
-    Parameter("gear_lift", 25.0, "1", "gear ratio to the screw", "[R] 2.5"),
+    Parameter("gear_left", 26.0, "1", "gear ratio, left rear wheel", "[R] 2.3.2", least=0.0),
+    Parameter("gear_right", 26.0, "1", "gear ratio, right rear wheel", "[R] 2.3.2", least=0.0),
+    Parameter("gear_steer", 159.0, "1", "gear ratio to the pinion", "[R] 2.4.2", least=0.0),
+    Parameter("gear_lift", 25.0, "1", "gear ratio to the screw", "[R] 2.5", least=0.0),
     Parameter(
-        "presliding", 0.05, "rad", "shaft angle over which dry friction builds up", "ASSUME, 16 counts"
+        "presliding",
+        0.05,
+        "rad",
+        "shaft angle over which dry friction builds up",
+        "ASSUME, 16 counts",
+        least=0.0,
     ),
 )
 
 PLATFORM: Final[tuple[Parameter, ...]] = (
-    Parameter("gravity", 9.81, "m/s2", "standard gravity", "used throughout [R]"),
-    Parameter("slope", 0.0, "rad", "ramp, uphill along x of the world", "[R] (3.44)"),
-    Parameter("wheel_radius", 0.050, "m", "rear wheel's radius r", "[R] Tab. 3.1"),
-    Parameter("rear_track", 0.400, "m", "rear wheel to wheel l", "[R] Tab. 3.1; (3.78) implies 0.210"),
-    Parameter("wheelbase", 0.515, "m", "rear axle to front axle w", "[R] 2.4.1"),
+    Parameter("gravity", 9.81, "m/s2", "standard gravity", "used throughout [R]", least=0.0),
+    Parameter(
+        "slope",
+        0.0,
+        "rad",
+        "ramp, uphill along x of the world",
+        "[R] (3.44)",
+        least=-1.5,
+        most=1.5,
+        tunable=True,
+    ),
+    Parameter("wheel_radius", 0.050, "m", "rear wheel's radius r", "[R] Tab. 3.1", least=0.0),
+    Parameter(
+        "rear_track", 0.400, "m", "rear wheel to wheel l", "[R] Tab. 3.1; (3.78) implies 0.210", least=0.0
+    ),
+    Parameter("wheelbase", 0.515, "m", "rear axle to front axle w", "[R] 2.4.1", least=0.0),
     Parameter("centre_offset", 0.220, "m", "rear axle to centre of mass a", "[R] Tab. 3.1"),
-    Parameter("platform_mass", 70.0, "kg", "platform without rear wheels", "[R] Tab. 3.1"),
+    Parameter("platform_mass", 70.0, "kg", "platform without rear wheels", "[R] Tab. 3.1", tunable=True),
     Parameter(
         "yaw_inertia",
         0.53,
@@ -69,18 +85,33 @@ PLATFORM: Final[tuple[Parameter, ...]] = (
     ),
     Parameter("wheel_yaw_inertia", 242e-6, "kg.m2", "rear wheel about the vertical H", "[R] Tab. 3.1"),
     Parameter(
-        "cg_height", 0.190, "m", "centre of mass over the floor Z_cg; 0: no load transfer", "[R] 2.3.1"
+        "cg_height",
+        0.190,
+        "m",
+        "centre of mass over the floor Z_cg; 0: no load transfer",
+        "[R] 2.3.1",
+        least=0.0,
     ),
     *battery_rows("ASSUME"),
 )
 
 TYRES: Final[tuple[Parameter, ...]] = (
-    Parameter("floor_friction", 0.3, "1", "peak of the tyres' adhesion", "[R] 3.4.5"),
-    Parameter("peak_slip", 0.15, "1", "slip at the peak of adhesion", "[R] (3.83)"),
     Parameter(
-        "friction_circle", 1.0, "1", "1: both slips share one adhesion; 0: each its own", "ASSUME; not in [R]"
+        "floor_friction", 0.3, "1", "peak of the tyres' adhesion", "[R] 3.4.5", least=0.0, tunable=True
     ),
-    Parameter("slip_speed", 0.01, "m/s", "speed below which the slip is taken over this speed", "ASSUME"),
+    Parameter("peak_slip", 0.15, "1", "slip at the peak of adhesion", "[R] (3.83)", least=0.0, most=1.0),
+    Parameter(
+        "friction_circle",
+        1.0,
+        "1",
+        "1: both slips share one adhesion; 0: each its own",
+        "ASSUME; not in [R]",
+        least=0.0,
+        most=1.0,
+    ),
+    Parameter(
+        "slip_speed", 0.01, "m/s", "speed below which the slip is taken over this speed", "ASSUME", least=0.0
+    ),
     Parameter("tyre_stiffness", 5e5, "N/m", "tyre against floor, each way", "ASSUME, 5 mm of polyurethane"),
     Parameter("tyre_damping", 4000.0, "N.s/m", "tyre against floor, at rest", "ASSUME"),
     Parameter(
@@ -89,40 +120,107 @@ TYRES: Final[tuple[Parameter, ...]] = (
         "1",
         "rolling resistance over the load; none in [R]",
         "ASSUME, lever arm 0.15 mm on 50 mm: tables have 0.08 mm for polymer on steel, 0.2 mm on concrete",
+        least=0.0,
+        tunable=True,
     ),
-    Parameter("rolling_presliding", 0.002, "rad", "wheel angle over which it builds up, front", "ASSUME"),
-    Parameter("front_radius", 0.050, "m", "front wheel's radius", "[R] 2.3"),
+    Parameter(
+        "rolling_presliding", 0.002, "rad", "wheel angle over which it builds up, front", "ASSUME", least=0.0
+    ),
+    Parameter("front_radius", 0.050, "m", "front wheel's radius", "[R] 2.3", least=0.0),
     Parameter("front_spin_inertia", 463e-6, "kg.m2", "front wheel about its axle I_wxx", "[R] Tab. 3.2"),
 )
 
 STEERING: Final[tuple[Parameter, ...]] = (
-    Parameter("kingpin_distance", 0.210, "m", "front kingpin to kingpin a_k", "[R] 2.4.1; App. C has 0.190"),
-    Parameter("davis_h", 0.030, "m", "Davis linkage h", "[R] App. C, optimum; (2.15) implies 0.060"),
-    Parameter("pinion_diameter", 0.030, "m", "pitch circle of the pinion D_p", "[R] 4.2; 2.4.2 has 0.040"),
+    Parameter(
+        "kingpin_distance",
+        0.210,
+        "m",
+        "front kingpin to kingpin a_k",
+        "[R] 2.4.1; App. C has 0.190",
+        least=0.0,
+    ),
+    Parameter(
+        "davis_h", 0.030, "m", "Davis linkage h", "[R] App. C, optimum; (2.15) implies 0.060", least=0.0
+    ),
+    Parameter(
+        "pinion_diameter", 0.030, "m", "pitch circle of the pinion D_p", "[R] 4.2; 2.4.2 has 0.040", least=0.0
+    ),
     Parameter("tie_rod_mass", 0.200, "kg", "tie rod m_10", "[R] Tab. 3.2"),
     Parameter("link_mass", 0.080, "kg", "steering link m_l", "[R] Tab. 3.2"),
-    Parameter("link_centre", 0.018, "m", "kingpin to the link's centre r_o", "[R] Tab. 3.2"),
+    Parameter("link_centre", 0.018, "m", "kingpin to the link's centre r_o", "[R] Tab. 3.2", least=0.0),
     Parameter("link_inertia", 60834e-9, "kg.m2", "steering link I_zz", "[R] Tab. 3.2 read as g mm2"),
     Parameter("front_wheel_mass", 0.350, "kg", "front wheel m_w", "[R] Tab. 3.2"),
-    Parameter("kingpin_offset", 0.05, "m", "kingpin to wheel centre l_3", "ASSUME, stands in Fig. 3.22 only"),
-    Parameter("tyre_torque", 0.4, "N.m", "resistance to steering of one wheel T_s", "[R] (2.14)"),
-    Parameter("rack_travel", 0.042, "m", "rack's end stop either side", "ASSUME, 61.6 degrees"),
+    Parameter(
+        "kingpin_offset",
+        0.05,
+        "m",
+        "kingpin to wheel centre l_3",
+        "ASSUME, stands in Fig. 3.22 only",
+        least=0.0,
+    ),
+    Parameter(
+        "tyre_torque",
+        0.4,
+        "N.m",
+        "resistance to steering of one wheel T_s",
+        "[R] (2.14)",
+        least=0.0,
+        tunable=True,
+    ),
+    Parameter("rack_travel", 0.042, "m", "rack's end stop either side", "ASSUME, 61.6 degrees", least=0.0),
     Parameter("rack_stop_stiffness", 1e7, "N/m", "rack's end stop", "ASSUME"),
     Parameter("rack_stop_damping", 10.0, "s/m", "rack's end stop, part of its force per speed", "ASSUME"),
 )
 
 LIFT: Final[tuple[Parameter, ...]] = (
-    Parameter("lift_stages", 6.0, "1", "scissor stages N", "[R] 2.5"),
-    Parameter("lift_link_length", 0.300, "m", "scissor link l_s", "ASSUME, fits the heights of [R] 2.5"),
-    Parameter("lift_collapsed_angle", math.radians(5.0), "rad", "link angle collapsed", "[R] 2.5"),
-    Parameter("lift_extended_angle", math.radians(45.0), "rad", "link angle extended", "[R] 2.5"),
-    Parameter("screw_pitch", 0.0015, "m", "screw pitch p", "[R] 2.5"),
-    Parameter("screw_diameter", 0.010, "m", "mean diameter d_m", "[R] 2.5; 15 mm beside (2.18)"),
-    Parameter("screw_friction", 0.10, "1", "thread friction mu", "ASSUME, greased; locks itself above 0.046"),
-    Parameter("thread_angle", math.radians(15.0), "rad", "half flank angle alpha", "ASSUME, trapezoidal"),
+    Parameter("lift_stages", 6.0, "1", "scissor stages N", "[R] 2.5", least=0.0),
+    Parameter(
+        "lift_link_length", 0.300, "m", "scissor link l_s", "ASSUME, fits the heights of [R] 2.5", least=0.0
+    ),
+    Parameter(
+        "lift_collapsed_angle",
+        math.radians(5.0),
+        "rad",
+        "link angle collapsed",
+        "[R] 2.5",
+        least=0.0,
+        most=1.5,
+    ),
+    Parameter(
+        "lift_extended_angle",
+        math.radians(45.0),
+        "rad",
+        "link angle extended",
+        "[R] 2.5",
+        least=0.0,
+        most=1.5,
+    ),
+    Parameter("screw_pitch", 0.0015, "m", "screw pitch p", "[R] 2.5", least=0.0),
+    Parameter("screw_diameter", 0.010, "m", "mean diameter d_m", "[R] 2.5; 15 mm beside (2.18)", least=0.0),
+    Parameter(
+        "screw_friction",
+        0.10,
+        "1",
+        "thread friction mu",
+        "[R] beside (2.18); locks itself above 0.041",
+        least=0.0,
+    ),
+    Parameter(
+        "thread_angle",
+        math.radians(30.0),
+        "rad",
+        "half flank angle alpha",
+        "[R] beside (2.18): 2 alpha = 60 degrees",
+        least=0.0,
+        most=1.5,
+    ),
     Parameter("lift_mass", 1.0, "kg", "lifted platform", "ASSUME, what the 10 W motor lifts from 5 degrees"),
-    Parameter("lift_payload", 0.0, "kg", "load on the lifted platform", "ASSUME; [R] 2.5 has 8"),
-    Parameter("lift_clearance", 5e-5, "m", "nut travel from either end position to its stop", "ASSUME"),
+    Parameter(
+        "lift_payload", 0.0, "kg", "load on the lifted platform", "ASSUME; [R] 2.5 has 8", tunable=True
+    ),
+    Parameter(
+        "lift_clearance", 5e-5, "m", "nut travel from either end position to its stop", "ASSUME", least=0.0
+    ),
     Parameter("lift_stop_stiffness", 1e8, "N/m", "lift's end stops, at the nut", "ASSUME"),
     Parameter("lift_stop_damping", 100.0, "s/m", "lift's end stops, part of their force per speed", "ASSUME"),
 )

@@ -3,7 +3,7 @@
 import sympy as sp
 
 from fmu.export.functions import clamped, reciprocal, size
-from fmu.export.model import Expression
+from fmu.export.model import Event, Expression
 from fmu.parts.motor import Shaft
 from fmu.parts.symbols import HALF
 from fmu.rars.symbols import P
@@ -38,6 +38,14 @@ class Steering:
     def inner_angle(self) -> Expression:
         """Return the inner wheel's angle, whichever it is: (4.6) with x = sign(theta) f(|theta|)."""
         return sp.atan(self.across / (self.along - self.b * sp.Abs(self.rack)))
+
+    def events(self) -> tuple[Event, ...]:
+        """Return where the rack meets its stops."""
+        travel = P["rack_travel"]
+        return (
+            Event("past_rack_left", "m", "rack past its left stop", self.rack - travel),
+            Event("past_rack_right", "m", "rack past its right stop", -self.rack - travel),
+        )
 
     def _kingpin(self, arm: Expression) -> tuple[Expression, Expression]:
         """Return f and f f' of one wheel; `arm` is b - x, for the right wheel with its sign turned round."""

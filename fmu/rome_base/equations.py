@@ -132,7 +132,14 @@ def model() -> Model:
             Output("speed", "m/s", "speed forwards, along the base's own x", u, 0.1),
             Output("speed_sideways", "m/s", "speed to the left, along the base's own y", q, 0.1),
             Output("yaw_rate", "rad/s", "yaw rate, counter-clockwise", yaw_rate, 1.0),
-            Output("battery_voltage", "V", "battery's terminal voltage", terminal_voltage(shafts, P), 12.0),
+            Output(
+                "battery_voltage",
+                "V",
+                "battery's terminal voltage",
+                terminal_voltage(shafts, P),
+                12.0,
+                least=0.0,
+            ),
             *(shaft.dry_friction() for shaft in shafts),
             *(
                 inner(

@@ -25,21 +25,35 @@ MOTORS: Final[tuple[Parameter, ...]] = (
         no_load_current=0.12,
         voltage=12.0,
     ),
-    Parameter("gear_wheel", 64.0, "1", "gear ratio", "ASSUME, gear motors of the kit"),
-    Parameter("presliding", 0.05, "rad", "shaft angle over which dry friction builds up", "ASSUME"),
+    Parameter("gear_wheel", 64.0, "1", "gear ratio", "ASSUME, gear motors of the kit", least=0.0),
+    Parameter(
+        "presliding", 0.05, "rad", "shaft angle over which dry friction builds up", "ASSUME", least=0.0
+    ),
     *battery_rows("ASSUME", 12.0),
 )
 
 BASE: Final[tuple[Parameter, ...]] = (
-    Parameter("wheel_radius", 0.05, "m", "omni wheel's radius R", "ASSUME; missing in [O]"),
-    Parameter("wheel_distance", 0.15, "m", "wheel to the base's middle L", "ASSUME; missing in [O]"),
-    Parameter("mass", 15.0, "kg", "base with the arm on it", "ASSUME; missing in [O]"),
+    Parameter("wheel_radius", 0.05, "m", "omni wheel's radius R", "ASSUME; missing in [O]", least=0.0),
+    Parameter(
+        "wheel_distance", 0.15, "m", "wheel to the base's middle L", "ASSUME; missing in [O]", least=0.0
+    ),
+    Parameter("mass", 15.0, "kg", "base with the arm on it", "ASSUME; missing in [O]", tunable=True),
     Parameter("yaw_inertia", 0.25, "kg.m2", "base with the arm, about the vertical", "ASSUME"),
     Parameter("wheel_inertia", 2.5e-4, "kg.m2", "one wheel about its axle", "ASSUME"),
-    Parameter("gravity", 9.81, "m/s2", "standard gravity", "ASSUME"),
-    Parameter("roller_friction", 0.02, "1", "rollers' dry friction over the wheel's load", "ASSUME"),
-    Parameter("roller_viscous", 1.0, "N.s/m", "rollers' viscous friction", "ASSUME"),
-    Parameter("roller_presliding", 2e-4, "m", "way over which the rollers' friction builds up", "ASSUME"),
+    Parameter("gravity", 9.81, "m/s2", "standard gravity", "ASSUME", least=0.0),
+    Parameter(
+        "roller_friction",
+        0.02,
+        "1",
+        "rollers' dry friction over the wheel's load",
+        "ASSUME",
+        least=0.0,
+        tunable=True,
+    ),
+    Parameter("roller_viscous", 1.0, "N.s/m", "rollers' viscous friction", "ASSUME", tunable=True),
+    Parameter(
+        "roller_presliding", 2e-4, "m", "way over which the rollers' friction builds up", "ASSUME", least=0.0
+    ),
 )
 
 PARAMETERS: Final[tuple[Parameter, ...]] = MOTORS + BASE
@@ -47,7 +61,13 @@ PARAMETERS: Final[tuple[Parameter, ...]] = MOTORS + BASE
 SETS: Final[Mapping[str, Mapping[str, float]]] = {
     "light": {},
     "heavy_arm": {"mass": 45.0, "yaw_inertia": 0.9},
+    "metre_scale": {"gear_wheel": 30.0},
 }
-"""Named bases: light, and with an arm of the AR2's weight (ASSUME)."""
+"""Named bases: light, with an arm of the AR2's weight (ASSUME), and with faster gears for the source's own paths.
+
+The gear of 64:1 ends at 0.7 m/s at the rim, so that paths have to be driven at less than a metre to the unit.
+The line (2.21) is 1 m/s, 0.87 m/s at two rims; the orbit (4.10) at 1 m/DU reaches 1.02 m/s, and some rim all of
+it. The same motor behind 30:1, another gear of the same size (ASSUME), runs 1.5 m/s without load and keeps 3 V
+of its 12 V for the control."""
 
 PLANT: Final = Plant("rome_base", "fmu.rome_base", PARAMETERS, SETS)

@@ -4,8 +4,8 @@ from typing import Final
 
 import sympy as sp
 
-from fmu.export.functions import clamped, positive_part
-from fmu.export.model import Expression, Input, Model, Output, State
+from fmu.export.functions import passed, positive_part
+from fmu.export.model import Event, Expression, Input, Model, Output, State
 from fmu.parts.battery import terminal_voltage
 from fmu.parts.motor import Shaft, bristle
 from fmu.parts.stop import push
@@ -13,15 +13,6 @@ from fmu.parts.symbols import HALF, inner, symbol, symbols
 from fmu.single_axis.parameters import PARAMETERS
 
 P: Final = symbols(PARAMETERS)
-
-
-STEEPNESS: Final = 1e9
-"""Per rad: a switch closes within a billionth of a radian, less than any encoder sees."""
-
-
-def closed(way: Expression) -> Expression:
-    """Return 1 where the cam is past its edge by `way` (rad), 0 where it is before it, 1/2 at the edge."""
-    return HALF + clamped(STEEPNESS * way, HALF)
 
 
 class Load:
@@ -59,11 +50,24 @@ class Load:
     def switches(self) -> tuple[Output, ...]:
         """Return the switches: 1 where one is closed, else 0."""
         low, high = P["limit_low"] - self.angle, self.angle - P["limit_high"]
-        cam = closed(self.angle - P["home_low"]) * closed(P["home_high"] - self.angle)
+        cam = passed(self.angle - P["home_low"]) * passed(P["home_high"] - self.angle)
         return (
-            Output("negative_limit_axis", "1", "negative limit switch, 1 closed", closed(low)),
-            Output("positive_limit_axis", "1", "positive limit switch, 1 closed", closed(high)),
-            Output("home_axis", "1", "home switch, 1 closed", cam),
+            Output("negative_limit_axis", "1", "negative limit switch, 1 closed", passed(low), switch=True),
+            Output("positive_limit_axis", "1", "positive limit switch, 1 closed", passed(high), switch=True),
+            Output("home_axis", "1", "home switch, 1 closed", cam, switch=True),
+        )
+
+    def events(self) -> tuple[Event, ...]:
+        """Return where something is met: flanks, stops, the edges of the switches; ways in rad."""
+        edges = ("stop_low", "stop_high", "limit_low", "limit_high", "home_low", "home_high")
+        half = P["backlash"] / 2
+        return (
+            Event("past_flank_ahead", "rad", "gear's twist past its flank ahead", self.twist - half),
+            Event("past_flank_behind", "rad", "gear's twist past its flank behind", -self.twist - half),
+            *(
+                Event(f"past_{edge}", "rad", f"load's angle past {edge}", self.angle - P[edge])
+                for edge in edges
+            ),
         )
 
     def states(self) -> tuple[State, ...]:
@@ -114,14 +118,21 @@ def model() -> Model:
         inputs=(
             Input("voltage_axis", "V", "motor voltage", 24.0),
             Input("load_torque", "N.m", "torque from outside on the load, positive forwards", 1.0),
-            Input("brake_axis", "1", "holding brake, 1 closed, 0 open", 1.0),
+            Input("brake_axis", "1", "holding brake, 1 closed, 0 open", 1.0, switch=True),
         ),
         states=(*motor.states(acceleration), *load.states(), brake.state),
         outputs=(
             *motor.outputs(),
             Output("load_angle", "rad", "load's angle", load.angle, 1.0),
             Output("load_speed", "rad/s", "load's speed", load.speed, 1.0),
-            Output("battery_voltage", "V", "battery's terminal voltage", terminal_voltage((motor,), P), 24.0),
+            Output(
+                "battery_voltage",
+                "V",
+                "battery's terminal voltage",
+                terminal_voltage((motor,), P),
+                24.0,
+                least=0.0,
+            ),
             *load.switches(),
             motor.dry_friction(),
             inner("gear_torque", "N.m", "torque of the gear on the load", load.gear_torque()),
@@ -134,4 +145,5 @@ def model() -> Model:
             ),
         ),
         inner_step=50e-6,
+        events=load.events(),
     )

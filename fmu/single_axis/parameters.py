@@ -18,26 +18,47 @@ MOTOR: Final[tuple[Parameter, ...]] = (
         **RE50,
     ),
     Parameter(
-        "presliding", 0.05, "rad", "shaft angle over which dry friction builds up", "ASSUME, 16 counts"
+        "presliding",
+        0.05,
+        "rad",
+        "shaft angle over which dry friction builds up",
+        "ASSUME, 16 counts",
+        least=0.0,
     ),
     *battery_rows("ASSUME"),
 )
 
 GEAR: Final[tuple[Parameter, ...]] = (
-    Parameter("gear_axis", 26.0, "1", "gear ratio", "ASSUME, that of RARS's wheels"),
+    Parameter("gear_axis", 26.0, "1", "gear ratio", "ASSUME, that of RARS's wheels", least=0.0),
     Parameter(
-        "backlash", 0.02, "rad", "backlash, at the load, from flank to flank", "ASSUME, planetary gear"
+        "backlash",
+        0.02,
+        "rad",
+        "backlash, at the load, from flank to flank",
+        "ASSUME, planetary gear",
+        least=0.0,
     ),
     Parameter("flank_stiffness", 2000.0, "N.m/rad", "gear's stiffness, at the load", "ASSUME"),
     Parameter("flank_damping", 0.5, "s/rad", "flanks' damping, part of their torque per speed", "ASSUME"),
 )
 
 LOAD: Final[tuple[Parameter, ...]] = (
-    Parameter("load_inertia", 0.0875, "kg.m2", "load's inertia", "ASSUME, 35 kg on a wheel of 50 mm"),
-    Parameter("load_coulomb", 0.2, "N.m", "load's dry friction", "ASSUME"),
-    Parameter("load_viscous", 0.01, "N.m.s/rad", "load's viscous friction", "ASSUME"),
-    Parameter("load_presliding", 0.002, "rad", "load angle over which its friction builds up", "ASSUME"),
-    Parameter("unbalance", 0.0, "N.m", "weight times arm of an eccentric load, hanging at angle 0", "ASSUME"),
+    Parameter(
+        "load_inertia", 0.0875, "kg.m2", "load's inertia", "ASSUME, 35 kg on a wheel of 50 mm", tunable=True
+    ),
+    Parameter("load_coulomb", 0.2, "N.m", "load's dry friction", "ASSUME", least=0.0, tunable=True),
+    Parameter("load_viscous", 0.01, "N.m.s/rad", "load's viscous friction", "ASSUME", tunable=True),
+    Parameter(
+        "load_presliding", 0.002, "rad", "load angle over which its friction builds up", "ASSUME", least=0.0
+    ),
+    Parameter(
+        "unbalance",
+        0.0,
+        "N.m",
+        "weight times arm of an eccentric load, hanging at angle 0",
+        "ASSUME",
+        tunable=True,
+    ),
     Parameter("stop_low", -1e6, "rad", "load angle of the lower stop", "ASSUME, out of reach"),
     Parameter("stop_high", 1e6, "rad", "load angle of the upper stop", "ASSUME, out of reach"),
     Parameter("stop_stiffness", 5000.0, "N.m/rad", "stops' stiffness", "ASSUME"),
@@ -58,8 +79,17 @@ SWITCHES: Final[tuple[Parameter, ...]] = (
 )
 
 BRAKE: Final[tuple[Parameter, ...]] = (
-    Parameter("brake_torque", 2.0, "N.m", "what the closed holding brake holds, at the motor", "ASSUME"),
-    Parameter("brake_presliding", 0.01, "rad", "shaft angle over which the brake's grip builds up", "ASSUME"),
+    Parameter(
+        "brake_torque", 2.0, "N.m", "what the closed holding brake holds, at the motor", "ASSUME", least=0.0
+    ),
+    Parameter(
+        "brake_presliding",
+        0.01,
+        "rad",
+        "shaft angle over which the brake's grip builds up",
+        "ASSUME",
+        least=0.0,
+    ),
     Parameter("brake_opening", 0.002, "s", "time constant with which the grip is lost", "ASSUME"),
 )
 

@@ -96,16 +96,17 @@ class Instance:
         self.fmu.setContinuousStates(array, len(values))
 
     def states(self) -> list[float]:
-        return self._vector("getContinuousStates")
+        return self.vector("getContinuousStates", len(self.description.derivatives))
 
     def rates(self) -> list[float]:
-        return self._vector("getDerivatives" if self.fmi == 2 else "getContinuousStateDerivatives")
+        name = "getDerivatives" if self.fmi == 2 else "getContinuousStateDerivatives"
+        return self.vector(name, len(self.description.derivatives))
 
     def nominals(self) -> list[float]:
-        return self._vector("getNominalsOfContinuousStates")
+        return self.vector("getNominalsOfContinuousStates", len(self.description.derivatives))
 
-    def _vector(self, name: str) -> list[float]:
-        count = len(self.description.derivatives)
+    def vector(self, name: str, count: int) -> list[float]:
+        """What a function with an array and its length writes."""
         array = (c_double * count)()
         function = getattr(self.fmu, f"fmi{self.fmi}{name[0].upper()}{name[1:]}")
         function(self.fmu.component, array, c_size_t(count))

@@ -1,5 +1,6 @@
 """Any model of ours on a bench of its own: runs by input name, readings by name, rates without C."""
 
+import math
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any, Self
@@ -59,6 +60,8 @@ OWN = {
     "positive_part": lambda x: max(x, 0.0),
     "clamped": lambda x, bound: max(-bound, min(bound, x)),
     "larger": max,
+    "angle": math.atan2,
+    "step_at": lambda x: float(x > 0),
     "reciprocal": lambda x: 1 / x,
 }
 

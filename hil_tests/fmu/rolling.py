@@ -7,6 +7,9 @@ planned with. [R] 3.3 and 3.4.5.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Final
+
+GRAVITY: Final = 9.81
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,22 +38,45 @@ class Rolling:
             2 * p["wheel_spin_inertia"] / p["wheel_radius"] ** 2,
         )
 
-    def torques(self, speed: float, yaw_rate: float, change: float, turning: float) -> tuple[float, float]:
+    def torques(
+        self,
+        speed: float,
+        yaw_rate: float,
+        change: float,
+        turning: float,
+        *,
+        slope: float = 0.0,
+        heading: float = 0.0,
+    ) -> tuple[float, float]:
         """Return the wheel torques, left and right, in N.m for v, W and their rates.
 
-        (3.44) with the convective terms that 3.3.2 takes as zero: - m_p a W2 and + m_p a v W.
+        (3.44) with the convective terms that 3.3.2 takes as zero, - m_p a W2 and + m_p a v W, and with the
+        slope in rad, uphill at heading 0: the mass that it lacks, and its moment about the axle.
         """
         push = (self.mass + self.rim) * change - self.offset * yaw_rate**2
+        push += self.mass * GRAVITY * math.sin(slope) * math.cos(heading)
         twist = (self.about_axle + self.rim * self.track**2 / 4) * turning + self.offset * speed * yaw_rate
+        twist -= self.offset * GRAVITY * math.sin(slope) * math.sin(heading)
         return (
             self.radius * (push / 2 - twist / self.track),
             self.radius * (push / 2 + twist / self.track),
         )
 
-    def rates(self, speed: float, yaw_rate: float, left: float, right: float) -> tuple[float, float]:
+    def rates(
+        self,
+        speed: float,
+        yaw_rate: float,
+        left: float,
+        right: float,
+        *,
+        slope: float = 0.0,
+        heading: float = 0.0,
+    ) -> tuple[float, float]:
         """Return the rates of v and W under wheel torques."""
         push = (left + right) / self.radius + self.offset * yaw_rate**2
+        push -= self.mass * GRAVITY * math.sin(slope) * math.cos(heading)
         twist = self.track / 2 * (right - left) / self.radius - self.offset * speed * yaw_rate
+        twist += self.offset * GRAVITY * math.sin(slope) * math.sin(heading)
         return push / (self.mass + self.rim), twist / (self.about_axle + self.rim * self.track**2 / 4)
 
 

@@ -1,6 +1,7 @@
 """The fingerprint: right in our own builds, and it tells a plant that was compiled to give other bits."""
 
 import ctypes
+import math
 import re
 import shutil
 import struct
@@ -173,6 +174,7 @@ def test_the_twins_functions_are_those_in_c_bit_for_bit(tmp_path: Path) -> None:
     header = Path(build.__file__).parent / "export" / "c" / "elementary.h"
     twins = {"sine": twin.sine, "cosine": twin.cosine, "arc_tangent": twin.arc_tangent}
     text = "".join(f"double {name}(double x) {{ return fb_{name}(x); }}\n" for name in twins)
+    text += "double angle(double y, double x) { return fb_angle(y, x); }\n"
     (tmp_path / "own.c").write_text(f'#include "{header}"\n{text}', encoding="utf-8")
     options = "-O2 -ffp-contract=off -shared -fPIC -o own.so own.c -lm"
     run([build.find_compiler(), *options.split()], tmp_path)
@@ -185,3 +187,8 @@ def test_the_twins_functions_are_those_in_c_bit_for_bit(tmp_path: Path) -> None:
         native.restype, native.argtypes = ctypes.c_double, [ctypes.c_double]
         for x in map(float, arguments):
             assert struct.pack("d", ours(x)) == struct.pack("d", native(x)), (name, x)
+    library.angle.restype, library.angle.argtypes = ctypes.c_double, [ctypes.c_double] * 2
+    for y, x in zip(generator.uniform(-5, 5, 4000), 10.0 ** generator.uniform(-3, 1, 4000), strict=True):
+        found = library.angle(float(y), float(x))
+        assert struct.pack("d", twin.angle(float(y), float(x))) == struct.pack("d", found), (y, x)
+        assert found == pytest.approx(math.atan2(y, x), rel=4e-16)

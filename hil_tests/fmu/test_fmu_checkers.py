@@ -41,7 +41,7 @@ def test_both_interfaces_offer_the_same(fmu_file: dict[int, Path], fmi: int) -> 
         text = archive.read("modelDescription.xml").decode()
     word = {2: "providesDirectionalDerivative", 3: "providesDirectionalDerivatives"}[fmi]
     assert text.count(f' {word}="true"') == 2
-    assert description.numberOfEventIndicators == 0
+    assert description.numberOfEventIndicators == 4
 
 
 @VERSIONS

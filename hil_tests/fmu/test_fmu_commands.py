@@ -1,5 +1,8 @@
 """`fmu list`, `fmu build` and `fmu check`, as a user meets them."""
 
+import subprocess
+import sys
+from dataclasses import replace
 from pathlib import Path
 from zipfile import ZIP_DEFLATED, ZipFile
 
@@ -10,8 +13,10 @@ from typer.testing import CliRunner
 from emulators.bench.rehearsal import rehearsal_of
 from firmware_bridge import kinds
 from firmware_bridge.cli import program
-from fmu.build import export
+from fmu.build import ensure, export
+from fmu.errors import PlantError
 from fmu.plants import names
+from fmu.platforms import Platform, elsewhere, find_compiler, here
 from hil_tests.fmu.test_plant_generic import pendulum
 
 
@@ -50,13 +55,70 @@ def test_build_writes_what_check_finds_good(tmp_path: Path, fmi: int) -> None:
     status, out, err = run("check", str(path))
     assert (status, err) == (0, "")
     assert [line.split(None, 1)[1] for line in out.splitlines()] == [
-        "rars, 179 variables",
+        "rars, 183 variables",
         f"{fmi}.0, co-simulation and model exchange",
         "valid",
         "loads, initialises, takes a step",
         "those that its equations give, in a run of its own",
         ", ".join(sorted(kinds.names())),
     ]
+
+
+QUICK = """
+import sys
+from firmware_bridge.cli import main
+sys.argv[0] = "firmware-bridge"
+try:
+    main()
+finally:
+    print(*({"sympy", "numpy", "fmpy", "matplotlib", "emulators.rig"} & sys.modules.keys()), "loaded")
+"""
+
+
+def test_a_plant_that_was_built_before_is_written_at_once(tmp_path: Path) -> None:
+    """No equations, no compiler, none of the libraries that take a second to import."""
+    path = tmp_path / "plant.fmu"
+    words = [sys.executable, "-c", QUICK, "fmu", "build", "single_axis", "--out", str(path)]
+    first = subprocess.run(words, capture_output=True, text=True, check=True)
+    again = subprocess.run(words, capture_output=True, text=True, check=True)
+    assert again.stdout.splitlines()[:2] == first.stdout.splitlines()[:2]
+    assert again.stdout.splitlines()[-1] == "loaded"
+
+
+def test_a_compiler_that_is_missing_is_named_and_its_binary_left_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ensure("single_axis")
+    monkeypatch.setenv("CC", find_compiler())
+    monkeypatch.setenv("PATH", str(tmp_path))
+    status, out, err = run("build", "single_axis", "--out", str(tmp_path / "plant.fmu"))
+    assert (status, err) == (0, "")
+    _, held, *missing = out.splitlines()
+    assert held == f"binaries: {here().tuple}"
+    assert missing == [
+        f"no binary for {one.tuple}: no {one.compiler} here (Debian's {one.package}); its sources build there"
+        for one in elsewhere()
+    ]
+    with ZipFile(tmp_path / "plant.fmu") as archive:
+        held = [name for name in archive.namelist() if name.startswith("binaries/")]
+    assert held == [here().binary("single_axis", 3)]
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_compiler_for_another_machine_adds_its_binary(tmp_path: Path, fmi: int) -> None:
+    """Another machine that is this one, so that its binary can be looked at here."""
+    other = Platform("z80-linux", "z80", ".so", find_compiler(), "gcc-z80", ("-DOTHER",))
+    own, both = ensure("single_axis", fmi), ensure("single_axis", fmi, [other])
+    with ZipFile(own) as alone, ZipFile(both) as archive:
+        added = set(archive.namelist()) - set(alone.namelist())
+        assert added == {other.binary("single_axis", fmi)}
+        assert added == {f"binaries/{'z80' if fmi == 2 else 'z80-linux'}/single_axis.so"}
+        assert archive.read(other.binary("single_axis", fmi)) == alone.read(here().binary("single_axis", fmi))
+    with pytest.raises(PlantError, match="no z80-gcc for z80-linux: install Debian's gcc-z80"):
+        ensure("single_axis", fmi, [replace(other, compiler="z80-gcc")])
+    broken = replace(other, flags=("-include", "no-such-file.h"))
+    with pytest.raises(PlantError, match="failed"):
+        ensure("single_axis", fmi, [broken])
 
 
 def test_build_goes_into_this_folder_unless_told_otherwise(
@@ -111,7 +173,7 @@ def test_problems_are_named_and_make_status_1(
     path = changed(renamed, tmp_path / "odd.fmu", old, new)
     status, out, err = run("check", path)
     assert status == 1
-    assert out.startswith("model:       strange, 179 variables")
+    assert out.startswith("model:       strange, 183 variables")
     problems = err.splitlines()
     assert all(line.startswith("problem: ") for line in problems)
     assert [line for line in problems if said in line], problems

@@ -17,6 +17,7 @@ from fmu.rars.steering import Steering
 from fmu.rars.symbols import P as SYMBOLS
 from hil_tests.fmu.model_bench import formula, rates
 from hil_tests.fmu.rolling import Rolling, quintic
+from hil_tests.fmu.rolling_limit import rolling
 
 Vector = npt.NDArray[np.float64]
 MODEL = model()
@@ -118,6 +119,36 @@ def test_the_quintic_path() -> None:
         assert quintic(t)[1:] == pytest.approx((0.0, 0.0), abs=1e-15)
     assert quintic(20.0)[1] == pytest.approx((quintic(20.001)[0] - quintic(19.999)[0]) / 0.002, rel=1e-6)
     assert quintic(20.0)[2] == pytest.approx((quintic(20.001)[1] - quintic(19.999)[1]) / 0.002, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", SETS)
+@pytest.mark.parametrize("heading", [0.0, math.pi, 1.1, -2.0])
+@pytest.mark.parametrize("slope", [0.0, math.radians(10.0), math.radians(-5.0)])
+def test_torques_on_a_slope_give_the_motion_they_were_planned_for(
+    name: str, heading: float, slope: float
+) -> None:
+    """(3.44) corrected, forwards in plain numbers and backwards in the plant's own equations without slip."""
+    p = P | dict(SETS[name]) | {"slope": slope}
+    quiet = {
+        f"{part}_{axis}": 0.0
+        for part in ("coulomb", "viscous", "rotor_inertia")
+        for axis in ("left", "right")
+    }
+    robot = Rolling.of(p)
+    speed, yaw, change, turning = 0.3, -0.4, 0.2, 0.5
+    torques = robot.torques(speed, yaw, change, turning, slope=slope, heading=heading)
+    assert robot.rates(speed, yaw, *torques, slope=slope, heading=heading) == pytest.approx((change, turning))
+    half = p["rear_track"] / 2
+    sides = {"left": -1, "right": 1}
+    given = {f"speed_{side}": 26 / 0.05 * (speed + sign * half * yaw) for side, sign in sides.items()}
+    given |= {
+        f"current_{side}": torque / (26 * p[f"torque_constant_{side}"])
+        for side, torque in zip(sides, torques, strict=True)
+    }
+    found = rolling(dict(SETS[name]) | quiet | {"slope": slope})(heading=heading, **given)
+    for side, sign in sides.items():
+        assert found[f"speed_{side}"] * 0.05 / 26 == pytest.approx(change + sign * half * turning, rel=1e-9)
+    assert found["speed"] == pytest.approx(change, rel=1e-9)
 
 
 @pytest.mark.parametrize("name", SETS)

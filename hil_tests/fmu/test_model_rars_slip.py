@@ -64,25 +64,52 @@ def test_the_tyres_steady_force_is_the_corrected_curve(slip: float, sign: float)
         }
         assert function(**given)["tyre_ahead_rear_left"] == pytest.approx(0.0, abs=1e-7)
         assert forces(**given)["ahead"] == pytest.approx(force, rel=1e-6)
-        # Sideways: slip velocity over rolling speed.
-        sliding = {"speed_left": 26 * speed / 0.05, "speed": speed, "drift": -sign * slip * 0.4}
-        sliding["tyre_left_rear_left"] = steady(force, sign * slip * 0.4)
-        assert function(**sliding)["tyre_left_rear_left"] == pytest.approx(0.0, abs=1e-7)
-        assert forces(**sliding)["left"] == pytest.approx(force, rel=1e-6)
+        # Sideways: the slip angle atan(v_t / v_l), below (3.76); how fast the rim is does not matter.
+        drift = -sign * math.tan(slip) * 0.4
+        for rolled in (speed, 2 * speed, 0.0, -speed):
+            sliding = {"speed_left": 26 * rolled / 0.05, "speed": speed, "drift": drift}
+            sliding["tyre_left_rear_left"] = steady(force, -drift)
+            assert function(**sliding)["tyre_left_rear_left"] == pytest.approx(0.0, abs=1e-7)
+            assert forces(**sliding)["left"] == pytest.approx(force, rel=1e-6)
 
 
 @pytest.mark.parametrize("circle", [0.0, 1.0])
 def test_the_friction_circle_is_an_option(circle: float) -> None:
-    """A locked wheel that slides slantwise: with the circle both forces share 0.66 mu N."""
+    """A locked wheel that slides slantwise: with the circle both forces share 0.66 mu N, without, each has its own."""
     start = BRAKED | {"friction_circle": circle, "cg_height": 0.0}
     function = rates(MODEL, start)
-    level = 0.66 * 0.3 * 9.81 * (70.0 * (1 - 0.22 / 0.515) + 0.6) / 2
-    share = math.sqrt(0.5) if circle else 1.0
+    load = 9.81 * (70.0 * (1 - 0.22 / 0.515) + 0.6) / 2
+    both = math.sqrt(0.5) * adhesion(1.0)
+    shares = (
+        {"ahead": both, "left": both} if circle else {"ahead": adhesion(1.0), "left": adhesion(math.pi / 4)}
+    )
     given = {"speed": 0.5, "drift": 0.5}
-    given |= {f"tyre_{way}_rear_left": steady(-share * level, -0.5) for way in ("ahead", "left")}
+    given |= {f"tyre_{way}_rear_left": steady(-share * load, -0.5) for way, share in shares.items()}
     found = function(**given)
     for way in ("ahead", "left"):
         assert found[f"tyre_{way}_rear_left"] == pytest.approx(0.0, abs=1e-7)
+
+
+@pytest.mark.parametrize(("speed", "drift", "rim"), [(0.4, 0.02, 0.41), (0.4, 0.3, 0.3), (-0.3, 0.1, 0.0)])
+def test_both_slips_share_one_adhesion_against_the_way_of_sliding(
+    speed: float, drift: float, rim: float
+) -> None:
+    """|F| = mu(sqrt(rho^2 + delta^2)) N, along the slip velocity."""
+    start = {"cg_height": 0.0, "friction_circle": 1.0}
+    load = 9.81 * (70.0 * (1 - 0.22 / 0.515) + 0.6) / 2
+    sliding = np.array([rim - speed, -drift])
+    rho, angle = sliding[0] / max(abs(rim), abs(speed)), math.atan2(drift, abs(speed))
+    force = abs(adhesion(math.hypot(rho, angle))) * load * sliding / np.linalg.norm(sliding)
+    given = {"speed_left": 26 * rim / 0.05, "speed": speed, "drift": drift}
+    for way, along, slip in zip(("ahead", "left"), force, sliding, strict=True):
+        given[f"tyre_{way}_rear_left"] = steady(float(along), float(slip))
+    found = rates(MODEL, start)(**given)
+    for way in ("ahead", "left"):
+        assert found[f"tyre_{way}_rear_left"] == pytest.approx(0.0, abs=1e-7)
+    slips = {row.name: row.expression for row in MODEL.outputs if row.name.startswith("slip_")}
+    told = formula(MODEL, slips, start)(**given)
+    assert told["slip_ahead_rear_left"] == pytest.approx(rho, rel=1e-9)
+    assert told["slip_left_rear_left"] == pytest.approx(-angle, rel=1e-9)
 
 
 @pytest.mark.parametrize(("place", "border"), [(0.220, 10.9), (0.141, 13.8)])

@@ -1,16 +1,18 @@
 """ROME's base: (2.13) and (2.14), the control law (2.15) on the paths (2.20)-(2.22), energy, rest."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 import sympy as sp
 
 from fmu.rome_base.equations import inverse, model, rims
-from fmu.rome_base.parameters import AXES, PARAMETERS
-from hil_tests.fmu.model_bench import ModelBench, only_loses
+from fmu.rome_base.parameters import AXES, PARAMETERS, SETS
+from hil_tests.fmu.model_bench import NOTHING, ModelBench, only_loses
 
+Vector = npt.NDArray[np.float64]
 MODEL = model()
 P = {row.name: row.start for row in PARAMETERS}
 RADIUS, DISTANCE, GEAR = P["wheel_radius"], P["wheel_distance"], P["gear_wheel"]
@@ -86,12 +88,22 @@ def test_rollers_rub_when_the_base_moves() -> None:
     assert pushing == pytest.approx(rubbing, rel=1e-4)
 
 
-def follow(path: Callable[[float], tuple[float, float, float]], error: float, seconds: float) -> float:
-    """Drive along a path by (2.15), wheel speeds kept by a PI law; return the last distance from the path."""
+def follow(
+    path: Callable[[float], tuple[float, float, float]],
+    error: float,
+    seconds: float,
+    parameters: Mapping[str, float] = NOTHING,
+) -> tuple[float, float]:
+    """Drive along a path by (2.15), wheel speeds kept by a PI law.
+
+    Returns the last distance from the path, and the share of the time in which a motor got all of its 12 V.
+    """
     integral, offset = np.zeros(3), np.zeros(3)
-    far = 0.0
+    far, full = 0.0, 0
     start = np.array(path(0.0))
-    with ModelBench(MODEL, {"x": start[0] + error, "y": start[1], "heading": start[2]}) as bench:
+    gear = parameters.get("gear_wheel", GEAR)
+    given = {**parameters, "x": start[0] + error, "y": start[1], "heading": start[2]}
+    with ModelBench(MODEL, given) as bench:
         now = bench.now()
         for step in range(round(seconds * 100)):
             t = step / 100
@@ -101,16 +113,17 @@ def follow(path: Callable[[float], tuple[float, float, float]], error: float, se
             offset += e * 0.01
             turn = np.array(rims(now["heading"], DISTANCE).tolist(), dtype=float)
             rim = turn @ (slope - 2.0 * e - 0.5 * offset)  # (2.15), e = actual - desired
-            speeds = np.array([now[f"speed_{axis}"] for axis in AXES]) * RADIUS / GEAR
+            speeds = np.array([now[f"speed_{axis}"] for axis in AXES]) * RADIUS / gear
             integral += (rim - speeds) * 0.01
             volts = (
-                GEAR / RADIUS * P["torque_constant_wheel"] * (rim + 3.0 * (rim - speeds) + 30.0 * integral)
+                gear / RADIUS * P["torque_constant_wheel"] * (rim + 3.0 * (rim - speeds) + 30.0 * integral)
             )
+            full += bool(np.max(np.abs(volts)) >= 12.0)
             now = bench.runs(
                 0.01, **dict(zip(AXES, (float(v) for v in np.clip(volts, -12, 12)), strict=True))
             )
             far = math.hypot(e[0], e[1])
-    return far
+    return far, full / round(seconds * 100)
 
 
 @pytest.mark.parametrize(
@@ -125,7 +138,56 @@ def follow(path: Callable[[float], tuple[float, float, float]], error: float, se
 def test_the_corrected_law_leads_back_to_the_path(
     path: Callable[[float], tuple[float, float, float]],
 ) -> None:
-    assert follow(path, 0.05, 6.0) < 0.004
+    assert follow(path, 0.05, 6.0)[0] < 0.004
+
+
+def orbit() -> Callable[[float], tuple[float, float, float]]:
+    """(4.10) in DU and TU, in the plane that it nearly is, 1 m to the DU and 1 s to the TU, about perigee."""
+    place = np.array([-0.5985, 1.6634, -0.9523, -0.0639])  # DU, DU/TU
+
+    def rate(s: Vector) -> Vector:
+        return np.array([*s[2:], *(-s[:2] / np.linalg.norm(s[:2]) ** 3)])
+
+    def flown(s: Vector, h: float, steps: int) -> list[Vector]:
+        rows = [s]
+        for _ in range(steps):
+            s = rows[-1]
+            k1 = rate(s)
+            k2 = rate(s + h / 2 * k1)
+            k3 = rate(s + h / 2 * k2)
+            rows.append(s + h / 6 * (k1 + 2 * k2 + 2 * k3 + rate(s + h * k3)))
+        return rows
+
+    # It begins 4 TU before that place: the perigee lies between.
+    track = np.array(flown(flown(place, -0.005, 800)[-1], 0.005, 2200))
+    times = 0.005 * np.arange(len(track))
+    # From rest: the first two seconds of the way are driven at a growing pace.
+
+    def at(t: float) -> tuple[float, float, float]:
+        when = t * t / 4 if t < 2 else t - 1
+        return float(np.interp(when, times, track[:, 0])), float(np.interp(when, times, track[:, 1])), 0.0
+
+    return at
+
+
+def line(t: float) -> tuple[float, float, float]:
+    """(2.21), 1 m/s, from rest within two seconds."""
+    return t * t / 4 if t < 2 else t - 1, 0.0, 0.0
+
+
+@pytest.mark.parametrize("path", [line, orbit()], ids=["line", "orbit"])
+def test_the_sources_own_paths_need_the_faster_gears(
+    path: Callable[[float], tuple[float, float, float]],
+) -> None:
+    """1 m/s on the line (2.21), 1.01 m/s on the orbit (4.10): with 30:1 on the path, with 64:1 lost."""
+    fast = [math.dist(path(t + 0.01)[:2], path(t)[:2]) / 0.01 for t in np.arange(0.0, 10.0, 0.05)]
+    assert max(fast) == pytest.approx(1.01, abs=0.015)
+    far, full = follow(path, 0.0, 10.0, SETS["metre_scale"])
+    assert far < 0.01
+    assert full == 0.0
+    far, full = follow(path, 0.0, 10.0)
+    assert far > 0.3
+    assert full > 0.5
 
 
 @pytest.mark.parametrize("seed", range(3))

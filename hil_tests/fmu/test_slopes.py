@@ -166,7 +166,6 @@ def test_at_initialisation_parameters_and_start_values_are_known(model: Instance
     [
         ("speed", "platform_mass", "platform_mass is no known of directional derivatives in this state"),
         ("speed", "battery_voltage", "battery_voltage is no known"),
-        ("speed", "time", "time is no known"),
         ("voltage_left", "voltage_left", "voltage_left is no unknown of directional derivatives"),
         ("slope", "voltage_left", "slope is no unknown"),
     ],

@@ -51,11 +51,16 @@ void fb_reset(fb_instance *instance) {
   memcpy(image->values + FB_FIRST_PARAMETER, fb_parameter_starts, FB_PARAMETERS * sizeof(double));
   image->exchange = exchange;
   image->phase = FB_INSTANTIATED;
-  image->stale_constants = true;
+  image->stale_constants = image->stale_starts = true;
   image->fresh = FB_FIRST_READING;
 }
 
+static void refresh(fb_image *image, int reference);
+
 void fb_move(fb_instance *instance, fb_phase phase) {
+  /* What an event has changed is known before continuous time goes on. */
+  if (phase == FB_CONTINUOUS) refresh(&instance->image, FB_FIRST_READING);
+  if (phase == FB_EVENT) instance->image.fresh = FB_FIRST_READING;
   if (phase == FB_TERMINATED) fb_say(instance, FB_OK, "terminated at %.9g s", instance->image.values[0]);
   instance->image.phase = phase;
 }
@@ -64,8 +69,31 @@ void fb_refresh_constants(fb_image *image) {
   const double *p = image->values + FB_FIRST_PARAMETER;
   if (!image->stale_constants) return;
   fb_constants(p, image->constants);
-  fb_starts(p, image->constants, image->states);
-  image->stale_constants = false;
+  /* A parameter that is tuned in a run moves nothing. */
+  if (image->stale_starts) fb_starts(p, image->constants, image->states);
+  image->stale_constants = image->stale_starts = false;
+}
+
+/* A solver stops on an edge, a rounding before it or behind: at an event, switches look so far ahead, in s. */
+#define AHEAD 1e-9
+
+/* Outputs; those of switches keep in continuous time what they had at the last event. */
+static void read_outputs(fb_image *image) {
+  const double *u = image->values + FB_FIRST_INPUT, *p = image->values + FB_FIRST_PARAMETER;
+  double *reading = image->values + FB_FIRST_READING;
+  double held[FB_SWITCHES + 1];
+  int i;
+  for (i = 0; i < FB_SWITCHES; i++) held[i] = reading[fb_switch_readings[i]];
+  if (FB_SWITCHES > 0 && image->phase == FB_EVENT) {
+    double ahead[FB_STATES], rate[FB_STATES];
+    fb_rates(image->states, u, p, image->constants, rate);
+    for (i = 0; i < FB_STATES; i++) ahead[i] = image->states[i] + AHEAD * rate[i];
+    fb_outputs(ahead, u, p, image->constants, reading);
+    for (i = 0; i < FB_SWITCHES; i++) held[i] = reading[fb_switch_readings[i]];
+  }
+  fb_outputs(image->states, u, p, image->constants, reading);
+  if (image->phase == FB_CONTINUOUS || image->phase == FB_EVENT)
+    for (i = 0; i < FB_SWITCHES; i++) reading[fb_switch_readings[i]] = held[i];
 }
 
 /* Bring all variables up to the group of this one up to date: outputs, then locals, then rates. */
@@ -74,7 +102,7 @@ static void refresh(fb_image *image, int reference) {
   const double *p = image->values + FB_FIRST_PARAMETER;
   fb_refresh_constants(image);
   if (image->fresh < FB_FIRST_LOCAL) {
-    fb_outputs(image->states, u, p, image->constants, image->values + FB_FIRST_READING);
+    read_outputs(image);
     image->fresh = FB_FIRST_LOCAL;
   }
   if (reference >= FB_FIRST_LOCAL && image->fresh < FB_FIRST_RATE) {
@@ -114,8 +142,44 @@ bool fb_exit_initialisation(fb_instance *instance) {
   return true;
 }
 
-bool fb_set(fb_instance *instance, const unsigned *references, size_t count, const double *values) {
+/* Take the value of an input or parameter; false after telling why not. */
+static bool acceptable(fb_instance *instance, unsigned reference, double *value, bool *clamped) {
+  const char *name = fb_names[reference];
+  double least = fb_least[reference], most = fb_most[reference];
+  int phase = instance->image.phase;
+  fb_kind kind = fb_kinds[reference];
+  if (kind == FB_SWITCH && phase == FB_CONTINUOUS) {
+    fb_fail(instance, "%s is a switch: it can be set in event mode, not in continuous time", name);
+    return false;
+  }
+  if (kind == FB_FIXED && !(phase & (FB_INSTANTIATED | FB_INITIALISING))) {
+    fb_fail(instance, "%s can be set only before the end of initialisation", name);
+    return false;
+  }
+  if (kind == FB_TUNABLE && phase == FB_CONTINUOUS) {
+    fb_fail(instance, "%s can be tuned in event mode, not in continuous time", name);
+    return false;
+  }
+  if (*value >= least && *value <= most) return true;
+  if (kind == FB_SWITCH) {
+    double nearest = *value < least ? least : most;
+    if (instance->image.values[reference] != nearest)
+      fb_say(instance, FB_WARNING, "%s is a switch, %g open to %g closed: %g is taken as %g", name, least, most,
+             *value, nearest);
+    *value = nearest;
+    *clamped = true;
+    return true;
+  }
+  if (*value < least)
+    fb_fail(instance, "%s cannot be %g: it is %g or more", name, *value, least);
+  else
+    fb_fail(instance, "%s cannot be %g: it is %g or less", name, *value, most);
+  return false;
+}
+
+fb_level fb_set(fb_instance *instance, const unsigned *references, size_t count, const double *values) {
   fb_image *image = &instance->image;
+  bool clamped = false;
   size_t i;
   for (i = 0; i < count; i++) {
     unsigned reference = references[i];
@@ -123,30 +187,37 @@ bool fb_set(fb_instance *instance, const unsigned *references, size_t count, con
     int state = -1;
     if (reference >= FB_VARIABLES || reference == 0) {
       fb_fail(instance, "no variable with value reference %u can be set", reference);
-      return false;
+      return FB_ERROR;
     }
     if (!finite_value(value)) {
       fb_fail(instance, "%s cannot be %g", fb_names[reference], value);
-      return false;
+      return FB_ERROR;
     }
-    if (reference >= FB_FIRST_READING && reference < FB_FIRST_RATE)
-      state = fb_settable_state[reference - FB_FIRST_READING];
-    if (reference >= FB_FIRST_READING && state < 0) {
-      fb_fail(instance, "%s is computed and cannot be set", fb_names[reference]);
-      return false;
-    }
-    if (reference >= FB_FIRST_PARAMETER) {
+    if (reference < FB_FIRST_READING) {
+      /* Most calls set the voltages of a model without switches. */
+      if ((FB_SWITCH_INPUTS || reference >= FB_FIRST_PARAMETER) && fb_kinds[reference] != FB_FREE &&
+          !acceptable(instance, reference, &value, &clamped))
+        return FB_ERROR;
+    } else {
+      if (reference < FB_FIRST_RATE) state = fb_settable_state[reference - FB_FIRST_READING];
+      if (state < 0) {
+        fb_fail(instance, "%s is computed and cannot be set", fb_names[reference]);
+        return FB_ERROR;
+      }
       if (!(image->phase & (FB_INSTANTIATED | FB_INITIALISING))) {
         fb_fail(instance, "%s can be set only before the end of initialisation", fb_names[reference]);
-        return false;
+        return FB_ERROR;
       }
+    }
+    if (reference >= FB_FIRST_PARAMETER) {
       image->stale_constants = true;
+      if (image->phase & (FB_INSTANTIATED | FB_INITIALISING)) image->stale_starts = true;
     }
     image->values[reference] = value;
     if (state >= 0) image->states[state] = value;
   }
   image->fresh = FB_FIRST_READING;
-  return true;
+  return clamped ? FB_WARNING : FB_OK;
 }
 
 bool fb_get(fb_instance *instance, const unsigned *references, size_t count, double *values) {

@@ -7,30 +7,32 @@
 
 #include <math.h>
 
+#include "compiler.h"
+
 #define FB_HALF_PI 1.5707963267948966
 #define FB_HALF_PI_HIGH 1.5707963267341256
 #define FB_HALF_PI_MIDDLE 6.077100506303966e-11
 #define FB_HALF_PI_LOW 2.0222662487959506e-21
 
-static inline double fb_square(double x) { return x * x; }
-static inline double fb_cube(double x) { return x * x * x; }
-static inline double fb_positive_part(double x) { return x > 0.0 ? x : 0.0; }
-static inline double fb_larger(double x, double y) { return x > y ? x : y; }
-static inline double fb_smaller(double x, double y) { return x < y ? x : y; }
-static inline double fb_clamped(double x, double bound) { return fb_larger(-bound, fb_smaller(bound, x)); }
-static inline double fb_reciprocal(double x) { return 1.0 / x; }
-static inline double fb_fourth(double x) { return fb_square(fb_square(x)); }
+FB_INLINE double fb_square(double x) { return x * x; }
+FB_INLINE double fb_cube(double x) { return x * x * x; }
+FB_INLINE double fb_positive_part(double x) { return x > 0.0 ? x : 0.0; }
+FB_INLINE double fb_larger(double x, double y) { return x > y ? x : y; }
+FB_INLINE double fb_smaller(double x, double y) { return x < y ? x : y; }
+FB_INLINE double fb_clamped(double x, double bound) { return fb_larger(-bound, fb_smaller(bound, x)); }
+FB_INLINE double fb_reciprocal(double x) { return 1.0 / x; }
+FB_INLINE double fb_fourth(double x) { return fb_square(fb_square(x)); }
 
 /* Slopes of |x|, positive_part(x), clamped(x, b) by x and by b, and of the square root: 0 at their corners. */
-static inline double fb_sign(double x) { return x > 0.0 ? 1.0 : x < 0.0 ? -1.0 : 0.0; }
-static inline double fb_step_at(double x) { return x > 0.0 ? 1.0 : 0.0; }
-static inline double fb_inside(double x, double bound) { return x < bound && x > -bound ? 1.0 : 0.0; }
-static inline double fb_outside(double x, double bound) { return x > bound ? 1.0 : x < -bound ? -1.0 : 0.0; }
-static inline double fb_root_slope(double x) { return x > 0.0 ? 0.5 / sqrt(x) : 0.0; }
+FB_INLINE double fb_sign(double x) { return x > 0.0 ? 1.0 : x < 0.0 ? -1.0 : 0.0; }
+FB_INLINE double fb_step_at(double x) { return x > 0.0 ? 1.0 : 0.0; }
+FB_INLINE double fb_inside(double x, double bound) { return x < bound && x > -bound ? 1.0 : 0.0; }
+FB_INLINE double fb_outside(double x, double bound) { return x > bound ? 1.0 : x < -bound ? -1.0 : 0.0; }
+FB_INLINE double fb_root_slope(double x) { return x > 0.0 ? 0.5 / sqrt(x) : 0.0; }
 
 /* Taylor series on -pi/4..pi/4; the first neglected terms are below 1e-19 and 3e-18. The sums are taken in
    pairs (Estrin): each pair can be computed while another one is. */
-static inline double fb_sine_core(double x) {
+FB_INLINE double fb_sine_core(double x) {
   double z = x * x;
   double y = z * z;
   double r0 = z * (1.0 / 120.0) - 1.0 / 6.0;
@@ -41,7 +43,7 @@ static inline double fb_sine_core(double x) {
   return x + x * z * r;
 }
 
-static inline double fb_cosine_core(double x) {
+FB_INLINE double fb_cosine_core(double x) {
   double z = x * x;
   double y = z * z;
   double r0 = 1.0 / 24.0 - z * (1.0 / 720.0);
@@ -53,7 +55,7 @@ static inline double fb_cosine_core(double x) {
 
 /* Subtract the nearest multiple of pi/2; pi/2 in three parts, the first two of 33 bits, so that their
    products with the count are exact up to 2^20 quarter turns. Adding 1.5 * 2^52 rounds to an integer. */
-static inline double fb_reduce(double x, int *quarter) {
+FB_INLINE double fb_reduce(double x, int *quarter) {
   const double magic = 6755399441055744.0;
   double count = (x * 0.63661977236758134 + magic) - magic;
   double scaled = count - 4.0 * ((count * 0.25 + magic) - magic);
@@ -61,28 +63,22 @@ static inline double fb_reduce(double x, int *quarter) {
   return ((x - count * FB_HALF_PI_HIGH) - count * FB_HALF_PI_MIDDLE) - count * FB_HALF_PI_LOW;
 }
 
-static inline double fb_sine(double x) {
+FB_INLINE double fb_sine(double x) {
   int quarter;
   double rest = fb_reduce(x, &quarter);
   double value = (quarter & 1) ? fb_cosine_core(rest) : fb_sine_core(rest);
   return (quarter & 2) ? -value : value;
 }
 
-static inline double fb_cosine(double x) {
+FB_INLINE double fb_cosine(double x) {
   int quarter;
   double rest = fb_reduce(x, &quarter);
   double value = (quarter & 1) ? fb_sine_core(rest) : fb_cosine_core(rest);
   return (quarter == 1 || quarter == 2) ? -value : value;
 }
 
-/* Chebyshev fit of (atan(t) / t - 1) / t2 for |t| up to tan(pi/8), error 3e-17; larger arguments by
-   atan(x) = pi/4 + atan((x - 1) / (x + 1)) and atan(x) = pi/2 - atan(1 / x). */
-static inline double fb_arc_tangent(double x) {
-  double size = fabs(x);
-  int inverse = size > 1.0;
-  double t = inverse ? 1.0 / size : size;
-  int upper = t > 0.41421356237309503;
-  if (upper) t = (t - 1.0) / (t + 1.0);
+/* Chebyshev fit of (atan(t) / t - 1) / t2 for |t| up to tan(pi/8), error 3e-17. */
+FB_INLINE double fb_arc_tangent_core(double t) {
   double z = t * t;
   double y = z * z;
   double w = y * y;
@@ -92,10 +88,21 @@ static inline double fb_arc_tangent(double x) {
   double r3 = z * 0.0585814891280221 - 0.06664511447381948;
   double r4 = z * 0.03923165829558719 - 0.0508544973794026;
   double r = w * (w * (r4 - y * 0.01917688711906226) + (y * r3 + r2)) + (y * r1 + r0);
-  double value = t + t * z * r;
-  if (upper) value += 0.5 * FB_HALF_PI;
-  if (inverse) value = FB_HALF_PI - value;
-  return x < 0.0 ? -value : value;
+  return t + t * z * r;
 }
+
+/* The angle of the way (x, y), x above 0, by one division: larger ones by atan(q) = pi/4 + atan((q - 1) / (q + 1))
+   and atan(q) = pi/2 - atan(1 / q). */
+FB_INLINE double fb_angle(double y, double x) {
+  double size = fabs(y), value;
+  if (size <= x * 0.41421356237309503) return fb_arc_tangent_core(y / x);
+  if (size <= x * 2.414213562373095)
+    value = 0.5 * FB_HALF_PI + fb_arc_tangent_core((size - x) / (size + x));
+  else
+    value = FB_HALF_PI - fb_arc_tangent_core(x / size);
+  return y < 0.0 ? -value : value;
+}
+
+FB_INLINE double fb_arc_tangent(double x) { return fb_angle(x, 1.0); }
 
 #endif

@@ -1,4 +1,5 @@
-/* Model exchange: time and states come from the master's solver, rates go back. There are no events. */
+/* Model exchange: time and states come from the master's solver, rates and event indicators go back.
+   Rates hold on both sides of an event, so that a master may pass it by; switches wait for it. */
 
 #include <string.h>
 
@@ -60,4 +61,16 @@ fb_level fb_get_rates(fb_instance *instance, double *rates, size_t count) {
       return FB_DISCARD;
     }
   return FB_OK;
+}
+
+bool fb_get_indicators(fb_instance *instance, double *indicators, size_t count) {
+  const fb_image *image = &instance->image;
+  if (count != FB_INDICATORS) {
+    fb_fail(instance, "%u event indicators were asked for, but there are %d", (unsigned)count, FB_INDICATORS);
+    return false;
+  }
+  fb_refresh_constants(&instance->image);
+  fb_indicators(image->states, image->values + FB_FIRST_INPUT, image->values + FB_FIRST_PARAMETER,
+                image->constants, indicators);
+  return true;
 }

@@ -25,6 +25,7 @@ const char *fmi2GetVersion(void) { return fmi2Version; }
 fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean on, size_t count,
                                const fmi2String categories[]) {
   NEED(FB_ALIVE | FB_FAILED);
+  GIVEN(categories, count);
   return fb_listen(self, on != fmi2False, count, categories) ? fmi2OK : fmi2Warning;
 }
 
@@ -75,13 +76,17 @@ fmi2Status fmi2Reset(fmi2Component component) {
 fmi2Status fmi2GetReal(fmi2Component component, const fmi2ValueReference references[], size_t count,
                        fmi2Real values[]) {
   NEED(FB_ALIVE);
+  GIVEN(references, count);
+  GIVEN(values, count);
   return status(fb_get(self, references, count, values));
 }
 
 fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference references[], size_t count,
                        const fmi2Real values[]) {
   NEED(FB_ALIVE & ~FB_TERMINATED);
-  return status(fb_set(self, references, count, values));
+  GIVEN(references, count);
+  GIVEN(values, count);
+  return (fmi2Status)fb_set(self, references, count, values);
 }
 
 fmi2Status fmi2DoStep(fmi2Component component, fmi2Real from, fmi2Real length, fmi2Boolean no_rollback) {

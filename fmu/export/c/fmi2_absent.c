@@ -1,7 +1,6 @@
 /* FMI 2.0 functions that a plant has no use for; each exists, and says so when it is called. */
 
-#include "core.h"
-#include "fmi2Functions.h"
+#include "fmi2_shell.h"
 
 #define REFERENCES const fmi2ValueReference references[], size_t count
 

@@ -17,6 +17,7 @@ const char *fmi3GetVersion(void) { return "3.0"; }
 fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean on, size_t count,
                                const fmi3String categories[]) {
   NEED(FB_ALIVE | FB_FAILED);
+  GIVEN(categories, count);
   return fb_listen(self, on, count, categories) ? fmi3OK : fmi3Warning;
 }
 
@@ -26,13 +27,22 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
                                          fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
                                          fmi3IntermediateUpdateCallback update) {
   const void *logger;
-  (void)resources, (void)visible, (void)events, (void)early, (void)required, (void)update;
+  fb_instance *instance;
+  (void)resources, (void)visible, (void)required, (void)update;
   memcpy(&logger, &log, sizeof logger);
+  if (events) {
+    fb_emit(environment, logger, name, FB_ERROR,
+            "instantiate: eventModeUsed is true, but co-simulation has no event mode here (hasEventMode)");
+    return NULL;
+  }
   if (count > 0) {
     fb_emit(environment, logger, name, FB_ERROR, "instantiate: there are no intermediate variables");
     return NULL;
   }
-  return fb_instantiate(name, token, environment, logger, logging, false);
+  instance = fb_instantiate(name, token, environment, logger, logging, false);
+  if (instance && early)
+    fb_say(instance, FB_WARNING, "earlyReturnAllowed is true, but no step here returns early");
+  return instance;
 }
 
 fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String resources,
@@ -75,6 +85,8 @@ fmi3Status fmi3Reset(fmi3Instance instance) {
 fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
                           fmi3Float64 values[], size_t value_count) {
   NEED(FB_ALIVE);
+  GIVEN(references, count);
+  GIVEN(values, count);
   if (value_count != count) {
     fb_fail(self, "fmi3GetFloat64: %u values for %u variables", (unsigned)value_count, (unsigned)count);
     return fmi3Error;
@@ -85,11 +97,13 @@ fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference refere
 fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference references[], size_t count,
                           const fmi3Float64 values[], size_t value_count) {
   NEED(FB_ALIVE & ~FB_TERMINATED);
+  GIVEN(references, count);
+  GIVEN(values, count);
   if (value_count != count) {
     fb_fail(self, "fmi3SetFloat64: %u values for %u variables", (unsigned)value_count, (unsigned)count);
     return fmi3Error;
   }
-  return status(fb_set(self, references, count, values));
+  return (fmi3Status)fb_set(self, references, count, values);
 }
 
 fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 from, fmi3Float64 length, fmi3Boolean no_rollback,

@@ -1,7 +1,6 @@
 /* FMI 3.0 functions that a plant has no use for; each exists, and says so when it is called. */
 
-#include "core.h"
-#include "fmi3Functions.h"
+#include "fmi3_shell.h"
 
 #define REFERENCES const fmi3ValueReference references[], size_t count
 

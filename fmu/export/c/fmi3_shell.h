@@ -11,6 +11,10 @@
   fb_instance *self = instance;                                                \
   if (!self || !fb_allowed(self, __func__, phases)) return fmi3Error
 
-static inline fmi3Status status(bool good) { return good ? fmi3OK : fmi3Error; }
+/* Refuse a NULL where `count` values are to be read or written. */
+#define GIVEN(argument, count)                                                 \
+  if (!fb_given(self, __func__, #argument, argument, count)) return fmi3Error
+
+FB_INLINE fmi3Status status(bool good) { return good ? fmi3OK : fmi3Error; }
 
 #endif

@@ -42,6 +42,12 @@ bool fb_allowed(fb_instance *instance, const char *function, int phases) {
   return false;
 }
 
+bool fb_given(fb_instance *instance, const char *function, const char *argument, const void *pointer, size_t count) {
+  if (pointer || count == 0) return true;
+  fb_say(instance, FB_ERROR, "%s: the argument '%s' is NULL", function, argument);
+  return false;
+}
+
 bool fb_listen(fb_instance *instance, bool on, size_t count, const char *const *categories) {
   bool known = true;
   size_t i;

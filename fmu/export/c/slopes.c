@@ -2,19 +2,6 @@
 
 #include "core.h"
 
-#define MOMENT                                                                 \
-  const double *restrict s, const double *restrict u, const double *restrict p, const double *restrict k,   \
-      const double *restrict ds, const double *restrict du, const double *restrict dp,                      \
-      const double *restrict dk
-
-/* Written from the equations. */
-void fb_constants_tangent(const double *restrict p, const double *restrict dp, double *restrict dk);
-void fb_starts_tangent(const double *restrict s, const double *restrict p, const double *restrict k,
-                       const double *restrict dp, const double *restrict dk, double *restrict ds);
-void fb_rates_tangent(MOMENT, double *restrict drate);
-void fb_outputs_tangent(MOMENT, double *restrict dreading);
-void fb_locals_tangent(MOMENT, double *restrict dreading);
-
 typedef struct {
   double u[FB_INPUTS + 1], p[FB_PARAMETERS + 1], s[FB_STATES], k[FB_CONSTANTS];
   double unknown[FB_READINGS + FB_STATES];
@@ -46,7 +33,9 @@ bool fb_slopes(fb_instance *instance, const unsigned *unknowns, size_t unknown_c
   bool outputs = false, locals = false, rates = false;
   size_t i;
   for (i = 0; i < known_count; i++) {
-    double *at = place(image, &slope, knowns[i]);
+    double *at;
+    if (knowns[i] == 0) continue; /* The time: nothing hangs on it. */
+    at = place(image, &slope, knowns[i]);
     if (!at) {
       fb_fail(instance, "%s is no known of directional derivatives in this state", name_of(knowns[i]));
       return false;

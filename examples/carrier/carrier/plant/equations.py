@@ -90,6 +90,7 @@ def model() -> Model:
                 "battery's terminal voltage",
                 terminal_voltage(shafts.values(), P),
                 24.0,
+                least=0.0,
             ),
             *(shaft.dry_friction() for shaft in shafts.values()),
             *(output for wheel in wheels for output in wheel.tyre.readings()),

@@ -1,0 +1,21 @@
+"""Who made a plant and what its users may do with it: what an FMU says of itself beside its equations."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class About:
+    """Version, author and licence of the package that a plant comes from, and its page; empty where unknown."""
+
+    version: str = ""
+    author: str = ""
+    licence: str = ""
+    licence_text: str = ""
+    page: str = ""
+    """The plant's README: signs, equations, sources."""
+
+    @property
+    def copyright(self) -> str:
+        """The licence's line of copyright."""
+        lines = (line.strip() for line in self.licence_text.splitlines())
+        return next((line for line in lines if line.lower().startswith("copyright")), "")

@@ -1,0 +1,56 @@
+"""documentation/ of an FMU: a page with variables, parameters, events and equations, and the licence."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from html import escape
+from typing import Final
+
+import sympy as sp
+
+from fmu.export.about import About
+from fmu.export.blocks import Program
+from fmu.export.variables import Variable, variables
+
+_STYLE: Final = "body{font-family:sans-serif;max-width:60em}td,th{text-align:left;padding-right:1em}"
+_CAUSALITIES: Final[Mapping[str, str]] = {
+    "input": "Inputs",
+    "output": "Outputs",
+    "parameter": "Parameters",
+    "local": "Inside",
+}
+
+
+def documentation(program: Program, about: About) -> dict[str, str]:
+    """Return the files of documentation/ by their path in the FMU (FMI 2.0.5, 2.2; FMI 3.0.2, 2.5.1.2)."""
+    files = {"documentation/index.html": "\n".join(_page(program, about)) + "\n"}
+    if about.licence_text:
+        files["documentation/licenses/license.txt"] = about.licence_text
+    return files
+
+
+def _page(program: Program, about: About) -> Iterator[str]:
+    model = program.model
+    yield f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(model.name)}</title>'
+    yield f"<style>{_STYLE}</style></head><body>"
+    yield f"<h1>{escape(model.name)}</h1>\n<p>{escape(model.description)}</p>"
+    made = [f"version {about.version}" if about.version else "", about.author, about.licence]
+    yield f"<p>{escape(', '.join(filter(None, made)))}</p>"
+    rows = variables(program)
+    for causality, title in _CAUSALITIES.items():
+        yield from _table(title, [row for row in rows if row.causality == causality])
+    if about.page:
+        yield f"<h2>Equations</h2>\n<pre>{escape(about.page)}</pre>"
+    else:
+        yield "<h2>Equations</h2>\n<pre>"
+        yield from (escape(f"der({row.name}) = {sp.sstr(row.rate)}") for row in model.states)
+        yield from (escape(f"{row.name} = {sp.sstr(row.expression)}") for row in model.outputs)
+        yield "</pre>"
+    yield "</body></html>"
+
+
+def _table(title: str, rows: Sequence[Variable]) -> Iterator[str]:
+    yield f"<h2>{title}</h2>\n<table><tr><th>name<th>unit<th>kind<th>start<th>least<th>most<th>what it is</tr>"
+    for row in rows:
+        numbers = ("" if value is None else f"{value:g}" for value in (row.start, row.least, row.most))
+        cells = (row.name, row.unit, row.variability, *numbers, row.description)
+        yield "<tr><td>" + "<td>".join(map(escape, cells)) + "</tr>"
+    yield "</table>"

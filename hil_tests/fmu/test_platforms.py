@@ -1,0 +1,116 @@
+"""Binaries for other machines: built by Debian's cross compilers, run under Wine and qemu-user, the same bits.
+
+They are run by `pytest -m platforms`, a step of its own in `.ci/run`, and fail there where something is missing;
+no other run of the tests has them.
+"""
+
+import hashlib
+import os
+import shutil
+import subprocess
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+from zipfile import ZipFile
+
+import pytest
+from fmpy.model_description import read_model_description
+
+from fmu.build import ensure
+from fmu.platforms import PLATFORMS, elsewhere, find_compiler, here
+from fmu.verify import recorded
+from hil_tests.fmu.instance import VERSIONS
+
+DRIVER: Final = Path(__file__).with_name("fixed_run.c")
+PLANTS: Final = ("rars", "single_axis")
+
+
+@dataclass(frozen=True)
+class Machine:
+    """How a program for one platform is run on this one, and what Debian calls what runs it."""
+
+    runner: tuple[str, ...]
+    package: str
+    libraries: tuple[str, ...] = ("-ldl",)
+
+
+MACHINES: Final = {
+    "x86_64-windows": Machine(("/usr/lib/wine/wine64",), "wine64", ()),
+    "aarch64-linux": Machine(("qemu-aarch64", "-L", "/usr/aarch64-linux-gnu"), "qemu-user"),
+    "x86_64-linux": Machine(("qemu-x86_64", "-L", "/usr/x86_64-linux-gnu"), "qemu-user"),
+}
+
+
+def fixed_run(
+    folder: Path,
+    plant: str,
+    fmi: int,
+    compiler: str,
+    tuple_: str,
+    runner: Sequence[str],
+    flags: Sequence[str],
+) -> str:
+    """Return the SHA-256 of what the fixed run of this platform's binary gives."""
+    path = ensure(plant, fmi, elsewhere() if tuple_ != here().tuple else ())
+    with ZipFile(path) as archive:
+        archive.extractall(folder)
+    platform = next(one for one in (here(), *PLATFORMS) if one.tuple == tuple_)
+    program = folder / "fixed_run.exe"
+    subprocess.run([compiler, f"-DFMI={fmi}", "-o", str(program), str(DRIVER), *flags], check=True)
+    description, wanted = read_model_description(str(path)), recorded(path)
+    assert wanted is not None
+    references = {row.name: str(row.valueReference) for row in description.modelVariables}
+    words = [f"{references[name]}:{nominal!r}" for name, nominal in wanted.inputs.items()]
+    words += ["/", *(references[name] for name in wanted.outputs)]
+    library = str(folder / platform.binary(plant, fmi))
+    environment = os.environ | {"WINEPREFIX": str(folder.parent / "wine"), "WINEDEBUG": "-all"}
+    done = subprocess.run(
+        [*runner, str(program), library, description.guid, repr(wanted.step / 1e9), *words],
+        env=environment, capture_output=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr.decode(errors="replace")
+    assert len(done.stdout) == 400 * 8 * len(wanted.outputs)
+    return hashlib.sha256(done.stdout).hexdigest()
+
+
+@VERSIONS
+@pytest.mark.parametrize("plant", PLANTS)
+def test_the_run_in_c_is_the_fixed_run(tmp_path: Path, plant: str, fmi: int) -> None:
+    """What the other machines are judged by, on this one."""
+    wanted = recorded(ensure(plant, fmi))
+    assert wanted is not None
+    assert (
+        fixed_run(tmp_path / "own", plant, fmi, find_compiler(), here().tuple, (), ("-ldl",)) == wanted.sha256
+    )
+
+
+@pytest.fixture(scope="module")
+def room(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("platforms")
+
+
+@pytest.mark.platforms
+@VERSIONS
+@pytest.mark.parametrize("plant", PLANTS)
+@pytest.mark.parametrize("name", [one.tuple for one in elsewhere()])
+def test_another_machine_gives_the_same_bits(room: Path, name: str, plant: str, fmi: int) -> None:
+    machine = MACHINES[name]
+    for platform in elsewhere():
+        assert shutil.which(platform.compiler), f"{platform.compiler} is missing: install {platform.package}"
+    assert shutil.which(machine.runner[0]), f"{machine.runner[0]} is missing: install {machine.package}"
+    compiler = next(one.compiler for one in PLATFORMS if one.tuple == name)
+    folder = room / f"{plant}{fmi}-{name}"
+    wanted = recorded(ensure(plant, fmi))
+    assert wanted is not None
+    assert fixed_run(folder, plant, fmi, compiler, name, machine.runner, machine.libraries) == wanted.sha256
+
+
+@pytest.mark.platforms
+@VERSIONS
+def test_building_for_all_machines_twice_gives_the_same_bytes(
+    tmp_path: Path, fmi: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first = ensure("single_axis", fmi, elsewhere()).read_bytes()
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert ensure("single_axis", fmi, elsewhere()).read_bytes() == first
