@@ -12,7 +12,7 @@ from emulators.epos2.objects.device_profile import DeviceProfile, realistic
 from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, plant_outputs
-from emulators.servo.fmu_axes import back_emf, fmu_bank, fmu_plant
+from emulators.servo.fmu_axes import fmu_bank, fmu_plant, tell_motor
 from emulators.servo.pins import SWITCHES, input_lines
 from firmware_bridge.robot import AnyRobot, Axis, Problem, RobotFileError
 from firmware_bridge.wire.maxon.frame import Generation
@@ -60,10 +60,9 @@ def devices(
         path, parameters = plant_path, robot.plant.parameters
     plant = fmu_plant(path, names, parameters, (SUPPLY, *outputs))
     _have_switches(robot, plant)
-    axes = [
-        ServoAxis(axis.name, axis.settings.quadcounts_per_turn, back_emf=back_emf(plant, axis.name))
-        for axis in robot.axes
-    ]
+    axes = [ServoAxis(axis.name, axis.settings.quadcounts_per_turn) for axis in robot.axes]
+    for servo in axes:
+        tell_motor(plant, servo)
     bank = fmu_bank(plant, axes, len(plant_outputs(names)), _supply_input(robot))
     drives = {
         axis.name: _drive(axis, servo, _profile(axis, realistic_latency=realistic_latency), serial)

@@ -11,6 +11,7 @@ from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank
 from emulators.servo.motor import DcMotor, DcMotors
+from emulators.servo.winding import DIODES_MV
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at
@@ -135,3 +136,11 @@ def make() -> Make:
 @pytest.fixture
 def drive() -> Drive:
     return make_drive()
+
+
+def into_the_supply(drive: Drive) -> float:
+    """Return the current in A that a back-EMF beyond supply and diodes drives through them."""
+    beyond = (
+        STEERING.torque_constant * abs(drive.plant.outputs[2]) - (drive.axis.supply_mv + DIODES_MV) / 1000
+    )
+    return max(0.0, beyond) / STEERING.resistance
