@@ -27,6 +27,13 @@ from firmware_bridge.wire.canopen import LAST_NODE, NmtCommand, NmtState
 from firmware_bridge.wire.epos2 import emergency
 
 
+def _counting(motion: MotionFactory, profile: DeviceProfile) -> MotionFactory:
+    """Return what makes motion control, told what counts as a set-point."""
+    if motion is not MotionControl:
+        return motion
+    return partial(MotionControl, each_write_counts=profile.written_word_is_setpoint)
+
+
 class Epos2:
     """One drive. `node_id` is what its DIP switch says; with 0 the saved number counts."""
 
@@ -61,7 +68,7 @@ class Epos2:
             self._identity,
             self._transmit,
             send=self._send,
-            motion=partial(motion, self.store, axis),
+            motion=partial(_counting(motion, profile), self.store, axis),
         )
         self.motion: Final = self._services.motion
         self._routes = self._services.routes()

@@ -118,6 +118,12 @@ class DeviceProfile:
     """How often a transmit PDO on change looks at values that move by themselves; never more often."""
     mapping_needs_invalid_pdo: Annotated[bool, Known(Provenance.BY_ANALOGY, FIRMWARE_SPECIFICATION)] = True
     """Whether a mapping changes only while bit 31 of the PDO's COB-ID is set."""
+    written_word_is_setpoint: Annotated[
+        bool,
+        Known(Provenance.DOCUMENTED, f"{LIBRARY}, which never lowers bit 4 and moves again: an inference"),
+    ] = True
+    """Whether a controlword written by SDO or serial with bit 4 is a new set-point, edge or not. In a PDO,
+    which repeats its word with every cycle, the edge counts either way."""
     accepts_long_pdo: Annotated[bool, Known(Provenance.ASSUMED, CIA_301)] = True
     """Whether a receive PDO with more bytes than mapped is taken; its other bytes do not count."""
     sends_on_start: Annotated[bool, _ASSUMED] = True

@@ -61,6 +61,14 @@ class Drive:
         self.control.refresh(self.now)
         self._look()
 
+    def carries(self, *values: tuple[Address, int]) -> None:
+        """Take what a receive PDO carries."""
+        for address, value in values:
+            self.store.cell(address).accept(value)
+        self._look()
+        self.control.refresh(self.now)
+        self._look()
+
     def read(self, address: Address) -> int:
         return self.store.live(address)
 
@@ -114,13 +122,19 @@ class Drive:
 Make = Callable[..., Drive]
 
 
-def make_drive(delays: Delays | None = None, *, motor: DcMotor = STEERING, boot: bool = True) -> Drive:
+def make_drive(
+    delays: Delays | None = None,
+    *,
+    motor: DcMotor = STEERING,
+    boot: bool = True,
+    each_write_counts: bool = True,
+) -> Drive:
     plant = DcMotors((motor,))
     axis = ServoAxis("steer", 2000)
     bank = ServoBank(plant, [axis])
     store = ObjectStore(3, SETTINGS)
     reported: list[int] = []
-    control = MotionControl(store, axis, reported.append, delays)
+    control = MotionControl(store, axis, reported.append, delays, each_write_counts=each_write_counts)
     drive = Drive(store, axis, plant, bank, control, reported)
     control.nmt_changed(operational=True)
     if boot:
