@@ -104,6 +104,11 @@ class DeviceProfile:
     """From a serial command for another drive to the SDO frame on the CAN bus."""
     gateway_timeout: Annotated[Nanoseconds, _ASSUMED] = 500_000_000
     """How long another node may take to answer; then the host gets 0x05040000."""
+    gateway_segment: Annotated[
+        int,
+        Known(Provenance.DOCUMENTED, f"{LIBRARY}, which sends records of 8 bytes as one segment: an inference"),
+    ] = 8
+    """The longest segment that the gateway takes from the host; more than 7 bytes leave as two on the bus."""
     beyond_size: Annotated[
         bytes, Known(Provenance.ASSUMED, "zeros; a real device gives what lies behind in its memory")
     ] = bytes(4)
