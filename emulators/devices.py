@@ -8,7 +8,7 @@ from typing import Final
 
 from emulators.epos2.drive import Epos2
 from emulators.epos2.objects.catalogue import PROFILES
-from emulators.epos2.objects.device_profile import DeviceProfile, realistic
+from emulators.epos2.objects.device_profile import DeviceProfile, numbered, realistic
 from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, plant_outputs
@@ -101,7 +101,7 @@ def _profile(axis: Axis, *, realistic_latency: bool) -> DeviceProfile:
     """Return the type of drive that the file names, with a serial number of its own: no two are the same."""
     kind = PROFILES[axis.settings.device.value]
     kind = realistic(kind) if realistic_latency else kind
-    return replace(kind, serial_number=kind.serial_number + axis.settings.node)
+    return numbered(kind, axis.settings.node)
 
 
 def plant_parameters(robot: AnyRobot) -> dict[str, float]:

@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Final
 
 from emulators.epos2.drive import Epos2
-from emulators.epos2.objects.device_profile import DeviceProfile
+from emulators.epos2.objects.device_profile import DeviceProfile, numbered
 from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import Plant, ServoBank
@@ -78,7 +78,7 @@ def drives(order: Order) -> tuple[dict[str, Epos2], ServoBank]:
 
 def _drive(order: Order, node: int, axis: ServoAxis) -> Epos2:
     switch = 0 if order.dip_off else node
-    profile = replace(order.profile, serial_number=order.profile.serial_number + node)
+    profile = numbered(order.profile, node)
     storage = None if order.parameters is None else ParameterFile(order.parameters / f"node-{node}.json")
     generation = order.serial.get(node)
     if generation is None:

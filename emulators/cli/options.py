@@ -23,7 +23,7 @@ LatencyOption = Annotated[
     bool,
     typer.Option(
         "--realistic-latency/--no-latency",
-        help="Answer SDO requests after the time that maxon has published, or at once.",
+        help="Answer SDO requests after the time that maxon has published, and start within 300 ms; or at once.",
     ),
 ]
 

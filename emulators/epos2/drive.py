@@ -58,7 +58,7 @@ class Epos2:
         self._powered = False
         self._transmit = TransmitQueue(self._identity, profile.sdo_latency)
         value_ranges.keep(self.store)
-        self._memory = SavedParameters(self.store, profile, self._restored, storage or Volatile())
+        self._memory = SavedParameters(self.store, profile, storage or Volatile())
         self._lss = LssSlave(self.store, self._memory, lambda: self.node_id, self._switch_rate)
         axis.over_current_ma, axis.over_voltage_mv = profile.over_current_ma, profile.over_voltage_mv
         axis.square_per_mc = profile.continuous_current_ma**2 // STAGE_RISE_MC
@@ -198,12 +198,6 @@ class Epos2:
             self._boot(command)
         else:
             self._enter(state)
-
-    def _restored(self) -> None:
-        """Every parameter has its default again: all services begin anew with them."""
-        self.motion.reset()
-        self._services.errors.begin(self._now)
-        self._services.pdo.touch_all()
 
     # Layer setting
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
 from typing import Annotated, Final, get_type_hints
 
-from firmware_bridge.units import MICROSECOND, Nanoseconds
+from firmware_bridge.units import MICROSECOND, MILLISECOND, Nanoseconds
 from firmware_bridge.wire.abort import AbortCode
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
@@ -37,6 +37,9 @@ ANSWER_TIME: Final[Nanoseconds] = 550 * MICROSECOND
 """What an SDO transfer takes beside its two frames: 0.794 ms in all at 1 Mbit/s, 12.4 ms at 20 kbit/s, and
 five more between them (EPOS2 Application Notes, p. 168), less the frames with their stuff bits. ASSUME: all
 of it is the drive's; the figures were taken with a PC and its CAN card, whose part nobody has published."""
+BOOT_TIME: Final[Nanoseconds] = 300 * MILLISECOND
+"""From a reset to the boot-up message. ASSUME: no source tells it; maxon's library waits 100 ms and then asks for 8 s,
+and a master that is to hear the message must be given time to listen."""
 BIT_RATES: Final[Mapping[int, int]] = MappingProxyType(
     {0: 1_000_000, 1: 800_000, 2: 500_000, 3: 250_000, 4: 125_000, 6: 50_000, 7: 20_000}
 )
@@ -90,7 +93,7 @@ class DeviceProfile:
     """Places for data records."""
 
     boot_time: Annotated[Nanoseconds, _ASSUMED] = 0
-    """From power-on or reset to the boot-up message; maxon's library waits 100 ms after a reset."""
+    """From power-on or reset to the boot-up message: 0 is at once, `realistic` takes `BOOT_TIME`."""
     sdo_latency: Annotated[
         Nanoseconds,
         Known(Provenance.ASSUMED, f"{APPLICATION_NOTES}, p. 168: the whole; the drive's part is assumed"),
@@ -242,8 +245,13 @@ EPOS2_70_10: Final = DeviceProfile(
 
 
 def realistic(profile: DeviceProfile) -> DeviceProfile:
-    """Return the same drive with the answer times that maxon has published."""
-    return replace(profile, sdo_latency=ANSWER_TIME)
+    """Return the same drive with the answer times that maxon has published, and a start that takes its time."""
+    return replace(profile, sdo_latency=ANSWER_TIME, boot_time=profile.boot_time or BOOT_TIME)
+
+
+def numbered(profile: DeviceProfile, node: int) -> DeviceProfile:
+    """Return the same type with the serial number of an emulated drive: no two nodes have the same."""
+    return replace(profile, serial_number=profile.serial_number + node)
 
 
 def choices() -> tuple[tuple[str, object, Provenance, str], ...]:
