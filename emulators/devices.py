@@ -1,7 +1,7 @@
 """The emulated half of a robot: its drives and the plant below them, for the bench and for a real bus."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final

@@ -1,8 +1,9 @@
 """Electronic data sheet (EDS) of an emulated type, and device configuration file (DCF) of one drive.
 
 Source of the format: CiA 306. Its words are our own: nothing is taken from maxon's files. Defaults that are
-only assumed are left out, and so are serial numbers. A configuration file is there to be loaded into a drive: it has
-the values of the parameters and of what can only be read, and none of commands, set values and signatures.
+only assumed are left out, and so are serial numbers. A configuration file is there to be loaded into a
+drive: it has the values of the parameters and of what can only be read, and none of commands, set values
+and signatures.
 """
 
 from collections.abc import Iterator, Mapping
@@ -183,7 +184,11 @@ def _variable(entry: ObjectEntry, values: Values) -> dict[str, str]:
     if row.default_provenance is not Provenance.ASSUMED and row.address not in _INDIVIDUAL:
         made["DefaultValue"] = _default(entry)
     value = values.get(row.address)
-    if value is not None and row.type is not DataType.DOMAIN and (is_parameter(row) or not row.access.writable):
+    if (
+        value is not None
+        and row.type is not DataType.DOMAIN
+        and (is_parameter(row) or not row.access.writable)
+    ):
         made["ParameterValue"] = value.decode("ascii", "replace") if isinstance(value, bytes) else str(value)
     made["PDOMapping"] = str(int(row.mappable))
     return made

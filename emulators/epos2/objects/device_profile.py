@@ -5,7 +5,7 @@ user can change them.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Annotated, Final, get_type_hints
 
@@ -38,8 +38,8 @@ ANSWER_TIME: Final[Nanoseconds] = 550 * MICROSECOND
 five more between them (EPOS2 Application Notes, p. 168), less the frames with their stuff bits. ASSUME: all
 of it is the drive's; the figures were taken with a PC and its CAN card, whose part nobody has published."""
 BOOT_TIME: Final[Nanoseconds] = 300 * MILLISECOND
-"""From a reset to the boot-up message. ASSUME: no source tells it; maxon's library waits 100 ms and then asks for 8 s,
-and a master that is to hear the message must be given time to listen."""
+"""From a reset to the boot-up message. ASSUME: no source tells it; maxon's library waits 100 ms and then
+asks for 8 s, and a master that is to hear the message must be given time to listen."""
 BIT_RATES: Final[Mapping[int, int]] = MappingProxyType(
     {0: 1_000_000, 1: 800_000, 2: 500_000, 3: 250_000, 4: 125_000, 6: 50_000, 7: 20_000}
 )
@@ -109,7 +109,9 @@ class DeviceProfile:
     """How long another node may take to answer; then the host gets 0x05040000."""
     gateway_segment: Annotated[
         int,
-        Known(Provenance.DOCUMENTED, f"{LIBRARY}, which sends records of 8 bytes as one segment: an inference"),
+        Known(
+            Provenance.DOCUMENTED, f"{LIBRARY}, which sends records of 8 bytes as one segment: an inference"
+        ),
     ] = 8
     """The longest segment that the gateway takes from the host; more than 7 bytes leave as two on the bus."""
     beyond_size: Annotated[
@@ -124,8 +126,14 @@ class DeviceProfile:
     """Answer to ReadObject for an object of more than four bytes."""
     poll: Annotated[Nanoseconds, _ASSUMED] = 1_000_000
     """How often a transmit PDO on change looks at values that move by themselves; never more often."""
-    mapping_needs_invalid_pdo: Annotated[bool, Known(Provenance.BY_ANALOGY, FIRMWARE_SPECIFICATION)] = True
-    """Whether a mapping changes only while bit 31 of the PDO's COB-ID is set."""
+    mapping_needs_invalid_pdo: Annotated[
+        bool,
+        Known(
+            Provenance.DOCUMENTED,
+            f"a published driver that remaps real EPOS2s without; {FIRMWARE_SPECIFICATION}, demands it",
+        ),
+    ] = False
+    """Whether a mapping changes only while bit 31 of the PDO's COB-ID is set, not only with 0 entries."""
     written_word_is_setpoint: Annotated[
         bool,
         Known(Provenance.DOCUMENTED, f"{LIBRARY}, which never lowers bit 4 and moves again: an inference"),
@@ -245,19 +253,10 @@ EPOS2_70_10: Final = DeviceProfile(
 
 
 def realistic(profile: DeviceProfile) -> DeviceProfile:
-    """Return the same drive with the answer times that maxon has published, and a start that takes its time."""
+    """Return the same drive with the answer times that maxon has published, and `BOOT_TIME` to start."""
     return replace(profile, sdo_latency=ANSWER_TIME, boot_time=profile.boot_time or BOOT_TIME)
 
 
 def numbered(profile: DeviceProfile, node: int) -> DeviceProfile:
     """Return the same type with the serial number of an emulated drive: no two nodes have the same."""
     return replace(profile, serial_number=profile.serial_number + node)
-
-
-def choices() -> tuple[tuple[str, object, Provenance, str], ...]:
-    """Return each choice with its default, provenance and source, for documents."""
-    hints = get_type_hints(DeviceProfile, include_extras=True)
-    marks = ((each, getattr(hints[each.name], "__metadata__", ())) for each in fields(DeviceProfile))
-    return tuple(
-        (each.name, each.default, mark.provenance, mark.source) for each, found in marks for mark in found
-    )

@@ -1,10 +1,11 @@
 """Parameters that survive a restart: 0x1010 stores them, 0x1011 brings the defaults back.
 
-Sources: CiA 301 v4.02, EPOS Firmware Specification (by analogy), EDS. 'load' gives up the saved copy: the defaults
-count from the reset of the node or the restart that follows, and until then all stays as it is (CiA 301). Where the
-copy is kept is up to the `Storage` that the drive is given. Where the sources are silent: the factory's own values
-(0x1011:4) are the defaults; a save takes no time of its own; a COB-ID that was saved stays as it is when the node's
-number changes, which is what 0x1011:5 is for; 0x1011:4 and 0x1011:5 read as 0x1011:1 does.
+Sources: CiA 301 v4.02, EPOS Firmware Specification (by analogy), EDS. 'load' gives up the saved copy: the
+defaults count from the reset of the node or the restart that follows, and until then all stays as it is
+(CiA 301). Where the copy is kept is up to the `Storage` that the drive is given. Where the sources are
+silent: the factory's own values (0x1011:4) are the defaults; a save takes no time of its own; a COB-ID that
+was saved stays as it is when the node's number changes, which is what 0x1011:5 is for; 0x1011:4 and
+0x1011:5 read as 0x1011:1 does.
 """
 
 from collections.abc import Mapping
@@ -75,9 +76,7 @@ class Volatile:
 class SavedParameters:
     """The saved parameters of one drive."""
 
-    def __init__(
-        self, store: ObjectStore, profile: DeviceProfile, storage: Storage
-    ) -> None:
+    def __init__(self, store: ObjectStore, profile: DeviceProfile, storage: Storage) -> None:
         """Attach to the store."""
         self._store = store
         self._wrong_signature = profile.wrong_signature

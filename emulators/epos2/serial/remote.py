@@ -5,7 +5,8 @@ carries seven bytes on the bus. Where they are silent:
 
 * WriteObject, which always has four bytes, goes out as 0x22, expedited without a size; the server takes what
   the object has.
-* A segment of eight bytes is divided, seven and one, and answered as eight: maxon's library sends each record of
+* A segment of eight bytes is divided, seven and one, and answered as eight: maxon's library sends each
+record of
   an interpolated path so, and could not otherwise reach a drive behind the gateway. A longer one is refused:
   nothing is buffered.
 * An object of up to four bytes that is read by segments waits here for the first of them.

@@ -9,11 +9,11 @@ from firmware_bridge.wire.maxon.messages import (
     Done,
     InitiateSegmentedRead,
     InitiateSegmentedWrite,
-    SendNmtService,
     SegmentOut,
     SegmentRead,
     SegmentTaken,
     SegmentWrite,
+    SendNmtService,
     control,
 )
 from hil_tests.unit.epos2_serial.serial_desk import (
