@@ -1,19 +1,19 @@
 """The emulated half of a robot: its drives and the plant below them, for the bench and for a real bus."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
 from emulators.epos2.drive import Epos2
 from emulators.epos2.objects.catalogue import PROFILES
-from emulators.epos2.objects.device_profile import DeviceProfile, realistic
+from emulators.epos2.objects.device_profile import DeviceProfile, numbered, realistic
 from emulators.epos2.objects.saved_parameters import Storage
 from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, plant_outputs
-from emulators.servo.fmu_axes import back_emf, fmu_bank, fmu_plant
+from emulators.servo.fmu_axes import fmu_bank, fmu_plant, tell_motor
 from emulators.servo.pins import SWITCHES, input_lines
 from firmware_bridge.robot import AnyRobot, Axis, Problem, RobotFileError
 from firmware_bridge.wire.maxon.frame import Generation
@@ -66,10 +66,9 @@ def devices(
         path, parameters = plant_path, robot.plant.parameters
     plant = fmu_plant(path, names, parameters, (SUPPLY, *outputs))
     _have_switches(robot, plant)
-    axes = [
-        ServoAxis(axis.name, axis.settings.quadcounts_per_turn, back_emf=back_emf(plant, axis.name))
-        for axis in robot.axes
-    ]
+    axes = [ServoAxis(axis.name, axis.settings.quadcounts_per_turn) for axis in robot.axes]
+    for servo in axes:
+        tell_motor(plant, servo)
     bank = fmu_bank(plant, axes, len(plant_outputs(names)), _supply_input(robot))
     drives = {
         axis.name: _drive(
@@ -120,7 +119,7 @@ def _profile(axis: Axis, *, realistic_latency: bool) -> DeviceProfile:
     """Return the type of drive that the file names, with a serial number of its own: no two are the same."""
     kind = PROFILES[axis.settings.device.value]
     kind = realistic(kind) if realistic_latency else kind
-    return replace(kind, serial_number=kind.serial_number + axis.settings.node)
+    return numbered(kind, axis.settings.node)
 
 
 def plant_parameters(robot: AnyRobot) -> dict[str, float]:

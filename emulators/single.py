@@ -4,18 +4,19 @@ It refuses to know which bus they are on.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
 from emulators.epos2.drive import Epos2
-from emulators.epos2.objects.device_profile import DeviceProfile
+from emulators.epos2.objects.device_profile import DeviceProfile, numbered
 from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import Plant, ServoBank
-from emulators.servo.fmu_axes import BACK_EMF_UNIT, back_emf, fmu_bank, fmu_plant
+from emulators.servo.fmu_axes import fmu_bank, fmu_plant, tell_motor
 from emulators.servo.motor import MOTOR, SUPPLY_MV, DcMotor, DcMotors
+from emulators.servo.winding import tell
 from emulators.storage import ParameterFile
 from firmware_bridge.wire.maxon.frame import Generation
 from fmu.plant import FmuPlant
@@ -62,16 +63,13 @@ def drives(order: Order) -> tuple[dict[str, Epos2], ServoBank]:
         if order.plant is None
         else fmu_plant(order.plant, names, order.plant_parameters)
     )
-    own = round(order.motor.torque_constant * BACK_EMF_UNIT)
-    axes = [
-        ServoAxis(
-            name,
-            QUADCOUNTS,
-            supply_mv=order.supply_mv,
-            back_emf=back_emf(plant, name) if isinstance(plant, FmuPlant) else own,
-        )
-        for name in names
-    ]
+    axes = [ServoAxis(name, QUADCOUNTS, supply_mv=order.supply_mv) for name in names]
+    for axis in axes:
+        if isinstance(plant, FmuPlant):
+            tell_motor(plant, axis)
+        else:
+            motor = order.motor
+            tell(axis, motor.torque_constant, motor.resistance, motor.inductance)
     made = {
         name: _drive(order, node, axis) for name, node, axis in zip(names, order.nodes, axes, strict=True)
     }
@@ -80,7 +78,7 @@ def drives(order: Order) -> tuple[dict[str, Epos2], ServoBank]:
 
 def _drive(order: Order, node: int, axis: ServoAxis) -> Epos2:
     switch = 0 if order.dip_off else node
-    profile = replace(order.profile, serial_number=order.profile.serial_number + node)
+    profile = numbered(order.profile, node)
     storage = None if order.parameters is None else ParameterFile(order.parameters / f"node-{node}.json")
     if node not in order.serial:
         return Epos2(switch, axis, profile, storage=storage, bus_rate=order.bit_rate)

@@ -12,7 +12,7 @@ from emulators.documents import fidelity as known
 from emulators.documents import object_table as dictionary
 from emulators.documents.object_reader import SilentNodeError, read_all
 from emulators.epos2.objects.catalogue import PROFILES
-from emulators.epos2.objects.device_profile import BIT_RATE_IN_USE, BIT_RATES
+from emulators.epos2.objects.device_profile import BIT_RATE_IN_USE, BIT_RATES, numbered
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import FAILED, one_message, say, written_by
 from firmware_bridge.cli.options import BitRateOption, ChannelOption, InterfaceOption
@@ -46,7 +46,7 @@ def objects(
     json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
 ) -> None:
     """List every object: type, access, PDO, range, default, and how far it is known."""
-    found = find_profile(profile)
+    found = numbered(find_profile(profile), node)
     if json:
         say(dictionary.as_json(found, node))
         return

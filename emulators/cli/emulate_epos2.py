@@ -26,6 +26,9 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge emulate epos2 --node 1-4 --serial pty --serial-link epos2.tty --serial-node 2`
 
+`firmware-bridge emulate epos2 --choice mapping-needs-invalid-pdo=yes --choice boot-time=1s -i socketcan -c
+vcan0`
+
 `firmware-bridge emulate epos2 --plant single_axis.fmu --axes axis --set stop_low=-1 -i socketcan -c vcan0`"""
 
 
@@ -84,6 +87,15 @@ class DrivesOptions(Outside):
         typer.Option("--dip-off", help="DIP switch at 0: the number saved in 0x2000 counts, 1 at first."),
     ] = False
     realistic_latency: LatencyOption = True
+    choice: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=VALUE",
+            help="What the sources leave open, otherwise than by default; may be given more than once. "
+            "`epos2 fidelity` lists every choice, its default and the evidence.",
+            show_default=False,
+        ),
+    ] = None
     baud: Annotated[
         int | None,
         typer.Option(

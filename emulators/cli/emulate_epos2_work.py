@@ -8,6 +8,7 @@ from typing import Final
 
 from emulators.cli.emulate_epos2 import DrivesOptions
 from emulators.cli.options import find_profile
+from emulators.epos2.objects.choices import ChoiceError, chosen
 from emulators.epos2.objects.device_profile import BAUDS, BIT_RATES, DeviceProfile, realistic
 from emulators.epos2.objects.saved_parameters import StorageError
 from emulators.epos2.serial.serial_drive import baud_of
@@ -44,7 +45,7 @@ def emulate(given: DrivesOptions) -> None:
     order = Order(
         nodes=nodes,
         profile=replace(
-            _profile(given.profile, rate, latency=given.realistic_latency),
+            _profile(given.profile, rate, given.choice or (), latency=given.realistic_latency),
             rs232_rate=_rs232(given.baud, given.serial, given.protocol),
         ),
         bit_rate=rate,
@@ -89,12 +90,13 @@ def numbers(text: str) -> tuple[int, ...]:
     return tuple(found)
 
 
-def _profile(name: str, rate: int, *, latency: bool) -> DeviceProfile:
+def _profile(name: str, rate: int, choices: Sequence[str], *, latency: bool) -> DeviceProfile:
     codes = {bits: code for code, bits in BIT_RATES.items()}
     if rate not in codes:
         raise refusal(f"--bitrate {rate}: an EPOS2 knows {', '.join(map(str, codes))}")
     found = replace(find_profile(name), bit_rate=codes[rate])
-    return realistic(found) if latency else found
+    with one_message(ChoiceError):
+        return chosen(realistic(found) if latency else found, choices)
 
 
 def _rs232(baud: int | None, serial: str | None, protocol: Generation | None) -> int:

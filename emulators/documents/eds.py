@@ -1,7 +1,9 @@
 """Electronic data sheet (EDS) of an emulated type, and device configuration file (DCF) of one drive.
 
 Source of the format: CiA 306. Its words are our own: nothing is taken from maxon's files. Defaults that are
-only assumed are left out, and so are serial numbers.
+only assumed are left out, and so are serial numbers. A configuration file is there to be loaded into a
+drive: it has the values of the parameters and of what can only be read, and none of commands, set values
+and signatures.
 """
 
 from collections.abc import Iterator, Mapping
@@ -10,10 +12,11 @@ from typing import Final
 
 from emulators.documents.object_table import ObjectEntry, entries
 from emulators.epos2.objects.device_profile import BIT_RATES, SERIAL_NUMBER_64, DeviceProfile
+from emulators.epos2.objects.saved_parameters import is_parameter
 from firmware_bridge.wire.canopen import COB_ID_MASK
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
-from firmware_bridge.wire.epos2.rows import Access, DataType, Provenance
+from firmware_bridge.wire.epos2.rows import DataType, Provenance
 
 VAR: Final = 0x7
 ARRAY: Final = 0x8
@@ -181,7 +184,11 @@ def _variable(entry: ObjectEntry, values: Values) -> dict[str, str]:
     if row.default_provenance is not Provenance.ASSUMED and row.address not in _INDIVIDUAL:
         made["DefaultValue"] = _default(entry)
     value = values.get(row.address)
-    if value is not None and row.access is not Access.WO and row.type is not DataType.DOMAIN:
+    if (
+        value is not None
+        and row.type is not DataType.DOMAIN
+        and (is_parameter(row) or not row.access.writable)
+    ):
         made["ParameterValue"] = value.decode("ascii", "replace") if isinstance(value, bytes) else str(value)
     made["PDOMapping"] = str(int(row.mappable))
     return made

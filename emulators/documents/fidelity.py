@@ -15,7 +15,8 @@ import emulators
 from emulators.documents.object_table import entries
 from emulators.epos2.control.value_ranges import VALUE_RANGES
 from emulators.epos2.objects.catalogue import PROFILES
-from emulators.epos2.objects.device_profile import EPOS2_70_10, choices
+from emulators.epos2.objects.choices import CHOICES
+from emulators.epos2.objects.device_profile import EPOS2_70_10
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES
 from firmware_bridge.wire.epos2.objects import OBJECTS
 from firmware_bridge.wire.epos2.rows import Provenance
@@ -88,8 +89,9 @@ def _span(values: tuple[int, ...]) -> str:
 
 
 def _choices() -> Iterator[LedgerLine]:
-    for name, value, provenance, source in choices():
-        yield LedgerLine("choices of the profile", f"{name} = {value}", provenance, source)
+    for choice in CHOICES.values():
+        what = f"{choice.name}={choice.text}"
+        yield LedgerLine("choices (`--choice`)", what, choice.known.provenance, choice.known.source)
 
 
 def _types() -> Iterator[LedgerLine]:

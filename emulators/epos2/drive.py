@@ -27,6 +27,13 @@ from firmware_bridge.wire.canopen import LAST_NODE, NmtCommand, NmtState
 from firmware_bridge.wire.epos2 import emergency
 
 
+def _counting(motion: MotionFactory, profile: DeviceProfile) -> MotionFactory:
+    """Return what makes motion control, told what counts as a set-point."""
+    if motion is not MotionControl:
+        return motion
+    return partial(MotionControl, each_write_counts=profile.written_word_is_setpoint)
+
+
 class Epos2:
     """One drive. `node_id` is what its DIP switch says; with 0 the saved number counts."""
 
@@ -51,7 +58,7 @@ class Epos2:
         self._powered = False
         self._transmit = TransmitQueue(self._identity, profile.sdo_latency)
         value_ranges.keep(self.store)
-        self._memory = SavedParameters(self.store, profile, self._restored, storage or Volatile())
+        self._memory = SavedParameters(self.store, profile, storage or Volatile())
         self._lss = LssSlave(self.store, self._memory, lambda: self.node_id, self._switch_rate)
         axis.over_current_ma, axis.over_voltage_mv = profile.over_current_ma, profile.over_voltage_mv
         axis.square_per_mc = profile.continuous_current_ma**2 // STAGE_RISE_MC
@@ -61,7 +68,7 @@ class Epos2:
             self._identity,
             self._transmit,
             send=self._send,
-            motion=partial(motion, self.store, axis),
+            motion=partial(_counting(motion, profile), self.store, axis),
         )
         self.motion: Final = self._services.motion
         self._routes = self._services.routes()
@@ -191,12 +198,6 @@ class Epos2:
             self._boot(command)
         else:
             self._enter(state)
-
-    def _restored(self) -> None:
-        """Every parameter has its default again: all services begin anew with them."""
-        self.motion.reset()
-        self._services.errors.begin(self._now)
-        self._services.pdo.touch_all()
 
     # Layer setting
 

@@ -58,6 +58,12 @@ HALL_ANGLE_APART: Final = 1 << 24
 ENCODER_AGAINST_MOTOR: Final = 1 << 25
 AUXILIARY_AGAINST_MAIN: Final = 1 << 26
 
+JUST_OPENED: Final = 2
+"""What `turning` is until an open winding has got its voltage for a tick."""
+LEAST_LEARNING: Final = 838_861
+"""0.05 Ohm in 24 places: a lower bound of the windings' resistance, so that learning begins from below."""
+LEFT_MA: Final = 2
+"""What is left of a current that brakes when that constant has been learnt: less is not seen."""
 AVERAGE_PLACES: Final = 16
 """Binary places of the averaged current, which is in mA."""
 LOGIC_MV: Final = 5_000
@@ -92,11 +98,10 @@ class ServoAxis(Record, ctypes.Structure):
         node: str = "",
         *,
         supply_mv: int = 24_000,
-        back_emf: int = 0,
     ) -> None:
         """Take the mounted encoder in qc per turn, and the node to wake (the name where it is empty).
 
-        `back_emf` in 2^-24 V s/rad speeds up an open winding's first instants; it is learnt where it is 0.
+        Of its motor it knows nothing before `emulators.servo.winding.tell`.
         """
         super().__init__()
         self.name: Final = name
@@ -107,7 +112,10 @@ class ServoAxis(Record, ctypes.Structure):
         self.analogue_1_mv = 0
         self.analogue_2_mv = 0
         self.master = 0
-        self.back_emf = back_emf
+        self.back_emf = self.ending = self.evening = 0
+        self.raised = self.braking = self.waits = self.speed_before = 0
+        self.left = LEFT_MA
+        self.learning = LEAST_LEARNING
         # ASSUME: 90 % of the supply reaches the winding; the rest is the bridge and its dead time.
         self.voltage_percent = 90
         # ASSUME: the hardware cuts off above 1.5 times the 70/10's largest output current of 25 A.
@@ -170,7 +178,7 @@ class ServoAxis(Record, ctypes.Structure):
         self.compare_direction = self.compare_reference = self.compare_width = 0
         self.compare_first = self.compare_last = self.compare_pulse_ms = 0
         self.compare_left = self.compare_hits = 0
-        self.turning = 1
+        self.turning = JUST_OPENED
         self.flags = AT_REST
         self.position = 0
         self.step = self.velocity_average = 0
@@ -223,7 +231,10 @@ class ServoAxis(Record, ctypes.Structure):
     def switch_off(self) -> None:
         """Open the winding."""
         self.powered = 0
-        self.turning = 1
+        self.turning = JUST_OPENED
+        self.learning = min(self.learning, LEAST_LEARNING)
+        self.braking = self.waits = 0
+        self.left = LEFT_MA
         self.regulator = IDLE
         self.profile = DIRECT
         self.current_demand_ma = 0

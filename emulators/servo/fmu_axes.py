@@ -2,17 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Final
 
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, plant_inputs, plant_outputs
 from emulators.servo.pins import input_lines, output_lines, pin_inputs, pin_outputs
 from emulators.servo.sensor_lines import sensor_lines, sensor_outputs
+from emulators.servo.winding import tell
 from fmu.interface import units
 from fmu.plant import FmuPlant, PlantError
-
-BACK_EMF_UNIT: Final = 1 << 24
-"""Parts of 1 V s/rad in which a servo axis keeps its motor's constant."""
 
 
 def fmu_plant(
@@ -49,9 +46,16 @@ def fmu_bank(
     )
 
 
-def back_emf(plant: FmuPlant, axis: str) -> int:
-    """Return the motor's constant as an axis takes it; 0, to be learnt, where the plant does not tell it."""
+def tell_motor(plant: FmuPlant, axis: ServoAxis) -> None:
+    """Tell an axis what the plant says of its motor; what it does not say stays unknown."""
+    constant, resistance, inductance = (
+        _told(plant, f"{name}_{axis.name}") for name in ("torque_constant", "resistance", "inductance")
+    )
+    tell(axis, constant, resistance, inductance)
+
+
+def _told(plant: FmuPlant, parameter: str) -> float:
     try:
-        return round(plant.read(f"torque_constant_{axis}") * BACK_EMF_UNIT)
+        return plant.read(parameter)
     except PlantError:
-        return 0
+        return 0.0

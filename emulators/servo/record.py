@@ -133,7 +133,8 @@ class Record:
     compare_pulse_ms: int
     # Levels of the digital outputs and the brake, for the plant: see `emulators.servo.pins`.
     outputs: int
-    # State. `turning`: an open winding's voltage is kept up in this ms; `told`: the last ms raised an event.
+    # State. `turning`: an open winding's voltage is kept up in this ms, JUST_OPENED: and has not been yet;
+    # `told`: the last ms raised an event.
     now: int
     flags: int
     encoder: int
@@ -146,8 +147,20 @@ class Record:
     current_limit_ma: int
     current_integral: int
     voltage_mv: int
-    back_emf: int
     turning: int
+    # What an open winding is known by (`emulators.servo.winding`): constant, 2^-24 V s/rad; what ends a
+    # current within a tick and what turns it round, 2^-16 Ohm, 0: unknown; how fast the constant is learnt,
+    # 2^-24 Ohm, 0: told; what was added to it last, and for which current, mA; how much of that is left as
+    # it is, and for how many ms it is left to itself. The shaft's speed a tick before, mrad/s.
+    back_emf: int
+    ending: int
+    evening: int
+    learning: int
+    raised: int
+    braking: int
+    left: int
+    waits: int
+    speed_before: int
     velocity_demand: int
     acceleration_demand: int
     position_demand: int

@@ -62,7 +62,7 @@ class Twin:
             axis.told = raised
             told = told or raised
             if not axis.powered:
-                axis.turning = int(winding.turns(axis, self._speed(k)))
+                axis.turning = winding.turns(axis, self._speed(k))
         return told
 
     def _current_loops(self, ticks: int) -> None:

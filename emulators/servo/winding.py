@@ -1,27 +1,48 @@
 """A winding between two milliseconds: what the current loop works on, and the voltage of an open winding.
 
-Whole numbers only, as in `emulators.servo.loops`. Both divisions round towards minus infinity.
+The plant knows voltages only, so an open winding gets the one that the flyback diodes would leave there, tick
+by tick. Over an off period its terminals give the winding no energy: it takes energy from the shaft, or none.
+Whole numbers only, as in `emulators.servo.loops`. Divisions round towards minus infinity.
 """
 
+from math import expm1
 from typing import Final
 
-from emulators.servo.axis import AVERAGE_PLACES, ServoAxis
+from emulators.servo.axis import AVERAGE_PLACES, JUST_OPENED, LEAST_LEARNING, TICK, ServoAxis
 from emulators.servo.loops import AVERAGE
+from firmware_bridge.units import to_seconds
 
+DIODES_MV: Final = 1_600
+"""What two flyback diodes in a row drop (ASSUME: 0.8 V each, body diodes of the power stage).
+
+ASSUME: the supply takes what comes through them at the voltage that it has, however weak it is.
+"""
 RESTING: Final = 10
-"""mrad/s below which an open winding shows no voltage."""
+"""mrad/s up to which a winding without voltage and current is left alone."""
 LEARNING: Final = 5_000
-"""mrad/s above which the back-EMF constant of an open winding is learnt."""
-LEARNING_RATE: Final = 838_861
-"""0.05 Ohm in 24 places: a lower bound of the windings' resistance, so that learning does not overshoot."""
-HIGHEST_RESISTANCE: Final = 16
-"""Ohm: an upper bound, for what the current may have added to the last voltage (ASSUME)."""
+"""mrad/s above which a back-EMF constant that nobody told is learnt."""
+MOST_LEARNING: Final = 1 << 28
+"""16 Ohm: an upper bound of them (ASSUME)."""
+SETTLING_MS: Final = 1
+"""How long the current is left to itself after the voltage has been raised for the constant's sake ..."""
+RECOVERING_MS: Final = 3
+"""... and after it has been taken back, with a short for a tick: some times what windings take (L/R)."""
+MOST_LEFT_MA: Final = 1 << 10
+"""How much of a current that brakes may be left at most when a constant has been learnt."""
 BACK_EMF_PLACES: Final = 24
 WIDEST_BACK_EMF: Final = (1 << 32) - 1
 """256 V s/rad: far past every motor, and a product with a speed stays within 63 bits."""
+RESISTANCE_PLACES: Final = 16
+WIDEST_RESISTANCE: Final = (1 << 31) - 1
+"""32 kOhm in those places, likewise."""
+DOUBTED_MA: Final = 64
+"""What a current may shoot past 0, beside a quarter of itself, before what was told of the winding is
+doubted.
+"""
 FADED: Final = 1 << 5
 """An averaged current (2^-16 mA) that rounding keeps from reaching 0."""
 CURRENT_PLACES: Final = 8
+_LONGEST_EXPONENT: Final = 100.0
 
 
 class Winding:
@@ -57,54 +78,120 @@ class Winding:
         axis.voltage_mv = self.voltage
 
 
-def first_guess(axis: ServoAxis, current: int, speed: int) -> int:
-    """Return a back-EMF constant from the voltage at power-off.
+def tell(axis: ServoAxis, constant: float, resistance: float = 0.0, inductance: float = 0.0) -> None:
+    """Tell an axis its motor's constant (V s/rad), and resistance (Ohm) and inductance (H) where known.
 
-    It is no more than the motor's own where the current has settled; of one that hunts the voltage tells
-    nothing.
-    The voltage is resistance times current plus constant times speed. A current that brakes makes it smaller
-    than the back-EMF. One that drives makes it larger, by a resistance that nobody has told: the largest is
-    taken off. What is left may be nothing; an estimate that is too small only brakes, one that is too large
-    would drive the shaft.
+    Over a tick of constant voltage u the current goes from i to a i + (1 - a) (u - emf) / R with
+    a = exp(-R tick / L): it ends at 0 for u = emf - `ending` i, and at -i for u = emf - `evening` i.
     """
-    voltage = axis.voltage_mv
-    if current > 0 < speed or current < 0 > speed:
-        voltage -= HIGHEST_RESISTANCE * current
-    return min(max(0, (voltage << BACK_EMF_PLACES) // speed), WIDEST_BACK_EMF)
+    axis.back_emf = min(max(0, round(constant * (1 << BACK_EMF_PLACES))), WIDEST_BACK_EMF)
+    axis.learning = 0 if axis.back_emf else LEAST_LEARNING
+    axis.ending = axis.evening = 0
+    if resistance > 0.0 and inductance > 0.0:
+        exponent = min(resistance * to_seconds(TICK) / inductance, _LONGEST_EXPONENT)
+        ending = inductance / to_seconds(TICK) * (exponent / expm1(exponent) if exponent > 0.0 else 1.0)
+        axis.ending = min(round(ending * (1 << RESISTANCE_PLACES)), WIDEST_RESISTANCE)
+        axis.evening = min(
+            max(1, round((resistance + 2.0 * ending) * (1 << RESISTANCE_PLACES))), WIDEST_RESISTANCE
+        )
 
 
-def turns(axis: ServoAxis, speed: int) -> bool:
-    """Learn an open winding's back-EMF constant; say whether its voltage must be kept up in this ms.
+def turns(axis: ServoAxis, speed: int) -> int:
+    """Learn a constant that nobody told; say what `turning` is in this ms: 0, 1, or still JUST_OPENED.
 
-    An open winding carries no current, but the plant knows voltages only: so the winding gets its own
-    back-EMF, speed (mrad/s) times a constant. The constant is known, or learnt from the current that flows.
+    The estimate begins at 0, a winding that is shorted, and rises by what the current that still brakes
+    asks for at a resistance below the winding's own: from below, so that it never drives. The resistance is
+    doubled where the current has become less since, but not by half. Each time that it drove after all,
+    twice as much of the current that brakes is left as it is, or voltages of whole mV would be tried for
+    ever.
     """
+    if axis.turning == JUST_OPENED:
+        return JUST_OPENED
     current = axis.current_ma
-    if speed > LEARNING or speed < -LEARNING:
-        constant = axis.back_emf
-        if constant == 0 and axis.voltage_mv:
-            constant = first_guess(axis, current, speed)
-        elif current > 1 or current < -1:
-            constant = max(0, constant + -(current * LEARNING_RATE) // speed)
-        axis.back_emf = min(constant, WIDEST_BACK_EMF)
-        return True
+    if axis.waits:
+        axis.waits -= 1
+    elif axis.learning and (speed > LEARNING or speed < -LEARNING):
+        braking = (-current if speed > 0 else current) - axis.left
+        if braking > 0:
+            if braking <= axis.braking < 2 * braking:
+                axis.learning = min(axis.learning << 1, MOST_LEARNING)
+            axis.braking = braking
+            axis.raised = braking * axis.learning // (speed if speed > 0 else -speed)
+            axis.back_emf = min(axis.back_emf + axis.raised, WIDEST_BACK_EMF)
+            axis.waits = SETTLING_MS
+        return 1
     settled = axis.voltage_mv == 0 and current == 0 and -FADED <= axis.current_average <= FADED
-    return not (settled and -RESTING <= speed <= RESTING)
+    return 0 if settled and -RESTING <= speed <= RESTING else 1
 
 
 def opened(axis: ServoAxis, current: int, speed: int) -> int:
-    """Return the voltage in mV that an open winding shows at this speed in mrad/s.
-
-    Switched off in mid-motion with an unknown constant it shows what `first_guess` makes of the last voltage;
-    where that cannot be told, none.
-    """
-    if axis.back_emf == 0 and axis.voltage_mv and (speed > LEARNING or speed < -LEARNING):
-        axis.back_emf = first_guess(axis, current, speed)
-    voltage = 0
-    if axis.back_emf and (speed > RESTING or speed < -RESTING):
-        voltage = (axis.back_emf * speed + (1 << BACK_EMF_PLACES >> 1)) >> BACK_EMF_PLACES
+    """Return the voltage in mV of an open winding for a tick, at this current in mA and speed in mrad/s."""
+    if axis.turning == JUST_OPENED:
+        axis.turning = 1
+        axis.speed_before = speed
+    else:
+        doubt(axis, current, speed)
+    limit = max(0, axis.supply_mv) + DIODES_MV
+    voltage = min(max(-limit, unfed(axis, current, speed)), limit)
+    axis.speed_before = speed
     axis.current_ma = current
     average = axis.current_average
     axis.current_average = average + (((current << AVERAGE_PLACES) - average) >> AVERAGE)
     axis.voltage_mv = voltage
     return voltage
+
+
+def doubt(axis: ServoAxis, current: int, speed: int) -> None:
+    """Take back what the current of the last tick has shown to be false: more than it was told to do.
+
+    A winding that begins to drive at the learnt voltage was given too much of it. One whose current was to
+    end and shoots far past 0 has another resistance or inductance than was told: they count no more.
+    """
+    before = axis.current_ma
+    if axis.learning:
+        if axis.voltage_mv and (
+            (current > 0 and before <= 0 < speed) or (current < 0 <= before and speed < 0)
+        ):
+            axis.back_emf = max(0, axis.back_emf - axis.raised)
+            axis.raised = min(max(2 * axis.raised, axis.back_emf >> 10), WIDEST_BACK_EMF)
+            axis.learning = max(axis.learning >> 2, LEAST_LEARNING)
+            axis.braking, axis.waits = 0, RECOVERING_MS
+            axis.left = min(axis.left << 1, MOST_LEFT_MA)
+    elif axis.evening and axis.voltage_mv:
+        past = -current if before > 0 else current
+        size = before if before > 0 else -before
+        opposed = (axis.voltage_mv > 0) != (before > 0)
+        if before and opposed and past > (size >> 2) + DOUBTED_MA:
+            axis.ending = axis.evening = 0
+
+
+def unfed(axis: ServoAxis, current: int, speed: int) -> int:
+    """Return the voltage, not yet bounded by the supply, that ends a current without feeding it.
+
+    That is the back-EMF where no current flows. A current decays against the supply through the diodes: the
+    voltage is opposed to it, and no more than ends it with the tick. Where the back-EMF is so high that the
+    same voltage would feed the current, the mean of the current is made 0, and the next tick ends what is
+    left. Where resistance and inductance are unknown, a current that drives is shorted, and one that brakes
+    fades.
+    """
+    to_come = 2 * speed - axis.speed_before
+    if speed < 0:
+        # What follows is said of a shaft that turns forwards.
+        return -unfed_forwards(axis, -current, -speed, -to_come)
+    return unfed_forwards(axis, current, speed, to_come)
+
+
+def unfed_forwards(axis: ServoAxis, current: int, speed: int, to_come: int) -> int:
+    """Return the voltage for a speed that is not below 0, and will be `to_come` after the tick: see `unfed`.
+
+    The smaller of the two counts: at the larger one a shaft that slows down would be driven.
+    """
+    back_emf = (axis.back_emf * max(0, min(speed, to_come))) >> BACK_EMF_PLACES
+    if current == 0:
+        return back_emf
+    if axis.evening == 0:
+        return back_emf if current < 0 else 0
+    ending = back_emf - ((axis.ending * current) >> RESISTANCE_PLACES)
+    if current < 0 or ending <= 0:
+        return ending
+    return max(0, back_emf - ((axis.evening * current) >> RESISTANCE_PLACES))

@@ -63,7 +63,7 @@ class Master:
         self.network.bus = self.bus
         self.node: Any = BaseNode402(node, objects)
         self.network.add_node(self.node)
-        self.bus.runs(0.05)
+        self.bus.runs(0.5)
 
 
 class PdoMaster(Master):

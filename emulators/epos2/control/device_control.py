@@ -19,8 +19,9 @@ from emulators.servo.axis import ServoAxis
 from firmware_bridge.wire.cia402 import Command, Control, State, command_of
 from firmware_bridge.wire.epos2 import emergency
 
-# The controlword's bit as a plain number: flags are slow, and every frame is looked at.
+# The controlword's bits as plain numbers: flags are slow, and every frame is looked at.
 _FAULT_RESET: Final = int(Control.FAULT_RESET)
+_NEW_SETPOINT: Final = int(Control.NEW_SETPOINT)
 
 
 class DeviceControl:
@@ -71,10 +72,16 @@ class DeviceControl:
 
     # Commands
 
-    def command(self, word: int) -> None:
-        """Take a controlword. The latest one waits for a command under way; a fault reaction heeds none."""
+    def command(self, word: int, *, written: bool = False) -> None:
+        """Take a controlword. The latest one waits for a command under way; a fault reaction heeds none.
+
+        One that was `written`, not carried by a PDO, is a new set-point with bit 4 up where the mode goes by
+        writes, whatever stood there before.
+        """
         power = self._power
         before, power.controlword = power.controlword, word
+        if written and self._modes.mode.goes_by_writes:
+            before &= ~_NEW_SETPOINT
         if power.state is State.FAULT:
             if word & ~before & _FAULT_RESET:
                 self._reset_fault()

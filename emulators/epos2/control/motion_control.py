@@ -48,8 +48,15 @@ class MotionControl:
         axis: ServoAxis,
         report: Callable[[int], None],
         delays: Delays | None = None,
+        *,
+        each_write_counts: bool = True,
     ) -> None:
-        """Set hooks in the store; `report` takes emergency codes, and NO_ERROR when a fault was reset."""
+        """Set hooks in the store; `report` takes emergency codes, and NO_ERROR when a fault was reset.
+
+        `each_write_counts`: a controlword that is written with bit 4 is a set-point, edge or not, where the
+        mode goes by writes.
+        """
+        self._each_write_counts = each_write_counts
         self._store = store
         self._axis = axis
         self._recorder = DataRecorder(store, axis)
@@ -154,7 +161,7 @@ class MotionControl:
     def _take_controlword(self, word: int) -> None:
         if self.hung:
             return
-        self._control.command(word)
+        self._control.command(word, written=self._each_write_counts and self._store.asked)
         self._publish()
 
     def _take_mode(self, mode: int) -> None:

@@ -18,6 +18,8 @@ class ModeOfOperation:
 
     heeds_halt: ClassVar[bool] = False
     """Whether bit 8 of the controlword counts."""
+    goes_by_writes: ClassVar[bool] = False
+    """Whether each controlword that is written with bit 4 is a set-point, not only one that raises it."""
     heeds: ClassVar[tuple[Address, ...]] = ()
     """Objects whose writes `written` takes."""
 

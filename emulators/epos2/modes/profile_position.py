@@ -1,4 +1,11 @@
-"""Profile position mode: moves to set-points, one after the other or at once, with halt."""
+"""Profile position mode: moves to set-points, one after the other or at once, with halt.
+
+A controlword that is written by SDO or a serial command with bit 4 up is a new set-point, edge or not:
+maxon's command library writes 0x607A and then 0x3F or 0x7F for every move, and never lowers the bit. A PDO
+repeats its word with every cycle, so that there the edge counts (ASSUME: what a device makes of repeated
+words in PDOs is not known, and each of them for a set-point would begin a relative move anew with every
+cycle).
+"""
 
 from typing import ClassVar, Final
 
@@ -23,6 +30,7 @@ class ProfilePosition(ModeOfOperation):
     """Goes to the position 0x607A."""
 
     heeds_halt: ClassVar[bool] = True
+    goes_by_writes: ClassVar[bool] = True
 
     def __init__(self, shaft: Shaft) -> None:
         super().__init__(shaft)
@@ -49,7 +57,7 @@ class ProfilePosition(ModeOfOperation):
         return super().status(failed=failed) | (_SETPOINT_ACKNOWLEDGED if self._acknowledged else 0)
 
     def controls(self, word: int, before: int) -> bool:
-        """Take a rising edge of bit 4 for a set-point."""
+        """Take a rising edge of bit 4 for a set-point; in a word that was written each one rises."""
         if not word & _NEW_SETPOINT:
             self._acknowledged = False
             return False

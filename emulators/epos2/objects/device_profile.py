@@ -5,11 +5,11 @@ user can change them.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Annotated, Final, get_type_hints
 
-from firmware_bridge.units import MICROSECOND, Nanoseconds
+from firmware_bridge.units import MICROSECOND, MILLISECOND, Nanoseconds
 from firmware_bridge.wire.abort import AbortCode
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
@@ -37,6 +37,9 @@ ANSWER_TIME: Final[Nanoseconds] = 550 * MICROSECOND
 """What an SDO transfer takes beside its two frames: 0.794 ms in all at 1 Mbit/s, 12.4 ms at 20 kbit/s, and
 five more between them (EPOS2 Application Notes, p. 168), less the frames with their stuff bits. ASSUME: all
 of it is the drive's; the figures were taken with a PC and its CAN card, whose part nobody has published."""
+BOOT_TIME: Final[Nanoseconds] = 300 * MILLISECOND
+"""From a reset to the boot-up message. ASSUME: no source tells it; maxon's library waits 100 ms and then
+asks for 8 s, and a master that is to hear the message must be given time to listen."""
 BIT_RATES: Final[Mapping[int, int]] = MappingProxyType(
     {0: 1_000_000, 1: 800_000, 2: 500_000, 3: 250_000, 4: 125_000, 6: 50_000, 7: 20_000}
 )
@@ -90,7 +93,7 @@ class DeviceProfile:
     """Places for data records."""
 
     boot_time: Annotated[Nanoseconds, _ASSUMED] = 0
-    """From power-on or reset to the boot-up message; maxon's library waits 100 ms after a reset."""
+    """From power-on or reset to the boot-up message: 0 is at once, `realistic` takes `BOOT_TIME`."""
     sdo_latency: Annotated[
         Nanoseconds,
         Known(Provenance.ASSUMED, f"{APPLICATION_NOTES}, p. 168: the whole; the drive's part is assumed"),
@@ -104,6 +107,13 @@ class DeviceProfile:
     """From a serial command for another drive to the SDO frame on the CAN bus."""
     gateway_timeout: Annotated[Nanoseconds, _ASSUMED] = 500_000_000
     """How long another node may take to answer; then the host gets 0x05040000."""
+    gateway_segment: Annotated[
+        int,
+        Known(
+            Provenance.DOCUMENTED, f"{LIBRARY}, which sends records of 8 bytes as one segment: an inference"
+        ),
+    ] = 8
+    """The longest segment that the gateway takes from the host; more than 7 bytes leave as two on the bus."""
     beyond_size: Annotated[
         bytes, Known(Provenance.ASSUMED, "zeros; a real device gives what lies behind in its memory")
     ] = bytes(4)
@@ -116,8 +126,20 @@ class DeviceProfile:
     """Answer to ReadObject for an object of more than four bytes."""
     poll: Annotated[Nanoseconds, _ASSUMED] = 1_000_000
     """How often a transmit PDO on change looks at values that move by themselves; never more often."""
-    mapping_needs_invalid_pdo: Annotated[bool, Known(Provenance.BY_ANALOGY, FIRMWARE_SPECIFICATION)] = True
-    """Whether a mapping changes only while bit 31 of the PDO's COB-ID is set."""
+    mapping_needs_invalid_pdo: Annotated[
+        bool,
+        Known(
+            Provenance.DOCUMENTED,
+            f"a published driver that remaps real EPOS2s without; {FIRMWARE_SPECIFICATION}, demands it",
+        ),
+    ] = False
+    """Whether a mapping changes only while bit 31 of the PDO's COB-ID is set, not only with 0 entries."""
+    written_word_is_setpoint: Annotated[
+        bool,
+        Known(Provenance.DOCUMENTED, f"{LIBRARY}, which never lowers bit 4 and moves again: an inference"),
+    ] = True
+    """Whether a controlword written by SDO or serial with bit 4 is a new set-point, edge or not. In a PDO,
+    which repeats its word with every cycle, the edge counts either way."""
     accepts_long_pdo: Annotated[bool, Known(Provenance.ASSUMED, CIA_301)] = True
     """Whether a receive PDO with more bytes than mapped is taken; its other bytes do not count."""
     sends_on_start: Annotated[bool, _ASSUMED] = True
@@ -231,14 +253,10 @@ EPOS2_70_10: Final = DeviceProfile(
 
 
 def realistic(profile: DeviceProfile) -> DeviceProfile:
-    """Return the same drive with the answer times that maxon has published."""
-    return replace(profile, sdo_latency=ANSWER_TIME)
+    """Return the same drive with the answer times that maxon has published, and `BOOT_TIME` to start."""
+    return replace(profile, sdo_latency=ANSWER_TIME, boot_time=profile.boot_time or BOOT_TIME)
 
 
-def choices() -> tuple[tuple[str, object, Provenance, str], ...]:
-    """Return each choice with its default, provenance and source, for documents."""
-    hints = get_type_hints(DeviceProfile, include_extras=True)
-    marks = ((each, getattr(hints[each.name], "__metadata__", ())) for each in fields(DeviceProfile))
-    return tuple(
-        (each.name, each.default, mark.provenance, mark.source) for each, found in marks for mark in found
-    )
+def numbered(profile: DeviceProfile, node: int) -> DeviceProfile:
+    """Return the same type with the serial number of an emulated drive: no two nodes have the same."""
+    return replace(profile, serial_number=profile.serial_number + node)

@@ -1,12 +1,14 @@
 """Parameters that survive a restart: 0x1010 stores them, 0x1011 brings the defaults back.
 
-Sources: EPOS Firmware Specification (by analogy), EDS. Where the copy is kept is up to the `Storage` that the
-drive is given. Where the sources are silent: 'load' acts at once on every parameter and leaves the saved copy
-as it is; the factory's own values (0x1011:4) are the defaults; a save takes no time of its own; a COB-ID that
-was saved stays as it is when the node's number changes, which is what 0x1011:5 is for.
+Sources: CiA 301 v4.02, EPOS Firmware Specification (by analogy), EDS. 'load' gives up the saved copy: the
+defaults count from the reset of the node or the restart that follows, and until then all stays as it is
+(CiA 301). Where the copy is kept is up to the `Storage` that the drive is given. Where the sources are
+silent: the factory's own values (0x1011:4) are the defaults; a save takes no time of its own; a COB-ID that
+was saved stays as it is when the node's number changes, which is what 0x1011:5 is for; 0x1011:4 and
+0x1011:5 read as 0x1011:1 does.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Final, Protocol
 
 from emulators.epos2.objects.device_profile import DeviceProfile
@@ -24,6 +26,8 @@ RESTORE_ALL: Final = Address(0x1011, 1)
 RESTORE_FACTORY: Final = Address(0x1011, 4)
 RESTORE_COB_IDS: Final = Address(0x1011, 5)
 COMMUNICATION: Final = range(0x1000, 0x2000)
+ON_COMMAND: Final = 1
+"""What 0x1010 and 0x1011 read, bit 0: stores, or restores, on command, and not by itself (CiA 301)."""
 POWER_STAGE: Final = 1 << 4
 """Statusword bit."""
 
@@ -72,13 +76,10 @@ class Volatile:
 class SavedParameters:
     """The saved parameters of one drive."""
 
-    def __init__(
-        self, store: ObjectStore, profile: DeviceProfile, restored: Callable[[], None], storage: Storage
-    ) -> None:
-        """Attach to the store; `restored` is called when every parameter has its default again."""
+    def __init__(self, store: ObjectStore, profile: DeviceProfile, storage: Storage) -> None:
+        """Attach to the store."""
         self._store = store
         self._wrong_signature = profile.wrong_signature
-        self._restored = restored
         self._storage = storage
         self._saved = self._fitting(storage.read())
         self.lost = False
@@ -87,6 +88,8 @@ class SavedParameters:
         store.on_write(RESTORE_ALL, self._restore)
         store.on_write(RESTORE_FACTORY, self._restore)
         store.on_write(RESTORE_COB_IDS, self._restore_cob_ids)
+        for command in (STORE_ALL, RESTORE_ALL, RESTORE_FACTORY, RESTORE_COB_IDS):
+            store.on_read(command, lambda: ON_COMMAND)
 
     def _fitting(self, values: Mapping[Address, int]) -> dict[Address, int]:
         """Return the values that are parameters of this drive; whoever edits the copy may err."""
@@ -108,11 +111,14 @@ class SavedParameters:
             values = {row.address: value for row, value in self._store.numbers() if is_parameter(row)}
         else:
             values = {**self._saved, **changes}
+        self._keep(values, STORE_ALL)
+
+    def _keep(self, values: Mapping[Address, int], command: Address) -> None:
         try:
             self._storage.write(values)
         except StorageError:
-            raise SdoAbort(AbortCode.HARDWARE, STORE_ALL) from None
-        self._saved = values
+            raise SdoAbort(AbortCode.HARDWARE, command) from None
+        self._saved = dict(values)
 
     def load(self) -> None:
         """Give every object its value of power-on: saved, else default.
@@ -149,10 +155,7 @@ class SavedParameters:
         self._check(signature, LOAD, RESTORE_ALL)
         if self._store.live(at.STATUSWORD) & POWER_STAGE:
             raise SdoAbort(AbortCode.DEVICE_STATE, RESTORE_ALL)
-        for row, _ in self._store.numbers():
-            if is_parameter(row):
-                self._store.load_default(row.address)
-        self._restored()
+        self._keep({}, RESTORE_ALL)
 
     def _restore_cob_ids(self, signature: int) -> None:
         # Effective after save and reset: the objects change, the PDOs that are at work do not.

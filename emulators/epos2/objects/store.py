@@ -57,6 +57,10 @@ class ObjectStore:
         self._bounds = MappingProxyType({**_BOUNDS, **bounds})
         self.changes = 0
         """How often the drive itself has given a number another value."""
+        self.asked = False
+        """Whether the value that is being taken was written by a request, by SDO or serial: no part of a
+        PDO.
+        """
         self._numbers: dict[Address, int] = {}
         self._texts: dict[Address, bytes] = {}
         self._sources: dict[Address, Callable[[], int]] = {}
@@ -85,10 +89,14 @@ class ObjectStore:
     def write(self, address: Address, raw: bytes) -> None:
         """Give an object a value; SdoAbort by existence, access, size, range, or a hook's objection."""
         kind = self.check_writable(address, len(raw)).type
-        if kind.size:
-            self._accept(address, kind.decode(raw))
-        else:
+        if not kind.size:
             self._texts[address] = bytes(raw)
+            return
+        self.asked = True
+        try:
+            self._accept(address, kind.decode(raw))
+        finally:
+            self.asked = False
 
     def check_writable(self, address: Address, size: int | None) -> ObjectRow:
         """Refuse a write to come, or return the object's row; `size` in bytes, None while it is not known."""

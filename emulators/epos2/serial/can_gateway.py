@@ -118,6 +118,9 @@ class CanGateway:
         response = sdo.decode_response(payload)
         result: Result = self._remote.read(request, response)
         if result is None:
+            part = self._remote.part()
+            if part is not None:
+                self._drive.send(address - canopen.SDO_RESPONSE + canopen.SDO_REQUEST, part)
             return None
         complaint = self._remote.complaint(request, response)
         self._end()

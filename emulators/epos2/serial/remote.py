@@ -1,11 +1,14 @@
 """Serial commands as SDO frames of another node, and its answers as answers to the host.
 
 Source: EPOS2 Application Notes Collection, April 2013, p. 11-162 to 168. Nothing is buffered, so a segment
-carries seven bytes. Where they are silent:
+carries seven bytes on the bus. Where they are silent:
 
 * WriteObject, which always has four bytes, goes out as 0x22, expedited without a size; the server takes what
   the object has.
-* A segment of more than seven bytes is refused: nothing is buffered, so nothing is divided.
+* A segment of eight bytes is divided, seven and one, and answered as eight: maxon's library sends each
+record of
+  an interpolated path so, and could not otherwise reach a drive behind the gateway. A longer one is refused:
+  nothing is buffered.
 * An object of up to four bytes that is read by segments waits here for the first of them.
 * Answers to other clients of the same server are told apart by the object's address.
 """
@@ -39,6 +42,13 @@ class _RemoteTransfer:
     kept: bytes | None = None
     """The whole object, where it was so short that it came at once."""
     toggle: bool = False
+    """The next segment's toggle bit on the bus ..."""
+    host_toggle: bool = False
+    """... and from the host."""
+    rest: bytes = b""
+    """What a frame had no room for."""
+    leaves: bool = False
+    """Whether that is to leave now."""
 
 
 class Remote:
@@ -94,6 +104,14 @@ class Remote:
             return response.code
         return self._read[type(request)](request, response)
 
+    def part(self) -> bytes | None:
+        """Return the frame with the rest of a divided segment, once the first part has been taken."""
+        transfer = self._transfer
+        if transfer is None or not transfer.leaves:
+            return None
+        transfer.leaves = False
+        return self._next_part(transfer)
+
     def complaint(self, request: Request, response: sdo.Response) -> AbortCode | None:
         """Return why an answer is of no use here, which the server must be told."""
         too_long = isinstance(response, sdo.UploadResponse) and response.raw is None
@@ -127,17 +145,22 @@ class Remote:
     def _send_segment(self, request: messages.SegmentWrite) -> NodeFrame:
         transfer = self._under_way(toggle=toggle_of(request))
         chunk = payload_of(request)
-        if len(chunk) > min(sdo.SEGMENT, transfer.length):
+        if len(chunk) > min(self._profile.gateway_segment, transfer.length):
             raise SdoAbort(AbortCode.TOO_LONG, transfer.address)
+        transfer.rest = chunk
+        return transfer.node, self._next_part(transfer)
+
+    def _next_part(self, transfer: _RemoteTransfer) -> bytes:
+        chunk, transfer.rest = transfer.rest[: sdo.SEGMENT], transfer.rest[sdo.SEGMENT :]
         transfer.length -= len(chunk)
         last = transfer.length == 0
-        return transfer.node, sdo.encode_download_segment(chunk, toggle=transfer.toggle, last=last)
+        return sdo.encode_download_segment(chunk, toggle=transfer.toggle, last=last)
 
     def _under_way(self, *, toggle: bool) -> _RemoteTransfer:
         transfer = self._transfer
         if transfer is None:
             raise SdoAbort(AbortCode.UNKNOWN_COMMAND)
-        if toggle is not transfer.toggle:
+        if toggle is not transfer.host_toggle:
             self._transfer = None
             raise SdoAbort(AbortCode.TOGGLE, transfer.address)
         return transfer
@@ -175,7 +198,7 @@ class Remote:
         if response.toggle is not transfer.toggle:
             return None
         self._transfer = None if response.last else transfer
-        transfer.toggle = not transfer.toggle
+        transfer.toggle = transfer.host_toggle = not transfer.toggle
         head = control(len(response.raw), toggle=response.toggle, more=not response.last)
         return messages.SegmentOut(0, head, response.raw)
 
@@ -185,6 +208,11 @@ class Remote:
             return None
         if response.toggle is not transfer.toggle:
             return None
-        self._transfer = None if transfer.length == 0 else transfer
         transfer.toggle = not transfer.toggle
-        return messages.SegmentTaken(0, control(len(payload_of(request)), toggle=response.toggle))
+        if transfer.rest:
+            transfer.leaves = True
+            return None
+        self._transfer = None if transfer.length == 0 else transfer
+        taken = messages.SegmentTaken(0, control(len(payload_of(request)), toggle=transfer.host_toggle))
+        transfer.host_toggle = not transfer.host_toggle
+        return taken

@@ -76,12 +76,19 @@
 #define FILTER_PLACES INT64_C(16)
 #define RESTING INT64_C(10)
 #define LEARNING INT64_C(5000)
-#define LEARNING_RATE INT64_C(838861)
+#define MOST_LEARNING INT64_C(268435456)
 #define BACK_EMF_PLACES INT64_C(24)
 #define WIDEST_BACK_EMF INT64_C(4294967295)
-#define FADED INT64_C(32)
 #define CURRENT_PLACES INT64_C(8)
-#define HIGHEST_RESISTANCE INT64_C(16)
+#define RESISTANCE_PLACES INT64_C(16)
+#define DIODES_MV INT64_C(1600)
+#define DOUBTED_MA INT64_C(64)
+#define FADED INT64_C(32)
+#define SETTLING_MS INT64_C(1)
+#define RECOVERING_MS INT64_C(3)
+#define MOST_LEFT_MA INT64_C(1024)
+#define JUST_OPENED INT64_C(2)
+#define LEAST_LEARNING INT64_C(838861)
 #define AVERAGE_PLACES INT64_C(16)
 #define SHARE_PLACES INT64_C(31)
 #define SINE_1 INT64_C(5298703516)
@@ -234,8 +241,16 @@ typedef struct {
     int64_t current_limit_ma;
     int64_t current_integral;
     int64_t voltage_mv;
-    int64_t back_emf;
     int64_t turning;
+    int64_t back_emf;
+    int64_t ending;
+    int64_t evening;
+    int64_t learning;
+    int64_t raised;
+    int64_t braking;
+    int64_t left;
+    int64_t waits;
+    int64_t speed_before;
     int64_t velocity_demand;
     int64_t acceleration_demand;
     int64_t position_demand;

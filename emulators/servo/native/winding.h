@@ -29,39 +29,75 @@ static inline int64_t servo_regulate(servo_axis *axis, int64_t current)
     return voltage;
 }
 
-static inline int64_t servo_first_guess(const servo_axis *axis, int64_t current, int64_t speed)
-{
-    int64_t voltage = axis->voltage_mv;
-    if ((current > 0 && speed > 0) || (current < 0 && speed < 0))
-        voltage -= HIGHEST_RESISTANCE * current;
-    return least(largest(0, floor_division(shifted(voltage, BACK_EMF_PLACES), speed)), WIDEST_BACK_EMF);
-}
-
-static inline bool servo_turns(servo_axis *axis, int64_t speed)
+static inline int64_t servo_turns(servo_axis *axis, int64_t speed)
 {
     int64_t current = axis->current_ma;
-    if (beyond(speed, LEARNING)) {
-        int64_t constant = axis->back_emf;
-        if (constant == 0 && axis->voltage_mv)
-            constant = servo_first_guess(axis, current, speed);
-        else if (beyond(current, 1))
-            constant = largest(0, constant + floor_division(-(current * LEARNING_RATE), speed));
-        axis->back_emf = least(constant, WIDEST_BACK_EMF);
-        return true;
+    if (axis->turning == JUST_OPENED)
+        return JUST_OPENED;
+    if (axis->waits) {
+        axis->waits -= 1;
+    } else if (axis->learning && beyond(speed, LEARNING)) {
+        int64_t braking = (speed > 0 ? -current : current) - axis->left;
+        if (braking > 0) {
+            if (braking <= axis->braking && axis->braking < 2 * braking)
+                axis->learning = least(shifted(axis->learning, 1), MOST_LEARNING);
+            axis->braking = braking;
+            axis->raised = floor_division(braking * axis->learning, speed > 0 ? speed : -speed);
+            axis->back_emf = least(axis->back_emf + axis->raised, WIDEST_BACK_EMF);
+            axis->waits = SETTLING_MS;
+        }
+        return 1;
     }
     return axis->voltage_mv != 0 || current != 0 || beyond(axis->current_average, FADED) || beyond(speed, RESTING);
 }
 
+static inline void servo_doubt(servo_axis *axis, int64_t current, int64_t speed)
+{
+    int64_t before = axis->current_ma, voltage = axis->voltage_mv;
+    if (axis->learning) {
+        if (voltage && ((current > 0 && before <= 0 && speed > 0) || (current < 0 && before >= 0 && speed < 0))) {
+            axis->back_emf = largest(0, axis->back_emf - axis->raised);
+            axis->raised = least(largest(2 * axis->raised, axis->back_emf >> 10), WIDEST_BACK_EMF);
+            axis->learning = largest(axis->learning >> 2, LEAST_LEARNING);
+            axis->braking = 0;
+            axis->waits = RECOVERING_MS;
+            axis->left = least(shifted(axis->left, 1), MOST_LEFT_MA);
+        }
+    } else if (axis->evening && voltage && before && (voltage > 0) != (before > 0)) {
+        int64_t past = before > 0 ? -current : current, size = before > 0 ? before : -before;
+        if (past > (size >> 2) + DOUBTED_MA)
+            axis->ending = axis->evening = 0;
+    }
+}
+
+static inline int64_t servo_unfed(const servo_axis *axis, int64_t current, int64_t speed, int64_t to_come)
+{
+    int64_t back_emf = (axis->back_emf * largest(0, least(speed, to_come))) >> BACK_EMF_PLACES, ending;
+    if (current == 0)
+        return back_emf;
+    if (axis->evening == 0)
+        return current < 0 ? back_emf : 0;
+    ending = back_emf - ((axis->ending * current) >> RESISTANCE_PLACES);
+    if (current < 0 || ending <= 0)
+        return ending;
+    return largest(0, back_emf - ((axis->evening * current) >> RESISTANCE_PLACES));
+}
+
 static inline int64_t servo_opened(servo_axis *axis, int64_t current, int64_t speed)
 {
-    int64_t voltage = 0;
-    if (axis->back_emf == 0 && axis->voltage_mv && beyond(speed, LEARNING))
-        axis->back_emf = servo_first_guess(axis, current, speed);
-    if (axis->back_emf && beyond(speed, RESTING))
-        voltage = (axis->back_emf * speed + ((int64_t)1 << BACK_EMF_PLACES >> 1)) >> BACK_EMF_PLACES;
+    int64_t limit = largest(0, axis->supply_mv) + DIODES_MV, voltage, to_come;
+    if (axis->turning == JUST_OPENED) {
+        axis->turning = 1;
+        axis->speed_before = speed;
+    } else {
+        servo_doubt(axis, current, speed);
+    }
+    to_come = 2 * speed - axis->speed_before;
+    voltage = speed < 0 ? -servo_unfed(axis, -current, -speed, -to_come) : servo_unfed(axis, current, speed, to_come);
+    axis->speed_before = speed;
     servo_measure(axis, current);
-    axis->voltage_mv = voltage;
-    return voltage;
+    axis->voltage_mv = within(voltage, limit);
+    return axis->voltage_mv;
 }
 
 #endif

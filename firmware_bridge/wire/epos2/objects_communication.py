@@ -30,11 +30,13 @@ COMMUNICATION: Final[tuple[ObjectRow, ...]] = (
     row(0x100C, 0, "Guard Time", _U16, _RW, default=0, unit="ms"),
     row(0x100D, 0, "Lifetime Factor", _U8, _RW, default=0),
     count(0x1010, 1, name="Store Parameters: Largest Sub-Index"),
-    row(0x1010, 1, "Save All Parameters", _U32, _RW, note="'save'"),
+    row(0x1010, 1, "Save All Parameters", _U32, _RW, standard=1, note="'save'"),
     count(0x1011, 5, name="Restore Default Parameters: Largest Sub-Index"),
-    row(0x1011, 1, "Restore All Default Parameters", _U32, _RW, note="'load', power stage off"),
-    row(0x1011, 4, "Restore Factory Default Parameters", _U32, _RW, note="factory values"),
-    row(0x1011, 5, "Restore Default PDO COB-IDs", _U32, _RW, note="effective after save and reset"),
+    row(0x1011, 1, "Restore All Default Parameters", _U32, _RW, standard=1, note="'load', power stage off"),
+    row(0x1011, 4, "Restore Factory Default Parameters", _U32, _RW, standard=1, note="factory values"),
+    row(
+        0x1011, 5, "Restore Default PDO COB-IDs", _U32, _RW, standard=1, note="effective after save and reset"
+    ),
     row(0x1012, 0, "COB-ID Time Stamp Object", _U32, _RW, default=0x0100),
     row(0x1013, 0, "High Resolution Time Stamp", _U32, _RWW, read=0x00000000, unit="us", mapped=True),
     row(0x1014, 0, "COB-ID EMCY", _U32, _RW, default=0x80, node=True),

@@ -148,15 +148,21 @@ def row(
     unit: str = "",
     mapped: bool = False,
     read: int | bytes | None = None,
+    standard: int | None = None,
     node: bool = False,
     note: str = "",
 ) -> ObjectRow:
-    """Make a row of the EDS. Its default: the EDS's, else the value `read` from a real device, else 0."""
+    """Make a row of the EDS.
+
+    Its default: the EDS's, else the value `read` from a real device, else what the `standard` says, else 0.
+    """
     value: int | bytes
     if default is not None:
         value, origin, trust = default, EDS, Provenance.PROVEN
     elif read is not None:
         value, origin, trust = read, DEVICE, Provenance.PROVEN
+    elif standard is not None:
+        value, origin, trust = standard, CIA_301, Provenance.DOCUMENTED
     else:
         value, origin, trust = 0, ASSUMPTION, Provenance.ASSUMED
     if kind.size == 0 and isinstance(value, int):

@@ -1,7 +1,7 @@
 """A stranger on the bus who sends anything, fast: seeded bursts of frames at a whole drive with a motor.
 
-After every frame it is checked that the answers are those of the standard, and that the winding is driven
-only where the power machine allows it.
+After every frame it is checked that the answers are those of the standard, that the winding is driven only
+where the power machine allows it, and that with the stage off it takes energy from the shaft, or none.
 """
 
 from collections.abc import Callable
@@ -13,8 +13,8 @@ from emulators.epos2.control.motion_control import MotionControl
 from emulators.epos2.drive import Epos2
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank
-from emulators.servo.fmu_axes import BACK_EMF_UNIT
 from emulators.servo.motor import MOTOR, DcMotors
+from emulators.servo.winding import tell
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MICROSECOND, MILLISECOND, Nanoseconds
@@ -25,6 +25,7 @@ from firmware_bridge.wire.can_error import BUS_OFF, CONTROLLER
 from firmware_bridge.wire.canopen import NmtState
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2.objects import OBJECTS
+from hil_tests.unit.epos2.watched_winding import WatchedWinding
 
 NODE: Final = 5
 SPEAKING: Final = frozenset({NmtState.PRE_OPERATIONAL, NmtState.OPERATIONAL})
@@ -45,8 +46,11 @@ class Stranger:
     """One drive, one motor, and the number of frames sent so far."""
 
     def __init__(self) -> None:
-        self.axis = ServoAxis("stranger's", 2000, back_emf=round(MOTOR.torque_constant * BACK_EMF_UNIT))
-        self.bank = ServoBank(DcMotors((MOTOR,)), [self.axis])
+        self.axis = ServoAxis("stranger's", 2000)
+        tell(self.axis, MOTOR.torque_constant, MOTOR.resistance, MOTOR.inductance)
+        plant = DcMotors((MOTOR,))
+        self.bank = ServoBank(plant, [self.axis])
+        self.winding = WatchedWinding(plant, MOTOR, self.axis)
         self.drive = Epos2(NODE, self.axis)
         self.now: Nanoseconds = 0
         self.frames = 0
@@ -59,7 +63,9 @@ class Stranger:
         until = self.now + duration
         while True:
             at = min(self._due, until)
+            self.winding.begins()
             reached, woken = self.bank.advance(at)
+            self.winding.ends()
             if not woken and self._due > until:
                 break
             self.now = max(self.now, reached if woken else at)

@@ -108,16 +108,36 @@ def test_what_is_saved_survives_reset_node_and_commands_do_not() -> None:
     assert desk.reads(0x60FF) == desk.reads(0x6040) == 0
 
 
-def test_load_brings_every_default_back_at_once() -> None:
+def test_load_makes_the_defaults_count_with_the_reset_that_follows() -> None:
+    # CiA 301: until then everything stays as it is; and the reset brings nothing back that was stored before.
     desk = powered()
     desk.writes(0x6083, 0, (777).to_bytes(4, "little"))
-    desk.writes(0x1017, 0, (100).to_bytes(2, "little"))
     desk.writes(0x1800, 1, (0xC000_0181).to_bytes(4, "little"))
+    desk.writes(0x1010, 1, b"save")
     assert desk.writes(0x1011, 1, b"load") == "ok"
+    assert desk.reads(0x6083) == 777
+    assert desk.motion.resets == 1
+    assert desk.hears("000#0101") == []
+    assert desk.hears("000#8101") == ["701#00"]
     assert desk.reads(0x6083) == 10_000
-    assert desk.waits(1_000_000_000) == []
-    assert desk.motion.resets == 2
     assert desk.hears("000#0101") == ["181#4007"]
+
+
+def test_what_is_saved_after_load_and_before_the_reset_is_what_stands_there() -> None:
+    desk = powered()
+    desk.writes(0x6083, 0, (777).to_bytes(4, "little"))
+    desk.writes(0x1011, 1, b"load")
+    desk.writes(0x1010, 1, b"save")
+    desk.hears("000#8101")
+    assert desk.reads(0x6083) == 777
+
+
+@pytest.mark.parametrize(("index", "subindex"), [(0x1010, 1), (0x1011, 1), (0x1011, 4), (0x1011, 5)])
+def test_the_commands_read_that_they_work_on_command(index: int, subindex: int) -> None:
+    desk = powered()
+    assert desk.reads(index, subindex) == 1
+    desk.writes(index, subindex, b"save" if index == 0x1010 else b"load")
+    assert desk.reads(index, subindex) == 1
 
 
 def test_load_is_refused_while_the_power_stage_is_on() -> None:

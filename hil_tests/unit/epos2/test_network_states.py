@@ -5,7 +5,8 @@ from dataclasses import replace
 import pytest
 
 from emulators.epos2.drive import Epos2
-from emulators.epos2.objects.device_profile import EPOS2_70_10, choices
+from emulators.epos2.objects.choices import CHOICES
+from emulators.epos2.objects.device_profile import EPOS2_70_10
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.units import MILLISECOND
 from firmware_bridge.wire.canopen import NmtState
@@ -144,8 +145,8 @@ def test_identity_comes_from_the_profile() -> None:
 
 
 def test_every_open_choice_names_its_source() -> None:
-    assert len(choices()) > 10
-    assert all(source for *_, source in choices())
+    assert len(CHOICES) > 10
+    assert all(choice.known.source for choice in CHOICES.values())
 
 
 def test_the_time_stamp_is_latched_at_sync_and_follows_its_master() -> None:

@@ -44,14 +44,14 @@ def test_what_was_not_saved_is_not_there_after_a_restart(tmp_path: Path) -> None
     assert drive(path).reads(0x6083) == 10_000
 
 
-def test_a_restore_that_was_saved_forgets(tmp_path: Path) -> None:
+def test_load_gives_the_saved_copy_up(tmp_path: Path) -> None:
     path = tmp_path / "node-1.json"
     first = drive(path)
     first.writes(0x6083, 0, (777).to_bytes(4, "little"))
     first.writes(0x1010, 1, b"save")
+    assert drive(path).reads(0x6083) == 777
     first.writes(0x1011, 1, b"load")
-    assert drive(path).reads(0x6083) == 777, "the copy stays until it is replaced"
-    first.writes(0x1010, 1, b"save")
+    assert first.reads(0x6083) == 777, "what is in use stays until the restart"
     assert drive(path).reads(0x6083) == 10_000
 
 

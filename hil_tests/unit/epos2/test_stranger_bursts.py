@@ -27,6 +27,7 @@ class Bursts(RuleBasedStateMachine):
 
     frames = 0
     powered = 0
+    off = 0
     aborts: set[int] = set()  # noqa: RUF012 - the count over all examples
 
     @initialize()
@@ -59,13 +60,14 @@ class Bursts(RuleBasedStateMachine):
     def teardown(self) -> None:
         Bursts.frames += self.stranger.frames
         Bursts.powered += self.stranger.powered_frames
+        Bursts.off += self.stranger.winding.off_frames
         Bursts.aborts |= self.stranger.aborts
 
 
 @pytest.mark.timeout(0)
 @pytest.mark.parametrize("enough", [SOME, pytest.param(ENOUGH, marks=pytest.mark.long)])
 def test_whatever_a_stranger_sends_the_drive_stays_a_drive(enough: int) -> None:
-    Bursts.frames, Bursts.powered, Bursts.aborts = 0, 0, set()
+    Bursts.frames, Bursts.powered, Bursts.off, Bursts.aborts = 0, 0, 0, set()
     wanted = int(os.environ.get("STRANGER_FRAMES", "0")) if enough == ENOUGH else 0
     examples = max(EXAMPLES * enough // ENOUGH, EXAMPLES * wanted // ENOUGH)
     run_state_machine_as_test(
@@ -81,6 +83,7 @@ def test_whatever_a_stranger_sends_the_drive_stays_a_drive(enough: int) -> None:
     )
     assert Bursts.frames >= max(enough, wanted)
     assert Bursts.powered > Bursts.frames // 20, "the motor was under power for a good part of it"
+    assert Bursts.off > Bursts.frames // 20, "... and without it, with its winding watched"
     wanted_aborts = {AbortCode.NO_OBJECT, AbortCode.READ_ONLY, AbortCode.TOO_HIGH, AbortCode.UNKNOWN_COMMAND}
     assert wanted_aborts <= Bursts.aborts
 

@@ -13,9 +13,19 @@ from firmware_bridge.wire.maxon.messages import (
     SegmentRead,
     SegmentTaken,
     SegmentWrite,
+    SendNmtService,
     control,
 )
-from hil_tests.unit.epos2_serial.serial_desk import DOMAIN, FAR, NEAR, SerialDesk, both, nodes, u32
+from hil_tests.unit.epos2_serial.serial_desk import (
+    DOMAIN,
+    FAR,
+    NEAR,
+    SerialDesk,
+    both,
+    nodes,
+    u32,
+    with_profile,
+)
 
 
 def read_whole(desk: SerialDesk, index: int, subindex: int, node: int) -> list[bytes]:
@@ -114,11 +124,48 @@ def test_more_bytes_than_announced_are_refused(generation: Generation, node: int
     assert (desk.far if node == FAR else desk.drive).store.read(Address(DOMAIN)) == b""
 
 
-def test_a_segment_of_more_than_seven_bytes_does_not_pass_the_gateway() -> None:
+RECORD = 0x20C1
+RECORDS = tuple(bytes(range(8 * place, 8 * place + 8)) for place in range(3))
+
+
+@both
+def test_a_record_of_eight_bytes_passes_the_gateway_in_two_frames(generation: Generation) -> None:
+    desk = SerialDesk(generation)
+    for raw in RECORDS:
+        desk.frames.clear()
+        assert write_whole(desk, RECORD, FAR, raw, 8) == 2
+        assert desk.far.store.get(Address(RECORD)) == int.from_bytes(raw, "little")
+        sent = [frame.split("#")[1] for frame in desk.frames if frame.startswith("near")]
+        assert sent[1:] == ["00" + raw[:7].hex().upper(), "1D" + raw[7:].hex().upper() + "00" * 6]
+
+
+def test_each_segment_of_eight_is_divided_and_the_toggle_bits_of_host_and_bus_go_their_own_ways() -> None:
     desk = SerialDesk(Generation.V2)
-    desk.asks(InitiateSegmentedWrite(DOMAIN, 0, FAR, 8))
-    answer = desk.asks(SegmentWrite(control(8, toggle=False), bytes(8)))
+    assert write_whole(desk, DOMAIN, FAR, b"".join(RECORDS), 8) == 4
+    assert desk.far.store.read(Address(DOMAIN)) == b"".join(RECORDS)
+    heads = [frame.split("#")[1][:2] for frame in desk.frames if frame.startswith("near")]
+    assert heads == ["21", "00", "1C", "00", "1C", "00", "1D"]
+    assert b"".join(read_whole(desk, DOMAIN, 0, FAR)) == b"".join(RECORDS)
+
+
+@pytest.mark.parametrize(("longest", "size"), [(8, 9), (7, 8)])
+def test_a_longer_segment_does_not_pass_the_gateway(longest: int, size: int) -> None:
+    desk = SerialDesk(Generation.V2, with_profile(gateway_segment=longest))
+    desk.asks(InitiateSegmentedWrite(DOMAIN, 0, FAR, size))
+    answer = desk.asks(SegmentWrite(control(size, toggle=False), bytes(size)))
     assert answer == SegmentTaken(AbortCode.TOO_LONG, 0)
+
+
+def test_a_drive_that_has_forgotten_the_transfer_says_so_to_the_host() -> None:
+    desk = SerialDesk(Generation.V2)
+    desk.asks(InitiateSegmentedWrite(DOMAIN, 0, FAR, 16))
+    first = control(8, toggle=False)
+    assert desk.asks(SegmentWrite(first, RECORDS[0])) == SegmentTaken(0, first)
+    for command in (2, 128):  # stopped and back: the other drive knows of no transfer any more
+        desk.asks(SendNmtService(FAR, command))
+    answer = desk.asks(SegmentWrite(control(8, toggle=True), RECORDS[1]))
+    assert answer == SegmentTaken(AbortCode.UNKNOWN_COMMAND, 0)
+    assert write_whole(desk, DOMAIN, FAR, RECORDS[2], 8) == 2
 
 
 @both

@@ -11,6 +11,7 @@ from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank
 from emulators.servo.motor import DcMotor, DcMotors
+from emulators.servo.winding import DIODES_MV
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at
@@ -56,6 +57,14 @@ class Drive:
     def write(self, address: Address, value: int) -> None:
         size = OBJECTS[address].type.size
         self.store.write(address, (value & (1 << 8 * size) - 1).to_bytes(size, "little"))
+        self._look()
+        self.control.refresh(self.now)
+        self._look()
+
+    def carries(self, *values: tuple[Address, int]) -> None:
+        """Take what a receive PDO carries."""
+        for address, value in values:
+            self.store.cell(address).accept(value)
         self._look()
         self.control.refresh(self.now)
         self._look()
@@ -113,13 +122,19 @@ class Drive:
 Make = Callable[..., Drive]
 
 
-def make_drive(delays: Delays | None = None, *, motor: DcMotor = STEERING, boot: bool = True) -> Drive:
+def make_drive(
+    delays: Delays | None = None,
+    *,
+    motor: DcMotor = STEERING,
+    boot: bool = True,
+    each_write_counts: bool = True,
+) -> Drive:
     plant = DcMotors((motor,))
     axis = ServoAxis("steer", 2000)
     bank = ServoBank(plant, [axis])
     store = ObjectStore(3, SETTINGS)
     reported: list[int] = []
-    control = MotionControl(store, axis, reported.append, delays)
+    control = MotionControl(store, axis, reported.append, delays, each_write_counts=each_write_counts)
     drive = Drive(store, axis, plant, bank, control, reported)
     control.nmt_changed(operational=True)
     if boot:
@@ -135,3 +150,11 @@ def make() -> Make:
 @pytest.fixture
 def drive() -> Drive:
     return make_drive()
+
+
+def into_the_supply(drive: Drive) -> float:
+    """Return the current in A that a back-EMF beyond supply and diodes drives through them."""
+    beyond = (
+        STEERING.torque_constant * abs(drive.plant.outputs[2]) - (drive.axis.supply_mv + DIODES_MV) / 1000
+    )
+    return max(0.0, beyond) / STEERING.resistance

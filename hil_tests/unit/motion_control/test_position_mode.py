@@ -4,8 +4,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from firmware_bridge.wire.cia402 import State
+from emulators.epos2.modes.mode_selector import MODES
+from firmware_bridge.wire.cia402 import Mode, State
 from firmware_bridge.wire.epos2 import address as at
+from hil_tests.unit.motion_control.conftest import make_drive
 
 if TYPE_CHECKING:
     from hil_tests.unit.motion_control.conftest import Drive
@@ -36,24 +38,79 @@ def test_a_set_point_is_acknowledged_driven_and_reached(drive: "Drive") -> None:
 def test_the_target_may_follow_the_controlword_in_one_pdo(drive: "Drive") -> None:
     # The default mapping of RPDO3 is controlword, then target position: both are there before the refresh.
     drive.enable(mode=1)
-    drive.store.write(at.CONTROLWORD, (IMMEDIATE).to_bytes(2, "little"))
-    drive.store.write(at.TARGET_POSITION, (5000).to_bytes(4, "little"))
-    drive.run(1)
+    drive.carries((at.CONTROLWORD, IMMEDIATE), (at.TARGET_POSITION, 5000))
     assert drive.statusword & ACKNOWLEDGED
     drive.run(500)
     assert drive.read(at.POSITION_DEMAND) == 5000
 
 
-def test_a_set_point_needs_a_rising_edge(drive: "Drive") -> None:
+def test_a_set_point_of_a_pdo_needs_a_rising_edge(drive: "Drive") -> None:
     drive.enable(mode=1)
-    go(drive, 1000)
-    drive.run(300)
-    go(drive, 5000)
-    drive.run(300)
+    for target in (1000, 5000):
+        drive.carries((at.CONTROLWORD, IMMEDIATE), (at.TARGET_POSITION, target))
+        drive.run(300)
     assert drive.read(at.POSITION_DEMAND) == 1000
-    drive.command(LOW, IMMEDIATE)
+    drive.carries((at.CONTROLWORD, LOW))
+    drive.carries((at.CONTROLWORD, IMMEDIATE))
     drive.run(300)
     assert drive.read(at.POSITION_DEMAND) == 5000
+
+
+def test_a_controlword_that_is_written_is_a_set_point_edge_or_not(drive: "Drive") -> None:
+    drive.enable(mode=1)
+    for target in (1000, 5000):
+        go(drive, target)
+        drive.run(300)
+        assert drive.read(at.POSITION_DEMAND) == target
+        assert drive.statusword & ACKNOWLEDGED
+    for _ in range(3):
+        go(drive, -700, RELATIVE_IMMEDIATE)
+        drive.run(300)
+    assert drive.read(at.POSITION_DEMAND) == 5000 - 2100
+
+
+def test_a_word_that_is_written_without_an_edge_waits_for_its_place_like_any_other(drive: "Drive") -> None:
+    drive.enable(mode=1)
+    for target in (2000, 4000):
+        go(drive, target, ABSOLUTE)
+    assert drive.read(at.POSITION_DEMAND) < 100
+    drive.run(600)
+    assert drive.read(at.POSITION_DEMAND) == 4000
+
+
+def test_a_written_word_that_enables_starts_no_move(drive: "Drive") -> None:
+    drive.write(at.MODE, 1)
+    drive.write(at.TARGET_POSITION, 3000)
+    drive.command(0x06, 0x0F | 0x30)
+    drive.run(300)
+    assert drive.read(at.POSITION_DEMAND) == 0
+    drive.command(IMMEDIATE)
+    drive.run(300)
+    assert drive.read(at.POSITION_DEMAND) == 3000
+
+
+def test_where_the_edge_was_chosen_it_counts_in_written_words_too() -> None:
+    drive = make_drive(each_write_counts=False)
+    drive.run(1)
+    drive.enable(mode=1)
+    for target in (1000, 5000):
+        go(drive, target)
+        drive.run(300)
+    assert drive.read(at.POSITION_DEMAND) == 1000
+
+
+def test_homing_keeps_its_edge(drive: "Drive") -> None:
+    drive.enable(mode=6)
+    drive.write(at.HOMING_METHOD, 35)
+    for home, word, position in ((100, 0x1F, 100), (200, 0x1F, 100), (200, LOW, 100), (200, 0x1F, 200)):
+        drive.write(at.HOME_POSITION, home)
+        drive.command(word)
+        drive.run(20)
+        assert drive.read(at.POSITION_ACTUAL) == position
+
+
+def test_profile_position_alone_goes_by_writes() -> None:
+    assert [number for number, mode in MODES.items() if mode.goes_by_writes] == [Mode.PROFILE_POSITION]
 
 
 def test_relative_counts_from_the_position_demand(drive: "Drive") -> None:

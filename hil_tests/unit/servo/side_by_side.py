@@ -16,6 +16,7 @@ from emulators.servo.pins import Line
 from emulators.servo.profile import stopping_distance
 from emulators.servo.record import FIELDS
 from emulators.servo.scaling import Settings, acceleration_units, configure, speed_units
+from emulators.servo.winding import tell
 from firmware_bridge.units import Nanoseconds
 from fmu.calls import OK_OR_WARNING, Calls, PlantRecord, prepare
 from fmu.errors import PlantError
@@ -175,6 +176,10 @@ class Side:
         self.axes = [ServoAxis(f"axis{k}", 4 * raw.encoder_pulses) for k, raw in enumerate(settings)]
         for axis, raw in zip(self.axes, settings, strict=True):
             configure(axis, raw)
+        # The motors of plant.c: one told whole, one by its constant, the others not at all.
+        tell(self.axes[0], 0.04, 0.6, 1 / 3000)
+        if len(self.axes) > 1:
+            tell(self.axes[1], 0.04)
         count = len(self.axes)
         supply = 3 * count
         # Whatever rises above 0.5 closes a switch: the currents in A, the speeds in rad/s.

@@ -162,7 +162,8 @@ def test_what_is_no_measurement_is_refused_by_both_at_the_same_tick(
 ) -> None:
     said, bits = [], []
     for found in built.values():
-        one = Side(Motors(plant_library), (SANE,) * 4, found)
+        # Shaken so much that an open winding is looked at in every tick.
+        one = Side(Motors(plant_library, noise=1.0), (SANE,) * 4, found)
         one.plant.breaks(at=33, failing=4, replaced=replaced, replacement=value)
         with pytest.raises(ServoError, match=f"the plant's {quantity}.* at 0.00[34]") as refusal:
             one.runs(Leg((), 200))

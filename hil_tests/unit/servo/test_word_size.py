@@ -13,6 +13,7 @@ from emulators.servo.motor import DcMotor, DcMotors
 from emulators.servo.profile import stopping_distance
 from emulators.servo.record import FIELDS
 from emulators.servo.scaling import Settings, acceleration_units, configure, speed_units
+from emulators.servo.winding import DIODES_MV, opened, tell, turns
 
 LARGEST = 2**63 - 1
 S16 = st.integers(-(2**15), 2**15 - 1)
@@ -151,3 +152,25 @@ def test_the_current_loop_stays_within_64_bits_and_its_voltage_within_the_supply
         bank.advance((tick + 1) * TICK)
         assert abs(axis.voltage_mv) <= 21_600
         assert abs(axis.current_integral) <= LARGEST
+
+
+@settings(max_examples=200)
+@given(
+    told=st.tuples(st.floats(0.0, 300.0), st.floats(0.0, 1e5), st.floats(0.0, 10.0)),
+    supply=st.integers(0, 2**30),
+    life=st.lists(
+        st.tuples(st.integers(-(2**30), 2**30), st.integers(-(2**30), 2**30)), min_size=1, max_size=30
+    ),
+)
+def test_an_open_winding_stays_within_64_bits_whatever_is_told_and_measured(
+    told: tuple[float, float, float], supply: int, life: list[tuple[int, int]]
+) -> None:
+    axis = ServoAxis("one", 2000, supply_mv=supply)
+    tell(axis, *told)
+    axis = as_words(axis)
+    for current, speed in life:
+        axis.turning = Word(turns(axis, Word(speed)))
+        for _ in range(2):
+            assert abs(opened(axis, Word(current), Word(speed))) <= supply + DIODES_MV
+        for name in FIELDS:
+            assert abs(getattr(axis, name)) <= LARGEST
