@@ -67,6 +67,9 @@ class OperatorLink(Table):
     """No older motion command is obeyed; a wish to stop is, however old."""
     unknown_age: Annotated[UnknownAge, Field(strict=False)] | None = None
     """What becomes of motion commands whose age nobody knows; without it the key decides."""
+    bandwidth_bit_s: Annotated[int, Field(ge=4_800, le=1_000_000_000)] | None = None
+    """What the link carries, as a telemetry radio's serial line: telemetry takes at most half of it. Without
+    it the link is as good as a network."""
     system_id: Annotated[int, Field(ge=1, le=255)]
     component_id: Annotated[int, Field(ge=1, le=255)]
 

@@ -6,7 +6,7 @@ clockwise: y, yaw and yaw rate change their sign here, and only here.
 
 import math
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from firmware_bridge.drivers.driver import Feedback
@@ -14,7 +14,7 @@ from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.teleop.mavlink import Message, dialect
 from firmware_bridge.teleop.station import AnyStation, Twist, Value
-from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, to_seconds
+from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds, to_seconds
 
 UNKNOWN_U16: Final = 0xFFFF
 UNKNOWN: Final = -1
@@ -24,6 +24,13 @@ _FLOATS: Final = 58
 _CELLS: Final = 10
 _LARGEST_I16: Final = 0x7FFF
 _TEMPERATURE_UNKNOWN: Final = 0x7FFF
+_OVERHEAD: Final = 12
+"""Of a frame of MAVLink 2 without a signature."""
+_ARRAY_HEADER: Final = 20
+_BITS_A_BYTE: Final = 10
+"""On a serial line: a radio's bandwidth is told as the line's rate."""
+_SHARE: Final = 0.5
+"""Of the bandwidth, for telemetry: half of it is left to commands, answers, lists and the other direction."""
 _COVARIANCE_UNKNOWN: Final = (NAN,) + (0.0,) * 20
 
 
@@ -91,43 +98,183 @@ class Stream:
 
     number: int
     period: Nanoseconds
+    """`NEVER`: to those alone that ask for it."""
     encode: Callable[[TelemetryContext], Iterable[Message]]
     tells: str
+    size: int
+    """Bytes of it on the link, all messages of one turn."""
+    slow: Nanoseconds
+    """Its period where the link is narrow."""
+    watched: Callable[[TelemetryContext], object] | None = None
+    """What makes it due at once, where it changes."""
+
+
+class Telemetry:
+    """What the streams tell at one instant, each made once, however many places it goes to."""
+
+    __slots__ = ("_context", "_made", "_streams")
+
+    def __init__(self, streams: tuple[Stream, ...], context: TelemetryContext) -> None:
+        self._streams: Final = streams
+        self._context: Final = context
+        self._made: Final[dict[int, list[Message]]] = {}
+
+    def changed(self, told: dict[int, object]) -> list[int]:
+        """Return the streams that must not wait for their turn; `told` is what they told last."""
+        changed: list[int] = []
+        for place, stream in enumerate(self._streams):
+            if stream.watched is not None:
+                seen = stream.watched(self._context)
+                if told.setdefault(place, seen) != seen:
+                    told[place] = seen
+                    changed.append(place)
+        return changed
+
+    def messages(self, changed: list[int], due: list[int]) -> list[Message]:
+        """Return the messages of these streams, in the streams' order."""
+        places = due if not changed else sorted({*changed, *due})
+        messages: list[Message] = []
+        for place in places:
+            made = self._made.get(place)
+            if made is None:
+                made = self._made[place] = list(self._streams[place].encode(self._context))
+            messages += made
+        return messages
+
+
+def _stream(
+    number: int,
+    period: Nanoseconds,
+    encode: Callable[[TelemetryContext], Iterable[Message]],
+    tells: str,
+    *,
+    slow: Nanoseconds | None = None,
+    size: int | None = None,
+    times: int = 1,
+    watched: Callable[[TelemetryContext], object] | None = None,
+) -> Stream:
+    """Return a row: its period on a narrow link is five times as long, but not above a second for that.
+
+    `times`: so many messages in one turn. Its size is that of a frame of MAVLink 2 with its whole payload; of
+    those that end in zeros it stands in the row.
+    """
+    each = _OVERHEAD + (dialect.mavlink_map[number].unpacker.size if size is None else size)
+    usual = max(period, min(5 * period, SECOND))
+    return Stream(number, period, encode, tells, times * each, usual if slow is None else slow, watched)
 
 
 def streams_of(robot: AnyRobot, station: AnyStation) -> tuple[Stream, ...]:
-    """Return what one robot sends, in the order in which it is sent: heartbeat, then the fastest first."""
+    """Return what one robot sends, in the order in which it is sent: heartbeat, then the fastest first.
+
+    On a link that is too narrow for all of it, told by the robot file, the rows' slow periods count; on one
+    that is too narrow for those, too, all but the heartbeat wait so much longer that it fits.
+    """
+    rows = _rows(robot, station)
+    bandwidth = robot.operator.bandwidth_bit_s
+    if bandwidth is None or load(rows) <= (room := bandwidth / _BITS_A_BYTE * _SHARE):
+        return _ordered(rows)
+    slow = [replace(row, period=row.slow) for row in rows]
+    stretch = max(load(slow[1:]) / max(room - load(slow[:1]), 1.0), 1.0)
+    stretched = [replace(row, period=min(round(row.slow * stretch), NEVER)) for row in slow[1:]]
+    return _ordered([slow[0], *stretched])
+
+
+def load(rows: Iterable[Stream]) -> float:
+    """Return the bytes a second that these rows put on the link."""
+    return sum(row.size * SECOND / row.period for row in rows if row.period < NEVER)
+
+
+def _ordered(rows: list[Stream]) -> tuple[Stream, ...]:
+    return (rows[0], *sorted(rows[1:], key=lambda row: row.period))
+
+
+def _rows(robot: AnyRobot, station: AnyStation) -> list[Stream]:
+    """Return the rows at their usual periods, the heartbeat first."""
     switches = ", ".join(switch.telemetry for switch in station.switches if switch.telemetry)
+    wheels, currents = len(robot.axes) * 4, len(robot.axes)
     rows: list[Stream] = [
-        Stream(dialect.MAVLINK_MSG_ID_ODOMETRY, SECOND // 20, _odometry, "pose, speed and yaw rate"),
-        Stream(dialect.MAVLINK_MSG_ID_LOCAL_POSITION_NED, SECOND // 20, _position, "X, Y"),
-        Stream(dialect.MAVLINK_MSG_ID_ATTITUDE, SECOND // 20, _attitude, "heading"),
-        Stream(dialect.MAVLINK_MSG_ID_WHEEL_DISTANCE, SECOND // 5, _distances, "m, in the order of wheels"),
+        _stream(
+            dialect.MAVLINK_MSG_ID_ODOMETRY,
+            SECOND // 20,
+            _odometry,
+            "pose, speed and yaw rate",
+            slow=SECOND // 2,
+        ),
+        _stream(dialect.MAVLINK_MSG_ID_LOCAL_POSITION_NED, SECOND // 20, _position, "X, Y"),
+        _stream(dialect.MAVLINK_MSG_ID_ATTITUDE, SECOND // 20, _attitude, "heading"),
+        _stream(dialect.MAVLINK_MSG_ID_WHEEL_DISTANCE, SECOND // 5, _distances, "m, in the order of wheels"),
         *(_stream_of(value) for value in station.values),
-        Stream(dialect.MAVLINK_MSG_ID_DEBUG_FLOAT_ARRAY, SECOND // 10, _speeds, "wheels: units a second"),
-        Stream(dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT, SECOND // 5, _currents, "I1, I2, ...: A, all axes"),
-        Stream(
+        _stream(
+            dialect.MAVLINK_MSG_ID_DEBUG_FLOAT_ARRAY,
+            SECOND // 10,
+            _speeds,
+            "wheels: units a second",
+            size=_ARRAY_HEADER + wheels,
+        ),
+        _stream(
+            dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT,
+            SECOND // 5,
+            _currents,
+            "I1, I2, ...: A, all axes",
+            times=currents,
+        ),
+        _stream(
             dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT,
             SECOND,
             _link,
             "of who drives: RTT, round trip, s; AGE, of his newest motion command as it came, s; LOSS, share "
             "of his frames",
+            times=3,
         ),
-        Stream(dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT, SECOND // 2, _switches, f"{switches}: 0 or 1"),
-        Stream(dialect.MAVLINK_MSG_ID_SYS_STATUS, SECOND, _system, "voltage, health, corrupt frames, faults"),
-        Stream(dialect.MAVLINK_MSG_ID_EXTENDED_SYS_STATE, SECOND, _landed, "on the ground"),
-        Stream(dialect.MAVLINK_MSG_ID_BATTERY_STATUS, 2 * SECOND, _battery, "voltage, sum of the currents"),
+        _stream(
+            dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT,
+            SECOND // 2,
+            _switches,
+            f"{switches}: 0 or 1",
+            times=len(station.switches),
+        ),
+        _stream(
+            dialect.MAVLINK_MSG_ID_SYS_STATUS, SECOND, _system, "voltage, health, corrupt frames, faults"
+        ),
+        _stream(
+            dialect.MAVLINK_MSG_ID_EXTENDED_SYS_STATE,
+            SECOND,
+            _landed,
+            "in the air while it is armed, as an armed rover of PX4 says",
+            watched=lambda context: context.snapshot.facts.armed,
+        ),
+        _stream(dialect.MAVLINK_MSG_ID_BATTERY_STATUS, 2 * SECOND, _battery, "voltage, sum of the currents"),
+        _stream(dialect.MAVLINK_MSG_ID_VFR_HUD, SECOND, _hud, "speed, heading in degrees"),
+        _stream(
+            dialect.MAVLINK_MSG_ID_GLOBAL_POSITION_INT,
+            SECOND,
+            _global,
+            "heading and velocity; latitude and longitude 0: not known",
+        ),
+        _stream(
+            dialect.MAVLINK_MSG_ID_CURRENT_MODE,
+            2 * SECOND,
+            _mode,
+            "Manual, Guided or Hold",
+            watched=lambda context: context.custom_mode,
+        ),
+        _stream(dialect.MAVLINK_MSG_ID_AVAILABLE_MODES_MONITOR, 5 * SECOND, _modes, "the modes never change"),
+        _stream(dialect.MAVLINK_MSG_ID_GPS_RAW_INT, 5 * SECOND, _no_gps, "that there is none"),
+        _stream(dialect.MAVLINK_MSG_ID_HOME_POSITION, NEVER, _home, "where the odometry begins: 0, 0"),
     ]
     lacking = {
         dialect.MAVLINK_MSG_ID_WHEEL_DISTANCE: station.metres_rolled is None,
         dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT: not switches,
         dialect.MAVLINK_MSG_ID_BATTERY_STATUS: robot.battery is None,
     }
-    sent = [row for row in rows if not lacking.get(row.number)]
-    heartbeat: Stream = Stream(
-        dialect.MAVLINK_MSG_ID_HEARTBEAT, SECOND, _heartbeat, "rover, armed or not, mode, status"
+    heartbeat = _stream(
+        dialect.MAVLINK_MSG_ID_HEARTBEAT,
+        SECOND,
+        _heartbeat,
+        "rover, armed or not, mode, status",
+        watched=lambda context: (context.base_mode, context.custom_mode),
     )
-    return (heartbeat, *sorted(sent, key=lambda row: row.period))
+    return [heartbeat, *(row for row in rows if not lacking.get(row.number))]
 
 
 def wrapped(angle_rad: float) -> float:
@@ -141,7 +288,7 @@ def _stream_of(value: Value[Any, Any]) -> Stream:
         return () if number is None else (_named(context.boot_ms, value.name, number),)
 
     tells = f"{value.name}: {value.tells}"
-    return Stream(dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT, value.period, encode, tells)
+    return _stream(dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT, value.period, encode, tells)
 
 
 def _heartbeat(context: TelemetryContext) -> Iterator[Message]:
@@ -158,10 +305,8 @@ def _attitude(context: TelemetryContext) -> Iterator[Message]:
 
 
 def _position(context: TelemetryContext) -> Iterator[Message]:
-    pose, twist = context.snapshot.pose, context.twist
-    cosine, sine = math.cos(pose.heading_rad), math.sin(pose.heading_rad)
-    north = twist.forward_mps * cosine - twist.left_mps * sine
-    east = -twist.forward_mps * sine - twist.left_mps * cosine
+    pose = context.snapshot.pose
+    north, east = _over_ground(context)
     yield dialect.MAVLink_local_position_ned_message(
         context.boot_ms, pose.x_m, -pose.y_m, 0.0, north, east, 0.0
     )
@@ -230,9 +375,65 @@ def _switches(context: TelemetryContext) -> Iterator[Message]:
             )
 
 
-def _landed(_: TelemetryContext) -> Iterator[Message]:
-    vtol, ground = dialect.MAV_VTOL_STATE_UNDEFINED, dialect.MAV_LANDED_STATE_ON_GROUND
-    yield dialect.MAVLink_extended_sys_state_message(vtol, ground)
+def _landed(context: TelemetryContext) -> Iterator[Message]:
+    """Tell an armed robot as PX4's land detector of rovers does: not landed.
+
+    QGroundControl offers its emergency stop, which brakes, only to what is armed and not landed.
+    """
+    air, ground = dialect.MAV_LANDED_STATE_IN_AIR, dialect.MAV_LANDED_STATE_ON_GROUND
+    state = air if context.snapshot.facts.armed else ground
+    yield dialect.MAVLink_extended_sys_state_message(dialect.MAV_VTOL_STATE_UNDEFINED, state)
+
+
+def _hud(context: TelemetryContext) -> Iterator[Message]:
+    speed = math.hypot(context.twist.forward_mps, context.twist.left_mps)
+    yield dialect.MAVLink_vfr_hud_message(speed, speed, _compass(context) // 100, 0, 0.0, 0.0)
+
+
+def _global(context: TelemetryContext) -> Iterator[Message]:
+    """Tell the heading where stations look for it; a place of 0, 0 is not known, as ArduPilot sends it."""
+    north, east = _over_ground(context)
+    yield dialect.MAVLink_global_position_int_message(
+        context.boot_ms, 0, 0, 0, 0, _centimetres(north), _centimetres(east), 0, _compass(context)
+    )
+
+
+def _mode(context: TelemetryContext) -> Iterator[Message]:
+    number, none = context.custom_mode, dialect.MAV_STANDARD_MODE_NON_STANDARD
+    yield dialect.MAVLink_current_mode_message(none, number, number)
+
+
+def _modes(_: TelemetryContext) -> Iterator[Message]:
+    yield dialect.MAVLink_available_modes_monitor_message(0)
+
+
+def _no_gps(context: TelemetryContext) -> Iterator[Message]:
+    unknown = UNKNOWN_U16
+    yield dialect.MAVLink_gps_raw_int_message(
+        context.boot_us, dialect.GPS_FIX_TYPE_NO_GPS, 0, 0, 0, unknown, unknown, unknown, unknown, 0xFF
+    )
+
+
+def _home(_: TelemetryContext) -> Iterator[Message]:
+    north = (1.0, 0.0, 0.0, 0.0)
+    yield dialect.MAVLink_home_position_message(0, 0, 0, 0.0, 0.0, 0.0, north, 0.0, 0.0, 0.0)
+
+
+def _over_ground(context: TelemetryContext) -> tuple[float, float]:
+    """Return the velocity north and east, in m/s."""
+    heading, twist = context.snapshot.pose.heading_rad, context.twist
+    cosine, sine = math.cos(heading), math.sin(heading)
+    north = twist.forward_mps * cosine - twist.left_mps * sine
+    return north, -twist.forward_mps * sine - twist.left_mps * cosine
+
+
+def _compass(context: TelemetryContext) -> int:
+    """Return the heading clockwise in hundredths of a degree, 0 to 35999; 0 where the odometry began."""
+    return round(-math.degrees(context.snapshot.pose.heading_rad) * 100.0) % 36_000
+
+
+def _centimetres(metres: float) -> int:
+    return round(max(min(metres * 100.0, _LARGEST_I16), -_LARGEST_I16))
 
 
 def _system(context: TelemetryContext) -> Iterator[Message]:
