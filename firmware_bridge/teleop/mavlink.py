@@ -98,7 +98,7 @@ class Codec:
             return frame
         kept = bytes((length,)) + frame[2 : _MAVLINK_1_HEADER + length]
         checksum = dialect.x25crc(kept + bytes((message.crc_extra,))).crc
-        return frame[:1] + kept + checksum.to_bytes(_CHECKSUM, "little")
+        return b"".join((frame[:1], kept, int(checksum).to_bytes(_CHECKSUM, "little")))
 
     def decode(self, datagram: bytes, wanted: Container[int] | None = None) -> list[Message]:
         """Return the messages of a datagram in their order; anything else is counted and skipped.

@@ -2,7 +2,8 @@
 
 There is no numbering that all stations read. Those built on pymavlink (MAVProxy, DroneKit) take a ground
 rover's numbers for those of ArduPilot's Rover, whatever autopilot it names; MAVSDK takes those of anything
-but ArduPilot for PX4's. So everybody is told Rover's, as AVAILABLE_MODES lists them, until he has asked in PX4's.
+but ArduPilot for PX4's. So everybody is told Rover's, as AVAILABLE_MODES lists them, until he has asked in
+PX4's.
 Sources: ArduPilot, Rover/mode.h; PX4, px4_custom_mode.h; pymavlink, mavutil.mode_string_v10; MAVSDK,
 core/flight_mode.cpp; mavlink.io, "Standard Modes Protocol".
 """

@@ -19,7 +19,7 @@ from firmware_bridge.teleop.mavlink import Counters, Message, concerns, dialect,
 from firmware_bridge.teleop.messages import HANDLERS, stop_for_anybody
 from firmware_bridge.teleop.session import EVERYBODY, Dropped, Session
 from firmware_bridge.teleop.station import Station
-from firmware_bridge.teleop.telemetry import Telemetry
+from firmware_bridge.teleop.streams import Telemetry
 from firmware_bridge.teleop.texts import HoldTexts
 from firmware_bridge.teleop.trust import Stamps, Trust, is_signed
 from firmware_bridge.units import NEVER, Nanoseconds

@@ -10,16 +10,13 @@ class Schedule:
     """Which streams are due; each keeps to the grid of its period: a late report shifts no later one."""
 
     def __init__(self, streams: tuple[tuple[int, Nanoseconds], ...], cycle: Nanoseconds) -> None:
-        """Take each stream's message number and period; several streams may share a number.
-
-        A period of `NEVER` is one that is sent only where somebody asks.
-        """
+        """Take each stream's message number and period; several streams may share a number."""
         # Reports come once a cycle and jitter: rather a little early than a cycle late.
         self._early: Final[Nanoseconds] = cycle // 4
         self._numbers: Final = tuple(number for number, _ in streams)
         self._defaults: Final = tuple(period for _, period in streams)
         self._periods = list(self._defaults)
-        self._due: list[Nanoseconds] = [NEVER if period == NEVER else 0 for period in self._defaults]
+        self._due: list[Nanoseconds] = [0] * len(streams)
         self._chosen: set[int] = set()
         """The messages whose period was asked for: a new default does not change it."""
 

@@ -18,7 +18,8 @@ from firmware_bridge.teleop.mavlink import Codec, Message, dialect
 from firmware_bridge.teleop.parameters import Store, parameters_of
 from firmware_bridge.teleop.schedule import Schedule
 from firmware_bridge.teleop.station import AnyStation, Stick, Unusable, Velocity
-from firmware_bridge.teleop.telemetry import TelemetryContext, streams_of
+from firmware_bridge.teleop.streams import streams_of
+from firmware_bridge.teleop.telemetry import TelemetryContext
 from firmware_bridge.teleop.texts import Speaker
 from firmware_bridge.teleop.trust import Signatures, Trust
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds

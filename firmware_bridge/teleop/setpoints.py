@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from firmware_bridge.teleop.mavlink import Message, dialect
-from firmware_bridge.teleop.station import Channel, Stick, Twist, Unusable, Velocity
+from firmware_bridge.teleop.station import Channel, Stick, StickAxis, Twist, Unusable, Velocity
 
 FULL_STICK: Final = 1000
 UNUSED: Final = 0x7FFF
@@ -115,12 +115,17 @@ def channels_of(message: Message, rows: Iterable[Channel]) -> dict[int, int | No
 
 def stick_of_channels(channels: Mapping[int, int], rows: Iterable[Channel]) -> Stick:
     """Return the stick that these channels are, in us; one that is not there is an axis that is not used."""
-    shares: dict[str, float] = {}
+    shares: dict[StickAxis, float] = {}
     for row in rows:
         if row.number in channels:
             share = (channels[row.number] - _NEUTRAL_US) / _FULL_US
             shares[row.axis] = row.sign * min(max(share, -1.0), 1.0)
-    return Stick(shares.get("forward"), shares.get("left"), shares.get("turn"), None)
+    return Stick(
+        forward=shares.get(StickAxis.FORWARD),
+        left=shares.get(StickAxis.LEFT),
+        turn=shares.get(StickAxis.TURN),
+        up=None,
+    )
 
 
 def velocity_of(message: Message, largest: Twist, heading_rad: float | None = None) -> Velocity | Unusable:

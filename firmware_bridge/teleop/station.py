@@ -6,6 +6,7 @@ into MAVLink's, and only there. Rows that the protocol cannot carry are refused 
 
 from collections.abc import Callable, Iterable
 from dataclasses import KW_ONLY, dataclass
+from enum import Enum
 from typing import Any, Final, Generic, TypeAlias, TypeVar
 
 from firmware_bridge.robot import Robot
@@ -21,7 +22,6 @@ BUTTONS: Final = 16
 """How many buttons MANUAL_CONTROL has in its first field."""
 CHANNELS: Final = 18
 """How many channels RC_CHANNELS_OVERRIDE has."""
-STICK_AXES: Final = ("forward", "left", "turn")
 ACTUATORS: Final = 6
 """How many actuators one DO_SET_ACTUATOR moves."""
 VALUE_NAME: Final = 10
@@ -82,19 +82,30 @@ class Unusable:
     reason: str
 
 
+class StickAxis(Enum):
+    """An axis of `Stick` that a channel may be."""
+
+    FORWARD = 1
+    LEFT = 2
+    TURN = 3
+
+
 @dataclass(frozen=True, slots=True)
 class Channel:
     """One channel of a radio control, which RC_CHANNELS_OVERRIDE carries: 1000 to 2000 us, 1500 let go."""
 
     number: int
     """Counted from 1."""
-    axis: str
-    """Which of `Stick` it is: forward, left or turn."""
+    axis: StickAxis
     sign: int
     """1 where more microseconds are forward, left or counter-clockwise."""
 
 
-USUAL_CHANNELS: Final = (Channel(1, "turn", -1), Channel(3, "forward", 1), Channel(4, "left", -1))
+USUAL_CHANNELS: Final = (
+    Channel(1, StickAxis.TURN, -1),
+    Channel(3, StickAxis.FORWARD, 1),
+    Channel(4, StickAxis.LEFT, -1),
+)
 """As ArduPilot's Rover has them: 1 steers to the right, 3 is the throttle, 4 goes to the right."""
 
 
@@ -206,13 +217,8 @@ class Station(Generic[G, M, S]):
         if not all(0 <= button < BUTTONS for button in buttons):
             raise ValueError(f"station: buttons are counted from 0 to {BUTTONS - 1}, not {buttons}")
         _need_distinct("channels", [channel.number for channel in self.channels])
-        if not all(
-            1 <= row.number <= CHANNELS and row.axis in STICK_AXES and row.sign in (1, -1)
-            for row in self.channels
-        ):
-            raise ValueError(
-                f"station: channels are 1 to {CHANNELS}, of {', '.join(STICK_AXES)}, with sign 1 or -1"
-            )
+        if not all(1 <= row.number <= CHANNELS and row.sign in (1, -1) for row in self.channels):
+            raise ValueError(f"station: channels are 1 to {CHANNELS}, with sign 1 or -1")
         if len(self.actuators) > ACTUATORS:
             raise ValueError(f"station: {len(self.actuators)} actuators, MAVLink moves at most {ACTUATORS}")
         hasty = [value.name for value in self.values if value.period < FASTEST]

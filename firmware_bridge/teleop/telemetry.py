@@ -1,20 +1,20 @@
-"""What the operator is told and how often: one row for each message.
+"""What the operator is told of one instant, message by message; `streams` knows how often.
 
 The robot counts left, up and counter-clockwise positive; MAVLink's NED and FRD frames count right, down and
 clockwise: y, yaw and yaw rate change their sign here, and only here.
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any, Final
 
 from firmware_bridge.drivers.driver import Feedback
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.teleop.mavlink import Message, dialect
-from firmware_bridge.teleop.station import AnyStation, Twist, Value
-from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds, to_seconds
+from firmware_bridge.teleop.station import AnyStation, Twist
+from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
 UNKNOWN_U16: Final = 0xFFFF
 UNKNOWN: Final = -1
@@ -24,13 +24,6 @@ _FLOATS: Final = 58
 _CELLS: Final = 10
 _LARGEST_I16: Final = 0x7FFF
 _TEMPERATURE_UNKNOWN: Final = 0x7FFF
-_OVERHEAD: Final = 12
-"""Of a frame of MAVLink 2 without a signature."""
-_ARRAY_HEADER: Final = 20
-_BITS_A_BYTE: Final = 10
-"""On a serial line: a radio's bandwidth is told as the line's rate."""
-_SHARE: Final = 0.5
-"""Of the bandwidth, for telemetry: half of it is left to commands, answers, lists and the other direction."""
 _COVARIANCE_UNKNOWN: Final = (NAN,) + (0.0,) * 20
 
 
@@ -92,219 +85,28 @@ class TelemetryContext:
         return battery is not None and volts is not None and not volts >= battery.low_v
 
 
-@dataclass(frozen=True, slots=True)
-class Stream:
-    """One message that is sent by the clock."""
-
-    number: int
-    period: Nanoseconds
-    """`NEVER`: to those alone that ask for it."""
-    encode: Callable[[TelemetryContext], Iterable[Message]]
-    tells: str
-    size: int
-    """Bytes of it on the link, all messages of one turn."""
-    slow: Nanoseconds
-    """Its period where the link is narrow."""
-    watched: Callable[[TelemetryContext], object] | None = None
-    """What makes it due at once, where it changes."""
-
-
-class Telemetry:
-    """What the streams tell at one instant, each made once, however many places it goes to."""
-
-    __slots__ = ("_context", "_made", "_streams")
-
-    def __init__(self, streams: tuple[Stream, ...], context: TelemetryContext) -> None:
-        self._streams: Final = streams
-        self._context: Final = context
-        self._made: Final[dict[int, list[Message]]] = {}
-
-    def changed(self, told: dict[int, object]) -> list[int]:
-        """Return the streams that must not wait for their turn; `told` is what they told last."""
-        changed: list[int] = []
-        for place, stream in enumerate(self._streams):
-            if stream.watched is not None:
-                seen = stream.watched(self._context)
-                if told.setdefault(place, seen) != seen:
-                    told[place] = seen
-                    changed.append(place)
-        return changed
-
-    def messages(self, changed: list[int], due: list[int]) -> list[Message]:
-        """Return the messages of these streams, in the streams' order."""
-        places = due if not changed else sorted({*changed, *due})
-        messages: list[Message] = []
-        for place in places:
-            made = self._made.get(place)
-            if made is None:
-                made = self._made[place] = list(self._streams[place].encode(self._context))
-            messages += made
-        return messages
-
-
-def _stream(
-    number: int,
-    period: Nanoseconds,
-    encode: Callable[[TelemetryContext], Iterable[Message]],
-    tells: str,
-    *,
-    slow: Nanoseconds | None = None,
-    size: int | None = None,
-    times: int = 1,
-    watched: Callable[[TelemetryContext], object] | None = None,
-) -> Stream:
-    """Return a row: its period on a narrow link is five times as long, but not above a second for that.
-
-    `times`: so many messages in one turn. Its size is that of a frame of MAVLink 2 with its whole payload; of
-    those that end in zeros it stands in the row.
-    """
-    each = _OVERHEAD + (dialect.mavlink_map[number].unpacker.size if size is None else size)
-    usual = max(period, min(5 * period, SECOND))
-    return Stream(number, period, encode, tells, times * each, usual if slow is None else slow, watched)
-
-
-def streams_of(robot: AnyRobot, station: AnyStation) -> tuple[Stream, ...]:
-    """Return what one robot sends, in the order in which it is sent: heartbeat, then the fastest first.
-
-    On a link that is too narrow for all of it, told by the robot file, the rows' slow periods count; on one
-    that is too narrow for those, too, all but the heartbeat wait so much longer that it fits.
-    """
-    rows = _rows(robot, station)
-    bandwidth = robot.operator.bandwidth_bit_s
-    if bandwidth is None or load(rows) <= (room := bandwidth / _BITS_A_BYTE * _SHARE):
-        return _ordered(rows)
-    slow = [replace(row, period=row.slow) for row in rows]
-    stretch = max(load(slow[1:]) / max(room - load(slow[:1]), 1.0), 1.0)
-    stretched = [replace(row, period=min(round(row.slow * stretch), NEVER)) for row in slow[1:]]
-    return _ordered([slow[0], *stretched])
-
-
-def load(rows: Iterable[Stream]) -> float:
-    """Return the bytes a second that these rows put on the link."""
-    return sum(row.size * SECOND / row.period for row in rows if row.period < NEVER)
-
-
-def _ordered(rows: list[Stream]) -> tuple[Stream, ...]:
-    return (rows[0], *sorted(rows[1:], key=lambda row: row.period))
-
-
-def _rows(robot: AnyRobot, station: AnyStation) -> list[Stream]:
-    """Return the rows at their usual periods, the heartbeat first."""
-    switches = ", ".join(switch.telemetry for switch in station.switches if switch.telemetry)
-    wheels, currents = len(robot.axes) * 4, len(robot.axes)
-    rows: list[Stream] = [
-        _stream(
-            dialect.MAVLINK_MSG_ID_ODOMETRY,
-            SECOND // 20,
-            _odometry,
-            "pose, speed and yaw rate",
-            slow=SECOND // 2,
-        ),
-        _stream(dialect.MAVLINK_MSG_ID_LOCAL_POSITION_NED, SECOND // 20, _position, "X, Y"),
-        _stream(dialect.MAVLINK_MSG_ID_ATTITUDE, SECOND // 20, _attitude, "heading"),
-        _stream(dialect.MAVLINK_MSG_ID_WHEEL_DISTANCE, SECOND // 5, _distances, "m, in the order of wheels"),
-        *(_stream_of(value) for value in station.values),
-        _stream(
-            dialect.MAVLINK_MSG_ID_DEBUG_FLOAT_ARRAY,
-            SECOND // 10,
-            _speeds,
-            "wheels: units a second",
-            size=_ARRAY_HEADER + wheels,
-        ),
-        _stream(
-            dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT,
-            SECOND // 5,
-            _currents,
-            "I1, I2, ...: A, all axes",
-            times=currents,
-        ),
-        _stream(
-            dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT,
-            SECOND,
-            _link,
-            "of who drives: RTT, round trip, s; AGE, of his newest motion command as it came, s; LOSS, share "
-            "of his frames",
-            times=3,
-        ),
-        _stream(
-            dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT,
-            SECOND // 2,
-            _switches,
-            f"{switches}: 0 or 1",
-            times=len(station.switches),
-        ),
-        _stream(
-            dialect.MAVLINK_MSG_ID_SYS_STATUS, SECOND, _system, "voltage, health, corrupt frames, faults"
-        ),
-        _stream(
-            dialect.MAVLINK_MSG_ID_EXTENDED_SYS_STATE,
-            SECOND,
-            _landed,
-            "in the air while it is armed, as an armed rover of PX4 says",
-            watched=lambda context: context.snapshot.facts.armed,
-        ),
-        _stream(dialect.MAVLINK_MSG_ID_BATTERY_STATUS, 2 * SECOND, _battery, "voltage, sum of the currents"),
-        _stream(dialect.MAVLINK_MSG_ID_VFR_HUD, SECOND, _hud, "speed, heading in degrees"),
-        _stream(
-            dialect.MAVLINK_MSG_ID_GLOBAL_POSITION_INT,
-            SECOND,
-            _global,
-            "heading and velocity; latitude and longitude 0: not known",
-        ),
-        _stream(
-            dialect.MAVLINK_MSG_ID_CURRENT_MODE,
-            2 * SECOND,
-            _mode,
-            "Manual, Guided or Hold",
-            watched=lambda context: context.custom_mode,
-        ),
-        _stream(dialect.MAVLINK_MSG_ID_AVAILABLE_MODES_MONITOR, 5 * SECOND, _modes, "the modes never change"),
-        _stream(dialect.MAVLINK_MSG_ID_GPS_RAW_INT, 5 * SECOND, _no_gps, "that there is none"),
-        _stream(dialect.MAVLINK_MSG_ID_HOME_POSITION, NEVER, _home, "where the odometry begins: 0, 0"),
-    ]
-    lacking = {
-        dialect.MAVLINK_MSG_ID_WHEEL_DISTANCE: station.metres_rolled is None,
-        dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT: not switches,
-        dialect.MAVLINK_MSG_ID_BATTERY_STATUS: robot.battery is None,
-    }
-    heartbeat = _stream(
-        dialect.MAVLINK_MSG_ID_HEARTBEAT,
-        SECOND,
-        _heartbeat,
-        "rover, armed or not, mode, status",
-        watched=lambda context: (context.base_mode, context.custom_mode),
-    )
-    return [heartbeat, *(row for row in rows if not lacking.get(row.number))]
-
-
 def wrapped(angle_rad: float) -> float:
     """Return the same direction within -pi to pi."""
     return math.remainder(angle_rad, math.tau)
 
 
-def _stream_of(value: Value[Any, Any]) -> Stream:
-    def encode(context: TelemetryContext) -> tuple[Message, ...]:
-        number = value.read(context.snapshot)
-        return () if number is None else (_named(context.boot_ms, value.name, number),)
-
-    tells = f"{value.name}: {value.tells}"
-    return _stream(dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT, value.period, encode, tells)
-
-
-def _heartbeat(context: TelemetryContext) -> Iterator[Message]:
+def heartbeat(context: TelemetryContext) -> Iterator[Message]:
+    """Tell what it is, whether it is armed, its way and its status."""
     kind, nobody = dialect.MAV_TYPE_GROUND_ROVER, dialect.MAV_AUTOPILOT_GENERIC
     yield dialect.MAVLink_heartbeat_message(
         kind, nobody, context.base_mode, context.custom_mode, context.system_status, 3
     )
 
 
-def _attitude(context: TelemetryContext) -> Iterator[Message]:
+def attitude(context: TelemetryContext) -> Iterator[Message]:
+    """Tell the heading, and how fast it turns."""
     yaw = wrapped(-context.snapshot.pose.heading_rad)
     rate = -context.twist.yaw_rate_rad_s
     yield dialect.MAVLink_attitude_message(context.boot_ms, 0.0, 0.0, yaw, 0.0, 0.0, rate)
 
 
-def _position(context: TelemetryContext) -> Iterator[Message]:
+def position(context: TelemetryContext) -> Iterator[Message]:
+    """Tell place and velocity on the map."""
     pose = context.snapshot.pose
     north, east = _over_ground(context)
     yield dialect.MAVLink_local_position_ned_message(
@@ -312,7 +114,8 @@ def _position(context: TelemetryContext) -> Iterator[Message]:
     )
 
 
-def _odometry(context: TelemetryContext) -> Iterator[Message]:
+def odometry(context: TelemetryContext) -> Iterator[Message]:
+    """Tell pose, velocity and yaw rate."""
     pose, twist = context.snapshot.pose, context.twist
     half = wrapped(-pose.heading_rad) / 2.0
     yield dialect.MAVLink_odometry_message(
@@ -336,25 +139,29 @@ def _odometry(context: TelemetryContext) -> Iterator[Message]:
     )
 
 
-def _speeds(context: TelemetryContext) -> Iterator[Message]:
+def speeds(context: TelemetryContext) -> Iterator[Message]:
+    """Tell how fast the rolling axes turn."""
     speeds = _padded([axis.velocity for axis in context.rolled], _FLOATS)
     yield dialect.MAVLink_debug_float_array_message(context.boot_us, b"wheels", 1, speeds)
 
 
-def _distances(context: TelemetryContext) -> Iterator[Message]:
+def distances(context: TelemetryContext) -> Iterator[Message]:
+    """Tell how far the wheels have rolled."""
     find = context.station.metres_rolled
     each = NAN if find is None else find(context.robot)
     rolled = [axis.position * each for axis in context.rolled][:_DISTANCES]
     yield dialect.MAVLink_wheel_distance_message(context.boot_us, len(rolled), _padded(rolled, _DISTANCES))
 
 
-def _currents(context: TelemetryContext) -> Iterator[Message]:
+def currents(context: TelemetryContext) -> Iterator[Message]:
+    """Tell the currents that are known."""
     for place, axis in enumerate(context.axes, 1):
         if axis.current_a is not None:
-            yield _named(context.boot_ms, f"I{place}", axis.current_a)
+            yield named(context.boot_ms, f"I{place}", axis.current_a)
 
 
-def _link(context: TelemetryContext) -> Iterator[Message]:
+def link(context: TelemetryContext) -> Iterator[Message]:
+    """Tell how good the link to who drives is."""
     age, trip = context.snapshot.facts.age, context.round_trip
     figures = {
         "RTT": None if trip is None else to_seconds(trip),
@@ -363,10 +170,11 @@ def _link(context: TelemetryContext) -> Iterator[Message]:
     }
     for name, value in figures.items():
         if value is not None:
-            yield _named(context.boot_ms, name, value)
+            yield named(context.boot_ms, name, value)
 
 
-def _switches(context: TelemetryContext) -> Iterator[Message]:
+def switches(context: TelemetryContext) -> Iterator[Message]:
+    """Tell what is switched on."""
     wish, at = context.snapshot.wish, context.boot_ms
     for switch in context.station.switches:
         if switch.telemetry:
@@ -375,8 +183,8 @@ def _switches(context: TelemetryContext) -> Iterator[Message]:
             )
 
 
-def _landed(context: TelemetryContext) -> Iterator[Message]:
-    """Tell an armed robot as PX4's land detector of rovers does: not landed.
+def landed(context: TelemetryContext) -> Iterator[Message]:
+    """Tell of an armed robot what PX4 tells of an armed rover: that it has not landed.
 
     QGroundControl offers its emergency stop, which brakes, only to what is armed and not landed.
     """
@@ -385,12 +193,13 @@ def _landed(context: TelemetryContext) -> Iterator[Message]:
     yield dialect.MAVLink_extended_sys_state_message(dialect.MAV_VTOL_STATE_UNDEFINED, state)
 
 
-def _hud(context: TelemetryContext) -> Iterator[Message]:
+def hud(context: TelemetryContext) -> Iterator[Message]:
+    """Tell the speed over ground, and the heading in degrees."""
     speed = math.hypot(context.twist.forward_mps, context.twist.left_mps)
     yield dialect.MAVLink_vfr_hud_message(speed, speed, _compass(context) // 100, 0, 0.0, 0.0)
 
 
-def _global(context: TelemetryContext) -> Iterator[Message]:
+def global_position(context: TelemetryContext) -> Iterator[Message]:
     """Tell the heading where stations look for it; a place of 0, 0 is not known, as ArduPilot sends it."""
     north, east = _over_ground(context)
     yield dialect.MAVLink_global_position_int_message(
@@ -398,23 +207,27 @@ def _global(context: TelemetryContext) -> Iterator[Message]:
     )
 
 
-def _mode(context: TelemetryContext) -> Iterator[Message]:
+def current_mode(context: TelemetryContext) -> Iterator[Message]:
+    """Tell the way in which the robot is driven."""
     number, none = context.custom_mode, dialect.MAV_STANDARD_MODE_NON_STANDARD
     yield dialect.MAVLink_current_mode_message(none, number, number)
 
 
-def _modes(_: TelemetryContext) -> Iterator[Message]:
+def modes_monitor(_: TelemetryContext) -> Iterator[Message]:
+    """Tell that the list of modes is the same as ever."""
     yield dialect.MAVLink_available_modes_monitor_message(0)
 
 
-def _no_gps(context: TelemetryContext) -> Iterator[Message]:
+def no_gps(context: TelemetryContext) -> Iterator[Message]:
+    """Tell that nothing receives satellites."""
     unknown = UNKNOWN_U16
     yield dialect.MAVLink_gps_raw_int_message(
         context.boot_us, dialect.GPS_FIX_TYPE_NO_GPS, 0, 0, 0, unknown, unknown, unknown, unknown, 0xFF
     )
 
 
-def _home(_: TelemetryContext) -> Iterator[Message]:
+def home(_: TelemetryContext) -> Iterator[Message]:
+    """Tell where the odometry began: its origin."""
     north = (1.0, 0.0, 0.0, 0.0)
     yield dialect.MAVLink_home_position_message(0, 0, 0, 0.0, 0.0, 0.0, north, 0.0, 0.0, 0.0)
 
@@ -436,7 +249,8 @@ def _centimetres(metres: float) -> int:
     return round(max(min(metres * 100.0, _LARGEST_I16), -_LARGEST_I16))
 
 
-def _system(context: TelemetryContext) -> Iterator[Message]:
+def system(context: TelemetryContext) -> Iterator[Message]:
+    """Tell what is there, what is healthy, and what has gone wrong on the link."""
     motors, ready = dialect.MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS, dialect.MAV_SYS_STATUS_PREARM_CHECK
     drive = dialect.MAV_SYS_STATUS_SENSOR_PROPULSION
     battery = 0 if context.robot.battery is None else dialect.MAV_SYS_STATUS_SENSOR_BATTERY
@@ -461,7 +275,8 @@ def _system(context: TelemetryContext) -> Iterator[Message]:
     )
 
 
-def _battery(context: TelemetryContext) -> Iterator[Message]:
+def battery(context: TelemetryContext) -> Iterator[Message]:
+    """Tell voltage and current."""
     charge = dialect.MAV_BATTERY_CHARGE_STATE_UNDEFINED
     if context.battery_v is not None:
         low, okay = dialect.MAV_BATTERY_CHARGE_STATE_LOW, dialect.MAV_BATTERY_CHARGE_STATE_OK
@@ -480,7 +295,8 @@ def _battery(context: TelemetryContext) -> Iterator[Message]:
     )
 
 
-def _named(boot_ms: int, name: str, value: float) -> Message:
+def named(boot_ms: int, name: str, value: float) -> Message:
+    """Return a value with its name, at most ten letters."""
     return dialect.MAVLink_named_value_float_message(boot_ms, name.encode("ascii"), value)
 
 

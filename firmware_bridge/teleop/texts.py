@@ -76,14 +76,16 @@ class Speaker:
 
 
 class HoldTexts:
-    """Tells what holds and what has let go; of one that comes and goes, once in two seconds."""
+    """Tells what holds and what has let go; of one that comes and goes, three times in two seconds."""
+
+    MOST: Final = 3
 
     def __init__(self, speaker: Speaker) -> None:
         self._speaker: Final = speaker
         self._told: Final[dict[str, None]] = {}
         """What holds, as far as it has been told."""
-        self._began: Final[dict[str, Nanoseconds]] = {}
-        """When a beginning was told last, of those that may not begin again so soon."""
+        self._began: Final[dict[str, list[Nanoseconds]]] = {}
+        """When beginnings were told lately."""
 
     def told(self, holds: tuple[Hold, ...], now: Nanoseconds) -> list[Message]:
         """Return texts of what is not as it was told last."""
@@ -94,12 +96,11 @@ class HoldTexts:
         for name in [one for one in self._told if one not in current]:
             del self._told[name]
             messages += self._speaker.say(Severity.INFO, f"released: {name}")
-        for name in [one for one, at in self._began.items() if now - at >= Speaker.QUIET]:
-            del self._began[name]
         for name, hold in current.items():
-            if name not in self._told and name not in self._began:
+            lately = [at for at in self._began.get(name, ()) if now - at < Speaker.QUIET]
+            if name not in self._told and len(lately) < self.MOST:
                 self._told[name] = None
-                self._began[name] = now
+                self._began[name] = [*lately, now]
                 remedy = f"; {hold.remedy}" if hold.remedy else ""
                 messages += self._speaker.say(hold.row.severity, f"{hold.reason}{remedy}")
         return messages
