@@ -302,6 +302,13 @@ class Robot(Table, Generic[G_co]):
         """Return the CANopen nodes of the axes on this link."""
         return tuple(axis.settings.node for axis in self.axes_on(link))
 
+    def told_by(self, bandwidth_bit_s: int | None) -> Self:
+        """Return the same robot on an operator's link that carries so much; None: what its file says."""
+        if bandwidth_bit_s is None:
+            return self
+        operator = self.operator.model_copy(update={"bandwidth_bit_s": bandwidth_bit_s})
+        return self.model_copy(update={"operator": operator})
+
     def with_links(self, links: Mapping[str, AnyLink]) -> Self:
         """Return the same robot with these links in the place of those of the same name."""
         return self.model_copy(update={"links": {**self.links, **links}})

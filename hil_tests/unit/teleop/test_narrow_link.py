@@ -9,7 +9,7 @@ import pytest
 
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.units import MILLISECOND, SECOND
-from hil_tests.unit.teleop.bench import CYCLE, RarsBench, rars
+from hil_tests.unit.teleop.bench import CYCLE, RarsBench, rars, rars_file
 
 RADIO = 57_600
 
@@ -17,8 +17,7 @@ RADIO = 57_600
 def bench_at(bandwidth_bit_s: int | None) -> RarsBench:
     """Return RARS on a link that carries so much; a driver, so that all is told."""
     bench = rars()
-    operator = bench.robot.operator.model_copy(update={"bandwidth_bit_s": bandwidth_bit_s})
-    bench.robot = bench.robot.model_copy(update={"operator": operator})
+    bench.robot = bench.robot.told_by(bandwidth_bit_s)
     bench.restart()
     return bench
 
@@ -86,3 +85,14 @@ def test_what_is_asked_for_is_sent_however_narrow_the_link_is() -> None:
     bench.order(511, 331, 100_000)
     _, kinds = sent_in(bench, 10)
     assert 99 <= kinds["ODOMETRY"] <= 101
+
+
+def test_the_robot_file_and_the_option_say_the_same() -> None:
+    table = rars_file().model_dump()
+    table["operator"]["bandwidth_bit_s"] = RADIO
+    of_file = type(rars_file()).model_validate(table)
+    assert of_file == rars_file().told_by(RADIO)
+    assert of_file.told_by(None) is of_file
+    table["operator"]["bandwidth_bit_s"] = 4_799
+    with pytest.raises(ValueError, match="bandwidth_bit_s"):
+        type(rars_file()).model_validate(table)

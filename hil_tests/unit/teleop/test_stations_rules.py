@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 HERE, THERE = number_of("10.0.0.1", 14550), number_of("10.0.0.2", 14550)
 ARMED_WITHIN = 1500 * MILLISECOND
-"""FirmwarePlugin::_armVehicleAndValidate waits so long for the heartbeat's bit, and then calls it a failure."""
+"""FirmwarePlugin::_armVehicleAndValidate waits so long for the heartbeat that says so."""
 
 
 class QGroundControl:
