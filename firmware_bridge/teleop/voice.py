@@ -26,10 +26,13 @@ class Voice:
 
     def frame(self, message: Message, stamp: int) -> bytes | None:
         """Return the message as one frame; None where its version of MAVLink cannot carry it."""
-        number: int = message.get_msgId()
-        if self.px4 and number in CARRIERS:
-            return self._in_px4(message, number, stamp)
-        return self._frame(message, stamp)
+        if self.px4:
+            number: int = message.get_msgId()
+            if number in CARRIERS:
+                return self._in_px4(message, number, stamp)
+        if self.mavlink_1:
+            return self._frame(message, stamp)
+        return self._codec.encode(message, stamp)
 
     def _in_px4(self, message: Message, number: int, stamp: int) -> bytes | None:
         told: int = message.custom_mode
