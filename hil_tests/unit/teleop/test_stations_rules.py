@@ -92,10 +92,11 @@ def qgc(bench: RarsBench) -> QGroundControl:
 def test_it_connects_and_shows_the_mode_by_its_name(qgc: QGroundControl, bench: RarsBench) -> None:
     for _ in range(20):
         qgc.cycle()
-    assert qgc.flight_mode == "Manual"
+    shown = [qgc.flight_mode]
     bench.facts = replace(bench.facts, paused=True)
     qgc.cycle()
-    assert qgc.flight_mode == "Hold"
+    shown.append(qgc.flight_mode)
+    assert shown == ["Manual", "Hold"]
 
 
 def test_every_parameter_of_its_list_comes(bench: RarsBench) -> None:
@@ -106,25 +107,27 @@ def test_every_parameter_of_its_list_comes(bench: RarsBench) -> None:
 
 def test_it_believes_that_the_robot_is_armed_in_time(qgc: QGroundControl, bench: RarsBench) -> None:
     bench.stick(y=0)
-    asked_at = bench.now
     assert acks(bench.order(ARM, 1)) == [(ARM, 0)]
-    while not qgc.armed:
+    seen = []
+    for _ in range(ARMED_WITHIN // CYCLE):
         qgc.cycle()
-    assert bench.now - asked_at <= CYCLE < ARMED_WITHIN
+        seen.append(qgc.armed)
+    assert all(seen), "from the next cycle on"
 
 
 def test_its_screen_offers_a_stop_while_the_robot_is_armed_and_it_brakes(
     qgc: QGroundControl, bench: RarsBench
 ) -> None:
-    assert not qgc.shows_emergency_stop
+    shown = [qgc.shows_emergency_stop]
     bench.order(ARM, 1)
     qgc.cycle()
-    assert qgc.shows_emergency_stop
+    shown.append(qgc.shows_emergency_stop)
     bench.asked.clear()
     assert acks(bench.order(ARM, 0, FORCE)) == [(ARM, 0)]
     assert bench.asked == [Disarm(force=True)], "which brakes first, and takes the power at rest"
     qgc.cycle()
-    assert (qgc.shows_emergency_stop, qgc.shows_disarm) == (False, False)
+    assert [*shown, qgc.shows_emergency_stop] == [False, True, False]
+    assert not qgc.shows_disarm
 
 
 def test_the_stop_on_the_screen_of_a_station_that_only_watches_brakes_too(bench: RarsBench) -> None:
