@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Final, TypeAlias
 
-from firmware_bridge import kinds
+from emulators.documents.safety import shipped
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.teleop.commands import ROWS as COMMANDS
 from firmware_bridge.teleop.lacking import LACKING
@@ -23,7 +23,6 @@ WAYS: Final = {
 }
 """Where an axis goes with more microseconds, by its sign."""
 Cells: TypeAlias = tuple[str, ...]
-ROBOT: Final = "rars"
 RADIO_BIT_S: Final = 57_600
 MODE_HEADINGS: Final = ("mode", "number", "in PX4's numbers: main, sub", "also asked for by")
 STREAM_HEADINGS: Final = ("message", "on a network", f"on {RADIO_BIT_S} bit/s", "tells")
@@ -49,7 +48,7 @@ def channels() -> Iterator[Cells]:
 
 
 def streams() -> Iterator[Cells]:
-    """Yield what is told and how often, of the robot whose rows are the most."""
+    """Yield what is told and how often, of the first robot that is shipped."""
     usual, slow = streams_of(_robot(None), _station()), streams_of(_robot(RADIO_BIT_S), _station())
     narrow = {(row.number, row.tells): row.period for row in slow}
     for row in usual:
@@ -84,8 +83,10 @@ def _each(period: Nanoseconds) -> str:
 
 
 def _robot(bandwidth_bit_s: int | None) -> AnyRobot:
-    return kinds.find(ROBOT).told_by(bandwidth_bit_s)
+    _, robot = next(shipped())
+    return robot.told_by(bandwidth_bit_s)
 
 
 def _station() -> AnyStation:
-    return kinds.kind_named(ROBOT).station
+    kind, _ = next(shipped())
+    return kind.station
