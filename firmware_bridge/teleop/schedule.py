@@ -1,6 +1,5 @@
 """When each stream of telemetry is due, and how stations change that; it knows nothing of what is told."""
 
-from copy import copy
 from typing import Final
 
 from firmware_bridge.units import NEVER, Nanoseconds
@@ -9,14 +8,24 @@ from firmware_bridge.units import NEVER, Nanoseconds
 class Schedule:
     """Which streams are due; each keeps to the grid of its period: a late report shifts no later one."""
 
-    def __init__(self, streams: tuple[tuple[int, Nanoseconds], ...], cycle: Nanoseconds) -> None:
-        """Take each stream's message number and period; several streams may share a number."""
+    def __init__(
+        self,
+        streams: tuple[tuple[int, Nanoseconds], ...],
+        cycle: Nanoseconds,
+        goes_on: tuple[list[Nanoseconds], list[Nanoseconds]] | None = None,
+    ) -> None:
+        """Take each stream's message number and period; several streams may share a number.
+
+        `goes_on`: the periods and the instants of one that it goes on from.
+        """
+        self._cycle: Final = cycle
         # Reports come once a cycle and jitter: rather a little early than a cycle late.
         self._early: Final[Nanoseconds] = cycle // 4
         self._numbers: Final = tuple(number for number, _ in streams)
         self._defaults: Final = tuple(period for _, period in streams)
-        self._periods = list(self._defaults)
-        self._due: list[Nanoseconds] = [0] * len(streams)
+        periods, due = (self._defaults, [0] * len(streams)) if goes_on is None else goes_on
+        self._periods: list[Nanoseconds] = list(periods)
+        self._due: list[Nanoseconds] = list(due)
         self._chosen: set[int] = set()
         """The messages whose period was asked for: a new default does not change it."""
 
@@ -48,9 +57,8 @@ class Schedule:
 
     def copy(self) -> "Schedule":
         """Return one of its own for a place that asks for other periods."""
-        one = copy(self)
-        one._periods, one._due, one._chosen = [*self._periods], [*self._due], set()  # noqa: SLF001 - its own class
-        return one
+        rows = tuple(zip(self._numbers, self._defaults, strict=True))
+        return Schedule(rows, self._cycle, (self._periods, self._due))
 
     def change(self, number: int, period: Nanoseconds | None, now: Nanoseconds) -> None:
         """Give every stream of this message a new period; `NEVER` is off, None is the default."""
