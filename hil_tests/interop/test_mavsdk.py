@@ -1,21 +1,32 @@
-"""MAVSDK, a stranger, drives the robot: `drive` and `emulate` as programs, its own library as the station."""
+"""MAVSDK, a stranger, drives the robot on the bench over a real socket, by its own library."""
 
 import asyncio
+import socket
+import threading
 from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable, Iterator
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final, TypeVar
 
 import pytest
 
-from hil_tests.scenarios.programs import Program, free_port, until
+from emulators.rig import Rig
+from firmware_bridge.node import OPERATOR
+from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.shell.clock import Clock
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+from firmware_bridge.wire.internet import number_of
+from hil_tests.scenarios.ride import READY_S, ride
 
 T = TypeVar("T")
 
 WITHIN_S: Final = 30.0
 """A loaded machine takes its time."""
 SENT_EACH_S: Final = 0.05
+LOOKED_AT_EACH: Final = 5 * MILLISECOND
+STEP_S: Final = 0.005
+PLACE: Final = number_of("192.0.2.9", 14550)
+"""MAVSDK's, as the bridge sees it."""
 WATCHED_S: Final = 3.5
 """3 s after its start Offboard stops sending set-points if no heartbeat tells of its mode."""
 
@@ -40,9 +51,14 @@ class Station:
         async with asyncio.timeout(WITHIN_S):
             return await anext(aiter(stream()))
 
-    async def told(self, stream: Callable[[], AsyncGenerator[T, None]], met: Callable[[T], bool]) -> T:
+    async def told(
+        self,
+        stream: Callable[[], AsyncGenerator[T, None]],
+        met: Callable[[T], bool],
+        within_s: float = WITHIN_S,
+    ) -> T:
         """Return the first thing that a stream tells and that is as wanted."""
-        async with asyncio.timeout(WITHIN_S):
+        async with asyncio.timeout(within_s):
             async for one in stream():
                 if met(one):
                     return one
@@ -60,6 +76,20 @@ class Station:
                 await asyncio.sleep(SENT_EACH_S * 4)
             else:
                 return
+
+    async def moves(self) -> Any:
+        """Push the stick forward until the robot drives, letting it go in between, as the robot asks for."""
+        for _ in range(20):
+            self.stick = 0.0
+            await asyncio.sleep(0.5)
+            self.stick = 0.4
+            with suppress(TimeoutError):
+                return await self.told(
+                    self.telemetry.subscribe_odometry,
+                    lambda one: one.velocity_body.x_m_s > 0.1 and one.position_body.x_m > 0.1,
+                    within_s=3.0,
+                )
+        raise AssertionError("the stick moves nothing")
 
     async def holds_the_stick(self) -> None:
         """Send what the stick is, as an application with a joystick does."""
@@ -90,24 +120,66 @@ async def connected(port: int) -> AsyncIterator[Station]:
         )
 
 
+class Net:
+    """The bench's end of a UDP socket on loopback: a node that passes datagrams on, both ways."""
+
+    def __init__(self) -> None:
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.bind(("127.0.0.1", 0))
+        self._socket.setblocking(False)  # noqa: FBT003 - a socket's own word
+        self._peer: tuple[str, int] | None = None
+        self._due: Nanoseconds = 0
+
+    @property
+    def port(self) -> int:
+        return int(self._socket.getsockname()[1])
+
+    def receive(self, packet: Packet, _now: Nanoseconds) -> Reaction:
+        if packet.address == PLACE and self._peer is not None:
+            self._socket.sendto(packet.payload, self._peer)
+        return Reaction((), self._due)
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        if now < self._due:
+            return Reaction((), self._due)
+        self._due = now + LOOKED_AT_EACH
+        came = []
+        with suppress(BlockingIOError):
+            while True:
+                datagram, self._peer = self._socket.recvfrom(2048)
+                came.append(Packet(OPERATOR, PLACE, datagram))
+        return Reaction(tuple(came), self._due)
+
+    def closes(self) -> None:
+        self._socket.close()
+
+
+def carry(rig: Rig, ends: threading.Event) -> None:
+    """Run the bench no faster than the wall's clock; where the machine is late, the bench's time waits."""
+    clock = Clock()
+    begun = clock.now() - rig.world.now
+    while not ends.is_set():
+        rig.runs(STEP_S)
+        ahead = rig.world.now - (clock.now() - begun)
+        if ahead > 0:
+            ends.wait(ahead / SECOND)
+        else:
+            begun -= ahead
+
+
 @pytest.fixture
-def port(tmp_path: Path) -> Iterator[int]:
-    """Start drives, plant and bridge; yield where the operator's link is."""
-    link, place = tmp_path / "rars.tty", free_port()
-    emulation = ("emulate", "rars", "--serial", "pty", "--serial-link", str(link), "--protocol", "v2")
-    drives = Program(tmp_path / "drives.log", *emulation)
-    until(link.is_symlink, lambda: drives.told, lambda: None)
-    stands = ("--zero", "lift=0", "--zero", "steer=0", "--state", str(tmp_path / "last.json"))
-    at = f"udpin:127.0.0.1:{place}"
-    bridge = Program(
-        tmp_path / "bridge.log", "drive", "rars", "--serial", str(link), "--mavlink", at, *stands
-    )
-    try:
-        until(lambda: bridge.says("running"), lambda: bridge.told, lambda: None)
-        yield place
-    finally:
-        bridge.dies()
-        drives.dies()
+def port() -> Iterator[int]:
+    """Put bridge, drives and plant at a UDP port, on a bench that keeps to the wall's clock."""
+    bench = ride(seconds=3600.0)
+    net, ends = Net(), threading.Event()
+    bench.rig.world.attach("net", net, {OPERATOR: bench.rig.operator_wire})
+    bench.runs_until(READY_S)
+    thread = threading.Thread(target=carry, args=(bench.rig, ends))
+    thread.start()
+    yield net.port
+    ends.set()
+    thread.join()
+    net.closes()
 
 
 def test_mavsdk_reads_arms_drives_by_stick_and_by_set_points_and_holds(port: int) -> None:
@@ -134,9 +206,8 @@ async def story(port: int) -> None:
             await station.manual.start_position_control()
             await station.told(telemetry.subscribe_flight_mode, lambda mode: mode == FlightMode.MANUAL)
             await station.told(telemetry.subscribe_landed_state, lambda one: one == LandedState.IN_AIR)
-            station.stick = 0.4
-            moved = await station.told(telemetry.subscribe_odometry, lambda one: one.position_body.x_m > 0.1)
-            assert moved.velocity_body.x_m_s > 0.1
+            moved = await station.moves()
+            assert moved.position_body.x_m > 0.05
             station.stick = 0.0
             await station.told(telemetry.subscribe_odometry, lambda one: abs(one.velocity_body.x_m_s) < 0.01)
             hand.cancel()

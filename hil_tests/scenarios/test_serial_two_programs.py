@@ -1,10 +1,13 @@
 """`emulate` and `drive` as two programs on one pseudo-terminal, in real time; pyserial opens it."""
 
 import os
+import signal
 import socket
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import IO, Any, Final
 
 import pytest
 
@@ -12,10 +15,50 @@ os.environ["MAVLINK20"] = "1"
 from pymavlink.dialects.v20 import common as mavlink
 
 from firmware_bridge.shell.clock import Clock
-from firmware_bridge.units import SECOND
-from hil_tests.scenarios.programs import Program, free_port, until
+from firmware_bridge.units import MILLISECOND, SECOND
+
+PROGRAM = Path(sys.executable).with_name("firmware-bridge")
+WITHIN: Final = 30 * SECOND
+"""A loaded machine takes its time; nothing here is measured."""
 
 pytestmark = pytest.mark.timeout(120)
+
+
+class Program:
+    """One run of the program, and everything that it has said."""
+
+    def __init__(self, log: Path, *words: str) -> None:
+        self._log = log
+        self._file: IO[str] = log.open("w", encoding="utf-8")
+        environment = os.environ | {"PYTHONUNBUFFERED": "1"}
+        self.process = subprocess.Popen(
+            [PROGRAM, *words], stdout=self._file, stderr=subprocess.STDOUT, env=environment
+        )
+
+    @property
+    def told(self) -> str:
+        return self._log.read_text(encoding="utf-8")
+
+    def says(self, text: str) -> bool:
+        return text in self.told
+
+    def ends(self) -> int:
+        self.process.send_signal(signal.SIGINT)
+        return self.process.wait(timeout=20)
+
+    def dies(self) -> None:
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()
+        self._file.close()
+
+
+def until(met: Callable[[], bool], what: Callable[[], str], meanwhile: Callable[[], None]) -> None:
+    clock = Clock()
+    while not met():
+        assert clock.now() < WITHIN, what()
+        meanwhile()
+        clock.wait([], clock.now() + 50 * MILLISECOND)
 
 
 @pytest.fixture
@@ -72,6 +115,12 @@ def operator() -> Iterator[Operator]:
     made = Operator(free_port())
     yield made
     made.leaves()
+
+
+def free_port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
 
 
 def test_the_robot_is_armed_over_the_line_loses_it_and_is_armed_anew(
