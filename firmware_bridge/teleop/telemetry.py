@@ -260,8 +260,10 @@ def system(context: TelemetryContext) -> Iterator[Message]:
         onboard_control_sensors_enabled=battery
         | ready
         | (motors | drive if context.snapshot.facts.armed else 0),
+        # Of a fence that is not there none is breached: MAVProxy would say so.
         onboard_control_sensors_health=(motors | ready | drive if context.healthy else 0)
-        | (battery if charged else 0),
+        | (battery if charged else 0)
+        | dialect.MAV_SYS_STATUS_GEOFENCE,
         load=0,
         voltage_battery=_millivolts(context.battery_v),
         current_battery=_centiamperes(context.axes),

@@ -203,3 +203,10 @@ def test_mavros_drives_by_velocity_in_the_robots_frame(bench: RarsBench) -> None
 def test_arming_needs_no_more_than_it_did(bench: RarsBench) -> None:
     bench.order(ARM, 1)
     assert bench.asked == [Arm()]
+
+
+def test_mavproxy_reads_of_no_fence_that_is_breached(bench: RarsBench) -> None:
+    """Its fence module takes a geofence without its health for one that has been left, present or not."""
+    status = bench.told(1)
+    assert status.onboard_control_sensors_health & dialect.MAV_SYS_STATUS_GEOFENCE
+    assert not status.onboard_control_sensors_present & dialect.MAV_SYS_STATUS_GEOFENCE
