@@ -12,6 +12,7 @@ from emulators.documents import (
     safety,
     serial_commands,
     state_diagram,
+    stations,
 )
 from emulators.epos2.control.power_states import TRANSITIONS
 from emulators.epos2.objects.catalogue import PROFILES
@@ -177,6 +178,7 @@ def pages(
         "opcodes.md": _opcodes(commands),
         "faults.md": _faults(),
         "safety.md": _safety(measured),
+        "ground-stations.md": _stations(),
     }
 
 
@@ -306,3 +308,75 @@ def _safety(measured: Mapping[str, Sequence[str]]) -> str:
                 parts.append(table(safety.STOP_HEADINGS, safety.stops(reached, link)))
         parts += measured.get(robot.name, ())
     return _page("What holds a robot back", *parts)
+
+
+STATIONS_TEXT: Final = """Any MAVLink station drives: by MANUAL_CONTROL, by RC_CHANNELS_OVERRIDE, or by
+SET_POSITION_TARGET_LOCAL_NED. All of them pass through the same permission, the same rule of silence, the
+same limits of age and the same interlocks ([what holds a robot back](safety.md), [one station
+drives](decisions/one-who-drives.md)). A station is answered in the version of MAVLink that it speaks; MAVLink
+1 has no numbers above 255 and no signatures."""
+WAYS_TEXT: Final = """Without an order the newest word counts, whichever kind it is of. **Guided** by an order
+(`DO_SET_MODE`, `SET_MODE`): a stick that is let go does not count while set-points come; one that is moved
+takes over. **Hold** stops at the ramp and waits; Manual or Guided goes on, with everything let go. The
+numbers are those of ArduPilot's Rover; a station that asks in PX4's is told in PX4's.
+[Why](decisions/modes-in-two-numberings.md)."""
+RC_TEXT: Final = """1500 us is let go, 1000 and 2000 are full; 0 gives a channel back, 65535 leaves it as it
+is (from channel 9 on: 65534, and 0 or 65535). A channel of which no message speaks for the time that silence
+may last is given back. Below 900 us a receiver has lost its transmitter: that moves nothing, and is no sign
+of life. A robot's station may have other rows (`channels`)."""
+MASKS_TEXT: Final = """A velocity, with or without yaw rate, in the body frames 8, 9 and 12: masks 1511, 3559,
+1479 (MAVSDK, MAVROS with `mav_frame: BODY_NED`) and 4039 (DroneKit). A robot that can go any way follows
+frames 1 and 7, too, by its own heading. A velocity of zero stops in each of these frames, whatever heading
+stands beside it. Places, headings and accelerations are refused in words, as are SET_ATTITUDE_TARGET,
+SET_POSITION_TARGET_GLOBAL_INT and SET_ACTUATOR_CONTROL_TARGET: at once, and then more and more seldom."""
+NARROW_TEXT: Final = """`drive --bandwidth 57600`, or `bandwidth_bit_s` under `[operator]` in the robot file,
+says what the link carries, ten bits a byte. Telemetry takes at most half of it: {full:.0f} B/s on a network,
+{slow:.0f} B/s at 57,600; on narrower links all but the heartbeat waits longer. Each station may ask for
+intervals of its own (SET_MESSAGE_INTERVAL), one that does not drive for none shorter than these. Arming,
+landed state and mode are told at once when they change."""
+LACKING_TEXT: Final = "Refused at once by the protocol's own means, since the bridge has none of it: {names}."
+STOP_TEXT: Final = """* **QGroundControl** takes the robot for a generic rover. It shows modes by name and
+  arms; it cannot set modes of a generic autopilot. While the robot is armed its action *Emergency stop* is on
+  the screen: it sends a forced disarm, which brakes first and takes the power at rest. Of a station that only
+  watches it is an emergency stop, which brakes and can be cleared. Armed counts as *in the air*, as on rovers
+  of PX4: the action is shown for nothing else. A stop button of your own is a file in QGroundControl's folder
+  `MavlinkActions`, chosen under *Application settings, Fly view*:
+
+```json
+{"version": 1, "fileType": "MavlinkActions", "actions": [
+  {"label": "Stop", "description": "Brake, and stay until cleared", "mavCmd": 5300, "param1": 0},
+  {"label": "Clear", "description": "Let go of the stop", "mavCmd": 5300, "param1": 1}]}
+```
+
+* **MAVSDK**: `action.arm`, `manual_control`, `offboard.set_velocity_body` and `start`, `action.hold`,
+  `action.disarm`, `action.kill` (brakes first). `offboard` goes on after a hold with a set-point of zero.
+* **pymavlink, MAVProxy, DroneKit**: modes `MANUAL`, `GUIDED`, `HOLD`; `rc` overrides.
+* **MAVROS**: `setpoint_velocity` with `mav_frame: BODY_NED`, `setpoint_raw`, `manual_control`, and
+  `rc/override`."""
+COMMANDS_TEXT: Final = "\\* Of who does not drive, what asks, and what stops; all else is refused in words."
+
+
+def _stations() -> str:
+    full, slow = stations.loads()
+    return _page(
+        "Ground stations",
+        STATIONS_TEXT,
+        "## Stations by name",
+        STOP_TEXT,
+        "## Modes",
+        WAYS_TEXT,
+        table(stations.MODE_HEADINGS, stations.modes()),
+        "## Radio channels",
+        RC_TEXT,
+        table(stations.CHANNEL_HEADINGS, stations.channels()),
+        "## Set-points",
+        MASKS_TEXT,
+        "## What is told",
+        NARROW_TEXT.format(full=full, slow=slow),
+        table(stations.STREAM_HEADINGS, stations.streams()),
+        "## Commands",
+        table(stations.COMMAND_HEADINGS, stations.commands()),
+        COMMANDS_TEXT,
+        "## What there is not",
+        LACKING_TEXT.format(names=stations.lacking()),
+    )

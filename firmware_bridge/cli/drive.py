@@ -52,6 +52,16 @@ class DriveOptions:
             "--open.",
         ),
     ] = "udpout:127.0.0.1:14550"
+    bandwidth: Annotated[
+        int | None,
+        typer.Option(
+            min=4_800,
+            metavar="BIT_S",
+            help="What the operator's link carries, as a telemetry radio's serial line, for instance 57600: "
+            "telemetry takes at most half of it.",
+            show_default="the robot's",
+        ),
+    ] = None
     key: Annotated[
         Path | None,
         typer.Option(

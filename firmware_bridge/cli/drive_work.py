@@ -171,7 +171,7 @@ def drive(given: DriveOptions) -> None:
     trust = trust if stamps is None else replace(trust, kept=_kept(stamps))
     stands = zeros_of(given.zero, given.home)
     with one_message(PlanError, RobotFileError, ValueError):
-        machine = _with_lines(machine, places, given.protocol, given.baud)
+        machine = _with_lines(machine, places, given.protocol, given.baud).told_by(given.bandwidth)
         bridge = Bridge(machine, kind_of(machine), trust, stands)
     kept = LastPlaces(state)
     bridge.offer(kept.read())

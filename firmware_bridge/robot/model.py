@@ -67,6 +67,9 @@ class OperatorLink(Table):
     """No older motion command is obeyed; a wish to stop is, however old."""
     unknown_age: Annotated[UnknownAge, Field(strict=False)] | None = None
     """What becomes of motion commands whose age nobody knows; without it the key decides."""
+    bandwidth_bit_s: Annotated[int, Field(ge=4_800, le=1_000_000_000)] | None = None
+    """What the link carries, as a telemetry radio's serial line: telemetry takes at most half of it. Without
+    it the link is as good as a network."""
     system_id: Annotated[int, Field(ge=1, le=255)]
     component_id: Annotated[int, Field(ge=1, le=255)]
 
@@ -298,6 +301,13 @@ class Robot(Table, Generic[G_co]):
     def nodes_on(self, link: str) -> tuple[int, ...]:
         """Return the CANopen nodes of the axes on this link."""
         return tuple(axis.settings.node for axis in self.axes_on(link))
+
+    def told_by(self, bandwidth_bit_s: int | None) -> Self:
+        """Return the same robot on an operator's link that carries so much; None: what its file says."""
+        if bandwidth_bit_s is None:
+            return self
+        operator = self.operator.model_copy(update={"bandwidth_bit_s": bandwidth_bit_s})
+        return self.model_copy(update={"operator": operator})
 
     def with_links(self, links: Mapping[str, AnyLink]) -> Self:
         """Return the same robot with these links in the place of those of the same name."""

@@ -9,9 +9,11 @@ from typing import Final
 
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet
-from firmware_bridge.teleop.mavlink import Codec, Message, dialect
+from firmware_bridge.teleop.mavlink import Message, dialect
+from firmware_bridge.teleop.schedule import Schedule
 from firmware_bridge.teleop.trust import Trust
-from firmware_bridge.units import SECOND, Nanoseconds
+from firmware_bridge.teleop.voice import Voice
+from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
 LAPSES_AFTER: Final[Nanoseconds] = 5 * SECOND
 """A station that is not heard for so long is told no more; heartbeats come each second."""
@@ -30,7 +32,7 @@ ONE_END: Final = 0
 class Audience:
     """The places that frames came from; each station hears a sequence of its own, without gaps."""
 
-    __slots__ = ("_aside", "_codecs", "_credits", "_numbers", "_stamp", "_stations", "_trust")
+    __slots__ = ("_aside", "_credits", "_numbers", "_old", "_stamp", "_stations", "_trust", "_voices")
 
     def __init__(
         self, system: int, component: int, trust: Trust, stamp: Callable[[Nanoseconds], int]
@@ -39,26 +41,37 @@ class Audience:
         self._numbers: Final = (system, component)
         self._trust: Final = trust
         self._stamp: Final = stamp
-        self._aside: Final = trust.writer(system, component, _ASIDE)
-        """Writes to those that are no stations."""
-        self._codecs: Final[dict[int, Codec]] = {}
+        self._aside: Final = Voice(trust.writer(system, component, _ASIDE))
+        """Speaks to those that are no stations."""
+        self._voices: Final[dict[int, Voice]] = {}
+        self._old: Final[set[int]] = set()
+        """Of them all, those whose newest good frame was one of MAVLink 1."""
         self._stations: Final[dict[int, Nanoseconds]] = {}
         """When each of them was heard last."""
         self._credits: Final[dict[int, int]] = {}
         """Bytes that came from each of the others, less those that went there."""
 
-    def heard(self, source: int, size: int, now: Nanoseconds, *, beats: bool) -> None:
-        """Take note of a datagram with a good frame for this robot; `beats`: one was a heartbeat."""
+    def heard(self, source: int, size: int, now: Nanoseconds, *, beats: bool, old: bool = False) -> None:
+        """Take note of a datagram with a good frame for this robot; `beats`: one was a heartbeat.
+
+        `old`: it was of MAVLink 1, in which it is answered.
+        """
+        self._lapse(now)
+        if old:
+            self._old.add(source)
+        else:
+            self._old.discard(source)
         if source == ONE_END:
             return
-        self._lapse(now)
         if source in self._stations or (beats and len(self._stations) < MOST_STATIONS):
             self._stations[source] = now
             self._credits.pop(source, None)
             return
         credit = self._credits.pop(source, 0) + size
         while len(self._credits) >= MOST_STRANGERS:
-            del self._credits[next(iter(self._credits))]
+            gone = next(iter(self._credits))
+            del self._credits[gone]
+            self._old.discard(gone)
         self._credits[source] = min(credit, LARGEST_CREDIT)
 
     def answer(
@@ -66,43 +79,78 @@ class Audience:
     ) -> tuple[Packet, ...]:
         """Return answers for a place; what it has not paid for is left out."""
         stamp = self._stamp(now)
-        if source in self._told(driver, now):
-            codec = self._codec(source)
-            return tuple(Packet(OPERATOR, source, codec.encode(message, stamp)) for message in messages)
+        if self.tells(source, driver, now):
+            return self._said(source, messages, stamp)
         sent: list[Packet] = []
+        self._aside.mavlink_1 = source in self._old
         # What a machine waits for goes before a text for people.
         for message in sorted(messages, key=lambda one: bool(one.get_msgId() == _TEXT)):
-            datagram = self._aside.encode(message, stamp)
-            left = self._credits.get(source, 0) - len(datagram)
-            if left >= 0:
+            datagram = self._aside.frame(message, stamp)
+            left = 0 if datagram is None else self._credits.get(source, 0) - len(datagram)
+            if datagram is not None and left >= 0:
                 self._credits[source] = left
                 sent.append(Packet(OPERATOR, source, datagram))
         return tuple(sent)
 
-    def tell(self, messages: Iterable[Message], driver: int | None, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Return what goes to every station, and to the place of who drives."""
-        told, stamp = self._told(driver, now), self._stamp(now)
-        codecs = [(source, self._codec(source)) for source in told]
-        for source in self._codecs.keys() - set(told):
-            del self._codecs[source]
-        return tuple(
-            Packet(OPERATOR, source, codec.encode(message, stamp))
-            for message in messages
-            for source, codec in codecs
-        )
+    def tell(self, source: int, messages: Iterable[Message], now: Nanoseconds) -> tuple[Packet, ...]:
+        """Return what goes to one of `told`."""
+        return self._said(source, messages, self._stamp(now))
 
-    def _told(self, driver: int | None, now: Nanoseconds) -> list[int]:
+    def told(self, driver: int | None, now: Nanoseconds) -> list[int]:
+        """Return the places that telemetry goes to: all stations, and that of who drives."""
         self._lapse(now)
         told = [ONE_END, *self._stations]
-        return told if driver is None or driver in told else [*told, driver]
+        told = told if driver is None or driver in told else [*told, driver]
+        for source in self._voices.keys() - set(told):
+            del self._voices[source]
+        return told
 
-    def _codec(self, source: int) -> Codec:
-        codec = self._codecs.get(source)
-        if codec is None:
-            codec = self._codecs[source] = self._trust.writer(*self._numbers, _LINK)
-        return codec
+    def tells(self, source: int, driver: int | None, now: Nanoseconds) -> bool:
+        """Return whether telemetry goes to a place."""
+        self._lapse(now)
+        return source in self._stations or source in (ONE_END, driver)
+
+    def voice(self, source: int) -> Voice:
+        """Return how a place is spoken to; what is chosen for one that is not told does not last."""
+        voice = self._voices.get(source)
+        if voice is None:
+            voice = self._voices[source] = Voice(self._trust.writer(*self._numbers, _LINK))
+        return voice
+
+    def schedule(self, source: int) -> Schedule | None:
+        """Return what is due when for a place; None where it has asked for nothing."""
+        voice = self._voices.get(source)
+        return None if voice is None else voice.schedule
+
+    def change(
+        self, source: int, number: int, period: Nanoseconds | None, usual: Schedule, now: Nanoseconds
+    ) -> None:
+        """Tell a place a message so often; None: as often as all, by the schedule that is `usual`."""
+        voice = self.voice(source)
+        if voice.schedule is None:
+            voice.schedule = usual.copy()
+        voice.schedule.change(number, period, now)
+
+    def follow(self, number: int, period: Nanoseconds, now: Nanoseconds) -> None:
+        """Tell those places a message so often which have not asked for another interval of it."""
+        for voice in self._voices.values():
+            if voice.schedule is not None:
+                voice.schedule.follow(number, period, now)
+
+    @property
+    def next_due(self) -> Nanoseconds:
+        """The instant at which a message is due for a place with intervals of its own."""
+        own = [voice.schedule for voice in self._voices.values() if voice.schedule is not None]
+        return min((schedule.next_due for schedule in own), default=NEVER)
+
+    def _said(self, source: int, messages: Iterable[Message], stamp: int) -> tuple[Packet, ...]:
+        voice = self.voice(source)
+        voice.mavlink_1 = source in self._old
+        frames = [voice.frame(message, stamp) for message in messages]
+        return tuple(Packet(OPERATOR, source, frame) for frame in frames if frame is not None)
 
     def _lapse(self, now: Nanoseconds) -> None:
         gone = [source for source, at in self._stations.items() if now - at >= LAPSES_AFTER]
         for source in gone:
             del self._stations[source]
+            self._old.discard(source)

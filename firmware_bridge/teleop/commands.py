@@ -22,6 +22,7 @@ from firmware_bridge.intent import (
     Resume,
     Verdict,
 )
+from firmware_bridge.teleop import modes
 from firmware_bridge.teleop.exchange import Exchange
 from firmware_bridge.teleop.mavlink import Message, dialect
 from firmware_bridge.teleop.setpoints import pressed
@@ -32,9 +33,6 @@ FORCE: Final = 21196
 """The second parameter of COMPONENT_ARM_DISARM that means: without checks (common.xml)."""
 MAV_CMD_REQUEST_OPERATOR_CONTROL: Final = 32100
 """Of development.xml; pymavlink has it in no dialect that carries the rest."""
-HOLD: Final = 4
-"""The custom mode with which stations ask to stand: ArduPilot Rover's HOLD, and PX4's main mode AUTO, whose
-submode LOITER MAVSDK's `hold` names. A robot with so many modes of its own means its own."""
 _TERMINATES: Final = 0.5
 """Above this DO_FLIGHTTERMINATION's parameter says so (common.xml)."""
 _LARGEST_NUMBER: Final = 0xFFFF
@@ -158,7 +156,7 @@ def _actuator(order: Order, exchange: Exchange) -> Answer:
 
 def _request_message(order: Order, exchange: Exchange) -> Answer:
     number = _number(order.params[0])
-    sent = number is not None and exchange.send(number)
+    sent = number is not None and exchange.send(number, _number(order.params[1]) or 0)
     return ACCEPTED if sent else Answer(Result.UNSUPPORTED)
 
 
@@ -168,25 +166,32 @@ def _capabilities(order: Order, exchange: Exchange) -> Answer:
     return ACCEPTED
 
 
+def _send_home(_: Order, exchange: Exchange) -> Answer:
+    """Send where the odometry begins; before the first cycle nothing is known of it."""
+    sent = exchange.send(dialect.MAVLINK_MSG_ID_HOME_POSITION)
+    return ACCEPTED if sent else Answer(Result.TEMPORARILY_REJECTED, "home: the bridge starts, ask again")
+
+
 def _change_interval(order: Order, exchange: Exchange) -> Answer:
+    """Change how often this station is told; who does not drive is told no more often than others."""
     number, wish = _number(order.params[0]), order.params[1]
-    schedule = exchange.session.schedule
-    if number is None or schedule.period(number) is None:
+    default = None if number is None else exchange.session.schedule.default(number)
+    if number is None or default is None:
         return Answer(Result.UNSUPPORTED)
     if not math.isfinite(wish) or wish < -1.0:
         return _denied("message interval: parameter 2 is in microseconds, 0 for the default, -1 for off")
     if number == dialect.MAVLINK_MSG_ID_HEARTBEAT and wish != 0.0:
         return _denied("message interval: the heartbeat keeps its rate")
-    period = NEVER if wish < 0.0 else max(round(wish) * 1000, FASTEST)
-    schedule.change(number, None if wish == 0.0 else period, exchange.now)
-    return ACCEPTED
+    period = None if wish == 0.0 else NEVER if wish < 0.0 else max(round(wish) * 1000, FASTEST)
+    refused = exchange.change_interval(number, period, default)
+    return ACCEPTED if refused is None else _denied(refused)
 
 
 def _send_interval(order: Order, exchange: Exchange) -> Answer:
     number = _number(order.params[0])
     if number is None or number > _LARGEST_NUMBER:
         return _denied("message interval: parameter 1 must be a message number up to 65535")
-    period = exchange.session.schedule.period(number)
+    period = exchange.schedule.period(number)
     # 0 is a message that is no stream, -1 one that is switched off.
     interval = 0 if period is None else -1 if period == NEVER else min(period // 1000, _LONGEST_INTERVAL_US)
     exchange.replies.append(dialect.MAVLink_message_interval_message(number, interval))
@@ -219,23 +224,26 @@ def _set_mode(order: Order, exchange: Exchange) -> Answer:
 
 
 def _enter_mode(order: Order, exchange: Exchange) -> Answer:
-    number = _number(order.params[1])
-    modes, guides = exchange.session.modes, exchange.session.guides
-    if number is None or number >= len(modes):
-        if number == HOLD:
-            return _judged(exchange.request(Pause()))
-        if len(modes) == 1:
-            return _denied("this robot has one mode, 0: an operator drives it; it is paused")
-        known = ", ".join(f"{place} {mode or 'whole'}" for place, mode in enumerate(modes))
-        return _denied(f"mode: {known}; there are no others; it is paused")
-    guide = _number(order.params[2]) or 0
-    if guide >= len(guides):
-        known = ", ".join(f"{place} {name or 'the operator'}" for place, name in enumerate(guides))
-        return _denied(f"submode: {known}; there are no others")
-    entered = _judged(exchange.request(EnterMode(modes[number])))
-    if entered.result is not Result.ACCEPTED or len(guides) == 1:
-        return entered
-    return _judged(exchange.request(Follow(guides[guide])))
+    session, main, sub = exchange.session, _number(order.params[1]), _number(order.params[2]) or 0
+    asked = None if main is None else modes.asked(main, sub, len(session.modes))
+    if asked is None:
+        known = [f"{row.number} {row.way.value}" for row in modes.ROWS]
+        known += [f"{place} {name}" for place, name in enumerate(session.modes) if name]
+        return _denied(f"mode: {', '.join(known)}; there are no others; it is paused")
+    session.audience.voice(exchange.sender.source).px4 = asked.px4
+    if asked.way is modes.Way.HOLD:
+        return _judged(exchange.request(Pause()))
+    guide = 0 if asked.px4 else sub
+    if guide >= len(session.guides):
+        known = [f"{place} {name or 'the operator'}" for place, name in enumerate(session.guides)]
+        return _denied(f"submode: {', '.join(known)}; there are no others")
+    mode = exchange.mode if asked.own is None else session.modes[asked.own]
+    entered = _judged(exchange.request(EnterMode(mode)))
+    if entered.result is Result.ACCEPTED and len(session.guides) > 1:
+        entered = _judged(exchange.request(Follow(session.guides[guide])))
+    if entered.result is Result.ACCEPTED:
+        session.driven.order(asked.way, exchange.now)
+    return entered
 
 
 def _home(order: Order, exchange: Exchange) -> Answer:
@@ -323,15 +331,21 @@ ROWS: Final = (
     Row(dialect.MAV_CMD_ILLUMINATOR_ON_OFF, _illuminate, "p1 0 or 1"),
     Row(dialect.MAV_CMD_REQUEST_MESSAGE, _request_message, "send a message once", anyone=True),
     Row(dialect.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES, _capabilities, "send AUTOPILOT_VERSION", anyone=True),
-    Row(dialect.MAV_CMD_SET_MESSAGE_INTERVAL, _change_interval, "how often a message is sent"),
+    Row(dialect.MAV_CMD_GET_HOME_POSITION, _send_home, "send HOME_POSITION", anyone=True),
+    Row(
+        dialect.MAV_CMD_SET_MESSAGE_INTERVAL,
+        _change_interval,
+        "how often a message is sent to this station",
+        anyone=True,
+    ),
     Row(
         dialect.MAV_CMD_GET_MESSAGE_INTERVAL, _send_interval, "send how often a message is sent", anyone=True
     ),
     Row(
         dialect.MAV_CMD_DO_SET_MODE,
         _set_mode,
-        "custom mode 0: the whole robot, and on after a pause; others after a failed actuator, or 4, HOLD: "
-        "pause; submode: the guide, 0 none",
+        "0 Manual: the whole robot, and on after a pause; 15 Guided; 4 Hold: pause; others after a failed "
+        "actuator; submode: the guide, 0 none; PX4's numbers, too",
     ),
     Row(dialect.MAV_CMD_DO_SET_STANDARD_MODE, _set_standard_mode, "p1 1, position hold: pause"),
     Row(dialect.MAV_CMD_DO_SET_HOME, _home, "p1 = 1: the present place is the origin"),

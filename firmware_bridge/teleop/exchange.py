@@ -18,8 +18,9 @@ from firmware_bridge.intent import (
 from firmware_bridge.safety.row import Severity
 from firmware_bridge.teleop.control import Sender
 from firmware_bridge.teleop.mavlink import Message, dialect
+from firmware_bridge.teleop.schedule import Schedule
 from firmware_bridge.teleop.session import Asked, Motion, Peer, Said, Session
-from firmware_bridge.teleop.setpoints import pressed, stick_of, velocity_of
+from firmware_bridge.teleop.setpoints import channels_of, pressed, stick_of, stick_of_channels, velocity_of
 from firmware_bridge.teleop.station import AnyStation, Switch, Unusable
 from firmware_bridge.units import Nanoseconds, to_seconds
 
@@ -80,6 +81,16 @@ class Exchange:
         return self.session.snapshot is not None and self.session.snapshot.facts.armed
 
     @property
+    def mode(self) -> str:
+        """The robot's mode after a failed actuator, as of the newest snapshot; empty while it is whole."""
+        return "" if self.session.snapshot is None else self.session.snapshot.facts.mode
+
+    @property
+    def schedule(self) -> Schedule:
+        """What is due when for the sender's place."""
+        return self.session.audience.schedule(self.sender.source) or self.session.schedule
+
+    @property
     def stopped(self) -> bool:
         """Whether the emergency stop is latched, as of the newest snapshot."""
         return self.session.snapshot is not None and self.session.snapshot.facts.emergency_stopped
@@ -114,6 +125,8 @@ class Exchange:
         if isinstance(request, Arm) and session.control.driver is None:
             session.control.take(self.sender, self.now)
             self.tell(f"control: {self.sender} drives")
+        if isinstance(request, Pause):
+            session.driven.wait()
         if isinstance(request, ResetOdometry):
             session.resets += 1
         else:
@@ -137,6 +150,7 @@ class Exchange:
         changes = control.driver != self.sender
         control.take(self.sender, self.now, yields=yields)
         if changes:
+            self.session.driven.begin()
             self.session.adopt(self.peer, self.now)
             self.decide(ChangeDriver())
             self.tell(f"control: {self.sender} drives")
@@ -147,6 +161,7 @@ class Exchange:
         self.decide(Disarm())
         self.decide(ChangeDriver())
         session.control.give_up()
+        session.driven.begin()
         session.adopt(None, self.now)
         self.tell(f"control: {self.sender} has given it up, nobody drives")
 
@@ -171,6 +186,18 @@ class Exchange:
         """Switch one of the station's switches."""
         self.session.wish(switch.write(self.session.intent.wish, on))
 
+    def change_interval(self, number: int, period: Nanoseconds | None, default: Nanoseconds) -> str | None:
+        """Change how often the sender's place is told a message, None: as often as all; or say why not."""
+        session, source = self.session, self.sender.source
+        if self.refusal is not None and source == session.drives_from:
+            return self.refusal
+        if self.refusal is not None and period is not None and period < default:
+            return f"{self.refusal}; until then no message comes more often than by default"
+        if not session.audience.tells(source, session.drives_from, self.now):
+            return "message interval: send heartbeats first, telemetry goes to stations"
+        session.audience.change(source, number, period, session.schedule, self.now)
+        return None
+
     def press(self, buttons: int) -> None:
         """Switch over what has its button among these, which have just gone down."""
         for switch in self.station.switches:
@@ -182,9 +209,12 @@ class Exchange:
         session = self.session
         session.wish(session.station.actuators[place].send(session.intent.wish, share, session.robot))
 
-    def send(self, number: int) -> bool:
-        """Send a message once; False where the bridge has none with this number."""
-        messages = self.session.messages(number)
+    def send(self, number: int, which: int = 0) -> bool:
+        """Send a message once; False where the bridge has none with this number.
+
+        Of a message that there is of each of several things: all of them, or the one that is `which`, from 1.
+        """
+        messages = self.session.messages(number, which)
         self.replies += messages or ()
         return messages is not None
 
@@ -202,12 +232,26 @@ class Exchange:
         else:
             self.move(stick, neutral=stick.let_go(station.dead_band))
 
+    def take_channels(self) -> None:
+        """Take the channels of an RC_CHANNELS_OVERRIDE as the newest wish, or say why they are none."""
+        rows = self.session.station.channels
+        told = channels_of(self.message, rows)
+        if isinstance(told, Unusable):
+            self.refuse(told)
+        elif told:
+            held = self.peer.channels
+            held.hear(told, self.now, self.session.silent_after)
+            stick = stick_of_channels(held.values, rows)
+            self.move(stick, neutral=stick.let_go(self.session.station.dead_band))
+
     def take_target(self) -> None:
         """Take a SET_POSITION_TARGET_LOCAL_NED as the newest wish, or say why it is none."""
         if self.refusal is not None:
             self.ignore()
             return
-        velocity = velocity_of(self.message, self.station.largest(self.session.robot))
+        snapshot = self.session.snapshot
+        heading = None if snapshot is None else snapshot.pose.heading_rad
+        velocity = velocity_of(self.message, self.station.largest(self.session.robot), heading)
         if isinstance(velocity, Unusable):
             self.refuse(velocity)
         elif self.newest():
@@ -216,10 +260,14 @@ class Exchange:
     def move(self, motion: Motion, *, neutral: bool) -> None:
         """Take a motion command for the newest wish, unless it is none."""
         session = self.session
+        if not session.driven.counts(motion, self.now, neutral=neutral):
+            session.dropped.idle += 1
+            return
         wish = session.wished(motion, session.intent.wish)
         if isinstance(wish, Unusable):
             self.refuse(wish)
         else:
+            session.driven.heard(motion, self.now, neutral=neutral)
             self.peer.said = Said(motion, self.now, neutral)
             age = session.age(self.message, self.sender, self.now)
             said_at = None if age is None else self.now - age.nanoseconds

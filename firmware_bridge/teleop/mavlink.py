@@ -1,8 +1,9 @@
-"""MAVLink 2 frames in and out of datagrams, with pymavlink's message classes; knows no robot, no socket.
+"""MAVLink frames in and out of datagrams, with pymavlink's message classes; knows no robot, no socket.
 
 Each datagram stands alone: pymavlink's own stream parser keeps the tail of a broken datagram and swallows the
 next one with it, so datagrams are cut into frames here (framing: mavlink.io, "Packet Serialization").
-The dialect is `common`: it has every message that the bridge speaks and loads faster than `all`.
+The dialect is `all`: `common` lacks AVAILABLE_MODES and CURRENT_MODE, and what ArduPilot's stations ask.
+It loads in 0.05 s of processor time, 0.02 s more than `common`, and only where MAVLink is spoken.
 """
 
 import re
@@ -10,9 +11,9 @@ from collections.abc import Container
 from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
-from pymavlink.dialects.v20 import common
+from pymavlink.dialects.v20 import all as everything
 
-dialect: Final[Any] = common
+dialect: Final[Any] = everything
 """pymavlink's constants and message classes, which carry no types."""
 
 Message: TypeAlias = Any
@@ -29,8 +30,26 @@ _MAVLINK_2: Final = 0xFD
 _MAVLINK_1: Final = 0xFE
 _MAVLINK_2_OVERHEAD: Final = 12
 _MAVLINK_1_OVERHEAD: Final = 8
+_MAVLINK_1_HEADER: Final = 6
+_MAVLINK_1_NUMBERS: Final = 0x100
+_CHECKSUM: Final = 2
 _SIGNED: Final = 0x01
 _SIGNATURE_LENGTH: Final = 13
+
+
+WITHOUT_EXTENSIONS: Final = {
+    dialect.MAVLINK_MSG_ID_SYS_STATUS: 31,
+    dialect.MAVLINK_MSG_ID_GPS_RAW_INT: 30,
+    dialect.MAVLINK_MSG_ID_MISSION_COUNT: 4,
+    dialect.MAVLINK_MSG_ID_MISSION_ACK: 3,
+    dialect.MAVLINK_MSG_ID_COMMAND_ACK: 3,
+    dialect.MAVLINK_MSG_ID_TIMESYNC: 16,
+    dialect.MAVLINK_MSG_ID_BATTERY_STATUS: 36,
+    dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION: 60,
+    dialect.MAVLINK_MSG_ID_HOME_POSITION: 52,
+    dialect.MAVLINK_MSG_ID_STATUSTEXT: 51,
+}
+"""Bytes of payload in MAVLink 1, of those that are sent and have extensions (common.xml, `extensions`)."""
 
 
 @dataclass(slots=True)
@@ -50,6 +69,7 @@ class Codec:
         self.system = system
         self.component = component
         self.counters = Counters()
+        self.signs: Final = signs is not None
         self._mavlink = dialect.MAVLink(None, srcSystem=system, srcComponent=component)
         if signs is not None:
             signing = self._mavlink.signing
@@ -66,6 +86,19 @@ class Codec:
         frame: bytes = message.pack(self._mavlink)
         self._mavlink.seq = (self._mavlink.seq + 1) & 0xFF
         return frame
+
+    def encode_1(self, message: Message) -> bytes | None:
+        """Return the message as one frame of MAVLink 1, unsigned; None where that cannot carry it."""
+        if message.get_msgId() >= _MAVLINK_1_NUMBERS:
+            return None
+        frame: bytes = message.pack(self._mavlink, force_mavlink1=True)
+        self._mavlink.seq = (self._mavlink.seq + 1) & 0xFF
+        length: int = WITHOUT_EXTENSIONS.get(message.get_msgId(), type(message).unpacker.size)
+        if frame[1] == length:
+            return frame
+        kept = bytes((length,)) + frame[2 : _MAVLINK_1_HEADER + length]
+        checksum = dialect.x25crc(kept + bytes((message.crc_extra,))).crc
+        return b"".join((frame[:1], kept, int(checksum).to_bytes(_CHECKSUM, "little")))
 
     def decode(self, datagram: bytes, wanted: Container[int] | None = None) -> list[Message]:
         """Return the messages of a datagram in their order; anything else is counted and skipped.
@@ -123,6 +156,11 @@ def _frame_at(datagram: bytes, at: int) -> tuple[int, int]:
         if size <= left:
             return size, datagram[at + 5]
     return 0, 0
+
+
+def speaks_mavlink_1(message: Message) -> bool:
+    """Tell whether a message came in a frame of MAVLink 1."""
+    return bool(message.get_msgbuf()[0] == _MAVLINK_1)
 
 
 def concerns(message: Message, system: int, component: int) -> bool:

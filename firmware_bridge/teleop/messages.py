@@ -5,12 +5,13 @@ from functools import partial
 from typing import Final
 
 from firmware_bridge.intent import EmergencyStop
-from firmware_bridge.safety.row import Severity
 from firmware_bridge.teleop.commands import Order, Result, asks_to_stop, change_control, obey
 from firmware_bridge.teleop.exchange import Exchange
+from firmware_bridge.teleop.lacking import LACKING, Refusal
 from firmware_bridge.teleop.mavlink import Message, dialect, text_of
 from firmware_bridge.teleop.session import REMEMBERED, Answered
 from firmware_bridge.teleop.setpoints import pressed
+from firmware_bridge.teleop.station import Unusable
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
 STOP_ANSWERED_EVERY: Final[Nanoseconds] = SECOND
@@ -37,6 +38,21 @@ def _manual_control(exchange: Exchange) -> None:
     if exchange.late is None:
         exchange.press(gone_down)
     exchange.take_stick()
+
+
+def _channels(exchange: Exchange) -> None:
+    if exchange.refusal is not None:
+        exchange.ignore()
+    elif exchange.newest():
+        exchange.take_channels()
+
+
+def _no_way_to_drive(exchange: Exchange) -> None:
+    """Say once in a while that a kind of set-point moves nothing."""
+    if exchange.refusal is not None:
+        exchange.ignore()
+    else:
+        exchange.refuse(Unusable(exchange.message.get_type(), "send SET_POSITION_TARGET_LOCAL_NED"))
 
 
 def _command(exchange: Exchange) -> None:
@@ -75,10 +91,9 @@ def _order(exchange: Exchange, order: Order, *, repeated: bool) -> None:
         return
     if stops:
         peer.stop_answered_at = exchange.now
-    if answer.reason and exchange.refusal is None:
-        exchange.replies += exchange.session.speaker.say(Severity.WARNING, answer.reason)
-    elif answer.reason:
-        exchange.warn("command", answer.reason)
+    if answer.reason:
+        # The same reason in a row is told now and then; the answer itself comes each time.
+        exchange.warn("command" if exchange.refusal is not None else answer.reason, answer.reason)
     peer.answered = Answered(order.command, order.params, answer.result, exchange.now)
     _acknowledge(exchange, order.command, answer.result)
 
@@ -129,7 +144,7 @@ def _parameter_set(exchange: Exchange) -> None:
     else:
         stream, rate = session.store.rate(index)
         if stream is not None:
-            session.schedule.change(stream, round(1e9 / rate) if rate > 0.0 else NEVER, exchange.now)
+            session.set_period(stream, round(1e9 / rate) if rate > 0.0 else NEVER, exchange.now)
     exchange.replies.append(session.store.message(index))
 
 
@@ -139,16 +154,8 @@ def _parameter_error(exchange: Exchange, index: int) -> None:
     exchange.replies.append(dialect.MAVLink_param_error_message(*exchange.address, name, index, unknown))
 
 
-def _mission_list(exchange: Exchange) -> None:
-    exchange.replies.append(
-        dialect.MAVLink_mission_count_message(*exchange.address, 0, exchange.message.mission_type)
-    )
-
-
-def _mission_ack(kind: int, exchange: Exchange) -> None:
-    exchange.replies.append(
-        dialect.MAVLink_mission_ack_message(*exchange.address, kind, exchange.message.mission_type)
-    )
+def _version(exchange: Exchange) -> None:
+    exchange.send(dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION)
 
 
 def _change_control(exchange: Exchange) -> None:
@@ -189,20 +196,26 @@ def _answered(exchange: Exchange) -> None:
         session.ages.answered(exchange.message, exchange.now)
 
 
+def _lacks(refusal: Refusal, exchange: Exchange) -> None:
+    answer = refusal(exchange.message, exchange.address)
+    exchange.replies += () if answer is None else (answer,)
+
+
 HANDLERS: Final[dict[int, Callable[[Exchange], None]]] = {
     dialect.MAVLINK_MSG_ID_MANUAL_CONTROL: _manual_control,
+    dialect.MAVLINK_MSG_ID_RC_CHANNELS_OVERRIDE: _channels,
     dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_LOCAL_NED: Exchange.take_target,
+    dialect.MAVLINK_MSG_ID_SET_ATTITUDE_TARGET: _no_way_to_drive,
+    dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_GLOBAL_INT: _no_way_to_drive,
+    dialect.MAVLINK_MSG_ID_SET_ACTUATOR_CONTROL_TARGET: _no_way_to_drive,
     dialect.MAVLINK_MSG_ID_COMMAND_LONG: _command,
     dialect.MAVLINK_MSG_ID_COMMAND_INT: _command,
     dialect.MAVLINK_MSG_ID_SET_MODE: _set_mode,
     dialect.MAVLINK_MSG_ID_PARAM_REQUEST_LIST: _parameter_list,
     dialect.MAVLINK_MSG_ID_PARAM_REQUEST_READ: _parameter_read,
     dialect.MAVLINK_MSG_ID_PARAM_SET: _parameter_set,
-    dialect.MAVLINK_MSG_ID_MISSION_REQUEST_LIST: _mission_list,
-    dialect.MAVLINK_MSG_ID_MISSION_COUNT: partial(_mission_ack, dialect.MAV_MISSION_UNSUPPORTED),
-    dialect.MAVLINK_MSG_ID_MISSION_REQUEST: partial(_mission_ack, dialect.MAV_MISSION_INVALID_SEQUENCE),
-    dialect.MAVLINK_MSG_ID_MISSION_REQUEST_INT: partial(_mission_ack, dialect.MAV_MISSION_INVALID_SEQUENCE),
-    dialect.MAVLINK_MSG_ID_MISSION_CLEAR_ALL: partial(_mission_ack, dialect.MAV_MISSION_ACCEPTED),
+    dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION_REQUEST: _version,
+    **{number: partial(_lacks, refusal) for number, refusal in LACKING.items()},
     dialect.MAVLINK_MSG_ID_CHANGE_OPERATOR_CONTROL: _change_control,
     dialect.MAVLINK_MSG_ID_SETUP_SIGNING: _setup_signing,
     dialect.MAVLINK_MSG_ID_TIMESYNC: _timesync,

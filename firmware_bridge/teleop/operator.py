@@ -15,10 +15,12 @@ from firmware_bridge.safety.snapshot import Hold, Snapshot
 from firmware_bridge.teleop.commands import asks_to_stop
 from firmware_bridge.teleop.control import Sender
 from firmware_bridge.teleop.exchange import Decide, Exchange
-from firmware_bridge.teleop.mavlink import Counters, Message, concerns, dialect
+from firmware_bridge.teleop.mavlink import Counters, Message, concerns, dialect, speaks_mavlink_1
 from firmware_bridge.teleop.messages import HANDLERS, stop_for_anybody
-from firmware_bridge.teleop.session import EVERYBODY, LISTING_GAP, Dropped, Session
+from firmware_bridge.teleop.session import EVERYBODY, Dropped, Session
 from firmware_bridge.teleop.station import Station
+from firmware_bridge.teleop.streams import Telemetry
+from firmware_bridge.teleop.texts import HoldTexts
 from firmware_bridge.teleop.trust import Stamps, Trust, is_signed
 from firmware_bridge.units import NEVER, Nanoseconds
 
@@ -50,7 +52,9 @@ class Operator(Generic[G, M, S]):
         self._session: Final = Session(
             robot, station, rest, rolling=rolling, modes=modes, guides=guides, trust=trust
         )
-        self._holds: dict[str, Hold] = {}
+        self._texts: Final = HoldTexts(self._session.speaker)
+        self._told: Final[dict[int, object]] = {}
+        """What was told last by the streams that are sent as soon as it changes, by their place."""
         self._called: Final = {axis.name: axis.called for axis in robot.axes}
         self._faults: Final[dict[str, str]] = {}
 
@@ -92,7 +96,7 @@ class Operator(Generic[G, M, S]):
     def next_due(self) -> Nanoseconds:
         """The instant at which `report` has something to send, whatever happens until then."""
         session = self._session
-        return min(session.schedule.next_due, session.list_due)
+        return min(session.schedule.next_due, session.audience.next_due, session.list_due)
 
     def hear(self, datagram: bytes, now: Nanoseconds, decide: Decide, source: int = 0) -> tuple[Packet, ...]:
         """Take one datagram, ask `decide` for what only the bridge can grant, and return the answers.
@@ -103,7 +107,7 @@ class Operator(Generic[G, M, S]):
         session = self._session
         codec = session.codec
         replies: list[Message] = []
-        good = beats = False
+        good = beats = old = False
         for message in codec.decode(datagram):
             sender = Sender(source, message.get_srcSystem(), message.get_srcComponent())
             if sender[1:] == (codec.system, codec.component):
@@ -123,6 +127,7 @@ class Operator(Generic[G, M, S]):
             self._say_if_signed_in_vain(message)
             session.heard(sender, message.get_seq(), now)
             good = True
+            old = speaks_mavlink_1(message)
             beats = beats or message.get_msgId() == dialect.MAVLINK_MSG_ID_HEARTBEAT
             if (handle := HANDLERS.get(message.get_msgId())) is not None:
                 exchange = Exchange(session, message, sender, now, decide)
@@ -130,7 +135,7 @@ class Operator(Generic[G, M, S]):
                 replies += exchange.replies
         if not good:
             return ()
-        session.audience.heard(source, len(datagram), now, beats=beats)
+        session.audience.heard(source, len(datagram), now, beats=beats, old=old)
         return session.audience.answer(source, replies, session.drives_from, now)
 
     def _doubted(
@@ -163,6 +168,7 @@ class Operator(Generic[G, M, S]):
             return False
         text = f"control: {session.control.driver} is gone, nobody drives"
         session.control.give_up()
+        session.driven.begin()
         session.adopt(None, now)
         session.tell(Severity.WARNING, text)
         return True
@@ -178,15 +184,17 @@ class Operator(Generic[G, M, S]):
         session = self._session
         session.snapshot = snapshot
         session.tell_link(now)
-        messages = session.untold + self._hold_texts(holds) + self._fault_texts(snapshot)
+        texts = session.untold + self._texts.told(holds, now) + self._fault_texts(snapshot)
         session.untold = []
-        due = session.schedule.due(now)
-        if due:
-            context = session.context(snapshot)
-            for place in due:
-                messages += session.streams[place].encode(context)
-        messages += self._parameters(now)
-        return session.audience.tell(messages, session.drives_from, now) + self._questions(now)
+        packets: tuple[Packet, ...] = ()
+        telemetry = Telemetry(session.streams, session.context(snapshot))
+        changed, due = telemetry.changed(self._told), session.schedule.due(now)
+        parameters = self._parameters(now)
+        for source in session.audience.told(session.drives_from, now):
+            own = session.audience.schedule(source)
+            streams = telemetry.messages(changed, due if own is None else own.due(now))
+            packets += session.audience.tell(source, texts + streams + parameters, now)
+        return packets + self._questions(now)
 
     def _questions(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Ask who drives about his clock, and how long his answer takes; nobody else is asked."""
@@ -194,22 +202,6 @@ class Operator(Generic[G, M, S]):
         if place is None:
             return ()
         return session.audience.answer(place, session.ages.questions(now), place, now)
-
-    def _hold_texts(self, holds: tuple[Hold, ...]) -> list[Message]:
-        current = {hold.name: hold for hold in holds}
-        if current.keys() == self._holds.keys():
-            return []
-        say = self._session.speaker.say
-        messages: list[Message] = []
-        for name in self._holds:
-            if name not in current:
-                messages += say(Severity.INFO, f"released: {name}")
-        for name, hold in current.items():
-            if name not in self._holds:
-                remedy = f"; {hold.remedy}" if hold.remedy else ""
-                messages += say(hold.row.severity, f"{hold.reason}{remedy}")
-        self._holds = current
-        return messages
 
     def _fault_texts(self, snapshot: Snapshot[M, S]) -> list[Message]:
         messages: list[Message] = []
@@ -233,5 +225,5 @@ class Operator(Generic[G, M, S]):
             messages.append(session.store.message(session.listed))
             session.listed += 1
             last = session.listed >= len(session.store.rows)
-            session.list_due = NEVER if last else session.list_due + LISTING_GAP
+            session.list_due = NEVER if last else session.list_due + session.listing_gap
         return messages

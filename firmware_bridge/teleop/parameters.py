@@ -11,7 +11,9 @@ from typing import Final, TypeVar
 
 from firmware_bridge.robot import AnyRobot, Robot, Table
 from firmware_bridge.teleop.mavlink import Message, dialect, text_of
+from firmware_bridge.teleop.schedule import Schedule
 from firmware_bridge.teleop.station import Fixed
+from firmware_bridge.units import SECOND
 
 G = TypeVar("G", bound=Table)
 
@@ -31,9 +33,12 @@ class Parameter:
     """The message whose rate in Hz this row is."""
 
 
-def parameters_of(robot: Robot[G], fixed: tuple[Fixed[G], ...]) -> tuple[Parameter, ...]:
-    """Return one robot's rows: its kind's, then those that all have; ValueError where a name stands twice."""
-    rows = (*(Parameter(row.name, row.value(robot), row.unit) for row in fixed), *_common(robot))
+def parameters_of(robot: Robot[G], fixed: tuple[Fixed[G], ...], schedule: Schedule) -> tuple[Parameter, ...]:
+    """Return one robot's rows: its kind's, then those that all have; ValueError where a name stands twice.
+
+    The rates are first those of the schedule.
+    """
+    rows = (*(Parameter(row.name, row.value(robot), row.unit) for row in fixed), *_common(robot, schedule))
     names = [row.name for row in rows]
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
@@ -41,21 +46,23 @@ def parameters_of(robot: Robot[G], fixed: tuple[Fixed[G], ...]) -> tuple[Paramet
     return rows
 
 
-def _common(robot: AnyRobot) -> tuple[Parameter, ...]:
+def _common(robot: AnyRobot, schedule: Schedule) -> tuple[Parameter, ...]:
     return (
         Parameter("CMD_TMO", robot.operator.silent_ms / 1000.0, "s"),
         Parameter("CYCLE", robot.cycle_ms / 1000.0, "s"),
         *(() if robot.battery is None else (Parameter("BAT_VLOW", robot.battery.low_v, "V"),)),
         Parameter("MAV_SYSID", float(robot.operator.system_id), ""),
         Parameter("MAV_COMPID", float(robot.operator.component_id), ""),
-        _rate("RATE_ODOM", dialect.MAVLINK_MSG_ID_ODOMETRY),
-        _rate("RATE_POS", dialect.MAVLINK_MSG_ID_LOCAL_POSITION_NED),
-        _rate("RATE_ATT", dialect.MAVLINK_MSG_ID_ATTITUDE),
+        _rate("RATE_ODOM", dialect.MAVLINK_MSG_ID_ODOMETRY, schedule),
+        _rate("RATE_POS", dialect.MAVLINK_MSG_ID_LOCAL_POSITION_NED, schedule),
+        _rate("RATE_ATT", dialect.MAVLINK_MSG_ID_ATTITUDE, schedule),
     )
 
 
-def _rate(name: str, stream: int) -> Parameter:
-    return Parameter(name, FASTEST_HZ, "Hz", (0.0, FASTEST_HZ), stream)
+def _rate(name: str, stream: int, schedule: Schedule) -> Parameter:
+    period = schedule.default(stream)
+    first = 0.0 if period is None else SECOND / period
+    return Parameter(name, first, "Hz", (0.0, FASTEST_HZ), stream)
 
 
 class Store:

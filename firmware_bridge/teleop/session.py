@@ -1,6 +1,6 @@
 """What the bridge remembers of its operators between two datagrams, and what its telemetry tells."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Final, NamedTuple, TypeAlias
 
 from firmware_bridge.drivers.driver import Power
@@ -8,15 +8,18 @@ from firmware_bridge.intent import NEVER_HEARD, AgeLimit, Intent
 from firmware_bridge.robot import AnyRobot, UnknownAge
 from firmware_bridge.safety.row import Severity
 from firmware_bridge.safety.snapshot import Facts, Snapshot
+from firmware_bridge.teleop import modes as ways
 from firmware_bridge.teleop.age import BOOT_WRAPS, Age, Ages, boot_ms
 from firmware_bridge.teleop.audience import Audience
 from firmware_bridge.teleop.control import Control, Sender
+from firmware_bridge.teleop.driven import Channels, Driven
 from firmware_bridge.teleop.link_quality import Link, Quality
 from firmware_bridge.teleop.mavlink import Codec, Message, dialect
 from firmware_bridge.teleop.parameters import Store, parameters_of
 from firmware_bridge.teleop.schedule import Schedule
 from firmware_bridge.teleop.station import AnyStation, Stick, Unusable, Velocity
-from firmware_bridge.teleop.telemetry import TelemetryContext, streams_of
+from firmware_bridge.teleop.streams import streams_of
+from firmware_bridge.teleop.telemetry import TelemetryContext
 from firmware_bridge.teleop.texts import Speaker
 from firmware_bridge.teleop.trust import Signatures, Trust
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
@@ -30,7 +33,9 @@ CAPABILITIES: Final = (
     | dialect.MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_C_CAST
 )
 LISTING_GAP: Final[Nanoseconds] = 10 * MILLISECOND
-"""Between two parameters of a list: a third of a 57600 baud link, nothing on a network."""
+"""Between two parameters of a list, where nobody has said how narrow the link is."""
+LISTED_BITS: Final = 1_500
+"""What one parameter of a list takes of a link's bandwidth: a quarter of it for 37 bytes."""
 REMEMBERED: Final[Nanoseconds] = 3 * SECOND
 """How long a command's answer is kept for its repetitions."""
 EVERYBODY: Final = Trust()
@@ -102,6 +107,8 @@ class Peer:
     stopped: Asked | None = None
     """Its newest wish to stop."""
     buttons: int | None = None
+    channels: Channels = field(default_factory=Channels)
+    """What it holds of RC_CHANNELS_OVERRIDE."""
     answered: Answered | None = None
     stop_answered_at: Nanoseconds = NEVER_HEARD
     """When an emergency stop was answered that it had sent while another one drove."""
@@ -135,6 +142,8 @@ class Dropped:
     """Motion commands that made no sense."""
     aged: int = 0
     """Wishes to go that were said before a wish to stop, or too long ago."""
+    idle: int = 0
+    """Sticks that are let go, while the robot is driven by set-points."""
     undriven: int = 0
     """Motion commands of stations that do not drive."""
     doubted: int = 0
@@ -163,9 +172,11 @@ class Session:
         self.guides: Final = ("", *guides)
         """By custom submode; the first is the operator."""
         self.codec: Final = Codec(robot.operator.system_id, robot.operator.component_id)
-        self.store: Final = Store(parameters_of(robot, station.parameters))
         self.streams: Final = streams_of(robot, station)
         self.schedule: Final = Schedule(tuple((row.number, row.period) for row in self.streams), robot.cycle)
+        self.store: Final = Store(parameters_of(robot, station.parameters, self.schedule))
+        self.silent_after: Final[Nanoseconds] = robot.operator.silent_ms * MILLISECOND
+        self.driven: Final = Driven(self.silent_after)
         self.speaker: Final = Speaker()
         self.intent: Intent[Any] = Intent(rest)
         self.snapshot: Snapshot[Any, Any] | None = None
@@ -188,6 +199,9 @@ class Session:
         self.dropped: Final = Dropped()
         self.terminated = False
         self.resets = 0
+        bandwidth = robot.operator.bandwidth_bit_s
+        slow = 0 if bandwidth is None else LISTED_BITS * SECOND // bandwidth
+        self.listing_gap: Final[Nanoseconds] = max(LISTING_GAP, slow)
         self.listed = len(self.store.rows)
         self.list_due: Nanoseconds = NEVER
 
@@ -266,6 +280,11 @@ class Session:
             wish, before.heard_at, before.said_at, dated=before.dated, neutral=before.neutral
         )
 
+    def set_period(self, number: int, period: Nanoseconds, now: Nanoseconds) -> None:
+        """Tell everybody a message so often who has not asked for another interval."""
+        self.schedule.follow(number, period, now)
+        self.audience.follow(number, period, now)
+
     def forget(self) -> None:
         """Forget what of a wish does not outlive a change of state."""
         self.wish(self.station.forgotten(self.intent.wish))
@@ -274,7 +293,8 @@ class Session:
         """Return what telemetry tells of a snapshot."""
         facts = snapshot.facts
         status = self._status(facts)
-        mode = dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | dialect.MAV_MODE_FLAG_MANUAL_INPUT_ENABLED
+        way = self.driven.way(paused=facts.paused)
+        mode = dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | ways.BY_WAY[way].flags
         if facts.armed:
             mode |= dialect.MAV_MODE_FLAG_SAFETY_ARMED
         return TelemetryContext(
@@ -284,7 +304,7 @@ class Session:
             snapshot=snapshot,
             twist=self.station.twist(snapshot.body),
             base_mode=mode,
-            custom_mode=self.modes.index(facts.mode),
+            custom_mode=ways.number_of(way, self.modes.index(facts.mode)),
             system_status=status,
             healthy=status in (dialect.MAV_STATE_STANDBY, dialect.MAV_STATE_ACTIVE),
             corrupt=self.codec.counters.corrupt,
@@ -293,10 +313,13 @@ class Session:
             lost=self.ages.losses.share,
         )
 
-    def messages(self, number: int) -> tuple[Message, ...] | None:
+    def messages(self, number: int, which: int = 0) -> tuple[Message, ...] | None:
         """Return a message for a station that asks for it once; None where the bridge has no such message."""
         if number == dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION:
             return (_version(),)
+        if number == dialect.MAVLINK_MSG_ID_AVAILABLE_MODES:
+            modes = ways.listed(self.modes)
+            return tuple(modes[which - 1 : which] if which else modes) or None
         streams = [stream for stream in self.streams if stream.number == number]
         if self.snapshot is None or not streams:
             return None
@@ -304,7 +327,7 @@ class Session:
         return tuple(message for stream in streams for message in stream.encode(context))
 
     def _status(self, facts: Facts) -> int:
-        silent = facts.now - self.intent.heard_at > self.robot.operator.silent_ms * MILLISECOND
+        silent = facts.now - self.intent.heard_at > self.silent_after
         axes = facts.axes.values()
         rows: tuple[tuple[bool, int], ...] = (
             (self.terminated, dialect.MAV_STATE_FLIGHT_TERMINATION),

@@ -9,10 +9,12 @@ at 500, and neither may move anything.
 """
 
 import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from typing import Final
 
 from firmware_bridge.teleop.mavlink import Message, dialect
-from firmware_bridge.teleop.station import Stick, Twist, Unusable, Velocity
+from firmware_bridge.teleop.station import Channel, Stick, StickAxis, Twist, Unusable, Velocity
 
 FULL_STICK: Final = 1000
 UNUSED: Final = 0x7FFF
@@ -21,23 +23,52 @@ BODY_FRAMES: Final = frozenset(
     {dialect.MAV_FRAME_BODY_NED, dialect.MAV_FRAME_BODY_OFFSET_NED, dialect.MAV_FRAME_BODY_FRD}
 )
 """Frames whose velocity is along the robot; 8 and 9 are the older names of 12."""
+MAP_FRAMES: Final = frozenset({dialect.MAV_FRAME_LOCAL_NED, dialect.MAV_FRAME_LOCAL_OFFSET_NED})
+"""Frames whose velocity is along the axes of the odometry; an offset is one of the position alone."""
 
-_NOT_VERTICAL: Final = dialect.POSITION_TARGET_TYPEMASK_VZ_IGNORE
-_NO_YAW_RATE: Final = dialect.POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE
-VELOCITY_AND_YAW_RATE: Final = 0x05E7
-VELOCITY_ONLY: Final = VELOCITY_AND_YAW_RATE | _NO_YAW_RATE
-_MASKS: Final = frozenset(
-    {
-        VELOCITY_AND_YAW_RATE,
-        VELOCITY_ONLY,
-        VELOCITY_AND_YAW_RATE & ~_NOT_VERTICAL,
-        VELOCITY_ONLY & ~_NOT_VERTICAL,
-    }
-)
-"""Type masks that say no more than a velocity and a yaw rate; 1479 is what MAVSDK sends."""
+
+@dataclass(frozen=True, slots=True)
+class Carries:
+    """What a type mask leaves in a set-point, beside a velocity on the plane."""
+
+    vertical: bool
+    turn: bool
+    """A yaw rate."""
+    heading: bool
+    """A yaw angle: this bridge turns to none."""
+
+
+_VERTICAL: Final = dialect.POSITION_TARGET_TYPEMASK_VZ_IGNORE
+_TURN: Final = dialect.POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE
+_HEADING: Final = dialect.POSITION_TARGET_TYPEMASK_YAW_IGNORE
+_FORCE: Final = dialect.POSITION_TARGET_TYPEMASK_FORCE_SET
+"""It says what an acceleration means, and so nothing where that is left out: DroneKit sets it in 4039."""
+_NO_PLACE_NO_ACCELERATION: Final = 0x01C7
+_MASKS: Final = {
+    _NO_PLACE_NO_ACCELERATION
+    | (0 if vertical else _VERTICAL)
+    | (0 if turn else _TURN)
+    | (0 if heading else _HEADING): Carries(vertical, turn, heading)
+    for vertical in (False, True)
+    for turn in (False, True)
+    for heading in (False, True)
+}
+"""Type masks with a velocity and without place and acceleration: 1511 and 3559, 1479 and 2503 of MAVSDK and
+MAVROS, 4039 of DroneKit."""
 
 _ABSURD: Final = 10.0
 """Times the robot's limit; nobody who drives means it."""
+
+RELEASED: Final = 0
+"""Of RC_CHANNELS_OVERRIDE, channels 1 to 8: given back to the radio."""
+KEPT: Final = 0xFFFF
+"""Left as it is."""
+_RELEASED_ABOVE: Final = 0xFFFE
+_FIRST_OF_EXTENSIONS: Final = 9
+"""From this channel on 0 leaves it as it is, and 65534 gives it back (common.xml)."""
+_NEUTRAL_US, _FULL_US = 1500, 500
+_LEAST_US, _MOST_US = 900, 2100
+"""A receiver that has lost its transmitter sends less than 950, and nobody's stick as much as that."""
 
 
 def pressed(buttons: int, button: int | None) -> bool:
@@ -63,27 +94,88 @@ def stick_of(message: Message, *, up: bool, dead_band: float) -> Stick | Unusabl
     )
 
 
-def velocity_of(message: Message, largest: Twist) -> Velocity | Unusable:
-    """Read a SET_POSITION_TARGET_LOCAL_NED of a robot whose limits are `largest`."""
-    mask = message.type_mask
-    if message.coordinate_frame not in BODY_FRAMES:
+def channels_of(message: Message, rows: Iterable[Channel]) -> dict[int, int | None] | Unusable:
+    """Read these rows' channels of an RC_CHANNELS_OVERRIDE, in us; None: given back, left out: kept."""
+    told: dict[int, int | None] = {}
+    for row in rows:
+        value: int = getattr(message, f"chan{row.number}_raw")
+        extended = row.number >= _FIRST_OF_EXTENSIONS
+        if value == KEPT or (extended and value == RELEASED):
+            continue
+        if value == (_RELEASED_ABOVE if extended else RELEASED):
+            told[row.number] = None
+        elif _LEAST_US <= value <= _MOST_US:
+            told[row.number] = value
+        else:
+            return Unusable(
+                "channel", f"channel {row.number} = {value} us, neither 1000 to 2000 nor released"
+            )
+    return told
+
+
+def stick_of_channels(channels: Mapping[int, int], rows: Iterable[Channel]) -> Stick:
+    """Return the stick that these channels are, in us; one that is not there is an axis that is not used."""
+    shares: dict[StickAxis, float] = {}
+    for row in rows:
+        if row.number in channels:
+            share = (channels[row.number] - _NEUTRAL_US) / _FULL_US
+            shares[row.axis] = row.sign * min(max(share, -1.0), 1.0)
+    return Stick(
+        forward=shares.get(StickAxis.FORWARD),
+        left=shares.get(StickAxis.LEFT),
+        turn=shares.get(StickAxis.TURN),
+        up=None,
+    )
+
+
+def velocity_of(message: Message, largest: Twist, heading_rad: float | None = None) -> Velocity | Unusable:
+    """Read a SET_POSITION_TARGET_LOCAL_NED of a robot whose limits are `largest`, and which heads there.
+
+    To stand still is understood in any of these frames, with whatever heading beside it.
+    """
+    carries = _MASKS.get(message.type_mask & ~_FORCE)
+    if message.coordinate_frame not in BODY_FRAMES | MAP_FRAMES:
         return Unusable("frame", f"frame {message.coordinate_frame}; only body frames 8, 9 and 12")
-    if mask not in _MASKS:
-        return Unusable("mask", f"type mask {mask}; only velocity with or without yaw rate (1511, 3559)")
-    yaw_rate = 0.0 if mask & _NO_YAW_RATE else -message.yaw_rate
-    climb = 0.0 if mask & _NOT_VERTICAL else message.vz
+    if carries is None:
+        return Unusable(
+            "mask", f"type mask {message.type_mask}; only velocity with or without yaw rate (1511, 3559)"
+        )
+    yaw_rate = -message.yaw_rate if carries.turn else 0.0
+    climb = message.vz if carries.vertical else 0.0
     if not all(map(math.isfinite, (message.vx, message.vy, climb, yaw_rate))):
         return Unusable("not finite", "a velocity that is no finite number")
-    if climb != 0.0:
-        return Unusable("vertical", "this robot stays on its plane")
+    if message.vx == message.vy == climb == yaw_rate == 0.0:
+        return Velocity(0.0, 0.0, 0.0 if carries.turn else None)
+    along: tuple[float, float] | Unusable = _along(message, largest, heading_rad)
+    if carries.heading:
+        along = Unusable("heading", f"type mask {message.type_mask} asks for a heading; send a yaw rate")
+    elif climb != 0.0:
+        along = Unusable("vertical", "this robot stays on its plane")
+    if isinstance(along, Unusable):
+        return along
+    return _sane(Velocity(*along, yaw_rate if carries.turn else None), largest)
+
+
+def _along(message: Message, largest: Twist, heading_rad: float | None) -> tuple[float, float] | Unusable:
+    """Return the velocity forward and left; one on the map is followed by a robot that can go any way."""
+    if message.coordinate_frame in BODY_FRAMES:
+        return message.vx, 0.0 - message.vy  # of a zero no negative one
+    if largest.left_mps == 0.0 or heading_rad is None:
+        reason = "only body frames 8, 9 and 12: it cannot go sideways"
+        return Unusable("frame", f"frame {message.coordinate_frame}; {reason}")
+    cosine, sine = math.cos(heading_rad), math.sin(heading_rad)
+    return message.vx * cosine - message.vy * sine, -message.vx * sine - message.vy * cosine
+
+
+def _sane(velocity: Velocity, largest: Twist) -> Velocity | Unusable:
+    forward, left, yaw_rate = velocity.forward_mps, velocity.left_mps, velocity.yaw_rate_rad_s or 0.0
     fastest = _ABSURD * math.hypot(largest.forward_mps, largest.left_mps)
-    forward, left = message.vx, 0.0 - message.vy  # of a zero no negative one
     if math.hypot(forward, left) > fastest or abs(yaw_rate) > _ABSURD * largest.yaw_rate_rad_s:
         return Unusable(
             "absurd",
             f"{forward:.3g} m/s forward, {left:.3g} m/s left, {yaw_rate:.3g} rad/s counter-clockwise",
         )
-    return Velocity(forward, left, None if mask & _NO_YAW_RATE else yaw_rate)
+    return velocity
 
 
 def _share(axis: int) -> float | None:

@@ -6,6 +6,7 @@ into MAVLink's, and only there. Rows that the protocol cannot carry are refused 
 
 from collections.abc import Callable, Iterable
 from dataclasses import KW_ONLY, dataclass
+from enum import Enum
 from typing import Any, Final, Generic, TypeAlias, TypeVar
 
 from firmware_bridge.robot import Robot
@@ -19,6 +20,8 @@ S = TypeVar("S")
 
 BUTTONS: Final = 16
 """How many buttons MANUAL_CONTROL has in its first field."""
+CHANNELS: Final = 18
+"""How many channels RC_CHANNELS_OVERRIDE has."""
 ACTUATORS: Final = 6
 """How many actuators one DO_SET_ACTUATOR moves."""
 VALUE_NAME: Final = 10
@@ -77,6 +80,33 @@ class Unusable:
 
     key: str
     reason: str
+
+
+class StickAxis(Enum):
+    """An axis of `Stick` that a channel may be."""
+
+    FORWARD = 1
+    LEFT = 2
+    TURN = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """One channel of a radio control, which RC_CHANNELS_OVERRIDE carries: 1000 to 2000 us, 1500 let go."""
+
+    number: int
+    """Counted from 1."""
+    axis: StickAxis
+    sign: int
+    """1 where more microseconds are forward, left or counter-clockwise."""
+
+
+USUAL_CHANNELS: Final = (
+    Channel(1, StickAxis.TURN, -1),
+    Channel(3, StickAxis.FORWARD, 1),
+    Channel(4, StickAxis.LEFT, -1),
+)
+"""As ArduPilot's Rover has them: 1 steers to the right, 3 is the throttle, 4 goes to the right."""
 
 
 @dataclass(frozen=True)
@@ -163,6 +193,8 @@ class Station(Generic[G, M, S]):
     dead_band: float = 0.05
     """A hand that rests on a stick does not hold it at zero: less z counts for nothing, and a stick is let go
     where no axis passes it."""
+    channels: tuple[Channel, ...] = USUAL_CHANNELS
+    """What RC_CHANNELS_OVERRIDE moves; z, which needs a button, is not among it."""
     switches: tuple[Switch[M], ...] = ()
     actuators: tuple[Actuator[G, M], ...] = ()
     """By DO_SET_ACTUATOR's parameters 1, 2, ... of set 0."""
@@ -184,6 +216,9 @@ class Station(Generic[G, M, S]):
         _need_names("parameters", [row.name for row in self.parameters], PARAMETER_NAME)
         if not all(0 <= button < BUTTONS for button in buttons):
             raise ValueError(f"station: buttons are counted from 0 to {BUTTONS - 1}, not {buttons}")
+        _need_distinct("channels", [channel.number for channel in self.channels])
+        if not all(1 <= row.number <= CHANNELS and row.sign in (1, -1) for row in self.channels):
+            raise ValueError(f"station: channels are 1 to {CHANNELS}, with sign 1 or -1")
         if len(self.actuators) > ACTUATORS:
             raise ValueError(f"station: {len(self.actuators)} actuators, MAVLink moves at most {ACTUATORS}")
         hasty = [value.name for value in self.values if value.period < FASTEST]

@@ -1,11 +1,11 @@
-"""What the operator is told and how often: one row for each message.
+"""What the operator is told of one instant, message by message; `streams` knows how often.
 
 The robot counts left, up and counter-clockwise positive; MAVLink's NED and FRD frames count right, down and
 clockwise: y, yaw and yaw rate change their sign here, and only here.
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -13,8 +13,8 @@ from firmware_bridge.drivers.driver import Feedback
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.teleop.mavlink import Message, dialect
-from firmware_bridge.teleop.station import AnyStation, Twist, Value
-from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, to_seconds
+from firmware_bridge.teleop.station import AnyStation, Twist
+from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
 UNKNOWN_U16: Final = 0xFFFF
 UNKNOWN: Final = -1
@@ -85,89 +85,37 @@ class TelemetryContext:
         return battery is not None and volts is not None and not volts >= battery.low_v
 
 
-@dataclass(frozen=True, slots=True)
-class Stream:
-    """One message that is sent by the clock."""
-
-    number: int
-    period: Nanoseconds
-    encode: Callable[[TelemetryContext], Iterable[Message]]
-    tells: str
-
-
-def streams_of(robot: AnyRobot, station: AnyStation) -> tuple[Stream, ...]:
-    """Return what one robot sends, in the order in which it is sent: heartbeat, then the fastest first."""
-    switches = ", ".join(switch.telemetry for switch in station.switches if switch.telemetry)
-    rows: list[Stream] = [
-        Stream(dialect.MAVLINK_MSG_ID_ODOMETRY, SECOND // 20, _odometry, "pose, speed and yaw rate"),
-        Stream(dialect.MAVLINK_MSG_ID_LOCAL_POSITION_NED, SECOND // 20, _position, "X, Y"),
-        Stream(dialect.MAVLINK_MSG_ID_ATTITUDE, SECOND // 20, _attitude, "heading"),
-        Stream(dialect.MAVLINK_MSG_ID_WHEEL_DISTANCE, SECOND // 5, _distances, "m, in the order of wheels"),
-        *(_stream_of(value) for value in station.values),
-        Stream(dialect.MAVLINK_MSG_ID_DEBUG_FLOAT_ARRAY, SECOND // 10, _speeds, "wheels: units a second"),
-        Stream(dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT, SECOND // 5, _currents, "I1, I2, ...: A, all axes"),
-        Stream(
-            dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT,
-            SECOND,
-            _link,
-            "of who drives: RTT, round trip, s; AGE, of his newest motion command as it came, s; LOSS, share "
-            "of his frames",
-        ),
-        Stream(dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT, SECOND // 2, _switches, f"{switches}: 0 or 1"),
-        Stream(dialect.MAVLINK_MSG_ID_SYS_STATUS, SECOND, _system, "voltage, health, corrupt frames, faults"),
-        Stream(dialect.MAVLINK_MSG_ID_EXTENDED_SYS_STATE, SECOND, _landed, "on the ground"),
-        Stream(dialect.MAVLINK_MSG_ID_BATTERY_STATUS, 2 * SECOND, _battery, "voltage, sum of the currents"),
-    ]
-    lacking = {
-        dialect.MAVLINK_MSG_ID_WHEEL_DISTANCE: station.metres_rolled is None,
-        dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT: not switches,
-        dialect.MAVLINK_MSG_ID_BATTERY_STATUS: robot.battery is None,
-    }
-    sent = [row for row in rows if not lacking.get(row.number)]
-    heartbeat: Stream = Stream(
-        dialect.MAVLINK_MSG_ID_HEARTBEAT, SECOND, _heartbeat, "rover, armed or not, mode, status"
-    )
-    return (heartbeat, *sorted(sent, key=lambda row: row.period))
-
-
 def wrapped(angle_rad: float) -> float:
     """Return the same direction within -pi to pi."""
     return math.remainder(angle_rad, math.tau)
 
 
-def _stream_of(value: Value[Any, Any]) -> Stream:
-    def encode(context: TelemetryContext) -> tuple[Message, ...]:
-        number = value.read(context.snapshot)
-        return () if number is None else (_named(context.boot_ms, value.name, number),)
-
-    tells = f"{value.name}: {value.tells}"
-    return Stream(dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT, value.period, encode, tells)
-
-
-def _heartbeat(context: TelemetryContext) -> Iterator[Message]:
+def heartbeat(context: TelemetryContext) -> Iterator[Message]:
+    """Tell what it is, whether it is armed, its way and its status."""
     kind, nobody = dialect.MAV_TYPE_GROUND_ROVER, dialect.MAV_AUTOPILOT_GENERIC
     yield dialect.MAVLink_heartbeat_message(
         kind, nobody, context.base_mode, context.custom_mode, context.system_status, 3
     )
 
 
-def _attitude(context: TelemetryContext) -> Iterator[Message]:
+def attitude(context: TelemetryContext) -> Iterator[Message]:
+    """Tell the heading, and how fast it turns."""
     yaw = wrapped(-context.snapshot.pose.heading_rad)
     rate = -context.twist.yaw_rate_rad_s
     yield dialect.MAVLink_attitude_message(context.boot_ms, 0.0, 0.0, yaw, 0.0, 0.0, rate)
 
 
-def _position(context: TelemetryContext) -> Iterator[Message]:
-    pose, twist = context.snapshot.pose, context.twist
-    cosine, sine = math.cos(pose.heading_rad), math.sin(pose.heading_rad)
-    north = twist.forward_mps * cosine - twist.left_mps * sine
-    east = -twist.forward_mps * sine - twist.left_mps * cosine
+def position(context: TelemetryContext) -> Iterator[Message]:
+    """Tell place and velocity on the map."""
+    pose = context.snapshot.pose
+    north, east = _over_ground(context)
     yield dialect.MAVLink_local_position_ned_message(
         context.boot_ms, pose.x_m, -pose.y_m, 0.0, north, east, 0.0
     )
 
 
-def _odometry(context: TelemetryContext) -> Iterator[Message]:
+def odometry(context: TelemetryContext) -> Iterator[Message]:
+    """Tell pose, velocity and yaw rate."""
     pose, twist = context.snapshot.pose, context.twist
     half = wrapped(-pose.heading_rad) / 2.0
     yield dialect.MAVLink_odometry_message(
@@ -191,25 +139,29 @@ def _odometry(context: TelemetryContext) -> Iterator[Message]:
     )
 
 
-def _speeds(context: TelemetryContext) -> Iterator[Message]:
+def speeds(context: TelemetryContext) -> Iterator[Message]:
+    """Tell how fast the rolling axes turn."""
     speeds = _padded([axis.velocity for axis in context.rolled], _FLOATS)
     yield dialect.MAVLink_debug_float_array_message(context.boot_us, b"wheels", 1, speeds)
 
 
-def _distances(context: TelemetryContext) -> Iterator[Message]:
+def distances(context: TelemetryContext) -> Iterator[Message]:
+    """Tell how far the wheels have rolled."""
     find = context.station.metres_rolled
     each = NAN if find is None else find(context.robot)
     rolled = [axis.position * each for axis in context.rolled][:_DISTANCES]
     yield dialect.MAVLink_wheel_distance_message(context.boot_us, len(rolled), _padded(rolled, _DISTANCES))
 
 
-def _currents(context: TelemetryContext) -> Iterator[Message]:
+def currents(context: TelemetryContext) -> Iterator[Message]:
+    """Tell the currents that are known."""
     for place, axis in enumerate(context.axes, 1):
         if axis.current_a is not None:
-            yield _named(context.boot_ms, f"I{place}", axis.current_a)
+            yield named(context.boot_ms, f"I{place}", axis.current_a)
 
 
-def _link(context: TelemetryContext) -> Iterator[Message]:
+def link(context: TelemetryContext) -> Iterator[Message]:
+    """Tell how good the link to who drives is."""
     age, trip = context.snapshot.facts.age, context.round_trip
     figures = {
         "RTT": None if trip is None else to_seconds(trip),
@@ -218,10 +170,11 @@ def _link(context: TelemetryContext) -> Iterator[Message]:
     }
     for name, value in figures.items():
         if value is not None:
-            yield _named(context.boot_ms, name, value)
+            yield named(context.boot_ms, name, value)
 
 
-def _switches(context: TelemetryContext) -> Iterator[Message]:
+def switches(context: TelemetryContext) -> Iterator[Message]:
+    """Tell what is switched on."""
     wish, at = context.snapshot.wish, context.boot_ms
     for switch in context.station.switches:
         if switch.telemetry:
@@ -230,12 +183,74 @@ def _switches(context: TelemetryContext) -> Iterator[Message]:
             )
 
 
-def _landed(_: TelemetryContext) -> Iterator[Message]:
-    vtol, ground = dialect.MAV_VTOL_STATE_UNDEFINED, dialect.MAV_LANDED_STATE_ON_GROUND
-    yield dialect.MAVLink_extended_sys_state_message(vtol, ground)
+def landed(context: TelemetryContext) -> Iterator[Message]:
+    """Tell of an armed robot what PX4 tells of an armed rover: that it has not landed.
+
+    QGroundControl offers its emergency stop, which brakes, only to what is armed and not landed.
+    """
+    air, ground = dialect.MAV_LANDED_STATE_IN_AIR, dialect.MAV_LANDED_STATE_ON_GROUND
+    state = air if context.snapshot.facts.armed else ground
+    yield dialect.MAVLink_extended_sys_state_message(dialect.MAV_VTOL_STATE_UNDEFINED, state)
 
 
-def _system(context: TelemetryContext) -> Iterator[Message]:
+def hud(context: TelemetryContext) -> Iterator[Message]:
+    """Tell the speed over ground, and the heading in degrees."""
+    speed = math.hypot(context.twist.forward_mps, context.twist.left_mps)
+    yield dialect.MAVLink_vfr_hud_message(speed, speed, _compass(context) // 100, 0, 0.0, 0.0)
+
+
+def global_position(context: TelemetryContext) -> Iterator[Message]:
+    """Tell the heading where stations look for it; a place of 0, 0 is not known, as ArduPilot sends it."""
+    north, east = _over_ground(context)
+    yield dialect.MAVLink_global_position_int_message(
+        context.boot_ms, 0, 0, 0, 0, _centimetres(north), _centimetres(east), 0, _compass(context)
+    )
+
+
+def current_mode(context: TelemetryContext) -> Iterator[Message]:
+    """Tell the way in which the robot is driven."""
+    number, none = context.custom_mode, dialect.MAV_STANDARD_MODE_NON_STANDARD
+    yield dialect.MAVLink_current_mode_message(none, number, number)
+
+
+def modes_monitor(_: TelemetryContext) -> Iterator[Message]:
+    """Tell that the list of modes is the same as ever."""
+    yield dialect.MAVLink_available_modes_monitor_message(0)
+
+
+def no_gps(context: TelemetryContext) -> Iterator[Message]:
+    """Tell that nothing receives satellites."""
+    unknown = UNKNOWN_U16
+    yield dialect.MAVLink_gps_raw_int_message(
+        context.boot_us, dialect.GPS_FIX_TYPE_NO_GPS, 0, 0, 0, unknown, unknown, unknown, unknown, 0xFF
+    )
+
+
+def home(_: TelemetryContext) -> Iterator[Message]:
+    """Tell where the odometry began: its origin."""
+    north = (1.0, 0.0, 0.0, 0.0)
+    yield dialect.MAVLink_home_position_message(0, 0, 0, 0.0, 0.0, 0.0, north, 0.0, 0.0, 0.0)
+
+
+def _over_ground(context: TelemetryContext) -> tuple[float, float]:
+    """Return the velocity north and east, in m/s."""
+    heading, twist = context.snapshot.pose.heading_rad, context.twist
+    cosine, sine = math.cos(heading), math.sin(heading)
+    north = twist.forward_mps * cosine - twist.left_mps * sine
+    return north, -twist.forward_mps * sine - twist.left_mps * cosine
+
+
+def _compass(context: TelemetryContext) -> int:
+    """Return the heading clockwise in hundredths of a degree, 0 to 35999; 0 where the odometry began."""
+    return round(-math.degrees(context.snapshot.pose.heading_rad) * 100.0) % 36_000
+
+
+def _centimetres(metres: float) -> int:
+    return round(max(min(metres * 100.0, _LARGEST_I16), -_LARGEST_I16))
+
+
+def system(context: TelemetryContext) -> Iterator[Message]:
+    """Tell what is there, what is healthy, and what has gone wrong on the link."""
     motors, ready = dialect.MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS, dialect.MAV_SYS_STATUS_PREARM_CHECK
     drive = dialect.MAV_SYS_STATUS_SENSOR_PROPULSION
     battery = 0 if context.robot.battery is None else dialect.MAV_SYS_STATUS_SENSOR_BATTERY
@@ -245,8 +260,10 @@ def _system(context: TelemetryContext) -> Iterator[Message]:
         onboard_control_sensors_enabled=battery
         | ready
         | (motors | drive if context.snapshot.facts.armed else 0),
+        # Of a fence that is not there none is breached: MAVProxy would say so.
         onboard_control_sensors_health=(motors | ready | drive if context.healthy else 0)
-        | (battery if charged else 0),
+        | (battery if charged else 0)
+        | dialect.MAV_SYS_STATUS_GEOFENCE,
         load=0,
         voltage_battery=_millivolts(context.battery_v),
         current_battery=_centiamperes(context.axes),
@@ -260,7 +277,8 @@ def _system(context: TelemetryContext) -> Iterator[Message]:
     )
 
 
-def _battery(context: TelemetryContext) -> Iterator[Message]:
+def battery(context: TelemetryContext) -> Iterator[Message]:
+    """Tell voltage and current."""
     charge = dialect.MAV_BATTERY_CHARGE_STATE_UNDEFINED
     if context.battery_v is not None:
         low, okay = dialect.MAV_BATTERY_CHARGE_STATE_LOW, dialect.MAV_BATTERY_CHARGE_STATE_OK
@@ -279,7 +297,8 @@ def _battery(context: TelemetryContext) -> Iterator[Message]:
     )
 
 
-def _named(boot_ms: int, name: str, value: float) -> Message:
+def named(boot_ms: int, name: str, value: float) -> Message:
+    """Return a value with its name, at most ten letters."""
     return dialect.MAVLink_named_value_float_message(boot_ms, name.encode("ascii"), value)
 
 

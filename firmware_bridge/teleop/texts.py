@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from firmware_bridge.safety.row import Severity
+from firmware_bridge.safety.snapshot import Hold
 from firmware_bridge.teleop.mavlink import Message, dialect, text_of
 from firmware_bridge.units import SECOND, Nanoseconds
 
@@ -22,14 +23,32 @@ def chunks(text: str) -> list[bytes]:
     return [plain[at : at + CHUNK] for at in range(0, len(plain), CHUNK)]
 
 
+@dataclass(slots=True)
+class _Said:
+    """A text that may come again."""
+
+    at: Nanoseconds
+    quiet: Nanoseconds
+    """For so long it does not."""
+    kept_back: int = 0
+
+
 class Speaker:
-    """Makes STATUSTEXT messages, numbers the long ones, and says the same refusal only every two seconds."""
+    """Makes STATUSTEXT messages, numbers the long ones, and says the same refusal only every two seconds.
+
+    One that a stream of messages deserves again and again is told more and more seldom.
+    """
 
     QUIET: Final[Nanoseconds] = 2 * SECOND
+    QUIETEST: Final[Nanoseconds] = 32 * SECOND
+    STREAM: Final = 10
+    """So often in one quiet time nobody presses a button."""
+    MOST: Final = 64
+    """Kinds of texts that are remembered."""
 
     def __init__(self) -> None:
         self._number = 0
-        self._said_at: dict[str, Nanoseconds] = {}
+        self._said: Final[dict[str, _Said]] = {}
 
     def say(self, severity: Severity, text: str) -> list[Message]:
         """Return the text as one message, or as several with one number."""
@@ -41,11 +60,50 @@ class Speaker:
 
     def say_sometimes(self, key: str, text: str, now: Nanoseconds) -> list[Message]:
         """Return a warning, or nothing where one with this key was said less than two seconds ago."""
-        said_at = self._said_at.get(key)
-        if said_at is not None and now - said_at < self.QUIET:
-            return []
-        self._said_at[key] = now
+        said = self._said.pop(key, None)
+        quiet = self.QUIET
+        if said is not None:
+            if now - said.at < said.quiet:
+                said.kept_back += 1
+                self._said[key] = said
+                return []
+            streams = said.kept_back >= self.STREAM and now - said.at < 2 * said.quiet
+            quiet = min(2 * said.quiet, self.QUIETEST) if streams else self.QUIET
+        while len(self._said) >= self.MOST:
+            del self._said[next(iter(self._said))]
+        self._said[key] = _Said(now, quiet)
         return self.say(Severity.WARNING, text)
+
+
+class HoldTexts:
+    """Tells what holds and what has let go; of one that comes and goes, three times in two seconds."""
+
+    MOST: Final = 3
+
+    def __init__(self, speaker: Speaker) -> None:
+        self._speaker: Final = speaker
+        self._told: Final[dict[str, None]] = {}
+        """What holds, as far as it has been told."""
+        self._began: Final[dict[str, list[Nanoseconds]]] = {}
+        """When beginnings were told lately."""
+
+    def told(self, holds: tuple[Hold, ...], now: Nanoseconds) -> list[Message]:
+        """Return texts of what is not as it was told last."""
+        current = {hold.name: hold for hold in holds}
+        if current.keys() == self._told.keys():
+            return []
+        messages: list[Message] = []
+        for name in [one for one in self._told if one not in current]:
+            del self._told[name]
+            messages += self._speaker.say(Severity.INFO, f"released: {name}")
+        for name, hold in current.items():
+            lately = [at for at in self._began.get(name, ()) if now - at < Speaker.QUIET]
+            if name not in self._told and len(lately) < self.MOST:
+                self._told[name] = None
+                self._began[name] = [*lately, now]
+                remedy = f"; {hold.remedy}" if hold.remedy else ""
+                messages += self._speaker.say(hold.row.severity, f"{hold.reason}{remedy}")
+        return messages
 
 
 @dataclass(frozen=True, slots=True)

@@ -272,8 +272,18 @@ def test_any_good_frame_keeps_control_and_that_of_another_does_not(bench: RarsBe
     assert bench.operator.lapse(bench.now)
 
 
-def test_nobody_but_the_driver_sets_rates(other: Hand) -> None:
-    assert other.result(INTERVAL, 331, -1) == DENIED
+@pytest.mark.parametrize(
+    ("interval_us", "result"), [(-1, ACCEPTED), (50_000, ACCEPTED), (0, ACCEPTED), (49_999, DENIED)]
+)
+def test_who_does_not_drive_is_told_no_more_often_than_others(
+    bench: RarsBench, driver: Hand, interval_us: int, result: int
+) -> None:
+    assert driver.result(INTERVAL, 331, 20_000) == ACCEPTED
+    assert Hand(bench, THERE).result(INTERVAL, 331, interval_us) == result
+
+
+def test_at_the_drivers_own_place_nobody_else_sets_intervals(bench: RarsBench, driver: Hand) -> None:
+    assert Hand(bench, driver.source, 254).result(INTERVAL, 331, -1) == DENIED
 
 
 def test_strangers_do_not_fill_the_memory_nor_push_the_driver_out(bench: RarsBench, driver: Hand) -> None:

@@ -65,9 +65,11 @@ def test_qgroundcontrol_gets_through_its_connection(bench: RarsBench) -> None:
     bench.report()
     version, ack = bench.order(512, 148)
     assert (version.get_type(), ack.result) == ("AUTOPILOT_VERSION", 0)
-    for modes_or_metadata in (435, 397):
-        [ack] = bench.order(512, modes_or_metadata)
-        assert ack.result == 3
+    *modes, ack = bench.order(512, 435)
+    assert ([one.mode_name for one in modes], ack.result) == (["Manual", "Guided", "Hold"], 0)
+    assert [(one.number_modes, one.mode_index) for one in modes] == [(3, 1), (3, 2), (3, 3)]
+    [ack] = bench.order(512, 397)  # COMPONENT_METADATA
+    assert ack.result == 3
     assert bench.say(dialect.MAVLink_param_request_list_message(1, 1)) == []
     asked_at = bench.now
     first = [one for one in bench.report() if one.get_type() == "PARAM_VALUE"]

@@ -9,13 +9,16 @@ import pytest
 
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.teleop.parameters import parameters_of
+from firmware_bridge.teleop.schedule import Schedule
+from firmware_bridge.units import SECOND
 from hil_tests.unit.teleop.bench import rars
 from hil_tests.unit.teleop.heard import texts
 
 if TYPE_CHECKING:
     from hil_tests.unit.teleop.bench import RarsBench
 
-PARAMETERS = parameters_of(rars().robot, rars().rows.parameters)
+RATES = Schedule(((331, SECOND // 20), (32, SECOND // 20), (30, SECOND // 20)), SECOND // 20)
+PARAMETERS = parameters_of(rars().robot, rars().rows.parameters, RATES)
 
 
 def test_parameters_are_listed_once_each_and_slowly(bench: RarsBench) -> None:

@@ -84,20 +84,57 @@ def test_other_frames_are_refused(frame: int) -> None:
 
 @pytest.mark.parametrize(
     ("mask", "yaw_rate"),
-    [(0x05E7, 0.5), (0x05C7, 0.5), (0x0DE7, None), (0x0DC7, None)],
-    ids=["velocity and yaw rate", "the same with vz", "velocity only", "velocity only with vz"],
+    [(0x05E7, 0.5), (0x05C7, 0.5), (0x0DE7, None), (0x0DC7, None), (4039, None), (0x05E7 | 0x200, 0.5)],
+    ids=[
+        "velocity and yaw rate",
+        "the same with vz, as MAVSDK and MAVROS send it",
+        "velocity only",
+        "velocity only with vz",
+        "DroneKit's, which says that an acceleration would be a force",
+        "the same with yaw rate",
+    ],
 )
 def test_masks_of_velocity_are_followed(mask: int, yaw_rate: float | None) -> None:
     assert target(0.31, -0.5, mask=mask) == Velocity(0.31, 0.0, yaw_rate)
 
 
 @pytest.mark.parametrize(
-    "mask", [0x0000, 0x0DFC, 0x09FF, 0x05FF, 0x0FFF, 0x0DE6, 0x09E7, 0x05E7 | 0x200, 0xFFFF, 0x05EF]
+    "mask",
+    [0x0000, 0x0DFC, 0x09FF, 0x05FF, 0x0FFF, 0x0DE6, 0x09E7, 2503, 2496, 0x05E7 & ~0x40, 0xFFFF, 0x05EF],
 )
 def test_other_masks_are_refused(mask: int) -> None:
     found = target(0.2, 0.0, mask=mask)
     assert isinstance(found, Unusable)
     assert f"mask {mask}" in found.reason
+
+
+@pytest.mark.parametrize("mask", [0x09E7, 2503, 4039, 1479, 0x01C7])
+@pytest.mark.parametrize("frame", [1, 7, 8, 9, 12])
+def test_to_stand_still_is_understood_in_any_frame_with_any_heading(mask: int, frame: int) -> None:
+    found = target(0.0, 0.0, mask=mask, frame=frame)
+    assert isinstance(found, Velocity)
+    assert found.zero
+
+
+@pytest.mark.parametrize("frame", [1, 7])
+@pytest.mark.parametrize(
+    ("heading", "north", "east", "forward", "left"),
+    [
+        (0.0, 0.3, 0.1, 0.3, -0.1),
+        (90.0, 0.3, 0.1, -0.1, -0.3),
+        (-90.0, 0.3, 0.1, 0.1, 0.3),
+        (180.0, 0.3, 0.1, -0.3, 0.1),
+        (30.0, math.cos(math.radians(30)), -math.sin(math.radians(30)), 1.0, 0.0),
+    ],
+)
+def test_a_velocity_on_the_map_is_turned_into_one_along_a_robot_that_goes_any_way(
+    frame: int, heading: float, north: float, east: float, *, forward: float, left: float
+) -> None:
+    message = target_message(north, 0.2, vy=east, frame=frame)
+    found = velocity_of(message, Twist(1.0, 1.0, 1.0), math.radians(heading))
+    assert isinstance(found, Velocity)
+    assert (found.forward_mps, found.left_mps, found.yaw_rate_rad_s) == pytest.approx((forward, left, -0.2))
+    assert isinstance(velocity_of(message, Twist(1.0, 1.0, 1.0), None), Unusable)
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])

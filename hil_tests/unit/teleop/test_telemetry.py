@@ -41,16 +41,23 @@ def test_rates_of_two_seconds(bench: RarsBench) -> None:
         "SYS_STATUS": 2,
         "EXTENDED_SYS_STATE": 2,
         "BATTERY_STATUS": 1,
+        "VFR_HUD": 2,
+        "GLOBAL_POSITION_INT": 2,
+        "CURRENT_MODE": 1,
+        "AVAILABLE_MODES_MONITOR": 1,
+        "GPS_RAW_INT": 1,
+        "HOME_POSITION": 1,
     }
 
 
 def test_one_report_is_sent_in_this_order(bench: RarsBench) -> None:
     bench.now = -CYCLE
-    sent = [getattr(one, "name", one.get_type()) for one in bench.report()]
+    sent = [vars(one).get("name", one.get_type()) for one in bench.report()]
     assert sent == [
         "HEARTBEAT", "ODOMETRY", "LOCAL_POSITION_NED", "ATTITUDE", "STEER", "wheels", "WHEEL_DISTANCE",
         "ZPOS", "I1", "I2", "I3", "I4", "DETECT", "LAMP", "SYS_STATUS", "EXTENDED_SYS_STATE",
-        "BATTERY_STATUS",
+        "VFR_HUD", "GLOBAL_POSITION_INT", "BATTERY_STATUS", "CURRENT_MODE", "AVAILABLE_MODES_MONITOR",
+        "GPS_RAW_INT", "HOME_POSITION",
     ]  # fmt: skip
 
 

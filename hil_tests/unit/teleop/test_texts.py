@@ -3,9 +3,10 @@
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from firmware_bridge.safety.row import Severity
+from firmware_bridge.safety.row import Row, Severity
+from firmware_bridge.safety.snapshot import Hold
 from firmware_bridge.teleop.mavlink import Codec
-from firmware_bridge.teleop.texts import Heard, Listener, Speaker, chunks
+from firmware_bridge.teleop.texts import Heard, HoldTexts, Listener, Speaker, chunks
 from firmware_bridge.units import SECOND
 
 PLAIN = st.text(st.characters(min_codepoint=32, max_codepoint=126), min_size=1, max_size=400)
@@ -71,3 +72,51 @@ def test_the_same_refusal_is_said_every_two_seconds() -> None:
     said = [bool(speaker.say_sometimes("stick", "no", now)) for now in range(0, 5 * SECOND, SECOND // 2)]
     assert said == [True, False, False, False, True, False, False, False, True, False]
     assert speaker.say_sometimes("frame", "no", 4 * SECOND)
+
+
+def test_what_a_stream_deserves_again_and_again_is_said_more_and_more_seldom() -> None:
+    speaker = Speaker()
+    every = range(0, 200 * SECOND, SECOND // 20)
+    said = [now / SECOND for now in every if speaker.say_sometimes("mask", "no", now)]
+    assert said == [0.0, 2.0, 6.0, 14.0, 30.0, 62.0, 94.0, 126.0, 158.0, 190.0]
+
+
+def test_after_a_pause_it_is_said_at_once_and_a_hand_is_answered_each_time() -> None:
+    speaker = Speaker()
+    for now in range(0, 20 * SECOND, SECOND // 20):
+        speaker.say_sometimes("mask", "no", now)
+    pause = 120 * SECOND
+    assert speaker.say_sometimes("mask", "no", pause)
+    said = [bool(speaker.say_sometimes("mask", "no", pause + 3 * SECOND * turn)) for turn in range(1, 9)]
+    assert all(said)
+
+
+def test_kinds_of_texts_are_not_remembered_without_end() -> None:
+    speaker = Speaker()
+    for turn in range(1000):
+        assert speaker.say_sometimes(f"command {turn}", "no", 0)
+    assert len(speaker._said) <= Speaker.MOST  # noqa: SLF001 - what it keeps is what is tested
+
+
+HOLD = Hold("lift extended", "it is out", Row("lift extended", "lower it"), 0)
+
+
+def test_a_hold_that_comes_and_goes_is_told_three_times_in_two_seconds_and_as_it_is_at_the_end() -> None:
+    told = HoldTexts(Speaker())
+    texts: list[tuple[float, str]] = []
+    for cycle in range(200):
+        holds = (HOLD,) if cycle % 2 == 0 or cycle >= 100 else ()
+        now = cycle * SECOND // 20
+        texts += [(now / SECOND, one.text) for one in told.told(holds, now)]
+    begun = [at for at, text in texts if text.startswith("it is out")]
+    assert all(sum(1 for other in begun if at <= other < at + 2.0) <= 3 for at in begun)
+    assert len(begun) == 3 * 3 + 1
+    assert texts[-1][1] == "it is out; lower it"
+    assert texts[-1][0] <= 6.1
+
+
+def test_a_hold_that_lets_go_while_it_is_kept_back_is_not_told_at_all() -> None:
+    told = HoldTexts(Speaker())
+    for cycle in range(8):
+        told.told((HOLD,) if cycle % 2 == 0 else (), cycle)
+    assert told.told((), 10 * SECOND) == []

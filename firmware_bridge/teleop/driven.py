@@ -1,0 +1,84 @@
+"""By which words the robot is driven: by the newest, or by set-points alone where a station has said so.
+
+It refuses to know what a motion is worth: interlocks judge it, whichever way it came.
+"""
+
+from dataclasses import dataclass, field
+from typing import Final
+
+from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.teleop.modes import Way
+from firmware_bridge.teleop.station import Stick, Velocity
+from firmware_bridge.units import Nanoseconds
+
+
+class Driven:
+    """The way that is told, and what does not count in it."""
+
+    __slots__ = ("_guided", "_set_points", "_set_points_at", "_silent_after")
+
+    def __init__(self, silent_after: Nanoseconds) -> None:
+        """Take how long set-points may be silent before a stick that is let go counts again."""
+        self._silent_after: Final = silent_after
+        self._set_points = False
+        """Whether the newest motion command was a set-point."""
+        self._set_points_at: Nanoseconds = NEVER_HEARD
+        self._guided = False
+        """Whether a station has asked for set-points alone."""
+
+    def way(self, *, paused: bool) -> Way:
+        """Return the way to be told."""
+        if paused:
+            return Way.HOLD
+        return Way.GUIDED if self._guided or self._set_points else Way.MANUAL
+
+    def begin(self) -> None:
+        """Forget it all: another one drives, or nobody."""
+        self._guided = self._set_points = False
+
+    def wait(self) -> None:
+        """Be driven by no words: the robot has been paused, and goes on by an order alone."""
+        self._guided = self._set_points = False
+
+    def order(self, way: Way, now: Nanoseconds) -> None:
+        """Be driven in this way from now on."""
+        self._guided = self._set_points = way is Way.GUIDED
+        if self._guided:
+            self._set_points_at = now
+
+    def counts(self, motion: Stick | Velocity, now: Nanoseconds, *, neutral: bool) -> bool:
+        """Tell whether a motion command counts: all do, but a stick that is let go beside set-points."""
+        idles = self._guided and neutral and isinstance(motion, Stick)
+        return not idles or now - self._set_points_at >= self._silent_after
+
+    def heard(self, motion: Stick | Velocity, now: Nanoseconds, *, neutral: bool) -> None:
+        """Take note of a motion command that counted; a stick that is moved ends what was asked for."""
+        if isinstance(motion, Velocity):
+            self._set_points_at = now
+            self._set_points = self._set_points or not neutral
+        elif not neutral:
+            self._guided = self._set_points = False
+        elif not self._guided:
+            self._set_points = False
+
+
+@dataclass(slots=True)
+class Channels:
+    """What one station holds of RC_CHANNELS_OVERRIDE: each channel until it is given back, or grows old."""
+
+    _held: dict[int, tuple[int, Nanoseconds]] = field(default_factory=dict)
+
+    @property
+    def values(self) -> dict[int, int]:
+        """Return what is held, in us, by the channels' numbers."""
+        return {number: value for number, (value, _) in self._held.items()}
+
+    def hear(self, told: dict[int, int | None], now: Nanoseconds, silent_after: Nanoseconds) -> None:
+        """Take what a message says of some channels; one of which none speaks for so long is given back."""
+        for number, value in told.items():
+            if value is None:
+                self._held.pop(number, None)
+            else:
+                self._held[number] = (value, now)
+        for number in [one for one, (_, at) in self._held.items() if now - at >= silent_after]:
+            del self._held[number]

@@ -1,0 +1,141 @@
+"""The ways to be driven, with their numbers: a row for each; and which of them a station has asked for.
+
+There is no numbering that all stations read. Those built on pymavlink (MAVProxy, DroneKit) take a ground
+rover's numbers for those of ArduPilot's Rover, whatever autopilot it names; MAVSDK takes those of anything
+but ArduPilot for PX4's. So everybody is told Rover's, as AVAILABLE_MODES lists them, until he has asked in
+PX4's.
+Sources: ArduPilot, Rover/mode.h; PX4, px4_custom_mode.h; pymavlink, mavutil.mode_string_v10; MAVSDK,
+core/flight_mode.cpp; mavlink.io, "Standard Modes Protocol".
+"""
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Final, NamedTuple
+
+from firmware_bridge.teleop.mavlink import Message, dialect
+
+
+class Way(Enum):
+    """How the robot is driven, by the name that an operator reads."""
+
+    MANUAL = "Manual"
+    """By a stick, or by whatever motion command is the newest."""
+    GUIDED = "Guided"
+    """By set-points: a stick that is let go does not count while they come, one that is moved takes over."""
+    HOLD = "Hold"
+    """It stands at rest, and waits."""
+
+
+def px4(main: int, sub: int = 0) -> int:
+    """Return PX4's number of a main mode and its submode."""
+    return main << 16 | sub << 24
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One way to be driven."""
+
+    way: Way
+    number: int
+    """In HEARTBEAT, CURRENT_MODE and AVAILABLE_MODES, and in a request: as ArduPilot's Rover counts."""
+    px4: int
+    """The same for a station that has asked in PX4's numbers."""
+    also: tuple[int, ...] = ()
+    """More of PX4's numbers that ask for it."""
+    flags: int = 0
+    """MAV_MODE_FLAG that tell of it, beside the one of custom modes."""
+
+
+_MAIN_MANUAL: Final = 1
+_MAIN_AUTO: Final = 4
+_LOITER: Final = 3
+ROWS: Final = (
+    Row(
+        Way.MANUAL,
+        0,
+        px4(_MAIN_MANUAL),
+        (px4(2), px4(3)),  # ALTCTL and POSCTL: MAVSDK's ways to begin manual control
+        flags=dialect.MAV_MODE_FLAG_MANUAL_INPUT_ENABLED,
+    ),
+    Row(Way.GUIDED, 15, px4(6), flags=dialect.MAV_MODE_FLAG_GUIDED_ENABLED),
+    Row(Way.HOLD, 4, px4(_MAIN_AUTO, _LOITER)),
+)
+BY_WAY: Final = {row.way: row for row in ROWS}
+_BY_NUMBER: Final = {row.number: row.way for row in ROWS}
+_BY_PX4: Final = {number: row.way for row in ROWS for number in (row.px4, *row.also)}
+_WHOLE: Final = 1 << 16
+"""PX4's numbers are not below this where they are not divided into main mode and submode."""
+
+
+class Asked(NamedTuple):
+    """What a station's numbers ask for."""
+
+    way: Way
+    own: int | None
+    """The place of one of the robot's own modes; None where it is to stay in the one that it has."""
+    px4: bool
+    """Whether they are PX4's."""
+
+
+def asked(main: int, sub: int, own: int) -> Asked | None:
+    """Return what DO_SET_MODE's parameters 2 and 3 ask of a robot with so many modes; None for none of them.
+
+    The robot's own modes, after a failed actuator, are counted from 1 and come before the rest; 0 is that of
+    the whole robot.
+    """
+    if main < own:
+        return Asked(Way.MANUAL, main, px4=False)
+    if main in _BY_NUMBER and sub == 0:
+        return Asked(_BY_NUMBER[main], None, px4=False)
+    whole = main if main >= _WHOLE else px4(main, sub)
+    way = _BY_PX4.get(whole)
+    if way is not None:
+        return Asked(way, 0 if whole == px4(_MAIN_MANUAL) else None, px4=True)
+    place = whole >> 24
+    if whole == px4(_MAIN_MANUAL, place) and place < own:
+        return Asked(Way.MANUAL, place, px4=True)
+    return None
+
+
+def number_of(way: Way, own: int) -> int:
+    """Return the number that everybody is told; `own` is the place of the robot's own mode, 0 the whole."""
+    return own if way is Way.MANUAL else BY_WAY[way].number
+
+
+def in_px4(number: int) -> int:
+    """Return a number that everybody is told as PX4 would count it."""
+    way = _BY_NUMBER.get(number)
+    return px4(_MAIN_MANUAL, number) if way is None else BY_WAY[way].px4
+
+
+def listed(modes: tuple[str, ...]) -> list[Message]:
+    """Return AVAILABLE_MODES, one for each; `modes` are the robot's own, the first the whole robot's."""
+    rows = [(row.way.value, row.number, 0) for row in ROWS]
+    rows += [
+        (name.replace("_", " ").capitalize(), place, dialect.MAV_MODE_PROPERTY_ADVANCED)
+        for place, name in enumerate(modes)
+        if name
+    ]
+    return [
+        dialect.MAVLink_available_modes_message(
+            len(rows),
+            place,
+            dialect.MAV_STANDARD_MODE_NON_STANDARD,
+            number,
+            properties,
+            name[:_NAME].encode("ascii", "replace"),
+        )
+        for place, (name, number, properties) in enumerate(rows, 1)
+    ]
+
+
+_NAME: Final = 34
+"""Letters of a mode's name, before its NUL."""
+CARRIERS: Final = frozenset(
+    {
+        dialect.MAVLINK_MSG_ID_HEARTBEAT,
+        dialect.MAVLINK_MSG_ID_CURRENT_MODE,
+        dialect.MAVLINK_MSG_ID_AVAILABLE_MODES,
+    }
+)
+"""Messages with a mode's number in `custom_mode`."""

@@ -1,0 +1,236 @@
+"""How often the operator is told what: one row for each message, for a network and for a narrow link."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.teleop.mavlink import Message, dialect
+from firmware_bridge.teleop.station import AnyStation, Value
+from firmware_bridge.teleop.telemetry import (
+    TelemetryContext,
+    attitude,
+    battery,
+    current_mode,
+    currents,
+    distances,
+    global_position,
+    heartbeat,
+    home,
+    hud,
+    landed,
+    link,
+    modes_monitor,
+    named,
+    no_gps,
+    odometry,
+    position,
+    speeds,
+    switches,
+    system,
+)
+from firmware_bridge.units import NEVER, SECOND, Nanoseconds
+
+_OVERHEAD: Final = 12
+"""Of a frame of MAVLink 2 without a signature."""
+_ARRAY_HEADER: Final = 20
+_BITS_A_BYTE: Final = 10
+"""On a serial line: a radio's bandwidth is told as the line's rate."""
+_SHARE: Final = 0.5
+"""Of the bandwidth, for telemetry: half of it is left to commands, answers, lists and the other direction."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stream:
+    """One message that is sent by the clock."""
+
+    number: int
+    period: Nanoseconds
+    encode: Callable[[TelemetryContext], Iterable[Message]]
+    tells: str
+    size: int
+    """Bytes of it on the link, all messages of one turn."""
+    slow: Nanoseconds
+    """Its period where the link is narrow."""
+    watched: Callable[[TelemetryContext], object] | None = None
+    """What makes it due at once, where it changes."""
+
+
+class Telemetry:
+    """What the streams tell at one instant, each made once, however many places it goes to."""
+
+    __slots__ = ("_context", "_made", "_streams")
+
+    def __init__(self, streams: tuple[Stream, ...], context: TelemetryContext) -> None:
+        self._streams: Final = streams
+        self._context: Final = context
+        self._made: Final[dict[int, list[Message]]] = {}
+
+    def changed(self, told: dict[int, object]) -> list[int]:
+        """Return the streams that must not wait for their turn; `told` is what they told last."""
+        changed: list[int] = []
+        for place, stream in enumerate(self._streams):
+            if stream.watched is not None:
+                seen = stream.watched(self._context)
+                if told.setdefault(place, seen) != seen:
+                    told[place] = seen
+                    changed.append(place)
+        return changed
+
+    def messages(self, changed: list[int], due: list[int]) -> list[Message]:
+        """Return the messages of these streams, in the streams' order."""
+        places = due if not changed else sorted({*changed, *due})
+        messages: list[Message] = []
+        for place in places:
+            made = self._made.get(place)
+            if made is None:
+                made = self._made[place] = list(self._streams[place].encode(self._context))
+            messages += made
+        return messages
+
+
+def _stream(
+    number: int,
+    period: Nanoseconds,
+    encode: Callable[[TelemetryContext], Iterable[Message]],
+    tells: str,
+    *,
+    slow: Nanoseconds | None = None,
+    size: int | None = None,
+    times: int = 1,
+    watched: Callable[[TelemetryContext], object] | None = None,
+) -> Stream:
+    """Return a row: its period on a narrow link is five times as long, but not above a second for that.
+
+    `times`: so many messages in one turn. Its size is that of a frame of MAVLink 2 with its whole payload; of
+    those that end in zeros it stands in the row.
+    """
+    each = _OVERHEAD + (dialect.mavlink_map[number].unpacker.size if size is None else size)
+    usual = max(period, min(5 * period, SECOND))
+    return Stream(number, period, encode, tells, times * each, usual if slow is None else slow, watched)
+
+
+def streams_of(robot: AnyRobot, station: AnyStation) -> tuple[Stream, ...]:
+    """Return what one robot sends, in the order in which it is sent: heartbeat, then the fastest first.
+
+    On a link that is too narrow for all of it, told by the robot file, the rows' slow periods count; on one
+    that is too narrow for those, too, all but the heartbeat wait so much longer that it fits.
+    """
+    rows = _rows(robot, station)
+    bandwidth = robot.operator.bandwidth_bit_s
+    if bandwidth is None or load(rows) <= (room := bandwidth / _BITS_A_BYTE * _SHARE):
+        return _ordered(rows)
+    slow = [replace(row, period=row.slow) for row in rows]
+    stretch = max(load(slow[1:]) / max(room - load(slow[:1]), 1.0), 1.0)
+    stretched = [replace(row, period=min(round(row.slow * stretch), NEVER)) for row in slow[1:]]
+    return _ordered([slow[0], *stretched])
+
+
+def load(rows: Iterable[Stream]) -> float:
+    """Return the bytes a second that these rows put on the link."""
+    return sum(row.size * SECOND / row.period for row in rows if row.period < NEVER)
+
+
+def _ordered(rows: list[Stream]) -> tuple[Stream, ...]:
+    return (rows[0], *sorted(rows[1:], key=lambda row: row.period))
+
+
+def _rows(robot: AnyRobot, station: AnyStation) -> list[Stream]:
+    """Return the rows at their usual periods, the heartbeat first."""
+    switched = ", ".join(switch.telemetry for switch in station.switches if switch.telemetry)
+    axes = len(robot.axes)
+    rows: list[Stream] = [
+        _stream(
+            dialect.MAVLINK_MSG_ID_ODOMETRY,
+            SECOND // 20,
+            odometry,
+            "pose, speed and yaw rate",
+            slow=SECOND // 2,
+        ),
+        _stream(dialect.MAVLINK_MSG_ID_LOCAL_POSITION_NED, SECOND // 20, position, "X, Y"),
+        _stream(dialect.MAVLINK_MSG_ID_ATTITUDE, SECOND // 20, attitude, "heading"),
+        _stream(dialect.MAVLINK_MSG_ID_WHEEL_DISTANCE, SECOND // 5, distances, "m, in the order of wheels"),
+        *(_stream_of(value) for value in station.values),
+        _stream(
+            dialect.MAVLINK_MSG_ID_DEBUG_FLOAT_ARRAY,
+            SECOND // 10,
+            speeds,
+            "wheels: units a second",
+            size=_ARRAY_HEADER + 4 * axes,
+        ),
+        _stream(
+            dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT,
+            SECOND // 5,
+            currents,
+            "I1, I2, ...: A, all axes",
+            times=axes,
+        ),
+        _stream(
+            dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT,
+            SECOND,
+            link,
+            "of who drives: RTT, round trip, s; AGE, of his newest motion command as it came, s; LOSS, share "
+            "of his frames",
+            times=3,
+        ),
+        _stream(
+            dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT,
+            SECOND // 2,
+            switches,
+            f"{switched}: 0 or 1",
+            times=len(station.switches),
+        ),
+        _stream(dialect.MAVLINK_MSG_ID_SYS_STATUS, SECOND, system, "voltage, health, corrupt frames, faults"),
+        _stream(
+            dialect.MAVLINK_MSG_ID_EXTENDED_SYS_STATE,
+            SECOND,
+            landed,
+            "in the air while it is armed, as an armed rover of PX4 says",
+            watched=lambda context: context.snapshot.facts.armed,
+        ),
+        _stream(dialect.MAVLINK_MSG_ID_BATTERY_STATUS, 2 * SECOND, battery, "voltage, sum of the currents"),
+        _stream(dialect.MAVLINK_MSG_ID_VFR_HUD, SECOND, hud, "speed, heading in degrees"),
+        _stream(
+            dialect.MAVLINK_MSG_ID_GLOBAL_POSITION_INT,
+            SECOND,
+            global_position,
+            "heading and velocity; latitude and longitude 0: not known",
+        ),
+        _stream(
+            dialect.MAVLINK_MSG_ID_CURRENT_MODE,
+            2 * SECOND,
+            current_mode,
+            "Manual, Guided or Hold",
+            watched=lambda context: context.custom_mode,
+        ),
+        _stream(
+            dialect.MAVLINK_MSG_ID_AVAILABLE_MODES_MONITOR,
+            5 * SECOND,
+            modes_monitor,
+            "they never change",
+        ),
+        _stream(dialect.MAVLINK_MSG_ID_GPS_RAW_INT, 5 * SECOND, no_gps, "that there is none"),
+        _stream(dialect.MAVLINK_MSG_ID_HOME_POSITION, 5 * SECOND, home, "where the odometry begins: 0, 0"),
+    ]
+    lacking = {
+        dialect.MAVLINK_MSG_ID_WHEEL_DISTANCE: station.metres_rolled is None,
+        dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT: not switched,
+        dialect.MAVLINK_MSG_ID_BATTERY_STATUS: robot.battery is None,
+    }
+    first = _stream(
+        dialect.MAVLINK_MSG_ID_HEARTBEAT,
+        SECOND,
+        heartbeat,
+        "rover, armed or not, mode, status",
+        watched=lambda context: (context.base_mode, context.custom_mode),
+    )
+    return [first, *(row for row in rows if not lacking.get(row.number))]
+
+
+def _stream_of(value: Value[Any, Any]) -> Stream:
+    def encode(context: TelemetryContext) -> tuple[Message, ...]:
+        number = value.read(context.snapshot)
+        return () if number is None else (named(context.boot_ms, value.name, number),)
+
+    tells = f"{value.name}: {value.tells}"
+    return _stream(dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT, value.period, encode, tells)

@@ -1,0 +1,51 @@
+"""How one place is spoken to: its own sequence, version of MAVLink, numbers of modes, and intervals."""
+
+from typing import TYPE_CHECKING, Final
+
+from firmware_bridge.teleop.mavlink import Codec, Message, dialect
+from firmware_bridge.teleop.modes import CARRIERS, in_px4
+
+if TYPE_CHECKING:
+    from firmware_bridge.teleop.schedule import Schedule
+
+
+class Voice:
+    """One place's."""
+
+    __slots__ = ("_codec", "mavlink_1", "px4", "schedule")
+
+    def __init__(self, codec: Codec) -> None:
+        """Write with this codec; whoever signs what he says writes MAVLink 2 to everybody."""
+        self._codec: Final = codec
+        self.mavlink_1 = False
+        """Whether the newest good frame from there was one of MAVLink 1."""
+        self.px4 = False
+        """Whether a mode was asked for from there in PX4's numbers."""
+        self.schedule: Schedule | None = None
+        """What is due when, where intervals were asked for from there; None where those of all serve."""
+
+    def frame(self, message: Message, stamp: int) -> bytes | None:
+        """Return the message as one frame; None where its version of MAVLink cannot carry it."""
+        if self.px4:
+            number: int = message.get_msgId()
+            if number in CARRIERS:
+                return self._in_px4(message, number, stamp)
+        if self.mavlink_1:
+            return self._frame(message, stamp)
+        return self._codec.encode(message, stamp)
+
+    def _in_px4(self, message: Message, number: int, stamp: int) -> bytes | None:
+        told: int = message.custom_mode
+        message.custom_mode = in_px4(told)
+        if number == dialect.MAVLINK_MSG_ID_CURRENT_MODE:
+            message.intended_custom_mode = message.custom_mode
+        frame = self._frame(message, stamp)
+        message.custom_mode = told
+        if number == dialect.MAVLINK_MSG_ID_CURRENT_MODE:
+            message.intended_custom_mode = told
+        return frame
+
+    def _frame(self, message: Message, stamp: int) -> bytes | None:
+        if self.mavlink_1 and not self._codec.signs:
+            return self._codec.encode_1(message)
+        return self._codec.encode(message, stamp)
