@@ -100,8 +100,8 @@ def test_a_compiler_that_is_missing_is_named_and_its_binary_left_out(
         for one in elsewhere()
     ]
     with ZipFile(tmp_path / "plant.fmu") as archive:
-        held = [name for name in archive.namelist() if name.startswith("binaries/")]
-    assert held == [here().binary("single_axis", 3)]
+        binaries = [name for name in archive.namelist() if name.startswith("binaries/")]
+    assert binaries == [here().binary("single_axis", 3)]
 
 
 @pytest.mark.parametrize("fmi", [2, 3])

@@ -134,10 +134,10 @@ def test_a_saved_state_with_any_byte_changed_is_refused(made: Maker, fmi: int) -
     component, size, place = c_void_p(plant.component), c_size_t(len(good)), c_void_p()
     buffer = create_string_buffer(good, len(good))
     for index in range(len(good)):
-        buffer[index] = good[index] ^ 1 << index % 8
+        buffer[index] = bytes([good[index] ^ 1 << index % 8])
         assert function(component, buffer, size, byref(place)) == ERROR, index
         assert place.value is None
-        buffer[index] = good[index]
+        buffer[index] = good[index : index + 1]
     plant.restore(again := plant.from_bytes(good))
     plant.step(1e-4)
     for kept in (state, again):
