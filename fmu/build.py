@@ -119,7 +119,7 @@ def _with_binaries(fmu: Path, fmi: int, others: Sequence[Platform]) -> bytes:
     for other in others:
         compiler = shutil.which(other.compiler)
         if compiler is None:
-            raise PlantError(f"no {other.compiler} for {other.tuple}: install Debian's {other.package}")
+            raise PlantError(f"no {other.compiler} for {other.name}: install Debian's {other.package}")
         entries[other.binary(Path(own).stem, fmi)] = library(files, _units(fmi), compiler, other.flags)
     return _zipped(entries)
 

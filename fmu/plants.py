@@ -89,8 +89,11 @@ def origin(plant: Plant) -> About:
         if entry.dist is not None and entry.value.partition(":")[0].startswith(plant.package):
             about = entry.dist.metadata
             text = _licence(entry.dist)
-            author = about.get("Author") or about.get("Author-email") or ""
-            licence = about.get("License-Expression") or ""
+            author, mail, licence = (
+                (about.get_all(field) or [""])[0]
+                for field in ("Author", "Author-email", "License-Expression")
+            )
+            author = author or mail
             known = About(entry.dist.version, author, licence, text)
             holder = known.copyright.rpartition(")")[2].strip().lstrip("0123456789 -,")
             return known if author else replace(known, author=holder)

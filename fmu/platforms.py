@@ -34,7 +34,7 @@ class Platform:
     `compiler` makes them on another machine, `package` is where Debian has it, `flags` are its own.
     """
 
-    tuple: str
+    name: str
     folder: str
     suffix: str
     compiler: str
@@ -43,7 +43,7 @@ class Platform:
 
     def binary(self, identifier: str, fmi: int) -> str:
         """Return the path of the library in an FMU."""
-        return f"binaries/{self.folder if fmi < 3 else self.tuple}/{identifier}{self.suffix}"  # noqa: PLR2004 - the version
+        return f"binaries/{self.folder if fmi < 3 else self.name}/{identifier}{self.suffix}"  # noqa: PLR2004 - the version
 
 
 PLATFORMS: Final = (
@@ -76,7 +76,7 @@ def here() -> Platform:
 def elsewhere() -> tuple[Platform, ...]:
     """Return the other platforms that an FMU may carry a binary for."""
     mine = here()
-    return tuple(one for one in PLATFORMS if one.tuple != mine.tuple and one.folder != mine.folder)
+    return tuple(one for one in PLATFORMS if one.name != mine.name and one.folder != mine.folder)
 
 
 def reachable() -> tuple[tuple[Platform, ...], tuple[Platform, ...]]:

@@ -2,8 +2,8 @@
 
 What is not there leaves its tests out, and counted: `tools/with-vcan` brings a kernel with the bus,
 `tools/with-loopback` the network, Debian's package tshark the dissector. Those of other machines' binaries need
-four packages, and run only where their mark is asked for: then they fail where something is missing. `.ci/run`
-has all. Which tests are long says `lanes.toml`, beside the marks of a few. Hypothesis times no example: the
+cross compilers, Wine and qemu-user, and run only where their mark is asked for: then they fail where something
+is missing. `.ci/run` has all. Which tests are long says `lanes.toml`, beside the marks of a few. Hypothesis times no example: the
 tests' time is virtual, and the wall's says how busy the machine is.
 """
 

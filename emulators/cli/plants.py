@@ -40,7 +40,8 @@ def build_model(
 ) -> None:
     """Build a model's FMU, with its sources inside.
 
-    It holds a binary for this machine, and for 64-bit Linux and Windows and Linux on ARM where there are compilers.
+    It holds a binary for this machine, and for Linux and Windows on x86-64 and Linux on ARM where their
+    compilers are.
     """
 
 

@@ -1,4 +1,4 @@
-"""Builds plants; apart from their other commands, because a plant that was built before takes no time at all."""
+"""Builds plants; apart from their other commands, for a plant that was built before takes no time at all."""
 
 from pathlib import Path
 
@@ -16,8 +16,7 @@ def build_model(model: str, *, fmi: int, out: Path | None) -> None:
         place(model, fmi, target, others)
         size = target.stat().st_size
     say(f"{target}: {model}, FMI {fmi}.0, co-simulation and model exchange, {size // 1024} KiB")
-    say(f"binaries: {', '.join(one.tuple for one in (here(), *others))}")
+    say(f"binaries: {', '.join(one.name for one in (here(), *others))}")
     for one in missing:
-        say(
-            f"no binary for {one.tuple}: no {one.compiler} here (Debian's {one.package}); its sources build there"
-        )
+        lacks = f"no {one.compiler} here (Debian's {one.package})"
+        say(f"no binary for {one.name}: {lacks}; its sources build there")

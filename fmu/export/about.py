@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class About:
-    """Version, author and licence of the package that a plant comes from, and its page; empty where unknown."""
+    """Version, author and licence of a plant's package, and the plant's page; empty where unknown."""
 
     version: str = ""
     author: str = ""

@@ -41,7 +41,7 @@ class Program:
 
     @cached_property
     def locals(self) -> tuple[Output, ...]:
-        """What is computed only when it is asked for; events, and states that the model does not show, are among it."""
+        """What is computed only when it is asked for; events and states that are not shown are among it."""
         rows = [row for row in self.model.outputs if row.local]
         shown = {row.expression for row in self.model.outputs}
         rows += [

@@ -119,7 +119,7 @@ def _power(base: Expression, exponent: Expression) -> str:
 def generate(program: Program, token: str, core: str) -> dict[str, str]:
     """Return model.h (sizes and names), model.c (tables and blocks), tangents.c.
 
-    What `core`, the text of core.h, declares gets the model's name in front, so that two models link together.
+    What `core`, the text of core.h, declares gets the model's name in front, so that two models may link.
     """
     model = program.model
     constants = next(len(block.results) for block in program.blocks if block.name == "constants")

@@ -48,7 +48,8 @@ def _page(program: Program, about: About) -> Iterator[str]:
 
 
 def _table(title: str, rows: Sequence[Variable]) -> Iterator[str]:
-    yield f"<h2>{title}</h2>\n<table><tr><th>name<th>unit<th>kind<th>start<th>least<th>most<th>what it is</tr>"
+    yield f"<h2>{title}</h2>\n<table>"
+    yield "<tr><th>name<th>unit<th>kind<th>start<th>least<th>most<th>what it is</tr>"
     for row in rows:
         numbers = ("" if value is None else f"{value:g}" for value in (row.start, row.least, row.most))
         cells = (row.name, row.unit, row.variability, *numbers, row.description)

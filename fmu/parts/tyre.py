@@ -1,8 +1,8 @@
 """One tyre on the floor: slip, adhesion by the corrected (3.83), and a bristle that holds at rest.
 
 The tyre's deflection z grows with the slip velocity and is wiped off as the wheel rolls on: its steady state
-is (3.83) over the slip of [R] 3.4.3, both corrected, and sideways over the slip angle atan(v_t / v_l) below (3.76);
-at rest it is a spring, so nothing creeps. Whatever the
+is (3.83) over the slip of [R] 3.4.3, both corrected, and sideways over the slip angle atan(v_t / v_l) below
+(3.76); at rest it is a spring, so nothing creeps. Whatever the
 load does, it takes energy out and adds none. [R] is that of fmu/rars. Refuses to know whose
 wheel it is.
 """
@@ -147,8 +147,8 @@ class Tyre:
     def _slide(self, way: int) -> tuple[Expression, Expression]:
         """Return D and mu N, both times the same: so no division has to wait for another one.
 
-        D in m/s: slip velocity over lambda x peak slip up to the peak, slip velocity over (3.83)'s share beyond;
-        lambda is (rho, slip angle). Both forces share one D, so that they oppose the slip velocity.
+        D in m/s: slip velocity over lambda x peak slip up to the peak, over (3.83)'s share beyond; lambda is
+        (rho, slip angle). Both forces share one D, so that they oppose the slip velocity.
         """
         peak, over = self._p["peak_slip"], self._over
         speed = self._both(self._slipping, way)

@@ -23,6 +23,7 @@ from fmu.export.twin import fingerprint
 from fmu.fingerprint import RESOURCE, Fingerprint
 from fmu.plant import FmuPlant
 from fmu.plants import find
+from fmu.platforms import find_compiler
 from fmu.rars.interface import INPUTS, OUTPUTS
 from fmu.verify import Verdict, recorded
 
@@ -52,7 +53,7 @@ def compiled_otherwise(original: Path, target: Path, folder: Path, flags: str) -
         archive.extractall(folder)
         binary = next(name for name in archive.namelist() if name.startswith("binaries/"))
     units = re.findall(r'SourceFile name="([^"]+)"', (folder / "sources/buildDescription.xml").read_text())
-    compiler = build.find_compiler()
+    compiler = find_compiler()
     run([compiler, "-std=c99", "-fPIC", "-c", *flags.split(), *units], folder / "sources")
     objects = [f"{Path(unit).stem}.o" for unit in units]
     run([compiler, "-shared", "-o", str(folder / binary), *objects, "-lm"], folder / "sources")
@@ -177,7 +178,7 @@ def test_the_twins_functions_are_those_in_c_bit_for_bit(tmp_path: Path) -> None:
     text += "double angle(double y, double x) { return fb_angle(y, x); }\n"
     (tmp_path / "own.c").write_text(f'#include "{header}"\n{text}', encoding="utf-8")
     options = "-O2 -ffp-contract=off -shared -fPIC -o own.so own.c -lm"
-    run([build.find_compiler(), *options.split()], tmp_path)
+    run([find_compiler(), *options.split()], tmp_path)
     library = ctypes.CDLL(str(tmp_path / "own.so"))
     generator = np.random.default_rng(2)
     arguments = [*generator.uniform(-9, 9, 2000), *generator.uniform(-1e6, 1e6, 2000), 0.0, -0.0, 1e-300]

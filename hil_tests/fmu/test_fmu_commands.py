@@ -94,18 +94,18 @@ def test_a_compiler_that_is_missing_is_named_and_its_binary_left_out(
     status, out, err = run("build", "single_axis", "--out", str(tmp_path / "plant.fmu"))
     assert (status, err) == (0, "")
     _, held, *missing = out.splitlines()
-    assert held == f"binaries: {here().tuple}"
+    assert held == f"binaries: {here().name}"
     assert missing == [
-        f"no binary for {one.tuple}: no {one.compiler} here (Debian's {one.package}); its sources build there"
+        f"no binary for {one.name}: no {one.compiler} here (Debian's {one.package}); its sources build there"
         for one in elsewhere()
     ]
     with ZipFile(tmp_path / "plant.fmu") as archive:
-        held = [name for name in archive.namelist() if name.startswith("binaries/")]
-    assert held == [here().binary("single_axis", 3)]
+        binaries = [name for name in archive.namelist() if name.startswith("binaries/")]
+    assert binaries == [here().binary("single_axis", 3)]
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
-def test_a_compiler_for_another_machine_adds_its_binary(tmp_path: Path, fmi: int) -> None:
+def test_a_compiler_for_another_machine_adds_its_binary(fmi: int) -> None:
     """Another machine that is this one, so that its binary can be looked at here."""
     other = Platform("z80-linux", "z80", ".so", find_compiler(), "gcc-z80", ("-DOTHER",))
     own, both = ensure("single_axis", fmi), ensure("single_axis", fmi, [other])

@@ -75,7 +75,7 @@ def test_the_tyres_steady_force_is_the_corrected_curve(slip: float, sign: float)
 
 @pytest.mark.parametrize("circle", [0.0, 1.0])
 def test_the_friction_circle_is_an_option(circle: float) -> None:
-    """A locked wheel that slides slantwise: with the circle both forces share 0.66 mu N, without, each has its own."""
+    """A locked wheel that slides slantwise: with the circle both share 0.66 mu N, else each has its own."""
     start = BRAKED | {"friction_circle": circle, "cg_height": 0.0}
     function = rates(MODEL, start)
     load = 9.81 * (70.0 * (1 - 0.22 / 0.515) + 0.6) / 2

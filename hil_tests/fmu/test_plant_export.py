@@ -21,6 +21,7 @@ from firmware_bridge.kinds import find
 from fmu import build
 from fmu.errors import PlantError
 from fmu.plant import FmuPlant
+from fmu.platforms import find_compiler
 from fmu.rars import reference
 from fmu.rars.interface import INPUTS, OUTPUTS
 from fmu.rars.parameters import PARAMETERS, PLANT, ROBOT_FILE, SETS
@@ -129,7 +130,7 @@ def test_own_sine_cosine_and_arc_tangent(tmp_path: Path) -> None:
     )
     (tmp_path / "own.c").write_text(wrapper)
     command = [
-        build.find_compiler(),
+        find_compiler(),
         "-O2",
         "-ffp-contract=off",
         "-shared",

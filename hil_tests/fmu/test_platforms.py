@@ -1,14 +1,13 @@
-"""Binaries for other machines: built by Debian's cross compilers, run under Wine and qemu-user, the same bits.
+"""Binaries for other machines, made by Debian's cross compilers, run under Wine and qemu-user: the same bits.
 
-They are run by `pytest -m platforms`, a step of its own in `.ci/run`, and fail there where something is missing;
-no other run of the tests has them.
+They are run by `pytest -m platforms`, a step of its own in `.ci/run`, and fail there where something is
+missing; no other run of the tests has them.
 """
 
 import hashlib
 import os
 import shutil
 import subprocess
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -35,6 +34,7 @@ class Machine:
     libraries: tuple[str, ...] = ("-ldl",)
 
 
+OWN: Final = Machine((), "")
 MACHINES: Final = {
     "x86_64-windows": Machine(("/usr/lib/wine/wine64",), "wine64", ()),
     "aarch64-linux": Machine(("qemu-aarch64", "-L", "/usr/aarch64-linux-gnu"), "qemu-user"),
@@ -42,22 +42,15 @@ MACHINES: Final = {
 }
 
 
-def fixed_run(
-    folder: Path,
-    plant: str,
-    fmi: int,
-    compiler: str,
-    tuple_: str,
-    runner: Sequence[str],
-    flags: Sequence[str],
-) -> str:
+def fixed_run(folder: Path, plant: str, fmi: int, name: str, machine: Machine) -> str:
     """Return the SHA-256 of what the fixed run of this platform's binary gives."""
-    path = ensure(plant, fmi, elsewhere() if tuple_ != here().tuple else ())
+    path = ensure(plant, fmi, elsewhere() if name != here().name else ())
     with ZipFile(path) as archive:
         archive.extractall(folder)
-    platform = next(one for one in (here(), *PLATFORMS) if one.tuple == tuple_)
-    program = folder / "fixed_run.exe"
-    subprocess.run([compiler, f"-DFMI={fmi}", "-o", str(program), str(DRIVER), *flags], check=True)
+    platform = here() if name == here().name else next(one for one in PLATFORMS if one.name == name)
+    program, compiler = folder / "fixed_run.exe", platform.compiler or find_compiler()
+    words = [compiler, f"-DFMI={fmi}", "-o", str(program), str(DRIVER), *machine.libraries]
+    subprocess.run(words, check=True)
     description, wanted = read_model_description(str(path)), recorded(path)
     assert wanted is not None
     references = {row.name: str(row.valueReference) for row in description.modelVariables}
@@ -66,7 +59,7 @@ def fixed_run(
     library = str(folder / platform.binary(plant, fmi))
     environment = os.environ | {"WINEPREFIX": str(folder.parent / "wine"), "WINEDEBUG": "-all"}
     done = subprocess.run(
-        [*runner, str(program), library, description.guid, repr(wanted.step / 1e9), *words],
+        [*machine.runner, str(program), library, description.guid, repr(wanted.step / 1e9), *words],
         env=environment, capture_output=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr.decode(errors="replace")
@@ -80,9 +73,7 @@ def test_the_run_in_c_is_the_fixed_run(tmp_path: Path, plant: str, fmi: int) -> 
     """What the other machines are judged by, on this one."""
     wanted = recorded(ensure(plant, fmi))
     assert wanted is not None
-    assert (
-        fixed_run(tmp_path / "own", plant, fmi, find_compiler(), here().tuple, (), ("-ldl",)) == wanted.sha256
-    )
+    assert fixed_run(tmp_path / "own", plant, fmi, here().name, OWN) == wanted.sha256
 
 
 @pytest.fixture(scope="module")
@@ -93,17 +84,16 @@ def room(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.platforms
 @VERSIONS
 @pytest.mark.parametrize("plant", PLANTS)
-@pytest.mark.parametrize("name", [one.tuple for one in elsewhere()])
+@pytest.mark.parametrize("name", [one.name for one in elsewhere()])
 def test_another_machine_gives_the_same_bits(room: Path, name: str, plant: str, fmi: int) -> None:
     machine = MACHINES[name]
     for platform in elsewhere():
         assert shutil.which(platform.compiler), f"{platform.compiler} is missing: install {platform.package}"
     assert shutil.which(machine.runner[0]), f"{machine.runner[0]} is missing: install {machine.package}"
-    compiler = next(one.compiler for one in PLATFORMS if one.tuple == name)
     folder = room / f"{plant}{fmi}-{name}"
     wanted = recorded(ensure(plant, fmi))
     assert wanted is not None
-    assert fixed_run(folder, plant, fmi, compiler, name, machine.runner, machine.libraries) == wanted.sha256
+    assert fixed_run(folder, plant, fmi, name, machine) == wanted.sha256
 
 
 @pytest.mark.platforms

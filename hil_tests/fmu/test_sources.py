@@ -119,7 +119,10 @@ def test_every_name_outside_has_the_models_name_in_front(tmp_path: Path, fmi: in
     units = unpacked("single_axis", fmi, tmp_path)
     run(find_compiler(), "-c", f"-DFMI{fmi}_FUNCTION_PREFIX=single_axis_", *units, cwd=tmp_path)
     listed = subprocess.run(
-        ["nm", "-g", "--defined-only", *tmp_path.glob("*.o")], capture_output=True, text=True, check=True
+        ["nm", "-g", "--defined-only", *tmp_path.glob("*.o")],  # noqa: S607 - it comes with the compiler
+        capture_output=True,
+        text=True,
+        check=True,
     )
     names = re.findall(r"^[0-9a-f]+ [A-Z] (\w+)$", listed.stdout, flags=re.MULTILINE)
     assert len(names) > 80
