@@ -5,7 +5,7 @@ It is read from the tables that the emulation works with, and from the assumptio
 
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -77,11 +77,13 @@ def _defaults() -> Iterator[LedgerLine]:
 
 def _rules() -> Iterator[LedgerLine]:
     for rule in VALUE_RANGES:
-        what = f"{rule.address} {OBJECTS[rule.address].name} takes only {_span(tuple(rule.allowed))}"
+        what = f"{rule.address} {OBJECTS[rule.address].name} takes only {_span(rule.allowed)}"
         yield LedgerLine("refused values", what, rule.provenance, rule.source)
 
 
-def _span(values: tuple[int, ...]) -> str:
+def _span(values: Collection[int]) -> str:
+    if isinstance(values, range):  # which may be too long to be counted out
+        return f"{values[0]} to {values[-1]}"
     ordered = sorted(values)
     if len(ordered) > 2 and ordered == list(range(ordered[0], ordered[-1] + 1)):  # noqa: PLR2004 - a range
         return f"{ordered[0]} to {ordered[-1]}"

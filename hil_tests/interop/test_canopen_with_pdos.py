@@ -52,7 +52,7 @@ class Bench(PdoMaster):
 def bench(sheet: Path) -> Iterator[Bench]:
     made = Bench(sheet)
     yield made
-    made.network.bus = None
+    made.close()
 
 
 def test_every_state_is_reached_and_left_by_pdos(bench: Bench) -> None:

@@ -66,7 +66,7 @@ class Bench(PdoMaster):
 def bench(sheet: Path) -> Iterator[Bench]:
     made = Bench(sheet)
     yield made
-    made.network.bus = None
+    made.close()
 
 
 @pytest.mark.parametrize(("method", "turns"), [(1, -3), (2, 7), (7, 1), (34, 1), (-1, 8), (-2, -4)])

@@ -128,12 +128,14 @@ def blank() -> Desk:
 @pytest.mark.parametrize("rule", VALUE_RANGES, ids=lambda rule: str(rule.address))
 def test_a_rule_lets_through_what_it_lists_and_nothing_else(rule: ValueRange, store: ObjectStore) -> None:
     kind = OBJECTS[rule.address].type
-    for value in rule.allowed:
+    few = isinstance(rule.allowed, range) and len(rule.allowed) > 1 << 16
+    for value in (rule.allowed[0], rule.allowed[-1], rule.allowed[1000]) if few else rule.allowed:
         store.write(rule.address, kind.encode(value))
         assert store.get(rule.address) == value
     low, high = OBJECTS[rule.address].bounds
-    for value in {min(rule.allowed) - 1, max(rule.allowed) + 1, 5} - set(rule.allowed):
-        if low <= value <= high:
+    lowest, highest = (rule.allowed[0], rule.allowed[-1]) if few else (min(rule.allowed), max(rule.allowed))
+    for value in (lowest - 1, highest + 1, 5):
+        if low <= value <= high and value not in rule.allowed:
             assert refusal(store, rule.address, kind.encode(value)) is AbortCode.RANGE
     assert store.default(rule.address) in rule.allowed
 

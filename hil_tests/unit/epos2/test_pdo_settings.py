@@ -35,6 +35,7 @@ def test_which_transmission_types_there_are(index: int) -> None:
         assert desk.writes(index, 2, bytes((kind,))) == ("ok" if kind in known else "06090030")
 
 
+STRICT = replace(EPOS2_70_10, mapping_needs_invalid_pdo=True)
 MAPPING_REFUSALS = [
     # While the PDO is valid, while it has entries, outside Pre-Operational.
     ([], (0x1600, 0, b"\0"), "06010000"),
@@ -49,15 +50,16 @@ MAPPING_REFUSALS = [
 def test_a_mapping_changes_by_its_procedure_only(
     before: list[tuple[int, int, bytes]], write: tuple[int, int, bytes], answer: str
 ) -> None:
-    desk = set_up(powered(), *before)
+    desk = set_up(powered(STRICT), *before)
     assert desk.writes(*write) == answer
     desk.hears("000#0101")
     assert desk.writes(0x1600, 0, b"\0") == "0F00FFC0"
     assert desk.writes(0x1600, 1, u32(0x6040_0010)) == "0F00FFC0"
 
 
-def test_the_procedure_can_be_made_lenient() -> None:
-    desk = powered(replace(EPOS2_70_10, mapping_needs_invalid_pdo=False))
+def test_by_default_only_the_number_of_entries_has_to_be_0() -> None:
+    desk = powered()
+    assert desk.writes(0x1600, 1, u32(0x6040_0010)) == "06010000"
     assert desk.writes(0x1600, 0, b"\0") == "ok"
     assert desk.writes(0x1600, 1, u32(0x6060_0008)) == "ok"
 

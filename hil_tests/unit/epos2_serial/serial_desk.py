@@ -5,10 +5,13 @@ from dataclasses import replace
 
 import pytest
 
+from emulators.epos2.control.motion_control import MotionControl
 from emulators.epos2.drive import Epos2
 from emulators.epos2.objects.device_profile import EPOS2_70_10, DeviceProfile
 from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.servo.axis import ServoAxis
+from emulators.servo.bank import ServoBank
+from emulators.servo.motor import MOTOR, DcMotors
 from emulators.wires import CanWire, SerialWire, usb_line
 from emulators.world import World
 from firmware_bridge.node import CAN, SERIAL, Node
@@ -87,19 +90,21 @@ class SerialDesk:
         others: Sequence[tuple[str, Node]] = (),
         timeout: Nanoseconds = 5 * SECOND,
         baud: int | None = None,
+        moving: bool = False,
     ) -> None:
+        """With `moving` each drive has motion control and a motor; without, it notes what is written."""
         self.generation = generation
-        self.drive = SerialEpos2(
-            near, ServoAxis("near", 2000), profile, QuietMotion, generation=generation, bus_rate=1_000_000
-        )
-        self.far = Epos2(FAR, ServoAxis("far", 2000), profile, QuietMotion)
+        axes = [ServoAxis("near", 2000), ServoAxis("far", 2000)]
+        motion = MotionControl if moving else QuietMotion
+        self.drive = SerialEpos2(near, axes[0], profile, motion, generation=generation, bus_rate=1_000_000)
+        self.far = Epos2(FAR, axes[1], profile, motion)
         self.bus = CanWire(1_000_000)
         usb = generation is Generation.V2
         self.line = usb_line("host") if usb else SerialWire(115_200)
         self.host = Host(generation, timeout, baud or (1_000_000 if usb else 115_200))
         self.frames: list[str] = []
         self.bus.observe(self._note)
-        self.world = World()
+        self.world = World(ServoBank(DcMotors((MOTOR, MOTOR)), axes) if moving else None)
         self.world.attach("near", self.drive, {CAN: self.bus, SERIAL: self.line})
         self.world.attach("far", self.far, {CAN: self.bus})
         for name, node in others:
