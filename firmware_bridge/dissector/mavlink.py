@@ -18,7 +18,7 @@ class Mavlink:
     def read(self, _sender: str, packet: Packet) -> str:
         """Return what the messages of a datagram say."""
         messages = self._codec.decode(packet.payload)
-        return "; ".join(map(_said, messages)) or "no message of MAVLink's common dialect"
+        return "; ".join(map(_said, messages)) or "no message that MAVLink's dialects know"
 
 
 def _said(message: Message) -> str:

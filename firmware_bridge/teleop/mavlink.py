@@ -69,7 +69,6 @@ class Codec:
         self.system = system
         self.component = component
         self.counters = Counters()
-        self.signs: Final = signs is not None
         self._mavlink = dialect.MAVLink(None, srcSystem=system, srcComponent=component)
         if signs is not None:
             signing = self._mavlink.signing

@@ -15,10 +15,10 @@ class Voice:
     __slots__ = ("_codec", "mavlink_1", "px4", "schedule")
 
     def __init__(self, codec: Codec) -> None:
-        """Write with this codec; whoever signs what he says writes MAVLink 2 to everybody."""
+        """Write with this codec."""
         self._codec: Final = codec
         self.mavlink_1 = False
-        """Whether the newest good frame from there was one of MAVLink 1."""
+        """Whether the newest good frame from there was one of MAVLink 1. With a key none is good."""
         self.px4 = False
         """Whether a mode was asked for from there in PX4's numbers."""
         self.schedule: Schedule | None = None
@@ -30,9 +30,7 @@ class Voice:
             number: int = message.get_msgId()
             if number in CARRIERS:
                 return self._in_px4(message, number, stamp)
-        if self.mavlink_1:
-            return self._frame(message, stamp)
-        return self._codec.encode(message, stamp)
+        return self._frame(message, stamp)
 
     def _in_px4(self, message: Message, number: int, stamp: int) -> bytes | None:
         told: int = message.custom_mode
@@ -46,6 +44,6 @@ class Voice:
         return frame
 
     def _frame(self, message: Message, stamp: int) -> bytes | None:
-        if self.mavlink_1 and not self._codec.signs:
+        if self.mavlink_1:
             return self._codec.encode_1(message)
         return self._codec.encode(message, stamp)

@@ -196,6 +196,7 @@ def test_mavros_drives_by_velocity_in_the_robots_frame(bench: RarsBench) -> None
     """setpoint_velocity with `mav_frame: BODY_NED`: frame 8, mask 1479; without it, frame 1."""
     assert bench.say(target_message(0.2, -0.1, mask=1479)) == []
     assert bench.wish.speed_mps == pytest.approx(0.2)
+    bench.report()
     told = bench.say(target_message(0.2, -0.1, mask=1479, frame=1))
     assert "frame 1; only body frames 8, 9 and 12: it cannot go sideways" in "".join(one.text for one in told)
 

@@ -46,7 +46,9 @@ class Old:
         found: list[Any] = []
         for packet in packets:
             if packet.address == self.source:
-                assert packet.payload[0] == 0xFE, "a frame of MAVLink 2"
+                start, length, number = (packet.payload[place] for place in (0, 1, 5))
+                assert start == 0xFE, "a frame of MAVLink 2"
+                assert length == mavlink_1.mavlink_map[number].unpacker.size
                 found += self._words.parse_buffer(bytearray(packet.payload)) or ()
         assert not [one for one in found if one.get_type() == "BAD_DATA"]
         return found
