@@ -1,10 +1,10 @@
 """Which tests this machine can run: some need a SocketCAN bus vcan0, a network without a way out, or tshark.
 
 What is not there leaves its tests out, and counted: `tools/with-vcan` brings a kernel with the bus,
-`tools/with-loopback` the network, Debian's package tshark the dissector. Those of other machines' binaries need
-cross compilers, Wine and qemu-user, and run only where their mark is asked for: then they fail where something
-is missing. `.ci/run` has all. Which tests are long says `lanes.toml`, beside the marks of a few. Hypothesis times no example: the
-tests' time is virtual, and the wall's says how busy the machine is.
+`tools/with-loopback` the network, Debian's package tshark the dissector. Those of other machines' binaries
+need cross compilers, Wine and qemu-user, and run only where their mark is asked for: then they fail where
+something is missing. `.ci/run` has all. Which tests are long says `lanes.toml`, beside the marks of a few.
+Hypothesis times no example: the tests' time is virtual, and the wall's says how busy the machine is.
 """
 
 import shutil
