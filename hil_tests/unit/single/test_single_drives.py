@@ -82,6 +82,8 @@ def test_mistakes_are_answered_with_what_there_is() -> None:
     assert "800000" in refused("--bitrate", "100000")
     assert "INERTIA,FRICTION" in refused("--load", "1")
     assert "more than 0" in refused("--load", "0,0.1")
+    assert "did you mean boot-time" in refused("--choice", "boot-tme=1s")
+    assert "say yes or no" in refused("--choice", "tells-cured=perhaps")
     assert "one for each" in refused("--node", "1-2", "--axes", "left")
     assert "all begin as node 1" in refused("--node", "1-2", "--dip-off")
     assert "nowhere.fmu" in refused("--plant", "nowhere.fmu")
