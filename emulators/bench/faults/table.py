@@ -144,8 +144,7 @@ _ROWS: Final = (
         device.SupplySag,
         "A weak battery, a long cable or a bad contact: so many volts are left at the drives. The logic"
         " lives on.",
-        "Below its limit (10 V, ASSUME): EMCY 0x3220, power stage off at once; the motor rolls out, "
-        "braked while its back-EMF exceeds the supply and two diodes."
+        "Below its limit (10 V, ASSUME): EMCY 0x3220, power stage off at once; the motor rolls out."
         " Above it: less voltage for the winding.",
         _SUPPLY,
     ),
