@@ -109,6 +109,7 @@ class ServoAxis(Record, ctypes.Structure):
         self.recorder: Final = Recorder()
         self.encoder_resolution = encoder_resolution
         self.supply_mv = supply_mv
+        self.source_mv = 0
         self.analogue_1_mv = 0
         self.analogue_2_mv = 0
         self.master = 0

@@ -12,8 +12,10 @@ class Record:
 
     # Fixed: the encoder that is mounted, in quadcounts per turn of the shaft.
     encoder_resolution: int
-    # The surroundings, sampled from the plant every ms.
+    # The surroundings, sampled from the plant every ms: the supply at the drive, and at its source (0: not
+    # told).
     supply_mv: int
+    source_mv: int
     analogue_1_mv: int
     analogue_2_mv: int
     # ... and those that a bench test sets: supply (0: as the plant has it) and rails of the drive, air at its

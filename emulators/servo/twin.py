@@ -137,6 +137,7 @@ class Twin:
         volts = self._plant.outputs[supply : supply + 1][0]
         supply_mv = self._reading("supply voltage", None, volts)
         for axis, divider in zip(self._axes, self._wiring.dividers, strict=True):
+            axis.source_mv = supply_mv
             axis.supply_mv = axis.forced_supply_mv or supply_mv
             if divider:
                 axis.analogue_1_mv = int(axis.supply_mv / divider)

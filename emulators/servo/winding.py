@@ -15,7 +15,9 @@ from firmware_bridge.units import to_seconds
 DIODES_MV: Final = 1_600
 """What two flyback diodes in a row drop (ASSUME: 0.8 V each, body diodes of the power stage).
 
-ASSUME: the supply takes what comes through them at the voltage that it has, however weak it is.
+ASSUME: the source of the supply takes what comes through them at the voltage that it has. Where less is
+left at the drive, by a long cable or a bad contact, the back-EMF lifts it, and only the source's voltage
+brakes.
 """
 RESTING: Final = 10
 """mrad/s up to which a winding without voltage and current is left alone."""
@@ -131,7 +133,7 @@ def opened(axis: ServoAxis, current: int, speed: int) -> int:
         axis.speed_before = speed
     else:
         doubt(axis, current, speed)
-    limit = max(0, axis.supply_mv) + DIODES_MV
+    limit = max(0, axis.supply_mv, axis.source_mv) + DIODES_MV
     voltage = min(max(-limit, unfed(axis, current, speed)), limit)
     axis.speed_before = speed
     axis.current_ma = current

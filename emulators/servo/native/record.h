@@ -125,6 +125,7 @@
 typedef struct {
     int64_t encoder_resolution;
     int64_t supply_mv;
+    int64_t source_mv;
     int64_t analogue_1_mv;
     int64_t analogue_2_mv;
     int64_t forced_supply_mv;

@@ -17,6 +17,7 @@ static int64_t sample_supply(servo_bank *bank, double volts)
     for (k = 0; k < bank->count; k++) {
         double divider = ((const double *)bank->dividers)[k];
         servo_axis *axis = axis_at(bank, k);
+        axis->source_mv = supply_mv;
         axis->supply_mv = axis->forced_supply_mv ? axis->forced_supply_mv : supply_mv;
         if (divider != 0.0)
             axis->analogue_1_mv = (int64_t)((double)axis->supply_mv / divider);

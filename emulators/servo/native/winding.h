@@ -85,7 +85,7 @@ static inline int64_t servo_unfed(const servo_axis *axis, int64_t current, int64
 
 static inline int64_t servo_opened(servo_axis *axis, int64_t current, int64_t speed)
 {
-    int64_t limit = largest(0, axis->supply_mv) + DIODES_MV, voltage, to_come;
+    int64_t limit = largest(0, largest(axis->supply_mv, axis->source_mv)) + DIODES_MV, voltage, to_come;
     if (axis->turning == JUST_OPENED) {
         axis->turning = 1;
         axis->speed_before = speed;

@@ -211,6 +211,16 @@ def test_a_back_emf_beyond_supply_and_diodes_brakes_into_the_supply() -> None:
     assert bench.most_current < 0.05
 
 
+def test_a_voltage_that_only_sags_at_the_drive_brakes_nothing() -> None:
+    bench = Bench(PLAIN)
+    bench.axis.source_mv, bench.axis.supply_mv = 24_000, 5_000
+    bench.turns(500.0)
+    bench.opens()
+    bench.runs(50)
+    assert bench.most_current < 0.05
+    assert bench.speed > 499.0
+
+
 def test_what_was_told_is_never_learnt_over() -> None:
     bench = Bench(PLAIN)
     before = (bench.axis.back_emf, bench.axis.ending, bench.axis.evening)

@@ -1,21 +1,30 @@
 """Drives without a robot: their default gains move the default motor; the command that brings them."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
 
 import pytest
 from typer.testing import CliRunner
 
 from emulators.cli.emulate_epos2_work import numbers
 from emulators.epos2.objects.catalogue import PROFILES
+from emulators.servo.axis import RAMP, TICK, ServoAxis
+from emulators.servo.commands import regulate_velocity
+from emulators.servo.fmu_axes import tell_motor
+from emulators.servo.scaling import Settings, acceleration_units, configure, speed_units
 from emulators.single import Order, drives
 from emulators.wires import CanWire
 from emulators.world import World
 from firmware_bridge.cli import program
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
-from firmware_bridge.units import SECOND
+from firmware_bridge.units import MILLISECOND, SECOND
 from fmu.build import ensure
+from fmu.errors import PlantError
 from hil_tests.unit.world.players import Player
+
+if TYPE_CHECKING:
+    from fmu.plant import FmuPlant
 
 MOVE = (
     (0x000, "0100"),
@@ -82,6 +91,8 @@ def test_mistakes_are_answered_with_what_there_is() -> None:
     assert "800000" in refused("--bitrate", "100000")
     assert "INERTIA,FRICTION" in refused("--load", "1")
     assert "more than 0" in refused("--load", "0,0.1")
+    assert "did you mean boot-time" in refused("--choice", "boot-tme=1s")
+    assert "say yes or no" in refused("--choice", "tells-cured=perhaps")
     assert "one for each" in refused("--node", "1-2", "--axes", "left")
     assert "all begin as node 1" in refused("--node", "1-2", "--dip-off")
     assert "nowhere.fmu" in refused("--plant", "nowhere.fmu")
@@ -128,3 +139,62 @@ def test_parameters_of_the_plant_are_set_by_name() -> None:
 def test_a_parameter_needs_a_plant_and_a_value(tmp_path: Path) -> None:
     assert "--set a=1: there is no plant" in refused("--set", "a=1")
     assert "--set a: say NAME=VALUE" in refused("--plant", str(tmp_path), "--set", "a")
+
+
+def test_an_axis_is_told_its_motor_by_the_plant_and_learns_only_what_the_plant_does_not_tell() -> None:
+    order = Order((1,), PROFILES["70/10"], 1_000_000, plant=ensure("single_axis"), axes=("axis",))
+    made, bank = drives(order)
+    assert made
+    (axis,) = bank.axes
+    assert (axis.back_emf > 0, axis.ending > 0, axis.evening > axis.ending, axis.learning) == (
+        True,
+        True,
+        True,
+        0,
+    )
+
+    class Silent:
+        def read(self, name: str) -> float:
+            raise PlantError(f"no parameter {name}")
+
+    unknown = ServoAxis("axis", 2000)
+    tell_motor(cast("FmuPlant", Silent()), unknown)
+    assert (unknown.back_emf, unknown.ending, unknown.evening) == (0, 0, 0)
+    assert unknown.learning > 0
+
+
+@pytest.mark.parametrize("rpm", [1500, -1500])
+def test_the_kernel_s_open_winding_carries_no_current_above_a_plant_in_c(rpm: int) -> None:
+    """As the twin's does above motors in Python: the same lines, here above an FMU's own equations."""
+    order = Order((1,), PROFILES["70/10"], 1_000_000, plant=ensure("single_axis"), axes=("axis",))
+    _, bank = drives(order)
+    (axis,) = bank.axes
+    assert bank.native
+    plant: Any = vars(bank)["_engine"].__dict__["_plant"]
+    configure(
+        axis,
+        Settings(
+            current_p=180,
+            current_i=60,
+            velocity_p=1200,
+            velocity_i=150,
+            max_speed=25_000,
+            peak_current=5000,
+            continuous_current=5000,
+        ),
+    )
+    axis.switch_on()
+    regulate_velocity(axis)
+    axis.profile, axis.target_velocity = RAMP, speed_units(axis, rpm)
+    axis.acceleration = axis.deceleration = acceleration_units(axis, 10_000)
+    while bank.now < 200 * MILLISECOND:
+        bank.advance(200 * MILLISECOND)
+    place = {name: at for at, name in enumerate(plant.output_names)}
+    fast = plant.outputs[place["speed_axis"]]
+    assert abs(fast) > 50.0
+    axis.switch_off()
+    for tick in range(500):
+        bank.advance(bank.now + TICK)
+        if tick > 20:
+            assert abs(plant.outputs[place["current_axis"]]) < 0.02
+            assert abs(plant.outputs[place["speed_axis"]]) <= abs(fast)
