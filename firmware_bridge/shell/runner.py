@@ -18,10 +18,12 @@ from firmware_bridge.node import Finite, Node, Stoppable, holds
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.shell.clock import Clock
 from firmware_bridge.shell.ports.port import LostPort, Port
-from firmware_bridge.units import NEVER, SECOND, Nanoseconds, to_seconds
+from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds, to_seconds
 
 STOP_WITHIN: Final = 15 * SECOND
 """The longest end that a bridge asks for: every step of a stop tried in vain, on the slowest line."""
+LATE: Final = 5 * MILLISECOND
+"""A machine that is busy longer than this may have put something between the ports and the clock."""
 _SIGNALS: Final = (signal.SIGINT, signal.SIGTERM)
 
 
@@ -77,8 +79,11 @@ def _carry(carrier: "_Carrier", clock: Clock, bell: "_Bell", until: Nanoseconds)
             carrier.asked_to_stop("finished", now)
         if carrier.over(now):
             return
-        ready = clock.wait([bell.fileno, *carrier.filenos], min(carrier.next_at(), until))
+        files, due = [bell.fileno, *carrier.filenos], min(carrier.next_at(), until)
+        ready = clock.wait(files, due)
         now = clock.now()
+        if now - due > LATE:  # what has arrived by now is heard before anything that is due by now
+            ready = clock.wait(files, now)
 
 
 class _Carrier:

@@ -2,7 +2,7 @@
 
 import signal
 import socket
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import count
 
 import pytest
@@ -321,3 +321,41 @@ def test_what_waits_to_be_sent_is_sent_before_the_end() -> None:
     ending = run(Once(), {"can": port}, Clock(), until=MILLISECOND)
     assert port.written == [0x80]
     assert ending.in_order
+
+
+class Suspended(Clock):
+    """Time goes on for 0.7 s, and a datagram comes, between a look at the ports and one at the clock."""
+
+    def __init__(self, sender: socket.socket, address: tuple[str, int]) -> None:
+        super().__init__()
+        self._sender, self._address = sender, address
+        self._gone: Nanoseconds = 0
+
+    def now(self) -> Nanoseconds:
+        return super().now() + self._gone
+
+    def wait(self, filenos: Sequence[int], until: Nanoseconds) -> list[int]:
+        if self._gone:
+            return super().wait(filenos, until)
+        self._sender.sendto(b"in time", self._address)
+        self._gone = 700 * MILLISECOND
+        return []
+
+
+def test_what_came_while_the_machine_was_busy_is_heard_before_what_is_due_by_then() -> None:
+    class Noting(Ticking):
+        def __init__(self) -> None:
+            super().__init__()
+            self.did: list[str] = []
+
+        def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+            self.did.append(packet.payload.decode())
+            return super().receive(packet, now)
+
+        def tick(self, number: int) -> None:
+            self.did.append(f"tick {number}")
+
+    node, port = Noting(), UdpPort("udpin:127.0.0.1:0")
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        run(node, {"can": port}, Suspended(sender, ("127.0.0.1", port.port)), until=705 * MILLISECOND)
+    assert node.did[:3] == ["tick 1", "in time", "tick 2"]
