@@ -1,6 +1,7 @@
 """What Adafruit's Motor Shield V2 library writes on the I2C bus, call by call, byte for byte.
 
-Source: Adafruit_Motor_Shield_V2_Library and its Adafruit_MS_PWMServoDriver, as of 2018; BusIO since 2021-09-21.
+Source: Adafruit_Motor_Shield_V2_Library and its Adafruit_MS_PWMServoDriver, as of 2018; BusIO since
+2021-09-21.
 """
 
 from collections.abc import Iterator
@@ -75,7 +76,7 @@ def set_speed_fine(port: Port, speed: int) -> bytes:
 
 
 def run(port: Port, command: int) -> tuple[bytes, ...]:
-    """Return the writes of run(); none for what the library has no case for."""
+    """Return the writes of a run command; nothing for what the library has no case for."""
     if command == Run.FORWARD:
         return set_pin(port.in2, high=False), set_pin(port.in1, high=True)
     if command == Run.BACKWARD:
@@ -91,7 +92,7 @@ def motor(number: int) -> Port | None:
 
 
 def begin(address: int, frequency: int = DEFAULT_HZ, *, repeated_start: bool = False) -> Iterator[Job]:
-    """Yield what begin() does; `repeated_start` as the library reads since 2021, without its probe.
+    """Yield the jobs that set the shield up; `repeated_start` as the library reads since 2021, unprobed.
 
     MODE1 is read, and what is written after it follows from the 0 that has just been written there.
     """

@@ -83,7 +83,7 @@ def read(address: int, count: int) -> Transfer:
 
 
 class I2cBus:
-    """One transfer at a time. Who has begun one calls `advance` at `due`, or later: the instants stay true."""
+    """One transfer at a time. Who has begun one calls `advance` at `due`, or later: instants stay true."""
 
     def __init__(self, chips: Sequence[Chip], rate: int = STANDARD_RATE) -> None:
         self.bit: Final[Nanoseconds] = SECOND // rate
@@ -181,7 +181,8 @@ class I2cBus:
             return True
         byte = segment.written[self._place - 1]
         # Open drain: one chip that pulls is enough.
-        return any([chip.written(byte, at) for chip in self._addressed])
+        answers = [chip.written(byte, at) for chip in self._addressed]
+        return any(answers)
 
     def _end(self, at: Nanoseconds) -> None:
         self._ending = True

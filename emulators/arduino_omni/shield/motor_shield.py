@@ -1,10 +1,11 @@
 """The Adafruit Motor Shield V2: which PWM channel drives which input of which half bridge.
 
-Source: Adafruit_Motor_Shield_V2_Library, getMotor(). STBY is tied high (ASSUME). FORWARD of the library is the
-row CW of the half bridges; which way a wheel then turns is its wiring's business.
+Source: Adafruit_Motor_Shield_V2_Library, getMotor(). ASSUME: STBY is tied high. FORWARD of the library is
+the row CW of the half bridges; which way a wheel then turns is its wiring's business.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final
 
 from emulators.arduino_omni.shield.pca9685 import PERIOD_COUNTS, Pca9685, Wave
@@ -37,7 +38,7 @@ def share(pwm: Wave, in1: Wave, in2: Wave) -> Output:
         edges |= {it.rises, (it.rises + it.high) % PERIOD_COUNTS}
     counts = dict.fromkeys(Bridge, 0)
     cuts = sorted(edges)
-    for begin, end in zip(cuts, cuts[1:], strict=False):
+    for begin, end in pairwise(cuts):
         levels = [(begin - it.rises) % PERIOD_COUNTS < it.high for it in waves]
         counts[bridge(pwm=levels[0], in1=levels[1], in2=levels[2])] += end - begin
     return Output(counts[Bridge.CW], counts[Bridge.CCW], counts[Bridge.BRAKE], counts[Bridge.OPEN])

@@ -1,7 +1,7 @@
 """The PWM chip PCA9685, to the register: 16 channels of 12 bits behind an I2C address.
 
-Source: NXP, PCA9685 product data sheet: sections 7.1 (addresses), 7.3 (registers, tables 4 to 8), 7.6 (software
-reset). Where it is silent:
+Source: NXP, PCA9685 product data sheet: addresses, registers, sleep and restart, software reset.
+Where it is silent:
 * a RESTART asked for earlier than 500 us after SLEEP ended, or with SLEEP, is not obeyed and stays pending.
 * while asleep, or held until RESTART, all outputs are low.
 * no clock comes in at the EXTCLK pin of the shield, so after EXTCLK outputs are as in sleep.
@@ -62,7 +62,7 @@ POWER_ON: Final = {
 
 @dataclass(frozen=True, slots=True)
 class Wave:
-    """One output's level over the PWM period: high from count `rises` on for `high` counts of 4096, around the end."""
+    """One output over the PWM period: high from count `rises` on for `high` of 4096 counts, round the end."""
 
     rises: int
     high: int
@@ -151,10 +151,10 @@ class Pca9685:
             return Wave((made.rises + made.high) % PERIOD_COUNTS, PERIOD_COUNTS - made.high)
         return made
 
-    # The bus
+        # The bus
 
     def acknowledges(self, address: int, *, reading: bool) -> bool:
-        """Return whether the chip answers to this address: its own, a group's to write, or the general call."""
+        """Return whether the chip answers: to its own address; to write, to a group and the general call."""
         return address == self.address or (
             not reading and (address == GENERAL_CALL or address in self._groups())
         )

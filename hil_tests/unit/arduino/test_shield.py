@@ -1,4 +1,4 @@
-"""The motor shield to the register: bus times, the PWM chip, the half bridges, and what the library writes."""
+"""The motor shield to the register: bus times, the PWM chip, the half bridges, what the library writes."""
 
 from itertools import pairwise
 
