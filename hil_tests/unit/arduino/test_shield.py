@@ -6,49 +6,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from emulators.arduino_omni.mega import motor_library as library
-from emulators.arduino_omni.mega.jobs import OnBus, Pause
-from emulators.arduino_omni.shield.i2c import GENERAL_CALL, I2cBus, Result, Segment, Transfer, read, write
-from emulators.arduino_omni.shield.motor_shield import PORTS, MotorShield, share
+from emulators.arduino_omni.shield.i2c import GENERAL_CALL, Result, Segment, Transfer, read, write
+from emulators.arduino_omni.shield.motor_shield import share
 from emulators.arduino_omni.shield.pca9685 import Pca9685, Wave, wave
 from emulators.arduino_omni.shield.tb6612 import COAST, Bridge, Output, Thermal, bridge, limited
-from firmware_bridge.units import MICROSECOND, MILLISECOND, NEVER, SECOND, Nanoseconds
-
-ADDRESS = 0x60
-BIT = 10 * MICROSECOND
-
-
-class Master:
-    """A bus with one shield, and somebody who does one thing after the other."""
-
-    def __init__(self) -> None:
-        self.shield = MotorShield()
-        self.chip = self.shield.chip
-        self.bus = I2cBus([self.chip])
-        self.now: Nanoseconds = 0
-
-    def do(self, transfer: Transfer) -> Result:
-        self.bus.begin(transfer, self.now)
-        while True:
-            self.now = self.bus.due
-            result = self.bus.advance(self.now)
-            if result is not None:
-                return result
-
-    def write(self, text: str, address: int = ADDRESS) -> Result:
-        return self.do(write(address, bytes.fromhex(text)))
-
-    def begin(self) -> "Master":
-        for job in library.begin(ADDRESS):
-            if isinstance(job, OnBus):
-                self.do(job.transfer)
-            elif isinstance(job, Pause):
-                self.now += job.duration
-        return self
-
-    def motors(self) -> tuple[Output, ...]:
-        return self.shield.outputs(self.now)
-
+from firmware_bridge.units import MICROSECOND, MILLISECOND, NEVER, SECOND
+from hil_tests.unit.arduino.master import ADDRESS, BIT, Master
 
 # The bus
 
@@ -325,98 +288,6 @@ def test_a_chip_that_is_too_hot_is_off_until_it_has_cooled() -> None:
     assert all(off is (celsius >= 155.0) for celsius, off in states)
     assert {off for _, off in states} == {True, False}
     assert all(after < before for (before, _), (after, _) in pairwise(states))
-
-
-# The library
-
-BEGUN = [
-    *("00 00", "00", "read 1", "00 10", "FE 03", "00 00", "pause 5000000", "00 A1"),
-    *(f"{6 + 4 * n:02X} 00 00 00 00" for n in range(16)),
-]
-
-
-def shown(job: object) -> str:
-    if isinstance(job, Pause):
-        return f"pause {job.duration}"
-    assert isinstance(job, OnBus)
-    (segment,) = job.transfer.segments
-    assert segment.address == ADDRESS
-    return f"read {segment.to_read}" if segment.to_read else segment.written.hex(" ").upper()
-
-
-def test_begin_writes_what_the_library_writes() -> None:
-    assert [shown(job) for job in library.begin(ADDRESS)] == BEGUN
-
-
-def test_begin_leaves_the_chip_at_1526_hz_and_all_motors_free() -> None:
-    it = Master().begin()
-    assert it.chip.register(0) == 0x21
-    assert it.chip.period == 655_360  # 1525.88 Hz
-    assert it.motors() == (COAST,) * 4
-
-
-def test_begin_on_a_shield_that_runs_lets_it_run_again_before_it_ends() -> None:
-    it = Master().begin()
-    it.write("2E 00 10 00 00")
-    it.write("26 00 00 00 08")
-    seen = []
-    for job in library.begin(ADDRESS):
-        if isinstance(job, OnBus):
-            it.do(job.transfer)
-        elif isinstance(job, Pause):
-            it.now += job.duration
-        seen.append(it.motors()[0])
-    assert seen[:3] == [Output(cw=2048, brake=2048)] * 3
-    assert seen[3:7] == [COAST] * 4
-    assert seen[7] == Output(cw=2048, brake=2048)  # RESTART
-    assert seen[-1] == COAST
-
-
-VECTORS = [
-    (library.set_speed(PORTS[0], 128), "26 00 00 00 08"),
-    (library.set_speed(PORTS[0], 255), "26 00 00 F0 0F"),
-    (library.set_speed(PORTS[0], 1), "26 00 00 10 00"),
-    (library.set_speed_fine(PORTS[0], 4095), "26 00 00 FF 0F"),
-    (b" ".join(library.run(PORTS[0], 1)), "2A 00 00 00 00 20 2E 00 10 00 00"),
-    (b" ".join(library.run(PORTS[0], 2)), "2E 00 00 00 00 20 2A 00 10 00 00"),
-    (b" ".join(library.run(PORTS[0], 4)), "2E 00 00 00 00 20 2A 00 00 00 00"),
-    (b" ".join(library.run(PORTS[0], 3)), ""),
-    (b" ".join(library.run(PORTS[1], 1)), "36 00 00 00 00 20 32 00 10 00 00"),
-    (b" ".join(library.run(PORTS[2], 1)), "12 00 00 00 00 20 16 00 10 00 00"),
-    (b" ".join(library.run(PORTS[2], 2)), "16 00 00 00 00 20 12 00 10 00 00"),
-    (b" ".join(library.run(PORTS[3], 1)), "1E 00 00 00 00 20 1A 00 10 00 00"),
-]
-
-
-@pytest.mark.parametrize(("made", "expected"), VECTORS)
-def test_each_call_writes_what_the_library_writes(made: bytes, expected: str) -> None:
-    assert made == bytes.fromhex(expected)
-
-
-@pytest.mark.parametrize("number", [1, 2, 3, 4])
-@pytest.mark.parametrize(
-    ("command", "expected"),
-    [
-        (library.Run.FORWARD, Output(cw=4080, brake=16)),
-        (library.Run.BACKWARD, Output(ccw=4080, brake=16)),
-        (library.Run.RELEASE, COAST),
-    ],
-)
-def test_each_motor_gets_what_was_asked_for_it_and_no_other(
-    number: int, command: library.Run, expected: Output
-) -> None:
-    it = Master().begin()
-    port = library.motor(number)
-    assert port is not None
-    for job in library.drive(ADDRESS, port, 255, command):
-        assert isinstance(job, OnBus)
-        it.do(job.transfer)
-    assert it.motors() == tuple(expected if n == number else COAST for n in range(1, 5))
-
-
-@pytest.mark.parametrize("number", [0, 5, 255])
-def test_there_are_four_motors(number: int) -> None:
-    assert library.motor(number) is None
 
 
 @given(
