@@ -64,8 +64,9 @@ class _InfoShape(Shape):
     __slots__ = ()
 
     def encode(self, message: Message) -> bytes:
-        libraries = b";".join(bytes((number,)) + name for number, name in enumerate(message.libraries))
-        head = bytes((message.major, message.minor)) + b";" + message.board
+        libraries: bytes = b";".join(bytes((number,)) + name for number, name in enumerate(message.libraries))
+        board: bytes = message.board
+        head = bytes((message.major, message.minor)) + b";" + board
         return head + b";" + bytes((message.traces,)) + b";" + libraries
 
     def decode(self, data: bytes) -> Message | None:
