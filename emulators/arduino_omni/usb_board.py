@@ -5,9 +5,12 @@ them as they are. DTR is told as an empty packet with the address `DTR_UP` or `D
 
 Sources: Arduino-usbserial: rings of 128 bytes, what the board says goes to the host every 4.096 ms (overflow
 of timer 0), or when more than 96 bytes wait; RESET hangs on DTR through 100 nF, so its rise is what resets.
-Both chips divide the same clock in the same way, so their rates fit. ASSUME: the host has set the rate that
-the sketch has. ASSUME: a host that sends more than the ring holds waits, and loses nothing. The host's own
-millisecond frames are left out.
+Both chips divide the same clock in the same way, so their rates fit.
+
+Where they are silent:
+* the host has set the rate that the sketch has.
+* a host that sends more than the ring holds waits, and loses nothing.
+* the host's own millisecond frames are left out.
 """
 
 from collections import deque

@@ -4,9 +4,12 @@ As a node it sits with its serial pins on the link "serial": bytes come and go i
 gives them. On USB it sits behind a second chip: `emulators.arduino_omni.usb_board`.
 
 Sources: ArduinoCore-avr, bootloaders/stk500v2: about 1 s in which bytes are swallowed; 0x1B begins a frame
-that keeps it in the loader. ASSUME: such a frame keeps it there as long again. ASSUME: 1.1 s from reset to
-setup(). ASSUME: instructions take no time; what takes time is the I2C bus, delay(), 112 us for an analogRead,
-and a full transmit ring.
+that keeps it in the loader.
+
+Where they are silent:
+* from reset to setup it is 1.1 s, and a frame for the loader keeps it there as long again.
+* instructions take no time; what takes time is the I2C bus, a delay, 112 us for an analogRead, and a full
+  transmit ring.
 """
 
 from collections import deque

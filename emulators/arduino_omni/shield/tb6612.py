@@ -1,9 +1,12 @@
 """The half bridges TB6612FNG: three levels make a motor driven, braked or free; their losses.
 
 Source: Toshiba, TB6612FNG data sheet: the function table, 0.5 Ohm from both transistors together, 1.2 A mean
-and 3.2 A peak a channel. Low PWM with a direction is a short brake (slow decay). ASSUME: with both inputs low
-PWM does not matter. ASSUME: thermal shutdown at 175 degrees C, back at 155. ASSUME: the chip warms by 130 K
-for each watt, with a time constant of 10 s, from 25 degrees C.
+and 3.2 A peak a channel. Low PWM with a direction is a short brake (slow decay).
+
+Where it is silent:
+* with both inputs low PWM does not matter.
+* thermal shutdown is at 175 degrees C, and ends at 155.
+* the chip warms by 130 K for each watt, with a time constant of 10 s, from 25 degrees C.
 """
 
 import math
