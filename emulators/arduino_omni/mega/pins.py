@@ -2,7 +2,7 @@
 
 Sources: ArduinoCore-avr, variants/mega/pins_arduino.h: 54 to 69 are A0 to A15, 20 and 21 are I2C; external
 interrupts on 2, 3, 18 to 21. ASSUME: an open input reads low, with its pull-up high; analogRead of it gives
-0. ASSUME: the third wheel's encoder is on 10 and 11, where the chip has pin-change interrupts only.
+0. ASSUME: the third motor's encoder is on 10 and 11, where the chip has pin-change interrupts only.
 """
 
 from dataclasses import dataclass
@@ -15,8 +15,8 @@ FIRST_ANALOG: Final = 54
 ANALOG: Final = 16
 LED: Final = 13
 EXTERNAL_INTERRUPTS: Final = frozenset({2, 3, 18, 19, 20, 21})
-WHEELS: Final = ((2, 3), (18, 19), (10, 11))
-"""The pins of channels A and B, wheel by wheel."""
+ENCODER_PINS: Final = ((2, 3), (18, 19), (10, 11))
+"""The pins of channels A and B, motor by motor."""
 
 INPUT: Final = 0
 OUTPUT: Final = 1
@@ -79,20 +79,20 @@ class Pins:
 
 
 class Shafts:
-    """How far the wheels' encoders have come, in edges of both channels, since the world began."""
+    """How far the motors' encoders have come, in edges of both channels, since the world began."""
 
-    def __init__(self, wiring: tuple[tuple[int, int], ...] = WHEELS) -> None:
+    def __init__(self, wiring: tuple[tuple[int, int], ...] = ENCODER_PINS) -> None:
         self.edges = [0] * len(wiring)
-        """Set by what turns the wheels; forwards is A before B."""
+        """Set by what turns the motors; forwards is A before B."""
         self._wiring: Final = wiring
 
-    def wheel(self, pin_a: int, pin_b: int) -> tuple[int, int]:
-        """Return which wheel is on these pins, and its sign there; (-1, 0) for none."""
-        for wheel, pins in enumerate(self._wiring):
+    def motor(self, pin_a: int, pin_b: int) -> tuple[int, int]:
+        """Return which motor is on these pins, and its sign there; (-1, 0) for none."""
+        for motor, pins in enumerate(self._wiring):
             if pins == (pin_a, pin_b):
-                return wheel, 1
+                return motor, 1
             if pins == (pin_b, pin_a):
-                return wheel, -1
+                return motor, -1
         return -1, 0
 
 
@@ -114,10 +114,10 @@ class Counter:
 
     def total(self) -> int:
         """Return the count before it wraps."""
-        wheel, sign = self.shafts.wheel(self.pin_a, self.pin_b)
+        motor, sign = self.shafts.motor(self.pin_a, self.pin_b)
         if not sign or not (self.any_pin or {self.pin_a, self.pin_b} <= EXTERNAL_INTERRUPTS):
             return self._zero
-        return self._zero + sign * self.shafts.edges[wheel]
+        return self._zero + sign * self.shafts.edges[motor]
 
     @property
     def count(self) -> int:

@@ -1,4 +1,4 @@
-"""What MATLAB's support package flashes: MWProtocol, motor shield, rotary encoders; no loop on the board.
+"""What MATLAB's Arduino package flashes: MWProtocol, motor shield, rotary encoders; no loop on the board.
 
 Source: as of `firmware_bridge.wire.arduino.mw`. A damaged frame and an unknown command have no answer. Each
 byte of a frame has a second to come; what waits when an answer has gone is thrown away.

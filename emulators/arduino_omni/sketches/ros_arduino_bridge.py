@@ -1,7 +1,7 @@
-"""The sketch ros_arduino_bridge with three wheels on the motor shield: a loop of 30 Hz, and an auto-stop.
+"""The sketch ros_arduino_bridge with three motors on the motor shield: a loop of 30 Hz, and an auto-stop.
 
 Sources: hbrobotics/ros_arduino_bridge, indigo-devel: the sketch and its headers; the shield and the third
-wheel are ours.
+motor are ours.
 
 Where it is silent:
 * setup() sets the shield up, which releases the motors, before it listens.
@@ -21,9 +21,9 @@ from emulators.arduino_omni.mega.arithmetic import atoi, int16
 from emulators.arduino_omni.mega.clock import WORD as CLOCK_WORD
 from emulators.arduino_omni.mega.jobs import Pause, Say
 from emulators.arduino_omni.mega.mega import CONVERSION, Mega
-from emulators.arduino_omni.mega.pins import INPUT, OUTPUT, WHEELS, Counter
+from emulators.arduino_omni.mega.pins import ENCODER_PINS, INPUT, OUTPUT, Counter
 from emulators.arduino_omni.shield.motor_shield import PORTS
-from emulators.arduino_omni.sketches.wheel_pid import MAX_PWM, Gains, WheelPid
+from emulators.arduino_omni.sketches.motor_pid import MAX_PWM, Gains, MotorPid
 from firmware_bridge.units import SECOND, Nanoseconds
 from firmware_bridge.wire.arduino import ros_arduino_bridge as words
 
@@ -42,13 +42,15 @@ _Handler = Callable[["RosSketch"], None]
 class RosSketch:
     """One run of the sketch; `auto_stop` in ms."""
 
-    def __init__(self, mega: Mega, wheels: int = 3, auto_stop: int = AUTO_STOP) -> None:
+    def __init__(self, mega: Mega, motors: int = 3, auto_stop: int = AUTO_STOP) -> None:
         self._mega: Final = mega
-        self._wheels: Final = wheels
+        self._motors: Final = motors
         self._auto_stop: Final = auto_stop
         self._gains: Final = Gains()
-        self.pids: Final = [WheelPid(self._gains) for _ in range(wheels)]
-        self._counters: Final = [Counter(mega.shafts, a, b, 32, any_pin=True) for a, b in WHEELS[:wheels]]
+        self.pids: Final = [MotorPid(self._gains) for _ in range(motors)]
+        self._counters: Final = [
+            Counter(mega.shafts, a, b, 32, any_pin=True) for a, b in ENCODER_PINS[:motors]
+        ]
         self._letter = 0
         self._argument = 0
         self._words: list[bytearray] = []
@@ -87,7 +89,7 @@ class RosSketch:
             self._frame()
             self._next_frame = (self._next_frame + PID_INTERVAL) % CLOCK_WORD
         if self._driven and (millis - self._commanded_at) % CLOCK_WORD > self._auto_stop:
-            self._drive([0] * self._wheels)
+            self._drive([0] * self._motors)
             self._moving = self._driven = False
 
     # A line
@@ -108,7 +110,7 @@ class RosSketch:
 
     def _forget(self) -> None:
         self._letter = self._argument = 0
-        self._words = [bytearray() for _ in range(max(self._wheels, 2))]
+        self._words = [bytearray() for _ in range(max(self._motors, 2))]
 
     def _obey(self) -> None:
         handler = _HANDLERS.get(chr(self._letter))
@@ -152,7 +154,7 @@ class RosSketch:
     def set_speeds(self) -> None:
         """Obey `m`."""
         self._commanded_at = self._mega.clock.millis(self._now)
-        targets = [self._number(wheel) for wheel in range(self._wheels)]
+        targets = [self._number(motor) for motor in range(self._motors)]
         if any(targets):
             self._moving = self._driven = True
         else:
@@ -168,7 +170,7 @@ class RosSketch:
         self._commanded_at = self._mega.clock.millis(self._now)
         self._reset_pids()
         self._moving = False
-        speeds = [self._number(wheel) for wheel in range(self._wheels)]
+        speeds = [self._number(motor) for motor in range(self._motors)]
         self._driven = any(speeds)
         self._drive(speeds)
         self._say(words.OK)

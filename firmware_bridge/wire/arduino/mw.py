@@ -1,4 +1,4 @@
-"""MWProtocol: what MATLAB's support package and an Arduino say to each other, one row a command.
+"""MWProtocol: what MATLAB's Arduino package and an Arduino say to each other, one row a command.
 
 Source: MathWorks' MWProtocolBase, MWProtocolSerial, MWArduino, MotorShieldV2Base and RotaryEncoderBase
 headers and its MWProtocol.m, in the public copies of about 2016 to 2018. No frame was captured from a device.

@@ -1,6 +1,6 @@
-"""ros_arduino_bridge: commands of a letter and decimal words, one row each; here with three wheels.
+"""ros_arduino_bridge: commands of a letter and decimal words, one row each; here with three motors.
 
-Source: hbrobotics/ros_arduino_bridge, indigo-devel: its sketch's commands, its Python driver. The third wheel
+Source: hbrobotics/ros_arduino_bridge, indigo-devel: its sketch's commands, its Python driver. The third motor
 in `e`, `m` and `o` is what several public forks for omni bases do.
 """
 
@@ -26,7 +26,7 @@ class Answer(Enum):
 
     OK = "OK"
     NUMBER = "a number"
-    NUMBERS = "one number for each wheel"
+    NUMBERS = "one number for each motor"
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +36,7 @@ class Command:
     letter: str
     name: str
     arguments: int | None
-    """None: one for each wheel."""
+    """None: one for each motor."""
     answer: Answer
     separator: str = " "
     assumed: str = ""
@@ -48,7 +48,7 @@ ROWS: Final[tuple[Command, ...]] = (
     Command("c", "pin mode", 2, Answer.OK),
     Command("d", "digital read", 1, Answer.NUMBER),
     Command("e", "read encoders", 0, Answer.NUMBERS),
-    Command("m", "wheel speeds, in ticks a frame", None, Answer.OK),
+    Command("m", "motor speeds, in ticks a frame", None, Answer.OK),
     Command("o", "raw PWM, -255 to 255", None, Answer.OK, assumed="in later forks only"),
     Command("p", "ping, in cm", 1, Answer.NUMBER),
     Command("r", "reset encoders", 0, Answer.OK),
@@ -62,19 +62,19 @@ COMMANDS: Final[Mapping[str, Command]] = MappingProxyType({row.letter: row for r
 Numbers: TypeAlias = tuple[int, ...]
 
 
-def encode(letter: str, numbers: Sequence[int] = (), wheels: int = 3) -> bytes:
+def encode(letter: str, numbers: Sequence[int] = (), motors: int = 3) -> bytes:
     """Return a command's line; ValueError for an unknown letter, or not as many numbers as it takes."""
     row = COMMANDS.get(letter)
     if row is None:
         raise ValueError(f"no command '{letter}'; there are: {', '.join(COMMANDS)}")
-    wanted = wheels if row.arguments is None else row.arguments
+    wanted = motors if row.arguments is None else row.arguments
     if len(numbers) != wanted:
         raise ValueError(f"command '{letter}' takes {wanted} numbers, and got {len(numbers)}")
     words = row.separator.join(map(str, numbers))
     return f"{letter} {words}".rstrip().encode() + END
 
 
-def decode(letter: str, line: bytes, wheels: int = 3) -> Numbers | None:
+def decode(letter: str, line: bytes, motors: int = 3) -> Numbers | None:
     """Return the numbers of an answer, none for OK; None where it is not this command's.
 
     `INVALID`, noise and half a line are None too: the driver asks again.
@@ -84,7 +84,7 @@ def decode(letter: str, line: bytes, wheels: int = 3) -> Numbers | None:
     if row.answer is Answer.OK:
         return () if text == OK else None
     words = text.split(" ")
-    wanted = wheels if row.answer is Answer.NUMBERS else 1
+    wanted = motors if row.answer is Answer.NUMBERS else 1
     if len(words) != wanted or not all(_is_number(word) for word in words):
         return None
     return tuple(map(int, words))

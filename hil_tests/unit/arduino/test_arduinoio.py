@@ -92,7 +92,7 @@ def test_counters_have_16_bits_and_wrap() -> None:
     assert number(it, "G", 0) == 0
 
 
-def test_the_third_wheel_has_no_interrupts_left() -> None:
+def test_the_third_motor_has_no_interrupts_left() -> None:
     it = host()
     for encoder, pins in ((1, (19, 18)), (2, (10, 11))):
         it.ask(io.encode("E", encoder, *pins))

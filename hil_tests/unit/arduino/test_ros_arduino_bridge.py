@@ -1,4 +1,4 @@
-"""ros_arduino_bridge with three wheels, both ends: its lines, the loop's integers, the auto-stop."""
+"""ros_arduino_bridge with three motors, both ends: its lines, the loop's integers, the auto-stop."""
 
 from itertools import pairwise
 
@@ -7,16 +7,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from emulators.arduino_omni.shield.tb6612 import COAST, Output
+from emulators.arduino_omni.sketches.motor_pid import Gains, MotorPid
 from emulators.arduino_omni.sketches.ros_arduino_bridge import RosSketch
-from emulators.arduino_omni.sketches.wheel_pid import Gains, WheelPid
 from firmware_bridge.node import DTR_UP
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.arduino import ros_arduino_bridge as ros
 from hil_tests.unit.arduino.hosts import Host
 
 
-def host(wheels: int = 3, auto_stop: int = 2000) -> Host:
-    return Host(lambda mega: RosSketch(mega, wheels, auto_stop), ros.BAUD)
+def host(motors: int = 3, auto_stop: int = 2000) -> Host:
+    return Host(lambda mega: RosSketch(mega, motors, auto_stop), ros.BAUD)
 
 
 def sketch(it: Host) -> RosSketch:
@@ -42,9 +42,9 @@ EXCHANGES = [
 
 
 @pytest.mark.parametrize("slowly", [False, True])
-@pytest.mark.parametrize(("wheels", "letter", "numbers", "asked", "answered", "meant"), EXCHANGES)
+@pytest.mark.parametrize(("motors", "letter", "numbers", "asked", "answered", "meant"), EXCHANGES)
 def test_both_ends_say_and_read_the_lines(
-    wheels: int,
+    motors: int,
     letter: str,
     numbers: tuple[int, ...],
     asked: bytes,
@@ -53,8 +53,8 @@ def test_both_ends_say_and_read_the_lines(
     meant: tuple[int, ...],
     slowly: bool,
 ) -> None:
-    assert ros.encode(letter, numbers, wheels) == asked
-    it = host(wheels)
+    assert ros.encode(letter, numbers, motors) == asked
+    it = host(motors)
     assert it.banner == b""
     it.mega.shafts.edges[:] = [1234, -567, 8]
     it.mega.pins.analog[2] = 517
@@ -62,7 +62,7 @@ def test_both_ends_say_and_read_the_lines(
     said = (it.ask_slowly if slowly else it.ask)(asked)
     assert said == answered
     (line,) = ros.LineReader().hear(said)
-    assert ros.decode(letter, line, wheels) == meant
+    assert ros.decode(letter, line, motors) == meant
 
 
 @pytest.mark.parametrize("line", [b"\r", b"z\r", b" 1 2\r", b"s 1 90\r", b"t 1\r", b"\xff\r", b"E\r"])
@@ -93,7 +93,7 @@ WITH_KI = [(0, 4), (3, 7), (5, 10), (13, 10), (10, 12)]
 
 @pytest.mark.parametrize(("ki", "frames"), [(0, KP_KD), (5, WITH_KI)])
 def test_the_loop_is_the_sketchs_in_its_integers(ki: int, frames: list[tuple[int, int]]) -> None:
-    pid = WheelPid(Gains(ki=ki))
+    pid = MotorPid(Gains(ki=ki))
     pid.reset(1000)
     pid.target = 10
     at = 1000
@@ -103,7 +103,7 @@ def test_the_loop_is_the_sketchs_in_its_integers(ki: int, frames: list[tuple[int
 
 
 def test_the_loop_is_odd_as_division_goes_towards_zero() -> None:
-    ahead, back = WheelPid(Gains()), WheelPid(Gains())
+    ahead, back = MotorPid(Gains()), MotorPid(Gains())
     ahead.target, back.target = 10, -10
     at = 0
     for moved, pwm in KP_KD:
@@ -112,7 +112,7 @@ def test_the_loop_is_odd_as_division_goes_towards_zero() -> None:
 
 
 def test_the_integral_rests_while_the_output_is_at_its_end() -> None:
-    pid = WheelPid(Gains(ki=1000))
+    pid = MotorPid(Gains(ki=1000))
     pid.target = 1000
     assert [pid.update(0) for _ in range(3)] == [255, 255, 255]
     pid.target = 0
@@ -130,7 +130,7 @@ def test_the_integral_rests_while_the_output_is_at_its_end() -> None:
 def test_whatever_the_gains_the_output_has_its_bounds(
     target: int, counts: list[int], gains: list[int]
 ) -> None:
-    pid = WheelPid(Gains(*gains))
+    pid = MotorPid(Gains(*gains))
     pid.target = target
     assert all(-255 <= pid.update(count) <= 255 for count in counts)
 

@@ -1,4 +1,4 @@
-"""The speed loop of ros_arduino_bridge, a wheel at a time, in the integers that the AVR has.
+"""The speed loop of ros_arduino_bridge, a motor at a time, in the integers that the AVR has.
 
 Source: hbrobotics/ros_arduino_bridge, diff_controller.h: differences of counts a frame, derivative on the
 measurement, the output added to the one before, clamped at 255. int is 16 bits, long 32.
@@ -14,7 +14,7 @@ MAX_PWM: Final = 255
 
 @dataclass(slots=True)
 class Gains:
-    """Of all wheels; int."""
+    """Of all motors; int."""
 
     kp: int = 20
     kd: int = 12
@@ -23,8 +23,8 @@ class Gains:
 
 
 @dataclass(slots=True)
-class WheelPid:
-    """One wheel."""
+class MotorPid:
+    """One motor."""
 
     gains: Gains
     target: int = 0
