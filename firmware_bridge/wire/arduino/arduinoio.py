@@ -1,7 +1,8 @@
 """ArduinoIO, MATLAB's older way to an Arduino: one letter and single bytes behind it, one row a command.
 
-Source: G. Campa's legacy MATLAB and Simulink package for Arduino (giampy1969): the sketches adio to motor_v2, v4.4 of
-2013, and arduino.m. No frames, no check sum, no time-out; what asks is answered with a number and CR LF.
+Source: G. Campa's legacy MATLAB and Simulink package for Arduino (giampy1969): the sketches adio to
+motor_v2, v4.4 of 2013, and arduino.m. No frames, no check sum, no time-out; what asks is
+answered with a number and CR LF.
 """
 
 from collections.abc import Mapping
