@@ -243,12 +243,14 @@ def test_a_ping_without_a_sensor_keeps_the_board_for_a_second() -> None:
 def test_whatever_a_stranger_sends_lines_come_back_and_it_lives_on(chunks: list[bytes]) -> None:
     it = host()
     said = b"".join(it.ask(chunk, 200 * MILLISECOND) for chunk in chunks)
-    it.run(5 * SECOND)  # pings
+    it.run(70 * SECOND)  # a full ring of pings
     said += it.taken()
     assert said == b"" or said.endswith(b"\r\n")
     lines = said.split(b"\r\n")[:-1]
-    assert len(lines) == sum(chunk.count(b"\r") for chunk in chunks) - it.mega.serial.lost
-    assert it.ask(b"\rb\r").endswith(b"57600\r\n")
+    ended = sum(chunk.count(b"\r") for chunk in chunks)
+    assert ended - it.mega.serial.lost <= len(lines) <= ended
+    it.ask(b"\r", 2 * SECOND)  # ends whatever was begun
+    assert it.ask(b"b\r") == b"57600\r\n"
 
 
 @given(st.binary(max_size=200), st.sampled_from(sorted(ros.COMMANDS)))
