@@ -15,6 +15,9 @@ MAXON: Final = "maxon"
 OPERATOR: Final = "operator"
 LINE_LOST: Final = 1
 LINE_BACK: Final = 2
+DTR_UP: Final = 3
+DTR_DOWN: Final = 4
+"""What the host says on the wire DTR of a serial line, as an empty packet with this address."""
 
 
 class Node(Protocol):

@@ -5,6 +5,7 @@ from typing import Final
 
 from emulators.bench.faults import CABLE_ORDER, KINDS
 from emulators.documents import (
+    board_fidelity,
     emergencies,
     faults,
     fidelity,
@@ -24,6 +25,9 @@ from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.units import MILLISECOND, SECOND
 
 MADE: Final = "This page is made by `make docs` from the tables in the code; change those."
+BOARD_TEXT: Final = """Registers, libraries and protocols follow their sources, which the modules
+name: data sheets, the Arduino core, libraries and sketches. None of it was recorded from a board. What stands
+here was found nowhere, and is a choice that may change."""
 OBJECTS_TEXT: Final = """{objects} objects under {indexes} indexes, as a 70/10 has them; the other types
 differ in identity and current limits only. `receive` and `transmit` say which PDOs may carry an object;
 `kept` says whether 'save' (0x1010) stores it; an empty bound is the type's own. How far each is known stands
@@ -173,6 +177,7 @@ def pages(
     return {
         "objects.md": _objects(),
         "fidelity.md": _fidelity(),
+        "fidelity-arduino.md": _board_fidelity(),
         "emergencies.md": _emergencies(tests),
         "power-machine.md": _machine(),
         "opcodes.md": _opcodes(commands),
@@ -228,6 +233,17 @@ def _fidelity() -> str:
         lines = ((line.what, line.provenance.value, line.source) for line in shown)
         parts.append(table(("what", "known", "from"), lines))
     return _page("How far the emulated EPOS2 is known", *parts)
+
+
+def _board_fidelity() -> str:
+    return _page(
+        "How far the emulated Arduino board is known",
+        BOARD_TEXT,
+        "## Commands",
+        table(("protocol", "command", "assumed"), board_fidelity.commands()),
+        "## Stated assumptions",
+        table(("what", "where"), board_fidelity.assumptions()),
+    )
 
 
 def _emergencies(tests: emergencies.Tests) -> str:

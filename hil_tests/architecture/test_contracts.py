@@ -84,4 +84,5 @@ def test_every_package_has_its_place_in_the_contracts() -> None:
     assert contracts["bridge"]["exhaustive"]
     assert contracts["emulators"]["exhaustive"]
     assert contracts["epos2"]["exhaustive"]
+    assert contracts["arduino"]["exhaustive"]
     assert set(PROJECT["tool"]["importlinter"]["root_packages"]) == set(PACKAGES)

@@ -58,7 +58,7 @@ def test_every_folder_has_its_line_in_the_architecture(package: str) -> None:
 def test_the_layers_in_the_architecture_are_those_that_are_checked() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     contracts = {contract["id"]: contract for contract in project["tool"]["importlinter"]["contracts"]}
-    for contract in ("packages", "bridge", "emulators", "epos2"):
+    for contract in ("packages", "bridge", "emulators", "epos2", "arduino"):
         assert " > ".join(contracts[contract]["layers"]) in ARCHITECTURE
 
 

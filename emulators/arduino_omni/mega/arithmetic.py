@@ -1,0 +1,49 @@
+"""Numbers as the AVR has them: int of 16 bits, long of 32, division towards zero.
+
+Source: the C standard; avr-libc. Overflow of a signed number wraps here, as the machine's code for it does.
+"""
+
+from typing import Final
+
+_DIGITS: Final = b"0123456789"
+_BLANKS: Final = b" \t\n\v\f\r"
+
+
+def wrapped(value: int, bits: int) -> int:
+    """Return the low bits of a number as a signed one."""
+    half = 1 << (bits - 1)
+    return (value + half) % (1 << bits) - half
+
+
+def int16(value: int) -> int:
+    """Return an int."""
+    return wrapped(value, 16)
+
+
+def int32(value: int) -> int:
+    """Return a long."""
+    return wrapped(value, 32)
+
+
+def quotient(dividend: int, divisor: int) -> int:
+    """Return a long divided, towards zero.
+
+    ASSUME: by zero, where C says nothing, libgcc's loop subtracts nothing and gives all ones, with the
+    dividend's sign.
+    """
+    if divisor == 0:
+        return 1 if dividend < 0 else -1
+    size = abs(dividend) // abs(divisor)
+    return int32(-size if (dividend < 0) != (divisor < 0) else size)
+
+
+def atoi(text: bytes) -> int:
+    """Return the number that a text begins with, as avr-libc reads it: 16 bits, 0 for none."""
+    text = text.lstrip(_BLANKS)
+    negative = text[:1] == b"-"
+    value = 0
+    for byte in text[1:] if text[:1] in {b"-", b"+"} else text:
+        if byte not in _DIGITS:
+            break
+        value = int16(10 * value + byte - 0x30)
+    return int16(-value if negative else value)

@@ -1,0 +1,40 @@
+"""What a sketch does that takes time, one thing after the other: a list, so that it can stop anywhere."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from emulators.arduino_omni.shield.i2c import Result, Transfer
+from firmware_bridge.units import Nanoseconds
+
+
+@dataclass(frozen=True, slots=True)
+class OnBus:
+    """A transfer on the I2C bus; `then` gets its result."""
+
+    transfer: Transfer
+    then: Callable[[Result, Nanoseconds], None] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Pause:
+    """delay(), or whatever else keeps the processor."""
+
+    duration: Nanoseconds
+
+
+@dataclass(frozen=True, slots=True)
+class Say:
+    """Serial.write(): it returns when the last byte has found room in the transmit ring."""
+
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """Something that takes no time, after what stands before it."""
+
+    action: Callable[[Nanoseconds], None]
+
+
+Job: TypeAlias = OnBus | Pause | Say | Call

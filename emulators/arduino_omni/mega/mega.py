@@ -1,0 +1,221 @@
+"""The Mega 2560 as its processor is: a sketch that does one thing after the other, deaf while it starts.
+
+As a node it sits with its serial pins on the link "serial": bytes come and go in the time that the wire
+gives them. On USB it sits behind a second chip: `emulators.arduino_omni.usb_board`.
+
+Sources: ArduinoCore-avr, bootloaders/stk500v2: about 1 s in which bytes are swallowed; 0x1B begins a frame
+that keeps it in the loader.
+
+Where they are silent:
+* from reset to setup it is 1.1 s, and a frame for the loader keeps it there as long again.
+* instructions take no time; what takes time is the I2C bus, a delay, 112 us for an analogRead, and a full
+  transmit ring.
+"""
+
+from collections import deque
+from collections.abc import Callable, Iterable
+from typing import Final, Protocol
+
+from emulators.arduino_omni.mega.clock import Clock
+from emulators.arduino_omni.mega.jobs import Call, Job, OnBus, Pause, Say
+from emulators.arduino_omni.mega.pins import Pins, Shafts
+from emulators.arduino_omni.mega.uart import Uart
+from emulators.arduino_omni.shield.i2c import Chip, I2cBus, Result
+from emulators.arduino_omni.shield.motor_shield import MotorShield
+from firmware_bridge.node import SERIAL
+from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.units import MICROSECOND, MILLISECOND, NEVER, Nanoseconds
+
+BOOT: Final[Nanoseconds] = 1_100 * MILLISECOND
+LOADER_FRAME: Final = 0x1B
+"""MESSAGE_START of the boot loader's protocol."""
+CONVERSION: Final[Nanoseconds] = 112 * MICROSECOND
+"""One analogRead."""
+
+
+class Sketch(Protocol):
+    """A firmware, made anew at each reset."""
+
+    def setup(self) -> None:
+        """Give the board its first jobs."""
+
+    def loop(self, now: Nanoseconds) -> None:
+        """Read what has arrived, and give the board jobs; they are done before the next call."""
+
+    def due(self, now: Nanoseconds) -> Nanoseconds:
+        """Return when to call `loop` though nothing has arrived, later than the last call; or NEVER."""
+
+
+class Mega:
+    """One board with its shield."""
+
+    def __init__(
+        self,
+        sketch: Callable[["Mega"], Sketch],
+        baud: int,
+        shield: MotorShield | None = None,
+        *,
+        others: tuple[Chip, ...] = (),
+        boot: Nanoseconds = BOOT,
+    ) -> None:
+        """Flash a sketch; `others` are further chips on the bus, `boot` is how long the loader is deaf."""
+        self.shield: Final = MotorShield() if shield is None else shield
+        self.pins: Final = Pins()
+        self.shafts: Final = Shafts()
+        self.serial: Final = Uart(baud)
+        self.bus: Final = I2cBus((self.shield.chip, *others))
+        self.clock = Clock(0)
+        self.resets = 0
+        """Times that it has started."""
+        self._make: Final = sketch
+        self._sketch: Sketch | None = None
+        self._boot: Final = boot
+        self._starts_at: Nanoseconds = NEVER
+        self._jobs: deque[Job] = deque()
+        self._running: OnBus | None = None
+        self._free_at: Nanoseconds = 0
+        self._powered = False
+
+    @property
+    def baud(self) -> int:
+        """Bits a second on its serial pins, truly."""
+        return self.serial.baud
+
+    @property
+    def sketch(self) -> Sketch | None:
+        """What runs; None in the boot loader."""
+        return self._sketch
+
+    # For sketches
+
+    def do(self, *jobs: Job) -> None:
+        """Put jobs behind those that wait."""
+        self._jobs.extend(jobs)
+
+    def do_all(self, jobs: Iterable[Job]) -> None:
+        """Put jobs behind those that wait."""
+        self._jobs.extend(jobs)
+
+    # For the world
+
+    def reset(self, now: Nanoseconds) -> None:
+        """Pull RESET: what is under way ends where it is. The shield has no wire to it, and runs on."""
+        self.advance(now)
+        self.bus.abandon(now)
+        self.serial.reset(now)
+        self.pins.reset()
+        self._jobs.clear()
+        self._running = None
+        self._sketch = None
+        self._free_at = now
+        self._starts_at = now + self._boot
+        self._powered = True
+        self.resets += 1
+
+    def hear(self, byte: int, now: Nanoseconds) -> None:
+        """Take a byte whose stop bit has passed."""
+        self.advance(now)
+        if self._sketch is not None:
+            self.serial.arrived(byte)
+            self._free_at = max(self._free_at, now)
+            self.advance(now)
+        elif byte == LOADER_FRAME and self._powered:
+            self._starts_at = now + self._boot
+
+    @property
+    def due(self) -> Nanoseconds:
+        """When to call `advance`; in the past where the sketch has something to do at once."""
+        if self._sketch is None:
+            return self._starts_at
+        if self._running is not None:
+            return self.bus.due
+        if self._jobs or self.serial.available:
+            return self._free_at
+        return max(self._free_at, self._sketch.due(self._free_at))
+
+    def advance(self, now: Nanoseconds) -> None:
+        """Do what is due by `now`, each thing at its own time."""
+        while (at := self.due) <= now:
+            if self._sketch is None:
+                self._start(at)
+            elif self._running is not None:
+                self._carry(self._running, at)
+            elif self._jobs:
+                self._begin(self._jobs.popleft(), at)
+            else:
+                self._loop(self._sketch, at)
+
+    def _start(self, at: Nanoseconds) -> None:
+        self._starts_at = NEVER
+        self._free_at = at
+        self.clock = Clock(at)
+        self._sketch = self._make(self)
+        self._sketch.setup()
+
+    def _loop(self, sketch: Sketch, at: Nanoseconds) -> None:
+        self._free_at = at
+        sketch.loop(at)
+
+    def _carry(self, job: OnBus, at: Nanoseconds) -> None:
+        result = self.bus.advance(at)
+        if result is not None:
+            self._running = None
+            self._free_at = at
+            self._then(job, result, at)
+
+    def _then(self, job: OnBus, result: Result, at: Nanoseconds) -> None:
+        """Let the sketch go on with what it has read: what it gives now comes before what waits."""
+        if job.then is not None:
+            waiting = list(self._jobs)
+            self._jobs.clear()
+            job.then(result, at)
+            self._jobs.extend(waiting)
+
+    def _begin(self, job: Job, at: Nanoseconds) -> None:
+        if isinstance(job, OnBus):
+            self._running = job
+            self.bus.begin(job.transfer, at)
+        elif isinstance(job, Pause):
+            self._free_at = at + job.duration
+        elif isinstance(job, Say):
+            self._free_at = self.serial.write(job.data, at)
+        else:
+            self._call(job, at)
+
+    def _call(self, job: Call, at: Nanoseconds) -> None:
+        waiting = list(self._jobs)
+        self._jobs.clear()
+        job.action(at)
+        self._jobs.extend(waiting)
+
+
+class MegaOnPins:
+    """A Mega as a node whose serial pins are on a wire; the first call of `wake` is power-on."""
+
+    def __init__(self, mega: Mega) -> None:
+        self.mega: Final = mega
+        self._powered = False
+
+    @property
+    def baud(self) -> int:
+        """Bits a second, truly."""
+        return self.mega.baud
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        """Take bytes that have wholly arrived."""
+        for byte in packet.payload:
+            self.mega.hear(byte, now)
+        return self._reaction(now)
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        """Do what is due; the first call switches the board on."""
+        if not self._powered:
+            self._powered = True
+            self.mega.reset(now)
+        self.mega.advance(now)
+        return self._reaction(now)
+
+    def _reaction(self, now: Nanoseconds) -> Reaction:
+        # The wire spaces the bytes, at the rate that the board says: all that was written may go.
+        said = self.mega.serial.taken(NEVER)
+        return Reaction((Packet(SERIAL, 0, said),) if said else (), max(now, self.mega.due))

@@ -1,0 +1,118 @@
+"""What Adafruit's Motor Shield V2 library writes on the I2C bus, call by call, byte for byte.
+
+Source: Adafruit_Motor_Shield_V2_Library and its Adafruit_MS_PWMServoDriver, as of 2018; BusIO since
+2021-09-21.
+"""
+
+from collections.abc import Iterator
+from enum import IntEnum
+from typing import Final
+
+from emulators.arduino_omni.mega.jobs import Job, OnBus, Pause
+from emulators.arduino_omni.shield.i2c import Segment, Transfer, read, write
+from emulators.arduino_omni.shield.motor_shield import PORTS, Port
+from emulators.arduino_omni.shield.pca9685 import (
+    AI,
+    ALLCALL,
+    CHANNELS,
+    LED0,
+    MODE1,
+    OSCILLATOR_HZ,
+    PERIOD_COUNTS,
+    PRE_SCALE,
+    RESTART,
+    SLEEP,
+)
+from firmware_bridge.units import MILLISECOND
+
+DEFAULT_HZ: Final = 1_600
+CORRECTION: Final = 0.9
+"""Of the frequency, since 2015-09-12."""
+WAKES_IN: Final = 5 * MILLISECOND
+FULL_ON: Final = 4_096
+BYTE: Final = 255
+FINEST: Final = 4_095
+COUNTS_PER_STEP: Final = 16
+"""setSpeed() counts to 255."""
+
+
+class Run(IntEnum):
+    """The argument of run(). BRAKE has no case in the library: nothing is written."""
+
+    FORWARD = 1
+    BACKWARD = 2
+    BRAKE = 3
+    RELEASE = 4
+
+
+def pre_scale(frequency: int) -> int:
+    """Return what begin() writes for a frequency in Hz: 8 bits of the rounded quotient.
+
+    ASSUME: a frequency of 0 divides to infinity, and its conversion gives 255.
+    """
+    if frequency == 0:
+        return BYTE
+    return int(OSCILLATOR_HZ / PERIOD_COUNTS / (frequency * CORRECTION) - 1 + 0.5) & BYTE
+
+
+def pwm(channel: int, on: int, off: int) -> bytes:
+    """Return the write that sets a channel."""
+    return bytes((LED0 + 4 * channel, on & BYTE, on >> 8 & BYTE, off & BYTE, off >> 8 & BYTE))
+
+
+def set_pin(channel: int, *, high: bool) -> bytes:
+    """Return the write that sets a channel to one level."""
+    return pwm(channel, FULL_ON if high else 0, 0)
+
+
+def set_speed(port: Port, speed: int) -> bytes:
+    """Return the write of setSpeed(); speed 0 to 255."""
+    return pwm(port.pwm, 0, (speed & BYTE) * COUNTS_PER_STEP)
+
+
+def set_speed_fine(port: Port, speed: int) -> bytes:
+    """Return the write of setSpeedFine(), there since 2021; speed 0 to 4095."""
+    return pwm(port.pwm, 0, min(speed, FINEST))
+
+
+def run(port: Port, command: int) -> tuple[bytes, ...]:
+    """Return the writes of a run command; nothing for what the library has no case for."""
+    if command == Run.FORWARD:
+        return set_pin(port.in2, high=False), set_pin(port.in1, high=True)
+    if command == Run.BACKWARD:
+        return set_pin(port.in1, high=False), set_pin(port.in2, high=True)
+    if command == Run.RELEASE:
+        return set_pin(port.in1, high=False), set_pin(port.in2, high=False)
+    return ()
+
+
+def motor(number: int) -> Port | None:
+    """Return what getMotor(1) to getMotor(4) give; nothing for another number."""
+    return PORTS[number - 1] if 1 <= number <= len(PORTS) else None
+
+
+def begin(address: int, frequency: int = DEFAULT_HZ, *, repeated_start: bool = False) -> Iterator[Job]:
+    """Yield the jobs that set the shield up; `repeated_start` as the library reads since 2021, unprobed.
+
+    MODE1 is read, and what is written after it follows from the 0 that has just been written there.
+    """
+    yield OnBus(write(address, bytes((MODE1, 0))))
+    if repeated_start:
+        yield OnBus(Transfer((Segment(address, bytes((MODE1,))), Segment(address, to_read=1))))
+    else:
+        yield OnBus(write(address, bytes((MODE1,))))
+        yield OnBus(read(address, 1))
+    yield OnBus(write(address, bytes((MODE1, SLEEP))))
+    yield OnBus(write(address, bytes((PRE_SCALE, pre_scale(frequency)))))
+    yield OnBus(write(address, bytes((MODE1, 0))))
+    yield Pause(WAKES_IN)
+    yield OnBus(write(address, bytes((MODE1, RESTART | AI | ALLCALL))))
+    for channel in range(CHANNELS):
+        yield OnBus(write(address, set_pin(channel, high=False)))
+
+
+def drive(address: int, port: Port, speed: int, command: int) -> Iterator[Job]:
+    """Yield setSpeed() and then run()."""
+    yield OnBus(write(address, set_speed(port, speed)))
+    for data in run(port, command):
+        yield OnBus(write(address, data))

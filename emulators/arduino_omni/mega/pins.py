@@ -1,0 +1,129 @@
+"""The board's 70 pins as a sketch sees them, and the shafts whose encoders are wired to some of them.
+
+Sources: ArduinoCore-avr, variants/mega/pins_arduino.h: 54 to 69 are A0 to A15, 20 and 21 are I2C; external
+interrupts on 2, 3, 18 to 21. ASSUME: an open input reads low, with its pull-up high; analogRead of it gives
+0. ASSUME: the third motor's encoder is on 10 and 11, where the chip has pin-change interrupts only.
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+from emulators.arduino_omni.mega.arithmetic import wrapped
+
+PINS: Final = 70
+FIRST_ANALOG: Final = 54
+ANALOG: Final = 16
+LED: Final = 13
+EXTERNAL_INTERRUPTS: Final = frozenset({2, 3, 18, 19, 20, 21})
+ENCODER_PINS: Final = ((2, 3), (18, 19), (10, 11))
+"""The pins of channels A and B, motor by motor."""
+
+INPUT: Final = 0
+OUTPUT: Final = 1
+INPUT_PULLUP: Final = 2
+
+
+class Pins:
+    """Modes and levels; numbers that no pin has do nothing and read 0, as the core has it."""
+
+    def __init__(self) -> None:
+        self.driven: dict[int, bool] = {}
+        """Inputs that somebody outside drives; it outlives a reset."""
+        self.analog = [0] * ANALOG
+        """What an analogRead gives, 0 to 1023; it outlives a reset."""
+        self.modes = bytearray(PINS)
+        self.duties: dict[int, int] = {}
+        """Pins with analogWrite on them, 1 to 254."""
+        self._latches = bytearray(PINS)
+
+    def reset(self) -> None:
+        """Make all pins inputs."""
+        self.modes[:] = bytes(PINS)
+        self._latches[:] = bytes(PINS)
+        self.duties.clear()
+
+    def configure(self, pin: int, mode: int) -> None:
+        """Be pinMode(): whatever is neither input has the pin driven."""
+        if pin < PINS:
+            self.modes[pin] = mode if mode in {INPUT, INPUT_PULLUP} else OUTPUT
+            if mode in {INPUT, INPUT_PULLUP}:
+                self._latches[pin] = int(mode == INPUT_PULLUP)
+
+    def write(self, pin: int, level: int) -> None:
+        """Be digitalWrite(): it ends a PWM, and on an input switches the pull-up."""
+        if pin < PINS:
+            self.duties.pop(pin, None)
+            self._latches[pin] = int(level != 0)
+
+    def write_analog(self, pin: int, value: int) -> None:
+        """Be analogWrite(): the pin is an output; at both ends a level."""
+        self.configure(pin, OUTPUT)
+        if pin < PINS:
+            if value in {0, 255}:
+                self.write(pin, value)
+            else:
+                self.duties[pin] = value & 0xFF
+
+    def read(self, pin: int) -> int:
+        """Be digitalRead()."""
+        if pin >= PINS:
+            return 0
+        self.duties.pop(pin, None)
+        return (
+            self._latches[pin] if self.modes[pin] == OUTPUT else int(self.driven.get(pin, self._latches[pin]))
+        )
+
+    def read_analog(self, pin: int) -> int:
+        """Be analogRead(): a pin's number or a channel's; the multiplexer has sixteen."""
+        return self.analog[(pin - FIRST_ANALOG if pin >= FIRST_ANALOG else pin) % ANALOG]
+
+
+class Shafts:
+    """How far the motors' encoders have come, in edges of both channels, since the world began."""
+
+    def __init__(self, wiring: tuple[tuple[int, int], ...] = ENCODER_PINS) -> None:
+        self.edges = [0] * len(wiring)
+        """Set by what turns the motors; forwards is A before B."""
+        self._wiring: Final = wiring
+
+    def motor(self, pin_a: int, pin_b: int) -> tuple[int, int]:
+        """Return which motor is on these pins, and its sign there; (-1, 0) for none."""
+        for motor, pins in enumerate(self._wiring):
+            if pins == (pin_a, pin_b):
+                return motor, 1
+            if pins == (pin_b, pin_a):
+                return motor, -1
+        return -1, 0
+
+
+@dataclass(slots=True)
+class Counter:
+    """A sketch's quadrature counter, four counts a line, on two pins of the board."""
+
+    shafts: Shafts
+    pin_a: int
+    pin_b: int
+    bits: int
+    any_pin: bool = False
+    """Whether pin-change interrupts are used as well as external ones."""
+    _zero: int = 0
+
+    def __post_init__(self) -> None:
+        """Begin at 0."""
+        self.set(0)
+
+    def total(self) -> int:
+        """Return the count before it wraps."""
+        motor, sign = self.shafts.motor(self.pin_a, self.pin_b)
+        if not sign or not (self.any_pin or {self.pin_a, self.pin_b} <= EXTERNAL_INTERRUPTS):
+            return self._zero
+        return self._zero + sign * self.shafts.edges[motor]
+
+    @property
+    def count(self) -> int:
+        """The count, as wide as the sketch's variable."""
+        return wrapped(self.total(), self.bits)
+
+    def set(self, count: int) -> None:
+        """Be at a count now."""
+        self._zero += count - self.total()

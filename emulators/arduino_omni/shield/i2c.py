@@ -1,0 +1,200 @@
+"""The I2C bus between the board, its only master, and the chips on it: byte by byte, in bus time.
+
+Sources: UM10204 (START, STOP, acknowledge); ArduinoCore-avr's Wire library, 100 kHz unless told otherwise
+(TWBR 72 at 16 MHz, exactly). ASSUME: a START, a repeated START and a STOP take one bit time each; the
+processor's own time between two bytes is left out.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, Protocol
+
+from firmware_bridge.units import NEVER, SECOND, Nanoseconds
+
+STANDARD_RATE: Final = 100_000
+"""Bits a second: Wire's default."""
+BITS_PER_BYTE: Final = 9
+"""Eight, and the acknowledge."""
+GENERAL_CALL: Final = 0x00
+NO_ANSWER: Final = 0xFF
+"""What a master reads where nobody pulls the line."""
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """What follows one START: bytes to a 7-bit address, or a number of bytes to be read from it."""
+
+    address: int
+    written: bytes = b""
+    to_read: int = 0
+
+    @property
+    def length(self) -> int:
+        """Bytes on the bus, the address among them."""
+        return 1 + (self.to_read or len(self.written))
+
+
+@dataclass(frozen=True, slots=True)
+class Transfer:
+    """From START to STOP. Between two segments stands a repeated START."""
+
+    segments: tuple[Segment, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """How a transfer ended: whether each byte was acknowledged, and what was read."""
+
+    acknowledged: bool
+    read: bytes
+
+
+class Chip(Protocol):
+    """A slave on the bus. `at` is when the byte's ninth bit has passed."""
+
+    @property
+    def hasty(self) -> bool:
+        """Whether something may change outside with every byte, and not with the STOP alone."""
+
+    def acknowledges(self, address: int, *, reading: bool) -> bool:
+        """Return whether the chip answers to this 7-bit address; it changes nothing."""
+
+    def addressed(self, address: int, *, reading: bool, at: Nanoseconds) -> None:
+        """Take a START and an address that the chip acknowledges."""
+
+    def written(self, byte: int, at: Nanoseconds) -> bool:
+        """Take a byte; return whether it is acknowledged."""
+
+    def read(self, at: Nanoseconds) -> int:
+        """Give the next byte."""
+
+    def stopped(self, at: Nanoseconds) -> None:
+        """Take a STOP, whoever was addressed."""
+
+
+def write(address: int, data: bytes) -> Transfer:
+    """Return one write, as Wire's endTransmission() makes it."""
+    return Transfer((Segment(address, data),))
+
+
+def read(address: int, count: int) -> Transfer:
+    """Return one read, as Wire's requestFrom() makes it."""
+    return Transfer((Segment(address, to_read=count),))
+
+
+class I2cBus:
+    """One transfer at a time. Who has begun one calls `advance` at `due`, or later: instants stay true."""
+
+    def __init__(self, chips: Sequence[Chip], rate: int = STANDARD_RATE) -> None:
+        self.bit: Final[Nanoseconds] = SECOND // rate
+        self.bytes = 0
+        """Carried so far, addresses among them."""
+        self.busy: Nanoseconds = 0
+        """From START to STOP, all transfers together."""
+        self._chips: Final = tuple(chips)
+        self._transfer: Transfer | None = None
+        self._begun_at: Nanoseconds = 0
+        self._segment = 0
+        self._place = 0
+        self._next_at: Nanoseconds = NEVER
+        self._fine = False
+        self._stop_at: Nanoseconds = NEVER
+        self._ending = False
+        self._acknowledged = True
+        self._addressed: tuple[Chip, ...] = ()
+        self._read = bytearray()
+
+    @property
+    def due(self) -> Nanoseconds:
+        """When to call `advance`: the STOP, or each byte where one may matter by itself."""
+        return self._next_at if self._fine else self._stop_at
+
+    def begin(self, transfer: Transfer, now: Nanoseconds) -> None:
+        """Send a START now."""
+        self._transfer = transfer
+        self._begun_at = now
+        self._segment = self._place = 0
+        self._ending = False
+        self._acknowledged = True
+        self._addressed = ()
+        self._read.clear()
+        self._next_at = now + self.bit + BITS_PER_BYTE * self.bit
+        self._stop_at = now + self.duration(transfer)
+        self._fine = any(chip.hasty for chip in self._chips) or any(
+            segment.address == GENERAL_CALL or not self._answering(segment) for segment in transfer.segments
+        )
+
+    def duration(self, transfer: Transfer) -> Nanoseconds:
+        """Return the time from START to STOP where everything is acknowledged."""
+        bits = sum(1 + BITS_PER_BYTE * segment.length for segment in transfer.segments) + 1
+        return bits * self.bit
+
+    def advance(self, now: Nanoseconds) -> Result | None:
+        """Carry what has passed by `now`; return the result of a transfer whose STOP has."""
+        while self._next_at <= now:
+            if self._ending:
+                return self._stop(self._next_at)
+            self._carry(self._next_at)
+        return None
+
+    def abandon(self, now: Nanoseconds) -> None:
+        """Let go of the bus: the master was reset. What has passed has passed; there is no STOP."""
+        if self.advance(now) is None and self._transfer is not None:
+            self.busy += now - self._begun_at
+        self._forget()
+
+    def _answering(self, segment: Segment) -> tuple[Chip, ...]:
+        reading = segment.to_read > 0
+        return tuple(it for it in self._chips if it.acknowledges(segment.address, reading=reading))
+
+    def _carry(self, at: Nanoseconds) -> None:
+        """Carry one byte, and find out what follows it."""
+        assert self._transfer is not None  # noqa: S101 - for the type checker: an instant is due
+        segment = self._transfer.segments[self._segment]
+        self.bytes += 1
+        if not self._byte(segment, at):
+            self._acknowledged = False
+            self._end(at)
+            return
+        self._place += 1
+        if self._place < segment.length:
+            self._next_at = at + BITS_PER_BYTE * self.bit
+            return
+        self._place = 0
+        self._segment += 1
+        if self._segment < len(self._transfer.segments):
+            self._next_at = at + (1 + BITS_PER_BYTE) * self.bit
+        else:
+            self._end(at)
+
+    def _byte(self, segment: Segment, at: Nanoseconds) -> bool:
+        if self._place == 0:
+            self._addressed = self._answering(segment)
+            for chip in self._addressed:
+                chip.addressed(segment.address, reading=segment.to_read > 0, at=at)
+            return bool(self._addressed)
+        if segment.to_read:
+            byte = NO_ANSWER
+            for chip in self._addressed:
+                byte &= chip.read(at)
+            self._read.append(byte)
+            return True
+        byte = segment.written[self._place - 1]
+        # Open drain: one chip that pulls is enough.
+        answers = [chip.written(byte, at) for chip in self._addressed]
+        return any(answers)
+
+    def _end(self, at: Nanoseconds) -> None:
+        self._ending = True
+        self._next_at = self._stop_at = at + self.bit
+
+    def _stop(self, at: Nanoseconds) -> Result:
+        for chip in self._chips:
+            chip.stopped(at)
+        self.busy += at - self._begun_at
+        self._forget()
+        return Result(self._acknowledged, bytes(self._read))
+
+    def _forget(self) -> None:
+        self._transfer = None
+        self._next_at = self._stop_at = NEVER

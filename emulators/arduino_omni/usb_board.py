@@ -1,0 +1,119 @@
+"""The Mega on USB: the second chip, an ATmega16U2, that passes bytes on in its own time and pulls RESET.
+
+As a node it is on the link "serial", which is its USB side: chunks come and go whole. A pty or a port carries
+them as they are. DTR is told as an empty packet with the address `DTR_UP` or `DTR_DOWN`.
+
+Sources: Arduino-usbserial: rings of 128 bytes, what the board says goes to the host every 4.096 ms (overflow
+of timer 0), or when more than 96 bytes wait; RESET hangs on DTR through 100 nF, so its rise is what resets.
+Both chips divide the same clock in the same way, so their rates fit.
+
+Where they are silent:
+* the host has set the rate that the sketch has.
+* a host that sends more than the ring holds waits, and loses nothing.
+* the host's own millisecond frames are left out.
+"""
+
+from collections import deque
+from typing import Final
+
+from emulators.arduino_omni.mega.mega import Mega
+from emulators.arduino_omni.mega.uart import BITS_PER_BYTE
+from firmware_bridge.node import DTR_DOWN, DTR_UP, SERIAL
+from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.units import MICROSECOND, NEVER, SECOND, Nanoseconds
+
+FLUSH: Final[Nanoseconds] = 4_096 * MICROSECOND
+NEARLY_FULL: Final = 96
+
+
+class UsbBoard:
+    """A Mega with its USB chip. The first call of `wake` is power-on.
+
+    `flush` 0 hands each byte to the host as it comes, as a chip without that timer would.
+    """
+
+    def __init__(self, mega: Mega, *, flush: Nanoseconds = FLUSH) -> None:
+        self.mega: Final = mega
+        self._flush: Final = flush
+        self._to_board: deque[int] = deque()
+        self._burst_at: Nanoseconds = 0
+        self._burst = 0
+        self._to_host = bytearray()
+        self._powered_at: Nanoseconds = NEVER
+        self._flush_at: Nanoseconds = NEVER
+        self._dtr = False
+        self._sent: list[Packet] = []
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        """Take a chunk from the host, or what became of DTR."""
+        self._advance(now)
+        if packet.address in {DTR_UP, DTR_DOWN} and not packet.payload:
+            risen = packet.address == DTR_UP and not self._dtr
+            self._dtr = packet.address == DTR_UP
+            if risen:
+                self.mega.reset(now)
+        else:
+            self._enqueue(packet.payload, now)
+        self._advance(now)
+        return self._reaction(now)
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        """Do what is due; the first call switches the board on."""
+        if self._powered_at == NEVER:
+            self._powered_at = now
+            self.mega.reset(now)
+        self._advance(now)
+        return self._reaction(now)
+
+    def _enqueue(self, chunk: bytes, now: Nanoseconds) -> None:
+        if not self._to_board:
+            self._burst_at, self._burst = now, 0
+        self._to_board.extend(chunk)
+
+    @property
+    def _passes_at(self) -> Nanoseconds:
+        """When the host's next byte has reached the board's pins."""
+        if not self._to_board:
+            return NEVER
+        return self._burst_at + (self._burst + 1) * BITS_PER_BYTE * SECOND // self.mega.baud
+
+    @property
+    def _comes_at(self) -> Nanoseconds:
+        """When the board's next byte has reached this chip."""
+        at = self.mega.serial.leaves_at
+        return NEVER if at is None else at
+
+    def _advance(self, now: Nanoseconds) -> None:
+        """Do everything up to `now`, in the order of its instants."""
+        while True:
+            at = min(self._comes_at, self._flush_at, self._passes_at, self.mega.due)
+            if at > now:
+                return
+            if at == self._comes_at:
+                self._take(at)
+            elif at == self._flush_at:
+                self._hand_over()
+            elif at == self._passes_at:
+                self._burst += 1
+                self.mega.hear(self._to_board.popleft(), at)
+            else:
+                self.mega.advance(at)
+
+    def _take(self, at: Nanoseconds) -> None:
+        self._to_host += self.mega.serial.taken(at)
+        if not self._flush or len(self._to_host) > NEARLY_FULL:
+            self._hand_over()
+        elif self._flush_at == NEVER:
+            since = at - self._powered_at
+            self._flush_at = self._powered_at + (since // self._flush + 1) * self._flush
+
+    def _hand_over(self) -> None:
+        self._sent.append(Packet(SERIAL, 0, bytes(self._to_host)))
+        self._to_host.clear()
+        self._flush_at = NEVER
+
+    def _reaction(self, now: Nanoseconds) -> Reaction:
+        sent = tuple(self._sent)
+        self._sent.clear()
+        due = min(self._comes_at, self._flush_at, self._passes_at, self.mega.due)
+        return Reaction(sent, max(now, due))

@@ -1,0 +1,32 @@
+"""What of the emulated Arduino board is a guess: from its protocols' rows, and its modules' texts."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final
+
+import emulators
+from emulators.documents.fidelity import stated
+from firmware_bridge.wire.arduino import arduinoio, mw, ros_arduino_bridge
+
+_ROOT: Final = Path(emulators.__file__).parent
+_FOLDER: Final = "arduino_omni"
+
+
+def commands() -> Iterator[tuple[str, str, str]]:
+    """Yield protocol, command and guess, for each row that has one."""
+    for row in mw.ROWS:
+        if row.assumed:
+            yield "MWProtocol", row.name, row.assumed
+    for other in ros_arduino_bridge.ROWS:
+        if other.assumed:
+            yield "ros_arduino_bridge", f"{other.letter}, {other.name}", other.assumed
+    for each in arduinoio.ROWS:
+        if each.assumed:
+            yield "ArduinoIO", f"{each.letter}, {each.name}", each.assumed
+
+
+def assumptions() -> Iterator[tuple[str, str]]:
+    """Yield each assumption that a module of the board states, and where."""
+    for path in sorted((_ROOT / _FOLDER).rglob("*.py")):
+        for what in stated(path.read_text(encoding="utf-8")):
+            yield what, path.relative_to(_ROOT.parent).as_posix()

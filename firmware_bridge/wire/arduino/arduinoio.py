@@ -1,0 +1,112 @@
+"""ArduinoIO, MATLAB's older way to an Arduino: one letter and single bytes behind it, one row a command.
+
+Source: G. Campa's legacy MATLAB and Simulink package for Arduino (giampy1969): the sketches adio to
+motor_v2, v4.4 of 2013, and arduino.m. No frames, no check sum, no time-out; what asks is
+answered with a number and CR LF.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final
+
+BAUD: Final = 115_200
+FIRST_LETTER: Final = ord("0")
+LAST_LETTER: Final = ord("Y")
+LINE_END: Final = b"\r\n"
+MOTOR_V2: Final = 4
+"""What the sketch for the motor shield V2 says when asked who it is."""
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """What a byte behind the letter means: its value is the byte less `base`."""
+
+    name: str
+    base: int
+    first: int
+    last: int
+
+    def takes(self, byte: int) -> bool:
+        """Return whether the sketch goes on with this byte."""
+        return self.first <= byte - self.base <= self.last
+
+    def encode(self, value: int) -> int:
+        """Return a value's byte; ValueError where the sketch would not take it."""
+        if not self.first <= value <= self.last:
+            raise ValueError(f"{self.name} must be from {self.first} to {self.last}, and is {value}")
+        return value + self.base
+
+
+PIN: Final = Kind("pin", 97, 2, 69)
+ANALOG: Final = Kind("analog input", 97, 0, 15)
+BIT: Final = Kind("level", 48, 0, 1)
+RAW: Final = Kind("value", 0, 0, 255)
+MOTOR: Final = Kind("motor", 48, 1, 4)
+STEPPER: Final = Kind("stepper", 48, 1, 2)
+ENCODER: Final = Kind("encoder", 48, 0, 2)
+DEBOUNCE: Final = Kind("debounce", 97, 0, 69)
+REFERENCE: Final = Kind("reference", 48, 0, 2)
+NINE: Final = Kind("second letter", 48, 9, 9)
+ENDS_STEPPER: Final = ord("r")
+"""A stepper's direction that takes nothing more."""
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """One command: its letter, what follows, and whether it says a number."""
+
+    letter: str
+    name: str
+    follows: tuple[Kind, ...]
+    answers: bool = False
+    assumed: str = ""
+
+
+_NO_STEPPERS: Final = "steppers are not emulated: the bytes are taken, and nothing turns"
+
+ROWS: Final[tuple[Command, ...]] = (
+    Command("0", "pin mode: 0 input, 1 output", (PIN, BIT)),
+    Command("1", "digital read", (PIN,), answers=True),
+    Command("2", "digital write", (PIN, BIT)),
+    Command("3", "analog read", (ANALOG,), answers=True),
+    Command("4", "analog write", (PIN, RAW)),
+    Command("5", "is a servo attached", (PIN,), answers=True),
+    Command("6", "servo: 0 detach, 1 attach", (PIN, BIT)),
+    Command("7", "servo read", (PIN,), answers=True, assumed="90 before the first write"),
+    Command("8", "servo write", (PIN, RAW)),
+    Command("9", "who is it", (NINE,), answers=True),
+    Command("A", "motor's speed", (MOTOR, RAW)),
+    Command("B", "motor: f, b or r", (MOTOR, RAW)),
+    Command("C", "stepper's speed", (STEPPER, RAW), assumed=_NO_STEPPERS),
+    Command("D", "stepper's steps", (STEPPER, RAW, RAW, RAW), assumed=_NO_STEPPERS),
+    Command("E", "attach an encoder", (ENCODER, PIN, PIN)),
+    Command("F", "detach an encoder", (ENCODER,)),
+    Command("G", "read an encoder", (ENCODER,), answers=True),
+    Command("H", "set an encoder to 0", (ENCODER,)),
+    Command("I", "an encoder's debounce", (ENCODER, DEBOUNCE), assumed="it changes nothing"),
+    Command("R", "analog reference", (REFERENCE,), assumed="it changes nothing"),
+    Command("X", "say a byte as a number", (RAW,), answers=True),
+)
+COMMANDS: Final[Mapping[str, Command]] = MappingProxyType({row.letter: row for row in ROWS})
+
+
+def encode(letter: str, *values: int) -> bytes:
+    """Return a command's bytes; ValueError for what the sketch would not take."""
+    row = COMMANDS.get(letter)
+    if row is None:
+        raise ValueError(f"no command '{letter}'; there are: {', '.join(COMMANDS)}")
+    if len(values) != len(row.follows):
+        raise ValueError(f"command '{letter}' takes {len(row.follows)} values, and got {len(values)}")
+    return letter.encode() + bytes(kind.encode(it) for kind, it in zip(row.follows, values, strict=True))
+
+
+def decode(line: bytes) -> int | None:
+    """Return the number that an answer says, without its line end; None where it says none."""
+    digits = line.removeprefix(b"-")
+    return int(line) if digits.isdigit() else None
+
+
+def encode_answer(number: int) -> bytes:
+    """Return what the board says."""
+    return str(number).encode() + LINE_END

@@ -1,0 +1,195 @@
+"""Firmata 2.5: MIDI-like messages of three bytes, and system-exclusive ones of 7-bit data; a row each.
+
+Source: firmata/protocol: protocol.md, i2c.md, encoder.md; firmata/arduino, StandardFirmata.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final
+
+BAUD: Final = 57_600
+START: Final = 0xF0
+END: Final = 0xF7
+MAX_DATA: Final = 64
+"""Bytes of a system-exclusive message that a board keeps."""
+LONGEST_TOLD: Final = 2_048
+"""... and that a host does: more than all pins' modes."""
+CHANNELLED: Final = 0xF0
+"""Below it a command's low four bits are a pin or a port."""
+SEVEN: Final = 0x7F
+
+# Commands
+
+ANALOG: Final = 0xE0
+DIGITAL: Final = 0x90
+REPORT_ANALOG: Final = 0xC0
+REPORT_DIGITAL: Final = 0xD0
+PIN_MODE: Final = 0xF4
+PIN_VALUE: Final = 0xF5
+VERSION: Final = 0xF9
+RESET: Final = 0xFF
+
+# System-exclusive commands
+
+ENCODER: Final = 0x61
+MAPPING_QUERY: Final = 0x69
+MAPPING: Final = 0x6A
+CAPABILITY_QUERY: Final = 0x6B
+CAPABILITY: Final = 0x6C
+PIN_STATE_QUERY: Final = 0x6D
+PIN_STATE: Final = 0x6E
+EXTENDED_ANALOG: Final = 0x6F
+STRING: Final = 0x71
+I2C_REQUEST: Final = 0x76
+I2C_REPLY: Final = 0x77
+I2C_CONFIG: Final = 0x78
+FIRMWARE: Final = 0x79
+SAMPLING: Final = 0x7A
+
+# How an I2C request is to be served
+
+I2C_WRITE: Final = 0x00
+I2C_READ: Final = 0x08
+I2C_CONTINUOUS: Final = 0x10
+I2C_STOP: Final = 0x18
+I2C_TEN_BITS: Final = 0x20
+I2C_RESTART: Final = 0x40
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """One message that is not system-exclusive: its first byte, and how many bytes follow it, either way."""
+
+    code: int
+    name: str
+    asked: int
+    """From the host."""
+    told: int = 0
+    """From the board; a board tells some of them only."""
+
+
+ROWS: Final[tuple[Command, ...]] = (
+    Command(ANALOG, "analog I/O", 2, 2),
+    Command(DIGITAL, "digital port", 2, 2),
+    Command(REPORT_ANALOG, "report analog", 1),
+    Command(REPORT_DIGITAL, "report digital port", 1),
+    Command(PIN_MODE, "pin mode", 2),
+    Command(PIN_VALUE, "digital pin", 2),
+    Command(VERSION, "protocol version", 0, 2),
+    Command(RESET, "system reset", 0),
+)
+COMMANDS: Final[Mapping[int, Command]] = MappingProxyType({row.code: row for row in ROWS})
+
+
+@dataclass(frozen=True, slots=True)
+class Message:
+    """What was said: a command with its channel, or a system-exclusive one; data as 7-bit bytes."""
+
+    code: int
+    data: bytes = b""
+    channel: int = 0
+    exclusive: bool = False
+
+
+def encode(message: Message) -> bytes:
+    """Return a message's bytes."""
+    if message.exclusive:
+        return bytes((START, message.code)) + message.data + bytes((END,))
+    return bytes((message.code | message.channel,)) + message.data
+
+
+def pairs(data: Sequence[int]) -> bytes:
+    """Return bytes as 7-bit pairs, low one first; also numbers of 14 bits."""
+    return bytes(part for it in data for part in (it & SEVEN, it >> 7 & SEVEN))
+
+
+def unpaired(data: bytes) -> tuple[int, ...]:
+    """Return what pairs say; a lonely byte at the end is a pair's low one, as the board takes it."""
+    padded = data + bytes(len(data) % 2)
+    return tuple(low | high << 7 for low, high in zip(padded[::2], padded[1::2], strict=True))
+
+
+def exclusive(code: int, data: bytes = b"") -> bytes:
+    """Return a system-exclusive message."""
+    return encode(Message(code, data, exclusive=True))
+
+
+def i2c_write(address: int, data: bytes) -> bytes:
+    """Return a request that writes bytes to a 7-bit address."""
+    return exclusive(I2C_REQUEST, bytes((address, I2C_WRITE)) + pairs(data))
+
+
+def i2c_read(address: int, register: int, count: int) -> bytes:
+    """Return a request that reads bytes from a register on."""
+    return exclusive(I2C_REQUEST, bytes((address, I2C_READ)) + pairs((register, count)))
+
+
+@dataclass(frozen=True, slots=True)
+class I2cRead:
+    """What was read: from which address and register."""
+
+    address: int
+    register: int
+    data: bytes
+
+
+def decode_i2c(message: Message) -> I2cRead | None:
+    """Return what an I2C reply says; None for another message, or half a reply."""
+    values = unpaired(message.data)
+    if not message.exclusive or message.code != I2C_REPLY or len(values) < len(("address", "register")):
+        return None
+    return I2cRead(values[0], values[1], bytes(it & 0xFF for it in values[2:]))
+
+
+class Parser:
+    """Either end: it takes bytes and finds messages. What is no message is passed over."""
+
+    def __init__(self, *, from_board: bool = False) -> None:
+        self._from_board: Final = from_board
+        self._room: Final = LONGEST_TOLD if from_board else MAX_DATA
+        self._exclusive = False
+        self._command: Command | None = None
+        self._channel = 0
+        self._missing = 0
+        self._data = bytearray()
+
+    def hear(self, chunk: bytes) -> Iterator[Message]:
+        """Take bytes; yield what they complete."""
+        for byte in chunk:
+            found = self.take(byte)
+            if found is not None:
+                yield found
+
+    def take(self, byte: int) -> Message | None:
+        """Take one byte; return the message that it completes."""
+        if self._exclusive:
+            return self._take_exclusive(byte)
+        if self._missing and byte <= SEVEN:
+            self._data.append(byte)
+            self._missing -= 1
+            if self._missing or self._command is None:
+                return None
+            return Message(self._command.code, bytes(self._data), self._channel)
+        return self._begin(byte)
+
+    def _take_exclusive(self, byte: int) -> Message | None:
+        if byte != END:
+            if len(self._data) < self._room:
+                self._data.append(byte)
+            return None
+        self._exclusive = False
+        return Message(self._data[0], bytes(self._data[1:]), exclusive=True) if self._data else None
+
+    def _begin(self, byte: int) -> Message | None:
+        if byte == START:
+            self._exclusive, self._missing = True, 0
+            self._data.clear()
+            return None
+        row = COMMANDS.get(byte & 0xF0 if byte < CHANNELLED else byte)
+        if row is None:
+            return None
+        self._channel = byte & 0x0F if byte < CHANNELLED else 0
+        self._command, self._missing = row, row.told if self._from_board else row.asked
+        self._data.clear()
+        return None if self._missing else Message(row.code, channel=self._channel)

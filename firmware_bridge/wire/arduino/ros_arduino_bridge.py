@@ -1,0 +1,116 @@
+"""ros_arduino_bridge: commands of a letter and decimal words, one row each; here with three motors.
+
+Source: hbrobotics/ros_arduino_bridge, indigo-devel: its sketch's commands, its Python driver. The third motor
+in `e`, `m` and `o` is what several public forks for omni bases do.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from types import MappingProxyType
+from typing import Final, TypeAlias
+
+BAUD: Final = 57_600
+END: Final = b"\r"
+LINE_END: Final = b"\r\n"
+OK: Final = "OK"
+INVALID: Final = "Invalid Command"
+WORD: Final = 16
+"""Characters of an argument, the last of them a zero."""
+LONGEST_LINE: Final = 64
+"""Bytes of a line that a board ever says, for who collects one."""
+
+
+class Answer(Enum):
+    """What a command says when it is done."""
+
+    OK = "OK"
+    NUMBER = "a number"
+    NUMBERS = "one number for each motor"
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """One command: its letter, how many numbers follow, what is between them, what it says."""
+
+    letter: str
+    name: str
+    arguments: int | None
+    """None: one for each motor."""
+    answer: Answer
+    separator: str = " "
+    assumed: str = ""
+
+
+ROWS: Final[tuple[Command, ...]] = (
+    Command("a", "analog read", 1, Answer.NUMBER),
+    Command("b", "baud rate", 0, Answer.NUMBER),
+    Command("c", "pin mode", 2, Answer.OK),
+    Command("d", "digital read", 1, Answer.NUMBER),
+    Command("e", "read encoders", 0, Answer.NUMBERS),
+    Command("m", "motor speeds, in ticks a frame", None, Answer.OK),
+    Command("o", "raw PWM, -255 to 255", None, Answer.OK, assumed="in later forks only"),
+    Command("p", "ping, in cm", 1, Answer.NUMBER),
+    Command("r", "reset encoders", 0, Answer.OK),
+    Command("s", "servo write", 2, Answer.OK),
+    Command("t", "servo read", 1, Answer.NUMBER),
+    Command("u", "gains Kp, Kd, Ki, Ko", 4, Answer.OK, ":"),
+    Command("w", "digital write", 2, Answer.OK),
+    Command("x", "analog write", 2, Answer.OK),
+)
+COMMANDS: Final[Mapping[str, Command]] = MappingProxyType({row.letter: row for row in ROWS})
+Numbers: TypeAlias = tuple[int, ...]
+
+
+def encode(letter: str, numbers: Sequence[int] = (), motors: int = 3) -> bytes:
+    """Return a command's line; ValueError for an unknown letter, or not as many numbers as it takes."""
+    row = COMMANDS.get(letter)
+    if row is None:
+        raise ValueError(f"no command '{letter}'; there are: {', '.join(COMMANDS)}")
+    wanted = motors if row.arguments is None else row.arguments
+    if len(numbers) != wanted:
+        raise ValueError(f"command '{letter}' takes {wanted} numbers, and got {len(numbers)}")
+    words = row.separator.join(map(str, numbers))
+    return f"{letter} {words}".rstrip().encode() + END
+
+
+def decode(letter: str, line: bytes, motors: int = 3) -> Numbers | None:
+    """Return the numbers of an answer, none for OK; None where it is not this command's.
+
+    `INVALID`, noise and half a line are None too: the driver asks again.
+    """
+    row = COMMANDS[letter]
+    text = line.decode("ascii", "replace").strip()
+    if row.answer is Answer.OK:
+        return () if text == OK else None
+    words = text.split(" ")
+    wanted = motors if row.answer is Answer.NUMBERS else 1
+    if len(words) != wanted or not all(_is_number(word) for word in words):
+        return None
+    return tuple(map(int, words))
+
+
+def _is_number(word: str) -> bool:
+    digits = word.removeprefix("-")
+    return digits.isascii() and digits.isdigit() and len(digits) <= WORD
+
+
+class LineReader:
+    """The host's end: it takes bytes and finds lines; one that is too long is dropped."""
+
+    def __init__(self) -> None:
+        self._waiting = bytearray()
+
+    def hear(self, chunk: bytes) -> Iterator[bytes]:
+        """Take bytes; yield lines without their ends."""
+        for byte in chunk:
+            self._waiting.append(byte)
+            if self._waiting.endswith(LINE_END):
+                line = bytes(self._waiting[: -len(LINE_END)])
+                self._waiting.clear()
+                if len(line) <= LONGEST_LINE:
+                    yield line
+
+    def flush(self) -> None:
+        """Forget half a line, as the driver does before each command."""
+        self._waiting.clear()
