@@ -88,7 +88,7 @@ def test_calls_out_of_turn(slave: Slave) -> None:
 @pytest.mark.parametrize(
     ("name", "value", "message"),
     [
-        ("platform_mass", 80.0, "platform_mass can be set only before the end of initialisation"),
+        ("wheel_mass", 0.5, "wheel_mass can be set only before the end of initialisation"),
         ("angle_left", 1.0, "angle_left can be set only before the end of initialisation"),
         ("energy", 1.0, "energy is computed and cannot be set"),
         ("time", 1.0, "value reference 0 can be set"),

@@ -28,14 +28,14 @@ def changed(tmp_path: Path) -> Path:
 def test_no_difference_is_status_0() -> None:
     status, said, error = replayed(str(RECORDING), "rars")
     assert (status, error) == (0, "")
-    assert said.startswith("no difference: 62 packets of the drives are as recorded, 57 others were played")
+    assert said.startswith("no difference: 119 packets of the drives are as recorded, 123 others were played")
 
 
 def test_a_difference_is_status_1_and_both_frames(changed: Path) -> None:
     status, said, error = replayed(str(changed), "rars")
     assert (status, error) == (1, "")
     lines = said.splitlines()
-    assert lines[0] == "changed.log, line 119 is the first that differs"
+    assert lines[0] == "changed.log, line 242 is the first that differs"
     assert "  TPDO 1, node 1: 0x6041 Statusword = 0x" in lines[-2]
     assert lines[-2].startswith("expected")
     assert lines[-1].startswith("but came")
