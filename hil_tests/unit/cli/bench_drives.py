@@ -18,10 +18,12 @@ from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.shell.clock import Clock
 from firmware_bridge.shell.ports import PseudoTerminal, open_can
 from firmware_bridge.shell.runner import run
-from firmware_bridge.units import Nanoseconds
+from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.maxon.frame import Generation
 
 NUMBERS: Final = count()
+STARTED: Final[Nanoseconds] = 10 * MILLISECOND
+"""By then the drives are through their start, which a busy machine may put behind the first question."""
 NEAR: Final = 1
 FAR: Final = 2
 
@@ -55,12 +57,15 @@ class UntilTold:
 
     def __init__(self, node: Node) -> None:
         self.finished = False
+        self.started = threading.Event()
         self._node = node
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         return self._node.receive(packet, now)
 
     def wake(self, now: Nanoseconds) -> Reaction:
+        if now >= STARTED:
+            self.started.set()
         return self._node.wake(now)
 
 
@@ -90,6 +95,7 @@ def bench(generation: Generation = Generation.V1) -> Iterator[Bench]:
     ports = {SERIAL: terminal, CAN: open_can("virtual", channel)}
     thread = threading.Thread(target=run, args=(node, ports, Clock()), name=channel)
     thread.start()
+    node.started.wait()
     try:
         yield Bench(generation, terminal.path, channel)
     finally:
