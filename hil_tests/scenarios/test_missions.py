@@ -104,6 +104,10 @@ def test_the_line_reaches_its_speed_at_its_acceleration(driven: Driven) -> None:
     assert told["odometry_error_m"] < 0.005
 
 
+INDEX_FAULTS: Final = 3
+"""The first one at a wrong count, channels exchanged, counts lost."""
+
+
 def test_what_goes_wrong_in_the_mission_of_faults_is_held_and_named(driven: Driven) -> None:
     told = summary(driven("faults"))
     assert told["max_speed_mps"] <= LARGEST_SPEED_MPS
@@ -111,8 +115,10 @@ def test_what_goes_wrong_in_the_mission_of_faults_is_held_and_named(driven: Driv
     assert len(told["faults"]) == len(missions.find("faults", find("rars"), REHEARSAL).fault)
     assert all(fault["title"] for fault in told["faults"])
     reasons = " ".join(hold["reason"] for hold in told["holds"])
-    for code in ("0x8110", "0x3220", "0x4210", "0xFF0A", "0xFF02", "0xFF03", "0x81FD", "0x8130"):
+    for code in ("0x8110", "0x3220", "0x4210", "0xFF0A", "0x81FD", "0x8130"):
         assert code in reasons
+    # Where the index comes first, before or after its turn, hangs on where the wheels stand.
+    assert reasons.count("0xFF02") + reasons.count("0xFF03") >= INDEX_FAULTS
     names = {hold["name"].split(":")[0] for hold in told["holds"]}
     assert {"operator silent", "axis silent", "axis fault", "axis not enabled", "not armed"} <= names
 
