@@ -32,9 +32,9 @@ COMMANDS: Final[tuple[Row, ...]] = (
     ),
     Group(
         "emulate",
-        """Put emulated devices on a real CAN bus, in real time.
+        """Put emulated devices on a real CAN bus or a serial line, in real time.
 
-`emulate epos2` brings drives alone. `emulate ROBOT` brings the drives and the plant of a robot; the word
+`emulate epos2` brings drives alone, `emulate board` an Arduino with a motor shield. `emulate ROBOT` brings the drives and the plant of a robot; the word
 `robot` in front of the robot's name may be left out.""",
         """Examples:
 
@@ -54,6 +54,11 @@ COMMANDS: Final[tuple[Row, ...]] = (
         "emulate epos2",
         "emulators.cli.emulate_epos2:emulate",
         "Put EPOS2 drives on a real CAN bus, a serial line, or both.",
+    ),
+    Command(
+        "emulate board",
+        "emulators.cli.emulate_board:emulate",
+        "Put an Arduino with a motor shield on a serial line, with one of four firmwares.",
     ),
     Group(
         "fmu",

@@ -61,13 +61,17 @@ class Mega:
         baud: int,
         shield: MotorShield | None = None,
         *,
+        shafts: Shafts | None = None,
         others: tuple[Chip, ...] = (),
         boot: Nanoseconds = BOOT,
     ) -> None:
-        """Flash a sketch; `others` are further chips on the bus, `boot` is how long the loader is deaf."""
+        """Flash a sketch; `others` are further chips on the bus, `boot` is how long the loader is deaf.
+
+        `shafts` are brought up to each instant at which the board does something.
+        """
         self.shield: Final = MotorShield() if shield is None else shield
         self.pins: Final = Pins()
-        self.shafts: Final = Shafts()
+        self.shafts: Final = Shafts() if shafts is None else shafts
         self.serial: Final = Uart(baud)
         self.bus: Final = I2cBus((self.shield.chip, *others))
         self.clock = Clock(0)
@@ -145,11 +149,13 @@ class Mega:
         while (at := self.due) <= now:
             steps = steps + 1 if at <= begun else 0
             if steps > STEPS_AT_ONCE:
+                sketch = type(self._sketch).__name__
                 raise SketchError(
-                    f"the sketch {type(self._sketch).__name__} does not get on at {to_seconds(at):.6f} s: it did"
-                    f" {STEPS_AT_ONCE} things there and wants to go on; its `due` must be later than its last `loop`"
+                    f"the sketch {sketch} does not get on at {to_seconds(at):.6f} s: {STEPS_AT_ONCE} steps"
+                    " there, and it wants to go on; its `due` must be later than its last `loop`"
                 )
             begun = max(begun, at)
+            self.shafts.advance(at)
             if self._sketch is None:
                 self._start(at)
             elif self._running is not None:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from emulators.arduino_omni.mega.arithmetic import wrapped
+from firmware_bridge.units import Nanoseconds
 
 PINS: Final = 70
 FIRST_ANALOG: Final = 54
@@ -85,6 +86,9 @@ class Shafts:
         self.edges = [0] * len(wiring)
         """Set by what turns the motors; forwards is A before B."""
         self._wiring: Final = wiring
+
+    def advance(self, now: Nanoseconds) -> None:
+        """Turn up to `now`; these are turned by nobody."""
 
     def motor(self, pin_a: int, pin_b: int) -> tuple[int, int]:
         """Return which motor is on these pins, and its sign there; (-1, 0) for none."""

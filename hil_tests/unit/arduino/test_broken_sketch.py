@@ -41,6 +41,7 @@ class Busy(Stubborn):
     """No broken one: it never rests, but what it does takes time."""
 
     def loop(self, now: Nanoseconds) -> None:
+        del now
         self._mega.do(Pause(MICROSECOND))
 
 
