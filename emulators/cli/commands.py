@@ -34,8 +34,8 @@ COMMANDS: Final[tuple[Row, ...]] = (
         "emulate",
         """Put emulated devices on a real CAN bus or a serial line, in real time.
 
-`emulate epos2` brings drives alone, `emulate board` an Arduino with a motor shield. `emulate ROBOT` brings the drives and the plant of a robot; the word
-`robot` in front of the robot's name may be left out.""",
+`emulate epos2` brings drives alone, `emulate board` an Arduino with a motor shield. `emulate ROBOT` brings
+the drives and the plant of a robot; the word `robot` in front of the robot's name may be left out.""",
         """Examples:
 
 `firmware-bridge emulate rars -i socketcan -c vcan0`

@@ -37,7 +37,8 @@ class BoardOptions:
         int | None,
         typer.Option(
             metavar="N",
-            help="How many encoders it counts: 2 or 3; firmata 0 (StandardFirmata) or 2 (ConfigurableFirmata).",
+            help="How many encoders it counts: 2 or 3; firmata 0 (StandardFirmata) or 2 "
+            "(ConfigurableFirmata).",
             show_default="3 with ros-arduino-bridge, 0 with firmata, else 2",
         ),
     ] = None
@@ -80,8 +81,8 @@ class BoardOptions:
         typer.Option(
             metavar="NAME|FMU",
             help="What the motors turn, in place of a flywheel each: a plant of `fmu list`, or any FMU with "
-            "inputs voltage_AXIS and outputs current_AXIS, angle_AXIS and speed_AXIS of the motors' shafts, in "
-            "SI, and a parameter torque_constant_AXIS, or one for all.",
+            "inputs voltage_AXIS and outputs current_AXIS, angle_AXIS and speed_AXIS of the motors' shafts, "
+            "in SI, and a parameter torque_constant_AXIS, or one for all.",
             show_default=False,
         ),
     ] = None

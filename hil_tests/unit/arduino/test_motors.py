@@ -66,8 +66,8 @@ def test_a_motor_settles_where_torque_and_voltage_balance(
     it.drive(motor, speed, command)
     it.run(SECOND)
     current, turning = settled(speed)
-    assert it.motors.currents[motor] == pytest.approx(sign * current, rel=1e-6)
-    assert it.motors.speeds[motor] == pytest.approx(sign * turning, rel=1e-6)
+    assert it.motors.currents[motor] == pytest.approx(sign * current, rel=1e-5)
+    assert it.motors.speeds[motor] == pytest.approx(sign * turning, rel=1e-5)
     others = [other for other in range(4) if other != motor]
     assert [it.motors.angles[other] for other in others] == [0.0] * 3
 
