@@ -1,13 +1,16 @@
 """Puts an emulated Arduino with a motor shield on a real serial line, in real time."""
 
+from dataclasses import replace
+from pathlib import Path
 from typing import Final
 
 from emulators.arduino_omni.board import FIRMWARES, Board, Firmware
 from emulators.arduino_omni.mega.mega import SketchError
 from emulators.arduino_omni.motors import SUPPLY_V, Load, four_motors
+from emulators.boards import fmu_load
 from emulators.cli.emulate_board import BoardOptions
 from emulators.servo.seam import ServoError
-from firmware_bridge.cli.console import one_message, refusal
+from firmware_bridge.cli.console import one_message, refusal, say
 from firmware_bridge.cli.links import open_serial
 from firmware_bridge.cli.options import until
 from firmware_bridge.cli.real_time import carry
@@ -15,6 +18,7 @@ from firmware_bridge.cli.recorded import recording
 from firmware_bridge.node import SERIAL
 from firmware_bridge.shell.black_box import SERIAL_LOG
 from firmware_bridge.shell.ports import PortError
+from fmu.build import ensure, is_built
 from fmu.errors import PlantError
 
 NOT_STOCK: Final = ", not stock"
@@ -67,4 +71,18 @@ def _load(given: BoardOptions) -> Load:
         raise refusal(
             f"--axes {given.axes}: there is no plant whose axes those could be; name one by --plant"
         )
-    return four_motors()
+    if given.plant is None:
+        return four_motors()
+    with one_message(PlantError):
+        load = fmu_load(_file(given.plant), given.axes.split(",") if given.axes else ())
+    return load if given.supply is None else replace(load, supply=None)
+
+
+def _file(plant: str) -> Path:
+    """Return the FMU of this name: a file, or a plant that is built where that has not been done."""
+    path = Path(plant)
+    if path.suffix == ".fmu" or path.exists():
+        return path
+    if not is_built(plant):
+        say(f"building the plant {plant}, once")
+    return ensure(plant)

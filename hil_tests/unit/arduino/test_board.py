@@ -1,23 +1,33 @@
 """A whole board in virtual time: each firmware turns a motor and counts it; the command's mistakes."""
 
-from math import tau
+from math import floor, sqrt, tau
 
 import pytest
 from typer.testing import CliRunner
 
 from emulators.arduino_omni.board import FIRMWARES, MOVES_EVERY, Board
-from emulators.arduino_omni.motors import COUNTS_PER_TURN, four_motors
+from emulators.arduino_omni.motors import COUNTS_PER_TURN, Load, four_motors
+from emulators.boards import fmu_load
 from firmware_bridge.cli import program
 from firmware_bridge.node import DTR_UP, SERIAL
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+from fmu.build import ensure
+from fmu.errors import PlantError
+from fmu.plant import FmuPlant
 
 
 class Host:
     """A board that is plugged in, and what it has said."""
 
-    def __init__(self, firmware: str, encoders: int | None = None, auto_stop: int | None = None) -> None:
-        self.board = Board(FIRMWARES[firmware], four_motors(), encoders=encoders, auto_stop=auto_stop)
+    def __init__(
+        self,
+        firmware: str,
+        encoders: int | None = None,
+        auto_stop: int | None = None,
+        load: Load | None = None,
+    ) -> None:
+        self.board = Board(FIRMWARES[firmware], load or four_motors(), encoders=encoders, auto_stop=auto_stop)
         self.heard = bytearray()
         self.now: Nanoseconds = 0
         self._wake_at: Nanoseconds = 0
@@ -81,6 +91,7 @@ def test_a_machine_that_was_busy_changes_nothing_on_the_board() -> None:
     for it in (prompt, late):
         it.send(b"m 25 -40 0\r")
     prompt.run(SECOND)
+    prompt.board.wake(prompt.now)
     for _ in range(10):
         late.now += 100 * MILLISECOND
         late.board.wake(late.now)
@@ -138,6 +149,40 @@ def test_firmata_turns_a_motor_by_the_registers_and_reads_its_encoder() -> None:
     assert 1000 < before < count < it.turned()
 
 
+# P of the base's own frame: rims = P (u, q, W), rows -sin z, cos z, L at 0, 120 and 240 degrees.
+def test_three_wheels_turn_a_base_by_its_kinematics() -> None:
+    load = fmu_load(ensure("rome_base"))
+    plant = load.plant
+    assert isinstance(plant, FmuPlant)
+    assert load.names == ("one", "two", "three")
+    it = Host("ros-arduino-bridge", load=load)
+    assert it.board.motors.supply == pytest.approx(12.0)
+    radius, gear, distance = (plant.read(it) for it in ("wheel_radius", "gear_wheel", "wheel_distance"))
+    it.ask(b"m 40 40 40\r", SECOND)
+    assert it.board.motors.supply < 12.0
+    one, two, three = (speed / gear * radius for speed in it.board.motors.speeds)
+    assert plant.read("yaw_rate") == pytest.approx((one + two + three) / (3 * distance))
+    assert plant.read("yaw_rate") == pytest.approx(0.826, abs=0.04)  # 40 counts in 33 ms
+    assert plant.read("speed") == pytest.approx(0.0, abs=0.005)
+    it.ask(b"m 0 -40 40\r", SECOND)  # along the base's own x
+    one, two, three = (speed / gear * radius for speed in it.board.motors.speeds)
+    assert plant.read("speed") == pytest.approx((three - two) / sqrt(3))
+    assert plant.read("speed") > 0.1
+    assert plant.read("speed_sideways") == pytest.approx((2 * one - two - three) / 3, abs=1e-9)
+    counts = [floor(angle / tau * COUNTS_PER_TURN) for angle in it.board.motors.angles]
+    assert it.board.motors.edges == counts
+
+
+def test_an_fmu_without_axes_for_a_shield_is_refused() -> None:
+    rars = ensure("rars")
+    assert len(fmu_load(rars).names) == 4
+    assert fmu_load(rars, ("lift", "left")).names == ("lift", "left")
+    with pytest.raises(PlantError, match="lacks the input 'voltage_third'"):
+        fmu_load(rars, ("left", "third"))
+    with pytest.raises(PlantError, match="has 4 terminals, and these are 5 axes"):
+        fmu_load(rars, ("a", "b", "c", "d", "e"))
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [
@@ -149,6 +194,8 @@ def test_firmata_turns_a_motor_by_the_registers_and_reads_its_encoder() -> None:
         (("--firmware", "mw", "--serial", "/dev/null", "--serial-link", "x"), "only a pseudo-terminal"),
         (("--firmware", "mw", "--axes", "a,b"), "name one by --plant"),
         (("--firmware", "mw", "--serial-link", "/"), "cannot make the link /"),
+        (("--firmware", "mw", "--plant", "nowhere.fmu"), "nowhere.fmu: there is no such file"),
+        (("--firmware", "mw", "--plant", "rome_bas"), "did you mean 'rome_base'"),
     ],
 )
 def test_mistakes_are_told_in_one_line(words: tuple[str, ...], told: str) -> None:
