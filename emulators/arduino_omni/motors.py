@@ -3,7 +3,10 @@
 The plant moves in ticks of 100 us. A motor that conducts gets the mean voltage of its PWM period, less what
 the half bridge drops at the current of the tick before.
 
-Where nobody says:
+Sources: TB6612FNG data sheet for what conducts; community figures of the interrupts' load, about 100 kHz.
+Where they are silent:
+* encoders have 12 lines on the motor's shaft, and without a plant it turns a wheel that meets nothing, in the
+  order of magnitude of a gear motor of 12 V and 17 W.
 * within a PWM period the current is steady: what a half bridge does is taken at its mean.
 * a motor whose half bridge is open keeps its own voltage; what was left of its current ends in its winding.
 * an edge keeps the processor for 10 us, whichever counter it is for; what comes faster is lost, from all
@@ -25,11 +28,11 @@ from firmware_bridge.units import MICROSECOND, Nanoseconds
 
 SUPPLY_V: Final = 12.0
 COUNTS_PER_TURN: Final = 48
-"""Of a motor's shaft: ASSUME, an optical encoder of 12 lines, four counts each."""
+"""Of a motor's shaft."""
 MOTOR: Final = DcMotor(
     resistance=2.0, inductance=1e-3, torque_constant=0.013, inertia=4e-6, friction=8e-4, damping=9e-7
 )
-"""At each of the four terminals: ASSUME, a gear motor of 12 V and 17 W with a wheel that turns freely."""
+"""At each of the four terminals, where there is no plant."""
 EDGE: Final[Nanoseconds] = 10 * MICROSECOND
 EDGES_A_TICK: Final = TICK // EDGE
 """That the processor counts, of all encoders together: 100,000 a second."""
