@@ -5,7 +5,7 @@ the half bridge drops at the current of the tick before.
 
 Sources: TB6612FNG data sheet for what conducts; community figures of the interrupts' load, about 100 kHz.
 Where they are silent:
-* encoders have 12 lines on the motor's shaft, and without a plant it turns a wheel that meets nothing, in the
+* encoders have 12 lines on the motor's shaft, and without a plant it turns a flywheel, in the
   order of magnitude of a gear motor of 12 V and 17 W.
 * within a PWM period the current is steady: what a half bridge does is taken at its mean.
 * a motor whose half bridge is open keeps its own voltage; what was left of its current ends in its winding.

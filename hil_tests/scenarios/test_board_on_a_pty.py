@@ -85,7 +85,7 @@ def emulated(link: Path, *words: str) -> Iterator["subprocess.Popen[str]"]:
 def test_a_client_drives_a_wheel_and_reads_its_encoder(firmware: str, client: str, tmp_path: Path) -> None:
     link = tmp_path / "board.tty"
     with emulated(link, "--firmware", firmware, "--record", str(tmp_path)) as board:
-        script = [sys.executable, "-c", client, link]
+        script = [sys.executable, "-c", client, str(link)]
         done = subprocess.run(script, capture_output=True, text=True, timeout=60, check=False)
         assert done.returncode == 0, done.stderr
         one, two, three = (int(it) for it in done.stdout.split())
