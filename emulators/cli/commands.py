@@ -58,7 +58,7 @@ the drives and the plant of a robot; the word `robot` in front of the robot's na
     Command(
         "emulate board",
         "emulators.cli.emulate_board:emulate",
-        "Put an Arduino with a motor shield on a serial line, with one of four firmwares.",
+        "Put an Arduino Mega 2560 with an Adafruit Motor Shield V2 on a serial line.",
     ),
     Group(
         "fmu",
