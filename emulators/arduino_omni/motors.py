@@ -81,6 +81,9 @@ class Motors(Shafts):
     ) -> None:
         """Put a load on a shield; motors beyond the wired encoders turn unseen. `supply` in V."""
         super().__init__(wiring)
+        self._channels: Final = {
+            pin: (motor, channel) for motor, pins in enumerate(wiring) for channel, pin in enumerate(pins)
+        }
         self._shield: Final = shield
         self._load: Final = load
         self._plant: Final = load.plant
@@ -112,6 +115,13 @@ class Motors(Shafts):
         """What the half bridges get, in V."""
         place = self._load.supply
         return self._constant_supply if place is None else self._plant.outputs[place : place + 1][0]
+
+    def level(self, pin: int) -> bool | None:
+        """Return what an encoder puts on a pin: forwards A comes a quarter of a line before B."""
+        motor, channel = self._channels.get(pin, (self._seen, 0))
+        if motor >= self._seen:
+            return None
+        return (self._places[motor] - channel) % 4 in {1, 2}
 
     def advance(self, now: Nanoseconds) -> None:
         """Turn them up to `now`, in whole ticks, by what the shield has been told so far."""

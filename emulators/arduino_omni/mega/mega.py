@@ -70,8 +70,8 @@ class Mega:
         `shafts` are brought up to each instant at which the board does something.
         """
         self.shield: Final = MotorShield() if shield is None else shield
-        self.pins: Final = Pins()
         self.shafts: Final = Shafts() if shafts is None else shafts
+        self.pins: Final = Pins(self.shafts)
         self.serial: Final = Uart(baud)
         self.bus: Final = I2cBus((self.shield.chip, *others))
         self.clock = Clock(0)

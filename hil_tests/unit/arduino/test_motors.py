@@ -1,6 +1,7 @@
 """Motors below the shield against closed forms: driven, braked, free; counts, and edges that are lost."""
 
 from dataclasses import replace
+from itertools import pairwise
 from math import exp, tau
 
 import pytest
@@ -8,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from emulators.arduino_omni.mega import motor_library as library
+from emulators.arduino_omni.mega.pins import INPUT_PULLUP, Pins
 from emulators.arduino_omni.motors import COUNTS_PER_TURN, MOTOR, SUPPLY_V, Motors, counted, four_motors
 from emulators.arduino_omni.shield.motor_shield import PORTS, MotorShield
 from emulators.arduino_omni.shield.pca9685 import AI, ALLCALL, MODE1, SLEEP
@@ -83,6 +85,24 @@ def test_the_encoder_counts_its_lines_and_the_fourth_motor_has_none() -> None:
     )
     assert it.motors.edges[2] == 0
     assert min(it.motors.edges[0], -it.motors.edges[1], turns[3]) > 1000
+
+
+@pytest.mark.parametrize(("command", "steps"), [(FORWARD, 1), (BACKWARD, -1)])
+def test_the_channels_are_levels_on_their_pins_a_before_b_forwards(command: int, steps: int) -> None:
+    it = Bench()
+    pins = Pins(it.motors)
+    pins.configure(18, INPUT_PULLUP)
+    order = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    it.drive(1, 20, command)
+    seen = [order.index((pins.read(18), pins.read(19)))]
+    for _ in range(600):
+        it.run(TICK)
+        now = order.index((pins.read(18), pins.read(19)))
+        if now != seen[-1]:
+            seen.append(now)
+    assert len(seen) > 8
+    assert {(new - old) % 4 for old, new in pairwise(seen)} == {steps % 4}
+    assert pins.read(20) == 0  # nobody's
 
 
 # Without friction: shorted by winding and half bridge its speed falls within J (R + Ron) / k2; open it stays.
