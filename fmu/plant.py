@@ -18,7 +18,7 @@ from fmu.references import References, Variable
 from fmu.states import Copy, StateError
 from fmu.verify import Verdict, compare
 
-__all__ = ["FmuPlant", "PlantError"]
+__all__ = ["FmuPlant", "PlantError", "variables_of"]
 
 WRITING: Final = "setting the inputs"
 STEPPING: Final = "doStep"
@@ -31,6 +31,13 @@ OTHER_BITS: Final = (
 
 _NOTHING: Final[Mapping[str, float]] = MappingProxyType({})
 _NO_UNITS: Final[Mapping[str, str]] = MappingProxyType({})
+
+
+def variables_of(path: Path) -> tuple[Variable, ...]:
+    """Return what an FMU has, without loading it; PlantError, naming the file and what is wrong with it."""
+    from fmu import loading  # noqa: PLC0415 - FMPy comes with it
+
+    return References(str(path), loading.described(path)).described()
 
 
 class PlantState(NamedTuple):

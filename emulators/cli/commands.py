@@ -32,10 +32,10 @@ COMMANDS: Final[tuple[Row, ...]] = (
     ),
     Group(
         "emulate",
-        """Put emulated devices on a real CAN bus, in real time.
+        """Put emulated devices on a real CAN bus or a serial line, in real time.
 
-`emulate epos2` brings drives alone. `emulate ROBOT` brings the drives and the plant of a robot; the word
-`robot` in front of the robot's name may be left out.""",
+`emulate epos2` brings drives alone, `emulate board` an Arduino with a motor shield. `emulate ROBOT` brings
+the drives and the plant of a robot; the word `robot` in front of the robot's name may be left out.""",
         """Examples:
 
 `firmware-bridge emulate rars -i socketcan -c vcan0`
@@ -54,6 +54,11 @@ COMMANDS: Final[tuple[Row, ...]] = (
         "emulate epos2",
         "emulators.cli.emulate_epos2:emulate",
         "Put EPOS2 drives on a real CAN bus, a serial line, or both.",
+    ),
+    Command(
+        "emulate board",
+        "emulators.cli.emulate_board:emulate",
+        "Put an Arduino Mega 2560 with an Adafruit Motor Shield V2 on a serial line.",
     ),
     Group(
         "fmu",

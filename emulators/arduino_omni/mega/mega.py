@@ -24,13 +24,19 @@ from emulators.arduino_omni.shield.i2c import Chip, I2cBus, Result
 from emulators.arduino_omni.shield.motor_shield import MotorShield
 from firmware_bridge.node import SERIAL
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.units import MICROSECOND, MILLISECOND, NEVER, Nanoseconds
+from firmware_bridge.units import MICROSECOND, MILLISECOND, NEVER, Nanoseconds, to_seconds
 
 BOOT: Final[Nanoseconds] = 1_100 * MILLISECOND
 LOADER_FRAME: Final = 0x1B
 """MESSAGE_START of the boot loader's protocol."""
 CONVERSION: Final[Nanoseconds] = 112 * MICROSECOND
 """One analogRead."""
+STEPS_AT_ONCE: Final = 10_000
+"""Things done at one instant. Rings that are full of commands give some hundreds, before they take time."""
+
+
+class SketchError(Exception):
+    """A sketch wants to be called for ever, and takes no time: time would stand still."""
 
 
 class Sketch(Protocol):
@@ -55,13 +61,17 @@ class Mega:
         baud: int,
         shield: MotorShield | None = None,
         *,
+        shafts: Shafts | None = None,
         others: tuple[Chip, ...] = (),
         boot: Nanoseconds = BOOT,
     ) -> None:
-        """Flash a sketch; `others` are further chips on the bus, `boot` is how long the loader is deaf."""
+        """Flash a sketch; `others` are further chips on the bus, `boot` is how long the loader is deaf.
+
+        `shafts` are brought up to each instant at which the board does something.
+        """
         self.shield: Final = MotorShield() if shield is None else shield
-        self.pins: Final = Pins()
-        self.shafts: Final = Shafts()
+        self.shafts: Final = Shafts() if shafts is None else shafts
+        self.pins: Final = Pins(self.shafts)
         self.serial: Final = Uart(baud)
         self.bus: Final = I2cBus((self.shield.chip, *others))
         self.clock = Clock(0)
@@ -134,8 +144,18 @@ class Mega:
         return max(self._free_at, self._sketch.due(self._free_at))
 
     def advance(self, now: Nanoseconds) -> None:
-        """Do what is due by `now`, each thing at its own time."""
+        """Do what is due by `now`, each thing at its own time; SketchError where that never ends."""
+        begun, steps = -1, 0
         while (at := self.due) <= now:
+            steps = steps + 1 if at <= begun else 0
+            if steps > STEPS_AT_ONCE:
+                sketch = type(self._sketch).__name__
+                raise SketchError(
+                    f"the sketch {sketch} does not get on at {to_seconds(at):.6f} s: {STEPS_AT_ONCE} steps"
+                    " there, and it wants to go on; its `due` must be later than its last `loop`"
+                )
+            begun = max(begun, at)
+            self.shafts.advance(at)
             if self._sketch is None:
                 self._start(at)
             elif self._running is not None:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from emulators.arduino_omni.mega.arithmetic import wrapped
+from firmware_bridge.units import Nanoseconds
 
 PINS: Final = 70
 FIRST_ANALOG: Final = 54
@@ -26,7 +27,8 @@ INPUT_PULLUP: Final = 2
 class Pins:
     """Modes and levels; numbers that no pin has do nothing and read 0, as the core has it."""
 
-    def __init__(self) -> None:
+    def __init__(self, shafts: "Shafts | None" = None) -> None:
+        self._shafts: Final = Shafts() if shafts is None else shafts
         self.driven: dict[int, bool] = {}
         """Inputs that somebody outside drives; it outlives a reset."""
         self.analog = [0] * ANALOG
@@ -69,9 +71,10 @@ class Pins:
         if pin >= PINS:
             return 0
         self.duties.pop(pin, None)
-        return (
-            self._latches[pin] if self.modes[pin] == OUTPUT else int(self.driven.get(pin, self._latches[pin]))
-        )
+        if self.modes[pin] == OUTPUT:
+            return self._latches[pin]
+        level = self.driven.get(pin, self._shafts.level(pin))
+        return self._latches[pin] if level is None else int(level)
 
     def read_analog(self, pin: int) -> int:
         """Be analogRead(): a pin's number or a channel's; the multiplexer has sixteen."""
@@ -85,6 +88,14 @@ class Shafts:
         self.edges = [0] * len(wiring)
         """Set by what turns the motors; forwards is A before B."""
         self._wiring: Final = wiring
+
+    def advance(self, now: Nanoseconds) -> None:
+        """Turn up to `now`; these are turned by nobody."""
+
+    def level(self, pin: int) -> bool | None:
+        """Return what an encoder puts on a pin; None where none is: here on no pin."""
+        del pin
+        return None
 
     def motor(self, pin_a: int, pin_b: int) -> tuple[int, int]:
         """Return which motor is on these pins, and its sign there; (-1, 0) for none."""

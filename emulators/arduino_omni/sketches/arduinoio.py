@@ -21,6 +21,8 @@ from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire.arduino import arduinoio as words
 
 COUNTER_BITS: Final = 16
+STOCK_ENCODERS: Final = 2
+"""That count: the third has pins of its own, and no interrupt at them."""
 MIDDLE: Final = 90
 LARGEST_ANGLE: Final = 180
 RUNS: Final[Mapping[int, library.Run]] = {
@@ -33,8 +35,10 @@ RUNS: Final[Mapping[int, library.Run]] = {
 class ArduinoIoSketch:
     """One run of the sketch."""
 
-    def __init__(self, mega: Mega) -> None:
+    def __init__(self, mega: Mega, encoders: int = STOCK_ENCODERS) -> None:
+        """Begin; where more encoders than the stock sketch's two count, all pins interrupt."""
         self._mega: Final = mega
+        self._any_pin: Final = encoders > STOCK_ENCODERS
         self._row: words.Command | None = None
         self._values: list[int] = []
         self._counters: dict[int, Counter] = {}
@@ -149,7 +153,9 @@ class ArduinoIoSketch:
     def _attach(self, encoder: int, pin_a: int, pin_b: int) -> None:
         for pin in (pin_a, pin_b):
             self._mega.pins.configure(pin, INPUT_PULLUP)
-        self._counters[encoder] = Counter(self._mega.shafts, pin_a, pin_b, COUNTER_BITS)
+        self._counters[encoder] = Counter(
+            self._mega.shafts, pin_a, pin_b, COUNTER_BITS, any_pin=self._any_pin
+        )
 
     def _detach(self, encoder: int) -> None:
         counter = self._counters.pop(encoder, None)

@@ -43,6 +43,8 @@ IMPORTED: Final[dict[str, set[str]]] = {
     "emulate --help": HELP,
     "emulate rars --help": HELP,
     "emulate epos2 --help": HELP,
+    "emulate board --help": HELP,
+    "emulate board --firmware mw --serial /dev/nowhere": LINE,
     "fmu --help": HELP,
     "fmu build --help": HELP,
     "epos2 --help": HELP,

@@ -1,0 +1,109 @@
+"""A whole board: a Mega on USB with its shield, one of four firmwares on it, and motors at its terminals.
+
+It refuses to know who is on the other end of the USB, and what the motors turn.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final
+
+from emulators.arduino_omni.mega.mega import Mega, Sketch
+from emulators.arduino_omni.motors import SUPPLY_V, Load, Motors
+from emulators.arduino_omni.shield.motor_shield import MotorShield
+from emulators.arduino_omni.sketches.arduinoio import ArduinoIoSketch
+from emulators.arduino_omni.sketches.firmata import FirmataSketch
+from emulators.arduino_omni.sketches.mw import MwSketch
+from emulators.arduino_omni.sketches.ros_arduino_bridge import AUTO_STOP, RosSketch
+from emulators.arduino_omni.usb_board import UsbBoard
+from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.units import MILLISECOND, Nanoseconds
+from firmware_bridge.wire.arduino import arduinoio, firmata, mw, ros_arduino_bridge
+
+MOVES_EVERY: Final[Nanoseconds] = 10 * MILLISECOND
+"""Motors are moved on so often at least, so that an idle board has nothing to catch up with."""
+
+
+@dataclass(frozen=True, slots=True)
+class Firmware:
+    """What can be flashed, as a row: the sketch takes the board, its encoders and its auto-stop in ms."""
+
+    title: str
+    baud: int
+    encoders: tuple[int, ...]
+    """How many it can be built to count; the first is what is flashed unless another is asked for."""
+    stock: frozenset[int]
+    """Which of them are as published."""
+    make: Callable[[Mega, int, int], Sketch]
+    auto_stop: int | None = None
+    """ms without a command until it stops; None: it runs on."""
+
+
+FIRMWARES: Final[Mapping[str, Firmware]] = MappingProxyType(
+    {
+        "mw": Firmware(
+            "MWProtocol",
+            mw.BAUD,
+            (2, 3),
+            frozenset({2}),
+            lambda mega, encoders, _: MwSketch(mega, encoders=encoders),
+        ),
+        "ros-arduino-bridge": Firmware(
+            "ros_arduino_bridge",
+            ros_arduino_bridge.BAUD,
+            (3, 2),
+            frozenset({2}),
+            RosSketch,
+            AUTO_STOP,
+        ),
+        "arduinoio": Firmware(
+            "ArduinoIO",
+            arduinoio.BAUD,
+            (2, 3),
+            frozenset({2}),
+            lambda mega, encoders, _: ArduinoIoSketch(mega, encoders),
+        ),
+        "firmata": Firmware(
+            "Firmata",
+            firmata.BAUD,
+            (0, 2),
+            frozenset({0, 2}),
+            lambda mega, encoders, _: FirmataSketch(mega, encoders=encoders > 0),
+        ),
+    }
+)
+
+
+class Board:
+    """A board as a node on the link "serial", its USB. The first call of `wake` is power-on."""
+
+    def __init__(
+        self,
+        firmware: Firmware,
+        load: Load,
+        *,
+        encoders: int | None = None,
+        auto_stop: int | None = None,
+        supply: float = SUPPLY_V,
+    ) -> None:
+        """Flash a firmware and put a load on the shield; `auto_stop` in ms, `supply` of the motors in V."""
+        count = firmware.encoders[0] if encoders is None else encoders
+        stop = auto_stop if auto_stop is not None else firmware.auto_stop or 0
+        shield = MotorShield()
+        self.motors: Final = Motors(shield, load, supply=supply)
+        self.mega: Final = Mega(
+            lambda mega: firmware.make(mega, count, stop), firmware.baud, shield, shafts=self.motors
+        )
+        self._usb: Final = UsbBoard(self.mega)
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        """Take a chunk from the host, or what became of DTR."""
+        return self._moved(self._usb.receive(packet, now), now)
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        """Do what is due; the first call switches the board on."""
+        return self._moved(self._usb.wake(now), now)
+
+    def _moved(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
+        self.motors.advance(now)
+        return Reaction(reaction.sent, min(reaction.wake_at, now + MOVES_EVERY))

@@ -1,0 +1,163 @@
+"""The motors on the shield's terminals and their encoders: volts out, shafts' angles back as counts.
+
+The plant moves in ticks of 100 us. A motor that conducts gets the mean voltage of its PWM period, less what
+the half bridge drops at the current of the tick before.
+
+Sources: TB6612FNG data sheet for what conducts; community figures of the interrupts' load, about 100 kHz.
+Where they are silent:
+* encoders have 12 lines on the motor's shaft, and without a plant it turns a flywheel, in the
+  order of magnitude of a gear motor of 12 V and 17 W.
+* within a PWM period the current is steady: what a half bridge does is taken at its mean.
+* a motor whose half bridge is open keeps its own voltage; what was left of its current ends in its winding.
+* an edge keeps the processor for 10 us, whichever counter it is for; what comes faster is lost, from all
+  counters in the same proportion, and never counted the other way.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import floor, tau
+from typing import Final
+
+from emulators.arduino_omni.mega.pins import ENCODER_PINS, Shafts
+from emulators.arduino_omni.shield.motor_shield import PORTS, MotorShield
+from emulators.arduino_omni.shield.tb6612 import COUNTS, Output
+from emulators.servo.axis import TICK
+from emulators.servo.motor import DcMotor, DcMotors
+from emulators.servo.seam import WIDEST_ANGLE, Plant, no_measurement
+from firmware_bridge.units import MICROSECOND, Nanoseconds
+
+SUPPLY_V: Final = 12.0
+COUNTS_PER_TURN: Final = 48
+"""Of a motor's shaft."""
+MOTOR: Final = DcMotor(
+    resistance=2.0, inductance=1e-3, torque_constant=0.013, inertia=4e-6, friction=8e-4, damping=9e-7
+)
+"""At each of the four terminals, where there is no plant."""
+EDGE: Final[Nanoseconds] = 10 * MICROSECOND
+EDGES_A_TICK: Final = TICK // EDGE
+"""That the processor counts, of all encoders together: 100,000 a second."""
+
+
+@dataclass(frozen=True, slots=True)
+class Load:
+    """What hangs on the terminals M1, M2 and so on: a plant, and what the shield must know of it."""
+
+    plant: Plant
+    names: tuple[str, ...]
+    torque_constants: tuple[float, ...]
+    """N m/A, or V s/rad: of each motor."""
+    supply: int | None = None
+    """Which of the plant's outputs is the supply in V; None: it is constant."""
+    rests: bool = False
+    """Whether a plant in which nothing turns and nobody drives stays as it is."""
+    counts_per_turn: int = COUNTS_PER_TURN
+
+
+def four_motors(motor: DcMotor = MOTOR) -> Load:
+    """Return a motor at each of the shield's terminals."""
+    count = len(PORTS)
+    names = tuple(port.name for port in PORTS)
+    return Load(DcMotors((motor,) * count), names, (motor.torque_constant,) * count, rests=True)
+
+
+def counted(turned: Sequence[int], most: int = EDGES_A_TICK) -> list[int]:
+    """Return how many of these edges the processor counts in a tick, encoder by encoder, with signs."""
+    all_of_them = sum(abs(it) for it in turned)
+    if all_of_them <= most:
+        return list(turned)
+    return [abs(it) * most // all_of_them * (1 if it > 0 else -1) for it in turned]
+
+
+class Motors(Shafts):
+    """Shafts that a shield's motors turn. `angles` is the truth, `edges` what an encoder's counters see."""
+
+    def __init__(
+        self,
+        shield: MotorShield,
+        load: Load,
+        wiring: tuple[tuple[int, int], ...] = ENCODER_PINS,
+        *,
+        supply: float = SUPPLY_V,
+    ) -> None:
+        """Put a load on a shield; motors beyond the wired encoders turn unseen. `supply` in V."""
+        super().__init__(wiring)
+        self._channels: Final = {
+            pin: (motor, channel) for motor, pins in enumerate(wiring) for channel, pin in enumerate(pins)
+        }
+        self._shield: Final = shield
+        self._load: Final = load
+        self._plant: Final = load.plant
+        self._constant_supply: Final = supply
+        self._scale: Final = load.counts_per_turn / tau
+        self._ticks = 0
+        self._seen = min(len(wiring), len(load.names))
+        self._places = self._counts()
+
+    @property
+    def currents(self) -> Sequence[float]:
+        """Of each motor, in A."""
+        return self._plant.outputs[: len(self._load.names)]
+
+    @property
+    def angles(self) -> Sequence[float]:
+        """Of each motor's shaft, in rad."""
+        count = len(self._load.names)
+        return self._plant.outputs[count : 2 * count]
+
+    @property
+    def speeds(self) -> Sequence[float]:
+        """Of each motor's shaft, in rad/s."""
+        count = len(self._load.names)
+        return self._plant.outputs[2 * count : 3 * count]
+
+    @property
+    def supply(self) -> float:
+        """What the half bridges get, in V."""
+        place = self._load.supply
+        return self._constant_supply if place is None else self._plant.outputs[place : place + 1][0]
+
+    def level(self, pin: int) -> bool | None:
+        """Return what an encoder puts on a pin: forwards A comes a quarter of a line before B."""
+        motor, channel = self._channels.get(pin, (self._seen, 0))
+        if motor >= self._seen:
+            return None
+        return (self._places[motor] - channel) % 4 in {1, 2}
+
+    def advance(self, now: Nanoseconds) -> None:
+        """Turn them up to `now`, in whole ticks, by what the shield has been told so far."""
+        last = now // TICK
+        while self._ticks < last:
+            at = self._ticks * TICK
+            outputs = [self._shield.output(port, at) for port in PORTS[: len(self._load.names)]]
+            until = min(last, -(-self._shield.chip.next_change(at) // TICK))
+            if self._load.rests and self._still(outputs):
+                self._ticks = until
+            while self._ticks < until:
+                self._tick(outputs)
+
+    def _still(self, outputs: Sequence[Output]) -> bool:
+        """Tell whether nothing will change: all stands, and nobody drives."""
+        driven = any(it.cw != it.ccw for it in outputs)
+        return not driven and not any(self.currents) and not any(self.speeds)
+
+    def _tick(self, outputs: Sequence[Output]) -> None:
+        supply = self.supply
+        motors = zip(outputs, self.currents, self.speeds, self._load.torque_constants, strict=True)
+        for place, (output, current, speed, constant) in enumerate(motors):
+            volts = output.volts(supply, current)
+            if output.open:
+                volts += output.open / COUNTS * constant * speed
+            self._plant.inputs[place] = volts
+        self._plant.step()
+        self._ticks += 1
+        before, self._places = self._places, self._counts()
+        turned = [place - old for place, old in zip(self._places, before, strict=True)]
+        for place, edges in enumerate(counted(turned)):
+            self.edges[place] += edges
+
+    def _counts(self) -> list[int]:
+        found = [angle * self._scale for angle in self.angles[: self._seen]]
+        for place, name in zip(found, self._load.names, strict=False):
+            if not -WIDEST_ANGLE <= place <= WIDEST_ANGLE:
+                no_measurement("angle", name, place, self._ticks)
+        return [floor(place) for place in found]
