@@ -36,10 +36,10 @@ def emulate(given: BoardOptions) -> None:
         auto_stop=given.auto_stop_ms,
         supply=SUPPLY_V if given.supply is None else given.supply,
     )
-    with one_message(PortError):
-        line = open_serial(given.serial, firmware.baud, given.serial_link)
     stock = "" if encoders in firmware.stock else NOT_STOCK
     with recording(given.record, {SERIAL: SERIAL_LOG}) as (around, _):
+        with one_message(PortError):
+            line = open_serial(given.serial, firmware.baud, given.serial_link)
         carry(
             around(board),
             {SERIAL: lambda: line},

@@ -61,9 +61,9 @@ def emulate(given: DrivesOptions) -> None:
     with one_message(PlantError, StorageError, ServoError):
         made, bank = drives(order)
     owner = order.names[nodes.index(near)]
-    openers, where = opened(given, baud_of(made[owner]), DEFAULT_BIT_RATE)
     line = "" if given.serial is None else f", node {near} on the line"
     with recording(given.record, {CAN: CAN_LOG, SERIAL: SERIAL_LOG}) as (around, _):
+        openers, where = opened(given, baud_of(made[owner]), DEFAULT_BIT_RATE)
         carry(
             around(Cluster(made, bank, links={owner: {CAN: CAN, SERIAL: SERIAL}})),
             openers,

@@ -52,9 +52,9 @@ def emulate(given: RobotOptions) -> None:
         cluster.silence(name, at)
         say(f"'{name}' falls silent after {to_seconds(at):g} s")
     nodes = ", ".join(f"{axis.settings.node} {axis.title}" for axis in machine.axes)
-    openers, where = _outside(machine, baud_of(emulated.drives[owner]), given)
-    files = dict.fromkeys(openers, CAN_LOG) | {SERIAL: SERIAL_LOG}
+    files = dict.fromkeys((CAN, *machine.links), CAN_LOG) | {SERIAL: SERIAL_LOG}
     with recording(given.record, files) as (around, _):
+        openers, where = _outside(machine, baud_of(emulated.drives[owner]), given)
         carry(
             around(cluster),
             openers,

@@ -28,7 +28,7 @@ SERIAL_LOG: Final = "serial.log"
 OPERATOR_LOG: Final = "operator.tlog"
 EVENTS_LOG: Final = "events.log"
 MOST: Final = 100_000
-"""So many packets at most wait for the disk: several minutes of a bus that is never idle."""
+"""So many packets at most wait for the disk: some ten seconds of a bus of 1 Mbit/s that is never idle."""
 EVERY_S: Final = 0.2
 END_WITHIN_S: Final = 5.0
 _MARK: Final = {Direction.HEARD: "R", Direction.SENT: "T"}

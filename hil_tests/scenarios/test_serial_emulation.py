@@ -132,3 +132,15 @@ def test_mistakes_are_told_in_one_message(words: tuple[str, ...], message: str) 
     assert program.returncode == 2
     assert complained.startswith(f"firmware-bridge: {message}")
     assert complained.count("\n") == 1
+
+
+def test_a_recording_that_cannot_be_made_leaves_no_link_behind(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    link = tmp_path / "rars.tty"
+    with emulate(
+        "--serial", "pty", "--serial-link", str(link), "--record", str(tmp_path / "file")
+    ) as program:
+        _, complained = program.communicate(timeout=20)
+    assert program.returncode == 2
+    assert complained.startswith("firmware-bridge: cannot record in ")
+    assert not link.is_symlink()
