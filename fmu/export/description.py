@@ -7,12 +7,15 @@ from xml.sax.saxutils import quoteattr
 from fmu.export.about import About
 from fmu.export.blocks import Program
 from fmu.export.structure import Unknown, structure
-from fmu.export.variables import Variable, units, variables
+from fmu.export.variables import SWITCH, Variable, units, variables
 
 _GENERATOR: Final = "firmware-bridge"
 _STEP: Final = "1e-4"
 _XML: Final = '<?xml version="1.0" encoding="UTF-8"?>'
 _EXPERIMENT: Final = f'  <DefaultExperiment startTime="0" stopTime="1" stepSize="{_STEP}"/>'
+
+_TYPE2: Final = '    <SimpleType name="{name}"><Real{attributes}/></SimpleType>'
+_TYPE3: Final = '    <Float64Type name="{name}"{attributes}/>'
 
 CATEGORIES: Final[Mapping[str, str]] = {
     "logEvents": "phases of an instance: made, initialised, reset, ended",
@@ -52,7 +55,7 @@ def fmi2(program: Program, token: str, sources: Sequence[str], about: About) -> 
     lines = [_XML, f"<fmiModelDescription{head}>"]
     lines += [f"  <ModelExchange{exchange}>", *files, "  </ModelExchange>"]
     lines += [f"  <CoSimulation{slave}>", *files, "  </CoSimulation>"]
-    lines += [*_units(program), *_logging(), _EXPERIMENT, "  <ModelVariables>"]
+    lines += [*_units(program), *_types(program, _TYPE2), *_logging(), _EXPERIMENT, "  <ModelVariables>"]
     lines += [_variable2(row) for row in variables(program)]
     lines += ["  </ModelVariables>", "  <ModelStructure>"]
     found = structure(program)
@@ -98,7 +101,7 @@ def fmi3(program: Program, token: str, _sources: Sequence[str], about: About) ->
     )
     lines = [_XML, f"<fmiModelDescription{head}>"]
     lines += [f"  <ModelExchange{exchange}/>", f"  <CoSimulation{slave}/>"]
-    lines += [*_units(program), *_logging(), _EXPERIMENT, "  <ModelVariables>"]
+    lines += [*_units(program), *_types(program, _TYPE3), *_logging(), _EXPERIMENT, "  <ModelVariables>"]
     lines += [_variable3(row) for row in variables(program)]
     lines += ["  </ModelVariables>", "  <ModelStructure>"]
     found = structure(program)
@@ -141,6 +144,16 @@ def _units(program: Program) -> Iterator[str]:
     yield "  </UnitDefinitions>"
 
 
+def _types(program: Program, written: str) -> Iterator[str]:
+    types = {row.type: row for row in variables(program) if row.type}
+    limits = _attributes(min=0.0, max=1.0)
+    yield "  <TypeDefinitions>"
+    for name, row in sorted(types.items()):
+        means = limits if name == SWITCH else _attributes(quantity=name, unit=row.unit)
+        yield written.format(name=name, attributes=means)
+    yield "  </TypeDefinitions>"
+
+
 def _logging() -> Iterator[str]:
     yield "  <LogCategories>"
     for name, meaning in CATEGORIES.items():
@@ -159,7 +172,13 @@ def _variable2(row: Variable) -> str:
     )
     state = None if row.rate_of is None else row.rate_of + 1
     inner = _attributes(
-        unit=row.unit, min=row.least, max=row.most, nominal=row.nominal, start=row.start, derivative=state
+        declaredType=row.type,
+        unit=row.unit,
+        min=row.least,
+        max=row.most,
+        nominal=row.nominal,
+        start=row.start,
+        derivative=state,
     )
     return f"    <ScalarVariable{outer}><Real{inner}/></ScalarVariable>"
 
@@ -171,6 +190,7 @@ def _variable3(row: Variable) -> str:
         causality=row.causality,
         variability=row.variability,
         initial=row.initial,
+        declaredType=row.type,
         unit=row.unit,
         min=row.least,
         max=row.most,

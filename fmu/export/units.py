@@ -7,13 +7,17 @@ from typing import Final
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """A unit by its SI exponents (FMI 2.0.4 section 2.2.2, FMI 3.0.2 section 2.4.3)."""
+    """A unit by its SI exponents (FMI 2.0.4 section 2.2.2, FMI 3.0.2 section 2.4.3), and what it measures.
+
+    The `quantity` is the name of the type that its variables have, as Modelica.Units.SI calls it.
+    """
 
     kg: int = 0
     m: int = 0
     s: int = 0
     A: int = 0
     rad: int = 0
+    quantity: str = ""
 
     def exponents(self) -> dict[str, int]:
         """Return the exponents that are not zero."""
@@ -23,28 +27,28 @@ class Unit:
 
 UNITS: Final[Mapping[str, Unit]] = {
     "1": Unit(),
-    "s": Unit(s=1),
-    "m": Unit(m=1),
-    "m/s": Unit(m=1, s=-1),
-    "m/s2": Unit(m=1, s=-2),
+    "s": Unit(s=1, quantity="Time"),
+    "m": Unit(m=1, quantity="Length"),
+    "m/s": Unit(m=1, s=-1, quantity="Velocity"),
+    "m/s2": Unit(m=1, s=-2, quantity="Acceleration"),
     "s/m": Unit(m=-1, s=1),
-    "rad": Unit(rad=1),
-    "rad/s": Unit(rad=1, s=-1),
-    "kg": Unit(kg=1),
-    "kg.m2": Unit(kg=1, m=2),
-    "N": Unit(kg=1, m=1, s=-2),
-    "N/m": Unit(kg=1, s=-2),
-    "N.m": Unit(kg=1, m=2, s=-2),
-    "N.m.s/rad": Unit(kg=1, m=2, s=-1, rad=-1),
-    "N.m/rad": Unit(kg=1, m=2, s=-2, rad=-1),
-    "N.s/m": Unit(kg=1, s=-1),
+    "rad": Unit(rad=1, quantity="Angle"),
+    "rad/s": Unit(rad=1, s=-1, quantity="AngularVelocity"),
+    "kg": Unit(kg=1, quantity="Mass"),
+    "kg.m2": Unit(kg=1, m=2, quantity="MomentOfInertia"),
+    "N": Unit(kg=1, m=1, s=-2, quantity="Force"),
+    "N/m": Unit(kg=1, s=-2, quantity="TranslationalSpringConstant"),
+    "N.m": Unit(kg=1, m=2, s=-2, quantity="Torque"),
+    "N.m.s/rad": Unit(kg=1, m=2, s=-1, rad=-1, quantity="RotationalDampingConstant"),
+    "N.m/rad": Unit(kg=1, m=2, s=-2, rad=-1, quantity="RotationalSpringConstant"),
+    "N.s/m": Unit(kg=1, s=-1, quantity="TranslationalDampingConstant"),
     "s/rad": Unit(s=1, rad=-1),
-    "N.m/A": Unit(kg=1, m=2, s=-2, A=-1),
-    "J": Unit(kg=1, m=2, s=-2),
-    "A": Unit(A=1),
-    "V": Unit(kg=1, m=2, s=-3, A=-1),
-    "Ohm": Unit(kg=1, m=2, s=-3, A=-2),
-    "H": Unit(kg=1, m=2, s=-2, A=-2),
+    "N.m/A": Unit(kg=1, m=2, s=-2, A=-1, quantity="ElectricalTorqueConstant"),
+    "J": Unit(kg=1, m=2, s=-2, quantity="Energy"),
+    "A": Unit(A=1, quantity="Current"),
+    "V": Unit(kg=1, m=2, s=-3, A=-1, quantity="Voltage"),
+    "Ohm": Unit(kg=1, m=2, s=-3, A=-2, quantity="Resistance"),
+    "H": Unit(kg=1, m=2, s=-2, A=-2, quantity="Inductance"),
 }
 """Units that models may use."""
 
@@ -58,6 +62,5 @@ NEVER_NEGATIVE: Final = frozenset({
 def per_second(name: str) -> tuple[str, Unit]:
     """Return the unit of the rate of a quantity in this unit: its name and its exponents."""
     unit = UNITS[name]
-    rate = replace(unit, s=unit.s - 1)
     written = name.removesuffix("/s") + "/s2" if name.endswith("/s") else f"{name}/s"
-    return written, rate
+    return written, UNITS.get(written) or replace(unit, s=unit.s - 1, quantity="")

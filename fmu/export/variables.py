@@ -11,6 +11,9 @@ from fmu.export.units import NEVER_NEGATIVE, UNITS, Unit, per_second
 TIME: Final = 0
 """Value reference of the time."""
 
+SWITCH: Final = "Switch"
+"""Type of what is 0 open or 1 closed."""
+
 
 @dataclass(frozen=True, slots=True)
 class Variable:
@@ -28,6 +31,12 @@ class Variable:
     rate_of: int | None = None
     least: float | None = None
     most: float | None = None
+
+    @property
+    def type(self) -> str | None:
+        """Return the name of the declared type; None for ratios and for rates that have no name."""
+        unit = UNITS.get(self.unit)
+        return SWITCH if self.variability == "discrete" else (unit.quantity or None) if unit else None
 
 
 def variables(program: Program) -> tuple[Variable, ...]:

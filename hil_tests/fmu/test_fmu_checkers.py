@@ -9,6 +9,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.model_description import read_model_description
 
+from fmu.build import ensure
 from fmu.export.description import CATEGORIES
 from fmu.export.units import UNITS, per_second
 from hil_tests.fmu.instance import Instance
@@ -72,6 +73,23 @@ def test_every_unit_has_a_rate() -> None:
         written, rate = per_second(name)
         assert rate.exponents() == {k: v for k, v in (unit.exponents() | {"s": unit.s - 1}).items() if v}
         assert UNITS.get(written, rate) == rate
+
+
+@VERSIONS
+def test_what_has_a_physical_meaning_has_a_type(fmi: int) -> None:
+    description = read_model_description(str(ensure("single_axis", fmi)))
+    types = {it.name: it for it in description.typeDefinitions}
+    assert (types["AngularVelocity"].quantity, types["AngularVelocity"].unit) == ("AngularVelocity", "rad/s")
+    assert (float(types["Switch"].min), float(types["Switch"].max)) == (0.0, 1.0)
+    used = set()
+    for row in description.modelVariables:
+        if row.declaredType is None:
+            assert row.unit in {"1", "s/rad", "s/m"} or row.name.startswith("der("), row.name
+            continue
+        used.add(row.declaredType.name)
+        assert row.declaredType.unit in {None, row.unit}
+        assert (row.declaredType.name == "Switch") == (row.variability == "discrete")
+    assert used == set(types)
 
 
 @VERSIONS
