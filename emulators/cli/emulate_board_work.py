@@ -17,6 +17,7 @@ from firmware_bridge.cli.real_time import carry
 from firmware_bridge.cli.recorded import recording
 from firmware_bridge.node import SERIAL
 from firmware_bridge.shell.black_box import SERIAL_LOG
+from firmware_bridge.shell.clock import LivedClock
 from firmware_bridge.shell.ports import PortError
 from fmu.build import ensure, is_built
 from fmu.errors import PlantError
@@ -48,6 +49,7 @@ def emulate(given: BoardOptions) -> None:
             PlantError,
             ServoError,
             SketchError,
+            clock=LivedClock(),
         )
 
 

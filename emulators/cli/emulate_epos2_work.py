@@ -23,6 +23,7 @@ from firmware_bridge.cli.real_time import carry
 from firmware_bridge.cli.recorded import recording
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.shell.black_box import CAN_LOG, SERIAL_LOG
+from firmware_bridge.shell.clock import LivedClock
 from firmware_bridge.wire.canopen import FIRST_NODE, LAST_NODE
 from firmware_bridge.wire.maxon.frame import Generation
 from fmu.errors import PlantError
@@ -71,6 +72,7 @@ def emulate(given: DrivesOptions) -> None:
             f"{order.profile.name} on {where}: node {given.node}{line}",
             PlantError,
             ServoError,
+            clock=LivedClock(),
         )
 
 

@@ -23,6 +23,7 @@ from firmware_bridge.drivers.epos2.setup import commissioned
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.robot import AnyRobot, Axis, RobotFileError
 from firmware_bridge.shell.black_box import CAN_LOG, SERIAL_LOG
+from firmware_bridge.shell.clock import LivedClock
 from firmware_bridge.shell.ports import Port, open_can
 from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
 from fmu.errors import PlantError
@@ -62,6 +63,7 @@ def emulate(given: RobotOptions) -> None:
             f"{machine.name} is on {where}: {nodes}",
             PlantError,
             ServoError,
+            clock=LivedClock(),
         )
 
 

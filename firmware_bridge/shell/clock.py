@@ -3,8 +3,12 @@
 import select
 import time
 from collections.abc import Sequence
+from typing import Final
 
-from firmware_bridge.units import NEVER, SECOND, Nanoseconds
+from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
+
+STALL: Final = 50 * MILLISECOND
+"""A process that is not let run for longer has been stopped; a shorter time is a busy machine's."""
 
 
 class Clock:
@@ -30,3 +34,43 @@ class Clock:
         timeout = None if until == NEVER else max(until - self.now(), 0) / SECOND
         # Not epoll: its time-outs are whole milliseconds, and there are only a few files.
         return select.select(filenos, (), (), timeout)[0]
+
+
+class LivedClock(Clock):
+    """Counts only the time that the process was let run, for emulated devices.
+
+    A device that was stopped by its machine for 0.7 s has not waited 0.7 s for its host: whatever the host
+    said meanwhile, and says at once now, has come in time. A bridge must not have it: a robot moves on.
+    """
+
+    def __init__(self) -> None:
+        self.stalls = 0
+        self.stalled: Nanoseconds = 0
+        """How long it stood still, in all."""
+        super().__init__()
+
+    def restart(self) -> None:
+        """Begin to count from zero, with no stall yet."""
+        super().restart()
+        self.stalls, self.stalled = 0, 0
+        self._seen: Nanoseconds = 0
+
+    def now(self) -> Nanoseconds:
+        """Return the time that was lived since the start."""
+        return self._see(self._seen)
+
+    def wait(self, filenos: Sequence[int], until: Nanoseconds) -> list[int]:
+        """Sleep as a clock does; what goes on beyond the instant was not meant."""
+        self.now()
+        ready = super().wait(filenos, until)
+        self._see(max(self._seen, until))
+        return ready
+
+    def _see(self, expected: Nanoseconds) -> Nanoseconds:
+        now = super().now() - self.stalled
+        if now - expected > STALL:
+            self.stalls += 1
+            self.stalled += now - expected
+            now = expected
+        self._seen = max(self._seen, now)
+        return self._seen

@@ -15,6 +15,7 @@ from emulators.storage import ParameterFile
 from firmware_bridge.drivers.epos2.setup import Row, commissioned
 from firmware_bridge.kinds import find
 from firmware_bridge.node import Node
+from firmware_bridge.shell.clock import Clock, LivedClock
 from firmware_bridge.units import SECOND
 from firmware_bridge.wire.epos2 import address as at
 
@@ -35,7 +36,8 @@ def emulated(monkeypatch: pytest.MonkeyPatch) -> Drives:
             made.append(devices(*words, **more))
             return made[-1]
 
-        def carried(node: Node, *_rest: object) -> None:
+        def carried(node: Node, *_rest: object, clock: Clock) -> None:
+            assert isinstance(clock, LivedClock)
             node.wake(0)
             node.wake(2 * SECOND)
 
