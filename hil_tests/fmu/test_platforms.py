@@ -104,3 +104,52 @@ def test_building_for_all_machines_twice_gives_the_same_bytes(
     first = ensure("single_axis", fmi, elsewhere()).read_bytes()
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     assert ensure("single_axis", fmi, elsewhere()).read_bytes() == first
+
+
+LIBRARY: Final = {
+    "stdlib.h": """
+        #include <stddef.h>
+        void *calloc(size_t, size_t);
+        void *malloc(size_t);
+        void free(void *);
+    """,
+    "string.h": """
+        #include <stddef.h>
+        void *memcpy(void *, const void *, size_t);
+        void *memset(void *, int, size_t);
+        int memcmp(const void *, const void *, size_t);
+        int strcmp(const char *, const char *);
+        size_t strlen(const char *);
+    """,
+    "math.h": """
+        double sqrt(double);
+        double fabs(double);
+        double floor(double);
+        int _finite(double);
+        #define INFINITY ((float)(1e300 * 1e300))
+        #define isfinite(x) _finite(x)
+        #define isnan(x) ((x) != (x))
+    """,
+    "stdio.h": """
+        #include <stdarg.h>
+        #include <stddef.h>
+        int vsnprintf(char *, size_t, const char *, va_list);
+    """,
+}
+"""What our sources may take of Microsoft's C library, whose headers nobody has outside Windows."""
+
+
+@pytest.mark.platforms
+@VERSIONS
+@pytest.mark.parametrize("plant", PLANTS)
+def test_the_sources_are_what_microsofts_compiler_reads(tmp_path: Path, plant: str, fmi: int) -> None:
+    """By clang in its manner: its keywords, macros and command line, no word of C99 promised."""
+    with ZipFile(ensure(plant, fmi)) as archive:
+        archive.extractall(tmp_path)
+    for name, text in LIBRARY.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    units = sorted(str(path) for path in (tmp_path / "sources").glob("*.c"))
+    manner = ("--target=x86_64-pc-windows-msvc", "--driver-mode=cl", "/U__STDC_VERSION__")
+    asked = ("/c", "/Zs", "/W3", "/WX", "-Wno-unused", "-Wno-unknown-pragmas", f"-I{tmp_path}")
+    assert len(units) > 8
+    subprocess.run(["clang", *manner, *asked, *units], check=True)  # noqa: S607 - Debian's
