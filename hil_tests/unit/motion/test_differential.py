@@ -73,6 +73,30 @@ def test_the_ramp_keeps_every_bound_whatever_it_is_asked(
         assert abs(faster * tighter) <= RAMP.sideways_mps2 + ROUNDING
 
 
+@pytest.mark.parametrize(
+    ("demanded", "target", "stepped"),
+    [
+        ((0.0, 0.0), (1.0, 0.0), (0.02, 0.0)),
+        ((0.0, 0.0), (0.0, -1.0), (0.0, -0.08)),
+        ((0.0, 0.0), (-1.0, 1.0), (-0.02 / 2.25, 0.1 / 2.25)),
+        ((0.0, 0.0), (1.0, -1.0), (0.02 / 2.25, -0.1 / 2.25)),
+        ((-0.6, 0.95), (-0.6, 1.5), (-0.6, 1.0)),
+        ((0.6, -0.95), (0.6, -1.5), (0.6, -1.0)),
+        ((0.6, -1.0), (1.0, -1.0), (0.6, -1.0)),
+        ((-0.6, 1.0), (-1.0, 1.0), (-0.6, 1.0)),
+        ((0.7, -1.0), (1.0, -1.0), (0.7, -1.0)),
+        ((-0.7, 1.0), (-1.0, 1.0), (-0.7, 1.0)),
+        ((0.3, -1.9), (1.0, -1.9), (0.6 / 1.9, -1.9)),
+        ((-0.3, 1.9), (-1.0, 1.9), (-0.6 / 1.9, 1.9)),
+    ],
+)
+def test_a_step_goes_as_far_as_the_bounds_let_it(
+    demanded: tuple[float, float], target: tuple[float, float], stepped: tuple[float, float]
+) -> None:
+    """Speed alone, turn alone, both by the rim; then the turn, and then the speed, by the pull sideways."""
+    assert RAMP.step(demanded, target, CYCLE) == pytest.approx(stepped)
+
+
 @given(speeds, turns)
 def test_the_ramp_arrives_and_stays(speed: float, turn: float) -> None:
     target = allowed((speed, turn))
