@@ -83,6 +83,7 @@ def drive(order: Order, progress: Progress) -> Summary:
         bus_load_percent=max(wire.load_percent() for wire in rig.can_wires.values()),
         trace_sha256=rig.world.trace_sha256,
         links_sha256=rig.world.links_sha256,
+        guard_refusals=rig.guard.refused,
         lines=tuple(line.carried(order.robot, order.duration) for line in rig.lines.values()),
     )
     axes = [axis.name for axis in order.robot.axes]

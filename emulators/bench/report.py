@@ -57,6 +57,8 @@ def _numbers(summary: Summary, remarks: Mapping[str, str]) -> Iterator[tuple[str
         yield "line busy", f"{line.busy_percent:.1f}", "%", ""
         late = f"cycle {line.cycle_ms:g} ms; {line.late_cycles} late"
         yield "longest cycle on the line", f"{line.longest_cycle_ms:.1f}", "ms", late
+    if summary.guard_refusals:
+        yield "refusals of the guard", f"{summary.guard_refusals}", "", "a safe word left in each one's place"
     yield "trace", summary.trace_sha256[:TRACE_DIGITS], "", "the same run gives the same trace"
 
 

@@ -48,6 +48,7 @@ class Run:
     bus_load_percent: float
     trace_sha256: str
     links_sha256: dict[str, str]
+    guard_refusals: int = 0
     lines: tuple[LineRun, ...] = ()
 
 
@@ -101,6 +102,8 @@ class Summary:
     """Of every packet on every link."""
     links_sha256: dict[str, str]
     """Of each link alone, by its name: which one a change has reached."""
+    guard_refusals: int
+    """Packets of the bridge that the guard let nothing of through, and silences that it filled."""
     holds: tuple[Held, ...]
     faults: tuple[Faulted, ...] = ()
     lines: tuple[LineRun, ...] = ()
@@ -142,6 +145,7 @@ def summarise(
         bus_load_percent=round(run.bus_load_percent, 3),
         trace_sha256=run.trace_sha256,
         links_sha256=run.links_sha256,
+        guard_refusals=run.guard_refusals,
         holds=tuple(Held(hold.name, hold.reason, *_span(hold)) for hold in holds),
         faults=tuple(Faulted(fault.kind, fault.title, fault.nodes, *_span(fault)) for fault in faults),
         lines=run.lines,

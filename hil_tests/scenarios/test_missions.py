@@ -158,6 +158,7 @@ def test_a_run_leaves_everything_that_it_promises(driven: Driven) -> None:
         "bus_load_percent",
         "trace_sha256",
     } <= set(summary(folder))
+    assert summary(folder)["guard_refusals"] == 0
 
 
 def test_one_seed_is_one_run(driven: Driven, tmp_path: Path) -> None:

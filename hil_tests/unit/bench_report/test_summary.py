@@ -17,7 +17,7 @@ from emulators.robots.rars import REHEARSAL
 from firmware_bridge.kinds import find
 from firmware_bridge.units import MILLISECOND, SECOND, to_seconds
 
-RUN = Run("rars", "line", 7, 4 * SECOND, 2.0, 1000, 3.21, "ab" * 32, {"can": "cd" * 32})
+RUN = Run("rars", "line", 7, 4 * SECOND, 2.0, 1000, 3.21, "ab" * 32, {"can": "cd" * 32}, 5)
 
 
 AXES = ("left", "right")
@@ -130,6 +130,7 @@ def test_the_file_has_the_keys_that_its_readers_rely_on() -> None:
         "realtime_factor": 2.0,
         "frames": 1000,
         "bus_load_percent": 3.21,
+        "guard_refusals": 5,
         "trace_sha256": "ab" * 32,
         "links_sha256": {"can": "cd" * 32},
         "seed": 7,
