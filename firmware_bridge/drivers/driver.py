@@ -149,6 +149,8 @@ class Feedback:
     zero_lost: bool = False
     """It said so, or was heard to restart, and its zero was not set since. A driver whose device does not
     tell begins with True."""
+    rewritten: str = ""
+    """What somebody else has written to it since it was set up; empty where nothing was heard of that."""
 
 
 @dataclass(frozen=True, slots=True)

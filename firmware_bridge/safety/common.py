@@ -137,6 +137,12 @@ def _axis_fault(axis: Axis, feedback: Feedback, _facts: Facts, _limit: Nanosecon
     return f"{axis.called} is in fault, code unknown" if feedback.power is Power.FAULT else None
 
 
+def _axis_rewritten(axis: Axis, feedback: Feedback, _facts: Facts, _limit: Nanoseconds) -> str | None:
+    if not feedback.rewritten:
+        return None
+    return f"{axis.called}: somebody else has written to it, {feedback.rewritten}"
+
+
 def _axis_not_enabled(axis: Axis, feedback: Feedback, _facts: Facts, _limit: Nanoseconds) -> str | None:
     # One that was never heard is silent, one in a fault state is faulted: one cause, one hold.
     if feedback.heard_at == NEVER_HEARD or feedback.power in {Power.FAULT, Power.ON}:
@@ -273,6 +279,13 @@ AXIS_ROWS: Final = (
         _axis_fault,
         "remove the cause, then disarm and arm to reset the fault",
         severity=Severity.CRITICAL,
+    ),
+    AxisInterlock(
+        "axis rewritten",
+        _axis_rewritten,
+        "end the other program, or take it off the bus, then arm: it is set up again",
+        severity=Severity.CRITICAL,
+        takes_power=True,
     ),
     AxisInterlock(
         "axis not enabled",

@@ -82,16 +82,25 @@ def _joins(chance: Generator) -> dict[str, Any]:
 
 
 def _master(chance: Generator) -> dict[str, Any]:
-    """SYNC, the bridge's own heartbeat, or a drive's set-points: without power, enabled, and moving."""
+    """SYNC, the bridge's own heartbeat, a drive's set-points (without power, enabled, moving); its objects.
+
+    By SDO: controlword without power and enabled, a speed, a profile's deceleration, no watch.
+    """
     node = int(chance.integers(1, 5))
-    identifier, data = [
+    sent = [
         (0x080, ""),
         (0x764, "05"),
         (0x500 + node, "060000000000"),
         (0x500 + node, "0F00E8030000"),
         (0x400 + node, "060000000000"),
         (0x400 + node, "3F0010270000"),
-    ][int(chance.integers(6))]
+        (0x600 + node, "2B40600006000000"),
+        (0x600 + node, "2B4060000F000000"),
+        (0x600 + node, "23FF6000E8030000"),
+        (0x600 + node, "2384600001000000"),
+        (0x600 + node, "2316100100000000"),
+    ]
+    identifier, data = sent[int(chance.integers(len(sent)))]
     return {"identifier": identifier, "data": data, "every_ms": int(chance.choice([5, 20, 50, 200]))}
 
 

@@ -131,6 +131,7 @@ def common_trips(robot: AnyRobot) -> Iterator[tuple[str, dict[str, Any]]]:
             ("axis silent", {"heard_at": NEVER_HEARD, "power": Power.UNKNOWN}),
             ("axis fault", {"fault": "0x8611"}),
             ("axis fault", {"power": Power.FAULT}),
+            ("axis rewritten", {"rewritten": "601#2316100100000000"}),
             ("axis not enabled", {"power": Power.STOPPED}),
             ("axis not enabled", {"power": Power.OFF}),
             *((("axis zero lost", {"zero_lost": True}),) if axis.zero_confirmed else ()),

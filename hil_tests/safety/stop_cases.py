@@ -310,6 +310,12 @@ CASES: Final = (
             ("lift", State.FAULT_REACTION_ENABLED),
         )
     ),
+    Case(
+        "axis rewritten: steer",
+        drive("steer", rewritten="603#2316100100000000"),
+        drive("steer", rewritten=""),
+        f"{TITLES['steer']}: somebody else has written to it, 603#2316100100000000",
+    ),
     *(
         Case(
             f"axis not enabled: {name}",

@@ -44,6 +44,7 @@ FOLLOWS: Final = {
     "lift refused": ({"lift"},),
     "axis silent": (ALL, "disarms", "blocks arming"),
     "axis fault": (ALL, "disarms", "blocks arming"),
+    "axis rewritten": (ALL, "disarms", "blocks arming", "takes power"),
     "axis not enabled": (ALL, "disarms", "blocks arming"),
     "axis does not follow": (ALL, "disarms", "blocks arming"),
     "axis moves unasked": (ALL, "disarms", "blocks arming", "takes power"),

@@ -26,6 +26,7 @@ RARS: Final[AnyRobot] = find("rars")
 LINKS: Final = {"can": RARS, "serial": over_serial(RARS)}
 DRIVING: Final = (ARMED, step(4.0, speed_mps=0.3))
 DEAF_S: Final = 6.0
+UNPOWERED: Final = (State.SWITCH_ON_DISABLED, State.READY_TO_SWITCH_ON, State.SWITCHED_ON)
 BEAT: Final = canopen.ERROR_CONTROL + RARS.links["drives"].bridge_node
 
 on_each_link = pytest.mark.parametrize("link", LINKS)
@@ -232,3 +233,31 @@ def test_another_master_stops_the_robot_and_blocks_arming_while_it_is_heard(
     one.runs_until(11.0)
     assert "another master: drives" not in one.holding
     assert one.now["armed"]
+
+
+@pytest.mark.parametrize(
+    "frame",
+    ["2316100100000000", "2384600001000000", "2B4060000F000000", "2F60600006000000"],
+    ids=["no watch", "a profile without brakes", "controlword", "homing mode"],
+)
+def test_a_drive_that_somebody_else_has_written_to_stops_and_is_set_up_again(
+    rides: Ridden, frame: str
+) -> None:
+    one = driven(
+        rides, "can", step(6.5, speed_mps=0.0), *(step(8.0 + second, arm=True) for second in range(4))
+    )
+    drive = one.rig.devices.drives["left"]
+    one.runs_until(DEAF_S)
+    watched = drive.store.get(at.CONSUMER_HEARTBEAT_1)
+    sender = one.rig.world._stations["steer"]  # noqa: SLF001 - a stranger's word
+    one.rig.can_wire.carry(sender, Packet(CAN, 0x601, bytes.fromhex(frame)))
+    one.runs_until(8.0)
+    assert one.stands_from(DEAF_S, slower_than=0.01) < DEAF_S + 1.2
+    assert not one.now["armed"]
+    (told,) = one.held("axis rewritten: left")
+    assert f"601#{frame}" in told
+    assert states(one)[0] in UNPOWERED, "nobody knows what it would do"
+    one.runs_until(12.5)
+    assert "axis rewritten: left" not in one.holding
+    assert one.now["armed"]
+    assert drive.store.get(at.CONSUMER_HEARTBEAT_1) == watched

@@ -48,6 +48,8 @@ class DriveFeedback:
         """Whether it listened to them when it was first found; None before that."""
         self.restarted = False
         """Whether it booted since it was found: its set-up is lost."""
+        self.rewritten = ""
+        """What somebody else has written to its objects since it was set up: its set-up may be lost."""
         self.expected = False
         """What is sent in every cycle counts only once this bridge has said what it is."""
         self.heard_at: Nanoseconds = NEVER_HEARD
@@ -126,4 +128,5 @@ class DriveFeedback:
             fault=f"0x{fault:04X}" if fault else "",
             says="" if state is None else state.title,
             zero_lost=self.zero_lost,
+            rewritten=self.rewritten,
         )

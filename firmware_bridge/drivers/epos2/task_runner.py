@@ -91,7 +91,8 @@ class TaskRunner:
     def configured(self) -> bool:
         """Whether the set-up is in force and the drive listens to set-points."""
         feedback = self._feedback
-        return self.set_up and self._in_own_mode and feedback.operational and not feedback.restarted
+        kept = self.set_up and self._in_own_mode and not feedback.rewritten
+        return kept and feedback.operational and not feedback.restarted
 
     def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
         """Do these tasks in order, in place of those under way."""
@@ -128,6 +129,12 @@ class TaskRunner:
             return self.go_on((), now)
         return self.go_on(self._scripts.go_on(now), now)
 
+    def rewritten(self, what: str, now: Nanoseconds) -> None:
+        """Learn what somebody else has written to the drive: nobody knows what of its set-up still holds."""
+        self._feedback.rewritten = what
+        if self._task in _NEEDS_SET_UP:
+            self.fail(f"somebody else has written to it: {what}", now)
+
     def go_on(self, sent: tuple[Packet, ...], now: Nanoseconds) -> tuple[Packet, ...]:
         """Add what the next tasks send, where one has ended."""
         if not self.busy and not self._tasks:
@@ -150,6 +157,8 @@ class TaskRunner:
     def _script(self, task: Task) -> Script:
         if task in _LOSES_SET_UP:
             self.set_up = False
+        if task is Task.CONFIGURE:
+            self._feedback.rewritten = ""
         return self._made[task]()
 
     def _set_zero(self) -> Script:

@@ -59,3 +59,30 @@ def test_it_listens_as_long_as_the_drives_would_and_a_serial_line_hears_nobody()
     assert can_fleet(ROBOT, LINK).link.listens_for == 200 * MILLISECOND
     (line,) = fleets_of(over_serial(ROBOT))
     assert (line.link.listens_for, line.link.master(0)) == (0, None)
+
+
+@pytest.mark.parametrize(
+    ("frame", "writes"),
+    [
+        ("2316100100000000", True),
+        ("2B40600F00000000", True),
+        ("2110100108000000", True),
+        ("0D00000000000000", True),
+        ("4041600000000000", False),
+        ("6000000000000000", False),
+        ("8016100100000605", False),
+        ("C216100104000000", False),
+        ("231610", False),
+        ("", False),
+    ],
+    ids=[
+        *("the watch", "controlword", "announced", "segment", "read", "read on", "abort", "block", "short"),
+        "nothing",
+    ],
+)
+@pytest.mark.parametrize("node", [1, 4])
+def test_what_somebody_else_writes_to_a_drive(node: int, frame: str, *, writes: bool) -> None:
+    """Reading is free; a block transfer the drive does not know, nor what is cut short."""
+    fleet = hears(0x600 + node, bytes.fromhex(frame))
+    told = {driver.axis.settings.node: driver.feedback.rewritten for driver in fleet.drivers}
+    assert told == {**dict.fromkeys(range(1, 5), ""), **({node: f"60{node}#{frame}"} if writes else {})}

@@ -90,6 +90,7 @@ LOUD = {
     "another master: drives": Severity.CRITICAL,
     "axis silent": Severity.CRITICAL,
     "axis fault": Severity.CRITICAL,
+    "axis rewritten": Severity.CRITICAL,
     "axis does not follow": Severity.CRITICAL,
     "axis moves unasked": Severity.CRITICAL,
     "axis position repeats": Severity.CRITICAL,

@@ -69,6 +69,11 @@ class Epos2OnCan(Epos2Drive[CanFeedback]):
         """Learn that a SYNC leaves now: the next sample was taken then."""
         self._feedback.synchronised(now)
 
+    def rewritten(self, what: str, now: Nanoseconds) -> None:
+        """Learn what somebody else has written to its objects."""
+        self._tasks.rewritten(what, now)
+        self.wake_at = self._scripts.wake_at
+
     def request(self, request: ObjectRequest, now: Nanoseconds) -> tuple[Packet, ...]:
         """Read or write an object behind those that wait; dropped while tasks are under way."""
         if self.busy:

@@ -11,11 +11,12 @@ from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
-from firmware_bridge.wire import can, canopen
+from firmware_bridge.wire import can, canopen, sdo
 from firmware_bridge.wire.canopen import NODE_MASK, NmtState
 
 ANSWERS_WITHIN: Final[Nanoseconds] = 10 * MILLISECOND
 """The drives answer a SYNC within a millisecond; later ones are not waited for."""
+_WRITES: Final = (sdo.DownloadRequest, sdo.Segment)
 REMEMBERED: Final[Nanoseconds] = SECOND
 """So long a frame of another master counts: it may be back any moment."""
 
@@ -77,7 +78,13 @@ class CanLink:
             self._master = (now, self._masters[packet.address], packet)
             return ()
         drive = self._by_node.get(packet.address & NODE_MASK)
-        return () if drive is None else drive.hear(packet, now)
+        if drive is None:
+            return ()
+        if packet.address & ~NODE_MASK == canopen.SDO_REQUEST:
+            if isinstance(sdo.decode_request(packet.payload), _WRITES):
+                drive.rewritten(f"{packet.address:03X}#{packet.payload.hex().upper()}", now)
+            return ()
+        return drive.hear(packet, now)
 
     def wake(self, _now: Nanoseconds) -> tuple[Packet, ...]:
         """Do nothing."""
@@ -87,7 +94,8 @@ class CanLink:
 def _masters(drives: Iterable[Epos2OnCan], table: Epos2Link) -> dict[int, str]:
     """Return what only the master of these drives sends, in words, by its identifier.
 
-    Requests for objects are not in it: an engineer may read a drive while the robot drives.
+    Requests for objects are not in it: an engineer may read a drive while the robot drives. What he writes
+    is the drive's own matter.
     """
     beat = canopen.ERROR_CONTROL + table.bridge_node
     axes = [drive.axis for drive in drives]
