@@ -1,7 +1,7 @@
 """`emulate capture` and PyPI's natnet client, two programs on loopback: a body goes round, and is read.
 
-The client is made for 2.x to 4.2. It leaves the precise stamps of 4.1 unread, and 2.x's software latency: what
-stands behind them is not compared there.
+The client is made for 2.x to 4.2. It leaves the precise stamps of 4.1 and the software latency of 2.x unread;
+what stands behind them is not compared there.
 """
 
 import math

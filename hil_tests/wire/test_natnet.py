@@ -1,6 +1,7 @@
 """NatNet packets: golden vectors, every version there and back, and whatever else arrives is refused."""
 
 from dataclasses import replace
+from typing import Any, TypeVar
 
 import pytest
 from hypothesis import given, settings
@@ -13,6 +14,7 @@ from firmware_bridge.wire.natnet.layout import FIRST, LAST, NatNetError, Version
 from firmware_bridge.wire.natnet.messages import Connect, MessageId, ServerInfo, packet, split
 from firmware_bridge.wire.natnet.models import ModelMarker, RigidBodyModel
 
+T = TypeVar("T")
 VERSIONS = tuple(Version(*it) for it in ((2, 9), (2, 10), (3, 0), (3, 1), (4, 0), (4, 1), (4, 2), (4, 4)))
 HALF = 0.7071067690849304
 """The root of a half in 32 bits."""
@@ -72,7 +74,7 @@ texts = st.text(st.characters(exclude_characters="\0", codec="utf-8"), max_size=
 ticks = st.integers(0, (1 << 64) - 1)
 
 
-def several(kind: st.SearchStrategy[object]) -> st.SearchStrategy[tuple[object, ...]]:
+def several(kind: st.SearchStrategy[T]) -> st.SearchStrategy[tuple[T, ...]]:
     return st.lists(kind, max_size=2).map(tuple)
 
 
@@ -112,7 +114,7 @@ def some_frames(draw: st.DrawFn, version: Version) -> Frame:
 
 
 @st.composite
-def some_models(draw: st.DrawFn, version: Version) -> tuple[object, ...]:
+def some_models(draw: st.DrawFn, version: Version) -> tuple[Any, ...]:
     marker = st.builds(ModelMarker, points, ints, texts if version >= (4, 0) else st.just(""))
     body = st.builds(
         RigidBodyModel,
@@ -124,7 +126,7 @@ def some_models(draw: st.DrawFn, version: Version) -> tuple[object, ...]:
         several(marker) if version >= (3, 0) else st.just(()),
     )
     matrix, corners = (st.tuples(*[st.just(0.5)] * size) for size in (144, 12))
-    rows = [
+    rows: list[st.SearchStrategy[Any]] = [
         st.builds(models.MarkerSetModel, texts, several(texts)),
         body,
         st.builds(models.SkeletonModel, texts, ints, several(body)),
@@ -159,7 +161,7 @@ def test_any_frame_comes_back(data: st.DataObject, version: Version) -> None:
 @given(st.data(), st.sampled_from(VERSIONS))
 def test_any_models_come_back(data: st.DataObject, version: Version) -> None:
     found = data.draw(some_models(version))
-    assert models.decoded(models.encoded(found, version), version) == found  # type: ignore[arg-type] # drawn
+    assert models.decoded(models.encoded(found, version), version) == found
 
 
 @settings(max_examples=25)
