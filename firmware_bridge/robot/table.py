@@ -1,8 +1,9 @@
 """What all tables of a robot file have in common."""
 
-from typing import Annotated
+from collections.abc import Collection
+from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
 
 Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$")]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
@@ -17,6 +18,21 @@ class Table(BaseModel):
     """A table of a robot file: no unknown key, no value of another kind, nothing changed later."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, str_strip_whitespace=True)
+
+
+def tag(table: type[Table]) -> Tag:
+    """Return the mark of one table of a union; as part of a mistake's place it is nobody's key."""
+    return Tag(f"<{table.__name__}>")
+
+
+def told_by(key: str, values: Collection[str], table: type[Table], other: type[Table]) -> Discriminator:
+    """Return what chooses between two tables: one of these values under a key is the first's."""
+
+    def chosen(raw: Any) -> str:
+        said = raw.get(key) if isinstance(raw, dict) else getattr(raw, key, None)
+        return tag(table if str(said) in values else other).tag
+
+    return Discriminator(chosen)
 
 
 class LinkTable(Table):

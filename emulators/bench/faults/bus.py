@@ -216,7 +216,7 @@ class NmtStranger(OnBus):
         del chance
         name = None if self.node is None else named(site.robot, self.node)
         number = next(
-            (axis.settings.node for axis in site.robot.axes if axis.name == name), canopen.ALL_NODES
+            (axis.epos2.node for axis in site.robot.axes if axis.name == name), canopen.ALL_NODES
         )
         site.send(self.on(site.robot), canopen.NMT, canopen.encode_nmt(_COMMANDS[self.command], number))
 

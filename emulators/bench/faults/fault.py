@@ -135,7 +135,7 @@ def named(robot: AnyRobot, node: str | int) -> str | None:
     if node == BRIDGE:
         return BRIDGE
     for axis in robot.axes:
-        if node in {axis.name, axis.settings.node}:
+        if node in {axis.name, axis.settings.number}:
             return axis.name
     return None
 

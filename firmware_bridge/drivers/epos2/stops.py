@@ -28,7 +28,7 @@ def stop_steps(axis: Axis, link: Epos2Link, cycle: Nanoseconds) -> tuple[StopSte
     """Return the steps for one drive; `cycle` is the robot's."""
     times, over_can = link.confirmed(cycle), link.driver is Epos2Driver.CAN
     per_unit = abs(Scale.of(axis).rpm_per_unit_s)
-    quick = axis.settings.profile.quick_stop_rpm_s / per_unit
+    quick = axis.epos2.profile.quick_stop_rpm_s / per_unit
     how = _WRITTEN[link.driver]
     gentle = (
         StopStep(
@@ -36,7 +36,7 @@ def stop_steps(axis: Axis, link: Epos2Link, cycle: Nanoseconds) -> tuple[StopSte
             f"target 0, or halt, {how} in every cycle",
             Stop.REST,
             times.ramp,
-            axis.settings.profile.deceleration_rpm_s / per_unit,
+            axis.epos2.profile.deceleration_rpm_s / per_unit,
         ),
         StopStep(
             f"quick stop {how}",

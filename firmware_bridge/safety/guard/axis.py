@@ -52,7 +52,7 @@ class GuardedAxis:
 
     def __init__(self, axis: Axis, robot: AnyRobot) -> None:
         self.axis: Final = axis
-        self.node: Final = axis.settings.node
+        self.node: Final = axis.epos2.node
         self.by_speed: Final = axis.command is Command.SPEED
         """Whether its target is a speed; else it is a position."""
         self.zeroing: Final = Zeroing(axis)
@@ -60,7 +60,7 @@ class GuardedAxis:
         """Every axis of the robot, this one among them."""
         self.targets: Final = targets(axis)
         """All that it may be sent; rpm or quadcounts."""
-        self.cycle: Final = robot.cycle * robot.links[axis.link].every
+        self.cycle: Final = robot.cycle * robot.epos2_link(axis.link).every
         """The time from one of its set-points to the next."""
         self.target = 0
         self.speed = 0.0
@@ -73,7 +73,7 @@ class GuardedAxis:
         """Whether a statusword said that there is no power, since the last word that gives it."""
         self._off_since: Nanoseconds = NEVER
         """Since when the word in force has been the one that takes the power; NEVER where it is another."""
-        link = robot.links[axis.link]
+        link = robot.epos2_link(axis.link)
         self._patience: Final = link.confirmed(robot.cycle).by_object
         """How long a drive may take to confirm that."""
         self._word: int | None = None
@@ -84,7 +84,7 @@ class GuardedAxis:
         """When it was sent there, was halted, or was let go on."""
         self._rests_at: int | None = None
         """Where it was when it came to rest; what is near it is no motion. None while that is not known."""
-        self._margin_qc: Final = axis.settings.profile.max_following_error_qc
+        self._margin_qc: Final = axis.epos2.profile.max_following_error_qc
         """How near that is. It stays where it is, so that many small steps are none."""
         self._rpm_per_unit: Final = rpm_per_unit(axis)
 

@@ -236,7 +236,7 @@ def _listed(robot: AnyRobot, link: str, axes: tuple[GuardedAxis, ...]) -> dict[i
     listed: dict[int, Content] = {
         canopen.NMT: Exactly(tuple(bytes((command, node)) for command in LISTED_NMT for node in nodes)),
         canopen.SYNC: Exactly((b"",)),
-        canopen.ERROR_CONTROL + robot.links[link].bridge_node: Exactly(
+        canopen.ERROR_CONTROL + robot.epos2_link(link).bridge_node: Exactly(
             tuple(bytes((one,)) for one in states)
         ),
     }

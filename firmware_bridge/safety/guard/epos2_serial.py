@@ -55,7 +55,7 @@ class Epos2SerialRules(WireRules):
     def __init__(self, robot: AnyRobot, link: str) -> None:
         self.link = link
         self.axes = tuple(GuardedAxis(axis, robot) for axis in robot.axes_on(link))
-        bus = robot.links[link]
+        bus = robot.epos2_link(link)
         self.writes: Final[Mapping[int, Writes]] = {axis.node: _all_writes(axis, robot) for axis in self.axes}
         """By node."""
         self.beat_id: Final = canopen.ERROR_CONTROL + bus.bridge_node
