@@ -107,7 +107,9 @@ def some_frames(draw: st.DrawFn, version: Version) -> Frame:
         draw(st.integers(0, 0xFFFF_FFFF)),
         draw(st.integers(0, 0xFFFF_FFFF)),
         draw(st.floats(allow_nan=False)),
-        *([draw(ticks) for _ in range(3)] if new else (0, 0, 0)),
+        draw(ticks) if new else 0,
+        draw(ticks) if new else 0,
+        draw(ticks) if new else 0,
         draw(st.none() | st.tuples(*[st.integers(0, 0xFFFF_FFFF)] * 2)) if version >= (4, 0) else None,
         draw(shorts),
     )
