@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import Final
 
+from firmware_bridge.drivers.capture.fleet import capture_fleet
 from firmware_bridge.drivers.driver import Tells
 from firmware_bridge.drivers.epos2 import feedback as epos2
 from firmware_bridge.drivers.epos2.can.fleet import can_fleet
@@ -11,12 +12,14 @@ from firmware_bridge.drivers.epos2.stops import stop_steps as epos2_stop_steps
 from firmware_bridge.drivers.fleet import Fleet
 from firmware_bridge.drivers.stop_steps import StopStep
 from firmware_bridge.robot import AnyLink, AnyRobot, Axis
+from firmware_bridge.robot.settings.capture import CaptureDriver
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.units import Nanoseconds
 
 DRIVERS: Final[Mapping[str, Callable[[AnyRobot, str], Fleet]]] = {
     Epos2Driver.CAN: can_fleet,
     Epos2Driver.SERIAL: serial_fleet,
+    **dict.fromkeys(CaptureDriver, capture_fleet),
 }
 """How a link's devices are made, by the driver that the robot file names."""
 

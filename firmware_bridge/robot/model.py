@@ -8,23 +8,29 @@ from typing import Annotated, Any, Final, Generic, Self, TypeAlias, TypeVar
 from pydantic import Field, field_validator, model_validator
 
 from firmware_bridge.robot.belief import RUBS, STANDS, Belief
+from firmware_bridge.robot.settings.capture import CaptureBody, CaptureDriver, CaptureLink
 from firmware_bridge.robot.settings.epos2 import Epos2AnalogueInput, Epos2Axis, Epos2DigitalOutput, Epos2Link
 from firmware_bridge.robot.settings.shield import ShieldAxis, ShieldDevice, ShieldDriver, ShieldLink
-from firmware_bridge.robot.table import Finite, Name, Positive, Table, tag, told_by
+from firmware_bridge.robot.table import Finite, Name, Positive, Table, has_key, tag, told_by
 from firmware_bridge.robot.zero import Homing, Zero, ZeroFrom
 from firmware_bridge.units import MILLISECOND, RPM_PER_RAD_S, Nanoseconds
 
 G_co = TypeVar("G_co", bound=Table, covariant=True)
 
 AnyLink: TypeAlias = Annotated[
-    Annotated[Epos2Link, tag(Epos2Link)] | Annotated[ShieldLink, tag(ShieldLink)],
-    told_by("driver", list(ShieldDriver), ShieldLink, Epos2Link),
+    Annotated[Epos2Link, tag(Epos2Link)]
+    | Annotated[ShieldLink, tag(ShieldLink)]
+    | Annotated[CaptureLink, tag(CaptureLink)],
+    told_by("driver", {ShieldLink: list(ShieldDriver), CaptureLink: list(CaptureDriver)}, Epos2Link),
 ]
 AnyAxis: TypeAlias = Annotated[
     Annotated[Epos2Axis, tag(Epos2Axis)] | Annotated[ShieldAxis, tag(ShieldAxis)],
-    told_by("device", list(ShieldDevice), ShieldAxis, Epos2Axis),
+    told_by("device", {ShieldAxis: list(ShieldDevice)}, Epos2Axis),
 ]
-AnySensor: TypeAlias = Epos2AnalogueInput
+AnySensor: TypeAlias = Annotated[
+    Annotated[Epos2AnalogueInput, tag(Epos2AnalogueInput)] | Annotated[CaptureBody, tag(CaptureBody)],
+    has_key("body", CaptureBody, Epos2AnalogueInput),
+]
 AnyOutput: TypeAlias = Epos2DigitalOutput
 """One table for each family of drivers; those of which there are several make a union."""
 
@@ -332,6 +338,11 @@ class Robot(Table, Generic[G_co]):
     def shield_links(self) -> dict[str, ShieldLink]:
         """The links to boards with a motor shield, by their names."""
         return {name: link for name, link in self.links.items() if isinstance(link, ShieldLink)}
+
+    @property
+    def capture_links(self) -> dict[str, CaptureLink]:
+        """The links to motion capture systems, by their names."""
+        return {name: link for name, link in self.links.items() if isinstance(link, CaptureLink)}
 
     def epos2_link(self, name: str) -> Epos2Link:
         """Return a link to EPOS2 drives; KeyError, or TypeError where others are on it."""

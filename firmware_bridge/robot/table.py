@@ -1,6 +1,6 @@
 """What all tables of a robot file have in common."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
@@ -25,12 +25,21 @@ def tag(table: type[Table]) -> Tag:
     return Tag(f"<{table.__name__}>")
 
 
-def told_by(key: str, values: Collection[str], table: type[Table], other: type[Table]) -> Discriminator:
-    """Return what chooses between two tables: one of these values under a key is the first's."""
+def told_by(key: str, tables: Mapping[type[Table], Collection[str]], other: type[Table]) -> Discriminator:
+    """Return what chooses a table of a union: the one that has the value under a key among its own."""
 
     def chosen(raw: Any) -> str:
-        said = raw.get(key) if isinstance(raw, dict) else getattr(raw, key, None)
-        return tag(table if str(said) in values else other).tag
+        said = str(raw.get(key) if isinstance(raw, dict) else getattr(raw, key, None))
+        return tag(next((table for table, values in tables.items() if said in values), other)).tag
+
+    return Discriminator(chosen)
+
+
+def has_key(key: str, table: type[Table], other: type[Table]) -> Discriminator:
+    """Return what chooses between two tables of which only the first has a key, and needs it."""
+
+    def chosen(raw: Any) -> str:
+        return tag(table if (key in raw if isinstance(raw, dict) else hasattr(raw, key)) else other).tag
 
     return Discriminator(chosen)
 
