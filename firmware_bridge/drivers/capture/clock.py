@@ -1,8 +1,8 @@
 """The clock of whoever stamps poses, as this machine's clock: from stamps and when they arrived.
 
 What arrives is never early. So the least that a packet seemed to travel is what the way takes at best, and
-what another took more was jitter. The other clock may run faster or slower: what was least is forgotten slowly. The
-way's best time itself cannot be known, and counts as none: on a wire it is under 1 ms.
+what another took more was jitter. The other clock may run faster or slower, so what was least is forgotten
+slowly. The way's best time itself cannot be known, and counts as none: on a wire it is under 1 ms.
 """
 
 from typing import Final
