@@ -1,4 +1,4 @@
-"""One axis as the guard knows it: what was sent to its drive, what that reported, what it may be sent."""
+"""One axis of an EPOS2 as the guard knows it: what was sent, what was reported, what it may be sent."""
 
 from collections.abc import Iterable
 from typing import Final
@@ -16,6 +16,7 @@ from firmware_bridge.safety.guard.epos2_words import (
     START_HOMING,
     SetPoint,
 )
+from firmware_bridge.safety.guard.in_force import Asked, InForce
 from firmware_bridge.safety.guard.zeroing import READ, WRITTEN, Zeroing
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 from firmware_bridge.wire.cia402 import State, Status, state_of
@@ -56,7 +57,7 @@ class GuardedAxis:
         self.by_speed: Final = axis.command is Command.SPEED
         """Whether its target is a speed; else it is a position."""
         self.zeroing: Final = Zeroing(axis)
-        self.all: tuple[GuardedAxis, ...] = ()
+        self.all: tuple[InForce, ...] = ()
         """Every axis of the robot, this one among them."""
         self.targets: Final = targets(axis)
         """All that it may be sent; rpm or quadcounts."""
@@ -113,6 +114,11 @@ class GuardedAxis:
         return self._word == START_HOMING and self.zeroing.turns
 
     @property
+    def homes_within_s(self) -> float:
+        """How long that may last."""
+        return self.zeroing.within_s
+
+    @property
     def set_point(self) -> SetPoint:
         """What is in force."""
         return SetPoint(DISABLE_VOLTAGE if self._word is None else self._word, self.target)
@@ -141,6 +147,10 @@ class GuardedAxis:
         if not (self.by_speed and self.moves_with(set_point)):
             return 0.0
         return set_point.target / self._rpm_per_unit
+
+    def asked_by(self, set_point: SetPoint) -> Asked:
+        """Return what the axis would do by this set-point."""
+        return Asked(self.moves_with(set_point), self.speed_with(set_point))
 
     def keeps_from_reset(self, now: Nanoseconds) -> str | None:
         """Return why its drive may not be reset, or None: only one that does not give up its power may.
@@ -211,7 +221,7 @@ class GuardedAxis:
 
     def _homes_beside(self, word: int) -> str | None:
         """Return who moves, on whatever link, itself included, where a word starts a homing that moves."""
-        moving = next((f"node {axis.node}" for axis in self.all if axis.moving), None)
+        moving = next((axis.axis.settings.address for axis in self.all if axis.moving), None)
         starts = word == START_HOMING and self.zeroing.turns
         return f"a homing started while {moving} may move" if starts and moving is not None else None
 
