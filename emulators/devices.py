@@ -99,7 +99,7 @@ def _supply_input(robot: AnyRobot) -> tuple[str, float] | None:
     if robot.battery is None:
         return None
     sensor = next(sensor for sensor in robot.sensors if sensor.name == robot.battery.sensor)
-    return sensor.settings.axis, sensor.settings.per_volt
+    return sensor.analogue.axis, sensor.analogue.per_volt
 
 
 def _drive(

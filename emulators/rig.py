@@ -13,8 +13,10 @@ from emulators.bench.mission import Noise
 from emulators.bench.records import HoldRecord
 from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.second_station import SecondStation
+from emulators.captured import TRUTH, systems_of
 from emulators.devices import devices
 from emulators.line import Line
+from emulators.motion_capture.system import COMMAND
 from emulators.rewind import Checkpoint, Rewind
 from emulators.wires import DatagramWire, FaultyCanWire
 from emulators.world import Wire, World
@@ -70,14 +72,16 @@ class Rig:
         self.robot: Final = robot
         columns = columns_of([axis.name for axis in robot.axes], rehearsal.columns)
         outputs = [column.plant for column in columns if column.plant]
+        outputs += TRUTH if robot.capture_links else ()
         self.devices: Final = devices(
             robot, plant_path, outputs=outputs, realistic_latency=realistic_latency, serial=_served(robot)
         )
         self._reads: Final = _reads(columns, self.devices.plant.output_names)
         self._start_bridge(stands)
-        single = len(robot.links) == 1
+        single = len(robot.epos2_links) == 1
         self.can_wires: Final = {
-            name: FaultyCanWire(link.bit_rate, CAN if single else name) for name, link in robot.links.items()
+            name: FaultyCanWire(link.bit_rate, CAN if single else name)
+            for name, link in robot.epos2_links.items()
         }
         """The drives' buses by the links' names."""
         self.operator_wire: Final = DatagramWire(
@@ -86,6 +90,8 @@ class Rig:
             noise.loss,
             np.random.default_rng([seed, LINK_STREAM]),
         )
+        self.captures: Final = systems_of(robot, self.devices.plant, seed, data_link=COMMAND)
+        self.capture_wires: Final = {name: DatagramWire(name=name) for name in self.captures}
         self.world: Final = World(self.devices.bank)
         self.lines: Final[dict[str, Line]] = {}
         """The serial lines by the links' names."""
@@ -175,7 +181,8 @@ class Rig:
         return node
 
     def _attach_bridge(self, node: Node) -> None:
-        wires: dict[str, Wire] = {**self.can_wires, **{name: line.wire for name, line in self.lines.items()}}
+        lines = {name: line.wire for name, line in self.lines.items()}
+        wires: dict[str, Wire] = {**self.can_wires, **lines, **self.capture_wires}
         self.world.attach(BRIDGE, node, {**wires, OPERATOR: self.operator_wire})
 
     def _attach(self, operator: Node) -> None:
@@ -186,6 +193,8 @@ class Rig:
             if _is_gateway(self.robot, axis.name):
                 links[SERIAL] = self.lines[axis.link].wire
             self.world.attach(axis.name, drive, links)
+        for name, system in self.captures.items():
+            self.world.attach(f"cameras of {name}", system, {COMMAND: self.capture_wires[name]})
         self._attach_bridge(node)
         self.world.attach(OPERATOR_STATION, operator, {OPERATOR: self.operator_wire})
 
@@ -199,6 +208,7 @@ class Rig:
             drives=self.devices.drives,
             axes={axis.name: axis for axis in self.devices.bank.axes},
             bridges=self,
+            captures=self.captures,
         )
 
     def _sample(self, now: Nanoseconds) -> None:

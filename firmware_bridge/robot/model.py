@@ -232,6 +232,13 @@ class Sensor(Table):
     """After this silence its value is not known any more."""
     settings: AnySensor
 
+    @property
+    def analogue(self) -> Epos2AnalogueInput:
+        """The table of its analogue input; TypeError where it is no such sensor."""
+        if not isinstance(self.settings, Epos2AnalogueInput):
+            raise TypeError(f"the sensor '{self.name}' is at no analogue input")
+        return self.settings
+
 
 class Output(Table):
     """Something that is switched: a lamp, a relay, a magnet."""

@@ -9,7 +9,7 @@ from hil_tests.scenarios.ride import ARMED, ride, step
 RARS = find("rars")
 assert RARS.battery is not None
 EMPTY_V = RARS.battery.nominal_v
-DIVIDER = RARS.sensors[0].settings.per_volt
+DIVIDER = RARS.sensors[0].analogue.per_volt
 BATTERY_OHM = 0.050
 """`battery_resistance` of the plant."""
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final
 
-from emulators.bench.faults import bus, device, link, people
+from emulators.bench.faults import bus, capture, device, link, people
 from emulators.bench.faults.fault import Fault, Lasting
 from emulators.wires.faulty_can import WAITING
 
@@ -236,6 +236,18 @@ _ROWS: Final = (
         "The gateway misses its host; its own watch over another drive stops the motors. The bridge"
         " holds `link lost`.",
         "the serial line",
+    ),
+    Kind(
+        capture.BodyHidden,
+        "Somebody stands before the cameras, or the robot is where none of them looks.",
+        "The capture system sends the last pose again and says that the body is not tracked.",
+        "what the cameras see",
+    ),
+    Kind(
+        capture.MarkersSwapped,
+        "A reflection, or another body with markers alike: markers are taken for others.",
+        "The capture system sends a pose elsewhere, as one that is tracked.",
+        "what the cameras see",
     ),
     Kind(
         people.BridgeEnds,

@@ -31,8 +31,9 @@ class MavlinkPoses:
         self._resets: int | None = None
 
     def master(self, now: Nanoseconds) -> str | None:
-        """Tell nothing."""
+        """Return None: nobody commands anything here."""
         del now
+        return None
 
     def sample(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Do nothing."""

@@ -62,8 +62,9 @@ class NatNetLink:
         self._clock = StampClock()
 
     def master(self, now: Nanoseconds) -> str | None:
-        """Tell nothing: a server has many listeners."""
+        """Return None: a server has many listeners."""
         del now
+        return None
 
     def sample(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Do nothing: frames come at the cameras' rate."""

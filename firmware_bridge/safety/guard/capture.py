@@ -1,4 +1,4 @@
-"""The guard's rules for a motion capture link: nothing on it moves anything, and only a listener's words leave.
+"""The guard's rules for a motion capture link: nothing on it moves anything, only a listener's words leave.
 
 What comes in is the bridge's: it may be wrong, and what is done of it is judged on the links that move.
 """

@@ -67,7 +67,7 @@ def test_hidden_it_says_nothing_and_says_why(lost: Lost) -> None:
     system.hide(Hidden(7, SECOND, 2 * SECOND))
     world.run(from_seconds(1.5))
     assert seen.reading is None
-    assert seen.sighting is Sighting.LOST
+    assert seen.sighting.value == Sighting.LOST.value
     assert max(reading.sampled_at for reading in listening.readings) < SECOND
     world.run(from_seconds(2.1))
     assert seen.reading is not None

@@ -163,9 +163,9 @@ def _at_pins(robot: AnyRobot, name: str, axes: Sequence[Axis]) -> Iterator[Entry
             yield Entry(f"outputs of {axis.called}", _through(link, axis, write))
     for sensor in robot.sensors:
         if sensor.link == name:
-            address = Address(at.ANALOGUE_INPUT_1.index, sensor.settings.input)
+            address = Address(at.ANALOGUE_INPUT_1.index, sensor.analogue.input)
             row = ReadRow(address, OBJECTS[address].type, sensor.name)
-            yield _read(link, row, by_name[sensor.settings.axis])
+            yield _read(link, row, by_name[sensor.analogue.axis])
 
 
 def _read(link: Epos2Link, row: ReadRow, axis: Axis) -> Entry:
