@@ -22,12 +22,18 @@ NAME: Final = "robot"
 
 
 def systems_of(
-    robot: AnyRobot, plant: FmuPlant, seed: int, *, version: Version = DEFAULT, data_link: str = DATA
+    robot: AnyRobot,
+    plant: FmuPlant,
+    seed: int,
+    *,
+    version: Version = DEFAULT,
+    data_link: str = DATA,
+    markers: bool = True,
 ) -> Mapping[str, MotionCapture]:
     """Return the capture systems by the links' names; RobotFileError where the plant has no place.
 
     The body is where the robot is, its axes those of the robot: what the robot file says of a mount is not
-    emulated. So it is refused where it is not zero.
+    emulated. So it is refused where it is not zero. With `markers` the stream has the bodies' markers, too.
     """
     found: dict[str, MotionCapture] = {}
     for number, (name, link) in enumerate(robot.capture_links.items()):
@@ -46,7 +52,7 @@ def systems_of(
             bodies,
             np.random.default_rng([seed, CAPTURE_STREAM, number]),
             version=version,
-            cameras=Cameras(up=Up(seen[0].up.value)),
+            cameras=Cameras(up=Up(seen[0].up.value), markers=markers),
             data_link=data_link,
         )
     return found

@@ -90,7 +90,7 @@ class Rig:
             noise.loss,
             np.random.default_rng([seed, LINK_STREAM]),
         )
-        self.captures: Final = systems_of(robot, self.devices.plant, seed, data_link=COMMAND)
+        self.captures: Final = systems_of(robot, self.devices.plant, seed, data_link=COMMAND, markers=False)
         self.capture_wires: Final = {name: DatagramWire(name=name) for name in self.captures}
         self.world: Final = World(self.devices.bank)
         self.lines: Final[dict[str, Line]] = {}

@@ -12,7 +12,7 @@ the frame left, 5.4 in all; they came up to a few ms apart from their rhythm. Wh
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 from numpy.random import Generator
@@ -25,7 +25,7 @@ from firmware_bridge.units import MICROSECOND, SECOND, Nanoseconds, to_seconds
 from firmware_bridge.wire.natnet import frame as frames
 from firmware_bridge.wire.natnet import messages
 from firmware_bridge.wire.natnet.frame import Frame, FrameFlag
-from firmware_bridge.wire.natnet.layout import V4_1, Version
+from firmware_bridge.wire.natnet.layout import Version
 from firmware_bridge.wire.natnet.messages import MessageId
 from firmware_bridge.wire.natnet.models import MarkerSetModel, Model, ModelMarker, RigidBodyModel
 
@@ -148,8 +148,7 @@ class MotionCapture:
         sent: list[Packet] = []
         for place, version in self.server.clients(now).items():
             if version not in made:
-                told = frame if version >= V4_1 else replace(frame, precise=None)
-                made[version] = messages.packet(MessageId.FRAMEOFDATA, frames.encoded(told, version))
+                made[version] = messages.packet(MessageId.FRAMEOFDATA, frames.encoded(frame, version))
             sent.append(Packet(self._data_link, place, made[version]))
         return sent
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from firmware_bridge.wire.natnet import frame as frames
-from firmware_bridge.wire.natnet import messages, models
+from firmware_bridge.wire.natnet import layout, messages, models
 from firmware_bridge.wire.natnet.frame import Frame, LabelledMarker, RigidBody
 from firmware_bridge.wire.natnet.layout import FIRST, LAST, NatNetError, Version
 from firmware_bridge.wire.natnet.messages import Connect, MessageId, ServerInfo, packet, split
@@ -110,7 +110,7 @@ def some_frames(draw: st.DrawFn, version: Version) -> Frame:
         draw(ticks) if new else 0,
         draw(ticks) if new else 0,
         draw(ticks) if new else 0,
-        draw(st.none() | st.tuples(*[st.integers(0, 0xFFFF_FFFF)] * 2)) if version >= (4, 0) else None,
+        draw(st.none() | st.tuples(*[st.integers(0, 0xFFFF_FFFF)] * 2)) if version >= (4, 1) else None,
         draw(shorts),
     )
 
@@ -157,6 +157,28 @@ def some_models(draw: st.DrawFn, version: Version) -> tuple[Any, ...]:
 def test_any_frame_comes_back(data: st.DataObject, version: Version) -> None:
     frame = data.draw(some_frames(version))
     assert frames.decoded(frames.encoded(frame, version), version) == frame
+
+
+@settings(max_examples=50)
+@given(st.data(), st.sampled_from(VERSIONS))
+def test_the_frames_of_every_exposure_are_the_same_in_one_stroke_and_by_rows(
+    data: st.DataObject, version: Version
+) -> None:
+    frame = data.draw(some_frames(version))
+    if data.draw(st.booleans()):
+        frame = replace(
+            frame,
+            marker_sets=(),
+            other_markers=(),
+            bodies=tuple(replace(body, markers=()) for body in frame.bodies),
+            skeletons=(),
+            assets=(),
+            force_plates=(),
+            devices=(),
+        )
+    payload = frames.encoded(frame, version)
+    assert payload == layout.encode(frames.FRAME, frame, version, "frame")
+    assert frames.decoded(payload, version) == layout.decode(frames.FRAME, payload, version, "frame")
 
 
 @settings(max_examples=25)
@@ -216,6 +238,14 @@ def test_a_damaged_frame_is_read_or_refused(data: st.DataObject) -> None:
 def test_a_refusal_says_where(payload: str, said: str) -> None:
     with pytest.raises(NatNetError, match=said):
         frames.decoded(bytes.fromhex(payload), Version(3, 1))
+
+
+def test_a_4_0_with_precise_stamps_is_read_and_none_is_written() -> None:
+    plain = replace(SEEN, precise=(3, 4))
+    written = frames.encoded(plain, Version(4, 0))
+    assert written == frames.encoded(SEEN, Version(3, 1))
+    with_stamps = written[:-6] + bytes.fromhex("0300000004000000") + written[-6:]
+    assert frames.decoded(with_stamps, Version(4, 0)) == plain
 
 
 def test_a_frame_in_the_layout_of_another_version_is_refused() -> None:

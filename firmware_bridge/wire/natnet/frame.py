@@ -6,7 +6,7 @@ checked against frames that a Motive 2.1 has sent; 2.x, 4.x, skeletons and devic
 
 from dataclasses import dataclass
 from enum import IntFlag
-from typing import Final
+from typing import Any, Final
 
 from firmware_bridge.wire.natnet.layout import (
     V2_11,
@@ -25,6 +25,7 @@ from firmware_bridge.wire.natnet.layout import (
     decode,
     encode,
 )
+from firmware_bridge.wire.natnet.plain import BODY_VALUES, MARKER_VALUES, Plain, plain, shown
 
 Point = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -245,8 +246,8 @@ FRAME: Final = Record(
     Row("exposed", _TICKS, since=V3_0),
     Row("received", _TICKS, since=V3_0),
     Row("sent", _TICKS, since=V3_0),
-    # A 4.0 may have it or not; clients disagree, and the bytes left decide.
-    Row("precise", WhereThereIsRoom(Number("2I"), _TAIL), since=V4_0),
+    # A 4.0 that has it is read, because clients disagree on that; none is written.
+    Row("precise", WhereThereIsRoom(Number("2I"), _TAIL, since=V4_1), since=V4_0),
     Row("params", _SHORT),
     Row("end", Number("I")),
 )
@@ -255,6 +256,10 @@ FRAME: Final = Record(
 
 def decoded(payload: bytes, version: Version) -> Frame:
     """Return a frame; NatNetError where these bytes are none of this version."""
+    layout = shown(payload, version)
+    values = None if layout is None else layout.unpack(payload)
+    if layout is not None and values is not None:
+        return _of_values(values, layout)
     frame: Frame = decode(FRAME, payload, version, "frame")
     if frame.end != 0:
         raise NatNetError(f"frame {frame.number} ends with 0x{frame.end:08X} in place of 0")
@@ -263,4 +268,73 @@ def decoded(payload: bytes, version: Version) -> Frame:
 
 def encoded(frame: Frame, version: Version) -> bytes:
     """Return a frame's payload; NatNetError where a value does not fit."""
-    return encode(FRAME, frame, version, "frame")
+    payload = _in_one_stroke(frame, version)
+    return encode(FRAME, frame, version, "frame") if payload is None else payload
+
+
+def _of_values(values: tuple[Any, ...], layout: Plain) -> Frame:
+    bodies, markers = values[layout.bodies], values[layout.markers]
+    timecode, subframe, timestamp, exposed, received, sent, *precise, params, end = values[layout.tail]
+    return Frame(
+        values[0],
+        bodies=tuple(
+            [
+                RigidBody(
+                    bodies[at],
+                    bodies[at + 1 : at + 4],
+                    bodies[at + 4 : at + 8],
+                    bodies[at + 8],
+                    bodies[at + 9],
+                )
+                for at in range(0, len(bodies), BODY_VALUES)
+            ]
+        ),
+        markers=tuple(
+            [
+                LabelledMarker(
+                    markers[at], markers[at + 1 : at + 4], markers[at + 4], markers[at + 5], markers[at + 6]
+                )
+                for at in range(0, len(markers), MARKER_VALUES)
+            ]
+        ),
+        timecode=timecode,
+        subframe=subframe,
+        timestamp_s=timestamp,
+        exposed=exposed,
+        received=received,
+        sent=sent,
+        precise=(precise[0], precise[1]) if precise else None,
+        params=params,
+        end=end,
+    )
+
+
+def _in_one_stroke(frame: Frame, version: Version) -> bytes | None:
+    """Return the payload of a frame that has nothing but bodies and their markers; None for another one."""
+    layout = plain(version, len(frame.bodies), len(frame.markers))
+    others = (frame.marker_sets, frame.other_markers, frame.skeletons, frame.assets, frame.force_plates)
+    if layout is None or any(others) or frame.devices or frame.end:
+        return None
+    if any(body.markers for body in frame.bodies) or (frame.precise is None and version >= V4_1):
+        return None
+    precise = frame.precise if version >= V4_1 and frame.precise is not None else ()
+    return layout.pack(
+        frame.number,
+        [
+            it
+            for one in frame.bodies
+            for it in (one.id, *one.position, *one.attitude, one.mean_error_m, one.params)
+        ],
+        [it for one in frame.markers for it in (one.id, *one.position, one.size_m, one.params, one.residual)],
+        (
+            frame.timecode,
+            frame.subframe,
+            frame.timestamp_s,
+            frame.exposed,
+            frame.received,
+            frame.sent,
+            *precise,
+            frame.params,
+            frame.end,
+        ),
+    )

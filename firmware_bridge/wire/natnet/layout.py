@@ -288,8 +288,10 @@ class Tagged:
 class WhereThereIsRoom:
     """A value that some builds of one version send and some do not; the bytes left tell."""
 
-    def __init__(self, kind: Kind, left: int) -> None:
+    def __init__(self, kind: Kind, left: int, *, since: Version) -> None:
         self._kind: Final = kind
+        self._since: Final = since
+        """Of the versions that are said to have it; to others it is not sent."""
         self._left: Final = left
         """So many are left, itself included, where it is there."""
 
@@ -299,7 +301,7 @@ class WhereThereIsRoom:
 
     def write(self, value: Value, version: Version, name: str) -> bytes:
         """Return the value's bytes; nothing for None."""
-        return b"" if value is None else self._kind.write(value, version, name)
+        return b"" if value is None or version < self._since else self._kind.write(value, version, name)
 
 
 def decode(kind: Kind, payload: bytes, version: Version, name: str) -> Value:
