@@ -30,11 +30,17 @@ Truth: TypeAlias = Callable[[Nanoseconds], Place]
 """Where a body is at an instant; it is asked about no instant but the present one."""
 
 
+class Doubles(Protocol):
+    """An array of floating-point numbers, as ctypes makes them."""
+
+    def __getitem__(self, index: int, /) -> float: ...
+
+
 class Outputs(Protocol):
     """What a plant tells of itself; `emulators.servo.seam.Plant` does."""
 
     @property
-    def outputs(self) -> Sequence[float]:
+    def outputs(self) -> Doubles:
         """Its outputs now, SI."""
 
 
