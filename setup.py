@@ -41,6 +41,7 @@ WAY_OF_A_PACKET: Final = (
     "firmware_bridge/drivers/epos2/*.py",
     "firmware_bridge/drivers/epos2/can/*.py",
     "firmware_bridge/drivers/epos2/serial/*.py",
+    "firmware_bridge/drivers/shield/*.py",
     "firmware_bridge/immutable.py",
     "firmware_bridge/intent.py",
     "firmware_bridge/motion/*.py",
@@ -59,6 +60,7 @@ INTERPRETED: Final = frozenset(
         "firmware_bridge/motion/differential.py",  # as above
         "firmware_bridge/motion/scissor.py",  # as above
         "firmware_bridge/robots/rars/geometry.py",  # as above
+        "firmware_bridge/robots/rome/geometry.py",  # as above
         "firmware_bridge/teleop/station.py",  # its rows are generic dataclasses
         "firmware_bridge/wire/abort.py",  # an enumeration with a __new__ of its own
     }

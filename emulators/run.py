@@ -80,7 +80,7 @@ def drive(order: Order, progress: Progress) -> Summary:
         simulated=order.duration,
         wall_s=wall_s,
         frames=sum(wire.frames for wire in rig.can_wires.values()),
-        bus_load_percent=max(wire.load_percent() for wire in rig.can_wires.values()),
+        bus_load_percent=max((wire.load_percent() for wire in rig.can_wires.values()), default=0.0),
         trace_sha256=rig.world.trace_sha256,
         links_sha256=rig.world.links_sha256,
         lines=tuple(line.carried(order.robot, order.duration) for line in rig.lines.values()),

@@ -94,6 +94,11 @@ class Motors(Shafts):
         self._places = self._counts()
 
     @property
+    def now(self) -> Nanoseconds:
+        """Up to when they have turned."""
+        return self._ticks * TICK
+
+    @property
     def currents(self) -> Sequence[float]:
         """Of each motor, in A."""
         return self._plant.outputs[: len(self._load.names)]

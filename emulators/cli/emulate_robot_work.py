@@ -32,12 +32,12 @@ def emulate(given: RobotOptions) -> None:
     """Do what `emulate ROBOT` says; what is wrong ends the program with a message."""
     machine = find_robot(given.robot)
     cuts = [_cut(machine, text) for text in given.silence or ()]
-    near = on_the_line(given, [axis.settings.node for axis in machine.axes])
+    near = on_the_line(given, [axis.epos2.node for axis in machine.axes])
     if given.link is None and len(machine.links) > 1 and given.serial is not None:
         raise refusal("--serial is of a robot with one link; here only --link NAME=INTERFACE:CHANNEL works")
     with one_message(RobotFileError, PlantError, ServoError, StorageError):
         tell_of_beginning(machine, given.plant)
-        owner = next(axis.name for axis in machine.axes if axis.settings.node == near)
+        owner = next(axis.name for axis in machine.axes if axis.epos2.node == near)
         emulated = devices(
             machine,
             given.plant,
@@ -51,7 +51,7 @@ def emulate(given: RobotOptions) -> None:
     for name, at in cuts:
         cluster.silence(name, at)
         say(f"'{name}' falls silent after {to_seconds(at):g} s")
-    nodes = ", ".join(f"{axis.settings.node} {axis.title}" for axis in machine.axes)
+    nodes = ", ".join(f"{axis.epos2.node} {axis.title}" for axis in machine.axes)
     files = dict.fromkeys((CAN, *machine.links), CAN_LOG) | {SERIAL: SERIAL_LOG}
     with recording(given.record, files) as (around, _):
         openers, where = _outside(machine, baud_of(emulated.drives[owner]), given)
@@ -68,9 +68,7 @@ def emulate(given: RobotOptions) -> None:
 def _storage(axis: Axis, given: RobotOptions) -> Storage:
     """Return where a drive finds its parameters at power-on: saved, the robot file's or the factory's."""
     folder = given.parameters
-    kept: Storage = (
-        Volatile() if folder is None else ParameterFile(parameter_file(folder, axis.settings.node))
-    )
+    kept: Storage = Volatile() if folder is None else ParameterFile(parameter_file(folder, axis.epos2.node))
     if given.factory:
         return kept
     return Commissioned({row.address: row.value for row in commissioned(axis)}, kept)
@@ -80,7 +78,7 @@ def _outside(machine: AnyRobot, baud: int, given: RobotOptions) -> tuple[Openers
     """Return what opens each link, and how they are called in words."""
     single = len(machine.links) == 1
     if single and not given.link:
-        return opened(given, baud, next(iter(machine.links.values())).bit_rate)
+        return opened(given, baud, next(iter(machine.epos2_links.values())).bit_rate)
     places = places_of(machine, given.link, Place(given.interface, given.channel, given.serial))
     openers = {CAN if single else name: _opener(machine, name, place) for name, place in places.items()}
     return openers, ", ".join(f"{place.title} ({name})" for name, place in places.items())
@@ -89,7 +87,7 @@ def _outside(machine: AnyRobot, baud: int, given: RobotOptions) -> tuple[Openers
 def _opener(machine: AnyRobot, name: str, place: Place) -> Callable[[], Port]:
     if place.device is not None:
         raise refusal(f"--link {name}: emulated drives of a robot are put on CAN here; say INTERFACE:CHANNEL")
-    rate = machine.links[name].bit_rate
+    rate = machine.epos2_link(name).bit_rate
     return lambda: open_can(place.interface, place.channel, None, default_bit_rate=rate)
 
 
@@ -97,9 +95,9 @@ def _cut(robot: AnyRobot, text: str) -> tuple[str, Nanoseconds]:
     """Read NODE@SECONDS, where the node may be a number or the name of an axis."""
     node, _, seconds = text.partition("@")
     for axis in robot.axes:
-        if node in {str(axis.settings.node), axis.name}:
+        if node in {str(axis.epos2.node), axis.name}:
             if not re.fullmatch(r"\d+(\.\d+)?", seconds):
-                raise refusal(f"--silence {text}: say NODE@SECONDS, as {axis.settings.node}@10")
+                raise refusal(f"--silence {text}: say NODE@SECONDS, as {axis.epos2.node}@10")
             return axis.name, from_seconds(float(seconds))
-    known = ", ".join(f"{axis.settings.node} ({axis.name})" for axis in robot.axes)
+    known = ", ".join(f"{axis.epos2.node} ({axis.name})" for axis in robot.axes)
     raise refusal(f"--silence {text}: {robot.name} has no node '{node}'; it has {known}")

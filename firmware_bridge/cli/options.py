@@ -70,6 +70,27 @@ HomeOption = Annotated[
         show_default=False,
     ),
 ]
+FirmwareOption = Annotated[
+    str | None,
+    typer.Option(
+        "--protocol",
+        metavar="NAME",
+        help="Of a robot on a motor shield: what its board speaks; mw, ros-arduino-bridge, arduinoio or "
+        "firmata.",
+        show_default="the robot's",
+    ),
+]
+EncodersOption = Annotated[
+    int | None,
+    typer.Option(
+        min=0,
+        max=4,
+        metavar="N",
+        help="Of a robot on a motor shield: how many encoders its board reads; more than its firmware does as "
+        "published is not stock.",
+        show_default="the firmware's",
+    ),
+]
 DurationOption = Annotated[
     float | None,
     typer.Option(

@@ -53,7 +53,7 @@ def driven(plant: tuple[tuple[str, float], ...] = ()) -> Drive:
     script = mission.find("interlocks", robot, REHEARSAL)
     operator = ScriptedOperator(robot, REHEARSAL, script, np.random.default_rng([0, HAND_STREAM]))
     rig = Rig(robot, REHEARSAL, operator, seed=0, noise=script.noise)
-    wheels = rig.devices.bank.axes[:2]
+    wheels = rig.devices.servo_bank.axes[:2]
     counts = []
     while rig.world.now < from_seconds(script.duration_s):
         rig.run(rig.world.now + SAMPLE_EVERY)

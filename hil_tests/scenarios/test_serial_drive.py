@@ -42,7 +42,7 @@ BRAKED_S: Final = 0.45
 
 def line_of(one: Ride) -> Line:
     line = one.rig.line
-    assert line is not None
+    assert isinstance(line, Line)
     return line
 
 

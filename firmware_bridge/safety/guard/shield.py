@@ -86,7 +86,12 @@ class GuardedMotor:
 
     def with_(self, inputs: Inputs) -> Inputs:
         """Return what is in force after a word."""
-        return Inputs(*(old if new is None else new for old, new in zip(self._inputs, inputs, strict=True)))
+        old = self._inputs
+        return Inputs(
+            old.size if inputs.size is None else inputs.size,
+            old.in1 if inputs.in1 is None else inputs.in1,
+            old.in2 if inputs.in2 is None else inputs.in2,
+        )
 
     def asked_by(self, inputs: Inputs) -> Asked:
         """Return what the motor would do by a word."""
