@@ -3,7 +3,9 @@
 import re
 from collections.abc import Callable
 
+from emulators.captured import TRUTH
 from emulators.cli.beginning import tell_of_beginning
+from emulators.cli.cameras import cameras_of
 from emulators.cli.emulate_robot import RobotOptions
 from emulators.cli.options import parameter_file
 from emulators.devices import devices
@@ -20,7 +22,7 @@ from firmware_bridge.cli.real_time import carry
 from firmware_bridge.cli.recorded import recording
 from firmware_bridge.cli.robot_argument import find_robot
 from firmware_bridge.drivers.epos2.setup import commissioned
-from firmware_bridge.node import CAN, SERIAL
+from firmware_bridge.node import CAN, SERIAL, Node
 from firmware_bridge.robot import AnyRobot, Axis, RobotFileError
 from firmware_bridge.shell.black_box import CAN_LOG, SERIAL_LOG
 from firmware_bridge.shell.ports import Port, open_can
@@ -33,7 +35,7 @@ def emulate(given: RobotOptions) -> None:
     machine = find_robot(given.robot)
     cuts = [_cut(machine, text) for text in given.silence or ()]
     near = on_the_line(given, [axis.epos2.node for axis in machine.axes])
-    if given.link is None and len(machine.links) > 1 and given.serial is not None:
+    if given.link is None and len(machine.epos2_links) > 1 and given.serial is not None:
         raise refusal("--serial is of a robot with one link; here only --link NAME=INTERFACE:CHANNEL works")
     with one_message(RobotFileError, PlantError, ServoError, StorageError):
         tell_of_beginning(machine, given.plant)
@@ -41,13 +43,16 @@ def emulate(given: RobotOptions) -> None:
         emulated = devices(
             machine,
             given.plant,
+            outputs=TRUTH if machine.capture_links else (),
             realistic_latency=given.realistic_latency,
             serial={} if given.serial is None else {owner: given.protocol},
             storages={axis.name: _storage(axis, given) for axis in machine.axes},
         )
-    outer = {axis.name: {CAN: axis.link if len(machine.links) > 1 else CAN} for axis in machine.axes}
+        cameras = cameras_of(machine, emulated.plant)
+    outer = {axis.name: {CAN: axis.link if len(machine.epos2_links) > 1 else CAN} for axis in machine.axes}
     outer[owner] = {**outer[owner], SERIAL: SERIAL}
-    cluster = Cluster(emulated.drives, emulated.bank, links=outer)
+    members: dict[str, Node] = {**emulated.drives, **cameras.members}
+    cluster = Cluster(members, emulated.bank, links={**outer, **cameras.links})
     for name, at in cuts:
         cluster.silence(name, at)
         say(f"'{name}' falls silent after {to_seconds(at):g} s")
@@ -57,9 +62,9 @@ def emulate(given: RobotOptions) -> None:
         openers, where = _outside(machine, baud_of(emulated.drives[owner]), given)
         carry(
             around(cluster),
-            openers,
+            {**openers, **cameras.openers},
             until(given.duration),
-            f"{machine.name} is on {where}: {nodes}",
+            f"{machine.name} is on {', '.join((where, *cameras.where))}: {nodes}",
             PlantError,
             ServoError,
         )
@@ -76,7 +81,7 @@ def _storage(axis: Axis, given: RobotOptions) -> Storage:
 
 def _outside(machine: AnyRobot, baud: int, given: RobotOptions) -> tuple[Openers, str]:
     """Return what opens each link, and how they are called in words."""
-    single = len(machine.links) == 1
+    single = len(machine.epos2_links) == 1
     if single and not given.link:
         return opened(given, baud, next(iter(machine.epos2_links.values())).bit_rate)
     places = places_of(machine, given.link, Place(given.interface, given.channel, given.serial))

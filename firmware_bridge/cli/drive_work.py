@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from types import MappingProxyType
 from typing import Final, TypeAlias
 
@@ -192,6 +193,8 @@ def drive(given: DriveOptions) -> None:
             hints[name] = (
                 f"nothing was heard on {place.title}: are the drives on, at {rate} bit/s (--bitrate)?"
             )
+    for name, system in machine.capture_links.items():
+        openers[name] = partial(UdpPort, f"udpin:{system.listen}")
     where = ", ".join(_title(machine, name, place) for name, place in places.items())
     files = {name: SERIAL_LOG if name in lines else CAN_LOG for name in places} | {OPERATOR: OPERATOR_LOG}
     with recording(given.record, files, texts_of()) as (around, tell):

@@ -13,6 +13,7 @@ from firmware_bridge.cli.console import one_message, refusal, say
 from firmware_bridge.cli.tables import terminal
 from firmware_bridge.drivers.shield.plan import shield_plan
 from firmware_bridge.robot import AnyRobot, RobotFileError
+from firmware_bridge.robot.settings.capture import CaptureLink
 from firmware_bridge.robot.settings.shield import ShieldLink, ShieldProtocol
 from firmware_bridge.units import MILLISECOND
 
@@ -79,6 +80,8 @@ def _link(robot: AnyRobot, name: str) -> str:
     """Say what a link is, how often its devices are commanded, and how full a line to a board is then."""
     link = robot.links[name]
     every = f"every {link.every * robot.cycle_ms} ms"
+    if isinstance(link, CaptureLink):
+        return f"{name}: {link.driver.value} from {link.server}"
     if not isinstance(link, ShieldLink):
         return f"{name}: {link.driver.value}, {link.bit_rate // 1000} kbit/s\n{every}"
     rows = [f"{name}: {link.driver.value}, {link.protocol.value}, {link.line_rate} Bd", every]

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from emulators.motion_capture.bodies import on_floor
 from emulators.motion_capture.exposure import Cameras, Hidden, Lost, Swapped, Up
-from firmware_bridge.drivers.capture.body import Sighting
+from firmware_bridge.drivers.capture.body import SeenBody, Sighting
 from firmware_bridge.drivers.capture.clock import StampClock
 from firmware_bridge.drivers.capture.mavlink import MavlinkPoses
 from firmware_bridge.drivers.capture.natnet import CONNECT, NatNetLink
@@ -23,6 +23,16 @@ from firmware_bridge.wire.natnet.frame import Frame, RigidBody
 from firmware_bridge.wire.natnet.layout import Version
 from firmware_bridge.wire.natnet.messages import MessageId, ServerInfo, packet
 from hil_tests.unit.capture_driver.capture_bench import LINK, ROUND, SERVER, V3_1, body, joined, table
+
+
+def said(seen: SeenBody) -> bool:
+    """Whether it has a reading now; asked anew each time."""
+    return seen.reading is not None
+
+
+def sighted(seen: SeenBody) -> Sighting:
+    return seen.sighting
+
 
 EXACT = Cameras(noise_m=0.0)
 AT = number_of("127.0.0.1", 1510)
@@ -66,7 +76,7 @@ def test_hidden_it_says_nothing_and_says_why(lost: Lost) -> None:
     world, system, listening = joined(seen, Cameras(lost=lost))
     system.hide(Hidden(7, SECOND, 2 * SECOND))
     world.run(from_seconds(1.5))
-    assert seen.reading is None
+    assert not said(seen)
     assert seen.sighting.value == Sighting.LOST.value
     assert max(reading.sampled_at for reading in listening.readings) < SECOND
     world.run(from_seconds(2.1))
@@ -172,7 +182,7 @@ def test_what_is_no_pose_counts_as_not_tracked(position: Any, attitude: Any) -> 
     seen = body()
     seen.seen((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), 0.0, 0, 0)
     seen.seen(position, attitude, 0.0, 1, 1)
-    assert (seen.reading, seen.sighting) == (None, Sighting.LOST)
+    assert (said(seen), sighted(seen)) == (False, Sighting.LOST)
 
 
 @pytest.mark.parametrize(
@@ -268,16 +278,16 @@ def test_mavlink_says_itself_that_it_jumped_or_failed() -> None:
         link.hear(Packet(LINK, number_of(host, 9), message.pack(codec)), SECOND)
 
     says(1, 90, host="127.0.0.2")
-    assert seen.sighting is Sighting.UNKNOWN
+    assert sighted(seen) is Sighting.UNKNOWN
     says(1, 90)
     says(1, 0)
-    assert (seen.jumps, seen.sighting) == (0, Sighting.SEEN)
+    assert (seen.jumps, sighted(seen)) == (0, Sighting.SEEN)
     says(2, 90)
     assert seen.jumps == 1
     says(2, -1)
-    assert (seen.reading, seen.sighting) == (None, Sighting.LOST)
+    assert (said(seen), sighted(seen)) == (False, Sighting.LOST)
     says(2, 90, frame=12)
-    assert seen.sighting is Sighting.LOST
+    assert sighted(seen) is Sighting.LOST
 
 
 def test_up_is_as_the_robot_file_says() -> None:

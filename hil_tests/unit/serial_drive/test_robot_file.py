@@ -30,7 +30,7 @@ def test_a_serial_link_is_named_with_its_gateway() -> None:
 
 
 def test_everything_of_the_line_can_be_said() -> None:
-    link = rars({**ON_LINE, "protocol": "v1", "baud": 57_600, "port_latency_us": 0}).links[LINK]
+    link = rars({**ON_LINE, "protocol": "v1", "baud": 57_600, "port_latency_us": 0}).epos2_link(LINK)
     assert (link.protocol, link.line_rate, link.port_latency_us) == (Generation.V1, 57_600, 0)
 
 
