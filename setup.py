@@ -30,6 +30,7 @@ WAY_OF_A_PACKET: Final = (
     "emulators/bench/stick.py",
     "emulators/epos2/*.py",
     "emulators/epos2/*/*.py",
+    "emulators/motion_capture/*.py",
     "emulators/rig.py",
     "emulators/servo/bank.py",
     "emulators/servo/scaling.py",
@@ -38,6 +39,7 @@ WAY_OF_A_PACKET: Final = (
     "emulators/world.py",
     "firmware_bridge/bridge/*.py",
     "firmware_bridge/drivers/*.py",
+    "firmware_bridge/drivers/capture/*.py",
     "firmware_bridge/drivers/epos2/*.py",
     "firmware_bridge/drivers/epos2/can/*.py",
     "firmware_bridge/drivers/epos2/serial/*.py",
@@ -51,6 +53,7 @@ WAY_OF_A_PACKET: Final = (
     "firmware_bridge/safety/guard/*.py",
     "firmware_bridge/teleop/*.py",
     "firmware_bridge/wire/*.py",
+    "firmware_bridge/wire/natnet/*.py",
 )
 """What runs again and again in a mission; tables, and what runs once, stay as they are."""
 INTERPRETED: Final = frozenset(
