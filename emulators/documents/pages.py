@@ -166,17 +166,16 @@ drive only when the word that takes the power has been in force for `by_object` 
 confirmed it."""
 
 
-CAPTURE_TEXT: Final = """What [`emulate capture`](motion-capture.md) streams, and what stands behind it.
-
-| what | known |
-|---|---|
-| frames, model definitions and server info of NatNet 3.0 | laid out as a Motive 2.1 has sent them |
-| 3.1 | laid out as 3.0: all clients that were read say so |
-| 2.9, 2.10, 4.0 to 4.4; skeletons, assets, force plates, devices | from the layouts of clients' decoders; no capture |
-| ports, ids, connect, keep-alive, echo, the answers to commands | from clients, and from what a Motive 2.1 has sent |
-| delays | measured on a Motive 2.1 at 120 Hz: 5.09, 5.40 and 5.66 ms from exposure to sending (least, median, 95 %) |
-| PyPI's client `natnet` | reads it over 2.10, 3.1 and 4.1 on loopback, in the tests |
-| Motive itself, OptiTrack's own library, VRPN, multicast | not tried |"""
+CAPTURE_TEXT: Final = "What [`emulate capture`](motion-capture.md) streams, and what stands behind it."
+CAPTURE_KNOWN: Final = (
+    ("frames, models, server info of NatNet 3.0", "by the layout in which those of a Motive 2.1 were read"),
+    ("3.1", "as 3.0: so do all clients that were read"),
+    ("2.9, 2.10, 4.0 to 4.4; skeletons, assets, force plates, devices", "from clients; nothing recorded"),
+    ("ports, connect, keep-alive, echo, commands", "from clients, and from what a Motive 2.1 has answered"),
+    ("5.4 ms from exposure to sending", "of a Motive 2.1 at 120 Hz: least 5.09, median 5.40, most 5.89 ms"),
+    ("PyPI's client natnet", "reads 2.10, 3.1 and 4.1 on loopback, in the tests"),
+    ("Motive itself, OptiTrack's own library, VRPN, multicast", "not tried"),
+)
 
 
 def pages(
@@ -264,6 +263,7 @@ def _capture_fidelity() -> str:
     return _page(
         "How far the emulated capture system is known",
         CAPTURE_TEXT,
+        table(("what", "known"), CAPTURE_KNOWN),
         "## Stated assumptions",
         table(("what", "where"), board_fidelity.assumptions(board_fidelity.CAPTURE)),
     )

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -13,27 +12,11 @@ from emulators.bench.mission import parse
 from emulators.bench.operator import ScriptedOperator
 from emulators.bench.rehearsal import rehearsal_of
 from emulators.rig import Rig
-from firmware_bridge.kinds import find
 from firmware_bridge.motion.captured import Bounds, Captured, Located, Sight, Source
 from firmware_bridge.motion.pose import Pose
-from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import MILLISECOND, SECOND, from_seconds
+from hil_tests.unit.capture_driver.captured_carrier import captured_carrier
 
-CARRIER: Final = Path("examples/carrier/carrier/carrier.toml")
-CAPTURE: Final = """
-[links.cameras]
-driver = "natnet"
-server = "192.168.1.10:1510"
-silent_ms = 500
-
-[[sensors]]
-name = "place"
-title = "where the cameras see it"
-link = "cameras"
-every_ms = 50
-silent_ms = 100
-settings = { body = "carrier", fastest_mps = 1.0, fastest_rad_s = 2.0 }
-"""
 STORY: Final = """
 title = "a story"
 duration_s = 100.0
@@ -54,14 +37,8 @@ BOUNDS: Final = Bounds(0.03, 0.1, 0.05, 0.05, 150 * MILLISECOND)
 
 
 @pytest.fixture(scope="module")
-def robot(tmp_path_factory: pytest.TempPathFactory) -> AnyRobot:
-    path = tmp_path_factory.mktemp("robot") / "carrier.toml"
-    path.write_text(CARRIER.read_text(encoding="utf-8") + CAPTURE, encoding="utf-8")
-    return find(str(path))
-
-
-@pytest.fixture(scope="module")
-def rig(robot: AnyRobot) -> Iterator[Rig]:
+def rig() -> Iterator[Rig]:
+    robot = captured_carrier()
     rehearsal = rehearsal_of(robot)
     mission = parse(STORY, "story.toml", robot, rehearsal)
     operator = ScriptedOperator(robot, rehearsal, mission, np.random.default_rng(0))

@@ -33,7 +33,7 @@ def place_number(text: str) -> int:
     """Return the number of a place HOST:PORT, the host an address; ValueError for anything else."""
     host, colon, port = text.rpartition(":")
     if not colon or not port.isdecimal():
-        raise ValueError(f"must be HOST:PORT, as 192.168.1.10:1510, but it is '{text}'")
+        raise ValueError("must be HOST:PORT, as 192.168.1.10:1510")
     return number_of(host.strip("[]"), int(port))
 
 
