@@ -68,13 +68,13 @@ class Server:
         self.version: Final = known(version)
         self.recording = False
         self._models: Final = found
-        self._measures: Final[Mapping[str, float]] = {
-            "FrameRate": float(rate_hz),
-            "UnitsToMillimeters": 1000.0,
-            "AnalogSamplesPerMocapFrame": 0,
-            "CurrentMode": 0,
+        self._known: Final[Mapping[str, bytes]] = {
+            "FrameRate": messages.measure_payload(float(rate_hz)),
+            "UnitsToMillimeters": messages.measure_payload(1000.0),
+            "AnalogSamplesPerMocapFrame": messages.result_payload(0),
+            "CurrentMode": messages.result_payload(0),
         }
-        """What is answered to questions: a whole number, or a measure."""
+        """What is answered to questions."""
         self._answers: Final[Mapping[MessageId, Callable[[_Asked], tuple[bytes, ...]]]] = {
             MessageId.CONNECT: self._connect,
             MessageId.DISCOVERY: self._told,
@@ -143,8 +143,8 @@ class Server:
             payload = messages.result_payload(self._choose(asked.place, arguments[0]))
         elif name == "Bitstream":
             payload = messages.text_payload(f"Bitstream,{self._spoken(asked.place)}.0")
-        elif name in self._measures:
-            payload = messages.result_payload(self._measures[name])
+        elif name in self._known:
+            payload = self._known[name]
         elif name in RECORDS:
             self.recording = RECORDS[name]
             payload = messages.result_payload(messages.OK)

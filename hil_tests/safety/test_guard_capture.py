@@ -7,7 +7,7 @@ from firmware_bridge.drivers.capture.natnet import CONNECT
 from firmware_bridge.kinds import find
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.safety.guard import guarded
+from firmware_bridge.safety.guard import Refusal, guarded
 from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire.internet import number_of
 from firmware_bridge.wire.natnet.messages import MessageId, packet, text_payload
@@ -58,7 +58,7 @@ def test_a_listener_s_words_leave_and_no_others(message: MessageId) -> None:
 )
 def test_nothing_else_leaves_and_nothing_else_stops_for_it(said: Packet) -> None:
     beside = Packet(OPERATOR, 0, b"telemetry")
-    refusals = []
+    refusals: list[Refusal] = []
     node = guarded(Says(said, beside), captured_carrier(), refusals.append)
     assert node.wake(0).sent == (beside,)
     assert [(one.packet, one.sent) for one in refusals] == [(said, ())]

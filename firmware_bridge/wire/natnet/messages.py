@@ -162,9 +162,14 @@ _RESULT: Final = Struct("<i")
 _FLOAT: Final = Struct("<f")
 
 
-def result_payload(value: float) -> bytes:
-    """Return an answer in numbers: a whole number as the result of a command, else a measure."""
-    return _RESULT.pack(value) if isinstance(value, int) else _FLOAT.pack(value)
+def result_payload(result: int) -> bytes:
+    """Return the result of a command."""
+    return _RESULT.pack(result)
+
+
+def measure_payload(value: float) -> bytes:
+    """Return the answer to a question for a measure."""
+    return _FLOAT.pack(value)
 
 
 def text_payload(text: str) -> bytes:

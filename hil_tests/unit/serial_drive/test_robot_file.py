@@ -66,7 +66,7 @@ def test_the_command_line_puts_any_robot_on_a_line() -> None:
     assert said == (Epos2Driver.SERIAL, 1, Generation.V1, 38_400)
     named = rars({**ON_LINE, "gateway": 3, "protocol": "v1", "baud": 57_600})
     assert over_serial(named).links == named.links
-    assert over_serial(named, Generation.V2).links[LINK].line_rate == 1_000_000
+    assert over_serial(named, Generation.V2).epos2_link(LINK).line_rate == 1_000_000
     assert over_serial(named, gateway=2).epos2_link(LINK).gateway == 2
 
 
