@@ -79,7 +79,8 @@ class Rig:
         self._start_bridge(stands)
         single = len(robot.links) == 1
         self.can_wires: Final = {
-            name: FaultyCanWire(link.bit_rate, CAN if single else name) for name, link in robot.epos2_links.items()
+            name: FaultyCanWire(link.bit_rate, CAN if single else name)
+            for name, link in robot.epos2_links.items()
         }
         """The drives' buses by the links' names."""
         self.operator_wire: Final = DatagramWire(

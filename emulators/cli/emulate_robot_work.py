@@ -68,9 +68,7 @@ def emulate(given: RobotOptions) -> None:
 def _storage(axis: Axis, given: RobotOptions) -> Storage:
     """Return where a drive finds its parameters at power-on: saved, the robot file's or the factory's."""
     folder = given.parameters
-    kept: Storage = (
-        Volatile() if folder is None else ParameterFile(parameter_file(folder, axis.epos2.node))
-    )
+    kept: Storage = Volatile() if folder is None else ParameterFile(parameter_file(folder, axis.epos2.node))
     if given.factory:
         return kept
     return Commissioned({row.address: row.value for row in commissioned(axis)}, kept)

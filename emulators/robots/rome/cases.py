@@ -70,9 +70,7 @@ def _limited(robot: Robot[Geometry], side: float) -> Iterator[Case]:
         spares=Situation(
             wish=Motion(0.0, side * left, side * turning), demanded=Motion(0.0, side * left, side * turning)
         ),
-        reason=(
-            f"asked for {JUST * limits.rim_mps:.2f} m/s at a wheel, allowed is {limits.rim_mps:.2f} m/s"
-        ),
+        reason=(f"asked for {JUST * limits.rim_mps:.2f} m/s at a wheel, allowed is {limits.rim_mps:.2f} m/s"),
     )
 
 

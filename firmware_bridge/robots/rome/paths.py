@@ -34,9 +34,7 @@ def ellipse(along: float, across: float) -> Path:
 
     def at(seconds: float) -> Place:
         sine, cosine = math.sin(RATE * seconds), math.cos(RATE * seconds)
-        return Place(
-            along * cosine, across * sine, 0.0, -along * RATE * sine, across * RATE * cosine, 0.0
-        )
+        return Place(along * cosine, across * sine, 0.0, -along * RATE * sine, across * RATE * cosine, 0.0)
 
     return at
 

@@ -189,9 +189,7 @@ class Guarded:
 
     def _joined(self, axes: Iterable[InForce]) -> tuple[Packet, ...]:
         """Return the safe words of these axes; what is one word for several of them, once."""
-        return tuple(
-            dict.fromkeys(safe for axis in axes for safe in self.links[axis.axis.link].safe(axis))
-        )
+        return tuple(dict.fromkeys(safe for axis in axes for safe in self.links[axis.axis.link].safe(axis)))
 
     def _all_safe(self, *, heard: bool = False) -> tuple[Packet, ...]:
         """Return the safe words of every axis with power; `heard`: on links where none of them wait still."""

@@ -185,17 +185,13 @@ def no_motion(motor: int, board: Board) -> Iterator[bytes]:
         if mw.SHIELD in board.libraries:
             yield mw.encode_request(messages.StopMotor(0, motor - 1), 0, board.libraries)
     else:
-        yield firmata.i2c_write(
-            motor_shield.ADDRESS, motor_shield.encode_channel(motor, Pin.PWM, 0)
-        )
+        yield firmata.i2c_write(motor_shield.ADDRESS, motor_shield.encode_channel(motor, Pin.PWM, 0))
 
 
 def libraries_in(answers: Iterator[mw.Answered | mw.Traced]) -> tuple[str, ...] | None:
     """Return the libraries that MWProtocol's answers name; None where none does."""
     for answer in answers:
-        told = (
-            mw.decode_answer(messages.GetServerInfo(), answer) if isinstance(answer, mw.Answered) else None
-        )
+        told = mw.decode_answer(messages.GetServerInfo(), answer) if isinstance(answer, mw.Answered) else None
         if isinstance(told, messages.ServerInfo):
             return tuple(name.decode("ascii", "replace") for name in told.libraries)
     return None
