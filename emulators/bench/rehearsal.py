@@ -5,10 +5,9 @@ is one column, which may be drawn in a panel and told in the summary.
 """
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib.metadata import entry_points
 from pathlib import Path as FilePath
-from types import MappingProxyType
 from typing import Any, Final
 
 from emulators.bench.cases import Case
@@ -18,7 +17,6 @@ from emulators.bench.step import Step
 from firmware_bridge.robot import AnyRobot
 
 GROUP: Final = "firmware_bridge.rehearsals"
-NO_PATHS: Final[Mapping[str, Callable[[AnyRobot], Path]]] = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +70,7 @@ class Rehearsal:
     """What stands beside the summary's numbers, by their keys: the robot's limits."""
     cases: Callable[[AnyRobot], Iterable[Case[Any, Any]]]
     """At least one boundary case for each of its kind's interlocks and limits."""
-    paths: Mapping[str, Callable[[AnyRobot], Path]] = NO_PATHS
+    paths: Mapping[str, Callable[[AnyRobot], Path]] = field(default_factory=dict)
     """By the names of its guides: where those that go by the clock shall be; needs the column `OFFSET` of
     `emulators.bench.path_error`."""
 
