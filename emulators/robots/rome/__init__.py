@@ -5,11 +5,15 @@ repeated.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated, Final, Literal, TypeAlias
 
+import numpy as np
+
 from emulators.bench.columns import PLANAR, Column, Curve, Panel
+from emulators.bench.path_error import OFFSET
+from emulators.bench.path_error import Path as FollowedPath
 from emulators.bench.rehearsal import Channel, Rehearsal, StickAxes, Twist
 from emulators.bench.step import Finite, Holds, Positive, Presses, Slope, Step
 from emulators.robots.rome.cases import cases
@@ -17,6 +21,7 @@ from firmware_bridge.robot import Robot
 from firmware_bridge.robots.rome.geometry import Geometry
 from firmware_bridge.robots.rome.motion import Motion, State
 from firmware_bridge.safety.snapshot import Snapshot
+from firmware_bridge.units import to_seconds
 
 Rome: TypeAlias = Robot[Geometry]
 Seen: TypeAlias = Snapshot[Motion, State]
@@ -53,6 +58,35 @@ def _demanded_left(seen: Seen) -> float:
     return seen.demanded.left_mps
 
 
+def _path_offset(seen: Seen) -> float:
+    along = seen.wish.path_s
+    return math.nan if along is None else along - to_seconds(seen.facts.now)
+
+
+def _ellipse(along: float, across: float) -> FollowedPath:
+    """Return the paths (2.20) and (2.22): a cos 0.25 t, b sin 0.25 t."""
+    return lambda seconds: (along * np.cos(0.25 * seconds), across * np.sin(0.25 * seconds))
+
+
+def _line(metres: float) -> FollowedPath:
+    """Return the path (2.21): t, 0."""
+    return lambda seconds: (metres * seconds, 0.0 * seconds)
+
+
+def _points(robot: Rome) -> FollowedPath:
+    """Return the path by points, straight in between."""
+    times, x, y, _ = zip(*(robot.geometry.paths.points or ((0.0, 0.0, 0.0, 0.0),)), strict=True)
+    return lambda seconds: (np.interp(seconds, times, x), np.interp(seconds, times, y))
+
+
+PATHS: Final[Mapping[str, Callable[[Rome], FollowedPath]]] = {
+    "circle": lambda robot: _ellipse(robot.geometry.paths.circle, robot.geometry.paths.circle),
+    "line": lambda robot: _line(robot.geometry.paths.line),
+    "ellipse": lambda robot: _ellipse(robot.geometry.paths.ellipse, 1.5 * robot.geometry.paths.ellipse),
+    "points": _points,
+}
+
+
 def _remarks(robot: Rome) -> Mapping[str, str]:
     limits = robot.geometry.limits
     return {
@@ -76,6 +110,7 @@ REHEARSAL: Final = Rehearsal(
         Column("speed_left_mps", "speed to the left", "m/s", plant="speed_sideways"),
         Column("demanded_speed_mps", "what the bridge asks for, ahead", "m/s", seen=_demanded_ahead),
         Column("demanded_left_mps", "what the bridge asks for, to the left", "m/s", seen=_demanded_left),
+        Column(OFFSET, "a guide's clock less the run's", "s", seen=_path_offset),
         Column("battery_v", "battery's terminal voltage", "V", plant="battery_voltage"),
     ),
     panels=(
@@ -103,4 +138,5 @@ REHEARSAL: Final = Rehearsal(
     ),
     remarks=_remarks,
     cases=cases,
+    paths=PATHS,
 )

@@ -22,6 +22,8 @@ LOST: Final = "the serial line to the board is gone"
 TRIES: Final = 3
 FOUND_EVERY: Final[Nanoseconds] = 250 * MILLISECOND
 """How long a board that may be booting is waited for, before it is asked again."""
+QUIET: Final[Nanoseconds] = 60 * MILLISECOND
+"""A board that has been found answers first what it was asked while it booted; then it is set up."""
 BEATS: Final[Nanoseconds] = 1_000 * MILLISECOND
 """No firmware watches for one; what keeps a board from stopping is each speed that it is told."""
 RELEASING: Final = (Task.LEAVE, Task.DISABLE)
@@ -78,6 +80,8 @@ class Board:
         self._begun: tuple[tuple[Task, ...], Nanoseconds] | None = None
         self._boots_until: Nanoseconds = 0
         self._starts_until: Nanoseconds = NEVER
+        self._quiet_at: Nanoseconds = 0
+        """When set-up goes on, unless the board says something before."""
         self._cycle_at: Nanoseconds = NEVER_HEARD
         self._released_at = 0
         """How many questions had been asked when the motors were released last."""
@@ -95,8 +99,9 @@ class Board:
         """At once where something is to be said and the line is free; else when an answer is overdue."""
         if self._question is None and not self._gone:
             wanted = self._dirty and not self.under_way
-            waits = wanted or self._urgent or self._samples or self._next is not None
-            return 0 if waits else self._starts_until
+            if wanted or self._urgent or self._samples:
+                return 0
+            return self._starts_until if self._next is None else self._quiet_at
         return self._until
 
     # For the motors
@@ -148,6 +153,8 @@ class Board:
     def hear(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Take bytes, or what became of the line; what answers no question is ignored."""
         self.clock = now
+        if now < self._quiet_at:
+            self._quiet_at = now + QUIET
         if packet.address == LINE_LOST and not packet.payload:
             self._lose()
         elif packet.address == LINE_BACK and not packet.payload:
@@ -193,9 +200,11 @@ class Board:
             if waiting:
                 self._part = part
                 return waiting.popleft()
+        if self._next is None or self.clock < self._quiet_at:
+            return None
         self._part = Part.TASK
         say, self._next = self._next, None
-        if say is not None and say.reads is None:
+        if say.reads is None:
             self._next = next(self._script, None)
             if self._next is None:
                 self._close_task()
@@ -299,6 +308,7 @@ class Board:
             pulse = (Packet(self.name, DTR_DOWN, b""), Packet(self.name, DTR_UP, b""))
             return self._opened(script) + pulse
         if task is Task.IDENTIFY:
+            self._quiet_at = self.clock + QUIET
             script = iter((dialect.find(),))
         elif task is Task.CONFIGURE:
             script = dialect.set_up()

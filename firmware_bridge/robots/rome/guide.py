@@ -33,6 +33,8 @@ class Follower:
         self._start: Pose | None = None
         self._seconds = 0.0
         self._waits = False
+        self._posed_at: Nanoseconds | None = None
+        """When the samples were taken whose pose comes next."""
         self._sum = (0.0, 0.0, 0.0)
 
     def reset(self) -> None:
@@ -48,9 +50,11 @@ class Follower:
             self._seconds += to_seconds(elapsed)
         self._waits = False
         seconds = self._seconds
-        # The pose is of the samples, which are a little older than this instant.
+        # The pose is carried on behind this: it is that of the samples before, of that instant.
         sampled = min(seen.facts.axes[name].sampled_at for name in self._axes)
-        error = self._error(pose, self._start, seconds - to_seconds(seen.facts.now - sampled))
+        age = seen.facts.now - (sampled if self._posed_at is None else self._posed_at)
+        self._posed_at = sampled
+        error = self._error(pose, self._start, seconds - to_seconds(age))
         ahead = self._path(seconds)
         feed = _turned((ahead.x_rate, ahead.y_rate), self._start.heading_rad)
         added = tuple(it + one * to_seconds(elapsed) for it, one in zip(self._sum, error, strict=True))
