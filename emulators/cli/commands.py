@@ -64,7 +64,7 @@ of the robot's name may be left out.""",
     Command(
         "emulate capture",
         "emulators.cli.emulate_capture:emulate",
-        "Stream what an OptiTrack system would see as NatNet, over UDP.",
+        "Stream what an OptiTrack system would see as NatNet over UDP unicast, in real time.",
     ),
     Group(
         "fmu",

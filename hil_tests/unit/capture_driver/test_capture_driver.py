@@ -1,6 +1,7 @@
 """The bridge hears the emulated capture system: where, how old, and what it says when it does not see."""
 
 import math
+import struct
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from firmware_bridge.drivers.capture.natnet import CONNECT, NatNetLink
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND, from_seconds, to_seconds
 from firmware_bridge.wire.internet import number_of
+from firmware_bridge.wire.mavlink_pose import check_sum, poses
 from firmware_bridge.wire.natnet import frame as frames
 from firmware_bridge.wire.natnet import messages
 from firmware_bridge.wire.natnet.frame import Frame, RigidBody
@@ -252,6 +254,31 @@ def test_mavlink_poses_are_turned_into_the_same_room() -> None:
         seen.missed(Sighting.LOST)
         link.hear(Packet(LINK, AT, bytes(damaged)), SECOND)
         assert seen.reading is None
+
+
+@given(st.lists(st.binary(max_size=60) | st.integers(0, 5), max_size=6))
+def test_whatever_comes_in_mavlink_is_no_exception(parts: list[bytes | int]) -> None:
+    numbers = (0.0, math.nan, math.inf, -math.inf, 3e38, -1.0)
+    seen = body(up="z")
+    link = MavlinkPoses(LINK, table("mavlink-pose"), [seen])
+    noise = b"".join(it if isinstance(it, bytes) else _vision(numbers[it]) for it in parts)
+    link.hear(Packet(LINK, AT, noise), SECOND)
+    if seen.reading is not None:
+        assert seen.reading.pose is not None
+        assert all(map(math.isfinite, (*seen.reading.pose.position, *seen.reading.pose.attitude)))
+
+
+def _vision(value: float) -> bytes:
+    """A whole VISION_POSITION_ESTIMATE of one number, with its check sum."""
+    payload = struct.pack("<Q6f", 7, *[value] * 6)
+    head = bytes((len(payload), 0, 0, 0, 1, 1, 102, 0, 0))
+    crc = check_sum(head + payload + bytes((158,)))
+    return b"\xfd" + head + payload + crc.to_bytes(2, "little")
+
+
+def test_a_pose_of_a_few_bytes_is_read_with_the_zeros_that_were_cut() -> None:
+    (pose,) = poses(_vision(0.0))
+    assert (pose.stamp_us, pose.position, pose.attitude) == (7, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
 
 
 def test_mavlink_says_itself_that_it_jumped_or_failed() -> None:
