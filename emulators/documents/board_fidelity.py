@@ -1,4 +1,4 @@
-"""What of the emulated Arduino board, and of the capture system, is a guess: from rows and modules' texts."""
+"""What of the emulated Arduino board is a guess: from its protocols' rows, and its modules' texts."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,8 +10,6 @@ from firmware_bridge.wire.arduino import arduinoio, mw, ros_arduino_bridge
 
 _ROOT: Final = Path(emulators.__file__).parent
 BOARD: Final = "arduino_omni"
-CAPTURE: Final = "motion_capture"
-"""Folders of emulated devices that have no ledger of their own."""
 
 
 def commands() -> Iterator[tuple[str, str, str]]:

@@ -6,6 +6,7 @@ from typing import Final
 from emulators.bench.faults import CABLE_ORDER, KINDS
 from emulators.documents import (
     board_fidelity,
+    capture_fidelity,
     emergencies,
     faults,
     fidelity,
@@ -166,18 +167,6 @@ drive only when the word that takes the power has been in force for `by_object` 
 confirmed it."""
 
 
-CAPTURE_TEXT: Final = "What [`emulate capture`](motion-capture.md) streams, and what stands behind it."
-CAPTURE_KNOWN: Final = (
-    ("frames, models, server info of NatNet 3.0", "by the layout in which those of a Motive 2.1 were read"),
-    ("3.1", "as 3.0: so do all clients that were read"),
-    ("2.9, 2.10, 4.0 to 4.4; skeletons, assets, force plates, devices", "from clients; nothing recorded"),
-    ("ports, connect, keep-alive, echo, commands", "from clients, and from what a Motive 2.1 has answered"),
-    ("5.4 ms from exposure to sending", "of a Motive 2.1 at 120 Hz: least 5.09, median 5.40, most 5.89 ms"),
-    ("PyPI's client natnet", "reads 2.10, 3.1 and 4.1 on loopback, in the tests"),
-    ("Motive itself, OptiTrack's own library, VRPN, multicast", "not tried"),
-)
-
-
 def pages(
     tests: emergencies.Tests, commands: serial_commands.Tests, measured: Mapping[str, Sequence[str]]
 ) -> Mapping[str, str]:
@@ -262,10 +251,10 @@ def _board_fidelity() -> str:
 def _capture_fidelity() -> str:
     return _page(
         "How far the emulated capture system is known",
-        CAPTURE_TEXT,
-        table(("what", "known"), CAPTURE_KNOWN),
+        capture_fidelity.TEXT,
+        table(("what", "known"), capture_fidelity.KNOWN),
         "## Stated assumptions",
-        table(("what", "where"), board_fidelity.assumptions(board_fidelity.CAPTURE)),
+        table(("what", "where"), board_fidelity.assumptions(capture_fidelity.FOLDER)),
     )
 
 
