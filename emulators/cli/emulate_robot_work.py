@@ -13,17 +13,19 @@ from emulators.gateway import Cluster
 from emulators.servo.bank import ServoError
 from emulators.storage import Commissioned, ParameterFile
 from firmware_bridge.cli.console import one_message, refusal, say
-from firmware_bridge.cli.links import Openers, on_the_line, opened
-from firmware_bridge.cli.options import until
+from firmware_bridge.cli.links import Openers, on_the_line, open_serial, opened
+from firmware_bridge.cli.options import generation_of, until
 from firmware_bridge.cli.places import Place, places_of
 from firmware_bridge.cli.real_time import carry
 from firmware_bridge.cli.recorded import recording
 from firmware_bridge.cli.robot_argument import find_robot
 from firmware_bridge.drivers.epos2.setup import commissioned
+from firmware_bridge.drivers.shield.fleet import over_protocol
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.robot import AnyRobot, Axis, RobotFileError
 from firmware_bridge.shell.black_box import CAN_LOG, SERIAL_LOG
-from firmware_bridge.shell.ports import Port, open_can
+from firmware_bridge.shell.ports import Port, PortError, open_can
+from firmware_bridge.shell.ports.pseudo_terminal import WORD
 from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
 from fmu.errors import PlantError
 
@@ -31,6 +33,37 @@ from fmu.errors import PlantError
 def emulate(given: RobotOptions) -> None:
     """Do what `emulate ROBOT` says; what is wrong ends the program with a message."""
     machine = find_robot(given.robot)
+    if machine.shield_links:
+        emulate_board(machine, given)
+    else:
+        emulate_drives(machine, given)
+
+
+def emulate_board(machine: AnyRobot, given: RobotOptions) -> None:
+    """Put a robot's board on a serial line, with its plant at the shield's terminals."""
+    with one_message(RobotFileError, PlantError):
+        spoken = None if given.protocol is None else given.protocol.value
+        machine = over_protocol(machine, spoken, given.encoders)
+        tell_of_beginning(machine, given.plant)
+        ((name, board),) = devices(machine, given.plant).boards.items()
+    table = machine.shield_link(name)
+    with recording(given.record, {SERIAL: SERIAL_LOG}) as (around, _):
+        with one_message(PortError):
+            line = open_serial(given.serial or WORD, table.line_rate, given.serial_link)
+        stock = "" if table.stock else ", not stock"
+        carry(
+            around(board),
+            {SERIAL: lambda: line},
+            until(given.duration),
+            f"{machine.name} is on {line.name}: {table.protocol.value}, {table.counted} encoders{stock}",
+            PlantError,
+            ServoError,
+        )
+
+
+def emulate_drives(machine: AnyRobot, given: RobotOptions) -> None:
+    """Put a robot's drives on a bus, a serial line, or both."""
+    protocol = generation_of(given.protocol)
     cuts = [_cut(machine, text) for text in given.silence or ()]
     near = on_the_line(given, [axis.epos2.node for axis in machine.axes])
     if given.link is None and len(machine.links) > 1 and given.serial is not None:
@@ -42,7 +75,7 @@ def emulate(given: RobotOptions) -> None:
             machine,
             given.plant,
             realistic_latency=given.realistic_latency,
-            serial={} if given.serial is None else {owner: given.protocol},
+            serial={} if given.serial is None else {owner: protocol},
             storages={axis.name: _storage(axis, given) for axis in machine.axes},
         )
     outer = {axis.name: {CAN: axis.link if len(machine.links) > 1 else CAN} for axis in machine.axes}
@@ -78,7 +111,9 @@ def _outside(machine: AnyRobot, baud: int, given: RobotOptions) -> tuple[Openers
     """Return what opens each link, and how they are called in words."""
     single = len(machine.links) == 1
     if single and not given.link:
-        return opened(given, baud, next(iter(machine.epos2_links.values())).bit_rate)
+        return opened(
+            given, generation_of(given.protocol), baud, next(iter(machine.epos2_links.values())).bit_rate
+        )
     places = places_of(machine, given.link, Place(given.interface, given.channel, given.serial))
     openers = {CAN if single else name: _opener(machine, name, place) for name, place in places.items()}
     return openers, ", ".join(f"{place.title} ({name})" for name, place in places.items())
