@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 from emulators.captured import TRUTH
 from emulators.cli.beginning import tell_of_beginning
-from emulators.cli.cameras import cameras_of
+from emulators.cli.cameras import beside_board, cameras_of
 from emulators.cli.emulate_robot import RobotOptions
 from emulators.cli.options import parameter_file
 from emulators.devices import devices
@@ -15,17 +15,19 @@ from emulators.gateway import Cluster
 from emulators.servo.bank import ServoError
 from emulators.storage import Commissioned, ParameterFile
 from firmware_bridge.cli.console import one_message, refusal, say
-from firmware_bridge.cli.links import Openers, on_the_line, opened
-from firmware_bridge.cli.options import until
+from firmware_bridge.cli.links import Openers, on_the_line, open_serial, opened
+from firmware_bridge.cli.options import generation_of, until
 from firmware_bridge.cli.places import Place, places_of
 from firmware_bridge.cli.real_time import carry
 from firmware_bridge.cli.recorded import recording
 from firmware_bridge.cli.robot_argument import find_robot
 from firmware_bridge.drivers.epos2.setup import commissioned
+from firmware_bridge.drivers.shield.fleet import over_protocol
 from firmware_bridge.node import CAN, SERIAL, Node
 from firmware_bridge.robot import AnyRobot, Axis, RobotFileError
 from firmware_bridge.shell.black_box import CAN_LOG, SERIAL_LOG
-from firmware_bridge.shell.ports import Port, open_can
+from firmware_bridge.shell.ports import Port, PortError, open_can
+from firmware_bridge.shell.ports.pseudo_terminal import WORD
 from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
 from fmu.errors import PlantError
 
@@ -33,6 +35,41 @@ from fmu.errors import PlantError
 def emulate(given: RobotOptions) -> None:
     """Do what `emulate ROBOT` says; what is wrong ends the program with a message."""
     machine = find_robot(given.robot)
+    if machine.shield_links:
+        emulate_board(machine, given)
+    else:
+        emulate_drives(machine, given)
+
+
+def emulate_board(machine: AnyRobot, given: RobotOptions) -> None:
+    """Put a robot's board on a serial line, with its plant at the shield's terminals."""
+    with one_message(RobotFileError, PlantError):
+        spoken = None if given.protocol is None else given.protocol.value
+        machine = over_protocol(machine, spoken, given.encoders)
+        tell_of_beginning(machine, given.plant)
+        emulated = devices(machine, given.plant, outputs=TRUTH if machine.capture_links else ())
+        ((name, board),) = emulated.boards.items()
+        cameras = cameras_of(machine, emulated.plant)
+    node = beside_board(name, board, cameras)
+    table = machine.shield_link(name)
+    with recording(given.record, {SERIAL: SERIAL_LOG}) as (around, _):
+        with one_message(PortError):
+            line = open_serial(given.serial or WORD, table.line_rate, given.serial_link)
+        where = ", ".join((line.name, *cameras.where))
+        stock = "" if table.stock else ", not stock"
+        carry(
+            around(node),
+            {SERIAL: lambda: line, **cameras.openers},
+            until(given.duration),
+            f"{machine.name} is on {where}: {table.protocol.value}, {table.counted} encoders{stock}",
+            PlantError,
+            ServoError,
+        )
+
+
+def emulate_drives(machine: AnyRobot, given: RobotOptions) -> None:
+    """Put a robot's drives on a bus, a serial line, or both."""
+    protocol = generation_of(given.protocol)
     cuts = [_cut(machine, text) for text in given.silence or ()]
     near = on_the_line(given, [axis.epos2.node for axis in machine.axes])
     if given.link is None and len(machine.epos2_links) > 1 and given.serial is not None:
@@ -45,7 +82,7 @@ def emulate(given: RobotOptions) -> None:
             given.plant,
             outputs=TRUTH if machine.capture_links else (),
             realistic_latency=given.realistic_latency,
-            serial={} if given.serial is None else {owner: given.protocol},
+            serial={} if given.serial is None else {owner: protocol},
             storages={axis.name: _storage(axis, given) for axis in machine.axes},
         )
         cameras = cameras_of(machine, emulated.plant)
@@ -83,7 +120,9 @@ def _outside(machine: AnyRobot, baud: int, given: RobotOptions) -> tuple[Openers
     """Return what opens each link, and how they are called in words."""
     single = len(machine.epos2_links) == 1
     if single and not given.link:
-        return opened(given, baud, next(iter(machine.epos2_links.values())).bit_rate)
+        return opened(
+            given, generation_of(given.protocol), baud, next(iter(machine.epos2_links.values())).bit_rate
+        )
     places = places_of(machine, given.link, Place(given.interface, given.channel, given.serial))
     openers = {CAN if single else name: _opener(machine, name, place) for name, place in places.items()}
     return openers, ", ".join(f"{place.title} ({name})" for name, place in places.items())

@@ -1,7 +1,13 @@
 """How far the emulated motion capture system is known, and from where."""
 
-from typing import Final
+from collections.abc import Callable, Iterable, Sequence
+from typing import Final, TypeAlias
 
+from emulators.documents import board_fidelity
+
+Table: TypeAlias = Callable[[Sequence[str], Iterable[Sequence[str]]], str]
+
+TITLE: Final = "How far the emulated capture system is known"
 FOLDER: Final = "motion_capture"
 TEXT: Final = "What [`emulate capture`](motion-capture.md) streams, and what stands behind it."
 KNOWN: Final = (
@@ -13,3 +19,14 @@ KNOWN: Final = (
     ("PyPI's client natnet", "reads 2.10, 3.1 and 4.1 on loopback, in the tests"),
     ("Motive itself, OptiTrack's own library, VRPN, multicast", "not tried"),
 )
+
+
+def parts(table: Table) -> tuple[str, ...]:
+    """Return the page's title and its parts; `table` makes a table of headings and rows."""
+    return (
+        TITLE,
+        TEXT,
+        table(("what", "known"), KNOWN),
+        "## Stated assumptions",
+        table(("what", "where"), board_fidelity.assumptions(FOLDER)),
+    )

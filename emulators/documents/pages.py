@@ -179,7 +179,7 @@ def pages(
         "objects.md": _objects(),
         "fidelity.md": _fidelity(),
         "fidelity-arduino.md": _board_fidelity(),
-        "fidelity-motion-capture.md": _capture_fidelity(),
+        "fidelity-motion-capture.md": _page(*capture_fidelity.parts(table)),
         "emergencies.md": _emergencies(tests),
         "power-machine.md": _machine(),
         "opcodes.md": _opcodes(commands),
@@ -245,16 +245,6 @@ def _board_fidelity() -> str:
         table(("protocol", "command", "assumed"), board_fidelity.commands()),
         "## Stated assumptions",
         table(("what", "where"), board_fidelity.assumptions(board_fidelity.BOARD)),
-    )
-
-
-def _capture_fidelity() -> str:
-    return _page(
-        "How far the emulated capture system is known",
-        capture_fidelity.TEXT,
-        table(("what", "known"), capture_fidelity.KNOWN),
-        "## Stated assumptions",
-        table(("what", "where"), board_fidelity.assumptions(capture_fidelity.FOLDER)),
     )
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final
 
-from emulators.bench.faults import bus, capture, device, link, people
+from emulators.bench.faults import board, bus, capture, device, link, people
 from emulators.bench.faults.fault import Fault, Lasting
 from emulators.wires.faulty_can import WAITING
 
@@ -213,6 +213,31 @@ _ROWS: Final = (
         "A disturbance on the index line: a second pulse an eighth of a turn after the first.",
         "EMCY 0xFF02 or 0xFF03 where 0x2210 has it watch the index; else nothing.",
         "the index",
+    ),
+    Kind(
+        board.BoardSilent,
+        "The board's USB cable is out, or its second chip hangs; the sketch lives on.",
+        "A board: ros_arduino_bridge stops its motors when it has heard nothing for its time, the other"
+        " firmwares let them run on as they were told last. The bridge holds `axis silent`.",
+        "the board's line",
+    ),
+    Kind(
+        board.BoardReset,
+        "Somebody presses the board's button, or its supply has a dip. An instant: no end.",
+        "A board: deaf for the boot loader's 1.1 s, while the shield goes on as it was told; then those of"
+        " ros_arduino_bridge and ArduinoIO release their motors, the others run on until they are set up anew.",
+    ),
+    Kind(
+        board.MotorCableOff,
+        "A wire between shield and motor is off: the motor rolls out.",
+        "A board: notices nothing. The bridge holds `axis does not follow`.",
+        "the motor's cable",
+    ),
+    Kind(
+        board.EncoderCableOff,
+        "The cable of a motor's encoder is off: no edge comes any more, the motor turns on.",
+        "A board: its loop drives harder and harder. The bridge holds `axis position repeats`.",
+        "the encoder's cable",
     ),
     Kind(
         link.DatagramLoss,

@@ -1,7 +1,8 @@
 """A board on its serial line, as a link of the robot: what is said to it, in which order, and what it answers.
 
 One question is under way at a time. What the motors shall do goes first, then the questions of a cycle, then
-set-up. A board that has been silent for longer than its link allows has to be set up anew.
+set-up. A board that was silent for longer than its link allows may have started anew: it is told to release
+its motors until it answers, and then set up again, which begins with that; to drive it must be enabled.
 """
 
 from collections import deque
@@ -9,7 +10,7 @@ from collections.abc import Iterator
 from enum import Enum
 from typing import Final
 
-from firmware_bridge.drivers.driver import Stop, Task
+from firmware_bridge.drivers.driver import STOPPING, Stop, Task
 from firmware_bridge.drivers.shield.dialects import Dialect, Numbers, Say
 from firmware_bridge.drivers.shield.motor import ShieldMotor
 from firmware_bridge.intent import NEVER_HEARD
@@ -26,6 +27,7 @@ QUIET: Final[Nanoseconds] = 60 * MILLISECOND
 """A board that has been found answers first what it was asked while it booted; then it is set up."""
 BEATS: Final[Nanoseconds] = 1_000 * MILLISECOND
 """No firmware watches for one; what keeps a board from stopping is each speed that it is told."""
+RESTORING: Final = (Task.IDENTIFY, Task.CONFIGURE)
 RELEASING: Final = (Task.LEAVE, Task.DISABLE)
 
 
@@ -83,6 +85,9 @@ class Board:
         self._quiet_at: Nanoseconds = 0
         """When set-up goes on, unless the board says something before."""
         self._cycle_at: Nanoseconds = NEVER_HEARD
+        self._set_up_once = False
+        self._restores = False
+        """Whether the tasks under way are its own: nobody has asked for them."""
         self._released_at = 0
         """How many questions had been asked when the motors were released last."""
 
@@ -104,6 +109,11 @@ class Board:
             return self._starts_until if self._next is None else self._quiet_at
         return self._until
 
+    @property
+    def stops(self) -> bool:
+        """Whether the tasks under way take the motors' power: no demand that does so ends them."""
+        return self._restores or any(task in STOPPING for task in self.under_way)
+
     # For the motors
 
     def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
@@ -121,6 +131,7 @@ class Board:
 
     def end_tasks(self) -> None:
         """Do those under way no more."""
+        self._restores = False
         self.under_way, self._script, self._next = (), iter(()), None
         self._starts_until = NEVER
 
@@ -138,11 +149,10 @@ class Board:
         if self._samples or (self._question is not None and self._part is Part.SAMPLE):
             self.late += 1
             return self._go_on(now)
-        if not self.configured:
-            return self._go_on(now)
-        self._cycle_at = now
-        self._samples.extend(self._dialect.encoders())
-        if not self._samples:
+        if self.configured:
+            self._cycle_at = now
+            self._samples.extend(self._dialect.encoders())
+        if not self._samples and not self.under_way and self._set_up_once:
             self._samples.append(self._dialect.find())
         return self._go_on(now)
 
@@ -223,6 +233,9 @@ class Board:
         """Make words of what the motors want."""
         self._dirty = False
         if not self.configured:
+            if not all(motor.released for motor in self.motors):
+                self._urgent.extend(self._dialect.release(motor.number for motor in self.motors))
+                self._note_released(self.motors)
             return
         off = [motor for motor in self.motors if motor.demand is Stop.POWER_OFF]
         outputs = {motor.number: motor.output(now) for motor in self.motors}
@@ -271,6 +284,8 @@ class Board:
             self._next = next(self._script, None)
             if self._next is None:
                 self._close_task()
+        elif not self.configured:
+            self._restore()
         elif self._part is Part.SAMPLE and not self._samples:
             for motor in self.motors:
                 motor.sampled(self._cycle_at, now)
@@ -278,6 +293,12 @@ class Board:
                 self._close_task()
         elif not self.under_way and not self._urgent:
             self.longest_cycle = max(self.longest_cycle, now - self._cycle_at)
+
+    def _restore(self) -> None:
+        """Set the board up that answers again; its motors are released by it, and stay so."""
+        if self._part is Part.SAMPLE and not self.under_way:
+            self.under_way, self._restores = RESTORING, True
+            self._open_task()
 
     def _again(self, question: Say, now: Nanoseconds) -> tuple[Packet, ...]:
         """Ask once more what has no answer, or give it up."""
@@ -345,7 +366,8 @@ class Board:
         done, self.under_way = self.under_way[0], self.under_way[1:]
         self._starts_until = NEVER
         if done is Task.CONFIGURE:
-            self.configured = True
+            self.configured = self._set_up_once = True
+            self._restores = False
             for motor in self.motors:
                 motor.begin_anew()
             self._note_released(self.motors)

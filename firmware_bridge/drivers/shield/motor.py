@@ -7,7 +7,6 @@ line is free, at the same instant where it is.
 from typing import Final, Protocol
 
 from firmware_bridge.drivers.driver import (
-    STOPPING,
     Demand,
     Feedback,
     Power,
@@ -42,6 +41,10 @@ class Words(Protocol):
     @property
     def under_way(self) -> tuple[Task, ...]:
         """The tasks that are not done."""
+
+    @property
+    def stops(self) -> bool:
+        """Whether the tasks under way take the motors' power."""
 
     @property
     def configured(self) -> bool:
@@ -166,7 +169,7 @@ class ShieldMotor:
         """Note a demand; while tasks are under way only one that stops, and those that stop themselves go on."""
         tasks = self._board.under_way
         if tasks:
-            if demand not in {Stop.QUICK_STOP, Stop.POWER_OFF} or any(task in STOPPING for task in tasks):
+            if demand not in {Stop.QUICK_STOP, Stop.POWER_OFF} or self._board.stops:
                 return ()
             self._board.end_tasks()
         self.demand = demand

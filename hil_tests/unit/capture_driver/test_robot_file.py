@@ -10,6 +10,7 @@ import pytest
 from emulators.cli import emulate_robot_work
 from emulators.cli.emulate_robot import RobotOptions
 from firmware_bridge.cli.places import Place, places_of
+from firmware_bridge.kinds import kind_named
 from firmware_bridge.node import Node
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import RobotFileError
@@ -18,7 +19,7 @@ from firmware_bridge.units import MILLISECOND
 from firmware_bridge.wire.internet import number_of
 from firmware_bridge.wire.natnet import messages
 from firmware_bridge.wire.natnet.messages import MessageId, packet, split
-from hil_tests.unit.capture_driver.captured_carrier import captured_carrier, file_at, written
+from hil_tests.unit.capture_driver.captured_carrier import CAPTURE, captured_carrier, file_at, written
 
 SETTINGS = 'body = "carrier", fastest_mps = 1.0, fastest_rad_s = 2.0'
 LEFT = 'role = "left_wheel"\nlink = "drives"'
@@ -93,3 +94,22 @@ def test_emulate_serves_the_cameras_beside_the_drives(
     frames = [it for it in sent if it.link == "cameras frames"]
     assert len(frames) == pytest.approx(9, abs=2)
     assert {split(it.payload)[0] for it in frames} == {MessageId.FRAMEOFDATA}
+
+
+def test_emulate_serves_the_cameras_beside_a_board(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = kind_named("rome").file.read_text(encoding="utf-8") + CAPTURE.replace("192.168.1.10", "127.0.0.1")
+    path = tmp_path / "rome.toml"
+    path.write_text(text, encoding="utf-8")
+    sent: list[Packet] = []
+
+    def carried(node: Node, openers: Mapping[str, Any], *_rest: object) -> None:
+        assert set(openers) == {"serial", "cameras commands", "cameras frames"}
+        node.wake(0)
+        node.receive(Packet("cameras commands", 99, packet(MessageId.CONNECT)), 0)
+        for now in range(1, 40):
+            sent.extend(node.wake(now * MILLISECOND).sent)
+
+    monkeypatch.setattr(emulate_robot_work, "carry", carried)
+    emulate_robot_work.emulate(RobotOptions(robot=str(path), serial="pty"))
+    frames = [it for it in sent if it.link == "cameras frames"]
+    assert len(frames) == pytest.approx(9, abs=2)
