@@ -91,3 +91,14 @@ def test_what_the_cameras_are_asked_is_let_out_and_nothing_of_it_is_refused(rig:
     assert rig.guard.refused == 0
     assert rig.bridge.seen.facts.armed
     assert rig.captures["cameras"].frames > 2_800
+
+
+def test_a_run_put_back_is_seen_the_same_again(rig: Rig) -> None:
+    rig.run(12 * SECOND)
+    moment = rig.snapshot()
+    rig.runs(0.5)
+    before = rig.bridge.seen.facts.sensors["place"]
+    rig.restore(moment)
+    assert rig.bridge.seen.facts.sensors["place"] != before
+    rig.runs(0.5)
+    assert rig.bridge.seen.facts.sensors["place"] == before
