@@ -30,6 +30,7 @@ WAY_OF_A_PACKET: Final = (
     "emulators/bench/stick.py",
     "emulators/epos2/*.py",
     "emulators/epos2/*/*.py",
+    "emulators/motion_capture/*.py",
     "emulators/rig.py",
     "emulators/servo/bank.py",
     "emulators/servo/scaling.py",
@@ -38,9 +39,11 @@ WAY_OF_A_PACKET: Final = (
     "emulators/world.py",
     "firmware_bridge/bridge/*.py",
     "firmware_bridge/drivers/*.py",
+    "firmware_bridge/drivers/capture/*.py",
     "firmware_bridge/drivers/epos2/*.py",
     "firmware_bridge/drivers/epos2/can/*.py",
     "firmware_bridge/drivers/epos2/serial/*.py",
+    "firmware_bridge/drivers/shield/*.py",
     "firmware_bridge/immutable.py",
     "firmware_bridge/intent.py",
     "firmware_bridge/motion/*.py",
@@ -50,6 +53,7 @@ WAY_OF_A_PACKET: Final = (
     "firmware_bridge/safety/guard/*.py",
     "firmware_bridge/teleop/*.py",
     "firmware_bridge/wire/*.py",
+    "firmware_bridge/wire/natnet/*.py",
 )
 """What runs again and again in a mission; tables, and what runs once, stay as they are."""
 INTERPRETED: Final = frozenset(
@@ -59,6 +63,7 @@ INTERPRETED: Final = frozenset(
         "firmware_bridge/motion/differential.py",  # as above
         "firmware_bridge/motion/scissor.py",  # as above
         "firmware_bridge/robots/rars/geometry.py",  # as above
+        "firmware_bridge/robots/rome/geometry.py",  # as above
         "firmware_bridge/teleop/station.py",  # its rows are generic dataclasses
         "firmware_bridge/wire/abort.py",  # an enumeration with a __new__ of its own
     }

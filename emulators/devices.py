@@ -1,11 +1,13 @@
 """The emulated half of a robot: its drives and the plant below them, for the bench and for a real bus."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
+from emulators.arduino_omni.board import FIRMWARES, Board
+from emulators.arduino_omni.motors import Load
 from emulators.epos2.drive import Epos2
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import DeviceProfile, numbered, realistic
@@ -15,6 +17,7 @@ from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, plant_outputs
 from emulators.servo.fmu_axes import fmu_bank, fmu_plant, tell_motor
 from emulators.servo.pins import SWITCHES, input_lines
+from emulators.shield_bank import ShieldBank, ShieldMotor
 from firmware_bridge.robot import AnyRobot, Axis, Problem, RobotFileError
 from firmware_bridge.wire.maxon.frame import Generation
 from fmu.build import ensure
@@ -25,6 +28,7 @@ from fmu.plants import find as find_plant
 
 SUPPLY: Final = "battery_voltage"
 """The plant's output that feeds the drives, V."""
+CONSTANT: Final = "torque_constant_"
 NO_SERIAL: Final[Mapping[str, Generation | None]] = MappingProxyType({})
 NO_STORAGE: Final[Mapping[str, Storage]] = MappingProxyType({})
 
@@ -34,8 +38,22 @@ class Devices:
     """The emulated half of a robot: its drives by axis name, what moves them, and the plant below."""
 
     drives: dict[str, Epos2]
-    bank: ServoBank
+    bank: ServoBank | ShieldBank
     plant: FmuPlant
+    boards: dict[str, Board] = field(default_factory=dict)
+    """By the links' names."""
+
+    @property
+    def servo_bank(self) -> ServoBank:
+        """What moves the drives; TypeError where a board turns the motors."""
+        if not isinstance(self.bank, ServoBank):
+            raise TypeError("no drive is on this bench")
+        return self.bank
+
+    @property
+    def servo_axes(self) -> dict[str, ServoAxis]:
+        """The axes of the drives by their names; none where a board turns the motors."""
+        return {axis.name: axis for axis in self.bank.axes if isinstance(axis, ServoAxis)}
 
 
 def devices(
@@ -65,8 +83,10 @@ def devices(
     else:
         path, parameters = plant_path, robot.plant.parameters
     plant = fmu_plant(path, names, parameters, (SUPPLY, *outputs))
+    if robot.shield_links:
+        return _on_boards(robot, plant)
     _have_switches(robot, plant)
-    axes = [ServoAxis(axis.name, axis.settings.quadcounts_per_turn) for axis in robot.axes]
+    axes = [ServoAxis(axis.name, axis.epos2.quadcounts_per_turn) for axis in robot.axes]
     for servo in axes:
         tell_motor(plant, servo)
     bank = fmu_bank(plant, axes, len(plant_outputs(names)), _supply_input(robot))
@@ -81,6 +101,37 @@ def devices(
         for axis, servo in zip(robot.axes, axes, strict=True)
     }
     return Devices(drives, bank, plant)
+
+
+def _on_boards(robot: AnyRobot, plant: FmuPlant) -> Devices:
+    """Put a plant's motors at the terminals of a board's shield; RobotFileError where that cannot be."""
+    (name, link), *others = robot.shield_links.items()
+    axes = robot.axes_on(name)
+    if others or len(axes) != len(robot.axes):
+        problem = "one board that turns all motors is emulated, and no more"
+        raise RobotFileError(robot.name, Problem("links", problem))
+    if [axis.shield.port for axis in axes] != list(range(1, len(axes) + 1)):
+        problem = "the axes' ports must be 1, 2 and so on, in their order, to be emulated"
+        raise RobotFileError(robot.name, Problem(f"links.{name}", problem))
+    firmware = FIRMWARES[link.protocol.value]
+    if link.counted not in firmware.encoders:
+        known = " or ".join(map(str, firmware.encoders))
+        problem = f"{link.protocol.value} counts {known} encoders, not {link.counted}"
+        raise RobotFileError(robot.name, Problem(f"links.{name}.encoders", problem))
+    names = tuple(axis.name for axis in axes)
+    constants = tuple(_constant(plant, axis) for axis in names)
+    counts = axes[0].shield.counts_per_turn
+    load = Load(plant, names, constants, plant.output_names.index(SUPPLY), counts_per_turn=counts)
+    auto_stop = None if firmware.auto_stop is None else link.auto_stop_ms
+    boards = {name: Board(firmware, load, encoders=link.counted, auto_stop=auto_stop)}
+    motors = tuple(ShieldMotor(axis.name, boards[name], axis.shield.port) for axis in axes)
+    return Devices({}, ShieldBank(boards, motors), plant, boards)
+
+
+def _constant(plant: FmuPlant, axis: str) -> float:
+    """Return a motor's torque constant: its own, or that of all motors."""
+    own, common = f"{CONSTANT}{axis}", [name for name in plant.variables if name.startswith(CONSTANT)]
+    return plant.read(own if own in common else common[0])
 
 
 def _have_switches(robot: AnyRobot, plant: FmuPlant) -> None:
@@ -99,7 +150,7 @@ def _supply_input(robot: AnyRobot) -> tuple[str, float] | None:
     if robot.battery is None:
         return None
     sensor = next(sensor for sensor in robot.sensors if sensor.name == robot.battery.sensor)
-    return sensor.settings.axis, sensor.settings.per_volt
+    return sensor.analogue.axis, sensor.analogue.per_volt
 
 
 def _drive(
@@ -109,7 +160,7 @@ def _drive(
     serial: Mapping[str, Generation | None],
     storage: Storage | None,
 ) -> Epos2:
-    node = axis.settings.node
+    node = axis.epos2.node
     if axis.name not in serial:
         return Epos2(node, servo, profile, storage=storage)
     return SerialEpos2(node, servo, profile, generation=serial[axis.name], storage=storage)
@@ -117,9 +168,9 @@ def _drive(
 
 def _profile(axis: Axis, *, realistic_latency: bool) -> DeviceProfile:
     """Return the type of drive that the file names, with a serial number of its own: no two are the same."""
-    kind = PROFILES[axis.settings.device.value]
+    kind = PROFILES[axis.epos2.device.value]
     kind = realistic(kind) if realistic_latency else kind
-    return numbered(kind, axis.settings.node)
+    return numbered(kind, axis.epos2.node)
 
 
 def plant_parameters(robot: AnyRobot) -> dict[str, float]:

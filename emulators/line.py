@@ -1,14 +1,17 @@
-"""The serial line between bridge and gateway on the bench, and what the bridge has at its end of it."""
+"""The serial lines between bridge and devices on the bench, and what the bridge has at its ends of them."""
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 from emulators.bench.adapter import Adapter
 from emulators.bench.summary import LineRun
 from emulators.wires import SerialWire, usb
 from emulators.wires.serial import Inbox
+from emulators.wires.usb import ChunkWire
 from firmware_bridge.drivers.epos2.serial.line import MaxonLine
 from firmware_bridge.drivers.epos2.serial.link import SerialLink
 from firmware_bridge.drivers.fleet import Link
+from firmware_bridge.drivers.shield.board import Board
 from firmware_bridge.node import Node
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import MICROSECOND, MILLISECOND, Nanoseconds
@@ -34,7 +37,7 @@ class Line:
         """
         if not isinstance(link, SerialLink):
             return None
-        table = robot.links[link.name]
+        table = robot.epos2_link(link.name)
         latency = table.port_latency_us * MICROSECOND
         inboxes = {host: Inbox(usb.BUFFER, latency)} if latency else {}
         end = MaxonLine(node, table.protocol, link.name)
@@ -46,7 +49,7 @@ class Line:
 
     def carried(self, robot: AnyRobot, duration: Nanoseconds) -> LineRun:
         """Return what the line has carried in a run so long."""
-        table = robot.links[self.link.name]
+        table = robot.epos2_link(self.link.name)
         return LineRun(
             link=self.link.name,
             protocol=table.protocol.value,
@@ -58,3 +61,53 @@ class Line:
             longest_cycle_ms=self.link.longest_cycle / MILLISECOND,
             late_cycles=self.link.late,
         )
+
+
+@dataclass(frozen=True, slots=True)
+class BoardLine:
+    """The line to a board with a motor shield."""
+
+    wire: ChunkWire
+    adapter: Adapter
+    link: Board
+
+    @classmethod
+    def of(
+        cls, robot: AnyRobot, node: Node, link: Link, before: "Line | BoardLine | None" = None
+    ) -> "BoardLine | None":
+        """Put a node on a line to a board; None where this link is to none; `before` as for other lines."""
+        if not isinstance(link, Board):
+            return None
+        adapter = Adapter(node, link.name)
+        if not isinstance(before, BoardLine):
+            delay = robot.shield_link(link.name).port_latency_us * MICROSECOND
+            return cls(ChunkWire(delay, link.name), adapter, link)
+        adapter.plugged = before.adapter.plugged
+        link.commands, link.busy = before.link.commands, before.link.busy
+        return cls(before.wire, adapter, link)
+
+    def carried(self, robot: AnyRobot, duration: Nanoseconds) -> LineRun:
+        """Return what the line has carried in a run so long."""
+        table = robot.shield_link(self.link.name)
+        return LineRun(
+            link=self.link.name,
+            protocol=table.protocol.value,
+            baud=table.line_rate,
+            bytes=self.wire.bytes,
+            commands=self.link.commands,
+            busy_percent=round(100.0 * self.link.busy / duration, 3),
+            cycle_ms=float(robot.cycle_ms * table.every),
+            longest_cycle_ms=self.link.longest_cycle / MILLISECOND,
+            late_cycles=self.link.late,
+        )
+
+
+AnyLine: TypeAlias = Line | BoardLine
+
+
+def line_of(
+    robot: AnyRobot, node: Node, link: Link, host: str, before: AnyLine | None = None
+) -> AnyLine | None:
+    """Put a node on the line of a link, as its kind wants; None where the link is no line."""
+    own = before if isinstance(before, Line) else None
+    return Line.of(robot, node, link, host, own) or BoardLine.of(robot, node, link, before)

@@ -13,8 +13,10 @@ from emulators.bench.mission import Noise
 from emulators.bench.records import HoldRecord
 from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.second_station import SecondStation
+from emulators.captured import TRUTH, systems_of
 from emulators.devices import devices
-from emulators.line import Line
+from emulators.line import AnyLine, line_of
+from emulators.motion_capture.system import COMMAND
 from emulators.rewind import Checkpoint, Rewind
 from emulators.wires import DatagramWire, FaultyCanWire
 from emulators.world import Wire, World
@@ -37,14 +39,16 @@ __all__ = ["BRIDGE", "OPERATOR_STATION", "QUIET", "SECOND_BRIDGE", "Rig"]
 def _served(robot: AnyRobot) -> Mapping[str, Generation]:
     """Return which axes have a host on their serial port."""
     return {
-        axis.name: robot.links[axis.link].protocol for axis in robot.axes if _is_gateway(robot, axis.name)
+        axis.name: robot.epos2_link(axis.link).protocol
+        for axis in robot.axes
+        if _is_gateway(robot, axis.name)
     }
 
 
 def _is_gateway(robot: AnyRobot, name: str) -> bool:
     axis = next(axis for axis in robot.axes if axis.name == name)
-    link = robot.links[axis.link]
-    return link.driver is Epos2Driver.SERIAL and axis.settings.node == link.gateway
+    link = robot.epos2_links.get(axis.link)
+    return link is not None and link.driver is Epos2Driver.SERIAL and axis.epos2.node == link.gateway
 
 
 class Rig:
@@ -70,14 +74,16 @@ class Rig:
         self.robot: Final = robot
         columns = columns_of([axis.name for axis in robot.axes], rehearsal.columns)
         outputs = [column.plant for column in columns if column.plant]
+        outputs += TRUTH if robot.capture_links else ()
         self.devices: Final = devices(
             robot, plant_path, outputs=outputs, realistic_latency=realistic_latency, serial=_served(robot)
         )
         self._reads: Final = _reads(columns, self.devices.plant.output_names)
         self._start_bridge(stands)
-        single = len(robot.links) == 1
+        single = len(robot.epos2_links) == 1
         self.can_wires: Final = {
-            name: FaultyCanWire(link.bit_rate, CAN if single else name) for name, link in robot.links.items()
+            name: FaultyCanWire(link.bit_rate, CAN if single else name)
+            for name, link in robot.epos2_links.items()
         }
         """The drives' buses by the links' names."""
         self.operator_wire: Final = DatagramWire(
@@ -86,8 +92,10 @@ class Rig:
             noise.loss,
             np.random.default_rng([seed, LINK_STREAM]),
         )
+        self.captures: Final = systems_of(robot, self.devices.plant, seed, data_link=COMMAND, markers=False)
+        self.capture_wires: Final = {name: DatagramWire(name=name) for name in self.captures}
         self.world: Final = World(self.devices.bank)
-        self.lines: Final[dict[str, Line]] = {}
+        self.lines: Final[dict[str, AnyLine]] = {}
         """The serial lines by the links' names."""
         self._attach(operator)
         self._site: Final = self._as_site()
@@ -106,7 +114,7 @@ class Rig:
         return next(iter(self.can_wires.values()))
 
     @property
-    def line(self) -> Line | None:
+    def line(self) -> AnyLine | None:
         """The serial line of a robot that has one."""
         return next(iter(self.lines.values()), None)
 
@@ -168,24 +176,29 @@ class Rig:
         """Put the bridge behind its serial lines; return what is on the wires for it."""
         node: Node = self.guard
         for fleet in self.bridge.fleets.all:
-            line = Line.of(self.robot, node, fleet.link, BRIDGE, self.lines.get(fleet.name))
+            line = line_of(self.robot, node, fleet.link, BRIDGE, self.lines.get(fleet.name))
             if line is not None:
                 self.lines[fleet.name] = line
                 node = line.adapter
         return node
 
     def _attach_bridge(self, node: Node) -> None:
-        wires: dict[str, Wire] = {**self.can_wires, **{name: line.wire for name, line in self.lines.items()}}
+        lines = {name: line.wire for name, line in self.lines.items()}
+        wires: dict[str, Wire] = {**self.can_wires, **lines, **self.capture_wires}
         self.world.attach(BRIDGE, node, {**wires, OPERATOR: self.operator_wire})
 
     def _attach(self, operator: Node) -> None:
         """Put everybody on their wires: the drives, the bridge behind its lines, and the operator."""
         node = self._lines()
-        for axis, drive in zip(self.robot.axes, self.devices.drives.values(), strict=True):
+        for axis in self.robot.axes if self.devices.drives else ():
             links: dict[str, Wire] = {CAN: self.can_wires[axis.link]}
             if _is_gateway(self.robot, axis.name):
                 links[SERIAL] = self.lines[axis.link].wire
-            self.world.attach(axis.name, drive, links)
+            self.world.attach(axis.name, self.devices.drives[axis.name], links)
+        for name, board in self.devices.boards.items():
+            self.world.attach(name, board, {SERIAL: self.lines[name].wire})
+        for name, system in self.captures.items():
+            self.world.attach(f"cameras of {name}", system, {COMMAND: self.capture_wires[name]})
         self._attach_bridge(node)
         self.world.attach(OPERATOR_STATION, operator, {OPERATOR: self.operator_wire})
 
@@ -197,8 +210,10 @@ class Rig:
             self.can_wires,
             self.operator_wire,
             drives=self.devices.drives,
-            axes={axis.name: axis for axis in self.devices.bank.axes},
+            axes=self.devices.servo_axes,
+            boards=self.devices.boards,
             bridges=self,
+            captures=self.captures,
         )
 
     def _sample(self, now: Nanoseconds) -> None:

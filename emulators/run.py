@@ -11,6 +11,7 @@ import numpy as np
 
 from emulators.bench.mission import Mission
 from emulators.bench.operator import ScriptedOperator
+from emulators.bench.path_error import Followed, path_error
 from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.summary import Run, Summary, as_json, summarise
 from emulators.rig import Rig
@@ -80,7 +81,7 @@ def drive(order: Order, progress: Progress) -> Summary:
         simulated=order.duration,
         wall_s=wall_s,
         frames=sum(wire.frames for wire in rig.can_wires.values()),
-        bus_load_percent=max(wire.load_percent() for wire in rig.can_wires.values()),
+        bus_load_percent=max((wire.load_percent() for wire in rig.can_wires.values()), default=0.0),
         trace_sha256=rig.world.trace_sha256,
         links_sha256=rig.world.links_sha256,
         guard_refusals=rig.guard.refused,
@@ -88,7 +89,8 @@ def drive(order: Order, progress: Progress) -> Summary:
     )
     axes = [axis.name for axis in order.robot.axes]
     faults = rig.faults.records
-    summary = summarise(run, axes, rig.samples, rig.holds, faults)
+    path = path_error(rig.samples, followed(order), order.mission.settled_after_s)
+    summary = summarise(run, axes, rig.samples, rig.holds, faults, path)
     (order.folder / "summary.json").write_text(as_json(summary), encoding="utf-8")
     (order.folder / "samples.csv").write_text(rig.samples.csv(), encoding="ascii")
     title = f"{order.robot.name} · {order.mission_name} · seed {order.seed}"
@@ -99,6 +101,16 @@ def drive(order: Order, progress: Progress) -> Summary:
         order.folder, title, order.robot, order.rehearsal.panels, rig.samples, holds=rig.holds, faults=faults
     )
     return summary
+
+
+def followed(order: Order) -> list[Followed]:
+    """Return which paths a mission has guides follow, and from when on."""
+    paths = order.rehearsal.paths
+    return [
+        Followed(step.at_s, paths[step.guide](order.robot) if step.guide in paths else None)
+        for step in order.mission.step
+        if step.guide is not None and paths
+    ]
 
 
 @contextmanager

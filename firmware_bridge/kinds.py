@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Final, Protocol
 
 from firmware_bridge.drivers.driver import Position, Speed
-from firmware_bridge.drivers.fleets import TELLS
+from firmware_bridge.drivers.fleets import tells_of
 from firmware_bridge.kind import AnyKind
 from firmware_bridge.robot import AnyRobot, Problem, RobotFileError
 from firmware_bridge.robot.file import robot_of, schema, table_of, text_of
@@ -139,7 +139,7 @@ def weaker_rows(robot: AnyRobot) -> Iterator[tuple[str, AxisInterlock, AxisInter
     """Yield each axis whose driver tells too little for a common row, that row, and what stands in for it."""
     for axis in robot.axes:
         for row in AXIS_ROWS:
-            fitting = row.fitting(TELLS[robot.links[axis.link].driver])
+            fitting = row.fitting(tells_of(robot, axis))
             if fitting is not None and fitting is not row:
                 yield axis.name, row, fitting
 

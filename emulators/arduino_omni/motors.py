@@ -92,6 +92,15 @@ class Motors(Shafts):
         self._ticks = 0
         self._seen = min(len(wiring), len(load.names))
         self._places = self._counts()
+        self.cut: Final[set[int]] = set()
+        """Motors whose cable is off, counted from 0."""
+        self.unseen: Final[set[int]] = set()
+        """Motors whose encoder's cable is off."""
+
+    @property
+    def now(self) -> Nanoseconds:
+        """Up to when they have turned."""
+        return self._ticks * TICK
 
     @property
     def currents(self) -> Sequence[float]:
@@ -147,13 +156,14 @@ class Motors(Shafts):
             volts = output.volts(supply, current)
             if output.open:
                 volts += output.open / COUNTS * constant * speed
-            self._plant.inputs[place] = volts
+            self._plant.inputs[place] = constant * speed if place in self.cut else volts
         self._plant.step()
         self._ticks += 1
         before, self._places = self._places, self._counts()
         turned = [place - old for place, old in zip(self._places, before, strict=True)]
         for place, edges in enumerate(counted(turned)):
-            self.edges[place] += edges
+            if place not in self.unseen:
+                self.edges[place] += edges
 
     def _counts(self) -> list[int]:
         found = [angle * self._scale for angle in self.angles[: self._seen]]

@@ -61,6 +61,8 @@ class Mission(Table):
     input: Annotated[Input, Field(strict=False)] = Input.STICK
     noise: Noise = Noise()
     step: Annotated[tuple[Step, ...], Field(min_length=1, strict=False)]
+    settled_after_s: NonNegative = 10.0
+    """So long after a guide has begun its distance from the path counts in the summary."""
     plant: dict[str, Finite] = Field(default_factory=dict)
     """Parameters of the plant beside those of the robot file: its slope, its floor."""
     fault: Annotated[tuple[FaultTable, ...], Field(strict=False)] = ()

@@ -5,13 +5,14 @@ is one column, which may be drawn in a panel and told in the summary.
 """
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib.metadata import entry_points
-from pathlib import Path
+from pathlib import Path as FilePath
 from typing import Any, Final
 
 from emulators.bench.cases import Case
 from emulators.bench.columns import Column, Panel
+from emulators.bench.path_error import Path
 from emulators.bench.step import Step
 from firmware_bridge.robot import AnyRobot
 
@@ -56,7 +57,7 @@ class Rehearsal:
     """One robot on the bench."""
 
     step: type[Step]
-    missions: Path
+    missions: FilePath
     """The folder of its shipped missions."""
     channels: tuple[Channel, ...]
     stick: Callable[[Mapping[str, float], AnyRobot], StickAxes]
@@ -69,8 +70,11 @@ class Rehearsal:
     """What stands beside the summary's numbers, by their keys: the robot's limits."""
     cases: Callable[[AnyRobot], Iterable[Case[Any, Any]]]
     """At least one boundary case for each of its kind's interlocks and limits."""
+    paths: Mapping[str, Callable[[AnyRobot], Path]] = field(default_factory=dict)
+    """By the names of its guides: where those that go by the clock shall be; needs the column `OFFSET` of
+    `emulators.bench.path_error`."""
 
-    def shipped(self) -> dict[str, Path]:
+    def shipped(self) -> dict[str, FilePath]:
         """Return the shipped missions by their names, in alphabetical order."""
         return {path.stem: path for path in sorted(self.missions.glob("*.toml"))}
 

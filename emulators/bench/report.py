@@ -46,6 +46,9 @@ def _numbers(summary: Summary, remarks: Mapping[str, str]) -> Iterator[tuple[str
         "mm",
         f"against the plant; at most {summary.max_odometry_error_m * 1000.0:.1f} on the way",
     )
+    if summary.max_path_error_m is not None and summary.max_cross_track_m is not None:
+        across = f"at the same instant; across the path at most {summary.max_cross_track_m * 1000.0:.1f}"
+        yield "distance from the path", f"{summary.max_path_error_m * 1000.0:.1f}", "mm", across
     yield "CAN frames", f"{summary.frames}", "", f"bus load {summary.bus_load_percent:.2f} %"
     for line in summary.lines:
         yield (

@@ -8,9 +8,11 @@ from typing import Final
 import numpy as np
 
 from emulators.bench.columns import ODOMETRY, POSE, SAMPLE_EVERY, Floats, Samples, current
+from emulators.bench.path_error import PathError
 from emulators.bench.records import FaultRecord, HoldRecord
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
+NO_PATH: Final = PathError()
 ACCELERATION_WINDOW: Final[Nanoseconds] = 50 * MILLISECOND
 """Acceleration is averaged over one cycle of the set-points: a motor's ripple does not move the platform."""
 
@@ -93,6 +95,11 @@ class Summary:
     """Distance between the bridge's pose and the plant's at the end of the run."""
     max_odometry_error_m: float
     """The largest such distance; while the robot moves it holds up to one cycle's travel of pure delay."""
+    max_path_error_m: float | None
+    """The largest distance from where a guide's path was at the same instant, once it had settled; None where
+    no path was followed."""
+    max_cross_track_m: float | None
+    """The same across the path."""
     max_current_a: float
     largest: dict[str, float]
     """Of the robot's columns that say so: the largest absolute value, in the column's unit."""
@@ -116,6 +123,7 @@ def summarise(
     samples: Samples,
     holds: Sequence[HoldRecord],
     faults: Sequence[FaultRecord] = (),
+    path: PathError = NO_PATH,
 ) -> Summary:
     """Turn a run's rows into its numbers; a run without rows has not moved."""
     speed = samples.column("speed_mps")
@@ -137,6 +145,8 @@ def summarise(
         path_length_m=float(steps.sum()),
         odometry_error_m=float(errors[-1]) if errors.size else 0.0,
         max_odometry_error_m=_largest(errors),
+        max_path_error_m=path.same_instant,
+        max_cross_track_m=path.across,
         max_current_a=_largest(currents),
         largest={
             column.name: _largest(samples.column(column.name)) for column in samples.columns if column.most

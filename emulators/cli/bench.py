@@ -8,7 +8,7 @@ import typer
 
 from emulators.cli.options import PlantOption
 from firmware_bridge.cli.commands import command, completing
-from firmware_bridge.cli.options import RobotArgument
+from firmware_bridge.cli.options import EncodersOption, FirmwareOption, RobotArgument
 from firmware_bridge.wire.maxon.frame import Generation
 
 EXAMPLES: Final = """Examples:
@@ -16,6 +16,8 @@ EXAMPLES: Final = """Examples:
 `firmware-bridge bench rars --mission line`
 
 `firmware-bridge bench rars --mission line --serial v2` drives over the first drive's serial port.
+
+`firmware-bridge bench rome --mission circle --protocol arduinoio --encoders 3` drives over another firmware.
 
 `firmware-bridge bench rars --mission my_mission.toml --seed 7 --out results`"""
 
@@ -58,6 +60,8 @@ class BenchOptions:
             show_default="as the robot file says",
         ),
     ] = None
+    protocol: FirmwareOption = None
+    encoders: EncodersOption = None
 
 
 bench: Final = command(EXAMPLES, work="emulators.cli.bench_work:bench")(BenchOptions)

@@ -17,6 +17,8 @@ from firmware_bridge.cli.robot_argument import find_robot
 from firmware_bridge.cli.tables import terminal
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.drivers.epos2.serial.plan import PlanError
+from firmware_bridge.drivers.shield.fleet import over_protocol
+from firmware_bridge.drivers.shield.plan import ShieldPlanError
 from firmware_bridge.robot import RobotFileError
 from fmu.errors import PlantError
 
@@ -27,11 +29,14 @@ def bench(given: BenchOptions) -> None:
     """Do what `bench` says; what is wrong ends the program with a message."""
     machine = find_robot(given.robot)
     with (
-        one_message(MissionFileError, RobotFileError, PlanError, PlantError, ServoError, LookupError),
+        one_message(
+            MissionFileError, RobotFileError, PlanError, ShieldPlanError, PlantError, ServoError, LookupError
+        ),
         written_by("--out"),
     ):
         if given.serial is not None:
             machine = over_serial(machine, given.serial)
+        machine = over_protocol(machine, given.protocol, given.encoders)
         rehearsal = rehearsal_of(machine)
         chosen = given.mission or next(iter(rehearsal.shipped()), "none")
         script = missions.find(chosen, machine, rehearsal)

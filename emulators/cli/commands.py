@@ -34,8 +34,9 @@ COMMANDS: Final[tuple[Row, ...]] = (
         "emulate",
         """Put emulated devices on a real CAN bus or a serial line, in real time.
 
-`emulate epos2` brings drives alone, `emulate board` an Arduino with a motor shield. `emulate ROBOT` brings
-the drives and the plant of a robot; the word `robot` in front of the robot's name may be left out.""",
+`emulate epos2` brings drives alone, `emulate board` an Arduino with a motor shield, `emulate capture` a
+motion capture system. `emulate ROBOT` brings the drives and the plant of a robot; the word `robot` in front
+of the robot's name may be left out.""",
         """Examples:
 
 `firmware-bridge emulate rars -i socketcan -c vcan0`
@@ -59,6 +60,11 @@ the drives and the plant of a robot; the word `robot` in front of the robot's na
         "emulate board",
         "emulators.cli.emulate_board:emulate",
         "Put an Arduino Mega 2560 with an Adafruit Motor Shield V2 on a serial line.",
+    ),
+    Command(
+        "emulate capture",
+        "emulators.cli.emulate_capture:emulate",
+        "Stream what an OptiTrack system would see as NatNet over UDP unicast, in real time.",
     ),
     Group(
         "fmu",

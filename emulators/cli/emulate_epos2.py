@@ -15,6 +15,7 @@ from firmware_bridge.cli.options import (
 )
 from firmware_bridge.cli.outside import Outside
 from firmware_bridge.cli.recorded import RecordOption
+from firmware_bridge.wire.maxon.frame import Generation
 
 EXAMPLES: Final = """Examples:
 
@@ -43,6 +44,13 @@ class DrivesOptions(Outside):
     node: Annotated[
         str, typer.Option("--node", "-n", metavar="NUMBERS", help="Which nodes: 1, or 1-8, or 1,3,5-7.")
     ] = "1"
+    protocol: Annotated[
+        Generation | None,
+        typer.Option(
+            help="What the serial line speaks: v1 as on RS232, v2 as on USB.",
+            show_default="as its host does",
+        ),
+    ] = None
     profile: ProfileOption = "70/10"
     load: Annotated[
         str | None,

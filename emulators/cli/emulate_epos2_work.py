@@ -64,7 +64,7 @@ def emulate(given: DrivesOptions) -> None:
     owner = order.names[nodes.index(near)]
     line = "" if given.serial is None else f", node {near} on the line"
     with recording(given.record, {CAN: CAN_LOG, SERIAL: SERIAL_LOG}) as (around, _):
-        openers, where = opened(given, baud_of(made[owner]), DEFAULT_BIT_RATE)
+        openers, where = opened(given, given.protocol, baud_of(made[owner]), DEFAULT_BIT_RATE)
         carry(
             around(Cluster(made, bank, links={owner: {CAN: CAN, SERIAL: SERIAL}})),
             openers,

@@ -9,9 +9,11 @@ from emulators.cli.options import LatencyOption, ParametersOption, PlantOption
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.options import (
     DurationOption,
+    EncodersOption,
     LinkOption,
     RobotArgument,
     RobotBitRateOption,
+    Spoken,
 )
 from firmware_bridge.cli.outside import Outside
 from firmware_bridge.cli.recorded import RecordOption
@@ -23,6 +25,8 @@ EXAMPLES: Final = """Examples:
 `firmware-bridge emulate rars -i socketcan -c vcan0 --silence 3@10` silences node 3 after 10 s.
 
 `firmware-bridge emulate rars --serial pty --serial-link rars.tty` puts the first drive on a serial line.
+
+`firmware-bridge emulate rome --serial pty --serial-link rome.tty` puts a board with a motor shield on a line.
 
 `firmware-bridge emulate epos2 --node 1-2 -i socketcan -c vcan0` brings two drives without a robot."""
 
@@ -40,6 +44,15 @@ class RobotOptions(Outside):
     """
 
     robot: RobotArgument
+    protocol: Annotated[
+        Spoken | None,
+        typer.Option(
+            help="What the serial line speaks: v1 as on RS232, v2 as on USB; of a board with a motor shield what "
+            "it was flashed with.",
+            show_default="as its host does; of a board as the robot file says",
+        ),
+    ] = None
+    encoders: EncodersOption = None
     bit_rate: RobotBitRateOption = None
     plant: PlantOption = None
     silence: Annotated[

@@ -3,7 +3,9 @@
 import re
 from collections.abc import Callable
 
+from emulators.captured import TRUTH
 from emulators.cli.beginning import tell_of_beginning
+from emulators.cli.cameras import beside_board, cameras_of
 from emulators.cli.emulate_robot import RobotOptions
 from emulators.cli.options import parameter_file
 from emulators.devices import devices
@@ -13,18 +15,20 @@ from emulators.gateway import Cluster
 from emulators.servo.bank import ServoError
 from emulators.storage import Commissioned, ParameterFile
 from firmware_bridge.cli.console import one_message, refusal, say
-from firmware_bridge.cli.links import Openers, on_the_line, opened
-from firmware_bridge.cli.options import until
+from firmware_bridge.cli.links import Openers, on_the_line, open_serial, opened
+from firmware_bridge.cli.options import generation_of, until
 from firmware_bridge.cli.places import Place, places_of
 from firmware_bridge.cli.real_time import carry
 from firmware_bridge.cli.recorded import recording
 from firmware_bridge.cli.robot_argument import find_robot
 from firmware_bridge.drivers.epos2.setup import commissioned
-from firmware_bridge.node import CAN, SERIAL
+from firmware_bridge.drivers.shield.fleet import over_protocol
+from firmware_bridge.node import CAN, SERIAL, Node
 from firmware_bridge.robot import AnyRobot, Axis, RobotFileError
 from firmware_bridge.shell.black_box import CAN_LOG, SERIAL_LOG
 from firmware_bridge.shell.clock import LivedClock
-from firmware_bridge.shell.ports import Port, open_can
+from firmware_bridge.shell.ports import Port, PortError, open_can
+from firmware_bridge.shell.ports.pseudo_terminal import WORD
 from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
 from fmu.errors import PlantError
 
@@ -32,35 +36,73 @@ from fmu.errors import PlantError
 def emulate(given: RobotOptions) -> None:
     """Do what `emulate ROBOT` says; what is wrong ends the program with a message."""
     machine = find_robot(given.robot)
+    if machine.shield_links:
+        emulate_board(machine, given)
+    else:
+        emulate_drives(machine, given)
+
+
+def emulate_board(machine: AnyRobot, given: RobotOptions) -> None:
+    """Put a robot's board on a serial line, with its plant at the shield's terminals."""
+    with one_message(RobotFileError, PlantError):
+        spoken = None if given.protocol is None else given.protocol.value
+        machine = over_protocol(machine, spoken, given.encoders)
+        tell_of_beginning(machine, given.plant)
+        emulated = devices(machine, given.plant, outputs=TRUTH if machine.capture_links else ())
+        ((name, board),) = emulated.boards.items()
+        cameras = cameras_of(machine, emulated.plant)
+    node = beside_board(name, board, cameras)
+    table = machine.shield_link(name)
+    with recording(given.record, {SERIAL: SERIAL_LOG}) as (around, _):
+        with one_message(PortError):
+            line = open_serial(given.serial or WORD, table.line_rate, given.serial_link)
+        where = ", ".join((line.name, *cameras.where))
+        stock = "" if table.stock else ", not stock"
+        carry(
+            around(node),
+            {SERIAL: lambda: line, **cameras.openers},
+            until(given.duration),
+            f"{machine.name} is on {where}: {table.protocol.value}, {table.counted} encoders{stock}",
+            PlantError,
+            ServoError,
+        )
+
+
+def emulate_drives(machine: AnyRobot, given: RobotOptions) -> None:
+    """Put a robot's drives on a bus, a serial line, or both."""
+    protocol = generation_of(given.protocol)
     cuts = [_cut(machine, text) for text in given.silence or ()]
-    near = on_the_line(given, [axis.settings.node for axis in machine.axes])
-    if given.link is None and len(machine.links) > 1 and given.serial is not None:
+    near = on_the_line(given, [axis.epos2.node for axis in machine.axes])
+    if given.link is None and len(machine.epos2_links) > 1 and given.serial is not None:
         raise refusal("--serial is of a robot with one link; here only --link NAME=INTERFACE:CHANNEL works")
     with one_message(RobotFileError, PlantError, ServoError, StorageError):
         tell_of_beginning(machine, given.plant)
-        owner = next(axis.name for axis in machine.axes if axis.settings.node == near)
+        owner = next(axis.name for axis in machine.axes if axis.epos2.node == near)
         emulated = devices(
             machine,
             given.plant,
+            outputs=TRUTH if machine.capture_links else (),
             realistic_latency=given.realistic_latency,
-            serial={} if given.serial is None else {owner: given.protocol},
+            serial={} if given.serial is None else {owner: protocol},
             storages={axis.name: _storage(axis, given) for axis in machine.axes},
         )
-    outer = {axis.name: {CAN: axis.link if len(machine.links) > 1 else CAN} for axis in machine.axes}
+        cameras = cameras_of(machine, emulated.plant)
+    outer = {axis.name: {CAN: axis.link if len(machine.epos2_links) > 1 else CAN} for axis in machine.axes}
     outer[owner] = {**outer[owner], SERIAL: SERIAL}
-    cluster = Cluster(emulated.drives, emulated.bank, links=outer)
+    members: dict[str, Node] = {**emulated.drives, **cameras.members}
+    cluster = Cluster(members, emulated.bank, links={**outer, **cameras.links})
     for name, at in cuts:
         cluster.silence(name, at)
         say(f"'{name}' falls silent after {to_seconds(at):g} s")
-    nodes = ", ".join(f"{axis.settings.node} {axis.title}" for axis in machine.axes)
+    nodes = ", ".join(f"{axis.epos2.node} {axis.title}" for axis in machine.axes)
     files = dict.fromkeys((CAN, *machine.links), CAN_LOG) | {SERIAL: SERIAL_LOG}
     with recording(given.record, files) as (around, _):
         openers, where = _outside(machine, baud_of(emulated.drives[owner]), given)
         carry(
             around(cluster),
-            openers,
+            {**openers, **cameras.openers},
             until(given.duration),
-            f"{machine.name} is on {where}: {nodes}",
+            f"{machine.name} is on {', '.join((where, *cameras.where))}: {nodes}",
             PlantError,
             ServoError,
             clock=LivedClock(),
@@ -70,9 +112,7 @@ def emulate(given: RobotOptions) -> None:
 def _storage(axis: Axis, given: RobotOptions) -> Storage:
     """Return where a drive finds its parameters at power-on: saved, the robot file's or the factory's."""
     folder = given.parameters
-    kept: Storage = (
-        Volatile() if folder is None else ParameterFile(parameter_file(folder, axis.settings.node))
-    )
+    kept: Storage = Volatile() if folder is None else ParameterFile(parameter_file(folder, axis.epos2.node))
     if given.factory:
         return kept
     return Commissioned({row.address: row.value for row in commissioned(axis)}, kept)
@@ -80,9 +120,11 @@ def _storage(axis: Axis, given: RobotOptions) -> Storage:
 
 def _outside(machine: AnyRobot, baud: int, given: RobotOptions) -> tuple[Openers, str]:
     """Return what opens each link, and how they are called in words."""
-    single = len(machine.links) == 1
+    single = len(machine.epos2_links) == 1
     if single and not given.link:
-        return opened(given, baud, next(iter(machine.links.values())).bit_rate)
+        return opened(
+            given, generation_of(given.protocol), baud, next(iter(machine.epos2_links.values())).bit_rate
+        )
     places = places_of(machine, given.link, Place(given.interface, given.channel, given.serial))
     openers = {CAN if single else name: _opener(machine, name, place) for name, place in places.items()}
     return openers, ", ".join(f"{place.title} ({name})" for name, place in places.items())
@@ -91,7 +133,7 @@ def _outside(machine: AnyRobot, baud: int, given: RobotOptions) -> tuple[Openers
 def _opener(machine: AnyRobot, name: str, place: Place) -> Callable[[], Port]:
     if place.device is not None:
         raise refusal(f"--link {name}: emulated drives of a robot are put on CAN here; say INTERFACE:CHANNEL")
-    rate = machine.links[name].bit_rate
+    rate = machine.epos2_link(name).bit_rate
     return lambda: open_can(place.interface, place.channel, None, default_bit_rate=rate)
 
 
@@ -99,9 +141,9 @@ def _cut(robot: AnyRobot, text: str) -> tuple[str, Nanoseconds]:
     """Read NODE@SECONDS, where the node may be a number or the name of an axis."""
     node, _, seconds = text.partition("@")
     for axis in robot.axes:
-        if node in {str(axis.settings.node), axis.name}:
+        if node in {str(axis.epos2.node), axis.name}:
             if not re.fullmatch(r"\d+(\.\d+)?", seconds):
-                raise refusal(f"--silence {text}: say NODE@SECONDS, as {axis.settings.node}@10")
+                raise refusal(f"--silence {text}: say NODE@SECONDS, as {axis.epos2.node}@10")
             return axis.name, from_seconds(float(seconds))
-    known = ", ".join(f"{axis.settings.node} ({axis.name})" for axis in robot.axes)
+    known = ", ".join(f"{axis.epos2.node} ({axis.name})" for axis in robot.axes)
     raise refusal(f"--silence {text}: {robot.name} has no node '{node}'; it has {known}")

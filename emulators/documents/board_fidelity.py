@@ -9,7 +9,7 @@ from emulators.documents.fidelity import stated
 from firmware_bridge.wire.arduino import arduinoio, mw, ros_arduino_bridge
 
 _ROOT: Final = Path(emulators.__file__).parent
-_FOLDER: Final = "arduino_omni"
+BOARD: Final = "arduino_omni"
 
 
 def commands() -> Iterator[tuple[str, str, str]]:
@@ -25,8 +25,8 @@ def commands() -> Iterator[tuple[str, str, str]]:
             yield "ArduinoIO", f"{each.letter}, {each.name}", each.assumed
 
 
-def assumptions() -> Iterator[tuple[str, str]]:
-    """Yield each assumption that a module of the board states, and where."""
-    for path in sorted((_ROOT / _FOLDER).rglob("*.py")):
+def assumptions(folder: str) -> Iterator[tuple[str, str]]:
+    """Yield each assumption that a module of a device states, and where."""
+    for path in sorted((_ROOT / folder).rglob("*.py")):
         for what in stated(path.read_text(encoding="utf-8")):
             yield what, path.relative_to(_ROOT.parent).as_posix()

@@ -6,6 +6,7 @@ from typing import Final
 from emulators.bench.faults import CABLE_ORDER, KINDS
 from emulators.documents import (
     board_fidelity,
+    capture_fidelity,
     emergencies,
     faults,
     fidelity,
@@ -178,6 +179,7 @@ def pages(
         "objects.md": _objects(),
         "fidelity.md": _fidelity(),
         "fidelity-arduino.md": _board_fidelity(),
+        "fidelity-motion-capture.md": _page(*capture_fidelity.parts(table)),
         "emergencies.md": _emergencies(tests),
         "power-machine.md": _machine(),
         "opcodes.md": _opcodes(commands),
@@ -242,7 +244,7 @@ def _board_fidelity() -> str:
         "## Commands",
         table(("protocol", "command", "assumed"), board_fidelity.commands()),
         "## Stated assumptions",
-        table(("what", "where"), board_fidelity.assumptions()),
+        table(("what", "where"), board_fidelity.assumptions(board_fidelity.BOARD)),
     )
 
 

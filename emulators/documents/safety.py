@@ -7,7 +7,7 @@ from typing import Final, TypeAlias
 import firmware_bridge
 from firmware_bridge import kinds
 from firmware_bridge.drivers.driver import Tells
-from firmware_bridge.drivers.fleets import STOP_STEPS, TELLS
+from firmware_bridge.drivers.fleets import STOP_STEPS, tells_of
 from firmware_bridge.kind import AnyKind
 from firmware_bridge.robot import AnyRobot, Axis, Command
 from firmware_bridge.safety.common import AXIS_ROWS, LEFT_OUT_ROW, whole_robot_rows
@@ -175,7 +175,7 @@ def _fitting(robot: AnyRobot, axis: Axis) -> Iterator[str]:
     for row in AXIS_ROWS:
         if Tells.ZERO in row.needs and not axis.zero_confirmed:
             continue
-        fitting = row.fitting(TELLS[robot.links[axis.link].driver])
+        fitting = row.fitting(tells_of(robot, axis))
         yield "none: refused" if fitting is None else fitting.name
 
 

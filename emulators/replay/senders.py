@@ -28,9 +28,9 @@ def frames_of(recording: Recording, robot: AnyRobot, link: str) -> list[Sent]:
     Any network master's frames are the bridge's, whoever that was.
     """
     reader = Canopen()
-    names = {axis.settings.node: axis.name for axis in robot.axes_on(link)} | {
+    names = {axis.epos2.node: axis.name for axis in robot.axes_on(link)} | {
         MASTER: BRIDGE,
-        robot.links[link].bridge_node: BRIDGE,
+        robot.epos2_link(link).bridge_node: BRIDGE,
     }
     named = []
     for entry in recording.entries:

@@ -76,10 +76,10 @@ def _drives(order: Order) -> Stage:
     if not firsts:
         raise RecordingFileError(f"{recording.name}: holds no frame of a drive of {robot.name}")
     emulated = devices(robot, order.plant)
-    world, bus = World(emulated.bank), CanWire(robot.links[link].bit_rate)
+    world, bus = World(emulated.bank), CanWire(robot.epos2_link(link).bit_rate)
     for axis in robot.axes_on(link):
         name, first = axis.name, firsts.get(axis.name)
-        boots = first is not None and _boots(first, axis.settings.node)
+        boots = first is not None and _boots(first, axis.epos2.node)
         start = _begin(first, bus.bit_time) if first and boots and not recording.virtual else 0
         _at(world, start, partial(world.attach, name, emulated.drives[name], {CAN: bus}))
         if not boots:
@@ -105,7 +105,7 @@ def _bridge(order: Order) -> Stage:
     On a real bus its first frame went out when it was started.
     """
     robot, name = order.robot, order.link
-    if robot.links[name].driver is not Epos2Driver.CAN:
+    if robot.epos2_link(name).driver is not Epos2Driver.CAN:
         raise RecordingFileError(
             f"{order.recording.name}: the bridge of {robot.name} is on a serial line, and sends no CAN frame"
         )
@@ -120,7 +120,7 @@ def _bridge(order: Order) -> Stage:
     end = _end(order, frames, messages)
     comparison = Frames(_compared(order, frames, (BRIDGE,)), (BRIDGE,), order.tolerance, end)
     answers = Messages((one for one in messages if one.sender == BRIDGE), BRIDGE)
-    world, bus, link = World(), CanWire(robot.links[name].bit_rate), DatagramWire()
+    world, bus, link = World(), CanWire(robot.epos2_link(name).bit_rate), DatagramWire()
     start = 0 if recording.virtual else _begin(own, bus.bit_time)
     world.attach(RECORDING, Player(_script(played, bus.bit_time)), {CAN: bus})
     links: dict[str, Wire] = {name: bus, OPERATOR: link}
@@ -173,7 +173,7 @@ def _can_log(order: Order, lead: Nanoseconds = 0) -> Recording:
     if order.into is Into.DRIVES and order.operator is not None:
         raise RecordingFileError(f"{order.operator.name}: the drives hear no operator")
     recording = read_can(order.recording, order.channel)
-    start = recording.start(CanWire(order.robot.links[order.link].bit_rate).bit_time)
+    start = recording.start(CanWire(order.robot.epos2_link(order.link).bit_rate).bit_time)
     return recording.since(start if recording.virtual else start - lead)
 
 

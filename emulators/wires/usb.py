@@ -6,13 +6,30 @@ the drive, takes the time of the bytes only (ASSUME). USB frames, 62 bytes each,
 
 from typing import Final
 
+from emulators.wires.datagram import DatagramWire
 from emulators.wires.serial import Inbox, SerialWire
+from emulators.world import Station
+from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 BAUD: Final = 1_000_000
 LATENCY: Final[Nanoseconds] = MILLISECOND
 BUFFER: Final = 4_096
 """Bytes; larger than anything that the drive says in one latency time."""
+
+
+class ChunkWire(DatagramWire):
+    """USB between a host and a board with a second chip, which keeps the time of the bytes: whole chunks."""
+
+    def __init__(self, delay: Nanoseconds, name: str) -> None:
+        super().__init__(delay, name=name)
+        self.bytes = 0
+        """Carried so far, both ways."""
+
+    def carry(self, sender: Station, packet: Packet) -> None:
+        """Send a chunk on its way."""
+        self.bytes += len(packet.payload)
+        super().carry(sender, packet)
 
 
 def usb_line(host: str, name: str = "serial") -> SerialWire:

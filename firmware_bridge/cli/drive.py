@@ -10,21 +10,24 @@ from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.options import (
     ChannelOption,
     DurationOption,
+    EncodersOption,
     HomeOption,
     InterfaceOption,
     LinkOption,
     RobotArgument,
     RobotBitRateOption,
+    Spoken,
     ZeroOption,
 )
 from firmware_bridge.cli.recorded import RecordOption
-from firmware_bridge.wire.maxon.frame import Generation
 
 EXAMPLES: Final = """Examples:
 
 `firmware-bridge drive rars -i socketcan -c can0`
 
 `firmware-bridge drive rars --serial /dev/ttyUSB0` drives over the first drive's USB or RS232 port.
+
+`firmware-bridge drive rome --serial /dev/ttyACM0` drives a board with a motor shield.
 
 `firmware-bridge drive rars -i slcan -c /dev/ttyACM0 --mavlink udpout:192.168.1.10:14550 --key rars.key`
 
@@ -96,11 +99,14 @@ class DriveOptions:
         typer.Option(min=9_600, max=1_000_000, help="Of the serial port.", show_default="the robot's"),
     ] = None
     protocol: Annotated[
-        Generation | None,
+        Spoken | None,
         typer.Option(
-            help="What the serial port speaks: v1 as on RS232, v2 as on USB.", show_default="the robot's"
+            help="What the serial port speaks: v1 as on RS232, v2 as on USB; of a board with a motor shield what "
+            "it was flashed with.",
+            show_default="the robot's",
         ),
     ] = None
+    encoders: EncodersOption = None
     link: LinkOption = None
     zero: ZeroOption = None
     home: HomeOption = None

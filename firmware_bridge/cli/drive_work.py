@@ -2,13 +2,14 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from types import MappingProxyType
 from typing import Final, TypeAlias
 
 from firmware_bridge.bridge import Bridge, Phase
-from firmware_bridge.cli.console import FAILED, one_message, refusal
+from firmware_bridge.cli.console import FAILED, one_message, refusal, say
 from firmware_bridge.cli.drive import DriveOptions
-from firmware_bridge.cli.options import until
+from firmware_bridge.cli.options import generation_of, until
 from firmware_bridge.cli.places import Place, places_of
 from firmware_bridge.cli.real_time import carry
 from firmware_bridge.cli.recorded import recording
@@ -18,11 +19,14 @@ from firmware_bridge.cli.zeros import zeros_of
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.drivers.epos2.serial.line import MaxonLine
 from firmware_bridge.drivers.epos2.serial.plan import PlanError
+from firmware_bridge.drivers.shield.fleet import over_protocol
+from firmware_bridge.drivers.shield.plan import ShieldPlanError
 from firmware_bridge.kinds import kind_of
 from firmware_bridge.node import OPERATOR, Node, Stoppable, holds
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot, RobotFileError
-from firmware_bridge.robot.settings.epos2 import Epos2Driver
+from firmware_bridge.robot.settings.epos2 import Epos2Driver, Epos2Link
+from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.safety.snapshot import Hold
 from firmware_bridge.shell.black_box import CAN_LOG, OPERATOR_LOG, SERIAL_LOG, Texts
@@ -170,8 +174,8 @@ def drive(given: DriveOptions) -> None:
     stamps = None if trust.key is None else KeptStamps(state.with_suffix(".stamps.json"))
     trust = trust if stamps is None else replace(trust, kept=_kept(stamps))
     stands = zeros_of(given.zero, given.home)
-    with one_message(PlanError, RobotFileError, ValueError):
-        machine = _with_lines(machine, places, given.protocol, given.baud).told_by(given.bandwidth)
+    with one_message(PlanError, ShieldPlanError, RobotFileError, ValueError):
+        machine = _with_lines(machine, places, given).told_by(given.bandwidth)
         bridge = Bridge(machine, kind_of(machine), trust, stands)
     kept = LastPlaces(state)
     bridge.offer(kept.read())
@@ -181,17 +185,23 @@ def drive(given: DriveOptions) -> None:
     hints: dict[str, str] = {}
     for name, place in places.items():
         table = machine.links[name]
-        if table.driver is Epos2Driver.SERIAL:
+        if isinstance(table, ShieldLink):
+            openers[name] = _serial_opener(machine, place, table.line_rate)
+            lines.append(name)
+            hints[name] = _no_board(table)
+        elif table.driver is Epos2Driver.SERIAL:
             node = MaxonLine(node, table.protocol, name)
-            openers[name] = _serial_opener(machine, name, place)
+            openers[name] = _serial_opener(machine, place, table.line_rate)
             lines.append(name)
             hints[name] = _nothing_heard(table.protocol, table.line_rate)
-        else:
+        elif isinstance(table, Epos2Link):
             rate = given.bit_rate or table.bit_rate
             openers[name] = _can_opener(place, given.bit_rate, table.bit_rate)
             hints[name] = (
                 f"nothing was heard on {place.title}: are the drives on, at {rate} bit/s (--bitrate)?"
             )
+    for name, system in machine.capture_links.items():
+        openers[name] = partial(UdpPort, f"udpin:{system.listen}")
     where = ", ".join(_title(machine, name, place) for name, place in places.items())
     files = {name: SERIAL_LOG if name in lines else CAN_LOG for name in places} | {OPERATOR: OPERATOR_LOG}
     with recording(given.record, files, texts_of()) as (around, tell):
@@ -235,10 +245,11 @@ def _unconfirmed(bridge: Bridge) -> str:
     return f"not confirmed to be without power: {', '.join(bridge.unconfirmed)}; switch the battery off"
 
 
-def _with_lines(
-    machine: AnyRobot, places: Mapping[str, Place], protocol: Generation | None, baud: int | None
-) -> AnyRobot:
+def _with_lines(machine: AnyRobot, places: Mapping[str, Place], given: DriveOptions) -> AnyRobot:
     """Return the robot with those links on serial lines that are at a serial port."""
+    if machine.shield_links:
+        return _measured(over_protocol(machine, given.protocol and given.protocol.value, given.encoders))
+    protocol, baud = generation_of(given.protocol), given.baud
     on_lines = [name for name, place in places.items() if place.device is not None]
     serial = any(table.driver is Epos2Driver.SERIAL for table in machine.links.values())
     if not on_lines and not serial:
@@ -248,8 +259,32 @@ def _with_lines(
     return over_serial(machine, protocol, baud, links=on_lines or None)
 
 
-def _serial_opener(machine: AnyRobot, name: str, place: Place) -> Callable[[], Port]:
-    device, rate = place.device, machine.links[name].line_rate
+def _measured(machine: AnyRobot) -> AnyRobot:
+    """Return the robot; where nobody would know where it is, end the program with the reason."""
+    for name, link in machine.shield_links.items():
+        unseen = [axis.called for axis in machine.axes_on(name) if axis.shield.port > link.counted]
+        if unseen:
+            raise refusal(
+                f"{link.protocol.value} reads {link.counted} encoders, and not that of {', '.join(unseen)}: "
+                "without another source of its pose nobody would know where the robot is; flash a firmware "
+                "that reads all of them, and say --encoders"
+            )
+        if not link.stops_itself:
+            say(
+                f"{link.protocol.value}: the board runs on when the bridge falls silent; keep its switch near"
+            )
+    return machine
+
+
+def _no_board(table: ShieldLink) -> str:
+    return (
+        f"nothing was heard on the line at {table.line_rate} Bd: is the board on, and was it flashed with "
+        f"{table.protocol.value} (--protocol)?"
+    )
+
+
+def _serial_opener(machine: AnyRobot, place: Place, rate: int) -> Callable[[], Port]:
+    device = place.device
     if device is None:
         raise refusal(f"{machine.name} is driven over a serial line; name its port with --serial DEVICE")
     return lambda: ReturningLine(device, rate)
@@ -269,6 +304,8 @@ def _can_opener(place: Place, bit_rate: int | None, default: int) -> Callable[[]
 
 def _title(machine: AnyRobot, name: str, place: Place) -> str:
     table = machine.links[name]
+    if isinstance(table, ShieldLink):
+        return f"{place.title} ({table.protocol.value}, {table.line_rate} Bd)"
     if table.driver is not Epos2Driver.SERIAL:
         return place.title
     line = f"{table.protocol.value}, {table.line_rate} Bd"

@@ -9,6 +9,7 @@ from firmware_bridge.cli.outside import Outside
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.shell.ports import Port, PortError, PseudoTerminal, SerialLine, open_can
 from firmware_bridge.shell.ports.pseudo_terminal import WORD
+from firmware_bridge.wire.maxon.frame import Generation
 
 Openers: TypeAlias = dict[str, Callable[[], Port]]
 
@@ -32,7 +33,9 @@ def on_the_line(outside: Outside, nodes: Sequence[int]) -> int:
     return nodes[0] if node is None else node
 
 
-def opened(outside: Outside, baud: int, default_bit_rate: int) -> tuple[Openers, str]:
+def opened(
+    outside: Outside, protocol: Generation | None, baud: int, default_bit_rate: int
+) -> tuple[Openers, str]:
     """Return what opens each link, and how they are called; a line that cannot be ends the program.
 
     The line comes at once, because its name is found out only then. The CAN bus is left out where there is a
@@ -44,7 +47,7 @@ def opened(outside: Outside, baud: int, default_bit_rate: int) -> tuple[Openers,
         with one_message(PortError):
             line = open_serial(outside.serial, baud, outside.serial_link)
         found[SERIAL] = lambda: line
-        spoken = "v1 or v2, as its host speaks" if outside.protocol is None else outside.protocol.value
+        spoken = "v1 or v2, as its host speaks" if protocol is None else protocol.value
         where.append(f"{line.name} ({spoken})")
     if outside.serial is None or outside.interface or outside.channel:
         found[CAN] = lambda: open_can(

@@ -1,12 +1,14 @@
 """Arguments and options that more than one command takes, so that they are spelt and explained once."""
 
+from enum import StrEnum
 from typing import Annotated, Any
 
 import typer
 
 from firmware_bridge.cli.commands import completing
-from firmware_bridge.cli.console import one_message
+from firmware_bridge.cli.console import one_message, refusal
 from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
+from firmware_bridge.wire.maxon.frame import Generation
 
 RobotArgument = Annotated[
     str,
@@ -68,6 +70,48 @@ HomeOption = Annotated[
         help="Home an axis once the drives are ready, as its robot file says; may be repeated, one comes "
         "after the other. IT MOVES: somebody who drives must be speaking by then, and may stop it.",
         show_default=False,
+    ),
+]
+
+
+class Spoken(StrEnum):
+    """What a serial line may speak: to drives, or to a board with a motor shield."""
+
+    V1 = "v1"
+    V2 = "v2"
+    MW = "mw"
+    ROS_ARDUINO_BRIDGE = "ros-arduino-bridge"
+    ARDUINOIO = "arduinoio"
+    FIRMATA = "firmata"
+
+
+def generation_of(spoken: Spoken | None) -> Generation | None:
+    """Return the protocol of drives; that of a board ends the program with a message."""
+    known = [one.value for one in Generation]
+    if spoken is not None and spoken.value not in known:
+        raise refusal(f"--protocol {spoken.value}: drives speak {' or '.join(known)}")
+    return None if spoken is None else Generation(spoken.value)
+
+
+FirmwareOption = Annotated[
+    str | None,
+    typer.Option(
+        "--protocol",
+        metavar="NAME",
+        help="Of a robot on a motor shield: what its board speaks; mw, ros-arduino-bridge, arduinoio or "
+        "firmata.",
+        show_default="the robot's",
+    ),
+]
+EncodersOption = Annotated[
+    int | None,
+    typer.Option(
+        min=0,
+        max=4,
+        metavar="N",
+        help="Of a robot on a motor shield: how many encoders its board reads; more than its firmware does "
+        "as published is not stock.",
+        show_default="the firmware's",
     ),
 ]
 DurationOption = Annotated[

@@ -8,7 +8,6 @@ import typer
 
 from firmware_bridge.cli.options import BitRateOption, ChannelOption, InterfaceOption
 from firmware_bridge.wire.canopen import FIRST_NODE, LAST_NODE
-from firmware_bridge.wire.maxon.frame import Generation
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,12 +41,5 @@ class Outside:
             max=LAST_NODE,
             help="With --serial: which node is on the line; the others are reached through it.",
             show_default="the first",
-        ),
-    ] = None
-    protocol: Annotated[
-        Generation | None,
-        typer.Option(
-            help="What the serial line speaks: v1 as on RS232, v2 as on USB.",
-            show_default="as its host does",
         ),
     ] = None

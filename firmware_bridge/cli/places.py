@@ -25,12 +25,17 @@ class Place:
 
 
 def places_of(robot: AnyRobot, texts: Sequence[str] | None, only: Place) -> dict[str, Place]:
-    """Return the place of each link, `only` for a robot with one; what is wrong ends the program."""
+    """Return the place of each link, `only` for a robot with one; what is wrong ends the program.
+
+    Capture systems are left out: they are where the robot file says.
+    """
+    links = [name for name in robot.links if name not in robot.capture_links]
     if not texts:
-        if len(robot.links) > 1:
-            known = ", ".join(robot.links)
-            raise refusal(f"{robot.name} has several links ({known}); say --link NAME=PLACE for each")
-        return dict.fromkeys(robot.links, only)
+        if len(links) > 1:
+            raise refusal(
+                f"{robot.name} has several links ({', '.join(links)}); say --link NAME=PLACE for each"
+            )
+        return dict.fromkeys(links, only)
     if only != Place():
         raise refusal("--link names every place; leave out -i, -c and --serial")
     places = {}
@@ -39,11 +44,11 @@ def places_of(robot: AnyRobot, texts: Sequence[str] | None, only: Place) -> dict
         interface, colon, channel = place.partition(":")
         if not sign or not colon or not interface or not channel:
             raise refusal(f"--link {text}: say NAME=INTERFACE:CHANNEL or NAME=serial:DEVICE")
-        if name not in robot.links:
-            raise refusal(f"--link {text}: {robot.name} has no link '{name}'; {near(name, robot.links)}")
+        if name not in links:
+            raise refusal(f"--link {text}: {robot.name} has no link '{name}'; {near(name, links)}")
         serial = interface == SERIAL_WORD
         places[name] = Place(device=channel) if serial else Place(interface, channel)
-    missing = [name for name in robot.links if name not in places]
+    missing = [name for name in links if name not in places]
     if missing:
         raise refusal(f"{robot.name}: no place for {', '.join(missing)}; say --link {missing[0]}=PLACE, too")
     return places

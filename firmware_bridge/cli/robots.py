@@ -11,7 +11,11 @@ from firmware_bridge import kinds
 from firmware_bridge.cli.commands import command, completing
 from firmware_bridge.cli.console import one_message, refusal, say
 from firmware_bridge.cli.tables import terminal
+from firmware_bridge.drivers.shield.plan import shield_plan
 from firmware_bridge.robot import AnyRobot, RobotFileError
+from firmware_bridge.robot.settings.capture import CaptureLink
+from firmware_bridge.robot.settings.shield import ShieldLink, ShieldProtocol
+from firmware_bridge.units import MILLISECOND
 
 EXAMPLES: Final = """Examples:
 
@@ -63,13 +67,30 @@ def robots(
 
 
 def _row(robot: AnyRobot, path: Path) -> tuple[str, str, str, str, str]:
-    axes = "\n".join(f"{axis.settings.node} {axis.title}" for axis in robot.axes)
-    links = "\n".join(
-        f"{name}: {link.driver.value}, {link.bit_rate // 1000} kbit/s\nevery {link.every * robot.cycle_ms} ms"
-        for name, link in robot.links.items()
-    )
+    axes = "\n".join(f"{axis.settings.number} {axis.title}" for axis in robot.axes)
+    links = "\n".join(_link(robot, name) for name in robot.links)
     weaker = [
         f"{axis}: {row.name} in place of {strong.name}" for axis, strong, row in kinds.weaker_rows(robot)
     ]
     check = "\n".join(["[green]good[/]", *weaker])
     return f"{robot.name}\n[dim]{robot.title}[/]", axes, links, str(path), check
+
+
+def _link(robot: AnyRobot, name: str) -> str:
+    """Say what a link is, how often its devices are commanded, and how full a line to a board is then."""
+    link = robot.links[name]
+    every = f"every {link.every * robot.cycle_ms} ms"
+    if isinstance(link, CaptureLink):
+        return f"{name}: {link.driver.value} from {link.server}"
+    if not isinstance(link, ShieldLink):
+        return f"{name}: {link.driver.value}, {link.bit_rate // 1000} kbit/s\n{every}"
+    rows = [f"{name}: {link.driver.value}, {link.protocol.value}, {link.line_rate} Bd", every]
+    for protocol in ShieldProtocol:
+        other = robot.with_links({name: link.over(protocol, robot.cycle_ms, None)})
+        plan, table = shield_plan(other, name), other.shield_link(name)
+        rows.append(
+            f"{protocol.value}: {table.counted} encoders, a reversal takes {plan.time / MILLISECOND:.0f} of "
+            f"{plan.cycle // MILLISECOND} ms"
+            + ("" if table.stops_itself else "; runs on when the bridge falls silent")
+        )
+    return "\n".join(rows)

@@ -154,12 +154,30 @@ class Feedback:
 
 
 @dataclass(frozen=True, slots=True)
+class SeenPose:
+    """Where a sensor has seen the robot, in axes of its own with z upwards."""
+
+    position: tuple[float, float, float]
+    """m."""
+    attitude: tuple[float, float, float, float]
+    """The quaternion x, y, z, w."""
+    heading_rad: float
+    """Counter-clockwise from x, from -pi to pi."""
+    jumps: int
+    """Counts up where the robot was seen elsewhere than it can have got to."""
+
+
+@dataclass(frozen=True, slots=True)
 class Reading:
     """What a sensor has reported."""
 
     value: float
+    """Of a pose, its error in m as its sensor tells it."""
     sampled_at: Nanoseconds
+    """The instant that it shows."""
     heard_at: Nanoseconds
+    pose: SeenPose | None = None
+    """Of a sensor that sees where the robot is."""
 
 
 class Driver(Protocol):

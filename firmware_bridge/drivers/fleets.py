@@ -3,30 +3,48 @@
 from collections.abc import Callable, Mapping
 from typing import Final
 
+from firmware_bridge.drivers.capture.fleet import capture_fleet
 from firmware_bridge.drivers.driver import Tells
 from firmware_bridge.drivers.epos2 import feedback as epos2
 from firmware_bridge.drivers.epos2.can.fleet import can_fleet
 from firmware_bridge.drivers.epos2.serial.fleet import serial_fleet
 from firmware_bridge.drivers.epos2.stops import stop_steps as epos2_stop_steps
 from firmware_bridge.drivers.fleet import Fleet
+from firmware_bridge.drivers.shield import motor as shield
+from firmware_bridge.drivers.shield.fleet import shield_fleet
+from firmware_bridge.drivers.shield.stops import stop_steps as shield_stop_steps
 from firmware_bridge.drivers.stop_steps import StopStep
 from firmware_bridge.robot import AnyLink, AnyRobot, Axis
+from firmware_bridge.robot.settings.capture import CaptureDriver
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
+from firmware_bridge.robot.settings.shield import ShieldDriver
 from firmware_bridge.units import Nanoseconds
 
 DRIVERS: Final[Mapping[str, Callable[[AnyRobot, str], Fleet]]] = {
     Epos2Driver.CAN: can_fleet,
     Epos2Driver.SERIAL: serial_fleet,
+    ShieldDriver.MOTOR_SHIELD: shield_fleet,
+    **dict.fromkeys(CaptureDriver, capture_fleet),
 }
 """How a link's devices are made, by the driver that the robot file names."""
 
-TELLS: Final[Mapping[str, frozenset[Tells]]] = dict.fromkeys(Epos2Driver, epos2.TELLS)
-"""What the devices of each driver can tell, before there are any."""
+TELLS: Final[Mapping[str, Callable[[Axis, AnyLink], frozenset[Tells]]]] = {
+    **dict.fromkeys(Epos2Driver, lambda _axis, _link: epos2.TELLS),
+    ShieldDriver.MOTOR_SHIELD: shield.tells,
+}
+"""What the device of an axis can tell, by the driver of its link, before there is one."""
 
-STOP_STEPS: Final[Mapping[str, Callable[[Axis, AnyLink, Nanoseconds], tuple[StopStep, ...]]]] = dict.fromkeys(
-    Epos2Driver, epos2_stop_steps
-)
+STOP_STEPS: Final[Mapping[str, Callable[[Axis, AnyLink, Nanoseconds], tuple[StopStep, ...]]]] = {
+    **dict.fromkeys(Epos2Driver, epos2_stop_steps),
+    ShieldDriver.MOTOR_SHIELD: shield_stop_steps,
+}
 """In which steps an axis is stopped, by the driver of its link; the time is the robot's cycle."""
+
+
+def tells_of(robot: AnyRobot, axis: Axis) -> frozenset[Tells]:
+    """Return what an axis's device can tell."""
+    link = robot.links[axis.link]
+    return TELLS[link.driver](axis, link)
 
 
 def fleets_of(robot: AnyRobot) -> tuple[Fleet, ...]:

@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterator, Mapping
 from typing import Final, TypeAlias
 
 from firmware_bridge.robot.problems import Problem, near, nearest
+from firmware_bridge.robot.settings.capture import CaptureDriver
 from firmware_bridge.units import RPM_PER_RAD_S
 
 Raw: TypeAlias = Mapping[str, object]
@@ -39,6 +40,7 @@ def cross_checked(table: Raw, roles: Mapping[str, str]) -> Iterator[Problem]:
         yield from _in_time(name, link, table.get("cycle_ms"))
         yield from _stopping(name, link, axes, roles)
     yield from _battery(table, sensors)
+    yield from _captured(axes, sensors, links)
     names = [axis.get("name") for axis in axes]
     if all(isinstance(name, str) and names.count(name) == 1 for name in names):
         for key, rows in (("sensors", sensors), ("outputs", outputs)):
@@ -128,6 +130,21 @@ def _battery(table: Raw, rows: list[Raw]) -> Iterator[Problem]:
     sensor, sensors = _within(table, "battery").get("sensor"), [str(row.get("name")) for row in rows]
     if isinstance(sensor, str) and sensor not in sensors:
         yield Problem("battery.sensor", f"no sensor '{sensor}'; {near(sensor, sensors)}")
+    elif any(row.get("name") == sensor and "body" in _within(row, "settings") for row in rows):
+        yield Problem("battery.sensor", f"'{sensor}' is a captured body, which has no voltage")
+
+
+def _captured(axes: list[Raw], sensors: list[Raw], links: Mapping[str, Raw]) -> Iterator[Problem]:
+    """Check that bodies, and nothing else, are on the links to capture systems."""
+    systems = {name for name, link in links.items() if link.get("driver") in list(CaptureDriver)}
+    for index, axis in enumerate(axes):
+        if axis.get("link") in systems:
+            yield Problem(f"axes[{index}].link", f"'{axis['link']}' is a capture system, which moves nothing")
+    for index, sensor in enumerate(sensors):
+        link, is_body = sensor.get("link"), "body" in _within(sensor, "settings")
+        if link in links and is_body != (link in systems):
+            problem = "needs body" if link in systems else f"has a body, and '{link}' is no capture system"
+            yield Problem(f"sensors[{index}].settings", problem)
 
 
 def _guarded(table: Raw, axes: list[Raw]) -> Iterator[Problem]:

@@ -8,18 +8,31 @@ from typing import Annotated, Any, Final, Generic, Self, TypeAlias, TypeVar
 from pydantic import Field, field_validator, model_validator
 
 from firmware_bridge.robot.belief import RUBS, STANDS, Belief
+from firmware_bridge.robot.settings.capture import CaptureBody, CaptureDriver, CaptureLink
 from firmware_bridge.robot.settings.epos2 import Epos2AnalogueInput, Epos2Axis, Epos2DigitalOutput, Epos2Link
-from firmware_bridge.robot.table import Finite, Name, Positive, Table
+from firmware_bridge.robot.settings.shield import ShieldAxis, ShieldDevice, ShieldDriver, ShieldLink
+from firmware_bridge.robot.table import Finite, Name, Positive, Table, has_key, tag, told_by
 from firmware_bridge.robot.zero import Homing, Zero, ZeroFrom
 from firmware_bridge.units import MILLISECOND, RPM_PER_RAD_S, Nanoseconds
 
 G_co = TypeVar("G_co", bound=Table, covariant=True)
 
-AnyLink: TypeAlias = Epos2Link
-AnyAxis: TypeAlias = Epos2Axis
-AnySensor: TypeAlias = Epos2AnalogueInput
+AnyLink: TypeAlias = Annotated[
+    Annotated[Epos2Link, tag(Epos2Link)]
+    | Annotated[ShieldLink, tag(ShieldLink)]
+    | Annotated[CaptureLink, tag(CaptureLink)],
+    told_by("driver", {ShieldLink: list(ShieldDriver), CaptureLink: list(CaptureDriver)}, Epos2Link),
+]
+AnyAxis: TypeAlias = Annotated[
+    Annotated[Epos2Axis, tag(Epos2Axis)] | Annotated[ShieldAxis, tag(ShieldAxis)],
+    told_by("device", {ShieldAxis: list(ShieldDevice)}, Epos2Axis),
+]
+AnySensor: TypeAlias = Annotated[
+    Annotated[Epos2AnalogueInput, tag(Epos2AnalogueInput)] | Annotated[CaptureBody, tag(CaptureBody)],
+    has_key("body", CaptureBody, Epos2AnalogueInput),
+]
 AnyOutput: TypeAlias = Epos2DigitalOutput
-"""One table for each family of drivers; a family that is added makes these unions."""
+"""One table for each family of drivers; those of which there are several make a union."""
 
 
 MILLIAMPERES: Final = 1000.0
@@ -188,6 +201,20 @@ class Axis(Table):
         return self.belief.friction or RUBS * self.settings.continuous_current_ma / MILLIAMPERES
 
     @property
+    def epos2(self) -> Epos2Axis:
+        """The table of its EPOS2; TypeError where another device moves it."""
+        if not isinstance(self.settings, Epos2Axis):
+            raise TypeError(f"the axis '{self.name}' is moved by no EPOS2")
+        return self.settings
+
+    @property
+    def shield(self) -> ShieldAxis:
+        """The table of its motor at a shield; TypeError where another device moves it."""
+        if not isinstance(self.settings, ShieldAxis):
+            raise TypeError(f"the axis '{self.name}' hangs on no motor shield")
+        return self.settings
+
+    @property
     def called(self) -> str:
         """The axis in words for people, with its device."""
         return f"{self.settings.address} ({self.title})"
@@ -204,6 +231,13 @@ class Sensor(Table):
     silent_ms: Annotated[int, Field(ge=10, le=600_000)]
     """After this silence its value is not known any more."""
     settings: AnySensor
+
+    @property
+    def analogue(self) -> Epos2AnalogueInput:
+        """The table of its analogue input; TypeError where it is no such sensor."""
+        if not isinstance(self.settings, Epos2AnalogueInput):
+            raise TypeError(f"the sensor '{self.name}' is at no analogue input")
+        return self.settings
 
 
 class Output(Table):
@@ -300,7 +334,36 @@ class Robot(Table, Generic[G_co]):
 
     def nodes_on(self, link: str) -> tuple[int, ...]:
         """Return the CANopen nodes of the axes on this link."""
-        return tuple(axis.settings.node for axis in self.axes_on(link))
+        return tuple(axis.epos2.node for axis in self.axes_on(link))
+
+    @property
+    def epos2_links(self) -> dict[str, Epos2Link]:
+        """The links to EPOS2 drives, by their names."""
+        return {name: link for name, link in self.links.items() if isinstance(link, Epos2Link)}
+
+    @property
+    def shield_links(self) -> dict[str, ShieldLink]:
+        """The links to boards with a motor shield, by their names."""
+        return {name: link for name, link in self.links.items() if isinstance(link, ShieldLink)}
+
+    @property
+    def capture_links(self) -> dict[str, CaptureLink]:
+        """The links to motion capture systems, by their names."""
+        return {name: link for name, link in self.links.items() if isinstance(link, CaptureLink)}
+
+    def epos2_link(self, name: str) -> Epos2Link:
+        """Return a link to EPOS2 drives; KeyError, or TypeError where others are on it."""
+        link = self.links[name]
+        if not isinstance(link, Epos2Link):
+            raise TypeError(f"no EPOS2 is on the link '{name}'")
+        return link
+
+    def shield_link(self, name: str) -> ShieldLink:
+        """Return a link to a board with a motor shield; KeyError, or TypeError where others are on it."""
+        link = self.links[name]
+        if not isinstance(link, ShieldLink):
+            raise TypeError(f"no motor shield is on the link '{name}'")
+        return link
 
     def told_by(self, bandwidth_bit_s: int | None) -> Self:
         """Return the same robot on an operator's link that carries so much; None: what its file says."""

@@ -72,7 +72,13 @@ def problems_of(error: ValidationError, model: type[BaseModel]) -> Iterator[Prob
 
 def path(location: tuple[int | str, ...]) -> str:
     """Return a key's path as a person writes it."""
-    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location).lstrip(".")
+    parts = (part for part in location if not _is_tag(part))
+    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in parts).lstrip(".")
+
+
+def _is_tag(part: int | str) -> bool:
+    """Return whether a part of a place is the mark of one table of a union."""
+    return isinstance(part, str) and part.startswith("<")
 
 
 def _said(error: ErrorDetails, model: type[BaseModel]) -> str:
@@ -96,9 +102,9 @@ def _said(error: ErrorDetails, model: type[BaseModel]) -> str:
 
 def _keys_at(model: type[BaseModel], location: tuple[int | str, ...]) -> list[str]:
     table = model
-    for part in location:
+    for place, part in enumerate(location):
         if isinstance(part, str) and part in table.model_fields:
-            inner = next(_tables(table.model_fields[part].annotation), None)
+            inner = _table(table.model_fields[part].annotation, location[place + 1 :])
             if inner is None:
                 return []
             table = inner
@@ -108,10 +114,10 @@ def _keys_at(model: type[BaseModel], location: tuple[int | str, ...]) -> list[st
 def _choices_at(model: type[BaseModel], location: tuple[int | str, ...]) -> list[object]:
     table = model
     choices: list[object] = []
-    for part in location:
+    for place, part in enumerate(location):
         if isinstance(part, str) and part in table.model_fields:
             annotation = table.model_fields[part].annotation
-            inner = next(_tables(annotation), None)
+            inner = _table(annotation, location[place + 1 :])
             if inner is None:
                 kinds = [annotation, *get_args(annotation)]
                 choices = [one for kind in kinds for one in _members(kind)] or kinds[1:]
@@ -122,6 +128,14 @@ def _choices_at(model: type[BaseModel], location: tuple[int | str, ...]) -> list
 
 def _members(kind: object) -> list[object]:
     return list(kind.__members__.values()) if isinstance(kind, EnumType) else []
+
+
+def _table(annotation: object, rest: tuple[int | str, ...]) -> type[BaseModel] | None:
+    """Return the table that an annotation names; of several the one whose mark is the next in the place."""
+    marks = [part for part in rest if _is_tag(part)]
+    found = list(_tables(annotation))
+    marked = [table for table in found if marks and marks[0] == f"<{table.__name__}>"]
+    return next(iter(marked or found), None)
 
 
 def _tables(annotation: object) -> Iterator[type[BaseModel]]:

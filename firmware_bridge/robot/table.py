@@ -1,8 +1,9 @@
 """What all tables of a robot file have in common."""
 
-from typing import Annotated
+from collections.abc import Collection, Mapping
+from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
 
 Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$")]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
@@ -17,6 +18,30 @@ class Table(BaseModel):
     """A table of a robot file: no unknown key, no value of another kind, nothing changed later."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, str_strip_whitespace=True)
+
+
+def tag(table: type[Table]) -> Tag:
+    """Return the mark of one table of a union; as part of a mistake's place it is nobody's key."""
+    return Tag(f"<{table.__name__}>")
+
+
+def told_by(key: str, tables: Mapping[type[Table], Collection[str]], other: type[Table]) -> Discriminator:
+    """Return what chooses a table of a union: the one that has the value under a key among its own."""
+
+    def chosen(raw: Any) -> str:
+        said = str(raw.get(key) if isinstance(raw, dict) else getattr(raw, key, None))
+        return tag(next((table for table, values in tables.items() if said in values), other)).tag
+
+    return Discriminator(chosen)
+
+
+def has_key(key: str, table: type[Table], other: type[Table]) -> Discriminator:
+    """Return what chooses between two tables of which only the first has a key, and needs it."""
+
+    def chosen(raw: Any) -> str:
+        return tag(table if (key in raw if isinstance(raw, dict) else hasattr(raw, key)) else other).tag
+
+    return Discriminator(chosen)
 
 
 class LinkTable(Table):

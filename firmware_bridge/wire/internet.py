@@ -38,6 +38,11 @@ def host_and_port(number: int) -> tuple[str, int]:
     return str(ipaddress.IPv4Address(address & _ADDRESS_4)), port
 
 
+def same_host(one: int, other: int) -> bool:
+    """Return whether two places are on one host, whatever their ports."""
+    return one >> _PORT_BITS == other >> _PORT_BITS
+
+
 def scope_of(number: int) -> int | None:
     """Return the interface of an address of version 6, 0 where none is told; None for version 4."""
     return number >> _SCOPE_AT & _SCOPE if number & _VERSION_6 else None

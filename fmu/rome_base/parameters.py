@@ -58,12 +58,26 @@ BASE: Final[tuple[Parameter, ...]] = (
 
 PARAMETERS: Final[tuple[Parameter, ...]] = MOTORS + BASE
 
+_KIT: Final = {
+    "resistance_wheel": 1.9,
+    "inductance_wheel": 65e-6,
+    "torque_constant_wheel": 13.4e-3,
+    "rotor_inertia_wheel": 5.8e-7,
+    "coulomb_wheel": 0.5 * 13.4e-3 * 0.075,
+    "viscous_wheel": 0.5 * 13.4e-3 * 0.075 / ((12.0 - 1.9 * 0.075) / 13.4e-3),
+    "wheel_distance": 0.16,
+}
+"""ASSUME: the kit with optical encoders, its motors' figures from memory (a 12 V motor of 17 W with a no-load
+current of 75 mA); the gear's losses are left out."""
+
 SETS: Final[Mapping[str, Mapping[str, float]]] = {
+    "kit": {**_KIT, "mass": 3.5, "yaw_inertia": 0.05},
+    "kit_with_arm": _KIT,
     "light": {},
     "heavy_arm": {"mass": 45.0, "yaw_inertia": 0.9},
     "metre_scale": {"gear_wheel": 30.0},
 }
-"""Named bases: light; with an arm of the AR2's weight (ASSUME); with faster gears for the source's own paths.
+"""Named bases: the kit alone, and with an arm of 11.5 kg on it; light; with an arm of the AR2's weight (ASSUME); with faster gears for the source's own paths.
 
 The gear of 64:1 ends at 0.7 m/s at the rim, so paths have to be driven at less than a metre to the unit.
 The line (2.21) is 1 m/s, 0.87 m/s at two rims; the orbit (4.10) at 1 m/DU reaches 1.01 m/s, and some rim

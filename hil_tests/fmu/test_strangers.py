@@ -264,7 +264,7 @@ def test_a_plant_that_fails_under_way_ends_the_run_with_its_time(
 def test_when_the_emulated_robot_dies_of_its_plant_the_bridge_is_safe(strangers: dict[str, Path]) -> None:
     robot = robot_with(fails_at=3.6)
     emulated = devices(robot, strangers["PythonFMU"])
-    bus, air = CanWire(robot.links["drives"].bit_rate), DatagramWire(0, 0, 0.0, np.random.default_rng(0))
+    bus, air = CanWire(robot.epos2_link("drives").bit_rate), DatagramWire(0, 0, 0.0, np.random.default_rng(0))
     bridge, world = Bridge(robot, KIND), World()
     process = Process(Cluster(emulated.drives, emulated.bank))
     world.attach("emulator", process, {CAN: bus})

@@ -33,7 +33,7 @@ def session(emulated: Devices, sheet: Path) -> list[str]:
     `hil_tests/recordings/rars/canopen-master.log.xz` is such a session.
     """
     log: list[str] = []
-    world, wire = World(emulated.bank), CanWire(RARS.links["drives"].bit_rate)
+    world, wire = World(emulated.bank), CanWire(RARS.epos2_link("drives").bit_rate)
     wire.observe(lambda now, _, packet: log.append(candump_line(now, packet, "can0", REAL)))
     for name, drive in emulated.drives.items():
         world.attach(name, drive, {CAN: wire})

@@ -53,7 +53,7 @@ def speed(rig: Rig) -> float:
 
 
 def lit(rig: Rig) -> bool:
-    return bool(rig.devices.bank.axes[0].outputs & LAMP)
+    return bool(rig.devices.servo_bank.axes[0].outputs & LAMP)
 
 
 def held(rig: Rig) -> set[str]:

@@ -139,7 +139,7 @@ def test_the_example_is_what_it_writes_and_what_was_added_to_it() -> None:
 
 def test_the_rule_for_gains_gives_those_that_rars_was_tuned_to() -> None:
     """RARS's wheels: 70 kg on two RE50 behind 26:1; tuned on the plant before there was a rule."""
-    tuned = find("rars").axis("left_wheel").settings.gains
+    tuned = find("rars").axis("left_wheel").epos2.gains
     inertia = 536e-7 + (35.0 * 0.05**2 + 465e-6) / 26.0**2
     gains = velocity_gains(MOTORS["RE50"], inertia, 24.0)
     assert (gains.current_p, gains.current_i) == (tuned.current_p, tuned.current_i)

@@ -19,7 +19,7 @@ from hil_tests.safety.guard_bench import LINK, Puppet
 
 def _over_serial(robot: AnyRobot) -> AnyRobot:
     """Return the same robot, driven over the serial port of its first drive."""
-    return robot.with_links({LINK: robot.links[LINK].over_serial(1, None, None)})
+    return robot.with_links({LINK: robot.epos2_link(LINK).over_serial(1, None, None)})
 
 
 ROBOT: Final = _over_serial(find("rars"))

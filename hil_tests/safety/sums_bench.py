@@ -70,7 +70,7 @@ class Motors:
 
     def __init__(self, robot: AnyRobot) -> None:
         self.robot = robot
-        self.speeds = dict.fromkeys((axis.settings.node for axis in robot.axes), 0.0)
+        self.speeds = dict.fromkeys((axis.epos2.node for axis in robot.axes), 0.0)
         self.now: Nanoseconds = 0
         self.beyond_since: list[Nanoseconds] = [NEVER] * (2 * len(robot.guard.sums))
         self.excess = [0.0] * (2 * len(robot.guard.sums))

@@ -19,7 +19,7 @@ from hil_tests.safety.stop_cases import above
 def test_what_a_robot_file_leaves_out_is_worked_out(name: str) -> None:
     robot = find(name)
     for axis in robot.axes:
-        bounds, drive = bounds_of(robot, axis), axis.settings.profile
+        bounds, drive = bounds_of(robot, axis), axis.epos2.profile
         rpm = 2.0 * math.pi / 60.0 / axis.ratio
         gentlest = min(drive.acceleration_rpm_s, drive.deceleration_rpm_s, drive.quick_stop_rpm_s)
         assert bounds.speed == bounds.position == pytest.approx(axis.top_speed / 40.0)
@@ -27,8 +27,8 @@ def test_what_a_robot_file_leaves_out_is_worked_out(name: str) -> None:
         assert bounds.ramp == pytest.approx(0.5 * gentlest * rpm)
         assert bounds.cruise == pytest.approx(0.5 * drive.velocity_rpm * rpm)
         assert bounds.lag_s == 0.1 + 2 * robot.cycle / SECOND
-        assert bounds.creep == pytest.approx(axis.rests_below * robot.links[axis.link].silent_ms / 1000)
-        assert axis.holds_with == axis.settings.continuous_current_ma / 1000
+        assert bounds.creep == pytest.approx(axis.rests_below * robot.epos2_link(axis.link).silent_ms / 1000)
+        assert axis.holds_with == axis.epos2.continuous_current_ma / 1000
 
 
 def test_what_a_robot_file_says_counts() -> None:
@@ -53,7 +53,7 @@ def test_what_a_robot_file_says_counts() -> None:
 
 
 def test_a_link_of_every_second_cycle_has_twice_the_way() -> None:
-    slower = RARS.links["drives"].model_copy(update={"every": 2})
+    slower = RARS.epos2_link("drives").model_copy(update={"every": 2})
     assert bounds_of(RARS.with_links({"drives": slower}), WHEEL).lag_s == pytest.approx(0.3)
 
 

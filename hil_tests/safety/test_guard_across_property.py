@@ -23,7 +23,7 @@ def frames(draw: st.DrawFn, robot: AnyRobot) -> tuple[Nanoseconds, list[Packet]]
     after = draw(st.sampled_from([0, 1, 7, 20, 25, 49, 50, 51, 100]))
     said = st.builds(
         speed,
-        st.sampled_from([axis.settings.node for axis in robot.axes]),
+        st.sampled_from([axis.epos2.node for axis in robot.axes]),
         st.sampled_from([0, 200, 600, 900, TOP, -TOP, -600, TOP + 1]) | st.integers(-TOP, TOP),
         st.sampled_from([ENABLE, ENABLE, ENABLE, ENABLE, 0x010F, 0x0006]),
     )

@@ -142,7 +142,7 @@ def writing(address: Address, value: int) -> Packet:
 def mixed() -> Bench:
     """The same, but the tail is on a serial line."""
     robot = made(sums={"both": ({"front": 1.0, "rear": 1.0}, 1200.0)})
-    return Bench(robot.with_links({"tail": robot.links["tail"].over_serial(1, None, None)}))
+    return Bench(robot.with_links({"tail": robot.epos2_link("tail").over_serial(1, None, None)}))
 
 
 def test_a_bus_and_a_serial_line_live_side_by_side(mixed: Bench) -> None:

@@ -50,7 +50,7 @@ ANYTHING: Final = st.builds(
 )
 SPEECH: Final = st.lists(SET_POINTS | SET_POINTS | REQUESTS | NETWORK | ANYTHING, max_size=6)
 NODE_OF: Final = {0x501: 1, 0x502: 2, 0x403: 3, 0x404: 4}
-COMMAND_OF: Final = {axis.settings.node: axis.command for axis in ROBOT.axes}
+COMMAND_OF: Final = {axis.epos2.node: axis.command for axis in ROBOT.axes}
 
 
 class AnySpeech(RuleBasedStateMachine):

@@ -55,8 +55,8 @@ def desk() -> SerialBench:
     *(word(LEFT, value) for value in (0, 2, 6, 7, QUICK_STOP, ENABLE, HALT, 0x80)),
     word(STEER, NEW_POSITION),
     reading(4, at.STATUSWORD),
-    says(heartbeat(ROBOT.links[LINK])),
-    says(guarding(ROBOT.links[LINK], NODES)),
+    says(heartbeat(ROBOT.epos2_link(LINK))),
+    says(guarding(ROBOT.epos2_link(LINK), NODES)),
     *(says(SendNmtService(node, NmtCommand.START)) for node in (0, 1, 2, 3, 4)),
 ])  # fmt: skip
 def test_what_is_listed_leaves_as_it_is(desk: SerialBench, packet: Packet) -> None:
@@ -73,12 +73,12 @@ def confirms_no_power(desk: SerialBench, node: int) -> None:
 
 
 def test_the_whole_set_up_of_every_drive_leaves_as_it_is(desk: SerialBench) -> None:
-    link = ROBOT.links[LINK]
+    link = ROBOT.epos2_link(LINK)
     for axis in ROBOT.axes:
         flows = through_gateway(axis, link, NODES)
-        confirms_no_power(desk, axis.settings.node)
+        confirms_no_power(desk, axis.epos2.node)
         for row in (*configuration(axis, link, traffic=flows), *farewell()):
-            packet = writing(axis.settings.node, row.address, row.raw)
+            packet = writing(axis.epos2.node, row.address, row.raw)
             assert desk.says(packet) == (packet,), row
     assert desk.guard.refused == 0
 
@@ -122,7 +122,7 @@ def test_what_is_not_listed_does_not_leave(desk: SerialBench, packet: Packet, re
 
 
 def test_the_gateway_watches_another_drive_and_the_others_the_bridge() -> None:
-    watched = [ROBOT.links[LINK].watched_by(node, NODES) for node in NODES]
+    watched = [ROBOT.epos2_link(LINK).watched_by(node, NODES) for node in NODES]
     assert watched == [2, 100, 100, 100]
 
 

@@ -123,12 +123,12 @@ def test_a_refused_write_is_told_with_its_bounds(bench: Bench, packet: Packet, r
 def test_gains_are_those_of_the_robot_file(robot: AnyRobot, index: int, subindex: int, name: str) -> None:
     for axis in robot.axes:
         bench = Bench(robot)
-        gain = getattr(axis.settings.gains, name)
-        packet = write(axis.settings.node, index, subindex, raw(gain, 2))
+        gain = getattr(axis.epos2.gains, name)
+        packet = write(axis.epos2.node, index, subindex, raw(gain, 2))
         assert bench.says(packet) == (packet,)
         for other in (gain + 1, gain - 1):
-            assert bench.refuses(write(axis.settings.node, index, subindex, raw(other, 2)))[1] == aborted(
-                axis.settings.node, index, subindex
+            assert bench.refuses(write(axis.epos2.node, index, subindex, raw(other, 2)))[1] == aborted(
+                axis.epos2.node, index, subindex
             )
 
 
@@ -234,8 +234,8 @@ def test_the_whole_set_up_of_every_drive_leaves_as_it_is(robot: AnyRobot) -> Non
     bench = Bench(robot)
     for axis in robot.axes:
         outputs = [output for output in robot.outputs if output.settings.axis == axis.name]
-        bench.hears(status(axis.settings.node, 0x0140))
-        for row in (*configuration(axis, robot.links[LINK], outputs), *farewell()):
-            packet = write(axis.settings.node, *row.address, row.raw)
+        bench.hears(status(axis.epos2.node, 0x0140))
+        for row in (*configuration(axis, robot.epos2_link(LINK), outputs), *farewell()):
+            packet = write(axis.epos2.node, *row.address, row.raw)
             assert bench.says(packet) == (packet,), row
     assert bench.guard.refused == 0

@@ -9,7 +9,7 @@ from hil_tests.scenarios.ride import ARMED, ride, step
 RARS = find("rars")
 assert RARS.battery is not None
 EMPTY_V = RARS.battery.nominal_v
-DIVIDER = RARS.sensors[0].settings.per_volt
+DIVIDER = RARS.sensors[0].analogue.per_volt
 BATTERY_OHM = 0.050
 """`battery_resistance` of the plant."""
 
@@ -23,7 +23,7 @@ def test_a_loaded_robot_lowers_the_voltage_that_its_drives_see(payload_kg: float
     bench = ride(ARMED, step(4.0, speed_mps=0.5), seconds=8.0, robot=robot)
     lowest = 1e9
     bench.runs_until(3.9)
-    axes = bench.rig.devices.bank.axes
+    axes = bench.rig.devices.servo_bank.axes
     standing = axes[0].supply_mv
     assert standing == pytest.approx(1000 * EMPTY_V, abs=60)
     for millisecond in range(900):

@@ -128,7 +128,7 @@ def test_a_lift_whose_encoder_stands_is_noticed(rides: Ridden) -> None:
 def commanded_by_another(ride: Ride, rpm: dict[str, int], began: float, ended: float) -> None:
     """Let a stranger send these speeds to enabled drives, ten times as often as the bridge."""
     master = ride.rig.world.attach("another master", Stranger(), {CAN: ride.rig.can_wire})
-    nodes = {axis.name: axis.settings.node for axis in RARS.axes}
+    nodes = {axis.name: axis.epos2.node for axis in RARS.axes}
     for at in range(from_seconds(began), from_seconds(ended), 5 * MILLISECOND):
         ride.runs_until(to_seconds(at))
         for name, speed in rpm.items():

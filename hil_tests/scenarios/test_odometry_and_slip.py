@@ -53,7 +53,7 @@ def driven(plant: tuple[tuple[str, float], ...] = ()) -> Drive:
     script = mission.find("interlocks", robot, REHEARSAL)
     operator = ScriptedOperator(robot, REHEARSAL, script, np.random.default_rng([0, HAND_STREAM]))
     rig = Rig(robot, REHEARSAL, operator, seed=0, noise=script.noise)
-    wheels = rig.devices.bank.axes[:2]
+    wheels = rig.devices.servo_bank.axes[:2]
     counts = []
     while rig.world.now < from_seconds(script.duration_s):
         rig.run(rig.world.now + SAMPLE_EVERY)
@@ -114,7 +114,7 @@ def test_the_ramp_leaves_room_for_slip() -> None:
     limit = find("rars").geometry.limits.acceleration_mps2
     assert slip(limit) == pytest.approx(0.138, abs=1e-3)
     assert pytest.approx((1 - slip(limit)) * 0.93, abs=5e-3) == MARGIN
-    profile = find("rars").axes[0].settings.profile
+    profile = find("rars").axes[0].epos2.profile
     for ramp in (profile.acceleration_rpm_s, profile.deceleration_rpm_s, profile.quick_stop_rpm_s):
         rim = ramp * math.pi / 30 / 26 * P["wheel_radius"]
         assert rim / (1 - slip(limit)) < limit

@@ -116,7 +116,7 @@ def test_the_wheels_follow_the_angle_that_is_steered(rides: Ridden) -> None:
 
     def watch(now: int, sender: str, packet: object) -> None:
         address, payload = packet.address, packet.payload  # type: ignore[attr-defined]
-        if address == 0x280 + steering.settings.node:
+        if address == 0x280 + steering.epos2.node:
             counts = int.from_bytes(payload[2:6], "little", signed=True)
             pinion = Scale.of(steering).position(counts)
             angle[:] = [davis.steer_from_pinion(rars.geometry.base, pinion)]

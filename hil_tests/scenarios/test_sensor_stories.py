@@ -14,7 +14,7 @@ def test_a_wheel_whose_encoder_is_cut_off_stops_the_robot(rides: Ridden, wheel: 
     ride = rides(ARMED, step(4.0, speed_mps=0.3), seconds=20)
     ride.runs_until(7.0)
     assert ride.now["speed_mps"] == pytest.approx(0.3, rel=0.02)
-    axes = {axis.name: axis for axis in ride.rig.devices.bank.axes}
+    axes = {axis.name: axis for axis in ride.rig.devices.servo_bank.axes}
     AxisFaults(axes[wheel]).wires(SensorWires(broken=True))
     ride.runs_until(7.1)
     drive = ride.rig.devices.drives[wheel]

@@ -42,7 +42,7 @@ BRAKED_S: Final = 0.45
 
 def line_of(one: Ride) -> Line:
     line = one.rig.line
-    assert line is not None
+    assert isinstance(line, Line)
     return line
 
 
@@ -62,7 +62,7 @@ def driven(tmp_path_factory: pytest.TempPathFactory) -> Callable[[AnyRobot, str]
     folders: dict[tuple[str, str], Path] = {}
 
     def results(robot: AnyRobot, mission: str) -> Path:
-        link = robot.links["drives"].driver.value
+        link = robot.epos2_link("drives").driver.value
         if (link, mission) not in folders:
             folder = folders[link, mission] = tmp_path_factory.mktemp(f"{link}-{mission}")
             script = missions.find(mission, robot, REHEARSAL)
@@ -246,7 +246,7 @@ def test_a_drive_that_does_not_notice_the_bridge_s_silence_is_not_driven(
     hear = Consumer.hear
 
     def deaf(self: Consumer, payload: bytes, now: Nanoseconds) -> None:
-        if self.node != USB.links["drives"].guardian(USB.nodes_on("drives")):
+        if self.node != USB.epos2_link("drives").guardian(USB.nodes_on("drives")):
             hear(self, payload, now)
 
     monkeypatch.setattr(Consumer, "hear", deaf)

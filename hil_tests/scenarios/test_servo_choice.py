@@ -12,7 +12,7 @@ def trace(servo: str, monkeypatch: pytest.MonkeyPatch) -> tuple[str, bool]:
     short.runs_until(6.0)
     assert short.fastest() > 0.1
     short.rig.finish()
-    return short.rig.world.trace_sha256, short.rig.devices.bank.native
+    return short.rig.world.trace_sha256, short.rig.devices.servo_bank.native
 
 
 @pytest.mark.skipif(kernel.find().library is None, reason="the kernel is not built here")

@@ -27,7 +27,7 @@ LINKS: Final = {"can": RARS, "serial": over_serial(RARS)}
 DRIVING: Final = (ARMED, step(4.0, speed_mps=0.3))
 DEAF_S: Final = 6.0
 UNPOWERED: Final = (State.SWITCH_ON_DISABLED, State.READY_TO_SWITCH_ON, State.SWITCHED_ON)
-BEAT: Final = canopen.ERROR_CONTROL + RARS.links["drives"].bridge_node
+BEAT: Final = canopen.ERROR_CONTROL + RARS.epos2_link("drives").bridge_node
 
 on_each_link = pytest.mark.parametrize("link", LINKS)
 deafened = pytest.mark.parametrize("command", ["stop", "enter_pre_operational", "reset_communication"])

@@ -215,9 +215,7 @@ class NmtStranger(OnBus):
         """Send it."""
         del chance
         name = None if self.node is None else named(site.robot, self.node)
-        number = next(
-            (axis.settings.node for axis in site.robot.axes if axis.name == name), canopen.ALL_NODES
-        )
+        number = next((axis.epos2.node for axis in site.robot.axes if axis.name == name), canopen.ALL_NODES)
         site.send(self.on(site.robot), canopen.NMT, canopen.encode_nmt(_COMMANDS[self.command], number))
 
 

@@ -30,15 +30,18 @@ class Stations(Enum):
     DRIVES = "a drive"
     ON_THE_BUS = "a node on the CAN bus"
     ALL = "a drive or the bridge"
+    MOTORS = "a motor at a shield"
     NONE = "nobody"
 
     def of(self, robot: AnyRobot) -> list[str]:
         """Return their names; on the bus in the order in which they lie on the cable."""
         if self is Stations.NONE:
             return []
-        drives = [axis.name for axis in robot.axes]
+        if self is Stations.MOTORS:
+            return [axis.name for axis in robot.axes if axis.link in robot.shield_links]
+        drives = [axis.name for axis in robot.axes if axis.link in robot.epos2_links]
         on_can = any(link.driver is Epos2Driver.CAN for link in robot.links.values())
-        bridge = self is Stations.ALL or (self is Stations.ON_THE_BUS and on_can)
+        bridge = (self is Stations.ALL and bool(drives)) or (self is Stations.ON_THE_BUS and on_can)
         return [BRIDGE, *drives] if bridge else drives
 
 
@@ -71,7 +74,9 @@ class Fault(Table, ABC):
 
     def problems(self, robot: AnyRobot) -> Iterator[Problem]:
         """Give what this robot lacks for it, key by key."""
-        if (node := getattr(self, "node", None)) is not None:
+        if self.among is not Stations.NONE and not self.among.of(robot):
+            yield "kind", f"{robot.name} has not {self.among.value}"
+        elif (node := getattr(self, "node", None)) is not None:
             yield from absent("node", node, self.among, robot)
 
     @abstractmethod
@@ -135,7 +140,7 @@ def named(robot: AnyRobot, node: str | int) -> str | None:
     if node == BRIDGE:
         return BRIDGE
     for axis in robot.axes:
-        if node in {axis.name, axis.settings.node}:
+        if node in {axis.name, axis.settings.number}:
             return axis.name
     return None
 

@@ -7,9 +7,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Protocol
 
+from emulators.arduino_omni.board import Board
 from emulators.bench.adapter import Adapter
 from emulators.bench.second_station import SecondStation
 from emulators.epos2.drive import Epos2
+from emulators.motion_capture.system import MotionCapture
 from emulators.servo.axis import ServoAxis
 from emulators.wires import DatagramWire, FaultyCanWire
 from emulators.world import Station, Wire, World
@@ -69,6 +71,10 @@ class Site:
     drives: Mapping[str, Epos2]
     axes: Mapping[str, ServoAxis]
     bridges: Bridges
+    captures: Mapping[str, MotionCapture] = field(default_factory=dict)
+    """The capture systems by link."""
+    boards: Mapping[str, Board] = field(default_factory=dict)
+    """Boards with a motor shield, by the link."""
     stations: list[SecondStation] = field(default_factory=list)
     """All that have joined the operator's link, the newest last."""
     _strangers: dict[str, Station] = field(default_factory=dict)

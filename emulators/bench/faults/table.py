@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final
 
-from emulators.bench.faults import bus, device, link, people
+from emulators.bench.faults import board, bus, capture, device, link, people
 from emulators.bench.faults.fault import Fault, Lasting
 from emulators.wires.faulty_can import WAITING
 
@@ -215,6 +215,31 @@ _ROWS: Final = (
         "the index",
     ),
     Kind(
+        board.BoardSilent,
+        "The board's USB cable is out, or its second chip hangs; the sketch lives on.",
+        "A board: ros_arduino_bridge stops its motors when it has heard nothing for its time, the other"
+        " firmwares let them run on as they were told last. The bridge holds `axis silent`.",
+        "the board's line",
+    ),
+    Kind(
+        board.BoardReset,
+        "Somebody presses the board's button, or its supply has a dip. An instant: no end.",
+        "A board: deaf for the boot loader's 1.1 s, while the shield goes on as it was told; then those of"
+        " ros_arduino_bridge and ArduinoIO release their motors, the others run on until they are set up anew.",
+    ),
+    Kind(
+        board.MotorCableOff,
+        "A wire between shield and motor is off: the motor rolls out.",
+        "A board: notices nothing. The bridge holds `axis does not follow`.",
+        "the motor's cable",
+    ),
+    Kind(
+        board.EncoderCableOff,
+        "The cable of a motor's encoder is off: no edge comes any more, the motor turns on.",
+        "A board: its loop drives harder and harder. The bridge holds `axis position repeats`.",
+        "the encoder's cable",
+    ),
+    Kind(
         link.DatagramLoss,
         "The radio link loses datagrams.",
         "No device: the bridge holds `operator silent` after `operator.silent_ms`.",
@@ -236,6 +261,18 @@ _ROWS: Final = (
         "The gateway misses its host; its own watch over another drive stops the motors. The bridge"
         " holds `link lost`.",
         "the serial line",
+    ),
+    Kind(
+        capture.BodyHidden,
+        "Somebody stands before the cameras, or the robot is where none of them looks.",
+        "The capture system sends the last pose again and says that the body is not tracked.",
+        "what the cameras see",
+    ),
+    Kind(
+        capture.MarkersSwapped,
+        "A reflection, or another body with markers alike: markers are taken for others.",
+        "The capture system sends a pose elsewhere, as one that is tracked.",
+        "what the cameras see",
     ),
     Kind(
         people.BridgeEnds,

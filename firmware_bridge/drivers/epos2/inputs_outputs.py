@@ -67,8 +67,8 @@ class AnalogueInput:
     def __init__(self, sensor: Sensor, drive: Drive) -> None:
         self.sensor: Final = sensor
         self._drive: Final = drive
-        self._address: Final = Address(at.ANALOGUE_INPUT_1.index, sensor.settings.input)
-        self._per_volt: Final = sensor.settings.per_volt
+        self._address: Final = Address(at.ANALOGUE_INPUT_1.index, sensor.analogue.input)
+        self._per_volt: Final = sensor.analogue.per_volt
         self._asked_at: Nanoseconds = NEVER_HEARD
         self._request: ObjectRequest | None = None
         self._reading: Reading | None = None
@@ -149,7 +149,7 @@ def inputs_of(robot: AnyRobot, link: str, drives: Iterable[Drive]) -> tuple[Anal
     """Return the sensors on a link, in the robot file's order."""
     by_axis = {drive.axis.name: drive for drive in drives}
     return tuple(
-        AnalogueInput(sensor, by_axis[sensor.settings.axis])
+        AnalogueInput(sensor, by_axis[sensor.analogue.axis])
         for sensor in robot.sensors
         if sensor.link == link
     )

@@ -45,7 +45,7 @@ class Scale:
     @classmethod
     def of(cls, axis: Axis) -> Self:
         """Return the factors of an axis."""
-        turn = axis.settings.quadcounts_per_turn
+        turn = axis.epos2.quadcounts_per_turn
         return cls(
             axis.direction * turn * axis.ratio / (2.0 * math.pi), axis.direction * axis.ratio * RPM_PER_RAD_S
         )
@@ -78,4 +78,4 @@ def travel_of(axis: Axis) -> Travel | None:
 
 def highest_rpm(axis: Axis) -> int:
     """Return the whole rpm that neither the axis's top speed nor the drive's own limit exceeds."""
-    return min(math.floor(abs(Scale.of(axis).rpm(axis.top_speed))), axis.settings.profile.max_velocity_rpm)
+    return min(math.floor(abs(Scale.of(axis).rpm(axis.top_speed))), axis.epos2.profile.max_velocity_rpm)

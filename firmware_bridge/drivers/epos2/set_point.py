@@ -58,7 +58,7 @@ class VelocitySetPoint:
 
     def __init__(self, axis: Axis, feedback: DriveFeedback) -> None:
         self._link = axis.link
-        self._cob_id = SET_POINT_COB_ID[Command.SPEED] + axis.settings.node
+        self._cob_id = SET_POINT_COB_ID[Command.SPEED] + axis.epos2.node
         self._feedback = feedback
         self._scale = Scale.of(axis)
         self._highest_rpm = highest_rpm(axis)
@@ -93,7 +93,7 @@ class PositionSetPoint:
 
     def __init__(self, axis: Axis, feedback: DriveFeedback) -> None:
         self._link = axis.link
-        self._cob_id = SET_POINT_COB_ID[Command.POSITION] + axis.settings.node
+        self._cob_id = SET_POINT_COB_ID[Command.POSITION] + axis.epos2.node
         self._feedback = feedback
         self._scale = Scale.of(axis)
         self._travel = travel_of(axis) or WHOLE_COUNTER

@@ -95,7 +95,7 @@ def through_gateway(axis: Axis, link: Epos2Link, nodes: Sequence[int]) -> Traffi
     which the gateway's watch hangs on.
     """
     off = tuple(replace(pdo, layout=None) for pdo in pdos(axis.command))
-    return Traffic(off, link.watched_by(axis.settings.node, nodes), 0)
+    return Traffic(off, link.watched_by(axis.epos2.node, nodes), 0)
 
 
 def identity(axis: Axis) -> tuple[Row, ...]:
@@ -106,7 +106,7 @@ def identity(axis: Axis) -> tuple[Row, ...]:
         Row(
             at.PRODUCT_CODE,
             U32,
-            axis.settings.product_code,
+            axis.epos2.product_code,
             "product code",
             "the drive that the robot file names",
         ),
@@ -123,7 +123,7 @@ def configuration(
     """
     flows = traffic or over_can(axis, link)
     return (
-        *(row for pdo in flows.pdos for row in _process_data(pdo, axis.settings.node)),
+        *(row for pdo in flows.pdos for row in _process_data(pdo, axis.epos2.node)),
         *_supervision(link, flows),
         *commissioned(axis),
         *_switched(outputs),
@@ -135,7 +135,7 @@ def commissioned(axis: Axis) -> tuple[Row, ...]:
     travel = travel_of(axis)
     return (
         *_protection(axis),
-        *(() if travel is None else _range(travel, axis.settings.profile.max_following_error_qc)),
+        *(() if travel is None else _range(travel, axis.epos2.profile.max_following_error_qc)),
         *_motion(axis),
         *_gains(axis),
     )
@@ -192,7 +192,7 @@ def _supervision(link: Epos2Link, flows: Traffic) -> Iterator[Row]:
 
 
 def _protection(axis: Axis) -> Iterator[Row]:
-    motor, profile = axis.settings, axis.settings.profile
+    motor, profile = axis.epos2, axis.epos2.profile
     protects = "protects the motor and whoever stands near"
     yield Row(at.MOTOR_TYPE, U16, motor.motor_type, "motor type", "how the winding is driven", read_back=True)
     for address, kind, value, name, why in (
@@ -216,7 +216,7 @@ def _range(travel: Travel, margin_qc: int) -> Iterator[Row]:
 
 
 def _motion(axis: Axis) -> Iterator[Row]:
-    profile, mode = axis.settings.profile, MODE[axis.command]
+    profile, mode = axis.epos2.profile, MODE[axis.command]
     yield Row(at.MODE, I8, mode, "mode of operation", "as the robot file says", read_back=True)
     why = "a trapezoid: its acceleration is bounded"
     yield Row(at.MOTION_PROFILE_TYPE, I16, TRAPEZOID, "motion profile type", why)
@@ -230,7 +230,7 @@ def _motion(axis: Axis) -> Iterator[Row]:
 
 
 def _gains(axis: Axis) -> Iterator[Row]:
-    gains = axis.settings.gains
+    gains = axis.epos2.gains
     for address, kind, value, name in (
         (at.CURRENT_P, I16, gains.current_p, "current P gain"),
         (at.CURRENT_I, I16, gains.current_i, "current I gain"),

@@ -22,7 +22,7 @@ from firmware_bridge.wire.epos2.rows import DataType
 
 def nmt(axis: Axis, command: NmtCommand) -> Packet:
     """Return the network command to this node."""
-    return Packet(axis.link, canopen.NMT, canopen.encode_nmt(command, axis.settings.node))
+    return Packet(axis.link, canopen.NMT, canopen.encode_nmt(command, axis.epos2.node))
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from typing import Final
 from firmware_bridge.drivers.driver import Stop, Task
 from firmware_bridge.drivers.epos2.scale import Scale
 from firmware_bridge.drivers.stop_steps import StopStep
-from firmware_bridge.robot import Axis
+from firmware_bridge.robot import AnyLink, Axis
 from firmware_bridge.robot.settings.epos2 import Epos2Driver, Epos2Link
 from firmware_bridge.units import Nanoseconds
 
@@ -24,11 +24,13 @@ _SILENCE: Final = {
 _RESET: Final = {Epos2Driver.CAN: "NMT reset node", Epos2Driver.SERIAL: "NMT service 129, reset node"}
 
 
-def stop_steps(axis: Axis, link: Epos2Link, cycle: Nanoseconds) -> tuple[StopStep, ...]:
-    """Return the steps for one drive; `cycle` is the robot's."""
+def stop_steps(axis: Axis, link: AnyLink, cycle: Nanoseconds) -> tuple[StopStep, ...]:
+    """Return the steps for one drive; `cycle` is the robot's. TypeError where no EPOS2 is on the link."""
+    if not isinstance(link, Epos2Link):
+        raise TypeError(f"no EPOS2 is on the link of '{axis.name}'")
     times, over_can = link.confirmed(cycle), link.driver is Epos2Driver.CAN
     per_unit = abs(Scale.of(axis).rpm_per_unit_s)
-    quick = axis.settings.profile.quick_stop_rpm_s / per_unit
+    quick = axis.epos2.profile.quick_stop_rpm_s / per_unit
     how = _WRITTEN[link.driver]
     gentle = (
         StopStep(
@@ -36,7 +38,7 @@ def stop_steps(axis: Axis, link: Epos2Link, cycle: Nanoseconds) -> tuple[StopSte
             f"target 0, or halt, {how} in every cycle",
             Stop.REST,
             times.ramp,
-            axis.settings.profile.deceleration_rpm_s / per_unit,
+            axis.epos2.profile.deceleration_rpm_s / per_unit,
         ),
         StopStep(
             f"quick stop {how}",

@@ -178,7 +178,7 @@ def _attained(axis: Axis, feedback: DriveFeedback, polls: int) -> Ask:
 
 def _counts(axis: Axis, feedback: DriveFeedback, home_qc: int) -> Ask:
     """Look whether it counts from there; it holds still within its following error."""
-    margin = axis.settings.profile.max_following_error_qc
+    margin = axis.epos2.profile.max_following_error_qc
 
     def judge(position_qc: int) -> Script:
         if abs(position_qc - home_qc) > margin:

@@ -205,6 +205,11 @@ class Epos2Axis(Table):
         return self
 
     @property
+    def number(self) -> int:
+        """The number by which the drive is called on its link."""
+        return self.node
+
+    @property
     def address(self) -> str:
         """The drive in words."""
         return f"node {self.node}"

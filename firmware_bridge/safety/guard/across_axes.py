@@ -9,12 +9,11 @@ can reach with mixtures; so nobody can go on from one mixture to the next.
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Final
 
 from firmware_bridge.robot import AnyRobot, GuardExclusive, GuardSum
-from firmware_bridge.safety.guard.axis import GuardedAxis
-from firmware_bridge.safety.guard.epos2_words import SetPoint
+from firmware_bridge.safety.guard.in_force import Asked, InForce
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds, from_seconds
 
 HALTED_WITHIN: Final[Nanoseconds] = SECOND
@@ -25,28 +24,28 @@ class AxesRule(ABC):
     """A rule over several axes."""
 
     name: str
-    axes: tuple[GuardedAxis, ...]
+    axes: tuple[InForce, ...]
     """To whose set-points it applies."""
     due: Nanoseconds
     """When all its axes must be stopped; NEVER while the rule is kept."""
 
     @abstractmethod
-    def refuses(self, axis: GuardedAxis, set_point: SetPoint, now: Nanoseconds) -> str | None:
-        """Return why a set-point may not come into force, or None."""
+    def refuses(self, asked: Mapping[InForce, Asked], now: Nanoseconds) -> str | None:
+        """Return why set-points that come into force together may not, or None."""
 
     @abstractmethod
-    def stops_with(self, axis: GuardedAxis) -> tuple[GuardedAxis, ...]:
-        """Return which axes come to rest together with one whose set-point was refused."""
+    def stops_with(self, axes: Collection[InForce]) -> tuple[InForce, ...]:
+        """Return which axes come to rest together with those whose set-point was refused."""
 
     @abstractmethod
-    def sent(self, axis: GuardedAxis, now: Nanoseconds) -> None:
+    def sent(self, axis: InForce, now: Nanoseconds) -> None:
         """Note that an axis was sent a set-point."""
 
 
 class SpeedSum(AxesRule):
     """The axes' speeds, each with its factor, together not beyond a bound to either side."""
 
-    def __init__(self, row: GuardSum, axes: Mapping[str, GuardedAxis]) -> None:
+    def __init__(self, row: GuardSum, axes: Mapping[str, InForce]) -> None:
         self.name = row.name
         self.axes = tuple(axes[axis] for axis in row.of)
         self.due = NEVER
@@ -56,7 +55,7 @@ class SpeedSum(AxesRule):
         reach = sum(abs(factor) * axis.axis.top_speed for axis, factor in self._terms)
         self._most_excess: Final = 2.0 * reach * self._patience
         """What all axes together make in two cycles at their top speeds; in the sum's unit times ns."""
-        self._to_come: tuple[GuardedAxis, ...] = ()
+        self._to_come: tuple[InForce, ...] = ()
         """Who had not been sent a set-point when the bound was passed, nor since."""
         self._passed_at: Nanoseconds = NEVER
         """When the bound was passed last."""
@@ -68,25 +67,25 @@ class SpeedSum(AxesRule):
         """The integral of what the sum is beyond its bound, to each side; within it falls, down to 0."""
         self._summed_at: Nanoseconds = 0
 
-    def refuses(self, axis: GuardedAxis, set_point: SetPoint, now: Nanoseconds) -> str | None:
+    def refuses(self, asked: Mapping[InForce, Asked], now: Nanoseconds) -> str | None:
         """Refuse what passes the bound when nobody is left to mend it; rest is never refused."""
-        own = axis.speed_with(set_point)
-        if own == 0.0:
+        if not any(one.speed for one in asked.values()):
             return None
         value = 0.0
         for one, factor in self._terms:
-            value += factor * (own if one is axis else one.speed)
+            own = asked.get(one)
+            value += factor * (one.speed if own is None else own.speed)
         if abs(value) <= self._bound:
             return None
-        if self._others(axis, now) and self._excess(value) < self._most_excess:
+        if self._others(asked, now) and self._excess(value) < self._most_excess:
             return None
         return f"{self.name} of {value:.4f} is beyond {math.copysign(self._bound, value):.4f}"
 
-    def stops_with(self, axis: GuardedAxis) -> tuple[GuardedAxis, ...]:
+    def stops_with(self, axes: Collection[InForce]) -> tuple[InForce, ...]:
         """Stop all: what is left of a sum without one of its axes may be further beyond."""
-        return tuple(one for one in self.axes if one is not axis and one.moving)
+        return tuple(one for one in self.axes if one not in axes and one.moving)
 
-    def sent(self, axis: GuardedAxis, now: Nanoseconds) -> None:
+    def sent(self, axis: InForce, now: Nanoseconds) -> None:
         """Find out until when the new sum may stand."""
         self._sum_up(now)
         value = 0.0
@@ -98,18 +97,18 @@ class SpeedSum(AxesRule):
             self._kept_at = min(self._kept_at, now)
             self.due = NEVER
             return
-        self._to_come = self._others(axis, now)
+        self._to_come = self._others((axis,), now)
         if self._kept_at not in {NEVER, now}:
             self._passed_at = now
         self._kept_at = NEVER
         exhausted = now + int((self._most_excess - self._excess(value)) / beyond)
         self.due = min(self._passed_at + self._patience, exhausted) if self._to_come else now
 
-    def _others(self, axis: GuardedAxis, now: Nanoseconds) -> tuple[GuardedAxis, ...]:
-        """Return who may still mend what this axis does: nobody that has been sent a set-point since."""
+    def _others(self, axes: Collection[InForce], now: Nanoseconds) -> tuple[InForce, ...]:
+        """Return who may still mend what these axes do: nobody that has been sent a set-point since."""
         # To be within at an instant only, before the next word of that instant, mends nothing.
         to_come = self._to_come if self._kept_at in {NEVER, now} else self.axes
-        return tuple(one for one in to_come if one is not axis and one.commanded_at < now)
+        return tuple(one for one in to_come if one not in axes and one.commanded_at < now)
 
     def _sum_up(self, now: Nanoseconds) -> None:
         elapsed = now - self._summed_at
@@ -125,27 +124,32 @@ class SpeedSum(AxesRule):
 class Exclusion(AxesRule):
     """Two sides of which one may be told to move; the other must have been told to rest before."""
 
-    def __init__(self, row: GuardExclusive, axes: Mapping[str, GuardedAxis]) -> None:
+    def __init__(self, row: GuardExclusive, axes: Mapping[str, InForce]) -> None:
         self.name = row.name
         self.due = NEVER
         one, other = (tuple(axes[axis] for axis in side) for side in (row.one, row.other))
         self.axes = (*one, *other)
         self._against: Final = {**dict.fromkeys(row.one, other), **dict.fromkeys(row.other, one)}
 
-    def refuses(self, axis: GuardedAxis, set_point: SetPoint, now: Nanoseconds) -> str | None:
+    def refuses(self, asked: Mapping[InForce, Asked], now: Nanoseconds) -> str | None:
         """Refuse motion while the other side is told to move; rest is never refused."""
         del now
-        moving = [other.axis.title for other in self._against[axis.axis.name] if other.moving]
-        if not moving or not axis.moves_with(set_point):
-            return None
-        return f"{self.name}: {axis.axis.title} may not move while {', '.join(moving)} may"
+        for axis in _movers(asked, self.axes):
+            moving = [
+                other.axis.title
+                for other in self._against[axis.axis.name]
+                if (asked[other].moves if other in asked else other.moving)
+            ]
+            if moving:
+                return f"{self.name}: {axis.axis.title} may not move while {', '.join(moving)} may"
+        return None
 
-    def stops_with(self, axis: GuardedAxis) -> tuple[GuardedAxis, ...]:
+    def stops_with(self, axes: Collection[InForce]) -> tuple[InForce, ...]:
         """Stop nobody else: whoever moves already may go on."""
-        del axis
+        del axes
         return ()
 
-    def sent(self, axis: GuardedAxis, now: Nanoseconds) -> None:
+    def sent(self, axis: InForce, now: Nanoseconds) -> None:
         """Do nothing: each axis knows what is in force."""
 
 
@@ -154,32 +158,38 @@ class OneHomes(AxesRule):
 
     name = "homing"
 
-    def __init__(self, axes: Iterable[GuardedAxis]) -> None:
+    def __init__(self, axes: Iterable[InForce]) -> None:
         self.axes = tuple(axes)
         self.due = NEVER
 
-    def refuses(self, axis: GuardedAxis, set_point: SetPoint, now: Nanoseconds) -> str | None:
+    def refuses(self, asked: Mapping[InForce, Asked], now: Nanoseconds) -> str | None:
         """Refuse motion while another axis homes."""
         del now
-        homing = next((other.axis.title for other in self.axes if other is not axis and other.homes), None)
-        if homing is None or not axis.moves_with(set_point):
-            return None
-        return f"{self.name}: {axis.axis.title} may not move while {homing} finds its zero"
+        for axis in _movers(asked, self.axes):
+            homing = next((it.axis.title for it in self.axes if it is not axis and it.homes), None)
+            if homing is not None:
+                return f"{self.name}: {axis.axis.title} may not move while {homing} finds its zero"
+        return None
 
-    def stops_with(self, axis: GuardedAxis) -> tuple[GuardedAxis, ...]:
+    def stops_with(self, axes: Collection[InForce]) -> tuple[InForce, ...]:
         """Stop nobody else: it finds its zero alone, and may go on."""
-        del axis
+        del axes
         return ()
 
-    def sent(self, axis: GuardedAxis, now: Nanoseconds) -> None:
+    def sent(self, axis: InForce, now: Nanoseconds) -> None:
         """Find out until when a homing may last that was started, or whether it has ended."""
         if axis.homes:
-            self.due = now + from_seconds(axis.zeroing.within_s) + HALTED_WITHIN
+            self.due = now + from_seconds(axis.homes_within_s) + HALTED_WITHIN
         elif not any(other.homes for other in self.axes):
             self.due = NEVER
 
 
-def rules_across(robot: AnyRobot, axes: Mapping[str, GuardedAxis]) -> tuple[AxesRule, ...]:
+def _movers(asked: Mapping[InForce, Asked], axes: Collection[InForce]) -> Iterator[InForce]:
+    """Yield who of these would move."""
+    yield from (axis for axis, one in asked.items() if one.moves and axis in axes)
+
+
+def rules_across(robot: AnyRobot, axes: Mapping[str, InForce]) -> tuple[AxesRule, ...]:
     """Return the rules of a robot file over several axes; `axes` by their names."""
     homed = any(axis.axis.zero.homing is not None for axis in axes.values())
     return (

@@ -1,4 +1,4 @@
-"""One axis as the guard knows it: what was sent to its drive, what that reported, what it may be sent."""
+"""One axis of an EPOS2 as the guard knows it: what was sent, what was reported, what it may be sent."""
 
 from collections.abc import Iterable
 from typing import Final
@@ -16,6 +16,7 @@ from firmware_bridge.safety.guard.epos2_words import (
     START_HOMING,
     SetPoint,
 )
+from firmware_bridge.safety.guard.in_force import Asked, InForce
 from firmware_bridge.safety.guard.zeroing import READ, WRITTEN, Zeroing
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 from firmware_bridge.wire.cia402 import State, Status, state_of
@@ -52,15 +53,15 @@ class GuardedAxis:
 
     def __init__(self, axis: Axis, robot: AnyRobot) -> None:
         self.axis: Final = axis
-        self.node: Final = axis.settings.node
+        self.node: Final = axis.epos2.node
         self.by_speed: Final = axis.command is Command.SPEED
         """Whether its target is a speed; else it is a position."""
         self.zeroing: Final = Zeroing(axis)
-        self.all: tuple[GuardedAxis, ...] = ()
+        self.all: tuple[InForce, ...] = ()
         """Every axis of the robot, this one among them."""
         self.targets: Final = targets(axis)
         """All that it may be sent; rpm or quadcounts."""
-        self.cycle: Final = robot.cycle * robot.links[axis.link].every
+        self.cycle: Final = robot.cycle * robot.epos2_link(axis.link).every
         """The time from one of its set-points to the next."""
         self.target = 0
         self.speed = 0.0
@@ -73,7 +74,7 @@ class GuardedAxis:
         """Whether a statusword said that there is no power, since the last word that gives it."""
         self._off_since: Nanoseconds = NEVER
         """Since when the word in force has been the one that takes the power; NEVER where it is another."""
-        link = robot.links[axis.link]
+        link = robot.epos2_link(axis.link)
         self._patience: Final = link.confirmed(robot.cycle).by_object
         """How long a drive may take to confirm that."""
         self._word: int | None = None
@@ -84,7 +85,7 @@ class GuardedAxis:
         """When it was sent there, was halted, or was let go on."""
         self._rests_at: int | None = None
         """Where it was when it came to rest; what is near it is no motion. None while that is not known."""
-        self._margin_qc: Final = axis.settings.profile.max_following_error_qc
+        self._margin_qc: Final = axis.epos2.profile.max_following_error_qc
         """How near that is. It stays where it is, so that many small steps are none."""
         self._rpm_per_unit: Final = rpm_per_unit(axis)
 
@@ -111,6 +112,11 @@ class GuardedAxis:
     def homes(self) -> bool:
         """Whether its drive was told to find its zero, by moving."""
         return self._word == START_HOMING and self.zeroing.turns
+
+    @property
+    def homes_within_s(self) -> float:
+        """How long that may last."""
+        return self.zeroing.within_s
 
     @property
     def set_point(self) -> SetPoint:
@@ -141,6 +147,10 @@ class GuardedAxis:
         if not (self.by_speed and self.moves_with(set_point)):
             return 0.0
         return set_point.target / self._rpm_per_unit
+
+    def asked_by(self, set_point: SetPoint) -> Asked:
+        """Return what the axis would do by this set-point."""
+        return Asked(self.moves_with(set_point), self.speed_with(set_point))
 
     def keeps_from_reset(self, now: Nanoseconds) -> str | None:
         """Return why its drive may not be reset, or None: only one that does not give up its power may.
@@ -211,7 +221,7 @@ class GuardedAxis:
 
     def _homes_beside(self, word: int) -> str | None:
         """Return who moves, on whatever link, itself included, where a word starts a homing that moves."""
-        moving = next((f"node {axis.node}" for axis in self.all if axis.moving), None)
+        moving = next((axis.axis.settings.address for axis in self.all if axis.moving), None)
         starts = word == START_HOMING and self.zeroing.turns
         return f"a homing started while {moving} may move" if starts and moving is not None else None
 

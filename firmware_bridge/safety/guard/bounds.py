@@ -27,7 +27,7 @@ def highest_rpm(axis: Axis) -> int:
 
 def qc_per_unit(axis: Axis) -> float:
     """Return the motor's quadcounts for one unit behind the gear, negative for a mirrored axis."""
-    return axis.direction * axis.ratio * _EDGES_PER_LINE * axis.settings.encoder_lines / math.tau
+    return axis.direction * axis.ratio * _EDGES_PER_LINE * axis.epos2.encoder_lines / math.tau
 
 
 def ends_qc(axis: Axis) -> tuple[int, int]:

@@ -10,7 +10,7 @@ Source: CiA 301 for identifiers and services.
 """
 
 import struct
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final, Protocol
 
@@ -18,6 +18,7 @@ from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Command
 from firmware_bridge.safety.guard.axis import GuardedAxis
 from firmware_bridge.safety.guard.epos2_words import CONTROLWORDS, LISTED_NMT, TARGET_UNIT, SetPoint
+from firmware_bridge.safety.guard.in_force import Asked, InForce
 from firmware_bridge.safety.guard.wire_rules import WireRules
 from firmware_bridge.safety.guard.writes import SAMPLE_PDO, STATUS_PDO, Writes, writes_on_can
 from firmware_bridge.units import Nanoseconds
@@ -107,6 +108,8 @@ class SdoRequest:
 class Epos2CanRules(WireRules):
     """Frames that leave when they are handed over, and answers that everybody finds by himself."""
 
+    axes: tuple[GuardedAxis, ...]
+
     def __init__(self, robot: AnyRobot, link: str) -> None:
         self.link = link
         self.axes = tuple(GuardedAxis(axis, robot) for axis in robot.axes_on(link))
@@ -124,13 +127,15 @@ class Epos2CanRules(WireRules):
         """Never: a frame of the guard's has left when it was handed over."""
         return False
 
-    def axis_of(self, packet: Packet) -> GuardedAxis | None:
+    def axes_of(self, packet: Packet) -> tuple[GuardedAxis, ...]:
         """Return the axis whose set-point this is."""
-        return self._by_set_point.get(packet.address)
+        axis = self._by_set_point.get(packet.address)
+        return () if axis is None else (axis,)
 
-    def set_point_of(self, packet: Packet, _axis: GuardedAxis) -> SetPoint:
-        """Return what the frame carries."""
-        return SetPoint(*_SET_POINT.unpack(packet.payload))
+    def asked_by(self, packet: Packet) -> Mapping[InForce, Asked]:
+        """Return what the frame has its axis do."""
+        axis = self._by_set_point[packet.address]
+        return {axis: axis.asked_by(SetPoint(*_SET_POINT.unpack(packet.payload)))}
 
     def refuses(self, packet: Packet, now: Nanoseconds) -> str | None:
         """Look into the list, and at what is in force."""
@@ -176,26 +181,26 @@ class Epos2CanRules(WireRules):
         abort = bytes((_ABORT,)) + address + _GENERAL_ERROR.to_bytes(4, "little")
         return (Packet(self.link, packet.address, abort),)
 
-    def sends(self, packet: Packet, now: Nanoseconds, *, asked: bool) -> GuardedAxis | None:
+    def sends(self, packet: Packet, now: Nanoseconds, *, asked: bool) -> tuple[GuardedAxis, ...]:
         """Note what a frame does to the drives."""
         del asked
         axis = self._by_set_point.get(packet.address)
         if axis is not None:
-            axis.sent(self.set_point_of(packet, axis), now)
-            return axis
+            axis.sent(SetPoint(*_SET_POINT.unpack(packet.payload)), now)
+            return (axis,)
         if packet.address == canopen.NMT:
             self._commands(packet.payload[0], packet.payload[1])
-            return None
+            return ()
         axis = self._by_request.get(packet.address)
         written = None if axis is None else _written(packet.payload)
         if axis is None or written is None:
-            return None
+            return ()
         address, raw = written
         if address != CONTROLWORD:
             axis.wrote(address, raw)
-            return None
+            return ()
         axis.sent(SetPoint(int.from_bytes(raw, "little"), axis.target), now)
-        return axis
+        return (axis,)
 
     def receives(self, packet: Packet, now: Nanoseconds) -> bool:
         """Let everything in; read statusword and position where they come."""
@@ -236,7 +241,7 @@ def _listed(robot: AnyRobot, link: str, axes: tuple[GuardedAxis, ...]) -> dict[i
     listed: dict[int, Content] = {
         canopen.NMT: Exactly(tuple(bytes((command, node)) for command in LISTED_NMT for node in nodes)),
         canopen.SYNC: Exactly((b"",)),
-        canopen.ERROR_CONTROL + robot.links[link].bridge_node: Exactly(
+        canopen.ERROR_CONTROL + robot.epos2_link(link).bridge_node: Exactly(
             tuple(bytes((one,)) for one in states)
         ),
     }

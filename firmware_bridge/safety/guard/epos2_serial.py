@@ -16,6 +16,7 @@ from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.guard.axis import GuardedAxis
 from firmware_bridge.safety.guard.epos2_words import CONTROLWORDS, LISTED_NMT, START_HOMING, TARGET, SetPoint
+from firmware_bridge.safety.guard.in_force import Asked, InForce
 from firmware_bridge.safety.guard.wire_rules import WireRules
 from firmware_bridge.safety.guard.writes import Values, Writes, writes_over_serial
 from firmware_bridge.units import Nanoseconds
@@ -52,10 +53,12 @@ _Judge: TypeAlias = Callable[["Epos2SerialRules", Any, Nanoseconds], str | None]
 class Epos2SerialRules(WireRules):
     """Commands that wait for their turn, and one answer for each."""
 
+    axes: tuple[GuardedAxis, ...]
+
     def __init__(self, robot: AnyRobot, link: str) -> None:
         self.link = link
         self.axes = tuple(GuardedAxis(axis, robot) for axis in robot.axes_on(link))
-        bus = robot.links[link]
+        bus = robot.epos2_link(link)
         self.writes: Final[Mapping[int, Writes]] = {axis.node: _all_writes(axis, robot) for axis in self.axes}
         """By node."""
         self.beat_id: Final = canopen.ERROR_CONTROL + bus.bridge_node
@@ -71,18 +74,25 @@ class Epos2SerialRules(WireRules):
         """Whether words of the guard itself still wait for the line."""
         return not all(asked for _, asked in self._unanswered)
 
-    def axis_of(self, packet: Packet) -> GuardedAxis | None:
+    def axes_of(self, packet: Packet) -> tuple[GuardedAxis, ...]:
         """Return the axis whose controlword or target this writes."""
-        request = request_of(packet)
+        axis = self._axis_of(request_of(packet))
+        return () if axis is None else (axis,)
+
+    def _axis_of(self, request: Request | None) -> GuardedAxis | None:
         if not isinstance(request, WriteObject):
             return None
         axis = self._by_node.get(request.node)
         return axis if axis is not None and address_of(request) in (CONTROLWORD, _target(axis)) else None
 
-    def set_point_of(self, packet: Packet, axis: GuardedAxis) -> SetPoint:
-        """Return what is in force with what the command writes."""
+    def asked_by(self, packet: Packet) -> Mapping[InForce, Asked]:
+        """Return what its axis does with what the command writes."""
         request = request_of(packet)
-        return _written(request, axis) if isinstance(request, WriteObject) else axis.set_point
+        return {
+            axis: axis.asked_by(_written(request, axis))
+            for axis in self.axes_of(packet)
+            if isinstance(request, WriteObject)
+        }
 
     def refuses(self, packet: Packet, now: Nanoseconds) -> str | None:
         """Look into the list, and at what is in force."""
@@ -101,7 +111,7 @@ class Epos2SerialRules(WireRules):
     def instead_of(self, packet: Packet) -> None:
         """Stop every axis, whatever command it is."""
 
-    def sends(self, packet: Packet, now: Nanoseconds, *, asked: bool) -> GuardedAxis | None:
+    def sends(self, packet: Packet, now: Nanoseconds, *, asked: bool) -> tuple[GuardedAxis, ...]:
         """Note what a command does to the drives, and whether the node waits for the answer."""
         request = request_of(packet)
         self._unanswered.append((request, asked))
@@ -109,8 +119,8 @@ class Epos2SerialRules(WireRules):
             if request.command in {NmtCommand.RESET_NODE, NmtCommand.RESET_COMMUNICATION}:
                 for addressed in self.addressed(request.node):
                     addressed.restarted()
-            return None
-        axis = self.axis_of(packet)
+            return ()
+        axis = self._axis_of(request)
         if axis is not None and isinstance(request, WriteObject):
             written = _written(request, axis)
             if address_of(request) == CONTROLWORD:
@@ -119,7 +129,7 @@ class Epos2SerialRules(WireRules):
                 axis.aims(written.target)
         elif isinstance(request, WriteObject):
             self._by_node[request.node].wrote(address_of(request), request.raw)
-        return axis
+        return () if axis is None else (axis,)
 
     def receives(self, packet: Packet, now: Nanoseconds) -> bool:
         """Let in what is the node's; a line that is gone answers nothing any more."""

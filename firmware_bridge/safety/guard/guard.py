@@ -16,11 +16,15 @@ from typing import Final, TypeAlias
 from firmware_bridge.node import OPERATOR, Node, Stoppable, holds
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.capture import CaptureDriver
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
+from firmware_bridge.robot.settings.shield import ShieldDriver
 from firmware_bridge.safety.guard.across_axes import AxesRule, rules_across
-from firmware_bridge.safety.guard.axis import GuardedAxis
+from firmware_bridge.safety.guard.capture import CaptureRules
 from firmware_bridge.safety.guard.epos2_can import Epos2CanRules
 from firmware_bridge.safety.guard.epos2_serial import Epos2SerialRules
+from firmware_bridge.safety.guard.in_force import InForce
+from firmware_bridge.safety.guard.shield import ShieldRules
 from firmware_bridge.safety.guard.wire_rules import WireRules
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 
@@ -130,25 +134,26 @@ class Guarded:
 
     def _admitted(self, packet: Packet, rules: WireRules, now: Nanoseconds) -> tuple[Packet, ...]:
         """Return the packet itself, or what leaves in its place."""
-        axis = rules.axis_of(packet)
+        axes = rules.axes_of(packet)
         reason = rules.refuses(packet, now)
-        if axis is None:
+        if not axes:
             if reason is None:
                 return self._sent((packet,), now, asked=packet)
             instead = rules.instead_of(packet)
             return self._replaced(packet, reason, self._all_safe() if instead is None else instead, now)
-        axis.commanded_at = now
-        others: tuple[GuardedAxis, ...] = ()
+        for axis in axes:
+            axis.commanded_at = now
+        others: tuple[InForce, ...] = ()
         if reason is None:
-            set_point = rules.set_point_of(packet, axis)
-            for rule in self._across_of[axis.axis.name]:
-                reason = rule.refuses(axis, set_point, now)
+            asked = rules.asked_by(packet)
+            for rule in self._across_all(axes):
+                reason = rule.refuses(asked, now)
                 if reason is not None:
-                    others = rule.stops_with(axis)
+                    others = rule.stops_with(axes)
                     break
             else:
                 return self._sent((packet,), now, asked=packet)
-        safe = (*(safe for other in others for safe in self._safe(other)), *rules.safe(axis))
+        safe = self._joined((*others, *axes))
         # The node goes on when its set-point is answered, whatever became of it; other words it misses.
         return self._replaced(packet, reason, safe, now, asked=safe[-1])
 
@@ -157,8 +162,8 @@ class Guarded:
     ) -> tuple[Packet, ...]:
         """Note what leaves; to `asked`, which is one of them, the node waits for an answer."""
         for packet in packets:
-            axis = self.links[packet.link].sends(packet, now, asked=packet is asked)
-            if axis is not None:
+            axes = self.links[packet.link].sends(packet, now, asked=packet is asked)
+            for axis in axes:
                 for rule in self._across_of[axis.axis.name]:
                     rule.sent(axis, now)
         return packets
@@ -178,18 +183,24 @@ class Guarded:
             self._listener(refusal)
         return self._sent(safe, now, asked)
 
-    def _safe(self, axis: GuardedAxis) -> tuple[Packet, ...]:
-        return self.links[axis.axis.link].safe(axis)
+    def _across_all(self, axes: tuple[InForce, ...]) -> tuple[AxesRule, ...]:
+        """Return the rules over any of these axes, each once."""
+        if len(axes) == 1:
+            return self._across_of[axes[0].axis.name]
+        return tuple(rule for rule in self._across if any(axis in rule.axes for axis in axes))
+
+    def _joined(self, axes: Iterable[InForce]) -> tuple[Packet, ...]:
+        """Return the safe words of these axes; what is one word for several of them, once."""
+        return tuple(dict.fromkeys(safe for axis in axes for safe in self.links[axis.axis.link].safe(axis)))
 
     def _all_safe(self, *, heard: bool = False) -> tuple[Packet, ...]:
         """Return the safe words of every axis with power; `heard`: on links where none of them wait still."""
-        return tuple(
-            safe
+        return self._joined(
+            axis
             for rules in self.links.values()
             if not (heard and rules.waiting)
             for axis in rules.axes
             if axis.powered
-            for safe in rules.safe(axis)
         )
 
     def _cleared(self, now: Nanoseconds) -> tuple[Packet, ...]:
@@ -198,7 +209,7 @@ class Guarded:
         self._due = NEVER
         for rule in self._across:
             if rule.due <= now:
-                safe = tuple(safe for axis in rule.axes if axis.moving for safe in self._safe(axis))
+                safe = self._joined(axis for axis in rule.axes if axis.moving)
                 sent += self._replaced(None, f"{rule.name} stayed beyond its bound", safe, now)
         for rule in self._across:
             self._due = min(self._due, rule.due)
@@ -227,7 +238,7 @@ class Guarded:
         titles = ", ".join(axis.axis.title for axis in silent)
         return self._replaced(None, f"no set-point for {patience} ms: {titles}", self._all_safe(), now)
 
-    def _overdue_at(self, axis: GuardedAxis) -> Nanoseconds:
+    def _overdue_at(self, axis: InForce) -> Nanoseconds:
         """Return when the axis is overdue: so long after its set-point, or after the motion began.
 
         One that finds its zero is sent none; the bridge shows by the others that it lives.
@@ -246,7 +257,9 @@ def guarded(node: Node, robot: AnyRobot, listener: Listener | None = None) -> Gu
     return Guarded(node, links, rules_across(robot, axes), listener)
 
 
-_RULES: Final[Mapping[Epos2Driver, Callable[[AnyRobot, str], WireRules]]] = {
+_RULES: Final[Mapping[str, Callable[[AnyRobot, str], WireRules]]] = {
     Epos2Driver.CAN: Epos2CanRules,
     Epos2Driver.SERIAL: Epos2SerialRules,
+    ShieldDriver.MOTOR_SHIELD: ShieldRules,
+    **dict.fromkeys(CaptureDriver, CaptureRules),
 }

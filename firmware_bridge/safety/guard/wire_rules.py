@@ -1,10 +1,11 @@
 """What the guard must know of a link: which packets may leave, what they put in force, and the safe ones."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import Any
 
 from firmware_bridge.packet import Packet
-from firmware_bridge.safety.guard.axis import GuardedAxis
-from firmware_bridge.safety.guard.epos2_words import SetPoint
+from firmware_bridge.safety.guard.in_force import Asked, InForce
 from firmware_bridge.units import Nanoseconds
 
 
@@ -12,7 +13,7 @@ class WireRules(ABC):
     """One protocol's rules for the drives of one link, and what was sent to them and reported by them."""
 
     link: str
-    axes: tuple[GuardedAxis, ...]
+    axes: tuple[InForce, ...]
 
     @property
     @abstractmethod
@@ -20,28 +21,28 @@ class WireRules(ABC):
         """Whether words of the guard itself still wait for the link."""
 
     @abstractmethod
-    def axis_of(self, packet: Packet) -> GuardedAxis | None:
-        """Return the axis whose set-point, or part of one, this is."""
+    def axes_of(self, packet: Packet) -> tuple[InForce, ...]:
+        """Return the axes whose set-points, or parts of them, this is."""
 
     @abstractmethod
-    def set_point_of(self, packet: Packet, axis: GuardedAxis) -> SetPoint:
-        """Return what an axis's packet, which is not refused, would put in force."""
+    def asked_by(self, packet: Packet) -> Mapping[InForce, Asked]:
+        """Return what such a packet, which is not refused, would have its axes do."""
 
     @abstractmethod
     def refuses(self, packet: Packet, now: Nanoseconds) -> str | None:
         """Return why a packet may not leave now, or None."""
 
     @abstractmethod
-    def safe(self, axis: GuardedAxis) -> tuple[Packet, ...]:
-        """Return what takes motion away from an axis and gives it no power."""
+    def safe(self, axis: Any) -> tuple[Packet, ...]:
+        """Return what takes motion away from one of the link's own axes and gives it no power."""
 
     @abstractmethod
     def instead_of(self, packet: Packet) -> tuple[Packet, ...] | None:
         """Return what leaves instead of a refused packet that is no set-point; None to stop every axis."""
 
     @abstractmethod
-    def sends(self, packet: Packet, now: Nanoseconds, *, asked: bool) -> GuardedAxis | None:
-        """Note a packet that leaves; return the axis for which it put something in force.
+    def sends(self, packet: Packet, now: Nanoseconds, *, asked: bool) -> tuple[InForce, ...]:
+        """Note a packet that leaves; return the axes for which it put something in force.
 
         `asked`: the node waits for what comes back.
         """

@@ -10,7 +10,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-from firmware_bridge.robot import AnyLink, AnyRobot, Axis, Command, Output
+from firmware_bridge.robot import AnyRobot, Axis, Command, Output
+from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.safety.guard.bounds import ends_qc, highest_rpm
 from firmware_bridge.safety.guard.epos2_words import ENABLE, HALT, START_HOMING, STOP_WORDS
 from firmware_bridge.safety.guard.zeroing import ACTUAL_POSITION, OWN_MODE, WRITTEN, by_file
@@ -90,7 +91,7 @@ def output_function(output: Output) -> OutputFunction:
 
 def writes_on_can(axis: Axis, robot: AnyRobot) -> Writes:
     """Return the objects of one drive that the bridge reaches over CAN."""
-    link = robot.links[axis.link]
+    link = robot.epos2_link(axis.link)
     return _writes(axis, robot, _watch(link, link.bridge_node), link.drive_heartbeat_ms)
 
 
@@ -99,8 +100,8 @@ def writes_over_serial(axis: Axis, robot: AnyRobot) -> Writes:
 
     The drive has no heartbeat there, and watches whom the robot file makes it watch.
     """
-    link = robot.links[axis.link]
-    watched = link.watched_by(axis.settings.node, robot.nodes_on(axis.link))
+    link = robot.epos2_link(axis.link)
+    watched = link.watched_by(axis.epos2.node, robot.nodes_on(axis.link))
     return _writes(axis, robot, _watch(link, watched), 0)
 
 
@@ -120,7 +121,7 @@ def _writes(axis: Axis, robot: AnyRobot, watch: int, heartbeat_ms: int) -> Write
     )
 
 
-def _watch(link: AnyLink, watched: int) -> int:
+def _watch(link: Epos2Link, watched: int) -> int:
     """Return the heartbeat consumer entry with which a drive watches a node (0x1016)."""
     return watched << 16 | link.bridge_silent_ms
 
@@ -136,7 +137,7 @@ def _within(kind: DataType, low: int, high: int) -> Values:
 def _process_data(axis: Axis) -> Iterator[tuple[Address, Values]]:
     for number in _PDOS:
         communication, mapping = (first + number for first in _RECEIVE)
-        identifier = canopen.RECEIVE_PDO[number] + axis.settings.node
+        identifier = canopen.RECEIVE_PDO[number] + axis.epos2.node
         off = canopen.COB_ID_INVALID | identifier
         used = number == _SET_POINT_PDO[axis.command]
         yield Address(communication, 1), _exactly(U32, *((off, identifier) if used else (off,)))
@@ -147,7 +148,7 @@ def _process_data(axis: Axis) -> Iterator[tuple[Address, Values]]:
             yield Address(mapping, 2), _exactly(U32, _MAPPED[axis.command])
     for number in _PDOS:
         communication, mapping = (first + number for first in _TRANSMIT)
-        identifier = canopen.COB_ID_NO_REMOTE | canopen.TRANSMIT_PDO[number] + axis.settings.node
+        identifier = canopen.COB_ID_NO_REMOTE | canopen.TRANSMIT_PDO[number] + axis.epos2.node
         yield Address(communication, 1), _exactly(U32, canopen.COB_ID_INVALID | identifier, identifier)
         yield Address(communication, 2), _exactly(U8, *TRANSMISSIONS)
         yield Address(communication, 3), _within(U16, U16.lowest, U16.highest)
@@ -169,7 +170,7 @@ def _supervision(watch: int, heartbeat_ms: int) -> Iterator[tuple[Address, Value
 
 
 def _protection(axis: Axis) -> Iterator[tuple[Address, Values]]:
-    drive = axis.settings
+    drive = axis.epos2
     profile = drive.profile
     yield at.MOTOR_TYPE, _exactly(U16, drive.motor_type)
     yield at.ENCODER_PULSES, _exactly(U32, drive.encoder_lines)
@@ -184,13 +185,13 @@ def _protection(axis: Axis) -> Iterator[tuple[Address, Values]]:
 def _range(axis: Axis) -> Iterator[tuple[Address, Values]]:
     if axis.travel is None:
         return
-    (low, high), margin = ends_qc(axis), axis.settings.profile.max_following_error_qc
+    (low, high), margin = ends_qc(axis), axis.epos2.profile.max_following_error_qc
     for address in (at.MIN_POSITION_LIMIT, at.MAX_POSITION_LIMIT):
         yield address, _within(I32, low - margin, high + margin)
 
 
 def _motion(axis: Axis) -> Iterator[tuple[Address, Values]]:
-    profile = axis.settings.profile
+    profile = axis.epos2.profile
     zeroing = () if axis.travel is None else (Mode.HOMING,)
     yield at.MODE, _exactly(I8, OWN_MODE[axis.command], *zeroing)
     yield at.MOTION_PROFILE_TYPE, _exactly(I16, 0)
@@ -203,7 +204,7 @@ def _motion(axis: Axis) -> Iterator[tuple[Address, Values]]:
 
 
 def _gains(axis: Axis) -> Iterator[tuple[Address, Values]]:
-    gains = axis.settings.gains
+    gains = axis.epos2.gains
     for address, kind, value in (
         (at.CURRENT_P, I16, gains.current_p),
         (at.CURRENT_I, I16, gains.current_i),

@@ -7,8 +7,10 @@ from typing import Final
 
 import serial
 
+from firmware_bridge.node import DTR_DOWN, DTR_UP
 from firmware_bridge.shell.ports.byte_file import ByteFile
 from firmware_bridge.shell.ports.port import LostPort, PortError
+from firmware_bridge.units import Nanoseconds
 
 MOST_WAITING: Final = 65_536
 """Bytes; a port that lets so many wait sends nothing at all."""
@@ -30,6 +32,15 @@ class SerialLine(ByteFile):
         self.name = f"serial port {device}"
         self._serial = _opened(device, baud, self.name)
         super().__init__(self._serial.fileno())
+
+    def write(self, address: int, payload: bytes, now: Nanoseconds) -> None:
+        """Send bytes, or keep them for `flush`; an empty packet may set the wire DTR. LostPort."""
+        if address in {DTR_UP, DTR_DOWN} and not payload:
+            # A line without that wire has nothing to be reset by.
+            with contextlib.suppress(OSError, serial.SerialException):
+                self._serial.dtr = address == DTR_UP
+            return
+        super().write(address, payload, now)
 
     def close(self) -> None:
         """Close the device; never fails, and may be called again."""

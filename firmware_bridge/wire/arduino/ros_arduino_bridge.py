@@ -11,6 +11,8 @@ from types import MappingProxyType
 from typing import Final, TypeAlias
 
 BAUD: Final = 57_600
+FRAME_MS: Final = 1_000 // 30
+"""Of the loop of speeds: 30 Hz in the sketch's whole milliseconds."""
 END: Final = b"\r"
 LINE_END: Final = b"\r\n"
 OK: Final = "OK"

@@ -11,6 +11,7 @@ from firmware_bridge import kinds
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import NEVER, from_seconds
+from hil_tests.unit.capture_driver.capture_bench import table as cameras
 
 RARS = kinds.find("rars")
 SERIAL = over_serial(RARS)
@@ -56,9 +57,14 @@ def refusal(text: str, robot: AnyRobot = RARS) -> list[str]:
     return str(caught.value).splitlines()
 
 
+SEEN = RARS.with_links({"cameras": cameras()})
+ON = {"serial_unplugged": SERIAL, "body_hidden": SEEN, "markers_swapped": SEEN}
+"""What a kind is of, where RARS has it not."""
+
+
 @pytest.mark.parametrize("kind", KINDS.values(), ids=lambda kind: kind.name)
 def test_every_kind_can_be_named_with_the_least_that_it_needs(kind: Kind) -> None:
-    robot = SERIAL if kind.name == "serial_unplugged" else RARS
+    robot = ON.get(kind.name, RARS)
     keys = f"at_s = 2.0\n{LEAST.get(kind.name, '')}"
     (fault,) = mission(table(kind.name, keys), robot).fault
     assert type(fault) is kind.fault

@@ -83,7 +83,7 @@ class Bench:
     """What the guard is to refuse."""
 
     def __post_init__(self) -> None:
-        bus, air = CanWire(self.robot.links["drives"].bit_rate), DatagramWire()
+        bus, air = CanWire(self.robot.epos2_link("drives").bit_rate), DatagramWire()
         bus.observe(lambda now, sender, packet: self.frames.append((now, sender, packet)))
         self.guard = guarded(self.bridge, self.robot)
         self.carrier = Carrier(self.guard)

@@ -75,7 +75,7 @@ class PaperDrive:
         """Go to fault; return what the drive then sends."""
         self.state = State.FAULT
         self.rpm = 0
-        node = self.axis.settings.node
+        node = self.axis.epos2.node
         emergency = code.to_bytes(2, "little") + bytes(6)
         return [Packet(CAN, 0x080 + node, emergency), Packet(CAN, 0x180 + node, self._status())]
 
@@ -85,10 +85,10 @@ class PaperDrive:
         self.memory, self.state, self.nmt = fresh.memory, fresh.state, fresh.nmt
         self.rpm, self.position, self._word = 0, 0.0, 0
         self.referenced = self.attained = False
-        return [Packet(CAN, 0x700 + self.axis.settings.node, b"\0")]
+        return [Packet(CAN, 0x700 + self.axis.epos2.node, b"\0")]
 
     def _heard(self, packet: Packet, now: Nanoseconds) -> list[tuple[int, bytes]]:
-        node = self.axis.settings.node
+        node = self.axis.epos2.node
         if packet.address == 0x000 and packet.payload[1] in (0, node):
             self.nmt = {
                 NmtCommand.START: NmtState.OPERATIONAL,
@@ -129,7 +129,7 @@ class PaperDrive:
                     if address == at.CONTROLWORD:
                         self._obey(int.from_bytes(raw, "little"))
                     answer = sdo.encode_download_response(address)
-        return [] if answer is None else [(0x580 + self.axis.settings.node, answer)]
+        return [] if answer is None else [(0x580 + self.axis.epos2.node, answer)]
 
     def _commanded(self, payload: bytes, now: Nanoseconds) -> list[tuple[int, bytes]]:
         word = int.from_bytes(payload[:2], "little")
@@ -143,7 +143,7 @@ class PaperDrive:
             self.rpm = target if moves else 0
         elif moves and edge and not self.jammed:
             self.position = float(target)
-        return [(0x180 + self.axis.settings.node, self._status())] if self.state is not before else []
+        return [(0x180 + self.axis.epos2.node, self._status())] if self.state is not before else []
 
     def _obey(self, word: int) -> None:
         reset = word & ~self._word & Control.FAULT_RESET
@@ -161,7 +161,7 @@ class PaperDrive:
 
     def _move(self, now: Nanoseconds) -> None:
         turns = self.rpm / 60.0 * (now - self._moved_at) / SECOND
-        self.position += turns * self.axis.settings.quadcounts_per_turn
+        self.position += turns * self.axis.epos2.quadcounts_per_turn
         self._moved_at = now
 
     def _counter(self) -> bytes:

@@ -83,7 +83,7 @@ class Seeking(PaperDrive):
             self._began_at = now if self._began_at is None else self._began_at
             turns = int.from_bytes(self.memory[at.HOMING_SPEED_SWITCH], "little") / 60.0 * self.rushes
             elapsed = (now - self._moved_at) / SECOND
-            self.position -= turns * elapsed * self.axis.settings.quadcounts_per_turn
+            self.position -= turns * elapsed * self.axis.epos2.quadcounts_per_turn
             if now >= self._began_at + self.seeks_for:
                 self._ends()
         super()._move(now)

@@ -89,19 +89,19 @@ class Bench:
     def __init__(self, robot: AnyRobot, *, guarding: bool = True) -> None:
         names = [axis.name for axis in robot.axes]
         gateways = {
-            axis.settings.node: robot.links[axis.link].protocol
+            axis.epos2.node: robot.epos2_link(axis.link).protocol
             for axis in robot.axes
-            if robot.links[axis.link].driver is Epos2Driver.SERIAL
-            and robot.links[axis.link].gateway == axis.settings.node
+            if robot.epos2_link(axis.link).driver is Epos2Driver.SERIAL
+            and robot.epos2_link(axis.link).gateway == axis.epos2.node
         }
-        nodes = [axis.settings.node for axis in robot.axes]
+        nodes = [axis.epos2.node for axis in robot.axes]
         order = Order(nodes, PROFILES["70/10"], 1_000_000, axes=names, serial=gateways)
         made, bank = drives(order)
         self.drives: Final = made
         self.axes: Final = {axis.name: axis for axis in bank.axes}
         self.world: Final = World(bank)
         self.host: Final = Host(robot)
-        self.buses: Final = {name: CanWire(link.bit_rate, name) for name, link in robot.links.items()}
+        self.buses: Final = {name: CanWire(link.bit_rate, name) for name, link in robot.epos2_links.items()}
         self.guard: Final = guarded(self.host, robot)
         node: Node = self.guard if guarding else self.host
         wires: dict[str, Wire] = {}
@@ -113,7 +113,7 @@ class Bench:
                 wires[name] = self.buses[name]
         for axis in robot.axes:
             links: dict[str, Wire] = {CAN: self.buses[axis.link]}
-            if robot.links[axis.link].driver is Epos2Driver.SERIAL and axis.settings.node in gateways:
+            if robot.epos2_link(axis.link).driver is Epos2Driver.SERIAL and axis.epos2.node in gateways:
                 links[SERIAL] = wires[axis.link]
             self.world.attach(axis.name, self.drives[axis.name], links)
         self.world.attach(HOST, node, wires)

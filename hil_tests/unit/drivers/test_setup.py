@@ -10,7 +10,7 @@ from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.functions import OUTPUT_MASK, OUTPUT_PINS, OUTPUT_POLARITY, OUTPUT_STATE
 from hil_tests.unit.drivers.robots import LINK, RARS, with_axis
 
-TABLE = RARS.links[LINK]
+TABLE = RARS.epos2_link(LINK)
 AXES = pytest.mark.parametrize("axis", RARS.axes, ids=[axis.name for axis in RARS.axes])
 SAFETY = (
     at.CONSUMER_HEARTBEAT_1, at.ABORT_CONNECTION_OPTION, at.FAULT_REACTION_OPTION, at.PROFILE_DECELERATION,

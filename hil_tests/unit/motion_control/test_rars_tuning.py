@@ -21,7 +21,7 @@ WHEELS = ("left", "right")
 
 
 def objects_of(axis: Axis) -> dict[at.Address, int | bytes]:
-    settings = axis.settings
+    settings = axis.epos2
     gains, profile = settings.gains, settings.profile
     return {
         at.MODE: 3 if axis.command is Command.SPEED else 1,
@@ -58,11 +58,11 @@ class Rars:
         names = [axis.name for axis in robot.axes]
         outputs = (*plant_outputs(names), *EXTRA)
         self.plant = FmuPlant(ensure("rars"), plant_inputs(names), outputs, parameters)
-        axes = [ServoAxis(axis.name, axis.settings.quadcounts_per_turn) for axis in robot.axes]
+        axes = [ServoAxis(axis.name, axis.epos2.quadcounts_per_turn) for axis in robot.axes]
         self.axes = dict(zip(names, axes, strict=True))
         self.bank = ServoBank(self.plant, axes, supply=outputs.index("battery_voltage"))
         self.reported: list[tuple[str, int]] = []
-        self.stores = {axis.name: ObjectStore(axis.settings.node, objects_of(axis)) for axis in robot.axes}
+        self.stores = {axis.name: ObjectStore(axis.epos2.node, objects_of(axis)) for axis in robot.axes}
         self.drives = {
             name: MotionControl(self.stores[name], self.axes[name], self._reporter(name)) for name in names
         }

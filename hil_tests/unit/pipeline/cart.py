@@ -233,7 +233,7 @@ class PaperDriver:
         self.demands.append(demand)
         speed = demand.value if isinstance(demand, Speed) else 0.0
         self.feedback = replace(self.feedback, velocity=speed)
-        return (Packet(self.axis.link, self.axis.settings.node, repr(demand).encode()),)
+        return (Packet(self.axis.link, self.axis.epos2.node, repr(demand).encode()),)
 
     def release(self) -> tuple[Packet, ...]:
         return ()

@@ -47,12 +47,12 @@ class TwoBuses:
 
     def __init__(self, robot: Robot[Sizes]) -> None:
         names = [axis.name for axis in robot.axes]
-        nodes = [axis.settings.node for axis in robot.axes]
+        nodes = [axis.epos2.node for axis in robot.axes]
         self.drives, bank = drives(Order(nodes, PROFILES["70/10"], 1_000_000, axes=names))
         self.world: Final = World(bank)
         self.bridge: Final = Bridge(robot, KIND)
         self.guard: Final = guarded(self.bridge, robot)
-        self.buses: Final = {name: CanWire(link.bit_rate, name) for name, link in robot.links.items()}
+        self.buses: Final = {name: CanWire(link.bit_rate, name) for name, link in robot.epos2_links.items()}
         self.sent: Final[dict[str, list[Packet]]] = {name: [] for name in robot.links}
         for name, bus in self.buses.items():
             bus.observe(self._noting(name))

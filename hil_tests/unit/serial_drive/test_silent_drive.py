@@ -33,7 +33,7 @@ class Line:
         self.steer.read(ERROR_REGISTER, Rank.ROTATING)
 
     def drive(self, node: int) -> Epos2OnSerial:
-        axis = next(axis for axis in ROBOT.axes if axis.settings.node == node)
+        axis = next(axis for axis in ROBOT.axes if axis.epos2.node == node)
         return Epos2OnSerial(axis, ROBOT, self.exchange)
 
     def answered(self, node: int, row: ReadRow, error: int = 0) -> tuple[Packet, ...]:

@@ -23,9 +23,9 @@ class Epos2OnCan(Epos2Drive[CanFeedback]):
 
     def __init__(self, axis: Axis, link: Epos2Link, outputs: tuple[Output, ...] = ()) -> None:
         """Take the axis, its link, and what is switched at its drive."""
-        self._client: Final = NodeClient(axis.link, axis.settings.node)
+        self._client: Final = NodeClient(axis.link, axis.epos2.node)
         super().__init__(axis, CanFeedback(axis), self._client, configuration(axis, link, outputs))
-        self._answers: Final = canopen.SDO_RESPONSE + axis.settings.node
+        self._answers: Final = canopen.SDO_RESPONSE + axis.epos2.node
         """Where its SDO server answers."""
         self.wake_at: Nanoseconds = NEVER
         """When it wants to be woken. Asked for after every packet: so it is an attribute."""

@@ -23,7 +23,7 @@ REMEMBERED: Final[Nanoseconds] = SECOND
 
 def can_fleet(robot: AnyRobot, name: str) -> Fleet:
     """Return the devices on the robot's CAN link of this name."""
-    table = robot.links[name]
+    table = robot.epos2_link(name)
     drives = tuple(Epos2OnCan(axis, table, outputs_at(robot, axis)) for axis in robot.axes_on(name))
     link = CanLink(name, drives, table)
     return Fleet(link, table, drives, inputs_of(robot, name, drives), outputs_of(robot, drives))
@@ -44,7 +44,7 @@ class CanLink:
         """Always None: a port that loses its bus ends the program."""
         self.wake_at: Nanoseconds = NEVER
         self._drives = tuple(drives)
-        self._by_node = {drive.axis.settings.node: drive for drive in self._drives}
+        self._by_node = {drive.axis.epos2.node: drive for drive in self._drives}
         beat = canopen.encode_heartbeat(NmtState.OPERATIONAL)
         self._beat = Packet(name, canopen.ERROR_CONTROL + table.bridge_node, beat)
         self._sync = Packet(name, canopen.SYNC, b"")
@@ -103,5 +103,5 @@ def _masters(drives: Iterable[Epos2OnCan], table: Epos2Link) -> dict[int, str]:
         canopen.NMT: "a network command",
         canopen.SYNC: "SYNC",
         beat: f"the heartbeat of this bridge, node {table.bridge_node}",
-        **{SET_POINT_COB_ID[axis.command] + axis.settings.node: f"{axis.called} set-points" for axis in axes},
+        **{SET_POINT_COB_ID[axis.command] + axis.epos2.node: f"{axis.called} set-points" for axis in axes},
     }

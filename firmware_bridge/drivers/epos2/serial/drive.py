@@ -62,7 +62,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         self.present = False
         """Whether it answered last; one that does not is not asked in every cycle."""
         self._exchange = exchange
-        link = robot.links[axis.link]
+        link = robot.epos2_link(axis.link)
         traffic = through_gateway(axis, link, robot.nodes_on(axis.link))
         feedback = SerialFeedback(axis)
         self._proof = Proof(
@@ -77,7 +77,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         super().__init__(
             axis,
             feedback,
-            SerialClient(axis.settings.node, exchange, self._note),
+            SerialClient(axis.epos2.node, exchange, self._note),
             rows,
             started=self._proof.script,
             listens=partial(still_set_up, feedback, watch),
@@ -142,7 +142,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
 
     def read(self, row: ReadRow, rank: Rank) -> Job:
         """Ask for an object."""
-        job = Job(rank, self, (reading(self._axis.settings.node, row.address),))
+        job = Job(rank, self, (reading(self._axis.epos2.node, row.address),))
         self._exchange.put(job)
         return job
 
@@ -150,7 +150,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         """Read an object when the line has time, or write one; dropped where the drive does not answer."""
         if self.present:
             rank = Rank.ROTATING if request.transfer.raw is None else Rank.TASK
-            commands = (request_for(self._axis.settings.node, request.transfer),)
+            commands = (request_for(self._axis.epos2.node, request.transfer),)
             self._exchange.put(Job(rank, _Requested(request, self._note, now), commands))
         else:
             request.over = True
@@ -206,7 +206,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
 
     def _sent(self, frames: tuple[Packet, ...]) -> tuple[Packet, ...]:
         """Turn what the CAN driver would send into jobs."""
-        node = self._axis.settings.node
+        node = self._axis.epos2.node
         for frame in frames:
             if frame.address == canopen.NMT:
                 self._exchange.put(Job(Rank.TASK, self, (SendNmtService(node, frame.payload[0]),)))
@@ -222,7 +222,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         raw = target.to_bytes(4, "little", signed=True)
         writes: list[Request] = []
         if axis.command is Command.SPEED or taken.get(address) != int.from_bytes(raw, "little"):
-            writes.append(writing(axis.settings.node, address, raw))
+            writes.append(writing(axis.epos2.node, address, raw))
         if word == NEW_POSITION and taken.get(at.CONTROLWORD, NEW_POSITION) == NEW_POSITION:
             # The drive takes a position at the bit's rising edge, and the bit may be set.
             writes.append(self._word(ENABLE))
@@ -231,7 +231,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         self._exchange.put(self._writes)
 
     def _word(self, controlword: int) -> WriteObject:
-        return writing(self._axis.settings.node, at.CONTROLWORD, DataType.UNSIGNED16.encode(controlword))
+        return writing(self._axis.epos2.node, at.CONTROLWORD, DataType.UNSIGNED16.encode(controlword))
 
     def _forget_unsent(self) -> None:
         """Drop what has not left of the newest set-point; what the drive holds then is not known."""

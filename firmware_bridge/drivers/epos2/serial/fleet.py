@@ -14,7 +14,7 @@ from firmware_bridge.wire.maxon.frame import Generation
 
 def serial_fleet(robot: AnyRobot, name: str) -> Fleet:
     """Return the devices on the robot's serial link of this name; PlanError where its cycle is too short."""
-    plan, table, exchange = fitting_plan(robot, name), robot.links[name], Exchange(name)
+    plan, table, exchange = fitting_plan(robot, name), robot.epos2_link(name), Exchange(name)
     drives = tuple(Epos2OnSerial(axis, robot, exchange) for axis in robot.axes_on(name))
     link = SerialLink(name, drives, exchange, table, plan.answers_within)
     return Fleet(link, table, drives, inputs_of(robot, name, drives), outputs_of(robot, drives))
@@ -35,7 +35,7 @@ def over_serial(
     """
     changed = {}
     for name in robot.links if links is None else links:
-        link = robot.links[name]
+        link = robot.epos2_link(name)
         nodes = robot.nodes_on(name)
         chosen = gateway or link.gateway or nodes[0]
         problem = (

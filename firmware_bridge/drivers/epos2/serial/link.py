@@ -55,7 +55,7 @@ class SerialLink:
         """From the begin of a cycle to the end of its last command, where no drive had tasks to do."""
         self._drives = tuple(drives)
         self._exchange = exchange
-        nodes = tuple(drive.axis.settings.node for drive in self._drives)
+        nodes = tuple(drive.axis.epos2.node for drive in self._drives)
         self._heartbeat = heartbeat(table)
         self._guarding = guarding(table, nodes)
         self._guardian = self._drives[nodes.index(table.guardian(nodes))]

@@ -106,7 +106,7 @@ def fitting_plan(robot: AnyRobot, name: str) -> Plan:
     raise PlanError(
         f"link '{name}': a cycle of {plan.cycle // MILLISECOND} ms does not hold {entry.what}: it would end "
         f"{late / MILLISECOND:.1f} ms too late, and the whole cycle takes {plan.time / MILLISECOND:.1f} ms. "
-        f"{_remedy(plan, robot.links[name].every)}, or use a faster line: protocol v2, a higher baud, "
+        f"{_remedy(plan, robot.epos2_link(name).every)}, or use a faster line: protocol v2, a higher baud, "
         f"a port with less latency (links.{name}.port_latency_us)"
     )
 
@@ -121,7 +121,7 @@ def _remedy(plan: Plan, every: int) -> str:
 
 def plan_for(robot: AnyRobot, name: str) -> Plan:
     """Lay out the fullest cycle of the serial link of this name."""
-    link, axes, nodes = robot.links[name], robot.axes_on(name), robot.nodes_on(name)
+    link, axes, nodes = robot.epos2_link(name), robot.axes_on(name), robot.nodes_on(name)
     beat = (
         Entry("the bridge's heartbeat", _cost(link, heartbeat(link), through=False)),
         Entry(f"guarding of node {link.guardian(nodes)}", _cost(link, guarding(link, nodes), through=True)),
@@ -156,33 +156,33 @@ def _in_turn(link: Epos2Link, axes: Sequence[Axis], cycle: int) -> Iterator[Entr
 
 def _at_pins(robot: AnyRobot, name: str, axes: Sequence[Axis]) -> Iterator[Entry]:
     """Give the reads of the sensors on a link, and one write for each drive with outputs."""
-    link, by_name = robot.links[name], {axis.name: axis for axis in axes}
+    link, by_name = robot.epos2_link(name), {axis.name: axis for axis in axes}
     for axis in axes:
         if any(output.settings.axis == axis.name for output in robot.outputs):
-            write = writing(axis.settings.node, OUTPUT_STATE, b"")
+            write = writing(axis.epos2.node, OUTPUT_STATE, b"")
             yield Entry(f"outputs of {axis.called}", _through(link, axis, write))
     for sensor in robot.sensors:
         if sensor.link == name:
-            address = Address(at.ANALOGUE_INPUT_1.index, sensor.settings.input)
+            address = Address(at.ANALOGUE_INPUT_1.index, sensor.analogue.input)
             row = ReadRow(address, OBJECTS[address].type, sensor.name)
-            yield _read(link, row, by_name[sensor.settings.axis])
+            yield _read(link, row, by_name[sensor.analogue.axis])
 
 
 def _read(link: Epos2Link, row: ReadRow, axis: Axis) -> Entry:
-    request = reading(axis.settings.node, row.address)
+    request = reading(axis.epos2.node, row.address)
     return Entry(f"{row.name} of {axis.called}", _through(link, axis, request))
 
 
 def _written(link: Epos2Link, axis: Axis) -> Iterator[Entry]:
     """Give the writes of one set-point."""
-    node = axis.settings.node
+    node = axis.epos2.node
     yield Entry(f"target of {axis.called}", _through(link, axis, writing(node, TARGET[axis.command], b"")))
     for word in WORDS[axis.command]:
         yield Entry(f"{word} of {axis.called}", _through(link, axis, writing(node, at.CONTROLWORD, b"")))
 
 
 def _through(link: Epos2Link, axis: Axis, request: Request) -> Nanoseconds:
-    return _cost(link, request, through=axis.settings.node != link.gateway)
+    return _cost(link, request, through=axis.epos2.node != link.gateway)
 
 
 def _cost(link: Epos2Link, request: Request, *, through: bool) -> Nanoseconds:

@@ -1,0 +1,103 @@
+"""Faults of a board with a motor shield: its cable, its reset, the wires of motors and encoders."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from typing import Annotated, ClassVar
+
+from numpy.random import Generator
+from pydantic import Field
+
+from emulators.arduino_omni.motors import Motors
+from emulators.bench.faults.fault import Fault, Lasting, Node, Problem, Stations
+from emulators.bench.faults.site import Site
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.units import NEVER
+
+One = Annotated[Node, Field(description="which motor")]
+
+
+def _boards(robot: AnyRobot) -> Iterator[Problem]:
+    if not robot.shield_links:
+        yield "kind", f"{robot.name} has no board with a motor shield"
+
+
+class BoardSilent(Lasting):
+    """The board is heard no more, and hears nothing."""
+
+    kind: ClassVar = "board_silent"
+    among: ClassVar = Stations.NONE
+
+    def problems(self, robot: AnyRobot) -> Iterator[Problem]:
+        """Give what this robot lacks for it."""
+        yield from _boards(robot)
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Cut it off."""
+        del chance
+        for name in site.boards:
+            site.world.silence(name, site.world.now)
+
+    def take_off(self, site: Site) -> None:
+        """Let it hear and be heard again."""
+        for name in site.boards:
+            site.world.silence(name, NEVER)
+
+
+class BoardReset(Fault):
+    """Somebody presses the board's button, or its supply has a dip: it starts anew."""
+
+    kind: ClassVar = "board_reset"
+    among: ClassVar = Stations.NONE
+
+    def problems(self, robot: AnyRobot) -> Iterator[Problem]:
+        """Give what this robot lacks for it."""
+        yield from _boards(robot)
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Pull RESET."""
+        del chance
+        for board in site.boards.values():
+            board.mega.reset(site.world.now)
+
+
+class _OnMotor(Lasting, ABC):
+    among: ClassVar = Stations.MOTORS
+    node: One
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Let it begin."""
+        del chance
+        for motors, place in self._found(site):
+            self._wires(motors).add(place)
+
+    def take_off(self, site: Site) -> None:
+        """Let it end."""
+        for motors, place in self._found(site):
+            self._wires(motors).discard(place)
+
+    def _found(self, site: Site) -> Iterator[tuple[Motors, int]]:
+        for axis in site.robot.axes:
+            if axis.name in self.targets(site.robot):
+                yield site.boards[axis.link].motors, axis.shield.port - 1
+
+    @abstractmethod
+    def _wires(self, motors: Motors) -> set[int]:
+        """Return the motors whose wires are off."""
+
+
+class MotorCableOff(_OnMotor):
+    """A wire between shield and motor is off."""
+
+    kind: ClassVar = "motor_cable_off"
+
+    def _wires(self, motors: Motors) -> set[int]:
+        return motors.cut
+
+
+class EncoderCableOff(_OnMotor):
+    """The cable of a motor's encoder is off."""
+
+    kind: ClassVar = "encoder_cable_off"
+
+    def _wires(self, motors: Motors) -> set[int]:
+        return motors.unseen

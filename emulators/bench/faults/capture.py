@@ -1,0 +1,52 @@
+"""Faults of a motion capture system: what the cameras do not see, or take for something else."""
+
+import math
+from collections.abc import Iterator
+from typing import Annotated, ClassVar
+
+from numpy.random import Generator
+from pydantic import Field
+
+from emulators.bench.faults.fault import Lasting, Problem, Stations
+from emulators.bench.faults.site import Site
+from emulators.motion_capture.exposure import Hidden, Swapped
+from firmware_bridge.robot import AnyRobot
+
+
+class _Seen(Lasting):
+    among: ClassVar = Stations.NONE
+
+    def problems(self, robot: AnyRobot) -> Iterator[Problem]:
+        """Give what this robot lacks for it."""
+        if not robot.capture_links:
+            yield "kind", f"{robot.name} has no link to a capture system"
+
+
+class BodyHidden(_Seen):
+    """No camera sees the robot."""
+
+    kind: ClassVar = "body_hidden"
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Hide all bodies of all systems."""
+        del chance
+        for system in site.captures.values():
+            for body in system.exposure.bodies:
+                system.hide(Hidden(body.id, self.begin, self.end))
+
+
+class MarkersSwapped(_Seen):
+    """The robot's markers are taken for others."""
+
+    kind: ClassVar = "markers_swapped"
+    aside_m: Annotated[float, Field(ge=-10, le=10, description="so far ahead it is seen, in m")] = 0.3
+    turn_deg: Annotated[float, Field(ge=-180, le=180, description="and so far turned to the left")] = 180.0
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Have all bodies of all systems seen elsewhere."""
+        del chance
+        turn = math.radians(self.turn_deg)
+        for system in site.captures.values():
+            for body in system.exposure.bodies:
+                aside = (self.aside_m, 0.0, 0.0)
+                system.hide(Swapped(body.id, self.begin, self.end, aside, turn))

@@ -1,0 +1,1 @@
+"""An emulated motion capture system: a room with cameras, and Motive's stream of what they see."""

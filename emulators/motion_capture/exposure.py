@@ -1,0 +1,174 @@
+"""What the cameras make of the truth at one instant: noise, bodies that are hidden, markers mistaken.
+
+It refuses to know when a frame leaves, and for whom. Its chance is drawn for every body in every frame, seen
+or not, so that a disturbance changes nothing but what it says.
+
+Sources: OptiTrack's page on rigid body tracking and reports of its users for what a lost body looks like;
+0.2 mm is a calibrated volume's usual error. Where they are silent:
+* errors are normal, the same along all axes, and of each frame anew.
+* the attitude's error is the position's over an arm of 0.15 m.
+* a body whose markers are mistaken stays tracked, with the mean error that it had.
+* a body that is lost has a mean error of 0.
+"""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Final
+
+from numpy.random import Generator
+
+from emulators.motion_capture.bodies import Body, Place, product, turned
+from firmware_bridge.units import NEVER, Nanoseconds
+from firmware_bridge.wire.natnet.frame import (
+    BodyFlag,
+    LabelledMarker,
+    MarkerFlag,
+    Point,
+    Quaternion,
+    RigidBody,
+)
+
+ARM_M: Final = 0.15
+MARKER_M: Final = 0.014
+"""A marker's diameter."""
+_NAN: Final = math.nan
+
+
+class Lost(Enum):
+    """What is sent for a body that is not seen; its flag says so in any case."""
+
+    FREEZE = "freeze"
+    """The last pose that was seen."""
+    ZERO = "zero"
+    NAN = "nan"
+
+
+class Up(Enum):
+    """Which axis of the stream points upwards; the stream does not tell."""
+
+    Y = "y"
+    """Motive's default: the room's (x, y, z) goes out as (x, z, -y)."""
+    Z = "z"
+
+
+@dataclass(frozen=True, slots=True)
+class Cameras:
+    """What the cameras and the software's settings make of the truth."""
+
+    noise_m: float = 0.0002
+    """The standard deviation of a body's position along each axis."""
+    lost: Lost = Lost.FREEZE
+    up: Up = Up.Y
+    markers: bool = True
+    """Whether the stream has the labelled markers, too."""
+
+
+@dataclass(frozen=True, slots=True)
+class Hidden:
+    """A body is not seen from `begin` until `end`."""
+
+    body: int
+    begin: Nanoseconds
+    end: Nanoseconds = NEVER
+
+
+@dataclass(frozen=True, slots=True)
+class Swapped:
+    """Markers are taken for others from `begin` until `end`: the body jumps, and counts as tracked.
+
+    It is seen `aside` of its place, in its own axes, and turned to the left by `turn` rad.
+    """
+
+    body: int
+    begin: Nanoseconds
+    end: Nanoseconds = NEVER
+    aside: Point = (0.0, 0.0, 0.0)
+    turn: float = math.pi
+
+
+@dataclass(slots=True)
+class Exposure:
+    """The room, seen again and again."""
+
+    bodies: Sequence[Body]
+    cameras: Cameras
+    generator: Generator
+    disturbances: list[Hidden | Swapped] = field(default_factory=list)
+    _last: dict[int, Place] = field(default_factory=dict)
+    """Where each body was seen last."""
+
+    def bodies_at(self, now: Nanoseconds) -> tuple[tuple[RigidBody, ...], tuple[LabelledMarker, ...]]:
+        """Return the bodies, and the markers on them, as the stream has them."""
+        bodies: list[RigidBody] = []
+        markers: list[LabelledMarker] = []
+        for body in self.bodies:
+            seen = self._noisy(self._swapped(body, now))
+            if self._hidden(body.id, now):
+                place, error, params = self._lost(body.id), 0.0, 0
+            else:
+                place, error, params = seen, self.cameras.noise_m, BodyFlag.TRACKED
+                self._last[body.id] = seen
+            outside = self._outside(place)
+            bodies.append(RigidBody(body.id, outside.position, outside.attitude, error, params))
+            if self.cameras.markers:
+                markers += self._markers(body, place, tracked=params != 0)
+        return tuple(bodies), tuple(markers)
+
+    def _hidden(self, body: int, now: Nanoseconds) -> bool:
+        return any(
+            isinstance(one, Hidden) and one.body == body and one.begin <= now < one.end
+            for one in self.disturbances
+        )
+
+    def _swapped(self, body: Body, now: Nanoseconds) -> Place:
+        place = body.truth(now)
+        for one in self.disturbances:
+            if isinstance(one, Swapped) and one.body == body.id and one.begin <= now < one.end:
+                position = _moved(place.position, turned(place.attitude, one.aside))
+                turn = (0.0, 0.0, math.sin(one.turn / 2.0), math.cos(one.turn / 2.0))
+                place = Place(position, product(place.attitude, turn))
+        return place
+
+    def _noisy(self, place: Place) -> Place:
+        x, y, z, roll, pitch, yaw = self.generator.standard_normal(6).tolist()
+        noise, half = self.cameras.noise_m, 0.5 * self.cameras.noise_m / ARM_M
+        position = _moved(place.position, (x * noise, y * noise, z * noise))
+        return Place(position, _unit(product(place.attitude, (roll * half, pitch * half, yaw * half, 1.0))))
+
+    def _lost(self, body: int) -> Place:
+        if self.cameras.lost is Lost.NAN:
+            return Place((_NAN, _NAN, _NAN), (_NAN, _NAN, _NAN, _NAN))
+        nothing = Place((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0))
+        return nothing if self.cameras.lost is Lost.ZERO else self._last.get(body, nothing)
+
+    def outside(self, point: Point) -> Point:
+        """Return a point, or a vector, in the stream's axes."""
+        return point if self.cameras.up is Up.Z else (point[0], point[2], -point[1])
+
+    def _outside(self, place: Place) -> Place:
+        qx, qy, qz, qw = place.attitude
+        return Place(self.outside(place.position), (*self.outside((qx, qy, qz)), qw))
+
+    def _markers(self, body: Body, place: Place, *, tracked: bool) -> Iterable[LabelledMarker]:
+        seen = MarkerFlag.POINT_CLOUD if tracked else MarkerFlag.OCCLUDED | MarkerFlag.POINT_CLOUD
+        for number, marker in enumerate(body.markers, 1):
+            position = self.outside(_moved(place.position, turned(place.attitude, marker)))
+            yield LabelledMarker(
+                body.id << 16 | number,
+                position,
+                MARKER_M,
+                MarkerFlag.HAS_MODEL | seen,
+                self.cameras.noise_m if tracked else 0.0,
+            )
+
+
+def _moved(position: Point, by: Point) -> Point:
+    return (position[0] + by[0], position[1] + by[1], position[2] + by[2])
+
+
+def _unit(attitude: Quaternion) -> Quaternion:
+    x, y, z, w = attitude
+    length = math.sqrt(x * x + y * y + z * z + w * w)
+    return (x / length, y / length, z / length, w / length)

@@ -1,0 +1,84 @@
+"""ROME's rows at the edges of their thresholds; the tests that every robot gets go through them."""
+
+import math
+from collections.abc import Iterator
+from typing import TypeAlias
+
+from emulators.bench import cases as bench
+from firmware_bridge.robot import Robot
+from firmware_bridge.robots.rome.geometry import Geometry
+from firmware_bridge.robots.rome.motion import Motion, State
+from firmware_bridge.robots.rome.rules import SPIN
+
+Case: TypeAlias = bench.Case[Motion, State]
+Situation: TypeAlias = bench.Situation[Motion, State]
+JUST: float = 1.0 + 1e-5
+"""A limit reports what is beyond it by more than a millionth."""
+DIAGONAL = math.sqrt(0.5)
+
+
+def cases(robot: Robot[Geometry]) -> Iterator[Case]:
+    """Yield at least one case for each interlock and limit."""
+    limits = robot.geometry.limits
+    for side in (-1.0, 1.0):
+        spin = side * SPIN * limits.turn_rate_rad_s
+        yield Case(
+            "turns too fast",
+            trips=Situation(body=State(0.0, 0.0, math.nextafter(spin, side * math.inf))),
+            spares=Situation(body=State(0.0, 0.0, spin)),
+            reason=f"the base turns with {spin:.2f} rad/s, limit {limits.turn_rate_rad_s:.2f} rad/s",
+        )
+        yield from _limited(robot, side)
+    yield Case(
+        "turns too fast",
+        trips=Situation(body=State(0.0, 0.0, math.nan)),
+        spares=Situation(body=State(limits.speed_mps, limits.speed_mps, 0.0)),
+        reason=f"the base turns with nan rad/s, limit {limits.turn_rate_rad_s:.2f} rad/s",
+    )
+    step = 0.8 * limits.acceleration_mps2 * robot.cycle_ms / 1000.0
+    yield Case(
+        "acceleration limit",
+        trips=Situation(wish=Motion(left_mps=2.0 * step)),
+        spares=Situation(wish=Motion(left_mps=step)),
+        reason=(
+            "asked to go from (0.00, 0.00) m/s and 0.00 rad/s to "
+            f"(0.00, {2.0 * step:.2f}) m/s and 0.00 rad/s at once"
+        ),
+    )
+
+
+def _limited(robot: Robot[Geometry], side: float) -> Iterator[Case]:
+    limits, distance = robot.geometry.limits, robot.geometry.base.wheel_distance_m
+    speed, turn = limits.speed_mps, side * limits.turn_rate_rad_s
+    straight = Motion(side * DIAGONAL * speed, DIAGONAL * speed)
+    faster = Motion(JUST * straight.ahead_mps, JUST * straight.left_mps)
+    yield _beyond("speed limit", straight, faster, f"{JUST * speed:.2f} m/s", f"{speed:.2f} m/s")
+    spinning = Motion(turn_rad_s=turn)
+    yield _beyond(
+        "turn rate limit",
+        spinning,
+        Motion(turn_rad_s=JUST * turn),
+        f"{JUST * turn:.2f} rad/s",
+        f"{turn:.2f} rad/s",
+    )
+    # To the left with a turn to the left the wheel at 0 degrees has both, one on top of the other.
+    turning = limits.turn_rate_rad_s
+    left = limits.rim_mps - distance * turning
+    yield Case(
+        "rim limit",
+        trips=Situation(wish=Motion(0.0, side * JUST * left, side * JUST * turning)),
+        spares=Situation(
+            wish=Motion(0.0, side * left, side * turning), demanded=Motion(0.0, side * left, side * turning)
+        ),
+        reason=(f"asked for {JUST * limits.rim_mps:.2f} m/s at a wheel, allowed is {limits.rim_mps:.2f} m/s"),
+    )
+
+
+def _beyond(row: str, within: Motion, beyond: Motion, asked: str, allowed: str) -> Case:
+    """Return the case of a limit that is passed at the pace that the base has already."""
+    return Case(
+        row,
+        trips=Situation(wish=beyond, demanded=within),
+        spares=Situation(wish=within, demanded=within),
+        reason=f"asked for {asked}, allowed is {allowed}",
+    )

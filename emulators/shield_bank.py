@@ -1,0 +1,38 @@
+"""Motors at the shields of a robot's boards as its physics, and what the bench may ask of each."""
+
+from collections.abc import Mapping
+from typing import Final
+
+from emulators.arduino_omni.board import Board
+from emulators.arduino_omni.shield.motor_shield import PORTS
+from firmware_bridge.units import Nanoseconds
+
+
+class ShieldMotor:
+    """One motor at its terminals."""
+
+    def __init__(self, name: str, board: Board, port: int) -> None:
+        self.name: Final = name
+        self._board: Final = board
+        self._port: Final = PORTS[port - 1]
+        self._now: Nanoseconds = 0
+
+    @property
+    def powered(self) -> bool:
+        """Whether its half bridge does anything but stand open."""
+        output = self._board.mega.shield.output(self._port, self._board.motors.now)
+        return bool(output.cw or output.ccw or output.brake)
+
+
+class ShieldBank:
+    """What moves between two events: all boards' motors."""
+
+    def __init__(self, boards: Mapping[str, Board], motors: tuple[ShieldMotor, ...]) -> None:
+        self.axes: Final = motors
+        self._boards: Final = tuple(boards.values())
+
+    def advance(self, until: Nanoseconds) -> tuple[Nanoseconds, tuple[str, ...]]:
+        """Turn the motors up to `until`; a board asks to be woken by itself."""
+        for board in self._boards:
+            board.motors.advance(until)
+        return until, ()

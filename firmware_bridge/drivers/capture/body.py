@@ -1,0 +1,128 @@
+"""The robot among the captured bodies; a `firmware_bridge.drivers.driver.SensorDriver`.
+
+It turns the stream's axes into the robot's plane: x, y and, upwards, z. It says nothing while the body is not
+tracked, and counts its jumps; whether a pose is believed is up to whoever has odometry.
+"""
+
+import math
+from enum import Enum
+from typing import Final
+
+from firmware_bridge.drivers.driver import Reading, SeenPose
+from firmware_bridge.packet import Packet
+from firmware_bridge.robot import Sensor
+from firmware_bridge.robot.settings.capture import CaptureBody, UpAxis
+from firmware_bridge.units import Nanoseconds, to_seconds
+
+Point = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+_TURNED: Final = 0.5
+"""A quaternion shorter than this is none: 0 is sent for a body that is lost."""
+
+
+class Sighting(Enum):
+    """What the newest frame said of the body."""
+
+    UNKNOWN = "no frame was heard"
+    ABSENT = "the stream has no such body"
+    LOST = "the body is not tracked"
+    SEEN = "the body is tracked"
+
+
+class SeenBody:
+    """One body, frame by frame."""
+
+    def __init__(self, sensor: Sensor, settings: CaptureBody) -> None:
+        self.sensor: Final = sensor
+        self.settings: Final = settings
+        self.reading: Reading | None = None
+        """What was seen in the newest frame; None where the body was not tracked in it."""
+        self.sighting = Sighting.UNKNOWN
+        self.jumps = 0
+        self._last: tuple[Nanoseconds, Point, float] | None = None
+        """When and where it was seen last."""
+
+    def measure(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Do nothing: it is told without being asked."""
+        del now
+        return ()
+
+    def missed(self, sighting: Sighting) -> None:
+        """Note that the newest frame does not show the body."""
+        self.sighting, self.reading = sighting, None
+
+    def seen(
+        self,
+        position: Point,
+        attitude: Quaternion,
+        error_m: float,
+        at: Nanoseconds,
+        heard_at: Nanoseconds,
+    ) -> None:
+        """Take a pose in the stream's axes, m and x, y, z, w, and the instant that it shows.
+
+        What is no pose counts as not tracked.
+        """
+        length = math.sqrt(sum(part * part for part in attitude))
+        # Said so that what is no number is no pose, too.
+        if not (length > _TURNED and math.isfinite(length) and math.isfinite(sum(position))):
+            self.missed(Sighting.LOST)
+            return
+        x, y, z, w = (part / length for part in attitude)
+        if self.settings.up is UpAxis.Y:
+            position = (position[0], -position[2], position[1])
+            y, z = -z, y
+        pose = self._robot(position, (x, y, z, w))
+        heading = heading_of(pose[1])
+        self._watch(pose[0], heading, at)
+        self.sighting = Sighting.SEEN
+        self.reading = Reading(error_m, at, heard_at, SeenPose(*pose, heading, self.jumps))
+
+    def _robot(self, position: Point, attitude: Quaternion) -> tuple[Point, Quaternion]:
+        """Return where the robot is whose mounted body is there."""
+        mount = self.settings.mount
+        half = -mount.heading / 2.0
+        turned = product(attitude, (0.0, 0.0, math.sin(half), math.cos(half)))
+        x, y, z = rotated(turned, (mount.x, mount.y, mount.z))
+        return (position[0] - x, position[1] - y, position[2] - z), turned
+
+    def _watch(self, position: Point, heading: float, at: Nanoseconds) -> None:
+        """Count a jump: further than the robot gets in the time since it was seen."""
+        if self._last is not None:
+            since, before, was = self._last
+            seconds, allowed = max(to_seconds(at - since), 0.0), self.settings
+            far = math.dist(position, before) > allowed.noise_m + allowed.fastest_mps * seconds
+            turn = abs(math.remainder(heading - was, math.tau))
+            if far or turn > allowed.noise_rad + allowed.fastest_rad_s * seconds:
+                self.jumps += 1
+        self._last = (at, position, heading)
+
+
+def heading_of(attitude: Quaternion) -> float:
+    """Return the turn to the left about the axis upwards, from x; rad from -pi to pi."""
+    x, y, z, w = attitude
+    return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+
+
+def product(first: Quaternion, second: Quaternion) -> Quaternion:
+    """Return the turn `second`, about the body's own axes, after the turn `first`."""
+    ax, ay, az, aw = first
+    bx, by, bz, bw = second
+    return (
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+        aw * bw - ax * bx - ay * by - az * bz,
+    )
+
+
+def rotated(attitude: Quaternion, point: Point) -> Point:
+    """Return a vector of the body's axes in the room's."""
+    x, y, z, w = attitude
+    px, py, pz = point
+    tx, ty, tz = 2.0 * (y * pz - z * py), 2.0 * (z * px - x * pz), 2.0 * (x * py - y * px)
+    return (
+        px + w * tx + y * tz - z * ty,
+        py + w * ty + z * tx - x * tz,
+        pz + w * tz + x * ty - y * tx,
+    )

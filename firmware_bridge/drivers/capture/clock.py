@@ -1,0 +1,37 @@
+"""The clock of whoever stamps poses, as this machine's clock: from stamps and when they arrived.
+
+What arrives is never early. So the least that a packet seemed to travel is what the way takes at best, and
+what another took more was jitter. The other clock may run faster or slower, so what was least is forgotten
+slowly. The way's best time itself cannot be known, and counts as none: on a wire it is under 1 ms.
+"""
+
+from typing import Final
+
+from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.units import SECOND, Nanoseconds
+
+_SKEW: Final = 10_000
+"""A clock may gain or lose a second in so many: 100 ppm, three times what was seen."""
+_RESTARTED: Final[Nanoseconds] = SECOND
+"""A stamp that is off by more is of a clock that was set."""
+
+
+class StampClock:
+    """Turns stamps, in ns of another clock, into instants of this one."""
+
+    def __init__(self) -> None:
+        self._least: Nanoseconds | None = None
+        """The least difference between arrival and stamp."""
+        self._heard_at: Nanoseconds = NEVER_HEARD
+
+    def left_at(self, stamp: Nanoseconds, heard_at: Nanoseconds) -> Nanoseconds:
+        """Return when something with this stamp left, by our clock; never after it was heard."""
+        apart = heard_at - stamp
+        least = self._least
+        if least is None or abs(apart - least) > _RESTARTED:
+            least = apart
+        else:
+            # What was least creeps up with the time that passes, and no further than what is seen.
+            least = min(least + (heard_at - self._heard_at) // _SKEW, apart)
+        self._least, self._heard_at = least, heard_at
+        return min(stamp + least, heard_at)

@@ -1,0 +1,151 @@
+"""A NatNet server as a link: the bridge connects, is sent frames, and looks for its bodies in them.
+
+It connects again and again until it is answered, and when no frame has come for the link's `silent_ms`: then
+the server was started again. It decodes by the version that the server tells. What is no packet of the
+server's, or cannot be read, is counted and left; nothing of it reaches the robot.
+"""
+
+from collections.abc import Iterable
+from typing import Final
+
+from firmware_bridge.drivers.capture.body import SeenBody, Sighting
+from firmware_bridge.drivers.capture.clock import StampClock
+from firmware_bridge.packet import Packet
+from firmware_bridge.robot.settings.capture import CaptureLink
+from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds, from_seconds
+from firmware_bridge.wire.internet import same_host
+from firmware_bridge.wire.natnet import frame as frames
+from firmware_bridge.wire.natnet import messages, models
+from firmware_bridge.wire.natnet.frame import BodyFlag, Frame, FrameFlag
+from firmware_bridge.wire.natnet.layout import V3_0, NatNetError
+from firmware_bridge.wire.natnet.messages import Connect, MessageId, ServerInfo, packet
+
+AGAIN: Final[Nanoseconds] = SECOND
+"""So long an answer is waited for."""
+ALIVE_EVERY: Final[Nanoseconds] = 2 * SECOND
+"""So often the server hears that somebody listens, as OptiTrack's own samples do it."""
+CONNECT: Final = packet(
+    MessageId.CONNECT,
+    messages.connect_payload(Connect("firmware-bridge", (1, 0, 0, 0), (4, 4, 0, 0), (0, 0, 0, 0))),
+)
+_ALIVE: Final = packet(MessageId.KEEPALIVE)
+_WHICH: Final = packet(MessageId.REQUEST_MODELDEF)
+
+
+class NatNetLink:
+    """A `firmware_bridge.drivers.fleet.Link`."""
+
+    def __init__(self, name: str, table: CaptureLink, bodies: Iterable[SeenBody]) -> None:
+        self.name = name
+        self.answers_within: Nanoseconds = 0
+        """No cycle waits for the cameras."""
+        self.beat_every = ALIVE_EVERY
+        self.listens_for: Nanoseconds = 0
+        self.late = 0
+        self.lost: str | None = None
+        """Always None: a stream that is not there makes readings old, and nothing else."""
+        self.wake_at: Nanoseconds = 0
+        self.refused = 0
+        """Packets that could not be read."""
+        self.problem = ""
+        """Why the newest of them was refused."""
+        self.server: ServerInfo | None = None
+        """Who serves; None before it has answered."""
+        self._table: Final = table
+        self._place: Final = table.server_number
+        self._bodies: Final = tuple(bodies)
+        self._numbers: dict[str, int] = {}
+        """Of the bodies that are named in the robot file, by name."""
+        self._silent: Final = table.silent_ms * MILLISECOND
+        self._heard_at: Nanoseconds = -self._silent
+        """When the newest frame was heard."""
+        self._clock = StampClock()
+
+    def master(self, now: Nanoseconds) -> str | None:
+        """Return None: a server has many listeners."""
+        del now
+        return None
+
+    def sample(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Do nothing: frames come at the cameras' rate."""
+        del now
+        return ()
+
+    def beat(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Show the server that somebody listens."""
+        del now
+        return () if self.server is None else (self._sent(_ALIVE),)
+
+    def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Connect where nothing is heard, and ask for names that are not known."""
+        self.wake_at = now + AGAIN
+        if now - self._heard_at >= self._silent:
+            return (self._sent(CONNECT),)
+        return (self._sent(_WHICH),) if self._wanted() else ()
+
+    def hear(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Take a packet; one of another host is left."""
+        if not same_host(packet.address, self._place):
+            return ()
+        try:
+            return self._taken(*messages.split(packet.payload), now)
+        except NatNetError as refused:
+            self.refused += 1
+            self.problem = str(refused)
+            return ()
+
+    def _taken(self, message: MessageId, payload: bytes, now: Nanoseconds) -> tuple[Packet, ...]:
+        if message is MessageId.SERVERINFO:
+            server = messages.server_info(payload)
+            if server != self.server:
+                self.server, self._clock = server, StampClock()
+                self._numbers.clear()
+            return (self._sent(_WHICH),) if self._wanted() else ()
+        if self.server is None:
+            return ()
+        if message is MessageId.MODELDEF:
+            found = models.decoded(payload, self.server.version)
+            self._numbers = {name: models.body_named(found, name) for name in self._names()}
+        elif message is MessageId.FRAMEOFDATA:
+            frame = frames.decoded(payload, self.server.version)
+            self._heard_at = now
+            self._look(frame, self.server, now)
+            if frame.params & FrameFlag.MODELS_CHANGED and any(self._names()):
+                return (self._sent(_WHICH),)
+        return ()
+
+    def _look(self, frame: Frame, server: ServerInfo, now: Nanoseconds) -> None:
+        """Look for the bodies in a frame."""
+        at = self._exposed_at(frame, server, now)
+        seen = {body.id: body for body in frame.bodies}
+        for one in self._bodies:
+            wanted = one.settings.body
+            body = seen.get(self._numbers.get(wanted, -1) if isinstance(wanted, str) else wanted)
+            if body is None:
+                one.missed(Sighting.ABSENT)
+            elif not body.params & BodyFlag.TRACKED:
+                one.missed(Sighting.LOST)
+            else:
+                one.seen(body.position, body.attitude, body.mean_error_m, at, now)
+
+    def _exposed_at(self, frame: Frame, server: ServerInfo, now: Nanoseconds) -> Nanoseconds:
+        """Return the middle of the exposure by our clock; what no stamp tells is the robot file's."""
+        if server.version >= V3_0 and server.ticks_per_s > 0 and frame.sent:
+            left = self._clock.left_at(frame.sent * SECOND // server.ticks_per_s, now)
+            if 0 < frame.exposed <= frame.sent:
+                return left - (frame.sent - frame.exposed) * SECOND // server.ticks_per_s
+            return left - self._table.latency
+        stamp = frame.timestamp_s
+        if not 0.0 <= stamp < NEVER / SECOND:
+            return now - self._table.latency
+        return self._clock.left_at(from_seconds(stamp), now) - self._table.latency
+
+    def _names(self) -> tuple[str, ...]:
+        return tuple(one.settings.body for one in self._bodies if isinstance(one.settings.body, str))
+
+    def _wanted(self) -> bool:
+        """Whether a body's name is not known yet."""
+        return self.server is not None and any(name not in self._numbers for name in self._names())
+
+    def _sent(self, datagram: bytes) -> Packet:
+        return Packet(self.name, self._place, datagram)

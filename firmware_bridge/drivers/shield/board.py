@@ -1,0 +1,399 @@
+"""A board on its serial line, as a link of the robot: what is said to it, in which order, and what it answers.
+
+One question is under way at a time. What the motors shall do goes first, then the questions of a cycle, then
+set-up. A board that was silent for longer than its link allows may have started anew: it is told to release
+its motors until it answers, and then set up again, which begins with that; to drive it must be enabled.
+"""
+
+from collections import deque
+from collections.abc import Iterator
+from enum import Enum
+from typing import Final
+
+from firmware_bridge.drivers.driver import STOPPING, Stop, Task
+from firmware_bridge.drivers.shield.dialects import Dialect, Numbers, Say
+from firmware_bridge.drivers.shield.motor import ShieldMotor
+from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.node import DTR_DOWN, DTR_UP, LINE_BACK, LINE_LOST
+from firmware_bridge.packet import Packet
+from firmware_bridge.robot.settings.shield import ShieldLink
+from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
+
+LOST: Final = "the serial line to the board is gone"
+TRIES: Final = 3
+FOUND_EVERY: Final[Nanoseconds] = 250 * MILLISECOND
+"""How long a board that may be booting is waited for, before it is asked again."""
+QUIET: Final[Nanoseconds] = 60 * MILLISECOND
+"""A board that has been found answers first what it was asked while it booted; then it is set up."""
+BEATS: Final[Nanoseconds] = 1_000 * MILLISECOND
+"""No firmware watches for one; what keeps a board from stopping is each speed that it is told."""
+RESTORING: Final = (Task.IDENTIFY, Task.CONFIGURE)
+RELEASING: Final = (Task.LEAVE, Task.DISABLE)
+
+
+class Part(Enum):
+    """What a word belongs to, the most urgent first."""
+
+    MOTION = "what the motors shall do"
+    SAMPLE = "the questions of a cycle"
+    TASK = "set-up, and the way to no power"
+
+
+class Board:
+    """A `firmware_bridge.drivers.fleet.Link`."""
+
+    def __init__(self, name: str, table: ShieldLink, dialect: Dialect, answers_within: Nanoseconds) -> None:
+        self.name = name
+        self.answers_within = answers_within
+        self.beat_every = BEATS
+        self.listens_for: Nanoseconds = 0
+        self.late = 0
+        self.longest_cycle: Nanoseconds = 0
+        """From the begin of a cycle to the end of its last word, where no tasks were under way."""
+        self.commands = 0
+        """Commands so far."""
+        self.busy: Nanoseconds = 0
+        """How long questions have been under way so far."""
+        self.motors: tuple[ShieldMotor, ...] = ()
+        self.clock: Nanoseconds = 0
+        self.under_way: tuple[Task, ...] = ()
+        self.configured = False
+        self.problem: str | None = None
+        self._dialect: Final = dialect
+        self._reader = dialect.reader()
+        self._silent_after: Final = table.silent_ms * MILLISECOND
+        self._patience: Final = table.answers_within_ms * MILLISECOND
+        self._boots: Final = table.boots_within_ms * MILLISECOND
+        self._gone = False
+        self._heard_at: Nanoseconds = NEVER_HEARD
+        self._question: Say | None = None
+        self._part = Part.TASK
+        """What the newest word belongs to."""
+        self._asked_at: Nanoseconds = 0
+        self._until: Nanoseconds = NEVER
+        self._tries = 0
+        self._questions = 0
+        """Asked so far."""
+        self._urgent: deque[Say] = deque()
+        self._samples: deque[Say] = deque()
+        self._script: Iterator[Say] = iter(())
+        self._next: Say | None = None
+        self._dirty = False
+        self._begun: tuple[tuple[Task, ...], Nanoseconds] | None = None
+        self._boots_until: Nanoseconds = 0
+        self._starts_until: Nanoseconds = NEVER
+        self._quiet_at: Nanoseconds = 0
+        """When set-up goes on, unless the board says something before."""
+        self._cycle_at: Nanoseconds = NEVER_HEARD
+        self._set_up_once = False
+        self._restores = False
+        """Whether the tasks under way are its own: nobody has asked for them."""
+        self._released_at = 0
+        """How many questions had been asked when the motors were released last."""
+
+    @property
+    def lost(self) -> str | None:
+        """Why the board cannot be reached."""
+        return LOST if self._gone else None
+
+    def master(self, _now: Nanoseconds) -> None:
+        """Tell nothing: a line has one host."""
+
+    @property
+    def wake_at(self) -> Nanoseconds:
+        """At once where something is to be said and the line is free; else when an answer is overdue."""
+        if self._question is None and not self._gone:
+            wanted = self._dirty and not self.under_way
+            if wanted or self._urgent or self._samples:
+                return 0
+            return self._starts_until if self._next is None else self._quiet_at
+        return self._until
+
+    @property
+    def stops(self) -> bool:
+        """Whether the tasks under way take the motors' power: no demand that does so ends them."""
+        return self._restores or any(task in STOPPING for task in self.under_way)
+
+    # For the motors
+
+    def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
+        """Do these tasks; each motor of the board asks for them, and they are done once."""
+        self.clock = now
+        if self._begun == (tasks, now):
+            return ()
+        self._begun = (tasks, now)
+        self.end_tasks()
+        self.problem = None
+        self.under_way = tasks
+        if tasks:
+            self._drop()
+        return self._open_task() + self._go_on(now)
+
+    def end_tasks(self) -> None:
+        """Do those under way no more."""
+        self._restores = False
+        self.under_way, self._script, self._next = (), iter(()), None
+        self._starts_until = NEVER
+
+    def demanded(self) -> None:
+        """Say what the motors want, as soon as the line is free."""
+        self._dirty = True
+
+    # For the fleet
+
+    def sample(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Ask for all counts, unless the questions of the cycle before are not answered."""
+        self.clock = now
+        if self.configured and now - self._heard_at >= self._silent_after:
+            self._forget()
+        if self._samples or (self._question is not None and self._part is Part.SAMPLE):
+            self.late += 1
+            return self._go_on(now)
+        if self.configured:
+            self._cycle_at = now
+            self._samples.extend(self._dialect.encoders())
+        if not self._samples and not self.under_way and self._set_up_once:
+            self._samples.append(self._dialect.find())
+        return self._go_on(now)
+
+    def beat(self, _now: Nanoseconds) -> tuple[Packet, ...]:
+        """Say nothing: no firmware watches for a heartbeat."""
+        return ()
+
+    def hear(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Take bytes, or what became of the line; what answers no question is ignored."""
+        self.clock = now
+        if now < self._quiet_at:
+            self._quiet_at = now + QUIET
+        if packet.address == LINE_LOST and not packet.payload:
+            self._lose()
+        elif packet.address == LINE_BACK and not packet.payload:
+            self._gone = False
+        else:
+            for answer in self._reader.hear(packet.payload):
+                question = self._question
+                numbers = None if question is None or question.reads is None else question.reads(answer)
+                if question is not None and numbers is not None:
+                    self._end(question, numbers, now)
+        return self._go_on(now)
+
+    def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Ask again, or give up, what has no answer in its time; say what waits."""
+        self.clock = now
+        question = self._question
+        sent: tuple[Packet, ...] = ()
+        if question is not None and now >= self._until:
+            self.busy += now - self._asked_at
+            self._question, self._reader = None, self._dialect.reader()
+            sent = self._again(question, now)
+        elif self._starts_until <= now:
+            self._fail("the encoders tell nothing")
+        return sent + self._go_on(now)
+
+    # What is said
+
+    def _go_on(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        sent: list[Packet] = []
+        while self._question is None and not self._gone:
+            if self._dirty and not self._urgent and not self.under_way:
+                self._express(now)
+            say = self._taken()
+            if say is None:
+                break
+            sent.append(self._said(say, now))
+        return tuple(sent)
+
+    def _taken(self) -> Say | None:
+        """Return what is to be said next."""
+        self._tries = 0
+        for part, waiting in ((Part.MOTION, self._urgent), (Part.SAMPLE, self._samples)):
+            if waiting:
+                self._part = part
+                return waiting.popleft()
+        if self._next is None or self.clock < self._quiet_at:
+            return None
+        self._part = Part.TASK
+        say, self._next = self._next, None
+        if say.reads is None:
+            self._next = next(self._script, None)
+            if self._next is None:
+                self._close_task()
+        return say
+
+    def _said(self, say: Say, now: Nanoseconds) -> Packet:
+        self.commands += 1
+        if say.reads is not None:
+            self._question, self._asked_at = say, now
+            finding = self.under_way[:1] == (Task.FIND,)
+            self._until = now + (FOUND_EVERY if finding else self._patience)
+            self._questions += 1
+        return Packet(self.name, 0, say.data)
+
+    def _express(self, now: Nanoseconds) -> None:
+        """Make words of what the motors want."""
+        self._dirty = False
+        if not self.configured:
+            if not all(motor.released for motor in self.motors):
+                self._urgent.extend(self._dialect.release(motor.number for motor in self.motors))
+                self._note_released(self.motors)
+            return
+        off = [motor for motor in self.motors if motor.demand is Stop.POWER_OFF]
+        outputs = {motor.number: motor.output(now) for motor in self.motors}
+        if self._dialect.on_board:
+            self._urgent.extend(self._dialect.drive(outputs, {}))
+            released = not any(outputs.values())
+        else:
+            driven = {motor.number: outputs[motor.number] for motor in self.motors if motor.enabled}
+            self._urgent.extend(
+                self._dialect.drive(driven, {motor.number: motor.way for motor in self.motors})
+            )
+            released = False
+        for motor in self.motors:
+            if motor.enabled:
+                motor.told(outputs[motor.number])
+        if released:
+            self._note_released(self.motors)
+        elif off and not self._dialect.on_board:
+            slow = [motor for motor in off if not motor.released]
+            self._urgent.extend(self._dialect.release(motor.number for motor in slow))
+            self._note_released(slow)
+
+    def _note_released(self, motors: tuple[ShieldMotor, ...] | list[ShieldMotor]) -> None:
+        """Note that motors are being released; the next question that is answered confirms it."""
+        for motor in motors:
+            motor.way = 0
+        self._released_at = self._questions
+
+    # What is answered
+
+    def _end(self, question: Say, numbers: Numbers, now: Nanoseconds) -> None:
+        self._question, self._heard_at = None, now
+        self.busy += now - self._asked_at
+        if self._questions > self._released_at:
+            for motor in self.motors:
+                motor.released = motor.way == 0
+        if question.wanted is not None and numbers != question.wanted:
+            said, wanted = (", ".join(map(str, them)) for them in (numbers, question.wanted))
+            self._fail(f"{question.what}: it says {said}, expected {wanted}")
+            return
+        for number, count in zip(question.counts, numbers, strict=False):
+            for motor in self.motors:
+                if motor.number == number and motor.measured:
+                    motor.counted(count, self._dialect.bits, self._asked_at, self._cycle_at)
+        if self._part is Part.TASK:
+            self._next = next(self._script, None)
+            if self._next is None:
+                self._close_task()
+        elif not self.configured:
+            self._restore()
+        elif self._part is Part.SAMPLE and not self._samples:
+            for motor in self.motors:
+                motor.sampled(self._cycle_at, now)
+            if self.under_way[:1] == (Task.START,):
+                self._close_task()
+        elif not self.under_way and not self._urgent:
+            self.longest_cycle = max(self.longest_cycle, now - self._cycle_at)
+
+    def _restore(self) -> None:
+        """Set the board up that answers again; its motors are released by it, and stay so."""
+        if self._part is Part.SAMPLE and not self.under_way:
+            self.under_way, self._restores = RESTORING, True
+            self._open_task()
+
+    def _again(self, question: Say, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Ask once more what has no answer, or give it up."""
+        self._tries += 1
+        finding = self.under_way[:1] == (Task.FIND,)
+        if self._part is not Part.TASK:
+            # The next cycle asks anew; what was wanted of a motor is wanted then.
+            self._samples.clear()
+            return ()
+        if (now < self._boots_until) if finding else (self._tries < TRIES):
+            return (self._said(question, now),)
+        self._fail(f"no answer to '{question.what}'")
+        return ()
+
+    # Tasks
+
+    def _open_task(self) -> tuple[Packet, ...]:
+        """Begin the first of the tasks that are left."""
+        task = self.under_way[0] if self.under_way else None
+        dialect, sent = self._dialect, ()
+        script: Iterator[Say] = iter(())
+        if task in {Task.FIND, Task.RESET}:
+            self._boots_until = self.clock + self._boots
+            self.configured = False
+            script = iter((dialect.find(),))
+        if task is Task.RESET:
+            self.under_way = (Task.FIND, Task.IDENTIFY, Task.CONFIGURE, *self.under_way[1:])
+            pulse = (Packet(self.name, DTR_DOWN, b""), Packet(self.name, DTR_UP, b""))
+            return self._opened(script) + pulse
+        if task is Task.IDENTIFY:
+            self._quiet_at = self.clock + QUIET
+            script = iter((dialect.find(),))
+        elif task is Task.CONFIGURE:
+            script = dialect.set_up()
+        elif task is Task.START:
+            self._starts_until = self.clock + TRIES * self._silent_after
+            return sent
+        elif task is Task.ENABLE:
+            if not self.configured:
+                self._fail("it has to be set up first")
+                return sent
+            for motor in self.motors:
+                motor.enabled, motor.demand = True, Stop.REST
+        elif task in RELEASING:
+            script = self._letting_go()
+        return self._opened(script) if task is not None else sent
+
+    def _opened(self, script: Iterator[Say]) -> tuple[Packet, ...]:
+        self._script = script
+        self._next = next(script, None)
+        if self._next is None:
+            self._close_task()
+        return ()
+
+    def _letting_go(self) -> Iterator[Say]:
+        """Yield what releases all motors, and a question whose answer says that it has come."""
+        for motor in self.motors:
+            motor.enabled, motor.demand = False, Stop.POWER_OFF
+        yield from self._dialect.release(motor.number for motor in self.motors)
+        self._note_released(self.motors)
+        yield self._dialect.find()
+
+    def _close_task(self) -> None:
+        """End the task under way, and begin the next one."""
+        done, self.under_way = self.under_way[0], self.under_way[1:]
+        self._starts_until = NEVER
+        if done is Task.CONFIGURE:
+            self.configured = self._set_up_once = True
+            self._restores = False
+            for motor in self.motors:
+                motor.begin_anew()
+            self._note_released(self.motors)
+        self._open_task()
+
+    def _fail(self, problem: str) -> None:
+        self.problem = problem
+        self.end_tasks()
+
+    def _forget(self) -> None:
+        """Learn that the board was silent for too long: it may have started anew, and nothing holds."""
+        self.configured = self._dirty = False
+        self._urgent.clear()
+        for motor in self.motors:
+            motor.enabled = motor.released = False
+
+    def _drop(self) -> None:
+        """Forget what waits, and the answer that is awaited."""
+        self._dirty, self._question, self._until = False, None, NEVER
+        self._urgent.clear()
+        self._samples.clear()
+        self._reader = self._dialect.reader()
+
+    def _lose(self) -> None:
+        self._gone = True
+        self._drop()
+        self._forget()
+        if self.under_way:
+            self._fail(LOST)

@@ -1,0 +1,326 @@
+"""What the bridge says to a board, protocol by protocol: find it, set it up, ask its encoders, drive, release.
+
+It refuses to know when something is said, and what a motor shall do.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, Final, TypeAlias
+
+from firmware_bridge.robot.settings.shield import ShieldAxis, ShieldLink, ShieldProtocol
+from firmware_bridge.wire.arduino import arduinoio, firmata, motor_shield, mw
+from firmware_bridge.wire.arduino import mw_messages as messages
+from firmware_bridge.wire.arduino import ros_arduino_bridge as ros
+from firmware_bridge.wire.arduino.motor_shield import Pin
+
+FORWARD, BACKWARD = 1, 2
+SHIELD: Final = 0
+FREQUENCY: Final = 1_600
+BUS_WRITE_US: Final = 550
+"""One write of a channel on I2C at 100 kHz: six bytes of nine bits."""
+CHANNELS: Final = 3
+"""Written for a motor's speed and direction."""
+
+Numbers: TypeAlias = tuple[int, ...]
+Reads: TypeAlias = Callable[[Any], Numbers | None]
+
+
+@dataclass(frozen=True, slots=True)
+class Say:
+    """One command, and what reads its answer: its numbers, or None for what answers something else."""
+
+    what: str
+    data: bytes
+    reads: Reads | None = None
+    """None: nothing answers."""
+    answer: int = 0
+    """Bytes of its longest answer."""
+    writes: int = 0
+    """How often the board writes to the shield for it."""
+    counts: Numbers = ()
+    """The motors whose counts the answer's numbers are, in their order."""
+    wanted: Numbers | None = None
+    """The numbers that have to come; None for any."""
+
+
+class Dialect(ABC):
+    """One protocol, for one board and its motors."""
+
+    on_board = False
+    """Whether the loop of speeds is on the board: `drive` takes ticks a frame, else PWM of 255."""
+    bits = 32
+    """Of its counters."""
+
+    def __init__(self, link: ShieldLink, motors: Sequence[ShieldAxis]) -> None:
+        self.link: Final = link
+        self.motors: Final = tuple(motors)
+        self.counted: Final = tuple(motor for motor in self.motors[: link.counted])
+        """Those whose encoders are read."""
+
+    @abstractmethod
+    def reader(self) -> Any:
+        """Return what reads the board's bytes from now on."""
+
+    @abstractmethod
+    def find(self) -> Say:
+        """Return what any board with this firmware answers."""
+
+    @abstractmethod
+    def set_up(self) -> Iterator[Say]:
+        """Yield what makes the board ready; what may turn is released first."""
+
+    @abstractmethod
+    def encoders(self) -> Iterator[Say]:
+        """Yield what asks for all counts."""
+
+    @abstractmethod
+    def drive(self, wanted: Mapping[int, int], ways: Mapping[int, int]) -> Iterator[Say]:
+        """Yield what drives motors, by their numbers, with a sign; `ways` is which way each was set.
+
+        That is 1 or -1, and 0 where it is released; it changes only where a motor is told 0.
+        """
+
+    @abstractmethod
+    def release(self, motors: Iterable[int]) -> Iterator[Say]:
+        """Yield what takes the power of motors."""
+
+
+class Ros(Dialect):
+    """ros_arduino_bridge with a third motor."""
+
+    on_board = True
+
+    def reader(self) -> ros.LineReader:
+        """Return what finds lines."""
+        return ros.LineReader()
+
+    def _say(self, what: str, letter: str, numbers: Numbers = (), **more: Any) -> Say:
+        count = len(self.motors)
+        line = ros.encode(letter, numbers, count)
+        return Say(what, line, lambda answer: ros.decode(letter, answer, count), **more)
+
+    def find(self) -> Say:
+        """Ask for the rate."""
+        return self._say("who is there", "b", answer=7, wanted=(ros.BAUD,))
+
+    def set_up(self) -> Iterator[Say]:
+        """Release, give the gains, count from 0."""
+        gains = self.link.gains
+        yield from self.release(())
+        yield self._say("gains", "u", (gains.kp, gains.kd, gains.ki, gains.ko), answer=4)
+        yield self._say("count from 0", "r", answer=4)
+
+    def encoders(self) -> Iterator[Say]:
+        """Ask for all counts at once."""
+        numbers = tuple(motor.port for motor in self.motors)
+        yield self._say("counts", "e", answer=12 * len(numbers) + 1, counts=numbers)
+
+    def drive(self, wanted: Mapping[int, int], ways: Mapping[int, int]) -> Iterator[Say]:
+        """Tell all speeds, also where they are the same: the board stops when it hears nothing."""
+        del ways
+        speeds = tuple(wanted[motor.port] for motor in self.motors)
+        yield self._say("speeds", "m", speeds, answer=4, writes=CHANNELS * len(speeds))
+
+    def release(self, motors: Iterable[int]) -> Iterator[Say]:
+        """Tell speed 0, which releases all motors."""
+        del motors
+        yield from self.drive(dict.fromkeys((motor.port for motor in self.motors), 0), {})
+
+
+class ArduinoIo(Dialect):
+    """ArduinoIO, sketch motor_v2."""
+
+    bits = 16
+
+    def reader(self) -> ros.LineReader:
+        """Return what finds lines: they end as those of ros_arduino_bridge do."""
+        return ros.LineReader()
+
+    def _ask(self, what: str, letter: str, *values: int, **more: Any) -> Say:
+        def reads(answer: bytes) -> Numbers | None:
+            number = arduinoio.decode(answer)
+            return None if number is None else (number,)
+
+        return Say(what, arduinoio.encode(letter, *values), reads, **more)
+
+    def find(self) -> Say:
+        """Ask which sketch it is."""
+        return self._ask("who is there", "9", 9, answer=3, wanted=(arduinoio.MOTOR_V2,))
+
+    def set_up(self) -> Iterator[Say]:
+        """Release, attach the encoders, count from 0."""
+        yield from self.release(motor.port for motor in self.motors)
+        for place, motor in enumerate(self.counted):
+            yield Say("encoder", arduinoio.encode("E", place, *motor.encoder_pins))
+            yield Say("count from 0", arduinoio.encode("H", place))
+        yield self.find()
+
+    def encoders(self) -> Iterator[Say]:
+        """Ask one after the other."""
+        for place, motor in enumerate(self.counted):
+            yield self._ask(f"count of M{motor.port}", "G", place, answer=8, counts=(motor.port,))
+
+    def drive(self, wanted: Mapping[int, int], ways: Mapping[int, int]) -> Iterator[Say]:
+        """Set the speed, and the direction where that changes."""
+        for number, pwm in wanted.items():
+            way = _way(pwm, ways[number])
+            if way != ways[number]:
+                letter = ord("f" if way > 0 else "b")
+                yield Say(f"direction of M{number}", arduinoio.encode("B", number, letter), writes=2)
+            yield Say(f"PWM of M{number}", arduinoio.encode("A", number, abs(pwm)), writes=1)
+
+    def release(self, motors: Iterable[int]) -> Iterator[Say]:
+        """Set speed 0, and release."""
+        for number in motors:
+            yield Say(f"PWM 0 of M{number}", arduinoio.encode("A", number, 0), writes=1)
+            yield Say(f"release of M{number}", arduinoio.encode("B", number, ord("r")), writes=2)
+
+
+def _way(pwm: int, before: int) -> int:
+    """Return which way a motor is to be set, that was set another way, or released."""
+    return (pwm > 0) - (pwm < 0) or before or 1
+
+
+class Mw(Dialect):
+    """MWProtocol with motor shield and rotary encoders."""
+
+    def __init__(self, link: ShieldLink, motors: Sequence[ShieldAxis]) -> None:
+        super().__init__(link, motors)
+        self._libraries: tuple[str, ...] = mw.LIBRARIES
+        self._sequence = 0
+
+    def reader(self) -> mw.AnswerReader:
+        """Return what finds answers."""
+        return mw.AnswerReader()
+
+    def _ask(self, what: str, request: Any, **more: Any) -> Say:
+        def reads(answered: mw.Answered | mw.Traced) -> Numbers | None:
+            told = mw.decode_answer(request, answered) if isinstance(answered, mw.Answered) else None
+            if isinstance(told, messages.ServerInfo):
+                names = tuple(name.decode("ascii", "replace") for name in told.libraries)
+                missing = {mw.SHIELD, mw.ENCODER} - set(names)
+                self._libraries = self._libraries if missing else names
+                return (int(not missing),)
+            if isinstance(told, messages.Count):
+                return (told.count,)
+            return None if told is None else ()
+
+        self._sequence = (self._sequence + 1) % mw.SEQUENCES
+        frame = mw.encode_request(request, self._sequence, self._libraries)
+        return Say(what, frame, reads, **{"answer": 6, **more})
+
+    def find(self) -> Say:
+        """Ask for the libraries."""
+        return self._ask("who is there", messages.GetServerInfo(), answer=120, wanted=(1,))
+
+    def set_up(self) -> Iterator[Say]:
+        """Make shield and motors, release, attach the encoders, count from 0."""
+        shield = messages.CreateShield(SHIELD, motor_shield.ADDRESS, FREQUENCY)
+        yield self._ask("shield", shield, writes=21)
+        for motor in self.motors:
+            yield self._ask(f"M{motor.port}", messages.CreateMotor(SHIELD, motor.port - 1))
+        yield from self.release(motor.port for motor in self.motors)
+        for place, motor in enumerate(self.counted):
+            yield self._ask("encoder", messages.AttachEncoder(place, *motor.encoder_pins))
+            yield self._ask("count from 0", messages.WriteCount(place, 0))
+
+    def encoders(self) -> Iterator[Say]:
+        """Ask one after the other."""
+        for place, motor in enumerate(self.counted):
+            what, request = f"count of M{motor.port}", messages.ReadCount(place, 0)
+            yield self._ask(what, request, answer=15, counts=(motor.port,))
+
+    def drive(self, wanted: Mapping[int, int], ways: Mapping[int, int]) -> Iterator[Say]:
+        """Set speed and direction."""
+        for number, pwm in wanted.items():
+            turn = FORWARD if _way(pwm, ways[number]) > 0 else BACKWARD
+            request = messages.SetMotorSpeed(SHIELD, number - 1, abs(pwm), turn)
+            yield self._ask(f"speed of M{number}", request, writes=CHANNELS)
+
+    def release(self, motors: Iterable[int]) -> Iterator[Say]:
+        """Stop, which is the library's word for release."""
+        for number in motors:
+            request = messages.StopMotor(SHIELD, number - 1)
+            yield self._ask(f"release of M{number}", request, writes=2)
+
+
+class Firmata(Dialect):
+    """ConfigurableFirmata: the shield's chip by I2C, two encoders."""
+
+    def reader(self) -> firmata.Parser:
+        """Return what finds messages."""
+        return firmata.Parser(from_board=True)
+
+    def find(self) -> Say:
+        """Ask for the firmware's name."""
+
+        def reads(message: firmata.Message) -> Numbers | None:
+            return () if message.exclusive and message.code == firmata.FIRMWARE and message.data else None
+
+        return Say("who is there", firmata.exclusive(firmata.FIRMWARE), reads, answer=60)
+
+    def set_up(self) -> Iterator[Say]:
+        """Wake the chip, release, attach the encoders, count from 0."""
+        yield Say("I2C", firmata.exclusive(firmata.I2C_CONFIG, bytes(2)))
+        for data in motor_shield.SET_UP:
+            yield Say("shield", firmata.i2c_write(motor_shield.ADDRESS, data), writes=1)
+        yield from self.release(motor.port for motor in self.motors)
+        for place, motor in enumerate(self.counted):
+            for words in (bytes((0, place, *motor.encoder_pins)), bytes((3, place))):
+                yield Say("encoder", firmata.exclusive(firmata.ENCODER, words))
+        yield self.find()
+
+    def encoders(self) -> Iterator[Say]:
+        """Ask one after the other."""
+        for place, motor in enumerate(self.counted):
+            yield Say(
+                f"count of M{motor.port}",
+                firmata.exclusive(firmata.ENCODER, bytes((1, place))),
+                lambda message, place=place: _count(message, place),  # type: ignore[misc] # bound now
+                answer=8,
+                counts=(motor.port,),
+            )
+
+    def drive(self, wanted: Mapping[int, int], ways: Mapping[int, int]) -> Iterator[Say]:
+        """Set the speed, and the direction where that changes."""
+        for number, pwm in wanted.items():
+            way = _way(pwm, ways[number])
+            if way != ways[number]:
+                low, high = (Pin.IN2, Pin.IN1) if way > 0 else (Pin.IN1, Pin.IN2)
+                yield _channel(number, low, 0)
+                yield _channel(number, high, 1)
+            yield _channel(number, Pin.PWM, abs(pwm))
+
+    def release(self, motors: Iterable[int]) -> Iterator[Say]:
+        """Set all three inputs low."""
+        for number in motors:
+            for pin in Pin:
+                yield _channel(number, pin, 0)
+
+
+def _channel(motor: int, pin: Pin, level: int) -> Say:
+    data = firmata.i2c_write(motor_shield.ADDRESS, motor_shield.encode_channel(motor, pin, level))
+    return Say(f"{pin.value} of M{motor}", data, writes=1)
+
+
+def _count(message: firmata.Message, place: int) -> Numbers | None:
+    """Return an encoder's count from a report: a sign and a number, then four times seven bits."""
+    data = message.data
+    if not message.exclusive or message.code != firmata.ENCODER or len(data) != len(b"eabcd"):
+        return None
+    if data[0] & 0x3F != place:
+        return None
+    size = sum(part << 7 * index for index, part in enumerate(data[1:]))
+    return (-size if data[0] & 0x40 else size,)
+
+
+DIALECTS: Final[Mapping[ShieldProtocol, type[Dialect]]] = MappingProxyType(
+    {
+        ShieldProtocol.ROS_ARDUINO_BRIDGE: Ros,
+        ShieldProtocol.ARDUINOIO: ArduinoIo,
+        ShieldProtocol.MW: Mw,
+        ShieldProtocol.FIRMATA: Firmata,
+    }
+)

@@ -1,0 +1,41 @@
+"""A board with a motor shield as one link of the robot, and the same robot with another firmware on it."""
+
+from firmware_bridge.drivers.fleet import Fleet
+from firmware_bridge.drivers.shield.board import Board
+from firmware_bridge.drivers.shield.dialects import DIALECTS
+from firmware_bridge.drivers.shield.motor import ShieldMotor
+from firmware_bridge.drivers.shield.plan import fitting_plan
+from firmware_bridge.robot import AnyRobot, Problem, RobotFileError
+from firmware_bridge.robot.problems import near
+from firmware_bridge.robot.settings.shield import ShieldProtocol
+
+
+def shield_fleet(robot: AnyRobot, name: str) -> Fleet:
+    """Return the motors on the robot's link of this name; ShieldPlanError where its cycle is too short."""
+    plan, table, axes = fitting_plan(robot, name), robot.shield_link(name), robot.axes_on(name)
+    dialect = DIALECTS[table.protocol](table, [axis.shield for axis in axes])
+    board = Board(name, table, dialect, plan.answers_within)
+    board.motors = tuple(ShieldMotor(axis, robot, board) for axis in axes)
+    return Fleet(board, table, board.motors)
+
+
+def over_protocol(robot: AnyRobot, protocol: str | None, encoders: int | None = None) -> AnyRobot:
+    """Return this robot with another firmware on its boards, or another number of encoders that it reads.
+
+    RobotFileError where it has no board, or no firmware is of that name.
+    """
+    if protocol is None and encoders is None:
+        return robot
+    known = [one.value for one in ShieldProtocol]
+    if not robot.shield_links:
+        raise RobotFileError(robot.name, Problem("links", "no motor shield is on any link"))
+    if protocol is not None and protocol not in known:
+        raise RobotFileError(robot.name, Problem("protocol", f"no '{protocol}'; {near(protocol, known)}"))
+    return robot.with_links(
+        {
+            name: link.over(
+                link.protocol if protocol is None else ShieldProtocol(protocol), robot.cycle_ms, encoders
+            )
+            for name, link in robot.shield_links.items()
+        }
+    )

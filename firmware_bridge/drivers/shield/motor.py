@@ -1,0 +1,239 @@
+"""One motor at a shield as the bridge sees it: a `firmware_bridge.drivers.driver.Driver`.
+
+What leaves for all motors of a board is the board's: a demand is noted here, and the board says it when the
+line is free, at the same instant where it is.
+"""
+
+from typing import Final, Protocol
+
+from firmware_bridge.drivers.driver import (
+    Demand,
+    Feedback,
+    Power,
+    Speed,
+    StartupError,
+    Stop,
+    Task,
+    Tells,
+)
+from firmware_bridge.drivers.shield.regulator import Pwm, Ticks
+from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.packet import Packet
+from firmware_bridge.robot import AnyLink, AnyRobot, Axis
+from firmware_bridge.robot.settings.shield import ShieldLink
+from firmware_bridge.units import NEVER, Nanoseconds, to_seconds
+
+COUNTED: Final = frozenset({Tells.POSITION, Tells.VELOCITY, Tells.STOP})
+"""What an encoder tells; a shield has no word for power or current."""
+
+
+def tells(axis: Axis, link: AnyLink) -> frozenset[Tells]:
+    """Return what is told of a motor: nothing, where the firmware does not read its encoder."""
+    counted = isinstance(link, ShieldLink) and axis.shield.port <= link.counted
+    return COUNTED if counted else frozenset()
+
+
+class Words(Protocol):
+    """What carries the motor's words: its board."""
+
+    clock: Nanoseconds
+
+    @property
+    def under_way(self) -> tuple[Task, ...]:
+        """The tasks that are not done."""
+
+    @property
+    def stops(self) -> bool:
+        """Whether the tasks under way take the motors' power."""
+
+    @property
+    def configured(self) -> bool:
+        """Whether the set-up is in force."""
+
+    @property
+    def problem(self) -> str | None:
+        """Why the last tasks failed."""
+
+    def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
+        """Do tasks, for all motors of the board."""
+
+    def end_tasks(self) -> None:
+        """Do those under way no more."""
+
+    def demanded(self) -> None:
+        """Say what the motors want, soon."""
+
+
+class ShieldMotor:
+    """One motor."""
+
+    def __init__(self, axis: Axis, robot: AnyRobot, board: Words) -> None:
+        link = robot.shield_link(axis.link)
+        self._axis: Final = axis
+        self._board: Final = board
+        self._tells: Final = tells(axis, link)
+        self.number: Final = axis.shield.port
+        self.measured: Final = bool(self._tells)
+        cycle = robot.cycle * link.every
+        self.regulator: Final = Ticks(axis) if link.stops_itself else Pwm(axis, cycle)
+        self._per_count: Final = axis.direction / axis.shield.counts_per_unit(axis.ratio)
+        self.demand: Demand = Stop.REST
+        self.way = 0
+        """Which way its half bridge was set: 1 or -1; 0 where it was released."""
+        self.enabled = False
+        """Whether it may be driven."""
+        self.released = False
+        """Whether the board has confirmed that it is released."""
+        self._regulated_at: Nanoseconds = NEVER_HEARD
+        self._count: int | None = None
+        self._counted_at: Nanoseconds = 0
+        self._position = 0.0
+        self._velocity = 0.0
+        self._heard_at: Nanoseconds = NEVER_HEARD
+        self._sampled_at: Nanoseconds = NEVER_HEARD
+        self._estimated_at: Nanoseconds = NEVER_HEARD
+
+    @property
+    def axis(self) -> Axis:
+        """The axis that it moves."""
+        return self._axis
+
+    @property
+    def tells(self) -> frozenset[Tells]:
+        """What it can tell."""
+        return self._tells
+
+    @property
+    def feedback(self) -> Feedback:
+        """What is known of it; the power is what was said to the board, and answered."""
+        power = Power.UNKNOWN
+        if self._board.configured and self._heard_at != NEVER_HEARD:
+            power = Power.ON if self.enabled else Power.OFF
+        return Feedback(
+            axis=self._axis.name,
+            power=power,
+            heard_at=self._heard_at,
+            sampled_at=self._sampled_at,
+            position=self._position,
+            velocity=self._velocity,
+            says="" if power is Power.UNKNOWN else "driven" if self.enabled else "released",
+            zero_lost=False,
+        )
+
+    @property
+    def sampled_at(self) -> Nanoseconds:
+        """When its newest sample was taken."""
+        return self._sampled_at
+
+    @property
+    def busy(self) -> bool:
+        """Whether the board has tasks to do."""
+        return bool(self._board.under_way)
+
+    @property
+    def failure(self) -> StartupError | None:
+        """Why the board's last tasks failed."""
+        problem = self._board.problem
+        return None if problem is None else StartupError(self._axis, problem)
+
+    @property
+    def configured(self) -> bool:
+        """Whether the board's set-up is in force."""
+        return self._board.configured
+
+    @property
+    def unpowered(self) -> bool:
+        """Whether the board has confirmed that the motor is released, and it was not driven since."""
+        return self.released
+
+    @property
+    def wake_at(self) -> Nanoseconds:
+        """Never: the board is woken."""
+        return NEVER
+
+    def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
+        """Do these tasks, with all motors of the board."""
+        return self._board.begin(tasks, now)
+
+    def set_zero(self, position: float, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Do nothing: a motor at a shield has no travel, and nobody may say where it stands."""
+        del position, now
+        return ()
+
+    def home(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Do nothing, as above."""
+        del now
+        return ()
+
+    def command(self, demand: Demand) -> tuple[Packet, ...]:
+        """Note a demand; while tasks are under way only one that stops, and those that stop themselves go on."""
+        tasks = self._board.under_way
+        if tasks:
+            if demand not in {Stop.QUICK_STOP, Stop.POWER_OFF} or self._board.stops:
+                return ()
+            self._board.end_tasks()
+        self.demand = demand
+        if demand is Stop.POWER_OFF:
+            self.enabled = False
+        self._board.demanded()
+        return ()
+
+    def release(self) -> tuple[Packet, ...]:
+        """Do nothing: no word of a board has a handshake."""
+        return ()
+
+    def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Do nothing: the board is woken."""
+        del now
+        return ()
+
+    def output(self, now: Nanoseconds) -> int:
+        """Return what it shall be told now: ticks or PWM; one step of its regulator."""
+        elapsed = 0 if self._regulated_at == NEVER_HEARD else now - self._regulated_at
+        self._regulated_at = now
+        wanted = self.demand.value if isinstance(self.demand, Speed) and self.enabled else 0.0
+        if not self.enabled or self.demand is Stop.QUICK_STOP:
+            self.regulator.reset()
+            return 0
+        return self.regulator.next(wanted, self._velocity if self.measured else None, elapsed)
+
+    def told(self, output: int) -> None:
+        """Note what the board was told; 0 keeps the way, until it is released."""
+        self.way = (output > 0) - (output < 0) or self.way or 1
+        self.released = False
+
+    def begin_anew(self) -> None:
+        """Count from the next sample on, released and not to be driven: the board was set up."""
+        self.regulator.reset()
+        self._count = None
+        self._velocity = 0.0
+        self._estimated_at = self._sampled_at = NEVER_HEARD
+        self.demand, self.way, self.enabled = Stop.REST, 0, False
+
+    def counted(self, count: int, bits: int, asked_at: Nanoseconds, cycle_at: Nanoseconds) -> None:
+        """Take its encoder's count, which wraps at so many bits."""
+        before, self._count = self._count, count
+        elapsed = asked_at - self._counted_at
+        self._counted_at = asked_at
+        if before is None or elapsed <= 0:
+            self._velocity = 0.0
+        else:
+            half = 1 << bits - 1
+            way = self._per_count * ((count - before + half) % (2 * half) - half)
+            # Read a little after the others, it is shifted to the instant that all samples share.
+            shift = way * (asked_at - cycle_at) / elapsed
+            self._position += way - shift + self._shifted
+            self._shifted = shift
+            self._velocity = way / to_seconds(elapsed)
+
+    _shifted = 0.0
+    """By how much the position is behind the newest count."""
+
+    def sampled(self, cycle_at: Nanoseconds, now: Nanoseconds) -> None:
+        """Learn that the board has answered all questions of a cycle; where nothing is counted, believe."""
+        if not self.measured:
+            told = self.demand.value if isinstance(self.demand, Speed) and self.enabled else 0.0
+            if self._estimated_at != NEVER_HEARD:
+                self._position += self._velocity * to_seconds(cycle_at - self._estimated_at)
+            self._velocity, self._estimated_at = told, cycle_at
+        self._sampled_at, self._heard_at = cycle_at, now

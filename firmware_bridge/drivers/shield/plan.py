@@ -1,0 +1,100 @@
+"""Whether a robot's cycle fits on a board's serial line: each word with its price, from the bytes up.
+
+A question costs the time of its bytes both ways, what the board writes to the shield for it, what the second
+chip on the board keeps back (4.1 ms at most), and what this machine's port does. The fullest cycle is a
+reversal: all motors change speed and direction. It may fill 80 % of the cycle; a plan that does not fit is
+refused before anything moves.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Final
+
+from firmware_bridge.drivers.shield.dialects import BUS_WRITE_US, DIALECTS, Say
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.shield import ShieldLink
+from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds
+
+BITS_PER_BYTE: Final = 10
+CHIP_FLUSH_US: Final = 4_096
+"""The ATmega16U2 hands what the board says to the host so often at least."""
+MOST: Final = 0.8
+"""Share of the cycle that its fullest may take."""
+
+
+class ShieldPlanError(Exception):
+    """A cycle that does not fit on the line: how long it is, and what to do."""
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One word of a cycle."""
+
+    what: str
+    bytes: int
+    time: Nanoseconds
+
+
+@dataclass(frozen=True, slots=True)
+class ShieldPlan:
+    """The fullest cycle, in the order in which its words leave."""
+
+    cycle: Nanoseconds
+    samples: tuple[Entry, ...]
+    words: tuple[Entry, ...]
+
+    @property
+    def time(self) -> Nanoseconds:
+        """How long the line and the board are busy in the fullest cycle."""
+        return sum(entry.time for entry in (*self.samples, *self.words))
+
+    @property
+    def answers_within(self) -> Nanoseconds:
+        """How long all samples take at most; one word more may have begun before them."""
+        longest = max(entry.time for entry in (*self.samples, *self.words))
+        return sum(entry.time for entry in self.samples) + longest
+
+    @property
+    def share(self) -> float:
+        """Of the cycle that is filled."""
+        return self.time / self.cycle
+
+
+def shield_plan(robot: AnyRobot, name: str) -> ShieldPlan:
+    """Lay out the fullest cycle of a link to a board."""
+    link, axes = robot.shield_link(name), robot.axes_on(name)
+    dialect = DIALECTS[link.protocol](link, [axis.shield for axis in axes])
+    motors = [axis.shield.port for axis in axes]
+    most = (-99 if dialect.on_board else -axes[0].shield.max_pwm for _ in motors)
+    reversal = dialect.drive(dict(zip(motors, most, strict=True)), dict.fromkeys(motors, 1))
+    return ShieldPlan(
+        robot.cycle * link.every,
+        _entries(link, dialect.encoders()),
+        _entries(link, reversal),
+    )
+
+
+def fitting_plan(robot: AnyRobot, name: str) -> ShieldPlan:
+    """Lay out the fullest cycle of a link to a board; ShieldPlanError where the cycle is too short."""
+    plan = shield_plan(robot, name)
+    if plan.time <= MOST * plan.cycle:
+        return plan
+    link = robot.shield_link(name)
+    needed = -(-plan.time // round(MOST * robot.cycle))
+    raise ShieldPlanError(
+        f"link '{name}': a reversal over {link.protocol.value} takes {plan.time / MILLISECOND:.1f} ms, which "
+        f"is more than {MOST:.0%} of its cycle of {plan.cycle // MILLISECOND} ms; say every = {needed} or a "
+        "longer cycle_ms in the robot file"
+    )
+
+
+def _entries(link: ShieldLink, says: Iterable[Say]) -> tuple[Entry, ...]:
+    return tuple(Entry(say.what, len(say.data) + say.answer, _cost(link, say)) for say in says)
+
+
+def _cost(link: ShieldLink, say: Say) -> Nanoseconds:
+    on_line = (len(say.data) + say.answer) * BITS_PER_BYTE * SECOND // link.line_rate
+    turn = 0 if say.reads is None else (CHIP_FLUSH_US + link.port_latency_us) * MICROSECOND
+    on_bus = say.writes * BUS_WRITE_US * MICROSECOND
+    # What is not answered is written to the shield while the next word is on the line.
+    return on_line + turn + on_bus if say.reads is not None else max(on_line, on_bus)

@@ -1,0 +1,79 @@
+"""What one motor is told: ticks for a loop on the board; PWM by a PI here, where the board has none.
+
+A reversal passes 0 for a cycle, and the PWM changes no faster than its slope: at once it would draw twice the
+current of a stall.
+"""
+
+import math
+from typing import Final
+
+from firmware_bridge.robot import Axis
+from firmware_bridge.robot.settings.shield import FULL_PWM
+from firmware_bridge.units import MILLISECOND, RPM_PER_RAD_S, SECOND, Nanoseconds, to_seconds
+from firmware_bridge.wire.arduino import ros_arduino_bridge as ros
+
+LONGEST: Final = 2
+"""Cycles that a step lasts at most, whatever the time since the one before."""
+
+
+class Ticks:
+    """Speeds for a loop on the board, in counts a frame."""
+
+    def __init__(self, axis: Axis) -> None:
+        per_unit = axis.shield.counts_per_unit(axis.ratio)
+        self._ticks: Final = axis.direction * per_unit * ros.FRAME_MS * MILLISECOND / SECOND
+        self._most: Final = math.floor(abs(self._ticks) * axis.top_speed)
+        self.output = 0
+
+    def next(self, wanted: float, _velocity: float | None, _elapsed: Nanoseconds) -> int:
+        """Return ticks a frame for a speed in the axis's unit a second."""
+        ticks = min(max(round(wanted * self._ticks), -self._most), self._most)
+        self.output = 0 if ticks * self.output < 0 else ticks
+        return self.output
+
+    def reset(self) -> None:
+        """Begin at rest."""
+        self.output = 0
+
+
+class Pwm:
+    """A PI with feed-forward; PWM of 255, in steps no larger than the slope lets."""
+
+    def __init__(self, axis: Axis, cycle: Nanoseconds) -> None:
+        motor = axis.shield
+        free = motor.full_speed_rpm / RPM_PER_RAD_S / axis.ratio
+        self._forward: Final = FULL_PWM / free
+        self._gains: Final = motor.regulator
+        self._direction: Final = axis.direction
+        self._rests: Final = axis.rests_below
+        self._most: Final = motor.max_pwm
+        self._slope: Final = motor.slope_pwm_s
+        self._cycle: Final = cycle
+        self._behind = 0.0
+        """Of the way that was wanted, in the axis's unit."""
+        self.output = 0
+
+    def next(self, wanted: float, velocity: float | None, elapsed: Nanoseconds) -> int:
+        """Return the PWM, with the motor's sign; `velocity` is None where nothing measures it."""
+        seconds = to_seconds(min(elapsed, LONGEST * self._cycle))
+        if wanted == 0.0 and (velocity is None or abs(velocity) < self._rests):
+            self._behind = 0.0
+            return self._stepped(0.0, seconds)
+        fed = self._forward * wanted + math.copysign(self._gains.start, wanted) * (wanted != 0.0)
+        error = 0.0 if velocity is None else wanted - velocity
+        behind = self._behind + error * seconds
+        pwm = fed + self._gains.p * error + self._gains.i * behind
+        if abs(pwm) <= self._most or abs(behind) < abs(self._behind):
+            self._behind = behind
+        return self._stepped(self._direction * pwm, seconds)
+
+    def reset(self) -> None:
+        """Begin at rest."""
+        self._behind, self.output = 0.0, 0
+
+    def _stepped(self, pwm: float, seconds: float) -> int:
+        reach = math.floor(self._slope * seconds)
+        before = self.output
+        stepped = min(max(round(pwm), before - reach, -self._most), before + reach, self._most)
+        self.output = 0 if stepped * before < 0 else stepped
+        return self.output

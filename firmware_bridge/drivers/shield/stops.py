@@ -1,0 +1,63 @@
+"""The steps in which a motor at a shield is stopped: rows, the gentlest first.
+
+No firmware has a word for a motor's power. That it is released is known when the board has answered something
+that was asked after it: commands are obeyed in their order.
+"""
+
+from firmware_bridge.drivers.driver import Stop, Task
+from firmware_bridge.drivers.stop_steps import StopStep
+from firmware_bridge.robot import AnyLink, Axis
+from firmware_bridge.robot.settings.shield import ShieldLink
+from firmware_bridge.units import MILLISECOND, Nanoseconds
+
+
+def stop_steps(axis: Axis, link: AnyLink, cycle: Nanoseconds) -> tuple[StopStep, ...]:
+    """Return the steps for one motor; `cycle` is the robot's. TypeError where no shield is on the link."""
+    if not isinstance(link, ShieldLink):
+        raise TypeError(f"no motor shield is on the link of '{axis.name}'")
+    within = link.confirmed(cycle)
+    board = link.stops_itself
+    own = (
+        StopStep(
+            "auto-stop",
+            "speed 0 in every cycle; a board that does not hear it stops by itself",
+            Stop.POWER_OFF,
+            link.auto_stop_ms * MILLISECOND + within,
+            ends_power=True,
+            note=f"the board stops its motors {link.auto_stop_ms} ms after the last word that it has heard",
+        ),
+    )
+    return (
+        StopStep(
+            "speed 0",
+            "speed 0" if board else "PWM down to 0 on its slope",
+            Stop.REST,
+            within,
+            axis.shield.acceleration,
+        ),
+        StopStep(
+            "brake",
+            "speed 0" if board else "PWM 0 at once: the half bridge shorts the motor",
+            Stop.QUICK_STOP,
+            within,
+            axis.shield.acceleration,
+        ),
+        StopStep(
+            "release",
+            "speed 0 for all motors, and a question" if board else "release, and a question",
+            Stop.POWER_OFF,
+            within + link.answers_within_ms * MILLISECOND,
+            task=Task.DISABLE,
+            ends_power=True,
+        ),
+        *(own if board else ()),
+        StopStep(
+            "reset",
+            "DTR down and up; the board is set up anew, which begins by releasing",
+            Stop.POWER_OFF,
+            2 * link.boots_within_ms * MILLISECOND,
+            task=Task.RESET,
+            ends_power=True,
+            note="the motors run on while it boots: the shield has no wire to the board's reset",
+        ),
+    )

@@ -1,0 +1,210 @@
+"""Where a robot is on its plane by two witnesses: cameras that see it, and odometry that carries it on.
+
+A captured pose is believed where odometry expects the robot, and what odometry has rolled since that instant
+is put upon it; so the delay of the cameras is no error, and a robot that is hidden goes on by odometry alone.
+How far that may be wrong grows with what was rolled; beyond a bound the robot is lost, and must stop. A pose
+elsewhere than expected is refused: markers that were taken for others. It knows no camera and no wheel.
+"""
+
+import math
+from collections import deque
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Final
+
+from firmware_bridge.motion.pose import Pose
+from firmware_bridge.units import SECOND, Nanoseconds
+
+REMEMBERED: Final[Nanoseconds] = SECOND
+"""A captured pose older than this is put upon nothing any more, and refused."""
+
+
+class Source(StrEnum):
+    """By what the place is known."""
+
+    UNSEEN = "the cameras have not seen the robot yet"
+    CAPTURED = "captured"
+    ODOMETRY = "odometry"
+    """The cameras do not see it, or not where it can be."""
+    LOST = "lost"
+    """Odometry alone may be wrong by more than the bound."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """How far the two may differ, and how long one may stand for both."""
+
+    jump_m: float
+    """So far from where it is expected a captured pose is believed, beside what odometry may be wrong by."""
+    jump_rad: float
+    """The same of its heading; what odometry may be wrong by adds no more than as much again."""
+    slips: float
+    """The share of the way, and of the turn, by which odometry may be wrong."""
+    lost_m: float
+    """Odometry alone may be wrong by so much before the robot is lost."""
+    silent: Nanoseconds
+    """A captured pose that is older does not show that the robot is seen."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sight:
+    """A captured pose, and the instant that it shows."""
+
+    pose: Pose
+    at: Nanoseconds
+
+
+@dataclass(frozen=True, slots=True)
+class Located:
+    """Where the robot is, and how far that is known."""
+
+    pose: Pose
+    """In the cameras' axes, and as old as the odometry; its heading is not wrapped. Zero while unseen."""
+    source: Source
+    uncertain_m: float
+    """What odometry may be wrong by since the cameras were believed last."""
+    off_m: float
+    """How far the newest captured pose was from where odometry expected it: slip, or a jump."""
+    off_rad: float
+    refused: int
+    """Captured poses in a row that were refused; 0 where the newest was believed."""
+
+    @property
+    def reason(self) -> str | None:
+        """Why the robot must not go on, in words; None where it may."""
+        if self.source is Source.UNSEEN:
+            return self.source.value
+        if self.source is not Source.LOST:
+            return None
+        seen = (
+            f"they show it {self.off_m:.2f} m and {math.degrees(abs(self.off_rad)):.0f} degrees off"
+            if self.refused
+            else "they do not see it"
+        )
+        return f"the place is off by {self.uncertain_m:.3f} m at most without the cameras: {seen}"
+
+
+class Captured:
+    """The two witnesses put together; `located` is the newest answer."""
+
+    def __init__(self, bounds: Bounds) -> None:
+        self._bounds: Final = bounds
+        self._rolled: deque[tuple[Nanoseconds, Pose]] = deque()
+        """What odometry said, oldest first."""
+        self._anchor: tuple[Pose, Pose] | None = None
+        """The pose that was believed last, and what odometry said at that instant."""
+        self._believed_at: Nanoseconds = 0
+        self._newest_at: Nanoseconds = -1
+        """What the newest captured pose showed."""
+        self._way_m = 0.0
+        """Rolled since the anchor."""
+        self._turn_rad = 0.0
+        self.located = Located(Pose(), Source.UNSEEN, 0.0, 0.0, 0.0, 0)
+
+    def begin_anew(self) -> None:
+        """Forget where it was: the next captured pose is believed, wherever it is.
+
+        For somebody who has looked: a robot that was carried elsewhere is refused for ever without it.
+        """
+        self._anchor = None
+
+    def step(self, odometry: Pose, at: Nanoseconds, sight: Sight | None) -> Located:
+        """Return where the robot is at `at`, the instant of this odometry; asked twice, it is the same.
+
+        `sight` is the newest captured pose, also one that was given before; None where none is known.
+        """
+        self._carry_on(odometry, at)
+        if sight is not None and sight.at > self._newest_at:
+            self._newest_at = sight.at
+            self._judge(sight, at)
+        self.located = self._located(odometry, at)
+        return self.located
+
+    def _carry_on(self, odometry: Pose, at: Nanoseconds) -> None:
+        rolled = self._rolled
+        if rolled and rolled[-1][0] >= at:
+            return
+        if rolled:
+            before = rolled[-1][1]
+            self._way_m += math.hypot(odometry.x_m - before.x_m, odometry.y_m - before.y_m)
+            self._turn_rad += abs(odometry.heading_rad - before.heading_rad)
+        rolled.append((at, odometry))
+        while rolled[0][0] < at - REMEMBERED:
+            rolled.popleft()
+
+    def _judge(self, sight: Sight, now: Nanoseconds) -> None:
+        """Believe a captured pose, or refuse it."""
+        located = self.located
+        if sight.at < now - REMEMBERED:
+            self._note(located, located.off_m, located.off_rad, located.refused + 1)
+            return
+        then = self._odometry_at(sight.at)
+        off_m = off_rad = 0.0
+        heading = sight.pose.heading_rad
+        if self._anchor is not None:
+            expected = _carried(*self._anchor, then)
+            off_m = math.hypot(sight.pose.x_m - expected.x_m, sight.pose.y_m - expected.y_m)
+            off_rad = math.remainder(heading - expected.heading_rad, math.tau)
+            heading = expected.heading_rad + off_rad
+            bounds = self._bounds
+            # No further than a robot that is not lost can be: else any jump were believed in the end.
+            far_m = bounds.jump_m + min(self._uncertain_m(), bounds.lost_m)
+            far_rad = bounds.jump_rad + min(bounds.slips * self._turn_rad, bounds.jump_rad)
+            # Said so that what is no number is refused, too.
+            if not (off_m <= far_m and abs(off_rad) <= far_rad):
+                self._note(located, off_m, off_rad, located.refused + 1)
+                return
+        if not all(map(math.isfinite, (sight.pose.x_m, sight.pose.y_m, heading))):
+            self._note(located, off_m, off_rad, located.refused + 1)
+            return
+        self._anchor = (Pose(sight.pose.x_m, sight.pose.y_m, heading), then)
+        self._believed_at = sight.at
+        self._way_m = self._turn_rad = 0.0
+        self._note(located, off_m, off_rad, 0)
+
+    def _note(self, located: Located, off_m: float, off_rad: float, refused: int) -> None:
+        self.located = Located(located.pose, located.source, located.uncertain_m, off_m, off_rad, refused)
+
+    def _located(self, odometry: Pose, now: Nanoseconds) -> Located:
+        was = self.located
+        if self._anchor is None:
+            return Located(was.pose, Source.UNSEEN, 0.0, was.off_m, was.off_rad, was.refused)
+        uncertain = self._uncertain_m()
+        source = Source.CAPTURED
+        if now - self._believed_at > self._bounds.silent:
+            # What is lost stays lost until it is seen: standing still makes nothing more certain.
+            source = Source.LOST if uncertain > self._bounds.lost_m else Source.ODOMETRY
+        pose = _carried(*self._anchor, odometry)
+        return Located(pose, source, uncertain, was.off_m, was.off_rad, was.refused)
+
+    def _uncertain_m(self) -> float:
+        """Return what odometry may be wrong by: its share of the way, and the way in a wrong direction."""
+        return self._bounds.slips * self._way_m * (1.0 + self._turn_rad)
+
+    def _odometry_at(self, at: Nanoseconds) -> Pose:
+        """Return what odometry said at an instant: between two samples, or on from the last two."""
+        rolled = self._rolled
+        later = len(rolled) - 1
+        while later > 1 and rolled[later - 1][0] >= at:
+            later -= 1
+        if later < 1:
+            return rolled[later][1]
+        (since, before), (until, after) = rolled[later - 1], rolled[later]
+        share = max((at - since) / (until - since), 0.0)
+        return Pose(
+            before.x_m + share * (after.x_m - before.x_m),
+            before.y_m + share * (after.y_m - before.y_m),
+            before.heading_rad + share * (after.heading_rad - before.heading_rad),
+        )
+
+
+def _carried(seen: Pose, then: Pose, now: Pose) -> Pose:
+    """Return a seen pose carried on by what odometry went from `then` until `now`."""
+    turn = seen.heading_rad - then.heading_rad
+    ahead, left = now.x_m - then.x_m, now.y_m - then.y_m
+    cosine, sine = math.cos(turn), math.sin(turn)
+    return Pose(
+        seen.x_m + cosine * ahead - sine * left,
+        seen.y_m + sine * ahead + cosine * left,
+        now.heading_rad + turn,
+    )

@@ -1,0 +1,190 @@
+"""An Arduino with a motor shield in a robot file: its serial line, and one motor at the shield's terminals."""
+
+import math
+from enum import StrEnum
+from typing import Annotated, Final, Self
+
+from pydantic import Field, model_validator
+
+from firmware_bridge.robot.table import LinkTable, NonNegative, Positive, Table
+from firmware_bridge.units import MILLISECOND, RPM_PER_RAD_S, Nanoseconds
+
+FULL_PWM: Final = 255
+"""Of the shield's library and of all four firmwares."""
+
+
+class ShieldDriver(StrEnum):
+    """How the bridge reaches the motors."""
+
+    MOTOR_SHIELD = "motor-shield"
+
+
+class ShieldProtocol(StrEnum):
+    """What the board's firmware speaks."""
+
+    MW = "mw"
+    """MWProtocol, of MATLAB's support package."""
+    ROS_ARDUINO_BRIDGE = "ros-arduino-bridge"
+    """With a third motor, and a speed loop on the board."""
+    ARDUINOIO = "arduinoio"
+    """MATLAB's older package, sketch motor_v2."""
+    FIRMATA = "firmata"
+    """The shield's chip by I2C, and ConfigurableFirmata's encoders."""
+
+
+BAUDS: Final = {
+    ShieldProtocol.MW: 115_200,
+    ShieldProtocol.ROS_ARDUINO_BRIDGE: 57_600,
+    ShieldProtocol.ARDUINOIO: 115_200,
+    ShieldProtocol.FIRMATA: 57_600,
+}
+"""As each firmware is published."""
+CYCLES_MS: Final = {
+    ShieldProtocol.MW: 100,
+    ShieldProtocol.ROS_ARDUINO_BRIDGE: 50,
+    ShieldProtocol.ARDUINOIO: 50,
+    ShieldProtocol.FIRMATA: 50,
+}
+"""What a line carries with three motors: MWProtocol answers each word before it hears the next one."""
+ENCODERS: Final = {
+    ShieldProtocol.MW: 2,
+    ShieldProtocol.ROS_ARDUINO_BRIDGE: 3,
+    ShieldProtocol.ARDUINOIO: 2,
+    ShieldProtocol.FIRMATA: 2,
+}
+"""How many a firmware reads: as published, but for ros_arduino_bridge, whose third motor forks have added."""
+
+
+class ShieldDevice(StrEnum):
+    """What the motor hangs on."""
+
+    MOTOR_SHIELD_V2 = "motor-shield-v2"
+
+
+class BoardGains(Table):
+    """Of the loop on the board (ros_arduino_bridge's `u`): whole numbers, Ko divides the others."""
+
+    kp: Annotated[int, Field(ge=0, le=1_000)] = 20
+    kd: Annotated[int, Field(ge=0, le=1_000)] = 12
+    ki: Annotated[int, Field(ge=0, le=1_000)] = 0
+    ko: Annotated[int, Field(ge=1, le=1_000)] = 50
+
+
+class ShieldLink(LinkTable):
+    """The serial line to a board, and the time-outs."""
+
+    driver: Annotated[ShieldDriver, Field(strict=False)]
+    protocol: Annotated[ShieldProtocol, Field(strict=False)]
+    encoders: Annotated[int, Field(ge=0, le=4)] | None = None
+    """How many the firmware reads; None: as many as it does as published."""
+    port_latency_us: Annotated[int, Field(ge=0, le=20_000)] = 1_000
+    """How long this machine's port may keep what it has heard."""
+    answers_within_ms: Annotated[int, Field(ge=5, le=1_000)] = 60
+    """A question that has no answer by then is asked again."""
+    boots_within_ms: Annotated[int, Field(ge=100, le=20_000)] = 5_000
+    """From a reset, which opening the port may be, to the first answer."""
+    stop_confirmed_ms: Annotated[int, Field(ge=10, le=10_000)] | None = None
+    """How long the board's word, or the encoders', may take to confirm a step of a stop; None: three of the
+    link's cycles."""
+    auto_stop_ms: Annotated[int, Field(ge=10, le=32_767)] = 2_000
+    """After so long without a word ros_arduino_bridge stops its motors; as it was compiled."""
+    gains: BoardGains = BoardGains()
+
+    @property
+    def line_rate(self) -> int:
+        """Bits a second."""
+        return BAUDS[self.protocol]
+
+    @property
+    def counted(self) -> int:
+        """How many encoders are read."""
+        return ENCODERS[self.protocol] if self.encoders is None else self.encoders
+
+    @property
+    def stock(self) -> bool:
+        """Whether the firmware reads so many as it is published."""
+        return self.counted <= ENCODERS[self.protocol]
+
+    @property
+    def stops_itself(self) -> bool:
+        """Whether the board stops its motors when nobody speaks."""
+        return self.protocol is ShieldProtocol.ROS_ARDUINO_BRIDGE
+
+    def confirmed(self, cycle: Nanoseconds) -> Nanoseconds:
+        """Return how long a step of a stop may take to be confirmed; `cycle` is the robot's."""
+        own = self.stop_confirmed_ms
+        return 3 * self.every * cycle if own is None else own * MILLISECOND
+
+    def over(self, protocol: ShieldProtocol, cycle_ms: int, encoders: int | None) -> Self:
+        """Return this line to a board with another firmware; the robot's cycle is `cycle_ms`."""
+        every = max(1, -(-CYCLES_MS[protocol] // cycle_ms))
+        return self.model_copy(update={"protocol": protocol, "every": every, "encoders": encoders})
+
+
+class Regulator(Table):
+    """The bridge's own loop of a motor's speed, for firmwares without one; PWM counts of 255."""
+
+    p: NonNegative
+    """PWM for each rad/s that the axis is too slow."""
+    i: NonNegative
+    """... and for each rad that it is behind."""
+    start: NonNegative
+    """PWM at which the motor overcomes its friction."""
+
+
+class ShieldAxis(Table):
+    """One motor and its encoder."""
+
+    port: Annotated[int, Field(ge=1, le=4)]
+    """The shield's terminals, M1 to M4; the encoder of the first is the board's first."""
+    device: Annotated[ShieldDevice, Field(strict=False)]
+    motor: str
+    encoder_pins: Annotated[tuple[int, int], Field(strict=False)]
+    """Channels A and B."""
+    counts_per_turn: Annotated[int, Field(ge=4, le=100_000)]
+    """Of the motor's shaft, all edges."""
+    full_speed_rpm: Positive
+    """Of the motor at full PWM, without load."""
+    max_pwm: Annotated[int, Field(ge=1, le=FULL_PWM)] = FULL_PWM
+    """More it is never told."""
+    slope_pwm_s: Positive
+    """The PWM changes no faster, in counts a second."""
+    acceleration: Positive
+    """With which the axis follows the least, in its unit a second squared."""
+    continuous_current_ma: Annotated[int, Field(ge=1, le=100_000)]
+    peak_current_ma: Annotated[int, Field(ge=1, le=100_000)]
+    regulator: Regulator
+
+    @model_validator(mode="after")
+    def _the_peak_is_the_peak(self) -> Self:
+        if self.peak_current_ma < self.continuous_current_ma:
+            raise ValueError("peak_current_ma must not be below continuous_current_ma")
+        return self
+
+    @property
+    def number(self) -> int:
+        """The number by which the motor is called on its link."""
+        return self.port
+
+    @property
+    def address(self) -> str:
+        """The motor in words."""
+        return f"motor M{self.port}"
+
+    def slowest_ramp(self, ratio: float) -> float:
+        """Return the gentlest acceleration of the axis; the regulator's, whatever the gear of `ratio`."""
+        del ratio
+        return self.acceleration
+
+    def cruise(self, ratio: float) -> float:
+        """Return its top speed behind a gear of `ratio`; it goes to no position by itself."""
+        return self.full_speed_rpm / RPM_PER_RAD_S / ratio
+
+    def furthest(self, ratio: float) -> float:
+        """Return how far from 0 a travel may go: not at all, nothing on the board keeps to one."""
+        del ratio
+        return 0.0
+
+    def counts_per_unit(self, ratio: float) -> float:
+        """Return the counts for each unit of the axis, with `ratio` rad of the motor for each."""
+        return self.counts_per_turn * ratio / math.tau

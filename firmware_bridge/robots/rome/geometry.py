@@ -1,0 +1,92 @@
+"""ROME's table of geometry, limits, control and paths in its robot file (A. Seleit, MSc thesis, UCF, 2020)."""
+
+import math
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Annotated, Final, Self
+
+from pydantic import Field, model_validator
+
+from firmware_bridge.robot.table import Finite, NonNegative, Positive, Table
+
+FASTEST: Final[Mapping[str, float]] = MappingProxyType({"circle": 0.25, "line": 1.0, "ellipse": 0.375})
+"""The highest speed on each path of (2.20) to (2.22), in m/s for one metre to the unit."""
+SETTLES: Final = 1.001
+"""A path may be as fast as the limit, rounding left out."""
+
+
+class Base(Table):
+    """Three omni wheels at 0, 120 and 240 degrees."""
+
+    wheel_radius_m: Positive
+    wheel_distance_m: Positive
+    """From a wheel to the base's middle."""
+
+
+class Limits(Table):
+    """What the interlocks hold, whatever the operator wishes."""
+
+    speed_mps: Positive
+    acceleration_mps2: Positive
+    turn_rate_rad_s: Positive
+    turn_acceleration_rad_s2: Positive
+    rim_mps: Positive
+    """Of each wheel; what motor, gear and supply give."""
+
+
+class Control(Table):
+    """Gains of the control law (2.15), of all three directions."""
+
+    kp_per_s: NonNegative
+    ki_per_s2: NonNegative
+
+
+class Paths(Table):
+    """Metres for each unit of the thesis's paths; and a path of one's own."""
+
+    circle: Positive = 1.0
+    line: Positive = 1.0
+    ellipse: Positive = 1.0
+    points: Annotated[tuple[tuple[Finite, Finite, Finite, Finite], ...], Field(strict=False)] = ()
+    """Of the guide `points`: s, m, m, rad; straight from one to the next."""
+
+    @model_validator(mode="after")
+    def _time_goes_on(self) -> Self:
+        times = [point[0] for point in self.points]
+        if any(later <= earlier for earlier, later in zip(times, times[1:], strict=False)):
+            raise ValueError("each of points must be later than the one before")
+        return self
+
+    def fastest(self) -> dict[str, float]:
+        """Return the highest speed on each path, m/s."""
+        known = {name: speed * float(getattr(self, name)) for name, speed in FASTEST.items()}
+        steps = zip(self.points, self.points[1:], strict=False)
+        known["points"] = max(
+            (math.hypot(new[1] - old[1], new[2] - old[2]) / (new[0] - old[0]) for old, new in steps),
+            default=0.0,
+        )
+        return known
+
+
+class Geometry(Table):
+    """The base, its limits, its control and its paths."""
+
+    base: Base
+    limits: Limits
+    control: Control
+    paths: Paths = Paths()
+
+    @model_validator(mode="after")
+    def _paths_are_no_faster_than_the_base(self) -> Self:
+        for name, speed in self.paths.fastest().items():
+            if speed > SETTLES * self.limits.speed_mps:
+                scale = "" if name == "points" else f"; say {name} = {self.scale_of(name):.3g} or less"
+                raise ValueError(
+                    f"the path {name} asks for {speed:.3g} m/s, limits.speed_mps is "
+                    f"{self.limits.speed_mps:.3g}{scale}"
+                )
+        return self
+
+    def scale_of(self, name: str) -> float:
+        """Return the largest scale of a path that the speed limit allows."""
+        return self.limits.speed_mps / FASTEST[name]

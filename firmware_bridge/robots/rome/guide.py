@@ -1,0 +1,92 @@
+"""ROME's guides: the control law (2.15) along a path. They make wishes; interlocks, limits and ramp judge them.
+
+V = P(psi) (chi_d' - K_p e - K_i int e), with e = actual - desired (A. Seleit, MSc thesis, UCF, 2020). (2.17)
+has other signs, and diverges as it is printed. P is the body's; here it is a motion in the base's own frame.
+
+The path begins where the base stands: it is moved and turned there. While the base is held back the path
+waits, and the integral is forgotten; it is not added to while a rim is at its limit.
+"""
+
+import math
+from typing import Final
+
+from firmware_bridge.motion.omni import Twist, rims
+from firmware_bridge.motion.pose import Pose
+from firmware_bridge.robot import Robot
+from firmware_bridge.robots.rome.geometry import Geometry
+from firmware_bridge.robots.rome.motion import Motion, State
+from firmware_bridge.robots.rome.paths import PATHS
+from firmware_bridge.safety.snapshot import Snapshot
+from firmware_bridge.units import Nanoseconds, to_seconds
+
+
+class Follower:
+    """A `firmware_bridge.kind.Guide` along one path."""
+
+    def __init__(self, robot: Robot[Geometry], name: str) -> None:
+        geometry = robot.geometry
+        self._path: Final = PATHS[name](geometry.paths)
+        self._control: Final = geometry.control
+        self._distance: Final = geometry.base.wheel_distance_m
+        self._rim: Final = geometry.limits.rim_mps
+        self._axes: Final = tuple(axis.name for axis in robot.axes)
+        self._start: Pose | None = None
+        self._seconds = 0.0
+        self._waits = False
+        self._posed_at: Nanoseconds | None = None
+        """When the samples were taken whose pose comes next."""
+        self._sum = (0.0, 0.0, 0.0)
+
+    def reset(self) -> None:
+        """Forget the integral, and let the path wait: the base was held back."""
+        self._sum, self._waits = (0.0, 0.0, 0.0), True
+
+    def wished(self, seen: Snapshot[Motion, State], elapsed: Nanoseconds) -> Motion:
+        """Return the motion towards where the path is now."""
+        pose = seen.pose
+        if self._start is None:
+            self._start = pose
+        elif not self._waits:
+            self._seconds += to_seconds(elapsed)
+        self._waits = False
+        seconds = self._seconds
+        # The pose is carried on behind this: it is that of the samples before, of that instant.
+        sampled = min(seen.facts.axes[name].sampled_at for name in self._axes)
+        age = seen.facts.now - (sampled if self._posed_at is None else self._posed_at)
+        self._posed_at = sampled
+        error = self._error(pose, self._start, seconds - to_seconds(age))
+        ahead = self._path(seconds)
+        feed = _turned((ahead.x_rate, ahead.y_rate), self._start.heading_rad)
+        added = tuple(it + one * to_seconds(elapsed) for it, one in zip(self._sum, error, strict=True))
+        wish = self._law((*feed, ahead.turn_rate), error, added, pose.heading_rad)
+        if max(map(abs, rims(wish, self._distance))) <= self._rim:
+            self._sum = (added[0], added[1], added[2])
+        return Motion(wish.ahead, wish.left, wish.turn, path_s=seconds)
+
+    def _error(self, pose: Pose, start: Pose, seconds: float) -> tuple[float, float, float]:
+        first, place = self._path(0.0), self._path(seconds)
+        x, y = _turned((place.x - first.x, place.y - first.y), start.heading_rad)
+        heading = start.heading_rad + place.heading - first.heading
+        return (
+            pose.x_m - start.x_m - x,
+            pose.y_m - start.y_m - y,
+            math.remainder(pose.heading_rad - heading, math.tau),
+        )
+
+    def _law(
+        self,
+        feed: tuple[float, ...],
+        error: tuple[float, ...],
+        added: tuple[float, ...],
+        heading: float,
+    ) -> Twist:
+        kp, ki = self._control.kp_per_s, self._control.ki_per_s2
+        x, y, turn = (
+            rate - kp * one - ki * total for rate, one, total in zip(feed, error, added, strict=True)
+        )
+        return Twist(*_turned((x, y), -heading), turn)
+
+
+def _turned(way: tuple[float, float], angle: float) -> tuple[float, float]:
+    sine, cosine = math.sin(angle), math.cos(angle)
+    return way[0] * cosine - way[1] * sine, way[0] * sine + way[1] * cosine

@@ -1,0 +1,94 @@
+"""ROME's own interlock and limits, beside the common ones of `firmware_bridge.safety.common`."""
+
+import math
+from collections.abc import Callable
+from typing import Final, TypeAlias
+
+from firmware_bridge.motion.omni import Twist, rims, shortened
+from firmware_bridge.robots.rome.body import ramp_of, with_twist
+from firmware_bridge.robots.rome.geometry import Geometry
+from firmware_bridge.robots.rome.motion import Motion, State
+from firmware_bridge.safety import interlock
+from firmware_bridge.safety.limits import ROUNDING, bounded
+from firmware_bridge.safety.row import Severity
+from firmware_bridge.units import MILLISECOND, Nanoseconds
+
+View: TypeAlias = interlock.View[Geometry, Motion, State]
+Interlock: TypeAlias = interlock.Interlock[Geometry, Motion, State]
+Limit: TypeAlias = interlock.Limit[Geometry, Motion, State]
+
+SPIN: Final = 1.5
+"""A base that turns faster than its limit by this factor turns as nobody asked it to."""
+CLEARS_AFTER: Final[Nanoseconds] = 300 * MILLISECOND
+TOLERANCE: Final = 1e-4
+"""A step that the ramp shortens by less, in m/s or rad/s, is not reported."""
+
+
+def _turns_too_fast(view: View) -> str | None:
+    limit, turn = view.geometry.limits.turn_rate_rad_s, view.body.turn_rad_s
+    if abs(turn) <= (limit if view.holding else SPIN * limit):
+        return None
+    return f"the base turns with {turn:.2f} rad/s, limit {limit:.2f} rad/s"
+
+
+INTERLOCKS: Final = (
+    Interlock(
+        "turns too fast",
+        _turns_too_fast,
+        "look for a wheel that is blocked or lifted, then arm",
+        clear_after=CLEARS_AFTER,
+        severity=Severity.CRITICAL,
+        disarms=True,
+    ),
+)
+
+
+def _speed(view: View) -> tuple[Motion, str | None]:
+    motion, high = view.allowed, view.geometry.limits.speed_mps
+    speed = math.hypot(motion.ahead_mps, motion.left_mps)
+    allowed, reason = bounded(speed, high, "m/s")
+    share = allowed / speed if speed > high else 1.0
+    wanted = Twist(share * motion.ahead_mps, share * motion.left_mps, motion.turn_rad_s)
+    return with_twist(motion, wanted), reason
+
+
+def _turn(view: View) -> tuple[Motion, str | None]:
+    motion = view.allowed
+    allowed, reason = bounded(motion.turn_rad_s, view.geometry.limits.turn_rate_rad_s, "rad/s")
+    return with_twist(motion, motion.twist._replace(turn=allowed)), reason
+
+
+def _rim(view: View) -> tuple[Motion, str | None]:
+    motion, high = view.allowed, view.geometry.limits.rim_mps
+    distance = view.geometry.base.wheel_distance_m
+    fastest = max(map(abs, rims(motion.twist, distance)))
+    allowed = with_twist(motion, shortened(motion.twist, distance, high))
+    if fastest <= high * (1.0 + ROUNDING):
+        return allowed, None
+    return allowed, f"asked for {fastest:.2f} m/s at a wheel, allowed is {high:.2f} m/s"
+
+
+def _acceleration(view: View) -> tuple[Motion, str | None]:
+    """Clip nothing, the ramp does; say where it will take more than one cycle."""
+    demanded, asked = view.seen.demanded, view.allowed
+    near = ramp_of(view.robot).step(demanded.twist, asked.twist, view.robot.cycle)
+    if max(abs(new - old) for old, new in zip(near, asked.twist, strict=True)) <= TOLERANCE:
+        return asked, None
+    return asked, f"asked to go from {_said(demanded)} to {_said(asked)} at once"
+
+
+def _said(motion: Motion) -> str:
+    return f"({motion.ahead_mps:.2f}, {motion.left_mps:.2f}) m/s and {motion.turn_rad_s:.2f} rad/s"
+
+
+def _limit(name: str, clip: Callable[[View], tuple[Motion, str | None]], remedy: str) -> Limit:
+    return Limit(name, clip, remedy, clear_after=CLEARS_AFTER)
+
+
+LIMITS: Final = (
+    _limit("speed limit", _speed, "ask for less speed"),
+    _limit("turn rate limit", _turn, "turn more slowly"),
+    _limit("rim limit", _rim, "turn less or ask for less speed"),
+    _limit("acceleration limit", _acceleration, "change speed and turn more slowly"),
+)
+"""Applied in this order; a later one sees what an earlier one left."""

@@ -1,0 +1,71 @@
+"""The guard's rules for a motion capture link: nothing on it moves anything, only a listener's words leave.
+
+What comes in is the bridge's: it may be wrong, and what is done of it is judged on the links that move.
+"""
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+from firmware_bridge.packet import Packet
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.safety.guard.in_force import Asked, InForce
+from firmware_bridge.safety.guard.wire_rules import WireRules
+from firmware_bridge.units import Nanoseconds
+
+_HEAD: Final = 4
+LISTENERS: Final = frozenset({0, 4, 10, 12})
+"""Numbers of the NatNet messages connect, what is there, alive, what time is it."""
+
+
+class CaptureRules(WireRules):
+    """One link without axes."""
+
+    axes: tuple[InForce, ...] = ()
+
+    def __init__(self, robot: AnyRobot, link: str) -> None:
+        self.link = link
+        self._server: Final = robot.capture_links[link].server_number
+
+    @property
+    def waiting(self) -> bool:
+        """Never: the guard has no words here."""
+        return False
+
+    def axes_of(self, packet: Packet) -> tuple[InForce, ...]:
+        """Return none."""
+        del packet
+        return ()
+
+    def asked_by(self, packet: Packet) -> Mapping[InForce, Asked]:
+        """Return nothing."""
+        del packet
+        return {}
+
+    def refuses(self, packet: Packet, now: Nanoseconds) -> str | None:
+        """Return why a packet may not leave: it goes elsewhere, or asks for more than to be heard."""
+        del now
+        if packet.address != self._server:
+            return "it does not go to the capture system that the robot file names"
+        if int.from_bytes(packet.payload[:2], "little") not in LISTENERS or len(packet.payload) < _HEAD:
+            return "it asks a capture system for more than a listener may"
+        return None
+
+    def safe(self, axis: Any) -> tuple[Packet, ...]:
+        """Return nothing."""
+        del axis
+        return ()
+
+    def instead_of(self, packet: Packet) -> tuple[Packet, ...] | None:
+        """Return nothing: no axis need stop for it."""
+        del packet
+        return ()
+
+    def sends(self, packet: Packet, now: Nanoseconds, *, asked: bool) -> tuple[InForce, ...]:
+        """Note nothing."""
+        del packet, now, asked
+        return ()
+
+    def receives(self, packet: Packet, now: Nanoseconds) -> bool:
+        """Let it through."""
+        del packet, now
+        return True

@@ -1,0 +1,340 @@
+"""A frame of data: what the cameras saw at one instant. Positions in metres, quaternions scalar last.
+
+Source: the fields as OptiTrack's own PacketClient and Python client of the NatNet SDK 2.9 to 4.2 read them,
+checked against frames that a Motive 2.1 has sent; 2.x, 4.x, skeletons and devices have none behind them.
+"""
+
+from dataclasses import dataclass
+from enum import IntFlag
+from typing import Any, Final
+
+from firmware_bridge.wire.natnet.layout import (
+    V2_11,
+    V3_0,
+    V4_0,
+    V4_1,
+    Columns,
+    Items,
+    NatNetError,
+    Number,
+    Record,
+    Row,
+    Text,
+    Version,
+    WhereThereIsRoom,
+    decode,
+    encode,
+)
+from firmware_bridge.wire.natnet.plain import BODY_VALUES, MARKER_VALUES, Plain, plain, shown
+
+Point = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+"""x, y, z, w."""
+
+
+class BodyFlag(IntFlag):
+    """What `RigidBody.params` says."""
+
+    TRACKED = 1
+    """The pose is of this frame. Without it the pose is the last one, zeros or no number, by the server."""
+
+
+class MarkerFlag(IntFlag):
+    """What `LabelledMarker.params` says."""
+
+    OCCLUDED = 1
+    POINT_CLOUD = 2
+    MODEL_FILLED = 4
+    HAS_MODEL = 8
+    UNLABELLED = 16
+    ACTIVE = 32
+
+
+class FrameFlag(IntFlag):
+    """What `Frame.params` says."""
+
+    RECORDING = 1
+    MODELS_CHANGED = 2
+    EDIT_MODE = 4
+    VERSION_CHANGED = 8
+
+
+@dataclass(frozen=True, slots=True)
+class MarkerSet:
+    """Markers under one name; the set "all" has those of every asset."""
+
+    name: str
+    markers: tuple[Point, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class BodyMarker:
+    """A marker of a rigid body, as it came with the body before 3.0."""
+
+    position: Point
+    id: int
+    size_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class RigidBody:
+    """A rigid body, or a bone, whose number is then the skeleton's << 16 | the bone's."""
+
+    id: int
+    position: Point
+    attitude: Quaternion
+    mean_error_m: float = 0.0
+    params: int = BodyFlag.TRACKED
+    markers: tuple[BodyMarker, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Skeleton:
+    """Bones that hang together."""
+
+    id: int
+    bones: tuple[RigidBody, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class AssetMarker:
+    """A marker of an asset."""
+
+    id: int
+    position: Point
+    size_m: float
+    params: int
+    residual: float
+
+
+@dataclass(frozen=True, slots=True)
+class Asset:
+    """A trained asset; from 4.1 on."""
+
+    id: int
+    bodies: tuple[RigidBody, ...] = ()
+    markers: tuple[AssetMarker, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class LabelledMarker:
+    """A marker; the upper half of its number is the rigid body's, the lower one its own from 1 on."""
+
+    id: int
+    position: Point
+    size_m: float
+    params: int
+    residual: float = 0.0
+    """Metres a ray; from 3.0 on."""
+
+
+@dataclass(frozen=True, slots=True)
+class Device:
+    """A force plate or another device: samples by channel."""
+
+    id: int
+    channels: tuple[tuple[float, ...], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """One frame."""
+
+    number: int
+    marker_sets: tuple[MarkerSet, ...] = ()
+    other_markers: tuple[Point, ...] = ()
+    bodies: tuple[RigidBody, ...] = ()
+    skeletons: tuple[Skeleton, ...] = ()
+    assets: tuple[Asset, ...] = ()
+    markers: tuple[LabelledMarker, ...] = ()
+    force_plates: tuple[Device, ...] = ()
+    devices: tuple[Device, ...] = ()
+    latency_s: float = 0.0
+    """The software's, before 3.0."""
+    timecode: int = 0
+    subframe: int = 0
+    timestamp_s: float = 0.0
+    """Since the software was started."""
+    exposed: int = 0
+    """The middle of the exposure, in the server's ticks, as the two that follow; 0 where nobody knows it."""
+    received: int = 0
+    sent: int = 0
+    precise: tuple[int, int] | None = None
+    """Seconds and their fraction by PTP; from 4.1 on."""
+    params: int = 0
+    end: int = 0
+
+
+_POINT: Final = Number("3f")
+_QUATERNION: Final = Number("4f")
+_INT: Final = Number("i")
+_FLOAT: Final = Number("f")
+_SHORT: Final = Number("h")
+_TICKS: Final = Number("Q")
+
+_BODY: Final = Record(
+    RigidBody,
+    Row("id", _INT),
+    Row("position", _POINT),
+    Row("attitude", _QUATERNION),
+    Row(
+        "markers",
+        Columns(BodyMarker, Row("position", _POINT), Row("id", _INT), Row("size_m", _FLOAT)),
+        before=V3_0,
+    ),
+    Row("mean_error_m", _FLOAT),
+    Row("params", _SHORT),
+)
+_DEVICES: Final = Items(Record(Device, Row("id", _INT), Row("channels", Items(Items(_FLOAT)))), told=True)
+_TAIL: Final = 14
+"""Bytes of what follows the time stamps, where the precise one is there: itself, params, end."""
+
+FRAME: Final = Record(
+    Frame,
+    Row("number", _INT),
+    Row(
+        "marker_sets", Items(Record(MarkerSet, Row("name", Text()), Row("markers", Items(_POINT))), told=True)
+    ),
+    Row("other_markers", Items(_POINT, told=True)),
+    Row("bodies", Items(_BODY, told=True)),
+    Row("skeletons", Items(Record(Skeleton, Row("id", _INT), Row("bones", Items(_BODY))), told=True)),
+    Row(
+        "assets",
+        Items(
+            Record(
+                Asset,
+                Row("id", _INT),
+                Row("bodies", Items(_BODY)),
+                Row(
+                    "markers",
+                    Items(
+                        Record(
+                            AssetMarker,
+                            Row("id", _INT),
+                            Row("position", _POINT),
+                            Row("size_m", _FLOAT),
+                            Row("params", _SHORT),
+                            Row("residual", _FLOAT),
+                        )
+                    ),
+                ),
+            ),
+            told=True,
+        ),
+        since=V4_1,
+    ),
+    Row(
+        "markers",
+        Items(
+            Record(
+                LabelledMarker,
+                Row("id", _INT),
+                Row("position", _POINT),
+                Row("size_m", _FLOAT),
+                Row("params", _SHORT),
+                Row("residual", _FLOAT, since=V3_0),
+            ),
+            told=True,
+        ),
+    ),
+    Row("force_plates", _DEVICES),
+    Row("devices", _DEVICES, since=V2_11),
+    Row("latency_s", _FLOAT, before=V3_0),
+    Row("timecode", Number("I")),
+    Row("subframe", Number("I")),
+    Row("timestamp_s", Number("d")),
+    Row("exposed", _TICKS, since=V3_0),
+    Row("received", _TICKS, since=V3_0),
+    Row("sent", _TICKS, since=V3_0),
+    # A 4.0 that has it is read, because clients disagree on that; none is written.
+    Row("precise", WhereThereIsRoom(Number("2I"), _TAIL, since=V4_1), since=V4_0),
+    Row("params", _SHORT),
+    Row("end", Number("I")),
+)
+"""The payload of a frame of data."""
+
+
+def decoded(payload: bytes, version: Version) -> Frame:
+    """Return a frame; NatNetError where these bytes are none of this version."""
+    layout = shown(payload, version)
+    values = None if layout is None else layout.unpack(payload)
+    if layout is not None and values is not None:
+        return _of_values(values, layout)
+    frame: Frame = decode(FRAME, payload, version, "frame")
+    if frame.end != 0:
+        raise NatNetError(f"frame {frame.number} ends with 0x{frame.end:08X} in place of 0")
+    return frame
+
+
+def encoded(frame: Frame, version: Version) -> bytes:
+    """Return a frame's payload; NatNetError where a value does not fit."""
+    payload = _in_one_stroke(frame, version)
+    return encode(FRAME, frame, version, "frame") if payload is None else payload
+
+
+def _of_values(values: tuple[Any, ...], layout: Plain) -> Frame:
+    bodies, markers = values[layout.bodies], values[layout.markers]
+    timecode, subframe, timestamp, exposed, received, sent, *precise, params, end = values[layout.tail]
+    return Frame(
+        values[0],
+        bodies=tuple(
+            [
+                RigidBody(
+                    bodies[at],
+                    bodies[at + 1 : at + 4],
+                    bodies[at + 4 : at + 8],
+                    bodies[at + 8],
+                    bodies[at + 9],
+                )
+                for at in range(0, len(bodies), BODY_VALUES)
+            ]
+        ),
+        markers=tuple(
+            [
+                LabelledMarker(
+                    markers[at], markers[at + 1 : at + 4], markers[at + 4], markers[at + 5], markers[at + 6]
+                )
+                for at in range(0, len(markers), MARKER_VALUES)
+            ]
+        ),
+        timecode=timecode,
+        subframe=subframe,
+        timestamp_s=timestamp,
+        exposed=exposed,
+        received=received,
+        sent=sent,
+        precise=(precise[0], precise[1]) if precise else None,
+        params=params,
+        end=end,
+    )
+
+
+def _in_one_stroke(frame: Frame, version: Version) -> bytes | None:
+    """Return the payload of a frame that has nothing but bodies and their markers; None for another one."""
+    layout = plain(version, len(frame.bodies), len(frame.markers))
+    others = (frame.marker_sets, frame.other_markers, frame.skeletons, frame.assets, frame.force_plates)
+    if layout is None or any(others) or frame.devices or frame.end:
+        return None
+    if any(body.markers for body in frame.bodies) or (frame.precise is None and version >= V4_1):
+        return None
+    precise = frame.precise if version >= V4_1 and frame.precise is not None else ()
+    return layout.pack(
+        frame.number,
+        [
+            it
+            for one in frame.bodies
+            for it in (one.id, *one.position, *one.attitude, one.mean_error_m, one.params)
+        ],
+        [it for one in frame.markers for it in (one.id, *one.position, one.size_m, one.params, one.residual)],
+        (
+            frame.timecode,
+            frame.subframe,
+            frame.timestamp_s,
+            frame.exposed,
+            frame.received,
+            frame.sent,
+            *precise,
+            frame.params,
+            frame.end,
+        ),
+    )

@@ -1,0 +1,78 @@
+"""The guard on a capture link: only a listener's words leave, only to the system that the file names."""
+
+import pytest
+
+from emulators.bench.faults import read
+from firmware_bridge.drivers.capture.natnet import CONNECT
+from firmware_bridge.kinds import find
+from firmware_bridge.node import OPERATOR
+from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.safety.guard import Refusal, guarded
+from firmware_bridge.units import NEVER, Nanoseconds
+from firmware_bridge.wire.internet import number_of
+from firmware_bridge.wire.natnet.messages import MessageId, packet, text_payload
+from hil_tests.unit.capture_driver.captured_carrier import CAMERAS, captured_carrier
+
+SERVER = number_of("192.168.1.10", 1510)
+OTHER = number_of("192.168.1.11", 1510)
+LISTENS = ["CONNECT", "KEEPALIVE", "REQUEST_MODELDEF", "ECHOREQUEST"]
+
+
+class Says:
+    """A bridge that sends what it was given, once."""
+
+    def __init__(self, *packets: Packet) -> None:
+        self.packets = packets
+        self.heard: list[Packet] = []
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        del now
+        self.heard.append(packet)
+        return Reaction()
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        del now
+        return Reaction(self.packets, NEVER)
+
+
+def left(*packets: Packet) -> tuple[Packet, ...]:
+    return guarded(Says(*packets), captured_carrier()).wake(0).sent
+
+
+@pytest.mark.parametrize("message", MessageId, ids=lambda it: it.name)
+def test_a_listener_s_words_leave_and_no_others(message: MessageId) -> None:
+    said = Packet(CAMERAS, SERVER, packet(message))
+    assert left(said) == ((said,) if message.name in LISTENS else ())
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        Packet(CAMERAS, OTHER, CONNECT),
+        Packet(CAMERAS, number_of("192.168.1.10", 1511), CONNECT),
+        Packet(CAMERAS, 0, CONNECT),
+        Packet(CAMERAS, SERVER, b""),
+        Packet(CAMERAS, SERVER, b"\x0a\0\0"),
+        Packet(CAMERAS, SERVER, packet(MessageId.REQUEST, text_payload("StopRecording"))),
+    ],
+)
+def test_nothing_else_leaves_and_nothing_else_stops_for_it(said: Packet) -> None:
+    beside = Packet(OPERATOR, 0, b"telemetry")
+    refusals: list[Refusal] = []
+    node = guarded(Says(said, beside), captured_carrier(), refusals.append)
+    assert node.wake(0).sent == (beside,)
+    assert [(one.packet, one.sent) for one in refusals] == [(said, ())]
+
+
+def test_what_comes_in_is_the_bridge_s() -> None:
+    bridge = Says()
+    heard = Packet(CAMERAS, SERVER, b"whatever")
+    guarded(bridge, captured_carrier()).receive(heard, 0)
+    assert bridge.heard == [heard]
+
+
+def test_a_fault_of_cameras_wants_cameras() -> None:
+    for kind in ("body_hidden", "markers_swapped"):
+        fault = read({"kind": kind, "at_s": 1.0, "until_s": 2.0})
+        assert list(fault.problems(captured_carrier())) == []
+        assert list(fault.problems(find("rars"))) == [("kind", "rars has no link to a capture system")]
