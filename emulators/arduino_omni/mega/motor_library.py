@@ -13,8 +13,10 @@ from emulators.arduino_omni.shield.i2c import Segment, Transfer, read, write
 from emulators.arduino_omni.shield.motor_shield import PORTS, Port
 from emulators.arduino_omni.shield.pca9685 import (
     AI,
+    ALL_LED,
     ALLCALL,
     CHANNELS,
+    FULL,
     LED0,
     MODE1,
     OSCILLATOR_HZ,
@@ -109,6 +111,11 @@ def begin(address: int, frequency: int = DEFAULT_HZ, *, repeated_start: bool = F
     yield OnBus(write(address, bytes((MODE1, RESTART | AI | ALLCALL))))
     for channel in range(CHANNELS):
         yield OnBus(write(address, set_pin(channel, high=False)))
+
+
+def release_all(address: int) -> Job:
+    """Return what releases all motors at once, whatever the shield has been told before."""
+    return OnBus(write(address, bytes((ALL_LED + 3, FULL))))
 
 
 def drive(address: int, port: Port, speed: int, command: int) -> Iterator[Job]:

@@ -82,7 +82,11 @@ static void configure_pin() {
   say_ok();
 }
 
-static void read_pin() { Serial.println(digitalRead((uint8_t)number(0))); }
+// The core would look for a pin that is none behind the end of its table.
+static void read_pin() {
+  const uint8_t pin = number(0);
+  Serial.println(pin < NUM_DIGITAL_PINS ? digitalRead(pin) : 0);
+}
 
 static void read_encoders() {
   for (uint8_t n = 0; n < WHEELS; n++) {

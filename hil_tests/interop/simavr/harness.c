@@ -19,6 +19,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <simavr/avr_adc.h>
 #include <simavr/avr_ioport.h>
@@ -49,6 +50,7 @@ static const char WHERE[PINS][3] = {
 static const int ENCODERS[WHEELS][2] = {{2, 3}, {18, 19}, {10, 11}};
 static const int IDLE_HIGH[] = {0, 1, 20, 21};
 
+static FILE *out; /* simavr has words of its own for stdout: they go where errors go */
 static avr_t *avr;
 static avr_cycle_count_t last_event;
 static uint32_t loop_at, millis_at, millis;
@@ -260,9 +262,9 @@ static void connect(void) {
 
 static void tell(void) {
   for (size_t n = 0; n < said_count; n++)
-    printf("%02X", said[n]);
-  printf(" %.*s\n", (int)carried_count, carried);
-  fflush(stdout);
+    fprintf(out, "%02X", said[n]);
+  fprintf(out, " %.*s\n", (int)carried_count, carried);
+  fflush(out);
   said_count = carried_count = 0;
 }
 
@@ -299,6 +301,8 @@ int main(int count, char **words) {
   static char line[1 << 16];
   if (count != 2)
     fail("usage: harness SKETCH.elf");
+  out = fdopen(dup(STDOUT_FILENO), "w");
+  dup2(STDERR_FILENO, STDOUT_FILENO);
   load(words[1]);
   connect();
   run_into_loop(0);
