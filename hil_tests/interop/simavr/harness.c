@@ -32,8 +32,8 @@ enum {
   CHIP = 0x60,
   AUTO_INCREMENT = 0x20,
   RESTART = 0x80,
-  CHARACTER = 2880,      /* cycles of ten bits at 57600 baud, and some */
-  REST = 4 * CHARACTER,  /* without a byte on serial or I2C, and in the loop */
+  CHARACTER = 3100,      /* cycles of ten bits at 57600 baud, with those that simavr adds */
+  REST = 3 * CHARACTER,  /* without a byte on serial or I2C, and in the loop */
   EDGE = 300,            /* cycles until an edge has been counted */
   STUCK = 160000000,
   PINS = 70,
