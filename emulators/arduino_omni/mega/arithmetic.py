@@ -28,8 +28,8 @@ def int32(value: int) -> int:
 def quotient(dividend: int, divisor: int) -> int:
     """Return a long divided, towards zero.
 
-    ASSUME: by zero, where C says nothing, libgcc's loop subtracts nothing and gives all ones, with the
-    dividend's sign.
+    By zero, where C says nothing, libgcc's loop gives all ones, with the dividend's sign: so does the sketch's
+    binary in simavr.
     """
     if divisor == 0:
         return 1 if dividend < 0 else -1
