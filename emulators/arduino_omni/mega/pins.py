@@ -1,8 +1,8 @@
 """The board's 70 pins as a sketch sees them, and the shafts whose encoders are wired to some of them.
 
 Sources: ArduinoCore-avr, variants/mega/pins_arduino.h: 54 to 69 are A0 to A15, 20 and 21 are I2C; external
-interrupts on 2, 3, 18 to 21, PWM on 2 to 13 and 44 to 46. The board's diagram: 0 and 1 are the host's lines, 20
-and 21 have resistors to 5 V, and so all four idle high.
+interrupts on 2, 3, 18 to 21, PWM on 2 to 13 and 44 to 46. The board's diagram: 0 and 1 are the host's lines,
+20 and 21 have resistors to 5 V, and so all four idle high.
 
 Where they are silent:
 * an open input reads low, with its pull-up high; analogRead of it gives 0.

@@ -22,7 +22,15 @@ from emulators.arduino_omni.mega.arithmetic import atoi, int16
 from emulators.arduino_omni.mega.clock import WORD as CLOCK_WORD
 from emulators.arduino_omni.mega.jobs import Pause, Say
 from emulators.arduino_omni.mega.mega import CONVERSION, Mega
-from emulators.arduino_omni.mega.pins import BUSY_PINS, ENCODER_PINS, INPUT, INPUT_PULLUP, OUTPUT, PINS, Counter
+from emulators.arduino_omni.mega.pins import (
+    BUSY_PINS,
+    ENCODER_PINS,
+    INPUT,
+    INPUT_PULLUP,
+    OUTPUT,
+    PINS,
+    Counter,
+)
 from emulators.arduino_omni.shield.motor_shield import PORTS
 from emulators.arduino_omni.sketches.motor_pid import MAX_PWM, Gains, MotorPid
 from firmware_bridge.units import SECOND, Nanoseconds

@@ -162,8 +162,16 @@ static void floats(char port, uint8_t ddr, uint8_t latch) {
 static void on_direction(avr_irq_t *irq, uint32_t value, void *param) {
   (void)irq;
   avr_ioport_state_t now;
-  avr_ioctl(avr, AVR_IOCTL_IOPORT_GETSTATE(*(const char *)param), &now);
-  floats(*(const char *)param, value, now.port);
+  char port = *(const char *)param;
+  avr_ioctl(avr, AVR_IOCTL_IOPORT_GETSTATE(port), &now);
+  /* What drove a pin that was an output simavr forgets as soon as the sketch reads it, and does not say again. */
+  for (int bit = 0; bit < 8; bit++)
+    if (now.ddr & ~value & driven[(int)port] & 1 << bit) {
+      avr_irq_t *pin = avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ(port), bit);
+      avr_raise_irq(pin, !(level[(int)port] >> bit & 1));
+      avr_raise_irq(pin, level[(int)port] >> bit & 1);
+    }
+  floats(port, value, now.port);
 }
 
 static void on_latch(avr_irq_t *irq, uint32_t value, void *param) {

@@ -1,7 +1,7 @@
 """The sketch as it is flashed, run by simavr, against the emulator: the same bytes on serial and on I2C.
 
-They are run by `pytest -m avr`, a step of its own in `.ci/run`, and fail there where gcc-avr, the Arduino core or
-libsimavr is missing; no other run of the tests has them. `make twins` runs as many lines as it is told.
+They are run by `pytest -m avr`, a step of its own in `.ci/run`, and fail there where gcc-avr, the Arduino core
+or libsimavr is missing; no other run of the tests has them. `make twins` runs as many lines as it is told.
 """
 
 from collections.abc import Iterator
@@ -43,7 +43,9 @@ def on_bus(*writes: bytes) -> str:
 def drive(*speeds: int) -> str:
     writes = []
     for port, speed in zip(PORTS, speeds, strict=False):
-        run = library.Run.RELEASE if speed == 0 else library.Run.BACKWARD if speed < 0 else library.Run.FORWARD
+        run = (
+            library.Run.RELEASE if speed == 0 else library.Run.BACKWARD if speed < 0 else library.Run.FORWARD
+        )
         writes += [library.set_speed(port, abs(speed)), *library.run(port, run)]
     return on_bus(*writes)
 

@@ -85,7 +85,8 @@ def built(folder: Path, auto_stop: int = AUTO_STOP) -> tuple[Path, Path]:
     compiled = ("gcc", "-O2", "-Wall", "-Wextra", "-Werror", "-o", harness, HARNESS, "-lsimavr", "-lelf")
     subprocess.run(compiled, check=True)
     flags = f"FLAGS=-DAUTO_STOP_MS={auto_stop}"
-    subprocess.run(("make", "--quiet", "-C", SKETCH, f"BUILD={folder}", flags), check=True)
+    words = ("make", "--quiet", "-C", str(SKETCH), f"BUILD={folder}", flags)
+    subprocess.run(words, check=True)
     return harness, folder / "sketch.elf"
 
 
@@ -161,7 +162,7 @@ class Wheels(Shafts):
 
 @dataclass
 class Tap:
-    """A second chip at the shield's address that writes down what is on the bus; what is read is the shield's."""
+    """A second chip at the shield's address that writes down what is on the bus."""
 
     text: list[str] = field(default_factory=list)
     hasty: bool = True
