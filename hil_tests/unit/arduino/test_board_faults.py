@@ -58,6 +58,9 @@ class Host:
     def counts(self) -> list[int]:
         return [int(word) for word in self.ask(b"e\r").split()]
 
+    def shut_down(self) -> list[bool]:
+        return [chip.shut_down for chip in self.board.motors.chips]
+
     def most(self, motor: int, seconds: float) -> float:
         """Return the largest current while it runs on."""
         found = 0.0
@@ -85,9 +88,9 @@ def test_a_half_bridge_too_hot_shuts_both_its_motors_down_and_comes_back() -> No
     watts = ON_RESISTANCE * (STALL**2 + small**2)
     shuts = -WARMS_IN_S * log(1 - (SHUTDOWN_C - AMBIENT_C) / (KELVIN_PER_WATT * watts))
     it.run(0.1 + shuts - 0.01)
-    assert not it.board.motors.chips[0].shut_down
+    assert it.shut_down() == [False, False]
     it.run(0.03)
-    assert it.board.motors.chips[0].shut_down
+    assert it.shut_down() == [True, False]
     assert it.board.motors.currents[:2] == pytest.approx([0.0, 0.0], abs=1e-6)
     assert it.board.motors.currents[2] == pytest.approx(small, rel=1e-3)
     cools = WARMS_IN_S * log(150 / 130)
