@@ -187,34 +187,37 @@ class Motors(Shafts):
         return self.chips[motor // CHANNELS_A_CHIP].passes(output) if self.faults.warms else output
 
     def _tick(self, outputs: Sequence[Output]) -> None:
-        supply, faults = self.supply, self.faults
+        supply, faults, plant = self.supply, self.faults, self._plant
+        count = len(outputs)
+        state = plant.outputs[: 3 * count]
         if faults:
-            told = enumerate(zip(outputs, self.currents, strict=True))
-            outputs = [self._passed(motor, output, current) for motor, (output, current) in told]
-        motors = zip(outputs, self.currents, self.speeds, self._load.torque_constants, strict=True)
-        for place, (output, current, speed, constant) in enumerate(motors):
-            volts = output.volts(supply, current)
+            outputs = [self._passed(motor, it, state[motor]) for motor, it in enumerate(outputs)]
+        for motor, output in enumerate(outputs):
+            volts = output.volts(supply, state[motor])
             if output.open:
-                volts += output.open / COUNTS * constant * speed
-            self._plant.inputs[place] = volts
-        self._plant.step()
+                volts += output.open / COUNTS * self._load.torque_constants[motor] * state[2 * count + motor]
+            plant.inputs[motor] = volts
+        plant.step()
         self._ticks += 1
         if faults.warms:
             self._warm()
         before, self._places = self._places, self._counts()
-        turned = [place - old for place, old in zip(self._places, before, strict=True)]
         shown = self._places
         if faults.dead:
-            dead = [place in faults.dead for place in range(self._seen)]
-            turned = [0 if still else steps for still, steps in zip(dead, turned, strict=True)]
-            shown = [old if still else new for still, old, new in zip(dead, self._shown, shown, strict=True)]
+            seen = [it not in faults.dead for it in range(self._seen)]
+            shown = [new if sees else old for sees, old, new in zip(seen, self._shown, shown, strict=True)]
+            before = [old if sees else new for sees, old, new in zip(seen, before, self._places, strict=True)]
         self._shown = shown
-        for place, edges in enumerate(counted(turned)):
-            self.edges[place] += edges
+        if self._places != before:
+            turned = [place - old for place, old in zip(self._places, before, strict=True)]
+            for place, edges in enumerate(counted(turned)):
+                self.edges[place] += edges
 
     def _counts(self) -> list[int]:
-        found = [angle * self._scale for angle in self.angles[: self._seen]]
-        for place, name in zip(found, self._load.names, strict=False):
+        count, found = len(self._load.names), []
+        for motor, angle in enumerate(self._plant.outputs[count : count + self._seen]):
+            place = angle * self._scale
             if not -WIDEST_ANGLE <= place <= WIDEST_ANGLE:
-                no_measurement("angle", name, place, self._ticks)
-        return [floor(place) for place in found]
+                no_measurement("angle", self._load.names[motor], place, self._ticks)
+            found.append(floor(place))
+        return found

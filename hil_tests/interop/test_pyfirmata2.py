@@ -23,7 +23,7 @@ FIRST_WHEEL = 0
 @contextmanager
 def emulated(link: Path, *words: str) -> Iterator[None]:
     """Run a board until the block is left; it is there when it has said so."""
-    said = [PROGRAM, "emulate", "board", "--serial-link", link, *words]
+    said = [str(PROGRAM), "emulate", "board", "--serial-link", str(link), *words]
     with subprocess.Popen(said, stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as running:
         assert running.stdout is not None
         assert b"Ctrl-C ends it" in running.stdout.readline()
@@ -43,33 +43,33 @@ class Client:
     def __init__(self, port: Path) -> None:
         self.board = pyfirmata2.ArduinoMega(str(port), timeout=10)
         self._read: list[int] = []
-        self._count: int | None = None
+        self._counts: list[int] = []
         self.board.add_cmd_handler(firmata.I2C_REPLY, self._take_registers)
         self.board.add_cmd_handler(firmata.ENCODER, self._take_count)
 
     def _take_registers(self, *data: int) -> None:
-        self._read = [low | high << 7 for low, high in zip(data[::2], data[1::2], strict=True)]
+        self._read[:] = [low | high << 7 for low, high in zip(data[::2], data[1::2], strict=True)]
 
     def _take_count(self, *data: int) -> None:
         size = sum(byte << 7 * place for place, byte in enumerate(data[1:5]))
-        self._count = -size if data[0] & 0x40 else size
+        self._counts.append(-size if data[0] & 0x40 else size)
 
     def write(self, data: bytes) -> None:
         self.board.send_sysex(firmata.I2C_REQUEST, [SHIELD, WRITE, *pairs(*data)])
 
     def register(self, number: int) -> int:
-        self._read = []
+        self._read.clear()
         self.board.send_sysex(firmata.I2C_REQUEST, [SHIELD, READ, *pairs(number, 1)])
         while not self._read:
             self.board.iterate()
         return self._read[-1]
 
     def count(self) -> int:
-        self._count = None
+        self._counts.clear()
         self.board.send_sysex(firmata.ENCODER, [1, FIRST_WHEEL])
-        while self._count is None:
+        while not self._counts:
             self.board.iterate()
-        return self._count
+        return self._counts[-1]
 
 
 @pytest.mark.long(beside="test_firmata_turns_a_motor_by_the_registers_and_reads_its_encoder")
