@@ -101,6 +101,9 @@ static void read_encoders() {
 static void set_speeds() {
   int16_t targets[WHEELS];
   if (take_three(targets)) {
+    if (!moving) {
+      reset_pids(); // the wheels may have been pushed since
+    }
     moving = driven = true;
   } else {
     stop();
@@ -200,17 +203,21 @@ static void forget() {
   memset(words, 0, sizeof words);
 }
 
-static void take(char byte) {
+// Whether a command was obeyed.
+static bool take(char byte) {
   if (byte == '\r') {
     obey();
     forget();
-  } else if (byte == ' ') {
+    return true;
+  }
+  if (byte == ' ') {
     place += place <= WHEELS;
   } else if (place == 0) {
     letter = byte;
   } else if (place <= WHEELS && lengths[place - 1] < WORD - 1) {
     words[place - 1][lengths[place - 1]++] = byte;
   }
+  return false;
 }
 
 static void frame() {
@@ -239,8 +246,8 @@ void setup() {
 }
 
 void loop() {
-  while (Serial.available()) {
-    take(Serial.read());
+  // One command a turn: who floods the sketch holds up neither loop nor auto-stop.
+  while (Serial.available() && !take(Serial.read())) {
   }
   if ((int32_t)(millis() - next_frame) > 0) {
     frame();

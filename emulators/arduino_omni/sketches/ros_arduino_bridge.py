@@ -3,6 +3,9 @@
 Sources: hbrobotics/ros_arduino_bridge, indigo-devel: the sketch and its headers; the shield and the third
 motor are ours, as `emulators/arduino_omni/sketch` has them for a real board.
 
+Ours does two things otherwise than the stock sketch. It obeys one command a turn, so that who floods it holds up
+neither loop nor auto-stop. And a loop that begins does so from where the wheels are, however they came there.
+
 Where it is silent:
 * setup() releases the motors and sets the shield up, before it listens.
 * pins on which wheels, host or shield hang are none that a command may have.
@@ -65,6 +68,8 @@ class RosSketch:
         self._argument = 0
         self._words: list[bytearray] = []
         self._moving = False
+        self._obeyed = False
+        """Whether a command was, in the turn before: then loop and auto-stop come first."""
         self._driven = False
         """Whether a motor may run that the auto-stop has to stop."""
         self._commanded_at = 0
@@ -95,9 +100,11 @@ class RosSketch:
     def loop(self, now: Nanoseconds) -> None:
         """Read and obey what has arrived, close the frame that is over, and stop where nobody has spoken."""
         self._now = now
-        while (byte := self._mega.serial.read()) >= 0:
+        while not self._obeyed and (byte := self._mega.serial.read()) >= 0:
             if self._read(byte):
-                return  # it goes on reading when that is done
+                self._obeyed = True
+                return  # until that is done
+        self._obeyed = False
         millis = self._mega.clock.millis(now)
         if 0 < (millis - self._next_frame) % CLOCK_WORD < CLOCK_WORD // 2:
             self._frame()
@@ -175,6 +182,8 @@ class RosSketch:
         self._commanded_at = self._mega.clock.millis(self._now)
         targets = [self._number(motor) for motor in range(self._motors)]
         if any(targets):
+            if not self._moving:
+                self._reset_pids()
             self._moving = self._driven = True
         else:
             self._drive(targets)

@@ -63,14 +63,18 @@ STORY: list[tuple[Event, bytes, str]] = [
     (Bytes(b"e\r"), b"0 -12 3\r\n", ""),
     (Bytes(b"m 0 0 0\r"), OK, STILL),
     (Time(100), b"", ""),
+    (Edges(0, 400), b"", ""),  # pushed
+    (Bytes(b"m 10 0 0\r"), OK, ""),
+    (Time(133), b"", drive(4, 0, 0)),
+    (Edges(0, -400), b"", ""),
     (Bytes(b"o 255 -300 0\r"), OK, drive(255, -255, 0)),
-    (Time(100 + AUTO_STOP), b"", ""),
-    (Time(101 + AUTO_STOP), b"", STILL),
-    (Time(102 + AUTO_STOP), b"", ""),
+    (Time(133 + AUTO_STOP), b"", ""),
+    (Time(134 + AUTO_STOP), b"", STILL),
+    (Time(135 + AUTO_STOP), b"", ""),
     (Bytes(b"o -32768 32768 65537\r"), OK, drive(-255, -255, 1)),
     (Bytes(b"u 1:0:0:0\r"), OK, ""),
     (Bytes(b"m 7 -7 0\r"), OK, ""),
-    (Time(133 + AUTO_STOP), b"", drive(-1, 1, -1)),  # divided by zero
+    (Time(166 + AUTO_STOP), b"", drive(-1, 1, -1)),  # divided by zero
     (Bytes(b"w 2 1\rc 3 1\rc 21 1\r"), 3 * OK, ""),  # not the sketch's own pins
     (Bytes(b"e\rd 2\rd 20\rd 99\r"), b"0 -12 3\r\n0\r\n1\r\n0\r\n", ""),
     (Level(30, high=True), b"", ""),

@@ -185,6 +185,23 @@ def test_nobody_speaks_and_it_stops_by_itself(command: bytes, auto_stop: int) ->
     assert len(it.spy.transfers) == written
 
 
+@pytest.mark.parametrize("flood", [b"p 30\r", b"r\r", b"x"])
+def test_who_floods_it_does_not_hold_up_the_auto_stop(flood: bytes) -> None:
+    it = host(auto_stop=500)
+    it.ask(b"o 100 0 0\r", 20 * MILLISECOND)
+    it.send(flood * 2_000)
+    it.run(1_700 * MILLISECOND)  # a ping takes a second
+    assert it.motors() == (COAST,) * 4
+
+
+def test_wheels_that_were_pushed_do_not_jump_when_the_loop_begins() -> None:
+    it = host()
+    it.mega.shafts.edges[0] += 5_000
+    it.send(b"m 10 0 0\r")
+    it.run(40 * MILLISECOND)
+    assert it.motors()[0] == Output(cw=64, brake=4032)
+
+
 def test_who_speaks_again_in_time_goes_on() -> None:
     it = host()
     for _ in range(10):
