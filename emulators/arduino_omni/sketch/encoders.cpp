@@ -12,7 +12,7 @@ struct Encoder {
   int32_t count;
 };
 
-static Encoder encoders[WHEELS];
+static Encoder encoders[MOTORS];
 
 // By the levels before and now, AB AB. Where both have changed an edge was lost, and nothing can be said.
 static const int8_t STEPS[16] = {0, -1, 1, 0, 1, 0, 0, -1, -1, 0, 0, 1, 0, 1, -1, 0};
@@ -33,18 +33,18 @@ static void second() { moved(encoders[1]); }
 ISR(PCINT0_vect) { moved(encoders[2]); } // pins 10 to 13, and 50 to 53
 
 void encoders_begin() {
-  for (uint8_t n = 0; n < WHEELS; n++) {
+  for (uint8_t n = 0; n < MOTORS; n++) {
     Encoder &it = encoders[n];
-    const Wheel &wheel = ROBOT[n];
-    pinMode(wheel.a, INPUT_PULLUP);
-    pinMode(wheel.b, INPUT_PULLUP);
-    it.port_a = portInputRegister(digitalPinToPort(wheel.a));
-    it.port_b = portInputRegister(digitalPinToPort(wheel.b));
-    it.bit_a = digitalPinToBitMask(wheel.a);
-    it.bit_b = digitalPinToBitMask(wheel.b);
+    const Motor &motor = ROBOT[n];
+    pinMode(motor.a, INPUT_PULLUP);
+    pinMode(motor.b, INPUT_PULLUP);
+    it.port_a = portInputRegister(digitalPinToPort(motor.a));
+    it.port_b = portInputRegister(digitalPinToPort(motor.b));
+    it.bit_a = digitalPinToBitMask(motor.a);
+    it.bit_b = digitalPinToBitMask(motor.b);
   }
   delayMicroseconds(20); // until the pull-ups have pulled
-  for (uint8_t n = 0; n < WHEELS; n++) {
+  for (uint8_t n = 0; n < MOTORS; n++) {
     encoders[n].before = levels(encoders[n]);
     const uint8_t pins[] = {ROBOT[n].a, ROBOT[n].b};
     for (uint8_t pin : pins) {
@@ -58,9 +58,9 @@ void encoders_begin() {
   }
 }
 
-int32_t encoder_count(uint8_t wheel) {
+int32_t encoder_count(uint8_t motor) {
   int32_t count = 0;
-  ATOMIC_BLOCK(ATOMIC_RESTORESTATE) { count = encoders[wheel].count; }
+  ATOMIC_BLOCK(ATOMIC_RESTORESTATE) { count = encoders[motor].count; }
   return count;
 }
 

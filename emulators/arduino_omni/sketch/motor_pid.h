@@ -1,4 +1,4 @@
-// The speed loop of a wheel, 30 times a second, in integers: ros_arduino_bridge's, term by term.
+// The speed loop of a motor, 30 times a second, in integers: ros_arduino_bridge's, term by term.
 #pragma once
 
 #include <stdint.h>

@@ -52,19 +52,19 @@ void shield_begin() {
   }
 }
 
-static bool drive(const Wheel &wheel, int16_t speed) {
+static bool drive(const Motor &motor, int16_t speed) {
   const bool back = speed < 0;
   const int16_t size = speed > TOP || speed < -TOP ? TOP : back ? -speed : speed;
-  bool heard = channel(wheel.pwm, 0, (uint16_t)size * COUNTS);
+  bool heard = channel(motor.pwm, 0, (uint16_t)size * COUNTS);
   // The side that was on goes off first, so that they are never on together.
-  heard &= level(back || size == 0 ? wheel.in1 : wheel.in2, false);
-  heard &= level(back || size == 0 ? wheel.in2 : wheel.in1, size != 0);
+  heard &= level(back || size == 0 ? motor.in1 : motor.in2, false);
+  heard &= level(back || size == 0 ? motor.in2 : motor.in1, size != 0);
   return heard;
 }
 
 bool shield_drive(const int16_t speeds[]) {
   bool heard = true;
-  for (uint8_t n = 0; n < WHEELS; n++) {
+  for (uint8_t n = 0; n < MOTORS; n++) {
     heard &= drive(ROBOT[n], speeds[n]);
   }
   return heard;

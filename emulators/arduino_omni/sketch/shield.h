@@ -6,5 +6,5 @@
 // Release all motors, and then set the chip up. The chip has no wire to RESET: it may be driving them.
 void shield_begin();
 
-// -255 to 255 for each wheel; 0 lets it coast. Whether the chip has acknowledged all of it.
+// -255 to 255 for each motor; 0 lets it coast. Whether the chip has acknowledged all of it.
 bool shield_drive(const int16_t speeds[]);

@@ -15,7 +15,7 @@ const uint32_t ECHO_US = 30000; // of a ping, 5 m. Nothing may keep the sketch f
 const uint8_t WORD = 16;        // characters of an argument, the last of them a zero
 const uint8_t GAINS = 4;
 
-static MotorPid pids[WHEELS];
+static MotorPid pids[MOTORS];
 static bool moving; // the loop is on
 static bool driven; // a motor may run that the auto-stop has to stop
 static uint32_t commanded_at;
@@ -23,33 +23,33 @@ static uint32_t next_frame = FRAME_MS;
 
 static char letter;
 static uint8_t place; // 0: the letter; 1 and on: the words
-static uint8_t lengths[WHEELS];
-static char words[WHEELS][WORD];
+static uint8_t lengths[MOTORS];
+static char words[MOTORS][WORD];
 
 static int16_t number(uint8_t word) { return atoi(words[word]); }
 
 static void say_ok() { Serial.println(F("OK")); }
 
 static void reset_pids() {
-  for (uint8_t n = 0; n < WHEELS; n++) {
+  for (uint8_t n = 0; n < MOTORS; n++) {
     pids[n].reset(encoder_count(n));
   }
 }
 
 static void stop() {
-  const int16_t still[WHEELS] = {};
+  const int16_t still[MOTORS] = {};
   moving = false;
   driven = !shield_drive(still); // what the shield has not heard is said again
 }
 
-// A pin that wheels, host or shield hang on is none that a command may have.
+// A pin that motors, host or shield hang on is none that a command may have.
 static bool in_use(uint8_t pin) {
   for (uint8_t it : SERIAL_AND_I2C) {
     if (pin == it) {
       return true;
     }
   }
-  for (const Wheel &it : ROBOT) {
+  for (const Motor &it : ROBOT) {
     if (pin == it.a || pin == it.b) {
       return true;
     }
@@ -62,7 +62,7 @@ static bool is_free(uint8_t pin) { return pin < NUM_DIGITAL_PINS && !in_use(pin)
 static bool take_three(int16_t numbers[]) {
   bool any = false;
   commanded_at = millis();
-  for (uint8_t n = 0; n < WHEELS; n++) {
+  for (uint8_t n = 0; n < MOTORS; n++) {
     numbers[n] = number(n);
     any |= numbers[n] != 0;
   }
@@ -89,7 +89,7 @@ static void read_pin() {
 }
 
 static void read_encoders() {
-  for (uint8_t n = 0; n < WHEELS; n++) {
+  for (uint8_t n = 0; n < MOTORS; n++) {
     if (n) {
       Serial.print(' ');
     }
@@ -99,24 +99,24 @@ static void read_encoders() {
 }
 
 static void set_speeds() {
-  int16_t targets[WHEELS];
+  int16_t targets[MOTORS];
   if (take_three(targets)) {
     if (!moving) {
-      reset_pids(); // the wheels may have been pushed since
+      reset_pids(); // the motors may have been pushed since
     }
     moving = driven = true;
   } else {
     stop();
     reset_pids();
   }
-  for (uint8_t n = 0; n < WHEELS; n++) {
+  for (uint8_t n = 0; n < MOTORS; n++) {
     pids[n].target = targets[n];
   }
   say_ok();
 }
 
 static void set_pwm() {
-  int16_t speeds[WHEELS];
+  int16_t speeds[MOTORS];
   reset_pids();
   moving = false;
   driven = take_three(speeds);
@@ -211,10 +211,10 @@ static bool take(char byte) {
     return true;
   }
   if (byte == ' ') {
-    place += place <= WHEELS;
+    place += place <= MOTORS;
   } else if (place == 0) {
     letter = byte;
-  } else if (place <= WHEELS && lengths[place - 1] < WORD - 1) {
+  } else if (place <= MOTORS && lengths[place - 1] < WORD - 1) {
     words[place - 1][lengths[place - 1]++] = byte;
   }
   return false;
@@ -222,8 +222,8 @@ static bool take(char byte) {
 
 static void frame() {
   if (moving) {
-    int16_t speeds[WHEELS];
-    for (uint8_t n = 0; n < WHEELS; n++) {
+    int16_t speeds[MOTORS];
+    for (uint8_t n = 0; n < MOTORS; n++) {
       speeds[n] = pids[n].update(encoder_count(n));
     }
     shield_drive(speeds);
