@@ -3,8 +3,8 @@
 Sources: hbrobotics/ros_arduino_bridge, indigo-devel: the sketch and its headers; the shield and the third
 motor are ours, as `emulators/arduino_omni/sketch` has them for a real board.
 
-Ours does two things otherwise than the stock sketch. It obeys one command a turn, so that who floods it holds up
-neither loop nor auto-stop. And a loop that begins does so from where the wheels are, however they came there.
+Ours does two things otherwise than the stock sketch. It obeys one command a turn, so that who floods it holds
+up neither loop nor auto-stop. And a loop begins from where the motors are, however they came there.
 
 Where it is silent:
 * setup() releases the motors and sets the shield up, before it listens.

@@ -3,6 +3,7 @@
 from math import log
 
 import pytest
+from typer.testing import CliRunner
 
 from emulators.arduino_omni.board import FIRMWARES, Board
 from emulators.arduino_omni.faults import FAULTS, FaultyBoard, planned
@@ -18,6 +19,7 @@ from emulators.arduino_omni.shield.tb6612 import (
 )
 from emulators.servo.axis import TICK
 from emulators.servo.motor import DcMotor
+from firmware_bridge.cli import program
 from firmware_bridge.node import SERIAL
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds, to_seconds
@@ -192,3 +194,12 @@ def test_what_is_no_fault_is_told(text: str, told: str) -> None:
 )
 def test_the_shields_frequency_is_divided_in_floats(hertz: int, written: int) -> None:
     assert pre_scale(hertz) == written
+
+
+def test_the_help_names_every_fault() -> None:
+    text = " ".join(CliRunner().invoke(program, ["emulate", "board", "--help"]).output.split()).replace(
+        "│ ", ""
+    )
+    first_and_last = {"cable-1", "cable-4", "encoder-1", "encoder-3"}
+    assert [name for name in FAULTS if name not in text and name[-1] not in "23"] == []
+    assert first_and_last <= FAULTS.keys()
