@@ -27,7 +27,7 @@ TESTED = @begun=$$(date +%s); \
 
 .DEFAULT_GOAL := help
 SHELL := bash
-.PHONY: help setup compiled same demo test long test-all check docs golden bench adversary fuzz mutants hour clean
+.PHONY: help setup compiled same demo test long test-all check docs golden bench adversary fuzz twins mutants hour clean
 
 help: ## list these commands
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' Makefile
@@ -116,7 +116,7 @@ $(MEASURED): $(READY)
 	@touch $@
 
 bench: $(MEASURED) $(COMPILED)/.ready ## measure how fast the bench is, what it costs, and against what; some minutes
-	@status=0; for one in realtime moments against_fmpy many_drives device memory; do \
+	@status=0; for one in realtime moments against_fmpy many_drives device boards memory; do \
 		$(COMPILED)/bin/python -P -m benchmarks.$$one || status=$$?; \
 	done; exit $$status
 
@@ -129,6 +129,10 @@ adversary: $(COMPILED)/.ready ## look for HOURS simulated hours for what breaks 
 FRAMES ?= 1000000
 fuzz: $(COMPILED)/.ready ## let a stranger send a drive FRAMES frames of any kind, its winding watched
 	@STRANGER_FRAMES=$(FRAMES) $(COMPILED)/bin/python -P -m pytest -q -p no:xdist -m long hil_tests/unit/epos2/test_stranger_bursts.py
+
+LINES ?= 100000
+twins: $(READY) ## say LINES lines to the sketch's binary in simavr and to the emulated board, and compare
+	@$(BIN)/python -m hil_tests.interop.simavr $(LINES)
 
 mutants: $(READY) ## break the program in one place at a time, where that is not known yet; hours, may be ended
 	@$(BIN)/python tools/mutate.py -j $(JOBS)

@@ -24,6 +24,8 @@ UNIX_FLAGS: Final = ["-std=c99", "-O2", "-fvisibility=hidden"]
 
 MYPYC: Final = "mypy[mypyc]>=2.4,<3"
 WAY_OF_A_PACKET: Final = (
+    "emulators/arduino_omni/*.py",
+    "emulators/arduino_omni/*/*.py",
     "emulators/bench/controls.py",
     "emulators/bench/operator.py",
     "emulators/bench/orders.py",
@@ -33,6 +35,7 @@ WAY_OF_A_PACKET: Final = (
     "emulators/motion_capture/*.py",
     "emulators/rig.py",
     "emulators/servo/bank.py",
+    "emulators/servo/motor.py",
     "emulators/servo/scaling.py",
     "emulators/trace.py",
     "emulators/wires/*.py",
@@ -53,6 +56,7 @@ WAY_OF_A_PACKET: Final = (
     "firmware_bridge/safety/guard/*.py",
     "firmware_bridge/teleop/*.py",
     "firmware_bridge/wire/*.py",
+    "firmware_bridge/wire/arduino/*.py",
     "firmware_bridge/wire/natnet/*.py",
 )
 """What runs again and again in a mission; tables, and what runs once, stay as they are."""

@@ -2,9 +2,10 @@
 
 What is not there leaves its tests out, and counted: `tools/with-vcan` brings a kernel with the bus,
 `tools/with-loopback` the network, Debian's package tshark the dissector. Those of other machines' binaries
-need cross compilers, Wine and qemu-user, and run only where their mark is asked for: then they fail where
-something is missing. `.ci/run` has all. Which tests are long says `lanes.toml`, beside the marks of a few.
-Hypothesis times no example: the tests' time is virtual, and the wall's says how busy the machine is.
+need cross compilers, Wine and qemu-user, that of the sketch simavr; they run only where their mark is asked
+for, and then fail where something is missing. `.ci/run` has all. Which tests are long says `lanes.toml`,
+beside the marks of a few. Hypothesis times no example: the tests' time is virtual, and the wall's says how
+busy the machine is.
 """
 
 import shutil
@@ -24,7 +25,7 @@ AT_HAND: Final = {
 }
 """Markers, and whether this machine has what they stand for."""
 
-ON_DEMAND: Final = ("platforms",)
+ON_DEMAND: Final = ("platforms", "avr")
 """Markers whose tests run where they are asked for by name, `-m MARKER`."""
 
 settings.register_profile("virtual time", settings(deadline=None))

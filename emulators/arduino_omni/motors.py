@@ -9,18 +9,19 @@ Where they are silent:
   order of magnitude of a gear motor of 12 V and 17 W.
 * within a PWM period the current is steady: what a half bridge does is taken at its mean.
 * a motor whose half bridge is open keeps its own voltage; what was left of its current ends in its winding.
+* one half-bridge chip drives M1 and M2, the other M3 and M4.
 * an edge keeps the processor for 10 us, whichever counter it is for; what comes faster is lost, from all
   counters in the same proportion, and never counted the other way.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import floor, tau
 from typing import Final
 
 from emulators.arduino_omni.mega.pins import ENCODER_PINS, Shafts
 from emulators.arduino_omni.shield.motor_shield import PORTS, MotorShield
-from emulators.arduino_omni.shield.tb6612 import COUNTS, Output
+from emulators.arduino_omni.shield.tb6612 import COAST, COUNTS, Output, Thermal, limited
 from emulators.servo.axis import TICK
 from emulators.servo.motor import DcMotor, DcMotors
 from emulators.servo.seam import WIDEST_ANGLE, Plant, no_measurement
@@ -33,6 +34,7 @@ MOTOR: Final = DcMotor(
     resistance=2.0, inductance=1e-3, torque_constant=0.013, inertia=4e-6, friction=8e-4, damping=9e-7
 )
 """At each of the four terminals, where there is no plant."""
+CHANNELS_A_CHIP: Final = 2
 EDGE: Final[Nanoseconds] = 10 * MICROSECOND
 EDGES_A_TICK: Final = TICK // EDGE
 """That the processor counts, of all encoders together: 100,000 a second."""
@@ -68,6 +70,24 @@ def counted(turned: Sequence[int], most: int = EDGES_A_TICK) -> list[int]:
     return [abs(it) * most // all_of_them * (1 if it > 0 else -1) for it in turned]
 
 
+@dataclass(slots=True)
+class MotorFaults:
+    """What may be wrong between a shield and its motors; as it stands, nothing is."""
+
+    limits_current: bool = False
+    """Whether the half bridges cut a current that has reached their peak."""
+    warms: bool = False
+    """Whether the half bridges' temperature is followed, and shuts them down."""
+    cut: set[int] = field(default_factory=set)
+    """Motors, from 0, whose cable is off."""
+    dead: set[int] = field(default_factory=set)
+    """Encoders, from 0, that give no edges."""
+
+    def __bool__(self) -> bool:
+        """Tell whether anything is otherwise than it should be."""
+        return self.limits_current or self.warms or bool(self.cut) or bool(self.dead)
+
+
 class Motors(Shafts):
     """Shafts that a shield's motors turn. `angles` is the truth, `edges` what an encoder's counters see."""
 
@@ -89,13 +109,13 @@ class Motors(Shafts):
         self._plant: Final = load.plant
         self._constant_supply: Final = supply
         self._scale: Final = load.counts_per_turn / tau
+        self.faults: Final = MotorFaults()
+        self.chips: Final = tuple(Thermal() for _ in PORTS[::CHANNELS_A_CHIP])
+        """The half bridges' temperatures, followed where `faults` says so."""
         self._ticks = 0
         self._seen = min(len(wiring), len(load.names))
         self._places = self._counts()
-        self.cut: Final[set[int]] = set()
-        """Motors whose cable is off, counted from 0."""
-        self.unseen: Final[set[int]] = set()
-        """Motors whose encoder's cable is off."""
+        self._shown = self._places
 
     @property
     def now(self) -> Nanoseconds:
@@ -125,12 +145,18 @@ class Motors(Shafts):
         place = self._load.supply
         return self._constant_supply if place is None else self._plant.outputs[place : place + 1][0]
 
+    def follow_heat(self, *, followed: bool) -> None:
+        """Follow the half bridges' temperatures from here on, cold, or no more."""
+        self.faults.warms = followed
+        for chip in self.chips:
+            chip.begin(self._ticks * TICK)
+
     def level(self, pin: int) -> bool | None:
         """Return what an encoder puts on a pin: forwards A comes a quarter of a line before B."""
         motor, channel = self._channels.get(pin, (self._seen, 0))
         if motor >= self._seen:
             return None
-        return (self._places[motor] - channel) % 4 in {1, 2}
+        return (self._shown[motor] - channel) % 4 in {1, 2}
 
     def advance(self, now: Nanoseconds) -> None:
         """Turn them up to `now`, in whole ticks, by what the shield has been told so far."""
@@ -141,6 +167,8 @@ class Motors(Shafts):
             until = min(last, -(-self._shield.chip.next_change(at) // TICK))
             if self._load.rests and self._still(outputs):
                 self._ticks = until
+                if self.faults.warms:
+                    self._warm()
             while self._ticks < until:
                 self._tick(outputs)
 
@@ -149,25 +177,52 @@ class Motors(Shafts):
         driven = any(it.cw != it.ccw for it in outputs)
         return not driven and not any(self.currents) and not any(self.speeds)
 
+    def _warm(self) -> None:
+        currents = tuple(self.currents)
+        for place, chip in enumerate(self.chips):
+            begin = CHANNELS_A_CHIP * place
+            chip.advance(currents[begin : begin + CHANNELS_A_CHIP], self._ticks * TICK)
+
+    def _passed(self, motor: int, output: Output, current: float) -> Output:
+        """Return what a half bridge makes of what it is told, and its cable leaves of that."""
+        if motor in self.faults.cut:
+            return COAST
+        if self.faults.limits_current:
+            output = limited(output, current)
+        return self.chips[motor // CHANNELS_A_CHIP].passes(output) if self.faults.warms else output
+
     def _tick(self, outputs: Sequence[Output]) -> None:
-        supply = self.supply
-        motors = zip(outputs, self.currents, self.speeds, self._load.torque_constants, strict=True)
-        for place, (output, current, speed, constant) in enumerate(motors):
-            volts = output.volts(supply, current)
+        supply, faults, plant = self.supply, self.faults, self._plant
+        count = len(outputs)
+        state = plant.outputs[: 3 * count]
+        if faults:
+            outputs = [self._passed(motor, it, state[motor]) for motor, it in enumerate(outputs)]
+        for motor, output in enumerate(outputs):
+            volts = output.volts(supply, state[motor])
             if output.open:
-                volts += output.open / COUNTS * constant * speed
-            self._plant.inputs[place] = constant * speed if place in self.cut else volts
-        self._plant.step()
+                volts += output.open / COUNTS * self._load.torque_constants[motor] * state[2 * count + motor]
+            plant.inputs[motor] = volts
+        plant.step()
         self._ticks += 1
+        if faults.warms:
+            self._warm()
         before, self._places = self._places, self._counts()
-        turned = [place - old for place, old in zip(self._places, before, strict=True)]
-        for place, edges in enumerate(counted(turned)):
-            if place not in self.unseen:
+        shown = self._places
+        if faults.dead:
+            seen = [it not in faults.dead for it in range(self._seen)]
+            shown = [new if sees else old for sees, old, new in zip(seen, self._shown, shown, strict=True)]
+            before = [old if sees else new for sees, old, new in zip(seen, before, self._places, strict=True)]
+        self._shown = shown
+        if self._places != before:
+            turned = [place - old for place, old in zip(self._places, before, strict=True)]
+            for place, edges in enumerate(counted(turned)):
                 self.edges[place] += edges
 
     def _counts(self) -> list[int]:
-        found = [angle * self._scale for angle in self.angles[: self._seen]]
-        for place, name in zip(found, self._load.names, strict=False):
+        count, found = len(self._load.names), []
+        for motor, angle in enumerate(self._plant.outputs[count : count + self._seen]):
+            place = angle * self._scale
             if not -WIDEST_ANGLE <= place <= WIDEST_ANGLE:
-                no_measurement("angle", name, place, self._ticks)
-        return [floor(place) for place in found]
+                no_measurement("angle", self._load.names[motor], place, self._ticks)
+            found.append(floor(place))
+        return found

@@ -16,7 +16,9 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge emulate board --firmware mw --encoders 3 --serial pty --record runs`
 
-`firmware-bridge emulate board --firmware ros-arduino-bridge --auto-stop-ms 500 --plant three_wheels.fmu`"""
+`firmware-bridge emulate board --firmware ros-arduino-bridge --auto-stop-ms 500 --plant three_wheels.fmu`
+
+`firmware-bridge emulate board --firmware mw --fault current-limit --fault encoder-1@20-30`"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,8 +27,8 @@ class BoardOptions:
 
     For whoever writes a client and has no board at hand. It is on from the beginning, and deaf for the boot
     loader's 1.1 s. A pseudo-terminal has no DTR: a client that opens it resets nothing, where a real
-    board would begin anew. Motors turn at all four terminals, encoders are on the first three (pins 2 and 3,
-    18 and 19, 10 and 11). Ends on Ctrl-C.
+    board would begin anew, unless --reset-on-open says so. Motors turn at all four terminals, encoders are on
+    the first three (pins 2 and 3, 18 and 19, 10 and 11). Ends on Ctrl-C.
     """
 
     firmware: Annotated[
@@ -63,6 +65,22 @@ class BoardOptions:
         typer.Option(
             metavar="PATH",
             help="With --serial pty: a symbolic link to it, so that its name is always the same.",
+            show_default=False,
+        ),
+    ] = None
+    reset_on_open: Annotated[
+        bool,
+        typer.Option(
+            "--reset-on-open",
+            help="With --serial pty, on Linux: a client that opens it resets the board, as on a real one.",
+        ),
+    ] = False
+    fault: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME[@FROM[-TO]]",
+            help="What is wrong, from and to a time in s; again for each: current-limit, over-temperature, "
+            "brown-out, unpowered, cable-1 to cable-4, encoder-1 to encoder-3.",
             show_default=False,
         ),
     ] = None

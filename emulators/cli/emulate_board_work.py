@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Final
 
 from emulators.arduino_omni.board import FIRMWARES, Board, Firmware
+from emulators.arduino_omni.faults import FaultyBoard, Planned, planned
 from emulators.arduino_omni.mega.mega import SketchError
 from emulators.arduino_omni.motors import SUPPLY_V, Load, four_motors
 from emulators.boards import fmu_load
@@ -19,6 +20,7 @@ from firmware_bridge.node import SERIAL
 from firmware_bridge.shell.black_box import SERIAL_LOG
 from firmware_bridge.shell.clock import LivedClock
 from firmware_bridge.shell.ports import PortError
+from firmware_bridge.shell.ports.pseudo_terminal import WORD
 from fmu.build import ensure, is_built
 from fmu.errors import PlantError
 
@@ -29,6 +31,7 @@ def emulate(given: BoardOptions) -> None:
     """Do what `emulate board` says; what is wrong ends the program with a message."""
     firmware = _firmware(given)
     encoders = firmware.encoders[0] if given.encoders is None else given.encoders
+    plan = _plan(given)
     load = _load(given)
     board = Board(
         firmware,
@@ -40,9 +43,9 @@ def emulate(given: BoardOptions) -> None:
     stock = "" if encoders in firmware.stock else NOT_STOCK
     with recording(given.record, {SERIAL: SERIAL_LOG}) as (around, _):
         with one_message(PortError):
-            line = open_serial(given.serial, firmware.baud, given.serial_link)
+            line = open_serial(given.serial, firmware.baud, given.serial_link, tells_dtr=given.reset_on_open)
         carry(
-            around(board),
+            around(FaultyBoard(board, plan)),
             {SERIAL: lambda: line},
             until(given.duration),
             f"{firmware.title} ({encoders} encoders{stock}) on {line.name}: motors {', '.join(load.names)}",
@@ -66,6 +69,18 @@ def _firmware(given: BoardOptions) -> Firmware:
             " they are told otherwise"
         )
     return found
+
+
+def _plan(given: BoardOptions) -> list[Planned]:
+    try:
+        plan = [planned(text) for text in given.fault or ()]
+    except ValueError as error:
+        raise refusal(f"--fault {error}") from None
+    if given.reset_on_open and given.serial != WORD:
+        raise refusal(
+            f"--reset-on-open: on {given.serial} the device itself decides; only --serial pty needs it"
+        )
+    return plan
 
 
 def _load(given: BoardOptions) -> Load:

@@ -7,17 +7,20 @@ from typing import TypeAlias
 from firmware_bridge.cli.console import one_message, refusal
 from firmware_bridge.cli.outside import Outside
 from firmware_bridge.node import CAN, SERIAL
-from firmware_bridge.shell.ports import Port, PortError, PseudoTerminal, SerialLine, open_can
+from firmware_bridge.shell.ports import Port, PortError, PseudoTerminal, SeenOpening, SerialLine, open_can
 from firmware_bridge.shell.ports.pseudo_terminal import WORD
 from firmware_bridge.wire.maxon.frame import Generation
 
 Openers: TypeAlias = dict[str, Callable[[], Port]]
 
 
-def open_serial(device: str, baud: int, link: Path | None = None) -> Port:
-    """Open a serial device, or make a pseudo-terminal with a link to it; PortError."""
+def open_serial(device: str, baud: int, link: Path | None = None, *, tells_dtr: bool = False) -> Port:
+    """Open a serial device, or make a pseudo-terminal with a link to it; PortError.
+
+    One that tells DTR says when a client opens it, and closes it.
+    """
     if device == WORD:
-        return PseudoTerminal(link)
+        return SeenOpening(link) if tells_dtr else PseudoTerminal(link)
     if link is not None:
         raise PortError(f"--serial-link {link}: only a pseudo-terminal wants a link; say --serial {WORD}")
     return SerialLine(device, baud)

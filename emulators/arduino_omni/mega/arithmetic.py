@@ -1,10 +1,12 @@
-"""Numbers as the AVR has them: int of 16 bits, long of 32, division towards zero.
+"""Numbers as the AVR has them: int of 16 bits, long of 32, division towards zero, float of 32 bits.
 
 Source: the C standard; avr-libc. Overflow of a signed number wraps here, as the machine's code for it does.
 """
 
+from struct import Struct
 from typing import Final
 
+_FLOAT: Final = Struct("<f")
 _DIGITS: Final = b"0123456789"
 _BLANKS: Final = b" \t\n\v\f\r"
 
@@ -25,11 +27,20 @@ def int32(value: int) -> int:
     return wrapped(value, 32)
 
 
+def float32(value: float) -> float:
+    """Return a float, or a double, which is one here; OverflowError beyond its range.
+
+    What +, -, * and / give of two of them in 64 bits, rounded once more, is what they give in 32.
+    """
+    rounded: float = _FLOAT.unpack(_FLOAT.pack(value))[0]
+    return rounded
+
+
 def quotient(dividend: int, divisor: int) -> int:
     """Return a long divided, towards zero.
 
-    ASSUME: by zero, where C says nothing, libgcc's loop subtracts nothing and gives all ones, with the
-    dividend's sign.
+    By zero, where C says nothing, libgcc's loop gives all ones, with the dividend's sign: so does the
+    sketch's binary in simavr.
     """
     if divisor == 0:
         return 1 if dividend < 0 else -1

@@ -85,6 +85,7 @@ class Mega:
         self._running: OnBus | None = None
         self._free_at: Nanoseconds = 0
         self._powered = False
+        self._held = False
 
     @property
     def baud(self) -> int:
@@ -118,9 +119,14 @@ class Mega:
         self._running = None
         self._sketch = None
         self._free_at = now
-        self._starts_at = now + self._boot
+        self._starts_at = NEVER if self._held else now + self._boot
         self._powered = True
         self.resets += 1
+
+    def brown_out(self, now: Nanoseconds, *, low: bool) -> None:
+        """Be held in reset while the supply is too low, and start anew when it is back."""
+        self._held = low
+        self.reset(now)
 
     def hear(self, byte: int, now: Nanoseconds) -> None:
         """Take a byte whose stop bit has passed."""
@@ -129,7 +135,7 @@ class Mega:
             self.serial.arrived(byte)
             self._free_at = max(self._free_at, now)
             self.advance(now)
-        elif byte == LOADER_FRAME and self._powered:
+        elif byte == LOADER_FRAME and self._powered and not self._held:
             self._starts_at = now + self._boot
 
     @property

@@ -6,15 +6,19 @@ Source: Adafruit_Motor_Shield_V2_Library and its Adafruit_MS_PWMServoDriver, as 
 
 from collections.abc import Iterator
 from enum import IntEnum
+from math import floor
 from typing import Final
 
+from emulators.arduino_omni.mega.arithmetic import float32
 from emulators.arduino_omni.mega.jobs import Job, OnBus, Pause
 from emulators.arduino_omni.shield.i2c import Segment, Transfer, read, write
 from emulators.arduino_omni.shield.motor_shield import PORTS, Port
 from emulators.arduino_omni.shield.pca9685 import (
     AI,
+    ALL_LED,
     ALLCALL,
     CHANNELS,
+    FULL,
     LED0,
     MODE1,
     OSCILLATOR_HZ,
@@ -26,7 +30,7 @@ from emulators.arduino_omni.shield.pca9685 import (
 from firmware_bridge.units import MILLISECOND
 
 DEFAULT_HZ: Final = 1_600
-CORRECTION: Final = 0.9
+CORRECTION: Final = float32(0.9)
 """Of the frequency, since 2015-09-12."""
 WAKES_IN: Final = 5 * MILLISECOND
 FULL_ON: Final = 4_096
@@ -46,13 +50,14 @@ class Run(IntEnum):
 
 
 def pre_scale(frequency: int) -> int:
-    """Return what begin() writes for a frequency in Hz: 8 bits of the rounded quotient.
+    """Return what begin() writes for a frequency in Hz: 8 bits of the rounded quotient, in floats.
 
-    ASSUME: a frequency of 0 divides to infinity, and its conversion gives 255.
+    A frequency of 0 divides to infinity, which avr-libc converts to 0; above 13.5 kHz it is -1, so 255.
     """
     if frequency == 0:
-        return BYTE
-    return int(OSCILLATOR_HZ / PERIOD_COUNTS / (frequency * CORRECTION) - 1 + 0.5) & BYTE
+        return 0
+    divider = float32(float32(OSCILLATOR_HZ / PERIOD_COUNTS) / float32(frequency * CORRECTION))
+    return floor(float32(float32(divider - 1) + 0.5)) & BYTE
 
 
 def pwm(channel: int, on: int, off: int) -> bytes:
@@ -109,6 +114,11 @@ def begin(address: int, frequency: int = DEFAULT_HZ, *, repeated_start: bool = F
     yield OnBus(write(address, bytes((MODE1, RESTART | AI | ALLCALL))))
     for channel in range(CHANNELS):
         yield OnBus(write(address, set_pin(channel, high=False)))
+
+
+def release_all(address: int) -> Job:
+    """Return what releases all motors at once, whatever the shield has been told before."""
+    return OnBus(write(address, bytes((ALL_LED + 3, FULL))))
 
 
 def drive(address: int, port: Port, speed: int, command: int) -> Iterator[Job]:

@@ -1,8 +1,13 @@
 """The board's 70 pins as a sketch sees them, and the shafts whose encoders are wired to some of them.
 
 Sources: ArduinoCore-avr, variants/mega/pins_arduino.h: 54 to 69 are A0 to A15, 20 and 21 are I2C; external
-interrupts on 2, 3, 18 to 21. ASSUME: an open input reads low, with its pull-up high; analogRead of it gives
-0. ASSUME: the third motor's encoder is on 10 and 11, where the chip has pin-change interrupts only.
+interrupts on 2, 3, 18 to 21, PWM on 2 to 13 and 44 to 46. The board's diagram: 0 and 1 are the host's lines,
+20 and 21 have resistors to 5 V, and so all four idle high.
+
+Where they are silent:
+* an open input reads low, with its pull-up high; analogRead of it gives 0.
+* numbers that no pin has do nothing and read 0: the core takes what lies behind the end of its tables.
+* the third motor's encoder is on 10 and 11, where the chip has pin-change interrupts only.
 """
 
 from dataclasses import dataclass
@@ -15,6 +20,11 @@ PINS: Final = 70
 FIRST_ANALOG: Final = 54
 ANALOG: Final = 16
 LED: Final = 13
+PWM_PINS: Final = frozenset({*range(2, 14), *range(44, 47)})
+BUSY_PINS: Final = frozenset({0, 1, 20, 21})
+"""Serial and I2C."""
+HALF: Final = 128
+"""From here on analogWrite() makes a pin without PWM high."""
 EXTERNAL_INTERRUPTS: Final = frozenset({2, 3, 18, 19, 20, 21})
 ENCODER_PINS: Final = ((2, 3), (18, 19), (10, 11))
 """The pins of channels A and B, motor by motor."""
@@ -25,11 +35,11 @@ INPUT_PULLUP: Final = 2
 
 
 class Pins:
-    """Modes and levels; numbers that no pin has do nothing and read 0, as the core has it."""
+    """Modes and levels; numbers that no pin has do nothing and read 0."""
 
     def __init__(self, shafts: "Shafts | None" = None) -> None:
         self._shafts: Final = Shafts() if shafts is None else shafts
-        self.driven: dict[int, bool] = {}
+        self.driven: dict[int, bool] = dict.fromkeys(BUSY_PINS, True)
         """Inputs that somebody outside drives; it outlives a reset."""
         self.analog = [0] * ANALOG
         """What an analogRead gives, 0 to 1023; it outlives a reset."""
@@ -61,8 +71,8 @@ class Pins:
         """Be analogWrite(): the pin is an output; at both ends a level."""
         self.configure(pin, OUTPUT)
         if pin < PINS:
-            if value in {0, 255}:
-                self.write(pin, value)
+            if value in {0, 255} or pin not in PWM_PINS:
+                self.write(pin, int(value >= HALF))
             else:
                 self.duties[pin] = value & 0xFF
 

@@ -97,9 +97,9 @@ class Pca9685:
         self._reset_due = False
         self._channel_written = False
         self._awake_at: Nanoseconds = NEVER
-        self._reset()
+        self.power_on()
 
-    def _reset(self) -> None:
+    def power_on(self) -> None:
         """Be as at power-on."""
         self._registers[:] = bytes(256)
         for register, value in POWER_ON.items():
@@ -199,7 +199,7 @@ class Pca9685:
         """Take a STOP: outputs change now."""
         del at
         if self._reset_due:
-            self._reset()
+            self.power_on()
         self._take()
 
     def _take(self) -> None:

@@ -84,9 +84,13 @@ class Thermal:
     """One chip's temperature, of its two channels together; above the limit it is off until it has cooled."""
 
     def __init__(self) -> None:
+        self.begin(0)
+
+    def begin(self, now: Nanoseconds) -> None:
+        """Be as warm as what is around it."""
         self.celsius = AMBIENT_C
         self.shut_down = False
-        self._at: Nanoseconds = 0
+        self._at: Nanoseconds = now
 
     def advance(self, currents: tuple[float, ...], now: Nanoseconds) -> None:
         """Go on to `now` with these currents, in A, since the last call."""

@@ -1,10 +1,14 @@
 """The sketch ros_arduino_bridge with three motors on the motor shield: a loop of 30 Hz, and an auto-stop.
 
 Sources: hbrobotics/ros_arduino_bridge, indigo-devel: the sketch and its headers; the shield and the third
-motor are ours.
+motor are ours, as `emulators/arduino_omni/sketch` has them for a real board.
+
+Ours does two things otherwise than the stock sketch. It obeys one command a turn, so that who floods it holds
+up neither loop nor auto-stop. And a loop begins from where the motors are, however they came there.
 
 Where it is silent:
-* setup() sets the shield up, which releases the motors, before it listens.
+* setup() releases the motors and sets the shield up, before it listens.
+* pins on which wheels, host or shield hang are none that a command may have.
 * a speed of 0 is PWM 0 and then RELEASE; else PWM, then the direction.
 * the auto-stop writes to the shield once, and not again and again.
 * characters of an argument beyond its 15 are lost; the sketch would write past its end.
@@ -21,7 +25,15 @@ from emulators.arduino_omni.mega.arithmetic import atoi, int16
 from emulators.arduino_omni.mega.clock import WORD as CLOCK_WORD
 from emulators.arduino_omni.mega.jobs import Pause, Say
 from emulators.arduino_omni.mega.mega import CONVERSION, Mega
-from emulators.arduino_omni.mega.pins import ENCODER_PINS, INPUT, OUTPUT, Counter
+from emulators.arduino_omni.mega.pins import (
+    BUSY_PINS,
+    ENCODER_PINS,
+    INPUT,
+    INPUT_PULLUP,
+    OUTPUT,
+    PINS,
+    Counter,
+)
 from emulators.arduino_omni.shield.motor_shield import PORTS
 from emulators.arduino_omni.sketches.motor_pid import MAX_PWM, Gains, MotorPid
 from firmware_bridge.units import SECOND, Nanoseconds
@@ -51,10 +63,13 @@ class RosSketch:
         self._counters: Final = [
             Counter(mega.shafts, a, b, 32, any_pin=True) for a, b in ENCODER_PINS[:motors]
         ]
+        self._kept: Final = BUSY_PINS.union(*ENCODER_PINS[:motors])
         self._letter = 0
         self._argument = 0
         self._words: list[bytearray] = []
         self._moving = False
+        self._obeyed = False
+        """Whether a command was, in the turn before: then loop and auto-stop come first."""
         self._driven = False
         """Whether a motor may run that the auto-stop has to stop."""
         self._commanded_at = 0
@@ -64,6 +79,10 @@ class RosSketch:
 
     def setup(self) -> None:
         """Release the motors."""
+        for pins in ENCODER_PINS[: self._motors]:
+            for pin in pins:
+                self._mega.pins.configure(pin, INPUT_PULLUP)
+        self._mega.do(library.release_all(self._address))
         self._mega.do_all(library.begin(self._address))
 
     @property
@@ -81,9 +100,11 @@ class RosSketch:
     def loop(self, now: Nanoseconds) -> None:
         """Read and obey what has arrived, close the frame that is over, and stop where nobody has spoken."""
         self._now = now
-        while (byte := self._mega.serial.read()) >= 0:
+        while not self._obeyed and (byte := self._mega.serial.read()) >= 0:
             if self._read(byte):
-                return  # it goes on reading when that is done
+                self._obeyed = True
+                return  # until that is done
+        self._obeyed = False
         millis = self._mega.clock.millis(now)
         if 0 < (millis - self._next_frame) % CLOCK_WORD < CLOCK_WORD // 2:
             self._frame()
@@ -125,6 +146,11 @@ class RosSketch:
     def _number(self, place: int) -> int:
         return atoi(bytes(self._words[place]))
 
+    def _pin(self) -> int:
+        """Return the pin of a command, or one that the board has not."""
+        pin = self._number(0) & 0xFF
+        return PINS if pin in self._kept else pin
+
     # Commands
 
     def read_analog(self) -> None:
@@ -140,7 +166,7 @@ class RosSketch:
         """Obey `c`."""
         mode = self._number(1)
         if mode in {INPUT, OUTPUT}:
-            self._mega.pins.configure(self._number(0) & 0xFF, mode)
+            self._mega.pins.configure(self._pin(), mode)
         self._say(words.OK)
 
     def read_pin(self) -> None:
@@ -156,6 +182,8 @@ class RosSketch:
         self._commanded_at = self._mega.clock.millis(self._now)
         targets = [self._number(motor) for motor in range(self._motors)]
         if any(targets):
+            if not self._moving:
+                self._reset_pids()
             self._moving = self._driven = True
         else:
             self._drive(targets)
@@ -177,6 +205,9 @@ class RosSketch:
 
     def ping(self) -> None:
         """Answer `p`."""
+        pin, pins = self._pin(), self._mega.pins
+        pins.write(pin, 0)
+        pins.configure(pin, INPUT)
         self._mega.do(Pause(NO_ECHO))
         self._say(0)
 
@@ -189,7 +220,8 @@ class RosSketch:
 
     def set_gains(self) -> None:
         """Obey `u`: what is not given stays."""
-        given = [atoi(it) for it in bytes(self._words[0]).split(b":") if it][:GAINS]
+        text = bytes(self._words[0]).partition(b"\0")[0]
+        given = [atoi(it) for it in text.split(b":") if it][:GAINS]
         gains = self._gains
         before = (gains.kp, gains.kd, gains.ki, gains.ko)
         gains.kp, gains.kd, gains.ki, gains.ko = (*given, *before[len(given) :])
@@ -199,12 +231,12 @@ class RosSketch:
         """Obey `w`."""
         level = self._number(1)
         if level in {0, 1}:
-            self._mega.pins.write(self._number(0) & 0xFF, level)
+            self._mega.pins.write(self._pin(), level)
         self._say(words.OK)
 
     def write_analog(self) -> None:
         """Obey `x`."""
-        self._mega.pins.write_analog(self._number(0) & 0xFF, self._number(1))
+        self._mega.pins.write_analog(self._pin(), self._number(1))
         self._say(words.OK)
 
     # The loop

@@ -91,7 +91,7 @@ class MotorCableOff(_OnMotor):
     kind: ClassVar = "motor_cable_off"
 
     def _wires(self, motors: Motors) -> set[int]:
-        return motors.cut
+        return motors.faults.cut
 
 
 class EncoderCableOff(_OnMotor):
@@ -100,4 +100,4 @@ class EncoderCableOff(_OnMotor):
     kind: ClassVar = "encoder_cable_off"
 
     def _wires(self, motors: Motors) -> set[int]:
-        return motors.unseen
+        return motors.faults.dead

@@ -4,6 +4,7 @@ from firmware_bridge.shell.ports.can import open_can
 from firmware_bridge.shell.ports.port import LostPort, Port, PortError
 from firmware_bridge.shell.ports.pseudo_terminal import PseudoTerminal
 from firmware_bridge.shell.ports.returning_line import ReturningLine
+from firmware_bridge.shell.ports.seen_opening import SeenOpening
 from firmware_bridge.shell.ports.serial_line import SerialLine
 from firmware_bridge.shell.ports.udp import UdpPort
 
@@ -13,6 +14,7 @@ __all__ = [
     "PortError",
     "PseudoTerminal",
     "ReturningLine",
+    "SeenOpening",
     "SerialLine",
     "UdpPort",
     "open_can",

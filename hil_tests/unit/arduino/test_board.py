@@ -193,6 +193,11 @@ def test_an_fmu_without_axes_for_a_shield_is_refused() -> None:
         (("--firmware", "mw", "--serial", "/dev/nowhere"), "/dev/nowhere"),
         (("--firmware", "mw", "--serial", "/dev/null", "--serial-link", "x"), "only a pseudo-terminal"),
         (("--firmware", "mw", "--axes", "a,b"), "name one by --plant"),
+        (
+            ("--firmware", "mw", "--fault", "rust"),
+            "--fault rust: there is no such fault; there are: current-limit",
+        ),
+        (("--firmware", "mw", "--serial", "/dev/null", "--reset-on-open"), "only --serial pty needs it"),
         (("--firmware", "mw", "--serial-link", "/"), "cannot make the link /"),
         (("--firmware", "mw", "--plant", "nowhere.fmu"), "nowhere.fmu: there is no such file"),
         (("--firmware", "mw", "--plant", "rome_bas"), "did you mean 'rome_base'"),

@@ -185,6 +185,23 @@ def test_nobody_speaks_and_it_stops_by_itself(command: bytes, auto_stop: int) ->
     assert len(it.spy.transfers) == written
 
 
+@pytest.mark.parametrize("flood", [b"p 30\r", b"r\r", b"x"])
+def test_who_floods_it_does_not_hold_up_the_auto_stop(flood: bytes) -> None:
+    it = host(auto_stop=500)
+    it.ask(b"o 100 0 0\r", 20 * MILLISECOND)
+    it.send(flood * 2_000)
+    it.run(1_700 * MILLISECOND)  # a ping takes a second
+    assert it.motors() == (COAST,) * 4
+
+
+def test_wheels_that_were_pushed_do_not_jump_when_the_loop_begins() -> None:
+    it = host()
+    it.mega.shafts.edges[0] += 5_000
+    it.send(b"m 10 0 0\r")
+    it.run(40 * MILLISECOND)
+    assert it.motors()[0] == Output(cw=64, brake=4032)
+
+
 def test_who_speaks_again_in_time_goes_on() -> None:
     it = host()
     for _ in range(10):
@@ -209,8 +226,12 @@ def test_a_reset_of_the_board_ends_in_a_stand_when_setup_has_run() -> None:
     it.send(b"", DTR_UP)
     it.run(1100 * MILLISECOND)
     assert it.motors() == before
-    it.run(20 * MILLISECOND)
-    assert it.motors() == (COAST,) * 4
+    it.spy.transfers.clear()
+    it.run(MILLISECOND)
+    assert it.spy.transfers[0] == "FD 10"  # before the shield is set up, which would let it drive once more
+    for _ in range(20):
+        assert it.motors() == (COAST,) * 4
+        it.run(MILLISECOND)
     assert it.ask(b"b\r") == b"57600\r\n"
 
 
@@ -222,6 +243,30 @@ def test_encoders_and_gains_are_set() -> None:
     assert it.ask(b"e\r") == b"0 0 0\r\n"
     it.ask(b"u 1:2:3\r")
     assert sketch(it)._gains == Gains(1, 2, 3, 50)  # noqa: SLF001 - they are not told
+
+
+# What the sketch's binary does, too, in simavr.
+PINS_TOLD = [
+    (b"c 2 1\rw 2 0\rd 2\r", b"1"),  # an encoder's pin, pulled up: passed over
+    (b"x 21 0\rd 21\r", b"1"),
+    (b"c 22 1\rw 22 1\rd 22\r", b"1"),
+    (b"x 22 127\rd 22\r", b"0"),  # no PWM there
+    (b"x 22 128\rd 22\r", b"1"),
+    (b"x 44 200\rd 44\r", b"0"),
+    (b"w 30 1\rd 30\rp 30\rd 30\r", b"0"),  # the pull-up goes with a ping
+    (b"w 99 1\rd 99\r", b"0"),
+]
+
+
+@pytest.mark.parametrize(("lines", "level"), PINS_TOLD)
+def test_pins_do_what_the_core_makes_of_them(lines: bytes, level: bytes) -> None:
+    assert host().ask(lines, 2 * SECOND).splitlines()[-1] == level
+
+
+def test_gains_end_at_a_zero_byte() -> None:
+    it = host()
+    it.ask(b"u 7\x008:9\r")
+    assert sketch(it)._gains == Gains(7, 12, 0, 50)  # noqa: SLF001 - they are not told
 
 
 def test_a_ping_without_a_sensor_keeps_the_board_for_a_second() -> None:

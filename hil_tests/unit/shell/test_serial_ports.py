@@ -1,6 +1,7 @@
 """Serial ports and pseudo-terminals of this machine, with pyserial as the stranger at the other end."""
 
 import os
+import termios
 from contextlib import closing
 from pathlib import Path
 
@@ -10,10 +11,10 @@ import serial
 from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.gateway import Cluster
 from emulators.servo.axis import ServoAxis
-from firmware_bridge.node import CAN, SERIAL
+from firmware_bridge.node import CAN, DTR_DOWN, DTR_UP, SERIAL
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.shell.clock import Clock
-from firmware_bridge.shell.ports import LostPort, Port, PortError, PseudoTerminal, SerialLine
+from firmware_bridge.shell.ports import LostPort, Port, PortError, PseudoTerminal, SeenOpening, SerialLine
 from firmware_bridge.shell.runner import run
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire.maxon.frame import Frame, Generation, encode_v2
@@ -46,6 +47,36 @@ def test_nothing_comes_back_before_a_client_is_there() -> None:
     with closing(PseudoTerminal()) as port:
         port.write(0, b"\x90\x02\r\n", 0)
         assert heard(port, 1, within=5 * MILLISECOND) == b""
+
+
+def packets(port: Port) -> list[tuple[int, bytes]]:
+    clock = Clock()
+    return port.read(0) if clock.wait([port.fileno()], 100 * MILLISECOND) else []
+
+
+def test_a_client_that_opens_raises_dtr_before_it_speaks_and_the_last_that_closes_drops_it() -> None:
+    with closing(SeenOpening()) as port:
+        assert port.read(0) == []
+        for _ in range(2):
+            with serial.Serial(port.path, timeout=1) as client:
+                client.write(b"first word")
+                assert packets(port) == [(DTR_UP, b""), (0, b"first word")]
+                with serial.Serial(port.path):
+                    assert packets(port) == []
+                assert packets(port) == []
+            assert packets(port) == [(DTR_DOWN, b"")]
+        port.write(0, b"and back", 0)
+
+
+def test_a_client_that_keeps_dtr_up_drops_nothing() -> None:
+    with closing(SeenOpening()) as port:
+        for _ in range(2):
+            with serial.Serial(port.path) as client:
+                assert packets(port) == [(DTR_UP, b"")]
+                modes = termios.tcgetattr(client.fileno())
+                modes[2] &= ~termios.HUPCL
+                termios.tcsetattr(client.fileno(), termios.TCSANOW, modes)
+            assert packets(port) == []
 
 
 def test_clients_come_and_go() -> None:

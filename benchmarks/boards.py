@@ -1,0 +1,147 @@
+"""How much faster than real time an emulated Arduino board is, and whether eight keep up on this machine.
+
+Usage: python -m benchmarks.boards [SECONDS]    simulated time; 20 by default.
+
+A board of each firmware turns three motors, with a host that says something every 50 ms. Times are the
+processor's; the ratio beside each is to as many seconds of RARS's mission, taken in the same minute. Then
+eight boards turn their motors in real time, each a process of its own on a pseudo-terminal, and say how late
+they were woken at worst.
+"""
+
+import re
+import subprocess
+import sys
+from collections.abc import Mapping
+from contextlib import ExitStack
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from types import MappingProxyType
+from typing import Final
+
+import serial
+
+from benchmarks.measure import interleaved, show
+from benchmarks.realtime import COMPILED, undisturbed
+from emulators.arduino_omni.board import FIRMWARES, Board
+from emulators.arduino_omni.mega import motor_library as library
+from emulators.arduino_omni.motors import four_motors
+from emulators.arduino_omni.shield.motor_shield import PORTS
+from firmware_bridge.node import SERIAL
+from firmware_bridge.packet import Packet
+from firmware_bridge.shell.clock import Clock
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, from_seconds
+from firmware_bridge.wire.arduino import mw, mw_messages
+
+READY: Final[Nanoseconds] = 4 * SECOND
+CYCLE: Final[Nanoseconds] = 50 * MILLISECOND
+TURNED: Final = 10.0
+"""rad, at least, of each motor that turns."""
+MOTORS: Final = 3
+BOARDS: Final = 8
+REAL_S: Final = 10
+ENDS_S: Final = 2
+"""So long before the boards end the hosts are silent."""
+LATEST_MS: Final = 50.0
+LEAST_FACTOR: Final = 3.0
+
+
+def _register_writes() -> tuple[bytes, ...]:
+    """Return Firmata's messages that set three motors going."""
+    writes = [bytes((0, 0x21))]
+    for port in PORTS[:MOTORS]:
+        writes += [library.set_speed(port, 150), *library.run(port, library.Run.FORWARD)]
+    pairs = [bytes(half for byte in data for half in (byte & 0x7F, byte >> 7)) for data in writes]
+    return (bytes((0xF0, 0x78, 0, 0, 0xF7)), *(b"\xf0\x76\x60\x00" + it + b"\xf7" for it in pairs))
+
+
+def _requests() -> tuple[bytes, ...]:
+    """Return MWProtocol's messages that do so."""
+    wanted: list[mw.Message] = [mw_messages.CreateShield(0, 0x60, library.DEFAULT_HZ)]
+    for motor in range(MOTORS):
+        wanted += [mw_messages.CreateMotor(0, motor), mw_messages.StartMotor(0, motor, 150, 1)]
+    return tuple(mw.encode_request(it, 0) for it in wanted)
+
+
+HOSTS: Final[Mapping[str, tuple[tuple[bytes, ...], bytes]]] = MappingProxyType(
+    {
+        "mw": (_requests(), mw.encode_request(mw_messages.SetMotorSpeed(0, 0, 140, 1), 0)),
+        "ros-arduino-bridge": ((b"m 40 -40 20\r",), b"e\r"),
+        "arduinoio": ((b"A1\x96B1f", b"A2\x96B2f", b"A3\x96B3f"), b"99"),
+        "firmata": (_register_writes(), bytes((0xF0, 0x76, 0x60, 0x08, 0, 0, 1, 0, 0xF7))),
+    }
+)
+"""By firmware: what turns the motors, and what is said in each cycle then."""
+
+
+def drive(firmware: str, simulated: Nanoseconds) -> None:
+    """Run one board; RuntimeError where its motors stand."""
+    board = Board(FIRMWARES[firmware], four_motors(), auto_stop=30_000)
+    first, always = HOSTS[firmware]
+    said = list(reversed(first))
+    now = wake_at = says_at = 0
+    while now < READY + simulated:
+        at = min(wake_at, READY + says_at)
+        now = max(now, at)
+        if READY + says_at <= now:
+            says_at += CYCLE
+            chunk = said.pop() if said else always
+            wake_at = board.receive(Packet(SERIAL, 0, chunk), now).wake_at
+        else:
+            wake_at = board.wake(now).wake_at
+    if min(abs(angle) for angle in board.motors.angles[:MOTORS]) < TURNED:
+        raise RuntimeError(f"a motor of the board with {firmware} did not turn")
+
+
+def in_real_time() -> list[float]:
+    """Run boards as processes of their own; return how late each was woken at worst, in ms."""
+    program = str(Path(sys.executable).with_name("firmware-bridge"))
+    words = [program, "emulate", "board", "--firmware", "ros-arduino-bridge", "--duration", str(REAL_S)]
+    with TemporaryDirectory() as folder, ExitStack() as opened:
+        links = [Path(folder, f"board{number}") for number in range(BOARDS)]
+        running = [
+            subprocess.Popen([*words, "--serial-link", it], stdout=subprocess.PIPE, text=True)  # noqa: S603 - ours
+            for it in links
+        ]
+        for board in running:
+            assert board.stdout is not None  # noqa: S101 - for the type checker: it is a pipe
+            board.stdout.readline()  # the pseudo-terminal is there
+        hosts = [opened.enter_context(serial.Serial(str(it), timeout=0)) for it in links]
+        clock = Clock()
+        said = [bytearray() for _ in hosts]
+        cycles = (REAL_S - ENDS_S) * SECOND // CYCLE
+        for cycle in range(cycles):
+            for host in hosts:
+                host.write(b"m 40 -40 20\re\r")
+            clock.wait([], (cycle + 1) * CYCLE)
+            for host, text in zip(hosts, said, strict=True):
+                text.extend(host.read(1000))
+        if min(text.count(b"OK\r\n") for text in said) < cycles // 2:
+            raise RuntimeError("a board does not answer")
+        told = [it.communicate()[0] for it in running]
+    found = [re.search(r"never later than ([\d.]+) ms", it) for it in told]
+    return [float(it.group(1)) for it in found if it is not None]
+
+
+def main(simulated_s: float) -> int:
+    """Print the factors; fail where one is too small, or a board in real time was too late."""
+    simulated = from_seconds(simulated_s)
+    names = list(HOSTS)
+    times = interleaved([lambda name=name: drive(name, simulated) for name in names])  # type: ignore[misc] # bound now
+    rars = undisturbed(simulated_s, runs=1)
+    rows = [
+        (FIRMWARES[name].title, f"{simulated_s / taken:.1f}", f"{taken / rars:.2f}")
+        for name, taken in zip(names, times, strict=True)
+    ]
+    core = "compiled" if COMPILED else "interpreted"
+    show(f"One board, core {core}", ("firmware", "times real time", "of RARS's time"), rows)
+    late = in_real_time()
+    print(f"{BOARDS} boards in real time for {REAL_S} s: woken {max(late, default=0.0):.1f} ms late at worst")
+    slow = simulated_s / max(times) < LEAST_FACTOR
+    if slow or len(late) < BOARDS or max(late) > LATEST_MS:
+        print("the boards do not keep up", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(float(sys.argv[1]) if len(sys.argv) > 1 else 20.0))

@@ -1,0 +1,96 @@
+"""A pseudo-terminal that tells when its client opens it and closes it: what DTR does on a serial line.
+
+A pseudo-terminal has no such wire. But Linux raises DTR when a port is opened and drops it when it is closed
+for the last time, and tells who asks (inotify) that a file was opened or closed. What it tells of several at
+once counts as one, so of two clients the second's opening may be missed, which raises nothing.
+"""
+
+import ctypes
+import os
+import select
+import struct
+import termios
+from pathlib import Path
+from typing import Final
+
+from firmware_bridge.node import DTR_DOWN, DTR_UP
+from firmware_bridge.shell.ports.port import PortError
+from firmware_bridge.shell.ports.pseudo_terminal import PseudoTerminal
+from firmware_bridge.units import Nanoseconds
+
+_OPENED: Final = 0x20
+_CLOSED: Final = 0x08 | 0x10
+_EVENT: Final = struct.Struct("iIII")
+_ROOM: Final = 4_096
+_CFLAG: Final = 2
+
+
+class SeenOpening(PseudoTerminal):
+    """The end that this process speaks on; packets with the addresses `DTR_UP` and `DTR_DOWN` are empty."""
+
+    def __init__(self, link: Path | None = None) -> None:
+        super().__init__(link)
+        _drop_at_close(self._other)
+        self._clients = 0
+        self._watch = -1
+        try:
+            self._both = select.epoll()
+            self._watch = _watch(self.path)
+        except (OSError, AttributeError) as error:
+            self.close()
+            raise PortError(
+                f"cannot see who opens {self.name}: {error}; only Linux tells, so leave --reset-on-open away"
+            ) from error
+        for fileno in (self._watch, self._fileno):
+            self._both.register(fileno, select.EPOLLIN)
+
+    def fileno(self) -> int:
+        """Return a file that can be read when bytes have arrived, or somebody has come or gone."""
+        return self._both.fileno()
+
+    def read(self, now: Nanoseconds) -> list[tuple[int, bytes]]:
+        """Return bytes, and before them what became of DTR."""
+        ready = {fileno for fileno, _ in self._both.poll(0)}
+        told = [(it, b"") for it in self._told()] if self._watch in ready else []
+        return told + (super().read(now) if self._fileno in ready else [])
+
+    def close(self) -> None:
+        """Close all; never fails, and may be called again."""
+        if self._watch >= 0:
+            self._both.close()
+            os.close(self._watch)
+            self._watch = -1
+        super().close()
+
+    def _told(self) -> list[int]:
+        events = os.read(self._watch, _ROOM)
+        found = []
+        for _, mask, _, _ in _EVENT.iter_unpack(events):
+            before = self._clients
+            self._clients = max(0, before + (1 if mask & _OPENED else -1))
+            if not before and self._clients:
+                found.append(DTR_UP)
+            elif before and not self._clients and self._drops():
+                found.append(DTR_DOWN)
+        return found
+
+    def _drops(self) -> bool:
+        """Tell whether the last close drops DTR, as it does unless the client has said otherwise."""
+        cflag = termios.tcgetattr(self._other)[_CFLAG]
+        return bool(cflag & termios.HUPCL)
+
+
+def _drop_at_close(terminal: int) -> None:
+    """Set what a serial port has from the beginning, and a pseudo-terminal has not."""
+    modes = termios.tcgetattr(terminal)
+    modes[_CFLAG] |= termios.HUPCL
+    termios.tcsetattr(terminal, termios.TCSANOW, modes)
+
+
+def _watch(path: str) -> int:
+    """Return a file that tells who opens and closes a path; OSError, or AttributeError where none does."""
+    library = ctypes.CDLL(None, use_errno=True)
+    watch: int = library.inotify_init1(os.O_NONBLOCK | os.O_CLOEXEC)
+    if watch < 0 or library.inotify_add_watch(watch, os.fsencode(path), _OPENED | _CLOSED) < 0:
+        raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
+    return watch

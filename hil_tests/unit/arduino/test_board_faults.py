@@ -1,0 +1,205 @@
+"""What can be wrong with a board, by its name: what then happens to its motors, and what it says."""
+
+from math import log
+
+import pytest
+from typer.testing import CliRunner
+
+from emulators.arduino_omni.board import FIRMWARES, Board
+from emulators.arduino_omni.faults import FAULTS, FaultyBoard, planned
+from emulators.arduino_omni.mega.motor_library import pre_scale
+from emulators.arduino_omni.motors import MOTOR, SUPPLY_V, four_motors
+from emulators.arduino_omni.shield.tb6612 import (
+    AMBIENT_C,
+    KELVIN_PER_WATT,
+    ON_RESISTANCE,
+    PEAK_CURRENT,
+    SHUTDOWN_C,
+    WARMS_IN_S,
+)
+from emulators.servo.axis import TICK
+from emulators.servo.motor import DcMotor
+from firmware_bridge.cli import program
+from firmware_bridge.node import SERIAL
+from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds, to_seconds
+
+READY = 2.0
+STUCK = DcMotor(MOTOR.resistance, MOTOR.inductance, MOTOR.torque_constant, inertia=1e3, friction=0.0)
+STALL = SUPPLY_V * 4080 / 4096 / (MOTOR.resistance + ON_RESISTANCE)
+
+
+class Host:
+    """Who is on the other end of a faulty board, in virtual time."""
+
+    def __init__(self, *faults: str, motor: DcMotor = MOTOR, auto_stop: int = 30_000) -> None:
+        self.board = Board(FIRMWARES["ros-arduino-bridge"], four_motors(motor), auto_stop=auto_stop)
+        self.node = FaultyBoard(self.board, map(planned, faults))
+        self.heard = b""
+        self.now: Nanoseconds = 0
+        self._wake_at: Nanoseconds = 0
+        self.run(READY)
+
+    def run(self, seconds: float) -> None:
+        until = self.now + round(seconds * SECOND)
+        while self._wake_at <= until:
+            self.now = max(self.now, self._wake_at)
+            self._take(self.node.wake(self.now))
+        self.now = until
+
+    def _take(self, reaction: Reaction) -> None:
+        self.heard += b"".join(packet.payload for packet in reaction.sent)
+        self._wake_at = reaction.wake_at
+
+    def ask(self, line: bytes, seconds: float = 0.1) -> bytes:
+        self.heard = b""
+        self._take(self.node.receive(Packet(SERIAL, 0, line), self.now))
+        self.run(seconds)
+        return self.heard
+
+    def counts(self) -> list[int]:
+        return [int(word) for word in self.ask(b"e\r").split()]
+
+    def shut_down(self) -> list[bool]:
+        return [chip.shut_down for chip in self.board.motors.chips]
+
+    def most(self, motor: int, seconds: float) -> float:
+        """Return the largest current while it runs on."""
+        found = 0.0
+        for _ in range(round(seconds * SECOND / TICK)):
+            self.run(to_seconds(TICK))
+            found = max(found, abs(self.board.motors.currents[motor]))
+        return found
+
+
+@pytest.mark.parametrize("speed", [255, -255])
+def test_a_stalled_motor_takes_what_it_gets_unless_the_half_bridge_limits(speed: int) -> None:
+    free, limited = Host(motor=STUCK), Host("current-limit", motor=STUCK)
+    for it in (free, limited):
+        it.ask(b"o %d 0 0\r" % speed, 0.02)
+    assert free.most(0, 0.05) == pytest.approx(STALL, rel=1e-3)
+    rise = SUPPLY_V / MOTOR.inductance * to_seconds(TICK)
+    assert PEAK_CURRENT * 0.9 < limited.most(0, 0.05) < PEAK_CURRENT + rise
+
+
+def test_a_half_bridge_too_hot_shuts_both_its_motors_down_and_comes_back() -> None:
+    it = Host("over-temperature@3", motor=STUCK)
+    it.ask(b"o 255 40 40\r", 1.0 - 0.1)
+    assert it.board.motors.currents[0] == pytest.approx(STALL, rel=1e-3)
+    small = STALL * 40 / 255
+    watts = ON_RESISTANCE * (STALL**2 + small**2)
+    shuts = -WARMS_IN_S * log(1 - (SHUTDOWN_C - AMBIENT_C) / (KELVIN_PER_WATT * watts))
+    it.run(0.1 + shuts - 0.01)
+    assert it.shut_down() == [False, False]
+    it.run(0.03)
+    assert it.shut_down() == [True, False]
+    assert it.board.motors.currents[:2] == pytest.approx([0.0, 0.0], abs=1e-6)
+    assert it.board.motors.currents[2] == pytest.approx(small, rel=1e-3)
+    cools = WARMS_IN_S * log(150 / 130)
+    it.run(cools)
+    assert it.board.motors.currents[0] > 1.0
+
+
+def test_a_cable_that_is_off_for_a_while_leaves_its_motor_alone() -> None:
+    it = Host("cable-2@3-4")
+    it.ask(b"o 100 100 0\r", 0.9)
+    assert it.board.motors.speeds[1] == pytest.approx(it.board.motors.speeds[0])
+    it.run(0.5)
+    assert it.board.motors.currents[1] == pytest.approx(0.0, abs=1e-3)
+    assert it.board.motors.speeds[1] < it.board.motors.speeds[0] - 1.0
+    it.run(3.0)
+    assert it.board.motors.speeds[1] == pytest.approx(it.board.motors.speeds[0], rel=1e-3)
+
+
+def test_a_dead_encoder_stands_on_counter_and_pins_while_its_shaft_turns() -> None:
+    it = Host("encoder-1@3-4")
+    it.ask(b"o 100 100 0\r", 1.1)
+    first, second, _ = it.counts()
+    levels = [it.board.motors.level(pin) for pin in (2, 3)]
+    it.run(0.5)
+    assert it.board.motors.speeds[0] > 10
+    again, further, _ = it.counts()
+    assert (again, further > second + 100) == (first, True)
+    assert [it.board.motors.level(pin) for pin in (2, 3)] == levels
+    it.run(1.0)
+    assert it.counts()[0] > first + 100
+
+
+def test_a_brown_out_silences_the_board_while_the_shield_goes_on() -> None:
+    it = Host("brown-out@3-4")
+    it.ask(b"o 100 0 0\r", 1.2)
+    speed = it.board.motors.speeds[0]
+    assert it.ask(b"b\r\x1b", 0.7) == b""
+    assert it.board.motors.speeds[0] == pytest.approx(speed, rel=0.02)
+    it.run(1.0)  # in the boot loader
+    assert it.board.motors.speeds[0] == pytest.approx(speed, rel=0.02)
+    it.run(2.0)
+    assert it.board.motors.speeds[0] == 0.0
+    assert it.ask(b"b\r") == b"57600\r\n"
+
+
+def test_without_power_the_shield_forgets_and_the_motor_coasts() -> None:
+    it = Host("unpowered@3-4")
+    it.ask(b"o 100 0 0\r", 1.05)
+    assert it.board.motors.currents[0] == pytest.approx(0.0, abs=1e-3)
+    assert it.ask(b"b\r") == b""
+    it.run(2.5)
+    assert it.ask(b"b\r") == b"57600\r\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "begins", "ends"),
+    [
+        ("brown-out", 0, NEVER),
+        ("cable-4@0", 0, NEVER),
+        ("encoder-3@1.5", 1500 * MILLISECOND, NEVER),
+        ("unpowered@2-2.25", 2 * SECOND, 2250 * MILLISECOND),
+    ],
+)
+def test_a_fault_is_written_with_its_time(text: str, begins: Nanoseconds, ends: Nanoseconds) -> None:
+    it = planned(text)
+    assert (it.fault, it.begins, it.ends) == (FAULTS[text.partition("@")[0]], begins, ends)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("cable-5", "cable-5: there is no such fault; there are: current-limit, "),
+        ("brown-out@soon", "'soon' is no time; write brown-out@5, or brown-out@5-7.5, in s"),
+        ("brown-out@nan", "is no time"),
+        ("brown-out@1e400", "is no time"),
+        ("brown-out@3-3", "it ends before it begins"),
+        ("brown-out@-3", "is no time"),
+    ],
+)
+def test_what_is_no_fault_is_told(text: str, told: str) -> None:
+    with pytest.raises(ValueError, match=told):
+        planned(text)
+
+
+# As avr-gcc 5.4 and avr-libc have it, run by simavr over all 65,536 frequencies: both sides of some steps.
+@pytest.mark.parametrize(
+    ("hertz", "written"),
+    [
+        (0, 0),
+        (1044, 5),
+        (1233, 5),
+        (1234, 4),
+        (1507, 4),
+        (1508, 3),
+        (1600, 3),
+        (13563, 0),
+        (13564, 255),
+    ],
+)
+def test_the_shields_frequency_is_divided_in_floats(hertz: int, written: int) -> None:
+    assert pre_scale(hertz) == written
+
+
+def test_the_help_names_every_fault() -> None:
+    text = " ".join(CliRunner().invoke(program, ["emulate", "board", "--help"]).output.split()).replace(
+        "│ ", ""
+    )
+    first_and_last = {"cable-1", "cable-4", "encoder-1", "encoder-3"}
+    assert [name for name in FAULTS if name not in text and name[-1] not in "23"] == []
+    assert first_and_last <= FAULTS.keys()
