@@ -25,6 +25,9 @@ TESTED = @begun=$$(date +%s); \
 	$(TESTER) -m pytest -n $(JOBS) --dist worksteal -q $(LANE); status=$$?; \
 	echo "$@: $$(( $$(date +%s) - begun )) s"; exit $$status
 
+# Where a container says that no bytecode is to be written, each process would compile all sources anew.
+unexport PYTHONDONTWRITEBYTECODE
+
 .DEFAULT_GOAL := help
 SHELL := bash
 .PHONY: help setup compiled same demo test long test-all check docs golden bench adversary fuzz mutants hour clean

@@ -7,6 +7,7 @@ something is missing. `.ci/run` has all. Which tests are long says `lanes.toml`,
 Hypothesis times no example: the tests' time is virtual, and the wall's says how busy the machine is.
 """
 
+import gc
 import shutil
 import socket
 import tomllib
@@ -55,6 +56,12 @@ def pytest_itemcollected(item: pytest.Item) -> None:
     row = LONG.get(name)
     if row is not None and case.removesuffix("]") not in row.get("keeps", ()):
         item.add_marker(pytest.mark.long(beside=row.get("beside", "")))
+
+
+def pytest_collection_finish() -> None:
+    """Thirteen thousand tests live to the end: the collector of garbage need not look at them again and again."""
+    gc.collect()
+    gc.freeze()
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
