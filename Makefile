@@ -87,17 +87,18 @@ demo: $(READY) ## drive the shipped missions in virtual time; results in out/
 	echo "demo: $(MISSIONS) driven in $$(( $$(date +%s) - begun )) s; tables, plots and recordings are in $(OUT)/rars-*/"
 
 # Two lanes, which between them lose nothing: a test says so. Each leaves out what this machine's kernel cannot do.
-test: LANE := -m 'not long' --ignore=hil_tests/architecture
+# Of Hypothesis's tests the first draws a quarter of the examples, and the second all of them again.
+test: LANE := -m 'not long' --hypothesis-profile=first-lane --ignore=hil_tests/architecture
 test: TESTER := $(BIN)/python
 test: $(READY) ## run the tests, every behaviour once; `make check` judges the sources
 	$(TESTED)
 
 # Three times as fast there, and the compiled core is what `make same` shows to be the same.
-long: LANE := -m 'long and not interpreted' --ignore=hil_tests/architecture
+long: LANE := -m '(long or hypothesis) and not interpreted' --ignore=hil_tests/architecture
 long: TESTER := $(COMPILED)/bin/python -P
 long: $(COMPILED)/.ready ## run what `make test` has no time for: whole missions, a thousand instants
 	$(TESTED)
-	@$(BIN)/python -m pytest -n $(JOBS) --dist worksteal -q -m 'long and interpreted' --ignore=hil_tests/architecture
+	@$(BIN)/python -m pytest -n $(JOBS) --dist worksteal -q -m '(long or hypothesis) and interpreted' --ignore=hil_tests/architecture
 
 test-all: test long ## run every test
 

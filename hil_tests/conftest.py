@@ -4,7 +4,6 @@ What is not there leaves its tests out, and counted: `tools/with-vcan` brings a 
 `tools/with-loopback` the network, Debian's package tshark the dissector. Those of other machines' binaries
 need cross compilers, Wine and qemu-user, and run only where their mark is asked for: then they fail where
 something is missing. `.ci/run` has all. Which tests are long says `lanes.toml`, beside the marks of a few.
-Hypothesis times no example: the tests' time is virtual, and the wall's says how busy the machine is.
 """
 
 import gc
@@ -16,7 +15,8 @@ from pathlib import Path
 from typing import Any, Final, TypedDict, cast
 
 import pytest
-from hypothesis import settings
+
+import hil_tests.lanes  # noqa: F401 - what Hypothesis draws
 
 AT_HAND: Final = {
     "vcan": Path("/sys/class/net/vcan0").exists(),
@@ -27,9 +27,6 @@ AT_HAND: Final = {
 
 ON_DEMAND: Final = ("platforms",)
 """Markers whose tests run where they are asked for by name, `-m MARKER`."""
-
-settings.register_profile("virtual time", settings(deadline=None))
-settings.load_profile("virtual time")
 
 
 class Longer(TypedDict, total=False):
@@ -59,7 +56,7 @@ def pytest_itemcollected(item: pytest.Item) -> None:
 
 
 def pytest_collection_finish() -> None:
-    """Thirteen thousand tests live to the end: the collector of garbage need not look at them again and again."""
+    """Spare the collector of garbage thirteen thousand tests, which live to the end."""
     gc.collect()
     gc.freeze()
 
