@@ -55,8 +55,12 @@ def pytest_itemcollected(item: pytest.Item) -> None:
         item.add_marker(pytest.mark.long(beside=row.get("beside", "")))
 
 
+gc.set_threshold(50_000, 20, 100)
+"""At Python's own pace the collector of garbage takes a quarter of the tests' time, and finds little."""
+
+
 def pytest_collection_finish() -> None:
-    """Spare the collector of garbage thirteen thousand tests, which live to the end."""
+    """Spare the collector thirteen thousand tests, which live to the end."""
     gc.collect()
     gc.freeze()
 
