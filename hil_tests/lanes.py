@@ -17,4 +17,4 @@ settings.load_profile("virtual time")
 
 def examples(count: int) -> int:
     """Return how many of a test's examples this run draws; the profile is loaded before tests are read."""
-    return -(-count * settings.default.max_examples // FULL)
+    return -(-count * settings().max_examples // FULL)

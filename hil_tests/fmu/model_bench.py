@@ -77,10 +77,11 @@ def evaluator(model: Model, expressions: Mapping[str, Any]) -> Callable[..., lis
 
     Their parts are shared before SymPy turns to them: written out they have two million nodes.
     """
-    rows = (*model.parameters, *model.states, *model.inputs)
+    names = [row.name for row in model.parameters]
+    names += [row.name for row in model.states] + [row.name for row in model.inputs]
     shared, short = sp.cse([sp.sympify(each) for each in expressions.values()], order="none")
     made: Callable[..., list[float]] = sp.lambdify(
-        [sp.Symbol(row.name, real=True) for row in rows], short, [OWN, "math"], cse=lambda _: (shared, short)
+        [sp.Symbol(name, real=True) for name in names], short, [OWN, "math"], cse=lambda _: (shared, short)
     )
     return made
 
