@@ -25,6 +25,9 @@ TESTED = @begun=$$(date +%s); \
 	$(TESTER) -m pytest -n $(JOBS) --dist worksteal -q $(LANE); status=$$?; \
 	echo "$@: $$(( $$(date +%s) - begun )) s"; exit $$status
 
+# Where a container says that no bytecode is to be written, each process would compile all sources anew.
+unexport PYTHONDONTWRITEBYTECODE
+
 .DEFAULT_GOAL := help
 SHELL := bash
 .PHONY: help setup compiled same demo test long test-all check docs golden bench adversary fuzz twins mutants hour clean
@@ -84,17 +87,18 @@ demo: $(READY) ## drive the shipped missions in virtual time; results in out/
 	echo "demo: $(MISSIONS) driven in $$(( $$(date +%s) - begun )) s; tables, plots and recordings are in $(OUT)/rars-*/"
 
 # Two lanes, which between them lose nothing: a test says so. Each leaves out what this machine's kernel cannot do.
-test: LANE := -m 'not long' --ignore=hil_tests/architecture
+# Of Hypothesis's tests the first draws a quarter of the examples, and the second all of them again.
+test: LANE := -m 'not long' --hypothesis-profile=first-lane --ignore=hil_tests/architecture
 test: TESTER := $(BIN)/python
 test: $(READY) ## run the tests, every behaviour once; `make check` judges the sources
 	$(TESTED)
 
 # Three times as fast there, and the compiled core is what `make same` shows to be the same.
-long: LANE := -m 'long and not interpreted' --ignore=hil_tests/architecture
+long: LANE := -m '(long or hypothesis) and not interpreted' --ignore=hil_tests/architecture
 long: TESTER := $(COMPILED)/bin/python -P
 long: $(COMPILED)/.ready ## run what `make test` has no time for: whole missions, a thousand instants
 	$(TESTED)
-	@$(BIN)/python -m pytest -n $(JOBS) --dist worksteal -q -m 'long and interpreted' --ignore=hil_tests/architecture
+	@$(BIN)/python -m pytest -n $(JOBS) --dist worksteal -q -m '(long or hypothesis) and interpreted' --ignore=hil_tests/architecture
 
 test-all: test long ## run every test
 

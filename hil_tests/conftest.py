@@ -4,10 +4,10 @@ What is not there leaves its tests out, and counted: `tools/with-vcan` brings a 
 `tools/with-loopback` the network, Debian's package tshark the dissector. Those of other machines' binaries
 need cross compilers, Wine and qemu-user, that of the sketch simavr; they run only where their mark is asked
 for, and then fail where something is missing. `.ci/run` has all. Which tests are long says `lanes.toml`,
-beside the marks of a few. Hypothesis times no example: the tests' time is virtual, and the wall's says how
-busy the machine is.
+beside the marks of a few.
 """
 
+import gc
 import shutil
 import socket
 import tomllib
@@ -16,7 +16,8 @@ from pathlib import Path
 from typing import Any, Final, TypedDict, cast
 
 import pytest
-from hypothesis import settings
+
+import hil_tests.lanes  # noqa: F401 - what Hypothesis draws
 
 AT_HAND: Final = {
     "vcan": Path("/sys/class/net/vcan0").exists(),
@@ -27,9 +28,6 @@ AT_HAND: Final = {
 
 ON_DEMAND: Final = ("platforms", "avr")
 """Markers whose tests run where they are asked for by name, `-m MARKER`."""
-
-settings.register_profile("virtual time", settings(deadline=None))
-settings.load_profile("virtual time")
 
 
 class Longer(TypedDict, total=False):
@@ -56,6 +54,16 @@ def pytest_itemcollected(item: pytest.Item) -> None:
     row = LONG.get(name)
     if row is not None and case.removesuffix("]") not in row.get("keeps", ()):
         item.add_marker(pytest.mark.long(beside=row.get("beside", "")))
+
+
+gc.set_threshold(50_000, 20, 100)
+"""At Python's own pace the collector of garbage takes a quarter of the tests' time, and finds little."""
+
+
+def pytest_collection_finish() -> None:
+    """Spare the collector thirteen thousand tests, which live to the end."""
+    gc.collect()
+    gc.freeze()
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

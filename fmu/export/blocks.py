@@ -172,7 +172,19 @@ def _block(
     names: Mapping[Expression, Expression],
     places: Sequence[int] | None = None,
 ) -> Block:
-    shared, reduced = sp.cse([e.xreplace(names) for e in expressions], sp.numbered_symbols("t", real=True))
+    placed = dict(names)
+    shared, reduced = sp.cse([_placed(e, placed) for e in expressions], sp.numbered_symbols("t", real=True))
     lines, results = with_reciprocals(tuple(shared), reduced)
     where = range(len(results)) if places is None else places
     return Block(name, reads, target, lines, tuple(zip(where, results, strict=True)))
+
+
+def _placed(expression: Expression, done: dict[Expression, Expression]) -> Expression:
+    """Do what `xreplace` does, but look once at each part: written out, the equations have a million."""
+    if not expression.args:
+        return done.get(expression, expression)
+    if expression not in done:
+        parts = [_placed(part, done) for part in expression.args]
+        changed = any(new is not old for new, old in zip(parts, expression.args, strict=True))
+        done[expression] = expression.func(*parts) if changed else expression
+    return done[expression]

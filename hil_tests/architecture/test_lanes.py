@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from hil_tests.conftest import LONG
+from hil_tests.lanes import FIRST_LANE
 
 ROOT = Path(__file__).parents[2]
 LISTING = """
@@ -34,8 +35,11 @@ def test_one_lane_is_what_the_other_is_not_and_both_are_checked() -> None:
     lanes = dict(re.findall(r"^([a-z-]+): LANE :=(.*)$", makefile, flags=re.MULTILINE))
     # What judges the sources is `make check`'s.
     others = " --ignore=hil_tests/architecture"
-    assert lanes == {"test": f" -m 'not long'{others}", "long": f" -m 'long and not interpreted'{others}"}
-    assert "worksteal -q -m 'long and interpreted'" in makefile
+    assert lanes == {
+        "test": f" -m 'not long' --hypothesis-profile={FIRST_LANE}{others}",
+        "long": f" -m '(long or hypothesis) and not interpreted'{others}",
+    }
+    assert "worksteal -q -m '(long or hypothesis) and interpreted'" in makefile
     assert "pytest -q -p no:xdist hil_tests/architecture" in makefile
     assert re.search(r"^test-all: test long ", makefile, flags=re.MULTILINE)
     steps = re.findall(

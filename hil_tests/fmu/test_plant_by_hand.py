@@ -11,12 +11,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
-import sympy as sp
 
 from fmu.rars.equations import model
 from fmu.rars.interface import AXES, INPUTS, OUTPUTS
 from fmu.rars.parameters import PARAMETERS, SETS
-from hil_tests.fmu.model_bench import OWN, rates
+from hil_tests.fmu.model_bench import formula, rates
 from hil_tests.fmu.rolling_limit import rolling
 
 P = {row.name: row.start for row in PARAMETERS}
@@ -201,23 +200,16 @@ def integrated(rates: Callable[[Vector], Vector], state: Vector, seconds: float,
 
 
 def test_another_integrator_finds_the_same_run(bench: Any) -> None:
-    plant_model = model()
-    symbols = {kind: [sp.Symbol(row.name, real=True) for row in rows] for kind, rows in (
-        ("p", plant_model.parameters), ("u", plant_model.inputs), ("s", plant_model.states)
-    )}  # fmt: skip
-    fixed = dict(zip(symbols["p"], [row.start for row in plant_model.parameters], strict=True))
+    plant_model, function = model(), rates(model())
+    names = [state.name for state in plant_model.states]
     voltages = {"left": 9.0, "right": 4.0, "steer": 12.0, "lift": 20.0}
-    fixed |= dict(
-        zip(symbols["u"], [voltages[name.removeprefix("voltage_")] for name in INPUTS], strict=True)
-    )
-    function = sp.lambdify(
-        symbols["s"], [state.rate.xreplace(fixed) for state in plant_model.states], [OWN, "math"], cse=True
-    )
-    starts = sp.lambdify(
-        symbols["s"], [sp.sympify(s.start).xreplace(fixed) for s in plant_model.states], [OWN, "math"]
-    )
-    zeros = [0.0] * len(plant_model.states)
-    end = integrated(lambda s: np.array(function(*s)), np.array(starts(*zeros)), 0.1, 1e-8)
+    held = {name: voltages[name.removeprefix("voltage_")] for name in INPUTS}
+    starts = formula(plant_model, {state.name: state.start for state in plant_model.states})()
+
+    def slopes(state: Vector) -> Vector:
+        return np.array(list(function(**dict(zip(names, map(float, state), strict=True)), **held).values()))
+
+    end = integrated(slopes, np.array(list(starts.values()), dtype=float), 0.1, 1e-8)
     now = bench().runs(0.1, **voltages)
     for state, value in zip(plant_model.states, end, strict=True):
         if state.name in OUTPUTS:

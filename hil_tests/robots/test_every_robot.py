@@ -25,6 +25,7 @@ from firmware_bridge.safety.row import Row
 from firmware_bridge.safety.snapshot import Following
 from firmware_bridge.teleop.station import Stick, Unusable, Velocity
 from firmware_bridge.units import MILLISECOND, SECOND, from_seconds
+from hil_tests.lanes import examples
 from hil_tests.robots.gate import (
     ROBOTS,
     START,
@@ -281,7 +282,7 @@ def says(paper: Paper, word: Stick | Velocity, wish: Any) -> Any:
 
 
 @every
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60))
 @given(said=words)
 def test_whatever_is_said_the_guards_bounds_hold(
     name: str, said: list[tuple[Stick | Velocity, int, bool]]

@@ -14,6 +14,7 @@ from firmware_bridge.kinds import find
 from firmware_bridge.robots.rars.rules import tipping_speed
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND
 from firmware_bridge.wire.cia402 import State
+from hil_tests.lanes import examples
 from hil_tests.safety.gate_bench import Ruling, Snapshot, base_stopped, gate_of, lift_free, said, well
 
 if TYPE_CHECKING:
@@ -173,6 +174,4 @@ class AnyOrder(RuleBasedStateMachine):
 
 
 TestAnyOrder = pytest.mark.timeout(60)(AnyOrder.TestCase)
-AnyOrder.TestCase.settings = settings(
-    max_examples=150, stateful_step_count=30, deadline=None, derandomize=True
-)
+AnyOrder.TestCase.settings = settings(max_examples=examples(150), stateful_step_count=30, derandomize=True)

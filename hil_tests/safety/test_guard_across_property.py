@@ -11,6 +11,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import MILLISECOND, Nanoseconds
+from hil_tests.lanes import examples
 from hil_tests.safety.guard_bench import Bench, position, wheel
 from hil_tests.safety.guard_robots import RARS
 from hil_tests.safety.sums_bench import CYCLE, ENABLE, ROBOTS, TOP, Motors, as_far_as_allowed, speed
@@ -31,7 +32,7 @@ def frames(draw: st.DrawFn, robot: AnyRobot) -> tuple[Nanoseconds, list[Packet]]
 
 
 @pytest.mark.parametrize("robot", ROBOTS, ids=["pair", "omni"])
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60))
 @given(data=st.data())
 def test_whatever_is_sent_no_sum_stays_beyond_its_bound(robot: AnyRobot, data: st.DataObject) -> None:
     """For a cycle at most, and over any length of time by no more than two cycles' way at top speed."""
@@ -52,7 +53,7 @@ def honest(draw: st.DrawFn, robot: AnyRobot) -> tuple[list[Nanoseconds], list[li
 
 
 @pytest.mark.parametrize("robot", ROBOTS, ids=["pair", "omni"])
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60))
 @given(data=st.data())
 def test_an_honest_bridge_is_never_refused(robot: AnyRobot, data: st.DataObject) -> None:
     """Vectors within the bounds, each axis at its own instant of every cycle, in whatever order."""
@@ -107,4 +108,4 @@ class NeverBoth(RuleBasedStateMachine):
 
 
 TestNeverBoth = pytest.mark.timeout(60)(NeverBoth.TestCase)
-NeverBoth.TestCase.settings = settings(max_examples=60, stateful_step_count=20, deadline=None)
+NeverBoth.TestCase.settings = settings(max_examples=examples(60), stateful_step_count=20)

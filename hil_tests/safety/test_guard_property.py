@@ -14,6 +14,7 @@ from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Command
 from firmware_bridge.safety.guard.epos2_can import Epos2CanRules
 from firmware_bridge.units import MILLISECOND, NEVER
+from hil_tests.lanes import examples
 from hil_tests.safety.guard_bench import LINK, Bench
 
 ROBOT: Final = find("rars")
@@ -151,6 +152,4 @@ class AnySpeech(RuleBasedStateMachine):
 
 
 TestAnySpeech = pytest.mark.timeout(60)(AnySpeech.TestCase)
-AnySpeech.TestCase.settings = settings(
-    max_examples=100, stateful_step_count=25, deadline=None, derandomize=True
-)
+AnySpeech.TestCase.settings = settings(max_examples=examples(100), stateful_step_count=25, derandomize=True)

@@ -16,6 +16,7 @@ from firmware_bridge.wire.can import (
     frame_bits,
     identifier,
 )
+from hil_tests.lanes import examples
 
 GENERATOR = [int(bit) for bit in "1100010110011001"]
 """x15 + x14 + x10 + x8 + x7 + x4 + x3 + 1 (Bosch CAN 2.0, part B, section 3.1.1)."""
@@ -66,7 +67,7 @@ few_edges = st.sampled_from([0x00, 0xFF, 0xF0, 0x0F, 0x07, 0x83])
 payloads = st.lists(st.one_of(few_edges, st.integers(0, 255)), max_size=8).map(bytes)
 
 
-@settings(max_examples=2000, deadline=None)
+@settings(max_examples=examples(2000))
 @given(addresses, remotes, payloads)
 def test_every_frame_is_as_long_as_the_second_computation_says(
     address: int, remote: int, payload: bytes
@@ -75,7 +76,7 @@ def test_every_frame_is_as_long_as_the_second_computation_says(
     assert frame_bits(address, payload) == expected_bits(address, payload)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300))
 @given(addresses, payloads)
 def test_a_frame_stays_between_the_bounds_of_the_literature(address: int, payload: bytes) -> None:
     # Davis, Burns, Bril, Lukkien, "Controller Area Network (CAN) schedulability analysis", 2007, eq. (1),

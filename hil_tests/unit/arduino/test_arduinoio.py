@@ -9,6 +9,7 @@ from emulators.arduino_omni.sketches.arduinoio import ArduinoIoSketch
 from firmware_bridge.node import DTR_UP
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.arduino import arduinoio as io
+from hil_tests.lanes import examples
 from hil_tests.unit.arduino.hosts import Host
 
 
@@ -154,7 +155,7 @@ def test_the_hosts_end_refuses_what_the_sketch_would_not_take(
         io.encode(letter, *values)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60))
 @given(st.lists(st.binary(max_size=40), max_size=8))
 def test_whatever_a_stranger_sends_silence_or_numbers(chunks: list[bytes]) -> None:
     it = host()

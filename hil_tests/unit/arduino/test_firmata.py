@@ -10,6 +10,7 @@ from emulators.arduino_omni.shield.tb6612 import Output
 from emulators.arduino_omni.sketches.firmata import FirmataSketch
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.arduino import firmata as words
+from hil_tests.lanes import examples
 from hil_tests.unit.arduino.hosts import Host
 
 NAME = words.pairs(b"StandardFirmata.ino")
@@ -174,7 +175,7 @@ EXCLUSIVES = st.builds(
 )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60))
 @given(st.lists(st.one_of(COMMANDS, EXCLUSIVES, st.binary(max_size=20)), max_size=8), st.booleans())
 def test_whatever_a_stranger_sends_good_messages_or_silence(chunks: list[bytes], encoders: bool) -> None:  # noqa: FBT001
     it = host(encoders=encoders)

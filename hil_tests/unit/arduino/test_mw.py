@@ -13,6 +13,7 @@ from emulators.arduino_omni.sketches.mw import MwSketch
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.arduino import mw
 from firmware_bridge.wire.arduino import mw_messages as messages
+from hil_tests.lanes import examples
 from hil_tests.unit.arduino.hosts import Host
 
 THREE = mw.LIBRARIES[:3]
@@ -247,7 +248,7 @@ FRAMES = st.builds(
 )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60))
 @given(st.lists(st.one_of(FRAMES, st.binary(max_size=20)), max_size=8))
 def test_whatever_a_stranger_sends_silence_or_a_good_answer(chunks: list[bytes]) -> None:
     it = host()

@@ -12,6 +12,7 @@ from emulators.arduino_omni.sketches.ros_arduino_bridge import RosSketch
 from firmware_bridge.node import DTR_UP
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.arduino import ros_arduino_bridge as ros
+from hil_tests.lanes import examples
 from hil_tests.unit.arduino.hosts import Host
 
 
@@ -276,7 +277,7 @@ def test_a_ping_without_a_sensor_keeps_the_board_for_a_second() -> None:
     assert it.taken() == b"0\r\n"
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60))
 @given(
     st.lists(
         st.one_of(

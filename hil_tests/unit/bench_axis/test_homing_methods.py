@@ -10,6 +10,7 @@ from emulators.epos2.modes.homing_methods import METHODS
 from firmware_bridge.wire.cia402 import Mode, State
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.functions import INPUT_EXECUTION
+from hil_tests.lanes import examples
 from hil_tests.unit.bench_axis.axis_bench import (
     GEAR,
     HOME_IN,
@@ -154,7 +155,7 @@ def test_the_demand_does_not_run_on_into_a_stop_that_is_found(method: int) -> No
     assert ahead < 500
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40))
 @given(start=st.floats(-0.98, 1.98), method=st.sampled_from((1, 2, -1, -2)))
 def test_wherever_it_starts_the_same_index_is_found(start: float, method: int) -> None:
     bench = AxisBench(start * GEAR)
@@ -162,7 +163,7 @@ def test_wherever_it_starts_the_same_index_is_found(start: float, method: int) -
     assert bench.homes(method) == {1: -3, 2: 7, -1: 8, -2: -4}[method] * TURN
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25))
 @given(start=st.floats(-0.85, 1.85), method=st.sampled_from((33, 34)))
 def test_the_next_index_in_the_direction_is_taken(start: float, method: int) -> None:
     bench = AxisBench(start * GEAR)

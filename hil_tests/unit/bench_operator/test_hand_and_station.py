@@ -53,9 +53,10 @@ def test_the_hand_trembles_only_while_it_drives_and_by_the_seed() -> None:
         joined.run(60.0)
         return [(one.x, one.r) for _, one in joined.messages("MANUAL_CONTROL")]
 
-    assert sticks(1) == sticks(1)
-    assert sticks(1) != sticks(2)
-    still, moving = sticks(1)[:20], sticks(1)[20:]
+    one = sticks(1)
+    assert one == sticks(1)
+    assert one != sticks(2)
+    still, moving = one[:20], one[20:]
     assert set(still) == {(0, 0)}
     assert abs(np.corrcoef([x for x, _ in moving], [r for _, r in moving])[0, 1]) < 0.5
     assert np.mean([x for x, _ in moving]) == pytest.approx(600, abs=5)

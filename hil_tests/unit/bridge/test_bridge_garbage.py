@@ -11,6 +11,7 @@ from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.robots.rars import KIND
 from firmware_bridge.units import MILLISECOND, Nanoseconds
+from hil_tests.lanes import examples
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -43,7 +44,7 @@ likely = st.builds(
 datagrams = st.builds(lambda p: Packet(OPERATOR, 0, p), st.binary(max_size=40))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60))
 @given(
     st.lists(
         st.tuples(st.one_of(frames, likely, datagrams), st.integers(0, 120 * MILLISECOND)),
@@ -71,7 +72,7 @@ def test_no_packets_make_the_bridge_raise_or_move(script: list[tuple[Packet, int
     assert all(payload[2:] == bytes(4) for payload in wheels)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=examples(15))
 @given(st.lists(st.tuples(likely, st.integers(0, 40)), max_size=60))
 def test_no_frames_make_a_running_bridge_raise_or_move(
     new_bench: "Callable[[], Bench]", script: list[tuple[Packet, int]]

@@ -30,6 +30,7 @@ from firmware_bridge.wire.abort import AbortCode
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.maxon.frame import Frame, Generation, encode_v1, encode_v2
+from hil_tests.lanes import examples
 from hil_tests.unit.commissioning.rig import BUS, FAR, NEAR, OWN_LINE, USB, WAYS, Rig, Way, noting, rig_for
 
 every_way = pytest.mark.parametrize("way", WAYS, ids=str)
@@ -199,7 +200,7 @@ def test_an_answer_that_breaks_the_protocol_is_told() -> None:
     assert "toggle" in str(outcome)
 
 
-@settings(max_examples=150, deadline=None, derandomize=True, database=None)
+@settings(max_examples=examples(150), derandomize=True, database=None)
 @given(
     generation=LINES,
     address=st.sampled_from([at.STATUSWORD, at.DEVICE_NAME, Address(0x2004)]),

@@ -17,12 +17,13 @@ from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES
 from firmware_bridge.wire.epos2.objects import OBJECTS
 from firmware_bridge.wire.epos2.rows import ObjectRow
+from hil_tests.lanes import examples
 
 UNIQUE = [row for row in OBJECTS.values() if len(BY_NAME[squashed(row.name)]) == 1]
 NUMBERS = [row for row in OBJECTS.values() if 0 < row.type.size <= LONGEST_WRITE]
 ON = "operation enabled|power stage on"
 GO = "enable operation"
-QUICK = settings(max_examples=300, deadline=None, derandomize=True, database=None)
+QUICK = settings(max_examples=examples(300), derandomize=True, database=None)
 
 
 @pytest.mark.parametrize("row", UNIQUE, ids=lambda row: row.name)

@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.wire.can import EXTENDED, REMOTE
+from hil_tests.lanes import examples
 from hil_tests.unit.epos2.stranger import NODE, Stranger
 
 LISTENED = {
@@ -18,7 +19,7 @@ def held(stranger: Stranger) -> object:
     return tuple(value for _, value in stranger.drive.store.numbers()), bytes(stranger.axis)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100))
 @given(
     address=st.integers(0, 0x7FF)
     | st.integers(0, 0x7FF).map(lambda low: low | REMOTE)

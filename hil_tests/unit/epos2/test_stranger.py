@@ -17,6 +17,7 @@ from firmware_bridge.wire.can import ERROR, EXTENDED, REMOTE
 from firmware_bridge.wire.canopen import NmtState
 from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.objects import OBJECTS
+from hil_tests.lanes import examples
 
 NODE = 5
 PAYLOADS = st.binary(max_size=8)
@@ -132,5 +133,5 @@ class Stranger(RuleBasedStateMachine):
 
 TestStranger = Stranger.TestCase
 TestStranger.settings = settings(
-    max_examples=60, stateful_step_count=40, deadline=None, derandomize=True, database=None
+    max_examples=examples(60), stateful_step_count=40, derandomize=True, database=None
 )

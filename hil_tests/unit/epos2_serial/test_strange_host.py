@@ -21,6 +21,7 @@ from firmware_bridge.wire.maxon import messages
 from firmware_bridge.wire.maxon.frame import Frame, Generation, encode_v1, encode_v2
 from firmware_bridge.wire.maxon.opcodes import COMMANDS, encode_request
 from firmware_bridge.wire.maxon.v2 import FrameReader
+from hil_tests.lanes import examples
 
 NODE = 5
 LONGEST = 500
@@ -155,7 +156,7 @@ class StrangeUsbHost(StrangeHost):
     generation = Generation.V2
 
 
-STEPS = settings(max_examples=40, stateful_step_count=30, deadline=None, derandomize=True, database=None)
+STEPS = settings(max_examples=examples(40), stateful_step_count=30, derandomize=True, database=None)
 TestStrangeHost = StrangeHost.TestCase
 TestStrangeHost.settings = STEPS
 TestStrangeUsbHost = StrangeUsbHost.TestCase

@@ -18,6 +18,7 @@ from firmware_bridge.wire.epos2.functions import (
     OUTPUT_STATE,
 )
 from firmware_bridge.wire.epos2.objects import OBJECTS
+from hil_tests.lanes import examples
 from hil_tests.unit.motion_control.conftest import Drive, make_drive
 
 POWERED = {
@@ -150,5 +151,5 @@ class Stranger(RuleBasedStateMachine):
             self.drive.store.read(address)
 
 
-Stranger.TestCase.settings = settings(max_examples=60, stateful_step_count=40, deadline=None)
+Stranger.TestCase.settings = settings(max_examples=examples(60), stateful_step_count=40)
 TestStranger = Stranger.TestCase

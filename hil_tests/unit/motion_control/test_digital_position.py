@@ -11,6 +11,7 @@ from emulators.epos2.objects.axis_parameters import DIGITAL_POSITION
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.functions import INPUT_EXECUTION
+from hil_tests.lanes import examples
 from hil_tests.unit.motion_control.conftest import make_drive
 
 if TYPE_CHECKING:
@@ -157,7 +158,7 @@ def test_a_closed_limit_switch_is_not_run_into(drive: "Drive", pin: int, way: in
     assert drive.reported == [code]
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40))
 @given(
     st.lists(st.integers(-60, 60), min_size=1, max_size=60),
     st.integers(1, 900),

@@ -7,6 +7,7 @@ from emulators.servo.axis_faults import AxisFaults, IndexPulse, SensorWires
 from emulators.servo.winding import tell
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
+from hil_tests.lanes import examples
 from hil_tests.unit.motion_control.conftest import STEERING, Drive, into_the_supply, make_drive
 from hil_tests.unit.motion_control.test_any_order import POWERED
 
@@ -62,7 +63,7 @@ def does(drive: Drive, deed: str, value: object) -> None:
         drive.control.reset()
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60))
 @given(
     mode=st.sampled_from((1, 3, -1, -2, -3)),
     motor=st.sampled_from((1, 10, 11)),

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at
+from hil_tests.lanes import examples
 from hil_tests.unit.motion_control.conftest import make_drive
 
 if TYPE_CHECKING:
@@ -143,7 +144,7 @@ def test_a_disabled_drive_forgets_its_legs(drive: "Drive") -> None:
     assert drive.read(at.POSITION_DEMAND) == pytest.approx(here, abs=3)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=examples(30))
 @given(
     changes=st.lists(
         st.tuples(

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from emulators.servo import kernel
 from emulators.servo.axis import AT_REST, CURRENT_LIMITED, FOLLOWING_ERROR, TARGET_REACHED, UNDER_VOLTAGE
+from hil_tests.lanes import examples
 from hil_tests.unit.servo.campaign import KINDS, PLANNED_KINDS, Draw, digest, legs, tame, wild
 from hil_tests.unit.servo.side_by_side import (
     COMPILERS,
@@ -82,7 +83,7 @@ LIVES = st.lists(
 )
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=examples(60), suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(life=LIVES, seed=st.integers(0, 2**16), draw=st.sampled_from((tame, wild)))
 def test_whatever_is_ordered_both_obey_alike(pair: Pair, life: list[Leg], seed: int, draw: Draw) -> None:
     twin, one = pair(draw, seed)

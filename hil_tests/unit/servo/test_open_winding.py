@@ -20,6 +20,7 @@ from emulators.servo.motor import MOTOR, DcMotor, DcMotors
 from emulators.servo.scaling import Settings, acceleration_units, configure, speed_units
 from emulators.servo.winding import DIODES_MV, tell
 from firmware_bridge.units import MILLISECOND, to_seconds
+from hil_tests.lanes import examples
 
 GAINS = Settings(
     current_p=180,
@@ -110,7 +111,7 @@ MOTORS = st.builds(
 )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60))
 @given(
     motor=MOTORS,
     told=TOLD,
@@ -129,7 +130,7 @@ def test_an_open_stage_gives_no_motor_energy(
     bench.runs(40)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25))
 @given(
     motor=MOTORS,
     told=TOLD,

@@ -9,6 +9,7 @@ from emulators.servo.loops import millisecond
 from emulators.servo.profile import stopping_distance
 from emulators.servo.scaling import Settings, acceleration_units, configure, speed_units
 from emulators.servo.spline import Knot
+from hil_tests.lanes import examples
 from hil_tests.unit.servo.test_word_size import S32, U32, Word, as_words
 
 PULSES = st.sampled_from((16, 500, 6400, 2_500_000))
@@ -34,7 +35,7 @@ def lives(axis: ServoAxis, milliseconds: int = 30) -> None:
         millisecond(words, Word(0))
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=examples(80))
 @given(PULSES, st.sampled_from((MOVE, RAMP)), S32, RPM, RPM, U32, U32, st.integers(0, 2**31))
 def test_sine_legs(  # noqa: PLR0917 - what the objects may hold
     pulses: int, profile: int, target: int, speed: int, present: int, up: int, down: int, later: int
@@ -49,7 +50,7 @@ def test_sine_legs(  # noqa: PLR0917 - what the objects may hold
     lives(axis)
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=examples(80))
 @given(PULSES, S32, st.integers(1, 255), RPM, RPM, RPM)
 def test_a_spline_as_fast_as_may_be(  # noqa: PLR0917 - what the objects may hold
     pulses: int, start: int, ms: int, mean: int, first: int, last: int
@@ -63,7 +64,7 @@ def test_a_spline_as_fast_as_may_be(  # noqa: PLR0917 - what the objects may hol
     lives(axis, 2 * ms + 2)
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=examples(80))
 @given(PULSES, COUNTS, st.integers(-0xFFFF, 0xFFFF), st.integers(1, 0xFFFF), U32, S32, S32)
 def test_following(  # noqa: PLR0917 - what the objects may hold
     pulses: int, counts: list[int], numerator: int, denominator: int, slope: int, low: int, high: int
@@ -79,7 +80,7 @@ def test_following(  # noqa: PLR0917 - what the objects may hold
         assert abs(words.velocity_demand) <= axis.cruise
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=examples(80))
 @given(
     PULSES,
     st.sampled_from((CURRENT, 2, POSITION)),

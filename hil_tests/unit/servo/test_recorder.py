@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from emulators.servo import kernel
 from emulators.servo.record import FIELDS
 from emulators.servo.recorder import Recorder
+from hil_tests.lanes import examples
 from hil_tests.unit.servo.campaign import legs
 from hil_tests.unit.servo.side_by_side import COUNT, SANE, TWIN, Leg, Motors, Order, Side, difference
 
@@ -22,7 +23,7 @@ def recorded(side: Side) -> list[tuple[object, ...]]:
     ]
 
 
-@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=examples(25), suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     seed=st.integers(0, 2**16),
     sources=st.lists(st.sampled_from(FIELDS), min_size=1, max_size=4).map(tuple),

@@ -15,6 +15,7 @@ from emulators.servo.motor import DcMotor, DcMotors
 from emulators.servo.sensors import align
 from emulators.servo.winding import tell
 from firmware_bridge.units import MILLISECOND
+from hil_tests.lanes import examples
 from hil_tests.unit.servo.campaign import legs
 from hil_tests.unit.servo.side_by_side import COUNT, SANE, TWIN, Leg, Motors, Side, difference
 
@@ -30,7 +31,7 @@ WIRES = st.builds(
 )
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=examples(40), suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     seed=st.integers(0, 2**16),
     wires=st.lists(WIRES, min_size=COUNT, max_size=COUNT),

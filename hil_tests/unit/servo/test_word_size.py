@@ -14,6 +14,7 @@ from emulators.servo.profile import stopping_distance
 from emulators.servo.record import FIELDS
 from emulators.servo.scaling import Settings, acceleration_units, configure, speed_units
 from emulators.servo.winding import DIODES_MV, opened, tell, turns
+from hil_tests.lanes import examples
 
 LARGEST = 2**63 - 1
 S16 = st.integers(-(2**15), 2**15 - 1)
@@ -89,7 +90,7 @@ RAW = st.builds(
 )
 
 
-@settings(max_examples=200)
+@settings(max_examples=examples(200))
 @given(
     raw=RAW,
     regulator=st.sampled_from((1, 2, 3)),
@@ -134,7 +135,7 @@ def test_every_millisecond_stays_within_64_bits(
             assert abs(getattr(axis, name)) <= LARGEST
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=examples(50))
 @given(S16, S16, st.integers(-(2**16), 2**16))
 def test_the_current_loop_stays_within_64_bits_and_its_voltage_within_the_supply(
     gain: int, integral: int, demand: int
@@ -154,7 +155,7 @@ def test_the_current_loop_stays_within_64_bits_and_its_voltage_within_the_supply
         assert abs(axis.current_integral) <= LARGEST
 
 
-@settings(max_examples=200)
+@settings(max_examples=examples(200))
 @given(
     told=st.tuples(st.floats(0.0, 300.0), st.floats(0.0, 1e5), st.floats(0.0, 10.0)),
     supply=st.integers(0, 2**30),

@@ -16,6 +16,7 @@ from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.teleop.setpoints import UNUSED
 from firmware_bridge.teleop.station import Actuator, Fixed, Station, Switch, Value
 from firmware_bridge.units import MILLISECOND, SECOND
+from hil_tests.lanes import examples
 from hil_tests.unit.teleop.bench import acks, hold
 from hil_tests.unit.teleop.heard import texts, types
 from hil_tests.unit.teleop.toy import MODES, ROWS, Felt, Glide, ToyBench, toy
@@ -316,7 +317,7 @@ def test_a_parameter_that_all_robots_have_is_not_a_kinds_own(bench: ToyBench) ->
         max_size=8,
     )
 )
-@settings(max_examples=200)
+@settings(max_examples=examples(200))
 def test_whatever_is_said_it_has_a_wish_of_numbers_and_every_command_an_answer(
     said: list[tuple[Any, ...]],
 ) -> None:

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from firmware_bridge.teleop.audience import LAPSES_AFTER, LARGEST_CREDIT, MOST_STATIONS, MOST_STRANGERS
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.wire.internet import number_of
+from hil_tests.lanes import examples
 from hil_tests.unit.teleop.bench import CYCLE, RarsBench, rars
 from hil_tests.unit.teleop.stations import ARM, CONTROL, Hand
 
@@ -137,7 +138,7 @@ QUESTIONS = st.sampled_from(
 
 
 @given(st.lists(st.tuples(st.integers(0, 100), st.lists(QUESTIONS, max_size=6)), max_size=40))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100))
 def test_no_place_that_is_no_station_gets_more_bytes_than_it_sent(
     asked: list[tuple[int, list[object]]],
 ) -> None:

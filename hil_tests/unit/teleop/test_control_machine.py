@@ -11,6 +11,7 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, ru
 from firmware_bridge.intent import Arm, ChangeDriver, Disarm, EmergencyStop
 from firmware_bridge.teleop.control import LAPSES_AFTER, Sender
 from firmware_bridge.units import MILLISECOND, SECOND
+from hil_tests.lanes import examples
 from hil_tests.unit.teleop.bench import acks, rars
 from hil_tests.unit.teleop.stations import ARM, CLEAR, CONTROL, FORCE, PAUSE, RELAY, STOP, Hand
 
@@ -120,5 +121,5 @@ class Ownership(RuleBasedStateMachine):
         assert self.bench.operator.driver == expected
 
 
-Ownership.TestCase.settings = settings(max_examples=150, stateful_step_count=40, deadline=None)
+Ownership.TestCase.settings = settings(max_examples=examples(150), stateful_step_count=40)
 TestOwnership = Ownership.TestCase

@@ -10,6 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from firmware_bridge.teleop.mavlink import Codec, concerns, dialect, text_of
+from hil_tests.lanes import examples
 
 STATION, ROBOT = (255, 190), (1, 1)
 
@@ -245,13 +246,13 @@ def test_a_text_field_ends_at_its_first_nul() -> None:
 @given(st.binary(max_size=600))
 @example(b"\xfd" * 300)
 @example(b"\xfe" * 300)
-@settings(max_examples=200)
+@settings(max_examples=examples(200))
 def test_no_bytes_make_the_codec_raise(datagram: bytes) -> None:
     Codec(1, 1).decode(datagram)
 
 
 @given(st.sampled_from(sorted(dialect.mavlink_map)), st.binary(min_size=1, max_size=255))
-@settings(max_examples=300)
+@settings(max_examples=examples(300))
 def test_no_payload_under_a_right_checksum_makes_the_codec_raise(number: int, payload: bytes) -> None:
     body = bytes([len(payload), 0, 0, 0, 255, 190]) + number.to_bytes(3, "little") + payload
     crc = dialect.x25crc(body)

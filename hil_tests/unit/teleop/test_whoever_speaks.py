@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from firmware_bridge.intent import NEVER_HEARD, Verdict
 from firmware_bridge.robots.rars.motion import Motion
 from firmware_bridge.teleop.mavlink import Codec, dialect
+from hil_tests.lanes import examples
 from hil_tests.unit.teleop.bench import rars
 from hil_tests.unit.teleop.heard import types
 
@@ -67,7 +68,7 @@ ADDRESSED = [number for number, kind in dialect.mavlink_map.items() if number < 
         max_size=5,
     )
 )
-@settings(max_examples=300)
+@settings(max_examples=examples(300))
 def test_whatever_strangers_send_is_answered_without_an_exception(
     frames: list[tuple[int, bytes, bytes]],
 ) -> None:
@@ -90,7 +91,7 @@ floats = st.floats(width=32)
     st.sampled_from([400, 185, 5300, 187, 181, 405, 512, 520, 511, 510, 176, 179, 246, 21]),
     st.tuples(*[floats] * 7),
 )
-@settings(max_examples=300)
+@settings(max_examples=examples(300))
 def test_every_command_has_exactly_one_answer(command: int, params: tuple[float, ...]) -> None:
     operator, station = rars().operator, Codec(255, 190)
     order = station.encode(dialect.MAVLink_command_long_message(1, 1, command, 0, *params))

@@ -9,6 +9,7 @@ from emulators.world import World, WorldError
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.can import ERROR, EXTENDED, REMOTE, frame_bits
+from hil_tests.lanes import examples
 from hil_tests.unit.world.players import Echo, Player, frame
 
 Bus = tuple[World, CanWire, list[Player], list[tuple[Nanoseconds, str, int]]]
@@ -150,7 +151,7 @@ def test_a_bus_that_never_rests_is_full() -> None:
     assert 99.9 < wire.peak_percent() <= 100
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=examples(50))
 @given(
     st.lists(
         st.tuples(st.integers(0, 3), st.integers(0, 3_000_000), st.integers(0, 0x7FF), st.binary(max_size=8)),

@@ -10,6 +10,7 @@ from emulators.wires import CanWire, DatagramWire
 from emulators.world import World, WorldError
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
+from hil_tests.lanes import examples
 from hil_tests.unit.world.players import Echo, Player, Ticks, frame
 
 
@@ -230,7 +231,7 @@ def told(story: Story, *stops: Nanoseconds) -> tuple[str, list[list[tuple[Nanose
     return world.trace_sha256, [player.heard for player in players], bus.bits
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60))
 @given(stories, st.lists(st.integers(0, 20 * MILLISECOND), max_size=5))
 def test_two_runs_are_one_run_however_often_they_are_halted(story: Story, stops: list[Nanoseconds]) -> None:
     assert told(story) == told(story, *stops)

@@ -13,6 +13,7 @@ from emulators.servo.scaling import speed_units
 from emulators.servo.spline import Knot, segment
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at
+from hil_tests.lanes import examples
 from hil_tests.unit.motion_control.conftest import make_drive
 from hil_tests.unit.motion_control.interpolated_position.conftest import (
     ACTIVE,
@@ -91,7 +92,7 @@ KNOTS = st.lists(
 )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60))
 @given(steps=KNOTS, ahead=st.integers(2, 6))
 def test_any_path_within_the_limits_passes_every_knot_and_is_continuous(
     steps: list[tuple[int, int, int]], ahead: int
