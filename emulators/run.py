@@ -90,7 +90,7 @@ def drive(order: Order, progress: Progress) -> Summary:
     axes = [axis.name for axis in order.robot.axes]
     faults = rig.faults.records
     path = path_error(rig.samples, followed(order), order.mission.settled_after_s)
-    summary = summarise(run, axes, rig.samples, rig.holds, faults, path)
+    summary = summarise(run, axes, rig.samples, rig.holds, faults, path=path)
     (order.folder / "summary.json").write_text(as_json(summary), encoding="utf-8")
     (order.folder / "samples.csv").write_text(rig.samples.csv(), encoding="ascii")
     title = f"{order.robot.name} · {order.mission_name} · seed {order.seed}"

@@ -1,7 +1,7 @@
 """How far the plant was from the path that a guide followed: at the same instant, and across the path.
 
-The reference is the bench's own arithmetic. It begins where the bridge believed to stand when its guide began,
-and goes on with the guide's clock, which waits while the robot is held back.
+The reference is the bench's own arithmetic. It begins where the bridge believed to stand when its guide
+began, and goes on with the guide's clock, which waits while the robot is held back.
 """
 
 from collections.abc import Callable, Iterator, Sequence

@@ -123,6 +123,7 @@ def summarise(
     samples: Samples,
     holds: Sequence[HoldRecord],
     faults: Sequence[FaultRecord] = (),
+    *,
     path: PathError = NO_PATH,
 ) -> Summary:
     """Turn a run's rows into its numbers; a run without rows has not moved."""

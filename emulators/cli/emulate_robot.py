@@ -47,8 +47,8 @@ class RobotOptions(Outside):
     protocol: Annotated[
         Spoken | None,
         typer.Option(
-            help="What the serial line speaks: v1 as on RS232, v2 as on USB; of a board with a motor shield what "
-            "it was flashed with.",
+            help="What the serial line speaks: v1 as on RS232, v2 as on USB; of a board with a motor shield "
+            "what it was flashed with.",
             show_default="as its host does; of a board as the robot file says",
         ),
     ] = None

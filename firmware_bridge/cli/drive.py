@@ -101,8 +101,8 @@ class DriveOptions:
     protocol: Annotated[
         Spoken | None,
         typer.Option(
-            help="What the serial port speaks: v1 as on RS232, v2 as on USB; of a board with a motor shield what "
-            "it was flashed with.",
+            help="What the serial port speaks: v1 as on RS232, v2 as on USB; of a board with a motor shield "
+            "what it was flashed with.",
             show_default="the robot's",
         ),
     ] = None

@@ -9,8 +9,10 @@ import pytest
 from firmware_bridge import kinds
 from firmware_bridge.drivers.driver import Feedback, Power, Tells
 from firmware_bridge.drivers.fleets import TELLS
+from firmware_bridge.drivers.shield.fleet import over_protocol
 from firmware_bridge.intent import NEVER_HEARD
-from firmware_bridge.robot import RobotFileError
+from firmware_bridge.robot import AnyLink, Axis, RobotFileError
+from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.robots.rars import KIND
 from firmware_bridge.safety import common, gate
 from firmware_bridge.safety.gate import axis_rows
@@ -69,9 +71,25 @@ def test_the_first_weaker_row_for_which_it_is_enough_stands_in() -> None:
     assert alone.fitting(EVERYTHING - {Tells.POWER}) is None
 
 
-@pytest.mark.parametrize("driver", TELLS)
-def test_every_driver_that_there_is_tells_enough_for_every_row(driver: str) -> None:
-    assert [row.name for row in common.AXIS_ROWS if row.fitting(TELLS[driver]) is not row] == []
+def weaker(axis: Axis, link: AnyLink) -> list[str]:
+    """The rows that stand in for others, by what the driver of a link says that it tells."""
+    rows = [(row, row.fitting(TELLS[link.driver](axis, link))) for row in common.AXIS_ROWS]
+    return [fitting.name for row, fitting in rows if fitting is not None and fitting is not row]
+
+
+def test_an_epos2_tells_enough_for_every_row(robot: Rars) -> None:
+    link = robot.epos2_link("drives")
+    for driver in Epos2Driver:
+        assert weaker(robot.axes[0], link.model_copy(update={"driver": driver})) == []
+
+
+@pytest.mark.parametrize(("port", "unmeasured"), [(1, 0), (2, 0), (3, 3)])
+def test_a_shield_has_no_word_for_power_and_tells_nothing_of_a_motor_that_it_does_not_count(
+    port: int, unmeasured: int
+) -> None:
+    rome = over_protocol(kinds.find("rome"), "arduinoio")
+    found = weaker(rome.axes[port - 1], rome.links["board"])
+    assert found == [WEAK, "axis restarted", *unmeasured * [UNMEASURED]]
 
 
 def test_a_driver_that_does_not_tell_power_gets_the_weaker_row_by_name(robot: Rars) -> None:
@@ -106,7 +124,7 @@ def test_who_does_not_tell_how_it_moves_answers_within_half_the_silence(
 
 def test_it_is_told_with_the_robot_file(robot: Rars, monkeypatch: pytest.MonkeyPatch) -> None:
     assert list(kinds.weaker_rows(robot)) == []
-    monkeypatch.setattr(kinds, "TELLS", dict.fromkeys(TELLS, MUTE))
+    monkeypatch.setattr(kinds, "tells_of", lambda _robot, _axis: MUTE)
     told = [(axis, strong.name, weak.name) for axis, strong, weak in kinds.weaker_rows(robot)]
     assert told == [(axis.name, STRONG, WEAK) for axis in robot.axes]
 

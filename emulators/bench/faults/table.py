@@ -225,7 +225,7 @@ _ROWS: Final = (
         board.BoardReset,
         "Somebody presses the board's button, or its supply has a dip. An instant: no end.",
         "A board: deaf for the boot loader's 1.1 s, while the shield goes on as it was told; then those of"
-        " ros_arduino_bridge and ArduinoIO release their motors, the others run on until they are set up anew.",
+        " ros_arduino_bridge and ArduinoIO release their motors; the others run on until they are set up.",
     ),
     Kind(
         board.MotorCableOff,

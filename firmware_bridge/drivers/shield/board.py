@@ -1,4 +1,4 @@
-"""A board on its serial line, as a link of the robot: what is said to it, in which order, and what it answers.
+"""A board on its serial line, as a link of the robot: what is said to it, in which order, what it answers.
 
 One question is under way at a time. What the motors shall do goes first, then the questions of a cycle, then
 set-up. A board that was silent for longer than its link allows may have started anew: it is told to release
@@ -6,7 +6,7 @@ its motors until it answers, and then set up again, which begins with that; to d
 """
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from enum import Enum
 from typing import Final
 
@@ -28,7 +28,7 @@ QUIET: Final[Nanoseconds] = 60 * MILLISECOND
 BEATS: Final[Nanoseconds] = 1_000 * MILLISECOND
 """No firmware watches for one; what keeps a board from stopping is each speed that it is told."""
 RESTORING: Final = (Task.IDENTIFY, Task.CONFIGURE)
-RELEASING: Final = (Task.LEAVE, Task.DISABLE)
+FOUND: Final = (Task.FIND, *RESTORING)
 
 
 class Part(Enum):
@@ -88,6 +88,16 @@ class Board:
         self._set_up_once = False
         self._restores = False
         """Whether the tasks under way are its own: nobody has asked for them."""
+        self._scripts: Final[Mapping[Task, Callable[[], Iterator[Say] | None]]] = {
+            Task.FIND: self._find,
+            Task.IDENTIFY: self._identify,
+            Task.CONFIGURE: self._configure,
+            Task.START: self._start,
+            Task.ENABLE: self._enable,
+            Task.LEAVE: self._let_go,
+            Task.DISABLE: self._let_go,
+        }
+        """What is said for a task; None where it waits, or has failed. Others need no word."""
         self._released_at = 0
         """How many questions had been asked when the motors were released last."""
 
@@ -269,30 +279,44 @@ class Board:
     def _end(self, question: Say, numbers: Numbers, now: Nanoseconds) -> None:
         self._question, self._heard_at = None, now
         self.busy += now - self._asked_at
-        if self._questions > self._released_at:
-            for motor in self.motors:
-                motor.released = motor.way == 0
+        self._confirm()
         if question.wanted is not None and numbers != question.wanted:
             said, wanted = (", ".join(map(str, them)) for them in (numbers, question.wanted))
             self._fail(f"{question.what}: it says {said}, expected {wanted}")
             return
-        for number, count in zip(question.counts, numbers, strict=False):
-            for motor in self.motors:
-                if motor.number == number and motor.measured:
-                    motor.counted(count, self._dialect.bits, self._asked_at, self._cycle_at)
+        self._count(question, numbers)
         if self._part is Part.TASK:
             self._next = next(self._script, None)
             if self._next is None:
                 self._close_task()
         elif not self.configured:
             self._restore()
-        elif self._part is Part.SAMPLE and not self._samples:
-            for motor in self.motors:
-                motor.sampled(self._cycle_at, now)
-            if self.under_way[:1] == (Task.START,):
-                self._close_task()
+        elif self._part is Part.SAMPLE:
+            self._sampled(now)
         elif not self.under_way and not self._urgent:
             self.longest_cycle = max(self.longest_cycle, now - self._cycle_at)
+
+    def _confirm(self) -> None:
+        """Learn that what was said before the newest question has been obeyed."""
+        if self._questions > self._released_at:
+            for motor in self.motors:
+                motor.released = motor.way == 0
+
+    def _count(self, question: Say, numbers: Numbers) -> None:
+        """Give the motors their counts."""
+        for number, count in zip(question.counts, numbers, strict=False):
+            for motor in self.motors:
+                if motor.number == number and motor.measured:
+                    motor.counted(count, self._dialect.bits, self._asked_at, self._cycle_at)
+
+    def _sampled(self, now: Nanoseconds) -> None:
+        """Learn that a question of the cycle is answered; with the last of them the sample is whole."""
+        if self._samples:
+            return
+        for motor in self.motors:
+            motor.sampled(self._cycle_at, now)
+        if self.under_way[:1] == (Task.START,):
+            self._close_task()
 
     def _restore(self) -> None:
         """Set the board up that answers again; its motors are released by it, and stay so."""
@@ -316,50 +340,57 @@ class Board:
     # Tasks
 
     def _open_task(self) -> tuple[Packet, ...]:
-        """Begin the first of the tasks that are left."""
-        task = self.under_way[0] if self.under_way else None
-        dialect, sent = self._dialect, ()
-        script: Iterator[Say] = iter(())
-        if task in {Task.FIND, Task.RESET}:
-            self._boots_until = self.clock + self._boots
-            self.configured = False
-            script = iter((dialect.find(),))
+        """Begin the first of the tasks that are left; return what goes before its words."""
+        if not self.under_way:
+            return ()
+        task = self.under_way[0]
+        pulse: tuple[Packet, ...] = ()
         if task is Task.RESET:
-            self.under_way = (Task.FIND, Task.IDENTIFY, Task.CONFIGURE, *self.under_way[1:])
+            task, self.under_way = Task.FIND, (*FOUND, *self.under_way[1:])
             pulse = (Packet(self.name, DTR_DOWN, b""), Packet(self.name, DTR_UP, b""))
-            return self._opened(script) + pulse
-        if task is Task.IDENTIFY:
-            self._quiet_at = self.clock + QUIET
-            script = iter((dialect.find(),))
-        elif task is Task.CONFIGURE:
-            script = dialect.set_up()
-        elif task is Task.START:
-            self._starts_until = self.clock + TRIES * self._silent_after
-            return sent
-        elif task is Task.ENABLE:
-            if not self.configured:
-                self._fail("it has to be set up first")
-                return sent
-            for motor in self.motors:
-                motor.enabled, motor.demand = True, Stop.REST
-        elif task in RELEASING:
-            script = self._letting_go()
-        return self._opened(script) if task is not None else sent
+        opens = self._scripts.get(task)
+        script = iter(()) if opens is None else opens()
+        if script is not None:
+            self._begin_script(script)
+        return pulse
 
-    def _opened(self, script: Iterator[Say]) -> tuple[Packet, ...]:
-        self._script = script
-        self._next = next(script, None)
-        if self._next is None:
-            self._close_task()
-        return ()
+    def _find(self) -> Iterator[Say]:
+        self._boots_until = self.clock + self._boots
+        self.configured = False
+        return iter((self._dialect.find(),))
 
-    def _letting_go(self) -> Iterator[Say]:
+    def _identify(self) -> Iterator[Say]:
+        self._quiet_at = self.clock + QUIET
+        return iter((self._dialect.find(),))
+
+    def _configure(self) -> Iterator[Say]:
+        return self._dialect.set_up()
+
+    def _start(self) -> None:
+        """Wait for the samples of a cycle."""
+        self._starts_until = self.clock + TRIES * self._silent_after
+
+    def _enable(self) -> Iterator[Say] | None:
+        if not self.configured:
+            self._fail("it has to be set up first")
+            return None
+        for motor in self.motors:
+            motor.enabled, motor.demand = True, Stop.REST
+        return iter(())
+
+    def _let_go(self) -> Iterator[Say]:
         """Yield what releases all motors, and a question whose answer says that it has come."""
         for motor in self.motors:
             motor.enabled, motor.demand = False, Stop.POWER_OFF
         yield from self._dialect.release(motor.number for motor in self.motors)
         self._note_released(self.motors)
         yield self._dialect.find()
+
+    def _begin_script(self, script: Iterator[Say]) -> None:
+        self._script = script
+        self._next = next(script, None)
+        if self._next is None:
+            self._close_task()
 
     def _close_task(self) -> None:
         """End the task under way, and begin the next one."""

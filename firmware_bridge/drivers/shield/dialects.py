@@ -1,4 +1,4 @@
-"""What the bridge says to a board, protocol by protocol: find it, set it up, ask its encoders, drive, release.
+"""What the bridge says to a board, protocol by protocol: find it, set it up, ask it, drive, release.
 
 It refuses to know when something is said, and what a motor shall do.
 """

@@ -31,6 +31,12 @@ def over_protocol(robot: AnyRobot, protocol: str | None, encoders: int | None = 
         raise RobotFileError(robot.name, Problem("links", "no motor shield is on any link"))
     if protocol is not None and protocol not in known:
         raise RobotFileError(robot.name, Problem("protocol", f"no '{protocol}'; {near(protocol, known)}"))
+    for name, link in robot.shield_links.items():
+        spoken = link.protocol if protocol is None else ShieldProtocol(protocol)
+        motors = len(robot.axes_on(name))
+        if spoken is ShieldProtocol.ROS_ARDUINO_BRIDGE and encoders not in {None, motors}:
+            problem = f"{spoken.value} counts as many motors as it drives: {motors}"
+            raise RobotFileError(robot.name, Problem("encoders", problem))
     return robot.with_links(
         {
             name: link.over(

@@ -166,7 +166,7 @@ class ShieldMotor:
         return ()
 
     def command(self, demand: Demand) -> tuple[Packet, ...]:
-        """Note a demand; while tasks are under way only one that stops, and those that stop themselves go on."""
+        """Note a demand; while tasks are under way only one that stops, unless they do so themselves."""
         tasks = self._board.under_way
         if tasks:
             if demand not in {Stop.QUICK_STOP, Stop.POWER_OFF} or self._board.stops:

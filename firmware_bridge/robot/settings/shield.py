@@ -1,4 +1,4 @@
-"""An Arduino with a motor shield in a robot file: its serial line, and one motor at the shield's terminals."""
+"""An Arduino with a motor shield in a robot file: its serial line, and one motor at its terminals."""
 
 import math
 from enum import StrEnum

@@ -1,7 +1,8 @@
-"""ROME's table of geometry, limits, control and paths in its robot file (A. Seleit, MSc thesis, UCF, 2020)."""
+"""ROME's geometry, limits, control and paths in its robot file (A. Seleit, MSc thesis, UCF, 2020)."""
 
 import math
 from collections.abc import Mapping
+from itertools import pairwise
 from types import MappingProxyType
 from typing import Annotated, Final, Self
 
@@ -53,14 +54,14 @@ class Paths(Table):
     @model_validator(mode="after")
     def _time_goes_on(self) -> Self:
         times = [point[0] for point in self.points]
-        if any(later <= earlier for earlier, later in zip(times, times[1:], strict=False)):
+        if any(later <= earlier for earlier, later in pairwise(times)):
             raise ValueError("each of points must be later than the one before")
         return self
 
     def fastest(self) -> dict[str, float]:
         """Return the highest speed on each path, m/s."""
         known = {name: speed * float(getattr(self, name)) for name, speed in FASTEST.items()}
-        steps = zip(self.points, self.points[1:], strict=False)
+        steps = pairwise(self.points)
         known["points"] = max(
             (math.hypot(new[1] - old[1], new[2] - old[2]) / (new[0] - old[0]) for old, new in steps),
             default=0.0,

@@ -1,4 +1,4 @@
-"""ROME's guides: the control law (2.15) along a path. They make wishes; interlocks, limits and ramp judge them.
+"""ROME's guides: the control law (2.15) along a path. They make wishes, which the gate judges.
 
 V = P(psi) (chi_d' - K_p e - K_i int e), with e = actual - desired (A. Seleit, MSc thesis, UCF, 2020). (2.17)
 has other signs, and diverges as it is printed. P is the body's; here it is a motion in the base's own frame.

@@ -59,7 +59,8 @@ class GuardedMotor:
         )
         self._slope: Final = None if on_board else motor.slope_pwm_s
         self._inputs = Inputs(0, in1=False, in2=False)
-        self._sent_at: Nanoseconds = -NEVER
+        self._sized_at: Nanoseconds = -NEVER
+        """When it was told a PWM last."""
         self._sign = 0
         """Which way it was driven last."""
         self._stood_at: Nanoseconds = -NEVER
@@ -107,7 +108,7 @@ class GuardedMotor:
             return f"{self.axis.called}: reversed to {duty} {self._unit} without standing at 0"
         if self._slope is None or abs(duty) <= abs(before):
             return None
-        waited = min(now - self._sent_at, SLOWEST * self.cycle) + self.cycle // 2
+        waited = min(now - self._sized_at, SLOWEST * self.cycle) + self.cycle // 2
         rise = math.ceil(self._slope * waited / SECOND)
         if abs(duty) - abs(before) > rise:
             return f"{self.axis.called}: from {before} to {duty} PWM at once, {rise} is allowed"
@@ -118,7 +119,8 @@ class GuardedMotor:
         before = self.duty(self._inputs)
         self._inputs = self.with_(inputs)
         duty = self.duty(self._inputs)
-        self._sent_at = now
+        if inputs.size is not None:
+            self._sized_at = now
         if duty:
             self._sign = 1 if duty > 0 else -1
         elif before:

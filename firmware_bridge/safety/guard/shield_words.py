@@ -103,20 +103,15 @@ _RUNS: Final = {ord("f"): TURNS[FORWARD], ord("b"): TURNS[BACKWARD], ord("r"): (
 
 
 def _mw(data: bytes, board: Board) -> Word | None:
-    asked = mw.decode_asked(data[1:3], data[3:]) if data[:1] == bytes((mw.HOST_START,)) else None
-    if asked is None or len(data) != 3 + int.from_bytes(data[1:3], "little"):
-        return None
-    name = mw.CORE
-    if asked.library is not None:
-        name = board.libraries[asked.library] if asked.library < len(board.libraries) else "?"
-    row = mw.COMMANDS.get((name, asked.code))
-    request = None if row is None or row.request is None else row.request.decode(asked.data)
-    match request:
+    match _request(data, board):
         case messages.GetServerInfo() | messages.ReadCount(reset=0):
             return NOTHING
-        case messages.CreateShield() | messages.CreateMotor() | messages.AttachEncoder():
-            return AT_REST
-        case messages.WriteCount():
+        case (
+            messages.CreateShield()
+            | messages.CreateMotor()
+            | messages.AttachEncoder()
+            | messages.WriteCount()
+        ):
             return AT_REST
         case messages.SetMotorSpeed(0, motor, speed, turn) if motor + 1 in board.motors and turn in TURNS:
             return Word({motor + 1: Inputs(speed, *TURNS[turn])})
@@ -126,23 +121,32 @@ def _mw(data: bytes, board: Board) -> Word | None:
             return None
 
 
+def _request(data: bytes, board: Board) -> object:
+    """Return MWProtocol's request in one whole frame; None where there is none that is known."""
+    asked = mw.decode_asked(data[1:3], data[3:]) if data[:1] == bytes((mw.HOST_START,)) else None
+    if asked is None or len(data) != 3 + int.from_bytes(data[1:3], "little"):
+        return None
+    name = mw.CORE
+    if asked.library is not None:
+        name = board.libraries[asked.library] if asked.library < len(board.libraries) else "?"
+    row = mw.COMMANDS.get((name, asked.code))
+    return None if row is None or row.request is None else row.request.decode(asked.data)
+
+
 def _firmata(data: bytes, board: Board) -> Word | None:
     found = list(firmata.Parser().hear(data))
     if len(found) != 1 or firmata.encode(found[0]) != data:
         return None
     message = found[0]
-    if message.code in {firmata.FIRMWARE, firmata.VERSION} and not message.data:
-        return NOTHING
-    if message.code == firmata.I2C_CONFIG:
-        return AT_REST
     if message.code == firmata.ENCODER and message.data:
         return {0: AT_REST, 1: NOTHING, 2: NOTHING, 3: AT_REST}.get(message.data[0])
-    if message.code != firmata.I2C_REQUEST or message.data[:2] != bytes((motor_shield.ADDRESS, 0)):
-        return None
-    values = firmata.unpaired(message.data[2:])
-    if any(value > 0xFF for value in values):  # noqa: PLR2004 - a byte
-        return None
-    return _written(bytes(values), board)
+    if message.code == firmata.I2C_REQUEST and message.data[:2] == bytes((motor_shield.ADDRESS, 0)):
+        values = firmata.unpaired(message.data[2:])
+        return None if any(value > 0xFF for value in values) else _written(bytes(values), board)  # noqa: PLR2004
+    return AT_REST if message.code == firmata.I2C_CONFIG else _QUERIES.get((message.code, message.data))
+
+
+_QUERIES: Final = {(firmata.FIRMWARE, b""): NOTHING, (firmata.VERSION, b""): NOTHING}
 
 
 def _written(data: bytes, board: Board) -> Word | None:

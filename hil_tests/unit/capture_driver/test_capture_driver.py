@@ -21,7 +21,7 @@ from firmware_bridge.wire.internet import number_of
 from firmware_bridge.wire.mavlink_pose import check_sum, poses
 from firmware_bridge.wire.natnet import frame as frames
 from firmware_bridge.wire.natnet import messages
-from firmware_bridge.wire.natnet.frame import Frame, RigidBody
+from firmware_bridge.wire.natnet.frame import Frame, FrameFlag, RigidBody
 from firmware_bridge.wire.natnet.layout import Version
 from firmware_bridge.wire.natnet.messages import MessageId, ServerInfo, packet
 from hil_tests.unit.capture_driver.capture_bench import LINK, ROUND, SERVER, V3_1, body, joined, table
@@ -338,3 +338,54 @@ def test_up_is_as_the_robot_file_says() -> None:
 def test_a_place_that_is_none_is_refused(given_: dict[str, str], said: str) -> None:
     with pytest.raises(ValueError, match=said):
         table(**{"driver": "natnet", "server": SERVER, **given_})
+
+
+def served(link: NatNetLink, version: Version, now: int = 0) -> tuple[Packet, ...]:
+    info = ServerInfo("Motive", (1, 0, 0, 0), (*version, 0, 0), 1_000_000)
+    payload = messages.server_info_payload(info)
+    return link.hear(Packet(LINK, AT, packet(MessageId.SERVERINFO, payload)), now)
+
+
+def framed(frame: Frame, version: Version) -> Packet:
+    return Packet(LINK, DATA, packet(MessageId.FRAMEOFDATA, frames.encoded(frame, version)))
+
+
+def test_a_tilted_body_is_tilted_the_same_way_whatever_is_up() -> None:
+    half = 0.1
+    tilts = [(math.sin(half), 0.0, 0.0), (0.0, math.sin(half), 0.0), (0.0, 0.0, math.sin(half))]
+    for x, y, z in tilts:
+        seen = body(up="y")
+        seen.seen((1.0, 0.3, -2.0), (x, z, -y, math.cos(half)), 0.0, 0, 0)
+        assert seen.reading is not None
+        assert seen.reading.pose is not None
+        assert seen.reading.pose.attitude == pytest.approx((x, y, z, math.cos(half)))
+        assert seen.reading.pose.position == pytest.approx((1.0, 2.0, 0.3))
+
+
+def test_a_server_that_was_found_hears_that_somebody_listens() -> None:
+    link = NatNetLink(LINK, table(), [body(body=1)])
+    served(link, V3_1)
+    assert link.beat(0) == (Packet(LINK, AT, packet(MessageId.KEEPALIVE)),)
+
+
+def test_names_are_asked_for_when_they_are_not_known_and_when_they_have_changed() -> None:
+    asks = (Packet(LINK, AT, packet(MessageId.REQUEST_MODELDEF)),)
+    link = NatNetLink(LINK, table(), [body(body="robot")])
+    assert served(link, V3_1) == asks
+    assert link.hear(framed(Frame(1), V3_1), 0) == ()
+    assert link.hear(framed(Frame(2, params=FrameFlag.MODELS_CHANGED), V3_1), 0) == asks
+    by_number = NatNetLink(LINK, table(), [body(body=1)])
+    assert served(by_number, V3_1) == ()
+    assert by_number.hear(framed(Frame(2, params=FrameFlag.MODELS_CHANGED), V3_1), 0) == ()
+
+
+def test_a_server_that_is_another_one_now_is_read_in_its_version() -> None:
+    seen = body(body=1)
+    link = NatNetLink(LINK, table(), [seen])
+    pose = RigidBody(1, (1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+    for version in (V3_1, Version(4, 1), Version(2, 10)):
+        served(link, version)
+        link.hear(framed(Frame(1, bodies=(pose,), precise=(0, 0)), version), 0)
+        assert sighted(seen) is Sighting.SEEN
+        seen.missed(Sighting.LOST)
+    assert link.refused == 0

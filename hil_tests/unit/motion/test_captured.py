@@ -195,3 +195,14 @@ def test_what_is_too_old_to_be_put_upon_anything_is_refused() -> None:
     assert captured.step(rolled(now), now, Sight(truth(at), at)).refused == 1
     at = now - REMEMBERED + 1
     assert captured.step(rolled(now), now, Sight(truth(at), at)).refused == 0
+
+
+@pytest.mark.parametrize(("turn", "believed"), [(0.149, True), (0.151, False), (0.3, False)])
+def test_after_a_turn_in_the_dark_the_heading_may_be_off_by_its_share(turn: float, *, believed: bool) -> None:
+    captured = Captured(BOUNDS)
+    captured.step(Pose(), 0, Sight(START, 0))
+    for cycle in range(1, 11):
+        captured.step(Pose(heading_rad=0.1 * cycle), cycle * CYCLE, None)
+    seen_at = Pose(START.x_m, START.y_m, START.heading_rad + 1.0 + turn)
+    located = captured.step(Pose(heading_rad=1.0), 10 * CYCLE, Sight(seen_at, 10 * CYCLE))
+    assert (located.refused == 0) == believed

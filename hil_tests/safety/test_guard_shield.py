@@ -1,0 +1,243 @@
+"""What the guard lets through to a board with a motor shield, at both edges of each bound."""
+
+from typing import Final
+
+import pytest
+
+from firmware_bridge.drivers.shield.fleet import over_protocol
+from firmware_bridge.kinds import find
+from firmware_bridge.node import DTR_DOWN
+from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.safety.guard import Guarded, guarded
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+from firmware_bridge.wire.arduino import arduinoio, firmata, motor_shield, mw
+from firmware_bridge.wire.arduino import mw_messages as messages
+from firmware_bridge.wire.arduino import ros_arduino_bridge as ros
+from firmware_bridge.wire.arduino.motor_shield import Pin
+
+CYCLE: Final[Nanoseconds] = 50 * MILLISECOND
+
+
+class Talker:
+    """A bridge that says what it was given."""
+
+    def __init__(self) -> None:
+        self.says: tuple[Packet, ...] = ()
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        del packet, now
+        return Reaction()
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        del now
+        said, self.says = self.says, ()
+        return Reaction(said)
+
+
+class Bench:
+    """A guard around it, over one protocol."""
+
+    def __init__(self, protocol: str) -> None:
+        robot = over_protocol(find("rome"), protocol)
+        self.talker: Final = Talker()
+        self.guard: Final[Guarded] = guarded(self.talker, robot)
+        self.cycle: Final = robot.cycle * robot.links["board"].every
+        self.now: Nanoseconds = SECOND
+
+    def say(self, *words: bytes, later: Nanoseconds = 0) -> list[bytes]:
+        """Say words; return what has left."""
+        self.now += later
+        self.talker.says = tuple(Packet("board", 0, word) for word in words)
+        return [packet.payload for packet in self.guard.wake(self.now).sent]
+
+    def reset(self) -> bool:
+        """Lower DTR, as before a reset; return whether that has left."""
+        self.talker.says = (Packet("board", DTR_DOWN, b""),)
+        return any(packet.address == DTR_DOWN for packet in self.guard.wake(self.now).sent)
+
+    @property
+    def reason(self) -> str:
+        """Why the newest was refused."""
+        return self.guard.refusals[-1].reason
+
+
+def speeds(*ticks: int) -> bytes:
+    return ros.encode("m", ticks)
+
+
+def pwm(motor: int, size: int) -> bytes:
+    return arduinoio.encode("A", motor, size)
+
+
+def way(motor: int, letter: str) -> bytes:
+    return arduinoio.encode("B", motor, ord(letter))
+
+
+def channel(motor: int, pin: Pin, level: int) -> bytes:
+    return firmata.i2c_write(motor_shield.ADDRESS, motor_shield.encode_channel(motor, pin, level))
+
+
+@pytest.mark.parametrize(
+    ("protocol", "word"),
+    [
+        ("ros-arduino-bridge", b"o 255 255 255\r"),
+        ("ros-arduino-bridge", b"w 8 1\r"),
+        ("ros-arduino-bridge", b"m 1 2\r"),
+        ("ros-arduino-bridge", b"m 1 2 3"),
+        ("ros-arduino-bridge", b"m 1 2 3\rm 9 9 9\r"),
+        ("ros-arduino-bridge", b"m 1 2 x\r"),
+        ("ros-arduino-bridge", b"u 200:0:0:1\r"),
+        ("ros-arduino-bridge", b""),
+        ("arduinoio", b"A4\x10"),
+        ("arduinoio", b"2n1"),
+        ("arduinoio", b"B1x"),
+        ("arduinoio", b"A1"),
+        ("arduinoio", b"A1\x10A1\xff"),
+        ("mw", mw.encode_request(messages.WriteDigital(0, 13, 1), 1)),
+        ("mw", mw.encode_request(messages.SetMotorSpeed(0, 3, 9, 1), 1)),
+        ("mw", mw.encode_request(messages.SetMotorSpeed(0, 0, 9, 3), 1)),
+        ("mw", mw.encode_request(messages.GetServerInfo(), 1)[:-1] + b"\0"),
+        ("firmata", bytes((firmata.RESET,))),
+        ("firmata", firmata.i2c_write(0x40, bytes((0x26, 0, 0, 0, 8)))),
+        ("firmata", firmata.i2c_write(motor_shield.ADDRESS, bytes((0xFA, 0, 0x10, 0, 0)))),
+        ("firmata", firmata.i2c_write(motor_shield.ADDRESS, bytes((motor_shield.PRE_SCALE, 0x1E)))),
+    ],
+)
+def test_what_is_not_listed_does_not_leave(protocol: str, word: bytes) -> None:
+    bench = Bench(protocol)
+    assert bench.say(word) == []
+    assert bench.reason.endswith("is not listed")
+
+
+def test_a_board_with_a_loop_is_told_no_more_than_the_top_speed() -> None:
+    """11.8 rad/s are 190.4 counts a frame; alone to either side the sums allow less."""
+    bench = Bench("ros-arduino-bridge")
+    assert bench.say(speeds(0, -150, 150)) == [speeds(0, -150, 150)]
+    assert bench.say(speeds(191, -150, 150), later=CYCLE) == [speeds(0, 0, 0)]
+    assert bench.reason == "motor M1 (wheel at 0 degrees): 191 ticks is beyond 190"
+
+
+@pytest.mark.parametrize(
+    ("ticks", "sum_"),
+    [((0, -190, 190), "speed ahead"), ((150, 150, 150), ""), ((190, 190, 190), "")],
+)
+def test_all_wheels_of_one_word_are_judged_together(ticks: tuple[int, int, int], sum_: str) -> None:
+    bench = Bench("ros-arduino-bridge")
+    sent = bench.say(speeds(*ticks))
+    bound = {"speed ahead": 0.66, "turn rate": 1.9}
+    per_tick = 6.283185307179586 / 3072 / 0.033
+    turn = sum(ticks) * per_tick * 0.104167
+    beyond = sum_ or ("turn rate" if turn > bound["turn rate"] else "")
+    assert (sent == [speeds(*ticks)]) is not bool(beyond)
+    if beyond:
+        assert sent == [speeds(0, 0, 0)]
+        assert beyond in bench.reason
+
+
+@pytest.mark.parametrize("protocol", ["ros-arduino-bridge", "arduinoio"])
+def test_a_motor_is_not_reversed_before_it_was_told_0_for_half_a_cycle(protocol: str) -> None:
+    for wait, passes in ((0, False), (CYCLE // 2 - 1, False), (CYCLE // 2, True)):
+        bench = Bench(protocol)
+        if protocol == "arduinoio":
+            bench.say(way(1, "f"), pwm(1, 20))
+            bench.say(pwm(1, 0), later=CYCLE)
+            sent = bench.say(way(1, "b"), pwm(1, 20), later=wait)
+            assert (pwm(1, 20) in sent) is passes
+        else:
+            bench.say(speeds(20, 0, 0))
+            bench.say(speeds(0, 0, 0), later=CYCLE)
+            sent = bench.say(speeds(-20, 0, 0), later=wait)
+            assert (speeds(-20, 0, 0) in sent) is passes
+        if not passes:
+            assert bench.reason.endswith("without standing at 0")
+
+
+def test_a_direction_that_is_turned_under_power_is_a_reversal_too() -> None:
+    bench = Bench("arduinoio")
+    bench.say(way(2, "f"), pwm(2, 20))
+    assert bench.say(way(2, "b"), later=CYCLE) == [pwm(2, 0)]
+
+
+@pytest.mark.parametrize("protocol", ["arduinoio", "firmata"])
+def test_the_pwm_rises_by_its_slope_and_may_fall_at_once(protocol: str) -> None:
+    """600 counts a second: 30 in a cycle, and half a cycle of room."""
+    bench = Bench(protocol)
+
+    def told(size: int) -> bytes:
+        return pwm(1, size) if protocol == "arduinoio" else channel(1, Pin.PWM, size)
+
+    forward = (
+        (way(1, "f"),) if protocol == "arduinoio" else (channel(1, Pin.IN2, 0), channel(1, Pin.IN1, 1))
+    )
+    assert bench.say(*forward, told(75)) == [*forward, told(75)], "after a long rest: two cycles and a half"
+    assert bench.say(told(120), later=CYCLE) == [told(120)]
+    assert bench.say(told(166), later=CYCLE) == [told(0)]
+    assert "from 120 to 166 PWM at once, 45 is allowed" in bench.reason
+    bench = Bench(protocol)
+    bench.say(*forward, told(75))
+    assert bench.say(told(0)) == [told(0)]
+
+
+@pytest.mark.parametrize(
+    ("protocol", "moves", "word"),
+    [
+        ("ros-arduino-bridge", (speeds(20, 0, 0),), ros.encode("r")),
+        ("arduinoio", (way(1, "f"), pwm(1, 20)), arduinoio.encode("H", 0)),
+        (
+            "firmata",
+            (channel(1, Pin.IN1, 1), channel(1, Pin.PWM, 20)),
+            firmata.i2c_write(motor_shield.ADDRESS, motor_shield.SET_UP[0]),
+        ),
+        (
+            "mw",
+            (mw.encode_request(messages.SetMotorSpeed(0, 0, 20, 1), 1),),
+            mw.encode_request(messages.WriteCount(0, 0), 2),
+        ),
+    ],
+)
+def test_set_up_and_reset_are_for_a_robot_at_rest(
+    protocol: str, moves: tuple[bytes, ...], word: bytes
+) -> None:
+    bench = Bench(protocol)
+    assert bench.say(word) == [word]
+    assert bench.reset()
+    assert bench.say(*moves) == list(moves)
+    assert not bench.reset()
+    assert "a reset of the board while motor M1" in bench.reason
+    bench = Bench(protocol)
+    bench.say(*moves)
+    assert word not in bench.say(word)
+    assert "while motor M1 (wheel at 0 degrees) may move" in bench.reason
+
+
+@pytest.mark.parametrize(
+    ("protocol", "moves", "safe"),
+    [
+        ("ros-arduino-bridge", (speeds(20, 0, 0),), [speeds(0, 0, 0)]),
+        ("arduinoio", (way(1, "f"), pwm(1, 20)), [pwm(1, 0)]),
+        (
+            "mw",
+            (mw.encode_request(messages.SetMotorSpeed(0, 0, 20, 1), 1),),
+            [mw.encode_request(messages.StopMotor(0, 0), 0)],
+        ),
+        ("firmata", (channel(1, Pin.IN1, 1), channel(1, Pin.PWM, 20)), [channel(1, Pin.PWM, 0)]),
+    ],
+)
+def test_the_guard_speaks_for_a_bridge_that_is_silent(
+    protocol: str, moves: tuple[bytes, ...], safe: list[bytes]
+) -> None:
+    bench = Bench(protocol)
+    bench.say(*moves)
+    assert bench.say(later=3 * bench.cycle - 1) == []
+    assert bench.say(later=1) == safe
+    assert bench.reason.startswith(f"no set-point for {3 * bench.cycle // MILLISECOND} ms")
+
+
+def test_mwprotocols_libraries_are_those_that_the_board_has_told() -> None:
+    bench = Bench("mw")
+    info = messages.ServerInfo(17, 1, b"Mega2560", 0, (mw.SHIELD.encode(), mw.ENCODER.encode()))
+    told = mw.encode_answer(1, mw.row_of(messages.GetServerInfo()).answer.encode(info))
+    bench.guard.receive(Packet("board", 0, told), bench.now)
+    own = mw.encode_request(messages.SetMotorSpeed(0, 0, 20, 1), 1, (mw.SHIELD, mw.ENCODER))
+    assert bench.say(own) == [own]
+    assert bench.guard.links["board"].axes[0].moving

@@ -1,0 +1,64 @@
+"""Three omni wheels in closed form: the signs of each wheel, the way back, the ramp, the arc."""
+
+import math
+from typing import Final
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from firmware_bridge.motion.omni import OmniRamp, Twist, moved, rims, shortened, twist
+from firmware_bridge.motion.pose import Pose
+from firmware_bridge.units import MILLISECOND
+
+L: Final = 0.16
+HALF_ROOT: Final = math.sqrt(3.0) / 2.0
+speeds = st.floats(-2.0, 2.0)
+
+
+@pytest.mark.parametrize(
+    ("motion", "expected"),
+    [
+        (Twist(1.0, 0.0, 0.0), (0.0, -HALF_ROOT, HALF_ROOT)),
+        (Twist(0.0, 1.0, 0.0), (1.0, -0.5, -0.5)),
+        (Twist(0.0, 0.0, 1.0), (L, L, L)),
+    ],
+    ids=["ahead", "left", "counter-clockwise"],
+)
+def test_each_wheel_turns_as_the_thesis_says(motion: Twist, expected: tuple[float, ...]) -> None:
+    """(2.13) at psi = 0: rows (0, 1, L), (-sin 120, cos 120, L), (sin 120, cos 120, L)."""
+    assert rims(motion, L) == pytest.approx(expected, abs=1e-15)
+
+
+@given(speeds, speeds, speeds)
+def test_the_wheels_determine_the_motion_and_the_motion_the_wheels(a: float, b: float, c: float) -> None:
+    assert twist(rims(Twist(a, b, c), L), L) == pytest.approx((a, b, c), abs=1e-12)
+    assert rims(twist((a, b, c), L), L) == pytest.approx((a, b, c), abs=1e-12)
+
+
+@given(speeds, speeds, speeds)
+def test_a_motion_that_is_too_fast_for_a_rim_keeps_its_direction(a: float, b: float, c: float) -> None:
+    wanted, slow = Twist(a, b, c), shortened(Twist(a, b, c), L, 0.5)
+    assert max(map(abs, rims(slow, L))) <= 0.5 * (1.0 + 1e-12)
+    fastest = max(map(abs, rims(wanted, L)))
+    share = min(1.0, 0.5 / fastest) if fastest else 1.0
+    assert slow == pytest.approx(tuple(share * it for it in wanted), abs=1e-12)
+
+
+def test_a_quarter_of_a_circle_is_exact_in_one_step() -> None:
+    """Ahead by the arc while it turns: the end lies a radius ahead and a radius to the left."""
+    end = moved(Pose(), Twist(math.pi / 2.0, 0.0, math.pi / 2.0))
+    assert (end.x_m, end.y_m, end.heading_rad) == pytest.approx((1.0, 1.0, math.pi / 2.0))
+    sideways = moved(Pose(1.0, 2.0, math.pi / 2.0), Twist(0.0, 0.5, 0.0))
+    assert (sideways.x_m, sideways.y_m) == pytest.approx((0.5, 2.0))
+
+
+def test_the_ramp_goes_straight_to_its_target_and_no_faster_than_either_bound() -> None:
+    ramp = OmniRamp(0.5, 2.0, 50 * MILLISECOND)
+    step = ramp.step(Twist(0.0, 0.0, 0.0), Twist(0.3, 0.4, 0.1), 50 * MILLISECOND)
+    assert step == pytest.approx((0.015, 0.02, 0.005))
+    turns = ramp.step(Twist(0.0, 0.0, 0.0), Twist(0.0, 0.01, 1.0), 50 * MILLISECOND)
+    assert turns == pytest.approx((0.0, 0.001, 0.1))
+    late = ramp.step(Twist(0.0, 0.0, 0.0), Twist(1.0, 0.0, 0.0), 500 * MILLISECOND)
+    assert late == pytest.approx((0.025, 0.0, 0.0))
+    assert ramp.step(step, Twist(0.016, 0.02, 0.005), 50 * MILLISECOND) == (0.016, 0.02, 0.005)

@@ -1,0 +1,191 @@
+"""The bridge's side of a motor shield without a board: words, regulator, counters, plan, steps of a stop."""
+
+from typing import Any, Final
+
+import pytest
+
+from firmware_bridge.drivers.driver import Speed, Stop, Task, Tells
+from firmware_bridge.drivers.shield.dialects import DIALECTS, Dialect
+from firmware_bridge.drivers.shield.fleet import over_protocol, shield_fleet
+from firmware_bridge.drivers.shield.motor import ShieldMotor
+from firmware_bridge.drivers.shield.plan import MOST, ShieldPlanError, fitting_plan, shield_plan
+from firmware_bridge.drivers.shield.regulator import Pwm, Ticks
+from firmware_bridge.drivers.shield.stops import stop_steps
+from firmware_bridge.kinds import find
+from firmware_bridge.robot import AnyRobot, RobotFileError
+from firmware_bridge.robot.settings.shield import ShieldProtocol
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+
+ROME: Final = find("rome")
+CYCLE: Final[Nanoseconds] = 50 * MILLISECOND
+FORWARD: Final = {1: 1, 2: 1, 3: 1}
+
+
+def over(protocol: str, encoders: int | None = None) -> AnyRobot:
+    return over_protocol(ROME, protocol, encoders)
+
+
+def dialect(protocol: str, encoders: int | None = None) -> Dialect:
+    robot = over(protocol, encoders)
+    link = robot.shield_link("board")
+    return DIALECTS[link.protocol](link, [axis.shield for axis in robot.axes])
+
+
+def said(protocol: str, words: str, *given: Any) -> list[str]:
+    """What a dialect says, in hexadecimal; text where it is a line."""
+    made = [say.data for say in getattr(dialect(protocol), words)(*given)]
+    return [data.decode().rstrip("\r") if data.endswith(b"\r") else data.hex(" ") for data in made]
+
+
+@pytest.mark.parametrize(
+    ("protocol", "words", "given", "expected"),
+    [
+        # ros_arduino_bridge: the exchange of its host, with a third motor.
+        ("ros-arduino-bridge", "drive", ({1: 10, 2: -5, 3: 0}, {}), ["m 10 -5 0"]),
+        ("ros-arduino-bridge", "release", ((2,),), ["m 0 0 0"]),
+        ("ros-arduino-bridge", "encoders", (), ["e"]),
+        # ArduinoIO: motor 1 at speed 200, forward; its release; encoders 0 and 1.
+        ("arduinoio", "drive", ({1: 200}, {1: 0}), ["42 31 66", "41 31 c8"]),
+        ("arduinoio", "drive", ({1: 200}, {1: 1}), ["41 31 c8"]),
+        ("arduinoio", "drive", ({1: -200}, {1: 1}), ["42 31 62", "41 31 c8"]),
+        ("arduinoio", "drive", ({1: 0}, {1: -1}), ["41 31 00"]),
+        ("arduinoio", "release", ((1,),), ["41 31 00", "42 31 72"]),
+        ("arduinoio", "encoders", (), ["47 30", "47 31"]),
+        # Firmata: M1 at speed 128, as the shield's library writes the channel.
+        ("firmata", "drive", ({1: 128}, {1: 1}), ["f0 76 60 00 26 00 00 00 00 00 00 00 08 00 f7"]),
+    ],
+)
+def test_what_is_said_is_what_the_firmware_reads(
+    protocol: str, words: str, given: tuple[Any, ...], expected: list[str]
+) -> None:
+    assert said(protocol, words, *given) == expected
+
+
+def test_mwprotocol_says_the_worked_frames() -> None:
+    """Shield, motors and encoders as in the worked frames, but for libraries in our order."""
+    frames = said("mw", "drive", {3: -255}, FORWARD)
+    assert [frame.split()[3:-1] for frame in frames] == [["81", "02", "05", "00", "02", "ff", "02"]]
+    stopped = said("mw", "release", (1,))
+    assert [frame.split()[4:-1] for frame in stopped] == [["02", "04", "00", "00"]]
+
+
+def motor(protocol: str = "arduinoio", place: int = 0, encoders: int | None = None) -> ShieldMotor:
+    made = shield_fleet(over(protocol, encoders), "board").drivers[place]
+    assert isinstance(made, ShieldMotor)
+    return made
+
+
+@pytest.mark.parametrize(
+    ("protocol", "counts", "moved"),
+    [
+        ("arduinoio", (32_700, -32_736), 100),
+        ("arduinoio", (-32_700, 32_736), -100),
+        ("mw", (2**31 - 50, -(2**31) + 50), 100),
+        ("ros-arduino-bridge", (1_000, 900), -100),
+    ],
+)
+def test_counters_are_unwrapped(protocol: str, counts: tuple[int, int], moved: int) -> None:
+    one, bits = motor(protocol), dialect(protocol).bits
+    for place, count in enumerate(counts):
+        at = place * CYCLE + SECOND
+        one.counted(count, bits, at, at)
+        one.sampled(at, at)
+    turned = moved / (48 * 64.0) * 2.0 * 3.141592653589793
+    assert one.feedback.position == pytest.approx(turned)
+    assert one.feedback.velocity == pytest.approx(turned / 0.05)
+
+
+def test_a_motor_that_is_not_counted_is_believed_and_says_so() -> None:
+    """The third one over ArduinoIO: it goes as it was told, and tells neither place nor speed."""
+    one = motor("arduinoio", 2)
+    assert one.tells == frozenset()
+    assert motor("arduinoio", 2, 3).tells == {Tells.POSITION, Tells.VELOCITY, Tells.STOP}
+    one.enabled = True
+    one.command(Speed(2.0))
+    for cycle in range(3):
+        one.sampled(cycle * CYCLE, cycle * CYCLE)
+    assert (one.feedback.position, one.feedback.velocity) == pytest.approx((0.2, 2.0))
+
+
+def run(regulator: Pwm | Ticks, wanted: float, velocity: float | None, cycles: int) -> list[int]:
+    return [regulator.next(wanted, velocity, CYCLE) for _ in range(cycles)]
+
+
+def test_the_pwm_changes_by_its_slope_and_passes_0_on_its_way_back() -> None:
+    axis = ROME.axes[0]
+    regulator, step = Pwm(axis, CYCLE), 30
+    up = run(regulator, 8.0, 0.0, 20)
+    assert up[:5] == [30, 60, 90, 120, 150]
+    assert max(up) <= 255
+    back = run(regulator, -8.0, 8.0, 40)
+    assert 0 in back
+    assert all(abs(new - old) <= step for old, new in zip([up[-1], *back], back, strict=False))
+    assert all(old * new >= 0 for old, new in zip(back, back[1:], strict=False))
+
+
+def test_at_rest_it_forgets_how_far_it_was_behind() -> None:
+    regulator = Pwm(ROME.axes[0], CYCLE)
+    run(regulator, 1.0, 0.0, 40)
+    assert run(regulator, 0.0, 0.0, 20)[-1] == 0
+    assert abs(run(regulator, 0.5, 0.5, 1)[0]) <= 30
+
+
+def test_without_an_encoder_it_feeds_forward_alone() -> None:
+    told = run(Pwm(ROME.axes[0], CYCLE), 7.0, None, 40)
+    assert told[-1] == round(255 * 7.0 / (8_500 * 6.283185307179586 / 60 / 64) + 4)
+
+
+def test_a_loop_on_the_board_is_told_whole_counts_a_frame_and_no_more_than_the_guard_lets_through() -> None:
+    axis = ROME.axes[0]
+    ticks = Ticks(axis)
+    assert ticks.next(5.0, None, CYCLE) == round(5.0 * 3072 / 6.283185307179586 * 0.033)
+    assert ticks.next(-5.0, None, CYCLE) == 0, "a reversal passes 0"
+    assert ticks.next(-5.0, None, CYCLE) == -81
+    assert ticks.next(-99.0, None, CYCLE) == -int(axis.top_speed * 3072 / 6.283185307179586 * 0.033)
+
+
+@pytest.mark.parametrize("protocol", ShieldProtocol)
+def test_a_reversal_fits_in_the_cycle_that_each_protocol_has(protocol: ShieldProtocol) -> None:
+    robot = over(protocol.value)
+    plan = fitting_plan(robot, "board")
+    assert plan.cycle == (100 if protocol is ShieldProtocol.MW else 50) * MILLISECOND
+    assert plan.share <= MOST
+
+
+def test_what_does_not_fit_is_refused_with_its_time_and_the_remedy() -> None:
+    link = over("mw").shield_link("board").model_copy(update={"every": 1, "port_latency_us": 3_000})
+    tight = over("mw").with_links({"board": link})
+    assert shield_plan(tight, "board").share > MOST
+    with pytest.raises(
+        ShieldPlanError,
+        match=r"a reversal over mw takes 4\d\.\d ms, .* more than 80% of its cycle of 50 ms; say every = 2",
+    ):
+        fitting_plan(tight, "board")
+
+
+@pytest.mark.parametrize(
+    ("robot", "protocol", "encoders", "problem"),
+    [
+        ("rome", "firmatta", None, "no 'firmatta'; perhaps 'firmata'?"),
+        ("rars", "mw", None, "no motor shield is on any link"),
+        ("rome", "ros-arduino-bridge", 2, "counts as many motors as it drives: 3"),
+    ],
+)
+def test_another_firmware_that_cannot_be_is_refused(
+    robot: str, protocol: str, encoders: int | None, problem: str
+) -> None:
+    with pytest.raises(RobotFileError, match=problem):
+        over_protocol(find(robot), protocol, encoders)
+
+
+def test_a_stop_ends_with_the_boards_reset_and_counts_on_its_own_stop_where_it_has_one() -> None:
+    names = {}
+    for protocol in ("ros-arduino-bridge", "arduinoio"):
+        robot = over(protocol)
+        steps = stop_steps(robot.axes[0], robot.links["board"], robot.cycle)
+        names[protocol] = [step.name for step in steps]
+        assert steps[-1].task is Task.RESET
+        assert steps[0].demand is Stop.REST
+        assert all(step.demand is Stop.POWER_OFF for step in steps if step.ends_power)
+    assert names["ros-arduino-bridge"] == ["speed 0", "brake", "release", "auto-stop", "reset"]
+    assert names["arduinoio"] == ["speed 0", "brake", "release", "reset"]
