@@ -13,6 +13,7 @@ from firmware_bridge.robot import AnyRobot, Axis, Command
 from firmware_bridge.safety.common import AXIS_ROWS, LEFT_OUT_ROW, whole_robot_rows
 from firmware_bridge.safety.following import bounds_of, within
 from firmware_bridge.safety.guard.bounds import targets
+from firmware_bridge.safety.guard.shield import GuardedMotor
 from firmware_bridge.safety.interlock import AxisInterlock
 from firmware_bridge.safety.row import Row
 from firmware_bridge.teleop.age import ROWS as AGES
@@ -109,7 +110,7 @@ def bounds(robot: AnyRobot) -> Iterator[Cells]:
             f"{axis.top_speed:g} {axis.unit.value}/s",
             "-" if axis.travel is None else f"{axis.travel[0]:g} to {axis.travel[1]:g} {axis.unit.value}",
             axis.zero.how or ("confirm" if axis.zero_confirmed else "at power-on"),
-            _on_the_wire(axis),
+            _on_the_wire(robot, axis),
             ", ".join(_fitting(robot, axis)),
         )
 
@@ -179,7 +180,10 @@ def _fitting(robot: AnyRobot, axis: Axis) -> Iterator[str]:
         yield "none: refused" if fitting is None else fitting.name
 
 
-def _on_the_wire(axis: Axis) -> str:
+def _on_the_wire(robot: AnyRobot, axis: Axis) -> str:
+    if axis.link in robot.shield_links:
+        motor = GuardedMotor(axis, robot)
+        return f"-{motor.most} to {motor.most} {motor.unit}"
     unit = "qc" if axis.command is Command.POSITION else "rpm"
     allowed = targets(axis)
     return f"{allowed[0]} to {allowed[-1]} {unit}"

@@ -77,7 +77,7 @@ class Board:
         self._scripts: Final[Mapping[Task, Callable[[], Iterator[Say] | None]]] = {
             Task.FIND: self._find,
             Task.IDENTIFY: self._identify,
-            Task.CONFIGURE: self._configure,
+            Task.CONFIGURE: dialect.set_up,
             Task.START: self._start,
             Task.ENABLE: self._enable,
             Task.LEAVE: self._let_go,
@@ -341,9 +341,6 @@ class Board:
     def _identify(self) -> Iterator[Say]:
         self._quiet_at = self.clock + QUIET
         return iter((self._dialect.find(),))
-
-    def _configure(self) -> Iterator[Say]:
-        return self._dialect.set_up()
 
     def _start(self) -> None:
         """Wait for the samples of a cycle."""

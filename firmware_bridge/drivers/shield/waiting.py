@@ -1,4 +1,4 @@
-"""What waits to be said to a board, the most urgent first: motion, the questions of a cycle, a task's words."""
+"""What waits to be said to a board, the most urgent first: motion, questions of a cycle, a task's words."""
 
 from collections import deque
 from collections.abc import Iterator

@@ -11,6 +11,7 @@ from firmware_bridge.drivers.fleets import DRIVERS, fleets_of
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Output
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
+from firmware_bridge.robot.settings.shield import ShieldDriver
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.drivers.fleet_bench import Bench
 from hil_tests.unit.drivers.robots import LINK, changed
@@ -51,7 +52,7 @@ ROBOTS = pytest.mark.parametrize("make", [on_can, on_lines, on_both])
 
 
 def test_every_driver_of_the_robot_file_makes_a_fleet() -> None:
-    assert set(DRIVERS) == set(Epos2Driver)
+    assert set(DRIVERS) == {*Epos2Driver, *ShieldDriver}
 
 
 @ROBOTS
