@@ -21,10 +21,6 @@ from emulators.epos2.objects.device_profile import EPOS2_70_10
 from firmware_bridge.bridge.bridge import ASKED_AGAIN_WITHIN
 from firmware_bridge.bridge.letting_go import LOOKS_FOR, WATCHED_FOR
 from firmware_bridge.bridge.permission import BRAKED_WITHIN
-from firmware_bridge.drivers.epos2.serial.fleet import over_serial
-from firmware_bridge.drivers.shield.fleet import over_protocol
-from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.shield import ShieldLink, ShieldProtocol
 from firmware_bridge.units import MILLISECOND, SECOND
 
 MADE: Final = "This page is made by `make docs` from the tables in the code; change those."
@@ -321,27 +317,12 @@ def _safety(measured: Mapping[str, Sequence[str]]) -> str:
             if found:
                 parts.append(table(headings, found))
         parts += ["### In which steps its axes are stopped", STOPS_TEXT]
-        for reached in _reached(robot):
+        for reached in safety.reached(robot):
             for link in reached.links:
-                parts.append(f"Link `{link}`, {_way(reached, link)}:")
+                parts.append(f"Link `{link}`, {safety.way(reached, link)}:")
                 parts.append(table(safety.STOP_HEADINGS, safety.stops(reached, link)))
         parts += measured.get(robot.name, ())
     return _page("What holds a robot back", *parts)
-
-
-def _reached(robot: AnyRobot) -> tuple[AnyRobot, ...]:
-    """Return a robot as it can be reached: with a loop on its board or without, or over CAN or a serial line."""
-    if robot.shield_links:
-        shown = (ShieldProtocol.ROS_ARDUINO_BRIDGE, ShieldProtocol.MW)
-        return tuple(over_protocol(robot, spoken.value) for spoken in shown)
-    return (robot, over_serial(robot))
-
-
-def _way(robot: AnyRobot, name: str) -> str:
-    link = robot.links[name]
-    return (
-        f"{link.driver.value}, {link.protocol.value}" if isinstance(link, ShieldLink) else link.driver.value
-    )
 
 
 STATIONS_TEXT: Final = """Any MAVLink station drives: by MANUAL_CONTROL, by RC_CHANNELS_OVERRIDE, or by

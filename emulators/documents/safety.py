@@ -7,9 +7,12 @@ from typing import Final, TypeAlias
 import firmware_bridge
 from firmware_bridge import kinds
 from firmware_bridge.drivers.driver import Tells
+from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.drivers.fleets import STOP_STEPS, tells_of
+from firmware_bridge.drivers.shield.fleet import over_protocol
 from firmware_bridge.kind import AnyKind
 from firmware_bridge.robot import AnyRobot, Axis, Command
+from firmware_bridge.robot.settings.shield import ShieldLink, ShieldProtocol
 from firmware_bridge.safety.common import AXIS_ROWS, LEFT_OUT_ROW, whole_robot_rows
 from firmware_bridge.safety.following import bounds_of, within
 from firmware_bridge.safety.guard.bounds import targets
@@ -170,6 +173,20 @@ def stops(robot: AnyRobot, link: str) -> Iterator[Cells]:
             f"{longest // MILLISECOND} ms",
             step.note or "-",
         )
+
+
+def reached(robot: AnyRobot) -> tuple[AnyRobot, ...]:
+    """Return a robot in the ways to reach it that differ: over CAN or serially, with a loop on a board or not."""
+    if robot.shield_links:
+        shown = (ShieldProtocol.ROS_ARDUINO_BRIDGE, ShieldProtocol.MW)
+        return tuple(over_protocol(robot, spoken.value) for spoken in shown)
+    return (robot, over_serial(robot))
+
+
+def way(robot: AnyRobot, name: str) -> str:
+    """Return how the devices on a link are reached, in words."""
+    link = robot.links[name]
+    return ", ".join((link.driver.value, *((link.protocol.value,) if isinstance(link, ShieldLink) else ())))
 
 
 def _fitting(robot: AnyRobot, axis: Axis) -> Iterator[str]:
