@@ -176,7 +176,7 @@ def stops(robot: AnyRobot, link: str) -> Iterator[Cells]:
 
 
 def reached(robot: AnyRobot) -> tuple[AnyRobot, ...]:
-    """Return a robot in the ways to reach it that differ: over CAN or serially, with a loop on a board or not."""
+    """Return a robot in the ways to reach it: over CAN or serially, with a loop on its board or not."""
     if robot.shield_links:
         shown = (ShieldProtocol.ROS_ARDUINO_BRIDGE, ShieldProtocol.MW)
         return tuple(over_protocol(robot, spoken.value) for spoken in shown)

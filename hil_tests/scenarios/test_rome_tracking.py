@@ -1,7 +1,7 @@
-"""ROME's way along the circle against an integration of (2.13) to (2.15) that shares nothing with the product.
+"""ROME's way along the circle against an integration of (2.13) to (2.15) of its own: no board, no bridge.
 
-The same cycle, the same whole counts, the same loop on the board in whole numbers, the same motors; no board,
-no bus, no bridge. What both give differs by what is left out there: times of single bytes, the battery, rollers.
+The same cycle, the same whole counts, the same loop on the board in whole numbers, the same motors. What both
+give differs by what is left out here: times of single bytes, the battery, rollers.
 """
 
 import math
