@@ -22,7 +22,6 @@ from emulators.epos2.objects.device_profile import EPOS2_70_10
 from firmware_bridge.bridge.bridge import ASKED_AGAIN_WITHIN
 from firmware_bridge.bridge.letting_go import LOOKS_FOR, WATCHED_FOR
 from firmware_bridge.bridge.permission import BRAKED_WITHIN
-from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.units import MILLISECOND, SECOND
 
 MADE: Final = "This page is made by `make docs` from the tables in the code; change those."
@@ -320,9 +319,9 @@ def _safety(measured: Mapping[str, Sequence[str]]) -> str:
             if found:
                 parts.append(table(headings, found))
         parts += ["### In which steps its axes are stopped", STOPS_TEXT]
-        for reached in (robot, over_serial(robot)):
+        for reached in safety.reached(robot):
             for link in reached.links:
-                parts.append(f"Link `{link}`, {reached.links[link].driver.value}:")
+                parts.append(f"Link `{link}`, {safety.way(reached, link)}:")
                 parts.append(table(safety.STOP_HEADINGS, safety.stops(reached, link)))
         parts += measured.get(robot.name, ())
     return _page("What holds a robot back", *parts)
