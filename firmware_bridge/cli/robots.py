@@ -1,6 +1,7 @@
 """`robots`: the installed robots and their files, each one checked; and the schema of a kind's robot file."""
 
 import json
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Final
 
@@ -55,9 +56,10 @@ def robots(
     for heading in ("robot", "axes", "links", "file", "check"):
         table.add_column(heading, overflow="fold")
     wrong = []
-    for path in [*(kinds.kind_named(name).file for name in kinds.names()), *(files or [])]:
+    shipped = [(path, partial(kinds.find, name)) for name, path in kinds.robots().items()]
+    for path, read in [*shipped, *((path, partial(kinds.load, path)) for path in files or ())]:
         try:
-            table.add_row(*_row(kinds.load(path, plant_too=True), path))
+            table.add_row(*_row(read(plant_too=True), path))
         except RobotFileError as error:
             wrong.append(error)
             table.add_row(path.stem, "", "", str(path), "[red]wrong[/]")

@@ -8,7 +8,7 @@ elsewhere than expected is refused: markers that were taken for others. It knows
 
 import math
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Final
 
@@ -107,6 +107,7 @@ class Captured:
         For somebody who has looked: a robot that was carried elsewhere is refused for ever without it.
         """
         self._anchor = None
+        self.located = replace(self.located, source=Source.UNSEEN, uncertain_m=0.0)
 
     def step(self, odometry: Pose, at: Nanoseconds, sight: Sight | None) -> Located:
         """Return where the robot is at `at`, the instant of this odometry; asked twice, it is the same.

@@ -166,9 +166,7 @@ def test_the_pwm_rises_by_its_slope_and_may_fall_at_once(protocol: str) -> None:
     def told(size: int) -> bytes:
         return pwm(1, size) if protocol == "arduinoio" else channel(1, Pin.PWM, size)
 
-    forward = (
-        (way(1, "f"),) if protocol == "arduinoio" else (channel(1, Pin.IN2, 0), channel(1, Pin.IN1, 1))
-    )
+    forward = (way(1, "f"),) if protocol == "arduinoio" else (channel(1, Pin.IN2, 0), channel(1, Pin.IN1, 1))
     assert bench.say(*forward, told(75)) == [*forward, told(75)], "after a long rest: two cycles and a half"
     assert bench.say(told(120), later=CYCLE) == [told(120)]
     assert bench.say(told(166), later=CYCLE) == [told(0)]

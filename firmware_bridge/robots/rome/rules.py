@@ -31,7 +31,21 @@ def _turns_too_fast(view: View) -> str | None:
     return f"the base turns with {turn:.2f} rad/s, limit {limit:.2f} rad/s"
 
 
+def _pose_lost(view: View) -> str | None:
+    """Judge where a guide needs the pose; an operator sees himself where the base is."""
+    located = view.seen.located
+    return None if located is None or view.seen.wish.path_s is None else located.reason
+
+
 INTERLOCKS: Final = (
+    Interlock(
+        "pose lost",
+        _pose_lost,
+        "look what hides it from the cameras; where it was carried elsewhere, set its home anew",
+        clear_after=CLEARS_AFTER,
+        severity=Severity.CRITICAL,
+        blocks_arming=False,
+    ),
     Interlock(
         "turns too fast",
         _turns_too_fast,
