@@ -87,6 +87,8 @@ class OdometryBounds(Table):
     """The share of the way, and of the turn, by which odometry may be wrong."""
     lost_m: Positive
     """Odometry alone may be wrong by so much before the robot is lost."""
+    slip_mps: Positive
+    """So fast, in the mean of half a second, it may move otherwise than its wheels turn."""
     jump_m: Positive
     """So far from where odometry expects it a captured pose is believed."""
     jump_rad: Positive
