@@ -55,7 +55,7 @@ class Kind(Generic[G, M, S]):
     file: Path
     """The robot file that comes with the kind."""
     more: Mapping[str, Path] = field(default_factory=dict)
-    """Files with further tables, by what they add: `rome+cameras` is the file with those of `cameras`."""
+    """Files with further tables, by what they add: KIND+MORE is the robot of `file` with those of one."""
     geometry: type[G]
     rest: M
     """A motion in which everything rests."""

@@ -73,7 +73,7 @@ class Located:
     refused: int
     """Captured poses in a row that were refused; 0 where the newest was believed."""
     slip_mps: float = 0.0
-    """How fast it moves otherwise than odometry says: the mean of what captured poses that were believed tell."""
+    """How fast it moves otherwise than odometry says: the mean of what believed poses tell."""
 
     @property
     def reason(self) -> str | None:
