@@ -56,7 +56,7 @@ def pytest_itemcollected(item: pytest.Item) -> None:
         item.add_marker(pytest.mark.long(beside=row.get("beside", "")))
 
 
-gc.set_threshold(50_000, 20, 100)
+gc.set_threshold(500_000, 20, 100)
 """At Python's own pace the collector of garbage takes a quarter of the tests' time, and finds little."""
 
 

@@ -1,6 +1,6 @@
-"""How many examples Hypothesis draws: all that a test asks for, or a quarter of them in the first lane.
+"""How many examples a test draws: all that it asks for, or a quarter of them in the first lane.
 
-It times no example: the tests' time is virtual, and the wall's says how busy the machine is.
+Hypothesis times none: the tests' time is virtual, and the wall's says how busy the machine is.
 """
 
 from typing import Final

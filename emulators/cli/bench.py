@@ -17,7 +17,7 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge bench rars --mission line --serial v2` drives over the first drive's serial port.
 
-`firmware-bridge bench rome --mission circle --protocol arduinoio --encoders 3` drives over another firmware.
+`firmware-bridge bench rome --mission line --protocol arduinoio --encoders 3` drives over another firmware.
 
 `firmware-bridge bench rars --mission my_mission.toml --seed 7 --out results`"""
 

@@ -5,8 +5,16 @@ from pathlib import Path
 from typing import Final
 
 import emulators
+from emulators.arduino_omni.faults import ROWS
 from emulators.documents.fidelity import stated
 from firmware_bridge.wire.arduino import arduinoio, mw, ros_arduino_bridge
+
+TEXT: Final = """Registers, libraries and protocols follow their sources, which the modules
+name: data sheets, the Arduino core, libraries and sketches. None of it was recorded from a board. The sketch
+for a real board, built by avr-gcc and run by simavr, says the same bytes on serial and on I2C as
+ros_arduino_bridge here (`pytest -m avr`). What stands here was found nowhere, and is a choice that may
+change."""
+FAULTS_TEXT: Final = """What can be wrong with a board: `emulate board --fault NAME@FROM-TO`, times in s."""
 
 _ROOT: Final = Path(emulators.__file__).parent
 BOARD: Final = "arduino_omni"
@@ -30,3 +38,9 @@ def assumptions(folder: str) -> Iterator[tuple[str, str]]:
     for path in sorted((_ROOT / folder).rglob("*.py")):
         for what in stated(path.read_text(encoding="utf-8")):
             yield what, path.relative_to(_ROOT.parent).as_posix()
+
+
+def faults() -> Iterator[tuple[str, str]]:
+    """Yield each fault of the board by its name, and what it is."""
+    for row in ROWS:
+        yield row.name, row.what

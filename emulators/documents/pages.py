@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
-from emulators.arduino_omni.faults import ROWS as BOARD_FAULTS
 from emulators.bench.faults import CABLE_ORDER, KINDS
 from emulators.documents import (
     board_fidelity,
@@ -23,18 +22,9 @@ from emulators.epos2.objects.device_profile import EPOS2_70_10
 from firmware_bridge.bridge.bridge import ASKED_AGAIN_WITHIN
 from firmware_bridge.bridge.letting_go import LOOKS_FOR, WATCHED_FOR
 from firmware_bridge.bridge.permission import BRAKED_WITHIN
-from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.units import MILLISECOND, SECOND
 
 MADE: Final = "This page is made by `make docs` from the tables in the code; change those."
-BOARD_TEXT: Final = """Registers, libraries and protocols follow their sources, which the modules
-name: data sheets, the Arduino core, libraries and sketches. None of it was recorded from a board. The sketch
-for a real board, built by avr-gcc and run by simavr, says the same bytes on serial and on I2C as
-ros_arduino_bridge here (`pytest -m avr`). What stands here was found nowhere, and is a choice that may
-change."""
-BOARD_FAULTS_TEXT: Final = (
-    """What can be wrong with a board: `emulate board --fault NAME@FROM-TO`, times in s."""
-)
 OBJECTS_TEXT: Final = """{objects} objects under {indexes} indexes, as a 70/10 has them; the other types
 differ in identity and current limits only. `receive` and `transmit` say which PDOs may carry an object;
 `kept` says whether 'save' (0x1010) stores it; an empty bound is the type's own. How far each is known stands
@@ -246,14 +236,14 @@ def _fidelity() -> str:
 def _board_fidelity() -> str:
     return _page(
         "How far the emulated Arduino board is known",
-        BOARD_TEXT,
+        board_fidelity.TEXT,
         "## Commands",
         table(("protocol", "command", "assumed"), board_fidelity.commands()),
         "## Stated assumptions",
         table(("what", "where"), board_fidelity.assumptions(board_fidelity.BOARD)),
         "## Faults",
-        BOARD_FAULTS_TEXT,
-        table(("fault", "what it is"), ((row.name, row.what) for row in BOARD_FAULTS)),
+        board_fidelity.FAULTS_TEXT,
+        table(("fault", "what it is"), board_fidelity.faults()),
     )
 
 
@@ -329,9 +319,9 @@ def _safety(measured: Mapping[str, Sequence[str]]) -> str:
             if found:
                 parts.append(table(headings, found))
         parts += ["### In which steps its axes are stopped", STOPS_TEXT]
-        for reached in (robot, over_serial(robot)):
+        for reached in safety.reached(robot):
             for link in reached.links:
-                parts.append(f"Link `{link}`, {reached.links[link].driver.value}:")
+                parts.append(f"Link `{link}`, {safety.way(reached, link)}:")
                 parts.append(table(safety.STOP_HEADINGS, safety.stops(reached, link)))
         parts += measured.get(robot.name, ())
     return _page("What holds a robot back", *parts)

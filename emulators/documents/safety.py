@@ -7,12 +7,16 @@ from typing import Final, TypeAlias
 import firmware_bridge
 from firmware_bridge import kinds
 from firmware_bridge.drivers.driver import Tells
+from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.drivers.fleets import STOP_STEPS, tells_of
+from firmware_bridge.drivers.shield.fleet import over_protocol
 from firmware_bridge.kind import AnyKind
 from firmware_bridge.robot import AnyRobot, Axis, Command
+from firmware_bridge.robot.settings.shield import ShieldLink, ShieldProtocol
 from firmware_bridge.safety.common import AXIS_ROWS, LEFT_OUT_ROW, whole_robot_rows
 from firmware_bridge.safety.following import bounds_of, within
 from firmware_bridge.safety.guard.bounds import targets
+from firmware_bridge.safety.guard.shield import GuardedMotor
 from firmware_bridge.safety.interlock import AxisInterlock
 from firmware_bridge.safety.row import Row
 from firmware_bridge.teleop.age import ROWS as AGES
@@ -109,7 +113,7 @@ def bounds(robot: AnyRobot) -> Iterator[Cells]:
             f"{axis.top_speed:g} {axis.unit.value}/s",
             "-" if axis.travel is None else f"{axis.travel[0]:g} to {axis.travel[1]:g} {axis.unit.value}",
             axis.zero.how or ("confirm" if axis.zero_confirmed else "at power-on"),
-            _on_the_wire(axis),
+            _on_the_wire(robot, axis),
             ", ".join(_fitting(robot, axis)),
         )
 
@@ -171,6 +175,20 @@ def stops(robot: AnyRobot, link: str) -> Iterator[Cells]:
         )
 
 
+def reached(robot: AnyRobot) -> tuple[AnyRobot, ...]:
+    """Return a robot in the ways to reach it: over CAN or serially, with a loop on its board or not."""
+    if robot.shield_links:
+        shown = (ShieldProtocol.ROS_ARDUINO_BRIDGE, ShieldProtocol.MW)
+        return tuple(over_protocol(robot, spoken.value) for spoken in shown)
+    return (robot, over_serial(robot))
+
+
+def way(robot: AnyRobot, name: str) -> str:
+    """Return how the devices on a link are reached, in words."""
+    link = robot.links[name]
+    return ", ".join((link.driver.value, *((link.protocol.value,) if isinstance(link, ShieldLink) else ())))
+
+
 def _fitting(robot: AnyRobot, axis: Axis) -> Iterator[str]:
     for row in AXIS_ROWS:
         if Tells.ZERO in row.needs and not axis.zero_confirmed:
@@ -179,7 +197,10 @@ def _fitting(robot: AnyRobot, axis: Axis) -> Iterator[str]:
         yield "none: refused" if fitting is None else fitting.name
 
 
-def _on_the_wire(axis: Axis) -> str:
+def _on_the_wire(robot: AnyRobot, axis: Axis) -> str:
+    if axis.link in robot.shield_links:
+        motor = GuardedMotor(axis, robot)
+        return f"-{motor.most} to {motor.most} {motor.unit}"
     unit = "qc" if axis.command is Command.POSITION else "rpm"
     allowed = targets(axis)
     return f"{allowed[0]} to {allowed[-1]} {unit}"

@@ -57,30 +57,29 @@ class DcMotors:
 
     def step(self) -> None:
         """Advance one tick with the voltages in `inputs`."""
-        count = len(self._motors)
+        count, inputs, outputs = len(self._motors), self.inputs, self.outputs
         for k, motor in enumerate(self._motors):
-            current, angle, speed = self.outputs[k], self.outputs[count + k], self.outputs[2 * count + k]
-            drive = motor.torque_constant * current + self.load[k]
+            current, speed, volts, load = outputs[k], outputs[2 * count + k], inputs[k], self.load[k]
+            if current == speed == volts == load == 0.0:
+                continue  # it stands, and nothing moves it
+            drive = motor.torque_constant * current + load
             if speed == 0.0:
                 stuck = abs(drive) <= motor.friction
-                torque = -drive if stuck else self.load[k] - copysign(motor.friction, drive)
+                torque = -drive if stuck else load - copysign(motor.friction, drive)
                 torque = -motor.torque_constant * current if stuck else torque
             else:
                 stuck = False
-                torque = self.load[k] - copysign(motor.friction, speed)
+                torque = load - copysign(motor.friction, speed)
             row_i, row_w, row_a = self._solutions[k]
-            state = (current, speed, self.inputs[k], torque)
-            after = _dot(row_w, state)
+            after = row_w[0] * current + row_w[1] * speed + row_w[2] * volts + row_w[3] * torque
             if stuck or (motor.friction > 0.0 and after * speed < 0.0):
                 after = 0.0
-            self.outputs[k] = _dot(row_i, state)
-            self.outputs[count + k] = angle if stuck else angle + _dot(row_a, state)
-            self.outputs[2 * count + k] = after
+            outputs[k] = row_i[0] * current + row_i[1] * speed + row_i[2] * volts + row_i[3] * torque
+            if not stuck:
+                turned = row_a[0] * current + row_a[1] * speed + row_a[2] * volts + row_a[3] * torque
+                outputs[count + k] += turned
+            outputs[2 * count + k] = after
         self.steps_done += 1
-
-
-def _dot(row: tuple[float, ...], state: tuple[float, ...]) -> float:
-    return row[0] * state[0] + row[1] * state[1] + row[2] * state[2] + row[3] * state[3]
 
 
 def _solution(motor: DcMotor, step: float) -> list[tuple[float, ...]]:

@@ -7,7 +7,7 @@ from firmware_bridge.robot import AnyRobot, RobotFileError
 
 def names() -> list[str]:
     """Return what a shell completes where a robot is wanted."""
-    return list(kinds.robots())
+    return list(kinds.names())
 
 
 def find_robot(name: str) -> AnyRobot:

@@ -77,8 +77,8 @@ SETS: Final[Mapping[str, Mapping[str, float]]] = {
     "heavy_arm": {"mass": 45.0, "yaw_inertia": 0.9},
     "metre_scale": {"gear_wheel": 30.0},
 }
-"""Named bases: the kit alone, and with an arm of 11.5 kg on it (ASSUME); light; with an arm of the weight of the
-AR2 (ASSUME); with faster gears for the source's own paths.
+"""Named bases: the kit alone, and with an arm of 11.5 kg on it (ASSUME); light; with an arm of the weight of
+the AR2 (ASSUME); with faster gears for the source's own paths.
 
 The gear of 64:1 ends at 0.7 m/s at the rim, so paths have to be driven at less than a metre to the unit.
 The line (2.21) is 1 m/s, 0.87 m/s at two rims; the orbit (4.10) at 1 m/DU reaches 1.01 m/s, and some rim

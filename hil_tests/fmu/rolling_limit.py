@@ -4,6 +4,7 @@ What the model without slip had in closed form must come out of the model with t
 """
 
 from collections.abc import Callable, Mapping
+from functools import cache
 
 import numpy as np
 
@@ -21,9 +22,12 @@ REAR = ("tyre_ahead_rear_left", "tyre_ahead_rear_right", "tyre_left_rear_left")
 Rates = Callable[..., dict[str, float]]
 
 
+_model = cache(model)
+
+
 def rolling(parameters: Mapping[str, float]) -> Rates:
     """Return the rates of all states by name for given shaft speeds and currents; front tyres off."""
-    function = rates(model(), {**RIGID, **parameters})
+    function = rates(_model(), {**RIGID, **parameters})
     p = {row.name: row.start for row in PARAMETERS} | dict(parameters)
     radius, half = p["wheel_radius"], p["rear_track"] / 2
 

@@ -71,6 +71,7 @@ def test_from_any_instant_among_the_faults_the_run_goes_on_as_it_went(one: Ride)
 
 def test_one_seed_is_one_run_and_another_one_draws_other_frames(one: Ride) -> None:
     same, other = begun(), begun(seed=4)
+    one.rig.run(END)
     for run in (same, other):
         run.rig.run(END)
         run.rig.finish()

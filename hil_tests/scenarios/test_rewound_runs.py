@@ -11,12 +11,14 @@ from emulators.bench.mission import Noise
 from emulators.rewind import Checkpoint, RewindError
 from emulators.rig import BRIDGE
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds, from_seconds
+from hil_tests.lanes import examples
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, ride, step, story
 from hil_tests.unit.rewind.digest import digest
 
 SEED: Final = 20
 SECONDS: Final = 20.0
-INSTANTS: Final = 1000
+EVERY: Final = 1000
+INSTANTS: Final = examples(EVERY)
 GRID: Final[Nanoseconds] = 200 * MILLISECOND
 """Where the straight run is compared with the others."""
 AHEAD: Final[Nanoseconds] = 60 * MILLISECOND
@@ -96,6 +98,10 @@ class Kept:
     digests: dict[Nanoseconds, str] = field(default_factory=dict)
     """Of the first time through; two rigs differ in addresses, so this rig is compared with itself."""
 
+    def moment(self, number: int) -> tuple[Nanoseconds, Checkpoint]:
+        """Return one of them by its place among `EVERY`."""
+        return self.moments[number * len(self.moments) // EVERY]
+
 
 def look(found: Kept, at: Nanoseconds) -> None:
     go(found.one, at)
@@ -136,7 +142,7 @@ def test_looking_at_a_run_does_not_change_it(straight: Straight, kept: Kept) -> 
 
 
 @pytest.mark.parametrize(
-    "count", [pytest.param(40, id="of 40"), pytest.param(INSTANTS, id="of all", marks=pytest.mark.long)]
+    "count", [pytest.param(40, id="of 40"), pytest.param(EVERY, id="of all", marks=pytest.mark.long)]
 )
 def test_from_any_instant_the_run_goes_on_as_it_went(straight: Straight, kept: Kept, count: int) -> None:
     """In a random order, so that the way to a moment is another one than the first time."""
@@ -155,7 +161,7 @@ def test_from_any_instant_the_run_goes_on_as_it_went(straight: Straight, kept: K
 
 @pytest.mark.parametrize("number", [0, 130, 340, 470, 700, 850])
 def test_to_the_very_end_everything_is_as_it_was(straight: Straight, kept: Kept, number: int) -> None:
-    at, moment = kept.moments[number]
+    at, moment = kept.moment(number)
     kept.one.rig.restore(moment)
     for check in (check for check in kept.digests if check > at):
         go(kept.one, check)
@@ -183,7 +189,7 @@ def test_nothing_that_can_change_is_left_out(kept: Kept, second: float) -> None:
 def test_the_world_alone_can_be_rewound_too(kept: Kept) -> None:
     """Rows of the rig stay: they are not the world's."""
     rig = kept.one.rig
-    rig.restore(kept.moments[400][1])
+    rig.restore(kept.moment(400)[1])
     moment, trace, rows = rig.world.snapshot(), rig.world.trace_sha256, len(rig.samples)
     rig.runs(0.5)
     assert rig.world.trace_sha256 != trace
@@ -194,7 +200,7 @@ def test_the_world_alone_can_be_rewound_too(kept: Kept) -> None:
 
 def test_a_broken_run_is_taken_back(kept: Kept) -> None:
     rig = kept.one.rig
-    rig.restore(kept.moments[300][1])
+    rig.restore(kept.moment(300)[1])
     moment, before = rig.snapshot(), digest(rig)
     rig.world.detach(BRIDGE)
     rig.runs(1.0)
@@ -213,7 +219,7 @@ def test_a_moment_belongs_to_its_rig(kept: Kept, straight: Straight) -> None:
 
 def test_observers_are_outside_and_hear_everything_again(kept: Kept) -> None:
     rig = kept.one.rig
-    rig.restore(kept.moments[500][1])
+    rig.restore(kept.moment(500)[1])
     moment = rig.snapshot()
     heard: list[tuple[Nanoseconds, str]] = []
     rig.can_wire.observe(lambda now, sender, _: heard.append((now, sender)))

@@ -1,4 +1,4 @@
-"""ROME's base over its emulated board: four firmwares drive it, and whatever the board does, it ends in a stand."""
+"""ROME's base over its emulated board: four firmwares drive it; whatever the board does ends in a stand."""
 
 import math
 from collections.abc import Iterator
@@ -85,7 +85,7 @@ def test_each_firmware_drives_the_circle_and_the_guard_has_nothing_to_refuse(pro
     [("ros-arduino-bridge", 0.7), ("arduinoio", 0.7), ("mw", 0.7), ("firmata", 1.6)],
 )
 def test_a_board_that_starts_anew_in_mid_motion_ends_in_a_stand(protocol: str, runs_on_m: float) -> None:
-    """The shield is not reset with it, and goes on as it was told; what sets it up releases the motors first."""
+    """The shield is not reset with it, and goes on as it was told; to set it up releases the motors first."""
     fault = '[[fault]]\nkind = "board_reset"\nat_s = 6.5\n'
     with driven(protocol, "speed_mps = 0.3", 20.0, fault, FULL[protocol]) as rig:
         rig.runs(6.5)
@@ -100,7 +100,7 @@ def test_a_board_that_starts_anew_in_mid_motion_ends_in_a_stand(protocol: str, r
 
 
 @pytest.mark.parametrize(("protocol", "stops"), [("ros-arduino-bridge", True), ("arduinoio", False)])
-def test_a_board_that_nobody_reaches_stops_where_its_firmware_does(protocol: str, stops: bool) -> None:  # noqa: FBT001
+def test_a_board_that_nobody_reaches_stops_where_its_firmware_does(protocol: str, *, stops: bool) -> None:
     """The stock auto-stop is of 2 s; without one the motors run on until the line is back: then they stop."""
     fault = '[[fault]]\nkind = "board_silent"\nat_s = 6.5\nfor_s = 3.5\n'
     with driven(protocol, "speed_mps = 0.3", 20.0, fault, FULL[protocol]) as rig:

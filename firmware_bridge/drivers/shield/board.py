@@ -5,14 +5,13 @@ set-up. A board that was silent for longer than its link allows may have started
 its motors until it answers, and then set up again, which begins with that; to drive it must be enabled.
 """
 
-from collections import deque
 from collections.abc import Callable, Iterator, Mapping
-from enum import Enum
 from typing import Final
 
 from firmware_bridge.drivers.driver import STOPPING, Stop, Task
 from firmware_bridge.drivers.shield.dialects import Dialect, Numbers, Say
 from firmware_bridge.drivers.shield.motor import ShieldMotor
+from firmware_bridge.drivers.shield.waiting import Part, Waiting
 from firmware_bridge.intent import NEVER_HEARD
 from firmware_bridge.node import DTR_DOWN, DTR_UP, LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
@@ -29,14 +28,6 @@ BEATS: Final[Nanoseconds] = 1_000 * MILLISECOND
 """No firmware watches for one; what keeps a board from stopping is each speed that it is told."""
 RESTORING: Final = (Task.IDENTIFY, Task.CONFIGURE)
 FOUND: Final = (Task.FIND, *RESTORING)
-
-
-class Part(Enum):
-    """What a word belongs to, the most urgent first."""
-
-    MOTION = "what the motors shall do"
-    SAMPLE = "the questions of a cycle"
-    TASK = "set-up, and the way to no power"
 
 
 class Board:
@@ -67,17 +58,12 @@ class Board:
         self._gone = False
         self._heard_at: Nanoseconds = NEVER_HEARD
         self._question: Say | None = None
-        self._part = Part.TASK
-        """What the newest word belongs to."""
         self._asked_at: Nanoseconds = 0
         self._until: Nanoseconds = NEVER
         self._tries = 0
         self._questions = 0
         """Asked so far."""
-        self._urgent: deque[Say] = deque()
-        self._samples: deque[Say] = deque()
-        self._script: Iterator[Say] = iter(())
-        self._next: Say | None = None
+        self._waiting: Final = Waiting()
         self._dirty = False
         self._begun: tuple[tuple[Task, ...], Nanoseconds] | None = None
         self._boots_until: Nanoseconds = 0
@@ -91,7 +77,7 @@ class Board:
         self._scripts: Final[Mapping[Task, Callable[[], Iterator[Say] | None]]] = {
             Task.FIND: self._find,
             Task.IDENTIFY: self._identify,
-            Task.CONFIGURE: self._configure,
+            Task.CONFIGURE: dialect.set_up,
             Task.START: self._start,
             Task.ENABLE: self._enable,
             Task.LEAVE: self._let_go,
@@ -114,9 +100,9 @@ class Board:
         """At once where something is to be said and the line is free; else when an answer is overdue."""
         if self._question is None and not self._gone:
             wanted = self._dirty and not self.under_way
-            if wanted or self._urgent or self._samples:
+            if wanted or self._waiting.urgent:
                 return 0
-            return self._starts_until if self._next is None else self._quiet_at
+            return self._quiet_at if self._waiting.scripted else self._starts_until
         return self._until
 
     @property
@@ -142,7 +128,8 @@ class Board:
     def end_tasks(self) -> None:
         """Do those under way no more."""
         self._restores = False
-        self.under_way, self._script, self._next = (), iter(()), None
+        self.under_way = ()
+        self._waiting.end()
         self._starts_until = NEVER
 
     def demanded(self) -> None:
@@ -156,14 +143,15 @@ class Board:
         self.clock = now
         if self.configured and now - self._heard_at >= self._silent_after:
             self._forget()
-        if self._samples or (self._question is not None and self._part is Part.SAMPLE):
+        waiting = self._waiting
+        if waiting.samples or (self._question is not None and waiting.part is Part.SAMPLE):
             self.late += 1
             return self._go_on(now)
         if self.configured:
             self._cycle_at = now
-            self._samples.extend(self._dialect.encoders())
-        if not self._samples and not self.under_way and self._set_up_once:
-            self._samples.append(self._dialect.find())
+            waiting.samples.extend(self._dialect.encoders())
+        if not waiting.samples and not self.under_way and self._set_up_once:
+            waiting.samples.append(self._dialect.find())
         return self._go_on(now)
 
     def beat(self, _now: Nanoseconds) -> tuple[Packet, ...]:
@@ -205,7 +193,7 @@ class Board:
     def _go_on(self, now: Nanoseconds) -> tuple[Packet, ...]:
         sent: list[Packet] = []
         while self._question is None and not self._gone:
-            if self._dirty and not self._urgent and not self.under_way:
+            if self._dirty and not self._waiting.motion and not self.under_way:
                 self._express(now)
             say = self._taken()
             if say is None:
@@ -216,18 +204,10 @@ class Board:
     def _taken(self) -> Say | None:
         """Return what is to be said next."""
         self._tries = 0
-        for part, waiting in ((Part.MOTION, self._urgent), (Part.SAMPLE, self._samples)):
-            if waiting:
-                self._part = part
-                return waiting.popleft()
-        if self._next is None or self.clock < self._quiet_at:
-            return None
-        self._part = Part.TASK
-        say, self._next = self._next, None
-        if say.reads is None:
-            self._next = next(self._script, None)
-            if self._next is None:
-                self._close_task()
+        say = self._waiting.take(quiet=self.clock < self._quiet_at)
+        silent = say is not None and say.reads is None and self._waiting.part is Part.TASK
+        if silent and not self._waiting.advance():
+            self._close_task()
         return say
 
     def _said(self, say: Say, now: Nanoseconds) -> Packet:
@@ -244,17 +224,17 @@ class Board:
         self._dirty = False
         if not self.configured:
             if not all(motor.released for motor in self.motors):
-                self._urgent.extend(self._dialect.release(motor.number for motor in self.motors))
+                self._waiting.motion.extend(self._dialect.release(motor.number for motor in self.motors))
                 self._note_released(self.motors)
             return
         off = [motor for motor in self.motors if motor.demand is Stop.POWER_OFF]
         outputs = {motor.number: motor.output(now) for motor in self.motors}
         if self._dialect.on_board:
-            self._urgent.extend(self._dialect.drive(outputs, {}))
+            self._waiting.motion.extend(self._dialect.drive(outputs, {}))
             released = not any(outputs.values())
         else:
             driven = {motor.number: outputs[motor.number] for motor in self.motors if motor.enabled}
-            self._urgent.extend(
+            self._waiting.motion.extend(
                 self._dialect.drive(driven, {motor.number: motor.way for motor in self.motors})
             )
             released = False
@@ -265,7 +245,7 @@ class Board:
             self._note_released(self.motors)
         elif off and not self._dialect.on_board:
             slow = [motor for motor in off if not motor.released]
-            self._urgent.extend(self._dialect.release(motor.number for motor in slow))
+            self._waiting.motion.extend(self._dialect.release(motor.number for motor in slow))
             self._note_released(slow)
 
     def _note_released(self, motors: tuple[ShieldMotor, ...] | list[ShieldMotor]) -> None:
@@ -285,15 +265,14 @@ class Board:
             self._fail(f"{question.what}: it says {said}, expected {wanted}")
             return
         self._count(question, numbers)
-        if self._part is Part.TASK:
-            self._next = next(self._script, None)
-            if self._next is None:
+        if self._waiting.part is Part.TASK:
+            if not self._waiting.advance():
                 self._close_task()
         elif not self.configured:
             self._restore()
-        elif self._part is Part.SAMPLE:
+        elif self._waiting.part is Part.SAMPLE:
             self._sampled(now)
-        elif not self.under_way and not self._urgent:
+        elif not self.under_way and not self._waiting.motion:
             self.longest_cycle = max(self.longest_cycle, now - self._cycle_at)
 
     def _confirm(self) -> None:
@@ -311,7 +290,7 @@ class Board:
 
     def _sampled(self, now: Nanoseconds) -> None:
         """Learn that a question of the cycle is answered; with the last of them the sample is whole."""
-        if self._samples:
+        if self._waiting.samples:
             return
         for motor in self.motors:
             motor.sampled(self._cycle_at, now)
@@ -320,7 +299,7 @@ class Board:
 
     def _restore(self) -> None:
         """Set the board up that answers again; its motors are released by it, and stay so."""
-        if self._part is Part.SAMPLE and not self.under_way:
+        if self._waiting.part is Part.SAMPLE and not self.under_way:
             self.under_way, self._restores = RESTORING, True
             self._open_task()
 
@@ -328,9 +307,9 @@ class Board:
         """Ask once more what has no answer, or give it up."""
         self._tries += 1
         finding = self.under_way[:1] == (Task.FIND,)
-        if self._part is not Part.TASK:
+        if self._waiting.part is not Part.TASK:
             # The next cycle asks anew; what was wanted of a motor is wanted then.
-            self._samples.clear()
+            self._waiting.samples.clear()
             return ()
         if (now < self._boots_until) if finding else (self._tries < TRIES):
             return (self._said(question, now),)
@@ -350,8 +329,8 @@ class Board:
             pulse = (Packet(self.name, DTR_DOWN, b""), Packet(self.name, DTR_UP, b""))
         opens = self._scripts.get(task)
         script = iter(()) if opens is None else opens()
-        if script is not None:
-            self._begin_script(script)
+        if script is not None and not self._waiting.begin(script):
+            self._close_task()
         return pulse
 
     def _find(self) -> Iterator[Say]:
@@ -362,9 +341,6 @@ class Board:
     def _identify(self) -> Iterator[Say]:
         self._quiet_at = self.clock + QUIET
         return iter((self._dialect.find(),))
-
-    def _configure(self) -> Iterator[Say]:
-        return self._dialect.set_up()
 
     def _start(self) -> None:
         """Wait for the samples of a cycle."""
@@ -386,12 +362,6 @@ class Board:
         self._note_released(self.motors)
         yield self._dialect.find()
 
-    def _begin_script(self, script: Iterator[Say]) -> None:
-        self._script = script
-        self._next = next(script, None)
-        if self._next is None:
-            self._close_task()
-
     def _close_task(self) -> None:
         """End the task under way, and begin the next one."""
         done, self.under_way = self.under_way[0], self.under_way[1:]
@@ -411,15 +381,14 @@ class Board:
     def _forget(self) -> None:
         """Learn that the board was silent for too long: it may have started anew, and nothing holds."""
         self.configured = self._dirty = False
-        self._urgent.clear()
+        self._waiting.motion.clear()
         for motor in self.motors:
             motor.enabled = motor.released = False
 
     def _drop(self) -> None:
         """Forget what waits, and the answer that is awaited."""
         self._dirty, self._question, self._until = False, None, NEVER
-        self._urgent.clear()
-        self._samples.clear()
+        self._waiting.drop()
         self._reader = self._dialect.reader()
 
     def _lose(self) -> None:

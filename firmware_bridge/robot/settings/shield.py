@@ -23,7 +23,7 @@ class ShieldProtocol(StrEnum):
     """What the board's firmware speaks."""
 
     MW = "mw"
-    """MWProtocol, of MATLAB's support package."""
+    """MWProtocol, of MATLAB's package."""
     ROS_ARDUINO_BRIDGE = "ros-arduino-bridge"
     """With a third motor, and a speed loop on the board."""
     ARDUINOIO = "arduinoio"

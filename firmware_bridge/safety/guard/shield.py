@@ -51,7 +51,7 @@ class GuardedMotor:
         on_board = link.protocol is ShieldProtocol.ROS_ARDUINO_BRIDGE
         ticks = per_turn * ros.FRAME_MS * MILLISECOND / SECOND
         free = motor.full_speed_rpm / RPM_PER_RAD_S / axis.ratio
-        self._unit: Final = "ticks" if on_board else "PWM"
+        self.unit: Final = "ticks" if on_board else "PWM"
         self._per_step: Final = axis.direction * (1.0 / ticks if on_board else free / FULL_PWM)
         """The axis's speed in its unit a second, for each tick or count."""
         self.most: Final = (
@@ -103,9 +103,9 @@ class GuardedMotor:
         """Return why a word may not come into force, or None."""
         duty, before = self.duty(self.with_(inputs)), self.duty(self._inputs)
         if (inputs.size or 0) > self.most:
-            return f"{self.axis.called}: {inputs.size} {self._unit} is beyond {self.most}"
+            return f"{self.axis.called}: {inputs.size} {self.unit} is beyond {self.most}"
         if duty * self._sign < 0 and (before or now < self._stood_at + self.cycle // 2):
-            return f"{self.axis.called}: reversed to {duty} {self._unit} without standing at 0"
+            return f"{self.axis.called}: reversed to {duty} {self.unit} without standing at 0"
         if self._slope is None or abs(duty) <= abs(before):
             return None
         waited = min(now - self._sized_at, SLOWEST * self.cycle) + self.cycle // 2

@@ -27,7 +27,7 @@ CORE: Final = ""
 SHIELD: Final = "Adafruit/MotorShieldV2"
 ENCODER: Final = "RotaryEncoder"
 LIBRARIES: Final = ("I2C", "Servo", SHIELD, ENCODER)
-"""What a board for ROME's base has; a library's index here is its number on the wire."""
+"""What a board with motors and encoders has; a library's index here is its number on the wire."""
 
 
 Message: TypeAlias = Any

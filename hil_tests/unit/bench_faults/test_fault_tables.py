@@ -5,8 +5,8 @@ from pydantic import ValidationError
 
 from emulators.bench.faults import KINDS, Fault, FaultError, Kind, misfits, read
 from emulators.bench.mission import Mission, MissionFileError, parse
+from emulators.bench.rehearsal import rehearsal_of
 from emulators.documents.faults import parameters, target
-from emulators.robots.rars import REHEARSAL
 from firmware_bridge import kinds
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.robot import AnyRobot
@@ -15,6 +15,8 @@ from hil_tests.unit.capture_driver.capture_bench import table as cameras
 
 RARS = kinds.find("rars")
 SERIAL = over_serial(RARS)
+ROME = kinds.find("rome")
+ON_A_BOARD = ("board_silent", "board_reset", "motor_cable_off", "encoder_cable_off")
 HEAD = 'title = "t"\nduration_s = 10.0\n[[step]]\nat_s = 1.0\ntitle = "s"\narm = true\n'
 LEAST = {
     "reception_error": 'node = "left"',
@@ -39,6 +41,8 @@ LEAST = {
     "index_missing": 'node = "left"',
     "index_spurious": 'node = "left"',
     "datagram_late": "by_ms = 100.0",
+    "motor_cable_off": 'node = "two"',
+    "encoder_cable_off": 'node = "two"',
 }
 """What a kind needs beside its instant."""
 
@@ -48,7 +52,7 @@ def table(kind: str, keys: str = "") -> str:
 
 
 def mission(text: str, robot: AnyRobot = RARS) -> Mission:
-    return parse(HEAD + text, "my.toml", robot, REHEARSAL)
+    return parse(HEAD + text, "my.toml", robot, rehearsal_of(robot))
 
 
 def refusal(text: str, robot: AnyRobot = RARS) -> list[str]:
@@ -64,7 +68,7 @@ ON = {"serial_unplugged": SERIAL, "body_hidden": SEEN, "markers_swapped": SEEN}
 
 @pytest.mark.parametrize("kind", KINDS.values(), ids=lambda kind: kind.name)
 def test_every_kind_can_be_named_with_the_least_that_it_needs(kind: Kind) -> None:
-    robot = ON.get(kind.name, RARS)
+    robot = ON.get(kind.name, ROME if kind.name in ON_A_BOARD else RARS)
     keys = f"at_s = 2.0\n{LEAST.get(kind.name, '')}"
     (fault,) = mission(table(kind.name, keys), robot).fault
     assert type(fault) is kind.fault

@@ -84,5 +84,5 @@ def test_it_listens_as_long_as_the_drives_would_and_a_serial_line_hears_nobody()
 def test_what_somebody_else_writes_to_a_drive(node: int, frame: str, *, writes: bool) -> None:
     """Reading is free; a block transfer the drive does not know, nor what is cut short."""
     fleet = hears(0x600 + node, bytes.fromhex(frame))
-    told = {driver.axis.settings.node: driver.feedback.rewritten for driver in fleet.drivers}
+    told = {driver.axis.epos2.node: driver.feedback.rewritten for driver in fleet.drivers}
     assert told == {**dict.fromkeys(range(1, 5), ""), **({node: f"60{node}#{frame}"} if writes else {})}

@@ -1,5 +1,6 @@
 """The bridge's side of a motor shield without a board: words, regulator, counters, plan, steps of a stop."""
 
+from itertools import pairwise
 from typing import Any, Final
 
 import pytest
@@ -120,7 +121,7 @@ def test_the_pwm_changes_by_its_slope_and_passes_0_on_its_way_back() -> None:
     back = run(regulator, -8.0, 8.0, 40)
     assert 0 in back
     assert all(abs(new - old) <= step for old, new in zip([up[-1], *back], back, strict=False))
-    assert all(old * new >= 0 for old, new in zip(back, back[1:], strict=False))
+    assert all(old * new >= 0 for old, new in pairwise(back))
 
 
 def test_at_rest_it_forgets_how_far_it_was_behind() -> None:

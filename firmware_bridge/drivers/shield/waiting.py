@@ -1,0 +1,69 @@
+"""What waits to be said to a board, the most urgent first: motion, questions of a cycle, a task's words."""
+
+from collections import deque
+from collections.abc import Iterator
+from enum import Enum
+from typing import Final
+
+from firmware_bridge.drivers.shield.dialects import Say
+
+
+class Part(Enum):
+    """What a word belongs to, the most urgent first."""
+
+    MOTION = "what the motors shall do"
+    SAMPLE = "the questions of a cycle"
+    TASK = "set-up, and the way to no power"
+
+
+class Waiting:
+    """The words of one board."""
+
+    def __init__(self) -> None:
+        self.part = Part.TASK
+        """What the newest word belongs to."""
+        self.motion: Final[deque[Say]] = deque()
+        self.samples: Final[deque[Say]] = deque()
+        self._script: Iterator[Say] = iter(())
+        self._next: Say | None = None
+
+    @property
+    def urgent(self) -> bool:
+        """Whether something waits that is no task's."""
+        return bool(self.motion or self.samples)
+
+    @property
+    def scripted(self) -> bool:
+        """Whether a task's word waits."""
+        return self._next is not None
+
+    def begin(self, script: Iterator[Say]) -> bool:
+        """Say a task's words; return whether there is one."""
+        self._script = script
+        return self.advance()
+
+    def advance(self) -> bool:
+        """Go on to a task's next word; return whether there is one."""
+        self._next = next(self._script, None)
+        return self._next is not None
+
+    def end(self) -> None:
+        """Say nothing more of a task."""
+        self._script, self._next = iter(()), None
+
+    def drop(self) -> None:
+        """Forget what is no task's."""
+        self.motion.clear()
+        self.samples.clear()
+
+    def take(self, *, quiet: bool) -> Say | None:
+        """Return what is to be said next; nothing of a task while it is to be `quiet`."""
+        for part, waiting in ((Part.MOTION, self.motion), (Part.SAMPLE, self.samples)):
+            if waiting:
+                self.part = part
+                return waiting.popleft()
+        if quiet or self._next is None:
+            return None
+        self.part = Part.TASK
+        say, self._next = self._next, None
+        return say
