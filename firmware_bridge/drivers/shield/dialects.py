@@ -117,15 +117,13 @@ class Ros(Dialect):
         numbers = tuple(motor.port for motor in self.motors)
         yield self._say("counts", "e", answer=12 * len(numbers) + 1, counts=numbers)
 
-    def drive(self, wanted: Mapping[int, int], ways: Mapping[int, int]) -> Iterator[Say]:
+    def drive(self, wanted: Mapping[int, int], _ways: Mapping[int, int]) -> Iterator[Say]:
         """Tell all speeds, also where they are the same: the board stops when it hears nothing."""
-        del ways
         speeds = tuple(wanted[motor.port] for motor in self.motors)
         yield self._say("speeds", "m", speeds, answer=4, writes=CHANNELS * len(speeds))
 
-    def release(self, motors: Iterable[int]) -> Iterator[Say]:
+    def release(self, _motors: Iterable[int]) -> Iterator[Say]:
         """Tell speed 0, which releases all motors."""
-        del motors
         yield from self.drive(dict.fromkeys((motor.port for motor in self.motors), 0), {})
 
 
