@@ -17,8 +17,7 @@ from firmware_bridge.robots.rome.guide import Follower
 from firmware_bridge.robots.rome.motion import Motion
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from hil_tests.robots.gate import START, held, seen
-from hil_tests.robots.gate import gate_of as gate
+from hil_tests.robots.gate import START, seen
 
 ROBOT: Final[Any] = find("rome+cameras")
 CYCLE: Final = 50 * MILLISECOND
@@ -70,23 +69,10 @@ def test_before_it_is_seen_the_guide_wishes_for_nothing_and_the_path_begins_wher
     assert (first.ahead_mps, first.left_mps, first.path_s) == pytest.approx((0.5, 0.0, 0.0))
 
 
-@pytest.mark.parametrize(("slip", "holds"), [(0.08, False), (0.0801, True)])
-def test_a_base_that_moves_otherwise_than_its_wheels_is_stopped(slip: float, *, holds: bool) -> None:
-    """Whoever drives it: the reason has both figures."""
-    ruling = gate(ROBOT).rule(placed(replace(KNOWN, slip_mps=slip), START))
-    assert ("base slips" in held(ruling)) is holds
-    if holds:
-        assert held(ruling)["base slips"] == (
-            "the base moves 0.08 m/s otherwise than its wheels turn, limit 0.08 m/s"
-        )
-
-
 @pytest.mark.parametrize("protocol", ["mw", "arduinoio", "firmata"])
 def test_two_encoders_are_enough_where_cameras_see_the_base(protocol: str) -> None:
     assert measured(over_protocol(ROBOT, protocol)).shield_link("board").counted == 2
-    with pytest.raises(
-        RobotFileError, match=r"2 encoders, and not that of motor M3 .*let cameras see it"
-    ):
+    with pytest.raises(RobotFileError, match=r"2 encoders, and not that of motor M3 .*let cameras see it"):
         measured(over_protocol(find("rome"), protocol))
     assert measured(over_protocol(find("rome"), protocol, 3)).shield_link("board").counted == 3
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import TypeAlias
 
 from emulators.bench import cases as bench
+from firmware_bridge.kinds import find
 from firmware_bridge.motion.captured import Located, Source
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot
@@ -67,6 +68,16 @@ def _lost() -> Iterator[Case]:
         ),
     ):
         yield Case("pose lost", trips=Situation(wish=guided, located=trips), spares=spares, reason=reason)
+    # Whoever drives it, and by its own robot file: one without cameras has no bound of slip.
+    under_cameras = find("rome+cameras")
+    bound = under_cameras.located_by[1].slip_mps if under_cameras.located_by else math.nan
+    yield Case(
+        "base slips",
+        trips=Situation(located=replace(seen, slip_mps=math.nextafter(bound, math.inf))),
+        spares=Situation(located=replace(seen, slip_mps=bound)),
+        reason=f"the base moves {bound:.2f} m/s otherwise than its wheels turn, limit {bound:.2f} m/s",
+        robot=under_cameras,
+    )
 
 
 def _limited(robot: Robot[Geometry], side: float) -> Iterator[Case]:
