@@ -15,6 +15,11 @@ def shown(x: float, y: float, at: Nanoseconds) -> dict[str, Reading]:
     return {"place": Reading(0.0, at, at, SeenPose((x, y, 0.1), (0.0, 0.0, 0.0, 1.0), 0.0, 0))}
 
 
+def source(locating: Locating) -> Source | None:
+    """By what its place is known; None where there are no cameras."""
+    return None if locating.located is None else locating.located.source
+
+
 def test_without_cameras_it_is_odometrys_and_begins_where_it_is_told_to() -> None:
     locating = Locating(find("rome"))
     locating.rolled(Pose(0.3, 0.1, 0.2), CYCLE, shown(5.0, 5.0, CYCLE))
@@ -28,12 +33,11 @@ def test_without_cameras_it_is_odometrys_and_begins_where_it_is_told_to() -> Non
 def test_with_cameras_it_is_theirs_carried_on_by_what_is_rolled() -> None:
     locating = Locating(find("rome+cameras"))
     locating.rolled(Pose(), 0, {})
-    assert locating.located is not None
-    assert locating.located.source is Source.UNSEEN
+    assert source(locating) is Source.UNSEEN
     locating.rolled(Pose(), CYCLE, shown(2.0, -1.0, CYCLE))
     locating.rolled(Pose(0.02, 0.01, 0.0), 2 * CYCLE, shown(2.0, -1.0, CYCLE))
     assert locating.pose == Pose(2.02, -0.99, 0.0)
-    assert locating.located.source is Source.CAPTURED
+    assert source(locating) is Source.CAPTURED
 
 
 def test_elsewhere_it_is_believed_when_somebody_says_so_or_what_was_rolled_is_not_known() -> None:
@@ -43,7 +47,6 @@ def test_elsewhere_it_is_believed_when_somebody_says_so_or_what_was_rolled_is_no
         locating.rolled(Pose(), 2 * CYCLE, shown(4.0, 4.0, 2 * CYCLE))
         assert locating.pose == Pose(2.0, -1.0, 0.0)
         anew(locating)
-        assert locating.located is not None
-        assert locating.located.source is Source.UNSEEN
+        assert source(locating) is Source.UNSEEN
         locating.rolled(Pose(), 3 * CYCLE, shown(4.0, 4.0, 3 * CYCLE))
         assert locating.pose == Pose(4.0, 4.0, 0.0)
