@@ -54,6 +54,8 @@ class Kind(Generic[G, M, S]):
     name: str
     file: Path
     """The robot file that comes with the kind."""
+    more: Mapping[str, Path] = field(default_factory=dict)
+    """Files with further tables, by what they add: KIND+MORE is the robot of `file` with those of one."""
     geometry: type[G]
     rest: M
     """A motion in which everything rests."""

@@ -20,6 +20,8 @@ from firmware_bridge.safety.common import AXIS_ROWS
 from firmware_bridge.safety.interlock import AxisInterlock
 
 GROUP: Final = "firmware_bridge.robots"
+SIGN: Final = "+"
+"""Between a kind and what its robot has more."""
 PLANTS: Final = "firmware_bridge.plants"
 """The group of the plants' entries; the bridge asks them for names alone."""
 ROUNDING: Final = 1e-9
@@ -53,6 +55,15 @@ def names() -> tuple[str, ...]:
     return tuple(_entries())
 
 
+def robots() -> dict[str, Path]:
+    """Return all robots that come with the installed kinds, by their names: the last file of each."""
+    found: dict[str, Path] = {}
+    for name in names():
+        kind = kind_named(name)
+        found |= {name: kind.file} | {name + SIGN + more: path for more, path in kind.more.items()}
+    return found
+
+
 @cache
 def kind_named(name: str) -> AnyKind:
     """Return an installed kind; KeyError where there is none of this name."""
@@ -65,14 +76,23 @@ def kind_of(robot: AnyRobot) -> AnyKind:
     return kind_named(robot.kind)
 
 
-def find(name: str) -> AnyRobot:
-    """Read the robot of an installed kind, or one from a path that ends in .toml; RobotFileError."""
+def find(name: str, *, plant_too: bool = False) -> AnyRobot:
+    """Read the robot of an installed kind, or one from a path that ends in .toml; RobotFileError.
+
+    KIND+MORE is the kind's own robot with the tables of its further file MORE.
+    """
     if name.endswith(".toml"):
-        return load(Path(name))
-    if name not in _entries():
-        problem = f"no such robot; {near(name, names())}. A path to a .toml file works, too"
+        return load(Path(name), plant_too=plant_too)
+    kind, plus, more = name.partition(SIGN)
+    if kind not in _entries():
+        problem = f"no such robot; {near(kind, names())}. A path to a .toml file works, too"
         raise RobotFileError(name, Problem("", problem))
-    return load(kind_named(name).file)
+    found = kind_named(kind)
+    if not plus:
+        return load(found.file, plant_too=plant_too)
+    if more not in found.more:
+        raise RobotFileError(name, Problem("", f"{kind} has no '{more}'; {near(more, found.more)}"))
+    return parse("\n".join(map(text_of, (found.file, found.more[more]))), name, plant_too=plant_too)
 
 
 def load(path: Path, *, plant_too: bool = False) -> AnyRobot:

@@ -49,7 +49,7 @@ ROOMS: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("drivers/*", ("unit/drivers/*", "unit/serial_drive/*")),
     ("motion/*", ("unit/motion/*",)),
     ("robots/*/station", ("unit/teleop/*",)),
-    ("robots/rome/*", ("robots/test_rome",)),
+    ("robots/rome/*", ("robots/test_rome", "robots/test_rome_cameras")),
     ("robots/*", (*GATE, "robots/test_rars_body", "unit/motion/*", "unit/pipeline/test_rest")),
     ("carrier/*", ("robots/test_carrier*",)),
     ("teleop/*", ("unit/teleop/*",)),

@@ -7,6 +7,7 @@ They have no slots: a frozen generic class with slots cannot be called by a subs
 from dataclasses import KW_ONLY, dataclass
 from typing import Generic, TypeVar
 
+from firmware_bridge.motion.captured import Located
 from firmware_bridge.robot import AnyRobot
 
 M = TypeVar("M")
@@ -23,6 +24,8 @@ class Situation(Generic[M, S]):
     """What is known of the body; None: what axes at their zero tell."""
     demanded: M | None = None
     """What the bridge asks for already; None: for rest."""
+    located: Located | None = None
+    """How far its place is known by cameras; None: there are none."""
 
 
 @dataclass(frozen=True)

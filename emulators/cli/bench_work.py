@@ -17,7 +17,7 @@ from firmware_bridge.cli.robot_argument import find_robot
 from firmware_bridge.cli.tables import terminal
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.drivers.epos2.serial.plan import PlanError
-from firmware_bridge.drivers.shield.fleet import over_protocol
+from firmware_bridge.drivers.shield.fleet import measured, over_protocol
 from firmware_bridge.drivers.shield.plan import ShieldPlanError
 from firmware_bridge.robot import RobotFileError
 from fmu.errors import PlantError
@@ -36,7 +36,7 @@ def bench(given: BenchOptions) -> None:
     ):
         if given.serial is not None:
             machine = over_serial(machine, given.serial)
-        machine = over_protocol(machine, given.protocol, given.encoders)
+        machine = measured(over_protocol(machine, given.protocol, given.encoders))
         rehearsal = rehearsal_of(machine)
         chosen = given.mission or next(iter(rehearsal.shipped()), "none")
         script = missions.find(chosen, machine, rehearsal)

@@ -9,6 +9,7 @@ from itertools import compress
 from typing import Final, Generic, TypeVar
 
 from firmware_bridge.bridge.fleets import Fleets
+from firmware_bridge.bridge.locating import Locating
 from firmware_bridge.bridge.permission import Permission
 from firmware_bridge.bridge.zeros import Zeros
 from firmware_bridge.drivers.driver import Demand, Feedback, Level, Stop
@@ -22,7 +23,6 @@ from firmware_bridge.intent import (
     Verdict,
 )
 from firmware_bridge.kind import Guide, Kind
-from firmware_bridge.motion.pose import Pose
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Robot
 from firmware_bridge.robot.table import Table
@@ -75,7 +75,7 @@ class Pipeline(Generic[G, M, S]):
         self._wish: M | None = None
         """The guide's newest wish."""
         self._demanded: M = kind.rest
-        self._pose = Pose()
+        self._locating: Final = Locating(robot)
         self._counted: Mapping[str, Feedback] | None = None
         """The samples up to which the pose has been carried on."""
         self._ran_at: Nanoseconds | None = None
@@ -104,7 +104,7 @@ class Pipeline(Generic[G, M, S]):
         sent = self._stopped(
             self._asked_to_stop(ruling.stopped), self._demands(known), self._levels(ruling), now
         )
-        self._advance(known.facts.axes)
+        self._advance(known.facts)
         self._keep(known, ruling.holds + self._permission.holds)
         return sent, self._operator.report(self.seen, self.holds, now)
 
@@ -151,8 +151,7 @@ class Pipeline(Generic[G, M, S]):
     def decide(self, request: Request, now: Nanoseconds) -> Verdict:
         """Answer one request of the operator."""
         if isinstance(request, ResetOdometry):
-            self._pose = Pose()
-            return Verdict(accepted=True, reason="the present place is the origin")
+            return Verdict(accepted=True, reason=self._locating.begin_anew())
         if isinstance(request, Follow):
             return self._follow(request.guide)
         if isinstance(request, ChangeDriver):
@@ -199,7 +198,8 @@ class Pipeline(Generic[G, M, S]):
             wish=operator.intent.wish if self._wish is None else self._wish,
             demanded=self._demanded,
             body=permission.rules.body.sensed(axes, sensors),
-            pose=self._pose,
+            pose=self._locating.pose,
+            located=self._locating.located,
         )
 
     def reported(self, holds: tuple[Hold, ...], now: Nanoseconds) -> tuple[Packet, ...]:
@@ -227,7 +227,12 @@ class Pipeline(Generic[G, M, S]):
             self._wish = self._guide.wished(known, elapsed)
         wish = self._operator.intent.wish if self._wish is None else self._wish
         return Snapshot(
-            facts=known.facts, wish=wish, demanded=known.demanded, body=known.body, pose=known.pose
+            facts=known.facts,
+            wish=wish,
+            demanded=known.demanded,
+            body=known.body,
+            pose=known.pose,
+            located=known.located,
         )
 
     def _follow(self, name: str) -> Verdict:
@@ -318,21 +323,29 @@ class Pipeline(Generic[G, M, S]):
     def _all(self, demand: Demand) -> Mapping[str, Demand]:
         return {driver.axis.name: demand for driver in self._fleets.drivers}
 
-    def _advance(self, axes: Mapping[str, Feedback]) -> None:
+    def _advance(self, facts: Facts) -> None:
         """Carry the pose on where all axes that it hangs on were sampled at one new instant."""
-        body = self._permission.rules.body
+        body, axes, locating = self._permission.rules.body, facts.axes, self._locating
         at = {axes[name].sampled_at for name in body.rolling}
         if NEVER_HEARD in at:
             self._counted = None
+            locating.interrupted()
         elif len(at) == 1:
             before, self._counted = self._counted, axes
+            pose = locating.odometry
             if before is not None and before[body.rolling[0]].sampled_at not in at:
-                self._pose = body.advanced(self._pose, before, axes)
+                pose = body.advanced(pose, before, axes)
+            locating.rolled(pose, axes[body.rolling[0]].sampled_at, facts.sensors)
 
     def _keep(self, known: Snapshot[M, S], holds: tuple[Hold, ...]) -> None:
         """Keep what this cycle knew, with what it has demanded; a guide that was held back begins anew."""
         self.seen = Snapshot(
-            facts=known.facts, wish=known.wish, demanded=self._demanded, body=known.body, pose=self._pose
+            facts=known.facts,
+            wish=known.wish,
+            demanded=self._demanded,
+            body=known.body,
+            pose=self._locating.pose,
+            located=self._locating.located,
         )
         self.holds = holds
         if self._guide is not None and any(hold.row.stops != frozenset() for hold in holds):

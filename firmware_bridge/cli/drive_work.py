@@ -19,7 +19,7 @@ from firmware_bridge.cli.zeros import zeros_of
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.drivers.epos2.serial.line import MaxonLine
 from firmware_bridge.drivers.epos2.serial.plan import PlanError
-from firmware_bridge.drivers.shield.fleet import over_protocol
+from firmware_bridge.drivers.shield.fleet import measured, over_protocol
 from firmware_bridge.drivers.shield.plan import ShieldPlanError
 from firmware_bridge.kinds import kind_of
 from firmware_bridge.node import OPERATOR, Node, Stoppable, holds
@@ -248,7 +248,8 @@ def _unconfirmed(bridge: Bridge) -> str:
 def _with_lines(machine: AnyRobot, places: Mapping[str, Place], given: DriveOptions) -> AnyRobot:
     """Return the robot with those links on serial lines that are at a serial port."""
     if machine.shield_links:
-        return _measured(over_protocol(machine, given.protocol and given.protocol.value, given.encoders))
+        spoken = given.protocol and given.protocol.value
+        return _told(measured(over_protocol(machine, spoken, given.encoders)))
     protocol, baud = generation_of(given.protocol), given.baud
     on_lines = [name for name, place in places.items() if place.device is not None]
     serial = any(table.driver is Epos2Driver.SERIAL for table in machine.links.values())
@@ -259,16 +260,9 @@ def _with_lines(machine: AnyRobot, places: Mapping[str, Place], given: DriveOpti
     return over_serial(machine, protocol, baud, links=on_lines or None)
 
 
-def _measured(machine: AnyRobot) -> AnyRobot:
-    """Return the robot; where nobody would know where it is, end the program with the reason."""
-    for name, link in machine.shield_links.items():
-        unseen = [axis.called for axis in machine.axes_on(name) if axis.shield.port > link.counted]
-        if unseen:
-            raise refusal(
-                f"{link.protocol.value} reads {link.counted} encoders, and not that of {', '.join(unseen)}: "
-                "without another source of its pose nobody would know where the robot is; flash a firmware "
-                "that reads all of them, and say --encoders"
-            )
+def _told(machine: AnyRobot) -> AnyRobot:
+    """Return the robot, having said which of its boards run on by themselves."""
+    for link in machine.shield_links.values():
         if not link.stops_itself:
             say(
                 f"{link.protocol.value}: the board runs on when the bridge falls silent; keep its switch near"

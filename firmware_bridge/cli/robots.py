@@ -1,6 +1,7 @@
 """`robots`: the installed robots and their files, each one checked; and the schema of a kind's robot file."""
 
 import json
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Final
 
@@ -55,9 +56,10 @@ def robots(
     for heading in ("robot", "axes", "links", "file", "check"):
         table.add_column(heading, overflow="fold")
     wrong = []
-    for path in [*(kinds.kind_named(name).file for name in kinds.names()), *(files or [])]:
+    shipped = [(name, path, partial(kinds.find, name)) for name, path in kinds.robots().items()]
+    for name, path, read in [*shipped, *(("", path, partial(kinds.load, path)) for path in files or ())]:
         try:
-            table.add_row(*_row(kinds.load(path, plant_too=True), path))
+            table.add_row(*_row(name, read(plant_too=True), path))
         except RobotFileError as error:
             wrong.append(error)
             table.add_row(path.stem, "", "", str(path), "[red]wrong[/]")
@@ -66,14 +68,14 @@ def robots(
         raise refusal("\n".join(map(str, wrong)))
 
 
-def _row(robot: AnyRobot, path: Path) -> tuple[str, str, str, str, str]:
+def _row(name: str, robot: AnyRobot, path: Path) -> tuple[str, str, str, str, str]:
     axes = "\n".join(f"{axis.settings.number} {axis.title}" for axis in robot.axes)
     links = "\n".join(_link(robot, name) for name in robot.links)
     weaker = [
         f"{axis}: {row.name} in place of {strong.name}" for axis, strong, row in kinds.weaker_rows(robot)
     ]
     check = "\n".join(["[green]good[/]", *weaker])
-    return f"{robot.name}\n[dim]{robot.title}[/]", axes, links, str(path), check
+    return f"{name or robot.name}\n[dim]{robot.title}[/]", axes, links, str(path), check
 
 
 def _link(robot: AnyRobot, name: str) -> str:

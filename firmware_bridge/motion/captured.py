@@ -8,12 +8,12 @@ elsewhere than expected is refused: markers that were taken for others. It knows
 
 import math
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Final
 
 from firmware_bridge.motion.pose import Pose
-from firmware_bridge.units import SECOND, Nanoseconds
+from firmware_bridge.units import SECOND, Nanoseconds, to_seconds
 
 REMEMBERED: Final[Nanoseconds] = SECOND
 """A captured pose older than this is put upon nothing any more, and refused."""
@@ -28,6 +28,10 @@ class Source(StrEnum):
     """The cameras do not see it, or not where it can be."""
     LOST = "lost"
     """Odometry alone may be wrong by more than the bound."""
+
+
+SLIPS_OVER: Final[Nanoseconds] = SECOND // 2
+"""Slip is the mean over so long: a motor that lags behind what it was told does not slip."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +72,8 @@ class Located:
     off_rad: float
     refused: int
     """Captured poses in a row that were refused; 0 where the newest was believed."""
+    slip_mps: float = 0.0
+    """How fast it moves otherwise than odometry says: the mean of what believed poses tell."""
 
     @property
     def reason(self) -> str | None:
@@ -96,6 +102,8 @@ class Captured:
         self._believed_at: Nanoseconds = 0
         self._newest_at: Nanoseconds = -1
         """What the newest captured pose showed."""
+        self._slip = (0.0, 0.0)
+        """m/s in the cameras' axes."""
         self._way_m = 0.0
         """Rolled since the anchor."""
         self._turn_rad = 0.0
@@ -107,6 +115,8 @@ class Captured:
         For somebody who has looked: a robot that was carried elsewhere is refused for ever without it.
         """
         self._anchor = None
+        self._slip = (0.0, 0.0)
+        self.located = replace(self.located, source=Source.UNSEEN, uncertain_m=0.0, slip_mps=0.0)
 
     def step(self, odometry: Pose, at: Nanoseconds, sight: Sight | None) -> Located:
         """Return where the robot is at `at`, the instant of this odometry; asked twice, it is the same.
@@ -136,14 +146,15 @@ class Captured:
         """Believe a captured pose, or refuse it."""
         located = self.located
         if sight.at < now - REMEMBERED:
-            self._note(located, located.off_m, located.off_rad, located.refused + 1)
+            self._refuse(located.off_m, located.off_rad)
             return
         then = self._odometry_at(sight.at)
         off_m = off_rad = 0.0
         heading = sight.pose.heading_rad
         if self._anchor is not None:
             expected = _carried(*self._anchor, then)
-            off_m = math.hypot(sight.pose.x_m - expected.x_m, sight.pose.y_m - expected.y_m)
+            off = sight.pose.x_m - expected.x_m, sight.pose.y_m - expected.y_m
+            off_m = math.hypot(*off)
             off_rad = math.remainder(heading - expected.heading_rad, math.tau)
             heading = expected.heading_rad + off_rad
             bounds = self._bounds
@@ -152,30 +163,41 @@ class Captured:
             far_rad = bounds.jump_rad + min(bounds.slips * self._turn_rad, bounds.jump_rad)
             # Said so that what is no number is refused, too.
             if not (off_m <= far_m and abs(off_rad) <= far_rad):
-                self._note(located, off_m, off_rad, located.refused + 1)
+                self._refuse(off_m, off_rad)
                 return
+            self._slip = self._slipped(off, sight.at - self._believed_at)
         if not all(map(math.isfinite, (sight.pose.x_m, sight.pose.y_m, heading))):
-            self._note(located, off_m, off_rad, located.refused + 1)
+            self._refuse(off_m, off_rad)
             return
         self._anchor = (Pose(sight.pose.x_m, sight.pose.y_m, heading), then)
         self._believed_at = sight.at
         self._way_m = self._turn_rad = 0.0
-        self._note(located, off_m, off_rad, 0)
+        self.located = replace(
+            located, off_m=off_m, off_rad=off_rad, refused=0, slip_mps=math.hypot(*self._slip)
+        )
 
-    def _note(self, located: Located, off_m: float, off_rad: float, refused: int) -> None:
-        self.located = Located(located.pose, located.source, located.uncertain_m, off_m, off_rad, refused)
+    def _refuse(self, off_m: float, off_rad: float) -> None:
+        refused = self.located.refused + 1
+        self.located = replace(self.located, off_m=off_m, off_rad=off_rad, refused=refused)
+
+    def _slipped(self, off: tuple[float, float], elapsed: Nanoseconds) -> tuple[float, float]:
+        """Return the mean slip after so much of it in a time."""
+        seconds = to_seconds(elapsed)
+        share = -math.expm1(-elapsed / SLIPS_OVER)
+        x, y = self._slip
+        return x + share * (off[0] / seconds - x), y + share * (off[1] / seconds - y)
 
     def _located(self, odometry: Pose, now: Nanoseconds) -> Located:
         was = self.located
         if self._anchor is None:
-            return Located(was.pose, Source.UNSEEN, 0.0, was.off_m, was.off_rad, was.refused)
+            return replace(was, source=Source.UNSEEN, uncertain_m=0.0)
         uncertain = self._uncertain_m()
         source = Source.CAPTURED
         if now - self._believed_at > self._bounds.silent:
             # What is lost stays lost until it is seen: standing still makes nothing more certain.
             source = Source.LOST if uncertain > self._bounds.lost_m else Source.ODOMETRY
         pose = _carried(*self._anchor, odometry)
-        return Located(pose, source, uncertain, was.off_m, was.off_rad, was.refused)
+        return replace(was, pose=pose, source=source, uncertain_m=uncertain)
 
     def _uncertain_m(self) -> float:
         """Return what odometry may be wrong by: its share of the way, and the way in a wrong direction."""

@@ -145,6 +145,10 @@ def _captured(axes: list[Raw], sensors: list[Raw], links: Mapping[str, Raw]) -> 
         if link in links and is_body != (link in systems):
             problem = "needs body" if link in systems else f"has a body, and '{link}' is no capture system"
             yield Problem(f"sensors[{index}].settings", problem)
+    joined = [index for index, row in enumerate(sensors) if "odometry" in _within(row, "settings")]
+    for index in joined[1:]:
+        problem = f"the robot is located by sensors[{joined[0]}] already; leave odometry out here"
+        yield Problem(f"sensors[{index}].settings.odometry", problem)
 
 
 def _guarded(table: Raw, axes: list[Raw]) -> Iterator[Problem]:

@@ -8,7 +8,12 @@ from typing import Annotated, Any, Final, Generic, Self, TypeAlias, TypeVar
 from pydantic import Field, field_validator, model_validator
 
 from firmware_bridge.robot.belief import RUBS, STANDS, Belief
-from firmware_bridge.robot.settings.capture import CaptureBody, CaptureDriver, CaptureLink
+from firmware_bridge.robot.settings.capture import (
+    CaptureBody,
+    CaptureDriver,
+    CaptureLink,
+    OdometryBounds,
+)
 from firmware_bridge.robot.settings.epos2 import Epos2AnalogueInput, Epos2Axis, Epos2DigitalOutput, Epos2Link
 from firmware_bridge.robot.settings.shield import ShieldAxis, ShieldDevice, ShieldDriver, ShieldLink
 from firmware_bridge.robot.table import Finite, Name, Positive, Table, has_key, tag, told_by
@@ -350,6 +355,14 @@ class Robot(Table, Generic[G_co]):
     def capture_links(self) -> dict[str, CaptureLink]:
         """The links to motion capture systems, by their names."""
         return {name: link for name, link in self.links.items() if isinstance(link, CaptureLink)}
+
+    @property
+    def located_by(self) -> tuple[str, OdometryBounds] | None:
+        """The sensor by which the robot's pose is known, and how far without it; None: by odometry alone."""
+        for sensor in self.sensors:
+            if isinstance(sensor.settings, CaptureBody) and sensor.settings.odometry is not None:
+                return sensor.name, sensor.settings.odometry
+        return None
 
     def epos2_link(self, name: str) -> Epos2Link:
         """Return a link to EPOS2 drives; KeyError, or TypeError where others are on it."""

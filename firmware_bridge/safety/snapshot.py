@@ -11,6 +11,7 @@ from typing import Final, Generic, TypeAlias, TypeVar
 from firmware_bridge.drivers.driver import Demand, Feedback, Reading, Stop
 from firmware_bridge.immutable import Immutable
 from firmware_bridge.intent import NEVER_HEARD, USUAL_AGE_LIMIT, AgeLimit
+from firmware_bridge.motion.captured import Located
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.safety.row import Row
 from firmware_bridge.units import Nanoseconds
@@ -109,9 +110,11 @@ class Facts:
 class Snapshot(Immutable, Generic[M, S_co]):
     """The whole robot at `facts.now`. What an interlock decided is not in it: that is the gate's ruling."""
 
-    __slots__ = ("body", "demanded", "facts", "pose", "wish")
+    __slots__ = ("body", "demanded", "facts", "located", "pose", "wish")
 
-    def __init__(self, *, facts: Facts, wish: M, demanded: M, body: S_co, pose: Pose) -> None:
+    def __init__(
+        self, *, facts: Facts, wish: M, demanded: M, body: S_co, pose: Pose, located: Located | None = None
+    ) -> None:
         self.facts: Final = facts
         self.wish: Final = wish
         """What the operator, or a guide, wants."""
@@ -120,6 +123,9 @@ class Snapshot(Immutable, Generic[M, S_co]):
         self.body: Final = body
         """What axes and sensors tell of the body."""
         self.pose: Final = pose
+        """Where it is, at the samples before these."""
+        self.located: Final = located
+        """How far that is known where a sensor sees the robot; None where only odometry tells it."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -348,7 +348,7 @@ ROWS: Final = (
         "actuator; submode: the guide, 0 none; PX4's numbers, too",
     ),
     Row(dialect.MAV_CMD_DO_SET_STANDARD_MODE, _set_standard_mode, "p1 1, position hold: pause"),
-    Row(dialect.MAV_CMD_DO_SET_HOME, _home, "p1 = 1: the present place is the origin"),
+    Row(dialect.MAV_CMD_DO_SET_HOME, _home, "p1 = 1: the present place is the origin; cameras count anew"),
     Row(
         dialect.MAV_CMD_USER_1,
         _confirm_zero,

@@ -61,6 +61,7 @@ def seen(
         demanded=kind.rest if situation.demanded is None else situation.demanded,
         body=body,
         pose=Pose(),
+        located=situation.located,
     )
 
 

@@ -2,9 +2,13 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TypeAlias
 
 from emulators.bench import cases as bench
+from firmware_bridge.kinds import find
+from firmware_bridge.motion.captured import Located, Source
+from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot
 from firmware_bridge.robots.rome.geometry import Geometry
 from firmware_bridge.robots.rome.motion import Motion, State
@@ -35,6 +39,7 @@ def cases(robot: Robot[Geometry]) -> Iterator[Case]:
         spares=Situation(body=State(limits.speed_mps, limits.speed_mps, 0.0)),
         reason=f"the base turns with nan rad/s, limit {limits.turn_rate_rad_s:.2f} rad/s",
     )
+    yield from _lost()
     step = 0.8 * limits.acceleration_mps2 * robot.cycle_ms / 1000.0
     yield Case(
         "acceleration limit",
@@ -44,6 +49,34 @@ def cases(robot: Robot[Geometry]) -> Iterator[Case]:
             "asked to go from (0.00, 0.00) m/s and 0.00 rad/s to "
             f"(0.00, {2.0 * step:.2f}) m/s and 0.00 rad/s at once"
         ),
+    )
+
+
+def _lost() -> Iterator[Case]:
+    """Yield the cases of a base that cameras see: a guide needs its place, an operator does not."""
+    guided, seen = Motion(path_s=1.0), Located(Pose(), Source.CAPTURED, 0.0, 0.0, 0.0, 0)
+    unseen = replace(seen, source=Source.UNSEEN)
+    lost = replace(seen, source=Source.LOST, uncertain_m=0.051)
+    off = "the place is off by 0.051 m at most without the cameras: they "
+    for trips, spares, reason in (
+        (unseen, Situation(wish=guided, located=seen), "the cameras have not seen the robot yet"),
+        (lost, Situation(wish=Motion(), located=lost), off + "do not see it"),
+        (
+            replace(lost, refused=1, off_m=0.3, off_rad=-0.35),
+            Situation(wish=guided, located=replace(seen, source=Source.ODOMETRY, uncertain_m=0.05)),
+            off + "show it 0.30 m and 20 degrees off",
+        ),
+    ):
+        yield Case("pose lost", trips=Situation(wish=guided, located=trips), spares=spares, reason=reason)
+    # Whoever drives it, and by its own robot file: one without cameras has no bound of slip.
+    under_cameras = find("rome+cameras")
+    bound = under_cameras.located_by[1].slip_mps if under_cameras.located_by else math.nan
+    yield Case(
+        "base slips",
+        trips=Situation(located=replace(seen, slip_mps=math.nextafter(bound, math.inf))),
+        spares=Situation(located=replace(seen, slip_mps=bound)),
+        reason=f"the base moves {bound:.2f} m/s otherwise than its wheels turn, limit {bound:.2f} m/s",
+        robot=under_cameras,
     )
 
 

@@ -19,6 +19,23 @@ def shield_fleet(robot: AnyRobot, name: str) -> Fleet:
     return Fleet(board, table, board.motors)
 
 
+def measured(robot: AnyRobot) -> AnyRobot:
+    """Return this robot; RobotFileError where nobody would know where it is, as too few encoders are read.
+
+    Where cameras see it, the motors without one run on feed-forward, and the captured pose corrects them.
+    """
+    for name, link in robot.shield_links.items():
+        unseen = [axis.called for axis in robot.axes_on(name) if axis.shield.port > link.counted]
+        if unseen and robot.located_by is None:
+            problem = (
+                f"{link.protocol.value} reads {link.counted} encoders, and not that of {', '.join(unseen)}: "
+                "without another source of its pose nobody would know where the robot is; let cameras see "
+                "it, or flash a firmware that reads all of them, and say --encoders"
+            )
+            raise RobotFileError(robot.name, Problem(f"links.{name}.encoders", problem))
+    return robot
+
+
 def over_protocol(robot: AnyRobot, protocol: str | None, encoders: int | None = None) -> AnyRobot:
     """Return this robot with another firmware on its boards, or another number of encoders that it reads.
 

@@ -80,6 +80,27 @@ class Mount(Table):
     heading: Finite = 0.0
 
 
+class OdometryBounds(Table):
+    """How far odometry carries the robot on where it is not seen; see `firmware_bridge.motion.captured`."""
+
+    slips: Positive
+    """The share of the way, and of the turn, by which odometry may be wrong."""
+    lost_m: Positive
+    """Odometry alone may be wrong by so much before the robot is lost."""
+    slip_mps: Positive
+    """So fast, in the mean of half a second, it may move otherwise than its wheels turn."""
+    jump_m: Positive
+    """So far from where odometry expects it a captured pose is believed."""
+    jump_rad: Positive
+    silent_ms: Annotated[int, Field(ge=10, le=10_000)]
+    """A captured pose that is older does not show that the robot is seen."""
+
+    @property
+    def silent(self) -> Nanoseconds:
+        """How old a captured pose may be."""
+        return self.silent_ms * MILLISECOND
+
+
 class CaptureBody(Table):
     """The robot among the bodies that are captured."""
 
@@ -93,6 +114,8 @@ class CaptureBody(Table):
     noise_m: Positive = 0.005
     """So far it may be elsewhere at once."""
     noise_rad: Positive = 0.05
+    odometry: OdometryBounds | None = None
+    """With it the robot's pose is what this body shows, carried on by odometry; without, it is only told."""
 
     @model_validator(mode="after")
     def _nothing_is_mounted_far_off(self) -> Self:

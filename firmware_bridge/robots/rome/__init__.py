@@ -16,6 +16,7 @@ from firmware_bridge.robots.rome.station import STATION
 KIND: Final[Kind[Geometry, Motion, State]] = Kind(
     name="rome",
     file=Path(__file__).with_name("rome.toml"),
+    more={"cameras": Path(__file__).with_name("cameras.toml")},
     geometry=Geometry,
     rest=Motion(),
     numbers={

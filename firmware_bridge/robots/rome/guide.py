@@ -4,12 +4,14 @@ V = P(psi) (chi_d' - K_p e - K_i int e), with e = actual - desired (A. Seleit, M
 has other signs, and diverges as it is printed. P is the body's; here it is a motion in the base's own frame.
 
 The path begins where the base stands: it is moved and turned there. While the base is held back the path
-waits, and the integral is forgotten; it is not added to while a rim is at its limit.
+waits, and the integral is forgotten; it is not added to while a rim is at its limit. Where cameras see the
+base the pose is theirs; before they have seen it nothing is wished for.
 """
 
 import math
 from typing import Final
 
+from firmware_bridge.motion.captured import Source
 from firmware_bridge.motion.omni import Twist, rims
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot
@@ -44,6 +46,8 @@ class Follower:
     def wished(self, seen: Snapshot[Motion, State], elapsed: Nanoseconds) -> Motion:
         """Return the motion towards where the path is now."""
         pose = seen.pose
+        if seen.located is not None and seen.located.source is Source.UNSEEN:
+            return Motion(path_s=self._seconds)
         if self._start is None:
             self._start = pose
         elif not self._waits:

@@ -31,7 +31,38 @@ def _turns_too_fast(view: View) -> str | None:
     return f"the base turns with {turn:.2f} rad/s, limit {limit:.2f} rad/s"
 
 
+def _pose_lost(view: View) -> str | None:
+    """Judge where a guide needs the pose; an operator sees himself where the base is."""
+    located = view.seen.located
+    return None if located is None or view.seen.wish.path_s is None else located.reason
+
+
+def _slips(view: View) -> str | None:
+    """Judge what the cameras see against what the wheels tell, or, without an encoder, were told."""
+    located, known = view.seen.located, view.robot.located_by
+    if located is None or known is None or located.slip_mps <= known[1].slip_mps:
+        return None
+    bound = known[1].slip_mps
+    return f"the base moves {located.slip_mps:.2f} m/s otherwise than its wheels turn, limit {bound:.2f} m/s"
+
+
 INTERLOCKS: Final = (
+    Interlock(
+        "base slips",
+        _slips,
+        "look for a wheel that is blocked, lifted or without its motor, then arm",
+        clear_after=CLEARS_AFTER,
+        severity=Severity.CRITICAL,
+        disarms=True,
+    ),
+    Interlock(
+        "pose lost",
+        _pose_lost,
+        "look what hides it from the cameras; where it was carried elsewhere, set its home anew",
+        clear_after=CLEARS_AFTER,
+        severity=Severity.CRITICAL,
+        blocks_arming=False,
+    ),
     Interlock(
         "turns too fast",
         _turns_too_fast,

@@ -50,7 +50,7 @@ def test_version() -> None:
 def test_robots_lists_each_axis_with_its_node() -> None:
     status, out, err = run("robots")
     assert (status, err) == (0, "")
-    for row in ("1 left rear wheel", "2 right rear wheel", "3 steering", "4 scissor lift"):
+    for row in ("1 left rear wheel", "2 right rear wheel", "3 steering", "4 scissor lift", "rome+cameras"):
         assert row in out
 
 

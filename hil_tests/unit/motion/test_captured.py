@@ -206,3 +206,27 @@ def test_after_a_turn_in_the_dark_the_heading_may_be_off_by_its_share(turn: floa
     seen_at = Pose(START.x_m, START.y_m, START.heading_rad + 1.0 + turn)
     located = captured.step(Pose(heading_rad=1.0), 10 * CYCLE, Sight(seen_at, 10 * CYCLE))
     assert (located.refused == 0) == believed
+
+
+def test_slip_is_told_as_a_speed_and_is_over_when_the_wheels_hold_again() -> None:
+    captured = Captured(BOUNDS)
+    assert driven(captured, 0, 40).slip_mps < 1e-4
+    # Odometry that says 10 % more is off by 0.05 m/s; after two seconds all but 2 % of it is in the mean.
+    slipping = Captured(BOUNDS)
+    assert driven(slipping, 0, 40, slip=0.1).slip_mps == pytest.approx(0.1 * SPEED, rel=0.15)
+    hidden = driven(slipping, 40, 2, sees=lambda _: None, slip=0.1).slip_mps
+    assert hidden == slipping.located.slip_mps > 0.04
+    at = 42 * CYCLE
+    for cycle in range(42, 82):
+        now = cycle * CYCLE
+        slipping.step(rolled(at, 0.1), now, Sight(truth(at - DELAY), now - DELAY))
+    assert slipping.located.slip_mps < 0.002
+
+
+def test_begun_anew_it_is_unseen_at_once_and_has_no_slip() -> None:
+    captured = Captured(BOUNDS)
+    before = driven(captured, 0, 40, slip=0.1)
+    captured.begin_anew()
+    located = captured.located
+    assert (located.source, located.slip_mps, located.pose) == (Source.UNSEEN, 0.0, before.pose)
+    assert located.reason is not None

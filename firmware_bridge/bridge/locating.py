@@ -1,0 +1,60 @@
+"""Where the robot is: by odometry alone, or by the sensor that sees it, carried on by odometry."""
+
+from collections.abc import Mapping
+
+from firmware_bridge.drivers.driver import Reading
+from firmware_bridge.motion.captured import Bounds, Captured, Located, Sight
+from firmware_bridge.motion.pose import Pose
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.units import Nanoseconds
+
+
+class Locating:
+    """The robot's pose, of the instant of the newest samples of its axes."""
+
+    def __init__(self, robot: AnyRobot) -> None:
+        self.odometry = Pose()
+        """What was rolled since the bridge began, or since the origin was set anew."""
+        self._sensor = ""
+        self._captured: Captured | None = None
+        if robot.located_by is not None:
+            self._sensor, table = robot.located_by
+            self._captured = Captured(
+                Bounds(table.jump_m, table.jump_rad, table.slips, table.lost_m, table.silent)
+            )
+
+    @property
+    def pose(self) -> Pose:
+        """Where it is, as far as that is known."""
+        return self.odometry if self._captured is None else self._captured.located.pose
+
+    @property
+    def located(self) -> Located | None:
+        """How far that is known; None where only odometry tells it."""
+        return None if self._captured is None else self._captured.located
+
+    def begin_anew(self) -> str:
+        """Forget where it was, as somebody asks who has looked; return what comes of it, in words."""
+        if self._captured is None:
+            self.odometry = Pose()
+            return "the present place is the origin"
+        self._captured.begin_anew()
+        return "the robot is where the cameras see it next"
+
+    def interrupted(self) -> None:
+        """Note that what was rolled is not known: only the sensor can tell where it is then."""
+        if self._captured is not None:
+            self._captured.begin_anew()
+
+    def rolled(self, odometry: Pose, at: Nanoseconds, readings: Mapping[str, Reading]) -> None:
+        """Take what odometry says at an instant, and what the sensor has seen last."""
+        self.odometry = odometry
+        if self._captured is not None:
+            self._captured.step(odometry, at, _sight(readings.get(self._sensor)))
+
+
+def _sight(reading: Reading | None) -> Sight | None:
+    if reading is None or reading.pose is None:
+        return None
+    x, y, _ = reading.pose.position
+    return Sight(Pose(x, y, reading.pose.heading_rad), reading.sampled_at)

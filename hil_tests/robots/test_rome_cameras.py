@@ -1,0 +1,85 @@
+"""ROME's base under cameras: its further file, its guide before it is seen, boards with two encoders."""
+
+from dataclasses import replace
+from typing import Any, Final
+
+import pytest
+from typer.testing import CliRunner
+
+from firmware_bridge.cli import program
+from firmware_bridge.drivers.shield.fleet import measured, over_protocol
+from firmware_bridge.kinds import find, parse, robots
+from firmware_bridge.motion.captured import Located, Source
+from firmware_bridge.motion.pose import Pose
+from firmware_bridge.robot import RobotFileError
+from firmware_bridge.robots.rome import KIND
+from firmware_bridge.robots.rome.guide import Follower
+from firmware_bridge.robots.rome.motion import Motion
+from firmware_bridge.safety.snapshot import Snapshot
+from firmware_bridge.units import MILLISECOND, Nanoseconds
+from hil_tests.robots.gate import START, seen
+
+ROBOT: Final[Any] = find("rome+cameras")
+CYCLE: Final = 50 * MILLISECOND
+KNOWN: Final = Located(Pose(2.0, 1.0, 0.0), Source.CAPTURED, 0.0, 0.0, 0.0, 0)
+
+
+def placed(located: Located, now: Nanoseconds, wish: Motion | None = None) -> Snapshot[Any, Any]:
+    """The base armed and well, and where it is known to be."""
+    well = seen(ROBOT, now)
+    return Snapshot(
+        facts=well.facts,
+        wish=wish or well.wish,
+        demanded=well.demanded,
+        body=well.body,
+        pose=located.pose,
+        located=located,
+    )
+
+
+def test_its_further_file_adds_cameras_and_changes_nothing_else() -> None:
+    plain = find("rome")
+    assert "rome+cameras" in robots()
+    assert ROBOT.located_by is not None
+    assert plain.located_by is None
+    assert ROBOT.capture_links.keys() == {"cameras"}
+    both = {"links": plain.links, "sensors": plain.sensors}
+    assert ROBOT.model_copy(update=both) == plain
+
+
+def test_what_a_robot_does_not_have_is_named_with_what_it_has() -> None:
+    with pytest.raises(RobotFileError, match=r"rome has no 'camera'; perhaps 'cameras'\?"):
+        find("rome+camera")
+
+
+def test_a_robot_is_located_by_one_body_only() -> None:
+    text = "\n".join(path.read_text(encoding="utf-8") for path in (KIND.file, KIND.more["cameras"]))
+    sensors = text[text.index("[[sensors]]") :]
+    with pytest.raises(RobotFileError, match=r"located by sensors\[0\] already; leave odometry out here"):
+        parse(text + sensors.replace('name = "place"', 'name = "again"'), "two.toml")
+
+
+def test_before_it_is_seen_the_guide_wishes_for_nothing_and_the_path_begins_where_it_is_seen() -> None:
+    guide = Follower(ROBOT, "line")
+    unseen = replace(KNOWN, source=Source.UNSEEN, pose=Pose())
+    for cycle in range(3):
+        wish = guide.wished(placed(unseen, START + cycle * CYCLE), CYCLE)
+        assert wish == Motion(path_s=0.0)
+    first = guide.wished(placed(KNOWN, START + 3 * CYCLE), CYCLE)
+    assert (first.ahead_mps, first.left_mps, first.path_s) == pytest.approx((0.5, 0.0, 0.0))
+
+
+@pytest.mark.parametrize("protocol", ["mw", "arduinoio", "firmata"])
+def test_two_encoders_are_enough_where_cameras_see_the_base(protocol: str) -> None:
+    assert measured(over_protocol(ROBOT, protocol)).shield_link("board").counted == 2
+    with pytest.raises(RobotFileError, match=r"2 encoders, and not that of motor M3 .*let cameras see it"):
+        measured(over_protocol(find("rome"), protocol))
+    assert measured(over_protocol(find("rome"), protocol, 3)).shield_link("board").counted == 3
+
+
+@pytest.mark.parametrize("words", [["bench"], ["drive", "--serial", "/dev/null"]])
+def test_drive_and_bench_refuse_with_the_reason_where_nobody_would_know_the_pose(words: list[str]) -> None:
+    command, *more = words
+    result = CliRunner().invoke(program, [command, "rome", "--protocol", "mw", *more], env={"COLUMNS": "200"})
+    assert result.exit_code == 2
+    assert "without another source of its pose nobody would know where the robot is" in result.stderr

@@ -1,0 +1,146 @@
+"""ROME's base under cameras, on the whole bench: seen, hidden, mistaken, with a wheel that nobody counts."""
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Final
+
+import numpy as np
+
+from emulators.bench import mission as missions
+from emulators.bench.operator import ScriptedOperator
+from emulators.bench.path_error import Followed, path_error
+from emulators.bench.rehearsal import rehearsal_of
+from emulators.rig import Rig
+from firmware_bridge.drivers.shield.fleet import over_protocol
+from firmware_bridge.kinds import find
+from firmware_bridge.motion.captured import Source
+
+GUIDED_S: Final = 3.0
+STANDS_MPS: Final = 0.005
+CIRCLE: Final = """
+title = "circle"
+duration_s = 60.0
+{more}
+[[step]]
+at_s = 2.5
+title = "arm"
+arm = true
+[[step]]
+at_s = 3.0
+title = "go"
+guide = "circle"
+"""
+HIDDEN: Final = '[[fault]]\nkind = "body_hidden"\nat_s = {at}\nuntil_s = {until}\n'
+SWAPPED: Final = '[[fault]]\nkind = "markers_swapped"\nat_s = {at}\nuntil_s = {until}\n'
+
+
+@contextmanager
+def circling(name: str, more: str = "", protocol: str | None = None) -> Iterator[Rig]:
+    """A rig on which a guide drives the circle."""
+    robot = over_protocol(find(name), protocol)
+    rehearsal = rehearsal_of(robot)
+    script = missions.parse(CIRCLE.format(more=more), "story.toml", robot, rehearsal)
+    operator = ScriptedOperator(robot, rehearsal, script, np.random.default_rng(0))
+    rig = Rig(script.on(robot), rehearsal, operator, faults=script.fault)
+    try:
+        yield rig
+    finally:
+        rig.finish()
+
+
+def source(rig: Rig) -> Source:
+    """By what the base's place is known."""
+    located = rig.bridge.seen.located
+    assert located is not None
+    return located.source
+
+
+def off_m(rig: Rig) -> float:
+    """How far the bridge's pose is from the truth; at the circle's speed it is 55 ms old at most."""
+    pose, row = rig.bridge.seen.pose, rig.samples[-1]
+    return math.hypot(pose.x_m - row["x_m"], pose.y_m - row["y_m"])
+
+
+def speed(rig: Rig) -> float:
+    row = rig.samples[-1]
+    return math.hypot(row["speed_mps"], row["speed_left_mps"])
+
+
+def holds(rig: Rig) -> dict[str, str]:
+    return {hold.name: hold.reason for hold in rig.bridge.holds}
+
+
+def error_m(rig: Rig) -> float:
+    """The largest distance from the circle at the same instant."""
+    path = rehearsal_of(rig.robot).paths["circle"](rig.robot)
+    found = path_error(rig.samples, [Followed(GUIDED_S, path)], 2.0).same_instant
+    assert found is not None
+    return found
+
+
+def test_on_the_rough_floor_cameras_keep_it_nearer_to_the_path_than_odometry_does() -> None:
+    floor = missions.find("floor", find("rome"), rehearsal_of(find("rome"))).plant
+    more = f"plant = {{ {', '.join(f'{name} = {value}' for name, value in floor.items())} }}\n"
+    errors = {}
+    for name in ("rome", "rome+cameras"):
+        with circling(name, more) as rig:
+            rig.runs(13.0)
+            errors[name] = error_m(rig)
+            assert rig.guard.refused == 0
+    assert errors["rome+cameras"] < 0.015
+    assert errors["rome"] > 2.0 * errors["rome+cameras"]
+
+
+def test_two_encoders_and_cameras_drive_the_circle_as_three_do() -> None:
+    for protocol in ("mw", "arduinoio", "firmata"):
+        with circling("rome+cameras", protocol=protocol) as rig:
+            rig.runs(9.0)
+            assert error_m(rig) < 0.015, protocol
+            assert rig.guard.refused == 0
+
+
+def test_hidden_for_a_second_it_goes_on_and_for_long_it_stops_and_takes_up_again() -> None:
+    faults = HIDDEN.format(at=5.0, until=6.0) + HIDDEN.format(at=7.0, until=11.0)
+    with circling("rome+cameras", faults) as rig:
+        rig.runs(5.8)
+        assert source(rig) is Source.ODOMETRY
+        assert speed(rig) > 0.2
+        assert off_m(rig) < 0.02
+        rig.runs(1.0)
+        assert source(rig) is Source.CAPTURED
+        rig.runs(4.0)
+        assert source(rig) is Source.LOST
+        assert speed(rig) < STANDS_MPS
+        assert holds(rig)["pose lost"].startswith("the place is off by 0.05")
+        assert holds(rig)["pose lost"].endswith(" m at most without the cameras: they do not see it")
+        assert rig.bridge.seen.facts.armed
+        rig.runs(2.5)
+        assert source(rig) is Source.CAPTURED
+        assert "pose lost" not in holds(rig)
+        assert speed(rig) > 0.2
+        assert off_m(rig) < 0.02
+
+
+def test_markers_taken_for_others_never_move_the_base_and_stop_it_in_the_end() -> None:
+    with circling("rome+cameras", SWAPPED.format(at=5.0, until=8.5)) as rig:
+        rig.runs(5.0)
+        while rig.bridge.seen.facts.now < 8_400_000_000:
+            rig.runs(0.2)
+            assert off_m(rig) < 0.02
+        assert holds(rig)["pose lost"].endswith("they show it 0.30 m and 180 degrees off")
+        assert speed(rig) < STANDS_MPS
+        rig.runs(1.6)
+        assert source(rig) is Source.CAPTURED
+        assert speed(rig) > 0.2
+
+
+def test_a_wheel_that_nobody_counts_and_that_stands_is_seen_and_the_base_stops() -> None:
+    fault = '[[fault]]\nkind = "motor_cable_off"\nnode = "three"\nat_s = 4.5\n'
+    with circling("rome+cameras", fault, "arduinoio") as rig:
+        rig.runs(4.5)
+        assert holds(rig).keys() <= {"acceleration limit"}
+        rig.runs(1.7)
+        assert "base slips" in holds(rig)
+        assert not rig.bridge.seen.facts.armed
+        assert speed(rig) < 2.0 * STANDS_MPS

@@ -1,0 +1,52 @@
+"""Whose pose the robot's is: the cameras', carried on by odometry, or odometry's alone."""
+
+from firmware_bridge.bridge.locating import Locating
+from firmware_bridge.drivers.driver import Reading, SeenPose
+from firmware_bridge.kinds import find
+from firmware_bridge.motion.captured import Source
+from firmware_bridge.motion.pose import Pose
+from firmware_bridge.units import MILLISECOND, Nanoseconds
+
+CYCLE = 50 * MILLISECOND
+
+
+def shown(x: float, y: float, at: Nanoseconds) -> dict[str, Reading]:
+    """What the cameras tell of a robot that looks along x there."""
+    return {"place": Reading(0.0, at, at, SeenPose((x, y, 0.1), (0.0, 0.0, 0.0, 1.0), 0.0, 0))}
+
+
+def source(locating: Locating) -> Source | None:
+    """By what its place is known; None where there are no cameras."""
+    return None if locating.located is None else locating.located.source
+
+
+def test_without_cameras_it_is_odometrys_and_begins_where_it_is_told_to() -> None:
+    locating = Locating(find("rome"))
+    locating.rolled(Pose(0.3, 0.1, 0.2), CYCLE, shown(5.0, 5.0, CYCLE))
+    assert (locating.pose, locating.located) == (Pose(0.3, 0.1, 0.2), None)
+    locating.interrupted()
+    assert locating.pose == Pose(0.3, 0.1, 0.2)
+    assert locating.begin_anew() == "the present place is the origin"
+    assert locating.pose == Pose()
+
+
+def test_with_cameras_it_is_theirs_carried_on_by_what_is_rolled() -> None:
+    locating = Locating(find("rome+cameras"))
+    locating.rolled(Pose(), 0, {})
+    assert source(locating) is Source.UNSEEN
+    locating.rolled(Pose(), CYCLE, shown(2.0, -1.0, CYCLE))
+    locating.rolled(Pose(0.02, 0.01, 0.0), 2 * CYCLE, shown(2.0, -1.0, CYCLE))
+    assert locating.pose == Pose(2.02, -0.99, 0.0)
+    assert source(locating) is Source.CAPTURED
+
+
+def test_elsewhere_it_is_believed_when_somebody_says_so_or_what_was_rolled_is_not_known() -> None:
+    for anew in (Locating.begin_anew, Locating.interrupted):
+        locating = Locating(find("rome+cameras"))
+        locating.rolled(Pose(), CYCLE, shown(2.0, -1.0, CYCLE))
+        locating.rolled(Pose(), 2 * CYCLE, shown(4.0, 4.0, 2 * CYCLE))
+        assert locating.pose == Pose(2.0, -1.0, 0.0)
+        anew(locating)
+        assert source(locating) is Source.UNSEEN
+        locating.rolled(Pose(), 3 * CYCLE, shown(4.0, 4.0, 3 * CYCLE))
+        assert locating.pose == Pose(4.0, 4.0, 0.0)
