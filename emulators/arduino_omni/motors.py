@@ -1,7 +1,8 @@
 """The motors on the shield's terminals and their encoders: volts out, shafts' angles back as counts.
 
 The plant moves in ticks of 100 us. A motor that conducts gets the mean voltage of its PWM period, less what
-the half bridge drops at the current of the tick before.
+the half bridge drops at the current of the tick before. While nothing is broken and the plant is an FMU, the
+ticks are run by `emulators.servo.terminals`, to the same bits.
 
 Sources: TB6612FNG data sheet for what conducts; community figures of the interrupts' load, about 100 kHz.
 Where they are silent:
@@ -21,10 +22,11 @@ from typing import Final
 
 from emulators.arduino_omni.mega.pins import ENCODER_PINS, Shafts
 from emulators.arduino_omni.shield.motor_shield import PORTS, MotorShield
-from emulators.arduino_omni.shield.tb6612 import COAST, COUNTS, Output, Thermal, limited
+from emulators.arduino_omni.shield.tb6612 import COAST, COUNTS, ON_RESISTANCE, Output, Thermal, limited
 from emulators.servo.axis import TICK
 from emulators.servo.motor import DcMotor, DcMotors
 from emulators.servo.seam import WIDEST_ANGLE, Plant, no_measurement
+from emulators.servo.terminals import Wired, terminals
 from firmware_bridge.units import MICROSECOND, Nanoseconds
 
 SUPPLY_V: Final = 12.0
@@ -116,6 +118,20 @@ class Motors(Shafts):
         self._seen = min(len(wiring), len(load.names))
         self._places = self._counts()
         self._shown = self._places
+        self._native: Final = terminals(
+            load.plant,
+            Wired(
+                load.names,
+                load.torque_constants,
+                self._seen,
+                COUNTS,
+                ON_RESISTANCE,
+                load.supply,
+                supply,
+                self._scale,
+                EDGES_A_TICK,
+            ),
+        )
 
     @property
     def now(self) -> Nanoseconds:
@@ -169,8 +185,23 @@ class Motors(Shafts):
                 self._ticks = until
                 if self.faults.warms:
                     self._warm()
+            if self._native is not None and not self.faults:
+                self._run_native(outputs, until)
             while self._ticks < until:
                 self._tick(outputs)
+
+    def _run_native(self, outputs: Sequence[Output], until: int) -> None:
+        assert self._native is not None  # noqa: S101 - for the type checker: asked before
+        self._native.told(
+            [it.cw - it.ccw for it in outputs],
+            [it.cw + it.ccw + it.brake for it in outputs],
+            [it.open for it in outputs],
+        )
+        self._places = self._shown = list(self._places)
+        try:
+            self._native.run(self._ticks, until, self._places, self.edges)
+        finally:
+            self._ticks = self._native.tick
 
     def _still(self, outputs: Sequence[Output]) -> bool:
         """Tell whether nothing will change: all stands, and nobody drives."""
