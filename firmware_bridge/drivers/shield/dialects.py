@@ -121,12 +121,12 @@ class Ros(Dialect):
         """Tell all speeds, also where they are the same: the board stops when it hears nothing."""
         del ways
         speeds = tuple(wanted[motor.port] for motor in self.motors)
-        yield self._say("speeds", "m", speeds, answer=4, writes=CHANNELS * len(speeds))
+        return iter((self._say("speeds", "m", speeds, answer=4, writes=CHANNELS * len(speeds)),))
 
     def release(self, motors: Iterable[int]) -> Iterator[Say]:
         """Tell speed 0, which releases all motors."""
         del motors
-        yield from self.drive(dict.fromkeys((motor.port for motor in self.motors), 0), {})
+        return self.drive(dict.fromkeys((motor.port for motor in self.motors), 0), {})
 
 
 class ArduinoIo(Dialect):
