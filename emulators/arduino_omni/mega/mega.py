@@ -14,7 +14,7 @@ Where they are silent:
 
 from collections import deque
 from collections.abc import Callable, Iterable
-from typing import Final, Protocol
+from typing import Final, Protocol, runtime_checkable
 
 from emulators.arduino_omni.mega.clock import Clock
 from emulators.arduino_omni.mega.jobs import Call, Job, OnBus, Pause, Say
@@ -50,6 +50,15 @@ class Sketch(Protocol):
 
     def due(self, now: Nanoseconds) -> Nanoseconds:
         """Return when to call `loop` though nothing has arrived, later than the last call; or NEVER."""
+
+
+@runtime_checkable
+class ReadsLines(Protocol):
+    """A sketch that only remembers what it reads, until a line ends."""
+
+    @property
+    def line_ends(self) -> frozenset[int]:
+        """What ends one."""
 
 
 class Mega:
@@ -96,6 +105,11 @@ class Mega:
     def sketch(self) -> Sketch | None:
         """What runs; None in the boot loader."""
         return self._sketch
+
+    @property
+    def stirred_by(self) -> frozenset[int] | None:
+        """Bytes that somebody may notice at once; None: any byte may be one."""
+        return self._sketch.line_ends if isinstance(self._sketch, ReadsLines) else None
 
     # For sketches
 
