@@ -26,7 +26,7 @@ from emulators.arduino_omni.shield.tb6612 import COAST, COUNTS, ON_RESISTANCE, O
 from emulators.servo.axis import TICK
 from emulators.servo.motor import DcMotor, DcMotors
 from emulators.servo.seam import WIDEST_ANGLE, Plant, no_measurement
-from emulators.servo.terminals import Wired, terminals
+from emulators.servo.terminals import Terminals, Wired, terminals
 from firmware_bridge.units import MICROSECOND, Nanoseconds
 
 SUPPLY_V: Final = 12.0
@@ -118,6 +118,9 @@ class Motors(Shafts):
         self._seen = min(len(wiring), len(load.names))
         self._places = self._counts()
         self._shown = self._places
+        self._changes = -1
+        """How often the chip's outputs had changed when `_native` was told of them, and whether it ran."""
+        self._ran = False
         self._native: Final = terminals(
             load.plant,
             Wired(
@@ -176,32 +179,35 @@ class Motors(Shafts):
 
     def advance(self, now: Nanoseconds) -> None:
         """Turn them up to `now`, in whole ticks, by what the shield has been told so far."""
-        last = now // TICK
+        last, chip = now // TICK, self._shield.chip
         while self._ticks < last:
             at = self._ticks * TICK
-            outputs = [self._shield.output(port, at) for port in PORTS[: len(self._load.names)]]
-            until = min(last, -(-self._shield.chip.next_change(at) // TICK))
+            until = min(last, -(-chip.next_change(at) // TICK))
+            if self._native is not None and not self.faults:
+                self._run_native(self._native, at, until)
+                continue
+            outputs = self._outputs(at)
             if self._load.rests and self._still(outputs):
                 self._ticks = until
                 if self.faults.warms:
                     self._warm()
-            if self._native is not None and not self.faults:
-                self._run_native(outputs, until)
             while self._ticks < until:
                 self._tick(outputs)
 
-    def _run_native(self, outputs: Sequence[Output], until: int) -> None:
-        assert self._native is not None  # noqa: S101 - for the type checker: asked before
-        self._native.told(
-            [it.cw - it.ccw for it in outputs],
-            [it.cw + it.ccw + it.brake for it in outputs],
-            [it.open for it in outputs],
-        )
-        self._places = self._shown = list(self._places)
+    def _outputs(self, at: Nanoseconds) -> list[Output]:
+        return [self._shield.output(port, at) for port in PORTS[: len(self._load.names)]]
+
+    def _run_native(self, native: Terminals, at: Nanoseconds, until: int) -> None:
+        chip = self._shield.chip
+        changes, runs = chip.changes, chip.runs(at)
+        if changes != self._changes or runs != self._ran:
+            self._changes, self._ran = changes, runs
+            native.tell(self._outputs(at))
+        self._shown = self._places
         try:
-            self._native.run(self._ticks, until, self._places, self.edges)
+            native.run(self._ticks, until, self._places, self.edges)
         finally:
-            self._ticks = self._native.tick
+            self._ticks = native.tick
 
     def _still(self, outputs: Sequence[Output]) -> bool:
         """Tell whether nothing will change: all stands, and nobody drives."""

@@ -7,7 +7,7 @@ library, or something at the motors is broken. It refuses to know chips, boards 
 import ctypes
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Final
+from typing import ClassVar, Final, Protocol
 
 from emulators.servo.kernel import ACTIONS, Ended, NativePlant, choose
 from emulators.servo.seam import Plant, no_measurement
@@ -45,6 +45,19 @@ class TerminalsRecord(ctypes.Structure):
         ("fault_status", ctypes.c_int64),
         ("fault_value", ctypes.c_double),
     ]
+
+
+class HalfBridge(Protocol):
+    """How a PWM period is shared out, in counts: forwards, backwards, shorted, open."""
+
+    @property
+    def cw(self) -> int: ...
+    @property
+    def ccw(self) -> int: ...
+    @property
+    def brake(self) -> int: ...
+    @property
+    def open(self) -> int: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,11 +111,11 @@ class Terminals:
         self._run: Final = run
         self._address: Final = ctypes.addressof(self._record)
 
-    def told(self, driven: Sequence[int], conducting: Sequence[int], opened: Sequence[int]) -> None:
-        """Take what the half bridges do from here on, motor by motor, in counts of a PWM period."""
-        self._driven[:] = driven
-        self._conducting[:] = conducting
-        self._open[:] = opened
+    def tell(self, bridges: Sequence[HalfBridge]) -> None:
+        """Take what the half bridges do from here on, motor by motor."""
+        self._driven[:] = [it.cw - it.ccw for it in bridges]
+        self._conducting[:] = [it.cw + it.ccw + it.brake for it in bridges]
+        self._open[:] = [it.open for it in bridges]
 
     @property
     def tick(self) -> int:

@@ -86,6 +86,8 @@ class Mega:
         self.clock = Clock(0)
         self.resets = 0
         """Times that it has started."""
+        self.stirred_by: frozenset[int] | None = None
+        """Bytes that somebody may notice at once; None: any byte may be one."""
         self._make: Final = sketch
         self._sketch: Sketch | None = None
         self._boot: Final = boot
@@ -105,11 +107,6 @@ class Mega:
     def sketch(self) -> Sketch | None:
         """What runs; None in the boot loader."""
         return self._sketch
-
-    @property
-    def stirred_by(self) -> frozenset[int] | None:
-        """Bytes that somebody may notice at once; None: any byte may be one."""
-        return self._sketch.line_ends if isinstance(self._sketch, ReadsLines) else None
 
     # For sketches
 
@@ -132,6 +129,7 @@ class Mega:
         self._jobs.clear()
         self._running = None
         self._sketch = None
+        self.stirred_by = None
         self._free_at = now
         self._starts_at = NEVER if self._held else now + self._boot
         self._powered = True
@@ -190,6 +188,7 @@ class Mega:
         self._free_at = at
         self.clock = Clock(at)
         self._sketch = self._make(self)
+        self.stirred_by = self._sketch.line_ends if isinstance(self._sketch, ReadsLines) else None
         self._sketch.setup()
 
     def _loop(self, sketch: Sketch, at: Nanoseconds) -> None:

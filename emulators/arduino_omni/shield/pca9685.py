@@ -108,6 +108,8 @@ class Pca9685:
         self._reset_due = False
         self._channel_written = False
         self._awake_at: Nanoseconds = NEVER
+        self.changes = 0
+        """Times that what the outputs go by may have changed."""
         self.power_on()
 
     def power_on(self) -> None:
@@ -120,6 +122,7 @@ class Pca9685:
         self._held = self._channel_written = self._reset_due = False
         self._awake_at = NEVER
         self._latched[:] = self._registers[:LED_END]
+        self.changes += 1
 
     # What others see
 
@@ -219,6 +222,7 @@ class Pca9685:
         self._take()
 
     def _take(self) -> None:
+        self.changes += 1
         self._latched[:] = self._registers[:LED_END]
         if self._channel_written:
             self._channel_written = False
@@ -250,6 +254,7 @@ class Pca9685:
         self._channel_written = True
 
     def _set_mode1(self, byte: int, at: Nanoseconds) -> None:
+        self.changes += 1
         before = self._registers[MODE1]
         sticky = before & EXTCLK or (byte & EXTCLK if before & SLEEP and byte & SLEEP else 0)
         self._registers[MODE1] = byte & ~(RESTART | EXTCLK) | sticky
