@@ -1,10 +1,10 @@
-"""How much faster than real time ROME's circle runs, with cameras at 240 Hz and without, beside RARS's circles.
+"""How much faster than real time ROME's circle runs, with cameras at 240 Hz or none, beside RARS's circles.
 
 Usage: python -m benchmarks.rome [SECONDS]    simulated time; 30 by default.
 
-The board speaks ros_arduino_bridge. Times are the processor's, the fastest of some runs; the robots take turns,
-so that a ratio compares the same minute. With the core compiled the same is measured once more by an
-interpreter, as it stands in this checkout. The shares come from a run with stop-watches in it, which is slower.
+The board speaks ros_arduino_bridge. Times are the processor's, the fastest of some runs; the robots take
+turns, so that a ratio compares the same minute. With the core compiled the same is measured once more by an
+interpreter, as it stands in this checkout. The shares come from a run with stop-watches, which is slower.
 """
 
 import json
@@ -90,9 +90,13 @@ def times(simulated_s: float) -> list[float]:
 def interpreted(simulated_s: float) -> list[float]:
     """Return the same times by the same Python, with the core as it stands in this checkout."""
     checkout = Path(__file__).parents[1]
-    words = [sys.executable, "-c", f"import json; from benchmarks.rome import *; print(json.dumps(times({simulated_s})))"]
+    call = f"import json; from benchmarks.rome import *; print(json.dumps(times({simulated_s})))"
     told = subprocess.run(  # noqa: S603 - this file, by this interpreter
-        words, env=os.environ | {"PYTHONPATH": str(checkout)}, capture_output=True, text=True, check=True
+        [sys.executable, "-c", call],
+        env=os.environ | {"PYTHONPATH": str(checkout)},
+        capture_output=True,
+        text=True,
+        check=True,
     )
     found: list[float] = json.loads(told.stdout)
     return found
@@ -118,8 +122,9 @@ def main(simulated_s: float) -> int:
     kept = told(simulated_s, times(simulated_s), compiled=COMPILED)
     if COMPILED:
         kept = told(simulated_s, interpreted(simulated_s), compiled=False) and kept
-    parts = {BRIDGE: "bridge", OPERATOR_STATION: "operator", "board": "board", "cameras of cameras": "cameras"}
     watched = rig(captured=True)
+    parts = {BRIDGE: "bridge", OPERATOR_STATION: "operator", "board": "board"}
+    parts |= {f"cameras of {name}": "cameras" for name in watched.captures}
     whole, watches = split(watched, simulated_s, parts)
     watched.finish()
     print_rows(whole, rows_of(whole, watches, simulated_s))

@@ -121,7 +121,7 @@ class UsbBoard:
                 self.mega.advance(others)
 
     def _take(self, at: Nanoseconds, until: Nanoseconds) -> None:
-        """Take the byte that comes at an instant, and those up to another before which nothing else happens."""
+        """Take the byte that comes `at` an instant, and those `until` something else happens."""
         if self._flush and self._flush_at == NEVER:
             since = at - self._powered_at
             self._flush_at = self._powered_at + (since // self._flush + 1) * self._flush

@@ -48,16 +48,23 @@ class TerminalsRecord(ctypes.Structure):
 
 
 class HalfBridge(Protocol):
-    """How a PWM period is shared out, in counts: forwards, backwards, shorted, open."""
+    """How a PWM period is shared out, in counts."""
 
     @property
-    def cw(self) -> int: ...
+    def cw(self) -> int:
+        """Forwards."""
+
     @property
-    def ccw(self) -> int: ...
+    def ccw(self) -> int:
+        """Backwards."""
+
     @property
-    def brake(self) -> int: ...
+    def brake(self) -> int:
+        """Shorted."""
+
     @property
-    def open(self) -> int: ...
+    def open(self) -> int:
+        """Free."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,8 +136,8 @@ class Terminals:
         """
         record = self._record
         record.tick = tick
-        self._places[:] = places
-        self._edges[:] = edges
+        self._places[:] = tuple(places)
+        self._edges[:] = tuple(edges)
         ended = self._run(self._address, last)
         places[:] = self._places
         edges[:] = self._edges

@@ -100,7 +100,7 @@ class Uart:
         return bytes(out)
 
     def leaves_at(self, place: int = 0) -> Nanoseconds:
-        """When the next byte will have left, or the one so many places behind it; NEVER where there is none."""
+        """Return when the next byte will have left, or one so many places behind it; NEVER for none."""
         return self._sent[place][0] if place < len(self._sent) else NEVER
 
     def _leaves(self, count: int) -> Nanoseconds:

@@ -82,7 +82,7 @@ def wave(on: int, off: int) -> Wave:
 
 
 def driven(registers: bytes, mode2: int, *, runs: bool) -> Wave:
-    """Return what a channel's pin does by its four registers, in this MODE2, while the oscillator runs or not."""
+    """Return what a channel's pin does by its four registers and MODE2; `runs`: the oscillator does."""
     if not mode2 & OUTDRV:  # open drain: it can pull down, and so does the gate
         return LOW
     on_low, on_high, off_low, off_high = registers

@@ -115,7 +115,10 @@ class Watched(Host):
 
 
 # Half lines, more than a ring holds, more than the host waits for, silence until the auto-stop, and a reset.
-SAID = (b"m 60 -", b"60 40\re\r", b"z\r" * 20, b"x" * 90, b"\re\rb", b"\r\r", b"u 30:20:1:50\re\r" * 4, b"", b"e\r")
+SAID = (
+    *(b"m 60 -", b"60 40\re\r", b"z\r" * 20, b"x" * 90, b"\re\rb", b"\r\r"),
+    *(b"u 30:20:1:50\re\r" * 4, b"", b"e\r"),
+)
 
 
 def test_a_host_hears_the_same_at_the_same_time_whoever_looks_at_the_board() -> None:
