@@ -136,8 +136,8 @@ class Terminals:
         """
         record = self._record
         record.tick = tick
-        self._places[:] = tuple(places)
-        self._edges[:] = tuple(edges)
+        self._places[:] = [*places]
+        self._edges[:] = [*edges]
         ended = self._run(self._address, last)
         places[:] = self._places
         edges[:] = self._edges
