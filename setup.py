@@ -26,6 +26,7 @@ MYPYC: Final = "mypy[mypyc]>=2.4,<3"
 WAY_OF_A_PACKET: Final = (
     "emulators/arduino_omni/*.py",
     "emulators/arduino_omni/*/*.py",
+    "emulators/bench/adapter.py",
     "emulators/bench/controls.py",
     "emulators/bench/operator.py",
     "emulators/bench/orders.py",
@@ -37,6 +38,7 @@ WAY_OF_A_PACKET: Final = (
     "emulators/servo/bank.py",
     "emulators/servo/motor.py",
     "emulators/servo/scaling.py",
+    "emulators/shield_bank.py",
     "emulators/trace.py",
     "emulators/wires/*.py",
     "emulators/world.py",

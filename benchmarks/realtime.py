@@ -13,7 +13,7 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -112,32 +112,45 @@ class Watched:
         self.advance = watches.around("servo", physics.advance)
 
 
-def split(simulated_s: float) -> tuple[float, StopWatches]:
-    """Return the seconds of a watched run, and its watches: one for each part that the world calls."""
-    watched, watches = rig(), StopWatches()
+def split(watched: Rig, simulated_s: float, parts: Mapping[str, str]) -> tuple[float, StopWatches]:
+    """Return the seconds of a watched run, and its watches: one for each part, by the nodes' names."""
+    watches = StopWatches()
     inner: Any = watched.world
     inner._physics = Watched(inner._physics, watches)  # noqa: SLF001 - a watch must sit where nothing else does
-    parts = {BRIDGE: "bridge", OPERATOR_STATION: "operator"}
     for name, station in inner._stations.items():  # noqa: SLF001
         for call in ("receive", "wake"):
             setattr(station, call, watches.around(parts.get(name, "drives"), getattr(station, call)))
-    whole = seconds_of(lambda: watched.run(from_seconds(simulated_s)))
-    watched.finish()
-    return whole, watches
+    return seconds_of(lambda: watched.run(from_seconds(simulated_s))), watches
 
 
-def print_split(simulated_s: float) -> None:
-    """Print one row for each part, the largest first."""
-    whole, watches = split(simulated_s)
-    ticks = round(from_seconds(simulated_s) / TICK)
-    plant = min(plant_seconds_per_tick() * ticks, watches.seconds["servo"])
+Rows = dict[str, tuple[float, int, str]]
+
+
+def rows_of(whole: float, watches: StopWatches, simulated_s: float) -> Rows:
+    """Return seconds, count and unit of each part, and of what has no watch."""
     rows = {part: (taken, watches.calls[part], "calls") for part, taken in watches.seconds.items()}
     rows["bus, links and world"] = (whole - sum(watches.seconds.values()), round(simulated_s * 1000), "ms")
-    rows["plant"] = (plant, ticks, "ticks")
-    rows["servo kernel"] = (rows.pop("servo")[0] - plant, ticks, "ticks")
+    return rows
+
+
+def print_rows(whole: float, rows: Rows) -> None:
+    """Print one row for each part, the largest first."""
     for part, (taken, count, unit) in sorted(rows.items(), key=lambda row: -row[1][0]):
         each = 1e6 * taken / max(count, 1)
         print(f"  {part:24s}{100.0 * taken / whole:5.1f} %   {count} {unit} of {each:.2f} us")
+
+
+def print_split(simulated_s: float) -> None:
+    """Print where the time goes, the plant's share of the physics by itself."""
+    watched = rig()
+    whole, watches = split(watched, simulated_s, {BRIDGE: "bridge", OPERATOR_STATION: "operator"})
+    watched.finish()
+    ticks = round(from_seconds(simulated_s) / TICK)
+    plant = min(plant_seconds_per_tick() * ticks, watches.seconds["servo"])
+    rows = rows_of(whole, watches, simulated_s)
+    rows["plant"] = (plant, ticks, "ticks")
+    rows["servo kernel"] = (rows.pop("servo")[0] - plant, ticks, "ticks")
+    print_rows(whole, rows)
 
 
 def interpreted(simulated_s: float) -> float:

@@ -96,6 +96,10 @@ class Board:
         )
         self._usb: Final = UsbBoard(self.mega)
 
+    def reset(self, now: Nanoseconds) -> None:
+        """Press the board's button."""
+        self._usb.reset(now)
+
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Take a chunk from the host, or what became of DTR."""
         return self._moved(self._usb.receive(packet, now), now)

@@ -1,7 +1,8 @@
 """The motors on the shield's terminals and their encoders: volts out, shafts' angles back as counts.
 
 The plant moves in ticks of 100 us. A motor that conducts gets the mean voltage of its PWM period, less what
-the half bridge drops at the current of the tick before.
+the half bridge drops at the current of the tick before. While nothing is broken and the plant is an FMU, the
+ticks are run by `emulators.servo.terminals`, to the same bits.
 
 Sources: TB6612FNG data sheet for what conducts; community figures of the interrupts' load, about 100 kHz.
 Where they are silent:
@@ -21,10 +22,11 @@ from typing import Final
 
 from emulators.arduino_omni.mega.pins import ENCODER_PINS, Shafts
 from emulators.arduino_omni.shield.motor_shield import PORTS, MotorShield
-from emulators.arduino_omni.shield.tb6612 import COAST, COUNTS, Output, Thermal, limited
+from emulators.arduino_omni.shield.tb6612 import COAST, COUNTS, ON_RESISTANCE, Output, Thermal, limited
 from emulators.servo.axis import TICK
 from emulators.servo.motor import DcMotor, DcMotors
 from emulators.servo.seam import WIDEST_ANGLE, Plant, no_measurement
+from emulators.servo.terminals import Terminals, Wired, terminals
 from firmware_bridge.units import MICROSECOND, Nanoseconds
 
 SUPPLY_V: Final = 12.0
@@ -116,6 +118,23 @@ class Motors(Shafts):
         self._seen = min(len(wiring), len(load.names))
         self._places = self._counts()
         self._shown = self._places
+        self._changes = -1
+        """How often the chip's outputs had changed when `_native` was told of them, and whether it ran."""
+        self._ran = False
+        self._native: Final = terminals(
+            load.plant,
+            Wired(
+                load.names,
+                load.torque_constants,
+                self._seen,
+                COUNTS,
+                ON_RESISTANCE,
+                load.supply,
+                supply,
+                self._scale,
+                EDGES_A_TICK,
+            ),
+        )
 
     @property
     def now(self) -> Nanoseconds:
@@ -160,17 +179,35 @@ class Motors(Shafts):
 
     def advance(self, now: Nanoseconds) -> None:
         """Turn them up to `now`, in whole ticks, by what the shield has been told so far."""
-        last = now // TICK
+        last, chip = now // TICK, self._shield.chip
         while self._ticks < last:
             at = self._ticks * TICK
-            outputs = [self._shield.output(port, at) for port in PORTS[: len(self._load.names)]]
-            until = min(last, -(-self._shield.chip.next_change(at) // TICK))
+            until = min(last, -(-chip.next_change(at) // TICK))
+            if self._native is not None and not self.faults:
+                self._run_native(self._native, at, until)
+                continue
+            outputs = self._outputs(at)
             if self._load.rests and self._still(outputs):
                 self._ticks = until
                 if self.faults.warms:
                     self._warm()
             while self._ticks < until:
                 self._tick(outputs)
+
+    def _outputs(self, at: Nanoseconds) -> list[Output]:
+        return [self._shield.output(port, at) for port in PORTS[: len(self._load.names)]]
+
+    def _run_native(self, native: Terminals, at: Nanoseconds, until: int) -> None:
+        chip = self._shield.chip
+        changes, runs = chip.changes, chip.runs(at)
+        if changes != self._changes or runs != self._ran:
+            self._changes, self._ran = changes, runs
+            native.tell(self._outputs(at))
+        self._shown = self._places
+        try:
+            native.run(self._ticks, until, self._places, self.edges)
+        finally:
+            self._ticks = native.tick
 
     def _still(self, outputs: Sequence[Output]) -> bool:
         """Tell whether nothing will change: all stands, and nobody drives."""

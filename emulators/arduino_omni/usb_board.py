@@ -51,17 +51,22 @@ class UsbBoard:
             risen = packet.address == DTR_UP and not self._dtr
             self._dtr = packet.address == DTR_UP
             if risen:
-                self.mega.reset(now)
+                self.reset(now)
         else:
             self._enqueue(packet.payload, now)
         self._advance(now)
         return self._reaction(now)
 
+    def reset(self, now: Nanoseconds) -> None:
+        """Pull RESET; what has passed by now has passed."""
+        self._advance(now)
+        self.mega.reset(now)
+
     def wake(self, now: Nanoseconds) -> Reaction:
         """Do what is due; the first call switches the board on."""
         if self._powered_at == NEVER:
             self._powered_at = now
-            self.mega.reset(now)
+            self.reset(now)
         self._advance(now)
         return self._reaction(now)
 
@@ -78,34 +83,52 @@ class UsbBoard:
         return self._burst_at + (self._burst + 1) * BITS_PER_BYTE * SECOND // self.mega.baud
 
     @property
-    def _comes_at(self) -> Nanoseconds:
-        """When the board's next byte has reached this chip."""
-        at = self.mega.serial.leaves_at
-        return NEVER if at is None else at
+    def _stirs_at(self) -> Nanoseconds:
+        """When a byte has reached the board's pins of which somebody may notice something."""
+        stirring = self.mega.stirred_by
+        if stirring is None or not self._to_board:
+            return self._passes_at
+        last = len(self._to_board) - 1
+        place = next((it for it, byte in enumerate(self._to_board) if byte in stirring), last)
+        return self._burst_at + (self._burst + place + 1) * BITS_PER_BYTE * SECOND // self.mega.baud
+
+    @property
+    def _hands_over_at(self) -> Nanoseconds:
+        """When the host is given something: those who wait for the timer wait for no byte that has room."""
+        room = NEARLY_FULL - len(self._to_host) if self._flush and self._flush_at != NEVER else 0
+        return min(self._flush_at, self.mega.serial.leaves_at(room))
 
     def _advance(self, now: Nanoseconds) -> None:
-        """Do everything up to `now`, in the order of its instants."""
-        while True:
-            at = min(self._comes_at, self._flush_at, self._passes_at, self.mega.due)
-            if at > now:
-                return
-            if at == self._comes_at:
-                self._take(at)
-            elif at == self._flush_at:
-                self._hand_over()
-            elif at == self._passes_at:
-                self._burst += 1
-                self.mega.hear(self._to_board.popleft(), at)
-            else:
-                self.mega.advance(at)
+        """Do everything up to `now`, in the order of its instants.
 
-    def _take(self, at: Nanoseconds) -> None:
-        self._to_host += self.mega.serial.taken(at)
-        if not self._flush or len(self._to_host) > NEARLY_FULL:
-            self._hand_over()
-        elif self._flush_at == NEVER:
+        It is called where somebody may notice, and not at each byte: what was not noticed is done then.
+        """
+        while True:
+            comes_at, passes_at, due = self.mega.serial.leaves_at(), self._passes_at, self.mega.due
+            others = min(self._flush_at, passes_at, due)
+            if comes_at <= others:
+                if comes_at > now:
+                    return
+                self._take(comes_at, min(others, now))
+            elif others > now:
+                return
+            elif others == self._flush_at:
+                self._hand_over()
+            elif others == passes_at:
+                self._burst += 1
+                self.mega.hear(self._to_board.popleft(), others)
+            else:
+                self.mega.advance(others)
+
+    def _take(self, at: Nanoseconds, until: Nanoseconds) -> None:
+        """Take the byte that comes `at` an instant, and those `until` something else happens."""
+        if self._flush and self._flush_at == NEVER:
             since = at - self._powered_at
             self._flush_at = self._powered_at + (since // self._flush + 1) * self._flush
+        until = min(until, self._flush_at) if self._flush else at
+        self._to_host += self.mega.serial.taken(until, NEARLY_FULL + 1 - len(self._to_host))
+        if not self._flush or len(self._to_host) > NEARLY_FULL:
+            self._hand_over()
 
     def _hand_over(self) -> None:
         self._sent.append(Packet(SERIAL, 0, bytes(self._to_host)))
@@ -115,5 +138,4 @@ class UsbBoard:
     def _reaction(self, now: Nanoseconds) -> Reaction:
         sent = tuple(self._sent)
         self._sent.clear()
-        due = min(self._comes_at, self._flush_at, self._passes_at, self.mega.due)
-        return Reaction(sent, max(now, due))
+        return Reaction(sent, max(now, min(self._hands_over_at, self._stirs_at, self.mega.due)))

@@ -26,6 +26,7 @@ from emulators.servo import (
 from emulators.servo.axis import ServoAxis
 from emulators.servo.kernel import NATIVE_FOLDER, BankRecord, Ended, LineRecord
 from emulators.servo.recorder import Recorder
+from emulators.servo.terminals import TerminalsRecord
 from fmu.calls import PlantRecord
 
 PATH: Final = NATIVE_FOLDER / "record.h"
@@ -105,6 +106,7 @@ def _lines() -> Iterator[str]:
         ("servo_recorder", Recorder),
         ("servo_line", LineRecord),
         ("servo_bank", BankRecord),
+        ("servo_terminals", TerminalsRecord),
     ):
         yield ""
         yield "typedef struct {"

@@ -53,11 +53,12 @@ _QUANTITIES: Final = {
     Ended.PIN: "pin",
     Ended.SENSOR: "sensor",
 }
-_ACTIONS: Final = {
+ACTIONS: Final = {
     Ended.WRITE: "setting the inputs",
     Ended.STEP: "doStep",
     Ended.READ: "reading the outputs",
 }
+"""What a plant was asked to do when it failed."""
 
 
 @runtime_checkable
@@ -147,8 +148,8 @@ def load(path: Path) -> Found:
         library = ctypes.CDLL(str(path))
         library.servo_source.restype = ctypes.c_uint64
         built_from = library.servo_source()
-        run = library.servo_run
-        run.argtypes, run.restype = (ctypes.c_void_p, ctypes.c_int64), ctypes.c_int64
+        for run in (library.servo_run, library.servo_turn):
+            run.argtypes, run.restype = (ctypes.c_void_p, ctypes.c_int64), ctypes.c_int64
     except (OSError, AttributeError) as error:
         return Found(None, f"its kernel cannot be loaded: {error}")
     if built_from != source():
@@ -217,8 +218,8 @@ class Kernel:
 
     def _break_off(self, ended: Ended) -> NoReturn:
         record = self._record
-        if ended in _ACTIONS:
-            self._plant.failed(_ACTIONS[ended], record.fault_status)
+        if ended in ACTIONS:
+            self._plant.failed(ACTIONS[ended], record.fault_status)
         name = self._axes[record.fault_axis].name if record.fault_axis >= 0 else ""
         no_measurement(_QUANTITIES[ended], name, record.fault_value, record.tick)
 

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from firmware_bridge.wire.natnet import frame as frames
 from firmware_bridge.wire.natnet import layout, messages, models
 from firmware_bridge.wire.natnet.frame import Frame, LabelledMarker, RigidBody
+from firmware_bridge.wire.natnet.glance import glance
 from firmware_bridge.wire.natnet.layout import FIRST, LAST, NatNetError, Version
 from firmware_bridge.wire.natnet.messages import Connect, MessageId, ServerInfo, packet, split
 from firmware_bridge.wire.natnet.models import ModelMarker, RigidBodyModel
@@ -55,6 +56,29 @@ def test_a_golden_frame_is_read_and_written(datagram: bytes, version: Version, f
     assert message is MessageId.FRAMEOFDATA
     assert frames.decoded(payload, version) == frame
     assert packet(MessageId.FRAMEOFDATA, frames.encoded(frame, version)) == datagram
+
+
+TWO = (replace(BODY, id=7, params=0), BODY)
+TWICE = (BODY, replace(BODY, mean_error_m=0.5))
+
+
+# A frame in one stroke, and one that only the rows read; a number that two bodies have is the last one's.
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("others", [(), ((0.5, 0.5, 0.5),)])
+@pytest.mark.parametrize("seen", [TWO, TWICE, ()])
+def test_a_glance_sees_what_the_whole_frame_tells(
+    version: Version, others: tuple[frames.Point, ...], seen: tuple[RigidBody, ...]
+) -> None:
+    whole = replace(SEEN, bodies=seen, other_markers=others, params=2, precise=(0, 0))
+    payload = frames.encoded(whole, version)
+    found, frame = glance(payload, version), frames.decoded(payload, version)
+    told = (found.timestamp_s, found.exposed, found.sent, found.params)
+    assert told == (frame.timestamp_s, frame.exposed, frame.sent, frame.params)
+    assert [found.body(number) for number in (1, 7, 8)] == [
+        {body.id: body for body in frame.bodies}.get(number) for number in (1, 7, 8)
+    ]
+    with pytest.raises(NatNetError):
+        glance(payload[:-5], version)
 
 
 @pytest.mark.parametrize("version", [Version(2, 10), Version(3, 1), Version(4, 1)])

@@ -14,7 +14,7 @@ Where they are silent:
 
 from collections import deque
 from collections.abc import Callable, Iterable
-from typing import Final, Protocol
+from typing import Final, Protocol, runtime_checkable
 
 from emulators.arduino_omni.mega.clock import Clock
 from emulators.arduino_omni.mega.jobs import Call, Job, OnBus, Pause, Say
@@ -52,6 +52,15 @@ class Sketch(Protocol):
         """Return when to call `loop` though nothing has arrived, later than the last call; or NEVER."""
 
 
+@runtime_checkable
+class ReadsLines(Protocol):
+    """A sketch that only remembers what it reads, until a line ends."""
+
+    @property
+    def line_ends(self) -> frozenset[int]:
+        """What ends one."""
+
+
 class Mega:
     """One board with its shield."""
 
@@ -77,6 +86,8 @@ class Mega:
         self.clock = Clock(0)
         self.resets = 0
         """Times that it has started."""
+        self.stirred_by: frozenset[int] | None = None
+        """Bytes that somebody may notice at once; None: any byte may be one."""
         self._make: Final = sketch
         self._sketch: Sketch | None = None
         self._boot: Final = boot
@@ -118,6 +129,7 @@ class Mega:
         self._jobs.clear()
         self._running = None
         self._sketch = None
+        self.stirred_by = None
         self._free_at = now
         self._starts_at = NEVER if self._held else now + self._boot
         self._powered = True
@@ -176,6 +188,7 @@ class Mega:
         self._free_at = at
         self.clock = Clock(at)
         self._sketch = self._make(self)
+        self.stirred_by = self._sketch.line_ends if isinstance(self._sketch, ReadsLines) else None
         self._sketch.setup()
 
     def _loop(self, sketch: Sketch, at: Nanoseconds) -> None:

@@ -8,7 +8,7 @@ from collections import deque
 from dataclasses import dataclass
 from typing import Final
 
-from firmware_bridge.units import SECOND, Nanoseconds
+from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
 CLOCK_HZ: Final = 16_000_000
 RING: Final = 63
@@ -92,17 +92,16 @@ class Uart:
             self._sent.append((self._leaves(self._burst), byte))
         return max(now, self._leaves(max(0, self._burst - RING - ON_ITS_WAY)))
 
-    def taken(self, now: Nanoseconds) -> bytes:
-        """Return what has left by now, once."""
+    def taken(self, now: Nanoseconds, most: int | None = None) -> bytes:
+        """Return what has left by now, once, or the first `most` bytes of it."""
         out = bytearray()
-        while self._sent and self._sent[0][0] <= now:
+        while self._sent and self._sent[0][0] <= now and (most is None or len(out) < most):
             out.append(self._sent.popleft()[1])
         return bytes(out)
 
-    @property
-    def leaves_at(self) -> Nanoseconds | None:
-        """When the next byte will have left; None where there is none."""
-        return self._sent[0][0] if self._sent else None
+    def leaves_at(self, place: int = 0) -> Nanoseconds:
+        """Return when the next byte will have left, or one so many places behind it; NEVER for none."""
+        return self._sent[place][0] if place < len(self._sent) else NEVER
 
     def _leaves(self, count: int) -> Nanoseconds:
         # From the start of the burst, so that fractions of a nanosecond do not add up.

@@ -5,10 +5,11 @@ the row CW of the half bridges; which way a motor then turns is its wiring's bus
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from typing import Final
 
-from emulators.arduino_omni.shield.pca9685 import PERIOD_COUNTS, Pca9685, Wave
+from emulators.arduino_omni.shield.pca9685 import PERIOD_COUNTS, Pca9685, Wave, driven
 from emulators.arduino_omni.shield.tb6612 import Bridge, Output, bridge
 from firmware_bridge.units import Nanoseconds
 
@@ -44,6 +45,12 @@ def share(pwm: Wave, in1: Wave, in2: Wave) -> Output:
     return Output(counts[Bridge.CW], counts[Bridge.CCW], counts[Bridge.BRAKE], counts[Bridge.OPEN])
 
 
+# Asked for in every tick that something happens in, and there are few answers: a sign and 256 duties.
+@lru_cache(maxsize=4_096)
+def _shared(pwm: bytes, in1: bytes, in2: bytes, mode2: int, runs: bool) -> Output:  # noqa: FBT001 - a cache's key
+    return share(driven(pwm, mode2, runs=runs), driven(in1, mode2, runs=runs), driven(in2, mode2, runs=runs))
+
+
 class MotorShield:
     """One shield with its jumpers; it has no wire to the board's reset."""
 
@@ -59,4 +66,5 @@ class MotorShield:
     def output(self, port: Port, now: Nanoseconds) -> Output:
         """Return what one motor gets, now."""
         chip = self.chip
-        return share(chip.output(port.pwm, now), chip.output(port.in1, now), chip.output(port.in2, now))
+        pins = (chip.latched(port.pwm), chip.latched(port.in1), chip.latched(port.in2))
+        return _shared(*pins, chip.latched_mode2, chip.runs(now))

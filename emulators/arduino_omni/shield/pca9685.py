@@ -81,6 +81,17 @@ def wave(on: int, off: int) -> Wave:
     return Wave(on, (off - on) % PERIOD_COUNTS)
 
 
+def driven(registers: bytes, mode2: int, *, runs: bool) -> Wave:
+    """Return what a channel's pin does by its four registers and MODE2; `runs`: the oscillator does."""
+    if not mode2 & OUTDRV:  # open drain: it can pull down, and so does the gate
+        return LOW
+    on_low, on_high, off_low, off_high = registers
+    made = wave(on_low | on_high << 8, off_low | off_high << 8) if runs else LOW
+    if mode2 & INVRT:
+        return Wave((made.rises + made.high) % PERIOD_COUNTS, PERIOD_COUNTS - made.high)
+    return made
+
+
 class Pca9685:
     """One chip at its 7-bit address. It knows no motor."""
 
@@ -97,6 +108,8 @@ class Pca9685:
         self._reset_due = False
         self._channel_written = False
         self._awake_at: Nanoseconds = NEVER
+        self.changes = 0
+        """Times that what the outputs go by may have changed."""
         self.power_on()
 
     def power_on(self) -> None:
@@ -109,6 +122,7 @@ class Pca9685:
         self._held = self._channel_written = self._reset_due = False
         self._awake_at = NEVER
         self._latched[:] = self._registers[:LED_END]
+        self.changes += 1
 
     # What others see
 
@@ -138,18 +152,23 @@ class Pca9685:
         due = self._awake_at + STARTS_IN if self._awake_at != NEVER else NEVER
         return due if due > now else NEVER
 
+    def runs(self, now: Nanoseconds) -> bool:
+        """Return whether the channels follow their registers: the oscillator runs, and no RESTART is due."""
+        return not self._held and self._awake_at != NEVER and now >= self._awake_at + STARTS_IN
+
+    def latched(self, channel: int) -> bytes:
+        """Return the four registers by which a channel goes."""
+        at = LED0 + 4 * channel
+        return bytes(self._latched[at : at + 4])
+
+    @property
+    def latched_mode2(self) -> int:
+        """How the pins are driven."""
+        return self._latched[MODE2]
+
     def output(self, channel: int, now: Nanoseconds) -> Wave:
         """Return what the pin of a channel does, from 0 on, as a gate that pulls down at rest sees it."""
-        mode2 = self._latched[MODE2]
-        if not mode2 & OUTDRV:  # open drain: it can pull down, and so does the gate
-            return LOW
-        at = LED0 + 4 * channel
-        on_low, on_high, off_low, off_high = self._latched[at : at + 4]
-        runs = not self._held and self._awake_at != NEVER and now >= self._awake_at + STARTS_IN
-        made = wave(on_low | on_high << 8, off_low | off_high << 8) if runs else LOW
-        if mode2 & INVRT:
-            return Wave((made.rises + made.high) % PERIOD_COUNTS, PERIOD_COUNTS - made.high)
-        return made
+        return driven(self.latched(channel), self.latched_mode2, runs=self.runs(now))
 
         # The bus
 
@@ -203,6 +222,7 @@ class Pca9685:
         self._take()
 
     def _take(self) -> None:
+        self.changes += 1
         self._latched[:] = self._registers[:LED_END]
         if self._channel_written:
             self._channel_written = False
@@ -234,6 +254,7 @@ class Pca9685:
         self._channel_written = True
 
     def _set_mode1(self, byte: int, at: Nanoseconds) -> None:
+        self.changes += 1
         before = self._registers[MODE1]
         sticky = before & EXTCLK or (byte & EXTCLK if before & SLEEP and byte & SLEEP else 0)
         self._registers[MODE1] = byte & ~(RESTART | EXTCLK) | sticky

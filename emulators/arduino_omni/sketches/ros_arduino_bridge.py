@@ -54,6 +54,8 @@ _Handler = Callable[["RosSketch"], None]
 class RosSketch:
     """One run of the sketch; `auto_stop` in ms."""
 
+    line_ends: Final = frozenset({_CR})
+
     def __init__(self, mega: Mega, motors: int = 3, auto_stop: int = AUTO_STOP) -> None:
         self._mega: Final = mega
         self._motors: Final = motors

@@ -57,7 +57,7 @@ class BoardReset(Fault):
         """Pull RESET."""
         del chance
         for board in site.boards.values():
-            board.mega.reset(site.world.now)
+            board.reset(site.world.now)
 
 
 class _OnMotor(Lasting, ABC):

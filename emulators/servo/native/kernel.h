@@ -19,6 +19,9 @@ SERVO_EXPORT uint64_t servo_source(void);
 /* Run ticks up to number `last`, or to the end of the first one with an event. Returns how it ended. */
 SERVO_EXPORT int64_t servo_run(servo_bank *bank, int64_t last);
 
+/* Turn a shield's motors up to tick `last`: emulators/arduino_omni/motors.py is the twin. Returns how it ended. */
+SERVO_EXPORT int64_t servo_turn(servo_terminals *motors, int64_t last);
+
 /* The same millisecond as the twin's: for tests of one axis without a plant. Returns whether it raised an event. */
 SERVO_EXPORT int64_t servo_millisecond(servo_axis *axis, int64_t encoder);
 

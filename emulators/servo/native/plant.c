@@ -49,15 +49,15 @@ int servo_plant_read(const plant_calls *plant, int64_t outputs)
     return ((get_float64)plant->read)(plant->component, plant->output_references, count, plant->outputs, count);
 }
 
-int64_t servo_plant_step(servo_bank *bank, plant_calls *plant)
+int64_t servo_plant_step(plant_calls *plant, int64_t sampled, int64_t *status)
 {
-    bank->fault_status = WARNING + 1;
-    if (!plant->write || (bank->fault_status = plant_write(plant)) > WARNING)
+    *status = WARNING + 1;
+    if (!plant->write || (*status = plant_write(plant)) > WARNING)
         return ENDED_WRITE;
-    if ((bank->fault_status = plant_forward(plant)) > WARNING)
+    if ((*status = plant_forward(plant)) > WARNING)
         return ENDED_STEP;
     plant->steps_done += 1;
-    if ((bank->fault_status = servo_plant_read(plant, bank->sampled)) > WARNING)
+    if ((*status = servo_plant_read(plant, sampled)) > WARNING)
         return ENDED_READ;
     return ENDED_REACHED;
 }

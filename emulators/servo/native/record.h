@@ -339,4 +339,28 @@ typedef struct {
     double fault_value;
 } servo_bank;
 
+typedef struct {
+    int64_t count;
+    int64_t seen;
+    void *driven;
+    void *conducting;
+    void *open;
+    int64_t period;
+    double on_resistance;
+    void *torque_constants;
+    int64_t supply;
+    double constant_supply;
+    int64_t sampled;
+    double counts_per_radian;
+    int64_t most;
+    void *places;
+    void *turned;
+    void *edges;
+    void *plant;
+    int64_t tick;
+    int64_t fault_axis;
+    int64_t fault_status;
+    double fault_value;
+} servo_terminals;
+
 #endif

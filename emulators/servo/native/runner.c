@@ -118,7 +118,7 @@ int64_t servo_run(servo_bank *bank, int64_t last)
             return told;
         if ((ended = tick(bank, outputs, inputs)) != ENDED_REACHED)
             return ended;
-        if ((ended = servo_plant_step(bank, plant)) != ENDED_REACHED)
+        if ((ended = servo_plant_step(plant, bank->sampled, &bank->fault_status)) != ENDED_REACHED)
             return ended;
         bank->tick += 1;
     }

@@ -14,9 +14,9 @@ from firmware_bridge.packet import Packet
 from firmware_bridge.robot.settings.capture import CaptureLink
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds, from_seconds
 from firmware_bridge.wire.internet import same_host
-from firmware_bridge.wire.natnet import frame as frames
 from firmware_bridge.wire.natnet import messages, models
-from firmware_bridge.wire.natnet.frame import BodyFlag, Frame, FrameFlag
+from firmware_bridge.wire.natnet.frame import BodyFlag, FrameFlag
+from firmware_bridge.wire.natnet.glance import Glance, glance
 from firmware_bridge.wire.natnet.layout import V3_0, NatNetError
 from firmware_bridge.wire.natnet.messages import Connect, MessageId, ServerInfo, packet
 
@@ -28,6 +28,8 @@ CONNECT: Final = packet(
     MessageId.CONNECT,
     messages.connect_payload(Connect("firmware-bridge", (1, 0, 0, 0), (4, 4, 0, 0), (0, 0, 0, 0))),
 )
+_MODELS_CHANGED: Final = int(FrameFlag.MODELS_CHANGED)
+_TRACKED: Final = int(BodyFlag.TRACKED)
 _ALIVE: Final = packet(MessageId.KEEPALIVE)
 _WHICH: Final = packet(MessageId.REQUEST_MODELDEF)
 
@@ -107,28 +109,27 @@ class NatNetLink:
             found = models.decoded(payload, self.server.version)
             self._numbers = {name: models.body_named(found, name) for name in self._names()}
         elif message is MessageId.FRAMEOFDATA:
-            frame = frames.decoded(payload, self.server.version)
+            frame = glance(payload, self.server.version)
             self._heard_at = now
             self._look(frame, self.server, now)
-            if frame.params & FrameFlag.MODELS_CHANGED and any(self._names()):
+            if frame.params & _MODELS_CHANGED and any(self._names()):
                 return (self._sent(_WHICH),)
         return ()
 
-    def _look(self, frame: Frame, server: ServerInfo, now: Nanoseconds) -> None:
+    def _look(self, frame: Glance, server: ServerInfo, now: Nanoseconds) -> None:
         """Look for the bodies in a frame."""
         at = self._exposed_at(frame, server, now)
-        seen = {body.id: body for body in frame.bodies}
         for one in self._bodies:
             wanted = one.settings.body
-            body = seen.get(self._numbers.get(wanted, -1) if isinstance(wanted, str) else wanted)
+            body = frame.body(self._numbers.get(wanted, -1) if isinstance(wanted, str) else wanted)
             if body is None:
                 one.missed(Sighting.ABSENT)
-            elif not body.params & BodyFlag.TRACKED:
+            elif not body.params & _TRACKED:
                 one.missed(Sighting.LOST)
             else:
                 one.seen(body.position, body.attitude, body.mean_error_m, at, now)
 
-    def _exposed_at(self, frame: Frame, server: ServerInfo, now: Nanoseconds) -> Nanoseconds:
+    def _exposed_at(self, frame: Glance, server: ServerInfo, now: Nanoseconds) -> Nanoseconds:
         """Return the middle of the exposure by our clock; what no stamp tells is the robot file's."""
         if server.version >= V3_0 and server.ticks_per_s > 0 and frame.sent:
             left = self._clock.left_at(frame.sent * SECOND // server.ticks_per_s, now)

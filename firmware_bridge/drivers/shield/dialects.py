@@ -120,11 +120,11 @@ class Ros(Dialect):
     def drive(self, wanted: Mapping[int, int], _ways: Mapping[int, int]) -> Iterator[Say]:
         """Tell all speeds, also where they are the same: the board stops when it hears nothing."""
         speeds = tuple(wanted[motor.port] for motor in self.motors)
-        yield self._say("speeds", "m", speeds, answer=4, writes=CHANNELS * len(speeds))
+        return iter((self._say("speeds", "m", speeds, answer=4, writes=CHANNELS * len(speeds)),))
 
     def release(self, _motors: Iterable[int]) -> Iterator[Say]:
         """Tell speed 0, which releases all motors."""
-        yield from self.drive(dict.fromkeys((motor.port for motor in self.motors), 0), {})
+        return self.drive(dict.fromkeys((motor.port for motor in self.motors), 0), {})
 
 
 class ArduinoIo(Dialect):

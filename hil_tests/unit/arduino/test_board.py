@@ -11,7 +11,7 @@ from emulators.boards import fmu_load
 from firmware_bridge.cli import program
 from firmware_bridge.node import DTR_UP, SERIAL
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds
 from fmu.build import ensure
 from fmu.errors import PlantError
 from fmu.plant import FmuPlant
@@ -97,6 +97,43 @@ def test_a_machine_that_was_busy_changes_nothing_on_the_board() -> None:
         late.board.wake(late.now)
     assert list(late.board.motors.angles) == list(prompt.board.motors.angles)
     assert late.board.motors.edges == prompt.board.motors.edges != [0, 0, 0]
+
+
+class Watched(Host):
+    """Woken every so often besides, as by somebody who looks at each byte."""
+
+    def __init__(self, every: Nanoseconds) -> None:
+        self.every = SECOND
+        self.told: list[tuple[Nanoseconds, bytes]] = []
+        super().__init__("ros-arduino-bridge", auto_stop=120)
+        self.told.clear()
+        self.every = every
+
+    def _take(self, reaction: Reaction) -> None:
+        self.told += [(self.now, packet.payload) for packet in reaction.sent]
+        super()._take(Reaction(reaction.sent, min(reaction.wake_at, self.now + self.every)))
+
+
+# Half lines, more than a ring holds, more than the host waits for, silence until the auto-stop, and a reset.
+SAID = (
+    *(b"m 60 -", b"60 40\re\r", b"z\r" * 20, b"x" * 90, b"\re\rb", b"\r\r"),
+    *(b"u 30:20:1:50\re\r" * 4, b"", b"e\r"),
+)
+
+
+def test_a_host_hears_the_same_at_the_same_time_whoever_looks_at_the_board() -> None:
+    seldom, often = Watched(SECOND), Watched(79 * MICROSECOND)
+    for it in (seldom, often):
+        for said in SAID:
+            it.send(said)
+            it.run(70 * MILLISECOND + 1_234)
+        it.board.reset(it.now)
+        it.run(1_200 * MILLISECOND)
+        it.send(b"m 9 9 9\re\r")
+        it.run(50 * MILLISECOND)
+    assert len(seldom.told) > 12
+    assert seldom.told == often.told
+    assert list(seldom.board.motors.angles) == list(often.board.motors.angles)
 
 
 def test_auto_stop_stops_the_motor_after_its_time_and_not_before() -> None:

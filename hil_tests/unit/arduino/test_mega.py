@@ -53,7 +53,7 @@ def test_bytes_leave_one_after_the_other_and_write_waits_for_room() -> None:
     uart = Uart(1_000_000)  # 10 us a byte
     assert uart.write(bytes(65), 100) == 100
     assert uart.write(b"x", 100) == 100 + 10 * MICROSECOND
-    assert uart.leaves_at == 100 + 10 * MICROSECOND
+    assert uart.leaves_at() == 100 + 10 * MICROSECOND
     assert len(uart.taken(100 + 20 * MICROSECOND)) == 2
     assert len(uart.taken(NEVER)) == 64
 
