@@ -77,7 +77,7 @@ def test_emulate_serves_the_cameras_beside_the_drives(
     sent: list[Packet] = []
     opened: dict[str, Any] = {}
 
-    def carried(node: Node, openers: Mapping[str, Any], *_rest: object) -> None:
+    def carried(node: Node, openers: Mapping[str, Any], *_rest: object, **_named: object) -> None:
         opened.update(openers)
         node.wake(0)
         sent.extend(node.receive(Packet("cameras commands", 99, packet(MessageId.CONNECT)), 0).sent)
