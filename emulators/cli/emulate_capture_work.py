@@ -13,6 +13,7 @@ from emulators.motion_capture.system import COMMAND, DATA, MotionCapture, Timing
 from firmware_bridge.cli.console import one_message, refusal
 from firmware_bridge.cli.options import until
 from firmware_bridge.cli.real_time import carry
+from firmware_bridge.shell.clock import LivedClock
 from firmware_bridge.shell.ports import PortError, UdpPort
 from firmware_bridge.units import Nanoseconds, from_seconds
 from firmware_bridge.wire.natnet.layout import NatNetError, Version
@@ -48,6 +49,7 @@ def emulate(given: CaptureOptions) -> None:
         until(given.duration),
         f"NatNet {system.server.version} at {given.host}:{command.port}, frames from port {data.port}:"
         f" {', '.join(f'{body.id} {body.name}' for body in bodies)}",
+        clock=LivedClock(),
     )
 
 

@@ -65,6 +65,7 @@ def emulate_board(machine: AnyRobot, given: RobotOptions) -> None:
             f"{machine.name} is on {where}: {table.protocol.value}, {table.counted} encoders{stock}",
             PlantError,
             ServoError,
+            clock=LivedClock(),
         )
 
 

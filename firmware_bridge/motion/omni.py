@@ -14,7 +14,7 @@ from typing import Final, NamedTuple
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.units import Nanoseconds, to_seconds
 
-ANGLES: Final = (0.0, 2.0 * math.pi / 3.0, 4.0 * math.pi / 3.0)
+ANGLES: Final[tuple[float, ...]] = (0.0, 2.0 * math.pi / 3.0, 4.0 * math.pi / 3.0)
 """Where the wheels stand."""
 _STRAIGHT_RAD: Final = 1e-6
 

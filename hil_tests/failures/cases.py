@@ -353,6 +353,10 @@ ELSEWHERE: Final = {
     "bridge_ends": "the rows of the program",
     "second_bridge": "a story",
     "second_station": "a story",
+    **dict.fromkeys(
+        ("board_silent", "board_reset", "motor_cable_off", "encoder_cable_off"), "ROME's stories"
+    ),
+    **dict.fromkeys(("body_hidden", "markers_swapped"), "stories of robots that cameras see"),
     "stray_frames": "a story: another master",
     "datagram_doubled": "nothing has to stop: a command counts once",
     "index_missing": "nothing has to stop: no drive of RARS watches the index",

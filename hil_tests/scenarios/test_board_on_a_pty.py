@@ -27,6 +27,7 @@ def ask(text):
     return line.readline().strip()
 while ask(b"b") != b"57600":  # the boot loader is deaf
     line.reset_input_buffer()
+line.timeout = 20  # a busy machine
 assert ask(b"m 20 0 -20") == b"OK"
 for _ in range(200):
     counts = [int(it) for it in ask(b"e").split()]
@@ -49,11 +50,13 @@ ask("5A 08 00 81 02 00 00 60 40 06 CF")  # a shield
 ask("5A 06 00 82 02 02 00 00 74")  # motor 1
 ask("5A 07 00 86 03 01 00 02 03 6A")  # encoder 0 on pins 2 and 3
 ask("5A 08 00 83 02 03 00 00 7F 01 F0")  # 127 forwards
+line.timeout = 20  # a busy machine
 for _ in range(200):
     count, at, wraps = struct.unpack("<iIb", ask("5A 06 00 87 03 04 00 00 6C"))
     if count > 100:
         break
     time.sleep(0.05)
+line.timeout = 0.3
 ask("5A 06 00 85 02 04 00 00 6F")  # released
 print(count, 0, -count)
 """
@@ -77,7 +80,7 @@ def emulated(link: Path, *words: str) -> Iterator["subprocess.Popen[str]"]:
         yield process
     finally:
         process.kill()
-        process.wait()
+        process.communicate()
 
 
 @pytest.mark.timeout(120)

@@ -15,6 +15,7 @@ from firmware_bridge.node import Node
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import RobotFileError
 from firmware_bridge.robot.settings.capture import CaptureBody, CaptureDriver
+from firmware_bridge.shell.clock import Clock, LivedClock
 from firmware_bridge.units import MILLISECOND
 from firmware_bridge.wire.internet import number_of
 from firmware_bridge.wire.natnet import messages
@@ -77,7 +78,8 @@ def test_emulate_serves_the_cameras_beside_the_drives(
     sent: list[Packet] = []
     opened: dict[str, Any] = {}
 
-    def carried(node: Node, openers: Mapping[str, Any], *_rest: object, **_named: object) -> None:
+    def carried(node: Node, openers: Mapping[str, Any], *_rest: object, clock: Clock) -> None:
+        assert isinstance(clock, LivedClock)
         opened.update(openers)
         node.wake(0)
         sent.extend(node.receive(Packet("cameras commands", 99, packet(MessageId.CONNECT)), 0).sent)
@@ -102,7 +104,8 @@ def test_emulate_serves_the_cameras_beside_a_board(tmp_path: Path, monkeypatch: 
     path.write_text(text, encoding="utf-8")
     sent: list[Packet] = []
 
-    def carried(node: Node, openers: Mapping[str, Any], *_rest: object) -> None:
+    def carried(node: Node, openers: Mapping[str, Any], *_rest: object, clock: Clock) -> None:
+        assert isinstance(clock, LivedClock)
         assert set(openers) == {"serial", "cameras commands", "cameras frames"}
         node.wake(0)
         node.receive(Packet("cameras commands", 99, packet(MessageId.CONNECT)), 0)
