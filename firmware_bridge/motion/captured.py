@@ -102,7 +102,7 @@ class Captured:
         self._believed_at: Nanoseconds = 0
         self._newest_at: Nanoseconds = -1
         """What the newest captured pose showed."""
-        self._slip = (0.0, 0.0)
+        self._slip: tuple[float, ...] = (0.0, 0.0)
         """m/s in the cameras' axes."""
         self._way_m = 0.0
         """Rolled since the anchor."""
@@ -180,7 +180,7 @@ class Captured:
         refused = self.located.refused + 1
         self.located = replace(self.located, off_m=off_m, off_rad=off_rad, refused=refused)
 
-    def _slipped(self, off: tuple[float, float], elapsed: Nanoseconds) -> tuple[float, float]:
+    def _slipped(self, off: tuple[float, float], elapsed: Nanoseconds) -> tuple[float, ...]:
         """Return the mean slip after so much of it in a time."""
         seconds = to_seconds(elapsed)
         share = -math.expm1(-elapsed / SLIPS_OVER)
