@@ -68,7 +68,7 @@ class Mega:
     ) -> None:
         """Flash a sketch; `others` are further chips on the bus, `boot` is how long the loader is deaf.
 
-        `line_ends`: the sketch only remembers what it reads until one of these comes; None: it may do anything.
+        `line_ends`: until one of these comes the sketch only remembers what it reads; None: it may do more.
 
         `shafts` are brought up to each instant at which the board does something.
         """
