@@ -14,7 +14,7 @@ from emulators.arduino_omni.shield.motor_shield import MotorShield
 from emulators.arduino_omni.sketches.arduinoio import ArduinoIoSketch
 from emulators.arduino_omni.sketches.firmata import FirmataSketch
 from emulators.arduino_omni.sketches.mw import MwSketch
-from emulators.arduino_omni.sketches.ros_arduino_bridge import AUTO_STOP, RosSketch
+from emulators.arduino_omni.sketches.ros_arduino_bridge import AUTO_STOP, LINE_ENDS, RosSketch
 from emulators.arduino_omni.usb_board import UsbBoard
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, Nanoseconds
@@ -37,6 +37,8 @@ class Firmware:
     make: Callable[[Mega, int, int], Sketch]
     auto_stop: int | None = None
     """ms without a command until it stops; None: it runs on."""
+    line_ends: frozenset[int] | None = None
+    """Bytes at which it does something of what it has read; None: any byte."""
 
 
 FIRMWARES: Final[Mapping[str, Firmware]] = MappingProxyType(
@@ -55,6 +57,7 @@ FIRMWARES: Final[Mapping[str, Firmware]] = MappingProxyType(
             frozenset({2}),
             RosSketch,
             AUTO_STOP,
+            LINE_ENDS,
         ),
         "arduinoio": Firmware(
             "ArduinoIO",
@@ -92,7 +95,11 @@ class Board:
         shield = MotorShield()
         self.motors: Final = Motors(shield, load, supply=supply)
         self.mega: Final = Mega(
-            lambda mega: firmware.make(mega, count, stop), firmware.baud, shield, shafts=self.motors
+            lambda mega: firmware.make(mega, count, stop),
+            firmware.baud,
+            shield,
+            shafts=self.motors,
+            line_ends=firmware.line_ends,
         )
         self._usb: Final = UsbBoard(self.mega)
 

@@ -14,7 +14,7 @@ Where they are silent:
 
 from collections import deque
 from collections.abc import Callable, Iterable
-from typing import Final, Protocol, runtime_checkable
+from typing import Final, Protocol
 
 from emulators.arduino_omni.mega.clock import Clock
 from emulators.arduino_omni.mega.jobs import Call, Job, OnBus, Pause, Say
@@ -52,15 +52,6 @@ class Sketch(Protocol):
         """Return when to call `loop` though nothing has arrived, later than the last call; or NEVER."""
 
 
-@runtime_checkable
-class ReadsLines(Protocol):
-    """A sketch that only remembers what it reads, until a line ends."""
-
-    @property
-    def line_ends(self) -> frozenset[int]:
-        """What ends one."""
-
-
 class Mega:
     """One board with its shield."""
 
@@ -73,8 +64,11 @@ class Mega:
         shafts: Shafts | None = None,
         others: tuple[Chip, ...] = (),
         boot: Nanoseconds = BOOT,
+        line_ends: frozenset[int] | None = None,
     ) -> None:
         """Flash a sketch; `others` are further chips on the bus, `boot` is how long the loader is deaf.
+
+        `line_ends`: until one of these comes the sketch only remembers what it reads; None: it may do more.
 
         `shafts` are brought up to each instant at which the board does something.
         """
@@ -86,11 +80,10 @@ class Mega:
         self.clock = Clock(0)
         self.resets = 0
         """Times that it has started."""
-        self.stirred_by: frozenset[int] | None = None
-        """Bytes that somebody may notice at once; None: any byte may be one."""
         self._make: Final = sketch
         self._sketch: Sketch | None = None
         self._boot: Final = boot
+        self._line_ends: Final = line_ends
         self._starts_at: Nanoseconds = NEVER
         self._jobs: deque[Job] = deque()
         self._running: OnBus | None = None
@@ -107,6 +100,11 @@ class Mega:
     def sketch(self) -> Sketch | None:
         """What runs; None in the boot loader."""
         return self._sketch
+
+    @property
+    def stirred_by(self) -> frozenset[int] | None:
+        """Bytes that somebody may notice at once; None: any byte may be one."""
+        return None if self._sketch is None else self._line_ends
 
     # For sketches
 
@@ -129,7 +127,6 @@ class Mega:
         self._jobs.clear()
         self._running = None
         self._sketch = None
-        self.stirred_by = None
         self._free_at = now
         self._starts_at = NEVER if self._held else now + self._boot
         self._powered = True
@@ -188,7 +185,6 @@ class Mega:
         self._free_at = at
         self.clock = Clock(at)
         self._sketch = self._make(self)
-        self.stirred_by = self._sketch.line_ends if isinstance(self._sketch, ReadsLines) else None
         self._sketch.setup()
 
     def _loop(self, sketch: Sketch, at: Nanoseconds) -> None:

@@ -47,14 +47,13 @@ NO_ECHO: Final[Nanoseconds] = SECOND
 """pulseIn's default."""
 GAINS: Final = 4
 _CR: Final = 0x0D
+LINE_ENDS: Final = frozenset({_CR})
 _SPACE: Final = 0x20
 _Handler = Callable[["RosSketch"], None]
 
 
 class RosSketch:
     """One run of the sketch; `auto_stop` in ms."""
-
-    line_ends: Final = frozenset({_CR})
 
     def __init__(self, mega: Mega, motors: int = 3, auto_stop: int = AUTO_STOP) -> None:
         self._mega: Final = mega
