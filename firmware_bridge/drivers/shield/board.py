@@ -30,6 +30,9 @@ RESTORING: Final = (Task.IDENTIFY, Task.CONFIGURE)
 FOUND: Final = (Task.FIND, *RESTORING)
 
 
+_LETTING_GO: Final = (Task.LEAVE, Task.DISABLE)
+
+
 class Board:
     """A `firmware_bridge.drivers.fleet.Link`."""
 
@@ -205,8 +208,12 @@ class Board:
         """Return what is to be said next."""
         self._tries = 0
         say = self._waiting.take(quiet=self.clock < self._quiet_at)
-        silent = say is not None and say.reads is None and self._waiting.part is Part.TASK
-        if silent and not self._waiting.advance():
+        if say is None or self._waiting.part is not Part.TASK:
+            return say
+        if say.reads is not None:
+            if self.under_way[0] in _LETTING_GO:  # all words that release have gone
+                self._note_released(self.motors)
+        elif not self._waiting.advance():
             self._close_task()
         return say
 
@@ -359,7 +366,6 @@ class Board:
         for motor in self.motors:
             motor.enabled, motor.demand = False, Stop.POWER_OFF
         yield from self._dialect.release(motor.number for motor in self.motors)
-        self._note_released(self.motors)
         yield self._dialect.find()
 
     def _close_task(self) -> None:

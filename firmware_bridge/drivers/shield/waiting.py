@@ -1,7 +1,7 @@
 """What waits to be said to a board, the most urgent first: motion, questions of a cycle, a task's words."""
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterable
 from enum import Enum
 from typing import Final
 
@@ -24,7 +24,7 @@ class Waiting:
         """What the newest word belongs to."""
         self.motion: Final[deque[Say]] = deque()
         self.samples: Final[deque[Say]] = deque()
-        self._script: Iterator[Say] = iter(())
+        self._script: deque[Say] = deque()
         self._next: Say | None = None
 
     @property
@@ -37,19 +37,20 @@ class Waiting:
         """Whether a task's word waits."""
         return self._next is not None
 
-    def begin(self, script: Iterator[Say]) -> bool:
+    def begin(self, script: Iterable[Say]) -> bool:
         """Say a task's words; return whether there is one."""
-        self._script = script
+        self._script = deque(script)
         return self.advance()
 
     def advance(self) -> bool:
         """Go on to a task's next word; return whether there is one."""
-        self._next = next(self._script, None)
+        self._next = self._script.popleft() if self._script else None
         return self._next is not None
 
     def end(self) -> None:
         """Say nothing more of a task."""
-        self._script, self._next = iter(()), None
+        self._script.clear()
+        self._next = None
 
     def drop(self) -> None:
         """Forget what is no task's."""
