@@ -28,8 +28,6 @@ BEATS: Final[Nanoseconds] = 1_000 * MILLISECOND
 """No firmware watches for one; what keeps a board from stopping is each speed that it is told."""
 RESTORING: Final = (Task.IDENTIFY, Task.CONFIGURE)
 FOUND: Final = (Task.FIND, *RESTORING)
-
-
 _LETTING_GO: Final = (Task.LEAVE, Task.DISABLE)
 
 
@@ -58,7 +56,7 @@ class Board:
         self._silent_after: Final = table.silent_ms * MILLISECOND
         self._patience: Final = table.answers_within_ms * MILLISECOND
         self._boots: Final = table.boots_within_ms * MILLISECOND
-        self._gone = False
+        self._gone = self._dirty = self._set_up_once = False
         self._heard_at: Nanoseconds = NEVER_HEARD
         self._question: Say | None = None
         self._asked_at: Nanoseconds = 0
@@ -67,14 +65,12 @@ class Board:
         self._questions = 0
         """Asked so far."""
         self._waiting: Final = Waiting()
-        self._dirty = False
         self._begun: tuple[tuple[Task, ...], Nanoseconds] | None = None
         self._boots_until: Nanoseconds = 0
         self._starts_until: Nanoseconds = NEVER
         self._quiet_at: Nanoseconds = 0
         """When set-up goes on, unless the board says something before."""
         self._cycle_at: Nanoseconds = NEVER_HEARD
-        self._set_up_once = False
         self._restores = False
         """Whether the tasks under way are its own: nobody has asked for them."""
         self._scripts: Final[Mapping[Task, Callable[[], Iterator[Say] | None]]] = {
@@ -210,11 +206,10 @@ class Board:
         say = self._waiting.take(quiet=self.clock < self._quiet_at)
         if say is None or self._waiting.part is not Part.TASK:
             return say
-        if say.reads is not None:
-            if self.under_way[0] in _LETTING_GO:  # all words that release have gone
-                self._note_released(self.motors)
-        elif not self._waiting.advance():
+        if say.reads is None and not self._waiting.advance():
             self._close_task()
+        elif say.reads is not None and self.under_way[0] in _LETTING_GO:  # all that releases has been said
+            self._note_released(self.motors)
         return say
 
     def _said(self, say: Say, now: Nanoseconds) -> Packet:
