@@ -185,8 +185,6 @@ class Guarded:
 
     def _across_all(self, axes: tuple[InForce, ...]) -> tuple[AxesRule, ...]:
         """Return the rules over any of these axes, each once."""
-        if len(axes) == 1:
-            return self._across_of[axes[0].axis.name]
         return tuple(rule for rule in self._across if any(axis in rule.axes for axis in axes))
 
     def _joined(self, axes: Iterable[InForce]) -> tuple[Packet, ...]:

@@ -26,6 +26,7 @@ def test_a_quarter_circle_ends_where_it_should() -> None:
 @given(st.floats(-1, 1), st.floats(-1, 1), st.integers(2, 40))
 def test_an_arc_in_pieces_is_the_same_arc(left: float, right: float, pieces: int) -> None:
     pose = Pose()
+    assert (pose.x_m, pose.y_m, pose.heading_rad) == (0.0, 0.0, 0.0)
     for _ in range(pieces):
         pose = moved(pose, left / pieces, right / pieces, 0.4)
     whole = moved(Pose(), left, right, 0.4)
