@@ -63,7 +63,6 @@ class Board:
         self._until: Nanoseconds = NEVER
         self._tries = 0
         self._questions = 0
-        """Asked so far."""
         self._waiting: Final = Waiting()
         self._begun: tuple[tuple[Task, ...], Nanoseconds] | None = None
         self._boots_until: Nanoseconds = 0
@@ -204,13 +203,16 @@ class Board:
         """Return what is to be said next."""
         self._tries = 0
         say = self._waiting.take(quiet=self.clock < self._quiet_at)
-        if say is None or self._waiting.part is not Part.TASK:
-            return say
-        if say.reads is None and not self._waiting.advance():
-            self._close_task()
-        elif say.reads is not None and self.under_way[0] in _LETTING_GO:  # all that releases has been said
-            self._note_released(self.motors)
+        if say is not None and say.reads is None and self._waiting.part is Part.TASK:
+            self._advance()
         return say
+
+    def _advance(self) -> None:
+        """Go on to the next word of the task under way, or to the next task."""
+        if not self._waiting.advance():
+            self._close_task()
+        elif self._waiting.last and self.under_way[0] in _LETTING_GO:
+            self._note_released(self.motors)
 
     def _said(self, say: Say, now: Nanoseconds) -> Packet:
         self.commands += 1
@@ -268,8 +270,7 @@ class Board:
             return
         self._count(question, numbers)
         if self._waiting.part is Part.TASK:
-            if not self._waiting.advance():
-                self._close_task()
+            self._advance()
         elif not self.configured:
             self._restore()
         elif self._waiting.part is Part.SAMPLE:
@@ -318,8 +319,6 @@ class Board:
         self._fail(f"no answer to '{question.what}'")
         return ()
 
-    # Tasks
-
     def _open_task(self) -> tuple[Packet, ...]:
         """Begin the first of the tasks that are left; return what goes before its words."""
         if not self.under_way:
@@ -331,8 +330,9 @@ class Board:
             pulse = (Packet(self.name, DTR_DOWN, b""), Packet(self.name, DTR_UP, b""))
         opens = self._scripts.get(task)
         script = iter(()) if opens is None else opens()
-        if script is not None and not self._waiting.begin(script):
-            self._close_task()
+        if script is not None:
+            self._waiting.begin(script)
+            self._advance()
         return pulse
 
     def _find(self) -> Iterator[Say]:

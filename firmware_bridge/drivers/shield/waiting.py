@@ -37,10 +37,14 @@ class Waiting:
         """Whether a task's word waits."""
         return self._next is not None
 
-    def begin(self, script: Iterable[Say]) -> bool:
-        """Say a task's words; return whether there is one."""
-        self._script = deque(script)
-        return self.advance()
+    @property
+    def last(self) -> bool:
+        """Whether a task's last word waits: all before it was said, and answered where that was asked for."""
+        return self._next is not None and not self._script
+
+    def begin(self, script: Iterable[Say]) -> None:
+        """Have a task's words waiting; the first is reached by `advance`."""
+        self._script, self._next = deque(script), None
 
     def advance(self) -> bool:
         """Go on to a task's next word; return whether there is one."""
