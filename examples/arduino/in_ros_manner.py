@@ -5,7 +5,7 @@ Usage: python in_ros_manner.py PORT [TICKS] [SECONDS]
 For a board with the ros_arduino_bridge sketch, extended to three wheels; TICKS are an encoder's in a
 thirtieth of a second. Nothing but pyserial is needed. Without a board:
 
-    firmware-bridge emulate board --firmware ros-arduino-bridge --encoders 3 --serial-link /tmp/board
+    firmware-bridge emulate board --firmware ros-arduino-bridge --encoders 3 --serial-link board.tty
 """
 
 import sys

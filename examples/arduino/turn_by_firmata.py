@@ -4,7 +4,7 @@ Usage: python turn_by_firmata.py PORT [COUNTS]
 
 For a board with ConfigurableFirmata. Without a board:
 
-    firmware-bridge emulate board --firmware firmata --encoders 2 --serial-link /tmp/board
+    firmware-bridge emulate board --firmware firmata --encoders 2 --serial-link board.tty
 """
 
 import sys
