@@ -20,6 +20,11 @@ OVERSPEED: Final = 1.15
 """How much faster than the fastest set-point a motor may be told to run before its drive clips."""
 USABLE_SPEED: Final = 0.85
 """Of a motor's no-load speed: the rest is for load and a battery that is not full."""
+ROLLS: Final = 0.010
+"""Resistance over load, the castors': the plant's wheels roll at half of it."""
+FRICTION_MARGIN: Final = 1.15
+"""Of the current that friction may hold, over what motor and floor are worked out to take."""
+GRAVITY: Final = 9.81
 INPUT_V: Final = 5.0
 """Of the drive's analogue input, full scale."""
 
@@ -69,6 +74,7 @@ def worked_out(told: Specification) -> dict[str, str]:
     gains = velocity_gains(motor, inertia, told.voltage_v)
     count = 1000.0 * math.tau / (4 * told.encoder_lines)
     continuous_ma = round(1000.0 * motor.continuous_current_a)
+    rolling = ROLLS * GRAVITY * told.mass_kg / 2.0 * radius / gear / motor.torque_constant_nm_a
     numbers: dict[str, object] = {
         "name": told.name,
         "Name": told.name.capitalize(),
@@ -99,6 +105,7 @@ def worked_out(told: Specification) -> dict[str, str]:
         "encoder_lines": told.encoder_lines,
         "continuous_ma": continuous_ma,
         "peak_ma": 2 * continuous_ma,
+        "friction": f"{FRICTION_MARGIN * (motor.no_load_current_a + rolling):.2g}",
         "velocity_rpm": math.ceil(TOP_MARGIN * fastest * gear * RPM),
         "max_velocity_rpm": math.ceil(OVERSPEED * fastest * gear * RPM),
         "profile_rpm_s": round(PROFILE_SHARE * rim),

@@ -1,6 +1,7 @@
 """`new`: from nothing to a driven robot in three commands; what it writes, and what it refuses."""
 
 import ast
+import math
 import os
 import resource
 import subprocess
@@ -11,6 +12,7 @@ from pathlib import Path
 from typing import Final
 
 import pytest
+from carrier.plant import PLANT
 from typer.testing import CliRunner
 
 from emulators.starter.motors import MOTORS
@@ -19,6 +21,7 @@ from emulators.starter.package import written
 from emulators.starter.tuning import velocity_gains
 from firmware_bridge.cli import program
 from firmware_bridge.kinds import find
+from firmware_bridge.robot.model import Unpowered
 
 ROOT: Final = Path(__file__).parents[2]
 PRODUCT: Final = ("firmware_bridge", "emulators", "fmu", "examples")
@@ -147,6 +150,19 @@ def test_the_rule_for_gains_gives_those_that_rars_was_tuned_to() -> None:
     assert gains.velocity_i == pytest.approx(tuned.velocity_i, rel=0.10)
     assert gains.velocity_feedforward == pytest.approx(tuned.velocity_feedforward, rel=0.01)
     assert gains.acceleration_feedforward == pytest.approx(tuned.acceleration_feedforward, rel=0.10)
+
+
+def test_the_friction_that_it_writes_is_more_than_its_plant_has_and_less_than_a_slope() -> None:
+    """What stands still on 3 degrees would move without power: that current must not pass for friction."""
+    axis, motor = find("carrier").axis("left_wheel"), MOTORS["RE40"]
+    plant = {parameter.name: parameter.start for parameter in PLANT.parameters}
+    half = CARRIER.mass_kg * 9.81 / 2.0
+    a_newton = CARRIER.wheel_radius_m / axis.ratio / motor.torque_constant_nm_a
+    rolls = half * max(plant["rolling_resistance"], plant["castor_resistance"]) * a_newton
+    slope = half * math.sin(math.radians(3.0)) * a_newton
+    assert motor.no_load_current_a + rolls < axis.friction < slope
+    assert axis.stands_with == "base"
+    assert axis.unpowered is Unpowered.FREE
 
 
 @pytest.mark.parametrize(
