@@ -24,9 +24,9 @@ drives each row again, to the millimetre.
 No wire leads from the board's reset to the shield: the motors run on as they were told while a board boots,
 and to set it up releases them. The cycle's next question keeps the boot loader of a Mega that was reset, for
 as long as somebody speaks; a board that hangs looks the same. So both are told to release, are reset, and
-hear nothing until the firmware must run. The auto-stop of ros_arduino_bridge hangs with its sketch, and counts
-only where the line is cut; there a board without one **runs on** until the line is back: keep a hardware
-switch within reach."""
+hear nothing until the firmware must run. The auto-stop of ros_arduino_bridge hangs with its sketch, and
+counts only where the line is cut; there a board without one **runs on** until the line is back: keep a
+hardware switch within reach."""
 HEADINGS: Final = ("what fails", *FULL)
 
 
