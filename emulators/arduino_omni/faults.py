@@ -89,7 +89,7 @@ ROWS: Final[tuple[BoardFault, ...]] = (
     ),
     *(
         BoardFault(
-            f"blocked-{motor + 1}", f"the wheel of the motor at {port.name} is blocked", _blocked(motor)
+            f"blocked-{motor + 1}", f"the shaft of the motor at {port.name} is blocked", _blocked(motor)
         )
         for motor, port in enumerate(PORTS)
     ),

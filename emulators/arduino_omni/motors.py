@@ -38,7 +38,7 @@ MOTOR: Final = DcMotor(
 )
 """At each of the four terminals, where there is no plant."""
 BLOCKED: Final = 20.0
-"""N m at a wheel that is blocked: some four times what a motor of 12 V and 17 W does behind its gear."""
+"""N m that hold what is blocked: some four times what a motor of 12 V and 17 W does behind its gear."""
 CHANNELS_A_CHIP: Final = 2
 EDGE: Final[Nanoseconds] = 10 * MICROSECOND
 EDGES_A_TICK: Final = TICK // EDGE
@@ -59,7 +59,7 @@ class Load:
     """Whether a plant in which nothing turns and nobody drives stays as it is."""
     counts_per_turn: int = COUNTS_PER_TURN
     holds: Callable[[int, float], None] | None = None
-    """Have something rub at a motor's wheel, N m, from 0 on; None: this plant cannot."""
+    """Have something rub at a motor's shaft behind its gear, N m, from 0 on; None: this plant cannot."""
 
 
 def four_motors(motor: DcMotor = MOTOR) -> Load:
@@ -175,7 +175,7 @@ class Motors(Shafts):
         return self._constant_supply if place is None else self._plant.outputs[place : place + 1][0]
 
     def block(self, motor: int, *, blocked: bool) -> None:
-        """Let something hold a motor's wheel, or let it go; PlantError where the plant has no way for it."""
+        """Let something hold a motor's shaft, or let it go; PlantError where the plant has no way for it."""
         if self._load.holds is None:
             raise PlantError(f"the plant has no input held_{self._load.names[motor]}: nothing can hold it")
         self._load.holds(motor, BLOCKED if blocked else 0.0)

@@ -360,7 +360,7 @@ ELSEWHERE: Final = {
             "board_hangs",
             "motor_cable_off",
             "encoder_cable_off",
-            "wheel_blocked",
+            "shaft_blocked",
         ),
         "ROME's stories",
     ),

@@ -87,10 +87,10 @@ class _OnMotor(Lasting, ABC):
                 yield site.boards[axis.link].motors, axis.shield.port - 1
 
 
-class WheelBlocked(_OnMotor):
-    """Something holds a wheel."""
+class ShaftBlocked(_OnMotor):
+    """Something holds a motor's shaft."""
 
-    kind: ClassVar = "wheel_blocked"
+    kind: ClassVar = "shaft_blocked"
 
     def put_on(self, site: Site, chance: Generator) -> None:
         """Let it begin; PlantError where the plant has no such input."""

@@ -235,11 +235,11 @@ _ROWS: Final = (
         "A board: as with `board_silent`, but the auto-stop hangs, too, and a reset frees it.",
     ),
     Kind(
-        board.WheelBlocked,
-        "Something holds a wheel: a cable, a threshold, a hand. The others push on.",
+        board.ShaftBlocked,
+        "Something holds what the motor turns: a cable, a threshold, a hand. The others push on.",
         "A board: notices nothing; a loop of speeds on it drives harder and harder. The bridge holds"
         " `axis position repeats` and `axis does not follow`.",
-        "the wheel",
+        "the shaft",
     ),
     Kind(
         board.MotorCableOff,

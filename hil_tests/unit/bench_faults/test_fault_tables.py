@@ -18,7 +18,7 @@ SERIAL = over_serial(RARS)
 ROME = kinds.find("rome")
 ON_A_BOARD = (
     *("board_silent", "board_reset", "board_hangs"),
-    *("wheel_blocked", "motor_cable_off", "encoder_cable_off"),
+    *("shaft_blocked", "motor_cable_off", "encoder_cable_off"),
 )
 HEAD = 'title = "t"\nduration_s = 10.0\n[[step]]\nat_s = 1.0\ntitle = "s"\narm = true\n'
 LEAST = {
@@ -45,7 +45,7 @@ LEAST = {
     "index_spurious": 'node = "left"',
     "datagram_late": "by_ms = 100.0",
     "motor_cable_off": 'node = "two"',
-    "wheel_blocked": 'node = "two"',
+    "shaft_blocked": 'node = "two"',
     "encoder_cable_off": 'node = "two"',
 }
 """What a kind needs beside its instant."""
