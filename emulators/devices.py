@@ -1,6 +1,6 @@
 """The emulated half of a robot: its drives and the plant below them, for the bench and for a real bus."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
@@ -15,7 +15,7 @@ from emulators.epos2.objects.saved_parameters import Storage
 from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, plant_outputs
-from emulators.servo.fmu_axes import fmu_bank, fmu_plant, tell_motor
+from emulators.servo.fmu_axes import HELD, fmu_bank, fmu_plant, tell_motor
 from emulators.servo.pins import SWITCHES, input_lines
 from emulators.shield_bank import ShieldBank, ShieldMotor
 from firmware_bridge.robot import AnyRobot, Axis, Problem, RobotFileError
@@ -121,11 +121,25 @@ def _on_boards(robot: AnyRobot, plant: FmuPlant) -> Devices:
     names = tuple(axis.name for axis in axes)
     constants = tuple(_constant(plant, axis) for axis in names)
     counts = axes[0].shield.counts_per_turn
-    load = Load(plant, names, constants, plant.output_names.index(SUPPLY), counts_per_turn=counts)
+    supply, holds = plant.output_names.index(SUPPLY), _holds(plant, names)
+    load = Load(plant, names, constants, supply, counts_per_turn=counts, holds=holds)
     auto_stop = None if firmware.auto_stop is None else link.auto_stop_ms
     boards = {name: Board(firmware, load, encoders=link.counted, auto_stop=auto_stop)}
     motors = tuple(ShieldMotor(axis.name, boards[name], axis.shield.port) for axis in axes)
     return Devices({}, ShieldBank(boards, motors), plant, boards)
+
+
+def _holds(plant: FmuPlant, axes: Sequence[str]) -> Callable[[int, float], None] | None:
+    """Return what has something rub at an axis, where the plant can."""
+    wanted = [f"{HELD}{axis}" for axis in axes]
+    if not set(wanted) <= set(plant.input_names):
+        return None
+    places = [plant.input_names.index(name) for name in wanted]
+
+    def hold(axis: int, torque: float) -> None:
+        plant.inputs[places[axis]] = torque
+
+    return hold
 
 
 def _constant(plant: FmuPlant, axis: str) -> float:

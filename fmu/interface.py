@@ -19,6 +19,9 @@ PLANAR: Final[Mapping[str, str]] = {
 }
 """What a robot on a floor tells beside its axes; a positive heading is counter-clockwise from x."""
 
+HELD: Final[Mapping[str, str]] = {"held": "N.m"}
+"""An input that a plant may have: something rubs at an axis's output, and may hold it; never negative."""
+
 
 def inputs(axes: Iterable[str]) -> dict[str, str]:
     """Return the inputs that the drives of these axes set, with their units."""
@@ -33,4 +36,5 @@ def outputs(axes: Iterable[str]) -> dict[str, str]:
 def units(axes: Iterable[str]) -> dict[str, str]:
     """Return the units of all that a master may ask of a robot with these axes."""
     names = tuple(axes)
-    return {**PLANAR, **inputs(names), **outputs(names)}
+    may_have = {f"{quantity}_{axis}": unit for axis in names for quantity, unit in HELD.items()}
+    return {**PLANAR, **inputs(names), **outputs(names), **may_have}

@@ -17,7 +17,8 @@ from emulators.documents.pages import pages
 ROOT: Final = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
-from hil_tests.failures.page import sections  # noqa: E402 - it is found from the checkout only
+from hil_tests.failures import boards  # noqa: E402 - it is found from the checkout only
+from hil_tests.failures.page import sections  # noqa: E402 - as above
 
 EMERGENCY: Final = "emergency"
 OPCODE: Final = "opcode"
@@ -44,7 +45,7 @@ def _codes(function: ast.FunctionDef, mark: str) -> Iterator[int]:
 
 def made() -> Mapping[str, str]:
     """Return every page by its file name."""
-    return pages(marked(EMERGENCY), marked(OPCODE), {"rars": sections()})
+    return pages(marked(EMERGENCY), marked(OPCODE), {"rars": sections(), "rome": boards.sections()})
 
 
 def main() -> None:

@@ -1,6 +1,7 @@
 """Drive every cause of a stop in every way, and keep the worst: `python tools/measure_stops.py [-k TEXT]`.
 
-It writes `hil_tests/failures/measured.toml`, of which `make docs` makes tables; a test drives each row again.
+It writes `hil_tests/failures/measured.toml` and `boards.toml`, of which `make docs` makes tables; tests drive
+each row again. `-k board` measures the boards alone.
 """
 
 # ruff: noqa: INP001 - a script, not a package
@@ -13,9 +14,12 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
+from hil_tests.failures import boards
 from hil_tests.failures.cases import CAUSES, Cause
 from hil_tests.failures.drive import draws, driven
 from hil_tests.failures.measured import Worst, kept, write
+
+BOARDS = "boards"
 
 
 def worst(cause: Cause) -> list[Worst]:
@@ -29,6 +33,11 @@ def worst(cause: Cause) -> list[Worst]:
     return list(found.values())
 
 
+def run_on(protocol: str) -> list[boards.RunsOn]:
+    """Return how far the base runs on with this firmware, cause by cause."""
+    return [boards.seen(cause, protocol).row for cause in boards.CAUSES]
+
+
 def main() -> None:
     """Measure, and write after each cause."""
     words = argparse.ArgumentParser(description=__doc__)
@@ -37,6 +46,10 @@ def main() -> None:
     told = words.parse_args()
     chosen = [cause for cause in CAUSES if told.k in cause.name]
     with ProcessPoolExecutor(told.j) as pool:
+        if told.k in BOARDS:
+            found = [row for rows in pool.map(run_on, boards.FULL) for row in rows]
+            names = [cause.name for cause in boards.CAUSES]
+            boards.write(sorted(found, key=lambda row: names.index(row.cause)))
         for cause, rows in zip(chosen, pool.map(worst, chosen), strict=True):
             others = [row for row in kept() if row.cause != cause.name]
             write((*others, *rows))

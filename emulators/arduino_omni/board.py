@@ -107,6 +107,10 @@ class Board:
         """Press the board's button."""
         self._usb.reset(now)
 
+    def hang(self, now: Nanoseconds) -> None:
+        """Let its firmware do nothing more; its shield goes on as it was told."""
+        self._usb.hang(now)
+
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Take a chunk from the host, or what became of DTR."""
         return self._moved(self._usb.receive(packet, now), now)

@@ -37,6 +37,13 @@ def _brown_out(board: Board, on: bool, now: Nanoseconds) -> None:  # noqa: FBT00
     board.mega.brown_out(now, low=on)
 
 
+def _hang(board: Board, on: bool, now: Nanoseconds) -> None:  # noqa: FBT001
+    if on:
+        board.hang(now)
+    else:
+        board.reset(now)
+
+
 def _unpowered(board: Board, on: bool, now: Nanoseconds) -> None:  # noqa: FBT001
     board.mega.brown_out(now, low=on)
     board.mega.shield.chip.power_on()
@@ -56,6 +63,13 @@ def _encoder(motor: int) -> Callable[[Board, bool, Nanoseconds], None]:
     return put
 
 
+def _blocked(motor: int) -> Callable[[Board, bool, Nanoseconds], None]:
+    def put(board: Board, on: bool, _: Nanoseconds) -> None:  # noqa: FBT001
+        board.motors.block(motor, blocked=on)
+
+    return put
+
+
 def _in(places: set[int], place: int, *, on: bool) -> None:
     if on:
         places.add(place)
@@ -66,10 +80,17 @@ def _in(places: set[int], place: int, *, on: bool) -> None:
 ROWS: Final[tuple[BoardFault, ...]] = (
     BoardFault("current-limit", "a half bridge cuts a current that reaches 3.2 A", _limit),
     BoardFault("over-temperature", "the half bridges warm up, and shut down at 175 degrees C", _heat),
+    BoardFault("hangs", "the firmware does nothing more until a reset; the shield goes on as told", _hang),
     BoardFault("brown-out", "the processor is held in reset; the shield goes on as it was told", _brown_out),
     BoardFault("unpowered", "processor and shield lose their 5 V, and begin anew", _unpowered),
     *(
         BoardFault(f"cable-{motor + 1}", f"the cable of the motor at {port.name} is off", _cable(motor))
+        for motor, port in enumerate(PORTS)
+    ),
+    *(
+        BoardFault(
+            f"blocked-{motor + 1}", f"the shaft of the motor at {port.name} is blocked", _blocked(motor)
+        )
         for motor, port in enumerate(PORTS)
     ),
     *(

@@ -15,8 +15,8 @@ Where they are silent:
   counters in the same proportion, and never counted the other way.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from math import floor, tau
 from typing import Final
 
@@ -28,6 +28,7 @@ from emulators.servo.motor import DcMotor, DcMotors
 from emulators.servo.seam import WIDEST_ANGLE, Plant, no_measurement
 from emulators.servo.terminals import Terminals, Wired, terminals
 from firmware_bridge.units import MICROSECOND, Nanoseconds
+from fmu.errors import PlantError
 
 SUPPLY_V: Final = 12.0
 COUNTS_PER_TURN: Final = 48
@@ -36,6 +37,8 @@ MOTOR: Final = DcMotor(
     resistance=2.0, inductance=1e-3, torque_constant=0.013, inertia=4e-6, friction=8e-4, damping=9e-7
 )
 """At each of the four terminals, where there is no plant."""
+BLOCKED: Final = 20.0
+"""N m that hold what is blocked: some four times what a motor of 12 V and 17 W does behind its gear."""
 CHANNELS_A_CHIP: Final = 2
 EDGE: Final[Nanoseconds] = 10 * MICROSECOND
 EDGES_A_TICK: Final = TICK // EDGE
@@ -55,13 +58,20 @@ class Load:
     rests: bool = False
     """Whether a plant in which nothing turns and nobody drives stays as it is."""
     counts_per_turn: int = COUNTS_PER_TURN
+    holds: Callable[[int, float], None] | None = None
+    """Have something rub at a motor's shaft behind its gear, N m, from 0 on; None: this plant cannot."""
 
 
 def four_motors(motor: DcMotor = MOTOR) -> Load:
     """Return a motor at each of the shield's terminals."""
     count = len(PORTS)
     names = tuple(port.name for port in PORTS)
-    return Load(DcMotors((motor,) * count), names, (motor.torque_constant,) * count, rests=True)
+    motors = DcMotors((motor,) * count)
+
+    def hold(place: int, torque: float) -> None:
+        motors.becomes(place, replace(motor, friction=motor.friction + torque))
+
+    return Load(motors, names, (motor.torque_constant,) * count, rests=True, holds=hold)
 
 
 def counted(turned: Sequence[int], most: int = EDGES_A_TICK) -> list[int]:
@@ -163,6 +173,12 @@ class Motors(Shafts):
         """What the half bridges get, in V."""
         place = self._load.supply
         return self._constant_supply if place is None else self._plant.outputs[place : place + 1][0]
+
+    def block(self, motor: int, *, blocked: bool) -> None:
+        """Let something hold a motor's shaft, or let it go; PlantError where the plant has no way for it."""
+        if self._load.holds is None:
+            raise PlantError(f"the plant has no input held_{self._load.names[motor]}: nothing can hold it")
+        self._load.holds(motor, BLOCKED if blocked else 0.0)
 
     def follow_heat(self, *, followed: bool) -> None:
         """Follow the half bridges' temperatures from here on, cold, or no more."""

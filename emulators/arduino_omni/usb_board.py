@@ -62,6 +62,11 @@ class UsbBoard:
         self._advance(now)
         self.mega.reset(now)
 
+    def hang(self, now: Nanoseconds) -> None:
+        """Let the firmware do nothing more until it is reset."""
+        self._advance(now)
+        self.mega.hang(now)
+
     def wake(self, now: Nanoseconds) -> Reaction:
         """Do what is due; the first call switches the board on."""
         if self._powered_at == NEVER:

@@ -8,7 +8,13 @@ import typer
 
 from emulators.cli.options import PlantOption
 from firmware_bridge.cli.commands import command, completing
-from firmware_bridge.cli.options import EncodersOption, FirmwareOption, RobotArgument
+from firmware_bridge.cli.options import (
+    EncodersOption,
+    FirmwareOption,
+    PathOption,
+    PathSpeedOption,
+    RobotArgument,
+)
 from firmware_bridge.wire.maxon.frame import Generation
 
 EXAMPLES: Final = """Examples:
@@ -18,6 +24,8 @@ EXAMPLES: Final = """Examples:
 `firmware-bridge bench rars --mission line --serial v2` drives over the first drive's serial port.
 
 `firmware-bridge bench rome --mission line --protocol arduinoio --encoders 3` drives over another firmware.
+
+`firmware-bridge bench rome --path my_path.csv` has the guide drive along the points of a file.
 
 `firmware-bridge bench rars --mission my_mission.toml --seed 7 --out results`"""
 
@@ -38,7 +46,7 @@ class BenchOptions:
             "-m",
             metavar="NAME|FILE",
             help="A shipped mission of the robot, or a mission file (.toml).",
-            show_default="the robot's first",
+            show_default="the robot's first; with --path one that drives along it",
             autocompletion=completing("emulators.bench.rehearsal:mission_names"),
         ),
     ] = None
@@ -62,6 +70,8 @@ class BenchOptions:
     ] = None
     protocol: FirmwareOption = None
     encoders: EncodersOption = None
+    path: PathOption = None
+    path_speed: PathSpeedOption = None
 
 
 bench: Final = command(EXAMPLES, work="emulators.cli.bench_work:bench")(BenchOptions)

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Final
 
 from emulators.bench import mission as missions
+from emulators.bench.along import along_mission
 from emulators.bench.mission import MissionFileError
 from emulators.bench.rehearsal import rehearsal_of
 from emulators.bench.report import show
@@ -20,6 +21,7 @@ from firmware_bridge.drivers.epos2.serial.plan import PlanError
 from firmware_bridge.drivers.shield.fleet import measured, over_protocol
 from firmware_bridge.drivers.shield.plan import ShieldPlanError
 from firmware_bridge.robot import RobotFileError
+from firmware_bridge.robot.path_file import PathFileError, along_path
 from fmu.errors import PlantError
 
 RESULTS: Final = Path("out")
@@ -30,17 +32,21 @@ def bench(given: BenchOptions) -> None:
     machine = find_robot(given.robot)
     with (
         one_message(
-            MissionFileError, RobotFileError, PlanError, ShieldPlanError, PlantError, ServoError, LookupError
+            *(MissionFileError, RobotFileError, PathFileError, PlanError, ShieldPlanError),
+            *(PlantError, ServoError, LookupError),
         ),
         written_by("--out"),
     ):
         if given.serial is not None:
             machine = over_serial(machine, given.serial)
         machine = measured(over_protocol(machine, given.protocol, given.encoders))
+        machine, along = along_path(machine, given.path, given.path_speed)
         rehearsal = rehearsal_of(machine)
-        chosen = given.mission or next(iter(rehearsal.shipped()), "none")
-        script = missions.find(chosen, machine, rehearsal)
-        name = Path(chosen).stem
+        if given.mission is None and along:
+            name, script = "path", missions.parse(along_mission(along), "--path", machine, rehearsal)
+        else:
+            chosen = given.mission or next(iter(rehearsal.shipped()), "none")
+            name, script = Path(chosen).stem, missions.find(chosen, machine, rehearsal)
         folder = given.out or RESULTS / f"{machine.name}-{name}"
         order = Order(machine, rehearsal, name, script, given.seed, folder, given.plant)
         tell_of_beginning(machine, given.plant)

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Final
 
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, plant_inputs, plant_outputs
@@ -10,6 +11,9 @@ from emulators.servo.sensor_lines import sensor_lines, sensor_outputs
 from emulators.servo.winding import tell
 from fmu.interface import units
 from fmu.plant import FmuPlant, PlantError
+
+HELD: Final = "held_"
+"""Before an axis: the input by which something rubs at its output, N m, where the plant has it."""
 
 
 def fmu_plant(
@@ -23,7 +27,7 @@ def fmu_plant(
         (*own, *(name for name in dict.fromkeys(more) if name not in own)),
         parameters,
         units=units(axes),
-        optional_inputs=pin_inputs(axes),
+        optional_inputs=(*pin_inputs(axes), *(f"{HELD}{axis}" for axis in axes)),
         optional_outputs=pin_outputs(axes) + sensor_outputs(axes),
     )
 

@@ -16,8 +16,9 @@ import serial
 BAUD = 57600
 WHEELS = 3
 EVERY_S = 0.1
+BOOTS_S = 2.0
+"""To open its port resets a board, and a byte in its first second keeps its boot loader for 9 s."""
 PATIENCE_S = 10.0
-"""A board that was reset by opening its port answers after a second or two."""
 
 
 class Board:
@@ -33,6 +34,7 @@ class Board:
 
     def comes(self) -> None:
         """Wait until the board answers with its baud rate."""
+        time.sleep(BOOTS_S)
         until = time.monotonic() + PATIENCE_S
         while self.asks("b") != str(BAUD):
             self._line.reset_input_buffer()

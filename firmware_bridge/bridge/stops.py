@@ -136,9 +136,11 @@ class AxisStop:
         if step.ends_power:
             return now >= self.until
         # A ramp is judged by what is heard: that it goes on after its time, or nothing. A device that says
-        # itself that it does not listen is given no more than the step's own time.
-        deaf = driver.feedback.power is Power.UNKNOWN
-        patience = step.within if deaf else self._silent_after
+        # itself that it does not listen is given no more than the step's own time; none, where the step needs
+        # a device that does.
+        patience = self._silent_after
+        if driver.feedback.power is Power.UNKNOWN:
+            patience = 0 if step.heard else step.within
         return heard_at >= self.until or now >= max(self.begun_at, heard_at) + patience
 
     def hold(self) -> Hold | None:

@@ -14,6 +14,8 @@ from firmware_bridge.cli.options import (
     HomeOption,
     InterfaceOption,
     LinkOption,
+    PathOption,
+    PathSpeedOption,
     RobotArgument,
     RobotBitRateOption,
     Spoken,
@@ -107,6 +109,8 @@ class DriveOptions:
         ),
     ] = None
     encoders: EncodersOption = None
+    path: PathOption = None
+    path_speed: PathSpeedOption = None
     link: LinkOption = None
     zero: ZeroOption = None
     home: HomeOption = None

@@ -25,6 +25,7 @@ from firmware_bridge.kinds import kind_of
 from firmware_bridge.node import OPERATOR, Node, Stoppable, holds
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot, RobotFileError
+from firmware_bridge.robot.path_file import PathFileError, along_path
 from firmware_bridge.robot.settings.epos2 import Epos2Driver, Epos2Link
 from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.safety.guard import guarded
@@ -174,8 +175,9 @@ def drive(given: DriveOptions) -> None:
     stamps = None if trust.key is None else KeptStamps(state.with_suffix(".stamps.json"))
     trust = trust if stamps is None else replace(trust, kept=_kept(stamps))
     stands = zeros_of(given.zero, given.home)
-    with one_message(PlanError, ShieldPlanError, RobotFileError, ValueError):
+    with one_message(PlanError, ShieldPlanError, RobotFileError, PathFileError, ValueError):
         machine = _with_lines(machine, places, given).told_by(given.bandwidth)
+        machine, _ = along_path(machine, given.path, given.path_speed)
         bridge = Bridge(machine, kind_of(machine), trust, stands)
     kept = LastPlaces(state)
     bridge.offer(kept.read())

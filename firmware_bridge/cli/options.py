@@ -1,6 +1,7 @@
 """Arguments and options that more than one command takes, so that they are spelt and explained once."""
 
 from enum import StrEnum
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -112,6 +113,27 @@ EncodersOption = Annotated[
         help="Of a robot on a motor shield: how many encoders its board reads; more than its firmware does "
         "as published is not stock.",
         show_default="the firmware's",
+    ),
+]
+PathOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--path",
+        metavar="FILE.csv",
+        help="The path of the robot's guide `points`, a row each: t,x,y or t,x,y,psi (s, m, rad), or x,y "
+        "with --path-speed.",
+        show_default="the robot file's",
+    ),
+]
+PathSpeedOption = Annotated[
+    float | None,
+    typer.Option(
+        "--path-speed",
+        min=0.001,
+        max=10.0,
+        metavar="M/S",
+        help="How fast along a path whose points have no times.",
+        show_default=False,
     ),
 ]
 DurationOption = Annotated[

@@ -324,7 +324,7 @@ AXIS_ROWS: Final = (
     AxisInterlock(
         "axis position repeats",
         _position_repeats,
-        "check its encoder and the encoder's coupling, then arm",
+        "look what blocks it; check its encoder and the encoder's coupling, then arm",
         needs=MEASURED,
         instead=AXIS_UNMEASURED,
         clear_after=LINK_CLEARS_AFTER,

@@ -3,6 +3,7 @@
 [O] is A. Seleit, MSc thesis, UCF, 2020; the same equations in mathematical writing: README.md.
 """
 
+from collections.abc import Mapping
 from typing import Final
 
 import sympy as sp
@@ -106,10 +107,16 @@ class Base:
         return HALF * (moving + spin + self.load * P["roller_presliding"] * dry)
 
 
+def _shaft(axis: str, wheel: Mapping[str, Expression]) -> Shaft:
+    """Return a motor's shaft; what holds its wheel rubs as its own dry friction does."""
+    held = {f"coulomb_{axis}": wheel["coulomb_"] + symbol(f"held_{axis}") / wheel["gear_"]}
+    return Shaft(axis, P | {name + axis: value for name, value in wheel.items()} | held)
+
+
 def model() -> Model:
     """Return the equations of motion of the base with all tables."""
     wheel = {name.removesuffix("wheel"): value for name, value in P.items() if name.endswith("_wheel")}
-    shafts = tuple(Shaft(axis, P | {name + axis: value for name, value in wheel.items()}) for axis in AXES)
+    shafts = tuple(_shaft(axis, wheel) for axis in AXES)
     base = Base(shafts)
     u, q, yaw_rate = base.velocity
     energy = sum((shaft.energy() for shaft in shafts), base.energy())
@@ -122,7 +129,10 @@ def model() -> Model:
         name="rome_base",
         description="ROME's base: three omni wheels on DC motors",
         parameters=PARAMETERS,
-        inputs=tuple(Input(f"voltage_{axis}", "V", f"motor voltage, wheel {axis}", 12.0) for axis in AXES),
+        inputs=(
+            *(Input(f"voltage_{axis}", "V", f"motor voltage, wheel {axis}", 12.0) for axis in AXES),
+            *(Input(f"held_{axis}", "N.m", f"what holds wheel {axis} by rubbing", 1.0) for axis in AXES),
+        ),
         states=(*motors, *base.states()),
         outputs=(
             *(row for shaft in shafts for row in shaft.outputs()),

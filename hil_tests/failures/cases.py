@@ -354,7 +354,15 @@ ELSEWHERE: Final = {
     "second_bridge": "a story",
     "second_station": "a story",
     **dict.fromkeys(
-        ("board_silent", "board_reset", "motor_cable_off", "encoder_cable_off"), "ROME's stories"
+        (
+            "board_silent",
+            "board_reset",
+            "board_hangs",
+            "motor_cable_off",
+            "encoder_cable_off",
+            "shaft_blocked",
+        ),
+        "ROME's stories",
     ),
     **dict.fromkeys(("body_hidden", "markers_swapped"), "stories of robots that cameras see"),
     "stray_frames": "a story: another master",

@@ -25,8 +25,9 @@ line = serial.Serial(sys.argv[1], 57600, timeout=0.3)
 def ask(text):
     line.write(text + b"\\r")
     return line.readline().strip()
-while ask(b"b") != b"57600":  # the boot loader is deaf
-    line.reset_input_buffer()
+time.sleep(2)  # a byte earlier would keep the boot loader
+while ask(b"b") != b"57600":
+    time.sleep(10)
 line.timeout = 20  # a busy machine
 assert ask(b"m 20 0 -20") == b"OK"
 for _ in range(200):
@@ -44,8 +45,10 @@ def ask(text):
     line.write(bytes.fromhex(text))
     head = line.read(4)
     return line.read(head[3] + 1)[1:-1] if head[:2] == bytes.fromhex("A5 00") else b""
+time.sleep(2)
+line.reset_input_buffer()
 while not ask("5A 03 00 00 01 FC"):  # who is there?
-    line.reset_input_buffer()
+    time.sleep(10)
 ask("5A 08 00 81 02 00 00 60 40 06 CF")  # a shield
 ask("5A 06 00 82 02 02 00 00 74")  # motor 1
 ask("5A 07 00 86 03 01 00 02 03 6A")  # encoder 0 on pins 2 and 3

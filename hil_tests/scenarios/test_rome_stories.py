@@ -1,65 +1,11 @@
 """ROME's base over its emulated board: four firmwares drive it; whatever the board does ends in a stand."""
 
-import math
-from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import Final
-
-import numpy as np
 import pytest
 
-from emulators.bench import mission as missions
-from emulators.bench.operator import ScriptedOperator
 from emulators.bench.path_error import Followed, path_error
 from emulators.bench.rehearsal import rehearsal_of
-from emulators.rig import BRIDGE, Rig
-from firmware_bridge.drivers.shield.fleet import over_protocol
-from firmware_bridge.kinds import find
-
-FULL: Final = {"ros-arduino-bridge": 3, "arduinoio": 3, "mw": 3, "firmata": 2}
-STANDS_MPS: Final = 0.005
-AHEAD: Final = """
-title = "ahead"
-duration_s = {duration}
-input = "twist"
-{faults}
-[[step]]
-at_s = 4.0
-title = "arm"
-arm = true
-[[step]]
-at_s = 4.5
-title = "{title}"
-{word}
-"""
-
-
-@contextmanager
-def driven(
-    protocol: str, word: str, duration: float, faults: str = "", encoders: int | None = None
-) -> Iterator[Rig]:
-    """A rig on which the operator arms, and says one thing after it."""
-    robot = over_protocol(find("rome"), protocol, encoders)
-    rehearsal = rehearsal_of(robot)
-    text = AHEAD.format(duration=duration, faults=faults, title="go", word=word)
-    script = missions.parse(text, "story.toml", robot, rehearsal)
-    operator = ScriptedOperator(robot, rehearsal, script, np.random.default_rng(0))
-    rig = Rig(robot, rehearsal, operator, faults=script.fault)
-    try:
-        yield rig
-    finally:
-        rig.finish()
-
-
-def speed(rig: Rig) -> float:
-    """How fast the base is, m/s."""
-    row = rig.samples[-1]
-    return math.hypot(row["speed_mps"], row["speed_left_mps"])
-
-
-def held(rig: Rig) -> set[str]:
-    """The interlocks that have held so far."""
-    return {record.name for record in rig.holds}
+from emulators.rig import BRIDGE
+from hil_tests.scenarios.rome_ride import FULL, STANDS_MPS, driven, held, speed
 
 
 @pytest.mark.parametrize("protocol", FULL)
@@ -80,28 +26,6 @@ def test_each_firmware_drives_the_circle_and_the_guard_has_nothing_to_refuse(pro
         assert speed(rig) < STANDS_MPS
 
 
-@pytest.mark.parametrize(
-    ("protocol", "runs_on_m"),
-    [("ros-arduino-bridge", 0.7), ("arduinoio", 0.7), ("mw", 0.9), ("firmata", 1.6)],
-)
-def test_a_board_that_starts_anew_in_mid_motion_ends_in_a_stand(protocol: str, runs_on_m: float) -> None:
-    """The shield is not reset with it, and goes on as it was told; to set it up releases the motors first.
-
-    MWProtocol's board answers some milliseconds after its release was given up: it is reset, and boots twice.
-    """
-    fault = '[[fault]]\nkind = "board_reset"\nat_s = 6.5\n'
-    with driven(protocol, "speed_mps = 0.3", 20.0, fault, FULL[protocol]) as rig:
-        rig.runs(6.5)
-        assert speed(rig) == pytest.approx(0.3, abs=0.05)
-        before = rig.samples[-1]["x_m"]
-        rig.runs(6.5)
-        assert speed(rig) < STANDS_MPS
-        assert rig.samples[-1]["x_m"] - before < runs_on_m
-        assert {"axis answers late: one", "axis silent: one"} <= held(rig)
-        assert not rig.bridge.seen.facts.armed
-        assert not any(axis.powered for axis in rig.devices.bank.axes)
-
-
 @pytest.mark.parametrize(("protocol", "stops"), [("ros-arduino-bridge", True), ("arduinoio", False)])
 def test_a_board_that_nobody_reaches_stops_where_its_firmware_does(protocol: str, *, stops: bool) -> None:
     """The stock auto-stop is of 2 s; without one the motors run on until the line is back: then they stop."""
@@ -120,9 +44,12 @@ def test_a_board_that_nobody_reaches_stops_where_its_firmware_does(protocol: str
     [
         ("encoder_cable_off", {"axis does not follow: two", "axis position repeats: two"}),
         ("motor_cable_off", {"axis does not follow: two"}),
+        ("shaft_blocked", {"axis does not follow: two", "axis position repeats: two"}),
     ],
 )
-def test_a_wire_that_is_off_is_named_and_the_base_stops(fault: str, holds: set[str]) -> None:
+def test_a_wire_that_is_off_and_a_wheel_that_is_blocked_are_named_and_the_base_stops(
+    fault: str, holds: set[str]
+) -> None:
     text = f'[[fault]]\nkind = "{fault}"\nnode = "two"\nat_s = 6.5\n'
     with driven("ros-arduino-bridge", "speed_mps = 0.3", 20.0, text) as rig:
         rig.runs(9.0)

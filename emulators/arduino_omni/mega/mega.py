@@ -3,11 +3,11 @@
 As a node it sits with its serial pins on the link "serial": bytes come and go in the time that the wire
 gives them. On USB it sits behind a second chip: `emulators.arduino_omni.usb_board`.
 
-Sources: ArduinoCore-avr, bootloaders/stk500v2: about 1 s in which bytes are swallowed; 0x1B begins a frame
-that keeps it in the loader.
+Sources: ArduinoCore-avr, bootloaders/stk500v2: the loader waits for about 1 s. Whatever byte comes in that
+time keeps it, until none has come for 8 million rounds of its loop; all of them are swallowed.
 
 Where they are silent:
-* from reset to setup it is 1.1 s, and a frame for the loader keeps it there as long again.
+* from reset to setup it is 1.1 s; 8 million rounds are 9 s; no frame for the loader itself is answered.
 * instructions take no time; what takes time is the I2C bus, a delay, 112 us for an analogRead, and a full
   transmit ring.
 """
@@ -27,8 +27,8 @@ from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MICROSECOND, MILLISECOND, NEVER, Nanoseconds, to_seconds
 
 BOOT: Final[Nanoseconds] = 1_100 * MILLISECOND
-LOADER_FRAME: Final = 0x1B
-"""MESSAGE_START of the boot loader's protocol."""
+KEPT: Final[Nanoseconds] = 9_000 * MILLISECOND
+"""After its last byte a loader that has heard one starts the sketch."""
 CONVERSION: Final[Nanoseconds] = 112 * MICROSECOND
 """One analogRead."""
 STEPS_AT_ONCE: Final = 10_000
@@ -137,6 +137,13 @@ class Mega:
         self._held = low
         self.reset(now)
 
+    def hang(self, now: Nanoseconds) -> None:
+        """Do nothing more until it is reset, as Wire does when the bus is stuck."""
+        self.advance(now)
+        self.bus.abandon(now)
+        self._jobs.clear()
+        self._running, self._free_at = None, NEVER
+
     def hear(self, byte: int, now: Nanoseconds) -> None:
         """Take a byte whose stop bit has passed."""
         self.advance(now)
@@ -144,8 +151,8 @@ class Mega:
             self.serial.arrived(byte)
             self._free_at = max(self._free_at, now)
             self.advance(now)
-        elif byte == LOADER_FRAME and self._powered and not self._held:
-            self._starts_at = now + self._boot
+        elif self._powered and not self._held:
+            self._starts_at = now + KEPT
 
     @property
     def due(self) -> Nanoseconds:

@@ -60,10 +60,51 @@ class BoardReset(Fault):
             board.reset(site.world.now)
 
 
+class BoardHangs(Fault):
+    """The board's firmware does nothing more until a reset, as when I2C is stuck; the shield runs on."""
+
+    kind: ClassVar = "board_hangs"
+    among: ClassVar = Stations.NONE
+
+    def problems(self, robot: AnyRobot) -> Iterator[Problem]:
+        """Give what this robot lacks for it."""
+        yield from _boards(robot)
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Let it hang."""
+        del chance
+        for board in site.boards.values():
+            board.hang(site.world.now)
+
+
 class _OnMotor(Lasting, ABC):
     among: ClassVar = Stations.MOTORS
     node: One
 
+    def _found(self, site: Site) -> Iterator[tuple[Motors, int]]:
+        for axis in site.robot.axes:
+            if axis.name in self.targets(site.robot):
+                yield site.boards[axis.link].motors, axis.shield.port - 1
+
+
+class ShaftBlocked(_OnMotor):
+    """Something holds a motor's shaft."""
+
+    kind: ClassVar = "shaft_blocked"
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Let it begin; PlantError where the plant has no such input."""
+        del chance
+        for motors, place in self._found(site):
+            motors.block(place, blocked=True)
+
+    def take_off(self, site: Site) -> None:
+        """Let it end."""
+        for motors, place in self._found(site):
+            motors.block(place, blocked=False)
+
+
+class _WireOff(_OnMotor, ABC):
     def put_on(self, site: Site, chance: Generator) -> None:
         """Let it begin."""
         del chance
@@ -75,17 +116,12 @@ class _OnMotor(Lasting, ABC):
         for motors, place in self._found(site):
             self._wires(motors).discard(place)
 
-    def _found(self, site: Site) -> Iterator[tuple[Motors, int]]:
-        for axis in site.robot.axes:
-            if axis.name in self.targets(site.robot):
-                yield site.boards[axis.link].motors, axis.shield.port - 1
-
     @abstractmethod
     def _wires(self, motors: Motors) -> set[int]:
         """Return the motors whose wires are off."""
 
 
-class MotorCableOff(_OnMotor):
+class MotorCableOff(_WireOff):
     """A wire between shield and motor is off."""
 
     kind: ClassVar = "motor_cable_off"
@@ -94,7 +130,7 @@ class MotorCableOff(_OnMotor):
         return motors.faults.cut
 
 
-class EncoderCableOff(_OnMotor):
+class EncoderCableOff(_WireOff):
     """The cable of a motor's encoder is off."""
 
     kind: ClassVar = "encoder_cable_off"

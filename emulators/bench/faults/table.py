@@ -224,8 +224,22 @@ _ROWS: Final = (
     Kind(
         board.BoardReset,
         "Somebody presses the board's button, or its supply has a dip. An instant: no end.",
-        "A board: deaf for the boot loader's 1.1 s, while the shield goes on as it was told; then those of"
+        "A board: deaf for the boot loader's 1.1 s, or until 9 s after the last byte where one comes in that"
+        " time, while the shield goes on as it was told; then those of"
         " ros_arduino_bridge and ArduinoIO release their motors; the others run on until they are set up.",
+    ),
+    Kind(
+        board.BoardHangs,
+        "The firmware does nothing more until a reset: Wire waits for ever where the I2C bus is stuck. An"
+        " instant: no end.",
+        "A board: as with `board_silent`, but the auto-stop hangs, too, and a reset frees it.",
+    ),
+    Kind(
+        board.ShaftBlocked,
+        "Something holds what the motor turns: a cable, a threshold, a hand. The others push on.",
+        "A board: notices nothing; a loop of speeds on it drives harder and harder. The bridge holds"
+        " `axis position repeats` and `axis does not follow`.",
+        "the shaft",
     ),
     Kind(
         board.MotorCableOff,

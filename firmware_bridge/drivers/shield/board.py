@@ -5,15 +5,17 @@ set-up. A board that was silent for longer than its link allows may have started
 its motors until it answers, and then set up again, which begins with that; to drive it must be enabled.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Final
 
 from firmware_bridge.drivers.driver import STOPPING, Stop, Task
+from firmware_bridge.drivers.shield.booting import Booting
 from firmware_bridge.drivers.shield.dialects import Dialect, Numbers, Say
+from firmware_bridge.drivers.shield.expressed import expressed
 from firmware_bridge.drivers.shield.motor import ShieldMotor
 from firmware_bridge.drivers.shield.waiting import Part, Waiting
 from firmware_bridge.intent import NEVER_HEARD
-from firmware_bridge.node import DTR_DOWN, DTR_UP, LINE_BACK, LINE_LOST
+from firmware_bridge.node import LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
@@ -55,7 +57,7 @@ class Board:
         self._reader = dialect.reader()
         self._silent_after: Final = table.silent_ms * MILLISECOND
         self._patience: Final = table.answers_within_ms * MILLISECOND
-        self._boots: Final = table.boots_within_ms * MILLISECOND
+        self._booting: Final = Booting(name, table)
         self._gone = self._dirty = self._set_up_once = False
         self._heard_at: Nanoseconds = NEVER_HEARD
         self._question: Say | None = None
@@ -65,13 +67,14 @@ class Board:
         self._questions = 0
         self._waiting: Final = Waiting()
         self._begun: tuple[tuple[Task, ...], Nanoseconds] | None = None
-        self._boots_until: Nanoseconds = 0
+        self._misses = 0
+        """Words of the task under way that were not answered."""
         self._starts_until: Nanoseconds = NEVER
         self._quiet_at: Nanoseconds = 0
         """When set-up goes on, unless the board says something before."""
         self._cycle_at: Nanoseconds = NEVER_HEARD
         self._restores = False
-        """Whether the tasks under way are its own: nobody has asked for them."""
+        """Whether no demand ends the tasks under way: nobody has asked for them, or a stop has."""
         self._scripts: Final[Mapping[Task, Callable[[], Iterator[Say] | None]]] = {
             Task.FIND: self._find,
             Task.IDENTIFY: self._identify,
@@ -99,8 +102,9 @@ class Board:
         if self._question is None and not self._gone:
             wanted = self._dirty and not self.under_way
             if wanted or self._waiting.urgent:
-                return 0
-            return self._quiet_at if self._waiting.scripted else self._starts_until
+                return self._booting.speaks_at
+            scripted = max(self._quiet_at, self._booting.speaks_at)
+            return scripted if self._waiting.scripted else self._starts_until
         return self._until
 
     @property
@@ -149,6 +153,10 @@ class Board:
             self._cycle_at = now
             waiting.samples.extend(self._dialect.encoders())
         if not waiting.samples and not self.under_way and self._set_up_once:
+            if now >= self._booting.seeks_at:
+                self._booting.lost(now)
+                self.under_way = (Task.RESET,)
+                return self._open_task()
             waiting.samples.append(self._dialect.find())
         return self._go_on(now)
 
@@ -165,6 +173,7 @@ class Board:
             self._lose()
         elif packet.address == LINE_BACK and not packet.payload:
             self._gone = False
+            self._booting.begun(now)
         else:
             for answer in self._reader.hear(packet.payload):
                 question = self._question
@@ -190,7 +199,7 @@ class Board:
 
     def _go_on(self, now: Nanoseconds) -> tuple[Packet, ...]:
         sent: list[Packet] = []
-        while self._question is None and not self._gone:
+        while self._question is None and not self._gone and now >= self._booting.speaks_at:
             if self._dirty and not self._waiting.motion and not self.under_way:
                 self._express(now)
             say = self._taken()
@@ -226,33 +235,12 @@ class Board:
     def _express(self, now: Nanoseconds) -> None:
         """Make words of what the motors want."""
         self._dirty = False
-        if not self.configured:
-            if not all(motor.released for motor in self.motors):
-                self._waiting.motion.extend(self._dialect.release(motor.number for motor in self.motors))
-                self._note_released(self.motors)
-            return
-        off = [motor for motor in self.motors if motor.demand is Stop.POWER_OFF]
-        outputs = {motor.number: motor.output(now) for motor in self.motors}
-        if self._dialect.on_board:
-            self._waiting.motion.extend(self._dialect.drive(outputs, {}))
-            released = not any(outputs.values())
-        else:
-            driven = {motor.number: outputs[motor.number] for motor in self.motors if motor.enabled}
-            self._waiting.motion.extend(
-                self._dialect.drive(driven, {motor.number: motor.way for motor in self.motors})
-            )
-            released = False
-        for motor in self.motors:
-            if motor.enabled:
-                motor.told(outputs[motor.number])
-        if released:
-            self._note_released(self.motors)
-        elif off and not self._dialect.on_board:
-            slow = [motor for motor in off if not motor.released]
-            self._waiting.motion.extend(self._dialect.release(motor.number for motor in slow))
-            self._note_released(slow)
+        words, released = expressed(self._dialect, self.motors, now, configured=self.configured)
+        self._waiting.motion.extend(words)
+        if released is not None:
+            self._note_released(released)
 
-    def _note_released(self, motors: tuple[ShieldMotor, ...] | list[ShieldMotor]) -> None:
+    def _note_released(self, motors: Sequence[ShieldMotor]) -> None:
         """Note that motors are being released; the next question that is answered confirms it."""
         for motor in motors:
             motor.way = 0
@@ -314,7 +302,15 @@ class Board:
             # The next cycle asks anew; what was wanted of a motor is wanted then.
             self._waiting.samples.clear()
             return ()
-        if (now < self._boots_until) if finding else (self._tries < TRIES):
+        if finding and now < self._booting.found_until and self._tries >= TRIES:
+            self._waiting.again(question)
+            return self._booting.pulse(now)
+        if self.under_way[0] in _LETTING_GO and self._misses < TRIES + len(self.motors):
+            # One motor after the other, so that each is told once before the first is told again.
+            self._misses += 1
+            self._waiting.later(question)
+            return ()
+        if now < self._booting.found_until if finding else self._tries < TRIES:
             return (self._said(question, now),)
         self._fail(f"no answer to '{question.what}'")
         return ()
@@ -323,11 +319,11 @@ class Board:
         """Begin the first of the tasks that are left; return what goes before its words."""
         if not self.under_way:
             return ()
-        task = self.under_way[0]
+        task, self._misses = self.under_way[0], 0
         pulse: tuple[Packet, ...] = ()
         if task is Task.RESET:
             task, self.under_way = Task.FIND, (*FOUND, *self.under_way[1:])
-            pulse = (Packet(self.name, DTR_DOWN, b""), Packet(self.name, DTR_UP, b""))
+            pulse, self._restores = self._booting.pulse(self.clock), True
         opens = self._scripts.get(task)
         script = iter(()) if opens is None else opens()
         if script is not None:
@@ -336,7 +332,10 @@ class Board:
         return pulse
 
     def _find(self) -> Iterator[Say]:
-        self._boots_until = self.clock + self._boots
+        self._booting.looked_for(self.clock)
+        if self.clock - self._heard_at >= self._silent_after:
+            # To open its port may have reset it.
+            self._booting.begun(self.clock)
         self.configured = False
         return iter((self._dialect.find(),))
 
@@ -382,6 +381,7 @@ class Board:
     def _forget(self) -> None:
         """Learn that the board was silent for too long: it may have started anew, and nothing holds."""
         self.configured = self._dirty = False
+        self._booting.lost(self.clock)
         self._waiting.motion.clear()
         for motor in self.motors:
             motor.enabled = motor.released = False

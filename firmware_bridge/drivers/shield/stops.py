@@ -2,13 +2,22 @@
 
 No firmware has a word for a motor's power. That it is released is known when the board has answered something
 that was asked after it: commands are obeyed in their order.
+
+A board that is silent hangs, or is starting anew; nobody can tell which. To wait for the one is to let the
+other run on, and what is said to a board in its boot loader keeps it there: so a silent board is told to
+release once, and is then reset at once, and nothing is said until it must have booted.
 """
+
+from typing import Final
 
 from firmware_bridge.drivers.driver import Stop, Task
 from firmware_bridge.drivers.stop_steps import StopStep
 from firmware_bridge.robot import AnyLink, Axis
 from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.units import MILLISECOND, Nanoseconds
+
+WORDS: Final = 3
+"""Each of three motors may be released with a word of its own, and none of them may be answered."""
 
 
 def stop_steps(axis: Axis, link: AnyLink, cycle: Nanoseconds) -> tuple[StopStep, ...]:
@@ -17,16 +26,9 @@ def stop_steps(axis: Axis, link: AnyLink, cycle: Nanoseconds) -> tuple[StopStep,
         raise TypeError(f"no motor shield is on the link of '{axis.name}'")
     within = link.confirmed(cycle)
     board = link.stops_itself
-    own = (
-        StopStep(
-            "auto-stop",
-            "speed 0 in every cycle; a board that does not hear it stops by itself",
-            Stop.POWER_OFF,
-            link.auto_stop_ms * MILLISECOND + within,
-            ends_power=True,
-            note=f"the board stops its motors {link.auto_stop_ms} ms after the last word that it has heard",
-        ),
-    )
+    runs_on = "the motors run on while it boots: the shield has no wire to the board's reset"
+    if board:
+        runs_on += f"; where it hears nothing it stops them {link.auto_stop_ms} ms after the last word"
     return (
         StopStep(
             "speed 0",
@@ -34,6 +36,7 @@ def stop_steps(axis: Axis, link: AnyLink, cycle: Nanoseconds) -> tuple[StopStep,
             Stop.REST,
             within,
             axis.shield.acceleration,
+            heard=True,
         ),
         StopStep(
             "brake",
@@ -41,16 +44,16 @@ def stop_steps(axis: Axis, link: AnyLink, cycle: Nanoseconds) -> tuple[StopStep,
             Stop.QUICK_STOP,
             within,
             axis.shield.acceleration,
+            heard=True,
         ),
         StopStep(
             "release",
             "speed 0 for all motors, and a question" if board else "release, and a question",
             Stop.POWER_OFF,
-            within + link.answers_within_ms * MILLISECOND,
+            WORDS * link.answers_within_ms * MILLISECOND,
             task=Task.DISABLE,
             ends_power=True,
         ),
-        *(own if board else ()),
         StopStep(
             "reset",
             "DTR down and up; the board is set up anew, which begins by releasing",
@@ -58,6 +61,6 @@ def stop_steps(axis: Axis, link: AnyLink, cycle: Nanoseconds) -> tuple[StopStep,
             2 * link.boots_within_ms * MILLISECOND,
             task=Task.RESET,
             ends_power=True,
-            note="the motors run on while it boots: the shield has no wire to the board's reset",
+            note=runs_on,
         ),
     )

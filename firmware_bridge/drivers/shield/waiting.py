@@ -51,6 +51,15 @@ class Waiting:
         self._next = self._script.popleft() if self._script else None
         return self._next is not None
 
+    def again(self, say: Say) -> None:
+        """Have a task's word waiting once more."""
+        self._next = say
+
+    def later(self, say: Say) -> None:
+        """Have a task's word waiting once more, behind those that are left."""
+        self._script.append(say)
+        self._next = self._script.popleft()
+
     def end(self) -> None:
         """Say nothing more of a task."""
         self._script.clear()

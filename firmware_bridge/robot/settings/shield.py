@@ -39,6 +39,13 @@ BAUDS: Final = {
     ShieldProtocol.FIRMATA: 57_600,
 }
 """As each firmware is published."""
+BOOTS_MS: Final = {
+    ShieldProtocol.MW: 1_200,
+    ShieldProtocol.ROS_ARDUINO_BRIDGE: 1_200,
+    ShieldProtocol.ARDUINOIO: 1_200,
+    ShieldProtocol.FIRMATA: 3_300,
+}
+"""From a reset until a firmware listens: its loader's second, and the version that Firmata blinks."""
 CYCLES_MS: Final = {
     ShieldProtocol.MW: 100,
     ShieldProtocol.ROS_ARDUINO_BRIDGE: 50,
@@ -81,6 +88,9 @@ class ShieldLink(LinkTable):
     """How long this machine's port may keep what it has heard."""
     answers_within_ms: Annotated[int, Field(ge=5, le=1_000)] = 60
     """A question that has no answer by then is asked again."""
+    boots_ms: Annotated[int, Field(ge=0, le=10_000)] | None = None
+    """So long after a reset nothing is said: a byte in its first second keeps a Mega's boot loader for 9 s.
+    None: as the firmware is published."""
     boots_within_ms: Annotated[int, Field(ge=100, le=20_000)] = 5_000
     """From a reset, which opening the port may be, to the first answer."""
     stop_confirmed_ms: Annotated[int, Field(ge=10, le=10_000)] | None = None
@@ -94,6 +104,11 @@ class ShieldLink(LinkTable):
     def line_rate(self) -> int:
         """Bits a second."""
         return BAUDS[self.protocol]
+
+    @property
+    def boots(self) -> int:
+        """Milliseconds from a reset until it may be spoken to."""
+        return BOOTS_MS[self.protocol] if self.boots_ms is None else self.boots_ms
 
     @property
     def counted(self) -> int:

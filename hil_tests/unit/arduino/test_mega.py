@@ -218,21 +218,25 @@ def sketch_of(it: UsbBoard) -> Echo:
     return it.mega.sketch
 
 
-def test_the_boot_loader_swallows_what_comes_before_the_sketch() -> None:
+def test_a_boot_loader_that_hears_a_byte_keeps_it_and_stays_until_none_has_come_for_9_s() -> None:
+    """stk500v2: whatever byte comes within its second, frame of its own or not."""
     host = Host(board()).run(SETUP_AT - MILLISECOND)
     host.say(b"lost")
-    host.run(2 * SECOND)
-    assert host.text == b"hello"
+    host.run(5 * SECOND)
+    host.say(b"and again")
+    assert host.run(14 * SECOND).text == b""
+    assert host.run(15 * SECOND).text == b"hello"
     host.say(b"x")
-    assert host.run(3 * SECOND).text == b"hellox"
+    assert host.run(16 * SECOND).text == b"hellox"
 
 
-def test_a_loaders_frame_keeps_it_deaf() -> None:
+def test_a_reset_frees_a_board_from_its_loader() -> None:
     host = Host(board()).run(SECOND)
-    host.say(b"\x1b")
-    host.run(2 * SECOND)
-    assert host.text == b""
-    assert host.run(3 * SECOND).text == b"hello"
+    host.say(b"lost")
+    host.run(3 * SECOND)
+    host.say(b"", DTR_DOWN)
+    host.say(b"", DTR_UP)
+    assert host.run(3 * SECOND + SETUP_AT + 5 * MILLISECOND).text == b"hello"
 
 
 def test_the_usb_chip_hands_over_every_4096_us() -> None:

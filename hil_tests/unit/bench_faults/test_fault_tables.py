@@ -16,7 +16,10 @@ from hil_tests.unit.capture_driver.capture_bench import table as cameras
 RARS = kinds.find("rars")
 SERIAL = over_serial(RARS)
 ROME = kinds.find("rome")
-ON_A_BOARD = ("board_silent", "board_reset", "motor_cable_off", "encoder_cable_off")
+ON_A_BOARD = (
+    *("board_silent", "board_reset", "board_hangs"),
+    *("shaft_blocked", "motor_cable_off", "encoder_cable_off"),
+)
 HEAD = 'title = "t"\nduration_s = 10.0\n[[step]]\nat_s = 1.0\ntitle = "s"\narm = true\n'
 LEAST = {
     "reception_error": 'node = "left"',
@@ -42,6 +45,7 @@ LEAST = {
     "index_spurious": 'node = "left"',
     "datagram_late": "by_ms = 100.0",
     "motor_cable_off": 'node = "two"',
+    "shaft_blocked": 'node = "two"',
     "encoder_cable_off": 'node = "two"',
 }
 """What a kind needs beside its instant."""

@@ -179,14 +179,16 @@ def test_another_firmware_that_cannot_be_is_refused(
         over_protocol(find(robot), protocol, encoders)
 
 
-def test_a_stop_ends_with_the_boards_reset_and_counts_on_its_own_stop_where_it_has_one() -> None:
-    names = {}
+def test_a_stop_ends_with_the_boards_reset_and_tells_of_its_own_stop_where_it_has_one() -> None:
+    names, notes = {}, {}
     for protocol in ("ros-arduino-bridge", "arduinoio"):
         robot = over(protocol)
         steps = stop_steps(robot.axes[0], robot.links["board"], robot.cycle)
         names[protocol] = [step.name for step in steps]
+        notes[protocol] = steps[-1].note
         assert steps[-1].task is Task.RESET
         assert steps[0].demand is Stop.REST
         assert all(step.demand is Stop.POWER_OFF for step in steps if step.ends_power)
-    assert names["ros-arduino-bridge"] == ["speed 0", "brake", "release", "auto-stop", "reset"]
-    assert names["arduinoio"] == ["speed 0", "brake", "release", "reset"]
+    assert names["ros-arduino-bridge"] == names["arduinoio"] == ["speed 0", "brake", "release", "reset"]
+    assert "it stops them 2000 ms after the last word" in notes["ros-arduino-bridge"]
+    assert "it stops" not in notes["arduinoio"]

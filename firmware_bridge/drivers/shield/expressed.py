@@ -1,0 +1,34 @@
+"""What the motors of a board want, as words to it."""
+
+from collections.abc import Sequence
+
+from firmware_bridge.drivers.driver import Stop
+from firmware_bridge.drivers.shield.dialects import Dialect, Say
+from firmware_bridge.drivers.shield.motor import ShieldMotor
+from firmware_bridge.units import Nanoseconds
+
+
+def expressed(
+    dialect: Dialect, motors: Sequence[ShieldMotor], now: Nanoseconds, *, configured: bool
+) -> tuple[list[Say], Sequence[ShieldMotor] | None]:
+    """Return the words, and the motors that they release; None where they drive.
+
+    A board that is not set up is told nothing but to release.
+    """
+    if not configured:
+        if all(motor.released for motor in motors):
+            return [], None
+        return list(dialect.release(motor.number for motor in motors)), motors
+    outputs = {motor.number: motor.output(now) for motor in motors}
+    told = outputs if dialect.on_board else {it.number: outputs[it.number] for it in motors if it.enabled}
+    words = list(dialect.drive(told, {motor.number: motor.way for motor in motors}))
+    for motor in motors:
+        if motor.enabled:
+            motor.told(outputs[motor.number])
+    if dialect.on_board:
+        return words, None if any(outputs.values()) else motors
+    off = [motor for motor in motors if motor.demand is Stop.POWER_OFF]
+    if not off:
+        return words, None
+    slow = [motor for motor in off if not motor.released]
+    return [*words, *dialect.release(motor.number for motor in slow)], slow

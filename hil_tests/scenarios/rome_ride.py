@@ -1,0 +1,60 @@
+"""ROME's base on the bench with one thing to do: its operator arms, and says it."""
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Final
+
+import numpy as np
+
+from emulators.bench import mission as missions
+from emulators.bench.operator import ScriptedOperator
+from emulators.bench.rehearsal import rehearsal_of
+from emulators.rig import Rig
+from firmware_bridge.drivers.shield.fleet import over_protocol
+from firmware_bridge.kinds import find
+
+FULL: Final = {"ros-arduino-bridge": 3, "arduinoio": 3, "mw": 3, "firmata": 2}
+STANDS_MPS: Final = 0.005
+AHEAD: Final = """
+title = "ahead"
+duration_s = {duration}
+input = "twist"
+{faults}
+[[step]]
+at_s = 4.0
+title = "arm"
+arm = true
+[[step]]
+at_s = 4.5
+title = "{title}"
+{word}
+"""
+
+
+@contextmanager
+def driven(
+    protocol: str, word: str, duration: float, faults: str = "", encoders: int | None = None
+) -> Iterator[Rig]:
+    """A rig on which the operator arms, and says one thing after it."""
+    robot = over_protocol(find("rome"), protocol, encoders)
+    rehearsal = rehearsal_of(robot)
+    text = AHEAD.format(duration=duration, faults=faults, title="go", word=word)
+    script = missions.parse(text, "story.toml", robot, rehearsal)
+    operator = ScriptedOperator(robot, rehearsal, script, np.random.default_rng(0))
+    rig = Rig(robot, rehearsal, operator, faults=script.fault)
+    try:
+        yield rig
+    finally:
+        rig.finish()
+
+
+def speed(rig: Rig) -> float:
+    """How fast the base is, m/s."""
+    row = rig.samples[-1]
+    return math.hypot(row["speed_mps"], row["speed_left_mps"])
+
+
+def held(rig: Rig) -> set[str]:
+    """The interlocks that have held so far."""
+    return {record.name for record in rig.holds}
