@@ -139,12 +139,12 @@ class Fleets:
         """
         sent: tuple[Packet, ...] = ()
         for fleet in self.all:
-            names = [driver.axis.name for driver in fleet.drivers]
-            stops = {name for name in names if asks_to_stop(demands.get(name, Stop.REST))}
+            told = {driver.axis.name: demands.get(driver.axis.name, Stop.REST) for driver in fleet.drivers}
+            stops = {name for name, demand in told.items() if asks_to_stop(demand)}
             if fleet in self._due or not stops <= self._stopped:
-                sent += fleet.command(demands)
-                self.told.update({name: demands.get(name, Stop.REST) for name in names})
-            self._stopped.difference_update(names)
+                sent += fleet.command(told)
+                self.told.update(told)
+            self._stopped.difference_update(told)
             self._stopped |= stops
             if levels:
                 sent += fleet.switch(levels, now)

@@ -172,11 +172,13 @@ class AxisStop:
 class Stops:
     """The stops of all axes."""
 
-    __slots__ = ("_axes", "_fleets")
+    __slots__ = ("_axes", "_fleets", "holds")
 
     def __init__(self, robot: AnyRobot, fleets: Fleets) -> None:
         self._fleets = fleets
         self._axes: Final = {driver.axis.name: AxisStop(driver, robot) for driver in fleets.drivers}
+        self.holds: tuple[Hold, ...] = ()
+        """What is to be told, as of the newest look."""
 
     @property
     def under_way(self) -> bool:
@@ -192,12 +194,6 @@ class Stops:
     def given_up(self) -> tuple[Driver, ...]:
         """Whose stop no step has brought about."""
         return tuple(stop.driver for stop in self._axes.values() if stop.progress is Progress.GIVEN_UP)
-
-    @property
-    def holds(self) -> tuple[Hold, ...]:
-        """What is to be told."""
-        holds = (stop.hold() for stop in self._axes.values() if not stop.left_out)
-        return tuple(hold for hold in holds if hold is not None)
 
     def watch(
         self,
@@ -223,6 +219,8 @@ class Stops:
                 sent += self._look(stop, demand, now)
             if (stop.escalates or stop.progress is Progress.GIVEN_UP) and demand is not Stop.POWER_OFF:
                 changed[name] = stop.step.demand
+        holds = [stop.hold() for stop in self._axes.values() if not stop.left_out]
+        self.holds = tuple([hold for hold in holds if hold is not None])
         return sent, changed
 
     def _look(self, stop: AxisStop, demand: Demand, now: Nanoseconds) -> tuple[Packet, ...]:

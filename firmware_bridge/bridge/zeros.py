@@ -36,21 +36,32 @@ class Zeros(Generic[G]):
             name: read.get(driver.axis.role) or _own_unit(driver.axis)
             for name, driver in self._drivers.items()
         }
+        self._offered: Final[dict[str, float]] = {}
+        """Where axes were in an earlier run, as it is read off the robot."""
+        self._positions: Final[dict[str, float]] = {}
+        """Where they were in this one when their zero was known last, in their units."""
 
-        self.last: dict[str, float] = {}
+    @property
+    def last(self) -> dict[str, float]:
         """Where each axis was when its zero was known, as it is read off the robot: an offer."""
+        seen = {name: self._read(name, position) for name, position in self._positions.items()}
+        return self._offered | seen
 
     def saw(self, axes: Mapping[str, Feedback]) -> dict[str, str]:
-        """Note where the axes are whose zero is known; return in words where each was last."""
-        for name, gauge in self._gauges.items():
+        """Note where the axes are whose zero is known; of each other one return in words where it was."""
+        lost = []
+        for name in self._gauges:
             feedback = axes[name]
             if feedback.sampled_at != NEVER_HEARD and not feedback.zero_lost:
-                self.last[name] = round(gauge.reading(feedback.position, self._robot), DIGITS) + 0.0
-        return {name: f"{place:.4g} {self._gauges[name].unit}" for name, place in self.last.items()}
+                self._positions[name] = feedback.position
+            else:
+                lost.append(name)
+        last = self.last if lost else {}
+        return {name: f"{last[name]:.4g} {self._gauges[name].unit}" for name in lost if name in last}
 
     def offer(self, last: Mapping[str, float]) -> None:
         """Take what an earlier run has kept of the axes that there are."""
-        self.last.update({name: place for name, place in last.items() if name in self._gauges})
+        self._offered.update({name: place for name, place in last.items() if name in self._gauges})
 
     def refuses(self, request: ConfirmZero) -> str | None:
         """Return why nobody can mean a request, or None."""
@@ -61,7 +72,7 @@ class Zeros(Generic[G]):
         if math.isnan(request.value) and driver.axis.zero.homing is not None:
             return None
         gauge, ends = self._gauges[request.axis], driver.axis.travel or (math.nan, math.nan)
-        low, high = sorted(round(gauge.reading(end, self._robot), DIGITS) + 0.0 for end in ends)
+        low, high = sorted(self._read(request.axis, end) for end in ends)
         slack = SLACK * (high - low)
         if low - slack <= request.value <= high + slack:
             return None
@@ -78,6 +89,10 @@ class Zeros(Generic[G]):
             return self._drivers[request.axis], None
         position = self._gauges[request.axis].position(request.value, self._robot)
         return self._drivers[request.axis], position
+
+    def _read(self, name: str, position: float) -> float:
+        """Return a position as it is read off the robot."""
+        return round(self._gauges[name].reading(position, self._robot), DIGITS) + 0.0
 
 
 def _own_unit(axis: Axis) -> Gauge[G]:

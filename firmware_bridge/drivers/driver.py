@@ -12,23 +12,24 @@ from firmware_bridge.intent import NEVER_HEARD
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis, Output, Sensor
 from firmware_bridge.units import Nanoseconds
+from firmware_bridge.value import valueclass
 
 
-@dataclass(frozen=True, slots=True)
+@valueclass(frozen=True, slots=True)
 class Speed:
     """Move at this speed, in the axis's unit a second; for axes that are commanded by speed."""
 
     value: float
 
 
-@dataclass(frozen=True, slots=True)
+@valueclass(frozen=True, slots=True)
 class Position:
     """Go to this position, in the axis's unit; for axes that are commanded by position."""
 
     value: float
 
 
-@dataclass(frozen=True, slots=True)
+@valueclass(frozen=True, slots=True)
 class Level:
     """Switch an output."""
 
@@ -126,7 +127,7 @@ class Tells(Enum):
     """Whether the zero from which they count still holds."""
 
 
-@dataclass(frozen=True, slots=True)
+@valueclass(frozen=True, slots=True)
 class Feedback:
     """What is known of one axis, behind its gear; positive as the robot file's `direction` makes it."""
 
@@ -153,7 +154,7 @@ class Feedback:
     """What somebody else has written to it since it was set up; empty where nothing was heard of that."""
 
 
-@dataclass(frozen=True, slots=True)
+@valueclass(frozen=True, slots=True)
 class SeenPose:
     """Where a sensor has seen the robot, in axes of its own with z upwards."""
 
@@ -167,7 +168,7 @@ class SeenPose:
     """Counts up where the robot was seen elsewhere than it can have got to."""
 
 
-@dataclass(frozen=True, slots=True)
+@valueclass(frozen=True, slots=True)
 class Reading:
     """What a sensor has reported."""
 

@@ -106,7 +106,7 @@ class Fleet:
 
     def sampled(self, since: Nanoseconds) -> bool:
         """Whether every drive has reported its sample of the cycle that began at `since`."""
-        return all(driver.sampled_at >= since for driver in self.drivers)
+        return min([driver.sampled_at for driver in self.drivers], default=since) >= since
 
     def readings(self, now: Nanoseconds) -> Mapping[str, Reading]:
         """Return what the sensors have reported, by their names; what is silent for too long is left out."""

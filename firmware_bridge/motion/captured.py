@@ -14,6 +14,7 @@ from typing import Final
 
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.units import SECOND, Nanoseconds, to_seconds
+from firmware_bridge.value import valueclass
 
 REMEMBERED: Final[Nanoseconds] = SECOND
 """A captured pose older than this is put upon nothing any more, and refused."""
@@ -50,7 +51,7 @@ class Bounds:
     """A captured pose that is older does not show that the robot is seen."""
 
 
-@dataclass(frozen=True, slots=True)
+@valueclass(frozen=True, slots=True)
 class Sight:
     """A captured pose, and the instant that it shows."""
 
@@ -58,7 +59,7 @@ class Sight:
     at: Nanoseconds
 
 
-@dataclass(frozen=True, slots=True)
+@valueclass(frozen=True, slots=True)
 class Located:
     """Where the robot is, and how far that is known."""
 

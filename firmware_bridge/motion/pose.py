@@ -1,9 +1,9 @@
 """Where a robot is on its plane."""
 
-from dataclasses import dataclass
+from firmware_bridge.value import valueclass
 
 
-@dataclass(frozen=True, slots=True)
+@valueclass(frozen=True, slots=True)
 class Pose:
     """Of the robot's reference point: x forward, y left, heading counter-clockwise and not wrapped."""
 

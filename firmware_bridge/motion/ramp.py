@@ -7,10 +7,10 @@ profile acceleration alone.
 """
 
 import math
-from dataclasses import dataclass
 from typing import Final
 
 from firmware_bridge.units import Nanoseconds, to_seconds
+from firmware_bridge.value import valueclass
 
 MARGIN: Final = 0.80
 """Share of the limit that set-points use: 0.862, because wheels that brake at the limit slip by 13.8 % on a
@@ -22,7 +22,7 @@ BRAKING_SHARE: Final = 0.5
 limit, a robot that may not brake would be the greater danger."""
 
 
-@dataclass(frozen=True, slots=True)
+@valueclass(frozen=True, slots=True)
 class Ramp:
     """Bounds of one robot."""
 

@@ -145,7 +145,7 @@ def _axis_rewritten(axis: Axis, feedback: Feedback, _facts: Facts, _limit: Nanos
 
 def _axis_not_enabled(axis: Axis, feedback: Feedback, _facts: Facts, _limit: Nanoseconds) -> str | None:
     # One that was never heard is silent, one in a fault state is faulted: one cause, one hold.
-    if feedback.heard_at == NEVER_HEARD or feedback.power in {Power.FAULT, Power.ON}:
+    if feedback.heard_at == NEVER_HEARD or feedback.power in (Power.FAULT, Power.ON):
         return None
     return f"{axis.called} is not enabled: {feedback.says or 'state unknown'}"
 

@@ -137,8 +137,9 @@ class Gate(Generic[G, M, S]):
         memory, now = self._memory, view.seen.facts.now
         holds = []
         for row in rows:
-            reason = row.judge(view.held() if memory.holds(row.name) else view)
-            hold = memory.look(row.name, reason, row, now)
+            held = memory.holds(row.name)
+            reason = row.judge(view.held() if held else view)
+            hold = memory.look(row.name, reason, row, now) if held or reason is not None else None
             if hold is not None:
                 holds.append(hold)
         return holds
@@ -150,9 +151,8 @@ class Gate(Generic[G, M, S]):
             feedback = facts.axes.get(axis.name) or Feedback(axis.name)
             for name, row in one.left_out if axis.name in facts.without else one.rows:
                 reason = row.judge(axis, feedback, facts, one.silent_after)
-                if reason is None and not memory.holds(name):
-                    continue
-                hold = memory.look(name, reason, row, facts.now, axis.name)
+                held = reason is not None or memory.holds(name)
+                hold = memory.look(name, reason, row, facts.now, axis.name) if held else None
                 if hold is not None:
                     holds.append(hold)
         return holds

@@ -15,6 +15,7 @@ from firmware_bridge.motion.captured import Located
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.safety.row import Row
 from firmware_bridge.units import Nanoseconds
+from firmware_bridge.value import valueclass
 
 M = TypeVar("M")
 S_co = TypeVar("S_co", covariant=True)
@@ -52,7 +53,7 @@ class Following:
     """How far it should have gone at least since its position began to repeat."""
 
 
-@dataclass(frozen=True, slots=True)
+@valueclass(frozen=True, slots=True)
 class Facts:
     """What is known of any robot."""
 
@@ -83,7 +84,7 @@ class Facts:
     battery_low_since: Nanoseconds | None = None
     """Since which sample the battery has been low; None where it is not, or is not known to be."""
     stood: Mapping[str, str] = field(default_factory=dict)
-    """Where axes were when their zero was known last, in words, by their names: no certainty."""
+    """Where axes without a zero were when it was known last, in words, by their names: no certainty."""
     following: Mapping[str, Following] = field(default_factory=dict)
     """By the axes' names; one without is not judged by what it was told."""
     said_at: Nanoseconds | None = None

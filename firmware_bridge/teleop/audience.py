@@ -4,7 +4,7 @@ A station is a place that a heartbeat came from, and any good frame for this rob
 others must fit into the bytes that came from there, so that a forged address gains nothing.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from typing import Final
 
 from firmware_bridge.node import OPERATOR
@@ -75,9 +75,11 @@ class Audience:
         self._credits[source] = min(credit, LARGEST_CREDIT)
 
     def answer(
-        self, source: int, messages: Iterable[Message], driver: int | None, now: Nanoseconds
+        self, source: int, messages: Collection[Message], driver: int | None, now: Nanoseconds
     ) -> tuple[Packet, ...]:
         """Return answers for a place; what it has not paid for is left out."""
+        if not messages:
+            return ()
         stamp = self._stamp(now)
         if self.tells(source, driver, now):
             return self._said(source, messages, stamp)

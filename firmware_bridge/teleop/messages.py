@@ -35,7 +35,7 @@ def _manual_control(exchange: Exchange) -> None:
     if exchange.refusal is not None:
         exchange.ignore()
         return
-    if exchange.late is None:
+    if gone_down and exchange.late is None:
         exchange.press(gone_down)
     exchange.take_stick()
 

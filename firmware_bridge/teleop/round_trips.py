@@ -55,7 +55,7 @@ class RoundTrips:
         lasted = self._lasted
         while lasted and now - lasted[0][0] > NEWEST_OVER:
             lasted.popleft()
-        return min((trip for _, trip in lasted), default=None)
+        return min([trip for _, trip in lasted], default=None)
 
 
 class Losses:

@@ -13,6 +13,7 @@ from firmware_bridge.robot import Robot
 from firmware_bridge.robot.table import Table
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.units import MILLISECOND, Nanoseconds
+from firmware_bridge.value import valueclass
 
 G = TypeVar("G", bound=Table)
 M = TypeVar("M")
@@ -31,7 +32,7 @@ FASTEST: Final[Nanoseconds] = 20 * MILLISECOND
 """No message is sent more often, whatever a row or a ground station asks for."""
 
 
-@dataclass(frozen=True, slots=True)
+@valueclass(frozen=True, slots=True)
 class Stick:
     """The axes of MANUAL_CONTROL as shares of full stick, -1 to 1; None where an axis is not used."""
 
@@ -50,7 +51,7 @@ class Stick:
         return all(share is None or abs(share) <= dead_band for share in axes)
 
 
-@dataclass(frozen=True, slots=True)
+@valueclass(frozen=True, slots=True)
 class Velocity:
     """A velocity set-point along and across the robot, and how fast it shall turn; SI, left positive."""
 
@@ -65,7 +66,7 @@ class Velocity:
         return self.forward_mps == self.left_mps == 0.0 and not self.yaw_rate_rad_s
 
 
-@dataclass(frozen=True, slots=True)
+@valueclass(frozen=True, slots=True)
 class Twist:
     """How the robot's reference point moves; SI, left and counter-clockwise positive."""
 

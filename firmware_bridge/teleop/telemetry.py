@@ -6,7 +6,6 @@ clockwise: y, yaw and yaw rate change their sign here, and only here.
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any, Final
 
 from firmware_bridge.drivers.driver import Feedback
@@ -15,6 +14,7 @@ from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.teleop.mavlink import Message, dialect
 from firmware_bridge.teleop.station import AnyStation, Twist
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
+from firmware_bridge.value import valueclass
 
 UNKNOWN_U16: Final = 0xFFFF
 UNKNOWN: Final = -1
@@ -27,7 +27,7 @@ _TEMPERATURE_UNKNOWN: Final = 0x7FFF
 _COVARIANCE_UNKNOWN: Final = (NAN,) + (0.0,) * 20
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@valueclass(frozen=True, slots=True, kw_only=True)
 class TelemetryContext:
     """Everything that a message may tell."""
 

@@ -27,10 +27,9 @@ class State(Enum):
     FAULT_REACTION_ENABLED = 0x011F
     FAULT = 0x0108
 
-    @property
-    def title(self) -> str:
+    def __init__(self, _statusword: int) -> None:
+        self.title: Final = self.name.lower().replace("_", " ")
         """The state in words."""
-        return self.name.lower().replace("_", " ")
 
 
 STATE_BITS: Final = 0x417F

@@ -71,8 +71,10 @@ class DriveFeedback:
         self.seeking = False
         """Whether it moves to find its zero; its counter is set when it says that it has attained it."""
 
-    def told(self, statusword: int) -> None:
+    def told(self, statusword: int) -> State | None:
         """Take a statusword, by whatever way it came and whether the drive listens to set-points or not.
+
+        Return the state that it tells.
 
         ASSUME: switching off or a reset clears bit 15, homing by any method sets it.
         """
@@ -83,6 +85,7 @@ class DriveFeedback:
             self.zeroing = True
         state = state_of(statusword)
         self.unpowered = state is not None and state not in POWERED
+        return state
 
     def moved_to(self, counter: int) -> int:
         """Return the way in quadcounts from the newest position to what the drive's counter shows now."""

@@ -80,8 +80,9 @@ class TaskRunner:
 
     def lets(self, demand: Demand) -> bool:
         """Whether a demand may be sent: while tasks are under way what stops, and rest where it homes."""
-        stops = demand in (Stop.QUICK_STOP, Stop.POWER_OFF)
-        return not self.busy or stops or (demand is Stop.REST and self._task is Task.HOME)
+        if not self.busy or demand is Stop.QUICK_STOP or demand is Stop.POWER_OFF:
+            return True
+        return demand is Stop.REST and self._task is Task.HOME
 
     def meant(self, demand: Demand) -> Demand:
         """Return a demand as it may reach the drive: in homing mode a new position would start that."""

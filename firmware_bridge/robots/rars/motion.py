@@ -1,9 +1,9 @@
 """RARS's motion in its own words, and what is known of its body; forward, left and up are positive."""
 
-from dataclasses import dataclass
+from firmware_bridge.value import valueclass
 
 
-@dataclass(frozen=True, slots=True)
+@valueclass(frozen=True, slots=True)
 class Motion:
     """What the operator wishes, what the gate allows, and what the bridge demands."""
 
@@ -18,7 +18,7 @@ class Motion:
     detector: bool = False
 
 
-@dataclass(frozen=True, slots=True)
+@valueclass(frozen=True, slots=True)
 class State:
     """What axes and sensors tell."""
 

@@ -7,7 +7,7 @@ Sources: A. P. Das, PhD thesis, IIT Delhi, 2018, 2.3.1 (tipping, acceleration), 
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Final, TypeAlias
+from typing import Any, Final, TypeAlias
 
 from firmware_bridge.motion import davis, scissor
 from firmware_bridge.robot import Robot
@@ -130,28 +130,32 @@ def _tipping_speed(view: View) -> float:
     return tipping_speed(view.robot, steer) if steer is not None and math.isfinite(steer) else 0.0
 
 
+def _clip(
+    motion: Motion, field: str, high: float, unit: str, *, low: float | None = None, scale: float = 1.0
+) -> tuple[Motion, str | None]:
+    """Return the motion with one of its numbers within bounds, the same where it is; see `bounded`."""
+    asked: float | None = getattr(motion, field)
+    if asked is None:
+        return motion, None
+    allowed, reason = bounded(asked, high, unit, low=low, scale=scale)
+    clipped: dict[str, Any] = {} if allowed == asked else {field: allowed}
+    return (replace(motion, **clipped) if clipped else motion), reason
+
+
 def _speed(view: View, high: float) -> tuple[Motion, str | None]:
-    allowed, reason = bounded(view.allowed.speed_mps, high, "m/s")
-    return replace(view.allowed, speed_mps=allowed), reason
+    return _clip(view.allowed, "speed_mps", high, "m/s")
 
 
 def _steer(view: View, high: float) -> tuple[Motion, str | None]:
-    if view.allowed.steer_rad is None:
-        return view.allowed, None
-    allowed, reason = bounded(view.allowed.steer_rad, high, "deg", scale=_DEGREES)
-    return replace(view.allowed, steer_rad=allowed), reason
+    return _clip(view.allowed, "steer_rad", high, "deg", scale=_DEGREES)
 
 
 def _lift_rate(view: View) -> tuple[Motion, str | None]:
-    allowed, reason = bounded(view.allowed.lift_rate_mps, view.geometry.limits.lift_rate_mps, "m/s")
-    return replace(view.allowed, lift_rate_mps=allowed), reason
+    return _clip(view.allowed, "lift_rate_mps", view.geometry.limits.lift_rate_mps, "m/s")
 
 
 def _lift_range(view: View) -> tuple[Motion, str | None]:
-    if view.allowed.lift_m is None:
-        return view.allowed, None
-    allowed, reason = bounded(view.allowed.lift_m, scissor.highest(view.geometry.lift), "m", low=0.0)
-    return replace(view.allowed, lift_m=allowed), reason
+    return _clip(view.allowed, "lift_m", scissor.highest(view.geometry.lift), "m", low=0.0)
 
 
 def _acceleration(view: View) -> tuple[Motion, str | None]:

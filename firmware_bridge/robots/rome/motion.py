@@ -1,11 +1,10 @@
 """ROME's motion in its own words, and what is known of its body; ahead, left, counter-clockwise positive."""
 
-from dataclasses import dataclass
-
 from firmware_bridge.motion.omni import Twist
+from firmware_bridge.value import valueclass
 
 
-@dataclass(frozen=True, slots=True)
+@valueclass(frozen=True, slots=True)
 class Motion:
     """What the operator wishes, what the gate allows, and what the bridge demands."""
 
@@ -21,7 +20,7 @@ class Motion:
         return Twist(self.ahead_mps, self.left_mps, self.turn_rad_s)
 
 
-@dataclass(frozen=True, slots=True)
+@valueclass(frozen=True, slots=True)
 class State:
     """What the wheels tell."""
 

@@ -9,7 +9,7 @@ can reach with mixtures; so nobody can go on from one mixture to the next.
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import Final
 
 from firmware_bridge.robot import AnyRobot, GuardExclusive, GuardSum
@@ -26,6 +26,8 @@ class AxesRule(ABC):
     name: str
     axes: tuple[InForce, ...]
     """To whose set-points it applies."""
+    members: frozenset[InForce]
+    """The same, without an order."""
     due: Nanoseconds
     """When all its axes must be stopped; NEVER while the rule is kept."""
 
@@ -48,6 +50,7 @@ class SpeedSum(AxesRule):
     def __init__(self, row: GuardSum, axes: Mapping[str, InForce]) -> None:
         self.name = row.name
         self.axes = tuple(axes[axis] for axis in row.of)
+        self.members = frozenset(self.axes)
         self.due = NEVER
         self._terms: Final = tuple((axes[axis], factor) for axis, factor in row.of.items())
         self._bound: Final = row.bound
@@ -129,12 +132,13 @@ class Exclusion(AxesRule):
         self.due = NEVER
         one, other = (tuple(axes[axis] for axis in side) for side in (row.one, row.other))
         self.axes = (*one, *other)
+        self.members = frozenset(self.axes)
         self._against: Final = {**dict.fromkeys(row.one, other), **dict.fromkeys(row.other, one)}
 
     def refuses(self, asked: Mapping[InForce, Asked], now: Nanoseconds) -> str | None:
         """Refuse motion while the other side is told to move; rest is never refused."""
         del now
-        for axis in _movers(asked, self.axes):
+        for axis in _movers(asked, self.members):
             moving = [
                 other.axis.title
                 for other in self._against[axis.axis.name]
@@ -160,12 +164,13 @@ class OneHomes(AxesRule):
 
     def __init__(self, axes: Iterable[InForce]) -> None:
         self.axes = tuple(axes)
+        self.members = frozenset(self.axes)
         self.due = NEVER
 
     def refuses(self, asked: Mapping[InForce, Asked], now: Nanoseconds) -> str | None:
         """Refuse motion while another axis homes."""
         del now
-        for axis in _movers(asked, self.axes):
+        for axis in _movers(asked, self.members):
             homing = next((it.axis.title for it in self.axes if it is not axis and it.homes), None)
             if homing is not None:
                 return f"{self.name}: {axis.axis.title} may not move while {homing} finds its zero"
@@ -184,9 +189,9 @@ class OneHomes(AxesRule):
             self.due = NEVER
 
 
-def _movers(asked: Mapping[InForce, Asked], axes: Collection[InForce]) -> Iterator[InForce]:
-    """Yield who of these would move."""
-    yield from (axis for axis, one in asked.items() if one.moves and axis in axes)
+def _movers(asked: Mapping[InForce, Asked], axes: Collection[InForce]) -> list[InForce]:
+    """Return who of these would move."""
+    return [axis for axis, one in asked.items() if one.moves and axis in axes]
 
 
 def rules_across(robot: AnyRobot, axes: Mapping[str, InForce]) -> tuple[AxesRule, ...]:

@@ -118,9 +118,16 @@ class Epos2CanRules(WireRules):
         self._by_node = {axis.node: axis for axis in self.axes}
         self._by_set_point = {_set_point_id(axis): axis for axis in self.axes}
         self._by_request = {canopen.SDO_REQUEST + axis.node: axis for axis in self.axes}
-        self._by_response = {canopen.SDO_RESPONSE + axis.node: axis for axis in self.axes}
-        self._by_status = {canopen.TRANSMIT_PDO[STATUS_PDO] + axis.node: axis for axis in self.axes}
-        self._by_sample = {canopen.TRANSMIT_PDO[SAMPLE_PDO] + axis.node: axis for axis in self.axes}
+        self._readers = {
+            first + axis.node: (read, axis)
+            for axis in self.axes
+            for first, read in (
+                (canopen.TRANSMIT_PDO[STATUS_PDO], _read_status),
+                (canopen.TRANSMIT_PDO[SAMPLE_PDO], _read_sample),
+                (canopen.SDO_RESPONSE, _read_answer),
+            )
+        }
+        """What is done about what a drive sends, and whose it is."""
 
     @property
     def waiting(self) -> bool:
@@ -204,23 +211,10 @@ class Epos2CanRules(WireRules):
 
     def receives(self, packet: Packet, now: Nanoseconds) -> bool:
         """Let everything in; read statusword and position where they come."""
-        payload = packet.payload
-        axis = self._by_status.get(packet.address)
-        if axis is not None and len(payload) >= _STATUSWORD.size:
-            axis.reports(_STATUSWORD.unpack_from(payload)[0], now)
-        axis = self._by_sample.get(packet.address)
-        if axis is not None and len(payload) >= _SAMPLE.size:
-            statusword, position_qc = _SAMPLE.unpack_from(payload)
-            axis.reports(statusword, now)
-            axis.reports_position(position_qc, now)
-        axis = self._by_response.get(packet.address)
-        told = None if axis is None else _uploaded(payload)
-        if axis is not None and told is not None:
-            address, raw = told
-            if address == STATUSWORD:
-                axis.reports(_STATUSWORD.unpack_from(raw)[0], now)
-            else:
-                axis.read(address, raw)
+        found = self._readers.get(packet.address)
+        if found is not None:
+            read, axis = found
+            read(axis, packet.payload, now)
         return True
 
     def _commands(self, command: int, node: int) -> None:
@@ -253,6 +247,29 @@ def _listed(robot: AnyRobot, link: str, axes: tuple[GuardedAxis, ...]) -> dict[i
 
 def _set_point_id(axis: GuardedAxis) -> int:
     return _SET_POINT_ID[axis.axis.command] + axis.node
+
+
+def _read_status(axis: GuardedAxis, payload: bytes, now: Nanoseconds) -> None:
+    if len(payload) >= _STATUSWORD.size:
+        axis.reports(_STATUSWORD.unpack_from(payload)[0], now)
+
+
+def _read_sample(axis: GuardedAxis, payload: bytes, now: Nanoseconds) -> None:
+    if len(payload) >= _SAMPLE.size:
+        statusword, position_qc = _SAMPLE.unpack_from(payload)
+        axis.reports(statusword, now)
+        axis.reports_position(position_qc, now)
+
+
+def _read_answer(axis: GuardedAxis, payload: bytes, now: Nanoseconds) -> None:
+    told = _uploaded(payload)
+    if told is None:
+        return
+    address, raw = told
+    if address == STATUSWORD:
+        axis.reports(_STATUSWORD.unpack_from(raw)[0], now)
+    else:
+        axis.read(address, raw)
 
 
 def _written(payload: bytes) -> tuple[Address, bytes] | None:

@@ -33,14 +33,12 @@ CONTROLWORDS: Final = {
     Command.POSITION: (*UNPOWERED, FAULT_RESET, ENABLE, HALT, NEW_SET_POINT),
 }
 
-POWERED_STATES: Final = frozenset(
-    {
-        State.REFRESH,
-        State.MEASURE_INIT,
-        State.OPERATION_ENABLED,
-        State.QUICK_STOP_ACTIVE,
-        State.FAULT_REACTION_ENABLED,
-    }
+POWERED_STATES: Final = (
+    State.REFRESH,
+    State.MEASURE_INIT,
+    State.OPERATION_ENABLED,
+    State.QUICK_STOP_ACTIVE,
+    State.FAULT_REACTION_ENABLED,
 )
 """In which the motor may have torque."""
 

@@ -185,7 +185,7 @@ class Guarded:
 
     def _across_all(self, axes: tuple[InForce, ...]) -> tuple[AxesRule, ...]:
         """Return the rules over any of these axes, each once."""
-        return tuple(rule for rule in self._across if any(axis in rule.axes for axis in axes))
+        return tuple([rule for rule in self._across if not rule.members.isdisjoint(axes)])
 
     def _joined(self, axes: Iterable[InForce]) -> tuple[Packet, ...]:
         """Return the safe words of these axes; what is one word for several of them, once."""
@@ -204,13 +204,11 @@ class Guarded:
     def _cleared(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Stop the axes of each rule that nobody has mended in time, and find out which one is the next."""
         sent: tuple[Packet, ...] = ()
-        self._due = NEVER
         for rule in self._across:
             if rule.due <= now:
                 safe = self._joined(axis for axis in rule.axes if axis.moving)
                 sent += self._replaced(None, f"{rule.name} stayed beyond its bound", safe, now)
-        for rule in self._across:
-            self._due = min(self._due, rule.due)
+        self._due = min([rule.due for rule in self._across], default=NEVER)
         return sent
 
     def _spoken_for(self, now: Nanoseconds) -> tuple[Packet, ...]:
@@ -221,7 +219,7 @@ class Guarded:
             return ()
         if self._moving_since == NEVER:
             self._moving_since = now
-        overdue_at = min([self._overdue_at(axis) for axis in self._axes])
+        overdue_at = self._overdue_at(self._axes)
         if now < overdue_at:
             self._speak_at = NEVER
             self._deadline = overdue_at
@@ -231,19 +229,21 @@ class Guarded:
         self._speak_at = self._deadline = now + min(axis.cycle for axis in self._axes)
         if alarmed:
             return self._sent(self._all_safe(heard=True), now)
-        silent = [axis for axis in self._axes if now >= self._overdue_at(axis)]
+        silent = [axis for axis in self._axes if now >= self._overdue_at((axis,))]
         patience = SILENT_CYCLES * min(axis.cycle for axis in silent) // MILLISECOND
         titles = ", ".join(axis.axis.title for axis in silent)
         return self._replaced(None, f"no set-point for {patience} ms: {titles}", self._all_safe(), now)
 
-    def _overdue_at(self, axis: InForce) -> Nanoseconds:
-        """Return when the axis is overdue: so long after its set-point, or after the motion began.
+    def _overdue_at(self, axes: tuple[InForce, ...]) -> Nanoseconds:
+        """Return when the first of the axes is overdue: so long after its set-point, or its motion's begin.
 
         One that finds its zero is sent none; the bridge shows by the others that it lives.
         """
-        if axis.homes:
-            return NEVER
-        return max(axis.commanded_at, self._moving_since) + SILENT_CYCLES * axis.cycle
+        since = self._moving_since
+        overdue = [
+            max(axis.commanded_at, since) + SILENT_CYCLES * axis.cycle for axis in axes if not axis.homes
+        ]
+        return min(overdue, default=NEVER)
 
 
 def guarded(node: Node, robot: AnyRobot, listener: Listener | None = None) -> Guarded:

@@ -7,7 +7,6 @@ from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.canopen import NODE_MASK, NmtState
-from firmware_bridge.wire.cia402 import state_of
 
 
 class CanFeedback(DriveFeedback):
@@ -58,8 +57,7 @@ class CanFeedback(DriveFeedback):
     def _state(self, statusword: int) -> None:
         # Process data comes in NMT operational only.
         self.operational = True
-        self.told(statusword)
-        self.state = state_of(statusword)
+        self.state = self.told(statusword)
 
     def _emergency(self, payload: bytes, _now: Nanoseconds) -> None:
         message = canopen.decode_emergency(payload)
