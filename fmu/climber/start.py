@@ -17,8 +17,10 @@ from fmu.climber.vectors import Vector, cross, dot, kept, plus
 from fmu.export.functions import angle, named
 from fmu.export.model import Expression
 
-ROUNDS: Final = 7
-"""Rounds of Newton's method; a test shows that they do for every tank of the sets."""
+LEANING: Final = 3
+"""Rounds of Newton's method that turn the joint, too: until wheels are upright within some 1e-7 rad."""
+ROUNDS: Final = 4
+"""All rounds; a test shows that they do for every tank of the sets."""
 TOLERANCE: Final = sp.Float(1e-9)
 """m that a wheel may be off the surface; beyond it, there is no start."""
 
@@ -126,9 +128,10 @@ class Start:
             )
             for (ahead, left), wheel in zip(guesses, wheels, strict=True)
         ]
-        for _ in range(ROUNDS):
+        for count in range(ROUNDS):
             body = self._meet(pose, feet)
-            pose = self._stepped(pose, body, feet)
+            pose = self._stepped(pose, body, feet, 4 if count < LEANING else 3)
+            self._meet(pose, feet)
             feet = [foot.moved() for foot in feet]
         body = self._meet(pose, feet)
         self._off = sum(abs_square(foot) for foot in feet)
@@ -168,8 +171,10 @@ class Start:
             foot.meets(kept(middle), kept(each))
         return body
 
-    def _stepped(self, pose: _Pose, body: _Body, feet: Sequence[_Foot]) -> _Pose:
+    def _stepped(self, pose: _Pose, body: _Body, feet: Sequence[_Foot], unknown: int) -> _Pose:
         """Return the pose whose wheels touch where they are nearest, and lean as far as is asked for.
+
+        With three unknowns, the joint stays as it is.
 
         Gaps change as the material at the contacts moves along the normal: to lift, to roll about the way
         ahead, to pitch about the axle, and at the right wheel to the joint.
@@ -196,7 +201,8 @@ class Start:
         )
         lean = -2 * sp.sin(self._given.joint / 2)
         offs.append(lean - dot(left, body.left) + dot(right, body.right_axle))
-        step = _solved(rows, offs)
+        step = _solved([row[:unknown] for row in rows[:unknown]], offs[:unknown])
+        step += [sp.S.Zero] * (4 - unknown)
         was = (pose.lift, pose.roll, pose.pitch, pose.joint)
         return _Pose(*(named(old + change) for old, change in zip(was, step, strict=True)))
 
