@@ -18,7 +18,7 @@ from fmu.export.functions import angle, named
 from fmu.export.model import Expression
 
 LEANING: Final = 3
-"""Rounds of Newton's method that turn the joint, too: until wheels are upright within some 1e-7 rad."""
+"""Rounds of Newton's method that turn the joint, too: until wheels are upright within some 1e-6 rad."""
 ROUNDS: Final = 4
 """All rounds; a test shows that they do for every tank of the sets."""
 TOLERANCE: Final = sp.Float(1e-9)
@@ -66,19 +66,33 @@ class _Foot:
         off = kept(plus((1, touching), (-1, place.point)))
         self.touching = kept(touching)
         self.gap = named(dot(off, normal))
-        self._aside, self._along = named(dot(off, self.left)), named(dot(off, self.ahead))
+        self.off = off
+        self._cosine = named(dot(self.left, place.along_s))
+        self._sine = named(dot(self.left, place.along_z))
+        ss, sz, zz = place.curvature
+        self._across = named(
+            ss * self._cosine**2 + 2 * sz * self._sine * self._cosine + zz * self._sine**2
+        )
+
+    def leaning(self, turning: Vector, moving: Vector) -> Expression:
+        """Return how the axle rises against the surface when the wheel turns so, and moves where it touches.
+
+        By (16), the surface below turns with the contact that moves sideways.
+        """
+        curved = 1 / self.wheel.crown
+        turned = dot(turning, self.ahead) + self._across * dot(moving, self.left)
+        return curved / (curved + self._across) * turned
 
     def moved(self) -> "_Foot":
         """Return the place that fits better: the point of the surface below the wheel."""
         place, wheel = self.place, self.wheel
-        cosine = named(dot(self.left, place.along_s))
-        sine = named(dot(self.left, place.along_z))
+        cosine, sine = self._cosine, self._sine
         ss, sz, zz = place.curvature
         k1, k2 = 1 / wheel.crown, self.cosine / (wheel.ring + wheel.crown * self.cosine)
-        t11 = ss * cosine**2 + 2 * sz * sine * cosine + zz * sine**2
         t12 = (ss - zz) * sine * cosine + sz * (sine**2 - cosine**2)
         t22 = ss * sine**2 - 2 * sz * sine * cosine + zz * cosine**2
-        step = _solved(((k1 + t11, t12), (t12, k2 + t22)), (k1 * self._aside, k2 * self._along))
+        aside, along = dot(self.off, self.left), dot(self.off, self.ahead)
+        step = _solved(((k1 + self._across, t12), (t12, k2 + t22)), (k1 * aside, k2 * along))
         s, z = self.at
         s += (cosine * step[0] + sine * step[1]) / place.metric[0]
         z += (sine * step[0] - cosine * step[1]) / place.metric[1]
@@ -134,7 +148,7 @@ class Start:
             self._meet(pose, feet)
             feet = [foot.moved() for foot in feet]
         body = self._meet(pose, feet)
-        self._off = sum(abs_square(foot) for foot in feet)
+        self._off = sum(dot(foot.off, foot.off) for foot in feet)
         self._read(pose, body, feet)
 
     def _body(self, pose: _Pose) -> _Body:
@@ -181,24 +195,18 @@ class Start:
         """
         nothing = (sp.S.Zero, sp.S.Zero, sp.S.Zero)
         back = plus((-1, body.left))
-        rows, offs = [], []
-        for place, foot in enumerate(feet):
+        rows, offs, leans = [], [], []
+        for foot, joint in zip(feet, (nothing, body.ahead, nothing), strict=True):
             arm = plus((1, foot.touching), (-1, body.middle))
-            normal = foot.place.normal
-            joint = cross(body.ahead, arm) if place == 1 else nothing
-            moves = (self._base.normal, cross(self._ahead, arm), cross(back, arm), joint)
-            rows.append([named(dot(normal, move)) for move in moves])
+            turns = (nothing, self._ahead, back, joint)
+            moves = [kept(cross(turn, arm)) for turn in turns]
+            moves[0] = self._base.normal
+            rows.append([dot(foot.place.normal, move) for move in moves])
             offs.append(-foot.gap)
+            leans.append([foot.leaning(*each) for each in zip(turns, moves, strict=True)])
         # Lean against each other: sine of the left wheel's minus that of the right one's.
+        rows.append([one - other for one, other in zip(leans[0], leans[1], strict=True)])
         left, right = feet[0].place.normal, feet[1].place.normal
-        rows.append(
-            [
-                sp.S.Zero,
-                dot(left, cross(self._ahead, body.left)) - dot(right, cross(self._ahead, body.right_axle)),
-                -dot(right, cross(back, body.right_axle)),
-                -dot(right, cross(body.ahead, body.right_axle)),
-            ]
-        )
         lean = -2 * sp.sin(self._given.joint / 2)
         offs.append(lean - dot(left, body.left) + dot(right, body.right_axle))
         step = _solved([row[:unknown] for row in rows[:unknown]], offs[:unknown])
@@ -227,11 +235,6 @@ class Start:
         # No number where the wheels do not touch: the plant refuses to start. Else it adds nothing.
         refusal = sp.sqrt(TOLERANCE**2 - self._off)
         self.rows["joint"] = named(pose.joint) + TOLERANCE * TOLERANCE * refusal
-
-
-def abs_square(foot: _Foot) -> Expression:
-    """Return the square of how far a wheel is off its place, in m2."""
-    return foot.gap**2 + foot._aside**2 + foot._along**2
 
 
 def _solved(rows: Sequence[Sequence[Expression]], right: Sequence[Expression]) -> list[Expression]:
