@@ -10,7 +10,7 @@ import sympy as sp
 
 from fmu.climber.contact import Contact
 from fmu.climber.vectors import Vector, dot, kept, plus
-from fmu.export.functions import larger, passed, positive_part, named
+from fmu.export.functions import larger, named, passed, positive_part
 from fmu.export.model import Expression, Output, State
 from fmu.parts.symbols import inner, symbol
 
@@ -56,9 +56,7 @@ class Hold:
         """Return the gap; what is lost stays lost."""
         opening = PEELING * (self.pull - self.magnet)
         held = 1 - passed(self.gap - self._around.reach)
-        return State(
-            f"gap_{self.name}", "m", sp.S.Zero, held * larger(opening, -CLOSING * self.gap)
-        )
+        return State(f"gap_{self.name}", "m", sp.S.Zero, held * larger(opening, -CLOSING * self.gap))
 
     def outputs(self) -> tuple[Output, ...]:
         """Return the gap, and for people and tests what holds."""

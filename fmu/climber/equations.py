@@ -8,13 +8,13 @@ from typing import Final
 import sympy as sp
 
 from fmu.climber.adhesion import Hold, Surroundings
-from fmu.climber.chassis import Chassis, Motion, Sizes
+from fmu.climber.chassis import Chassis, Sizes
 from fmu.climber.contact import Contact, Torus
 from fmu.climber.parameters import AXES, PARAMETERS
 from fmu.climber.start import Given, Start
 from fmu.climber.surfaces import Surface, torus
-from fmu.climber.vectors import Vector, dot, plus
-from fmu.export.functions import larger, passed, positive_part, named
+from fmu.climber.vectors import Vector, dot
+from fmu.export.functions import larger, named, passed, positive_part
 from fmu.export.model import Event, Expression, Input, Model, Output, State
 from fmu.parts.battery import terminal_voltage
 from fmu.parts.motor import Shaft

@@ -74,9 +74,7 @@ ROBOT: Final[tuple[Parameter, ...]] = (
     Parameter("caster_distance", 0.04445, "m", "caster's pivot behind the wheels l", "[C] 5", least=0.0),
     Parameter("caster_offset", 0.012, "m", "caster's axle behind its pivot c", "ASSUME", least=0.0),
     Parameter("caster_radius", 0.0127, "m", "caster wheel's radius", "ASSUME", least=0.0),
-    Parameter(
-        "caster_crown", 0.003, "m", "radius of the caster wheel's cross section", "ASSUME", least=0.0
-    ),
+    Parameter("caster_crown", 0.003, "m", "radius of the caster wheel's cross section", "ASSUME", least=0.0),
     Parameter("mass", 2.0, "kg", "whole robot", "ASSUME", tunable=True),
     Parameter("mass_behind", 0.015, "m", "centre of mass behind the wheels", "ASSUME"),
     Parameter("mass_height", 0.025, "m", "centre of mass off a plane surface", "ASSUME"),

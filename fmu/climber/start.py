@@ -70,9 +70,7 @@ class _Foot:
         self._cosine = named(dot(self.left, place.along_s))
         self._sine = named(dot(self.left, place.along_z))
         ss, sz, zz = place.curvature
-        self._across = named(
-            ss * self._cosine**2 + 2 * sz * self._sine * self._cosine + zz * self._sine**2
-        )
+        self._across = named(ss * self._cosine**2 + 2 * sz * self._sine * self._cosine + zz * self._sine**2)
 
     def leaning(self, turning: Vector, moving: Vector) -> Expression:
         """Return how the axle rises against the surface when the wheel turns so, and moves where it touches.
@@ -113,9 +111,7 @@ class _Body:
 class Start:
     """The contacts at the start: tube, arc, height, psi of left, right, caster; pitch, joint."""
 
-    def __init__(
-        self, surface: Surface, given: Given, sizes: Sizes, wheels: Sequence[Torus]
-    ) -> None:
+    def __init__(self, surface: Surface, given: Given, sizes: Sizes, wheels: Sequence[Torus]) -> None:
         self._given, self._sizes = given, sizes
         self._base = surface(given.arc, given.height)
         sine, cosine = named(sp.sin(given.heading)), named(sp.cos(given.heading))
@@ -179,9 +175,7 @@ class Start:
             plus((1, body.middle), (-sizes.track, body.right_axle)),
             caster,
         )
-        for foot, middle, each in zip(
-            feet, middles, (body.left, body.right_axle, axle), strict=True
-        ):
+        for foot, middle, each in zip(feet, middles, (body.left, body.right_axle, axle), strict=True):
             foot.meets(kept(middle), kept(each))
         return body
 
@@ -245,8 +239,7 @@ def _solved(rows: Sequence[Sequence[Expression]], right: Sequence[Expression]) -
         for row in range(pivot + 1, count):
             factor = named(matrix[row][pivot] / matrix[pivot][pivot])
             matrix[row] = [
-                named(value - factor * above)
-                for value, above in zip(matrix[row], matrix[pivot], strict=True)
+                named(value - factor * above) for value, above in zip(matrix[row], matrix[pivot], strict=True)
             ]
     found: list[Expression] = [sp.S.Zero] * count
     for row in reversed(range(count)):

@@ -61,7 +61,9 @@ class Robot:
     swivel: float = 0.0
 
     @classmethod
-    def standing(cls, p: Mapping[str, float], heading: float, swivel: float = 0.0, lean: float = 0.0) -> "Robot":
+    def standing(
+        cls, p: Mapping[str, float], heading: float, swivel: float = 0.0, lean: float = 0.0
+    ) -> "Robot":
         """Put it on the cylinder: all three wheels touch, both driven ones stand upright but for `lean`."""
         sine, cosine = math.sin(heading), math.cos(heading)
         base = np.array([[0.0, cosine, sine], [0.0, -sine, cosine], [1.0, 0.0, 0.0]])
@@ -109,6 +111,18 @@ class Robot:
 
     def rates(self, left_spin: float, right_spin: float) -> Vector:
         """Return the velocity of the middle, the angular velocity, the rates of joint, swivel, caster."""
+        return np.asarray(np.linalg.solve(*self._equations(left_spin, right_spin)))
+
+    def forces(self, weight: Vector, place: Vector, joint: float) -> Vector:
+        """Return the forces on left wheel, right wheel and caster, as rows, by virtual work.
+
+        `weight` is a force at `place`, ahead, left and up of the middle; `joint` a torque on the right half.
+        """
+        matrix, _ = self._equations(0.0, 0.0)
+        loads = np.concatenate([weight, np.cross(place @ self.frame, weight), [joint, 0.0, 0.0]])
+        return np.asarray(np.linalg.solve(matrix.T, -loads)).reshape(3, 3)
+
+    def _equations(self, left_spin: float, right_spin: float) -> tuple[Vector, Vector]:
         left, right, caster = self.touches()
         ahead, _, up = self.frame
         pivot = self.middle - self.p["caster_distance"] * ahead
@@ -125,15 +139,7 @@ class Robot:
             else:
                 given[place] = -(left_spin if each is left else right_spin) * spun
         matrix[3:6, 6] = np.cross(ahead, right.point - self.middle)
-        return np.asarray(np.linalg.solve(matrix, given))
-
-    def _moved(self, rates: Vector, by: float) -> "Robot":
-        turned = self.frame + by * np.cross(rates[3:6], self.frame)
-        middle = self.middle + by * rates[:3]
-        return Robot(self.p, middle, turned, self.joint + by * rates[6], self.swivel + by * rates[7])
-
-    def _slopes(self, rates: Vector) -> Vector:
-        return np.concatenate([rates[:3], np.cross(rates[3:6], self.frame).ravel(), rates[6:8]])
+        return matrix, given
 
     def _as_vector(self) -> Vector:
         return np.concatenate([self.middle, self.frame.ravel(), [self.joint, self.swivel]])
@@ -147,7 +153,9 @@ class Robot:
 
         def slope(t: float, at: Vector) -> Vector:
             robot = self._of(at)
-            return robot._slopes(robot.rates(left(t), right(t)))
+            rates = robot.rates(left(t), right(t))
+            turned = np.cross(rates[3:6], robot.frame).ravel()
+            return np.concatenate([rates[:3], turned, rates[6:8]])
 
         found = [self]
         for count in range(round(seconds / step)):
@@ -160,8 +168,8 @@ class Robot:
             found.append(self._of(x))
         return found
 
-    def readings(self, turns: float = 0.0) -> dict[str, float]:
-        """Return what the plant calls so; arcs are counted on from 0, `turns` radians at most away from it."""
+    def readings(self) -> dict[str, float]:
+        """Return what the plant calls so; arcs within half a turn of 0."""
         tank = self.p["tank_radius"]
         found = {"joint": self.joint, "swivel": self.swivel}
         for side, each in zip(("left", "right", "caster"), self.touches(), strict=True):

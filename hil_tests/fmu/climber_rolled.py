@@ -11,7 +11,12 @@ from fmu.climber.parameters import PARAMETERS
 from hil_tests.fmu.instance import Instance
 
 Vector = npt.NDArray[np.float64]
-LIGHT: Mapping[str, float] = {"gravity": 0.0, "joint_spring": 0.0, "joint_damping": 0.0, "stop_stiffness": 0.0}
+LIGHT: Mapping[str, float] = {
+    "gravity": 0.0,
+    "joint_spring": 0.0,
+    "joint_damping": 0.0,
+    "stop_stiffness": 0.0,
+}
 """Nothing pulls at its wheels, so nothing slides."""
 NUMBERS: Mapping[str, float] = {row.name: row.start for row in PARAMETERS}
 
