@@ -1,65 +1,148 @@
-"""Two wheels, a ball caster and the joint between both halves: angular velocities from the wheels' spins.
+"""Two halves on a joint, two wheels and a caster: what moves when wheels turn, and what forces hold it.
 
-The equations (10) of [C] in another form: the material of each wheel stands still where it touches, the
-caster's ball keeps its distance from the surface. Refuses to know motors and weight.
+Eleven unknowns: the left half's six, the joint's rate, both wheels' spins, the caster's swivel and spin. Nine
+equations: the material of each wheel stands still where it touches, or slides there as it is told. Wheels'
+spins are given, so nine unknowns remain; forces at the contacts follow from the transpose of the same matrix.
+Both are solved here by elimination, in closed form. Refuses to know motors, magnets and springs.
 """
 
 from dataclasses import dataclass
 
+import sympy as sp
+
 from fmu.climber.contact import Contact
-from fmu.climber.vectors import Vector, cross, dot, plus
+from fmu.climber.vectors import Vector, cross, dot, kept, plus
+from fmu.export.functions import named
 from fmu.export.model import Expression
+
+STILL: Vector = (sp.S.Zero, sp.S.Zero, sp.S.Zero)
+
+
+@dataclass(frozen=True, slots=True)
+class Sizes:
+    """Where things are in the robot, in m; `caster_drop` is the caster's middle below the axles."""
+
+    track: Expression
+    caster_behind: Expression
+    caster_drop: Expression
+    trail: Expression
 
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """What one unit of wheel speeds does: angular velocity of the left half, the joint's rate."""
+    """Angular velocity of the left half, the rates of joint, swivel and caster, all in rad/s.
+
+    `carried` is the velocity of the left half in m/s, where its wheel touches.
+    """
 
     turning: Vector
     joint: Expression
-    slip: Vector
-    """Velocity that the left wheel's spin gives to the chassis at its contact."""
+    swivel: Expression
+    caster: Expression
+    carried: Vector
+
+    def plus(self, other: "Motion") -> "Motion":
+        """Return both together."""
+        return Motion(
+            kept(plus((1, self.turning), (1, other.turning))),
+            named(self.joint + other.joint),
+            named(self.swivel + other.swivel),
+            named(self.caster + other.caster),
+            kept(plus((1, self.carried), (1, other.carried))),
+        )
 
 
 class Chassis:
-    """The left half with the caster on the joint's axis; the right half turns on that axis.
+    """The left half with the caster's pivot; the right half turns on the joint.
 
-    The axis is longitudinal, through the middle O; `pitch` is the left half's angle about its axle.
+    The joint's axis is longitudinal, through the middle O between the wheels; the swivel's goes up, through
+    the joint's axis. `pitch` is the left half's angle about its axle, nose up positive.
     """
 
-    def __init__(self, left: Contact, right: Contact, longitudinal: Vector, track: Expression) -> None:
-        self.left, self.right = left, right
-        self.longitudinal = longitudinal
-        self.middle = plus((1, left.middle), (-track, left.axle))
-        self.between = plus((1, right.place), (-1, left.place))
-        self._joint_arm = cross(longitudinal, plus((1, right.place), (-1, self.middle)))
+    def __init__(
+        self,
+        contacts: tuple[Contact, Contact, Contact],
+        pitch: Expression,
+        sizes: Sizes,
+    ) -> None:
+        self.left, self.right, self.caster = contacts
+        self.sizes = sizes
+        left = self.left
+        ahead = plus((sp.cos(pitch), left.ahead), (sp.sin(pitch), left.upright()))
+        self.ahead = kept(ahead)
+        self.up = kept(cross(self.ahead, left.axle))
+        self.middle = kept(plus((1, left.middle), (-sizes.track, left.axle)))
+        self._between = kept(plus((1, self.right.point), (-1, left.point)))
+        self._joint_arm = kept(cross(self.ahead, plus((1, self.right.point), (-1, self.middle))))
+        self._per_size = named(1 / dot(self._between, self._between))
+        self._leverage = named(dot(self._joint_arm, self._between))
+        caster = self.caster
+        pivot = self.at(-sizes.caster_behind, sp.S.Zero)
+        self._to_caster = kept(plus((1, caster.point), (-1, left.point)))
+        self._swivel_arm = kept(cross(self.up, plus((1, caster.point), (-1, pivot))))
+        # What the caster hinders: all but rolling on and swivelling.
+        self._sideways = named(dot(self._swivel_arm, caster.left))
+        slant = dot(self._swivel_arm, caster.normal) / self._sideways
+        self._hindered = kept(plus((1, caster.normal), (-slant, caster.left)))
+        self._tipping_arm = kept(cross(self._between, self._to_caster))
+        self._tipping = named(dot(self._hindered, self._tipping_arm))
 
-    def motion(self, left_spin: Expression, right_spin: Expression, caster: Expression) -> Motion:
-        """Return the motion of these wheel speeds, with the ball `caster` behind the middle.
+    def at(self, ahead: Expression, up: Expression) -> Vector:
+        """Return the point of the left half that lies so far ahead of the middle, and above it."""
+        return plus((1, self.middle), (ahead, self.ahead), (up, self.up))
 
-        Both contacts at rest: W x e = h - sigma' g. Its part along e gives sigma', its part across e all of W
-        but the pitch about e; that follows from the caster.
+    def rolling(self, left_spin: Expression, right_spin: Expression) -> Motion:
+        """Return the motion of these wheel speeds, forwards in rad/s, without slip."""
+        left, right = (
+            kept(plus((spin * contact.width, contact.ahead)))
+            for spin, contact in ((left_spin, self.left), (right_spin, self.right))
+        )
+        return self._motion(left, plus((1, right), (-1, left)), STILL)
+
+    def sliding(self, left: Vector, right: Vector, caster: Vector) -> Motion:
+        """Return the motion that the material of the wheels, sliding so at its contacts, gives in addition."""
+        return self._motion(left, plus((1, right), (-1, left)), caster)
+
+    def _motion(self, carried: Vector, across: Vector, caster: Vector) -> Motion:
+        """Solve V + W x r = what the contacts allow; `across` is what the right contact has more than the left.
+
+        W x e = h - sigma' g. Its part along e gives sigma', its part across e all of W but the pitch about e;
+        that follows from the caster.
         """
-        e = self.between
-        pushed = cross(self.left.axle, self.left.arm)
-        h = plus((left_spin, pushed), (-right_spin, cross(self.right.axle, self.right.arm)))
-        joint = dot(h, e) / dot(self._joint_arm, e)
-        across = cross(e, plus((1, h), (-joint, self._joint_arm)))
-        size = dot(e, e)
-        turning = plus((1 / size, across))
-        ball = self.behind(caster)
-        place = plus((1, ball), (-1, self.left.place))
-        # The caster's middle moves on a cylinder of its own: no speed along its radius.
-        radius: Vector = (self.left.tank + ball[0], ball[1], 0 * ball[0])
-        speed = plus((1, cross(turning, place)), (-left_spin, pushed))
-        pitch = -dot(radius, speed) / dot(radius, cross(e, place))
-        return Motion(plus((1, turning), (pitch, e)), joint, plus((-left_spin, pushed)))
+        e, h = self._between, kept(across)
+        joint = named(dot(h, e) / self._leverage)
+        turning = plus((self._per_size, cross(e, plus((1, h), (-joint, self._joint_arm)))))
+        turning = kept(turning)
+        speed = kept(plus((1, carried), (1, cross(turning, self._to_caster)), (-1, caster)))
+        pitch = named(-dot(self._hindered, speed) / self._tipping)
+        speed = kept(plus((1, speed), (pitch, self._tipping_arm)))
+        swivel = named(-dot(self.caster.left, speed) / self._sideways)
+        rolling = dot(self.caster.ahead, speed) + swivel * dot(self.caster.ahead, self._swivel_arm)
+        return Motion(
+            kept(plus((1, turning), (pitch, e))), joint, swivel, rolling / self.caster.width, carried
+        )
 
-    def behind(self, distance: Expression) -> Vector:
-        """Return the point of the joint's axis this far behind the middle."""
-        return plus((1, self.middle), (-distance, self.longitudinal))
+    def turnings(self, motion: Motion, spins: tuple[Expression, Expression]) -> tuple[Vector, Vector, Vector]:
+        """Return the angular velocities of both wheels and of the caster's."""
+        whole = motion.turning
+        return (
+            plus((1, whole), (spins[0], self.left.axle)),
+            plus((1, whole), (motion.joint, self.ahead), (spins[1], self.right.axle)),
+            plus((1, whole), (motion.swivel, self.up), (motion.caster, self.caster.axle)),
+        )
 
-    def velocity(self, motion: Motion, distance: Expression) -> Vector:
-        """Return the velocity of that point."""
-        arm = plus((1, self.behind(distance)), (-1, self.left.place))
-        return plus((1, cross(motion.turning, arm)), (1, motion.slip))
+    def forces(self, weight: Vector, place: Vector, joint: Expression) -> tuple[Vector, Vector, Vector]:
+        """Return what the surface does to wheels and caster, in N, while nothing accelerates.
+
+        `weight` is a force at `place` in the left half, `joint` the torque on the right half about its axis.
+        The caster swivels and rolls freely.
+        """
+        e = self._between
+        moment = cross(plus((1, place), (-1, self.left.point)), weight)
+        caster = kept(plus((-dot(e, moment) / self._tipping, self._hindered)))
+        moment = kept(plus((1, moment), (1, cross(self._to_caster, caster))))
+        right = kept(plus((self._per_size, cross(e, moment))))
+        along = named(-(joint + dot(self._joint_arm, right)) / self._leverage)
+        right = kept(plus((1, right), (along, e)))
+        left = kept(plus((-1, weight), (-1, right), (-1, caster)))
+        return left, right, caster

@@ -1,4 +1,4 @@
-"""The climbing robot as one model: contacts, chassis, motors, weight; in mathematical writing: README.md.
+"""The climbing robot as one model: contacts, chassis, motors, weight, magnets; README.md has them, too.
 
 [C] is Qualls, Canfield, Shibakov, JAMRIS 10(3), 2016.
 """
@@ -7,143 +7,175 @@ from typing import Final
 
 import sympy as sp
 
-from fmu.climber.chassis import Chassis, Motion
-from fmu.climber.contact import Contact
+from fmu.climber.adhesion import Hold, Surroundings
+from fmu.climber.chassis import Chassis, Sizes
+from fmu.climber.contact import Contact, Torus
 from fmu.climber.parameters import AXES, PARAMETERS
-from fmu.climber.vectors import Vector, dot, plus
-from fmu.export.model import Expression, Input, Model, Output, State
+from fmu.climber.start import Given, Start
+from fmu.climber.surfaces import Surface, torus
+from fmu.climber.vectors import Vector, dot
+from fmu.export.functions import larger, named, passed, positive_part
+from fmu.export.model import Event, Expression, Input, Model, Output, State
 from fmu.parts.battery import terminal_voltage
 from fmu.parts.motor import Shaft
 from fmu.parts.symbols import HALF, inner, symbol, symbols
 
 P: Final = dict(symbols(PARAMETERS))
+WHEELS: Final = ("left", "right", "caster")
 CONTACTS: Final = ("tube", "arc", "height", "psi")
 UNITS: Final = {"tube": "rad", "arc": "m", "height": "m", "psi": "rad"}
+TANK: Final = torus(P["tank_radius"], P["ring_radius"])
+SIZES: Final = Sizes(
+    P["half_track"], P["caster_distance"], P["wheel_radius"] - P["caster_radius"], P["caster_offset"]
+)
+_WHEEL: Final = Torus(P["crown_radius"], P["wheel_radius"])
+TORI: Final = (_WHEEL, _WHEEL, Torus(P["caster_crown"], P["caster_radius"]))
 
 
 class Climber:
-    """The robot; vectors stand in the frame of the left contact: out of the tank, round it, along it."""
+    """The robot on a surface; vectors in the world's frame: out of the tank, round it, along it."""
 
-    def __init__(self, left: Shaft, right: Shaft) -> None:
+    def __init__(self, left: Shaft, right: Shaft, surface: Surface = TANK) -> None:
+        self.surface = surface
         self.shafts = (left, right)
-        self.spins = (left.speed / left.gear, right.speed / right.gear)
-        radii = P["crown_radius"], P["wheel_radius"], P["tank_radius"]
-        turn = (symbol("arc_right") - symbol("arc_left")) / P["tank_radius"]
-        rise = symbol("height_right") - symbol("height_left")
-        # r_c (cos(turn) - 1) without the difference of two large numbers
-        inwards = -2 * P["tank_radius"] * sp.sin(turn / 2) ** 2
-        nothing: Vector = (sp.S.Zero, sp.S.Zero, sp.S.Zero)
-        self.left = Contact(symbol("tube_left"), symbol("psi_left"), nothing, sp.S.Zero, radii)
-        place: Vector = (inwards, P["tank_radius"] * sp.sin(turn), rise)
-        self.right = Contact(symbol("tube_right"), symbol("psi_right"), place, turn, radii)
-        pitch = symbol("pitch")
-        ahead = plus((sp.cos(pitch), self.left.ahead), (sp.sin(pitch), self.left.upright()))
-        self.chassis = Chassis(self.left, self.right, ahead, P["half_track"])
-        self.unit = (
-            self.chassis.motion(sp.S.One, sp.S.Zero, P["caster_distance"]),
-            self.chassis.motion(sp.S.Zero, sp.S.One, P["caster_distance"]),
+        self.spins = (named(left.speed / left.gear), named(right.speed / right.gear))
+        self.contacts: tuple[Contact, Contact, Contact] = tuple(
+            Contact(
+                symbol(f"tube_{side}"),
+                symbol(f"psi_{side}"),
+                surface(symbol(f"arc_{side}"), symbol(f"height_{side}")),
+                wheel,
+            )
+            for side, wheel in zip(WHEELS, TORI, strict=True)
         )
+        self.chassis = Chassis(self.contacts, symbol("pitch"), SIZES)
+        self.joint = symbol("joint")
+        self._rolling = self.chassis.rolling(*self.spins)
+        self.over, self.under = self.joint - P["joint_stop"], -P["joint_stop"] - self.joint
+        across = P["mass"] * P["gravity"] * sp.cos(P["axis_tilt"])
+        self._weight: Vector = (-across, sp.S.Zero, -P["mass"] * P["gravity"] * sp.sin(P["axis_tilt"]))
+        self._mass = self.chassis.at(-P["mass_behind"], P["mass_height"] - P["wheel_radius"])
+        self.forces = self.chassis.forces(self._weight, self._mass, self._joint_torque())
+        around = Surroundings(P["magnet_reach"], P["wall_friction"], P["slip_damping"])
+        magnets = (P["magnet_wheel"], P["magnet_wheel"], P["magnet_caster"])
+        self.holds = [
+            Hold(side, contact, force, magnet, around)
+            for side, contact, force, magnet in zip(WHEELS, self.contacts, self.forces, magnets, strict=True)
+        ]
+        left_gap, right_gap, caster_gap = (hold.gap for hold in self.holds)
+        self.past_hold = larger(larger(left_gap, right_gap), caster_gap) - P["magnet_reach"]
+        self.fallen = named(passed(self.past_hold))
 
-    def together(self) -> Motion:
-        """Return the motion at the wheels' present speeds."""
-        first, second = self.unit
-        a, b = self.spins
-        return Motion(
-            plus((a, first.turning), (b, second.turning)),
-            a * first.joint + b * second.joint,
-            plus((a, first.slip), (b, second.slip)),
-        )
-
-    def weight(self) -> tuple[Expression, Expression]:
-        """Return the torque of the weight on each wheel, by virtual work."""
-        down = self._down()
-        torques = (P["mass"] * dot(down, self.chassis.velocity(unit, P["mass_behind"])) for unit in self.unit)
-        left, right = torques
-        return left, right
+    def _joint_torque(self) -> Expression:
+        """Return the torque on the right half about the joint: spring, damping, stops."""
+        spring = P["joint_spring"] * (self.joint - P["joint_rest"])
+        stops = P["stop_stiffness"] * (positive_part(self.under) - positive_part(self.over))
+        return named(stops - spring - P["joint_damping"] * self._rolling.joint)
 
     def accelerations(self) -> tuple[Expression, Expression]:
-        """Return the motors' accelerations; inertia is that of the robot on a plane (ASSUME)."""
+        """Return the motors' accelerations; inertia is that of the robot on a plane (ASSUME).
+
+        The surface pushes at the rim; where magnets have let go, a wheel turns alone.
+        """
         same, other = self._inertia()
+        alone = P["wheel_inertia"] + self._rotor()
         gear = P["gear_wheel"]
+        on_wall = 1 - self.fallen
         torques = [
-            shaft.gear * shaft.torque - P["gear_friction"] * shaft.friction + weight
-            for shaft, weight in zip(self.shafts, self.weight(), strict=True)
+            named(
+                shaft.gear * shaft.torque
+                - P["gear_friction"] * shaft.friction
+                - on_wall * contact.width * dot(force, contact.ahead)
+            )
+            for shaft, contact, force in zip(self.shafts, self.contacts, self.forces, strict=False)
         ]
-        determinant = same**2 - other**2
-        first = gear * (same * torques[0] - other * torques[1]) / determinant
-        second = gear * (same * torques[1] - other * torques[0]) / determinant
-        return first, second
+        mean = named((torques[0] + torques[1]) * HALF)
+        half = named((torques[0] - torques[1]) * HALF * (1 - P["coupled"]))
+        common = gear * mean * (on_wall / (same + other) + self.fallen / alone)
+        apart = gear * half * (on_wall / (same - other) + self.fallen / alone)
+        return common + apart, common - apart
 
     def states(self) -> tuple[State, ...]:
-        """Return both contacts, pitch and joint; it starts upright on its wheels, looking up the tank."""
-        motion = self.together()
-        left_wheel = plus((1, motion.turning), (self.spins[0], self.left.axle))
-        right_half = plus((1, motion.turning), (motion.joint, self.chassis.longitudinal))
-        right_wheel = plus((1, right_half), (self.spins[1], self.right.axle))
-        half = P["tank_radius"] * sp.atan(P["half_track"] / (P["tank_radius"] + P["wheel_radius"]))
+        """Return contacts, pitch, joint, swivel, gaps and fall; contacts start where `Start` finds them."""
+        slides = [hold.slide for hold in self.holds]
+        motion = self._rolling.plus(self.chassis.sliding(*slides))
+        turnings = self.chassis.turnings(motion, self.spins)
+        given = Given(*(P[f"start_{name}"] for name in ("arc", "height", "heading", "swivel", "joint")))
+        starts = Start(self.surface, given, SIZES, TORI).rows
+        on_wall = 1 - self.fallen
         rows: list[State] = []
-        # Looking along the axis (psi = pi), the left wheel stands at the smaller arc.
-        for side, contact, turning, arc in (
-            ("left", self.left, left_wheel, -half),
-            ("right", self.right, right_wheel, half),
-        ):
-            rates = contact.rates(turning)
-            starts = {"tube": sp.S.Zero, "arc": arc, "height": sp.S.Zero, "psi": P["start_psi"]}
-            rows += [State(f"{name}_{side}", UNITS[name], starts[name], rates[name]) for name in CONTACTS]
+        for side, contact, turning, slide in zip(WHEELS, self.contacts, turnings, slides, strict=True):
+            rates = contact.rates(turning, slide)
+            rows += [
+                State(name, UNITS[name.partition("_")[0]], starts[name], on_wall * rates[what])
+                for what, name in ((what, f"{what}_{side}") for what in CONTACTS)
+            ]
             if side == "left":
-                rows.append(State("pitch", "rad", sp.S.Zero, self.spins[0] - rates["wheel"]))
-        rows.append(State("joint", "rad", 2 * half / P["tank_radius"], motion.joint))
-        return tuple(rows)
+                pitching = on_wall * (self.spins[0] - rates["wheel"])
+        return (
+            *rows,
+            State("pitch", "rad", starts["pitch"], pitching),
+            State("joint", "rad", starts["joint"], on_wall * motion.joint),
+            State("swivel", "rad", P["start_swivel"], on_wall * motion.swivel),
+            *(hold.state() for hold in self.holds),
+            State("fall_speed", "m/s", sp.S.Zero, self.fallen * P["gravity"]),
+            State("fall", "m", sp.S.Zero, symbol("fall_speed")),
+        )
+
+    def events(self) -> tuple[Event, ...]:
+        """Return where a magnet is lost, and where the joint meets its stops."""
+        return (
+            Event("past_hold", "m", "largest gap past the magnets' reach", self.past_hold),
+            Event("past_stop_high", "rad", "joint past its upper stop", self.over),
+            Event("past_stop_low", "rad", "joint past its lower stop", self.under),
+        )
 
     def energy(self) -> Expression:
-        """Return the energy of robot and wheels in J; the rotors' own is the shafts'."""
+        """Return the energy of robot, wheels and joint in J; the rotors' own is the shafts'."""
         same, other = self._inertia()
-        rotor = P["rotor_inertia_wheel"] * P["gear_wheel"] ** 2
         left, right = self.spins
-        kinetic = (same - rotor) * (left**2 + right**2) + 2 * other * left * right
+        on_wall = 1 - self.fallen
+        alone = P["wheel_inertia"] * (left**2 + right**2)
+        kinetic = (same - self._rotor()) * (left**2 + right**2) + 2 * other * left * right
+        kinetic = on_wall * kinetic + self.fallen * alone + P["mass"] * symbol("fall_speed") ** 2
         dry = P["gear_friction"] * P["presliding"] / P["gear_wheel"]
         dry *= sum(shaft.friction**2 for shaft in self.shafts)
-        place = self.chassis.behind(P["mass_behind"])
-        turn = symbol("arc_left") / P["tank_radius"]
-        out, around, along = place
-        tank = P["tank_radius"]
-        # The left contact's frame turns with it: lift the tank's own radius out of the large numbers.
-        x = (tank + out) * sp.cos(turn) - tank - around * sp.sin(turn)
-        high = sp.cos(P["axis_tilt"]) * x + sp.sin(P["axis_tilt"]) * (along + symbol("height_left"))
-        return HALF * (kinetic + dry) + P["mass"] * P["gravity"] * high
+        spring = P["joint_spring"] * (self.joint - P["joint_rest"]) ** 2
+        stops = P["stop_stiffness"] * (positive_part(self.over) ** 2 + positive_part(self.under) ** 2)
+        high = dot(self._weight, self._mass) + P["mass"] * P["gravity"] * symbol("fall")
+        return HALF * (kinetic + dry + spring + stops) - high
 
-    def _down(self) -> Vector:
-        turn = symbol("arc_left") / P["tank_radius"]
-        across = P["gravity"] * sp.cos(P["axis_tilt"])
-        return (-across * sp.cos(turn), across * sp.sin(turn), -P["gravity"] * sp.sin(P["axis_tilt"]))
+    @staticmethod
+    def _rotor() -> Expression:
+        return P["rotor_inertia_wheel"] * P["gear_wheel"] ** 2
 
     def _inertia(self) -> tuple[Expression, Expression]:
         """Inertia of one wheel with its motor, and between both, of the robot on a plane."""
         radius, track = P["wheel_radius"], P["half_track"]
         forwards = P["mass"] * radius**2 / 4
         turning = P["yaw_inertia"] * radius**2 / (4 * track**2)
-        rotor = P["rotor_inertia_wheel"] * P["gear_wheel"] ** 2
-        return forwards + turning + P["wheel_inertia"] + rotor, forwards - turning
+        return forwards + turning + P["wheel_inertia"] + self._rotor(), forwards - turning
 
 
-def model() -> Model:
+def model(surface: Surface = TANK) -> Model:
     """Return the equations of the climbing robot with all tables."""
     wheel = {name.removesuffix("wheel"): value for name, value in P.items() if name.endswith("_wheel")}
     left, right = (Shaft(axis, P | {name + axis: value for name, value in wheel.items()}) for axis in AXES)
-    robot = Climber(left, right)
+    robot = Climber(left, right, surface)
     first, second = robot.accelerations()
     height = (symbol("height_left") + symbol("height_right")) * HALF
     arc = (symbol("arc_left") + symbol("arc_right")) * HALF
+    heading = (symbol("psi_left") + symbol("psi_right")) * HALF - sp.pi / 2
     speed = P["wheel_radius"] * sum(robot.spins) * HALF
     energy = left.energy() + right.energy() + robot.energy()
     contacts = [
         Output(f"{name}_{side}", UNITS[name], f"{name} of the {side} contact", symbol(f"{name}_{side}"), 1.0)
-        for side in AXES
+        for side in WHEELS
         for name in CONTACTS
     ]
     return Model(
         name="climber",
-        description="Climbing robot: two magnetic wheels, a joint and a caster on a cylinder",
+        description="Climbing robot: two magnetic wheels, a joint and a caster on a tank",
         parameters=PARAMETERS,
         inputs=tuple(Input(f"voltage_{axis}", "V", f"motor voltage, {axis}", 24.0) for axis in AXES),
         states=(*left.states(first), *right.states(second), *robot.states()),
@@ -152,17 +184,14 @@ def model() -> Model:
             *right.outputs(),
             Output("arc", "m", "way round the tank, middle of both contacts", arc, 1.0),
             Output("height", "m", "way along the tank's axis, middle of both contacts", height, 1.0),
-            Output(
-                "heading",
-                "rad",
-                "direction from the arc towards the axis",
-                symbol("psi_left") - sp.pi / 2,
-                1.0,
-            ),
+            Output("heading", "rad", "direction from the arc towards the axis", heading, 1.0),
             Output("speed", "m/s", "speed forwards as the wheels roll", speed, 0.1),
             *contacts,
             Output("pitch", "rad", "left half about its axle, nose up positive", symbol("pitch"), 0.1),
             Output("joint", "rad", "right half against the left", symbol("joint"), 0.1),
+            Output("swivel", "rad", "caster's angle, 0 trailing, to the left", symbol("swivel"), 1.0),
+            Output("fallen", "1", "1: magnets have let go and it falls, else 0", robot.fallen, switch=True),
+            Output("fall", "m", "how far it has fallen", symbol("fall"), 1.0),
             Output(
                 "battery_voltage",
                 "V",
@@ -171,9 +200,11 @@ def model() -> Model:
                 24.0,
                 least=0.0,
             ),
+            *(row for hold in robot.holds for row in hold.outputs()),
             left.dry_friction(),
             right.dry_friction(),
             inner("energy", "J", "energy stored in the whole robot", energy, 10.0),
         ),
         inner_step=50e-6,
+        events=robot.events(),
     )

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from fmu.build import ensure
-from fmu.climber.equations import CONTACTS
+from fmu.climber.equations import CONTACTS, WHEELS
 from fmu.climber.parameters import AXES
 from fmu.parts import table
 
@@ -16,8 +16,8 @@ INPUTS: Final = tuple(f"voltage_{axis}" for axis in AXES)
 OUTPUTS: Final = (
     *(f"{quantity}_{axis}" for quantity in ("current", "angle", "speed") for axis in AXES),
     *("arc", "height", "heading", "speed"),
-    *(f"{name}_{side}" for side in AXES for name in CONTACTS),
-    *("pitch", "joint", "battery_voltage"),
+    *(f"{name}_{side}" for side in WHEELS for name in CONTACTS),
+    *("pitch", "joint", "swivel", "fallen", "fall", "battery_voltage"),
 )
 
 COURSE: Final = (

@@ -2,6 +2,7 @@
 
 from typing import TypeAlias
 
+from fmu.export.functions import named
 from fmu.export.model import Expression
 
 Vector: TypeAlias = tuple[Expression, Expression, Expression]
@@ -24,3 +25,8 @@ def dot(a: Vector, b: Vector) -> Expression:
 def cross(a: Vector, b: Vector) -> Vector:
     """Return the outer product."""
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def kept(vector: Vector) -> Vector:
+    """Return the vector, each component computed once as it is written."""
+    return (named(vector[0]), named(vector[1]), named(vector[2]))

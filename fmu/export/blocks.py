@@ -173,18 +173,51 @@ def _block(
     places: Sequence[int] | None = None,
 ) -> Block:
     placed = dict(names)
-    shared, reduced = sp.cse([_placed(e, placed) for e in expressions], sp.numbered_symbols("t", real=True))
-    lines, results = with_reciprocals(tuple(shared), reduced)
+    apart: dict[Expression, Expression] = {}
+    whole = [_placed(e, placed, apart) for e in expressions]
+    shared, reduced = sp.cse([*apart.values(), *whole], sp.numbered_symbols("t", real=True))
+    count = len(apart)
+    known = [*shared, *zip(apart, reduced[:count], strict=True)]
+    lines, results = with_reciprocals(_in_order(known) if apart else tuple(shared), reduced[count:])
     where = range(len(results)) if places is None else places
     return Block(name, reads, target, lines, tuple(zip(where, results, strict=True)))
 
 
-def _placed(expression: Expression, done: dict[Expression, Expression]) -> Expression:
-    """Do what `xreplace` does, but look once at each part: written out, the equations have a million."""
+def _placed(
+    expression: Expression, done: dict[Expression, Expression], apart: dict[Expression, Expression]
+) -> Expression:
+    """Do what `xreplace` does, but look once at each part: written out, the equations have a million.
+
+    What is named gets a symbol, and stands `apart` under it.
+    """
     if not expression.args:
         return done.get(expression, expression)
     if expression not in done:
-        parts = [_placed(part, done) for part in expression.args]
-        changed = any(new is not old for new, old in zip(parts, expression.args, strict=True))
-        done[expression] = expression.func(*parts) if changed else expression
+        parts = [_placed(part, done, apart) for part in expression.args]
+        if expression.func.__name__ == "named" and parts[0].args:
+            symbol = real(f"n{len(apart)}")
+            apart[symbol] = parts[0]
+            done[expression] = symbol
+        elif expression.func.__name__ == "named":
+            done[expression] = parts[0]
+        else:
+            changed = any(new is not old for new, old in zip(parts, expression.args, strict=True))
+            done[expression] = expression.func(*parts) if changed else expression
     return done[expression]
+
+
+def _in_order(lines: Sequence[tuple[Expression, Expression]]) -> Lines:
+    """Return temporaries such that each stands behind those that it is made of."""
+    values = dict(lines)
+    ordered: dict[Expression, Expression] = {}
+    for symbol in values:
+        waiting = [symbol]
+        while waiting:
+            needed = [each for each in values[waiting[-1]].free_symbols if each in values]
+            missing = sorted((each for each in needed if each not in ordered), key=str)
+            if missing:
+                waiting += missing
+            else:
+                last = waiting.pop()
+                ordered.setdefault(last, values[last])
+    return tuple(ordered.items())

@@ -26,6 +26,7 @@ _FUNCTIONS: Final[Mapping[str, str]] = {
     "larger": "fb_larger",
     "reciprocal": "fb_reciprocal",
     "shared": "",
+    "named": "",
     "sign_of": "fb_sign",
     "step_at": "fb_step_at",
     "inside": "fb_inside",

@@ -27,5 +27,9 @@ passed: Final = sp.Function("step_at", real=True)
 shared: Final = implemented_function(sp.Function("shared", real=True), lambda value: value)
 """shared(x): x, computed once as it is written: SymPy would take it apart wherever it stands in a sum."""
 
+named: Final = implemented_function(sp.Function("named", real=True), lambda value: value)
+"""named(x): x, a line of its own before anything else looks at it: for equations that are nested so deeply that
+SymPy, which looks at a tree, would not end."""
+
 reciprocal: Final = sp.Function("reciprocal", real=True)
 """reciprocal(x): 1 / x, divided once and shared: SymPy would make a division of each of its powers."""

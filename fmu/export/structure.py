@@ -85,14 +85,27 @@ def _initial(
     derived: Mapping[Expression, Expression],
 ) -> Iterator[Unknown]:
     seen = set()
+    memory: dict[Expression, frozenset[Expression]] = {}
     for row, expression in sorted(rows, key=lambda row: row[0].reference):
         if row.reference in seen:
             continue
         seen.add(row.reference)
-        free = set(expression.free_symbols)
+        free = _symbols(sp.sympify(expression), memory)
         while more := free & derived.keys():
-            free = (free - more).union(*(derived[symbol].free_symbols for symbol in more))
+            free = (free - more).union(*(_symbols(derived[symbol], memory) for symbol in more))
         yield Unknown(row.reference, tuple(sorted((known[symbol], Kind.dependent) for symbol in free)))
+
+
+def _symbols(
+    expression: Expression, memory: dict[Expression, frozenset[Expression]]
+) -> frozenset[Expression]:
+    """Return the symbols in an expression; SymPy's own way looks at shared parts again and again."""
+    if expression not in memory:
+        parts = (_symbols(part, memory) for part in expression.args)
+        memory[expression] = (
+            frozenset({expression}) if expression.is_Symbol else frozenset[Expression]().union(*parts)
+        )
+    return memory[expression]
 
 
 def _kinds(

@@ -101,6 +101,7 @@ _SLOPES: Final[Mapping[str, Callable[..., tuple[Expression, ...]]]] = {
     "positive_part": lambda x: (passed(x),),
     "clamped": lambda x, bound: (inside(x, bound), outside(x, bound)),
     "shared": lambda _: (sp.S.One,),
+    "named": lambda _: (sp.S.One,),
     "larger": lambda x, y: (passed(x - y), 1 - passed(x - y)),
     "step_at": lambda _: (sp.S.Zero,),
     "reciprocal": lambda x: (-(reciprocal(x) ** 2),),

@@ -62,6 +62,7 @@ OWN = {
     "larger": max,
     "size": abs,
     "shared": lambda x: x,
+    "named": lambda x: x,
     "angle": math.atan2,
     "step_at": lambda x: float(x > 0),
     "reciprocal": lambda x: 1 / x,
