@@ -63,6 +63,7 @@ def drive(order: Order, progress: Progress) -> Summary:
         plant_path=order.plant,
         seed=order.seed,
         noise=order.mission.noise,
+        link=order.mission.conditions,
         faults=order.mission.fault,
     )
     begun = time.perf_counter()

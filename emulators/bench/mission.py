@@ -10,7 +10,7 @@ from itertools import pairwise, starmap
 from pathlib import Path
 from typing import Annotated, Self
 
-from pydantic import Field, ValidationError, create_model, model_validator
+from pydantic import AfterValidator, Field, ValidationError, create_model, model_validator
 
 from emulators.bench.faults import FaultTable, misfits
 from emulators.bench.rehearsal import Rehearsal
@@ -29,6 +29,7 @@ from emulators.bench.step import (
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.problems import FileError, Problem, near, problems_of
 from firmware_bridge.robot.table import Table
+from firmware_bridge.slow_link.conditions import Conditions, conditions
 
 _TOLERANCE = 1e-9
 
@@ -50,6 +51,12 @@ class Noise(Table):
     """Share of the datagrams that never arrive."""
 
 
+def _is_a_link(text: str) -> str:
+    if text:
+        conditions(text)
+    return text
+
+
 class Mission(Table):
     """A whole mission, checked."""
 
@@ -60,6 +67,10 @@ class Mission(Table):
     """How often the operator sends what the hand does."""
     input: Annotated[Input, Field(strict=False)] = Input.STICK
     noise: Noise = Noise()
+    link: Annotated[str, AfterValidator(_is_a_link)] = ""
+    """How slow the link is, in the words of `bench --link`: "delay=0.5,up.loss=0.02"."""
+    max_delay_s: Positive | None = None
+    """How old words may be that are obeyed, agreed on for this session: the robot is slower then."""
     step: Annotated[tuple[Step, ...], Field(min_length=1, strict=False)]
     settled_after_s: NonNegative = 10.0
     """So long after a guide has begun its distance from the path counts in the summary."""
@@ -69,9 +80,24 @@ class Mission(Table):
     """What goes wrong meanwhile: `docs/faults.md`."""
 
     def on(self, robot: AnyRobot) -> AnyRobot:
-        """Return the robot on this mission's floor."""
+        """Return the robot on this mission's floor, and with the delay that it agrees on; RobotFileError."""
         plant = robot.plant.model_copy(update={"parameters": robot.plant.parameters | self.plant})
-        return robot.model_copy(update={"plant": plant})
+        return robot.model_copy(update={"plant": plant}).agreed_on(self.max_delay_s)
+
+    @property
+    def conditions(self) -> Conditions:
+        """How slow the link is."""
+        return conditions(self.link) if self.link else Conditions()
+
+    def over(self, link: str | None, max_delay_s: float | None) -> Self:
+        """Return the mission over another link, and with another agreed delay; None: what it says.
+
+        ConditionsError where these words say no link.
+        """
+        if link is not None:
+            _is_a_link(link)
+        changed = {"link": link, "max_delay_s": max_delay_s}
+        return self.model_copy(update={key: value for key, value in changed.items() if value is not None})
 
     @model_validator(mode="after")
     def _steps_are_in_order(self) -> Self:

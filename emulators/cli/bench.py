@@ -8,7 +8,13 @@ import typer
 
 from emulators.cli.options import PlantOption
 from firmware_bridge.cli.commands import command, completing
-from firmware_bridge.cli.options import EncodersOption, FirmwareOption, RobotArgument
+from firmware_bridge.cli.options import (
+    EncodersOption,
+    FirmwareOption,
+    MaxDelayOption,
+    RobotArgument,
+    SlowLinkOption,
+)
 from firmware_bridge.wire.maxon.frame import Generation
 
 EXAMPLES: Final = """Examples:
@@ -18,6 +24,8 @@ EXAMPLES: Final = """Examples:
 `firmware-bridge bench rars --mission line --serial v2` drives over the first drive's serial port.
 
 `firmware-bridge bench rome --mission line --protocol arduinoio --encoders 3` drives over another firmware.
+
+`firmware-bridge bench rars --mission line --link delay=0.6,jitter=0.1,up.loss=0.02` drives over a slow link.
 
 `firmware-bridge bench rars --mission my_mission.toml --seed 7 --out results`"""
 
@@ -60,6 +68,8 @@ class BenchOptions:
             show_default="as the robot file says",
         ),
     ] = None
+    link: SlowLinkOption = None
+    max_delay: MaxDelayOption = None
     protocol: FirmwareOption = None
     encoders: EncodersOption = None
 

@@ -20,6 +20,7 @@ from firmware_bridge.drivers.epos2.serial.plan import PlanError
 from firmware_bridge.drivers.shield.fleet import measured, over_protocol
 from firmware_bridge.drivers.shield.plan import ShieldPlanError
 from firmware_bridge.robot import RobotFileError
+from firmware_bridge.slow_link.conditions import ConditionsError
 from fmu.errors import PlantError
 
 RESULTS: Final = Path("out")
@@ -30,7 +31,8 @@ def bench(given: BenchOptions) -> None:
     machine = find_robot(given.robot)
     with (
         one_message(
-            MissionFileError, RobotFileError, PlanError, ShieldPlanError, PlantError, ServoError, LookupError
+            *(MissionFileError, RobotFileError, PlanError, ShieldPlanError),
+            *(PlantError, ServoError, LookupError, ConditionsError),
         ),
         written_by("--out"),
     ):
@@ -39,7 +41,8 @@ def bench(given: BenchOptions) -> None:
         machine = measured(over_protocol(machine, given.protocol, given.encoders))
         rehearsal = rehearsal_of(machine)
         chosen = given.mission or next(iter(rehearsal.shipped()), "none")
-        script = missions.find(chosen, machine, rehearsal)
+        script = missions.find(chosen, machine, rehearsal).over(given.link, given.max_delay)
+        script.on(machine)
         name = Path(chosen).stem
         folder = given.out or RESULTS / f"{machine.name}-{name}"
         order = Order(machine, rehearsal, name, script, given.seed, folder, given.plant)

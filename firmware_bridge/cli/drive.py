@@ -14,6 +14,7 @@ from firmware_bridge.cli.options import (
     HomeOption,
     InterfaceOption,
     LinkOption,
+    MaxDelayOption,
     RobotArgument,
     RobotBitRateOption,
     Spoken,
@@ -30,6 +31,8 @@ EXAMPLES: Final = """Examples:
 `firmware-bridge drive rome --serial /dev/ttyACM0` drives a board with a motor shield.
 
 `firmware-bridge drive rars -i slcan -c /dev/ttyACM0 --mavlink udpout:192.168.1.10:14550 --key rars.key`
+
+`firmware-bridge drive rars -i socketcan -c can0 --link delay=0.5,jitter=0.1` for training
 
 `firmware-bridge drive rars -i socketcan -c can0 --mavlink udpin::14550 --key rars.key --allow 10.0.0.0/24`"""
 
@@ -108,6 +111,7 @@ class DriveOptions:
     ] = None
     encoders: EncodersOption = None
     link: LinkOption = None
+    max_delay: MaxDelayOption = None
     zero: ZeroOption = None
     home: HomeOption = None
     state: Annotated[

@@ -135,6 +135,11 @@ def _speed(view: View, high: float) -> tuple[Motion, str | None]:
     return replace(view.allowed, speed_mps=allowed), reason
 
 
+def slowed(view: View, share: float) -> tuple[Motion, str | None]:
+    """Clip the base's speed to a share of its top; the lift stays where the robot is."""
+    return _speed(view, share * view.geometry.limits.speed_mps)
+
+
 def _steer(view: View, high: float) -> tuple[Motion, str | None]:
     if view.allowed.steer_rad is None:
         return view.allowed, None
