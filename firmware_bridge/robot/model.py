@@ -8,7 +8,7 @@ from typing import Annotated, Any, Final, Generic, Self, TypeAlias, TypeVar
 from pydantic import Field, field_validator, model_validator
 
 from firmware_bridge.robot.belief import RUBS, STANDS, Belief
-from firmware_bridge.robot.problems import Problem, RobotFileError
+from firmware_bridge.robot.operator_link import OperatorLink
 from firmware_bridge.robot.settings.capture import (
     CaptureBody,
     CaptureDriver,
@@ -42,8 +42,6 @@ AnyOutput: TypeAlias = Epos2DigitalOutput
 
 
 MILLIAMPERES: Final = 1000.0
-MILLISECONDS: Final = 1000.0
-LEAST_AGE_MS: Final = 50
 
 
 class Command(StrEnum):
@@ -67,46 +65,6 @@ class Unpowered(StrEnum):
     """It stays: its gear locks itself."""
     FREE = "free"
     """Only its device keeps it from moving."""
-
-
-class UnknownAge(StrEnum):
-    """What becomes of a motion command of which nobody knows how old it is."""
-
-    DRIVE = "drive"
-    """It is obeyed, under the rule of silence; so it is where no key is set."""
-    REFUSE = "refuse"
-    """It moves nothing; so it is where only signed words are believed."""
-
-
-class OperatorLink(Table):
-    """The operator's link: how long silence is allowed, how old a word may be, the identity on MAVLink."""
-
-    silent_ms: Annotated[int, Field(ge=50, le=10_000)]
-    gone_ms: Annotated[int, Field(ge=1_000, le=60_000)] = 10_000
-    """After so long a silence the robot is disarmed."""
-    max_age_ms: Annotated[int, Field(ge=50, le=2_000)] = 500
-    """No older motion command is obeyed; a wish to stop is, however old."""
-    max_age_ceiling_ms: Annotated[int, Field(ge=50, le=2_000)] = 2_000
-    """So far an order for a session may widen that; the robot is slower then."""
-    agreed_ms: int | None = None
-    """What such an order says."""
-    unknown_age: Annotated[UnknownAge, Field(strict=False)] | None = None
-    """What becomes of motion commands whose age nobody knows; without it the key decides."""
-    bandwidth_bit_s: Annotated[int, Field(ge=4_800, le=1_000_000_000)] | None = None
-    """What the link carries, as a telemetry radio's serial line: telemetry takes at most half of it. Without
-    it the link is as good as a network."""
-    system_id: Annotated[int, Field(ge=1, le=255)]
-    component_id: Annotated[int, Field(ge=1, le=255)]
-
-    @field_validator("agreed_ms")
-    @classmethod
-    def _is_agreed_in_a_session(cls, _given: int | None) -> int | None:
-        raise ValueError("is agreed on for one session: say --max-delay, or max_delay_s in a mission")
-
-    @property
-    def age_limit_ms(self) -> int:
-        """How old a motion command may be in this session."""
-        return self.max_age_ms if self.agreed_ms is None else self.agreed_ms
 
 
 class Axis(Table):
@@ -409,11 +367,7 @@ class Robot(Table, Generic[G_co]):
         """
         if max_delay_s is None:
             return self
-        agreed, ceiling = MILLISECONDS * max_delay_s, self.operator.max_age_ceiling_ms
-        if not LEAST_AGE_MS <= agreed <= ceiling:
-            problem = f"a delay of {max_delay_s:g} s was asked for; {LEAST_AGE_MS} to {ceiling} ms may be"
-            raise RobotFileError(self.name, Problem("operator.max_age_ceiling_ms", problem))
-        operator = self.operator.model_copy(update={"agreed_ms": round(agreed)})
+        operator = self.operator.agreed_on(max_delay_s, self.name)
         return self.model_copy(update={"operator": operator})
 
     def with_links(self, links: Mapping[str, AnyLink]) -> Self:

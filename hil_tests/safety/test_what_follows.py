@@ -51,7 +51,7 @@ FOLLOWS: Final = {
     "axis position repeats": (ALL, "disarms", "blocks arming", "takes power"),
     "axis zero lost": (ALL, "disarms", "blocks arming"),
     "axis left out": (ALL, "disarms", "blocks arming"),
-    "delay limit": (frozenset(),),
+    "delay limit": (set(),),
     "speed limit": (set(),),
     "tipping limit": (set(),),
     "steer angle limit": (set(),),
