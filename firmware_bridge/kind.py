@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 
 from firmware_bridge.drivers.driver import Level
+from firmware_bridge.motion.model import Model
 from firmware_bridge.robot import Axis, Command, Problem, Robot, RobotFileError
 from firmware_bridge.robot.table import Table
 from firmware_bridge.safety.body import Body
@@ -76,6 +77,8 @@ class Kind(Generic[G, M, S]):
     reach: Callable[[Robot[G]], Iterable[tuple[M, S]]]
     """The motions at the corners of what the limits allow, with the state in which they ask the most."""
     station: Station[G, M, S]
+    model: Callable[[Robot[G]], Model] | None = None
+    """How the robot moves when it is told a speed and a yaw rate, for who predicts it; None: at once."""
     guides: Mapping[str, Callable[[Robot[G]], Guide[M, S]]] = field(default_factory=dict)
     modes: Mapping[str, Mode[G, M, S]] = field(default_factory=dict)
     switched: Callable[[M], Mapping[str, Level]] | None = None

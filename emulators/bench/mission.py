@@ -13,6 +13,7 @@ from typing import Annotated, Self
 from pydantic import AfterValidator, Field, ValidationError, create_model, model_validator
 
 from emulators.bench.faults import FaultTable, misfits
+from emulators.bench.piloted import Pilot, by_hand
 from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.step import (
     Finite,
@@ -71,6 +72,8 @@ class Mission(Table):
     """How slow the link is, in the words of `bench --link`: "delay=0.5,up.loss=0.02"."""
     max_delay_s: Positive | None = None
     """How old words may be that are obeyed, agreed on for this session: the robot is slower then."""
+    pilot: Pilot | None = None
+    """Who follows a path in the operator's place."""
     step: Annotated[tuple[Step, ...], Field(min_length=1, strict=False)]
     settled_after_s: NonNegative = 10.0
     """So long after a guide has begun its distance from the path counts in the summary."""
@@ -88,6 +91,12 @@ class Mission(Table):
     def conditions(self) -> Conditions:
         """How slow the link is."""
         return conditions(self.link) if self.link else Conditions()
+
+    def predicted(self) -> Self:
+        """Return the mission with its pilot behind a predictor; MissionFileError where it has none."""
+        if self.pilot is None:
+            raise MissionFileError(self.title, Problem("pilot", "nobody follows a path, who could predict?"))
+        return self.model_copy(update={"pilot": self.pilot.model_copy(update={"predictor": True})})
 
     def over(self, link: str | None, max_delay_s: float | None) -> Self:
         """Return the mission over another link, and with another agreed delay; None: what it says.
@@ -167,6 +176,7 @@ def _misfits(mission: Mission, robot: AnyRobot, rehearsal: Rehearsal) -> Iterato
             known = near(step.guide, [name for name in guides(robot) if name])
             yield Problem(f"step[{index}].guide", f"{robot.name} has no guide '{step.guide}'; {known}")
         yield from _unconfirmed(index, step, robot)
+        yield from _beside_a_pilot(index, step, mission.pilot)
         for key, row in inputs(type(step)).items():
             value = getattr(step, key)
             if value is None:
@@ -178,6 +188,12 @@ def _misfits(mission: Mission, robot: AnyRobot, rehearsal: Rehearsal) -> Iterato
                     yield Problem(where, f"'{step.title}' is beyond full stick; input = 'twist' can say it")
             elif held is Input.TWIST and value and _needs_stick(row, rehearsal):
                 yield Problem(where, f"'{step.title}' needs the stick")
+
+
+def _beside_a_pilot(index: int, step: Step, pilot: Pilot | None) -> Iterator[Problem]:
+    """Yield what a step asks of a hand where a pilot drives."""
+    for key in () if pilot is None else by_hand(step):
+        yield Problem(f"step[{index}].{key}", "a pilot drives, who does nothing of the kind")
 
 
 def _unconfirmed(index: int, step: Step, robot: AnyRobot) -> Iterator[Problem]:

@@ -27,6 +27,8 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge bench rars --mission line --link delay=0.6,jitter=0.1,up.loss=0.02` drives over a slow link.
 
+`firmware-bridge bench rars --mission pursuit --link delay=0.8 --predictor` follows a circle over the link.
+
 `firmware-bridge bench rars --mission my_mission.toml --seed 7 --out results`"""
 
 
@@ -70,6 +72,10 @@ class BenchOptions:
     ] = None
     link: SlowLinkOption = None
     max_delay: MaxDelayOption = None
+    predictor: Annotated[
+        bool,
+        typer.Option("--predictor", help="Let the mission's pilot steer by where the robot will be."),
+    ] = False
     protocol: FirmwareOption = None
     encoders: EncodersOption = None
 

@@ -19,6 +19,7 @@ from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.drivers.epos2.serial.plan import PlanError
 from firmware_bridge.drivers.shield.fleet import measured, over_protocol
 from firmware_bridge.drivers.shield.plan import ShieldPlanError
+from firmware_bridge.pilot.paths import PathError
 from firmware_bridge.robot import RobotFileError
 from firmware_bridge.slow_link.conditions import ConditionsError
 from fmu.errors import PlantError
@@ -32,7 +33,7 @@ def bench(given: BenchOptions) -> None:
     with (
         one_message(
             *(MissionFileError, RobotFileError, PlanError, ShieldPlanError),
-            *(PlantError, ServoError, LookupError, ConditionsError),
+            *(PlantError, ServoError, LookupError, ConditionsError, PathError),
         ),
         written_by("--out"),
     ):
@@ -42,6 +43,7 @@ def bench(given: BenchOptions) -> None:
         rehearsal = rehearsal_of(machine)
         chosen = given.mission or next(iter(rehearsal.shipped()), "none")
         script = missions.find(chosen, machine, rehearsal).over(given.link, given.max_delay)
+        script = script.predicted() if given.predictor else script
         script.on(machine)
         name = Path(chosen).stem
         folder = given.out or RESULTS / f"{machine.name}-{name}"

@@ -6,6 +6,7 @@ from typing import Final
 from firmware_bridge.kind import Kind
 from firmware_bridge.robots.rars.body import BASE, GROUPS, Rars, reach
 from firmware_bridge.robots.rars.geometry import Geometry
+from firmware_bridge.robots.rars.model import RarsModel
 from firmware_bridge.robots.rars.motion import Motion, State
 from firmware_bridge.robots.rars.rules import INTERLOCKS, LIMITS, slowed
 from firmware_bridge.robots.rars.station import STATION
@@ -29,4 +30,5 @@ KIND: Final[Kind[Geometry, Motion, State]] = Kind(
     slowed=slowed,
     reach=reach,
     station=STATION,
+    model=RarsModel,
 )
