@@ -110,7 +110,7 @@ def drive(order: Order, progress: Progress) -> Summary:
 def operator_of(order: Order) -> Node:
     """Return who drives the mission: its operator with his stick, or its pilot."""
     if order.mission.pilot is not None:
-        return PilotedMission(order.robot, order.mission.step, order.mission.pilot)
+        return PilotedMission(order.mission.on(order.robot), order.mission.step, order.mission.pilot)
     hand = np.random.default_rng([order.seed, HAND_STREAM])
     return ScriptedOperator(order.robot, order.rehearsal, order.mission, hand)
 

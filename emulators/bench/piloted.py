@@ -57,12 +57,14 @@ class Pilot(Table):
         return placed(self.shape(), at, offset_m=self.offset_m, turned_rad=turned)
 
     def follower(self, robot: AnyRobot) -> Follower:
-        """Return who drives along it."""
-        made = kind_of(robot).model
+        """Return who drives along it, no faster than the session's agreed delay lets the robot go."""
+        kind = kind_of(robot)
+        made = kind.model
         model: Model = Unicycle() if made is None else made(robot)
+        fastest = robot.operator.speed_share * kind.station.largest(robot).forward_mps
         return Follower(
             self.placed,
-            speed_mps=self.speed_mps,
+            speed_mps=min(self.speed_mps, fastest),
             look_ahead_m=self.look_ahead_m,
             tightest_per_m=model.tightest_per_m,
             predictor=Predictor(model) if self.predictor else None,

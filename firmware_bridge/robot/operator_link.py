@@ -53,6 +53,11 @@ class OperatorLink(Table):
         """How old a motion command may be in this session."""
         return self.max_age_ms if self.agreed_ms is None else self.agreed_ms
 
+    @property
+    def speed_share(self) -> float:
+        """Which share of its top speed the robot may drive in this session."""
+        return min(self.max_age_ms / self.age_limit_ms, 1.0)
+
     def agreed_on(self, max_delay_s: float, robot: str) -> Self:
         """Return the same link in a session whose words may be so old; RobotFileError above the ceiling."""
         agreed, ceiling = MILLISECONDS * max_delay_s, self.max_age_ceiling_ms
