@@ -53,10 +53,13 @@ class Predictor:
         before = None
         while self._predicted and self._predicted[0][0] <= measured_at:
             before = self._predicted.popleft()
-        if before is not None and self._predicted:
-            said = _between(before, self._predicted[0], measured_at)
+        if before is None:
+            return
+        if self._predicted or before[0] == measured_at:
+            after = self._predicted[0] if self._predicted else before
+            said = _between(before, after, measured_at)
             self.error_m = math.hypot(said.x_m - moving.pose.x_m, said.y_m - moving.pose.y_m)
-            self._predicted.appendleft(before)
+        self._predicted.appendleft(before)
 
     def at(self, instant: Nanoseconds) -> Moving | None:
         """Return where the robot will be then, and remember it; None before any pose has come."""
@@ -80,6 +83,6 @@ class Predictor:
 
 
 def _between(before: tuple[Nanoseconds, Pose], after: tuple[Nanoseconds, Pose], at: Nanoseconds) -> Pose:
-    share = (at - before[0]) / (after[0] - before[0])
+    share = (at - before[0]) / max(after[0] - before[0], 1)
     old, new = before[1], after[1]
     return Pose(old.x_m + share * (new.x_m - old.x_m), old.y_m + share * (new.y_m - old.y_m))

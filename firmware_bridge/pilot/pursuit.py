@@ -13,6 +13,8 @@ from firmware_bridge.pilot.paths import Path, Point
 
 LARGER: Final = 1.1
 """So much the look-ahead is enlarged at a time."""
+GRAZES: Final = 1.01
+"""A circle that is larger than the distance to the path by no more only touches it."""
 STEP_M: Final = 0.02
 """Between two places that are looked at for the goal; it is then found exactly."""
 BEHIND_M: Final = 1.0
@@ -64,7 +66,7 @@ class Pursuit:
             low, high = self._along - BEHIND_M, self._along + AHEAD * self._look_ahead
         self._along, away = self.path.nearest((pose.x_m, pose.y_m), low, high)
         distance = self._look_ahead
-        while distance <= abs(away):
+        while distance <= GRAZES * abs(away):
             distance *= LARGER
         goal = self._goal(pose, self._along, distance)
         dx, dy = goal[0] - pose.x_m, goal[1] - pose.y_m
