@@ -27,12 +27,17 @@ from firmware_bridge.node import CAN, OPERATOR, SERIAL, Node
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.safety.guard import guarded
+from firmware_bridge.slow_link.conditions import Conditions
+from firmware_bridge.slow_link.node import before_operator
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 from firmware_bridge.wire.maxon.frame import Generation
 
 LINK_STREAM: Final = 1
 """Which stream of random numbers the operator's link draws from, beside the run's seed."""
+WAYS_STREAM: Final = 2
+"""Those of the slow link's ways begin here."""
 QUIET: Final = Noise()
+GOOD: Final = Conditions()
 __all__ = ["BRIDGE", "OPERATOR_STATION", "QUIET", "SECOND_BRIDGE", "Rig"]
 
 
@@ -54,8 +59,8 @@ def _is_gateway(robot: AnyRobot, name: str) -> bool:
 class Rig:
     """A robot on the bench: `run` moves time on; what happened stands in `samples` and `holds`.
 
-    The operator's link delays, jitters and loses as `noise` says, by the run's seed. `stands`: what the
-    bridge is told at its start of where its axes stand.
+    The operator's link delays, jitters and loses as `noise` and `link` say, by the run's seed. `stands`: what
+    the bridge is told at its start of where its axes stand.
     """
 
     def __init__(
@@ -67,6 +72,7 @@ class Rig:
         plant_path: Path | None = None,
         seed: int = 0,
         noise: Noise = QUIET,
+        link: Conditions = GOOD,
         realistic_latency: bool = False,
         faults: Sequence[Fault] = (),
         stands: tuple[ConfirmZero, ...] = (),
@@ -97,7 +103,7 @@ class Rig:
         self.world: Final = World(self.devices.bank)
         self.lines: Final[dict[str, AnyLine]] = {}
         """The serial lines by the links' names."""
-        self._attach(operator)
+        self._attach(operator if link == GOOD else _far(operator, link, seed))
         self._site: Final = self._as_site()
         self.faults: Final = Faults(self._site, seed)
         self.faults.plan(faults)
@@ -239,6 +245,12 @@ class Rig:
                         standing[hold.name] = hold
         for hold in standing.values():
             self.holds.append(HoldRecord(hold.name, hold.reason, hold.since))
+
+
+def _far(operator: Node, link: Conditions, seed: int) -> Node:
+    """Return the operator behind a slow link."""
+    up, down = (np.random.default_rng([seed, WAYS_STREAM, way]) for way in range(2))
+    return before_operator(operator, OPERATOR, link, up, down)
 
 
 def _reads(columns: tuple[Column, ...], outputs: Sequence[str]) -> tuple[tuple[Column, int], ...]:

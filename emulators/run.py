@@ -9,13 +9,17 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
+from emulators.bench.columns import Samples
 from emulators.bench.mission import Mission
 from emulators.bench.operator import ScriptedOperator
 from emulators.bench.path_error import Followed, path_error
+from emulators.bench.piloted import PilotedMission
+from emulators.bench.radial_error import radial_error
 from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.summary import Run, Summary, as_json, summarise
 from emulators.rig import Rig
 from emulators.wires.ends import Observer
+from firmware_bridge.node import Node
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import candump_line, tlog_records
 from firmware_bridge.robot import AnyRobot
@@ -54,15 +58,14 @@ def drive(order: Order, progress: Progress) -> Summary:
     PlantError where the plant cannot be used; OSError where the folder cannot be written.
     """
     order.folder.mkdir(parents=True, exist_ok=True)
-    hand = np.random.default_rng([order.seed, HAND_STREAM])
-    operator = ScriptedOperator(order.robot, order.rehearsal, order.mission, hand)
     rig = Rig(
         order.mission.on(order.robot),
         order.rehearsal,
-        operator,
+        operator_of(order),
         plant_path=order.plant,
         seed=order.seed,
         noise=order.mission.noise,
+        link=order.mission.conditions,
         faults=order.mission.fault,
     )
     begun = time.perf_counter()
@@ -90,7 +93,8 @@ def drive(order: Order, progress: Progress) -> Summary:
     axes = [axis.name for axis in order.robot.axes]
     faults = rig.faults.records
     path = path_error(rig.samples, followed(order), order.mission.settled_after_s)
-    summary = summarise(run, axes, rig.samples, rig.holds, faults, path=path)
+    swing = swings(order, rig.samples)
+    summary = summarise(run, axes, rig.samples, rig.holds, faults, path=path, radial_error_m=swing)
     (order.folder / "summary.json").write_text(as_json(summary), encoding="utf-8")
     (order.folder / "samples.csv").write_text(rig.samples.csv(), encoding="ascii")
     title = f"{order.robot.name} · {order.mission_name} · seed {order.seed}"
@@ -101,6 +105,22 @@ def drive(order: Order, progress: Progress) -> Summary:
         order.folder, title, order.robot, order.rehearsal.panels, rig.samples, holds=rig.holds, faults=faults
     )
     return summary
+
+
+def operator_of(order: Order) -> Node:
+    """Return who drives the mission: its operator with his stick, or its pilot."""
+    if order.mission.pilot is not None:
+        return PilotedMission(order.mission.on(order.robot), order.mission.step, order.mission.pilot)
+    hand = np.random.default_rng([order.seed, HAND_STREAM])
+    return ScriptedOperator(order.robot, order.rehearsal, order.mission, hand)
+
+
+def swings(order: Order, samples: Samples) -> float | None:
+    """Return how far the robot swung about its pilot's path; None where it has none."""
+    mission = order.mission
+    if mission.pilot is None:
+        return None
+    return radial_error(samples, mission.pilot.placed, mission.settled_after_s)
 
 
 def followed(order: Order) -> list[Followed]:

@@ -21,6 +21,8 @@ class AgeLimit:
     """Since it was said. It belongs to the operator's side: an order may change it while the bridge runs."""
     needed: bool = False
     """Whether one whose age nobody knows is not obeyed."""
+    usual: Nanoseconds = 500 * MILLISECOND
+    """How old it may be at the robot's top speed; an order for a session lets `most` be more."""
 
 
 USUAL_AGE_LIMIT: Final = AgeLimit()

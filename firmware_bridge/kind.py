@@ -11,9 +11,11 @@ from pathlib import Path
 from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 
 from firmware_bridge.drivers.driver import Level
-from firmware_bridge.robot import Axis, Command, Robot
+from firmware_bridge.motion.model import Model
+from firmware_bridge.robot import Axis, Command, Problem, Robot, RobotFileError
 from firmware_bridge.robot.table import Table
 from firmware_bridge.safety.body import Body
+from firmware_bridge.safety.delay_limit import Slow, delay_limit
 from firmware_bridge.safety.interlock import Interlock, Limit
 from firmware_bridge.safety.rules import Rules
 from firmware_bridge.safety.snapshot import Group, Snapshot
@@ -69,9 +71,14 @@ class Kind(Generic[G, M, S]):
     interlocks: tuple[Interlock[G, M, S], ...]
     """The robot's own rows; the common ones come beside them."""
     limits: tuple[Limit[G, M, S], ...]
+    slowed: Slow[G, M, S] | None = None
+    """Clips a motion to a share of its top speeds, where words may be older than usual; without it that is
+    refused."""
     reach: Callable[[Robot[G]], Iterable[tuple[M, S]]]
     """The motions at the corners of what the limits allow, with the state in which they ask the most."""
     station: Station[G, M, S]
+    model: Callable[[Robot[G]], Model] | None = None
+    """How the robot moves when it is told a speed and a yaw rate, for who predicts it; None: at once."""
     guides: Mapping[str, Callable[[Robot[G]], Guide[M, S]]] = field(default_factory=dict)
     modes: Mapping[str, Mode[G, M, S]] = field(default_factory=dict)
     switched: Callable[[M], Mapping[str, Level]] | None = None
@@ -93,8 +100,17 @@ class Kind(Generic[G, M, S]):
             rests_below={axis.name: axis.rests_below for axis in self._travellers(robot)},
             numbers=self.numbers,
             interlocks=mode.interlocks,
-            limits=mode.limits,
+            limits=self._delayed(robot, mode.limits),
         )
+
+    def _delayed(self, robot: Robot[G], limits: tuple[Limit[G, M, S], ...]) -> tuple[Limit[G, M, S], ...]:
+        """Return the limits with the one that an agreed delay brings."""
+        if self.slowed is not None:
+            return (delay_limit(self.slowed), *limits)
+        if robot.operator.agreed_ms is not None:
+            problem = f"robots of the kind '{self.name}' cannot be slowed, so no delay may be agreed on"
+            raise RobotFileError(robot.name, Problem("operator.agreed_ms", problem))
+        return limits
 
     def _travellers(self, robot: Robot[G]) -> Iterator[Axis]:
         """Yield the axes that take the robot from its place: what only steers may go on."""

@@ -10,9 +10,10 @@ from itertools import pairwise, starmap
 from pathlib import Path
 from typing import Annotated, Self
 
-from pydantic import Field, ValidationError, create_model, model_validator
+from pydantic import AfterValidator, Field, ValidationError, create_model, model_validator
 
 from emulators.bench.faults import FaultTable, misfits
+from emulators.bench.piloted import Pilot, by_hand
 from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.step import (
     Finite,
@@ -29,6 +30,7 @@ from emulators.bench.step import (
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.problems import FileError, Problem, near, problems_of
 from firmware_bridge.robot.table import Table
+from firmware_bridge.slow_link.conditions import Conditions, conditions
 
 _TOLERANCE = 1e-9
 
@@ -50,6 +52,12 @@ class Noise(Table):
     """Share of the datagrams that never arrive."""
 
 
+def _is_a_link(text: str) -> str:
+    if text:
+        conditions(text)
+    return text
+
+
 class Mission(Table):
     """A whole mission, checked."""
 
@@ -60,6 +68,12 @@ class Mission(Table):
     """How often the operator sends what the hand does."""
     input: Annotated[Input, Field(strict=False)] = Input.STICK
     noise: Noise = Noise()
+    link: Annotated[str, AfterValidator(_is_a_link)] = ""
+    """How slow the link is, in the words of `bench --link`: "delay=0.5,up.loss=0.02"."""
+    max_delay_s: Positive | None = None
+    """How old words may be that are obeyed, agreed on for this session: the robot is slower then."""
+    pilot: Pilot | None = None
+    """Who follows a path in the operator's place."""
     step: Annotated[tuple[Step, ...], Field(min_length=1, strict=False)]
     settled_after_s: NonNegative = 10.0
     """So long after a guide has begun its distance from the path counts in the summary."""
@@ -69,9 +83,30 @@ class Mission(Table):
     """What goes wrong meanwhile: `docs/faults.md`."""
 
     def on(self, robot: AnyRobot) -> AnyRobot:
-        """Return the robot on this mission's floor."""
+        """Return the robot on this mission's floor, and with the delay that it agrees on; RobotFileError."""
         plant = robot.plant.model_copy(update={"parameters": robot.plant.parameters | self.plant})
-        return robot.model_copy(update={"plant": plant})
+        return robot.model_copy(update={"plant": plant}).agreed_on(self.max_delay_s)
+
+    @property
+    def conditions(self) -> Conditions:
+        """How slow the link is."""
+        return conditions(self.link) if self.link else Conditions()
+
+    def predicted(self) -> Self:
+        """Return the mission with its pilot behind a predictor; MissionFileError where it has none."""
+        if self.pilot is None:
+            raise MissionFileError(self.title, Problem("pilot", "nobody follows a path, who could predict?"))
+        return self.model_copy(update={"pilot": self.pilot.model_copy(update={"predictor": True})})
+
+    def over(self, link: str | None, max_delay_s: float | None) -> Self:
+        """Return the mission over another link, and with another agreed delay; None: what it says.
+
+        ConditionsError where these words say no link.
+        """
+        if link is not None:
+            _is_a_link(link)
+        changed = {"link": link, "max_delay_s": max_delay_s}
+        return self.model_copy(update={key: value for key, value in changed.items() if value is not None})
 
     @model_validator(mode="after")
     def _steps_are_in_order(self) -> Self:
@@ -141,6 +176,7 @@ def _misfits(mission: Mission, robot: AnyRobot, rehearsal: Rehearsal) -> Iterato
             known = near(step.guide, [name for name in guides(robot) if name])
             yield Problem(f"step[{index}].guide", f"{robot.name} has no guide '{step.guide}'; {known}")
         yield from _unconfirmed(index, step, robot)
+        yield from _beside_a_pilot(index, step, mission.pilot)
         for key, row in inputs(type(step)).items():
             value = getattr(step, key)
             if value is None:
@@ -152,6 +188,12 @@ def _misfits(mission: Mission, robot: AnyRobot, rehearsal: Rehearsal) -> Iterato
                     yield Problem(where, f"'{step.title}' is beyond full stick; input = 'twist' can say it")
             elif held is Input.TWIST and value and _needs_stick(row, rehearsal):
                 yield Problem(where, f"'{step.title}' needs the stick")
+
+
+def _beside_a_pilot(index: int, step: Step, pilot: Pilot | None) -> Iterator[Problem]:
+    """Yield what a step asks of a hand where a pilot drives."""
+    for key in () if pilot is None else by_hand(step):
+        yield Problem(f"step[{index}].{key}", "a pilot drives, who does nothing of the kind")
 
 
 def _unconfirmed(index: int, step: Step, robot: AnyRobot) -> Iterator[Problem]:

@@ -49,6 +49,9 @@ def _numbers(summary: Summary, remarks: Mapping[str, str]) -> Iterator[tuple[str
     if summary.max_path_error_m is not None and summary.max_cross_track_m is not None:
         across = f"at the same instant; across the path at most {summary.max_cross_track_m * 1000.0:.1f}"
         yield "distance from the path", f"{summary.max_path_error_m * 1000.0:.1f}", "mm", across
+    if summary.radial_error_m is not None:
+        swing = f"{summary.radial_error_m * 1000.0:.1f}"
+        yield "swing about the path", swing, "mm", "half of peak to peak, once it had settled"
     yield "CAN frames", f"{summary.frames}", "", f"bus load {summary.bus_load_percent:.2f} %"
     for line in summary.lines:
         yield (

@@ -100,6 +100,9 @@ class Summary:
     no path was followed."""
     max_cross_track_m: float | None
     """The same across the path."""
+    radial_error_m: float | None
+    """Half of peak to peak of a pilot's distance from its path by the plant's truth, once it had settled: of
+    a circle, of the radius. None where no pilot drove."""
     max_current_a: float
     largest: dict[str, float]
     """Of the robot's columns that say so: the largest absolute value, in the column's unit."""
@@ -125,6 +128,7 @@ def summarise(
     faults: Sequence[FaultRecord] = (),
     *,
     path: PathError = NO_PATH,
+    radial_error_m: float | None = None,
 ) -> Summary:
     """Turn a run's rows into its numbers; a run without rows has not moved."""
     speed = samples.column("speed_mps")
@@ -148,6 +152,7 @@ def summarise(
         max_odometry_error_m=_largest(errors),
         max_path_error_m=path.same_instant,
         max_cross_track_m=path.across,
+        radial_error_m=radial_error_m,
         max_current_a=_largest(currents),
         largest={
             column.name: _largest(samples.column(column.name)) for column in samples.columns if column.most

@@ -14,6 +14,9 @@ from firmware_bridge.cli.options import (
     PathOption,
     PathSpeedOption,
     RobotArgument,
+    MaxDelayOption,
+    RobotArgument,
+    SlowLinkOption,
 )
 from firmware_bridge.wire.maxon.frame import Generation
 
@@ -26,6 +29,9 @@ EXAMPLES: Final = """Examples:
 `firmware-bridge bench rome --mission line --protocol arduinoio --encoders 3` drives over another firmware.
 
 `firmware-bridge bench rome --path my_path.csv` has the guide drive along the points of a file.
+`firmware-bridge bench rars --mission line --link delay=0.6,jitter=0.1,up.loss=0.02` drives over a slow link.
+
+`firmware-bridge bench rars --mission pursuit --link delay=0.8 --predictor` follows a circle over the link.
 
 `firmware-bridge bench rars --mission my_mission.toml --seed 7 --out results`"""
 
@@ -68,6 +74,12 @@ class BenchOptions:
             show_default="as the robot file says",
         ),
     ] = None
+    link: SlowLinkOption = None
+    max_delay: MaxDelayOption = None
+    predictor: Annotated[
+        bool,
+        typer.Option("--predictor", help="Let the mission's pilot steer by where the robot will be."),
+    ] = False
     protocol: FirmwareOption = None
     encoders: EncodersOption = None
     path: PathOption = None

@@ -20,8 +20,10 @@ from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.drivers.epos2.serial.plan import PlanError
 from firmware_bridge.drivers.shield.fleet import measured, over_protocol
 from firmware_bridge.drivers.shield.plan import ShieldPlanError
+from firmware_bridge.pilot.paths import PathError
 from firmware_bridge.robot import RobotFileError
 from firmware_bridge.robot.path_file import PathFileError, along_path
+from firmware_bridge.slow_link.conditions import ConditionsError
 from fmu.errors import PlantError
 
 RESULTS: Final = Path("out")
@@ -33,7 +35,7 @@ def bench(given: BenchOptions) -> None:
     with (
         one_message(
             *(MissionFileError, RobotFileError, PathFileError, PlanError, ShieldPlanError),
-            *(PlantError, ServoError, LookupError),
+            *(PlantError, ServoError, LookupError, ConditionsError, PathError),
         ),
         written_by("--out"),
     ):
@@ -47,6 +49,9 @@ def bench(given: BenchOptions) -> None:
         else:
             chosen = given.mission or next(iter(rehearsal.shipped()), "none")
             name, script = Path(chosen).stem, missions.find(chosen, machine, rehearsal)
+        script = script.over(given.link, given.max_delay)
+        script = script.predicted() if given.predictor else script
+        script.on(machine)
         folder = given.out or RESULTS / f"{machine.name}-{name}"
         order = Order(machine, rehearsal, name, script, given.seed, folder, given.plant)
         tell_of_beginning(machine, given.plant)

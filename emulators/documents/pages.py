@@ -288,7 +288,8 @@ No motion command is obeyed that was said longer ago than `operator.max_age_ms`,
 which it is obeyed. How old it is when it comes is told by the first of these rows that tells anything; a row
 that dates it is off by half the shortest round trip at most. What no row dates is obeyed under the rule of
 silence, or moves nothing: `operator.unknown_age`. A wish to stop is obeyed however old, and nothing that was
-said before it undoes it. [Why](decisions/age-of-words.md)."""
+said before it undoes it. [Why](decisions/age-of-words.md). A session may agree on more, up to
+`operator.max_age_ceiling_ms`: the robot is [slower then](decisions/agreed-delay.md), by the same factor."""
 
 
 def _safety(measured: Mapping[str, Sequence[str]]) -> str:
@@ -300,7 +301,7 @@ def _safety(measured: Mapping[str, Sequence[str]]) -> str:
             f"### What stops `{robot.name}`",
             table(safety.HEADINGS, safety.interlocks(kind, robot)),
             "### What clips a wish",
-            table(safety.LIMIT_HEADINGS, safety.limits(kind)),
+            table(safety.LIMIT_HEADINGS, safety.limits(kind, robot)),
             "### How far its axes are believed",
             BELIEF_TEXT,
             table(safety.BELIEF_HEADINGS, safety.beliefs(robot)),

@@ -73,9 +73,9 @@ def interlocks(kind: AnyKind, robot: AnyRobot) -> Iterator[Cells]:
         yield (row.name, _groups(row), _severity(row), *answers, _clear(row), row.remedy)
 
 
-def limits(kind: AnyKind) -> Iterator[Cells]:
+def limits(kind: AnyKind, robot: AnyRobot) -> Iterator[Cells]:
     """Yield what clips a wish, in its order."""
-    for row in kind.limits:
+    for row in kind.rules(robot)[""].limits:
         yield (row.name, _severity(row), _clear(row), row.remedy)
 
 

@@ -16,6 +16,7 @@ from firmware_bridge.cli.options import (
     LinkOption,
     PathOption,
     PathSpeedOption,
+    MaxDelayOption,
     RobotArgument,
     RobotBitRateOption,
     Spoken,
@@ -32,6 +33,8 @@ EXAMPLES: Final = """Examples:
 `firmware-bridge drive rome --serial /dev/ttyACM0` drives a board with a motor shield.
 
 `firmware-bridge drive rars -i slcan -c /dev/ttyACM0 --mavlink udpout:192.168.1.10:14550 --key rars.key`
+
+`firmware-bridge drive rars -i socketcan -c can0 --link delay=0.5,jitter=0.1` for training
 
 `firmware-bridge drive rars -i socketcan -c can0 --mavlink udpin::14550 --key rars.key --allow 10.0.0.0/24`"""
 
@@ -112,6 +115,7 @@ class DriveOptions:
     path: PathOption = None
     path_speed: PathSpeedOption = None
     link: LinkOption = None
+    max_delay: MaxDelayOption = None
     zero: ZeroOption = None
     home: HomeOption = None
     state: Annotated[

@@ -47,8 +47,10 @@ LinkOption = Annotated[
     list[str] | None,
     typer.Option(
         "--link",
-        metavar="NAME=PLACE",
-        help="Where one of several links is: INTERFACE:CHANNEL, or serial:DEVICE; may be repeated.",
+        metavar="NAME=PLACE|KEY=NUMBER,...",
+        help="Where one of several links is: INTERFACE:CHANNEL, or serial:DEVICE. Or, for training, how slow "
+        "the operator's link shall be, his emergency stop with it: delay=0.5,jitter=0.1,up.loss=0.02. May be "
+        "repeated.",
         show_default=False,
     ),
 ]
@@ -134,6 +136,26 @@ PathSpeedOption = Annotated[
         metavar="M/S",
         help="How fast along a path whose points have no times.",
         show_default=False,
+    ),
+]
+_SLOW = (
+    "How slow the operator's link is: KEY=NUMBER, ...; delay is there and back, each other key each way; "
+    "up.KEY or down.KEY is of one way. Keys: delay, jitter, queue (s), loss, duplicate (shares), burst, "
+    "bandwidth (bit/s)."
+)
+SlowLinkOption = Annotated[
+    str | None,
+    typer.Option("--link", metavar="KEY=NUMBER,...", help=_SLOW, show_default="the mission's"),
+]
+MaxDelayOption = Annotated[
+    float | None,
+    typer.Option(
+        "--max-delay",
+        min=0.05,
+        metavar="SECONDS",
+        help="Agree for this session that words may be so old when they are obeyed, up to the robot file's "
+        "ceiling. The longer, the slower the robot may be.",
+        show_default="operator.max_age_ms",
     ),
 ]
 DurationOption = Annotated[

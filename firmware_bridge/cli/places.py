@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from firmware_bridge.cli.console import refusal
+from firmware_bridge.cli.console import one_message, refusal
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.problems import near
+from firmware_bridge.slow_link.conditions import Conditions, ConditionsError, conditions
 
 SERIAL_WORD = "serial"
 
@@ -22,6 +23,19 @@ class Place:
     def title(self) -> str:
         """The place in words."""
         return self.device or self.channel or "the configured bus"
+
+
+def parted(robot: AnyRobot, texts: Sequence[str] | None) -> tuple[list[str], Conditions | None]:
+    """Part the words for places from those that say how slow the operator's link is; None: as it is.
+
+    What is wrong with the latter ends the program.
+    """
+    places = [text for text in texts or () if ":" in text or text.partition("=")[0] in robot.links]
+    slow = [text for text in texts or () if text not in places]
+    if not slow:
+        return places, None
+    with one_message(ConditionsError):
+        return places, conditions(",".join(slow))
 
 
 def places_of(robot: AnyRobot, texts: Sequence[str] | None, only: Place) -> dict[str, Place]:

@@ -9,15 +9,14 @@ from firmware_bridge.robot.model import (
     GuardExclusive,
     GuardSum,
     GuardTable,
-    OperatorLink,
     Output,
     PlantFile,
     Robot,
     Sensor,
     Unit,
-    UnknownAge,
     Unpowered,
 )
+from firmware_bridge.robot.operator_link import OperatorLink, UnknownAge
 from firmware_bridge.robot.problems import Problem, RobotFileError
 from firmware_bridge.robot.table import Table
 

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Final, Generic, Self, TypeAlias, TypeVar
 from pydantic import Field, field_validator, model_validator
 
 from firmware_bridge.robot.belief import RUBS, STANDS, Belief
+from firmware_bridge.robot.operator_link import OperatorLink
 from firmware_bridge.robot.settings.capture import (
     CaptureBody,
     CaptureDriver,
@@ -64,32 +65,6 @@ class Unpowered(StrEnum):
     """It stays: its gear locks itself."""
     FREE = "free"
     """Only its device keeps it from moving."""
-
-
-class UnknownAge(StrEnum):
-    """What becomes of a motion command of which nobody knows how old it is."""
-
-    DRIVE = "drive"
-    """It is obeyed, under the rule of silence; so it is where no key is set."""
-    REFUSE = "refuse"
-    """It moves nothing; so it is where only signed words are believed."""
-
-
-class OperatorLink(Table):
-    """The operator's link: how long silence is allowed, how old a word may be, the identity on MAVLink."""
-
-    silent_ms: Annotated[int, Field(ge=50, le=10_000)]
-    gone_ms: Annotated[int, Field(ge=1_000, le=60_000)] = 10_000
-    """After so long a silence the robot is disarmed."""
-    max_age_ms: Annotated[int, Field(ge=50, le=2_000)] = 500
-    """No older motion command is obeyed; a wish to stop is, however old."""
-    unknown_age: Annotated[UnknownAge, Field(strict=False)] | None = None
-    """What becomes of motion commands whose age nobody knows; without it the key decides."""
-    bandwidth_bit_s: Annotated[int, Field(ge=4_800, le=1_000_000_000)] | None = None
-    """What the link carries, as a telemetry radio's serial line: telemetry takes at most half of it. Without
-    it the link is as good as a network."""
-    system_id: Annotated[int, Field(ge=1, le=255)]
-    component_id: Annotated[int, Field(ge=1, le=255)]
 
 
 class Axis(Table):
@@ -383,6 +358,16 @@ class Robot(Table, Generic[G_co]):
         if bandwidth_bit_s is None:
             return self
         operator = self.operator.model_copy(update={"bandwidth_bit_s": bandwidth_bit_s})
+        return self.model_copy(update={"operator": operator})
+
+    def agreed_on(self, max_delay_s: float | None) -> Self:
+        """Return the same robot in a session whose words may be so old; None: what its file says.
+
+        RobotFileError above the file's ceiling.
+        """
+        if max_delay_s is None:
+            return self
+        operator = self.operator.agreed_on(max_delay_s, self.name)
         return self.model_copy(update={"operator": operator})
 
     def with_links(self, links: Mapping[str, AnyLink]) -> Self:

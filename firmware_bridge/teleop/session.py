@@ -190,8 +190,10 @@ class Session:
         self.control: Final = Control()
         decided = robot.operator.unknown_age
         needed = trust.key is not None if decided is None else decided is UnknownAge.REFUSE
-        self.age_limit = AgeLimit(robot.operator.max_age_ms * MILLISECOND, needed)
-        """How old a word may be; an order for a slow link would change it here."""
+        self.age_limit = AgeLimit(
+            robot.operator.age_limit_ms * MILLISECOND, needed, robot.operator.max_age_ms * MILLISECOND
+        )
+        """How old a word may be, as this session has agreed on."""
         self._ages: tuple[int, Ages, Quality] = (0, Ages(signed=False), Quality())
         self.peers: Final[dict[Sender, Peer]] = {}
         self.untold: list[Message] = []

@@ -2,11 +2,14 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, Final, TypeAlias
 
 import pytest
 
-from firmware_bridge.robots.rars import rules
+from firmware_bridge.intent import AgeLimit
+from firmware_bridge.robot import RobotFileError
+from firmware_bridge.robots.rars import KIND, rules
 from firmware_bridge.robots.rars.body import ramp_of
 from firmware_bridge.robots.rars.rules import LIMITS, tipping_speed
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
@@ -241,3 +244,41 @@ def test_while_stopped_the_steering_stays_where_it_is(robot: Rars, well: Well) -
     assert base_stopped(ruling)
     assert (ruling.allowed.steer_rad, ruling.allowed.speed_mps) == (None, 0.0)
     assert gate.rule(well(START + 2, intent={"steer_rad": -0.3})).allowed.steer_rad == -0.3
+
+
+@pytest.mark.parametrize(
+    ("most_ms", "wish", "allowed", "held"),
+    [
+        (250, 0.5, 0.5, ()),
+        (500, 0.5, 0.5, ()),
+        (501, 0.5, 0.5 * 500 / 501, ("delay limit",)),
+        (1000, 0.25, 0.25, ()),
+        (1000, 0.2501, 0.25, ("delay limit",)),
+        (1000, -0.5, -0.25, ("delay limit",)),
+        (2000, 0.5, 0.125, ("delay limit",)),
+    ],
+)
+def test_older_words_are_obeyed_at_less_speed(
+    robot: Rars, well: Well, most_ms: int, wish: float, *, allowed: float, held: tuple[str, ...]
+) -> None:
+    limit = AgeLimit(most_ms * MILLISECOND)
+    snapshot = well(START, intent={"speed_mps": wish}, demanded_speed_mps=allowed, age_limit=limit)
+    ruling = gate_of(robot).rule(snapshot)
+    assert ruling.allowed.speed_mps == pytest.approx(allowed, rel=1e-9)
+    assert names(ruling) == held
+
+
+@pytest.mark.parametrize(("asked_s", "ms"), [(None, 500), (0.05, 50), (1.0, 1000), (2.0, 2000)])
+def test_a_delay_is_agreed_on_up_to_the_files_ceiling(robot: Rars, asked_s: float | None, ms: int) -> None:
+    assert robot.agreed_on(asked_s).operator.age_limit_ms == ms
+
+
+@pytest.mark.parametrize("asked_s", [0.049, 2.001, math.nan])
+def test_what_is_beyond_it_is_refused(robot: Rars, asked_s: float) -> None:
+    with pytest.raises(RobotFileError, match="50 to 2000 ms may be"):
+        robot.agreed_on(asked_s)
+
+
+def test_a_robot_that_cannot_be_slowed_agrees_on_nothing(robot: Rars) -> None:
+    with pytest.raises(RobotFileError, match="cannot be slowed"):
+        replace(KIND, slowed=None).rules(robot.agreed_on(1.0))

@@ -51,6 +51,7 @@ FOLLOWS: Final = {
     "axis position repeats": (ALL, "disarms", "blocks arming", "takes power"),
     "axis zero lost": (ALL, "disarms", "blocks arming"),
     "axis left out": (ALL, "disarms", "blocks arming"),
+    "delay limit": (set(),),
     "speed limit": (set(),),
     "tipping limit": (set(),),
     "steer angle limit": (set(),),

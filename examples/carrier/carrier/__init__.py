@@ -10,7 +10,7 @@ from carrier.body import BASE, GROUPS, Body, reach
 from carrier.geometry import Geometry
 from carrier.guide import FIGURE_EIGHT, FigureEight
 from carrier.motion import Motion, State
-from carrier.rules import INTERLOCKS, LIMITS
+from carrier.rules import INTERLOCKS, LIMITS, slowed
 from carrier.station import STATION
 
 LAMP: Final = "lamp"
@@ -30,6 +30,7 @@ KIND: Final[Kind[Geometry, Motion, State]] = Kind(
     travelling=frozenset({BASE}),
     interlocks=INTERLOCKS,
     limits=LIMITS,
+    slowed=slowed,
     reach=reach,
     station=STATION,
     guides={FIGURE_EIGHT: FigureEight},

@@ -45,8 +45,9 @@ INTERLOCKS: Final = (
 )
 
 
-def _speed(view: View) -> tuple[Motion, str | None]:
-    allowed, reason = bounded(view.allowed.speed_mps, view.geometry.limits.speed_mps, "m/s")
+def slowed(view: View, share: float) -> tuple[Motion, str | None]:
+    """Clip the speed to a share of its top; turning takes the robot nowhere."""
+    allowed, reason = bounded(view.allowed.speed_mps, share * view.geometry.limits.speed_mps, "m/s")
     return replace(view.allowed, speed_mps=allowed), reason
 
 
@@ -80,7 +81,7 @@ def _limit(name: str, clip: Callable[[View], tuple[Motion, str | None]], remedy:
 
 
 LIMITS: Final = (
-    _limit("speed limit", _speed, "ask for less speed"),
+    _limit("speed limit", lambda view: slowed(view, 1.0), "ask for less speed"),
     _limit("turn rate limit", _turn, "turn more slowly"),
     _limit("sideways limit", _sideways, "turn less or ask for less speed"),
     _limit("acceleration limit", _acceleration, "change speed and turn more slowly"),

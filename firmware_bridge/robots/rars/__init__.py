@@ -6,8 +6,9 @@ from typing import Final
 from firmware_bridge.kind import Kind
 from firmware_bridge.robots.rars.body import BASE, GROUPS, Rars, reach
 from firmware_bridge.robots.rars.geometry import Geometry
+from firmware_bridge.robots.rars.model import RarsModel
 from firmware_bridge.robots.rars.motion import Motion, State
-from firmware_bridge.robots.rars.rules import INTERLOCKS, LIMITS
+from firmware_bridge.robots.rars.rules import INTERLOCKS, LIMITS, slowed
 from firmware_bridge.robots.rars.station import STATION
 
 KIND: Final[Kind[Geometry, Motion, State]] = Kind(
@@ -26,6 +27,8 @@ KIND: Final[Kind[Geometry, Motion, State]] = Kind(
     travelling=frozenset({BASE}),
     interlocks=INTERLOCKS,
     limits=LIMITS,
+    slowed=slowed,
     reach=reach,
     station=STATION,
+    model=RarsModel,
 )

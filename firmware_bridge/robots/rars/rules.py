@@ -146,6 +146,11 @@ def _speed(view: View, high: float) -> tuple[Motion, str | None]:
     return _clip(view.allowed, "speed_mps", high, "m/s")
 
 
+def slowed(view: View, share: float) -> tuple[Motion, str | None]:
+    """Clip the base's speed to a share of its top; the lift stays where the robot is."""
+    return _speed(view, share * view.geometry.limits.speed_mps)
+
+
 def _steer(view: View, high: float) -> tuple[Motion, str | None]:
     return _clip(view.allowed, "steer_rad", high, "deg", scale=_DEGREES)
 

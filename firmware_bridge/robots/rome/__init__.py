@@ -10,7 +10,7 @@ from firmware_bridge.robots.rome.geometry import Geometry
 from firmware_bridge.robots.rome.guide import Follower
 from firmware_bridge.robots.rome.motion import Motion, State
 from firmware_bridge.robots.rome.paths import PATHS
-from firmware_bridge.robots.rome.rules import INTERLOCKS, LIMITS
+from firmware_bridge.robots.rome.rules import INTERLOCKS, LIMITS, slowed
 from firmware_bridge.robots.rome.station import STATION
 
 KIND: Final[Kind[Geometry, Motion, State]] = Kind(
@@ -29,6 +29,7 @@ KIND: Final[Kind[Geometry, Motion, State]] = Kind(
     travelling=frozenset({BASE}),
     interlocks=INTERLOCKS,
     limits=LIMITS,
+    slowed=slowed,
     reach=reach,
     station=STATION,
     guides={name: partial(Follower, name=name) for name in PATHS},

@@ -74,8 +74,9 @@ INTERLOCKS: Final = (
 )
 
 
-def _speed(view: View) -> tuple[Motion, str | None]:
-    motion, high = view.allowed, view.geometry.limits.speed_mps
+def slowed(view: View, share: float) -> tuple[Motion, str | None]:
+    """Clip the speed to a share of its top; to turn takes the base nowhere."""
+    motion, high = view.allowed, share * view.geometry.limits.speed_mps
     speed = math.hypot(motion.ahead_mps, motion.left_mps)
     allowed, reason = bounded(speed, high, "m/s")
     share = allowed / speed if speed > high else 1.0
@@ -117,7 +118,7 @@ def _limit(name: str, clip: Callable[[View], tuple[Motion, str | None]], remedy:
 
 
 LIMITS: Final = (
-    _limit("speed limit", _speed, "ask for less speed"),
+    _limit("speed limit", lambda view: slowed(view, 1.0), "ask for less speed"),
     _limit("turn rate limit", _turn, "turn more slowly"),
     _limit("rim limit", _rim, "turn less or ask for less speed"),
     _limit("acceleration limit", _acceleration, "change speed and turn more slowly"),

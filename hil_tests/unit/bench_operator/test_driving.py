@@ -76,8 +76,7 @@ def test_the_lift_moves_by_stick_until_told_otherwise() -> None:
 
 
 def test_every_shipped_mission_runs_to_its_end() -> None:
-    for name in REHEARSAL.shipped():
-        script = find(name)
+    for script in filter(lambda one: one.pilot is None, map(find, REHEARSAL.shipped())):
         joined = join(script)
         joined.run(script.duration_s)
         assert len(joined.driver.diary.texts(Kind.STEP)) == len(script.step)

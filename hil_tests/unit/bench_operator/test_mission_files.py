@@ -25,8 +25,8 @@ def steps(mission: Mission) -> list[RarsStep]:
     return [step for step in mission.step if isinstance(step, RarsStep)]
 
 
-def test_four_missions_are_shipped() -> None:
-    assert list(REHEARSAL.shipped()) == ["circles", "faults", "interlocks", "line"]
+def test_five_missions_are_shipped() -> None:
+    assert list(REHEARSAL.shipped()) == ["circles", "faults", "interlocks", "line", "pursuit"]
 
 
 def test_line_is_the_line_of_the_thesis() -> None:

@@ -1,0 +1,109 @@
+"""A path follower in the operator's place: a mission's table `pilot`, and the node that drives by it."""
+
+import math
+from pathlib import Path as FilePath
+from typing import Annotated, Final
+
+from pydantic import AfterValidator
+
+from emulators.bench import orders
+from emulators.bench.step import Finite, NonNegative, Positive, Sends, Step, inputs
+from firmware_bridge.kinds import kind_of
+from firmware_bridge.motion.model import Model, Unicycle
+from firmware_bridge.motion.pose import Pose
+from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.pilot import path_file
+from firmware_bridge.pilot.follower import Follower
+from firmware_bridge.pilot.paths import PATHS, Path, placed
+from firmware_bridge.pilot.predictor import Predictor
+from firmware_bridge.pilot.station import Station
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.problems import near
+from firmware_bridge.robot.table import Table
+from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
+
+
+def _is_a_path(name: str) -> str:
+    if name not in PATHS and not name.endswith(".csv"):
+        raise ValueError(f"there is no path '{name}'; {near(name, list(PATHS))}, or a file that ends in .csv")
+    return name
+
+
+class Pilot(Table):
+    """Pure pursuit along a path from the station, with what the link brings."""
+
+    path: Annotated[str, AfterValidator(_is_a_path)]
+    size_m: Positive = 5.0
+    """The radius of a circle and of each half of an eight, the length of a line."""
+    speed_mps: Positive = 0.5
+    look_ahead_m: Positive = 0.5
+    offset_m: Finite = 0.0
+    """So far left of the path the robot begins."""
+    turned_deg: Finite = 0.0
+    """So much left of the path's direction it looks then."""
+    predictor: bool = False
+    reaction_s: NonNegative = 0.0
+    """So much later the hand does what was worked out; the predictor does not know."""
+
+    def shape(self) -> Path:
+        """Return the path, where it begins at the origin; PathError where its file is none."""
+        if self.path in PATHS:
+            return PATHS[self.path](self.size_m)
+        return path_file.load(FilePath(self.path))
+
+    def placed(self, at: Pose) -> Path:
+        """Return the path for a robot that stands there."""
+        turned = math.radians(self.turned_deg)
+        return placed(self.shape(), at, offset_m=self.offset_m, turned_rad=turned)
+
+    def follower(self, robot: AnyRobot) -> Follower:
+        """Return who drives along it, no faster than the session's agreed delay lets the robot go."""
+        kind = kind_of(robot)
+        made = kind.model
+        model: Model = Unicycle() if made is None else made(robot)
+        fastest = robot.operator.speed_share * kind.station.largest(robot).forward_mps
+        return Follower(
+            self.placed,
+            speed_mps=min(self.speed_mps, fastest),
+            look_ahead_m=self.look_ahead_m,
+            tightest_per_m=model.tightest_per_m,
+            predictor=Predictor(model) if self.predictor else None,
+            reaction=from_seconds(self.reaction_s),
+        )
+
+
+def by_hand(given: Step) -> list[str]:
+    """Return the keys of a step that a path follower does not do: it has no stick to move."""
+    commands = {key for key, row in inputs(type(given)).items() if isinstance(row, Sends)}
+    return sorted(given.model_fields_set - commands - {"at_s", "title", "zero", "home"})
+
+
+class PilotedMission:
+    """A `Node`: the station, and a mission's steps, whose commands it sends at their time."""
+
+    def __init__(self, robot: AnyRobot, steps: tuple[Step, ...], pilot: Pilot) -> None:
+        self.follower: Final = pilot.follower(robot)
+        operator = robot.operator
+        self.station: Final = Station(self.follower, (operator.system_id, operator.component_id))
+        self._robot: Final = robot
+        self._steps: Final = steps
+        self._taken = 0
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        """Bring what the link brings."""
+        return self._in_time(self.station.receive(packet, now))
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        """Order what the steps that are due say, and go on."""
+        while self._due <= now:
+            for one in orders.of_step(self._steps[self._taken], self._robot, now):
+                self.station.order(one.title, one.number, one.params, now)
+            self._taken += 1
+        return self._in_time(self.station.wake(now))
+
+    @property
+    def _due(self) -> Nanoseconds:
+        return from_seconds(self._steps[self._taken].at_s) if self._taken < len(self._steps) else NEVER
+
+    def _in_time(self, reaction: Reaction) -> Reaction:
+        return Reaction(reaction.sent, min(reaction.wake_at, self._due))

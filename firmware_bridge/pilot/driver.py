@@ -1,0 +1,49 @@
+"""Who drives at a station: what he sees, and what he says, each in the robot's own directions."""
+
+from dataclasses import dataclass
+from typing import Final, NamedTuple, Protocol, TypeAlias
+
+from firmware_bridge.motion.model import Moving
+from firmware_bridge.pilot.link import Link
+from firmware_bridge.units import Nanoseconds
+
+
+class Sight(NamedTuple):
+    """One pose as it came."""
+
+    moving: Moving
+    measured_at: Nanoseconds | None
+    """By the station's clock; None while the robot's is not known."""
+    heard_at: Nanoseconds
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """A speed and a yaw rate, left positive: SET_POSITION_TARGET_LOCAL_NED."""
+
+    speed_mps: float = 0.0
+    yaw_rate_rad_s: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Stick:
+    """Shares of full stick, -1 to 1, forward and left positive: MANUAL_CONTROL."""
+
+    forward: float = 0.0
+    left: float = 0.0
+    up: float = 0.0
+    buttons: int = 0
+
+
+Wish: TypeAlias = Target | Stick
+REST: Final = Target()
+
+
+class Driver(Protocol):
+    """A hand, or what stands in for one."""
+
+    def sees(self, sight: Sight) -> None:
+        """Take a pose that has come."""
+
+    def wish(self, link: Link, now: Nanoseconds, *, armed: bool) -> Wish:
+        """Say what the robot shall do; asked once in each period, and sent at once."""

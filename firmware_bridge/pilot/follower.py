@@ -1,0 +1,103 @@
+"""Drives along a path by pure pursuit, by what the link brings or by what a predictor makes of it."""
+
+import math
+from collections import deque
+from collections.abc import Callable
+from typing import Final
+
+from firmware_bridge.motion.model import Moving
+from firmware_bridge.motion.pose import Pose
+from firmware_bridge.pilot.driver import REST, Sight, Target
+from firmware_bridge.pilot.link import Link
+from firmware_bridge.pilot.paths import Path
+from firmware_bridge.pilot.predictor import Predictor
+from firmware_bridge.pilot.pursuit import Pursuit
+from firmware_bridge.units import SECOND, Nanoseconds
+
+BLIND_AFTER: Final[Nanoseconds] = 2 * SECOND
+"""Who has seen nothing for so long stops."""
+STANDS_MPS: Final = 0.01
+STANDS_FOR: Final[Nanoseconds] = 3 * SECOND
+"""A robot that stands for so long, beside a round trip, though it is told to drive, is held back."""
+LETS_GO_FOR: Final[Nanoseconds] = SECOND
+"""So long the stick is let go then, beside a round trip: it must be seen to be."""
+
+
+class Follower:
+    """A `firmware_bridge.pilot.driver.Driver`."""
+
+    def __init__(
+        self,
+        place: Callable[[Pose], Path],
+        *,
+        speed_mps: float,
+        look_ahead_m: float,
+        tightest_per_m: float,
+        predictor: Predictor | None = None,
+        reaction: Nanoseconds = 0,
+    ) -> None:
+        """Drive where `place` puts the path for a robot that stands at a pose, once it is armed.
+
+        `reaction`: so much later the hand does what was worked out; no predictor knows of it.
+        """
+        self.predictor: Final = predictor
+        self._place: Final = place
+        self._speed: Final = speed_mps
+        self._look_ahead: Final = look_ahead_m
+        self._tightest: Final = tightest_per_m
+        self._reaction: Final = reaction
+        self._pursuit: Pursuit | None = None
+        self._sight: Sight | None = None
+        self._coming: Final[deque[tuple[Nanoseconds, Target]]] = deque()
+        """What was worked out and is not yet done."""
+        self._does = REST
+        self._moved_at: Nanoseconds = 0
+        """When the robot was last seen to move, or not told to."""
+        self._lets_go_until: Nanoseconds = 0
+
+    def sees(self, sight: Sight) -> None:
+        """Take a pose that has come."""
+        self._sight = sight
+        if abs(sight.moving.speed_mps) > STANDS_MPS:
+            self._moved_at = sight.heard_at
+        if self.predictor is not None and sight.measured_at is not None:
+            self.predictor.seen(sight.measured_at, sight.moving)
+
+    def wish(self, link: Link, now: Nanoseconds, *, armed: bool) -> Target:
+        """Return what leads along the path."""
+        trip = link.round_trip(now) or 0
+        worked_out = self._worked_out(trip, now) if armed else REST
+        self._coming.append((now + self._reaction, worked_out))
+        while self._coming and self._coming[0][0] <= now:
+            self._does = self._coming.popleft()[1]
+        wish = self._let_go(self._does, trip, now)
+        if self.predictor is not None:
+            self.predictor.told(now, trip // 2, wish.speed_mps, wish.yaw_rate_rad_s)
+        return wish
+
+    def _worked_out(self, trip: Nanoseconds, now: Nanoseconds) -> Target:
+        if self._sight is None or now - self._sight.heard_at > BLIND_AFTER:
+            return REST
+        seen = self._seen(self._sight, trip, now)
+        if seen is None:
+            return REST
+        if self._pursuit is None:
+            self._pursuit = Pursuit(self._place(self._sight.moving.pose), self._look_ahead)
+        bend = self._pursuit.arc(seen.pose).curvature_per_m
+        if self._pursuit.ended:
+            return REST
+        bend = math.copysign(min(abs(bend), self._tightest), bend)
+        return Target(self._speed, self._speed * bend)
+
+    def _seen(self, sight: Sight, trip: Nanoseconds, now: Nanoseconds) -> Moving | None:
+        if self.predictor is None:
+            return sight.moving
+        return self.predictor.at(now + trip // 2)
+
+    def _let_go(self, wish: Target, trip: Nanoseconds, now: Nanoseconds) -> Target:
+        """Let the stick go where the robot is held back: it wants to see that before it goes on."""
+        if wish == REST:
+            self._moved_at = max(self._moved_at, now)
+        elif now - self._moved_at > STANDS_FOR + trip:
+            self._lets_go_until = now + LETS_GO_FOR + trip
+        return REST if now < self._lets_go_until else wish

@@ -1,0 +1,62 @@
+"""The link as the station finds it out: round trip, how old is what it sees, which share of it is lost.
+
+It asks the robot TIMESYNC, as the robot asks it; an answer bounds the robot's clock from both sides.
+"""
+
+from typing import Final
+
+from firmware_bridge.teleop.clock_fit import AnsweredClock
+from firmware_bridge.teleop.mavlink import Message, dialect
+from firmware_bridge.teleop.round_trips import Losses, RoundTrips
+from firmware_bridge.units import Nanoseconds
+
+_TIMESYNC: Final = dialect.MAVLINK_MSG_ID_TIMESYNC
+
+
+class Link:
+    """One robot's link; instants by the station's own clock."""
+
+    def __init__(self) -> None:
+        self.clock: Final = AnsweredClock()
+        """The robot's."""
+        self._trips: Final = RoundTrips()
+        self._losses: Final = Losses()
+        self._round_trip: Nanoseconds | None = None
+
+    @property
+    def next_question(self) -> Nanoseconds:
+        """When the next question is due."""
+        return self._trips.due
+
+    @property
+    def lost(self) -> float | None:
+        """The share of the robot's frames that did not come in the last five seconds; None before."""
+        return self._losses.share
+
+    def heard(self, sequence: int, now: Nanoseconds) -> None:
+        """Take note of a frame of the robot's."""
+        self._losses.heard(sequence, now)
+
+    def question(self, now: Nanoseconds) -> Message:
+        """Return what is to be asked now."""
+        asked_at = max(now, 1)
+        self._trips.ask((_TIMESYNC, asked_at), now=asked_at)
+        return dialect.MAVLink_timesync_message(0, asked_at)
+
+    def answered(self, message: Message, now: Nanoseconds) -> None:
+        """Take an answer; one to no open question says nothing."""
+        asked_at = self._trips.answered((_TIMESYNC, message.ts1), now)
+        if asked_at is not None:
+            self.clock.answered(asked_at, message.tc1, now, 1)
+
+    def round_trip(self, now: Nanoseconds) -> Nanoseconds | None:
+        """Return how long it takes there and back; after a silence what it was; None before any answer."""
+        newest = self._trips.newest(now)
+        if newest is not None:
+            self._round_trip = newest
+        return self._round_trip
+
+    def measured_at(self, robots: Nanoseconds, now: Nanoseconds) -> Nanoseconds | None:
+        """Return when the robot's clock showed this, by ours; None while its clock is not known."""
+        shows = self.clock.shows(now)
+        return None if shows is None else now - (shows - robots)

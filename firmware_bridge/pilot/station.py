@@ -1,0 +1,216 @@
+"""A ground station as a node: what comes over the link to who drives at it, and what he says back.
+
+It opens no socket, reads no clock, and sees nothing but what the link brings.
+"""
+
+import math
+from dataclasses import dataclass, field
+from typing import Final, NamedTuple
+
+from firmware_bridge.motion.model import Moving
+from firmware_bridge.motion.pose import Pose
+from firmware_bridge.node import OPERATOR
+from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.pilot.driver import Driver, Sight, Stick, Target, Wish
+from firmware_bridge.pilot.link import Link
+from firmware_bridge.teleop.mavlink import Codec, Message, dialect, text_of
+from firmware_bridge.teleop.texts import Listener
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+
+SYSTEM: Final = 255
+COMPONENT: Final = dialect.MAV_COMP_ID_MISSIONPLANNER
+PERIOD: Final[Nanoseconds] = 50 * MILLISECOND
+"""Packets at 20 Hz (A. P. Das, PhD thesis, IIT Delhi, 2018, 4.2)."""
+RETRY_AFTER: Final[Nanoseconds] = SECOND
+MOST_TRIES: Final = 20
+FULL: Final = 1000
+_UNUSED: Final = 0x7FFF
+_PARAMS: Final = 7
+_BOOT_MASK: Final = 0xFFFF_FFFF
+_VELOCITY_AND_TURN: Final = 0x05E7
+"""SET_POSITION_TARGET_LOCAL_NED's mask: all but the velocity and the yaw rate is to be left alone."""
+
+
+@dataclass(slots=True)
+class Order:
+    """A command that has no final answer yet."""
+
+    title: str
+    number: int
+    params: tuple[float, ...]
+    due: Nanoseconds
+    tries: int = 0
+
+
+class Line(NamedTuple):
+    """What the robot said, in words."""
+
+    at: Nanoseconds
+    text: str
+
+
+@dataclass(slots=True)
+class Shown:
+    """What the station's display shows."""
+
+    armed: bool = False
+    sight: Sight | None = None
+    values: dict[str, float] = field(default_factory=dict)
+    """The newest of each named value: RTT, AGE and LOSS among them, as the robot finds them."""
+    told: list[Line] = field(default_factory=list)
+
+
+class Station:
+    """One station, one robot, and who drives."""
+
+    def __init__(
+        self, driver: Driver, target: tuple[int, int], system: int = SYSTEM, component: int = COMPONENT
+    ) -> None:
+        """Speak to the system and component `target`, under these numbers of its own."""
+        self.driver: Final = driver
+        self.link: Final = Link()
+        self.shown: Final = Shown()
+        self._target: Final = target
+        self._codec: Final = Codec(system, component)
+        self._listener: Final = Listener()
+        self._orders: Final[list[Order]] = []
+        self._answers: Final[list[Message]] = []
+        self._beat_due: Nanoseconds = 0
+        self._wish_due: Nanoseconds = 0
+        self._heard: Final = {
+            dialect.MAVLINK_MSG_ID_HEARTBEAT: self._heartbeat,
+            dialect.MAVLINK_MSG_ID_COMMAND_ACK: self._acknowledged,
+            dialect.MAVLINK_MSG_ID_STATUSTEXT: self._told,
+            dialect.MAVLINK_MSG_ID_ODOMETRY: self._located,
+            dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT: self._valued,
+            dialect.MAVLINK_MSG_ID_TIMESYNC: self._timed,
+            dialect.MAVLINK_MSG_ID_PING: self._pinged,
+        }
+
+    def order(self, title: str, number: int, params: tuple[float, ...], now: Nanoseconds) -> None:
+        """Send a command with the next wake, and again until it is answered for good."""
+        self._orders.append(Order(title, number, params, now))
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        """Read what the robot says; its questions are answered at once."""
+        for message in self._codec.decode(packet.payload):
+            if message.get_srcSystem() != self._target[0]:
+                continue
+            self.link.heard(message.get_seq(), now)
+            read = self._heard.get(message.get_msgId())
+            if read is not None:
+                read(message, now)
+        answers = tuple(self._packet(one) for one in self._answers)
+        self._answers.clear()
+        return Reaction(answers, self._wake_at())
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        """Send what is due: a heartbeat, a question, commands, and what who drives wishes."""
+        messages: list[Message] = []
+        if now >= self._beat_due:
+            self._beat_due = now + SECOND
+            station, none = dialect.MAV_TYPE_GCS, dialect.MAV_AUTOPILOT_INVALID
+            messages.append(
+                dialect.MAVLink_heartbeat_message(station, none, 0, 0, dialect.MAV_STATE_ACTIVE, 3)
+            )
+        if now >= self.link.next_question:
+            messages.append(self.link.question(now))
+        messages += self._ordered(now)
+        if now >= self._wish_due:
+            self._wish_due += PERIOD
+            wish = self.driver.wish(self.link, now, armed=self.shown.armed)
+            messages.append(self._said(wish, now))
+        return Reaction(tuple(self._packet(one) for one in messages), self._wake_at())
+
+    def _packet(self, message: Message) -> Packet:
+        return Packet(OPERATOR, 0, self._codec.encode(message))
+
+    def _wake_at(self) -> Nanoseconds:
+        due = min(self._beat_due, self._wish_due, self.link.next_question)
+        return min([due, *(order.due for order in self._under_way)])
+
+    @property
+    def _under_way(self) -> list[Order]:
+        """One order of each number: an answer tells a number alone."""
+        return list({order.number: order for order in reversed(self._orders)}.values())
+
+    def _ordered(self, now: Nanoseconds) -> list[Message]:
+        messages = []
+        for order in [one for one in self._under_way if one.due <= now]:
+            if order.tries == MOST_TRIES:
+                self._orders.remove(order)
+                self.shown.told.append(Line(now, f"{order.title}: no answer"))
+                continue
+            params = (*order.params, *(0.0,) * (_PARAMS - len(order.params)))
+            messages.append(
+                dialect.MAVLink_command_long_message(*self._target, order.number, order.tries, *params)
+            )
+            order.tries += 1
+            order.due = now + RETRY_AFTER + (self.link.round_trip(now) or 0)
+        return messages
+
+    def _said(self, wish: Wish, now: Nanoseconds) -> Message:
+        """Return a wish in MAVLink's directions: right and clockwise."""
+        if isinstance(wish, Stick):
+            return dialect.MAVLink_manual_control_message(
+                self._target[0], _axis(wish.forward), _UNUSED, _axis(wish.up), _axis(-wish.left), wish.buttons
+            )
+        return _velocity(self._target, wish, max(now // MILLISECOND, 1) & _BOOT_MASK)
+
+    def _heartbeat(self, message: Message, _now: Nanoseconds) -> None:
+        self.shown.armed = bool(message.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED)
+
+    def _acknowledged(self, message: Message, now: Nanoseconds) -> None:
+        again = message.result in {dialect.MAV_RESULT_TEMPORARILY_REJECTED, dialect.MAV_RESULT_IN_PROGRESS}
+        for order in self._orders:
+            if order.number == message.command and order.tries:
+                if again:
+                    order.tries = 1
+                    return
+                self._orders.remove(order)
+                if message.result != dialect.MAV_RESULT_ACCEPTED:
+                    self.shown.told.append(Line(now, f"{order.title}: refused ({message.result})"))
+                return
+
+    def _told(self, message: Message, now: Nanoseconds) -> None:
+        self.shown.told += [Line(now, heard.text) for heard in self._listener.hear(message)]
+
+    def _located(self, message: Message, now: Nanoseconds) -> None:
+        w, _, _, z = message.q
+        pose = Pose(message.x, -message.y, -2.0 * math.atan2(z, w))
+        moving = Moving(pose, message.vx, -message.yawspeed)
+        sight = Sight(moving, self.link.measured_at(message.time_usec * 1000, now), now)
+        self.shown.sight = sight
+        self.driver.sees(sight)
+
+    def _valued(self, message: Message, _now: Nanoseconds) -> None:
+        self.shown.values[text_of(message.name)] = message.value
+
+    def _timed(self, message: Message, now: Nanoseconds) -> None:
+        if message.tc1 == 0:
+            self._answers.append(dialect.MAVLink_timesync_message(max(now, 1), message.ts1))
+        else:
+            self.link.answered(message, now)
+
+    def _pinged(self, message: Message, _now: Nanoseconds) -> None:
+        if message.target_system == 0:
+            self._answers.append(dialect.MAVLink_ping_message(message.time_usec, message.seq, *self._target))
+
+
+def _axis(share: float) -> int:
+    return max(-FULL, min(round(FULL * share), FULL))
+
+
+def _velocity(target: tuple[int, int], wish: Target, boot_ms: int) -> Message:
+    nothing = (0.0,) * 3
+    return dialect.MAVLink_set_position_target_local_ned_message(
+        boot_ms,
+        *target,
+        dialect.MAV_FRAME_BODY_NED,
+        _VELOCITY_AND_TURN,
+        *nothing,
+        *(wish.speed_mps, 0.0, 0.0),
+        *nothing,
+        0.0,
+        -wish.yaw_rate_rad_s,
+    )

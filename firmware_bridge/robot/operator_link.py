@@ -1,0 +1,67 @@
+"""The operator's link in a robot file: silence, the age of words, the identity on MAVLink."""
+
+from enum import StrEnum
+from typing import Annotated, Final, Self
+
+from pydantic import Field, field_validator
+
+from firmware_bridge.robot.problems import Problem, RobotFileError
+from firmware_bridge.robot.table import Table
+
+MILLISECONDS: Final = 1000.0
+LEAST_AGE_MS: Final = 50
+
+
+class UnknownAge(StrEnum):
+    """What becomes of a motion command of which nobody knows how old it is."""
+
+    DRIVE = "drive"
+    """It is obeyed, under the rule of silence; so it is where no key is set."""
+    REFUSE = "refuse"
+    """It moves nothing; so it is where only signed words are believed."""
+
+
+class OperatorLink(Table):
+    """The operator's link: how long silence is allowed, how old a word may be, the identity on MAVLink."""
+
+    silent_ms: Annotated[int, Field(ge=50, le=10_000)]
+    gone_ms: Annotated[int, Field(ge=1_000, le=60_000)] = 10_000
+    """After so long a silence the robot is disarmed."""
+    max_age_ms: Annotated[int, Field(ge=50, le=2_000)] = 500
+    """No older motion command is obeyed; a wish to stop is, however old."""
+    max_age_ceiling_ms: Annotated[int, Field(ge=50, le=2_000)] = 2_000
+    """So far an order for a session may widen that; the robot is slower then."""
+    agreed_ms: int | None = None
+    """What such an order says."""
+    unknown_age: Annotated[UnknownAge, Field(strict=False)] | None = None
+    """What becomes of motion commands whose age nobody knows; without it the key decides."""
+    bandwidth_bit_s: Annotated[int, Field(ge=4_800, le=1_000_000_000)] | None = None
+    """What the link carries, as a telemetry radio's serial line: telemetry takes at most half of it. Without
+    it the link is as good as a network."""
+    system_id: Annotated[int, Field(ge=1, le=255)]
+    component_id: Annotated[int, Field(ge=1, le=255)]
+
+    @field_validator("agreed_ms")
+    @classmethod
+    def _is_agreed_in_a_session(cls, given: int | None) -> int | None:
+        if given is None:
+            return None
+        raise ValueError("is agreed on for one session: say --max-delay, or max_delay_s in a mission")
+
+    @property
+    def age_limit_ms(self) -> int:
+        """How old a motion command may be in this session."""
+        return self.max_age_ms if self.agreed_ms is None else self.agreed_ms
+
+    @property
+    def speed_share(self) -> float:
+        """Which share of its top speed the robot may drive in this session."""
+        return min(self.max_age_ms / self.age_limit_ms, 1.0)
+
+    def agreed_on(self, max_delay_s: float, robot: str) -> Self:
+        """Return the same link in a session whose words may be so old; RobotFileError above the ceiling."""
+        agreed, ceiling = MILLISECONDS * max_delay_s, self.max_age_ceiling_ms
+        if not LEAST_AGE_MS <= agreed <= ceiling:
+            problem = f"a delay of {max_delay_s:g} s was asked for; {LEAST_AGE_MS} to {ceiling} ms may be"
+            raise RobotFileError(robot, Problem("operator.max_age_ceiling_ms", problem))
+        return self.model_copy(update={"agreed_ms": round(agreed)})

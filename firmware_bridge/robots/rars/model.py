@@ -1,0 +1,48 @@
+"""How RARS moves when it is told: the speed at its ramp, the rack at its top rate, turning as steered."""
+
+import math
+from typing import Final
+
+from firmware_bridge.motion import davis
+from firmware_bridge.motion.model import Moving, arc
+from firmware_bridge.robot import Robot
+from firmware_bridge.robots.rars.body import STEERING, ramp_of
+from firmware_bridge.robots.rars.geometry import Geometry
+from firmware_bridge.units import RPM_PER_RAD_S, from_seconds
+
+STANDS_MPS: Final = 0.02
+"""Below this speed a yaw rate tells no steering angle."""
+
+
+class RarsModel:
+    """A `firmware_bridge.motion.model.Model`."""
+
+    def __init__(self, robot: Robot[Geometry]) -> None:
+        steering = robot.axis(STEERING)
+        self._base: Final = robot.geometry.base
+        self._ramp: Final = ramp_of(robot)
+        self._rack_rad_s: Final = steering.epos2.profile.velocity_rpm / RPM_PER_RAD_S / steering.ratio
+        self.tightest_per_m: float = 1.0 / robot.geometry.limits.turn_radius_m
+
+    def step(self, moving: Moving, speed_mps: float, yaw_rate_rad_s: float, seconds: float) -> Moving:
+        """Return how it moves after some time of being told this."""
+        base, steer = self._base, self._steer(moving)
+        if abs(speed_mps) >= STANDS_MPS:
+            goal = davis.pinion_from_steer(base, davis.steer_from_curvature(base, yaw_rate_rad_s / speed_mps))
+            pinion, most = davis.pinion_from_steer(base, steer), self._rack_rad_s * seconds
+            steer = davis.steer_from_pinion(base, pinion + min(max(goal - pinion, -most), most))
+        bend = davis.curvature(base, steer)
+        speed = self._ramp.step(moving.speed_mps, speed_mps, bend, from_seconds(seconds))
+        turn = speed * bend
+        return Moving(arc(moving.pose, speed, turn, seconds), speed, turn, steer)
+
+    def _steer(self, moving: Moving) -> float:
+        if moving.steer_rad is not None:
+            return moving.steer_rad
+        if abs(moving.speed_mps) < STANDS_MPS:
+            return 0.0
+        bend = math.copysign(
+            min(abs(moving.yaw_rate_rad_s / moving.speed_mps), self.tightest_per_m),
+            moving.yaw_rate_rad_s * moving.speed_mps,
+        )
+        return davis.steer_from_curvature(self._base, bend)

@@ -1,0 +1,123 @@
+"""How bad a link is, each way, and the words for it, a row for each key: `delay=0.5,up.loss=0.02`."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+from firmware_bridge.robot.problems import near
+from firmware_bridge.units import SECOND, Nanoseconds, from_seconds
+
+UP: Final = "up"
+"""From the operator to the robot."""
+DOWN: Final = "down"
+WAYS: Final = (UP, DOWN)
+
+
+class ConditionsError(ValueError):
+    """Words that say no link; one line."""
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """One way of a link; the default carries everything at once."""
+
+    delay: Nanoseconds = 0
+    jitter: Nanoseconds = 0
+    """Up to so much more, evenly spread: packets may overtake one another."""
+    loss: float = 0.0
+    """Share of the packets that never arrive."""
+    burst: float = 0.0
+    """How many are lost in a row on average (Gilbert's model); 0: each by itself."""
+    duplicate: float = 0.0
+    """Share of the packets that arrive twice, each with its own jitter."""
+    bandwidth: float = 0.0
+    """bit/s of a serial line, ten bits a byte: packets queue; 0: no bound."""
+    queue: Nanoseconds = SECOND
+    """What would wait longer for its turn is lost. ASSUME: a radio's buffer of a second."""
+
+
+@dataclass(frozen=True, slots=True)
+class Conditions:
+    """Both ways."""
+
+    up: Way = Way()
+    down: Way = Way()
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One key: which field of a way it sets, and to what."""
+
+    field: str
+    tells: str
+    most: float
+    into: Callable[[float], Any] = float
+    halved: bool = False
+    """Said of both ways together, each has half of it."""
+    least: float = 0.0
+
+
+ROWS: Final = {
+    "delay": Row("delay", "s, there and back: half of it each way, or as up.delay and down.delay", 60.0,
+                 from_seconds, halved=True),
+    "jitter": Row("jitter", "s, up to so much more each way", 60.0, from_seconds),
+    "loss": Row("loss", "share that is lost each way", 1.0),
+    "burst": Row("burst", "so many lost in a row on average", 1000.0, least=1.0),
+    "duplicate": Row("duplicate", "share that comes twice", 1.0),
+    "bandwidth": Row("bandwidth", "bit/s, as a serial line", 1e9, least=300.0),
+    "queue": Row("queue", "s that a packet may wait for its turn", 60.0, from_seconds),
+}  # fmt: skip
+
+
+def conditions(text: str) -> Conditions:
+    """Read a link's words, `KEY=NUMBER` with commas between; one with `up.` or `down.` is of that way alone.
+
+    ConditionsError says what is wrong, and the near name.
+    """
+    ways = {way: Way() for way in WAYS}
+    said: set[str] = set()
+    for alone, part in sorted(_parts(text)):  # what is said of one way counts, whatever is said of both
+        key, sign, number = part.partition("=")
+        way, _, name = key.rpartition(".") if alone else ("", "", key)
+        row = ROWS.get(name)
+        if not sign or row is None or (alone and way not in ways):
+            raise ConditionsError(f"link: '{part}': {_expected(way, name, alone=alone, sign=bool(sign))}")
+        if key in said:
+            raise ConditionsError(f"link: '{part}': {key} is said twice")
+        said.add(key)
+        value = _number(part, number, row) / (2.0 if row.halved and not alone else 1.0)
+        for one in (way,) if alone else WAYS:
+            ways[one] = replace(ways[one], **{row.field: row.into(value)})
+    for name, read in ways.items():
+        most = read.burst / (read.burst + 1.0)
+        if read.burst and read.loss > most:
+            raise ConditionsError(f"link: bursts of {read.burst:g} {name} lose at most {most:.2f} of all")
+    return Conditions(**ways)
+
+
+def help_of_rows() -> str:
+    """Return the keys in one line, for people."""
+    return "; ".join(f"{key} ({row.tells})" for key, row in ROWS.items())
+
+
+def _parts(text: str) -> Iterator[tuple[bool, str]]:
+    for part in text.split(","):
+        yield "." in part.partition("=")[0], part.strip()
+
+
+def _expected(way: str, name: str, *, alone: bool, sign: bool) -> str:
+    if alone and way not in WAYS:
+        return f"there is no way '{way}'; {near(way, WAYS)}"
+    if name in ROWS and not sign:
+        return f"say {name}=NUMBER"
+    return f"there is no key '{name}'; {near(name, list(ROWS))}"
+
+
+def _number(part: str, text: str, row: Row) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        raise ConditionsError(f"link: '{part}': '{text}' is not a number") from None
+    if not row.least <= value <= row.most:
+        raise ConditionsError(f"link: '{part}': must be from {row.least:g} to {row.most:g}")
+    return value

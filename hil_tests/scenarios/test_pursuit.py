@@ -1,0 +1,154 @@
+"""A path follower over a slow link, through the whole chain: station, link, bridge, bus, drives, plant."""
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+import pytest
+
+from emulators.bench import mission as missions
+from emulators.bench.columns import Floats
+from emulators.bench.piloted import PilotedMission
+from emulators.bench.radial_error import radial_error
+from emulators.bench.rehearsal import rehearsal_of
+from emulators.rig import Rig
+from firmware_bridge.kinds import find
+from firmware_bridge.pilot.driver import Driver, Sight, Wish
+from firmware_bridge.pilot.link import Link
+from firmware_bridge.pilot.pursuit import critical_delay_s
+from firmware_bridge.pilot.station import Station
+from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
+
+ROBOT: Final = find("rars")
+REHEARSAL: Final = rehearsal_of(ROBOT)
+HOLD_S: Final = 0.025
+"""A wish that is held for 50 ms acts as one that is late by half of that."""
+SWING_S: Final = 2.9
+"""2 pi / (n sqrt(2 + 2 sqrt 2)), n = 1 1/s: one swing at the critical delay."""
+
+
+class Watched:
+    """A driver, and what he said and saw, each time he said something."""
+
+    def __init__(self, driver: Driver) -> None:
+        self._driver = driver
+        self._heading = 0.0
+        self.rows: list[tuple[float, float, float]] = []
+
+    def sees(self, sight: Sight) -> None:
+        self._heading = sight.moving.pose.heading_rad
+        self._driver.sees(sight)
+
+    def wish(self, link: Link, now: Nanoseconds, *, armed: bool) -> Wish:
+        wish = self._driver.wish(link, now, armed=armed)
+        self.rows.append((to_seconds(now), getattr(wish, "yaw_rate_rad_s", 0.0), self._heading))
+        return wish
+
+
+@dataclass(frozen=True)
+class Driven:
+    """What became of a run."""
+
+    swings: tuple[float, ...]
+    """Half of peak to peak of the distance to the path in each swing since it drove, m, by the plant."""
+    lag_s: float
+    """From what is said to what is seen of it, of the heading."""
+    radial_error_m: float | None
+    station: Station
+    error_m: float | None
+    trace: str
+    holds: tuple[str, ...]
+
+
+def drive(seconds: float, link: str, max_delay_s: float | None = None, **pilot: Any) -> Driven:
+    script = missions.find("pursuit", ROBOT, REHEARSAL).over(link, max_delay_s)
+    assert script.pilot is not None
+    row = script.pilot.model_copy(update=pilot)
+    robot = script.on(ROBOT)
+    operator = PilotedMission(robot, script.step, row)
+    watched = Watched(operator.follower)
+    station = Station(watched, (robot.operator.system_id, robot.operator.component_id))
+    operator.station = station  # type: ignore[misc] # with somebody who looks over the driver's shoulder
+    rig = Rig(robot, REHEARSAL, operator, link=script.conditions)
+    try:
+        rig.run(from_seconds(seconds))
+    finally:
+        rig.finish()
+    at, samples = rig.samples.seconds, rig.samples
+    began = at[np.flatnonzero(np.abs(samples.column("speed_mps")) > 0.01)[0]]
+    away = 5.0 - np.hypot(samples.column("x_m"), samples.column("y_m") - (5.0 - row.offset_m))
+    swings = [away[(at >= t) & (at < t + SWING_S)] for t in np.arange(began, seconds - SWING_S, SWING_S)]
+    predictor = operator.follower.predictor
+    return Driven(
+        tuple(float(np.ptp(part)) / 2.0 for part in swings),
+        _lag(np.array(watched.rows), began),
+        radial_error(samples, row.placed, 10.0),
+        station,
+        None if predictor is None else predictor.error_m,
+        rig.world.trace_sha256,
+        tuple(hold.name for hold in rig.holds),
+    )
+
+
+def _lag(rows: Floats, began: float) -> float:
+    """Return by how much the heading that is seen is behind the yaw rate that was said, summed up."""
+    at, said, seen = rows.T
+    part = (at > began + 2.0) & (at < began + 9.0)
+    grid = np.arange(0.0, at[-1], 0.005)
+    held = said[np.clip(np.searchsorted(at, grid, side="right") - 1, 0, len(at) - 1)]
+    summed = np.concatenate([[0.0], np.cumsum(held[:-1] * 0.005)])
+    residues = []
+    for lag in np.arange(0.0, 1.2, 0.005):
+        apart = np.interp(at[part] - lag, grid, summed) - np.unwrap(seen)[part]
+        straight = np.polyval(np.polyfit(at[part], apart, 1), at[part])
+        residues.append((float(((apart - straight) ** 2).mean()), float(lag)))
+    return min(residues)[1]
+
+
+def test_the_station_drives_over_the_link_and_both_sides_find_out_how_slow_it_is() -> None:
+    driven = drive(8.0, "up.delay=0.25,down.delay=0.15")
+    values = driven.station.shown.values
+    assert driven.swings[0] > 0.0
+    assert values["RTT"] == pytest.approx(0.4, abs=0.01)
+    assert values["AGE"] == pytest.approx(0.2, abs=0.06)
+    assert driven.station.link.round_trip(from_seconds(8.0)) == pytest.approx(from_seconds(0.4), abs=1e7)
+    assert "word too old" not in driven.holds
+    assert (
+        drive(2.0, "delay=0.1,jitter=0.05,loss=0.1").trace
+        == drive(2.0, "delay=0.1,jitter=0.05,loss=0.1").trace
+    )
+
+
+@pytest.mark.parametrize(
+    ("delay_s", "share", "settles"), [(0.36, 0.9, True), (0.42, 1.1, False)], ids=["below", "above"]
+)
+def test_from_10_mm_it_settles_below_the_critical_delay_and_swings_above(
+    delay_s: float, share: float, *, settles: bool
+) -> None:
+    driven = drive(45.0, f"delay={delay_s}")
+    assert (driven.lag_s + HOLD_S) / critical_delay_s(0.5, 0.5) == pytest.approx(share, abs=0.04)
+    if settles:
+        assert max(driven.swings[-3:]) < 0.002
+    else:
+        assert driven.swings[2] > 1.2 * driven.swings[1]
+        assert max(driven.swings[-3:]) > 0.2
+
+
+@pytest.mark.parametrize(
+    ("link", "max_delay_s", "reaction_s"),
+    [
+        ("delay=0.8", None, 0.0),
+        ("delay=0.8", None, 0.1),
+        ("up.delay=0.4,down.delay=0.4,jitter=0.05,loss=0.02,duplicate=0.02", 0.8, 0.0),
+    ],
+    ids=["0.8 s", "0.1 s that it does not know of", "a bad link"],
+)
+def test_with_the_predictor_it_does_not_swing(
+    link: str, max_delay_s: float | None, reaction_s: float
+) -> None:
+    driven = drive(40.0, link, max_delay_s, predictor=True, reaction_s=reaction_s)
+    assert max(driven.swings[-3:]) < 0.002
+    assert driven.radial_error_m is not None
+    assert driven.radial_error_m < 0.01
+    assert driven.error_m is not None
+    assert driven.error_m < 0.01

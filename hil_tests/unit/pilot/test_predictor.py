@@ -1,0 +1,91 @@
+import math
+
+import pytest
+
+from firmware_bridge.kinds import find
+from firmware_bridge.motion.model import Model, Moving, Unicycle
+from firmware_bridge.motion.pose import Pose
+from firmware_bridge.pilot.predictor import Predictor
+from firmware_bridge.robots.rars import KIND
+from firmware_bridge.robots.rars.model import RarsModel
+from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
+
+TICK = 50 * MILLISECOND
+
+
+def wish(count: int) -> tuple[float, float]:
+    """Return a drive that curves to and fro."""
+    return 0.4, 0.3 * math.sin(count / 10.0)
+
+
+def drive(model: Model, up: Nanoseconds, count: int) -> list[tuple[Nanoseconds, Moving]]:
+    """Return what a robot that obeys each word after `up` shows, each with when it was so."""
+    moving, shown = Moving(Pose()), []
+    for place in range(count):
+        late = place - up // TICK
+        speed, turn = wish(late) if late >= 0 else (0.0, 0.0)
+        shown.append((place * TICK, moving))
+        for _ in range(2):
+            moving = model.step(moving, speed, turn, 0.025)
+    return shown
+
+
+@pytest.mark.parametrize("model", [Unicycle(), RarsModel(find("rars"))], ids=["ideal", "rars"])
+@pytest.mark.parametrize(("up_s", "down_s"), [(0.0, 0.0), (0.4, 0.4), (0.2, 0.6), (0.8, 0.05)])
+def test_with_the_right_model_it_says_where_the_robot_will_be(
+    model: Model, up_s: float, down_s: float
+) -> None:
+    up, down = from_seconds(up_s), from_seconds(down_s)
+    trip = up + down
+    wrong = (up - down) // 2
+    shown = drive(model, up, 200)
+    predictor = Predictor(model)
+    for place in range(160):
+        now = place * TICK
+        # Half a round trip is not the way up, and the robot's clock is then mapped wrong by as much.
+        seen = (now - down) // TICK
+        if seen >= 0:
+            predictor.seen(shown[seen][0] - wrong, shown[seen][1])
+        said = predictor.at(now + trip // 2)
+        predictor.told(now, trip // 2, *wish(place))
+        true = shown[place + up // TICK][1].pose
+        if said is not None and place > 2 * trip // TICK:
+            assert math.dist((said.pose.x_m, said.pose.y_m), (true.x_m, true.y_m)) < 2e-3
+    if trip:
+        assert predictor.error_m is not None
+        assert predictor.error_m < 2e-3
+
+
+def test_its_error_is_told_where_the_robot_does_otherwise() -> None:
+    predictor = Predictor(Unicycle())
+    predictor.told(0, 0, 0.5, 0.0)
+    predictor.seen(0, Moving(Pose()))
+    for place in range(1, 9):
+        said = predictor.at(place * TICK)
+        assert said is not None
+        assert said.pose.x_m == pytest.approx(0.5 * place * 0.05)
+    predictor.seen(6 * TICK, Moving(Pose()))  # it stands
+    assert predictor.error_m == pytest.approx(0.15)
+
+
+def test_before_it_has_seen_anything_it_says_nothing_and_what_is_older_changes_nothing() -> None:
+    predictor = Predictor(Unicycle())
+    assert predictor.at(0) is None
+    predictor.seen(TICK, Moving(Pose(1.0)))
+    predictor.seen(0, Moving(Pose(7.0)))
+    said = predictor.at(TICK)
+    assert said is not None
+    assert said.pose == Pose(1.0)
+
+
+def test_rars_steers_no_faster_than_its_rack_and_speeds_up_at_its_ramp() -> None:
+    robot = find("rars")
+    model = RarsModel(robot)
+    moving = model.step(Moving(Pose(), 0.5, 0.0, 0.0), 0.5, 0.5, 0.05)
+    assert moving.steer_rad is not None
+    # 2500 rpm over 159: 1.646 rad/s at the pinion, which is 82 mrad in a cycle and 24.7 mm/s at the rack.
+    assert 0.035 < moving.steer_rad < 0.045
+    begins = model.step(Moving(Pose()), 0.5, 0.0, 0.05)
+    assert begins.speed_mps == pytest.approx(0.80 * 0.144 * 9.81 * 0.05)
+    assert model.tightest_per_m == pytest.approx(1.0 / 0.415)
+    assert KIND.model is RarsModel
