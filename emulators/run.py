@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, TypeAlias
+from typing import Final, TextIO, TypeAlias
 
 import numpy as np
 
@@ -14,10 +14,10 @@ from emulators.bench.operator import ScriptedOperator
 from emulators.bench.path_error import Followed, path_error
 from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.summary import Run, Summary, as_json, summarise
-from emulators.rig import Rig
+from emulators.rig import BRIDGE, Rig
 from emulators.wires.ends import Observer
 from firmware_bridge.packet import Packet
-from firmware_bridge.recording import candump_line, tlog_records
+from firmware_bridge.recording import Direction, candump_line, serial_line, tlog_records
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 
@@ -115,22 +115,35 @@ def followed(order: Order) -> list[Followed]:
 
 @contextmanager
 def _recorded(rig: Rig, folder: Path) -> Iterator[None]:
-    """Write what the wires carry while this is open: `can.log` and `operator.tlog`."""
+    """Write what the wires carry while this is open: `can.log`, `serial.log` and `operator.tlog`."""
     with (
         (folder / "can.log").open("w", encoding="ascii") as frames,
+        (folder / "serial.log").open("w", encoding="ascii") as chunks,
         (folder / "operator.tlog").open("wb") as words,
     ):
-
-        def note_frames(channel: str) -> Observer:
-            def note(now: Nanoseconds, _sender: str, packet: Packet) -> None:
-                frames.write(candump_line(now, packet, channel) + "\n")
-
-            return note
 
         def note_datagram(now: Nanoseconds, _sender: str, packet: Packet) -> None:
             words.write(tlog_records(now, packet.payload))
 
         for link, wire in rig.can_wires.items():
-            wire.observe(note_frames(link))
+            wire.observe(_frames_noted(frames, link))
+        for link, line in rig.lines.items():
+            line.wire.observe(_bytes_noted(chunks, link))
         rig.operator_wire.observe(note_datagram)
         yield
+
+
+def _frames_noted(frames: TextIO, channel: str) -> Observer:
+    def note(now: Nanoseconds, _sender: str, packet: Packet) -> None:
+        frames.write(candump_line(now, packet, channel) + "\n")
+
+    return note
+
+
+def _bytes_noted(chunks: TextIO, link: str) -> Observer:
+    def note(now: Nanoseconds, sender: str, packet: Packet) -> None:
+        if packet.payload:
+            direction = Direction.SENT if sender == BRIDGE else Direction.HEARD
+            chunks.write(serial_line(now, link, direction, packet.payload) + "\n")
+
+    return note
