@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final, TextIO, TypeAlias
 
@@ -13,7 +13,8 @@ from emulators.bench.mission import Mission
 from emulators.bench.operator import ScriptedOperator
 from emulators.bench.path_error import Followed, path_error
 from emulators.bench.rehearsal import Rehearsal
-from emulators.bench.summary import Run, Summary, as_json, summarise
+from emulators.bench.summary import LineRun, Run, Summary, as_json, summarise
+from emulators.line import AnyLine
 from emulators.rig import BRIDGE, Rig
 from emulators.wires.ends import Observer
 from firmware_bridge.packet import Packet
@@ -85,7 +86,7 @@ def drive(order: Order, progress: Progress) -> Summary:
         trace_sha256=rig.world.trace_sha256,
         links_sha256=rig.world.links_sha256,
         guard_refusals=rig.guard.refused,
-        lines=tuple(line.carried(order.robot, order.duration) for line in rig.lines.values()),
+        lines=tuple(_carried(rig, order, link, line) for link, line in rig.lines.items()),
     )
     axes = [axis.name for axis in order.robot.axes]
     faults = rig.faults.records
@@ -101,6 +102,14 @@ def drive(order: Order, progress: Progress) -> Summary:
         order.folder, title, order.robot, order.rehearsal.panels, rig.samples, holds=rig.holds, faults=faults
     )
     return summary
+
+
+def _carried(rig: Rig, order: Order, link: str, line: AnyLine) -> LineRun:
+    """Return what a line has carried, and a board behind it to its shield."""
+    carried, board = line.carried(order.robot, order.duration), rig.devices.boards.get(link)
+    if board is None:
+        return carried
+    return replace(carried, i2c_percent=round(100.0 * board.mega.bus.busy / order.duration, 3))
 
 
 def followed(order: Order) -> list[Followed]:

@@ -93,6 +93,12 @@ def test_the_line_to_a_board_is_recorded_as_the_bridge_speaks_and_hears(tmp_path
     assert told[at - 2 : at] == ["T 62 0D", "R 35 37 36 30 30 0D 0A"]
     assert bytes.fromhex(told[at + 1][2:]) == b"OK\r\n"
     assert (tmp_path / "rome/can.log").read_bytes() == b""
+    (line,) = json.loads((tmp_path / "rome/summary.json").read_text())["lines"]
+    carried = sum(len(words) - 1 for words in map(str.split, told))
+    assert 0 <= line["bytes"] - carried < 32  # a chunk is on its way at the end
+    assert 0.0 < line["busy_percent"] < 80.0
+    # At least the shield's set-up, of 21 writes of 0.5 ms, and motion in half a second of cycles.
+    assert 0.5 < line["i2c_percent"] < 50.0
 
 
 def test_the_operators_link_is_recorded_message_by_message(results: Path) -> None:

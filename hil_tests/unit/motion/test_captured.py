@@ -157,10 +157,11 @@ def test_carried_elsewhere_it_is_refused_until_somebody_says_so() -> None:
     captured.begin_anew()
     captured.step(rolled(219 * CYCLE), 219 * CYCLE, None)
     assert captured.located.source is Source.UNSEEN
-    for cycle in range(220, 220 + AGREE):
-        assert captured.located.source is Source.UNSEEN
-        captured.step(rolled(219 * CYCLE), cycle * CYCLE, elsewhere(cycle * CYCLE))
-    assert captured.located.source is Source.CAPTURED
+    sources = [
+        captured.step(rolled(219 * CYCLE), cycle * CYCLE, elsewhere(cycle * CYCLE)).source
+        for cycle in range(220, 220 + AGREE)
+    ]
+    assert sources == [*(AGREE - 1) * [Source.UNSEEN], Source.CAPTURED]
     assert captured.located.pose == Pose(10.0, 10.0, 0.0)
 
 
