@@ -79,8 +79,9 @@ class BoardOptions:
         list[str] | None,
         typer.Option(
             metavar="NAME[@FROM[-TO]]",
-            help="What is wrong, from and to a time in s; again for each: current-limit, over-temperature, hangs, "
-            "brown-out, unpowered, cable-1 to cable-4, blocked-1 to blocked-4, encoder-1 to encoder-3.",
+            help="What is wrong, from and to a time in s; again for each: current-limit, over-temperature, "
+            "hangs, brown-out, unpowered, cable-1 to cable-4, blocked-1 to blocked-4, "
+            "encoder-1 to encoder-3.",
             show_default=False,
         ),
     ] = None
