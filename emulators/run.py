@@ -3,9 +3,9 @@
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final, TypeAlias
+from typing import Final, TextIO, TypeAlias
 
 import numpy as np
 
@@ -16,12 +16,13 @@ from emulators.bench.path_error import Followed, path_error
 from emulators.bench.piloted import PilotedMission
 from emulators.bench.radial_error import radial_error
 from emulators.bench.rehearsal import Rehearsal
-from emulators.bench.summary import Run, Summary, as_json, summarise
-from emulators.rig import Rig
+from emulators.bench.summary import LineRun, Run, Summary, as_json, summarise
+from emulators.line import AnyLine
+from emulators.rig import BRIDGE, Rig
 from emulators.wires.ends import Observer
 from firmware_bridge.node import Node
 from firmware_bridge.packet import Packet
-from firmware_bridge.recording import candump_line, tlog_records
+from firmware_bridge.recording import Direction, candump_line, serial_line, tlog_records
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 
@@ -88,7 +89,7 @@ def drive(order: Order, progress: Progress) -> Summary:
         trace_sha256=rig.world.trace_sha256,
         links_sha256=rig.world.links_sha256,
         guard_refusals=rig.guard.refused,
-        lines=tuple(line.carried(order.robot, order.duration) for line in rig.lines.values()),
+        lines=tuple(_carried(rig, order, link, line) for link, line in rig.lines.items()),
     )
     axes = [axis.name for axis in order.robot.axes]
     faults = rig.faults.records
@@ -123,6 +124,14 @@ def swings(order: Order, samples: Samples) -> float | None:
     return radial_error(samples, mission.pilot.placed, mission.settled_after_s)
 
 
+def _carried(rig: Rig, order: Order, link: str, line: AnyLine) -> LineRun:
+    """Return what a line has carried, and a board behind it to its shield."""
+    carried, board = line.carried(order.robot, order.duration), rig.devices.boards.get(link)
+    if board is None:
+        return carried
+    return replace(carried, i2c_percent=round(100.0 * board.mega.bus.busy / order.duration, 3))
+
+
 def followed(order: Order) -> list[Followed]:
     """Return which paths a mission has guides follow, and from when on."""
     paths = order.rehearsal.paths
@@ -135,22 +144,35 @@ def followed(order: Order) -> list[Followed]:
 
 @contextmanager
 def _recorded(rig: Rig, folder: Path) -> Iterator[None]:
-    """Write what the wires carry while this is open: `can.log` and `operator.tlog`."""
+    """Write what the wires carry while this is open: `can.log`, `serial.log` and `operator.tlog`."""
     with (
         (folder / "can.log").open("w", encoding="ascii") as frames,
+        (folder / "serial.log").open("w", encoding="ascii") as chunks,
         (folder / "operator.tlog").open("wb") as words,
     ):
-
-        def note_frames(channel: str) -> Observer:
-            def note(now: Nanoseconds, _sender: str, packet: Packet) -> None:
-                frames.write(candump_line(now, packet, channel) + "\n")
-
-            return note
 
         def note_datagram(now: Nanoseconds, _sender: str, packet: Packet) -> None:
             words.write(tlog_records(now, packet.payload))
 
         for link, wire in rig.can_wires.items():
-            wire.observe(note_frames(link))
+            wire.observe(_frames_noted(frames, link))
+        for link, line in rig.lines.items():
+            line.wire.observe(_bytes_noted(chunks, link))
         rig.operator_wire.observe(note_datagram)
         yield
+
+
+def _frames_noted(frames: TextIO, channel: str) -> Observer:
+    def note(now: Nanoseconds, _sender: str, packet: Packet) -> None:
+        frames.write(candump_line(now, packet, channel) + "\n")
+
+    return note
+
+
+def _bytes_noted(chunks: TextIO, link: str) -> Observer:
+    def note(now: Nanoseconds, sender: str, packet: Packet) -> None:
+        if packet.payload:
+            direction = Direction.SENT if sender == BRIDGE else Direction.HEARD
+            chunks.write(serial_line(now, link, direction, packet.payload) + "\n")
+
+    return note

@@ -99,6 +99,15 @@ def candump_line(at: Nanoseconds, packet: Packet, channel: str = "vcan0", epoch:
     return f"({seconds:010d}.{rest // MICROSECOND:06d}) {channel} {candump_frame(packet)}"
 
 
+def serial_line(
+    at: Nanoseconds, link: str, direction: Direction, payload: bytes, epoch: Nanoseconds = EPOCH
+) -> str:
+    """Return bytes on a serial line as a log's line, without its end: instant, link, R or T, hexadecimal."""
+    seconds, rest = divmod(epoch + at, SECOND)
+    mark = "R" if direction is Direction.HEARD else "T"
+    return f"({seconds:010d}.{rest // MICROSECOND:06d}) {link} {mark} {payload.hex(' ').upper()}"
+
+
 def parse_candump(line: str, epoch: Nanoseconds = EPOCH) -> tuple[Nanoseconds, str, Packet]:
     """Return instant, channel and frame of a line of candump's log; RecordingError for any other line."""
     match = _CANDUMP.fullmatch(line)

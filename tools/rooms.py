@@ -46,7 +46,7 @@ ROOMS: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("drivers/capture/*", ("unit/capture_driver/*",)),
     ("drivers/commissioning/*", ("unit/commissioning/*",)),
     ("drivers/epos2/serial/*", ("unit/serial_drive/*", "unit/drivers/*")),
-    ("drivers/shield/*", ("unit/shield/*",)),
+    ("drivers/shield/*", ("unit/shield/*", "failures/test_boards")),
     ("drivers/*stop*", ("unit/bridge/*", "unit/drivers/*")),
     ("drivers/*", ("unit/drivers/*", "unit/serial_drive/*")),
     ("motion/*", ("unit/motion/*",)),

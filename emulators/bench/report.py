@@ -63,6 +63,8 @@ def _numbers(summary: Summary, remarks: Mapping[str, str]) -> Iterator[tuple[str
         yield "line busy", f"{line.busy_percent:.1f}", "%", ""
         late = f"cycle {line.cycle_ms:g} ms; {line.late_cycles} late"
         yield "longest cycle on the line", f"{line.longest_cycle_ms:.1f}", "ms", late
+        if line.i2c_percent is not None:
+            yield "I2C busy", f"{line.i2c_percent:.1f}", "%", "between the board and its shield"
     if summary.guard_refusals:
         yield "refusals of the guard", f"{summary.guard_refusals}", "", "a safe word left in each one's place"
     yield "trace", summary.trace_sha256[:TRACE_DIGITS], "", "the same run gives the same trace"

@@ -35,6 +35,8 @@ class LineRun:
     """From the begin of a cycle to the end of its last command; above `cycle_ms` a cycle was late."""
     late_cycles: int
     """Cycles that began before the samples of the one before were in."""
+    i2c_percent: float | None = None
+    """Share of the time in which a board's own bus to its shield was busy; None where no board is."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -40,8 +40,8 @@ EXAMPLES: Final = """Examples:
 class BenchOptions:
     """Drive a mission in virtual time: bridge, bus, drives and plant, all in this process.
 
-    Leaves `summary.json`, `samples.csv`, `can.log` (candump's format), `operator.tlog` and plots in the
-    results' folder.
+    Leaves `summary.json`, `samples.csv`, `can.log` (as candump), `serial.log`, `operator.tlog` and plots
+    in the results' folder.
     """
 
     robot: RobotArgument

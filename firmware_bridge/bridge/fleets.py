@@ -40,6 +40,11 @@ class Fleets:
         return tuple(failure for fleet in self.all for failure in fleet.failures)
 
     @property
+    def remarks(self) -> tuple[str, ...]:
+        """What the links' start has shown that whoever drives must know."""
+        return tuple(fleet.link.remark for fleet in self.all if fleet.link.remark)
+
+    @property
     def late(self) -> int:
         """Cycles that began before the samples of the one before were in."""
         return sum(fleet.link.late for fleet in self.all)

@@ -116,6 +116,8 @@ class Narrated:
         if bridge.phase is not self._phase:
             self._phase = bridge.phase
             self._say(self._phase.value, now)
+            for remark in bridge.fleets.remarks if self._phase is Phase.RUNNING else ():
+                self._say(remark, now)
             if self._phase is Phase.FINISHED and bridge.unconfirmed:
                 self._say(_unconfirmed(bridge), now)
         self._keep(now)

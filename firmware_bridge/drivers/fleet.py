@@ -34,6 +34,9 @@ class Link(Protocol):
     listens_for: Nanoseconds
     """How long a starting bridge listens for another master before it sends; 0 where none is heard."""
 
+    remark: str
+    """What its start has shown that whoever drives must know, in words; empty where there is nothing."""
+
     late: int
     """Cycles that began before the samples of the one before were in."""
 

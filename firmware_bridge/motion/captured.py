@@ -3,7 +3,9 @@
 A captured pose is believed where odometry expects the robot, and what odometry has rolled since that instant
 is put upon it; so the delay of the cameras is no error, and a robot that is hidden goes on by odometry alone.
 How far that may be wrong grows with what was rolled; beyond a bound the robot is lost, and must stop. A pose
-elsewhere than expected is refused: markers that were taken for others. It knows no camera and no wheel.
+elsewhere than expected is refused: markers that were taken for others. The first of all has nothing to be
+expected by, and is believed when those after it agree; who is shown wrongly all the time is believed wrongly.
+It knows no camera and no wheel.
 """
 
 import math
@@ -18,6 +20,9 @@ from firmware_bridge.value import valueclass
 
 REMEMBERED: Final[Nanoseconds] = SECOND
 """A captured pose older than this is put upon nothing any more, and refused."""
+
+AGREE: Final = 3
+"""A first pose is believed when so many in a row agree: a single one may be of markers taken for others."""
 
 
 class Source(StrEnum):
@@ -100,6 +105,10 @@ class Captured:
         """What odometry said, oldest first."""
         self._anchor: tuple[Pose, Pose] | None = None
         """The pose that was believed last, and what odometry said at that instant."""
+        self._first: tuple[Pose, Pose] | None = None
+        """The same of a pose that is not believed yet: as long as there is no other."""
+        self._agreed = 0
+        """Captured poses in a row that show the robot where that one, carried on, has it."""
         self._believed_at: Nanoseconds = 0
         self._newest_at: Nanoseconds = -1
         """What the newest captured pose showed."""
@@ -111,11 +120,11 @@ class Captured:
         self.located = Located(Pose(), Source.UNSEEN, 0.0, 0.0, 0.0, 0)
 
     def begin_anew(self) -> None:
-        """Forget where it was: the next captured pose is believed, wherever it is.
+        """Forget where it was: captured poses are believed, wherever they are, once some agree.
 
         For somebody who has looked: a robot that was carried elsewhere is refused for ever without it.
         """
-        self._anchor = None
+        self._anchor = self._first = None
         self._slip = (0.0, 0.0)
         self.located = replace(self.located, source=Source.UNSEEN, uncertain_m=0.0, slip_mps=0.0)
 
@@ -170,12 +179,29 @@ class Captured:
         if not all(map(math.isfinite, (sight.pose.x_m, sight.pose.y_m, heading))):
             self._refuse(off_m, off_rad)
             return
-        self._anchor = (Pose(sight.pose.x_m, sight.pose.y_m, heading), then)
+        seen = Pose(sight.pose.x_m, sight.pose.y_m, heading), then
+        if self._anchor is None and not self._agrees(*seen):
+            return
+        self._anchor = seen
         self._believed_at = sight.at
         self._way_m = self._turn_rad = 0.0
         self.located = replace(
             located, off_m=off_m, off_rad=off_rad, refused=0, slip_mps=math.hypot(*self._slip)
         )
+
+    def _agrees(self, pose: Pose, then: Pose) -> bool:
+        """Return whether enough poses in a row, odometry put upon them, have shown the robot here."""
+        bounds, first = self._bounds, self._first
+        self._first = pose, then
+        if first is None:
+            self._agreed = 1
+            return False
+        expected = _carried(*first, then)
+        off_m = math.hypot(pose.x_m - expected.x_m, pose.y_m - expected.y_m)
+        off_rad = math.remainder(pose.heading_rad - expected.heading_rad, math.tau)
+        near = off_m <= bounds.jump_m and abs(off_rad) <= bounds.jump_rad
+        self._agreed = self._agreed + 1 if near else 1
+        return self._agreed >= AGREE
 
     def _refuse(self, off_m: float, off_rad: float) -> None:
         refused = self.located.refused + 1

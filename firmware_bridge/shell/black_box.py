@@ -20,7 +20,7 @@ from types import TracebackType
 from typing import BinaryIO, Final, Self, TypeAlias
 
 from firmware_bridge.packet import Packet
-from firmware_bridge.recording import Direction, candump_line, tlog_records
+from firmware_bridge.recording import Direction, candump_line, serial_line, tlog_records
 from firmware_bridge.units import MICROSECOND, SECOND, Nanoseconds
 
 CAN_LOG: Final = "can.log"
@@ -31,7 +31,6 @@ MOST: Final = 100_000
 """So many packets at most wait for the disk: some ten seconds of a bus of 1 Mbit/s that is never idle."""
 EVERY_S: Final = 0.2
 END_WITHIN_S: Final = 5.0
-_MARK: Final = {Direction.HEARD: "R", Direction.SENT: "T"}
 
 Written: TypeAlias = tuple[str, bytes]
 """A file's name, and what is added to it."""
@@ -147,9 +146,8 @@ class BlackBox:
         if name == CAN_LOG:
             return [(name, f"{candump_line(now, packet, packet.link, epoch)}\n".encode())]
         if name == SERIAL_LOG and packet.payload:
-            mark = _MARK[direction]
-            line = f"{_instant(epoch + now)} {packet.link} {mark} {packet.payload.hex(' ').upper()}\n"
-            return [(name, line.encode())]
+            line = serial_line(now, packet.link, direction, packet.payload, epoch)
+            return [(name, f"{line}\n".encode())]
         return []
 
     def _new_texts(self, datagram: bytes) -> Iterator[str]:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emulators.rig import Rig
-from hil_tests.scenarios.test_rome_stories import driven
+from hil_tests.scenarios.rome_ride import driven
 
 Vector = NDArray[np.float64]
 R, L, GEAR, COUNTS = 0.05, 0.16, 64.0, 3072

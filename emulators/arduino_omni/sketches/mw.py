@@ -27,7 +27,6 @@ from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire.arduino import mw
 from firmware_bridge.wire.arduino import mw_messages as messages
 
-BANNER: Final = b"MWProtocol"
 VERSION: Final = (17, 1)
 BOARD: Final = b"Mega2560"
 FREE_RAM: Final = 5_000
@@ -84,7 +83,7 @@ class MwSketch:
 
     def setup(self) -> None:
         """Say who is there."""
-        self._mega.do(Say(BANNER))
+        self._mega.do(Say(mw.BANNER))
 
     def due(self, now: Nanoseconds) -> Nanoseconds:
         """Return when the next byte of a frame is late."""

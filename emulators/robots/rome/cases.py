@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import TypeAlias
 
 from emulators.bench import cases as bench
+from firmware_bridge.drivers.shield.fleet import over_protocol
 from firmware_bridge.kinds import find
 from firmware_bridge.motion.captured import Located, Source
 from firmware_bridge.motion.pose import Pose
@@ -68,6 +69,14 @@ def _lost() -> Iterator[Case]:
         ),
     ):
         yield Case("pose lost", trips=Situation(wish=guided, located=trips), spares=spares, reason=reason)
+    # By hand, too, where only the cameras tell what a wheel does.
+    yield Case(
+        "pose lost",
+        trips=Situation(located=lost),
+        spares=Situation(located=seen),
+        reason=off + "do not see it",
+        robot=over_protocol(find("rome+cameras"), "mw"),
+    )
     # Whoever drives it, and by its own robot file: one without cameras has no bound of slip.
     under_cameras = find("rome+cameras")
     bound = under_cameras.located_by[1].slip_mps if under_cameras.located_by else math.nan

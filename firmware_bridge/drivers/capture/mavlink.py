@@ -19,6 +19,7 @@ class MavlinkPoses:
         self.name = name
         self.answers_within: Nanoseconds = 0
         self.beat_every: Nanoseconds = SECOND
+        self.remark = ""
         self.listens_for: Nanoseconds = 0
         self.late = 0
         self.lost: str | None = None

@@ -42,6 +42,7 @@ class NatNetLink:
         self.answers_within: Nanoseconds = 0
         """No cycle waits for the cameras."""
         self.beat_every = ALIVE_EVERY
+        self.remark = ""
         self.listens_for: Nanoseconds = 0
         self.late = 0
         self.lost: str | None = None

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Final
 
 from firmware_bridge.drivers.driver import STOPPING, Stop, Task
-from firmware_bridge.drivers.shield.booting import Booting
+from firmware_bridge.drivers.shield.booting import FOUND_EVERY, QUIET, Booting
 from firmware_bridge.drivers.shield.dialects import Dialect, Numbers, Say
 from firmware_bridge.drivers.shield.expressed import expressed
 from firmware_bridge.drivers.shield.motor import ShieldMotor
@@ -22,10 +22,6 @@ from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 
 LOST: Final = "the serial line to the board is gone"
 TRIES: Final = 3
-FOUND_EVERY: Final[Nanoseconds] = 250 * MILLISECOND
-"""How long a board that may be booting is waited for, before it is asked again."""
-QUIET: Final[Nanoseconds] = 60 * MILLISECOND
-"""A board that has been found answers first what it was asked while it booted; then it is set up."""
 BEATS: Final[Nanoseconds] = 1_000 * MILLISECOND
 """No firmware watches for one; what keeps a board from stopping is each speed that it is told."""
 RESTORING: Final = (Task.IDENTIFY, Task.CONFIGURE)
@@ -40,6 +36,7 @@ class Board:
         self.name = name
         self.answers_within = answers_within
         self.beat_every = BEATS
+        self.remark = ""
         self.listens_for: Nanoseconds = 0
         self.late = 0
         self.longest_cycle: Nanoseconds = 0
@@ -47,7 +44,6 @@ class Board:
         self.commands = 0
         """Commands so far."""
         self.busy: Nanoseconds = 0
-        """How long questions have been under way so far."""
         self.motors: tuple[ShieldMotor, ...] = ()
         self.clock: Nanoseconds = 0
         self.under_way: tuple[Task, ...] = ()
@@ -57,7 +53,7 @@ class Board:
         self._reader = dialect.reader()
         self._silent_after: Final = table.silent_ms * MILLISECOND
         self._patience: Final = table.answers_within_ms * MILLISECOND
-        self._booting: Final = Booting(name, table)
+        self._booting: Final = Booting(name, table, dialect.begins)
         self._gone = self._dirty = self._set_up_once = False
         self._heard_at: Nanoseconds = NEVER_HEARD
         self._question: Say | None = None
@@ -175,6 +171,8 @@ class Board:
             self._gone = False
             self._booting.begun(now)
         else:
+            if not self.configured:
+                self._booting.hears(packet.payload)
             for answer in self._reader.hear(packet.payload):
                 question = self._question
                 numbers = None if question is None or question.reads is None else question.reads(answer)
@@ -320,10 +318,11 @@ class Board:
         if not self.under_way:
             return ()
         task, self._misses = self.under_way[0], 0
-        pulse: tuple[Packet, ...] = ()
-        if task is Task.RESET:
-            task, self.under_way = Task.FIND, (*FOUND, *self.under_way[1:])
-            pulse, self._restores = self._booting.pulse(self.clock), True
+        if reset := task is Task.RESET:
+            task, self.under_way, self._restores = Task.FIND, (*FOUND, *self.under_way[1:]), True
+        # A board that does not stop by itself has nothing but its reset when it hangs: it is tried at once.
+        untried = task is Task.FIND and not self._set_up_once and not self._dialect.on_board
+        pulse = self._booting.pulse(self.clock) if reset or untried else ()
         opens = self._scripts.get(task)
         script = iter(()) if opens is None else opens()
         if script is not None:
@@ -369,6 +368,7 @@ class Board:
         if done is Task.CONFIGURE:
             self.configured = self._set_up_once = True
             self._restores = False
+            self.remark = self._booting.released(self.clock)
             for motor in self.motors:
                 motor.begin_anew()
             self._note_released(self.motors)

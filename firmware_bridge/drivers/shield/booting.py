@@ -9,20 +9,36 @@ from typing import Final
 from firmware_bridge.node import DTR_DOWN, DTR_UP
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot.settings.shield import ShieldLink
-from firmware_bridge.units import MILLISECOND, Nanoseconds
+from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
+
+FOUND_EVERY: Final[Nanoseconds] = 250 * MILLISECOND
+"""How long a board that may be booting is waited for, before it is asked again."""
+QUIET: Final[Nanoseconds] = 60 * MILLISECOND
+"""A board that has been found answers first what it was asked while it booted; then it is set up."""
+KEPT: Final = 64
+"""Bytes that are looked through for what a firmware says by itself."""
 
 
 class Booting:
     """Of one board on the link of this name."""
 
-    def __init__(self, name: str, table: ShieldLink) -> None:
+    def __init__(self, name: str, table: ShieldLink, begins: bytes) -> None:
+        """`begins` is what its firmware says when it has begun anew."""
         self._name: Final = name
         self._boots: Final = table.boots * MILLISECOND
         self._within: Final = table.boots_within_ms * MILLISECOND
+        self._shown = False
+        """Whether it has said that it began anew."""
         self.speaks_at: Nanoseconds = 0
         """Before this nothing is said."""
         self.seeks_at: Nanoseconds = 0
         """When a board that is lost is reset, whoever asks for it."""
+        self._begins: Final = begins
+        self._pulsed_at: Nanoseconds | None = None
+        self._heard = b""
+        """Since the last reset, as long as it is not set up."""
+        self._answers_after: Nanoseconds | None = None
+        """From the first reset of the bridge's until its motors were released."""
         self.found_until: Nanoseconds = 0
         """When a board that is looked for must have answered."""
 
@@ -33,7 +49,33 @@ class Booting:
     def pulse(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Return what resets it."""
         self.begun(now)
+        self._pulsed_at, self._heard, self._shown = now, b"", False
         return Packet(self._name, DTR_DOWN, b""), Packet(self._name, DTR_UP, b"")
+
+    def hears(self, data: bytes) -> None:
+        """Take what it says while it is not set up."""
+        self._heard = self._heard[-KEPT:] + data
+        self._shown = self._shown or (bool(self._begins) and self._begins in self._heard)
+
+    def released(self, now: Nanoseconds) -> str:
+        """Learn that it has been set up, which begins by releasing its motors.
+
+        Return what its start has shown of its reset, in words; empty where that was not tried.
+        """
+        if self._answers_after is None and self._pulsed_at is not None:
+            self._answers_after = now - self._pulsed_at
+        if self._answers_after is None:
+            return ""
+        seconds = f"{to_seconds(self._answers_after):.1f} s"
+        if self._shown:
+            return (
+                f"{self._name}: the line's reset works: the board has begun anew, and released its motors, "
+                f"within {seconds}; where it hangs they run on for so long once that is noticed"
+            )
+        return (
+            f"{self._name}: nothing shows that the line's reset works: the board answered {seconds} later, "
+            "and did not say that it has begun anew; where it hangs its motors may run on: keep a switch near"
+        )
 
     def looked_for(self, now: Nanoseconds) -> None:
         """Learn that it is looked for from now on."""

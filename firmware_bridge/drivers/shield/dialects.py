@@ -52,6 +52,8 @@ class Dialect(ABC):
     """Whether the loop of speeds is on the board: `drive` takes ticks a frame, else PWM of 255."""
     bits = 32
     """Of its counters."""
+    begins = b""
+    """What the firmware says by itself when it has begun anew, and else never; empty: nothing."""
 
     def __init__(self, link: ShieldLink, motors: Sequence[ShieldAxis]) -> None:
         self.link: Final = link
@@ -184,6 +186,8 @@ def _way(pwm: int, before: int) -> int:
 class Mw(Dialect):
     """MWProtocol with motor shield and rotary encoders."""
 
+    begins = mw.BANNER
+
     def __init__(self, link: ShieldLink, motors: Sequence[ShieldAxis]) -> None:
         super().__init__(link, motors)
         self._libraries: tuple[str, ...] = mw.LIBRARIES
@@ -246,6 +250,8 @@ class Mw(Dialect):
 
 class Firmata(Dialect):
     """ConfigurableFirmata: the shield's chip by I2C, two encoders."""
+
+    begins = bytes((firmata.VERSION,))
 
     def reader(self) -> firmata.Parser:
         """Return what finds messages."""

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import Final, TypeAlias
 
 from firmware_bridge.motion.omni import Twist, rims, shortened
+from firmware_bridge.robot import Robot
 from firmware_bridge.robots.rome.body import ramp_of, with_twist
 from firmware_bridge.robots.rome.geometry import Geometry
 from firmware_bridge.robots.rome.motion import Motion, State
@@ -32,9 +33,18 @@ def _turns_too_fast(view: View) -> str | None:
 
 
 def _pose_lost(view: View) -> str | None:
-    """Judge where a guide needs the pose; an operator sees himself where the base is."""
+    """Judge where a guide needs the pose, or a wheel whose encoder nobody reads.
+
+    An operator sees himself where the base is, but not that such a wheel slips or stands.
+    """
     located = view.seen.located
-    return None if located is None or view.seen.wish.path_s is None else located.reason
+    if located is None or located.reason is None:
+        return None
+    return located.reason if view.seen.wish.path_s is not None or _uncounted(view.robot) else None
+
+
+def _uncounted(robot: Robot[Geometry]) -> bool:
+    return any(axis.shield.port > robot.shield_link(axis.link).counted for axis in robot.axes)
 
 
 def _slips(view: View) -> str | None:

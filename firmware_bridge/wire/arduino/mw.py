@@ -14,6 +14,8 @@ from firmware_bridge.wire.arduino import mw_messages as messages
 
 BAUD: Final = 115_200
 """Of a Mega; the host's build defines it."""
+BANNER: Final = b"MWProtocol"
+"""What a board says when it has begun."""
 HOST_START: Final = 0x5A
 BOARD_START: Final = 0xA5
 ANSWER: Final = 0x00

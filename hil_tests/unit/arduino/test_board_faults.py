@@ -111,6 +111,26 @@ def test_a_cable_that_is_off_for_a_while_leaves_its_motor_alone() -> None:
     assert it.board.motors.speeds[1] == pytest.approx(it.board.motors.speeds[0], rel=1e-3)
 
 
+def test_a_shaft_that_is_blocked_for_a_while_stands_and_draws_a_stalls_current() -> None:
+    it = Host("blocked-2@3-4")
+    it.ask(b"o 100 100 0\r", 1.2)
+    assert it.board.motors.speeds[1] == 0.0
+    assert it.board.motors.currents[1] > 1.5
+    assert it.board.motors.speeds[0] > 10
+    it.run(4.0)
+    assert it.board.motors.speeds[1] == pytest.approx(it.board.motors.speeds[0], rel=1e-3)
+
+
+def test_a_firmware_that_hangs_runs_on_and_says_nothing_until_it_is_reset() -> None:
+    it = Host("hangs@3-4")
+    it.ask(b"o 100 0 0\r", 1.2)
+    speed = it.board.motors.speeds[0]
+    assert it.ask(b"m 0 0 0\r", 0.6) == b""
+    assert it.board.motors.speeds[0] == pytest.approx(speed, rel=0.02)
+    it.run(3.5)
+    assert it.ask(b"b\r") == b"57600\r\n"
+
+
 def test_a_dead_encoder_stands_on_counter_and_pins_while_its_shaft_turns() -> None:
     it = Host("encoder-1@3-4")
     it.ask(b"o 100 100 0\r", 1.1)

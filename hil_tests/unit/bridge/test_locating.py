@@ -3,7 +3,7 @@
 from firmware_bridge.bridge.locating import Locating
 from firmware_bridge.drivers.driver import Reading, SeenPose
 from firmware_bridge.kinds import find
-from firmware_bridge.motion.captured import Source
+from firmware_bridge.motion.captured import AGREE, Source
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
@@ -13,6 +13,12 @@ CYCLE = 50 * MILLISECOND
 def shown(x: float, y: float, at: Nanoseconds) -> dict[str, Reading]:
     """What the cameras tell of a robot that looks along x there."""
     return {"place": Reading(0.0, at, at, SeenPose((x, y, 0.1), (0.0, 0.0, 0.0, 1.0), 0.0, 0))}
+
+
+def see(locating: Locating, x: float, y: float, begin: Nanoseconds) -> None:
+    """Have the cameras see it there, as often as a first pose needs."""
+    for at in range(begin, begin + AGREE):
+        locating.rolled(Pose(), at, shown(x, y, at))
 
 
 def source(locating: Locating) -> Source | None:
@@ -34,8 +40,8 @@ def test_with_cameras_it_is_theirs_carried_on_by_what_is_rolled() -> None:
     locating = Locating(find("rome+cameras"))
     locating.rolled(Pose(), 0, {})
     assert source(locating) is Source.UNSEEN
-    locating.rolled(Pose(), CYCLE, shown(2.0, -1.0, CYCLE))
-    locating.rolled(Pose(0.02, 0.01, 0.0), 2 * CYCLE, shown(2.0, -1.0, CYCLE))
+    see(locating, 2.0, -1.0, CYCLE - AGREE)
+    locating.rolled(Pose(0.02, 0.01, 0.0), 2 * CYCLE, shown(2.0, -1.0, CYCLE - 1))
     assert locating.pose == Pose(2.02, -0.99, 0.0)
     assert source(locating) is Source.CAPTURED
 
@@ -43,10 +49,10 @@ def test_with_cameras_it_is_theirs_carried_on_by_what_is_rolled() -> None:
 def test_elsewhere_it_is_believed_when_somebody_says_so_or_what_was_rolled_is_not_known() -> None:
     for anew in (Locating.begin_anew, Locating.interrupted):
         locating = Locating(find("rome+cameras"))
-        locating.rolled(Pose(), CYCLE, shown(2.0, -1.0, CYCLE))
-        locating.rolled(Pose(), 2 * CYCLE, shown(4.0, 4.0, 2 * CYCLE))
+        see(locating, 2.0, -1.0, CYCLE)
+        see(locating, 4.0, 4.0, 2 * CYCLE)
         assert locating.pose == Pose(2.0, -1.0, 0.0)
         anew(locating)
         assert source(locating) is Source.UNSEEN
-        locating.rolled(Pose(), 3 * CYCLE, shown(4.0, 4.0, 3 * CYCLE))
+        see(locating, 4.0, 4.0, 3 * CYCLE)
         assert locating.pose == Pose(4.0, 4.0, 0.0)

@@ -82,6 +82,25 @@ def test_the_bus_is_recorded_frame_by_frame(results: Path) -> None:
     assert 0 <= instants[0] <= instants[-1] <= 2_000_000_000
 
 
+def test_the_line_to_a_board_is_recorded_as_the_bridge_speaks_and_hears(tmp_path: Path) -> None:
+    mission = tmp_path / "arm.toml"
+    mission.write_text('title = "t"\nduration_s = 2.0\n[[step]]\nat_s = 1.0\ntitle = "arm"\narm = true\n')
+    words = ["bench", "rome", "--mission", str(mission), "--out", str(tmp_path / "rome")]
+    assert CliRunner().invoke(program, words).exit_code == 0
+    lines = (tmp_path / "rome/serial.log").read_text(encoding="ascii").splitlines()
+    told = [line.split(" board ")[1] for line in lines]
+    at = told.index("T 6D 20 30 20 30 20 30 0D")
+    assert told[at - 2 : at] == ["T 62 0D", "R 35 37 36 30 30 0D 0A"]
+    assert bytes.fromhex(told[at + 1][2:]) == b"OK\r\n"
+    assert (tmp_path / "rome/can.log").read_bytes() == b""
+    (line,) = json.loads((tmp_path / "rome/summary.json").read_text())["lines"]
+    carried = sum(len(words) - 1 for words in map(str.split, told))
+    assert 0 <= line["bytes"] - carried < 32  # a chunk is on its way at the end
+    assert 0.0 < line["busy_percent"] < 80.0
+    # At least the shield's set-up, of 21 writes of 0.5 ms, and motion in half a second of cycles.
+    assert 0.5 < line["i2c_percent"] < 50.0
+
+
 def test_the_operators_link_is_recorded_message_by_message(results: Path) -> None:
     messages = list(parse_tlog((results / "first/operator.tlog").read_bytes()))
     assert len(messages) > 40

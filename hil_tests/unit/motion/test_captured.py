@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from firmware_bridge.motion.captured import REMEMBERED, Bounds, Captured, Located, Sight, Source
+from firmware_bridge.motion.captured import AGREE, REMEMBERED, Bounds, Captured, Located, Sight, Source
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
@@ -55,8 +55,8 @@ def apart(one: Pose, other: Pose) -> float:
 
 def test_the_delay_of_the_cameras_is_no_error() -> None:
     captured = Captured(BOUNDS)
-    driven(captured, 0, 2)
-    for cycle in range(2, 200):
+    driven(captured, 0, AGREE)
+    for cycle in range(AGREE, 200):
         located = driven(captured, cycle, 1)
         assert located.source is Source.CAPTURED
         assert apart(located.pose, truth(cycle * CYCLE)) < 1e-4
@@ -157,7 +157,11 @@ def test_carried_elsewhere_it_is_refused_until_somebody_says_so() -> None:
     captured.begin_anew()
     captured.step(rolled(219 * CYCLE), 219 * CYCLE, None)
     assert captured.located.source is Source.UNSEEN
-    assert driven(captured, 220, 1, elsewhere).source is Source.CAPTURED
+    sources = [
+        captured.step(rolled(219 * CYCLE), cycle * CYCLE, elsewhere(cycle * CYCLE)).source
+        for cycle in range(220, 220 + AGREE)
+    ]
+    assert sources == [*(AGREE - 1) * [Source.UNSEEN], Source.CAPTURED]
     assert captured.located.pose == Pose(10.0, 10.0, 0.0)
 
 
@@ -173,7 +177,24 @@ def test_before_it_was_seen_it_must_not_go() -> None:
     captured = Captured(BOUNDS)
     assert driven(captured, 0, 5, lambda _: None).source is Source.UNSEEN
     assert captured.located.reason == "the cameras have not seen the robot yet"
-    assert driven(captured, 5, 1).reason is None
+    assert driven(captured, 5, AGREE - 1).source is Source.UNSEEN
+    assert driven(captured, 5 + AGREE - 1, 1).reason is None
+
+
+@pytest.mark.parametrize("turn", [0.0, math.pi])
+def test_a_first_pose_that_the_next_ones_gainsay_is_never_believed(turn: float) -> None:
+    """Markers taken for others while it is seen first: aside, or turned where it stands."""
+    captured = Captured(BOUNDS)
+
+    def swapped(now: Nanoseconds) -> Sight:
+        pose = truth(now - DELAY)
+        return Sight(Pose(pose.x_m + 0.3 * (not turn), pose.y_m, pose.heading_rad + turn), now - DELAY)
+
+    assert driven(captured, 0, AGREE - 1, swapped).source is Source.UNSEEN
+    assert driven(captured, AGREE - 1, AGREE - 1).source is Source.UNSEEN
+    located = driven(captured, 2 * (AGREE - 1), 1)
+    assert located.source is Source.CAPTURED
+    assert apart(located.pose, truth(2 * (AGREE - 1) * CYCLE)) < 1e-3
 
 
 def test_asked_again_it_says_the_same_and_an_old_pose_counts_once() -> None:
@@ -200,7 +221,8 @@ def test_what_is_too_old_to_be_put_upon_anything_is_refused() -> None:
 @pytest.mark.parametrize(("turn", "believed"), [(0.149, True), (0.151, False), (0.3, False)])
 def test_after_a_turn_in_the_dark_the_heading_may_be_off_by_its_share(turn: float, *, believed: bool) -> None:
     captured = Captured(BOUNDS)
-    captured.step(Pose(), 0, Sight(START, 0))
+    for cycle in range(AGREE):
+        captured.step(Pose(), cycle, Sight(START, cycle))
     for cycle in range(1, 11):
         captured.step(Pose(heading_rad=0.1 * cycle), cycle * CYCLE, None)
     seen_at = Pose(START.x_m, START.y_m, START.heading_rad + 1.0 + turn)

@@ -253,6 +253,7 @@ class PaperLink:
 
     answers_within: Nanoseconds = 10 * MILLISECOND
     beat_every: Nanoseconds = 50 * MILLISECOND
+    remark: str = ""
     listens_for: Nanoseconds = 0
     late = 0
     wake_at: Nanoseconds = NEVER

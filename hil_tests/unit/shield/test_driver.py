@@ -1,10 +1,13 @@
 """The bridge's side of a motor shield without a board: words, regulator, counters, plan, steps of a stop."""
 
+from collections import deque
 from itertools import pairwise
 from typing import Any, Final
 
 import pytest
 
+from emulators.arduino_omni.board import FIRMWARES, Board
+from emulators.arduino_omni.motors import four_motors
 from firmware_bridge.drivers.driver import Speed, Stop, Task, Tells
 from firmware_bridge.drivers.shield.dialects import DIALECTS, Dialect
 from firmware_bridge.drivers.shield.fleet import over_protocol, shield_fleet
@@ -13,6 +16,8 @@ from firmware_bridge.drivers.shield.plan import MOST, ShieldPlanError, fitting_p
 from firmware_bridge.drivers.shield.regulator import Pwm, Ticks
 from firmware_bridge.drivers.shield.stops import stop_steps
 from firmware_bridge.kinds import find
+from firmware_bridge.node import SERIAL
+from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, RobotFileError
 from firmware_bridge.robot.settings.shield import ShieldProtocol
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
@@ -192,3 +197,39 @@ def test_a_stop_ends_with_the_boards_reset_and_tells_of_its_own_stop_where_it_ha
     assert names["ros-arduino-bridge"] == names["arduinoio"] == ["speed 0", "brake", "release", "reset"]
     assert "it stops them 2000 ms after the last word" in notes["ros-arduino-bridge"]
     assert "it stops" not in notes["arduinoio"]
+
+
+@pytest.mark.parametrize(
+    ("protocol", "wires", "remark"),
+    [
+        ("mw", True, "the board has begun anew, and released its motors, within 1."),
+        ("firmata", True, "the board has begun anew, and released its motors, within 3."),
+        ("arduinoio", True, "nothing shows that the line's reset works"),
+        ("mw", False, "nothing shows that the line's reset works"),
+        ("ros-arduino-bridge", True, ""),
+    ],
+)
+def test_a_start_shows_whether_the_reset_of_a_board_works_that_does_not_stop_by_itself(
+    protocol: str, remark: str, *, wires: bool
+) -> None:
+    """By what a firmware says when it begins; ArduinoIO says nothing, and a cut wire lets nothing begin."""
+    link = shield_fleet(over(protocol), "board").link
+    board = Board(FIRMWARES[protocol], four_motors(), encoders=over(protocol).shield_link("board").counted)
+    now, ended = 5 * SECOND, False
+    for at in range(0, now, SECOND // 10):
+        board.wake(at)
+    sent = deque(link.begin((Task.FIND, Task.IDENTIFY, Task.CONFIGURE), now))  # type: ignore[attr-defined]
+    while now < 10 * SECOND and not ended:
+        while sent:
+            packet = sent.popleft()
+            if wires or packet.payload:
+                for said in board.receive(Packet(SERIAL, packet.address, packet.payload), now).sent:
+                    sent.extend(link.hear(Packet("board", said.address, said.payload), now))
+        now += MILLISECOND
+        for said in board.wake(now).sent:
+            sent.extend(link.hear(Packet("board", said.address, said.payload), now))
+        if link.wake_at <= now:
+            sent.extend(link.wake(now))
+        ended = link.configured  # type: ignore[attr-defined]
+    assert ended
+    assert (remark in link.remark) if remark else not link.remark

@@ -36,6 +36,7 @@ class CanLink:
         self.name = name
         self.answers_within = ANSWERS_WITHIN
         self.beat_every = table.bridge_heartbeat_ms * MILLISECOND
+        self.remark = ""
         self.listens_for = table.bridge_silent_ms * MILLISECOND
         """Whoever keeps the drives' watch content beats within that time."""
         self.late = 0

@@ -48,6 +48,7 @@ class SerialLink:
         self.name = name
         self.answers_within = answers_within
         self.beat_every = table.bridge_heartbeat_ms * MILLISECOND
+        self.remark = ""
         self.listens_for: Nanoseconds = 0
         """Frames of another master on the bus behind the gateway do not come to this end of the line."""
         self.late = 0
