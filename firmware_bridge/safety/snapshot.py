@@ -24,12 +24,9 @@ Group: TypeAlias = str
 """Axes that stop together, by their name in the robot's kind."""
 
 
-@dataclass(slots=True)
+@valueclass(frozen=True, slots=True)
 class Following:
-    """How one axis has done what it was told, up to its newest sample; in its unit.
-
-    Nobody changes it. It is not frozen because one is made for each axis in every cycle.
-    """
+    """How one axis has done what it was told, up to its newest sample; in its unit."""
 
     demand: Demand = Stop.REST
     """What was sent to it last."""

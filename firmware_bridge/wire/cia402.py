@@ -27,9 +27,10 @@ class State(Enum):
     FAULT_REACTION_ENABLED = 0x011F
     FAULT = 0x0108
 
-    def __init__(self, _statusword: int) -> None:
-        self.title: Final = self.name.lower().replace("_", " ")
+    @property
+    def title(self) -> str:
         """The state in words."""
+        return self.name.lower().replace("_", " ")
 
 
 STATE_BITS: Final = 0x417F

@@ -8,6 +8,7 @@ import pytest
 
 import firmware_bridge.bridge  # noqa: F401 - leads to all classes but a robot's own
 from firmware_bridge.immutable import Immutable
+from firmware_bridge.robots.rars.motion import Motion
 
 
 def below(cls: type) -> Iterator[type]:
@@ -30,3 +31,11 @@ def finals(cls: type) -> Iterator[str]:
 @pytest.mark.parametrize("cls", list(below(Immutable)), ids=lambda cls: cls.__qualname__)
 def test_every_slot_of_what_is_immutable_is_final(cls: type) -> None:
     assert set(vars(cls)["__slots__"]) == set(finals(cls))
+
+
+def test_a_value_is_hashed_by_what_it_holds_and_has_no_room_for_more() -> None:
+    one, same = Motion(speed_mps=0.5), Motion(speed_mps=0.5)
+    assert hash(one) == hash(same)
+    assert hash(one) != hash(Motion())
+    with pytest.raises(AttributeError):
+        setattr(one, "sped_mps", 0.4)  # noqa: B010 - mypy would refuse it

@@ -3,6 +3,7 @@
 CAN frames and serial answers fill it in; tasks and set-points look into it.
 """
 
+from collections.abc import Mapping
 from typing import Final
 
 from firmware_bridge.drivers.driver import Feedback, Power, Tells
@@ -24,10 +25,16 @@ POWERED: Final = (
 """States in which the motor may have torque."""
 FAULT_STATES: Final = (State.FAULT, State.FAULT_REACTION_DISABLED, State.FAULT_REACTION_ENABLED)
 _POWERS: Final = {
+    **dict.fromkeys(State, Power.OFF),
     State.OPERATION_ENABLED: Power.ON,
     State.QUICK_STOP_ACTIVE: Power.STOPPED,
     **dict.fromkeys(FAULT_STATES, Power.FAULT),
 }
+_SHOWN: Final[Mapping[State | None, tuple[Power, str]]] = {
+    None: (Power.UNKNOWN, ""),
+    **{state: (_POWERS[state], state.title) for state in State},
+}
+"""Power and words for each state."""
 MILLIAMPERES: Final = 1000.0
 _REFERENCED: Final = int(Status.REFERENCED)
 _ATTAINED: Final = int(Status.HOMING_ATTAINED)
@@ -119,17 +126,18 @@ class DriveFeedback:
 
     def published(self) -> Feedback:
         """Return what everybody may know of it."""
-        state, fault = self.state, self.fault
+        fault = self.fault
+        power, says = _SHOWN[self.state]
         return Feedback(
             axis=self._axis,
-            power=Power.UNKNOWN if state is None else _POWERS.get(state, Power.OFF),
+            power=power,
             heard_at=self.heard_at,
             sampled_at=self.sampled_at,
             position=self._scale.position(self.position_qc),
             velocity=self.velocity,
             current_a=self.current_ma / MILLIAMPERES,
             fault=f"0x{fault:04X}" if fault else "",
-            says="" if state is None else state.title,
+            says=says,
             zero_lost=self.zero_lost,
             rewritten=self.rewritten,
         )
