@@ -1,8 +1,8 @@
 """The climbing robot once more, by another way: pose in space, contacts by geometry, eleven unknowns.
 
-It shares no line with the plant: chassis twist, joint's rate, caster's swivel and spin follow from nine linear
-equations, the velocity of the material at each of three contacts; where a wheel touches is searched for at
-each instant. On cylinders. [C] is that of fmu/climber.
+It shares no line with the plant: chassis twist, joint's rate, caster's swivel and spin follow from nine
+linear equations, the velocity of the material at each of three contacts; where a wheel touches is searched
+for at each instant. On cylinders.
 """
 
 import math

@@ -35,7 +35,7 @@ class Bench:
         self.plant.close()
 
     def runs(self, seconds: float, left: float = 0.0, right: float = 0.0) -> dict[str, float]:
-        self.plant.inputs[:] = (left, right)
+        self.plant.inputs[0], self.plant.inputs[1] = left, right
         for _ in range(round(seconds * self._in_second)):
             self.plant.step()
         return dict(zip(READ, self.plant.outputs, strict=True))
@@ -49,9 +49,7 @@ class Bench:
 def test_forces_at_the_contacts_are_those_of_virtual_work(heading: float, tilt: float) -> None:
     p = {**NUMBERS, "axis_tilt": tilt, "start_heading": heading, "start_joint": 0.05}
     with Bench({name: p[name] for name in ("axis_tilt", "start_heading", "start_joint")}) as bench:
-        read = {
-            (what, side): bench.reads(f"{what}_{side}")[0] for what in ("pull", "across") for side in WHEELS
-        }
+        read = {side: bench.reads(f"pull_{side}", f"across_{side}") for side in WHEELS}
     robot = Robot.standing(p, heading, 0.0, 0.05)
     weight = -p["mass"] * p["gravity"] * np.array([math.cos(tilt), 0.0, math.sin(tilt)])
     place = np.array([-p["mass_behind"], 0.0, p["mass_height"] - p["wheel_radius"]])
