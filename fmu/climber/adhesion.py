@@ -1,7 +1,7 @@
 """A magnet's hold at one contact: how far it is pulled off, when it lets go, and when it slides.
 
-Forces are those of balance (no inertia). The gap is a state: nothing while the magnet holds more than pulls at
-it, and beyond the magnet's reach it is lost for good.
+Forces are those of balance (no inertia). The gap is a state: it stays 0 while the magnet holds more than what
+pulls at it, and beyond the magnet's reach it is lost for good.
 """
 
 from dataclasses import dataclass

@@ -100,11 +100,11 @@ class Chassis:
         return self._motion(left, plus((1, right), (-1, left)), STILL)
 
     def sliding(self, left: Vector, right: Vector, caster: Vector) -> Motion:
-        """Return the motion that the material of the wheels, sliding so at its contacts, gives in addition."""
+        """Return the motion that comes with material of the wheels sliding so at the contacts."""
         return self._motion(left, plus((1, right), (-1, left)), caster)
 
     def _motion(self, carried: Vector, across: Vector, caster: Vector) -> Motion:
-        """Solve V + W x r = what the contacts allow; `across` is what the right contact has more than the left.
+        """Solve V + W x r = what the contacts allow; `across`: what the right one has more than the left.
 
         W x e = h - sigma' g. Its part along e gives sigma', its part across e all of W but the pitch about e;
         that follows from the caster.

@@ -50,7 +50,7 @@ class Contact:
     def rates(self, turning: Vector, sliding: Vector | None = None) -> dict[str, Expression]:
         """Return the rates of u, v, s, z, psi for the wheel's angular velocity against the surface.
 
-        `sliding` is the velocity of the wheel's material at the contact, in the surface; without it, it rolls.
+        `sliding` is the velocity of the wheel's material at the contact, in the surface; else it rolls.
         (17) corrected: the sign of the whole is minus, for (5) is Montana's frame with psi turned round.
         """
         sine, cosine = self._sine, self._cosine

@@ -39,7 +39,7 @@ class Climber:
         self.surface = surface
         self.shafts = (left, right)
         self.spins = (named(left.speed / left.gear), named(right.speed / right.gear))
-        self.contacts: tuple[Contact, Contact, Contact] = tuple(
+        left_contact, right_contact, caster_contact = (
             Contact(
                 symbol(f"tube_{side}"),
                 symbol(f"psi_{side}"),
@@ -48,6 +48,7 @@ class Climber:
             )
             for side, wheel in zip(WHEELS, TORI, strict=True)
         )
+        self.contacts = (left_contact, right_contact, caster_contact)
         self.chassis = Chassis(self.contacts, symbol("pitch"), SIZES)
         self.joint = symbol("joint")
         self._rolling = self.chassis.rolling(*self.spins)

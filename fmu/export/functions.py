@@ -28,8 +28,8 @@ shared: Final = implemented_function(sp.Function("shared", real=True), lambda va
 """shared(x): x, computed once as it is written: SymPy would take it apart wherever it stands in a sum."""
 
 named: Final = implemented_function(sp.Function("named", real=True), lambda value: value)
-"""named(x): x, a line of its own before anything else looks at it: for equations that are nested so deeply that
-SymPy, which looks at a tree, would not end."""
+"""named(x): x, a line of its own before SymPy looks for common parts: it looks at a tree, and would not end
+where equations are nested deeply."""
 
 reciprocal: Final = sp.Function("reciprocal", real=True)
 """reciprocal(x): 1 / x, divided once and shared: SymPy would make a division of each of its powers."""

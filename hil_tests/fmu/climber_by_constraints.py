@@ -1,8 +1,8 @@
 """The climbing robot once more, by another way: pose in space, contacts by geometry, eleven unknowns.
 
-It shares no line with the plant: chassis twist, joint's rate, caster's swivel and spin follow from nine linear
-equations, the velocity of the material at each of three contacts; where a wheel touches is searched for at
-each instant. On cylinders. [C] is that of fmu/climber.
+It shares no line with the plant: chassis twist, joint's rate, caster's swivel and spin follow from nine
+linear equations, the velocity of the material at each of three contacts; where a wheel touches is searched
+for at each instant. On cylinders.
 """
 
 import math
@@ -92,6 +92,25 @@ class Robot:
             if np.abs(now).max() < 1e-14:
                 break
         return put(x)
+
+    @classmethod
+    def behind_left(cls, p: Mapping[str, float], read: Mapping[str, float]) -> "Robot":
+        """Put it where its left wheel's contact and its angles say that it is; the other wheels follow."""
+        turn, tube, psi, pitch = (
+            read["arc_left"] / p["tank_radius"],
+            *(read[each] for each in ("tube_left", "psi_left", "pitch")),
+        )
+        normal = np.array([math.cos(turn), math.sin(turn), 0.0])
+        around, along = np.array([-normal[1], normal[0], 0.0]), np.array([0.0, 0.0, 1.0])
+        left = math.cos(psi) * around + math.sin(psi) * along
+        way = math.sin(psi) * around - math.cos(psi) * along
+        axle = math.cos(tube) * left - math.sin(tube) * normal
+        spoke = math.cos(tube) * normal + math.sin(tube) * left
+        middle = (p["tank_radius"] + p["crown_radius"]) * normal + read["height_left"] * along
+        middle = middle + (p["wheel_radius"] - p["crown_radius"]) * spoke
+        ahead = math.cos(pitch) * way + math.sin(pitch) * np.cross(way, axle)
+        frame = np.array([ahead, axle, np.cross(ahead, axle)])
+        return cls(p, middle - p["half_track"] * axle, frame, read["joint"], read["swivel"])
 
     def touches(self) -> tuple[Touch, Touch, Touch]:
         p = self.p

@@ -14,7 +14,21 @@ from hil_tests.fmu.climber_by_constraints import Robot
 from hil_tests.fmu.climber_rolled import NUMBERS
 
 WHEELS = ("left", "right", "caster")
-READ = ("arc", "height", "heading", "speed", "joint", "pitch", "fallen", "fall", "angle_left", "angle_right")
+CONTACTS = tuple(f"{what}_{side}" for side in WHEELS for what in ("tube", "arc", "height", "psi"))
+READ = (
+    *CONTACTS,
+    "swivel",
+    "arc",
+    "height",
+    "heading",
+    "speed",
+    "joint",
+    "pitch",
+    "fallen",
+    "fall",
+    "angle_left",
+    "angle_right",
+)
 FREE = {"gear_friction": 0.0, "coulomb_wheel": 0.0, "viscous_wheel": 0.0, "torque_constant_wheel": 0.0}
 CEILING = {"axis_tilt": 0.0, "start_arc": math.pi * NUMBERS["tank_radius"], "start_heading": 0.0}
 """Below a tank that lies: all of the weight pulls it off."""
@@ -35,7 +49,7 @@ class Bench:
         self.plant.close()
 
     def runs(self, seconds: float, left: float = 0.0, right: float = 0.0) -> dict[str, float]:
-        self.plant.inputs[:] = (left, right)
+        self.plant.inputs[0], self.plant.inputs[1] = left, right
         for _ in range(round(seconds * self._in_second)):
             self.plant.step()
         return dict(zip(READ, self.plant.outputs, strict=True))
@@ -49,9 +63,7 @@ class Bench:
 def test_forces_at_the_contacts_are_those_of_virtual_work(heading: float, tilt: float) -> None:
     p = {**NUMBERS, "axis_tilt": tilt, "start_heading": heading, "start_joint": 0.05}
     with Bench({name: p[name] for name in ("axis_tilt", "start_heading", "start_joint")}) as bench:
-        read = {
-            (what, side): bench.reads(f"{what}_{side}")[0] for what in ("pull", "across") for side in WHEELS
-        }
+        read = {side: bench.reads(f"pull_{side}", f"across_{side}") for side in WHEELS}
     robot = Robot.standing(p, heading, 0.0, 0.05)
     weight = -p["mass"] * p["gravity"] * np.array([math.cos(tilt), 0.0, math.sin(tilt)])
     place = np.array([-p["mass_behind"], 0.0, p["mass_height"] - p["wheel_radius"]])
@@ -123,7 +135,14 @@ def test_the_joint_meets_its_stop_and_goes_no_further(heading: float) -> None:
     """The caster trailing, it runs away; then wheels slide, and the stop holds it."""
     with Bench({"start_heading": heading, "start_joint": 0.15}) as bench:
         most = [bench.runs(0.25, 8.0, 8.0)["joint"] for _ in range(12)]
-        assert bench.runs(0.0)["fallen"] == 0.0
+        now = bench.runs(0.0)
+        assert now["fallen"] == 0.0
+        assert max(bench.reads(*(f"slide_{side}" for side in WHEELS))) > 0.0
+    # What slides stays joined: left wheel, body, joint and swivel tell where the other wheels touch.
+    robot = Robot.behind_left(NUMBERS, now)
+    assert [each.gap for each in robot.touches()] == pytest.approx([0.0] * 3, abs=1e-7)
+    for name, value in robot.readings().items():
+        assert math.remainder(now[name] - value, 2 * math.pi) == pytest.approx(0.0, abs=1e-6), name
     stop = NUMBERS["joint_stop"]
     assert stop < max(most) < stop + math.radians(0.5)
 
