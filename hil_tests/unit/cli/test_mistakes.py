@@ -115,6 +115,21 @@ def test_a_robot_is_not_driven_from_beyond_the_machine_without_a_key() -> None:
 @pytest.mark.parametrize(
     ("words", "told"),
     [
+        ("pilot rars", "--joystick, or --path NAME"),
+        ("pilot rars --joystick --path line", "--joystick, or --path NAME"),
+        ("pilot rars --path lime", "there is no path 'lime'; perhaps 'line'?"),
+        ("pilot rars --joystick --controls gampad", "perhaps 'gamepad'?"),
+        ("pilot rars --joystick --mavlink udpin:127.0.0.1:0 --device /dev/input/none", "`ls /dev/input/js*`"),
+        ("pilot rars --path line --max-delay 3", "50 to 2000 ms may be"),
+    ],
+)
+def test_a_pilot_without_what_it_needs_is_told_what(words: str, told: str) -> None:
+    assert told in refused(*words.split())
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
         ("bench rars --link dealy=0.5", "'dealy=0.5': there is no key 'dealy'; perhaps 'delay'?"),
         ("bench rars --link delay=0.5 --max-delay 3", "a delay of 3 s was asked for; 50 to 2000 ms may be"),
         ("bench rars --mission line --predictor", "nobody follows a path, who could predict?"),
