@@ -33,11 +33,13 @@ class PilotOptions:
         bool,
         typer.Option(
             "--joystick",
-            help="Drive with a wheel and two pedals; buttons: reverse, arm, emergency stop.",
+            help="Drive with a helm and two pedals; buttons: reverse, arm, emergency stop.",
         ),
     ] = False
     device: Annotated[str, typer.Option(metavar="DEVICE", help="The joystick.")] = "/dev/input/js0"
-    controls: Annotated[str, typer.Option(metavar="NAME", help="What it is: wheel, or gamepad.")] = "wheel"
+    controls: Annotated[
+        str, typer.Option(metavar="NAME", help="What it is: pedals, with a helm, or gamepad.")
+    ] = "pedals"
     path: Annotated[
         str | None,
         typer.Option(

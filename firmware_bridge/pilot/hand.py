@@ -1,6 +1,6 @@
-"""A hand at the source's station: a wheel, two pedals and a button for reverse.
+"""A hand at the source's station: a helm, two pedals and a button for reverse.
 
-Source: A. P. Das, PhD thesis, IIT Delhi, 2018, (4.1), Tab. 4.1, 4.3: full wheel is full steering, the pedal
+Source: A. P. Das, PhD thesis, IIT Delhi, 2018, (4.1), Tab. 4.1, 4.3: full helm is full lock, the pedal
 is the speed. Here the brake takes from it, and reverse changes only while no pedal is trodden on.
 """
 
@@ -31,8 +31,8 @@ class Hand:
             self.reverse = not self.reverse
 
     def wish(self, _link: Link, _now: Nanoseconds, *, armed: bool) -> Stick:
-        """Return where wheel and pedals stand; nothing before the robot is armed."""
+        """Return where helm and pedals stand; nothing before the robot is armed."""
         controls = self.controls
         forward = max(controls.accelerator - controls.brake, 0.0) if armed else 0.0
         forward = 0.0 if forward < TRODDEN else forward
-        return Stick(-forward if self.reverse else forward, controls.wheel)
+        return Stick(-forward if self.reverse else forward, controls.helm)

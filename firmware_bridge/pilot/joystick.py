@@ -1,4 +1,4 @@
-"""A wheel, its pedals and buttons, as the kernel tells them: linux/joystick.h, `struct js_event`.
+"""A helm, its pedals and buttons, as the kernel tells them: linux/joystick.h, `struct js_event`.
 
 Eight bytes an event, little endian on every machine that this runs on: time in ms (4), value (2), kind (1)
 and number (1). All states come once when the device is opened.
@@ -22,7 +22,7 @@ class Device:
     """Which axis and which button is what."""
 
     title: str
-    wheel: int
+    helm: int
     """Its axis; right is positive."""
     accelerator: int
     brake: int
@@ -36,7 +36,7 @@ class Device:
 
 DEVICES: Final[MappingProxyType[str, Device]] = MappingProxyType(
     {
-        "wheel": Device("wheel with two pedals", 0, 2, 3, FULL, 0, 1, 2),
+        "pedals": Device("helm and two pedals", 0, 2, 3, FULL, 0, 1, 2),
         "gamepad": Device("gamepad: left stick, right and left trigger", 0, 5, 2, -FULL, 0, 7, 1),
     }
 )
@@ -63,9 +63,9 @@ class Controls:
                 yield number
 
     @property
-    def wheel(self) -> float:
+    def helm(self) -> float:
         """From -1, full right, to 1, full left."""
-        return -max(-FULL, self._axes.get(self.device.wheel, 0)) / FULL
+        return -max(-FULL, self._axes.get(self.device.helm, 0)) / FULL
 
     @property
     def accelerator(self) -> float:

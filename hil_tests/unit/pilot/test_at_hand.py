@@ -13,7 +13,7 @@ from firmware_bridge.pilot.station import Station
 from firmware_bridge.teleop.mavlink import Codec, Message, dialect
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND
 
-ROW = Device("fake", wheel=1, accelerator=4, brake=5, released=FULL, reverse=7, arm=8, stop=9)
+ROW = Device("fake", helm=1, accelerator=4, brake=5, released=FULL, reverse=7, arm=8, stop=9)
 
 
 def event(kind: int, number: int, value: int) -> bytes:
@@ -52,7 +52,7 @@ class Desk:
 
 
 @pytest.mark.parametrize(
-    ("wheel", "pedal", "brake", "stick"),
+    ("helm", "pedal", "brake", "stick"),
     [
         (0, FULL, FULL, (0, 0)),
         (0, -FULL, FULL, (1000, 0)),
@@ -64,10 +64,10 @@ class Desk:
         (0, 30_000, FULL, (0, 0)),  # play
     ],
 )
-def test_wheel_and_pedals_are_the_stick(wheel: int, pedal: int, brake: int, stick: tuple[int, int]) -> None:
+def test_helm_and_pedals_are_the_stick(helm: int, pedal: int, brake: int, stick: tuple[int, int]) -> None:
     desk = Desk()
     desk.armed()
-    desk.do(event(0x82, 1, wheel), event(0x82, 4, pedal), event(2, 5, brake))
+    desk.do(event(0x82, 1, helm), event(0x82, 4, pedal), event(2, 5, brake))
     assert desk.stick() == stick
 
 
@@ -91,7 +91,7 @@ def test_bytes_may_be_cut_anywhere_and_states_at_opening_press_nothing() -> None
     whole = event(0x81, 9, 1) + event(2, 1, -FULL) + event(1, 8, 1)
     cuts = (whole[place : place + 1] for place in range(len(whole)))
     pressed = [button for cut in cuts for button in controls.heard(cut)]
-    assert (controls.wheel, pressed) == (1.0, [8])
+    assert (controls.helm, pressed) == (1.0, [8])
 
 
 @pytest.mark.parametrize(("button", "command", "param"), [(8, 400, 1.0), (9, 5300, 0.0)])
@@ -134,5 +134,5 @@ def test_at_the_end_it_lets_go_and_disarms() -> None:
 
 def test_every_device_has_its_own_number_for_each_thing() -> None:
     for device in DEVICES.values():
-        assert len({device.wheel, device.accelerator, device.brake}) == 3
+        assert len({device.helm, device.accelerator, device.brake}) == 3
         assert len({device.reverse, device.arm, device.stop}) == 3
