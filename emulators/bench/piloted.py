@@ -52,12 +52,16 @@ class Pilot(Table):
         return path_file.load(FilePath(self.path))
 
     def placed(self, at: Pose) -> Path:
-        """Return the path for a robot that stands there."""
+        """Return the path for a robot that stands there; PathError where its file is none."""
         turned = math.radians(self.turned_deg)
         return placed(self.shape(), at, offset_m=self.offset_m, turned_rad=turned)
 
     def follower(self, robot: AnyRobot) -> Follower:
-        """Return who drives along it, no faster than the session's agreed delay lets the robot go."""
+        """Return who drives along it, no faster than the session's agreed delay lets the robot go.
+
+        PathError where its file is none.
+        """
+        self.shape()  # a file that is none is told before anything moves
         kind = kind_of(robot)
         made = kind.model
         model: Model = Unicycle() if made is None else made(robot)

@@ -78,7 +78,7 @@ class BenchOptions:
     max_delay: MaxDelayOption = None
     predictor: Annotated[
         bool,
-        typer.Option("--predictor", help="Let the mission's pilot steer by where the robot will be."),
+        typer.Option("--predictor", help="Let the mission's pilot drive by where the robot will be."),
     ] = False
     protocol: FirmwareOption = None
     encoders: EncodersOption = None

@@ -16,6 +16,11 @@ COMMANDS: Final[tuple[Row, ...]] = (
         "Run the bridge on a real CAN bus or serial line.",
     ),
     Command(
+        "pilot",
+        "firmware_bridge.cli.pilot:pilot",
+        "Drive a robot over its operator's link: by hand, or along a path.",
+    ),
+    Command(
         "robots",
         "firmware_bridge.cli.robots:robots",
         "List the robots that are installed, each file checked.",

@@ -54,6 +54,8 @@ class Shown:
     """What the station's display shows."""
 
     armed: bool = False
+    heard: bool = False
+    """The robot's heartbeat has come."""
     sight: Sight | None = None
     values: dict[str, float] = field(default_factory=dict)
     """The newest of each named value: RTT, AGE and LOSS among them, as the robot finds them."""
@@ -75,6 +77,8 @@ class Station:
         self._listener: Final = Listener()
         self._orders: Final[list[Order]] = []
         self._answers: Final[list[Message]] = []
+        self._place = 0
+        """Where the robot was heard from last."""
         self._beat_due: Nanoseconds = 0
         self._wish_due: Nanoseconds = 0
         self._heard: Final = {
@@ -96,6 +100,7 @@ class Station:
         for message in self._codec.decode(packet.payload):
             if message.get_srcSystem() != self._target[0]:
                 continue
+            self._place = packet.address
             self.link.heard(message.get_seq(), now)
             read = self._heard.get(message.get_msgId())
             if read is not None:
@@ -123,7 +128,7 @@ class Station:
         return Reaction(tuple(self._packet(one) for one in messages), self._wake_at())
 
     def _packet(self, message: Message) -> Packet:
-        return Packet(OPERATOR, 0, self._codec.encode(message))
+        return Packet(OPERATOR, self._place, self._codec.encode(message))
 
     def _wake_at(self) -> Nanoseconds:
         due = min(self._beat_due, self._wish_due, self.link.next_question)
@@ -158,6 +163,7 @@ class Station:
         return _velocity(self._target, wish, max(now // MILLISECOND, 1) & _BOOT_MASK)
 
     def _heartbeat(self, message: Message, _now: Nanoseconds) -> None:
+        self.shown.heard = True
         self.shown.armed = bool(message.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED)
 
     def _acknowledged(self, message: Message, now: Nanoseconds) -> None:

@@ -50,13 +50,13 @@ class Driven:
     """What became of a run."""
 
     swings: tuple[float, ...]
-    """Half of peak to peak of the distance to the path in each swing since it drove, m, by the plant."""
+    """Half of peak to peak of the distance to the path in each swing's time since it drove, m, by the plant;
+    without its drift, which is the odometry's."""
     lag_s: float
     """From what is said to what is seen of it, of the heading."""
     radial_error_m: float | None
     station: Station
     error_m: float | None
-    trace: str
     holds: tuple[str, ...]
 
 
@@ -77,17 +77,22 @@ def drive(seconds: float, link: str, max_delay_s: float | None = None, **pilot: 
     at, samples = rig.samples.seconds, rig.samples
     began = at[np.flatnonzero(np.abs(samples.column("speed_mps")) > 0.01)[0]]
     away = 5.0 - np.hypot(samples.column("x_m"), samples.column("y_m") - (5.0 - row.offset_m))
-    swings = [away[(at >= t) & (at < t + SWING_S)] for t in np.arange(began, seconds - SWING_S, SWING_S)]
+    begins = np.arange(began, seconds - SWING_S, SWING_S)
+    swings = [_bent(away[(at >= begin) & (at < begin + SWING_S)]) for begin in begins]
     predictor = operator.follower.predictor
     return Driven(
-        tuple(float(np.ptp(part)) / 2.0 for part in swings),
+        tuple(swings),
         _lag(np.array(watched.rows), began),
         radial_error(samples, row.placed, 10.0),
         station,
         None if predictor is None else predictor.error_m,
-        rig.world.trace_sha256,
         tuple(hold.name for hold in rig.holds),
     )
+
+
+def _bent(part: Floats) -> float:
+    places = np.arange(part.size)
+    return float(np.ptp(part - np.polyval(np.polyfit(places, part, 1), places))) / 2.0
 
 
 def _lag(rows: Floats, began: float) -> float:
@@ -106,17 +111,13 @@ def _lag(rows: Floats, began: float) -> float:
 
 
 def test_the_station_drives_over_the_link_and_both_sides_find_out_how_slow_it_is() -> None:
-    driven = drive(8.0, "up.delay=0.25,down.delay=0.15")
+    driven = drive(9.0, "up.delay=0.25,down.delay=0.15")
     values = driven.station.shown.values
     assert driven.swings[0] > 0.0
     assert values["RTT"] == pytest.approx(0.4, abs=0.01)
     assert values["AGE"] == pytest.approx(0.2, abs=0.06)
-    assert driven.station.link.round_trip(from_seconds(8.0)) == pytest.approx(from_seconds(0.4), abs=1e7)
+    assert driven.station.link.round_trip(from_seconds(9.0)) == pytest.approx(from_seconds(0.4), abs=1e7)
     assert "word too old" not in driven.holds
-    assert (
-        drive(2.0, "delay=0.1,jitter=0.05,loss=0.1").trace
-        == drive(2.0, "delay=0.1,jitter=0.05,loss=0.1").trace
-    )
 
 
 @pytest.mark.parametrize(
@@ -125,13 +126,13 @@ def test_the_station_drives_over_the_link_and_both_sides_find_out_how_slow_it_is
 def test_from_10_mm_it_settles_below_the_critical_delay_and_swings_above(
     delay_s: float, share: float, *, settles: bool
 ) -> None:
-    driven = drive(45.0, f"delay={delay_s}")
+    driven = drive(40.0, f"delay={delay_s}")
     assert (driven.lag_s + HOLD_S) / critical_delay_s(0.5, 0.5) == pytest.approx(share, abs=0.04)
     if settles:
-        assert max(driven.swings[-3:]) < 0.002
+        assert max(driven.swings[-3:]) < 0.001
     else:
         assert driven.swings[2] > 1.2 * driven.swings[1]
-        assert max(driven.swings[-3:]) > 0.2
+        assert max(driven.swings[-3:]) > 0.05
 
 
 @pytest.mark.parametrize(
@@ -147,7 +148,7 @@ def test_with_the_predictor_it_does_not_swing(
     link: str, max_delay_s: float | None, reaction_s: float
 ) -> None:
     driven = drive(40.0, link, max_delay_s, predictor=True, reaction_s=reaction_s)
-    assert max(driven.swings[-3:]) < 0.002
+    assert max(driven.swings[-3:]) < 0.001
     assert driven.radial_error_m is not None
     assert driven.radial_error_m < 0.01
     assert driven.error_m is not None

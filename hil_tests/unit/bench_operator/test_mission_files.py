@@ -76,7 +76,7 @@ def test_a_mission_is_a_few_lines() -> None:
         ('title = "t"\n' + STEP + "arm = true", "duration_s: is missing"),
         (HEAD, "step: is missing"),
         (HEAD + "step = []", "step: "),
-        (HEAD + "speed = 1\n" + STEP + "arm = true", "speed: no such key; there are: title"),
+        (HEAD + "speed = 1\n" + STEP + "arm = true", "speed: no such key; there are 13"),
         (HEAD + STEP + "sped_mps = 0.1", "step[0].sped_mps: no such key; perhaps 'speed_mps'?"),
         (
             HEAD + STEP + "arm = true" + "\n[noise]\njiter_ms = 1.0",

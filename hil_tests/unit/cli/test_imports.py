@@ -39,6 +39,8 @@ IMPORTED: Final[dict[str, set[str]]] = {
     "--help": HELP,
     "robots": {*OPTIONS, "rich", *KINDS},
     "drive --help": HELP,
+    "pilot --help": HELP,
+    "pilot rars --joystick --mavlink udpin:127.0.0.1:0 --device /dev/input/none": BRIDGE,
     "bench --help": HELP,
     "emulate --help": HELP,
     "emulate rars --help": HELP,

@@ -112,6 +112,53 @@ def test_a_robot_is_not_driven_from_beyond_the_machine_without_a_key() -> None:
     assert "--key FILE" in line
 
 
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ("pilot rars", "--joystick, or --path NAME"),
+        ("pilot rars --joystick --path line", "--joystick, or --path NAME"),
+        ("pilot rars --path lime", "there is no path 'lime'; perhaps 'line'?"),
+        ("pilot rars --joystick --controls gampad", "perhaps 'gamepad'?"),
+        ("pilot rars --joystick --mavlink udpin:127.0.0.1:0 --device /dev/input/none", "`ls /dev/input/js*`"),
+        ("pilot rars --path line --max-delay 3", "50 to 2000 ms may be"),
+    ],
+)
+def test_a_pilot_without_what_it_needs_is_told_what(words: str, told: str) -> None:
+    assert told in refused(*words.split())
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ("bench rars --link dealy=0.5", "'dealy=0.5': there is no key 'dealy'; perhaps 'delay'?"),
+        ("bench rars --link delay=0.5 --max-delay 3", "a delay of 3 s was asked for; 50 to 2000 ms may be"),
+        ("bench rars --mission line --predictor", "nobody follows a path, who could predict?"),
+        ("drive rars -i virtual -c mistakes --link up.lose=0.1", "there is no key 'lose'; perhaps 'loss'?"),
+        ("drive rars --link drive=can:can0", "rars has no link 'drive'; perhaps 'drives'?"),
+        ("drive rars --link drives=can0 --link delay=1", "say NAME=INTERFACE:CHANNEL"),
+        ("drive rars -i virtual -c mistakes --max-delay 2.5", "operator.max_age_ceiling_ms"),
+    ],
+)
+def test_a_slow_link_that_makes_no_sense_is_refused_with_what_was_meant(words: str, told: str) -> None:
+    assert told in refused(*words.split())
+
+
+@pytest.mark.parametrize(
+    ("pilot", "step", "told"),
+    [
+        ('path = "cirkle"', "arm = true", "pilot.path: there is no path 'cirkle'; perhaps 'circle'?"),
+        ('path = "nowhere.csv"', "arm = true", "nowhere.csv: cannot be read"),
+        ('path = "line"', "speed_mps = 0.1", "step[0].speed_mps: a pilot drives"),
+        ('path = "line"\nspeed = 1', "arm = true", "pilot.speed: no such key; perhaps 'speed_mps'?"),
+    ],
+)
+def test_a_pilot_that_makes_no_sense_is_refused(pilot: str, step: str, told: str, tmp_path: Path) -> None:
+    file = tmp_path / "my.toml"
+    head = f'title = "t"\nduration_s = 1.0\n[pilot]\n{pilot}\n'
+    file.write_text(f'{head}[[step]]\nat_s = 0.0\ntitle = "s"\n{step}\n', encoding="utf-8")
+    assert told in refused("bench", "rars", "--mission", str(file), "--out", str(tmp_path / "out"))
+
+
 def test_an_operator_link_that_makes_no_sense_shows_one_that_does() -> None:
     line = refused("drive", "rars", "-i", "virtual", "-c", "mistakes", "--mavlink", "tcp:14550")
     assert "udpin:127.0.0.1:14550" in line

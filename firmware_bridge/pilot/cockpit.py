@@ -1,0 +1,104 @@
+"""A station that somebody sits at: the joystick's bytes come in beside the link's; its display is told."""
+
+import math
+from collections.abc import Callable
+from typing import Final, TypeAlias
+
+from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.pilot.follower import Follower
+from firmware_bridge.pilot.hand import Hand
+from firmware_bridge.pilot.station import Station
+from firmware_bridge.units import NEVER, SECOND, Nanoseconds, to_seconds
+
+JOYSTICK: Final = "joystick"
+ARM: Final = 400
+SAFETY_SWITCH: Final = 5300
+"""MAV_CMD_DO_SET_SAFETY_SWITCH_STATE; 0 is safe: the emergency stop."""
+
+Tell: TypeAlias = Callable[[str], None]
+
+
+class Cockpit:
+    """A `Node` around the station; who drives is a hand, or a follower that may be armed by itself."""
+
+    def __init__(self, station: Station, tell: Tell, *, arms: bool = False) -> None:
+        self._station: Final = station
+        self._tell: Final = tell
+        self._arms = arms
+        """The robot is to be armed as soon as it is heard."""
+        self._wake_at: Nanoseconds = 0
+        self._shows_at: Nanoseconds = 0
+        self._told = 0
+        """How many of the robot's words have been told."""
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        """Take what the robot says, or what the hand does."""
+        if packet.link == JOYSTICK:
+            self._handled(packet.payload, now)
+            return Reaction((), self._due)
+        reaction = self._station.receive(packet, now)
+        if self._arms and self._station.shown.heard:
+            self._arms = False
+            self._station.order("arm", ARM, (1.0,), now)
+        return self._in_time(reaction, now)
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        """Say what is due, and show what is known once a second."""
+        if now >= self._shows_at:
+            self._shows_at = now + SECOND
+            self._tell(self.display(now))
+        return self._in_time(self._station.wake(now), now)
+
+    def stop(self, now: Nanoseconds) -> Reaction:
+        """Let everything go, and disarm: one frame of each, what is lost then is silence."""
+        self._station.order("disarm", ARM, (0.0,), now)
+        return Reaction(self._station.wake(now).sent, NEVER)
+
+    def display(self, now: Nanoseconds) -> str:
+        """Return the display's line: where it is, how it moves, and the link as both sides find it."""
+        shown, link = self._station.shown, self._station.link
+        trip = link.round_trip(now)
+        words = ["armed" if shown.armed else "disarmed"]
+        if shown.sight is not None:
+            moving = shown.sight.moving
+            words.append(f"x {moving.pose.x_m:.2f} m  y {moving.pose.y_m:.2f} m")
+            words.append(
+                f"heading {math.degrees(moving.pose.heading_rad):.0f} deg  {moving.speed_mps:.2f} m/s"
+            )
+        words += [f"{name} {value:.3g}" for name, value in shown.values.items()]
+        words.append("round trip unknown" if trip is None else f"round trip {to_seconds(trip):.2f} s")
+        if link.lost is not None:
+            words.append(f"lost {link.lost:.0%}")
+        driver = self._station.driver
+        if (
+            isinstance(driver, Follower)
+            and driver.predictor is not None
+            and driver.predictor.error_m is not None
+        ):
+            words.append(f"predicted to {1000.0 * driver.predictor.error_m:.0f} mm")
+        return "  ".join(words)
+
+    @property
+    def _due(self) -> Nanoseconds:
+        return min(self._wake_at, self._shows_at)
+
+    def _in_time(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
+        told = self._station.shown.told
+        for line in told[self._told :]:
+            self._tell(f"{to_seconds(now):9.3f} s  {line.text}")
+        self._told = len(told)
+        self._wake_at = reaction.wake_at
+        return Reaction(reaction.sent, self._due)
+
+    def _handled(self, chunk: bytes, now: Nanoseconds) -> None:
+        hand = self._station.driver
+        if not isinstance(hand, Hand):
+            return
+        device = hand.controls.device
+        for button in hand.controls.heard(chunk):
+            hand.press(button)
+            if button == device.arm:
+                self._station.order("arm", ARM, (1.0,), now)
+            if button == device.stop:
+                self._station.order("emergency stop", SAFETY_SWITCH, (0.0,), now)
+            self._wake_at = now

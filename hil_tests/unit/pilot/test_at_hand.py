@@ -1,0 +1,138 @@
+"""A joystick's bytes to what the station says: devices made of rows, no joystick."""
+
+import struct
+
+import pytest
+
+from firmware_bridge.node import OPERATOR
+from firmware_bridge.packet import Packet
+from firmware_bridge.pilot.cockpit import JOYSTICK, Cockpit
+from firmware_bridge.pilot.hand import Hand
+from firmware_bridge.pilot.joystick import DEVICES, FULL, Controls, Device
+from firmware_bridge.pilot.station import Station
+from firmware_bridge.teleop.mavlink import Codec, Message, dialect
+from firmware_bridge.units import MILLISECOND, NEVER, SECOND
+
+ROW = Device("fake", helm=1, accelerator=4, brake=5, released=FULL, reverse=7, arm=8, stop=9)
+
+
+def event(kind: int, number: int, value: int) -> bytes:
+    return struct.pack("<IhBB", 1234, value, kind, number)
+
+
+class Desk:
+    """A cockpit with a fake device, and the robot's end of its link."""
+
+    def __init__(self) -> None:
+        self.hand = Hand(Controls(ROW))
+        self.lines: list[str] = []
+        self.station = Station(self.hand, (1, 1))
+        self.cockpit = Cockpit(self.station, self.lines.append)
+        self._robot = Codec(1, 1)
+        self.now = 0
+
+    def do(self, *events: bytes) -> None:
+        self.cockpit.receive(Packet(JOYSTICK, 0, b"".join(events)), self.now)
+
+    def hears(self, message: Message) -> None:
+        self.cockpit.receive(Packet(OPERATOR, 77, self._robot.encode(message)), self.now)
+
+    def armed(self) -> None:
+        bits = dialect.MAV_MODE_FLAG_SAFETY_ARMED
+        self.hears(dialect.MAVLink_heartbeat_message(10, 0, bits, 0, dialect.MAV_STATE_ACTIVE, 3))
+
+    def says(self) -> list[Message]:
+        self.now += 50 * MILLISECOND
+        sent = self.cockpit.wake(self.now).sent
+        return [message for packet in sent for message in self._robot.decode(packet.payload)]
+
+    def stick(self) -> tuple[int, int]:
+        (one,) = [message for message in self.says() if message.get_type() == "MANUAL_CONTROL"]
+        return one.x, one.r
+
+
+@pytest.mark.parametrize(
+    ("helm", "pedal", "brake", "stick"),
+    [
+        (0, FULL, FULL, (0, 0)),
+        (0, -FULL, FULL, (1000, 0)),
+        (FULL, -FULL, FULL, (1000, 1000)),  # right is clockwise, as MAVLink counts
+        (-32768, FULL, FULL, (0, -1000)),
+        (0, 0, FULL, (500, 0)),
+        (0, -FULL, 0, (500, 0)),
+        (0, 0, -FULL, (0, 0)),
+        (0, 30_000, FULL, (0, 0)),  # play
+    ],
+)
+def test_helm_and_pedals_are_the_stick(helm: int, pedal: int, brake: int, stick: tuple[int, int]) -> None:
+    desk = Desk()
+    desk.armed()
+    desk.do(event(0x82, 1, helm), event(0x82, 4, pedal), event(2, 5, brake))
+    assert desk.stick() == stick
+
+
+def test_before_the_robot_is_armed_no_pedal_counts() -> None:
+    desk = Desk()
+    desk.do(event(2, 4, -FULL))
+    assert desk.stick() == (0, 0)
+
+
+def test_reverse_changes_only_while_nobody_drives() -> None:
+    desk = Desk()
+    desk.armed()
+    desk.do(event(2, 4, -FULL), event(1, 7, 1), event(1, 7, 0))
+    assert desk.stick() == (1000, 0)
+    desk.do(event(2, 4, FULL), event(1, 7, 1), event(1, 7, 0), event(2, 4, -FULL))
+    assert desk.stick() == (-1000, 0)
+
+
+def test_bytes_may_be_cut_anywhere_and_states_at_opening_press_nothing() -> None:
+    controls = Controls(ROW)
+    whole = event(0x81, 9, 1) + event(2, 1, -FULL) + event(1, 8, 1)
+    cuts = (whole[place : place + 1] for place in range(len(whole)))
+    pressed = [button for cut in cuts for button in controls.heard(cut)]
+    assert (controls.helm, pressed) == (1.0, [8])
+
+
+@pytest.mark.parametrize(("button", "command", "param"), [(8, 400, 1.0), (9, 5300, 0.0)])
+def test_buttons_arm_and_stop(button: int, command: int, param: float) -> None:
+    desk = Desk()
+    desk.do(event(1, button, 1))
+    orders = [(one.command, one.param1) for one in desk.says() if one.get_type() == "COMMAND_LONG"]
+    assert orders == [(command, param)]
+
+
+def test_an_order_is_repeated_until_it_is_answered() -> None:
+    desk = Desk()
+    desk.do(event(1, 8, 1))
+    asked = [sum(one.get_type() == "COMMAND_LONG" for one in desk.says()) for _ in range(45)]
+    assert sum(asked) == 3
+    desk.hears(dialect.MAVLink_command_ack_message(400, 0))
+    assert not any(one.get_type() == "COMMAND_LONG" for _ in range(45) for one in desk.says())
+
+
+def test_what_it_shows_is_what_the_link_brought() -> None:
+    desk = Desk()
+    desk.hears(dialect.MAVLink_named_value_float_message(0, b"AGE", 0.25))
+    desk.hears(dialect.MAVLink_statustext_message(4, b"the lift is up"))
+    desk.now = SECOND
+    desk.says()
+    assert any("AGE 0.25" in line and "disarmed" in line for line in desk.lines)
+    assert any(line.endswith("the lift is up") for line in desk.lines)
+
+
+def test_at_the_end_it_lets_go_and_disarms() -> None:
+    desk = Desk()
+    desk.armed()
+    last = desk.cockpit.stop(SECOND)
+    assert last.wake_at == NEVER
+    orders = [
+        one for packet in last.sent for one in Codec(1, 1).decode(packet.payload) if one.get_msgId() == 76
+    ]
+    assert [(one.command, one.param1) for one in orders] == [(400, 0.0)]
+
+
+def test_every_device_has_its_own_number_for_each_thing() -> None:
+    for device in DEVICES.values():
+        assert len({device.helm, device.accelerator, device.brake}) == 3
+        assert len({device.reverse, device.arm, device.stop}) == 3
