@@ -87,7 +87,7 @@ demo: $(READY) ## drive the shipped missions in virtual time; results in out/
 	echo "demo: $(MISSIONS) driven in $$(( $$(date +%s) - begun )) s; tables, plots and recordings are in $(OUT)/rars-*/"
 
 # Two lanes, which between them lose nothing: a test says so. Each leaves out what this machine's kernel cannot do.
-# Of Hypothesis's tests the first draws a quarter of the examples, and the second all of them again.
+# Of Hypothesis's tests the first draws a tenth of the examples, and the second all of them again.
 test: LANE := -m 'not long' --hypothesis-profile=first-lane --ignore=hil_tests/architecture
 test: TESTER := $(BIN)/python
 test: $(READY) ## run the tests, every behaviour once; `make check` judges the sources
