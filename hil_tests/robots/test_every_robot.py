@@ -309,14 +309,14 @@ def test_nothing_moves_before_it_is_armed(name: str) -> None:
 def settled(paper: Paper, wish: Any, **facts: Any) -> Ruling[Any]:
     """Go on until a cycle asks the same as the one before, of axes that are as fast; return its ruling."""
     for _ in range(CYCLES):
-        before = paper.demanded, velocities(paper)
+        before = paper.demanded, turning(paper)
         ruling = paper.cycle(wish, **facts)
-        if (paper.demanded, velocities(paper)) == before:
+        if (paper.demanded, turning(paper)) == before:
             return ruling
     raise AssertionError("it never settles")
 
 
-def velocities(paper: Paper) -> list[float]:
+def turning(paper: Paper) -> list[float]:
     return [axis.velocity for axis in paper.axes.values()]
 
 
