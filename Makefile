@@ -21,6 +21,17 @@ FETCHED := awk '/^Collecting /{ sub(/[^[:alnum:]_.-].*/, "", $$2); at += length(
 	/^Building wheels? for/{ if (!built++) { printf "\nsetup: compiling what has to be compiled\n"; at = 0; fflush() } } \
 	/^Installing collected/{ printf "\nsetup: installing all of it\n"; at = 0; fflush() }'
 
+# Each plant that is installed, and the name of each when it is there; who drives would wait for them else.
+define PLANTS
+import sys
+from fmu.build import ensure
+from fmu.plants import names
+for name in names():
+    ensure(name, int(sys.argv[1]))
+    print(f" {name}-{sys.argv[1]}", end="", flush=True)
+endef
+export PLANTS
+
 TESTED = @begun=$$(date +%s); \
 	$(TESTER) -m pytest -n $(JOBS) --dist worksteal -q $(LANE); status=$$?; \
 	echo "$@: $$(( $$(date +%s) - begun )) s"; exit $$status
@@ -45,15 +56,17 @@ $(READY): pyproject.toml setup.py $(wildcard emulators/servo/native/*.[ch] examp
 		{ echo "setup: $(PYTHON) has no venv module; on Debian or Ubuntu: apt-get install python3-venv" >&2; exit 1; }
 	@command -v "$${CC:-cc}" >/dev/null || command -v gcc >/dev/null || command -v clang >/dev/null || \
 		{ echo "setup: no C compiler found (the plants are built from C); on Debian or Ubuntu: apt-get install gcc libc6-dev" >&2; exit 1; }
-	@echo "setup: a minute or two, once; what is made is in .venv"
-	@echo "setup: 1 of 3, a virtual environment with $$($(PYTHON) --version)"
+	@echo "setup: two minutes or three, once; what is made is in .venv, and the plants in ~/.cache"
+	@echo "setup: 1 of 4, a virtual environment with $$($(PYTHON) --version)"
 	@[ -x $(BIN)/python ] || $(PYTHON) -m venv .venv
-	@echo "setup: 2 of 3, pip 25.1 or later"
+	@echo "setup: 2 of 4, pip 25.1 or later"
 	@$(BIN)/python -m pip install --quiet --quiet --disable-pip-version-check --upgrade 'pip>=25.1'
-	@echo "setup: 3 of 3, the program, the libraries that it needs, and those that its tests need"
+	@echo "setup: 3 of 4, the program, the libraries that it needs, and those that its tests need"
 	@set -o pipefail; $(BIN)/python -m pip install --disable-pip-version-check --progress-bar off \
 		--editable . $(EXAMPLES:%=--editable %) --group dev 2>&1 | tee .venv/pip.log | $(FETCHED) || \
 		{ echo "setup: pip could not do it; it says:" >&2; cat .venv/pip.log >&2; exit 1; }
+	@echo "setup: 4 of 4, the plants: from their equations to C, and compiled, for FMI 2.0 and 3.0"
+	@printf '%s\n' 2 3 | xargs -n 1 -P 2 $(BIN)/python -c "$$PLANTS" && echo
 	@echo "setup: done"
 	@touch $@
 
@@ -87,7 +100,7 @@ demo: $(READY) ## drive the shipped missions in virtual time; results in out/
 	echo "demo: $(MISSIONS) driven in $$(( $$(date +%s) - begun )) s; tables, plots and recordings are in $(OUT)/rars-*/"
 
 # Two lanes, which between them lose nothing: a test says so. Each leaves out what this machine's kernel cannot do.
-# Of Hypothesis's tests the first draws a quarter of the examples, and the second all of them again.
+# Of Hypothesis's tests the first draws a tenth of the examples, and the second all of them again.
 test: LANE := -m 'not long' --hypothesis-profile=first-lane --ignore=hil_tests/architecture
 test: TESTER := $(BIN)/python
 test: $(READY) ## run the tests, every behaviour once; `make check` judges the sources

@@ -5,7 +5,7 @@ An entry in the group `firmware_bridge.robots` names a `firmware_bridge.kind.Kin
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from functools import cache
+from functools import cache, lru_cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Final, Protocol
@@ -100,6 +100,7 @@ def load(path: Path, *, plant_too: bool = False) -> AnyRobot:
     return parse(text_of(path), str(path), plant_too=plant_too)
 
 
+@lru_cache(maxsize=64)
 def parse(text: str, file: str, *, plant_too: bool = False) -> AnyRobot:
     """Read a robot from TOML text; `file` names it in a RobotFileError.
 

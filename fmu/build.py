@@ -14,6 +14,7 @@ import sys
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -45,7 +46,7 @@ def ensure(plant: str | Plant, fmi: int = 3, others: Sequence[Platform] = ()) ->
     chosen = find(plant) if isinstance(plant, str) else plant
     compiler = find_compiler()
     own = _kept(chosen, fmi, compiler)
-    target = _kept(chosen, fmi, compiler, others)
+    target = _kept(chosen, fmi, compiler, others) if others else own
     if target.exists():
         return target
     if not own.exists():
@@ -176,14 +177,27 @@ def _token(plant: Plant) -> str:
 
 def _key(plant: Plant, fmi: int, compiler: str, others: Sequence[Platform]) -> str:
     digest = hashlib.sha256(told(compiler))
-    libraries = [f"{name} {metadata.version(name)}" for name in ("sympy", "fmpy")]
     for other in others:
         digest.update(told(shutil.which(other.compiler) or "true") + repr(other).encode())
     about = repr(origin(plant))
-    parts = (_token(plant), about, str(fmi), compiler, *FLAGS, *libraries, platform.machine(), sys.platform)
+    parts = (
+        _token(plant),
+        about,
+        str(fmi),
+        compiler,
+        *FLAGS,
+        *_libraries(),
+        platform.machine(),
+        sys.platform,
+    )
     for part in parts:
         digest.update(part.encode() + b"\0")
     return digest.hexdigest()
+
+
+@cache
+def _libraries() -> tuple[str, ...]:
+    return tuple(f"{name} {metadata.version(name)}" for name in ("sympy", "fmpy"))
 
 
 def _fmi_headers(fmi: int) -> dict[str, str]:

@@ -8,6 +8,7 @@ import tempfile
 import weakref
 from collections import deque
 from collections.abc import Callable
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile, ZipFile
@@ -27,9 +28,16 @@ def described(path: Path) -> Any:
         raise PlantError(f"{path}: there is no such file; give the path of an FMU")
     try:
         with ZipFile(path) as archive:
-            names = archive.namelist()
+            members = tuple((member.filename, member.CRC) for member in archive.infolist())
     except (BadZipFile, OSError) as error:
         raise PlantError(f"{path}: not an FMU: {error}") from error
+    return _described(path, members)
+
+
+@lru_cache(maxsize=16)
+def _described(path: Path, members: tuple[tuple[str, int], ...]) -> Any:
+    """Describe the FMU that holds these members, by name and checksum: each is read and checked once."""
+    names = [name for name, _ in members]
     if "modelDescription.xml" not in names:
         raise PlantError(f"{path}: not an FMU: it holds no modelDescription.xml")
     try:

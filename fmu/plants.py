@@ -5,8 +5,10 @@ It refuses to know robots: what a plant takes from a robot's file is looked up b
 
 import difflib
 import importlib
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -63,12 +65,12 @@ class Plant:
 
 def names() -> list[str]:
     """Return the names of the installed plants, without loading any."""
-    return sorted({entry.name for entry in metadata.entry_points(group=GROUP)})
+    return sorted({entry.name for entry in _entries()})
 
 
 def find(name: str) -> Plant:
     """Return an installed plant; UnknownNameError where there is none, PlantError where it is none."""
-    entries = metadata.entry_points(group=GROUP, name=name)
+    entries = _entries().select(name=name)
     if not entries:
         raise _unknown("there is no plant", name, names())
     values = sorted({entry.value for entry in entries})
@@ -85,8 +87,13 @@ def find(name: str) -> Plant:
 
 def origin(plant: Plant) -> About:
     """Return what the installed package that brings a plant says of itself; empty where none does."""
-    for entry in metadata.entry_points(group=GROUP, name=plant.name):
-        if entry.dist is not None and entry.value.partition(":")[0].startswith(plant.package):
+    return _origin(plant.name, plant.package, tuple(sys.path))
+
+
+@cache
+def _origin(name: str, package: str, path: tuple[str, ...]) -> About:
+    for entry in _entries_on(path).select(name=name):
+        if entry.dist is not None and entry.value.partition(":")[0].startswith(package):
             about = entry.dist.metadata
             text = _licence(entry.dist)
             author, mail, licence = (
@@ -98,6 +105,16 @@ def origin(plant: Plant) -> About:
             holder = known.copyright.rpartition(")")[2].strip().lstrip("0123456789 -,")
             return known if author else replace(known, author=holder)
     return UNKNOWN
+
+
+def _entries() -> metadata.EntryPoints:
+    return _entries_on(tuple(sys.path))
+
+
+@cache
+def _entries_on(_path: tuple[str, ...]) -> metadata.EntryPoints:
+    """Look once through all that is installed on this path: it takes milliseconds, and each robot asks."""
+    return metadata.entry_points(group=GROUP)
 
 
 def _licence(distribution: metadata.Distribution) -> str:

@@ -11,6 +11,7 @@ import sys
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Final
 
@@ -97,8 +98,9 @@ def find_compiler() -> str:
     raise PlantError(f"no C compiler found (tried {', '.join(_COMPILERS)}): install one, e.g. Debian's gcc")
 
 
+@cache
 def told(compiler: str) -> bytes:
-    """Return what a compiler says of its version: another one may give another binary."""
+    """Return what a compiler says of its version: another one may give another binary. It is asked once."""
     # The compiler is the user's own choice.
     return subprocess.run([compiler, "--version"], capture_output=True, check=False).stdout  # noqa: S603
 

@@ -18,6 +18,7 @@ from typing import Any, Final, TypedDict, cast
 import pytest
 
 import hil_tests.lanes  # noqa: F401 - what Hypothesis draws
+from hil_tests import rows as tables
 
 AT_HAND: Final = {
     "vcan": Path("/sys/class/net/vcan0").exists(),
@@ -47,6 +48,10 @@ def rows(table: dict[str, Any], above: str = "") -> Iterator[tuple[str, Longer]]
 
 
 LONG: Final = dict(rows(tomllib.loads(Path(__file__).with_name("lanes.toml").read_text(encoding="utf-8"))))
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    tables.configure(config)
 
 
 def pytest_itemcollected(item: pytest.Item) -> None:

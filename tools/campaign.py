@@ -134,12 +134,29 @@ class _Reached(_Same):
         self.found = Reach({target: {} for target in targets})
         self.now: dict[str, set[int]] = {target: set() for target in targets}
         """What was reached since the last note."""
+        self._made: dict[str, dict[str, set[int]]] = {}
+        """What the making of each fixture that tests share has reached."""
 
-    def _note(self, test: str) -> None:
+    def _note(self, test: str, fixtures: Sequence[str] = ()) -> None:
+        for shared in (self._made[name] for name in fixtures if name in self._made):
+            for target, lines in shared.items():
+                self.now[target].update(lines)
         for target, lines in self.now.items():
             if lines:
                 self.found.lines[target].setdefault(test, set()).update(lines)
                 lines.clear()
+
+    @pytest.hookimpl(hookwrapper=True)
+    def pytest_fixture_setup(self, fixturedef: pytest.FixtureDef[object]) -> Iterator[None]:
+        """Note for all who share a fixture what its making reaches: whoever comes first makes it."""
+        before = {target: set(lines) for target, lines in self.now.items()}
+        for lines in self.now.values():
+            lines.clear()
+        yield
+        if fixturedef.scope != "function":
+            self._made[fixturedef.argname] = {target: set(lines) for target, lines in self.now.items()}
+        for target, lines in before.items():
+            self.now[target].update(lines)
 
     @pytest.hookimpl(hookwrapper=True)
     def pytest_runtest_protocol(self, item: pytest.Item) -> Iterator[None]:
@@ -147,7 +164,7 @@ class _Reached(_Same):
         begun = time.process_time()
         yield
         self.found.seconds[item.nodeid] = time.process_time() - begun
-        self._note(item.nodeid)
+        self._note(item.nodeid, getattr(item, "fixturenames", ()))
 
 
 class _Telling(importlib.machinery.SourceFileLoader):

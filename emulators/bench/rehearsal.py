@@ -6,7 +6,8 @@ is one column, which may be drawn in a panel and told in the summary.
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from importlib.metadata import entry_points
+from functools import cache
+from importlib.metadata import EntryPoints, entry_points
 from pathlib import Path as FilePath
 from typing import Any, Final
 
@@ -79,15 +80,20 @@ class Rehearsal:
         return {path.stem: path for path in sorted(self.missions.glob("*.toml"))}
 
 
+@cache
+def _entries() -> EntryPoints:
+    return entry_points(group=GROUP)
+
+
 def mission_names() -> list[str]:
     """Return the names of all shipped missions, of whichever robot."""
-    found = {name for entry in entry_points(group=GROUP) for name in entry.load().shipped()}
+    found = {name for entry in _entries() for name in entry.load().shipped()}
     return sorted(found)
 
 
 def rehearsal_of(robot: AnyRobot) -> Rehearsal:
     """Return the rehearsal of a robot's kind; LookupError where its package brings none."""
-    for entry in entry_points(group=GROUP, name=robot.kind):
+    for entry in _entries().select(name=robot.kind):
         rehearsal: Rehearsal = entry.load()
         return rehearsal
     raise LookupError(f"the package of the robot '{robot.kind}' brings no rehearsal (entry point {GROUP})")

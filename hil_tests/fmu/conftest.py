@@ -1,6 +1,7 @@
 """Plants for the tests of this folder: built once, closed after each test."""
 
 from collections.abc import Callable, Iterator, Mapping
+from functools import cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
@@ -8,10 +9,11 @@ from typing import Final
 import pytest
 
 from firmware_bridge.units import SECOND
-from fmu.build import ensure
+from fmu.build import ensure, export
 from fmu.plant import FmuPlant
 from fmu.rars.interface import INPUTS, OUTPUTS
 from hil_tests.fmu.instance import Instance, Maker
+from hil_tests.fmu.pendulum import pendulum
 
 FINE: Final = 50_000
 """A step in ns for closed forms in their limits, where tyres are stiffer or nothing damps: the plant takes
@@ -53,6 +55,20 @@ def fmu_file() -> dict[int, Path]:
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("unzipped")
+
+
+@pytest.fixture(scope="session")
+def pendulums(tmp_path_factory: pytest.TempPathFactory) -> Callable[[int], Path]:
+    """Return the FMU of a model that is no robot, for FMI 2 or 3, exported for who asks first."""
+    folder = tmp_path_factory.mktemp("pendulums")
+
+    @cache
+    def exported(fmi: int) -> Path:
+        path = folder / f"pendulum{fmi}.fmu"
+        export(pendulum(), fmi, path, token="{pendulum}")  # noqa: S106 - no password
+        return path
+
+    return exported
 
 
 @pytest.fixture

@@ -120,7 +120,11 @@ def test_the_program_says_so_in_one_line(other: Path, tmp_path: Path) -> None:
     mission = tmp_path / "short.toml"
     mission.write_text(MISSION, encoding="utf-8")
     words = ["bench", "rars", "-m", str(mission), "--plant", str(other), "--out", str(tmp_path / "out")]
-    script = "from firmware_bridge.cli import main; main()"
+    # Without pictures: Matplotlib would take more time than the run.
+    script = (
+        "import sys, types; from firmware_bridge.cli import main; "
+        "sys.modules['emulators.bench.plots'] = types.SimpleNamespace(draw=lambda *_, **__: []); main()"
+    )
     result = subprocess.run(
         [sys.executable, "-c", script, *words], capture_output=True, text=True, check=False
     )

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from zipfile import ZIP_DEFLATED, ZipFile
@@ -13,11 +14,10 @@ from typer.testing import CliRunner
 from emulators.bench.rehearsal import rehearsal_of
 from firmware_bridge import kinds
 from firmware_bridge.cli import program
-from fmu.build import ensure, export
+from fmu.build import ensure
 from fmu.errors import PlantError
 from fmu.plants import names
 from fmu.platforms import Platform, elsewhere, find_compiler, here
-from hil_tests.fmu.test_plant_generic import pendulum
 
 
 def run(*words: str) -> tuple[int, str, str]:
@@ -208,10 +208,8 @@ def test_a_robot_asks_for_its_axes_and_its_body(robot: str, axes: list[str], bod
     assert asked[4 * len(axes) :] == ["battery_voltage", *body]
 
 
-def test_all_that_is_missing_is_named(tmp_path: Path) -> None:
-    path = tmp_path / "pendulum.fmu"
-    export(pendulum(), 2, path, token="{pendulum}")  # noqa: S106 - no password
-    status, out, err = run("check", str(path))
+def test_all_that_is_missing_is_named(pendulums: Callable[[int], Path]) -> None:
+    status, out, err = run("check", str(pendulums(2)))
     assert status == 1
     assert f"fits:        no robot ({', '.join(sorted(kinds.names()))})" in out
     lacking = [line.split("'")[1] for line in err.splitlines() if "the FMU lacks" in line]

@@ -10,10 +10,8 @@ from zipfile import ZipFile
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from fmu.build import export
 from fmu.platforms import FLAGS
 from hil_tests.fmu.instance import VERSIONS, Instance, Maker
-from hil_tests.fmu.test_plant_generic import pendulum
 
 ERROR, ONE = 3, c_size_t(1)
 REFERENCES, VALUES = (c_uint32 * 1)(1), (c_double * 40)()
@@ -194,11 +192,9 @@ def test_the_build_description_names_the_flags_of_the_binary(fmu_file: dict[int,
 
 
 @pytest.fixture
-def swinging(tmp_path: Path) -> Callable[[int], Instance]:
+def swinging(pendulums: Callable[[int], Path], tmp_path: Path) -> Callable[[int], Instance]:
     def make(fmi: int) -> Instance:
-        path = tmp_path / f"pendulum{fmi}.fmu"
-        export(pendulum(), fmi, path, token="{pendulum}")  # noqa: S106 - no password
-        return Instance(path, tmp_path / str(fmi), logging=True)
+        return Instance(pendulums(fmi), tmp_path / str(fmi), logging=True)
 
     return make
 

@@ -1,6 +1,7 @@
 """`new`: from nothing to a driven robot in three commands; what it writes, and what it refuses."""
 
 import ast
+import json
 import math
 import os
 import resource
@@ -92,7 +93,7 @@ def mouse(tmp_path_factory: pytest.TempPathFactory) -> tuple[Beside, float]:
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     beside.bridge(*MOUSE)
     beside.installs("./mouse")
-    beside.bridge("bench", "mouse", "--out", "driven")
+    beside.bridge("bench", "mouse", "--mission", "line", "--out", "driven")
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     return beside, used
@@ -107,6 +108,14 @@ def test_three_commands_drive_a_robot_and_touch_nothing_of_the_product(
     assert used < PROCESSOR_S
     assert (beside.folder / "driven" / "summary.json").is_file()
     assert "mouse" in beside.bridge("robots")
+
+
+@pytest.mark.long(beside="test_three_commands_drive_a_robot_and_touch_nothing_of_the_product")
+def test_without_a_mission_it_drives_its_figure_of_eight(mouse: tuple[Beside, float]) -> None:
+    beside, _ = mouse
+    beside.bridge("bench", "mouse", "--out", "eight")
+    summary = json.loads((beside.folder / "eight" / "summary.json").read_text(encoding="utf-8"))
+    assert summary["mission"] == "figure_eight"
 
 
 @pytest.mark.parametrize(

@@ -3,13 +3,12 @@
 from collections.abc import Callable
 from typing import Any, TypeAlias
 
-import pytest
-
 from firmware_bridge.intent import NEVER_HEARD
 from firmware_bridge.robots.rars import KIND
 from firmware_bridge.safety.common import AXIS_ROWS, whole_robot_rows
 from firmware_bridge.safety.snapshot import Hold
 from firmware_bridge.units import SECOND, Nanoseconds
+from hil_tests.rows import every
 from hil_tests.safety.gate_bench import (
     Rars,
     Snapshot,
@@ -25,10 +24,8 @@ from hil_tests.safety.stop_cases import CASES, LINK, START, Case, above, drive
 
 Well: TypeAlias = Callable[..., Snapshot]
 
-each = pytest.mark.parametrize("case", CASES, ids=[f"{case.hold}-{n}" for n, case in enumerate(CASES)])
-with_or_without_a_look = pytest.mark.parametrize(
-    "between", [(), (1,), (1, 2, 3)], ids=["none", "one", "three"]
-)
+each = every("case", CASES, ids=lambda case: f"{case.hold}: {case.reason}")
+with_or_without_a_look = every("between", [(), (1,), (1, 2, 3)])
 
 
 def tripped(well: Well, case: Case, now: Nanoseconds = START, **changes: Any) -> Snapshot:

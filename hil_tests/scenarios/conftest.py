@@ -3,24 +3,36 @@
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any, Final
 
 import can
 import pytest
 
 from emulators.robots.rars import RarsStep as Step
+from firmware_bridge.kinds import find
+from firmware_bridge.robot import AnyRobot
 from hil_tests.scenarios.real_bus import MULTICAST, SDO_ANSWERS, SOCKETCAN, Bench, Eye
 from hil_tests.scenarios.ride import Armed, Ridden, Ride, ride
 
+KEPT: Final = 3
+"""So many robots stand by, armed."""
+
 
 @pytest.fixture(scope="session")
-def armed() -> Iterator[Callable[[], Armed]]:
-    """The armed robot, made when the first story needs it."""
+def armed() -> Iterator[Callable[[AnyRobot], Armed]]:
+    """Robots that are armed, each made when the first story needs it; those that were used last are kept."""
     made: list[Armed] = []
 
-    def get() -> Armed:
-        if not made:
-            made.append(Armed())
-        return made[0]
+    def get(robot: AnyRobot) -> Armed:
+        found = next((one for one in made if one.robot == robot), None)
+        if found is None:
+            if len(made) == KEPT:
+                made.pop(0).finish()
+            found = Armed(robot)
+        else:
+            made.remove(found)
+        made.append(found)
+        return found
 
     yield get
     for one in made:
@@ -28,17 +40,21 @@ def armed() -> Iterator[Callable[[], Armed]]:
 
 
 @pytest.fixture
-def rides(armed: Callable[[], Armed]) -> Iterator[Ridden]:
-    """Make rides: the first of a test that suits forks from the armed robot, all others have a new bench."""
-    made: list[Ride] = []
-    forked = False
+def rides(request: pytest.FixtureRequest, armed: Callable[[AnyRobot], Armed]) -> Iterator[Ridden]:
+    """Make rides: the first of a test that suits forks from the armed robot, all others have a new bench.
 
-    def begin(*steps: Step, **how: object) -> Ride:
+    A test that changes the program has new ones only: the armed robot began without its change.
+    """
+    made: list[Ride] = []
+    forked = "monkeypatch" in request.fixturenames
+
+    def begin(*steps: Step, **how: Any) -> Ride:
         nonlocal forked
         if not forked and Armed.suits(steps, how):
             forked = True
-            return armed().fork(*steps, **how)  # type: ignore[arg-type] # passed on as it came
-        made.append(ride(*steps, **how))  # type: ignore[arg-type] # passed on as it came
+            robot = how.pop("robot", None)
+            return armed(find("rars") if robot is None else robot).fork(*steps, **how)
+        made.append(ride(*steps, **how))
         return made[-1]
 
     yield begin

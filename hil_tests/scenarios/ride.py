@@ -127,8 +127,9 @@ def fault(kind: str, at_s: float, **how: object) -> Fault:
 class Armed:
     """A quiet bench whose robot has just been armed: a story that begins so may go on from there."""
 
-    def __init__(self) -> None:
-        self._ride = ride(ARMED, seconds=2 * SETTLED_S)
+    def __init__(self, robot: AnyRobot) -> None:
+        self.robot: Final = robot
+        self._ride = ride(ARMED, seconds=2 * SETTLED_S, robot=robot)
         self._ride.runs_until(SETTLED_S)
         self._moment = self._ride.rig.snapshot()
 
@@ -138,15 +139,16 @@ class Armed:
         faults = how.get("faults", ())
         assert isinstance(faults, Sequence)
         later = [*(step for step in steps if step is not ARMED), *faults]
-        known = {"seconds"} <= set(how) <= {"seconds", "faults"}
+        known = {"seconds"} <= set(how) <= {"seconds", "faults", "robot"}
         return ARMED in steps and known and all(each.at_s >= FIRST_S for each in later)
 
     def fork(self, *steps: Step, seconds: float, faults: Sequence[Fault] = ()) -> Ride:
         """Go back to the settled robot, and on with these steps and faults; the ride before ends."""
         one = self._ride
         one.rig.restore(self._moment)
-        one.rig.can_wire.unobserved()
-        one.rig.operator_wire.unobserved()
+        lines = [line.wire for line in one.rig.lines.values()]
+        for wire in (*one.rig.can_wires.values(), *lines, one.rig.operator_wire):
+            wire.unobserved()
         one.operator.take_over(story(STANDS, *steps, seconds=seconds))
         one.rig.faults.plan(faults)
         return Ride(one.rig, one.operator)

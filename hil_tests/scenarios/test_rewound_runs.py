@@ -142,7 +142,7 @@ def test_looking_at_a_run_does_not_change_it(straight: Straight, kept: Kept) -> 
 
 
 @pytest.mark.parametrize(
-    "count", [pytest.param(40, id="of 40"), pytest.param(EVERY, id="of all", marks=pytest.mark.long)]
+    "count", [pytest.param(16, id="of 16"), pytest.param(EVERY, id="of all", marks=pytest.mark.long)]
 )
 def test_from_any_instant_the_run_goes_on_as_it_went(straight: Straight, kept: Kept, count: int) -> None:
     """In a random order, so that the way to a moment is another one than the first time."""

@@ -2,9 +2,8 @@
 
 from collections.abc import Callable
 
-import pytest
-
 from firmware_bridge.wire.maxon.frame import Generation
+from hil_tests.rows import every
 from hil_tests.wire.maxon_frames import EXCHANGES, Exchange
 
 Cut = Callable[[bytes], list[bytes]]
@@ -12,7 +11,7 @@ CUTS: dict[str, Cut] = {
     "whole": lambda raw: [raw] if raw else [],
     "byte by byte": lambda raw: [raw[i : i + 1] for i in range(len(raw))],
 }
-fragmented = pytest.mark.parametrize("cut", CUTS.values(), ids=CUTS)
+fragmented = every("cut", CUTS.values(), ids=lambda cut: next(name for name, it in CUTS.items() if it is cut))
 
 
 def golden(exchange: Exchange, generation: Generation) -> tuple[bytes, bytes]:
@@ -33,9 +32,9 @@ def dialogue(exchange: Exchange, generation: Generation) -> list[tuple[str, byte
 
 
 CASES = [
-    pytest.param(exchange, generation, id=f"{exchange}-{generation.value}")
+    (exchange, generation)
     for exchange in EXCHANGES
     for generation, pair in ((Generation.V1, exchange.v1), (Generation.V2, exchange.v2))
     if pair is not None
 ]
-every_exchange = pytest.mark.parametrize(("exchange", "generation"), CASES)
+every_exchange = every(("exchange", "generation"), CASES)

@@ -14,6 +14,7 @@ from firmware_bridge.wire.natnet.glance import glance
 from firmware_bridge.wire.natnet.layout import FIRST, LAST, NatNetError, Version
 from firmware_bridge.wire.natnet.messages import Connect, MessageId, ServerInfo, packet, split
 from firmware_bridge.wire.natnet.models import ModelMarker, RigidBodyModel
+from hil_tests.rows import every
 
 T = TypeVar("T")
 VERSIONS = tuple(Version(*it) for it in ((2, 9), (2, 10), (3, 0), (3, 1), (4, 0), (4, 1), (4, 2), (4, 4)))
@@ -63,9 +64,9 @@ TWICE = (BODY, replace(BODY, mean_error_m=0.5))
 
 
 # A frame in one stroke, and one that only the rows read; a number that two bodies have is the last one's.
-@pytest.mark.parametrize("version", VERSIONS)
-@pytest.mark.parametrize("others", [(), ((0.5, 0.5, 0.5),)])
-@pytest.mark.parametrize("seen", [TWO, TWICE, ()])
+@every("version", VERSIONS)
+@every("others", [(), ((0.5, 0.5, 0.5),)])
+@every("seen", [TWO, TWICE, ()])
 def test_a_glance_sees_what_the_whole_frame_tells(
     version: Version, others: tuple[frames.Point, ...], seen: tuple[RigidBody, ...]
 ) -> None:

@@ -8,8 +8,9 @@ from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.objects import INDEXES, OBJECTS
 from firmware_bridge.wire.epos2.rows import Access, DataType, ObjectRow, Provenance
+from hil_tests.rows import every
 
-ROWS = pytest.mark.parametrize("row", OBJECTS.values(), ids=lambda row: str(row.address))
+ROWS = every("row", OBJECTS.values(), ids=lambda row: row.address)
 
 
 def test_the_table_has_the_objects_of_the_eds() -> None:
@@ -79,7 +80,7 @@ def test_a_row_says_how_far_its_default_is_known(row: ObjectRow) -> None:
         assert row.default in (0, b"")
 
 
-@pytest.mark.parametrize(
+@every(
     ("address", "default"),
     [
         (Address(0x1000), 0x0002_0192),

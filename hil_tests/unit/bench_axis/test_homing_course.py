@@ -7,6 +7,7 @@ from firmware_bridge.wire.abort import AbortCode, SdoAbort
 from firmware_bridge.wire.cia402 import Mode, State
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.functions import INPUT_EXECUTION, INPUT_PINS
+from hil_tests.rows import every
 from hil_tests.unit.bench_axis.axis_bench import ENABLED, GEAR, START, TURN, AxisBench
 
 REACHED, ATTAINED, FAILED, REFERENCED = 1 << 10, 1 << 12, 1 << 13, 1 << 15
@@ -90,7 +91,7 @@ def test_no_homing_needed_counts_as_referenced_where_it_is(bench: AxisBench) -> 
     assert bench.read(at.POSITION_ACTUAL) == position
 
 
-@pytest.mark.parametrize("method", sorted(set(range(-128, 128)) - set(METHODS)))
+@every("method", sorted(set(range(-128, 128)) - set(METHODS)))
 def test_other_methods_are_refused(method: int) -> None:
     bench = SHARED
     with pytest.raises(SdoAbort) as refusal:

@@ -11,6 +11,7 @@ from firmware_bridge import kinds
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import NEVER, from_seconds
+from hil_tests.rows import every
 from hil_tests.unit.capture_driver.capture_bench import table as cameras
 
 RARS = kinds.find("rars")
@@ -70,7 +71,7 @@ ON = {"serial_unplugged": SERIAL, "body_hidden": SEEN, "markers_swapped": SEEN}
 """What a kind is of, where RARS has it not."""
 
 
-@pytest.mark.parametrize("kind", KINDS.values(), ids=lambda kind: kind.name)
+@every("kind", KINDS.values(), ids=lambda kind: kind.name)
 def test_every_kind_can_be_named_with_the_least_that_it_needs(kind: Kind) -> None:
     robot = ON.get(kind.name, ROME if kind.name in ON_A_BOARD else RARS)
     keys = f"at_s = 2.0\n{LEAST.get(kind.name, '')}"
@@ -218,7 +219,7 @@ def test_a_fault_from_python_is_checked_alike() -> None:
     )
 
 
-@pytest.mark.parametrize("kind", KINDS.values(), ids=lambda kind: kind.name)
+@every("kind", KINDS.values(), ids=lambda kind: kind.name)
 def test_every_key_of_every_kind_is_explained(kind: Kind) -> None:
     keys = {key: (text, values) for key, text, values, _ in parameters(kind)}
     assert all(text for text, _ in keys.values())

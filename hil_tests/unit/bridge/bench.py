@@ -1,9 +1,10 @@
 """A bus with a bridge and its drives, and a ground station in the test's hand."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from emulators.rewind import Rewind
 from emulators.wires.can import CanWire
 from emulators.wires.datagram import DatagramWire
 from emulators.world import World
@@ -162,6 +163,34 @@ class Bench:
     def words(self, name: str, since: Nanoseconds) -> list[tuple[int, int]]:
         """Controlword and target of each set-point that a drive has heard."""
         return [(word, target) for now, word, target in self.drives[name].words if now >= since]
+
+
+class Moments:
+    """A bench that was started once; each test goes on from there, and finds nothing of the one before."""
+
+    def __init__(self, make: Callable[[], Bench]) -> None:
+        self._bench = make()
+        self._rewind = Rewind(self._bench)
+        self._bench.starts()
+        self._started = self._rewind.snapshot()
+        assert self._bench.arms() == ACCEPTED
+        self._armed = self._rewind.snapshot()
+
+    def started(self) -> Iterator[Bench]:
+        """Yield the bench as it runs, disarmed; see `sound`."""
+        self._rewind.restore(self._started)
+        return sound(self._bench)
+
+    def armed(self) -> Iterator[Bench]:
+        """Yield it armed, at rest."""
+        self._rewind.restore(self._armed)
+        return sound(self._bench)
+
+
+def sound(bench: Bench) -> Iterator[Bench]:
+    """Yield a bench to a test; its guard must have refused what the test says, or nothing."""
+    yield bench
+    assert [refusal.reason for refusal in bench.guard.refusals] == bench.refused
 
 
 def driving(bench: Bench, speed: float = 0.3) -> None:

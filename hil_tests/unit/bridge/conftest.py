@@ -10,7 +10,7 @@ from firmware_bridge import kinds
 from firmware_bridge.bridge import Bridge
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robots.rars import KIND
-from hil_tests.unit.bridge.bench import ACCEPTED, Bench
+from hil_tests.unit.bridge.bench import Bench, Moments, sound
 from hil_tests.unit.bridge.paper_drive import PaperDrive
 
 
@@ -32,16 +32,24 @@ def robot() -> AnyRobot:
 @pytest.fixture
 def bench() -> Iterator[Bench]:
     """Four drives, a bridge behind its guard, a station; the guard refuses what the test says, or nothing."""
-    bench = joined()
-    yield bench
-    assert [refusal.reason for refusal in bench.guard.refusals] == bench.refused
+    yield from sound(joined())
+
+
+@pytest.fixture(scope="session")
+def moments() -> Moments:
+    return Moments(joined)
 
 
 @pytest.fixture
-def armed(bench: Bench) -> Bench:
-    bench.starts()
-    assert bench.arms() == ACCEPTED
-    return bench
+def started(moments: Moments) -> Iterator[Bench]:
+    """The same when the drives are set up and the bridge runs."""
+    yield from moments.started()
+
+
+@pytest.fixture
+def armed(moments: Moments) -> Iterator[Bench]:
+    """The same, and armed."""
+    yield from moments.armed()
 
 
 @pytest.fixture

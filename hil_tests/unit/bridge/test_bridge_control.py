@@ -39,20 +39,19 @@ def other_says(bench: "Bench", *messages: Any) -> None:
     bench.world.run(bench.now)
 
 
-def test_who_arms_beside_a_stick_that_idles_begins_with_his_own_let_go(bench: "Bench") -> None:
-    bench.starts()
-    begin = bench.now
-    other_says(bench, order(ARM, 1.0), stick(1000))
+def test_who_arms_beside_a_stick_that_idles_begins_with_his_own_let_go(started: "Bench") -> None:
+    begin = started.now
+    other_says(started, order(ARM, 1.0), stick(1000))
     for _ in range(20):
-        other_says(bench, stick(1000))
-        bench.runs(0.05)
-    assert bench.bridge.seen.facts.armed
-    assert {target for _, target in bench.words("left", begin)} == {0}
-    assert "the stick was not let go after the silence" in bench.told()
+        other_says(started, stick(1000))
+        started.runs(0.05)
+    assert started.bridge.seen.facts.armed
+    assert {target for _, target in started.words("left", begin)} == {0}
+    assert "the stick was not let go after the silence" in started.told()
     for x in (0, 0, *(600,) * 20):
-        other_says(bench, stick(x))
-        bench.runs(0.05)
-    assert bench.drives["left"].rpm == RPM_AT_03
+        other_says(started, stick(x))
+        started.runs(0.05)
+    assert started.drives["left"].rpm == RPM_AT_03
 
 
 def test_control_that_passes_on_parts_the_operator_even_between_two_cycles(armed: "Bench") -> None:

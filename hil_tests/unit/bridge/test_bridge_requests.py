@@ -20,12 +20,11 @@ FORCE = 21196.0
 STOP, CLEAR = 0.0, 1.0
 
 
-def test_arming_while_the_stick_is_deflected_is_denied(bench: "Bench") -> None:
-    bench.starts()
-    bench.speed = 0.2
-    bench.runs(0.1)
-    assert bench.arms() == DENIED
-    assert "the base would move at once; let the stick go" in bench.told()
+def test_arming_while_the_stick_is_deflected_is_denied(started: "Bench") -> None:
+    started.speed = 0.2
+    started.runs(0.1)
+    assert started.arms() == DENIED
+    assert "the base would move at once; let the stick go" in started.told()
 
 
 def test_a_station_may_arm_before_it_speaks_of_motion(bench: "Bench") -> None:
@@ -100,14 +99,13 @@ def test_arming_ends_a_pause(armed: "Bench") -> None:
     assert armed.drives["left"].rpm == RPM_AT_03
 
 
-def test_the_steer_stick_is_let_go_before_arming_too(bench: "Bench") -> None:
-    bench.starts()
-    bench.steer = 30.0
-    bench.runs(0.1)
-    assert bench.arms() == DENIED
-    bench.steer = 0.0
-    bench.runs(0.1)
-    assert bench.arms() == ACCEPTED
+def test_the_steer_stick_is_let_go_before_arming_too(started: "Bench") -> None:
+    started.steer = 30.0
+    started.runs(0.1)
+    assert started.arms() == DENIED
+    started.steer = 0.0
+    started.runs(0.1)
+    assert started.arms() == ACCEPTED
 
 
 def test_who_armed_before_he_spoke_of_motion_begins_with_the_stick_let_go(bench: "Bench") -> None:

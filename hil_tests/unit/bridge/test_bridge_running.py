@@ -93,12 +93,11 @@ def test_the_set_point_bit_rises_at_a_new_position_and_falls_25_ms_later(armed: 
     assert 25 * MILLISECOND <= frames[risen + 1][0] - sync < 26 * MILLISECOND
 
 
-def test_not_armed_the_steering_is_told_to_halt_where_it_was(bench: "Bench") -> None:
-    bench.starts()
-    bench.steer = 20.0
-    begin = bench.now
-    bench.runs(0.3)
-    assert set(bench.words("steer", begin)) == {(0x010F, 0)}
+def test_not_armed_the_steering_is_told_to_halt_where_it_was(started: "Bench") -> None:
+    started.steer = 20.0
+    begin = started.now
+    started.runs(0.3)
+    assert set(started.words("steer", begin)) == {(0x010F, 0)}
 
 
 def test_a_silent_operator_trips_at_half_a_second_sharp(armed: "Bench") -> None:

@@ -62,20 +62,17 @@ def downloads(bench: "Bench", node: int) -> list[str]:
     return [frame for frame in frames if frame[0] == "2" and frame[3:8] != "40 60"]
 
 
-def test_four_drives_are_found_set_up_and_enabled(bench: "Bench") -> None:
-    bench.starts()
-    assert {drive.state for drive in bench.drives.values()} == {State.OPERATION_ENABLED}
-    assert bench.bridge.failure is None
+def test_four_drives_are_found_set_up_and_enabled(started: "Bench") -> None:
+    assert {drive.state for drive in started.drives.values()} == {State.OPERATION_ENABLED}
+    assert started.bridge.failure is None
 
 
-def test_the_left_wheel_is_set_up_with_these_bytes(bench: "Bench") -> None:
-    bench.starts()
-    assert downloads(bench, 1)[: len(LEFT_WHEEL)] == LEFT_WHEEL
+def test_the_left_wheel_is_set_up_with_these_bytes(started: "Bench") -> None:
+    assert downloads(started, 1)[: len(LEFT_WHEEL)] == LEFT_WHEEL
 
 
-def test_nothing_is_written_before_every_identity_is_known(bench: "Bench") -> None:
-    bench.starts()
-    frames = [(p.address, p.payload) for _, sender, p in bench.frames if sender == "bridge"]
+def test_nothing_is_written_before_every_identity_is_known(started: "Bench") -> None:
+    frames = [(p.address, p.payload) for _, sender, p in started.frames if sender == "bridge"]
     first = next(i for i, (a, p) in enumerate(frames) if 0x601 <= a <= 0x604 and p[0] >> 5 == 1)
     asked = {a for a, p in frames[:first] if p[1:4] == bytes.fromhex("181002")}
     assert asked == {0x601, 0x602, 0x603, 0x604}
@@ -88,19 +85,17 @@ def test_nothing_gets_power_before_every_drive_is_set_up(bench: "Bench") -> None
     assert all(drive.words == [] for drive in bench.drives.values())
 
 
-def test_a_recorded_walk_to_operation_enabled(bench: "Bench") -> None:
+def test_a_recorded_walk_to_operation_enabled(started: "Bench") -> None:
     # The words recorded from a real maxon drive: 06 00, 07 00, 0F 00.
-    bench.starts()
-    assert [payload for _, payload in bench.sent(0x501)][:3] == [
+    assert [payload for _, payload in started.sent(0x501)][:3] == [
         "06 00 00 00 00 00",
         "07 00 00 00 00 00",
         "0f 00 00 00 00 00",
     ]
 
 
-def test_the_heartbeat_comes_every_50_ms_once_it_has_listened(bench: "Bench") -> None:
-    bench.starts()
-    beats = bench.sent(0x764)
+def test_the_heartbeat_comes_every_50_ms_once_it_has_listened(started: "Bench") -> None:
+    beats = started.sent(0x764)
     assert {payload for _, payload in beats} == {"05"}
     assert len(beats) == 26, "it listens for 200 ms first"
     assert all(
@@ -108,9 +103,8 @@ def test_the_heartbeat_comes_every_50_ms_once_it_has_listened(bench: "Bench") ->
     )
 
 
-def test_limits_and_modes_reach_the_drive(bench: "Bench") -> None:
-    bench.starts()
-    steer, left = bench.drives["steer"].memory, bench.drives["left"].memory
+def test_limits_and_modes_reach_the_drive(started: "Bench") -> None:
+    steer, left = started.drives["steer"].memory, started.drives["left"].memory
     assert left[at.MODE] == b"\x03"
     assert steer[at.MODE] == b"\x01"
     assert left[at.OUTPUT_CURRENT_LIMIT] == (20_000).to_bytes(2, "little")

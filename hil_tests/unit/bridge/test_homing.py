@@ -16,7 +16,17 @@ from firmware_bridge.wire.epos2 import address as at
 from hil_tests.scenarios.homed import LIFT as FILE
 from hil_tests.scenarios.homed import STEER as STEERS
 from hil_tests.scenarios.homed import homed
-from hil_tests.unit.bridge.bench import ACCEPTED, DENIED, LIFT, STANDS, STEER, TEMPORARILY_REJECTED, Bench
+from hil_tests.unit.bridge.bench import (
+    ACCEPTED,
+    DENIED,
+    LIFT,
+    STANDS,
+    STEER,
+    TEMPORARILY_REJECTED,
+    Bench,
+    Moments,
+    sound,
+)
 from hil_tests.unit.bridge.paper_drive import ACTUAL_POSITION, PaperDrive
 
 NAN: Final = float("nan")
@@ -104,9 +114,12 @@ class Seeking(PaperDrive):
 @pytest.fixture
 def bench() -> Iterator[Bench]:
     """Four drives that know their zero; a bridge that homes lift and steering; the guard refuses nothing."""
-    made = begun(Bridge(ROBOT, KIND))
-    yield made
-    assert [refusal.reason for refusal in made.guard.refusals] == made.refused
+    yield from sound(begun(Bridge(ROBOT, KIND)))
+
+
+@pytest.fixture(scope="module")
+def moments() -> Moments:
+    return Moments(lambda: begun(Bridge(ROBOT, KIND)))
 
 
 def begun(bridge: Bridge) -> Bench:
@@ -123,7 +136,6 @@ def words(bench: Bench, since: Nanoseconds) -> list[str]:
 
 def homing(bench: Bench) -> Seeking:
     """Begin to home the lift; return its drive, on its way."""
-    bench.starts()
     assert bench.commands(STANDS, LIFT, NAN) == ACCEPTED
     bench.runs(0.4)
     assert holds(bench, "homing: lift")
@@ -133,38 +145,37 @@ def homing(bench: Bench) -> Seeking:
     return drive
 
 
-def test_what_goes_to_the_drive_is_read_back_before_it_starts(bench: Bench) -> None:
-    bench.starts()
-    begin = bench.now
-    assert bench.commands(STANDS, LIFT, NAN) == ACCEPTED
-    bench.runs(2.0)
-    assert tuple(words(bench, begin)) == FRAMES
+def test_what_goes_to_the_drive_is_read_back_before_it_starts(started: Bench) -> None:
+    begin = started.now
+    assert started.commands(STANDS, LIFT, NAN) == ACCEPTED
+    started.runs(2.0)
+    assert tuple(words(started, begin)) == FRAMES
     for node in (1, 2, 3):
-        assert [word for _, word in bench.sent(0x600 + node, begin) if not word.startswith("40 7c")] == []
+        assert [word for _, word in started.sent(0x600 + node, begin) if not word.startswith("40 7c")] == []
 
 
-def test_it_is_lost_while_it_homes_known_when_it_has_and_drives(bench: Bench) -> None:
-    homing(bench)
-    assert holds(bench, "axis zero lost: lift")
-    assert bench.arms() == TEMPORARILY_REJECTED
-    assert "arm: node 4 (scissor lift) moves to find its zero" in bench.told()
-    bench.runs(1.5)
-    assert not holds(bench, "homing: lift")
-    assert not holds(bench, "axis zero lost: lift")
-    assert bench.bridge.places["lift"] == 0.0
-    assert bench.arms() == ACCEPTED
-    bench.lift = 1.0
-    bench.runs(1.0)
-    assert bench.drives["lift"].position > 0.0
+def test_it_is_lost_while_it_homes_known_when_it_has_and_drives(started: Bench) -> None:
+    homing(started)
+    assert holds(started, "axis zero lost: lift")
+    assert started.arms() == TEMPORARILY_REJECTED
+    assert "arm: node 4 (scissor lift) moves to find its zero" in started.told()
+    started.runs(1.5)
+    assert not holds(started, "homing: lift")
+    assert not holds(started, "axis zero lost: lift")
+    assert started.bridge.places["lift"] == 0.0
+    assert started.arms() == ACCEPTED
+    started.lift = 1.0
+    started.runs(1.0)
+    assert started.drives["lift"].position > 0.0
 
 
-def test_one_at_a_time_and_nobody_confirms_meanwhile(bench: Bench) -> None:
-    homing(bench)
+def test_one_at_a_time_and_nobody_confirms_meanwhile(started: Bench) -> None:
+    homing(started)
     for axis, value in ((STEER, NAN), (LIFT, NAN), (STEER, 0.0), (LIFT, 0.1)):
-        assert bench.commands(STANDS, axis, value) == TEMPORARILY_REJECTED
-        assert "zero: node 4 (scissor lift) moves to find its zero" in bench.told()
-    bench.runs(1.5)
-    assert not holds(bench, "axis zero lost: lift")
+        assert started.commands(STANDS, axis, value) == TEMPORARILY_REJECTED
+        assert "zero: node 4 (scissor lift) moves to find its zero" in started.told()
+    started.runs(1.5)
+    assert not holds(started, "axis zero lost: lift")
 
 
 def test_an_axis_waits_for_those_that_its_file_names(bench: Bench) -> None:
@@ -183,27 +194,24 @@ def test_who_is_not_named_keeps_nobody(bench: Bench) -> None:
     assert bench.commands(STANDS, LIFT, NAN) == ACCEPTED
 
 
-def test_a_homed_axis_may_be_confirmed_as_well(bench: Bench) -> None:
-    bench.starts()
-    assert bench.commands(STANDS, LIFT, 0.3) == ACCEPTED
-    bench.runs(0.3)
-    assert bench.bridge.places["lift"] == pytest.approx(0.3, abs=1e-4)
-    assert bench.commands(STANDS, 1, NAN) == DENIED, "a wheel has no place"
+def test_a_homed_axis_may_be_confirmed_as_well(started: Bench) -> None:
+    assert started.commands(STANDS, LIFT, 0.3) == ACCEPTED
+    started.runs(0.3)
+    assert started.bridge.places["lift"] == pytest.approx(0.3, abs=1e-4)
+    assert started.commands(STANDS, 1, NAN) == DENIED, "a wheel has no place"
 
 
-def test_it_needs_an_operator_who_speaks(bench: Bench) -> None:
-    bench.starts()
-    bench.talks = False
-    bench.runs(1.0)
-    assert bench.commands(STANDS, LIFT, NAN) == TEMPORARILY_REJECTED
-    assert "home: no motion command for" in bench.told()
+def test_it_needs_an_operator_who_speaks(started: Bench) -> None:
+    started.talks = False
+    started.runs(1.0)
+    assert started.commands(STANDS, LIFT, NAN) == TEMPORARILY_REJECTED
+    assert "home: no motion command for" in started.told()
 
 
-def test_nobody_homes_an_armed_robot(bench: Bench) -> None:
-    bench.starts()
-    assert bench.arms() == ACCEPTED
-    assert bench.commands(STANDS, LIFT, NAN) == TEMPORARILY_REJECTED
-    assert "zero: disarm first" in bench.told()
+def test_nobody_homes_an_armed_robot(started: Bench) -> None:
+    assert started.arms() == ACCEPTED
+    assert started.commands(STANDS, LIFT, NAN) == TEMPORARILY_REJECTED
+    assert "zero: disarm first" in started.told()
 
 
 @pytest.mark.parametrize(
@@ -216,84 +224,84 @@ def test_nobody_homes_an_armed_robot(bench: Bench) -> None:
     ],
     ids=["disarm", "emergency stop", "pause", "hold"],
 )
-def test_every_way_to_ask_for_a_stop_stops_it(bench: Bench, command: int, params: tuple[float, ...]) -> None:
-    drive = homing(bench)
-    assert bench.commands(command, *params) == ACCEPTED
-    bench.runs(0.1)
+def test_every_way_to_ask_for_a_stop_stops_it(
+    started: Bench, command: int, params: tuple[float, ...]
+) -> None:
+    drive = homing(started)
+    assert started.commands(command, *params) == ACCEPTED
+    started.runs(0.1)
     assert not drive.seeking
-    assert holds(bench, "not homed: lift")
-    assert holds(bench, "axis zero lost: lift")
-    assert "it was stopped by an order" in bench.told()
+    assert holds(started, "not homed: lift")
+    assert holds(started, "axis zero lost: lift")
+    assert "it was stopped by an order" in started.told()
     stood = drive.position
-    bench.runs(2.0)
+    started.runs(2.0)
     assert drive.position == pytest.approx(stood, abs=1)
 
 
-def test_one_that_was_stopped_is_set_up_anew_and_homed_by_the_next_order(bench: Bench) -> None:
-    drive = homing(bench)
-    bench.commands(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0)
-    bench.runs(0.3)
-    assert bench.commands(STANDS, LIFT, NAN) == TEMPORARILY_REJECTED
-    assert "zero: enabling node 4 (scissor lift)" in bench.told()
-    bench.runs(1.0)
+def test_one_that_was_stopped_is_set_up_anew_and_homed_by_the_next_order(started: Bench) -> None:
+    drive = homing(started)
+    started.commands(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0)
+    started.runs(0.3)
+    assert started.commands(STANDS, LIFT, NAN) == TEMPORARILY_REJECTED
+    assert "zero: enabling node 4 (scissor lift)" in started.told()
+    started.runs(1.0)
     assert drive.memory[at.MODE] == b"\x01"
-    assert bench.commands(STANDS, LIFT, NAN) == ACCEPTED
-    bench.runs(0.1)
-    assert not holds(bench, "not homed: lift")
-    bench.runs(2.0)
-    assert bench.arms() == ACCEPTED
+    assert started.commands(STANDS, LIFT, NAN) == ACCEPTED
+    started.runs(0.1)
+    assert not holds(started, "not homed: lift")
+    started.runs(2.0)
+    assert started.arms() == ACCEPTED
 
 
-def test_a_drive_that_fails_is_told_and_halted(bench: Bench) -> None:
-    bench.drives["lift"].gives_up = True
-    homing(bench)
-    begin = bench.now
-    bench.runs(1.5)
-    assert "was not homed: it gave its homing up" in bench.told()
-    assert "2b 40 60 00 0f 01 00 00" in words(bench, begin)
-    assert holds(bench, "axis zero lost: lift")
+def test_a_drive_that_fails_is_told_and_halted(started: Bench) -> None:
+    started.drives["lift"].gives_up = True
+    homing(started)
+    begin = started.now
+    started.runs(1.5)
+    assert "was not homed: it gave its homing up" in started.told()
+    assert "2b 40 60 00 0f 01 00 00" in words(started, begin)
+    assert holds(started, "axis zero lost: lift")
 
 
-def test_one_that_does_not_end_is_halted_in_its_time(bench: Bench) -> None:
+def test_one_that_does_not_end_is_halted_in_its_time(started: Bench) -> None:
     """It creeps; the file gives it 12 s. Afterwards nobody moves it."""
-    bench.starts()
-    bench.stands()
-    drive = bench.drives["steer"]
+    started.stands()
+    drive = started.drives["steer"]
     drive.seeks_for, drive.rushes = 1000 * SECOND, 0.1
-    begin = bench.now
-    assert bench.commands(STANDS, STEER, NAN) == ACCEPTED
-    bench.runs(11.5)
+    begin = started.now
+    assert started.commands(STANDS, STEER, NAN) == ACCEPTED
+    started.runs(11.5)
     assert drive.seeking
-    bench.runs(1.0)
+    started.runs(1.0)
     assert not drive.seeking
-    assert bench.now - begin < 13 * SECOND
-    assert "was not homed: it has not found its zero in time" in bench.told()
-    assert holds(bench, "axis zero lost: steer")
+    assert started.now - begin < 13 * SECOND
+    assert "was not homed: it has not found its zero in time" in started.told()
+    assert holds(started, "axis zero lost: steer")
 
 
-def test_one_that_goes_beyond_its_travel_is_stopped(bench: Bench) -> None:
+def test_one_that_goes_beyond_its_travel_is_stopped(started: Bench) -> None:
     """From end to end are 5.33 rad, 0.15 of offset, and 0.23 beyond: at 1 rad/s it is stopped before 6 s."""
-    bench.starts()
-    bench.stands()
-    drive = bench.drives["steer"]
+    started.stands()
+    drive = started.drives["steer"]
     drive.seeks_for = 1000 * SECOND
-    assert bench.commands(STANDS, STEER, NAN) == ACCEPTED
-    bench.runs(5.5)
+    assert started.commands(STANDS, STEER, NAN) == ACCEPTED
+    started.runs(5.5)
     assert drive.seeking
-    bench.runs(0.7)
+    started.runs(0.7)
     assert not drive.seeking
-    assert "it went further than 5.713 rad" in bench.told()
-    assert holds(bench, "axis zero lost: steer")
+    assert "it went further than 5.713 rad" in started.told()
+    assert holds(started, "axis zero lost: steer")
 
 
-def test_one_that_runs_faster_loses_its_power(bench: Bench) -> None:
-    drive = homing(bench)
+def test_one_that_runs_faster_loses_its_power(started: Bench) -> None:
+    drive = homing(started)
     drive.rushes, drive.seeks_for = 1.5, 100 * SECOND
-    bench.runs(0.8)
+    started.runs(0.8)
     assert not drive.seeking
     assert drive.state is not State.OPERATION_ENABLED
-    assert "told to find its zero, moves with -5.99 rad/s" in bench.told()
-    assert holds(bench, "not homed: lift")
+    assert "told to find its zero, moves with -5.99 rad/s" in started.told()
+    assert holds(started, "not homed: lift")
 
 
 @pytest.mark.parametrize(
@@ -307,23 +315,22 @@ def test_one_that_runs_faster_loses_its_power(bench: Bench) -> None:
     ],
 )
 def test_a_drive_that_reads_back_something_else_is_never_started(
-    bench: Bench, address: at.Address, lies: bytes
+    started: Bench, address: at.Address, lies: bytes
 ) -> None:
-    bench.starts()
-    drive = bench.drives["lift"]
+    drive = started.drives["lift"]
 
     class Liar(dict[at.Address, bytes]):
         def __setitem__(self, key: at.Address, value: bytes) -> None:
             super().__setitem__(key, lies if key == address else value)
 
     drive.memory = Liar(drive.memory)
-    begin = bench.now
-    assert bench.commands(STANDS, LIFT, NAN) == ACCEPTED
-    bench.runs(1.0)
-    assert [word for word in words(bench, begin) if word.startswith("2b 40 60 00 1f")] == []
-    assert holds(bench, "not homed: lift")
-    assert holds(bench, "axis zero lost: lift")
-    assert bench.arms() == TEMPORARILY_REJECTED
+    begin = started.now
+    assert started.commands(STANDS, LIFT, NAN) == ACCEPTED
+    started.runs(1.0)
+    assert [word for word in words(started, begin) if word.startswith("2b 40 60 00 1f")] == []
+    assert holds(started, "not homed: lift")
+    assert holds(started, "axis zero lost: lift")
+    assert started.arms() == TEMPORARILY_REJECTED
 
 
 def test_at_the_start_one_is_homed_after_the_other() -> None:

@@ -60,58 +60,53 @@ def restarted(bench: "Bench", name: str = "lift") -> None:
     assert bench.drives[name].state is State.OPERATION_ENABLED
 
 
-def test_what_goes_to_the_drive_is_homing_by_method_35(bench: "Bench") -> None:
-    bench.starts()
-    begin = bench.now
-    assert bench.commands(STANDS, LIFT, 0.0) == ACCEPTED
-    bench.runs(0.3)
-    assert tuple(payload for _, payload in bench.sent(0x604, begin)) == FRAMES
+def test_what_goes_to_the_drive_is_homing_by_method_35(started: "Bench") -> None:
+    begin = started.now
+    assert started.commands(STANDS, LIFT, 0.0) == ACCEPTED
+    started.runs(0.3)
+    assert tuple(payload for _, payload in started.sent(0x604, begin)) == FRAMES
     for node in (1, 2, 3):
-        assert [word for _, word in bench.sent(0x600 + node, begin) if not word.startswith("40 7c")] == []
+        assert [word for _, word in started.sent(0x600 + node, begin) if not word.startswith("40 7c")] == []
 
 
-def test_the_place_is_that_of_the_axis(bench: "Bench") -> None:
-    bench.starts()
-    assert bench.commands(STANDS, LIFT, HALF_UP_M) == ACCEPTED
-    bench.runs(0.3)
-    assert bench.drives["lift"].position == pytest.approx(HALF_UP_QC, abs=1)
-    assert bench.bridge.seen.body.lift_m == pytest.approx(HALF_UP_M, abs=1e-5)
-    assert bench.commands(STANDS, STEER, -45.0) == ACCEPTED
-    bench.runs(0.3)
-    assert bench.bridge.seen.body.steer_rad == pytest.approx(-0.7853982, abs=1e-4)
+def test_the_place_is_that_of_the_axis(started: "Bench") -> None:
+    assert started.commands(STANDS, LIFT, HALF_UP_M) == ACCEPTED
+    started.runs(0.3)
+    assert started.drives["lift"].position == pytest.approx(HALF_UP_QC, abs=1)
+    assert started.bridge.seen.body.lift_m == pytest.approx(HALF_UP_M, abs=1e-5)
+    assert started.commands(STANDS, STEER, -45.0) == ACCEPTED
+    started.runs(0.3)
+    assert started.bridge.seen.body.steer_rad == pytest.approx(-0.7853982, abs=1e-4)
 
 
-def test_a_restarted_drive_moves_when_it_was_told_where_it_stands(bench: "Bench") -> None:
-    bench.starts()
-    restarted(bench)
-    assert lost(bench, "lift")
-    assert not lost(bench, "steer")
-    assert bench.arms() == TEMPORARILY_REJECTED
-    assert "its zero is lost" in bench.told()
-    assert bench.commands(STANDS, LIFT, HALF_UP_M) == ACCEPTED
-    bench.runs(0.3)
-    assert not lost(bench, "lift")
-    assert bench.arms() == ACCEPTED
-    bench.runs(0.5)
-    assert bench.drives["lift"].position == pytest.approx(HALF_UP_QC, abs=1), "to be told moves nothing"
+def test_a_restarted_drive_moves_when_it_was_told_where_it_stands(started: "Bench") -> None:
+    restarted(started)
+    assert lost(started, "lift")
+    assert not lost(started, "steer")
+    assert started.arms() == TEMPORARILY_REJECTED
+    assert "its zero is lost" in started.told()
+    assert started.commands(STANDS, LIFT, HALF_UP_M) == ACCEPTED
+    started.runs(0.3)
+    assert not lost(started, "lift")
+    assert started.arms() == ACCEPTED
+    started.runs(0.5)
+    assert started.drives["lift"].position == pytest.approx(HALF_UP_QC, abs=1), "to be told moves nothing"
 
 
-def test_it_may_be_said_twice_and_once_more_otherwise(bench: "Bench") -> None:
-    bench.starts()
+def test_it_may_be_said_twice_and_once_more_otherwise(started: "Bench") -> None:
     for height in (0.1, 0.1, 0.2):
-        assert bench.commands(STANDS, LIFT, height) == ACCEPTED
-        bench.runs(0.3)
-        assert bench.bridge.seen.body.lift_m == pytest.approx(height, abs=1e-5)
-    assert bench.arms() == ACCEPTED
+        assert started.commands(STANDS, LIFT, height) == ACCEPTED
+        started.runs(0.3)
+        assert started.bridge.seen.body.lift_m == pytest.approx(height, abs=1e-5)
+    assert started.arms() == ACCEPTED
 
 
-def test_while_it_is_set_it_is_said_again_in_vain_and_nobody_is_armed(bench: "Bench") -> None:
-    bench.starts()
-    assert bench.commands(STANDS, LIFT, 0.1) == ACCEPTED
-    assert bench.commands(STANDS, LIFT, 0.2) == TEMPORARILY_REJECTED
-    assert bench.arms() == TEMPORARILY_REJECTED
-    bench.runs(0.3)
-    assert bench.bridge.seen.body.lift_m == pytest.approx(0.1, abs=1e-5)
+def test_while_it_is_set_it_is_said_again_in_vain_and_nobody_is_armed(started: "Bench") -> None:
+    assert started.commands(STANDS, LIFT, 0.1) == ACCEPTED
+    assert started.commands(STANDS, LIFT, 0.2) == TEMPORARILY_REJECTED
+    assert started.arms() == TEMPORARILY_REJECTED
+    started.runs(0.3)
+    assert started.bridge.seen.body.lift_m == pytest.approx(0.1, abs=1e-5)
 
 
 @pytest.mark.parametrize(
@@ -129,21 +124,19 @@ def test_while_it_is_set_it_is_said_again_in_vain_and_nobody_is_armed(bench: "Be
     ],
 )
 def test_a_wrong_axis_or_value_is_refused_with_its_reason(
-    bench: "Bench", axis: int, value: float, why: str
+    started: "Bench", axis: int, value: float, why: str
 ) -> None:
-    bench.starts()
-    begin = bench.now
-    assert bench.commands(STANDS, axis, value) == DENIED
-    assert f"zero: {why}" in bench.told()
-    bench.runs(0.3)
-    written = [word for node in (1, 2, 3, 4) for _, word in bench.sent(0x600 + node, begin)]
+    begin = started.now
+    assert started.commands(STANDS, axis, value) == DENIED
+    assert f"zero: {why}" in started.told()
+    started.runs(0.3)
+    written = [word for node in (1, 2, 3, 4) for _, word in started.sent(0x600 + node, begin)]
     assert [word for word in written if not word.startswith("40")] == []
 
 
 @pytest.mark.parametrize(("axis", "value"), [(LIFT, 0.0), (LIFT, 1.115), (STEER, 60.0), (STEER, -60.0)])
-def test_the_ends_of_an_axis_are_places_too(bench: "Bench", axis: int, value: float) -> None:
-    bench.starts()
-    assert bench.commands(STANDS, axis, value) == ACCEPTED
+def test_the_ends_of_an_axis_are_places_too(started: "Bench", axis: int, value: float) -> None:
+    assert started.commands(STANDS, axis, value) == ACCEPTED
 
 
 def test_nobody_is_asked_while_the_robot_is_armed_or_moves(armed: "Bench") -> None:
@@ -167,17 +160,16 @@ def test_nor_after_a_forced_disarm_or_in_an_emergency_stop(armed: "Bench") -> No
     assert "zero: the power was taken by force" in armed.told()
 
 
-def test_a_drive_without_power_is_enabled_first(bench: "Bench") -> None:
+def test_a_drive_without_power_is_enabled_first(started: "Bench") -> None:
     """An arm would do it, too; but one is refused while the lift would go where it was told before."""
-    bench.starts()
-    bench.inject("lift", bench.drives["lift"].boots())
-    bench.runs(3)
-    assert bench.commands(STANDS, LIFT, 0.1) == TEMPORARILY_REJECTED
-    assert "first, say it again" in bench.told()
-    bench.runs(1.0)
-    assert bench.commands(STANDS, LIFT, 0.1) == ACCEPTED
-    bench.runs(0.3)
-    assert bench.arms() == ACCEPTED
+    started.inject("lift", started.drives["lift"].boots())
+    started.runs(3)
+    assert started.commands(STANDS, LIFT, 0.1) == TEMPORARILY_REJECTED
+    assert "first, say it again" in started.told()
+    started.runs(1.0)
+    assert started.commands(STANDS, LIFT, 0.1) == ACCEPTED
+    started.runs(0.3)
+    assert started.arms() == ACCEPTED
 
 
 @pytest.mark.parametrize(
@@ -193,60 +185,57 @@ def test_a_drive_without_power_is_enabled_first(bench: "Bench") -> None:
     ],
 )
 def test_a_drive_that_does_not_take_it_is_never_told_to_home(
-    bench: "Bench", address: at.Address, how: str, says: str
+    started: "Bench", address: at.Address, how: str, says: str
 ) -> None:
-    bench.starts()
-    drive = bench.drives["steer"]
+    drive = started.drives["steer"]
     drive.referenced = False
     if how == "refuses":
         drive.refuses[address] = AbortCode.DEVICE_STATE
     else:
         drive.forgets.add(address)
-    begin = bench.now
-    assert bench.commands(STANDS, STEER, 10.0) == ACCEPTED
-    bench.runs(1.0)
-    words = [word for _, word in bench.sent(0x603, begin)]
+    begin = started.now
+    assert started.commands(STANDS, STEER, 10.0) == ACCEPTED
+    started.runs(1.0)
+    words = [word for _, word in started.sent(0x603, begin)]
     assert [word for word in words if word.startswith("2b 40 60 00 1f")] == []
-    assert lost(bench, "steer")
-    assert bench.arms() == TEMPORARILY_REJECTED
-    assert says in bench.told()
+    assert lost(started, "steer")
+    assert started.arms() == TEMPORARILY_REJECTED
+    assert says in started.told()
 
 
-def test_one_that_restarts_meanwhile_has_lost_it(bench: "Bench") -> None:
-    bench.starts()
-    assert bench.commands(STANDS, LIFT, 0.1) == ACCEPTED
-    bench.inject("lift", bench.drives["lift"].boots())
-    bench.runs(0.5)
-    assert lost(bench, "lift")
-    assert bench.arms() == TEMPORARILY_REJECTED
+def test_one_that_restarts_meanwhile_has_lost_it(started: "Bench") -> None:
+    assert started.commands(STANDS, LIFT, 0.1) == ACCEPTED
+    started.inject("lift", started.drives["lift"].boots())
+    started.runs(0.5)
+    assert lost(started, "lift")
+    assert started.arms() == TEMPORARILY_REJECTED
 
 
 @pytest.mark.parametrize(("after", "force"), list(product((0, 1, 2, 3, 5, 8), (False, True))))
 def test_a_stop_in_the_middle_leaves_it_lost_and_the_drive_is_set_up_anew(
-    bench: "Bench", after: int, *, force: bool
+    started: "Bench", after: int, *, force: bool
 ) -> None:
-    bench.starts()
-    drive = bench.drives["lift"]
+    drive = started.drives["lift"]
     drive.referenced = False
-    bench.says(dialect.MAVLink_command_long_message(1, 1, STANDS, 0, LIFT, 0.1, 0, 0, 0, 0, 0))
-    bench.world.run(bench.now + after * 250_000)
+    started.says(dialect.MAVLink_command_long_message(1, 1, STANDS, 0, LIFT, 0.1, 0, 0, 0, 0, 0))
+    started.world.run(started.now + after * 250_000)
     if force:
-        bench.commands(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0, 21196.0)
+        started.commands(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0, 21196.0)
     else:
-        bench.commands(dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE, 0.0)
-        bench.runs(0.3)
-        bench.commands(dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE, 1.0)
-    bench.runs(0.5)
-    began = lost(bench, "lift")
-    bench.arms()
-    bench.runs(1.0)
+        started.commands(dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE, 0.0)
+        started.runs(0.3)
+        started.commands(dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE, 1.0)
+    started.runs(0.5)
+    began = lost(started, "lift")
+    started.arms()
+    started.runs(1.0)
     if began:
-        assert bench.commands(STANDS, LIFT, 0.1) == ACCEPTED
-        bench.runs(0.3)
-    assert bench.arms() == ACCEPTED
-    bench.runs(0.2)
+        assert started.commands(STANDS, LIFT, 0.1) == ACCEPTED
+        started.runs(0.3)
+    assert started.arms() == ACCEPTED
+    started.runs(0.2)
     assert drive.memory[at.MODE] == b"\x01"
-    assert bench.bridge.seen.body.lift_m == pytest.approx(0.1, abs=1e-5)
+    assert started.bridge.seen.body.lift_m == pytest.approx(0.1, abs=1e-5)
 
 
 def test_what_an_earlier_run_has_kept_is_told_and_not_believed(bench: "Bench") -> None:
@@ -262,12 +251,11 @@ def test_what_an_earlier_run_has_kept_is_told_and_not_believed(bench: "Bench") -
     assert bench.bridge.places == {"lift": 0.1, "steer": 0.0}
 
 
-def test_after_a_restart_it_is_told_where_the_axis_was_last(bench: "Bench") -> None:
-    bench.starts()
-    bench.stands(steer_deg=-30.0, lift_m=0.3)
-    restarted(bench)
-    assert "nobody knows where it stands (last known: 0.3 m)" in bench.told()
-    assert bench.bridge.places == pytest.approx({"lift": 0.3, "steer": -30.0}, abs=1e-3)
+def test_after_a_restart_it_is_told_where_the_axis_was_last(started: "Bench") -> None:
+    started.stands(steer_deg=-30.0, lift_m=0.3)
+    restarted(started)
+    assert "nobody knows where it stands (last known: 0.3 m)" in started.told()
+    assert started.bridge.places == pytest.approx({"lift": 0.3, "steer": -30.0}, abs=1e-3)
 
 
 def started_with(bench_with: "Callable[[Bridge], Bench]", **stands: float) -> "Bench":
@@ -309,12 +297,11 @@ def test_nobody_starts_a_bridge_with_a_place_that_there_is_not(stands: dict[str,
         Bridge(robot, KIND, stands=tuple(ConfirmZero(*one) for one in stands.items()))
 
 
-def test_a_zero_that_was_known_is_lost_where_a_new_one_did_not_come_to_its_end(bench: "Bench") -> None:
+def test_a_zero_that_was_known_is_lost_where_a_new_one_did_not_come_to_its_end(started: "Bench") -> None:
     """Bit 15 stands all the time; but nobody knows which of the two the drive counts from."""
-    bench.starts()
-    assert not lost(bench, "lift")
-    bench.says(dialect.MAVLink_command_long_message(1, 1, STANDS, 0, LIFT, 0.1, 0, 0, 0, 0, 0))
-    bench.world.run(bench.now + 750_000)
-    bench.commands(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0, 21196.0)
-    bench.runs(0.5)
-    assert lost(bench, "lift")
+    assert not lost(started, "lift")
+    started.says(dialect.MAVLink_command_long_message(1, 1, STANDS, 0, LIFT, 0.1, 0, 0, 0, 0, 0))
+    started.world.run(started.now + 750_000)
+    started.commands(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0, 21196.0)
+    started.runs(0.5)
+    assert lost(started, "lift")

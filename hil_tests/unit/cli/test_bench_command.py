@@ -47,7 +47,9 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("bench")
     (folder / "said").write_text(bench(folder / "first"), encoding="utf-8")
     bench(folder / "second")
-    bench(folder / "other", seed=1)
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr("emulators.bench.plots.draw", lambda *_, **__: [])
+        bench(folder / "other", seed=1)  # of which nobody looks at the pictures
     return folder
 
 

@@ -15,6 +15,17 @@ from firmware_bridge.cli import program
 from fmu.errors import PlantError
 
 PROGRAM: Final = [sys.executable, "-c", "from firmware_bridge.cli import main; main()"]
+WITHOUT_PICTURES: Final = [
+    sys.executable,
+    "-c",
+    """
+import sys, types
+from firmware_bridge.cli import main
+sys.modules["emulators.bench.plots"] = types.SimpleNamespace(draw=lambda *_, **__: [])
+main()
+""",
+]
+"""They are not for the terminal, and Matplotlib takes more time than the run."""
 MISSION: Final = 'title = "look"\nduration_s = 0.3\n\n[[step]]\nat_s = 0.1\ntitle = "arm"\narm = true\n'
 ASCII: Final = {
     "by Python's own variable": {"PYTHONIOENCODING": "ascii"},
@@ -32,7 +43,7 @@ def test_a_terminal_that_knows_only_ascii_is_told_a_run_in_ascii(how: str, tmp_p
     mission.write_text(MISSION, encoding="utf-8")
     words = ["bench", "rars", "--mission", str(mission), "--out", str(tmp_path / "out")]
     ended = subprocess.run(
-        [*PROGRAM, *words], capture_output=True, check=False, env=environment(**ASCII[how])
+        [*WITHOUT_PICTURES, *words], capture_output=True, check=False, env=environment(**ASCII[how])
     )
     assert ended.returncode == 0, ended.stderr
     assert b" m/s2 " in ended.stdout

@@ -18,6 +18,7 @@ from firmware_bridge.wire.epos2.emergency import EMERGENCIES
 from firmware_bridge.wire.epos2.objects import OBJECTS
 from firmware_bridge.wire.epos2.rows import ObjectRow
 from hil_tests.lanes import examples
+from hil_tests.rows import every
 
 UNIQUE = [row for row in OBJECTS.values() if len(BY_NAME[squashed(row.name)]) == 1]
 NUMBERS = [row for row in OBJECTS.values() if 0 < row.type.size <= LONGEST_WRITE]
@@ -26,13 +27,13 @@ GO = "enable operation"
 QUICK = settings(max_examples=examples(300), derandomize=True, database=None)
 
 
-@pytest.mark.parametrize("row", UNIQUE, ids=lambda row: row.name)
+@every("row", UNIQUE, ids=lambda row: row.name)
 def test_every_name_finds_its_object_however_it_is_spelt(row: ObjectRow) -> None:
     for text in (row.name, row.name.upper(), row.name.lower(), dashed(row.name), row.name.replace(" ", "_")):
         assert find(text) == row.address
 
 
-@pytest.mark.parametrize("row", OBJECTS.values(), ids=lambda row: str(row.address))
+@every("row", OBJECTS.values(), ids=lambda row: row.address)
 def test_every_address_is_read_as_it_is_printed(row: ObjectRow) -> None:
     assert find(str(row.address)) == row.address
 
@@ -166,7 +167,7 @@ def test_another_size_can_be_asked_for() -> None:
         parse(at.CONTROLWORD, "256", 1)
 
 
-@pytest.mark.parametrize(
+@every(
     ("address", "value", "mode", "told"),
     [
         (at.STATUSWORD, 0x0737, None, ON + "|remote (NMT operational)|target reached"),
@@ -204,12 +205,12 @@ def test_the_supported_modes_are_those_of_the_drive() -> None:
     }
 
 
-@pytest.mark.parametrize("code", EMERGENCIES)
+@every("code", EMERGENCIES, ids=hex)
 def test_every_emergency_in_the_history_has_its_cause(code: int) -> None:
     assert words(Address(0x1003, 1), code) == (f"0x{code:04X}", EMERGENCIES[code].cause)
 
 
-@pytest.mark.parametrize(
+@every(
     ("address", "raw", "moves"),
     [
         (at.CONTROLWORD, "0f00", True),

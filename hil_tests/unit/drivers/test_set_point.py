@@ -12,6 +12,7 @@ from firmware_bridge.drivers.epos2.scale import Scale, highest_rpm
 from firmware_bridge.drivers.epos2.set_point import PositionSetPoint, VelocitySetPoint
 from firmware_bridge.robot import Axis
 from firmware_bridge.wire.cia402 import State
+from hil_tests.rows import every
 from hil_tests.unit.drivers.robots import LINK, RARS, with_axis
 
 LEFT = RARS.axis("left_wheel")
@@ -69,8 +70,8 @@ def test_a_reversed_axis_turns_the_other_way() -> None:
     assert packet.payload.hex(" ") == "0f 00 2e fa ff ff"
 
 
-@pytest.mark.parametrize("state", NOT_ENABLED, ids=str)
-@pytest.mark.parametrize("demand", [Speed(3.0), to(500), Stop.REST, Stop.QUICK_STOP], ids=str)
+@every("state", NOT_ENABLED, ids=str)
+@every("demand", [Speed(3.0), to(500), Stop.REST, Stop.QUICK_STOP], ids=str)
 def test_a_drive_that_is_not_enabled_hears_quick_stop_only(state: State | None, demand: Demand) -> None:
     assert wheel(state).demand(demand).payload.hex(" ") == "0b 00 00 00 00 00"
     assert steering(state).demand(demand).payload.hex(" ") == "0b 00 00 00 00 00"

@@ -13,6 +13,7 @@ from emulators.world import World
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+from hil_tests.rows import every
 from hil_tests.unit.world.players import Player
 
 PUBLISHED_MS = {
@@ -44,9 +45,9 @@ def answer_time(bit_rate: int, request: str, node: int, profile: DeviceProfile) 
     return answered - ASKED
 
 
-@pytest.mark.parametrize("bit_rate", PUBLISHED_MS)
-@pytest.mark.parametrize("node", [1, 5, 127])
-@pytest.mark.parametrize("what", REQUESTS)
+@every("bit_rate", PUBLISHED_MS)
+@every("node", [1, 5, 127])
+@every("what", REQUESTS)
 def test_a_transfer_takes_the_published_time(bit_rate: int, node: int, what: str) -> None:
     taken = answer_time(bit_rate, REQUESTS[what], node, realistic(EPOS2_70_10))
     assert taken / MILLISECOND == pytest.approx(PUBLISHED_MS[bit_rate], rel=0.05)

@@ -7,17 +7,18 @@ from emulators.epos2.objects.choices import CHOICES, ChoiceError, chosen
 from emulators.epos2.objects.device_profile import EPOS2_70_10
 from firmware_bridge.units import MILLISECOND
 from firmware_bridge.wire.abort import AbortCode
+from hil_tests.rows import every
 from hil_tests.unit.epos2.quiet_motion import powered, u32
 
 
-@pytest.mark.parametrize("name", CHOICES)
+@every("name", CHOICES)
 def test_each_default_is_read_as_it_is_written(name: str) -> None:
     choice = CHOICES[name]
     assert choice.read(choice.text) == choice.default == getattr(EPOS2_70_10, choice.field)
     assert chosen(EPOS2_70_10, [f"{name}={choice.text}"]) == EPOS2_70_10
 
 
-@pytest.mark.parametrize("name", CHOICES)
+@every("name", CHOICES)
 def test_each_choice_is_on_the_ledger_with_default_and_evidence(name: str) -> None:
     (line,) = [line for line in ledger() if line.what == f"{name}={CHOICES[name].text}"]
     assert (line.provenance, line.source) == (CHOICES[name].known.provenance, CHOICES[name].known.source)

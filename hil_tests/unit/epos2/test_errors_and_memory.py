@@ -7,6 +7,7 @@ import pytest
 from emulators.epos2.objects.device_profile import EPOS2_70_10
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES
+from hil_tests.rows import every
 from hil_tests.unit.epos2.quiet_motion import Desk, powered
 
 
@@ -15,7 +16,7 @@ def told(desk: Desk, code: int) -> list[str]:
     return desk.hears("080#")
 
 
-@pytest.mark.parametrize("code", EMERGENCIES, ids=hex)
+@every("code", EMERGENCIES, ids=hex)
 def test_every_emergency_is_told_with_its_register(code: int) -> None:
     desk = powered()
     (frame,) = told(desk, code)

@@ -18,10 +18,11 @@ from firmware_bridge.wire.epos2.objects import OBJECTS
 from firmware_bridge.wire.epos2.objects_pdo import PROCESS_OBJECTS
 from firmware_bridge.wire.epos2.rows import DataType, ObjectRow
 from firmware_bridge.wire.pdo import MappingEntry
+from hil_tests.rows import Test, every
 from hil_tests.unit.epos2.quiet_motion import Desk, powered
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Callable, Collection
 
 RESTRICTED = {
     **{rule.address: "has a rule of its own" for rule in VALUE_RANGES},
@@ -38,8 +39,8 @@ FREE = [row for row in NUMBERS if row.access.writable and row.address not in RES
 BOUNDED = [row for row in FREE if (row.minimum, row.maximum) != (None, None)]
 
 
-def rows(selection: list[ObjectRow]) -> pytest.MarkDecorator:
-    return pytest.mark.parametrize("row", selection, ids=lambda row: str(row.address))
+def rows(selection: list[ObjectRow]) -> "Callable[[Test], Test]":
+    return every("row", selection, ids=lambda row: row.address)
 
 
 @cache
@@ -81,7 +82,8 @@ def test_a_constant_or_read_only_row_refuses_writing(row: ObjectRow) -> None:
 
 
 @rows(FREE)
-def test_a_row_takes_both_its_bounds(row: ObjectRow, store: ObjectStore) -> None:
+def test_a_row_takes_both_its_bounds(row: ObjectRow) -> None:
+    store = powered().store
     for value in row.bounds:
         store.write(row.address, row.type.encode(value))
         assert store.get(row.address) == value
@@ -129,8 +131,9 @@ def blank() -> Desk:
     return desk
 
 
-@pytest.mark.parametrize("rule", VALUE_RANGES, ids=lambda rule: str(rule.address))
-def test_a_rule_lets_through_what_it_lists_and_nothing_else(rule: ValueRange, store: ObjectStore) -> None:
+@every("rule", VALUE_RANGES, ids=lambda rule: rule.address)
+def test_a_rule_lets_through_what_it_lists_and_nothing_else(rule: ValueRange) -> None:
+    store = powered().store
     kind = OBJECTS[rule.address].type
     allowed = rule.allowed
     few: Collection[int] = allowed

@@ -2,8 +2,6 @@
 
 from dataclasses import replace
 
-import pytest
-
 from emulators.epos2.objects.device_profile import EPOS2_70_10
 from emulators.wires import SerialWire
 from firmware_bridge.packet import Packet, Reaction
@@ -15,11 +13,12 @@ from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.maxon import messages
 from firmware_bridge.wire.maxon.frame import Generation
 from firmware_bridge.wire.maxon.opcodes import row_of
+from hil_tests.rows import every
 from hil_tests.unit.epos2_serial.serial_desk import SerialDesk
 from hil_tests.wire.maxon_frames import EXCHANGES, Exchange
 
 CASES = [
-    pytest.param(exchange, generation, id=f"{exchange}-{generation.value}")
+    (exchange, generation)
     for exchange in EXCHANGES
     for generation, pair in ((Generation.V1, exchange.v1), (Generation.V2, exchange.v2))
     if pair is not None
@@ -64,7 +63,7 @@ def desk_for(exchange: Exchange, generation: Generation) -> SerialDesk:
     return desk
 
 
-@pytest.mark.parametrize(("exchange", "generation"), CASES)
+@every(("exchange", "generation"), CASES)
 def test_the_drive_answers_as_it_was_recorded(exchange: Exchange, generation: Generation) -> None:
     desk = desk_for(exchange, generation)
     answered = generation in row_of(exchange.request).answered
@@ -84,7 +83,7 @@ def wanted(exchange: Exchange, generation: Generation) -> tuple[bytes, bytes]:
     return asked + b"OO", b"OO" + answered
 
 
-@pytest.mark.parametrize(("exchange", "generation"), CASES)
+@every(("exchange", "generation"), CASES)
 def test_garbage_before_and_between_changes_nothing(exchange: Exchange, generation: Generation) -> None:
     desk = desk_for(exchange, generation)
     repeatable = not isinstance(exchange.request, messages.SegmentRead | messages.ReadLssFrame)

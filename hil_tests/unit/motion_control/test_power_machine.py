@@ -8,6 +8,7 @@ from emulators.epos2.control.power_states import TRANSITIONS, Delays
 from firmware_bridge.units import MILLISECOND
 from firmware_bridge.wire.cia402 import State, state_of
 from firmware_bridge.wire.epos2 import address as at
+from hil_tests.rows import every
 
 if TYPE_CHECKING:
     from hil_tests.unit.motion_control.conftest import Drive, Make
@@ -71,7 +72,7 @@ def lead_to(drive: "Drive", state: int) -> None:
         drive.control.communication_fault(0x8210)
 
 
-@pytest.mark.parametrize(("state", "word", "after"), CASES, ids=[f"{s:04X}-{w:02X}" for s, w, _ in CASES])
+@every(("state", "word", "after"), CASES, ids=hex)
 def test_every_command_in_every_state(make: "Make", state: int, word: int, after: int) -> None:
     drive = make(SLOW, boot=False)
     lead_to(drive, state)

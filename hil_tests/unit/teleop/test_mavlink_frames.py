@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from firmware_bridge.teleop.mavlink import Codec, concerns, dialect, text_of
 from hil_tests.lanes import examples
+from hil_tests.rows import every
 
 STATION, ROBOT = (255, 190), (1, 1)
 
@@ -152,7 +153,7 @@ def test_sequence_numbers_count_up_and_wrap_around() -> None:
     assert [codec.encode(message)[4] for _ in range(258)] == [*range(256), 0, 1]
 
 
-@pytest.mark.parametrize("at", range(len(ARM)))
+@every("at", range(len(ARM)))
 def test_one_wrong_bit_anywhere_is_no_command(at: int) -> None:
     for bit in range(8):
         codec = Codec(9, 9)
@@ -164,7 +165,7 @@ def test_one_wrong_bit_anywhere_is_no_command(at: int) -> None:
         assert codec.counters.corrupt + codec.counters.unknown == 1
 
 
-@pytest.mark.parametrize("length", range(len(ARM)))
+@every("length", range(len(ARM)))
 def test_a_cut_datagram_does_not_harm_the_next_one(length: int) -> None:
     codec = Codec(9, 9)
     assert codec.decode(ARM[:length]) == []

@@ -6,13 +6,13 @@ from collections import Counter
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-import pytest
 from pymavlink.dialects.v10 import all as mavlink_1
 
 from firmware_bridge.teleop.mavlink import WITHOUT_EXTENSIONS, Codec, dialect
 from firmware_bridge.teleop.trust import Trust
 from firmware_bridge.units import SECOND
 from firmware_bridge.wire.internet import number_of
+from hil_tests.rows import every
 from hil_tests.unit.teleop.bench import CYCLE, rars
 from hil_tests.unit.teleop.dated import NOW
 from hil_tests.unit.teleop.stations import ARM, FORCE, INTERVAL, Hand
@@ -64,7 +64,7 @@ class Old:
         return self.says(mavlink_1.MAVLink_command_long_message(1, 1, command, 0, *seven))
 
 
-@pytest.mark.parametrize("number", sorted(SENT))
+@every("number", sorted(SENT))
 def test_what_extensions_leave_of_a_message_is_what_mavlink_1_has(number: int) -> None:
     length = WITHOUT_EXTENSIONS.get(number, dialect.mavlink_map[number].unpacker.size)
     assert length == mavlink_1.mavlink_map[number].unpacker.size
