@@ -37,7 +37,7 @@ class _Turning:
 
     def advance(self, until: Nanoseconds) -> tuple[Nanoseconds, tuple[str, ...]]:
         """Move on; a board wakes by itself."""
-        self._board.motors.advance(until)
+        self._board.advance(until)
         return until, ()
 
 

@@ -64,11 +64,8 @@ class Mega:
         shafts: Shafts | None = None,
         others: tuple[Chip, ...] = (),
         boot: Nanoseconds = BOOT,
-        line_ends: frozenset[int] | None = None,
     ) -> None:
         """Flash a sketch; `others` are further chips on the bus, `boot` is how long the loader is deaf.
-
-        `line_ends`: until one of these comes the sketch only remembers what it reads; None: it may do more.
 
         `shafts` are brought up to each instant at which the board does something.
         """
@@ -83,7 +80,6 @@ class Mega:
         self._make: Final = sketch
         self._sketch: Sketch | None = None
         self._boot: Final = boot
-        self._line_ends: Final = line_ends
         self._starts_at: Nanoseconds = NEVER
         self._jobs: deque[Job] = deque()
         self._running: OnBus | None = None
@@ -100,11 +96,6 @@ class Mega:
     def sketch(self) -> Sketch | None:
         """What runs; None in the boot loader."""
         return self._sketch
-
-    @property
-    def stirred_by(self) -> frozenset[int] | None:
-        """Bytes that somebody may notice at once; None: any byte may be one."""
-        return None if self._sketch is None else self._line_ends
 
     # For sketches
 
