@@ -67,7 +67,7 @@ class Mega:
     ) -> None:
         """Flash a sketch; `others` are further chips on the bus, `boot` is how long the loader is deaf.
 
-        `shafts` are brought up to each instant at which the board does something.
+        `shafts` are told each instant at which the board does something.
         """
         self.shield: Final = MotorShield() if shield is None else shield
         self.shafts: Final = Shafts() if shafts is None else shafts
@@ -161,7 +161,7 @@ class Mega:
                     " there, and it wants to go on; its `due` must be later than its last `loop`"
                 )
             begun = max(begun, at)
-            self.shafts.advance(at)
+            self.shafts.reach(at)
             if self._sketch is None:
                 self._start(at)
             elif self._running is not None:

@@ -222,11 +222,15 @@ class Pca9685:
         self._take()
 
     def _take(self) -> None:
-        self.changes += 1
-        self._latched[:] = self._registers[:LED_END]
+        taken = self._registers[:LED_END]
+        if self._latched != taken:
+            self.changes += 1
+            self._latched[:] = taken
         if self._channel_written:
             self._channel_written = False
-            self._held = False
+            if self._held:
+                self.changes += 1
+                self._held = False
 
     def _next(self) -> None:
         if self._registers[MODE1] & AI:
