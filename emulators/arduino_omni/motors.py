@@ -277,7 +277,7 @@ class Motors(Shafts):
 
     def _tick(self, outputs: Sequence[Output]) -> None:
         faults, plant, place = self.faults, self._plant, self._load.supply
-        supply = self._constant_supply if place is None else plant.outputs[place]
+        supply = self._constant_supply if place is None else plant.outputs[place : place + 1][0]
         count = len(outputs)
         state = plant.outputs[: 3 * count]
         if faults:

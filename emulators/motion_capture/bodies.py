@@ -7,18 +7,20 @@ The room's axes are x, y and, upwards, z, as a plant has them; what the stream m
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Final, Protocol, TypeAlias
+from typing import Final, NamedTuple, Protocol, TypeAlias
 
 from firmware_bridge.units import Nanoseconds, to_seconds
 from firmware_bridge.wire.natnet.frame import Point, Quaternion
 
 
-@dataclass(frozen=True, slots=True)
-class Place:
+class Place(NamedTuple):
     """Where a body is, and how it is turned."""
 
     position: Point = (0.0, 0.0, 0.0)
     attitude: Quaternion = (0.0, 0.0, 0.0, 1.0)
+
+
+HERE: Final = Place()
 
 
 def on_floor(x: float, y: float, heading: float, height: float = 0.0) -> Place:
@@ -50,15 +52,14 @@ class OnFloor:
     def __init__(self, plant: Outputs, names: Sequence[str], height: float = 0.0) -> None:
         """Take the plant and its outputs' names; ValueError where one is missing."""
         self._plant: Final = plant
-        self._at: Final = tuple(names.index(name) for name in ("x", "y", "heading"))
+        self._at: Final = (names.index("x"), names.index("y"), names.index("heading"))
         self._height: Final = height
 
     def __call__(self, now: Nanoseconds) -> Place:
         """Return where it is."""
         del now
-        outputs = self._plant.outputs
-        x, y, heading = (outputs[place] for place in self._at)
-        return on_floor(x, y, heading, self._height)
+        outputs, (x, y, heading) = self._plant.outputs, self._at
+        return on_floor(outputs[x], outputs[y], outputs[heading], self._height)
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +81,7 @@ class Circling:
 class Standing:
     """The truth of a body that stays."""
 
-    place: Place = Place()
+    place: Place = HERE
 
     def __call__(self, now: Nanoseconds) -> Place:
         """Return where it is."""

@@ -17,9 +17,8 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Final
 
-from numpy.random import Generator
-
 from emulators.motion_capture.bodies import Body, Place, product, turned
+from emulators.motion_capture.chance import Chance
 from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire.natnet.frame import (
     BodyFlag,
@@ -94,7 +93,7 @@ class Exposure:
 
     bodies: Sequence[Body]
     cameras: Cameras
-    generator: Generator
+    chance: Chance
     disturbances: list[Hidden | Swapped] = field(default_factory=list)
     _last: dict[int, Place] = field(default_factory=dict)
     """Where each body was seen last."""
@@ -117,10 +116,10 @@ class Exposure:
         return tuple(bodies), tuple(markers)
 
     def _hidden(self, body: int, now: Nanoseconds) -> bool:
-        return any(
-            isinstance(one, Hidden) and one.body == body and one.begin <= now < one.end
-            for one in self.disturbances
-        )
+        for one in self.disturbances:
+            if isinstance(one, Hidden) and one.body == body and one.begin <= now < one.end:
+                return True
+        return False
 
     def _swapped(self, body: Body, now: Nanoseconds) -> Place:
         place = body.truth(now)
@@ -132,7 +131,7 @@ class Exposure:
         return place
 
     def _noisy(self, place: Place) -> Place:
-        x, y, z, roll, pitch, yaw = self.generator.standard_normal(6).tolist()
+        x, y, z, roll, pitch, yaw = self.chance.normals(6)
         noise, half = self.cameras.noise_m, 0.5 * self.cameras.noise_m / ARM_M
         position = _moved(place.position, (x * noise, y * noise, z * noise))
         return Place(position, _unit(product(place.attitude, (roll * half, pitch * half, yaw * half, 1.0))))

@@ -18,6 +18,7 @@ from typing import Final
 from numpy.random import Generator
 
 from emulators.motion_capture.bodies import Body
+from emulators.motion_capture.chance import Chance
 from emulators.motion_capture.exposure import Cameras, Exposure, Hidden, Swapped
 from emulators.motion_capture.server import Server
 from firmware_bridge.packet import Packet, Reaction
@@ -73,7 +74,8 @@ class MotionCapture:
     ) -> None:
         """Watch these bodies; frames leave on `data_link`. NatNetError for a version that is not known."""
         self.timing: Final = Timing() if timing is None else timing
-        self.exposure: Final = Exposure(bodies, Cameras() if cameras is None else cameras, generator)
+        chance = Chance(generator)
+        self.exposure: Final = Exposure(bodies, Cameras() if cameras is None else cameras, chance)
         self.server: Final = Server(
             version,
             _models(bodies, self.exposure),
@@ -82,9 +84,10 @@ class MotionCapture:
             data_port=data_port,
         )
         self._data_link: Final = data_link
-        self._generator: Final = generator
+        self._chance: Final = chance
         self._number = 0
-        """Of the next exposure."""
+        """Of the next exposure, and when that is."""
+        self._exposes_at: Nanoseconds = 0
         self._leaving: deque[tuple[Nanoseconds, Frame]] = deque()
         self.frames = 0
         """Frames that have left, to however many clients."""
@@ -103,7 +106,7 @@ class MotionCapture:
 
     def wake(self, now: Nanoseconds) -> Reaction:
         """Take the pictures that are due, and send the frames that are."""
-        while self.timing.exposed_at(self._number) <= now:
+        while self._exposes_at <= now:
             self._expose()
         sent: list[Packet] = []
         while self._leaving and self._leaving[0][0] <= now:
@@ -114,19 +117,19 @@ class MotionCapture:
 
     @property
     def _wake_at(self) -> Nanoseconds:
-        exposed_at = self.timing.exposed_at(self._number)
-        return min(exposed_at, self._leaving[0][0]) if self._leaving else exposed_at
+        return min(self._exposes_at, self._leaving[0][0]) if self._leaving else self._exposes_at
 
     def _expose(self) -> None:
         timing, number = self.timing, self._number
-        exposed = timing.exposed_at(number)
+        exposed = self._exposes_at
         bodies, markers = self.exposure.bodies_at(exposed)
         received = exposed + timing.received_after
-        late = round(timing.jitter * float(self._generator.standard_normal()))
+        late = round(timing.jitter * self._chance.normals(1)[0])
         sent = max(received, received + timing.sent_after + late)
         if self._leaving:
             sent = max(sent, self._leaving[-1][0])
         self._number = number + 1
+        self._exposes_at = timing.exposed_at(number + 1)
         frame = Frame(
             number,
             bodies=bodies,

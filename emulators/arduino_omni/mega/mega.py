@@ -31,6 +31,7 @@ LOADER_FRAME: Final = 0x1B
 """MESSAGE_START of the boot loader's protocol."""
 CONVERSION: Final[Nanoseconds] = 112 * MICROSECOND
 """One analogRead."""
+_UNASKED: Final = -1
 STEPS_AT_ONCE: Final = 10_000
 """Things done at one instant. Rings that are full of commands give some hundreds, before they take time."""
 
@@ -84,6 +85,8 @@ class Mega:
         self._jobs: deque[Job] = deque()
         self._running: OnBus | None = None
         self._free_at: Nanoseconds = 0
+        self._wakes_at: Nanoseconds = _UNASKED
+        """When the sketch wants to be called, where nothing arrives; asked for when it has done something."""
         self._powered = False
         self._held = False
 
@@ -147,7 +150,9 @@ class Mega:
             return self.bus.due
         if self._jobs or self.serial.available:
             return self._free_at
-        return max(self._free_at, self._sketch.due(self._free_at))
+        if self._wakes_at == _UNASKED:
+            self._wakes_at = self._sketch.due(self._free_at)
+        return max(self._free_at, self._wakes_at)
 
     def advance(self, now: Nanoseconds) -> None:
         """Do what is due by `now`, each thing at its own time; SketchError where that never ends."""
@@ -162,6 +167,7 @@ class Mega:
                 )
             begun = max(begun, at)
             self.shafts.reach(at)
+            self._wakes_at = _UNASKED
             if self._sketch is None:
                 self._start(at)
             elif self._running is not None:
