@@ -75,22 +75,19 @@ class UsbBoard:
 
         It is called where somebody may notice, and not at each byte: what was not noticed is done then.
         """
-        while True:
-            comes_at, passes_at, due = self.mega.serial.leaves_at(), self._passes_at, self.mega.due
-            others = min(self._flush_at, passes_at, due)
-            if comes_at <= others:
-                if comes_at > now:
-                    return
-                self._take(comes_at, min(others, now))
-            elif others > now:
-                return
-            elif others == self._flush_at:
-                self._hand_over()
-            elif others == passes_at:
-                self._burst += 1
-                self.mega.hear(self._to_board.popleft(), others)
+        while self._passes_at <= now:
+            at = self._passes_at
+            self._burst += 1
+            self.mega.hear(self._to_board.popleft(), at)
+        self.mega.advance(now)
+        # What is handed over, and when, changes nothing on the board.
+        comes_at = self.mega.serial.leaves_at()
+        while comes_at <= now or self._flush_at <= now:
+            if comes_at <= self._flush_at:
+                self._take(comes_at, min(self._flush_at, now))
+                comes_at = self.mega.serial.leaves_at()
             else:
-                self.mega.advance(others)
+                self._hand_over()
 
     def _enqueue(self, chunk: bytes, now: Nanoseconds) -> None:
         if not self._to_board:
