@@ -41,6 +41,7 @@ class SeenBody:
         """When and where it was seen last."""
         self._newest: tuple[float, Nanoseconds, Nanoseconds, Point, Quaternion, float] | None = None
         """What `reading` is made of where somebody asks: error, instants, position, attitude, heading."""
+        self._reading: Reading | None = None
         half, mount = -settings.mount.heading / 2.0, settings.mount
         self._turn: Final = (0.0, 0.0, math.sin(half), math.cos(half))
         self._mount: Final = (mount.x, mount.y, mount.z)
@@ -48,10 +49,10 @@ class SeenBody:
     @property
     def reading(self) -> Reading | None:
         """What was seen in the newest frame; None where the body was not tracked in it."""
-        if self._newest is None:
-            return None
-        error_m, at, heard_at, position, attitude, heading = self._newest
-        return Reading(error_m, at, heard_at, SeenPose(position, attitude, heading, self.jumps))
+        if self._reading is None and self._newest is not None:
+            error_m, at, heard_at, position, attitude, heading = self._newest
+            self._reading = Reading(error_m, at, heard_at, SeenPose(position, attitude, heading, self.jumps))
+        return self._reading
 
     def measure(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Do nothing: it is told without being asked."""
@@ -60,7 +61,7 @@ class SeenBody:
 
     def missed(self, sighting: Sighting) -> None:
         """Note that the newest frame does not show the body."""
-        self.sighting, self._newest = sighting, None
+        self.sighting, self._newest, self._reading = sighting, None, None
 
     def seen(
         self,
@@ -88,7 +89,7 @@ class SeenBody:
         heading = heading_of(turned)
         self._watch(place, heading, at)
         self.sighting = Sighting.SEEN
-        self._newest = (error_m, at, heard_at, place, turned, heading)
+        self._newest, self._reading = (error_m, at, heard_at, place, turned, heading), None
 
     def _robot(self, position: Point, attitude: Quaternion) -> tuple[Point, Quaternion]:
         """Return where the robot is whose mounted body is there."""
