@@ -16,6 +16,7 @@ Where they are silent:
   counters in the same proportion, and never counted the other way.
 """
 
+from array import array
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import floor, tau
@@ -117,8 +118,9 @@ class Motors(Shafts):
         """The half bridges' temperatures, followed where `faults` says so."""
         self._ticks = 0
         self._seen = min(len(wiring), len(load.names))
-        self._places = self._counts()
-        self._shown = self._places
+        self._places: Final = array("q", self._counts())
+        self._counted: Final = array("q", self._edges)
+        self._shown: Sequence[int] = self._places
         self._due = 0
         """Ticks to be run before somebody looks."""
         self._changes = -1
@@ -142,6 +144,8 @@ class Motors(Shafts):
                 self._scale,
                 EDGES_A_TICK,
             ),
+            self._places,
+            self._counted,
         )
 
     @property
@@ -153,7 +157,7 @@ class Motors(Shafts):
     def edges(self) -> list[int]:
         """As the processor has counted them."""
         self._run()
-        return self._edges
+        return self._counted.tolist()
 
     @property
     def currents(self) -> Sequence[float]:
@@ -243,7 +247,7 @@ class Motors(Shafts):
             native.tell(self._outputs)
         self._shown = self._places
         try:
-            native.run(self._ticks, until, self._places, self._edges)
+            native.run(self._ticks, until)
         finally:
             self._ticks = native.tick
 
@@ -291,17 +295,17 @@ class Motors(Shafts):
         self._ticks += 1
         if faults.warms:
             self._warm()
-        before, self._places = self._places, self._counts()
-        shown = self._places
+        places = self._counts()
+        turned = [new - old for new, old in zip(places, self._places, strict=True)]
         if faults.dead:
-            seen = [it not in faults.dead for it in range(self._seen)]
-            shown = [new if sees else old for sees, old, new in zip(seen, self._shown, shown, strict=True)]
-            before = [old if sees else new for sees, old, new in zip(seen, before, self._places, strict=True)]
-        self._shown = shown
-        if self._places != before:
-            turned = [place - old for place, old in zip(self._places, before, strict=True)]
+            turned = [0 if it in faults.dead else turn for it, turn in enumerate(turned)]
+            self._shown = [old if it in faults.dead else places[it] for it, old in enumerate(self._shown)]
+        else:
+            self._shown = self._places
+        self._places[:] = array("q", places)
+        if any(turned):
             for place, edges in enumerate(counted(turned)):
-                self._edges[place] += edges
+                self._counted[place] += edges
 
     def _counts(self) -> list[int]:
         count, found = len(self._load.names), []
