@@ -5,7 +5,6 @@ library, or something at the motors is broken. It refuses to know chips, boards 
 """
 
 import ctypes
-from array import array
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Final, Protocol
@@ -46,6 +45,13 @@ class TerminalsRecord(ctypes.Structure):
         ("fault_status", ctypes.c_int64),
         ("fault_value", ctypes.c_double),
     ]
+
+
+class Counts(Protocol):
+    """An `array.array` of 64 bits: its type takes no parameter before Python 3.12."""
+
+    def buffer_info(self) -> tuple[int, int]:
+        """Where it is in memory, and how long."""
 
 
 class HalfBridge(Protocol):
@@ -91,8 +97,8 @@ class Terminals:
         run: Callable[[int, int], int],
         plant: NativePlant,
         wired: Wired,
-        places: array[int],
-        edges: array[int],
+        places: Counts,
+        edges: Counts,
     ) -> None:
         self._names: Final = wired.names
         self._plant: Final = plant
@@ -151,7 +157,7 @@ class Terminals:
             no_measurement("angle", self._names[record.fault_axis], record.fault_value, record.tick)
 
 
-def terminals(plant: Plant, wired: Wired, places: array[int], edges: array[int]) -> Terminals | None:
+def terminals(plant: Plant, wired: Wired, places: Counts, edges: Counts) -> Terminals | None:
     """Return what runs this plant's motors in C; None where there is no library, or no FMI functions.
 
     `places` and `edges` are each encoder's, of 64 bits, and never get longer: C writes them where they are.
