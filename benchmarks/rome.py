@@ -123,11 +123,15 @@ def main(simulated_s: float) -> int:
     if COMPILED:
         kept = told(simulated_s, interpreted(simulated_s), compiled=False) and kept
     watched = rig(captured=True)
-    parts = {BRIDGE: "bridge", OPERATOR_STATION: "operator", "board": "board"}
+    parts = {BRIDGE: "bridge", OPERATOR_STATION: "operator", "board": "board as a node"}
     parts |= {f"cameras of {name}": "cameras" for name in watched.captures}
     whole, watches = split(watched, simulated_s, parts)
     watched.finish()
-    print_rows(whole, rows_of(whole, watches, simulated_s))
+    rows = rows_of(whole, watches, simulated_s)
+    rows["board and plant"] = rows.pop(
+        "servo"
+    )  # who moves the physics on moves the board's sketch and bus, too
+    print_rows(whole, rows)
     return 0 if kept else 1
 
 

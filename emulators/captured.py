@@ -1,13 +1,15 @@
 """The capture systems that see a robot: for each of its links to one, its body on the plant's truth."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from emulators.motion_capture.bodies import Body, OnFloor
+from emulators.motion_capture.bodies import Body
 from emulators.motion_capture.exposure import Cameras, Up
-from emulators.motion_capture.system import DATA, DEFAULT, MotionCapture
+from emulators.motion_capture.film import Film, Physics
+from emulators.motion_capture.system import DATA, DEFAULT, MotionCapture, Timing
 from firmware_bridge.robot import AnyRobot, Problem, RobotFileError
 from firmware_bridge.robot.settings.capture import CaptureBody, CaptureDriver
 from firmware_bridge.wire.natnet.layout import Version
@@ -21,31 +23,43 @@ NAME: Final = "robot"
 """Of a body that the robot file knows by its number."""
 
 
-def systems_of(
+@dataclass(frozen=True, slots=True)
+class Captured:
+    """Capture systems by the links' names, and the physics below them, which they have on film."""
+
+    systems: Mapping[str, MotionCapture]
+    physics: Physics
+
+
+def captured(
     robot: AnyRobot,
+    physics: Physics,
     plant: FmuPlant,
     seed: int,
     *,
     version: Version = DEFAULT,
     data_link: str = DATA,
     markers: bool = True,
-) -> Mapping[str, MotionCapture]:
-    """Return the capture systems by the links' names; RobotFileError where the plant has no place.
+) -> Captured:
+    """Return the capture systems that see a robot; RobotFileError where the plant has no place.
 
     The body is where the robot is, its axes those of the robot: what the robot file says of a mount is not
     emulated. So it is refused where it is not zero. With `markers` the stream has the bodies' markers, too.
     """
-    found: dict[str, MotionCapture] = {}
-    for number, (name, link) in enumerate(robot.capture_links.items()):
+    for name, link in robot.capture_links.items():
         _possible(robot, name, link.driver, plant)
+    if not robot.capture_links:
+        return Captured({}, physics)
+    timing, found = Timing(), dict[str, MotionCapture]()
+    film = Film(physics, plant, plant.output_names, timing.exposed_at)
+    for number, name in enumerate(robot.capture_links):
         seen = [
             sensor.settings
             for sensor in robot.sensors
             if sensor.link == name and isinstance(sensor.settings, CaptureBody)
         ]
-        truth = OnFloor(plant, plant.output_names)
         bodies = [
-            Body(body, NAME, truth) if isinstance(body, int) else Body(place, body, truth)
+            Body(body, NAME, film) if isinstance(body, int) else Body(place, body, film)
             for place, body in enumerate(dict.fromkeys(one.body for one in seen), 1)
         ]
         found[name] = MotionCapture(
@@ -53,9 +67,10 @@ def systems_of(
             np.random.default_rng([seed, CAPTURE_STREAM, number]),
             version=version,
             cameras=Cameras(up=Up(seen[0].up.value), markers=markers),
+            timing=timing,
             data_link=data_link,
         )
-    return found
+    return Captured(found, film)
 
 
 def _possible(robot: AnyRobot, name: str, driver: CaptureDriver, plant: FmuPlant) -> None:

@@ -13,7 +13,7 @@ from emulators.bench.mission import Noise
 from emulators.bench.records import HoldRecord
 from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.second_station import SecondStation
-from emulators.captured import TRUTH, systems_of
+from emulators.captured import TRUTH, captured
 from emulators.devices import devices
 from emulators.line import AnyLine, line_of
 from emulators.motion_capture.system import COMMAND
@@ -98,9 +98,11 @@ class Rig:
             noise.loss,
             np.random.default_rng([seed, LINK_STREAM]),
         )
-        self.captures: Final = systems_of(robot, self.devices.plant, seed, data_link=COMMAND, markers=False)
+        below = self.devices
+        seen = captured(robot, below.bank, below.plant, seed, data_link=COMMAND, markers=False)
+        self.captures: Final = seen.systems
         self.capture_wires: Final = {name: DatagramWire(name=name) for name in self.captures}
-        self.world: Final = World(self.devices.bank)
+        self.world: Final = World(seen.physics)
         self.lines: Final[dict[str, AnyLine]] = {}
         """The serial lines by the links' names."""
         self._attach(operator if link == GOOD else _far(operator, link, seed))

@@ -25,14 +25,14 @@ class ShieldMotor:
 
 
 class ShieldBank:
-    """What moves between two events: all boards' motors."""
+    """What moves between two events: all boards with their motors."""
 
     def __init__(self, boards: Mapping[str, Board], motors: tuple[ShieldMotor, ...]) -> None:
         self.axes: Final = motors
         self._boards: Final = tuple(boards.values())
 
     def advance(self, until: Nanoseconds) -> tuple[Nanoseconds, tuple[str, ...]]:
-        """Turn the motors up to `until`; a board asks to be woken by itself."""
+        """Move on to `until`; a board asks to be woken by itself when it may have something to say."""
         for board in self._boards:
-            board.motors.advance(until)
+            board.advance(until)
         return until, ()

@@ -14,13 +14,13 @@ from emulators.arduino_omni.shield.motor_shield import MotorShield
 from emulators.arduino_omni.sketches.arduinoio import ArduinoIoSketch
 from emulators.arduino_omni.sketches.firmata import FirmataSketch
 from emulators.arduino_omni.sketches.mw import MwSketch
-from emulators.arduino_omni.sketches.ros_arduino_bridge import AUTO_STOP, LINE_ENDS, RosSketch
+from emulators.arduino_omni.sketches.ros_arduino_bridge import AUTO_STOP, RosSketch
 from emulators.arduino_omni.usb_board import UsbBoard
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.arduino import arduinoio, firmata, mw, ros_arduino_bridge
 
-MOVES_EVERY: Final[Nanoseconds] = 10 * MILLISECOND
+MOVES_EVERY: Final[Nanoseconds] = 50 * MILLISECOND
 """Motors are moved on so often at least, so that an idle board has nothing to catch up with."""
 
 
@@ -37,8 +37,6 @@ class Firmware:
     make: Callable[[Mega, int, int], Sketch]
     auto_stop: int | None = None
     """ms without a command until it stops; None: it runs on."""
-    line_ends: frozenset[int] | None = None
-    """Bytes at which it does something of what it has read; None: any byte."""
 
 
 FIRMWARES: Final[Mapping[str, Firmware]] = MappingProxyType(
@@ -57,7 +55,6 @@ FIRMWARES: Final[Mapping[str, Firmware]] = MappingProxyType(
             frozenset({2}),
             RosSketch,
             AUTO_STOP,
-            LINE_ENDS,
         ),
         "arduinoio": Firmware(
             "ArduinoIO",
@@ -99,7 +96,6 @@ class Board:
             firmware.baud,
             shield,
             shafts=self.motors,
-            line_ends=firmware.line_ends,
         )
         self._usb: Final = UsbBoard(self.mega)
 
@@ -110,6 +106,11 @@ class Board:
     def hang(self, now: Nanoseconds) -> None:
         """Let its firmware do nothing more; its shield goes on as it was told."""
         self._usb.hang(now)
+
+    def advance(self, now: Nanoseconds) -> None:
+        """Be as it is at `now`, for those who look at shield and motors; what it says it keeps."""
+        self._usb.advance(now)
+        self.motors.advance(now)
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Take a chunk from the host, or what became of DTR."""

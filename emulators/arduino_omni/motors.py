@@ -2,7 +2,8 @@
 
 The plant moves in ticks of 100 us. A motor that conducts gets the mean voltage of its PWM period, less what
 the half bridge drops at the current of the tick before. While nothing is broken and the plant is an FMU, the
-ticks are run by `emulators.servo.terminals`, to the same bits.
+ticks are run by `emulators.servo.terminals`, to the same bits. They are run when somebody looks, or before
+the shield is told something else.
 
 Sources: TB6612FNG data sheet for what conducts; community figures of the interrupts' load, about 100 kHz.
 Where they are silent:
@@ -15,6 +16,7 @@ Where they are silent:
   counters in the same proportion, and never counted the other way.
 """
 
+from array import array
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from math import floor, tau
@@ -27,7 +29,7 @@ from emulators.servo.axis import TICK
 from emulators.servo.motor import DcMotor, DcMotors
 from emulators.servo.seam import WIDEST_ANGLE, Plant, no_measurement
 from emulators.servo.terminals import Terminals, Wired, terminals
-from firmware_bridge.units import MICROSECOND, Nanoseconds
+from firmware_bridge.units import MICROSECOND, NEVER, Nanoseconds
 from fmu.errors import PlantError
 
 SUPPLY_V: Final = 12.0
@@ -126,11 +128,19 @@ class Motors(Shafts):
         """The half bridges' temperatures, followed where `faults` says so."""
         self._ticks = 0
         self._seen = min(len(wiring), len(load.names))
-        self._places = self._counts()
-        self._shown = self._places
+        self._places: Final = array("q", self._counts())
+        self._counted: Final = array("q", self._edges)
+        self._shown: Sequence[int] = self._places
+        self._due = 0
+        """Ticks to be run before somebody looks."""
         self._changes = -1
-        """How often the chip's outputs had changed when `_native` was told of them, and whether it ran."""
-        self._ran = False
+        """How often the chip's outputs had changed when these were read."""
+        self._outputs: list[Output] = []
+        self._untold = True
+        """Whether `_native` does not know the outputs yet."""
+        self._starts: Nanoseconds = NEVER
+        """When the chip's oscillator starts, and the outputs are others by themselves."""
+        self._started: list[Output] = []
         self._native: Final = terminals(
             load.plant,
             Wired(
@@ -144,6 +154,8 @@ class Motors(Shafts):
                 self._scale,
                 EDGES_A_TICK,
             ),
+            self._places,
+            self._counted,
         )
 
     @property
@@ -152,25 +164,35 @@ class Motors(Shafts):
         return self._ticks * TICK
 
     @property
+    def edges(self) -> list[int]:
+        """As the processor has counted them."""
+        self._run()
+        return self._counted.tolist()
+
+    @property
     def currents(self) -> Sequence[float]:
         """Of each motor, in A."""
+        self._run()
         return self._plant.outputs[: len(self._load.names)]
 
     @property
     def angles(self) -> Sequence[float]:
         """Of each motor's shaft, in rad."""
+        self._run()
         count = len(self._load.names)
         return self._plant.outputs[count : 2 * count]
 
     @property
     def speeds(self) -> Sequence[float]:
         """Of each motor's shaft, in rad/s."""
+        self._run()
         count = len(self._load.names)
         return self._plant.outputs[2 * count : 3 * count]
 
     @property
     def supply(self) -> float:
         """What the half bridges get, in V."""
+        self._run()
         place = self._load.supply
         return self._constant_supply if place is None else self._plant.outputs[place : place + 1][0]
 
@@ -178,6 +200,7 @@ class Motors(Shafts):
         """Let something hold a motor's shaft, or let it go; PlantError where the plant has no way for it."""
         if self._load.holds is None:
             raise PlantError(f"the plant has no input held_{self._load.names[motor]}: nothing can hold it")
+        self._run()
         self._load.holds(motor, BLOCKED if blocked else 0.0)
 
     def follow_heat(self, *, followed: bool) -> None:
@@ -191,47 +214,76 @@ class Motors(Shafts):
         motor, channel = self._channels.get(pin, (self._seen, 0))
         if motor >= self._seen:
             return None
+        self._run()
         return (self._shown[motor] - channel) % 4 in {1, 2}
 
-    def advance(self, now: Nanoseconds) -> None:
-        """Turn them up to `now`, in whole ticks, by what the shield has been told so far."""
-        last, chip = now // TICK, self._shield.chip
-        while self._ticks < last:
-            at = self._ticks * TICK
-            until = min(last, -(-chip.next_change(at) // TICK))
-            if self._native is not None and not self.faults:
-                self._run_native(self._native, at, until)
-                continue
-            outputs = self._outputs(at)
-            if self._load.rests and self._still(outputs):
-                self._ticks = until
-                if self.faults.warms:
-                    self._warm()
-            while self._ticks < until:
-                self._tick(outputs)
+    def reach(self, now: Nanoseconds) -> None:
+        """Be on at `now`, in whole ticks, by what the shield has been told so far."""
+        if self._shield.chip.changes != self._changes:
+            self._run()
+            self._read()
+        self._due = max(self._due, now // TICK)
 
-    def _outputs(self, at: Nanoseconds) -> list[Output]:
+    def advance(self, now: Nanoseconds) -> None:
+        """Turn them up to `now`."""
+        self.reach(now)
+        self._run()
+
+    def _read(self) -> None:
+        """Take what the shield has been told, and what will come of it."""
+        at, chip = self._ticks * TICK, self._shield.chip
+        self._changes = chip.changes
+        self._outputs = self._outputs_at(at)
+        self._untold = True
+        self._starts = chip.next_change(at)
+        if self._starts != NEVER:
+            self._started = self._outputs_at(self._starts)
+
+    def _outputs_at(self, at: Nanoseconds) -> list[Output]:
         return [self._shield.output(port, at) for port in PORTS[: len(self._load.names)]]
 
-    def _run_native(self, native: Terminals, at: Nanoseconds, until: int) -> None:
-        chip = self._shield.chip
-        changes, runs = chip.changes, chip.runs(at)
-        if changes != self._changes or runs != self._ran:
-            self._changes, self._ran = changes, runs
-            native.tell(self._outputs(at))
+    def _run(self) -> None:
+        """Run the ticks that are due; where one fails, none of them is any more."""
+        if self._ticks >= self._due:
+            return
+        try:
+            while self._ticks < self._due:
+                if self._starts <= self._ticks * TICK:
+                    self._outputs, self._starts, self._untold = self._started, NEVER, True
+                until = min(self._due, -(-self._starts // TICK))
+                if self._native is not None and not self.faults:
+                    self._run_native(self._native, until)
+                else:
+                    self._run_twin(until)
+        finally:
+            self._due = self._ticks
+
+    def _run_native(self, native: Terminals, until: int) -> None:
+        if self._untold:
+            self._untold = False
+            native.tell(self._outputs)
         self._shown = self._places
         try:
-            native.run(self._ticks, until, self._places, self.edges)
+            native.run(self._ticks, until)
         finally:
             self._ticks = native.tick
+
+    def _run_twin(self, until: int) -> None:
+        if self._load.rests and self._still(self._outputs):
+            self._ticks = until
+            if self.faults.warms:
+                self._warm()
+        while self._ticks < until:
+            self._tick(self._outputs)
 
     def _still(self, outputs: Sequence[Output]) -> bool:
         """Tell whether nothing will change: all stands, and nobody drives."""
         driven = any(it.cw != it.ccw for it in outputs)
-        return not driven and not any(self.currents) and not any(self.speeds)
+        count, state = len(outputs), self._plant.outputs
+        return not driven and not any(state[:count]) and not any(state[2 * count : 3 * count])
 
     def _warm(self) -> None:
-        currents = tuple(self.currents)
+        currents = tuple(self._plant.outputs[: len(self._load.names)])
         for place, chip in enumerate(self.chips):
             begin = CHANNELS_A_CHIP * place
             chip.advance(currents[begin : begin + CHANNELS_A_CHIP], self._ticks * TICK)
@@ -245,7 +297,8 @@ class Motors(Shafts):
         return self.chips[motor // CHANNELS_A_CHIP].passes(output) if self.faults.warms else output
 
     def _tick(self, outputs: Sequence[Output]) -> None:
-        supply, faults, plant = self.supply, self.faults, self._plant
+        faults, plant, place = self.faults, self._plant, self._load.supply
+        supply = self._constant_supply if place is None else plant.outputs[place : place + 1][0]
         count = len(outputs)
         state = plant.outputs[: 3 * count]
         if faults:
@@ -259,17 +312,17 @@ class Motors(Shafts):
         self._ticks += 1
         if faults.warms:
             self._warm()
-        before, self._places = self._places, self._counts()
-        shown = self._places
+        places = self._counts()
+        turned = [new - old for new, old in zip(places, self._places, strict=True)]
         if faults.dead:
-            seen = [it not in faults.dead for it in range(self._seen)]
-            shown = [new if sees else old for sees, old, new in zip(seen, self._shown, shown, strict=True)]
-            before = [old if sees else new for sees, old, new in zip(seen, before, self._places, strict=True)]
-        self._shown = shown
-        if self._places != before:
-            turned = [place - old for place, old in zip(self._places, before, strict=True)]
+            turned = [0 if it in faults.dead else turn for it, turn in enumerate(turned)]
+            self._shown = [old if it in faults.dead else places[it] for it, old in enumerate(self._shown)]
+        else:
+            self._shown = self._places
+        self._places[:] = array("q", places)
+        if any(turned):
             for place, edges in enumerate(counted(turned)):
-                self.edges[place] += edges
+                self._counted[place] += edges
 
     def _counts(self) -> list[int]:
         count, found = len(self._load.names), []

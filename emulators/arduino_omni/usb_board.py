@@ -46,7 +46,7 @@ class UsbBoard:
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Take a chunk from the host, or what became of DTR."""
-        self._advance(now)
+        self.advance(now)
         if packet.address in {DTR_UP, DTR_DOWN} and not packet.payload:
             risen = packet.address == DTR_UP and not self._dtr
             self._dtr = packet.address == DTR_UP
@@ -54,12 +54,12 @@ class UsbBoard:
                 self.reset(now)
         else:
             self._enqueue(packet.payload, now)
-        self._advance(now)
+        self.advance(now)
         return self._reaction(now)
 
     def reset(self, now: Nanoseconds) -> None:
         """Pull RESET; what has passed by now has passed."""
-        self._advance(now)
+        self.advance(now)
         self.mega.reset(now)
 
     def hang(self, now: Nanoseconds) -> None:
@@ -72,8 +72,27 @@ class UsbBoard:
         if self._powered_at == NEVER:
             self._powered_at = now
             self.reset(now)
-        self._advance(now)
+        self.advance(now)
         return self._reaction(now)
+
+    def advance(self, now: Nanoseconds) -> None:
+        """Do everything up to `now`, in the order of its instants.
+
+        It is called where somebody may notice, and not at each byte: what was not noticed is done then.
+        """
+        while self._passes_at <= now:
+            at = self._passes_at
+            self._burst += 1
+            self.mega.hear(self._to_board.popleft(), at)
+        self.mega.advance(now)
+        # What is handed over, and when, changes nothing on the board.
+        comes_at = self.mega.serial.leaves_at()
+        while comes_at <= now or self._flush_at <= now:
+            if comes_at <= self._flush_at:
+                self._take(comes_at, min(self._flush_at, now))
+                comes_at = self.mega.serial.leaves_at()
+            else:
+                self._hand_over()
 
     def _enqueue(self, chunk: bytes, now: Nanoseconds) -> None:
         if not self._to_board:
@@ -88,48 +107,37 @@ class UsbBoard:
         return self._burst_at + (self._burst + 1) * BITS_PER_BYTE * SECOND // self.mega.baud
 
     @property
-    def _stirs_at(self) -> Nanoseconds:
-        """When a byte has reached the board's pins of which somebody may notice something."""
-        stirring = self.mega.stirred_by
-        if stirring is None or not self._to_board:
-            return self._passes_at
-        last = len(self._to_board) - 1
-        place = next((it for it, byte in enumerate(self._to_board) if byte in stirring), last)
-        return self._burst_at + (self._burst + place + 1) * BITS_PER_BYTE * SECOND // self.mega.baud
-
-    @property
     def _hands_over_at(self) -> Nanoseconds:
         """When the host is given something: those who wait for the timer wait for no byte that has room."""
         room = NEARLY_FULL - len(self._to_host) if self._flush and self._flush_at != NEVER else 0
         return min(self._flush_at, self.mega.serial.leaves_at(room))
 
-    def _advance(self, now: Nanoseconds) -> None:
-        """Do everything up to `now`, in the order of its instants.
+    def _may_hand_over_at(self, now: Nanoseconds) -> Nanoseconds:
+        """Return before when nothing is given to the host, whatever the board does, if he says no more.
 
-        It is called where somebody may notice, and not at each byte: what was not noticed is done then.
+        What it says between two turns of the timer waits for the second, or until the ring is nearly full.
         """
-        while True:
-            comes_at, passes_at, due = self.mega.serial.leaves_at(), self._passes_at, self.mega.due
-            others = min(self._flush_at, passes_at, due)
-            if comes_at <= others:
-                if comes_at > now:
-                    return
-                self._take(comes_at, min(others, now))
-            elif others > now:
-                return
-            elif others == self._flush_at:
-                self._hand_over()
-            elif others == passes_at:
-                self._burst += 1
-                self.mega.hear(self._to_board.popleft(), others)
-            else:
-                self.mega.advance(others)
+        does_at = min(self._passes_at, self.mega.due)
+        if not self._flush or self._powered_at == NEVER:
+            return min(self._hands_over_at, does_at)
+        if self._flush_at != NEVER:
+            turns_at = self._flush_at
+        else:
+            comes_at = min(self.mega.serial.leaves_at(), does_at)
+            if comes_at == NEVER:
+                return NEVER
+            turns_at = self._turns_after(comes_at)
+        room = NEARLY_FULL + 1 - len(self._to_host)
+        return min(turns_at, now + room * BITS_PER_BYTE * SECOND // self.mega.baud)
+
+    def _turns_after(self, at: Nanoseconds) -> Nanoseconds:
+        """Return the timer's next turn."""
+        return self._powered_at + ((at - self._powered_at) // self._flush + 1) * self._flush
 
     def _take(self, at: Nanoseconds, until: Nanoseconds) -> None:
         """Take the byte that comes `at` an instant, and those `until` something else happens."""
         if self._flush and self._flush_at == NEVER:
-            since = at - self._powered_at
-            self._flush_at = self._powered_at + (since // self._flush + 1) * self._flush
+            self._flush_at = self._turns_after(at)
         until = min(until, self._flush_at) if self._flush else at
         self._to_host += self.mega.serial.taken(until, NEARLY_FULL + 1 - len(self._to_host))
         if not self._flush or len(self._to_host) > NEARLY_FULL:
@@ -143,4 +151,4 @@ class UsbBoard:
     def _reaction(self, now: Nanoseconds) -> Reaction:
         sent = tuple(self._sent)
         self._sent.clear()
-        return Reaction(sent, max(now, min(self._hands_over_at, self._stirs_at, self.mega.due)))
+        return Reaction(sent, max(now, self._may_hand_over_at(now)))

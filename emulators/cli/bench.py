@@ -11,10 +11,9 @@ from firmware_bridge.cli.commands import command, completing
 from firmware_bridge.cli.options import (
     EncodersOption,
     FirmwareOption,
+    MaxDelayOption,
     PathOption,
     PathSpeedOption,
-    RobotArgument,
-    MaxDelayOption,
     RobotArgument,
     SlowLinkOption,
 )

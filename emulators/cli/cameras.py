@@ -3,19 +3,18 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Final
 
 from emulators.arduino_omni.board import Board
-from emulators.captured import systems_of
+from emulators.captured import captured
+from emulators.devices import Devices
 from emulators.gateway import Cluster
+from emulators.motion_capture.film import Physics
 from emulators.motion_capture.system import COMMAND, DATA, MotionCapture
 from firmware_bridge.node import SERIAL, Node
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.shell.ports import Port, UdpPort
-from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire.internet import place_of
 from firmware_bridge.wire.natnet.messages import DATA_PORT
-from fmu.plant import FmuPlant
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,18 +26,8 @@ class Cameras:
     openers: dict[str, Callable[[], Port]]
     where: tuple[str, ...]
     """In words."""
-
-
-class _Turning:
-    """A board's motors as the physics of a cluster: cameras see them where they are now."""
-
-    def __init__(self, board: Board) -> None:
-        self._board: Final = board
-
-    def advance(self, until: Nanoseconds) -> tuple[Nanoseconds, tuple[str, ...]]:
-        """Move on; a board wakes by itself."""
-        self._board.motors.advance(until)
-        return until, ()
+    physics: Physics
+    """What moves the robot; they have it on film."""
 
 
 def beside_board(name: str, board: Board, cameras: Cameras) -> Node:
@@ -46,15 +35,15 @@ def beside_board(name: str, board: Board, cameras: Cameras) -> Node:
     if not cameras.members:
         return board
     members: dict[str, Node] = {name: board, **cameras.members}
-    return Cluster(members, _Turning(board), links={name: {SERIAL: SERIAL}, **cameras.links})
+    return Cluster(members, cameras.physics, links={name: {SERIAL: SERIAL}, **cameras.links})
 
 
-def cameras_of(robot: AnyRobot, plant: FmuPlant, seed: int = 0) -> Cameras:
-    """Return those that see this plant; RobotFileError. Each listens at its link's `server`."""
-    cameras = Cameras(
-        {}, {}, {}, tuple(f"{link.server} ({name})" for name, link in robot.capture_links.items())
-    )
-    for name, system in systems_of(robot, plant, seed).items():
+def cameras_of(robot: AnyRobot, below: Devices, seed: int = 0) -> Cameras:
+    """Return those that see a robot; RobotFileError. Each listens at its link's `server`."""
+    where = tuple(f"{link.server} ({name})" for name, link in robot.capture_links.items())
+    seen = captured(robot, below.bank, below.plant, seed)
+    cameras = Cameras({}, {}, {}, where, seen.physics)
+    for name, system in seen.systems.items():
         link = robot.capture_links[name]
         command, data = f"{name} commands", f"{name} frames"
         host, _, _ = place_of(link.server_number).rpartition(":")

@@ -50,7 +50,7 @@ def emulate_board(machine: AnyRobot, given: RobotOptions) -> None:
         tell_of_beginning(machine, given.plant)
         emulated = devices(machine, given.plant, outputs=TRUTH if machine.capture_links else ())
         ((name, board),) = emulated.boards.items()
-        cameras = cameras_of(machine, emulated.plant)
+        cameras = cameras_of(machine, emulated)
     node = beside_board(name, board, cameras)
     table = machine.shield_link(name)
     with recording(given.record, {SERIAL: SERIAL_LOG}) as (around, _):
@@ -87,11 +87,11 @@ def emulate_drives(machine: AnyRobot, given: RobotOptions) -> None:
             serial={} if given.serial is None else {owner: protocol},
             storages={axis.name: _storage(axis, given) for axis in machine.axes},
         )
-        cameras = cameras_of(machine, emulated.plant)
+        cameras = cameras_of(machine, emulated)
     outer = {axis.name: {CAN: axis.link if len(machine.epos2_links) > 1 else CAN} for axis in machine.axes}
     outer[owner] = {**outer[owner], SERIAL: SERIAL}
     members: dict[str, Node] = {**emulated.drives, **cameras.members}
-    cluster = Cluster(members, emulated.bank, links={**outer, **cameras.links})
+    cluster = Cluster(members, cameras.physics, links={**outer, **cameras.links})
     for name, at in cuts:
         cluster.silence(name, at)
         say(f"'{name}' falls silent after {to_seconds(at):g} s")

@@ -5,20 +5,22 @@ The room's axes are x, y and, upwards, z, as a plant has them; what the stream m
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final, Protocol, TypeAlias
+from typing import Final, NamedTuple, TypeAlias
 
 from firmware_bridge.units import Nanoseconds, to_seconds
 from firmware_bridge.wire.natnet.frame import Point, Quaternion
 
 
-@dataclass(frozen=True, slots=True)
-class Place:
+class Place(NamedTuple):
     """Where a body is, and how it is turned."""
 
     position: Point = (0.0, 0.0, 0.0)
     attitude: Quaternion = (0.0, 0.0, 0.0, 1.0)
+
+
+HERE: Final = Place()
 
 
 def on_floor(x: float, y: float, heading: float, height: float = 0.0) -> Place:
@@ -27,38 +29,7 @@ def on_floor(x: float, y: float, heading: float, height: float = 0.0) -> Place:
 
 
 Truth: TypeAlias = Callable[[Nanoseconds], Place]
-"""Where a body is at an instant; it is asked about no instant but the present one."""
-
-
-class Doubles(Protocol):
-    """An array of floating-point numbers, as ctypes makes them."""
-
-    def __getitem__(self, index: int, /) -> float: ...
-
-
-class Outputs(Protocol):
-    """What a plant tells of itself; `emulators.servo.seam.Plant` does."""
-
-    @property
-    def outputs(self) -> Doubles:
-        """Its outputs now, SI."""
-
-
-class OnFloor:
-    """The truth of a plant with outputs x, y and heading, whose body's pivot is `height` above the floor."""
-
-    def __init__(self, plant: Outputs, names: Sequence[str], height: float = 0.0) -> None:
-        """Take the plant and its outputs' names; ValueError where one is missing."""
-        self._plant: Final = plant
-        self._at: Final = tuple(names.index(name) for name in ("x", "y", "heading"))
-        self._height: Final = height
-
-    def __call__(self, now: Nanoseconds) -> Place:
-        """Return where it is."""
-        del now
-        outputs = self._plant.outputs
-        x, y, heading = (outputs[place] for place in self._at)
-        return on_floor(x, y, heading, self._height)
+"""Where a body was at an exposure; they are asked about in their order, some ms later."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +51,7 @@ class Circling:
 class Standing:
     """The truth of a body that stays."""
 
-    place: Place = Place()
+    place: Place = HERE
 
     def __call__(self, now: Nanoseconds) -> Place:
         """Return where it is."""

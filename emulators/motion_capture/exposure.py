@@ -1,7 +1,7 @@
 """What the cameras make of the truth at one instant: noise, bodies that are hidden, markers mistaken.
 
-It refuses to know when a frame leaves, and for whom. Its chance is drawn for every body in every frame, seen
-or not, so that a disturbance changes nothing but what it says.
+It refuses to know when a frame leaves, and for whom. It takes chance for every body in every frame, seen or
+not, so that a disturbance changes nothing but what it says.
 
 Sources: OptiTrack's page on rigid body tracking and reports of its users for what a lost body looks like;
 0.2 mm is a calibrated volume's usual error. Where they are silent:
@@ -17,8 +17,6 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Final
 
-from numpy.random import Generator
-
 from emulators.motion_capture.bodies import Body, Place, product, turned
 from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire.natnet.frame import (
@@ -31,6 +29,8 @@ from firmware_bridge.wire.natnet.frame import (
 )
 
 ARM_M: Final = 0.15
+NORMALS: Final = 6
+"""Errors of a body in a frame: along three axes, and about them."""
 MARKER_M: Final = 0.014
 """A marker's diameter."""
 _NAN: Final = math.nan
@@ -94,17 +94,22 @@ class Exposure:
 
     bodies: Sequence[Body]
     cameras: Cameras
-    generator: Generator
     disturbances: list[Hidden | Swapped] = field(default_factory=list)
     _last: dict[int, Place] = field(default_factory=dict)
     """Where each body was seen last."""
 
-    def bodies_at(self, now: Nanoseconds) -> tuple[tuple[RigidBody, ...], tuple[LabelledMarker, ...]]:
-        """Return the bodies, and the markers on them, as the stream has them."""
+    def bodies_at(
+        self, now: Nanoseconds, normals: Sequence[float]
+    ) -> tuple[tuple[RigidBody, ...], tuple[LabelledMarker, ...]]:
+        """Return the bodies, and the markers on them, as the stream has them.
+
+        `normals` are numbers of mean 0 and standard deviation 1, `NORMALS` for each body.
+        """
         bodies: list[RigidBody] = []
         markers: list[LabelledMarker] = []
-        for body in self.bodies:
-            seen = self._noisy(self._swapped(body, now))
+        for number, body in enumerate(self.bodies):
+            errors = normals[NORMALS * number : NORMALS * number + NORMALS]
+            seen = self._noisy(self._swapped(body, now), errors)
             if self._hidden(body.id, now):
                 place, error, params = self._lost(body.id), 0.0, 0
             else:
@@ -117,10 +122,10 @@ class Exposure:
         return tuple(bodies), tuple(markers)
 
     def _hidden(self, body: int, now: Nanoseconds) -> bool:
-        return any(
-            isinstance(one, Hidden) and one.body == body and one.begin <= now < one.end
-            for one in self.disturbances
-        )
+        for one in self.disturbances:
+            if isinstance(one, Hidden) and one.body == body and one.begin <= now < one.end:
+                return True
+        return False
 
     def _swapped(self, body: Body, now: Nanoseconds) -> Place:
         place = body.truth(now)
@@ -131,8 +136,8 @@ class Exposure:
                 place = Place(position, product(place.attitude, turn))
         return place
 
-    def _noisy(self, place: Place) -> Place:
-        x, y, z, roll, pitch, yaw = self.generator.standard_normal(6).tolist()
+    def _noisy(self, place: Place, errors: Sequence[float]) -> Place:
+        x, y, z, roll, pitch, yaw = errors
         noise, half = self.cameras.noise_m, 0.5 * self.cameras.noise_m / ARM_M
         position = _moved(place.position, (x * noise, y * noise, z * noise))
         return Place(position, _unit(product(place.attitude, (roll * half, pitch * half, yaw * half, 1.0))))

@@ -10,7 +10,6 @@ the frame left, 5.4 in all; they came up to a few ms apart from their rhythm. Wh
 * the server's clock ticks at 10 MHz, runs 30 ppm fast, and did not begin with the run.
 """
 
-from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
@@ -18,7 +17,8 @@ from typing import Final
 from numpy.random import Generator
 
 from emulators.motion_capture.bodies import Body
-from emulators.motion_capture.exposure import Cameras, Exposure, Hidden, Swapped
+from emulators.motion_capture.chance import Chance
+from emulators.motion_capture.exposure import NORMALS, Cameras, Exposure, Hidden, Swapped
 from emulators.motion_capture.server import Server
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MICROSECOND, SECOND, Nanoseconds, to_seconds
@@ -73,7 +73,7 @@ class MotionCapture:
     ) -> None:
         """Watch these bodies; frames leave on `data_link`. NatNetError for a version that is not known."""
         self.timing: Final = Timing() if timing is None else timing
-        self.exposure: Final = Exposure(bodies, Cameras() if cameras is None else cameras, generator)
+        self.exposure: Final = Exposure(bodies, Cameras() if cameras is None else cameras)
         self.server: Final = Server(
             version,
             _models(bodies, self.exposure),
@@ -82,12 +82,15 @@ class MotionCapture:
             data_port=data_port,
         )
         self._data_link: Final = data_link
-        self._generator: Final = generator
-        self._number = 0
-        """Of the next exposure."""
-        self._leaving: deque[tuple[Nanoseconds, Frame]] = deque()
+        self._chance: Final = Chance(generator)
+        self._number = -1
+        """Of the frame that leaves next; chance says when, and with which errors."""
+        self._received: Nanoseconds = 0
+        self._leaves_at: Nanoseconds = 0
+        self._normals: list[float] = []
         self.frames = 0
         """Frames that have left, to however many clients."""
+        self._plan()
 
     def hide(self, what: Hidden | Swapped) -> None:
         """Hide a body, or have its markers taken for others, as described."""
@@ -99,36 +102,32 @@ class MotionCapture:
         if packet.link == COMMAND:
             answers = self.server.hear(packet.address, packet.payload, now, ticks_at(now))
             sent = tuple([Packet(COMMAND, packet.address, answer) for answer in answers])
-        return Reaction(sent, self._wake_at)
+        return Reaction(sent, self._leaves_at)
 
     def wake(self, now: Nanoseconds) -> Reaction:
-        """Take the pictures that are due, and send the frames that are."""
-        while self.timing.exposed_at(self._number) <= now:
-            self._expose()
+        """Send the frames that are due."""
         sent: list[Packet] = []
-        while self._leaving and self._leaving[0][0] <= now:
-            _, frame = self._leaving.popleft()
-            sent += self._sent(frame, now)
+        while self._leaves_at <= now:
+            sent += self._sent(self._frame(), now)
             self.frames += 1
-        return Reaction(tuple(sent), self._wake_at)
+            self._plan()
+        return Reaction(tuple(sent), self._leaves_at)
 
-    @property
-    def _wake_at(self) -> Nanoseconds:
-        exposed_at = self.timing.exposed_at(self._number)
-        return min(exposed_at, self._leaving[0][0]) if self._leaving else exposed_at
+    def _plan(self) -> None:
+        """Turn to the next frame, and let chance say when it leaves."""
+        timing, number = self.timing, self._number + 1
+        self._number = number
+        self._normals = self._chance.normals(NORMALS * len(self.exposure.bodies) + 1)
+        self._received = timing.exposed_at(number) + timing.received_after
+        late = round(timing.jitter * self._normals[-1])
+        self._leaves_at = max(self._received, self._received + timing.sent_after + late, self._leaves_at)
 
-    def _expose(self) -> None:
-        timing, number = self.timing, self._number
-        exposed = timing.exposed_at(number)
-        bodies, markers = self.exposure.bodies_at(exposed)
-        received = exposed + timing.received_after
-        late = round(timing.jitter * float(self._generator.standard_normal()))
-        sent = max(received, received + timing.sent_after + late)
-        if self._leaving:
-            sent = max(sent, self._leaving[-1][0])
-        self._number = number + 1
-        frame = Frame(
-            number,
+    def _frame(self) -> Frame:
+        """Return the frame that leaves next, as it was exposed."""
+        exposed, received, sent = self.timing.exposed_at(self._number), self._received, self._leaves_at
+        bodies, markers = self.exposure.bodies_at(exposed, self._normals)
+        return Frame(
+            self._number,
             bodies=bodies,
             markers=markers,
             timecode=_timecode(exposed),
@@ -140,7 +139,6 @@ class MotionCapture:
             precise=(0, 0),
             params=FrameFlag.RECORDING if self.server.recording else 0,
         )
-        self._leaving.append((sent, frame))
 
     def _sent(self, frame: Frame, now: Nanoseconds) -> list[Packet]:
         """Return the frame for each client, in his version."""

@@ -47,6 +47,13 @@ class TerminalsRecord(ctypes.Structure):
     ]
 
 
+class Counts(Protocol):
+    """An `array.array` of 64 bits: its type takes no parameter before Python 3.12."""
+
+    def buffer_info(self) -> tuple[int, int]:
+        """Where it is in memory, and how long."""
+
+
 class HalfBridge(Protocol):
     """How a PWM period is shared out, in counts."""
 
@@ -85,16 +92,23 @@ class Wired:
 class Terminals:
     """Motors and plant, run by the library while nothing at their terminals changes."""
 
-    def __init__(self, run: Callable[[int, int], int], plant: NativePlant, wired: Wired) -> None:
+    def __init__(
+        self,
+        run: Callable[[int, int], int],
+        plant: NativePlant,
+        wired: Wired,
+        places: Counts,
+        edges: Counts,
+    ) -> None:
         self._names: Final = wired.names
         self._plant: Final = plant
         count = len(wired.names)
         numbers, seen = ctypes.c_int64 * count, ctypes.c_int64 * wired.seen
         self._driven, self._conducting, self._open = numbers(), numbers(), numbers()
-        self._places, self._turned, self._edges = seen(), seen(), seen()
+        self._turned = seen()
         constants, calls = (ctypes.c_double * count)(*wired.torque_constants), plant.record
         # The record holds bare addresses: what they point to must live as long as it does.
-        self._held: Final = (constants, calls)
+        self._held: Final = (constants, calls, places, edges)
         supply = -1 if wired.supply is None else wired.supply
         self._record: Final = TerminalsRecord(
             count=count,
@@ -110,9 +124,9 @@ class Terminals:
             sampled=max(3 * count, supply + 1),
             counts_per_radian=wired.counts_per_radian,
             most=wired.most,
-            places=ctypes.addressof(self._places),
+            places=places.buffer_info()[0],
             turned=ctypes.addressof(self._turned),
-            edges=ctypes.addressof(self._edges),
+            edges=edges.buffer_info()[0],
             plant=ctypes.addressof(calls),
         )
         self._run: Final = run
@@ -129,27 +143,26 @@ class Terminals:
         """Up to which the last run has come."""
         return int(self._record.tick)
 
-    def run(self, tick: int, last: int, places: list[int], edges: list[int]) -> None:
+    def run(self, tick: int, last: int) -> None:
         """Run ticks from `tick` up to `last`, and bring places and edges up to there.
 
         ServoError for an angle that is none, and what the plant raises where it fails.
         """
         record = self._record
         record.tick = tick
-        self._places[:] = [*places]
-        self._edges[:] = [*edges]
         ended = self._run(self._address, last)
-        places[:] = self._places
-        edges[:] = self._edges
         if ended in ACTIONS:
             self._plant.failed(ACTIONS[Ended(ended)], record.fault_status)
         if ended:
             no_measurement("angle", self._names[record.fault_axis], record.fault_value, record.tick)
 
 
-def terminals(plant: Plant, wired: Wired) -> Terminals | None:
-    """Return what runs this plant's motors in C; None where there is no library, or no FMI functions."""
+def terminals(plant: Plant, wired: Wired, places: Counts, edges: Counts) -> Terminals | None:
+    """Return what runs this plant's motors in C; None where there is no library, or no FMI functions.
+
+    `places` and `edges` are each encoder's, of 64 bits, and never get longer: C writes them where they are.
+    """
     library = choose().library
     if library is None or not isinstance(plant, NativePlant):
         return None
-    return Terminals(library.servo_turn, plant, wired)
+    return Terminals(library.servo_turn, plant, wired, places, edges)

@@ -1,6 +1,5 @@
 """NatNet packets: golden vectors, every version there and back, and whatever else arrives is refused."""
 
-from dataclasses import replace
 from typing import Any, TypeVar
 
 import pytest
@@ -45,7 +44,7 @@ SEEN = Frame(
     received=123_456_834_700,
     sent=123_456_842_800,
 )
-LOST = replace(SEEN, bodies=(replace(BODY, mean_error_m=0.0, params=0),), markers=(), precise=(0, 0))
+LOST = SEEN._replace(bodies=(BODY._replace(mean_error_m=0.0, params=0),), markers=(), precise=(0, 0))
 
 
 @pytest.mark.parametrize(
@@ -59,8 +58,8 @@ def test_a_golden_frame_is_read_and_written(datagram: bytes, version: Version, f
     assert packet(MessageId.FRAMEOFDATA, frames.encoded(frame, version)) == datagram
 
 
-TWO = (replace(BODY, id=7, params=0), BODY)
-TWICE = (BODY, replace(BODY, mean_error_m=0.5))
+TWO = (BODY._replace(id=7, params=0), BODY)
+TWICE = (BODY, BODY._replace(mean_error_m=0.5))
 
 
 # A frame in one stroke, and one that only the rows read; a number that two bodies have is the last one's.
@@ -70,7 +69,7 @@ TWICE = (BODY, replace(BODY, mean_error_m=0.5))
 def test_a_glance_sees_what_the_whole_frame_tells(
     version: Version, others: tuple[frames.Point, ...], seen: tuple[RigidBody, ...]
 ) -> None:
-    whole = replace(SEEN, bodies=seen, other_markers=others, params=2, precise=(0, 0))
+    whole = SEEN._replace(bodies=seen, other_markers=others, params=2, precise=(0, 0))
     payload = frames.encoded(whole, version)
     found, frame = glance(payload, version), frames.decoded(payload, version)
     told = (found.timestamp_s, found.exposed, found.sent, found.params)
@@ -85,7 +84,7 @@ def test_a_glance_sees_what_the_whole_frame_tells(
 @pytest.mark.parametrize("version", [Version(2, 10), Version(3, 1), Version(4, 1)])
 def test_a_body_has_the_size_that_its_version_gives_it(version: Version) -> None:
     empty = len(frames.encoded(Frame(1), version))
-    assert len(frames.encoded(Frame(1, bodies=(replace(BODY, markers=()),)), version)) - empty == (
+    assert len(frames.encoded(Frame(1, bodies=(BODY._replace(markers=()),)), version)) - empty == (
         42 if version < (3, 0) else 38
     )
 
@@ -191,11 +190,10 @@ def test_the_frames_of_every_exposure_are_the_same_in_one_stroke_and_by_rows(
 ) -> None:
     frame = data.draw(some_frames(version))
     if data.draw(st.booleans()):
-        frame = replace(
-            frame,
+        frame = frame._replace(
             marker_sets=(),
             other_markers=(),
-            bodies=tuple(replace(body, markers=()) for body in frame.bodies),
+            bodies=tuple(body._replace(markers=()) for body in frame.bodies),
             skeletons=(),
             assets=(),
             force_plates=(),
@@ -266,7 +264,7 @@ def test_a_refusal_says_where(payload: str, said: str) -> None:
 
 
 def test_a_4_0_with_precise_stamps_is_read_and_none_is_written() -> None:
-    plain = replace(SEEN, precise=(3, 4))
+    plain = SEEN._replace(precise=(3, 4))
     written = frames.encoded(plain, Version(4, 0))
     assert written == frames.encoded(SEEN, Version(3, 1))
     with_stamps = written[:-6] + bytes.fromhex("0300000004000000") + written[-6:]

@@ -31,6 +31,7 @@ KEPT: Final[Nanoseconds] = 9_000 * MILLISECOND
 """After its last byte a loader that has heard one starts the sketch."""
 CONVERSION: Final[Nanoseconds] = 112 * MICROSECOND
 """One analogRead."""
+_UNASKED: Final = -1
 STEPS_AT_ONCE: Final = 10_000
 """Things done at one instant. Rings that are full of commands give some hundreds, before they take time."""
 
@@ -64,13 +65,10 @@ class Mega:
         shafts: Shafts | None = None,
         others: tuple[Chip, ...] = (),
         boot: Nanoseconds = BOOT,
-        line_ends: frozenset[int] | None = None,
     ) -> None:
         """Flash a sketch; `others` are further chips on the bus, `boot` is how long the loader is deaf.
 
-        `line_ends`: until one of these comes the sketch only remembers what it reads; None: it may do more.
-
-        `shafts` are brought up to each instant at which the board does something.
+        `shafts` are told each instant at which the board does something.
         """
         self.shield: Final = MotorShield() if shield is None else shield
         self.shafts: Final = Shafts() if shafts is None else shafts
@@ -83,11 +81,12 @@ class Mega:
         self._make: Final = sketch
         self._sketch: Sketch | None = None
         self._boot: Final = boot
-        self._line_ends: Final = line_ends
         self._starts_at: Nanoseconds = NEVER
         self._jobs: deque[Job] = deque()
         self._running: OnBus | None = None
         self._free_at: Nanoseconds = 0
+        self._wakes_at: Nanoseconds = _UNASKED
+        """When the sketch wants to be called, where nothing arrives; asked for when it has done something."""
         self._powered = False
         self._held = False
 
@@ -100,11 +99,6 @@ class Mega:
     def sketch(self) -> Sketch | None:
         """What runs; None in the boot loader."""
         return self._sketch
-
-    @property
-    def stirred_by(self) -> frozenset[int] | None:
-        """Bytes that somebody may notice at once; None: any byte may be one."""
-        return None if self._sketch is None else self._line_ends
 
     # For sketches
 
@@ -163,7 +157,9 @@ class Mega:
             return self.bus.due
         if self._jobs or self.serial.available:
             return self._free_at
-        return max(self._free_at, self._sketch.due(self._free_at))
+        if self._wakes_at == _UNASKED:
+            self._wakes_at = self._sketch.due(self._free_at)
+        return max(self._free_at, self._wakes_at)
 
     def advance(self, now: Nanoseconds) -> None:
         """Do what is due by `now`, each thing at its own time; SketchError where that never ends."""
@@ -177,7 +173,8 @@ class Mega:
                     " there, and it wants to go on; its `due` must be later than its last `loop`"
                 )
             begun = max(begun, at)
-            self.shafts.advance(at)
+            self.shafts.reach(at)
+            self._wakes_at = _UNASKED
             if self._sketch is None:
                 self._start(at)
             elif self._running is not None:

@@ -95,12 +95,16 @@ class Shafts:
     """How far the motors' encoders have come, in edges of both channels, since the world began."""
 
     def __init__(self, wiring: tuple[tuple[int, int], ...] = ENCODER_PINS) -> None:
-        self.edges = [0] * len(wiring)
-        """Set by what turns the motors; forwards is A before B."""
+        self._edges = [0] * len(wiring)
         self._wiring: Final = wiring
 
-    def advance(self, now: Nanoseconds) -> None:
-        """Turn up to `now`; these are turned by nobody."""
+    @property
+    def edges(self) -> list[int]:
+        """Set by what turns the motors; forwards is A before B."""
+        return self._edges
+
+    def reach(self, now: Nanoseconds) -> None:
+        """Be on at `now`, before anything is done then; these are turned by nobody."""
 
     def level(self, pin: int) -> bool | None:
         """Return what an encoder puts on a pin; None where none is: here on no pin."""

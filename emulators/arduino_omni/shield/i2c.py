@@ -120,13 +120,11 @@ class I2cBus:
         self._read.clear()
         self._next_at = now + self.bit + BITS_PER_BYTE * self.bit
         self._stop_at = now + self.duration(transfer)
-        self._fine = any(chip.hasty for chip in self._chips) or any(
-            segment.address == GENERAL_CALL or not self._answering(segment) for segment in transfer.segments
-        )
+        self._fine = self._shows_each_byte(transfer)
 
     def duration(self, transfer: Transfer) -> Nanoseconds:
         """Return the time from START to STOP where everything is acknowledged."""
-        bits = sum(1 + BITS_PER_BYTE * segment.length for segment in transfer.segments) + 1
+        bits = sum([1 + BITS_PER_BYTE * segment.length for segment in transfer.segments]) + 1
         return bits * self.bit
 
     def advance(self, now: Nanoseconds) -> Result | None:
@@ -134,7 +132,7 @@ class I2cBus:
         while self._next_at <= now:
             if self._ending:
                 return self._stop(self._next_at)
-            self._carry(self._next_at)
+            self._carry(now)
         return None
 
     def abandon(self, now: Nanoseconds) -> None:
@@ -143,32 +141,47 @@ class I2cBus:
             self.busy += now - self._begun_at
         self._forget()
 
+    def _shows_each_byte(self, transfer: Transfer) -> bool:
+        """Whether somebody may notice a byte before the STOP."""
+        for chip in self._chips:
+            if chip.hasty:
+                return True
+        for segment in transfer.segments:
+            if segment.address == GENERAL_CALL or not self._answering(segment):
+                return True
+        return False
+
     def _answering(self, segment: Segment) -> tuple[Chip, ...]:
         reading = segment.to_read > 0
-        return tuple(it for it in self._chips if it.acknowledges(segment.address, reading=reading))
+        return tuple([it for it in self._chips if it.acknowledges(segment.address, reading=reading)])
 
-    def _carry(self, at: Nanoseconds) -> None:
-        """Carry one byte, and find out what follows it."""
+    def _carry(self, now: Nanoseconds) -> None:
+        """Carry the bytes of a segment that have passed by `now`, and find out what follows the last one."""
         assert self._transfer is not None  # noqa: S101 - for the type checker: an instant is due
-        segment = self._transfer.segments[self._segment]
-        self.bytes += 1
-        if not self._byte(segment, at):
-            self._acknowledged = False
-            self._end(at)
-            return
-        self._place += 1
-        if self._place < segment.length:
-            self._next_at = at + BITS_PER_BYTE * self.bit
-            return
-        self._place = 0
-        self._segment += 1
-        if self._segment < len(self._transfer.segments):
-            self._next_at = at + (1 + BITS_PER_BYTE) * self.bit
-        else:
-            self._end(at)
+        segments = self._transfer.segments
+        segment = segments[self._segment]
+        at, place, length, each = self._next_at, self._place, segment.length, BITS_PER_BYTE * self.bit
+        while at <= now:
+            self.bytes += 1
+            if not self._byte(segment, place, at):
+                self._acknowledged = False
+                self._end(at)
+                return
+            place += 1
+            if place == length:
+                self._segment += 1
+                self._place = 0
+                if self._segment < len(segments):
+                    self._next_at = at + self.bit + each
+                else:
+                    self._end(at)
+                return
+            at += each
+        self._place, self._next_at = place, at
 
-    def _byte(self, segment: Segment, at: Nanoseconds) -> bool:
-        if self._place == 0:
+    def _byte(self, segment: Segment, place: int, at: Nanoseconds) -> bool:
+        """Carry one byte; return whether it is acknowledged."""
+        if place == 0:
             self._addressed = self._answering(segment)
             for chip in self._addressed:
                 chip.addressed(segment.address, reading=segment.to_read > 0, at=at)
@@ -179,10 +192,11 @@ class I2cBus:
                 byte &= chip.read(at)
             self._read.append(byte)
             return True
-        byte = segment.written[self._place - 1]
-        # Open drain: one chip that pulls is enough.
-        answers = [chip.written(byte, at) for chip in self._addressed]
-        return any(answers)
+        byte, acknowledged = segment.written[place - 1], False
+        for chip in self._addressed:  # open drain: one chip that pulls is enough
+            if chip.written(byte, at):
+                acknowledged = True
+        return acknowledged
 
     def _end(self, at: Nanoseconds) -> None:
         self._ending = True

@@ -43,6 +43,8 @@ OCH: Final = 0x08
 OUTDRV: Final = 0x04
 MODE2_BITS: Final = 0x1F
 
+LAST: Final = frozenset({LED_END - 1, PRE_SCALE, TEST_MODE})
+"""Registers after which the pointer begins anew."""
 FULL: Final = 0x10
 """In ON_H: always on. In OFF_H: always off, which wins."""
 HIGH_BITS: Final = 0x1F
@@ -201,9 +203,13 @@ class Pca9685:
             self._selecting = False
             self._pointer = byte
             return True
-        self._store(self._pointer, byte, at)
+        number, registers = self._pointer, self._registers
+        if LED0 <= number < LED_END:
+            self._set_channel(number, byte)
+        else:
+            self._store(number, byte, at)
         self._next()
-        if self.hasty:
+        if registers[MODE2] & OCH:
             self._take()
         return True
 
@@ -222,26 +228,28 @@ class Pca9685:
         self._take()
 
     def _take(self) -> None:
-        self.changes += 1
-        self._latched[:] = self._registers[:LED_END]
+        taken = self._registers[:LED_END]
+        if self._latched != taken:
+            self.changes += 1
+            self._latched[:] = taken
         if self._channel_written:
             self._channel_written = False
-            self._held = False
+            if self._held:
+                self.changes += 1
+                self._held = False
 
     def _next(self) -> None:
         if self._registers[MODE1] & AI:
-            last = self._pointer in {LED_END - 1, PRE_SCALE, TEST_MODE}
-            self._pointer = 0 if last else self._pointer + 1
+            self._pointer = 0 if self._pointer in LAST else self._pointer + 1
 
     def _store(self, number: int, byte: int, at: Nanoseconds) -> None:
+        """Take a byte for what is no channel's register."""
         if number == MODE1:
             self._set_mode1(byte, at)
         elif number == MODE2:
             self._registers[MODE2] = byte & MODE2_BITS
         elif SUBADR1 <= number <= ALLCALLADR:
             self._registers[number] = byte & 0xFE
-        elif LED0 <= number < LED_END:
-            self._set_channel(number, byte)
         elif ALL_LED <= number < PRE_SCALE:
             for channel in range(CHANNELS):
                 self._set_channel(LED0 + 4 * channel + number - ALL_LED, byte)
@@ -249,7 +257,7 @@ class Pca9685:
             self._registers[PRE_SCALE] = max(byte, LOWEST_PRE_SCALE)
 
     def _set_channel(self, number: int, byte: int) -> None:
-        is_high = (number - LED0) % 2 == 1
+        is_high = (number - LED0) & 1
         self._registers[number] = byte & HIGH_BITS if is_high else byte
         self._channel_written = True
 

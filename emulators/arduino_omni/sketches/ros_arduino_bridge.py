@@ -47,7 +47,6 @@ NO_ECHO: Final[Nanoseconds] = SECOND
 """pulseIn's default."""
 GAINS: Final = 4
 _CR: Final = 0x0D
-LINE_ENDS: Final = frozenset({_CR})
 _SPACE: Final = 0x20
 _Handler = Callable[["RosSketch"], None]
 

@@ -35,12 +35,24 @@ class SeenBody:
     def __init__(self, sensor: Sensor, settings: CaptureBody) -> None:
         self.sensor: Final = sensor
         self.settings: Final = settings
-        self.reading: Reading | None = None
-        """What was seen in the newest frame; None where the body was not tracked in it."""
         self.sighting = Sighting.UNKNOWN
         self.jumps = 0
         self._last: tuple[Nanoseconds, Point, float] | None = None
         """When and where it was seen last."""
+        self._newest: tuple[float, Nanoseconds, Nanoseconds, Point, Quaternion, float] | None = None
+        """What `reading` is made of where somebody asks: error, instants, position, attitude, heading."""
+        self._reading: Reading | None = None
+        half, mount = -settings.mount.heading / 2.0, settings.mount
+        self._turn: Final = (0.0, 0.0, math.sin(half), math.cos(half))
+        self._mount: Final = (mount.x, mount.y, mount.z)
+
+    @property
+    def reading(self) -> Reading | None:
+        """What was seen in the newest frame; None where the body was not tracked in it."""
+        if self._reading is None and self._newest is not None:
+            error_m, at, heard_at, position, attitude, heading = self._newest
+            self._reading = Reading(error_m, at, heard_at, SeenPose(position, attitude, heading, self.jumps))
+        return self._reading
 
     def measure(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Do nothing: it is told without being asked."""
@@ -49,7 +61,7 @@ class SeenBody:
 
     def missed(self, sighting: Sighting) -> None:
         """Note that the newest frame does not show the body."""
-        self.sighting, self.reading = sighting, None
+        self.sighting, self._newest, self._reading = sighting, None, None
 
     def seen(
         self,
@@ -63,27 +75,26 @@ class SeenBody:
 
         What is no pose counts as not tracked.
         """
-        length = math.sqrt(sum(part * part for part in attitude))
+        x, y, z, w = attitude
+        length = math.sqrt(x * x + y * y + z * z + w * w)
         # Said so that what is no number is no pose, too.
         if not (length > _TURNED and math.isfinite(length) and math.isfinite(sum(position))):
             self.missed(Sighting.LOST)
             return
-        x, y, z, w = (part / length for part in attitude)
+        x, y, z, w = x / length, y / length, z / length, w / length
         if self.settings.up is UpAxis.Y:
             position = (position[0], -position[2], position[1])
             y, z = -z, y
-        pose = self._robot(position, (x, y, z, w))
-        heading = heading_of(pose[1])
-        self._watch(pose[0], heading, at)
+        place, turned = self._robot(position, (x, y, z, w))
+        heading = heading_of(turned)
+        self._watch(place, heading, at)
         self.sighting = Sighting.SEEN
-        self.reading = Reading(error_m, at, heard_at, SeenPose(*pose, heading, self.jumps))
+        self._newest, self._reading = (error_m, at, heard_at, place, turned, heading), None
 
     def _robot(self, position: Point, attitude: Quaternion) -> tuple[Point, Quaternion]:
         """Return where the robot is whose mounted body is there."""
-        mount = self.settings.mount
-        half = -mount.heading / 2.0
-        turned = product(attitude, (0.0, 0.0, math.sin(half), math.cos(half)))
-        x, y, z = rotated(turned, (mount.x, mount.y, mount.z))
+        turned = product(attitude, self._turn)
+        x, y, z = rotated(turned, self._mount)
         return (position[0] - x, position[1] - y, position[2] - z), turned
 
     def _watch(self, position: Point, heading: float, at: Nanoseconds) -> None:

@@ -17,7 +17,7 @@ from firmware_bridge.wire.internet import same_host
 from firmware_bridge.wire.natnet import messages, models
 from firmware_bridge.wire.natnet.frame import BodyFlag, FrameFlag
 from firmware_bridge.wire.natnet.glance import Glance, glance
-from firmware_bridge.wire.natnet.layout import V3_0, NatNetError
+from firmware_bridge.wire.natnet.layout import V3_0, NatNetError, Version
 from firmware_bridge.wire.natnet.messages import Connect, MessageId, ServerInfo, packet
 
 AGAIN: Final[Nanoseconds] = SECOND
@@ -54,6 +54,8 @@ class NatNetLink:
         """Why the newest of them was refused."""
         self.server: ServerInfo | None = None
         """Who serves; None before it has answered."""
+        self._version: Version | None = None
+        """In which version."""
         self._table: Final = table
         self._place: Final = table.server_number
         self._bodies: Final = tuple(bodies)
@@ -101,25 +103,26 @@ class NatNetLink:
         if message is MessageId.SERVERINFO:
             server = messages.server_info(payload)
             if server != self.server:
-                self.server, self._clock = server, StampClock()
+                self.server, self._version, self._clock = server, server.version, StampClock()
                 self._numbers.clear()
             return (self._sent(_WHICH),) if self._wanted() else ()
-        if self.server is None:
+        version = self._version
+        if self.server is None or version is None:
             return ()
         if message is MessageId.MODELDEF:
-            found = models.decoded(payload, self.server.version)
+            found = models.decoded(payload, version)
             self._numbers = {name: models.body_named(found, name) for name in self._names()}
         elif message is MessageId.FRAMEOFDATA:
-            frame = glance(payload, self.server.version)
+            frame = glance(payload, version)
             self._heard_at = now
-            self._look(frame, self.server, now)
+            ticks_per_s = self.server.ticks_per_s if version >= V3_0 else 0
+            self._look(frame, self._exposed_at(frame, ticks_per_s, now), now)
             if frame.params & _MODELS_CHANGED and any(self._names()):
                 return (self._sent(_WHICH),)
         return ()
 
-    def _look(self, frame: Glance, server: ServerInfo, now: Nanoseconds) -> None:
-        """Look for the bodies in a frame."""
-        at = self._exposed_at(frame, server, now)
+    def _look(self, frame: Glance, at: Nanoseconds, now: Nanoseconds) -> None:
+        """Look for the bodies in a frame that shows the instant `at`."""
         for one in self._bodies:
             wanted = one.settings.body
             body = frame.body(self._numbers.get(wanted, -1) if isinstance(wanted, str) else wanted)
@@ -130,12 +133,12 @@ class NatNetLink:
             else:
                 one.seen(body.position, body.attitude, body.mean_error_m, at, now)
 
-    def _exposed_at(self, frame: Glance, server: ServerInfo, now: Nanoseconds) -> Nanoseconds:
+    def _exposed_at(self, frame: Glance, ticks_per_s: int, now: Nanoseconds) -> Nanoseconds:
         """Return the middle of the exposure by our clock; what no stamp tells is the robot file's."""
-        if server.version >= V3_0 and server.ticks_per_s > 0 and frame.sent:
-            left = self._clock.left_at(frame.sent * SECOND // server.ticks_per_s, now)
+        if ticks_per_s > 0 and frame.sent:
+            left = self._clock.left_at(frame.sent * SECOND // ticks_per_s, now)
             if 0 < frame.exposed <= frame.sent:
-                return left - (frame.sent - frame.exposed) * SECOND // server.ticks_per_s
+                return left - (frame.sent - frame.exposed) * SECOND // ticks_per_s
             return left - self._table.latency
         stamp = frame.timestamp_s
         if not 0.0 <= stamp < NEVER / SECOND:

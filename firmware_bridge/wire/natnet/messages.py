@@ -4,6 +4,7 @@ Source: NatNetTypes.h and the clients of the NatNet SDK, and what a Motive 2.1 h
 commands at port 1510, frames from port 1511.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 from struct import Struct
@@ -53,7 +54,7 @@ class MessageId(IntEnum):
 
 
 _HEAD: Final = Struct("<HH")
-_IDS: Final = frozenset(MessageId)
+_IDS: Final[Mapping[int, MessageId]] = {int(it): it for it in MessageId}
 
 
 def packet(message: MessageId, payload: bytes = b"") -> bytes:
@@ -68,13 +69,12 @@ def split(datagram: bytes) -> tuple[MessageId, bytes]:
     if len(datagram) < _HEAD.size:
         raise NatNetError(f"{len(datagram)} bytes are no packet: its head alone has {_HEAD.size}")
     number, size = _HEAD.unpack_from(datagram)
-    if number not in _IDS:
+    message = _IDS.get(number)
+    if message is None:
         raise NatNetError(f"message {number} is not known")
     if size > len(datagram) - _HEAD.size:
-        raise NatNetError(
-            f"{MessageId(number).name} says {size} bytes, and {len(datagram) - _HEAD.size} came"
-        )
-    return MessageId(number), datagram[_HEAD.size : _HEAD.size + size]
+        raise NatNetError(f"{message.name} says {size} bytes, and {len(datagram) - _HEAD.size} came")
+    return message, datagram[_HEAD.size : _HEAD.size + size]
 
 
 Bytes4 = tuple[int, int, int, int]

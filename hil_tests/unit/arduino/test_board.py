@@ -6,12 +6,14 @@ import pytest
 from typer.testing import CliRunner
 
 from emulators.arduino_omni.board import FIRMWARES, MOVES_EVERY, Board
+from emulators.arduino_omni.mega import motor_library as library
 from emulators.arduino_omni.motors import COUNTS_PER_TURN, Load, four_motors
 from emulators.boards import fmu_load
 from firmware_bridge.cli import program
 from firmware_bridge.node import DTR_UP, SERIAL
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds
+from firmware_bridge.wire.arduino import mw, mw_messages
 from fmu.build import ensure
 from fmu.errors import PlantError
 from fmu.plant import FmuPlant
@@ -102,10 +104,10 @@ def test_a_machine_that_was_busy_changes_nothing_on_the_board() -> None:
 class Watched(Host):
     """Woken every so often besides, as by somebody who looks at each byte."""
 
-    def __init__(self, every: Nanoseconds) -> None:
+    def __init__(self, firmware: str, every: Nanoseconds) -> None:
         self.every = SECOND
         self.told: list[tuple[Nanoseconds, bytes]] = []
-        super().__init__("ros-arduino-bridge", auto_stop=120)
+        super().__init__(firmware, auto_stop=120, load=fmu_load(ensure("rome_base")))
         self.told.clear()
         self.every = every
 
@@ -119,19 +121,37 @@ SAID = (
     *(b"m 60 -", b"60 40\re\r", b"z\r" * 20, b"x" * 90, b"\re\rb", b"\r\r"),
     *(b"u 30:20:1:50\re\r" * 4, b"", b"e\r"),
 )
+SHIELD = tuple(
+    mw.encode_request(it, 0)
+    for it in (
+        mw_messages.CreateShield(0, 0x60, library.DEFAULT_HZ),
+        mw_messages.CreateMotor(0, 0),
+        mw_messages.StartMotor(0, 0, 150, 1),
+    )
+)
+DIALOGUES = {
+    "ros-arduino-bridge": (SAID, b"m 9 9 9\re\r"),
+    "mw": ((*SHIELD[:2], SHIELD[2][:4], SHIELD[2][4:], b"".join(SHIELD) * 4), SHIELD[0]),
+    "arduinoio": ((b"A1\x96B1f", b"E0", b"cd", b"G0" * 40, b"99" * 30), b"99"),
+    "firmata": ((b"\xf0\x79\xf7" * 5, b"\xf9", b"\xf0\x6b", b"\xf7"), b"\xf9"),
+}
+"""What is said to each firmware, and what last."""
 
 
-def test_a_host_hears_the_same_at_the_same_time_whoever_looks_at_the_board() -> None:
-    seldom, often = Watched(SECOND), Watched(79 * MICROSECOND)
+@pytest.mark.parametrize("firmware", FIRMWARES)
+def test_a_host_hears_the_same_at_the_same_time_whoever_looks_at_the_board(firmware: str) -> None:
+    dialogue, last = DIALOGUES[firmware]
+    seldom, often = Watched(firmware, SECOND), Watched(firmware, 79 * MICROSECOND)
     for it in (seldom, often):
-        for said in SAID:
+        for said in dialogue:
             it.send(said)
             it.run(70 * MILLISECOND + 1_234)
         it.board.reset(it.now)
         it.run(1_200 * MILLISECOND)
-        it.send(b"m 9 9 9\re\r")
+        it.send(last)
         it.run(50 * MILLISECOND)
-    assert len(seldom.told) > 12
+        it.board.advance(it.now)
+    assert len(seldom.told) > 3
     assert seldom.told == often.told
     assert list(seldom.board.motors.angles) == list(often.board.motors.angles)
 

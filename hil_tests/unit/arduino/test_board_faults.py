@@ -46,6 +46,7 @@ class Host:
             self.now = max(self.now, self._wake_at)
             self._take(self.node.wake(self.now))
         self.now = until
+        self.board.advance(until)
 
     def _take(self, reaction: Reaction) -> None:
         self.heard += b"".join(packet.payload for packet in reaction.sent)

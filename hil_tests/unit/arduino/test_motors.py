@@ -49,6 +49,25 @@ class Bench:
         self.motors.advance(self.now)
 
 
+@pytest.mark.parametrize("gap", [40 * MICROSECOND, 470 * MICROSECOND, 3 * MILLISECOND])
+def test_who_looks_only_at_the_end_sees_what_he_sees_who_looks_at_each_write(gap: Nanoseconds) -> None:
+    seldom, often = Bench(), Bench()
+    for it in (seldom, often):
+        it.drive(0, 200, FORWARD)
+        it.run(20 * MILLISECOND)
+        # Asleep and awake again: the oscillator starts by itself, and then a speed is told.
+        for data in (bytes((MODE1, SLEEP)), bytes((MODE1, AI)), library.set_speed(PORTS[0], 90)):
+            it.now += gap
+            if it is often:
+                it.motors.advance(it.now)
+            else:
+                it.motors.reach(it.now)
+            it.write(data)
+        it.run(gap)
+    assert list(seldom.motors.angles) == list(often.motors.angles)
+    assert seldom.motors.edges == often.motors.edges != [0, 0, 0]
+
+
 def settled(speed: int) -> tuple[float, float]:
     """Return current and speed at which torque and voltage balance: k i = friction + damping w."""
     volts = SUPPLY_V * speed * 16 / 4096
