@@ -64,7 +64,7 @@ class UsbBoard:
 
     def hang(self, now: Nanoseconds) -> None:
         """Let the firmware do nothing more until it is reset."""
-        self._advance(now)
+        self.advance(now)
         self.mega.hang(now)
 
     def wake(self, now: Nanoseconds) -> Reaction:
