@@ -52,6 +52,9 @@ def test_robots_lists_each_axis_with_its_node() -> None:
     assert (status, err) == (0, "")
     for row in ("1 left rear wheel", "2 right rear wheel", "3 steering", "4 scissor lift", "rome+cameras"):
         assert row in out
+    # What each firmware reads, and what a reversal takes of its cycle; cells are wrapped.
+    for row in ("mw: 2 encoders", "ros-arduino-bridge: 3", "firmata: 2 encoders", "reversal"):
+        assert row in out
 
 
 def test_robots_checks_the_files_that_it_is_given(tmp_path: Path) -> None:
