@@ -17,6 +17,7 @@ OUTPUTS: Final = (
     *(f"{quantity}_{axis}" for quantity in ("current", "angle", "speed") for axis in AXES),
     *("arc", "height", "heading", "speed"),
     *(f"{name}_{side}" for side in WHEELS for name in CONTACTS),
+    *(f"gap_{side}" for side in WHEELS),
     *("pitch", "joint", "swivel", "fallen", "fall", "battery_voltage"),
 )
 

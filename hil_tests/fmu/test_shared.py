@@ -1,10 +1,14 @@
-"""What equations call shared is computed once, as it is written; to everybody else it is its value."""
+"""What equations call shared or named is computed once, as it is written; to all else it is its value."""
 
+import math
+from typing import Any
+
+import pytest
 import sympy as sp
 
 from fmu.export.blocks import Program
 from fmu.export.code import body
-from fmu.export.functions import shared
+from fmu.export.functions import named, shared
 from fmu.export.model import Model, Output, State
 from fmu.export.tangents import tangents
 from fmu.parts.symbols import symbol
@@ -54,3 +58,19 @@ def test_its_slope_is_that_of_its_value() -> None:
 
 def test_it_evaluates_to_its_value() -> None:
     assert sp.lambdify([X, Y], TWIST * 2)(5.0, 3.0) == 4.0
+
+
+def test_what_is_named_nests_as_deeply_as_it_likes() -> None:
+    """Forty levels, each twice in the next, are forty lines, each behind what it is made of."""
+    value = X
+    for _ in range(40):
+        value = named(sp.sin(value) + value * Y)
+    written = lines(value, sp.S.Zero)
+    assert 40 <= len(written) <= 200
+    known: dict[str, Any] = {"s": [0.3, 0.2], "rate": [0.0, 0.0], "fb_sine": math.sin}
+    for name, text in written:
+        exec(f"{name} = {text}", known)  # noqa: S102 - our own generator's text
+    expected = 0.3
+    for _ in range(40):
+        expected = math.sin(expected) + expected * 0.2
+    assert known["rate"][0] == pytest.approx(expected, rel=1e-12)
