@@ -222,6 +222,8 @@ class Rig:
             boards=self.devices.boards,
             bridges=self,
             captures=self.captures,
+            capture_wires=self.capture_wires,
+            lines={name: line.wire for name, line in self.lines.items()},
         )
 
     def _sample(self, now: Nanoseconds) -> None:

@@ -10,10 +10,9 @@ import sys
 from pathlib import Path
 
 from emulators.bench.rehearsal import rehearsal_of
-from firmware_bridge.drivers.epos2.serial.fleet import over_serial
-from firmware_bridge.kinds import find
 from firmware_bridge.robot import RobotFileError
 from hil_tests.adversary.draw import Nature
+from hil_tests.adversary.robots import line_of, options, robot_of
 from hil_tests.adversary.search import Search, as_toml
 from hil_tests.adversary.truth import invariants
 
@@ -21,18 +20,18 @@ from hil_tests.adversary.truth import invariants
 def main() -> int:
     """Search; exit status 1 where something was found."""
     words = argparse.ArgumentParser(prog="adversary", description=__doc__)
-    words.add_argument("robot")
-    words.add_argument("--serial", action="store_true", help="the bridge on the first drive's serial port")
+    options(words)
     words.add_argument("--natures", nargs="+", choices=[it.value for it in Nature], default=["honest"])
     words.add_argument("--hours", type=float, default=1.0, help="simulated")
     words.add_argument("--seed", type=int, default=0, help="the first one")
     words.add_argument("--out", type=Path, default=Path("out/adversary"))
     told = words.parse_args()
     try:
-        robot = over_serial(find(told.robot)) if told.serial else find(told.robot)
+        robot = robot_of(told)
     except RobotFileError as error:
         words.error(str(error))
     natures = frozenset(map(Nature, told.natures))
+    line = line_of(told)
     search = Search(robot, rehearsal_of(robot), invariants(robot), natures, print)
     driven, seed, count = 0.0, told.seed, 0
     while driven < 3600.0 * told.hours:
@@ -41,8 +40,8 @@ def main() -> int:
         if found is not None:
             count += 1
             told.out.mkdir(parents=True, exist_ok=True)
-            path = told.out / f"{robot.name}-{seed}.toml"
-            path.write_text(as_toml(found, robot), encoding="utf-8")
+            path = told.out / f"{line.replace(' --', '-').replace(' ', '-')}-{seed}.toml"
+            path.write_text(as_toml(found, line), encoding="utf-8")
             print(f"seed {seed}: {found}; {path}")
         seed += 1
     print(f"{driven / 3600.0:.2f} simulated hours, seeds {told.seed} to {seed - 1}, {count} found")

@@ -6,10 +6,12 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Annotated, Any, Final, Literal, get_args, get_origin
 
+import numpy as np
 from numpy.random import Generator
 
 from emulators.bench.faults import KINDS, Fault, misfits, read
 from emulators.bench.faults.people import BridgeEnds
+from emulators.bench.faults.site import BRIDGE
 from emulators.bench.mission import Mission, Noise
 from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.step import Holds, Input, Presses, Sends, Slope, Step, guides, inputs
@@ -26,7 +28,9 @@ RECOVERS: Final = 0.3
 POWER_S: Final = 3.0
 """He waits up to so long for power that an emergency stop has taken."""
 DRIVES: Final = 0.3
-"""So often he moves the first channel of his stick alone."""
+"""So often he moves one channel of his stick alone, ..."""
+FIRST: Final = 0.6
+"""... and so often it is the first one."""
 TRIES: Final = 50
 SLOPED: Final = 0.3
 """So many evenings are on a slope, where the plant has one, ..."""
@@ -136,6 +140,34 @@ FAILING: Final[dict[str, Failing]] = {
     "bridge_ends": Failing(Nature.HONEST, _ends, longest_s=8.0),
     "second_bridge": Failing(Nature.HONEST, longest_s=5.0, takes_power=False),
     "second_station": Failing(Nature.HONEST, _joins, longest_s=14.0, takes_power=False),
+    "board_silent": Failing(Nature.HONEST, longest_s=5.0),
+    "board_reset": Failing(Nature.HONEST),
+    "board_hangs": Failing(Nature.HONEST),
+    "board_brown_out": Failing(Nature.HONEST, longest_s=3.0),
+    "body_hidden": Failing(Nature.HONEST, longest_s=6.0, takes_power=False),
+    "capture_late": Failing(
+        Nature.HONEST,
+        lambda chance: {"by_ms": float(chance.integers(5, 1500))},
+        longest_s=5.0,
+        takes_power=False,
+    ),
+    "capture_loss": Failing(Nature.HONEST, _share, longest_s=5.0, takes_power=False),
+    # A motor that does not do what it is told; let go again it jumps by what it is told then.
+    "shaft_blocked": Failing(Nature.LYING, longest_s=LIES_S),
+    "motor_cable_off": Failing(Nature.LYING, longest_s=LIES_S),
+    "encoder_cable_off": Failing(Nature.LYING, longest_s=LIES_S),
+    "line_garbage": Failing(
+        Nature.LYING, lambda chance: {"every_ms": int(chance.choice([2, 20, 300]))}, longest_s=5.0
+    ),
+    "markers_swapped": Failing(
+        Nature.LYING,
+        lambda chance: {
+            "aside_m": round(float(chance.uniform(-1.0, 1.0)), 3),
+            "turn_deg": float(chance.integers(-180, 181)),
+        },
+        longest_s=LIES_S,
+        takes_power=False,
+    ),
     "set_points_ignored": Failing(Nature.LYING, longest_s=LIES_S),
     "encoder_frozen": Failing(Nature.LYING, longest_s=LIES_S),
     "encoder_cut": Failing(Nature.LYING),
@@ -163,7 +195,7 @@ class Draw:
         self._rehearsal: Final = rehearsal
         self._chance: Final = chance
         kinds = [
-            [name for name, row in FAILING.items() if row.nature is nature]
+            [name for name, row in FAILING.items() if row.nature is nature and self._meets(name)]
             for nature in Nature
             if nature in natures
         ]
@@ -206,10 +238,18 @@ class Draw:
                     found.append(self._step(now, {"arm": True}))
                 now += float(self._chance.uniform(0.0, POWER_S))
             elif habit < RECOVERS + DRIVES:
-                found.append(self._step(now, {self._main: self._held(self._held_by[self._main])}))
+                found.append(self._step(now, self._drives()))
             else:
                 found.append(self._step(now, self._does()))
         return tuple(found)
+
+    def _drives(self) -> dict[str, Any]:
+        others = list(self._held_by)[1:]
+        if not others or self._chance.random() < FIRST:
+            return {self._main: self._held(self._held_by[self._main])}
+        key = others[int(self._chance.integers(len(others)))]
+        value = self._held(self._held_by[key])
+        return self._lets_go() if value is None else {key: value}
 
     def _later(self, now: float, pause_s: float) -> float:
         return round(now + float(self._chance.exponential(pause_s)) + 0.06, 3)
@@ -240,6 +280,14 @@ class Draw:
         """Return the kinds of one nature, each of which is as likely: else hardly anybody would lie."""
         place = int(self._chance.integers(len(self._kinds))) if len(self._kinds) > 1 else 0
         return self._kinds[place]
+
+    def _meets(self, name: str) -> bool:
+        """Return whether this robot has what a kind of fault is of; the evening's chance is not asked."""
+        kind = KINDS[name].fault
+        said = {"kind": name, "at_s": 0.0, **FAILING[name].how(np.random.default_rng(0))}
+        if "node" in kind.model_fields:
+            said["node"] = next(iter(kind.among.of(self._robot)), BRIDGE)
+        return not any(key == "kind" for key, _ in read(said).problems(self._robot))
 
     def _falls(self, fault: Fault) -> bool:
         """Return whether a fault may be on this floor."""

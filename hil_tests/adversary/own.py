@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
+from emulators.bench.columns import motor_speed
 from emulators.rig import Rig
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import STANDARD_GRAVITY
@@ -40,6 +41,17 @@ def degrees(robot: AnyRobot) -> float:
 def gives(robot: AnyRobot) -> float:
     """Return the factor beside a bound of a speed on this robot's floor; 1 on the flat."""
     return 1.0 + GIVES * degrees(robot)
+
+
+OMNI_BEYOND_MPS: Final = 0.04
+"""Above ROME's limits of base and rim: over MWProtocol, whose wheels are regulated at 10 Hz, 0.030 m/s are
+measured where the line comes back in a turn."""
+OMNI_TURNS: Final = 1.15
+"""Beside its turn rate, in the same way: 1.10 is measured over MWProtocol."""
+OMNI_OVER: Final = 20
+"""Samples over which it speeds up: two cycles of MWProtocol."""
+OMNI_RAMP: Final = 1.25
+"""Beside its acceleration; 0.96 is measured where nothing fails, as a wheel is regulated in whole cycles."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +106,36 @@ def _tipping(robot: AnyRobot, rig: Rig) -> float:
     return MARGIN_M / margin if margin > 0.0 else math.inf
 
 
+def _planar(robot: AnyRobot, rig: Rig) -> float:
+    row = rig.samples[-1]
+    speed = math.hypot(row["speed_mps"], row["speed_left_mps"])
+    bound: float = robot.geometry.limits.speed_mps + OMNI_BEYOND_MPS
+    return speed / bound
+
+
+def _turning(robot: AnyRobot, rig: Rig) -> float:
+    bound: float = OMNI_TURNS * robot.geometry.limits.turn_rate_rad_s
+    return abs(float(rig.samples[-1]["yaw_rate_rad_s"])) / bound
+
+
+def _rim(robot: AnyRobot, rig: Rig) -> float:
+    row, radius = rig.samples[-1], robot.geometry.base.wheel_radius_m
+    rims = (radius * abs(row[motor_speed(axis.name)]) / axis.ratio for axis in robot.axes)
+    bound: float = robot.geometry.limits.rim_mps + OMNI_BEYOND_MPS
+    return float(max(rims)) / bound
+
+
+def _faster(robot: AnyRobot, rig: Rig) -> float:
+    """Judge a base that speeds up; a half bridge that shorts its motor brakes as it does."""
+    if len(rig.samples) <= OMNI_OVER:
+        return 0.0
+    newest, before = rig.samples[-1], rig.samples[-1 - OMNI_OVER]
+    now, then = (math.hypot(row["speed_mps"], row["speed_left_mps"]) for row in (newest, before))
+    bound: float = OMNI_RAMP * robot.geometry.limits.acceleration_mps2
+    gained: float = (now - then) / ((newest.at - before.at) * 1e-9)
+    return gained / bound
+
+
 OWN: Final[Mapping[str, tuple[Own, ...]]] = {
     "rars": (
         Own("speed beyond 0.505 m/s", _speed),
@@ -103,5 +145,11 @@ OWN: Final[Mapping[str, tuple[Own, ...]]] = {
     "carrier": (
         Own("acceleration beyond its limit", _acceleration),
         Own("sideways acceleration beyond its limit", _sideways, 0.1),
+    ),
+    "rome": (
+        Own("speed beyond its limit", _planar, 0.1),
+        Own("turn rate beyond its limit", _turning, 0.1),
+        Own("a wheel's speed beyond its limit", _rim, 0.1),
+        Own("speeding up beyond its limit", _faster),
     ),
 }

@@ -1,6 +1,7 @@
 """The search: evenings are driven, branched from their worst moments and judged; what is found is shrunk."""
 
 import json
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, Final
@@ -18,7 +19,6 @@ from emulators.rewind import Checkpoint
 from emulators.rig import Rig
 from emulators.run import HAND_STREAM
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
 from hil_tests.adversary.draw import FAILING, READY_S, Draw, Nature, takes_power
 from hil_tests.adversary.truth import Invariant, Judge, Truth, Violation
@@ -83,7 +83,11 @@ class Life:
         """Run on to an instant; return the first rule that is broken."""
         step = from_seconds(LOOK_EVERY)
         while self.rig.world.now < until:
-            self.rig.run(self.rig.world.now + step)
+            begun = self.rig.world.now
+            try:
+                self.rig.run(begun + step)
+            except Exception as error:  # noqa: BLE001 - on a robot the bridge would be dead, whatever it says
+                return Violation(f"{type(error).__name__}: {error}", begun, math.inf)
             if self.rig.world.now < from_seconds(READY_S):
                 continue
             words = self._accepted()
@@ -236,11 +240,9 @@ def _until(mission: Mission, end: float) -> dict[str, Any]:
     return {"duration_s": min(end, mission.duration_s), "step": steps, "fault": faults}
 
 
-def as_toml(found: Found, robot: AnyRobot) -> str:
-    """Return the mission as a file that `bench` drives, with what it breaks above it."""
+def as_toml(found: Found, line: str) -> str:
+    """Return the mission as a file that `bench` drives, with what it breaks above it; `line` is the robot."""
     mission = found.mission
-    serial = any(link.driver is Epos2Driver.SERIAL for link in robot.links.values())
-    line = f"{robot.name}{' --serial v2' if serial else ''}"
     lines = [f"# {found}", f"# firmware-bridge bench {line} --mission THIS --seed {found.seed}", ""]
     lines += [f"title = {json.dumps(mission.title)}", f"duration_s = {mission.duration_s + BRANCH_S}"]
     noise = mission.noise.model_dump(exclude_defaults=True)

@@ -7,11 +7,16 @@ from typing import Final
 import pytest
 
 from emulators.bench.columns import Sample
+from emulators.bench.faults import Fault
+from emulators.bench.mission import Mission
 from emulators.bench.rehearsal import rehearsal_of
+from firmware_bridge.drivers.shield.booting import Booting
+from firmware_bridge.drivers.shield.fleet import over_protocol
 from firmware_bridge.kinds import find
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import STANDARD_GRAVITY, from_seconds
 from hil_tests.adversary.own import MARGIN_M, OWN, zero_moment_point
+from hil_tests.adversary.reached import Reached
 from hil_tests.adversary.search import Life
 from hil_tests.adversary.truth import Judge, Look, invariants
 from hil_tests.scenarios.ride import ARMED, STANDS, fault, ride, step, story
@@ -110,3 +115,90 @@ def test_a_bridge_that_lets_go_on_a_slope_is_found(monkeypatch: pytest.MonkeyPat
     one.rig.finish()
     assert violation is not None
     assert violation.name == "let go, and rolls"
+
+
+ROME: Final = over_protocol(find("rome"), "mw", 3)
+STOPS_ITSELF: Final = find("rome")
+WHEELS: Final = frozenset({"one", "two", "three"})
+
+
+def rolling(robot: AnyRobot, **how: object) -> Look:
+    """A robot's three wheels turn with power; it is disarmed."""
+    wheels = look(robot=robot, speeds=dict.fromkeys(WHEELS, 1.0), places={}, powered=WHEELS)
+    return replace(wheels, own=dict.fromkeys((own.name for own in OWN["rome"]), 0.0), **how)  # type: ignore[arg-type]
+
+
+def ahead(robot: AnyRobot, *faults: Fault) -> Life:
+    """It arms, and drives ahead."""
+    steps = [{"at_s": 3.0, "title": "arm", "arm": True}, {"at_s": 3.5, "title": "go", "speed_mps": 0.3}]
+    rehearsal = rehearsal_of(robot)
+    does = tuple(map(rehearsal.step.model_validate, steps))
+    mission = Mission(title="ahead", duration_s=20.0, step=does, fault=faults)
+    return Life(robot, rehearsal, mission, 0, invariants(robot))
+
+
+@pytest.mark.parametrize(
+    ("robot", "how", "name", "within_s"),
+    [
+        (STOPS_ITSELF, {}, "motion with power that may not be", 3.2),
+        (STOPS_ITSELF, {"unreached": WHEELS}, "a board that nobody reaches runs on", 2.1),
+        (ROME, {"unreached": WHEELS}, "motion with power that may not be", 3.2),
+        (ROME, {"unreached": WHEELS, "runs_on": WHEELS, "gone": True}, None, 1_000.0),
+    ],
+)
+def test_a_board_has_its_time_to_boot_and_what_nobody_reaches_is_judged_by_its_own_stop(
+    robot: AnyRobot, how: dict[str, object], name: str | None, within_s: float
+) -> None:
+    judge, turns = Judge(invariants(robot)), rolling(robot, **how)
+    assert judge.look(0, turns) is None
+    assert judge.look(from_seconds(within_s) - 1, turns) is None
+    violation = judge.look(from_seconds(within_s), turns)
+    assert (None if violation is None else violation.name) == name
+
+
+@pytest.mark.parametrize(
+    ("robot", "faults", "until_s", "unreached", "runs_on"),
+    [
+        (ROME, (), 0.3, False, False),
+        (ROME, (fault("board_silent", 0.2),), 0.3, True, True),
+        (STOPS_ITSELF, (fault("board_silent", 0.2),), 0.3, True, False),
+        (STOPS_ITSELF, (fault("board_brown_out", 0.2),), 0.3, True, True),
+        (STOPS_ITSELF, (fault("serial_unplugged", 0.2),), 0.3, True, False),
+        (ROME, (fault("bridge_ends", 0.2, how="killed"),), 0.3, True, True),
+        (ROME, (fault("bridge_ends", 0.2),), 3.0, True, False),
+        (ROME, (fault("board_hangs", 0.3),), 0.3, False, True),
+        (ROME, (fault("board_hangs", 0.2),), 0.3, False, False),
+    ],
+)
+def test_whom_a_word_reaches_is_known_by_the_bench(
+    robot: AnyRobot, faults: tuple[Fault, ...], until_s: float, *, unreached: bool, runs_on: bool
+) -> None:
+    """A bridge that has ended in good order is no excuse for a board that runs on."""
+    one = ahead(robot, *faults)
+    one.rig.run(from_seconds(until_s))
+    found = Reached(robot).look(one.rig)
+    one.rig.finish()
+    assert found == (WHEELS if unreached else frozenset(), WHEELS if runs_on else frozenset())
+
+
+@pytest.mark.interpreted
+def test_a_board_that_hangs_and_is_not_reset_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Booting, "pulse", lambda *_: ())
+    one = ahead(ROME, fault("board_hangs", 5.0))
+    violation = one.run(from_seconds(10.0))
+    one.rig.finish()
+    assert violation is not None
+    assert violation.name == "motion with power that may not be"
+
+
+def _ends(_: object) -> None:
+    raise KeyError("nothing")
+
+
+def test_a_bridge_that_ends_in_an_exception_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    one = ahead(ROME)
+    monkeypatch.setattr(one.rig, "run", _ends)
+    violation = one.run(from_seconds(1.0))
+    one.rig.finish()
+    assert violation is not None
+    assert violation.name == "KeyError: 'nothing'"

@@ -19,6 +19,7 @@ from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.units import SECOND, Nanoseconds, from_seconds
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.adversary.own import OWN, ROUNDED, gives
+from hil_tests.adversary.reached import Reached
 
 GOES_M: Final = 0.020
 """So far a robot may go that was let go at rest, before it is held again; docs/safety.md."""
@@ -27,6 +28,11 @@ OVERSHOOTS_S: Final = 0.1
 """A wheel may be quicker for a moment where its set-point jumps; the base may not."""
 STANDS: Final = 1.0 / 40.0
 """An axis moves above this share of its top speed."""
+MAY_NOT_S: Final = 2.0
+"""So long a stop may take in all. A board that was reset may not be spoken to for a time of its own, in which
+its shield goes on: that comes on top."""
+FORGETS_S: Final = 0.1
+"""Beside a board's auto-stop: the word that it heard last is a cycle old, and its loop looks at 30 Hz."""
 ENDS_S: Final = 15.0
 """The longest end of a bridge; firmware_bridge/shell/runner.py waits so long."""
 
@@ -56,6 +62,10 @@ class Look:
     """Its power shall go: by an emergency stop, on the flat, and no fault is in the way."""
     own: Mapping[str, float]
     """How near the bounds of this kind of robot are."""
+    unreached: frozenset[str] = frozenset()
+    """The axes of boards that no word of any bridge can reach."""
+    runs_on: frozenset[str] = frozenset()
+    """Those of them whose board goes on as it was told, until it is reached again: nothing can stop them."""
 
     def moves(self, name: str, slowest: Mapping[str, float]) -> float:
         """Return the axis's speed as a share of the slowest that counts as motion."""
@@ -99,6 +109,7 @@ class Truth:
         }
         """The axes whose drives have a watch of their own over the bridge: a gateway's is its line."""
         self._free: Final = {axis.name for axis in robot.axes if axis.unpowered is Unpowered.FREE}
+        self._reached: Final = Reached(robot)
         self.let_go_at: tuple[float, float] | None = None
         """Where the base rested when it last had power; None where it did not rest."""
 
@@ -119,6 +130,7 @@ class Truth:
         gone = not alive or bridge.finished
         alone = gone and not rig.world.here(SECOND_BRIDGE)
         rolled = self._rolled(row, powered)
+        unreached, runs_on = self._reached.look(rig)
         return Look(
             self.robot,
             row,
@@ -132,6 +144,8 @@ class Truth:
             rolled if let_go else 0.0,
             stopped and let_go,
             {own.name: own.ratio(self.robot, rig) for own in OWN.get(self.robot.kind, ())},
+            unreached,
+            runs_on,
         )
 
     def _rolled(self, row: Sample, powered: frozenset[str]) -> float:
@@ -154,19 +168,31 @@ def invariants(robot: AnyRobot) -> tuple[Invariant, ...]:
     """Return the rows of a robot."""
     slowest = {axis.name: STANDS * axis.top_speed for axis in robot.axes}
     free = {axis.name for axis in robot.axes if axis.unpowered is Unpowered.FREE}
+    stops_itself = [link.auto_stop_ms / 1000.0 for link in robot.shield_links.values() if link.stops_itself]
+    forgets_s = max(stops_itself, default=0.0) + FORGETS_S
 
     def may_not_move(look: Look) -> float:
-        moves = (look.moves(name, slowest) for name in look.powered)
+        moves = (look.moves(name, slowest) for name in look.powered - look.runs_on)
         return 0.0 if look.may_move else max(moves, default=0.0)
+
+    def forgot(look: Look) -> float:
+        names = look.powered & look.unreached - look.runs_on
+        return max((look.moves(name, slowest) for name in names), default=0.0)
+
+    may_not_s = MAY_NOT_S + max((link.boots / 1000.0 for link in robot.shield_links.values()), default=0.0)
+
+    def unattended(look: Look) -> float:
+        return 2.0 * bool(look.gone and look.powered - look.runs_on)
 
     return (
         *(_sum(total) for total in robot.guard.sums),
         *(_exclusive(pair, slowest) for pair in robot.guard.exclusive),
         *(_travel(axis.name, axis.travel) for axis in robot.axes if axis.travel is not None),
-        *(_own(own.name, own.lasts_s, frozenset(free)) for own in OWN.get(robot.kind, ())),
-        Invariant("motion with power that may not be", may_not_move, 2.0, 6.0),
+        *(_own(own.name, own.lasts_s, frozenset(free or slowest)) for own in OWN.get(robot.kind, ())),
+        *((Invariant("a board that nobody reaches runs on", forgot, forgets_s, 6.0),) * bool(stops_itself)),
+        Invariant("motion with power that may not be", may_not_move, may_not_s, 6.0 + may_not_s - MAY_NOT_S),
         Invariant("power that nobody watches", lambda look: 2.0 * bool(look.unwatched), 1.0, 6.0),
-        Invariant("power without a bridge", lambda look: 2.0 * bool(look.gone and look.powered), 2.0, 6.0),
+        Invariant("power without a bridge", unattended, may_not_s, 6.0),
         Invariant(
             "an emergency stop with power", lambda look: 2.0 * bool(look.stopped and look.powered), 5.0
         ),
@@ -201,7 +227,7 @@ def _travel(name: str, travel: tuple[float, float]) -> Invariant:
 
 def _own(name: str, lasts_s: float, free: frozenset[str]) -> Invariant:
     def ratio(look: Look) -> float:
-        # What rolls out, or down a slope, is held by nobody.
+        # What rolls out, or down a slope, is held by nobody; nor are gears that turn on.
         return look.own[name] if look.powered >= free else 0.0
 
     return Invariant(name, ratio, lasts_s)

@@ -364,6 +364,9 @@ ELSEWHERE: Final = {
         ),
         "ROME's stories",
     ),
+    **dict.fromkeys(
+        ("board_brown_out", "line_garbage", "capture_late", "capture_loss"), "the adversary's evenings"
+    ),
     **dict.fromkeys(("body_hidden", "markers_swapped"), "stories of robots that cameras see"),
     "stray_frames": "a story: another master",
     "datagram_doubled": "nothing has to stop: a command counts once",

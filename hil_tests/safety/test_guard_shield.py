@@ -9,6 +9,7 @@ from firmware_bridge.kinds import find
 from firmware_bridge.node import DTR_DOWN
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.safety.guard import Guarded, guarded
+from firmware_bridge.safety.guard.shield_words import READERS, Board, Inputs, Word, no_motion
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.arduino import arduinoio, firmata, motor_shield, mw
 from firmware_bridge.wire.arduino import mw_messages as messages
@@ -23,9 +24,11 @@ class Talker:
 
     def __init__(self) -> None:
         self.says: tuple[Packet, ...] = ()
+        self.heard: list[bytes] = []
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        del packet, now
+        del now
+        self.heard.append(packet.payload)
         return Reaction()
 
     def wake(self, now: Nanoseconds) -> Reaction:
@@ -48,7 +51,7 @@ class Bench:
         """Say words; return what has left."""
         self.now += later
         self.talker.says = tuple(Packet("board", 0, word) for word in words)
-        return [packet.payload for packet in self.guard.wake(self.now).sent]
+        return [packet.payload for packet in self.guard.wake(self.now).sent if packet.address == 0]
 
     def reset(self) -> bool:
         """Lower DTR, as before a reset; return whether that has left."""
@@ -119,7 +122,12 @@ def test_a_board_with_a_loop_is_told_no_more_than_the_top_speed() -> None:
 
 @pytest.mark.parametrize(
     ("ticks", "sum_"),
-    [((0, -190, 190), "speed ahead"), ((150, 150, 150), ""), ((190, 190, 190), "")],
+    [
+        ((0, -184, 184), ""),
+        ((0, -185, 185), "speed ahead"),
+        ((150, 150, 150), ""),
+        ((190, 190, 190), ""),
+    ],
 )
 def test_all_wheels_of_one_word_are_judged_together(ticks: tuple[int, int, int], sum_: str) -> None:
     bench = Bench("ros-arduino-bridge")
@@ -134,20 +142,26 @@ def test_all_wheels_of_one_word_are_judged_together(ticks: tuple[int, int, int],
         assert beyond in bench.reason
 
 
+@pytest.mark.parametrize("size", [1, 20])
+@pytest.mark.parametrize("ways", [("f", "b"), ("b", "f")], ids="-".join)
 @pytest.mark.parametrize("protocol", ["ros-arduino-bridge", "arduinoio"])
-def test_a_motor_is_not_reversed_before_it_was_told_0_for_half_a_cycle(protocol: str) -> None:
+def test_a_motor_is_not_reversed_before_it_was_told_0_for_half_a_cycle(
+    protocol: str, ways: tuple[str, str], size: int
+) -> None:
+    first, second = ways
+    told = size if first == "f" else -size
     for wait, passes in ((0, False), (CYCLE // 2 - 1, False), (CYCLE // 2, True)):
         bench = Bench(protocol)
         if protocol == "arduinoio":
-            bench.say(way(1, "f"), pwm(1, 20))
+            assert pwm(1, size) in bench.say(way(1, first), pwm(1, size))
             bench.say(pwm(1, 0), later=CYCLE)
-            sent = bench.say(way(1, "b"), pwm(1, 20), later=wait)
-            assert (pwm(1, 20) in sent) is passes
+            sent = bench.say(way(1, second), pwm(1, size), later=wait)
+            assert (pwm(1, size) in sent) is passes
         else:
-            bench.say(speeds(20, 0, 0))
+            assert bench.say(speeds(told, 0, 0)) == [speeds(told, 0, 0)]
             bench.say(speeds(0, 0, 0), later=CYCLE)
-            sent = bench.say(speeds(-20, 0, 0), later=wait)
-            assert (speeds(-20, 0, 0) in sent) is passes
+            sent = bench.say(speeds(-told, 0, 0), later=wait)
+            assert (speeds(-told, 0, 0) in sent) is passes
         if not passes:
             assert bench.reason.endswith("without standing at 0")
 
@@ -158,19 +172,24 @@ def test_a_direction_that_is_turned_under_power_is_a_reversal_too() -> None:
     assert bench.say(way(2, "b"), later=CYCLE) == [pwm(2, 0)]
 
 
+@pytest.mark.parametrize("ahead", [True, False])
 @pytest.mark.parametrize("protocol", ["arduinoio", "firmata"])
-def test_the_pwm_rises_by_its_slope_and_may_fall_at_once(protocol: str) -> None:
+def test_the_pwm_rises_by_its_slope_and_may_fall_at_once(protocol: str, *, ahead: bool) -> None:
     """600 counts a second: 30 in a cycle, and half a cycle of room."""
     bench = Bench(protocol)
+    sign = "" if ahead else "-"
+    one, other = (Pin.IN1, Pin.IN2) if ahead else (Pin.IN2, Pin.IN1)
 
     def told(size: int) -> bytes:
         return pwm(1, size) if protocol == "arduinoio" else channel(1, Pin.PWM, size)
 
-    forward = (way(1, "f"),) if protocol == "arduinoio" else (channel(1, Pin.IN2, 0), channel(1, Pin.IN1, 1))
-    assert bench.say(*forward, told(75)) == [*forward, told(75)], "after a long rest: two cycles and a half"
+    ways = (way(1, "f" if ahead else "b"),)
+    forward = ways if protocol == "arduinoio" else (channel(1, other, 0), channel(1, one, 1))
+    assert told(76) not in Bench(protocol).say(*forward, told(76)), "after a long rest: two cycles and a half"
+    assert bench.say(*forward, told(75)) == [*forward, told(75)]
     assert bench.say(told(120), later=CYCLE) == [told(120)]
     assert bench.say(told(166), later=CYCLE) == [told(0)]
-    assert "from 120 to 166 PWM at once, 45 is allowed" in bench.reason
+    assert f"from {sign}120 to {sign}166 PWM at once, 45 is allowed" in bench.reason
     bench = Bench(protocol)
     bench.say(*forward, told(75))
     assert bench.say(told(0)) == [told(0)]
@@ -239,3 +258,112 @@ def test_mwprotocols_libraries_are_those_that_the_board_has_told() -> None:
     own = mw.encode_request(messages.SetMotorSpeed(0, 0, 20, 1), 1, (mw.SHIELD, mw.ENCODER))
     assert bench.say(own) == [own]
     assert bench.guard.links["board"].axes[0].moving
+    assert bench.talker.heard == [told]
+
+
+def test_what_a_board_says_is_let_in() -> None:
+    bench = Bench("ros-arduino-bridge")
+    bench.guard.receive(Packet("board", 0, b"OK\r\n"), bench.now)
+    assert bench.talker.heard == [b"OK\r\n"]
+    assert not bench.guard.links["board"].waiting
+
+
+def test_a_motor_that_is_told_a_way_and_no_pwm_does_not_move() -> None:
+    bench = Bench("arduinoio")
+    assert bench.say(way(1, "f")) == [way(1, "f")]
+    assert bench.reset()
+
+
+def test_it_is_known_which_motors_a_word_would_move() -> None:
+    asked = Bench("ros-arduino-bridge").guard.links["board"].asked_by(Packet("board", 0, speeds(1, 0, -2)))
+    assert [one.moves for one in asked.values()] == [True, False, True]
+
+
+NOTHING: Final = Word()
+AT_REST: Final = Word(at_rest=True)
+OFF: Final = Inputs(0, in1=False, in2=False)
+RELEASED: Final = Inputs(None, in1=False, in2=False)
+
+
+def board(protocol: str, libraries: tuple[str, ...] = mw.LIBRARIES) -> Board:
+    return Board(over_protocol(find("rome"), protocol).shield_link("board"), (1, 2, 3), libraries)
+
+
+def encoder(*data: int) -> bytes:
+    return firmata.exclusive(firmata.ENCODER, bytes(data))
+
+
+def written(low: int, high: int) -> bytes:
+    """A write of M1's PWM whose third byte is this, in two times seven bits."""
+    whole = firmata.i2c_write(motor_shield.ADDRESS, motor_shield.encode_channel(1, Pin.PWM, 255))
+    return whole[:8] + bytes((low, high)) + whole[10:]
+
+
+@pytest.mark.parametrize(
+    ("protocol", "data", "means"),
+    [
+        ("ros-arduino-bridge", b"b\r", NOTHING),
+        ("ros-arduino-bridge", b"e\r", NOTHING),
+        ("ros-arduino-bridge", b"r\r", AT_REST),
+        ("ros-arduino-bridge", b"m 0 0 0\r", Word({1: OFF, 2: OFF, 3: OFF})),
+        (
+            "ros-arduino-bridge",
+            b"m 1 0 -1\r",
+            Word(
+                {
+                    1: Inputs(1, in1=True, in2=False),
+                    2: Inputs(0, in1=True, in2=False),
+                    3: Inputs(1, in1=False, in2=True),
+                }
+            ),
+        ),
+        ("ros-arduino-bridge", f"m {'9' * (ros.WORD - 1)} 0 0\r".encode(), None),
+        ("arduinoio", arduinoio.encode("9", 9), NOTHING),
+        ("arduinoio", arduinoio.encode("G", 1), NOTHING),
+        ("arduinoio", arduinoio.encode("H", 1), AT_REST),
+        ("arduinoio", arduinoio.encode("E", 0, 2, 3), AT_REST),
+        ("arduinoio", arduinoio.encode("E", 0, 2, 3)[:-1] + b"\0", None),
+        ("arduinoio", pwm(2, 16), Word({2: Inputs(16, None, None)})),
+        ("arduinoio", way(2, "f"), Word({2: Inputs(None, in1=True, in2=False)})),
+        ("arduinoio", way(2, "b"), Word({2: Inputs(None, in1=False, in2=True)})),
+        ("arduinoio", way(2, "r"), Word({2: RELEASED})),
+        ("arduinoio", way(4, "f"), None),
+        ("mw", mw.encode_request(messages.GetServerInfo(), 1), NOTHING),
+        ("mw", mw.encode_request(messages.ReadCount(0, 0), 1), NOTHING),
+        ("mw", mw.encode_request(messages.ReadCount(0, 1), 1), None),
+        ("mw", mw.encode_request(messages.StopMotor(0, 2), 1), Word({3: RELEASED})),
+        ("mw", mw.encode_request(messages.StopMotor(0, 0), 1), Word({1: RELEASED})),
+        ("mw", mw.encode_request(messages.StopMotor(0, 3), 1), None),
+        (
+            "mw",
+            mw.encode_request(messages.SetMotorSpeed(0, 2, 9, 2), 1),
+            Word({3: Inputs(9, in1=False, in2=True)}),
+        ),
+        ("firmata", firmata.exclusive(firmata.FIRMWARE), NOTHING),
+        ("firmata", firmata.exclusive(firmata.I2C_CONFIG, bytes(2)), AT_REST),
+        ("firmata", encoder(0, 0, 18, 19), AT_REST),
+        ("firmata", encoder(1, 0), NOTHING),
+        ("firmata", encoder(2), NOTHING),
+        ("firmata", encoder(3, 0), AT_REST),
+        ("firmata", encoder(4, 0), None),
+        ("firmata", channel(2, Pin.IN1, 1), Word({2: Inputs(None, in1=True, in2=None)})),
+        ("firmata", channel(2, Pin.IN2, 0), Word({2: Inputs(None, in1=None, in2=False)})),
+        ("firmata", channel(2, Pin.PWM, 255), Word({2: Inputs(255, None, None)})),
+        ("firmata", channel(2, Pin.PWM, 9) + b"\xf0", None),
+        ("firmata", written(0, 2), None),
+    ],
+)
+def test_a_word_means_what_its_firmware_makes_of_it(protocol: str, data: bytes, means: Word | None) -> None:
+    one = board(protocol)
+    assert READERS[one.link.protocol](data, one) == means
+
+
+def test_a_library_that_the_board_has_not_told_is_not_listed() -> None:
+    one = board("mw", (mw.SHIELD,))
+    request = mw.encode_request(messages.ReadCount(0, 0), 1, (mw.SHIELD, mw.ENCODER))
+    assert READERS[one.link.protocol](request, one) is None
+
+
+def test_what_takes_a_motors_speed_is_for_that_motor() -> None:
+    (stops,) = no_motion(2, board("mw"))
+    assert READERS[board("mw").link.protocol](stops, board("mw")) == Word({2: RELEASED})

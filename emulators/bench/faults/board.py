@@ -1,19 +1,23 @@
-"""Faults of a board with a motor shield: its cable, its reset, the wires of motors and encoders."""
+"""Faults of a board with a motor shield: its cable, supply and reset, the wires of motors and encoders."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from typing import Annotated, ClassVar
+from typing import Annotated, ClassVar, Final
 
 from numpy.random import Generator
 from pydantic import Field
 
+from emulators.arduino_omni.faults import FAULTS
 from emulators.arduino_omni.motors import Motors
 from emulators.bench.faults.fault import Fault, Lasting, Node, Problem, Stations
 from emulators.bench.faults.site import Site
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.units import NEVER
+from firmware_bridge.units import MILLISECOND, NEVER
 
 One = Annotated[Node, Field(description="which motor")]
+BROWN_OUT: Final = FAULTS["brown-out"]
+BURST: Final = 8
+"""Bytes of a disturbance."""
 
 
 def _boards(robot: AnyRobot) -> Iterator[Problem]:
@@ -75,6 +79,53 @@ class BoardHangs(Fault):
         del chance
         for board in site.boards.values():
             board.hang(site.world.now)
+
+
+class BoardBrownOut(Lasting):
+    """The supply of the board's processor is too low: it is held in reset, and its shield goes on."""
+
+    kind: ClassVar = "board_brown_out"
+    among: ClassVar = Stations.NONE
+
+    def problems(self, robot: AnyRobot) -> Iterator[Problem]:
+        """Give what this robot lacks for it."""
+        yield from _boards(robot)
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Let the supply sag."""
+        del chance
+        self._hold(site, on=True)
+
+    def take_off(self, site: Site) -> None:
+        """Give it back: the board starts anew."""
+        self._hold(site, on=False)
+
+    def _hold(self, site: Site, *, on: bool) -> None:
+        for board in site.boards.values():
+            BROWN_OUT.put(board, on, site.world.now)
+
+
+class LineGarbage(Lasting):
+    """Bytes that nobody has said are on the line between bridge and board."""
+
+    kind: ClassVar = "line_garbage"
+    among: ClassVar = Stations.NONE
+    every_ms: Annotated[int, Field(ge=1, le=10_000, description="between two bursts, in ms")] = 20
+
+    def problems(self, robot: AnyRobot) -> Iterator[Problem]:
+        """Give what this robot lacks for it."""
+        yield from _boards(robot)
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Begin to disturb."""
+        self._disturb((site, chance))
+
+    def _disturb(self, told: tuple[Site, Generator]) -> None:
+        site, chance = told
+        if site.world.now < self.end:
+            for name in site.boards:
+                site.disturb(name, chance.bytes(BURST))
+            site.world.call_at(site.world.now + self.every_ms * MILLISECOND, self._disturb, told)
 
 
 class _OnMotor(Lasting, ABC):

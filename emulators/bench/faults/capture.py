@@ -7,10 +7,12 @@ from typing import Annotated, ClassVar
 from numpy.random import Generator
 from pydantic import Field
 
-from emulators.bench.faults.fault import Lasting, Problem, Stations
+from emulators.bench.faults.fault import Lasting, Positive, Problem, Share, Stations
 from emulators.bench.faults.site import Site
 from emulators.motion_capture.exposure import Hidden, Swapped
+from emulators.wires import Impairment
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.units import MILLISECOND
 
 
 class _Seen(Lasting):
@@ -50,3 +52,29 @@ class MarkersSwapped(_Seen):
             for body in system.exposure.bodies:
                 aside = (self.aside_m, 0.0, 0.0)
                 system.hide(Swapped(body.id, self.begin, self.end, aside, turn))
+
+
+class CaptureLate(_Seen):
+    """Frames of the capture system come late."""
+
+    kind: ClassVar = "capture_late"
+    by_ms: Annotated[Positive, Field(description="later than the network's own delay, in ms")]
+    share: Share = 1.0
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Delay what is sent between the bridge and the systems."""
+        late = round(self.by_ms * MILLISECOND)
+        for wire in site.capture_wires.values():
+            wire.impair(Impairment(None, self.begin, self.end, self.share, chance, late=late))
+
+
+class CaptureLoss(_Seen):
+    """Frames of the capture system are lost."""
+
+    kind: ClassVar = "capture_loss"
+    share: Share = 1.0
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Lose what is sent between the bridge and the systems."""
+        for wire in site.capture_wires.values():
+            wire.impair(Impairment(None, self.begin, self.end, self.share, chance, lost=True))

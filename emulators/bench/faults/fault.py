@@ -129,7 +129,9 @@ class OnBus(Fault, ABC):
         """Give what this robot lacks for it, key by key."""
         yield from super().problems(robot)
         node = getattr(self, "node", None)
-        if self.link is not None and self.link not in robot.links:
+        if not robot.epos2_links:
+            yield "kind", f"{robot.name} has no CAN bus"
+        elif self.link is not None and self.link not in robot.links:
             yield "link", f"{robot.name} has no link '{self.link}'; {near(self.link, list(robot.links))}"
         elif self.link is None and len(robot.links) > 1 and named(robot, node or BRIDGE) == BRIDGE:
             yield "link", f"on which link? there are: {', '.join(robot.links)}"

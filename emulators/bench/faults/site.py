@@ -15,7 +15,7 @@ from emulators.motion_capture.system import MotionCapture
 from emulators.servo.axis import ServoAxis
 from emulators.wires import DatagramWire, FaultyCanWire
 from emulators.world import Station, Wire, World
-from firmware_bridge.node import CAN, OPERATOR
+from firmware_bridge.node import CAN, OPERATOR, SERIAL
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import Nanoseconds
@@ -73,22 +73,34 @@ class Site:
     bridges: Bridges
     captures: Mapping[str, MotionCapture] = field(default_factory=dict)
     """The capture systems by link."""
+    capture_wires: Mapping[str, DatagramWire] = field(default_factory=dict)
+    """What they send on, by link."""
+    lines: Mapping[str, Wire] = field(default_factory=dict)
+    """The serial lines by link."""
     boards: Mapping[str, Board] = field(default_factory=dict)
     """Boards with a motor shield, by the link."""
     stations: list[SecondStation] = field(default_factory=list)
     """All that have joined the operator's link, the newest last."""
     _strangers: dict[str, Station] = field(default_factory=dict)
-    """By the link on whose bus they are."""
+    """By the link on whose bus or line they are."""
     _unplugged: dict[str, Mapping[str, Wire]] = field(default_factory=dict)
 
     def send(self, link: str, address: int, payload: bytes) -> None:
         """Have a stranger queue a frame on a link's bus; he is there from the first one on."""
-        stranger = self._strangers.get(link)
-        if stranger is None:
-            name = STRANGER if len(self.cans) == 1 else f"{STRANGER} on {link}"
-            stranger = self.world.attach(name, Stranger(), {CAN: self.cans[link]})
-            self._strangers[link] = stranger
-        self.cans[link].carry(stranger, Packet(CAN, address, payload))
+        name = STRANGER if len(self.cans) == 1 else f"{STRANGER} on {link}"
+        wire = self.cans[link]
+        wire.carry(self._stranger(link, name, {CAN: wire}), Packet(CAN, address, payload))
+
+    def disturb(self, link: str, data: bytes) -> None:
+        """Let both ends of a serial line hear bytes that neither has said."""
+        wire = self.lines[link]
+        wire.carry(self._stranger(link, f"{STRANGER} on {link}", {SERIAL: wire}), Packet(SERIAL, 0, data))
+
+    def _stranger(self, link: str, name: str, wires: Mapping[str, Wire]) -> Station:
+        found = self._strangers.get(link)
+        if found is None:
+            found = self._strangers[link] = self.world.attach(name, Stranger(), wires)
+        return found
 
     def waiting(self, link: str) -> int:
         """Return how many frames of the stranger's on this link wait or are under way."""

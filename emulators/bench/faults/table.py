@@ -229,6 +229,21 @@ _ROWS: Final = (
         " ros_arduino_bridge and ArduinoIO release their motors; the others run on until they are set up.",
     ),
     Kind(
+        board.BoardBrownOut,
+        "The 5 V of the board's processor sag, as with a long USB cable: the brown-out detector holds it in"
+        " reset. The shield has its own supply, and its chip lives on down to 2.3 V.",
+        "A board: deaf, while the shield goes on as it was told; with the supply it starts anew, as after"
+        " `board_reset`.",
+        "the board's supply",
+    ),
+    Kind(
+        board.LineGarbage,
+        "A disturbance on the line between bridge and board: bytes that nobody has said, to both of them,"
+        " in the middle of what they say.",
+        "A board: reads them as its firmware reads anything. MWProtocol alone has a checksum; with ArduinoIO"
+        " a byte may become the speed of a motor.",
+    ),
+    Kind(
         board.BoardHangs,
         "The firmware does nothing more until a reset: Wire waits for ever where the I2C bus is stuck. An"
         " instant: no end.",
@@ -287,6 +302,16 @@ _ROWS: Final = (
         "A reflection, or another body with markers alike: markers are taken for others.",
         "The capture system sends a pose elsewhere, as one that is tracked.",
         "what the cameras see",
+    ),
+    Kind(
+        capture.CaptureLate,
+        "The network between the capture system and the bridge is busy: frames queue up, and come late.",
+        "Frames come late, with the times at which they were taken.",
+    ),
+    Kind(
+        capture.CaptureLoss,
+        "The network between the capture system and the bridge loses frames.",
+        "Frames do not come.",
     ),
     Kind(
         people.BridgeEnds,

@@ -81,8 +81,8 @@ class Board:
             Task.DISABLE: self._let_go,
         }
         """What is said for a task; None where it waits, or has failed. Others need no word."""
-        self._released_at = 0
-        """How many questions had been asked when the motors were released last."""
+        self._released_at: int | None = None
+        """How many questions had been asked when the motors were released last; None: they never were."""
 
     @property
     def lost(self) -> str | None:
@@ -266,7 +266,7 @@ class Board:
 
     def _confirm(self) -> None:
         """Learn that what was said before the newest question has been obeyed."""
-        if self._questions > self._released_at:
+        if self._released_at is not None and self._questions > self._released_at:
             for motor in self.motors:
                 motor.released = motor.way == 0
 

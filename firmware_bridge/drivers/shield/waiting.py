@@ -61,9 +61,11 @@ class Waiting:
         self._next = self._script.popleft()
 
     def end(self) -> None:
-        """Say nothing more of a task."""
+        """Say nothing more of a task; an answer to its question that is under way is no task's any more."""
         self._script.clear()
         self._next = None
+        if self.part is Part.TASK:
+            self.part = Part.MOTION
 
     def drop(self) -> None:
         """Forget what is no task's."""

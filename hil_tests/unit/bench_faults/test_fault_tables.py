@@ -18,7 +18,7 @@ RARS = kinds.find("rars")
 SERIAL = over_serial(RARS)
 ROME = kinds.find("rome")
 ON_A_BOARD = (
-    *("board_silent", "board_reset", "board_hangs"),
+    *("board_silent", "board_reset", "board_hangs", "board_brown_out", "line_garbage"),
     *("shaft_blocked", "motor_cable_off", "encoder_cable_off"),
 )
 HEAD = 'title = "t"\nduration_s = 10.0\n[[step]]\nat_s = 1.0\ntitle = "s"\narm = true\n'
@@ -45,6 +45,7 @@ LEAST = {
     "index_missing": 'node = "left"',
     "index_spurious": 'node = "left"',
     "datagram_late": "by_ms = 100.0",
+    "capture_late": "by_ms = 100.0",
     "motor_cable_off": 'node = "two"',
     "shaft_blocked": 'node = "two"',
     "encoder_cable_off": 'node = "two"',
@@ -67,7 +68,10 @@ def refusal(text: str, robot: AnyRobot = RARS) -> list[str]:
 
 
 SEEN = RARS.with_links({"cameras": cameras()})
-ON = {"serial_unplugged": SERIAL, "body_hidden": SEEN, "markers_swapped": SEEN}
+ON = {
+    "serial_unplugged": SERIAL,
+    **dict.fromkeys(("body_hidden", "markers_swapped", "capture_late", "capture_loss"), SEEN),
+}
 """What a kind is of, where RARS has it not."""
 
 

@@ -199,6 +199,20 @@ def test_a_stop_ends_with_the_boards_reset_and_tells_of_its_own_stop_where_it_ha
     assert "it stops" not in notes["arduinoio"]
 
 
+def test_what_answers_a_task_that_a_stop_has_ended_is_nobodys() -> None:
+    """The bridge lives on; and motors that it has not released are not, whoever drove them before."""
+    fleet = shield_fleet(over("ros-arduino-bridge"), "board")
+    board, one = fleet.link, fleet.drivers[0]
+    asked = one.begin((Task.IDENTIFY, Task.CONFIGURE), SECOND)
+    asked += board.wake(SECOND + 100 * MILLISECOND)
+    assert [packet.payload for packet in asked] == [b"b\r"]
+    one.command(Stop.POWER_OFF)
+    assert not one.busy
+    released = board.hear(Packet("board", 0, b"57600\r\n"), SECOND + 110 * MILLISECOND)
+    assert [packet.payload for packet in released] == [b"m 0 0 0\r"]
+    assert not one.unpowered
+
+
 @pytest.mark.parametrize(
     ("protocol", "wires", "remark"),
     [

@@ -1,0 +1,45 @@
+"""Which boards no word of a bridge can reach, and which of them go on as they were told, by the truth."""
+
+from typing import Final
+
+from emulators.bench.columns import SAMPLE_EVERY
+from emulators.bench.faults.board import BoardBrownOut, BoardHangs, BoardReset, BoardSilent
+from emulators.rig import BRIDGE, Rig
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.units import NEVER
+
+STARTS_ANEW: Final = {BoardBrownOut.kind, BoardHangs.kind, BoardReset.kind}
+
+
+class Reached:
+    """Looks at the boards of a robot; it remembers nothing, so that a run may be taken back."""
+
+    def __init__(self, robot: AnyRobot) -> None:
+        self._axes: Final = {
+            name: frozenset(axis.name for axis in robot.axes_on(name)) for name in robot.shield_links
+        }
+        self._stop: Final = {name for name, link in robot.shield_links.items() if link.stops_itself}
+
+    def look(self, rig: Rig) -> tuple[frozenset[str], frozenset[str]]:
+        """Return the axes that nobody reaches, and those of them that nothing stops.
+
+        A bridge that has ended reaches nobody. That excuses a board that runs on only where it was killed, or
+        where it has ended with the word that a stop was not confirmed. A board that starts anew, or hangs, is
+        waited for anew.
+        """
+        records = rig.faults.records
+        unreached, runs_on = set[str](), set[str]()
+        lately = rig.world.now - SAMPLE_EVERY
+        anew = any(it.ended is not None and it.ended > lately for it in records if it.kind in STARTS_ANEW)
+        dead = not rig.world.here(BRIDGE)
+        silent = any(it.kind == BoardSilent.kind and it.ended is None for it in records)
+        told = rig.bridge.finished and bool(rig.bridge.unconfirmed)
+        for name, axes in self._axes.items():
+            board, line = rig.devices.boards[name], rig.lines[name]
+            dark = board.mega.sketch is None and board.mega.due == NEVER
+            cut = dark or dead or told or silent or not line.adapter.plugged
+            if cut or rig.bridge.finished:
+                unreached |= axes
+            if dark or anew or (cut and name not in self._stop):
+                runs_on |= axes
+        return frozenset(unreached), frozenset(runs_on)
