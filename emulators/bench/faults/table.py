@@ -230,7 +230,7 @@ _ROWS: Final = (
     ),
     Kind(
         board.BoardBrownOut,
-        "The 5 V of the board's processor sag, as with a long USB cable: the brown-out detector holds it in"
+        "The 5 V of the board's processor sag, as with a long USB cable: the brown-out detection holds it in"
         " reset. The shield has its own supply, and its chip lives on down to 2.3 V.",
         "A board: deaf, while the shield goes on as it was told; with the supply it starts anew, as after"
         " `board_reset`.",
