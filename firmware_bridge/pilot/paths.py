@@ -29,8 +29,13 @@ class Nearest(NamedTuple):
 class Path:
     """Chords from point to point; a closed one begins anew where it ends."""
 
-    def __init__(self, points: Sequence[Point], *, closed: bool = False) -> None:
-        """Take at least two points; two that follow one another are apart."""
+    def __init__(
+        self, points: Sequence[Point], *, closed: bool = False, course_rad: float | None = None
+    ) -> None:
+        """Take at least two points; two that follow one another are apart.
+
+        `course_rad`: where a curve looks at its begin; None: along the first chord.
+        """
         chain = [*points, points[0]] if closed and points else list(points)
         lengths = [math.dist(a, b) for a, b in pairwise(chain)]
         if not lengths or min(lengths) <= 0.0 or not all(map(math.isfinite, lengths)):
@@ -39,6 +44,8 @@ class Path:
         self.points: Final = tuple(chain)
         self._begins: Final = (0.0, *accumulate(lengths))
         """How far along each point is."""
+
+        self.begin: Final = Pose(*chain[0], self.at(0.0).heading_rad if course_rad is None else course_rad)
 
     @property
     def length_m(self) -> float:
@@ -90,13 +97,13 @@ def line(length_m: float) -> Path:
 
 def circle(radius_m: float) -> Path:
     """Return a circle to the left, which begins at its foot."""
-    return Path(_turn(radius_m, CHORDS), closed=True)
+    return Path(_turn(radius_m, CHORDS), closed=True, course_rad=0.0)
 
 
 def figure_of_eight(radius_m: float) -> Path:
     """Return a circle to the left and one to the right, which meet where it begins."""
     left = _turn(radius_m, CHORDS)
-    return Path([*left, *((x, -y) for x, y in left)], closed=True)
+    return Path([*left, *((x, -y) for x, y in left)], closed=True, course_rad=0.0)
 
 
 def _turn(radius_m: float, chords: int) -> list[Point]:
@@ -112,7 +119,7 @@ PATHS: Final[MappingProxyType[str, Callable[[float], Path]]] = MappingProxyType(
 
 def placed(path: Path, at: Pose, *, offset_m: float = 0.0, turned_rad: float = 0.0) -> Path:
     """Return the path for a robot that stands `at`: `offset_m` left of its begin, `turned_rad` left of it."""
-    first = path.at(0.0)
+    first = path.begin
     turn = at.heading_rad - turned_rad - first.heading_rad
     cosine, sine = math.cos(turn), math.sin(turn)
     x = first.x_m - offset_m * math.sin(first.heading_rad)
@@ -121,4 +128,5 @@ def placed(path: Path, at: Pose, *, offset_m: float = 0.0, turned_rad: float = 0
         (at.x_m + (px - x) * cosine - (py - y) * sine, at.y_m + (px - x) * sine + (py - y) * cosine)
         for px, py in path.points
     ]
-    return Path(points[:-1] if path.closed else points, closed=path.closed)
+    course = first.heading_rad + turn
+    return Path(points[:-1] if path.closed else points, closed=path.closed, course_rad=course)
