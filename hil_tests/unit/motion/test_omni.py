@@ -62,3 +62,22 @@ def test_the_ramp_goes_straight_to_its_target_and_no_faster_than_either_bound() 
     late = ramp.step(Twist(0.0, 0.0, 0.0), Twist(1.0, 0.0, 0.0), 500 * MILLISECOND)
     assert late == pytest.approx((0.025, 0.0, 0.0))
     assert ramp.step(step, Twist(0.016, 0.02, 0.005), 50 * MILLISECOND) == (0.016, 0.02, 0.005)
+
+
+@pytest.mark.parametrize("turn", [-1.0, 1.0])
+def test_a_turn_to_either_side_is_ramped_and_rolled_alike(turn: float) -> None:
+    """Ahead and to the left on the arc of a quarter turn, from 30 degrees: its chord in closed form."""
+    ramp = OmniRamp(0.6, 4.0, 50 * MILLISECOND)
+    after = ramp.step(Twist(0.0, 0.0, 0.0), Twist(0.0, 0.0, turn), 50 * MILLISECOND)
+    assert after.turn == pytest.approx(0.2 * turn)
+    angle = turn * math.pi / 2.0
+    way = Twist(0.3, 0.2, angle)
+    begin = Pose(1.0, 2.0, math.radians(30.0))
+    end = moved(begin, way)
+    # The way, turned by each angle on the arc, in the mean; by parts it is (sin, 1 - cos) over the angle
+    along, across = math.sin(angle) / angle, (1.0 - math.cos(angle)) / angle
+    x, y = 0.3 * along - 0.2 * across, 0.3 * across + 0.2 * along
+    cosine, sine = math.cos(begin.heading_rad), math.sin(begin.heading_rad)
+    assert end.x_m == pytest.approx(1.0 + x * cosine - y * sine)
+    assert end.y_m == pytest.approx(2.0 + x * sine + y * cosine)
+    assert end.heading_rad == pytest.approx(begin.heading_rad + angle)
