@@ -13,7 +13,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -25,42 +25,19 @@ from emulators.bench.operator import ScriptedOperator
 from emulators.rig import BRIDGE, OPERATOR_STATION, Rig
 from emulators.robots.rome import REHEARSAL
 from emulators.run import HAND_STREAM
-from firmware_bridge.kinds import kind_named
-from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.file import robot_of, table_of
+from firmware_bridge.kinds import find
 from firmware_bridge.units import from_seconds
 
 MISSION: Final = "circle"
-CAMERAS: Final[Mapping[str, Any]] = {"driver": "natnet", "server": "192.168.1.10:1510", "silent_ms": 500}
-PLACE: Final[Mapping[str, Any]] = {
-    "name": "place",
-    "title": "where the cameras see it",
-    "link": "cameras",
-    "every_ms": 50,
-    "silent_ms": 100,
-    "settings": {"body": "rome", "fastest_mps": 1.0, "fastest_rad_s": 2.0},
-}
 RATE_HZ: Final = 240
 LEAST: Final[Mapping[bool, float]] = {False: 30.0, True: 100.0}
 """Times real time with cameras, the core interpreted and compiled."""
 NAMES: Final = ("RARS, circles", "ROME, circle", "ROME, circle, cameras at 240 Hz")
 
 
-def rome(*, captured: bool) -> AnyRobot:
-    """Return ROME by its shipped file, which cameras see, or not."""
-    kind = kind_named("rome")
-    table: dict[str, Any] = table_of(kind.file.read_text(encoding="utf-8"), "rome")
-    links = {name: link for name, link in table["links"].items() if link["driver"] != "natnet"}
-    sensors = [it for it in table.get("sensors", []) if it["link"] in links]
-    if captured:
-        links["cameras"] = dict(CAMERAS)
-        sensors.append(dict(PLACE))
-    return robot_of(table | {"links": links, "sensors": sensors}, "rome", kind.geometry, kind.groups)
-
-
 def rig(*, captured: bool) -> Rig:
     """Build the robot with its operator, at the start of the mission."""
-    robot = rome(captured=captured)
+    robot = find("rome+cameras" if captured else "rome")
     script = mission.find(MISSION, robot, REHEARSAL)
     operator = ScriptedOperator(robot, REHEARSAL, script, np.random.default_rng([SEED, HAND_STREAM]))
     return Rig(robot, REHEARSAL, operator, seed=SEED, noise=script.noise)

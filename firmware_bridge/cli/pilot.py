@@ -19,7 +19,9 @@ EXAMPLES: Final = """Examples:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PilotOptions:
-    """Drive a robot whose bridge calls this machine, as `drive` does by default; see what the link brings.
+    """Drive a robot over its operator's link: by hand, or along a path.
+
+    Its bridge calls this machine, as `drive` does by default; what the link brings is shown.
 
     Ends on Ctrl-C: what moves is let go, and the robot is disarmed. Where the joystick is lost nothing more
     is said, and the bridge stops the robot by its silence.

@@ -3,6 +3,7 @@
 [C] is Qualls, Canfield, Shibakov, JAMRIS 10(3), 2016.
 """
 
+from functools import cache
 from typing import Final
 
 import sympy as sp
@@ -158,8 +159,13 @@ class Climber:
         return forwards + turning + P["wheel_inertia"] + self._rotor(), forwards - turning
 
 
+@cache
 def model(surface: Surface = TANK) -> Model:
-    """Return the equations of the climbing robot with all tables."""
+    """Return the equations of the climbing robot with all tables.
+
+    Made once in a process: SymPy's own memory compares what is equal but not the same to its last leaf, and
+    would not end.
+    """
     wheel = {name.removesuffix("wheel"): value for name, value in P.items() if name.endswith("_wheel")}
     left, right = (Shaft(axis, P | {name + axis: value for name, value in wheel.items()}) for axis in AXES)
     robot = Climber(left, right, surface)
