@@ -46,7 +46,7 @@ class PilotOptions:
         str | None,
         typer.Option(
             metavar="NAME|FILE",
-            help="Follow a path by pure pursuit: line, circle, eight, or a .csv file with x_m,y_m.",
+            help="Follow a path by pure pursuit: line, circle, eight, or a .csv file of points (x,y).",
         ),
     ] = None
     size: Annotated[float, typer.Option(min=0.1, metavar="M", help="The line's length, or the radius.")] = 5.0

@@ -29,21 +29,19 @@ class PathFileError(FileError):
 
 def path_of(file: Path, speed: float | None = None) -> tuple[Point, ...]:
     """Return a file's points; `speed` in m/s is for points without a time. PathFileError."""
-    try:
-        text = file.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise PathFileError(str(file), Problem("", f"cannot be read: {error}")) from error
-    return points_of(text, str(file), speed)
+    return points_of(_read(file), str(file), speed)
+
+
+def places_of(file: Path) -> tuple[tuple[float, float], ...]:
+    """Return where a file's points are, whatever else it says of them; m. PathFileError."""
+    columns, rows = _rows(_read(file), str(file))
+    x, y = columns.index("x"), columns.index("y")
+    return tuple((row[x], row[y]) for _, row in rows)
 
 
 def points_of(text: str, file: str, speed: float | None = None) -> tuple[Point, ...]:
     """Return the points of a text; `file` names it in a PathFileError."""
-    lines = enumerate(csv.reader(text.splitlines(), skipinitialspace=True), start=1)
-    rows = [(f"row {place}", [cell.strip() for cell in cells]) for place, cells in lines if _counts(cells)]
-    columns, rows = _columns(rows, file)
-    numbers = [(where, _numbers(cells, columns, where, file)) for where, cells in rows]
-    if len(numbers) < LEAST:
-        raise PathFileError(file, Problem("", f"{len(numbers)} points make no path; at least {LEAST} do"))
+    columns, numbers = _rows(text, file)
     if "t" not in columns:
         return _timed(numbers, speed, file)
     if speed is not None:
@@ -83,6 +81,24 @@ def along_path(robot: AnyRobot, file: Path | None, speed: float | None) -> tuple
         return robot, ()
     points = path_of(file, speed)
     return with_path(robot, points, str(file)), points
+
+
+def _read(file: Path) -> str:
+    try:
+        return file.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise PathFileError(str(file), Problem("", f"cannot be read: {error}")) from error
+
+
+def _rows(text: str, file: str) -> tuple[tuple[str, ...], list[tuple[str, tuple[float, ...]]]]:
+    """Return the columns, and each row's name and numbers."""
+    lines = enumerate(csv.reader(text.splitlines(), skipinitialspace=True), start=1)
+    rows = [(f"row {place}", [cell.strip() for cell in cells]) for place, cells in lines if _counts(cells)]
+    columns, rows = _columns(rows, file)
+    numbers = [(where, _numbers(cells, columns, where, file)) for where, cells in rows]
+    if len(numbers) < LEAST:
+        raise PathFileError(file, Problem("", f"{len(numbers)} points make no path; at least {LEAST} do"))
+    return columns, numbers
 
 
 def _counts(cells: list[str]) -> bool:

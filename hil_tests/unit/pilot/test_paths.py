@@ -81,16 +81,23 @@ def test_what_is_no_path_is_refused(points: list[tuple[float, float]]) -> None:
 
 def test_a_path_comes_from_a_file(tmp_path: FilePath) -> None:
     file = tmp_path / "way.csv"
-    file.write_text("x_m,y_m\n0,0\n# a corner\n2, 0\n\n2,1\n", encoding="utf-8")
+    file.write_text("x,y\n0,0\n# a corner\n2, 0\n\n2,1\n", encoding="utf-8")
     path = path_file.load(file)
     assert (path.length_m, path.closed) == (3.0, False)
     file.write_text("0,0\n2,0\n2,1\n0,0\n", encoding="utf-8")
     assert path_file.load(file).closed
+    file.write_text("t,x,y,psi\n0,0,0,0\n5,2,0,0\n9,2,1,0\n", encoding="utf-8")
+    assert path_file.load(file).points == ((0.0, 0.0), (2.0, 0.0), (2.0, 1.0))
 
 
 @pytest.mark.parametrize(
     ("text", "told"),
-    [("0,0\n1,zwei\n", "row 2: two numbers"), ("0\n", "row 1"), ("x_m,y_m\n0,0\n", "two points at least")],
+    [
+        ("0,0\n1,zwei\n", "row 2: y = 'zwei'"),
+        ("0\n", "row 1"),
+        ("x,y\n0,0\n", "1 points make no path"),
+        ("0,0\n0,0\n", "two points at least"),
+    ],
 )
 def test_a_wrong_file_is_one_line(tmp_path: FilePath, text: str, told: str) -> None:
     file = tmp_path / "way.csv"
