@@ -12,6 +12,7 @@ from firmware_bridge.robot import RobotFileError
 from firmware_bridge.robots.rars import KIND, rules
 from firmware_bridge.robots.rars.body import ramp_of
 from firmware_bridge.robots.rars.rules import LIMITS, tipping_speed
+from firmware_bridge.safety.limits import bounded
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from hil_tests.safety.gate_bench import Rars, Snapshot, base_stopped, gate_of, lift_free, limited, names
 
@@ -34,6 +35,10 @@ def asked(well: Well, now: Nanoseconds = START, **wish: Any) -> Snapshot:
 def reckless(robot: Rars) -> Rars:
     """Return a robot whose other limits never bind."""
     return limited(robot, speed_mps=9.0, acceleration_g=90.0, turn_radius_m=0.2, steer_angle_deg=85.0)
+
+
+def test_a_number_is_told_in_the_unit_of_its_bound_unless_another_is_named() -> None:
+    assert bounded(-200.0, 100.0, "m/s") == (-100.0, "asked for -200.00 m/s, allowed is -100.00 m/s")
 
 
 @pytest.mark.parametrize("sign", [1, -1])
