@@ -75,7 +75,7 @@ class Mega:
         self.pins: Final = Pins(self.shafts)
         self.serial: Final = Uart(baud)
         self.bus: Final = I2cBus((self.shield.chip, *others))
-        self.clock = Clock(0)
+        self._clock = Clock(0)
         self.resets = 0
         """Times that it has started."""
         self._make: Final = sketch
@@ -137,6 +137,17 @@ class Mega:
         self.bus.abandon(now)
         self._jobs.clear()
         self._running, self._free_at = None, NEVER
+
+    @property
+    def clock(self) -> Clock:
+        """What the sketch sees of the time."""
+        return self._clock
+
+    @clock.setter
+    def clock(self, clock: Clock) -> None:
+        """Give it another one, or one that was set: what it waits for may come earlier by it."""
+        self._clock = clock
+        self._wakes_at = _UNASKED
 
     def hear(self, byte: int, now: Nanoseconds) -> None:
         """Take a byte whose stop bit has passed."""

@@ -27,8 +27,6 @@ AUTO_STOP: Final = 500
 """ms, of the sketch."""
 REFERENCE_MV: Final = 5_000
 LARGEST_READING: Final = 1_023
-RESTS: Final[Nanoseconds] = SECOND // 2
-"""More than all that one event brings about takes."""
 
 
 @dataclass(frozen=True)
@@ -219,6 +217,7 @@ class Emulated:
                 return self._rested(self._board.receive(Packet(SERIAL, 0, data), self._now))
             case Time(millis):
                 self._clock.now = millis
+                self._mega.clock = self._clock
             case Edges(wheel, count):
                 self._mega.shafts.edges[wheel] += count
             case Level(pin, high):
@@ -228,14 +227,12 @@ class Emulated:
         return self._rested(self._board.wake(self._now))
 
     def _rested(self, reaction: Reaction) -> Heard:
-        # A board is woken where its host may hear of it: what its bus does shows to who brings it there.
-        rests_at = self._now + RESTS
         while True:
             for packet in reaction.sent:
                 self._said += packet.payload
-            if reaction.wake_at == NEVER and self._now >= rests_at:
+            if reaction.wake_at == NEVER:
                 break
-            self._now = max(self._now, rests_at if reaction.wake_at == NEVER else reaction.wake_at)
+            self._now = max(self._now, reaction.wake_at)
             reaction = self._board.wake(self._now)
         heard = Heard(bytes(self._said), "".join(self._tap.text))
         self._said.clear()
