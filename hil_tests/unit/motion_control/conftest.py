@@ -152,9 +152,14 @@ def drive() -> Drive:
     return make_drive()
 
 
+LAGS = STEERING.inductance * STEERING.torque_constant**2 / (STEERING.resistance**2 * STEERING.inertia)
+"""By this share the current that brakes a shaft is more than the speed of the same instant explains: the
+winding's time constant over the mechanical one."""
+
+
 def into_the_supply(drive: Drive) -> float:
-    """Return the current in A that a back-EMF beyond supply and diodes drives through them."""
+    """Return the current in A, at most, that a back-EMF beyond supply and diodes drives through them."""
     beyond = (
         STEERING.torque_constant * abs(drive.plant.outputs[2]) - (drive.axis.supply_mv + DIODES_MV) / 1000
     )
-    return max(0.0, beyond) / STEERING.resistance
+    return (1.0 + LAGS) * max(0.0, beyond) / STEERING.resistance

@@ -1,6 +1,6 @@
 """Whatever fails around a drive, in whatever mode: current flows only while the state allows it."""
 
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from emulators.servo.axis_faults import AxisFaults, IndexPulse, SensorWires
@@ -70,6 +70,9 @@ def does(drive: Drive, deed: str, value: object) -> None:
     target=st.integers(-4000, 4000),
     deeds=st.lists(st.tuples(DEEDS, st.integers(1, 60)), max_size=10),
 )
+@example(
+    mode=1, motor=1, target=-4, deeds=[(("wires", SensorWires(swapped=True)), 38), (("supply", 5_000), 3)]
+).via("a runaway that brakes into a supply of 5 V")
 def test_no_current_flows_where_the_state_does_not_allow_it(
     mode: int, motor: int, target: int, deeds: list[tuple[tuple[str, object], int]]
 ) -> None:
