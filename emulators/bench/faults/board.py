@@ -20,20 +20,21 @@ BURST: Final = 8
 """Bytes of a disturbance."""
 
 
-def _boards(robot: AnyRobot) -> Iterator[Problem]:
-    if not robot.shield_links:
-        yield "kind", f"{robot.name} has no board with a motor shield"
+class _OfBoards(Fault, ABC):
+    """A fault of every board that the robot has."""
 
-
-class BoardSilent(Lasting):
-    """The board is heard no more, and hears nothing."""
-
-    kind: ClassVar = "board_silent"
     among: ClassVar = Stations.NONE
 
     def problems(self, robot: AnyRobot) -> Iterator[Problem]:
         """Give what this robot lacks for it."""
-        yield from _boards(robot)
+        if not robot.shield_links:
+            yield "kind", f"{robot.name} has no board with a motor shield"
+
+
+class BoardSilent(_OfBoards, Lasting):
+    """The board is heard no more, and hears nothing."""
+
+    kind: ClassVar = "board_silent"
 
     def put_on(self, site: Site, chance: Generator) -> None:
         """Cut it off."""
@@ -47,15 +48,10 @@ class BoardSilent(Lasting):
             site.world.silence(name, NEVER)
 
 
-class BoardReset(Fault):
+class BoardReset(_OfBoards):
     """Somebody presses the board's button, or its supply has a dip: it starts anew."""
 
     kind: ClassVar = "board_reset"
-    among: ClassVar = Stations.NONE
-
-    def problems(self, robot: AnyRobot) -> Iterator[Problem]:
-        """Give what this robot lacks for it."""
-        yield from _boards(robot)
 
     def put_on(self, site: Site, chance: Generator) -> None:
         """Pull RESET."""
@@ -64,15 +60,10 @@ class BoardReset(Fault):
             board.reset(site.world.now)
 
 
-class BoardHangs(Fault):
+class BoardHangs(_OfBoards):
     """The board's firmware does nothing more until a reset, as when I2C is stuck; the shield runs on."""
 
     kind: ClassVar = "board_hangs"
-    among: ClassVar = Stations.NONE
-
-    def problems(self, robot: AnyRobot) -> Iterator[Problem]:
-        """Give what this robot lacks for it."""
-        yield from _boards(robot)
 
     def put_on(self, site: Site, chance: Generator) -> None:
         """Let it hang."""
@@ -81,15 +72,10 @@ class BoardHangs(Fault):
             board.hang(site.world.now)
 
 
-class BoardBrownOut(Lasting):
+class BoardBrownOut(_OfBoards, Lasting):
     """The supply of the board's processor is too low: it is held in reset, and its shield goes on."""
 
     kind: ClassVar = "board_brown_out"
-    among: ClassVar = Stations.NONE
-
-    def problems(self, robot: AnyRobot) -> Iterator[Problem]:
-        """Give what this robot lacks for it."""
-        yield from _boards(robot)
 
     def put_on(self, site: Site, chance: Generator) -> None:
         """Let the supply sag."""
@@ -105,16 +91,11 @@ class BoardBrownOut(Lasting):
             BROWN_OUT.put(board, on, site.world.now)
 
 
-class LineGarbage(Lasting):
+class LineGarbage(_OfBoards, Lasting):
     """Bytes that nobody has said are on the line between bridge and board."""
 
     kind: ClassVar = "line_garbage"
-    among: ClassVar = Stations.NONE
     every_ms: Annotated[int, Field(ge=1, le=10_000, description="between two bursts, in ms")] = 20
-
-    def problems(self, robot: AnyRobot) -> Iterator[Problem]:
-        """Give what this robot lacks for it."""
-        yield from _boards(robot)
 
     def put_on(self, site: Site, chance: Generator) -> None:
         """Begin to disturb."""
