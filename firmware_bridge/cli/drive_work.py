@@ -1,7 +1,6 @@
 """Runs the bridge on real links, telling the user what it does."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import replace
 from functools import partial
 from types import MappingProxyType
 from typing import Final, TypeAlias
@@ -13,6 +12,7 @@ from firmware_bridge.cli.options import generation_of, until
 from firmware_bridge.cli.places import Place, parted, places_of
 from firmware_bridge.cli.real_time import carry
 from firmware_bridge.cli.recorded import recording
+from firmware_bridge.cli.remembered import Remembered
 from firmware_bridge.cli.robot_argument import find_robot
 from firmware_bridge.cli.trusted import trust_of
 from firmware_bridge.cli.zeros import zeros_of
@@ -31,14 +31,12 @@ from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.safety.snapshot import Hold
 from firmware_bridge.shell.black_box import CAN_LOG, OPERATOR_LOG, SERIAL_LOG, Texts
-from firmware_bridge.shell.kept_stamps import DamagedStampsError, KeptStamps
 from firmware_bridge.shell.last_places import LastPlaces, usual_path
 from firmware_bridge.shell.ports import Port, ReturningLine, UdpPort, open_can
 from firmware_bridge.slow_link.conditions import Conditions
 from firmware_bridge.slow_link.node import before_robot
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.teleop.texts import Listener
-from firmware_bridge.teleop.trust import Stamps
 from firmware_bridge.units import SECOND, Nanoseconds, to_seconds
 from firmware_bridge.wire.maxon.frame import Generation
 
@@ -63,15 +61,14 @@ class Narrated:
         node: Node,
         tell: Tell,
         kept: LastPlaces,
-        stamps: KeptStamps | None,
+        stamps: Remembered,
         *,
         hints: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
         self._bridge = bridge
         self._hints = dict(hints)
         """What may be wrong with a link on which nothing was heard yet, by its name."""
-        self._stamps = stamps
-        """Where signatures' time stamps are kept; None without a key, or where they cannot be."""
+        self._stamps: Final = stamps
         self._kept: LastPlaces | None = kept
         """Where the axes' places are kept; None where that file cannot be written."""
         self._node = node
@@ -121,7 +118,9 @@ class Narrated:
             if self._phase is Phase.FINISHED and bridge.unconfirmed:
                 self._say(_unconfirmed(bridge), now)
         self._keep(now)
-        self._keep_stamps(now)
+        problem = self._stamps.keep(bridge.stamps, now, ended=bridge.finished)
+        if problem is not None:
+            self._say(problem, now)
         if bridge.seen.facts.armed != self._armed:
             self._armed = bridge.seen.facts.armed
             self._say("armed" if self._armed else "disarmed", now)
@@ -144,19 +143,6 @@ class Narrated:
             self._say(f"where the axes stand is not kept: {self._kept.path}: {error.strerror}", now)
             self._kept = None
 
-    def _keep_stamps(self, now: Nanoseconds) -> None:
-        """Keep up to where signed streams were heard; at the end not ahead: nothing is heard any more."""
-        if self._stamps is None:
-            return
-        try:
-            if self._bridge.finished:
-                self._stamps.write(self._bridge.stamps(now))
-            else:
-                self._stamps.keep(self._bridge.stamps(now), now)
-        except OSError as error:
-            self._say(f"time stamps are not kept: {self._stamps.path}: {error.strerror}", now)
-            self._stamps = None
-
     def _tell_holds(self, standing: Mapping[str, Hold], now: Nanoseconds) -> None:
         known = {hold.name: hold.reason for hold in self._holds}
         for name in known:
@@ -177,13 +163,12 @@ def drive(given: DriveOptions) -> None:
     places = places_of(machine, named, Place(given.interface, given.channel, given.serial))
     trust = trust_of(given.mavlink, given.key, given.allow, openly=given.openly)
     state = given.state or usual_path(machine.name)
-    stamps = None if trust.key is None else KeptStamps(state.with_suffix(".stamps.json"))
-    trust = trust if stamps is None else replace(trust, kept=_kept(stamps))
+    stamps = Remembered(trust, state.with_suffix(".stamps.json"))
     stands = zeros_of(given.zero, given.home)
     with one_message(PlanError, ShieldPlanError, RobotFileError, PathFileError, ValueError):
         machine = _with_lines(machine, places, given).told_by(given.bandwidth).agreed_on(given.max_delay)
         machine, _ = along_path(machine, given.path, given.path_speed)
-        bridge = Bridge(machine, kind_of(machine), trust, stands)
+        bridge = Bridge(machine, kind_of(machine), stamps.trust, stands)
     kept = LastPlaces(state)
     bridge.offer(kept.read())
     node: Node = guarded(bridge, machine)
@@ -244,17 +229,6 @@ def texts_of() -> Texts:
                 yield heard.text
 
     return read
-
-
-def _kept(stamps: KeptStamps) -> Stamps:
-    """Return the time stamps of the run before; what is damaged ends the program."""
-    try:
-        return stamps.read()
-    except DamagedStampsError as error:
-        raise refusal(
-            f"{error}; it keeps a recording of signed words from being obeyed: delete it, and wait for a "
-            "minute, to start without"
-        ) from None
 
 
 def _unconfirmed(bridge: Bridge) -> str:

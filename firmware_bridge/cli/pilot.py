@@ -1,6 +1,7 @@
 """`pilot`: a ground station that drives, over the operator's link."""
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Final
 
 import typer
@@ -13,6 +14,8 @@ EXAMPLES: Final = """Examples:
 `firmware-bridge pilot rars --joystick`
 
 `firmware-bridge pilot rars --joystick --device /dev/input/js1 --controls gamepad`
+
+`firmware-bridge pilot rars --keyboard --telemetry cycle`
 
 `firmware-bridge pilot rars --path circle --size 2 --speed 0.3 --predictor --arm`"""
 
@@ -35,13 +38,20 @@ class PilotOptions:
         bool,
         typer.Option(
             "--joystick",
-            help="Drive with a helm and two pedals; buttons: reverse, arm, emergency stop.",
+            help="Drive with a helm and two pedals; buttons: reverse, arm, emergency stop, the robot's "
+            "switches.",
         ),
     ] = False
     device: Annotated[str, typer.Option(metavar="DEVICE", help="The joystick.")] = "/dev/input/js0"
     controls: Annotated[
         str, typer.Option(metavar="NAME", help="What it is: pedals, with a helm, or gamepad.")
     ] = "pedals"
+    keyboard: Annotated[
+        bool,
+        typer.Option(
+            "--keyboard", help="Drive with this terminal's keys, which must be kept down; Enter stops."
+        ),
+    ] = False
     path: Annotated[
         str | None,
         typer.Option(
@@ -50,7 +60,7 @@ class PilotOptions:
         ),
     ] = None
     size: Annotated[float, typer.Option(min=0.1, metavar="M", help="The line's length, or the radius.")] = 5.0
-    speed: Annotated[float, typer.Option(min=0.01, metavar="M_S", help="Along the path.")] = 0.3
+    speed: Annotated[float, typer.Option(min=0.01, metavar="M_S", help="Along the path, or by keys.")] = 0.3
     look_ahead: Annotated[
         float, typer.Option("--look-ahead", min=0.05, metavar="M", help="To the goal on the path.")
     ] = 0.5
@@ -61,6 +71,21 @@ class PilotOptions:
         bool,
         typer.Option("--arm", help="Arm the robot when it is heard. IT MOVES where a path is given."),
     ] = False
+    telemetry: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME",
+            help="What the robot is asked for: usual, or cycle, all 20 times a second.",
+        ),
+    ] = "usual"
+    key: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Sign what is said with the key in this file, as `drive --key`, and believe nothing else.",
+            show_default="unsigned",
+        ),
+    ] = None
     max_delay: MaxDelayOption = None
     duration: DurationOption = None
 

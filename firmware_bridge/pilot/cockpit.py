@@ -1,19 +1,26 @@
-"""A station that somebody sits at: the joystick's bytes come in beside the link's; its display is told."""
+"""A station that somebody sits at: a joystick's or a keyboard's bytes come in beside the link's.
+
+What its display shows is told.
+"""
 
 import math
 from collections.abc import Callable
+from types import MappingProxyType
 from typing import Final, TypeAlias
 
 from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.pilot.driver import Asked, AtHand
 from firmware_bridge.pilot.follower import Follower
-from firmware_bridge.pilot.hand import Hand
 from firmware_bridge.pilot.station import Station
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds, to_seconds
 
-JOYSTICK: Final = "joystick"
-ARM: Final = 400
-SAFETY_SWITCH: Final = 5300
-"""MAV_CMD_DO_SET_SAFETY_SWITCH_STATE; 0 is safe: the emergency stop."""
+HAND: Final = "hand"
+"""The link that a joystick's or a keyboard's bytes come on."""
+ARM: Final = ("arm", 400, (1.0,))
+SAFETY_SWITCH: Final = ("emergency stop", 5300, (0.0,))
+"""MAV_CMD_DO_SET_SAFETY_SWITCH_STATE; 0 is safe."""
+ORDERS: Final = MappingProxyType({Asked.ARM: ARM, Asked.STOP: SAFETY_SWITCH})
+DISARM: Final = ("disarm", 400, (0.0,))
 
 Tell: TypeAlias = Callable[[str], None]
 
@@ -21,25 +28,32 @@ Tell: TypeAlias = Callable[[str], None]
 class Cockpit:
     """A `Node` around the station; who drives is a hand, or a follower that may be armed by itself."""
 
-    def __init__(self, station: Station, tell: Tell, *, arms: bool = False) -> None:
+    def __init__(
+        self, station: Station, tell: Tell, *, arms: bool = False, rolling: tuple[str, ...] = ()
+    ) -> None:
+        """Show what the station sees, the rolling axes by these names.
+
+        `arms`: arm the robot once it is heard.
+        """
         self._station: Final = station
         self._tell: Final = tell
         self._arms = arms
         """The robot is to be armed as soon as it is heard."""
         self._wake_at: Nanoseconds = 0
         self._shows_at: Nanoseconds = 0
+        self._rolling: Final = rolling
         self._told = 0
         """How many of the robot's words have been told."""
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Take what the robot says, or what the hand does."""
-        if packet.link == JOYSTICK:
+        if packet.link == HAND:
             self._handled(packet.payload, now)
             return Reaction((), self._due)
         reaction = self._station.receive(packet, now)
         if self._arms and self._station.shown.heard:
             self._arms = False
-            self._station.order("arm", ARM, (1.0,), now)
+            self._station.order(*ARM, now)
         return self._in_time(reaction, now)
 
     def wake(self, now: Nanoseconds) -> Reaction:
@@ -51,7 +65,7 @@ class Cockpit:
 
     def stop(self, now: Nanoseconds) -> Reaction:
         """Let everything go, and disarm: one frame of each, what is lost then is silence."""
-        self._station.order("disarm", ARM, (0.0,), now)
+        self._station.order(*DISARM, now)
         return Reaction(self._station.wake(now).sent, NEVER)
 
     def display(self, now: Nanoseconds) -> str:
@@ -66,6 +80,11 @@ class Cockpit:
                 f"heading {math.degrees(moving.pose.heading_rad):.0f} deg  {moving.speed_mps:.2f} m/s"
             )
         words += [f"{name} {value:.3g}" for name, value in shown.values.items()]
+        words += [
+            f"{name} {speed:.3g} rad/s" for name, speed in zip(self._rolling, shown.speeds, strict=False)
+        ]
+        if shown.battery_v is not None:
+            words.append(f"battery {shown.battery_v:.1f} V")
         words.append("round trip unknown" if trip is None else f"round trip {to_seconds(trip):.2f} s")
         if link.lost is not None:
             words.append(f"lost {link.lost:.0%}")
@@ -92,13 +111,7 @@ class Cockpit:
 
     def _handled(self, chunk: bytes, now: Nanoseconds) -> None:
         hand = self._station.driver
-        if not isinstance(hand, Hand):
-            return
-        device = hand.controls.device
-        for button in hand.controls.heard(chunk):
-            hand.press(button)
-            if button == device.arm:
-                self._station.order("arm", ARM, (1.0,), now)
-            if button == device.stop:
-                self._station.order("emergency stop", SAFETY_SWITCH, (0.0,), now)
+        if isinstance(hand, AtHand):
+            for asked in hand.handle(chunk, now):
+                self._station.order(*ORDERS[asked], now)
             self._wake_at = now

@@ -1,7 +1,9 @@
 """Who drives at a station: what he sees, and what he says, each in the robot's own directions."""
 
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
-from typing import Final, NamedTuple, Protocol, TypeAlias
+from enum import Enum
+from typing import Final, NamedTuple, Protocol, TypeAlias, runtime_checkable
 
 from firmware_bridge.motion.model import Moving
 from firmware_bridge.pilot.link import Link
@@ -47,3 +49,37 @@ class Driver(Protocol):
 
     def wish(self, link: Link, now: Nanoseconds, *, armed: bool) -> Wish:
         """Say what the robot shall do; asked once in each period, and sent at once."""
+
+
+class Asked(Enum):
+    """What a hand's button asks for."""
+
+    ARM = "arm"
+    STOP = "emergency stop"
+
+
+@dataclass(frozen=True, slots=True)
+class Extras:
+    """What of a robot a hand moves beside driving: buttons of MANUAL_CONTROL, by their numbers."""
+
+    switches: tuple[int, ...] = ()
+    up_button: int | None = None
+    """The one without which up counts for nothing."""
+
+    def said(self, up: float, switched: Collection[int]) -> tuple[float, int]:
+        """Return the stick's `up` and `buttons`, for the switches that are pressed, counted from 0."""
+        buttons = sum(1 << button for number, button in enumerate(self.switches) if number in switched)
+        if up and self.up_button is not None:
+            buttons |= 1 << self.up_button
+        return up, buttons
+
+
+NO_EXTRAS: Final = Extras()
+
+
+@runtime_checkable
+class AtHand(Driver, Protocol):
+    """A driver with a device that tells bytes."""
+
+    def handle(self, chunk: bytes, now: Nanoseconds) -> Iterator[Asked]:
+        """Take the device's bytes, cut anywhere; yield what is asked for at once."""

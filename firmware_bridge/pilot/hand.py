@@ -4,9 +4,10 @@ Source: A. P. Das, PhD thesis, IIT Delhi, 2018, (4.1), Tab. 4.1, 4.3: full helm 
 is the speed. Here the brake takes from it, and reverse changes only while no pedal is trodden on.
 """
 
+from collections.abc import Iterator
 from typing import Final
 
-from firmware_bridge.pilot.driver import Sight, Stick
+from firmware_bridge.pilot.driver import NO_EXTRAS, Asked, Extras, Sight, Stick
 from firmware_bridge.pilot.joystick import Controls
 from firmware_bridge.pilot.link import Link
 from firmware_bridge.units import Nanoseconds
@@ -16,23 +17,32 @@ TRODDEN: Final = 0.05
 
 
 class Hand:
-    """A `firmware_bridge.pilot.driver.Driver`."""
+    """A `firmware_bridge.pilot.driver.AtHand`."""
 
-    def __init__(self, controls: Controls) -> None:
+    def __init__(self, controls: Controls, extras: Extras = NO_EXTRAS) -> None:
         self.controls: Final = controls
+        self._extras: Final = extras
         self.reverse = False
 
     def sees(self, sight: Sight) -> None:
         """See it: what to do about it is the human's business."""
 
-    def press(self, button: int) -> None:
-        """Change the direction, where that is the button and nobody is driving."""
-        if button == self.controls.device.reverse and self.controls.accelerator < TRODDEN:
-            self.reverse = not self.reverse
+    def handle(self, chunk: bytes, _now: Nanoseconds) -> Iterator[Asked]:
+        """Take the device's bytes; yield what its buttons ask for."""
+        device = self.controls.device
+        for button in self.controls.heard(chunk):
+            if button == device.reverse and self.controls.accelerator < TRODDEN:
+                self.reverse = not self.reverse
+            elif button == device.arm:
+                yield Asked.ARM
+            elif button == device.stop:
+                yield Asked.STOP
 
     def wish(self, _link: Link, _now: Nanoseconds, *, armed: bool) -> Stick:
-        """Return where helm and pedals stand; nothing before the robot is armed."""
+        """Return where helm and pedals stand; nothing that moves before the robot is armed."""
         controls = self.controls
         forward = max(controls.accelerator - controls.brake, 0.0) if armed else 0.0
         forward = 0.0 if forward < TRODDEN else forward
-        return Stick(-forward if self.reverse else forward, controls.helm)
+        held = [number for number, one in enumerate(controls.device.switches) if controls.held(one)]
+        up, buttons = self._extras.said(controls.up if armed else 0.0, held)
+        return Stick(-forward if self.reverse else forward, controls.helm, up, buttons)

@@ -32,12 +32,16 @@ class Device:
     """A button, as the others."""
     arm: int
     stop: int
+    switches: tuple[int, ...]
+    """In the order of the robot's switches."""
+    lift: int
+    """An axis that is negative at its upper end, as hats are: up and down."""
 
 
 DEVICES: Final[MappingProxyType[str, Device]] = MappingProxyType(
     {
-        "pedals": Device("helm and two pedals", 0, 2, 3, FULL, 0, 1, 2),
-        "gamepad": Device("gamepad: left stick, right and left trigger", 0, 5, 2, -FULL, 0, 7, 1),
+        "pedals": Device("helm and two pedals", 0, 2, 3, FULL, 0, 1, 2, (4, 5, 6), 5),
+        "gamepad": Device("gamepad: left stick, two triggers", 0, 5, 2, -FULL, 0, 7, 1, (2, 3, 4), 7),
     }
 )
 """ASSUME: as the kernel's drivers hid-lg (Logitech G29) and xpad number them; others may number otherwise."""
@@ -49,6 +53,7 @@ class Controls:
     def __init__(self, device: Device) -> None:
         self.device: Final = device
         self._axes: Final[dict[int, int]] = {}
+        self._down: Final[set[int]] = set()
         self._rest = b""
 
     def heard(self, chunk: bytes) -> Iterator[int]:
@@ -60,7 +65,19 @@ class Controls:
             if kind & ~AT_OPENING == AXIS:
                 self._axes[number] = value
             elif kind == BUTTON and value:
+                self._down.add(number)
                 yield number
+            elif kind & ~AT_OPENING == BUTTON:
+                self._down.discard(number)
+
+    def held(self, button: int) -> bool:
+        """Tell whether a button is down; one that was when the device was opened is not."""
+        return button in self._down
+
+    @property
+    def up(self) -> float:
+        """From -1, down, to 1, up."""
+        return -max(-FULL, self._axes.get(self.device.lift, 0)) / FULL
 
     @property
     def helm(self) -> float:

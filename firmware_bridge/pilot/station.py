@@ -13,17 +13,25 @@ from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.pilot.driver import Driver, Sight, Stick, Target, Wish
 from firmware_bridge.pilot.link import Link
-from firmware_bridge.teleop.mavlink import Codec, Message, dialect, text_of
+from firmware_bridge.pilot.profiles import ORDER, USUAL, Profile
+from firmware_bridge.teleop.mavlink import Message, dialect, text_of
+from firmware_bridge.teleop.session import EVERYBODY
+from firmware_bridge.teleop.telemetry import ROLLING, UNKNOWN_U16
 from firmware_bridge.teleop.texts import Listener
-from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+from firmware_bridge.teleop.trust import Signatures, Stamps, Trust
+from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds
 
 SYSTEM: Final = 255
 COMPONENT: Final = dialect.MAV_COMP_ID_MISSIONPLANNER
 PERIOD: Final[Nanoseconds] = 50 * MILLISECOND
 """Packets at 20 Hz (A. P. Das, PhD thesis, IIT Delhi, 2018, 4.2)."""
+SILENT: Final[Nanoseconds] = 3 * SECOND
+"""Of heartbeats: a robot that was silent for so long may have forgotten what it was asked to send."""
 RETRY_AFTER: Final[Nanoseconds] = SECOND
 MOST_TRIES: Final = 20
 FULL: Final = 1000
+_LINK: Final = 1
+"""Of signatures."""
 _UNUSED: Final = 0x7FFF
 _PARAMS: Final = 7
 _BOOT_MASK: Final = 0xFFFF_FFFF
@@ -59,6 +67,9 @@ class Shown:
     sight: Sight | None = None
     values: dict[str, float] = field(default_factory=dict)
     """The newest of each named value: RTT, AGE and LOSS among them, as the robot finds them."""
+    speeds: tuple[float, ...] = ()
+    """Of the axes that roll, in the robot's order and units; zeros after the last one."""
+    battery_v: float | None = None
     told: list[Line] = field(default_factory=list)
 
 
@@ -66,14 +77,28 @@ class Station:
     """One station, one robot, and who drives."""
 
     def __init__(
-        self, driver: Driver, target: tuple[int, int], system: int = SYSTEM, component: int = COMPONENT
+        self,
+        driver: Driver,
+        target: tuple[int, int],
+        *,
+        trust: Trust = EVERYBODY,
+        asks: Profile = USUAL,
     ) -> None:
-        """Speak to the system and component `target`, under these numbers of its own."""
+        """Speak to the system and component `target`; `asks`: how often the robot is asked for what.
+
+        With a key in `trust` frames are signed, and only those are believed that are.
+        """
         self.driver: Final = driver
         self.link: Final = Link()
         self.shown: Final = Shown()
         self._target: Final = target
-        self._codec: Final = Codec(system, component)
+        self._asks: Final = asks
+        self._codec: Final = trust.writer(SYSTEM, COMPONENT, _LINK)
+        self._signatures: Final = Signatures(trust)
+        self._doubted = False
+        """That a frame is not believed has been told, since one was."""
+        self._beat_at: Nanoseconds | None = None
+        """When the robot's heartbeat came last."""
         self._listener: Final = Listener()
         self._orders: Final[list[Order]] = []
         self._answers: Final[list[Message]] = []
@@ -87,6 +112,8 @@ class Station:
             dialect.MAVLINK_MSG_ID_STATUSTEXT: self._told,
             dialect.MAVLINK_MSG_ID_ODOMETRY: self._located,
             dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT: self._valued,
+            dialect.MAVLINK_MSG_ID_DEBUG_FLOAT_ARRAY: self._rolling,
+            dialect.MAVLINK_MSG_ID_BATTERY_STATUS: self._charged,
             dialect.MAVLINK_MSG_ID_TIMESYNC: self._timed,
             dialect.MAVLINK_MSG_ID_PING: self._pinged,
         }
@@ -98,14 +125,14 @@ class Station:
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Read what the robot says; its questions are answered at once."""
         for message in self._codec.decode(packet.payload):
-            if message.get_srcSystem() != self._target[0]:
+            if message.get_srcSystem() != self._target[0] or not self._believed(message, packet.address, now):
                 continue
             self._place = packet.address
             self.link.heard(message.get_seq(), now)
             read = self._heard.get(message.get_msgId())
             if read is not None:
                 read(message, now)
-        answers = tuple(self._packet(one) for one in self._answers)
+        answers = tuple(self._packet(one, now) for one in self._answers)
         self._answers.clear()
         return Reaction(answers, self._wake_at())
 
@@ -125,10 +152,22 @@ class Station:
             self._wish_due += PERIOD
             wish = self.driver.wish(self.link, now, armed=self.shown.armed)
             messages.append(self._said(wish, now))
-        return Reaction(tuple(self._packet(one) for one in messages), self._wake_at())
+        return Reaction(tuple(self._packet(one, now) for one in messages), self._wake_at())
 
-    def _packet(self, message: Message) -> Packet:
-        return Packet(OPERATOR, self._place, self._codec.encode(message))
+    def stamps(self, now: Nanoseconds) -> Stamps:
+        """Return which signatures' time stamps must outlive this run."""
+        return self._signatures.kept(now)
+
+    def _packet(self, message: Message, now: Nanoseconds) -> Packet:
+        return Packet(OPERATOR, self._place, self._codec.encode(message, self._signatures.stamp(now)))
+
+    def _believed(self, message: Message, source: int, now: Nanoseconds) -> bool:
+        """Tell whether a frame is the robot's; the first that is not is told."""
+        doubt = self._signatures.doubt(message, source, now)
+        if doubt is not None and not self._doubted:
+            self.shown.told.append(Line(now, f"what comes in the robot's name is not believed: it {doubt}"))
+        self._doubted = doubt is not None
+        return doubt is None
 
     def _wake_at(self) -> Nanoseconds:
         due = min(self._beat_due, self._wish_due, self.link.next_question)
@@ -162,7 +201,11 @@ class Station:
             )
         return _velocity(self._target, wish, max(now // MILLISECOND, 1) & _BOOT_MASK)
 
-    def _heartbeat(self, message: Message, _now: Nanoseconds) -> None:
+    def _heartbeat(self, message: Message, now: Nanoseconds) -> None:
+        if self._beat_at is None or now - self._beat_at > SILENT:
+            for number, period in self._asks.items():
+                self.order(f"message {number}", ORDER, (float(number), period / MICROSECOND), now)
+        self._beat_at = now
         self.shown.heard = True
         self.shown.armed = bool(message.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED)
 
@@ -191,6 +234,13 @@ class Station:
 
     def _valued(self, message: Message, _now: Nanoseconds) -> None:
         self.shown.values[text_of(message.name)] = message.value
+
+    def _rolling(self, message: Message, _now: Nanoseconds) -> None:
+        if text_of(message.name) == ROLLING:
+            self.shown.speeds = tuple(message.data)
+
+    def _charged(self, message: Message, _now: Nanoseconds) -> None:
+        self.shown.battery_v = None if message.voltages[0] == UNKNOWN_U16 else message.voltages[0] / 1000.0
 
     def _timed(self, message: Message, now: Nanoseconds) -> None:
         if message.tc1 == 0:

@@ -19,6 +19,8 @@ from firmware_bridge.value import valueclass
 UNKNOWN_U16: Final = 0xFFFF
 UNKNOWN: Final = -1
 NAN: Final = math.nan
+ROLLING: Final = "wheels"
+"""The name of the array of the rolling axes' speeds."""
 _DISTANCES: Final = 16
 _FLOATS: Final = 58
 _CELLS: Final = 10
@@ -142,7 +144,7 @@ def odometry(context: TelemetryContext) -> Iterator[Message]:
 def speeds(context: TelemetryContext) -> Iterator[Message]:
     """Tell how fast the rolling axes turn."""
     speeds = _padded([axis.velocity for axis in context.rolled], _FLOATS)
-    yield dialect.MAVLink_debug_float_array_message(context.boot_us, b"wheels", 1, speeds)
+    yield dialect.MAVLink_debug_float_array_message(context.boot_us, ROLLING.encode("ascii"), 1, speeds)
 
 
 def distances(context: TelemetryContext) -> Iterator[Message]:

@@ -6,14 +6,18 @@ import pytest
 
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet
-from firmware_bridge.pilot.cockpit import JOYSTICK, Cockpit
+from firmware_bridge.pilot.cockpit import HAND, Cockpit
+from firmware_bridge.pilot.driver import Extras, Stick
 from firmware_bridge.pilot.hand import Hand
 from firmware_bridge.pilot.joystick import DEVICES, FULL, Controls, Device
+from firmware_bridge.pilot.link import Link
 from firmware_bridge.pilot.station import Station
 from firmware_bridge.teleop.mavlink import Codec, Message, dialect
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND
 
-ROW = Device("fake", helm=1, accelerator=4, brake=5, released=FULL, reverse=7, arm=8, stop=9)
+ROW = Device(
+    "fake", helm=1, accelerator=4, brake=5, released=FULL, reverse=7, arm=8, stop=9, switches=(10, 11), lift=6
+)
 
 
 def event(kind: int, number: int, value: int) -> bytes:
@@ -32,7 +36,7 @@ class Desk:
         self.now = 0
 
     def do(self, *events: bytes) -> None:
-        self.cockpit.receive(Packet(JOYSTICK, 0, b"".join(events)), self.now)
+        self.cockpit.receive(Packet(HAND, 0, b"".join(events)), self.now)
 
     def hears(self, message: Message) -> None:
         self.cockpit.receive(Packet(OPERATOR, 77, self._robot.encode(message)), self.now)
@@ -136,3 +140,20 @@ def test_every_device_has_its_own_number_for_each_thing() -> None:
     for device in DEVICES.values():
         assert len({device.helm, device.accelerator, device.brake}) == 3
         assert len({device.reverse, device.arm, device.stop}) == 3
+
+
+def test_switches_and_the_lift_are_buttons_of_the_stick() -> None:
+    hand = Hand(Controls(ROW), Extras(switches=(4, 1), up_button=3))
+    link = Link()
+    assert list(hand.handle(event(1, 10, 1) + event(2, 6, -FULL), 0)) == []
+    assert hand.wish(link, 0, armed=True) == Stick(up=1.0, buttons=1 << 4 | 1 << 3)
+    list(hand.handle(event(1, 10, 0) + event(1, 11, 1) + event(2, 6, 0), 0))
+    assert hand.wish(link, 0, armed=True) == Stick(buttons=1 << 1)
+    list(hand.handle(event(2, 6, FULL), 0))
+    assert hand.wish(link, 0, armed=False).up == 0.0
+
+
+def test_a_switch_that_was_down_when_the_device_was_opened_is_not_pressed() -> None:
+    hand = Hand(Controls(ROW), Extras(switches=(4,)))
+    list(hand.handle(event(0x81, 10, 1), 0))
+    assert hand.wish(Link(), 0, armed=True).buttons == 0

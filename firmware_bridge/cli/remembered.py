@@ -1,0 +1,83 @@
+"""Up to where signed streams were heard, over the end of a program: read at its start, kept while it runs."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+from firmware_bridge.cli.console import refusal
+from firmware_bridge.node import Node, Stoppable
+from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.shell.kept_stamps import DamagedStampsError, KeptStamps
+from firmware_bridge.teleop.trust import Stamps, Trust
+from firmware_bridge.units import NEVER, Nanoseconds
+
+
+class Remembered:
+    """What is kept of one program's signatures; nothing where there is no key, or no file can be written."""
+
+    def __init__(self, trust: Trust, path: Path) -> None:
+        """Read what was kept; what is damaged ends the program."""
+        self._kept: KeptStamps | None = None if trust.key is None else KeptStamps(path)
+        self.trust: Final = trust if self._kept is None else replace(trust, kept=_read(self._kept))
+        """With what the run before has heard."""
+
+    def keep(self, stamps: Callable[[Nanoseconds], Stamps], now: Nanoseconds, *, ended: bool) -> str | None:
+        """Keep up to where was heard; return what hinders it.
+
+        At the end not ahead: nothing is heard any more.
+        """
+        kept = self._kept
+        if kept is None:
+            return None
+        try:
+            kept.write(stamps(now)) if ended else kept.keep(stamps(now), now)
+        except OSError as error:
+            self._kept = None
+            return f"time stamps are not kept: {kept.path}: {error.strerror}"
+        return None
+
+
+class Remembering:
+    """A `Node` around one whose signatures are remembered until it has ended."""
+
+    def __init__(
+        self,
+        node: Node,
+        remembered: Remembered,
+        stamps: Callable[[Nanoseconds], Stamps],
+        tell: Callable[[str], None],
+    ) -> None:
+        self._tell: Final = tell
+        self._node: Final = node
+        self._remembered: Final = remembered
+        self._stamps: Final = stamps
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        """Pass the packet on, and keep."""
+        return self._after(self._node.receive(packet, now), now)
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        """Wake the node, and keep."""
+        return self._after(self._node.wake(now), now)
+
+    def stop(self, now: Nanoseconds) -> Reaction:
+        """Stop the node, and keep."""
+        node = self._node
+        return self._after(node.stop(now) if isinstance(node, Stoppable) else Reaction(), now)
+
+    def _after(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
+        problem = self._remembered.keep(self._stamps, now, ended=reaction.wake_at == NEVER)
+        if problem is not None:
+            self._tell(problem)
+        return reaction
+
+
+def _read(stamps: KeptStamps) -> Stamps:
+    try:
+        return stamps.read()
+    except DamagedStampsError as error:
+        raise refusal(
+            f"{error}; it keeps a recording of signed words from being obeyed: delete it, and wait for a "
+            "minute, to start without"
+        ) from None

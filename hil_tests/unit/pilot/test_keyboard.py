@@ -1,0 +1,97 @@
+"""A terminal's bytes to what a hand at it says: what is down, what is let go, and what is never assumed."""
+
+from itertools import pairwise
+
+import pytest
+
+from firmware_bridge.pilot.driver import Asked, Extras, Stick
+from firmware_bridge.pilot.keyboard import BEGINS, REPEATS, Keyboard
+from firmware_bridge.pilot.link import Link
+from firmware_bridge.units import MILLISECOND, Nanoseconds
+
+LINK = Link()
+
+
+def told(hand: Keyboard, chunk: bytes, at: Nanoseconds = 0) -> list[Asked]:
+    return list(hand.handle(chunk, at))
+
+
+def wish(hand: Keyboard, at: Nanoseconds) -> Stick:
+    return hand.wish(LINK, at, armed=True)
+
+
+@pytest.mark.parametrize(
+    ("keys", "stick"),
+    [
+        (b"w", Stick(0.5)),
+        (b"\x1b[A", Stick(0.5)),
+        (b"W", Stick(0.5)),
+        (b"s", Stick(-0.5)),
+        (b"\x1b[B", Stick(-0.5)),
+        (b"a", Stick(left=0.1)),
+        (b"\x1b[D\x1b[D", Stick(left=0.2)),
+        (b"d\x1b[C", Stick(left=-0.2)),
+        (b"a" * 30, Stick(left=1.0)),
+        (b"aaax", Stick()),
+        (b"w ", Stick()),
+        (b"wr", Stick(up=1.0, buttons=8)),  # drives or lifts, never both by one key
+        (b"f", Stick(up=-1.0, buttons=8)),
+        (b"2", Stick(buttons=2)),
+        (b"3", Stick()),  # there is none
+        (b"0q\t\x1b[Z", Stick()),
+        (b"w\r", Stick()),
+    ],
+)
+def test_keys_are_the_stick(keys: bytes, stick: Stick) -> None:
+    for cut in range(len(keys)):
+        hand = Keyboard(0.5, Extras(switches=(0, 1), up_button=3))
+        told(hand, keys[:cut])
+        told(hand, keys[cut:])
+        assert wish(hand, 1) == stick, cut
+
+
+def test_a_key_that_is_kept_down_drives_from_its_press_on_without_a_gap() -> None:
+    hand = Keyboard(1.0)
+    pressed = [0, *range(660 * MILLISECOND, 2000 * MILLISECOND, 40 * MILLISECOND)]
+    for before, after in pairwise(pressed):
+        told(hand, b"w", before)
+        assert wish(hand, after - 1).forward == 1.0
+
+
+def test_a_key_that_is_let_go_lets_the_robot_go() -> None:
+    hand = Keyboard(1.0)
+    told(hand, b"w", 0)
+    assert (wish(hand, BEGINS - 1).forward, wish(hand, BEGINS).forward) == (1.0, 0.0)
+    told(hand, b"w", 0)
+    told(hand, b"w", 100 * MILLISECOND)
+    end = 100 * MILLISECOND + REPEATS
+    assert (wish(hand, end - 1).forward, wish(hand, end).forward) == (1.0, 0.0)
+
+
+def test_a_turn_of_the_helm_keeps_a_robot_driving_and_starts_none() -> None:
+    hand = Keyboard(1.0)
+    told(hand, b"w", 0)
+    told(hand, b"a", BEGINS - 1)
+    assert wish(hand, 2 * BEGINS - 2) == Stick(1.0, 0.1)
+    assert wish(hand, 2 * BEGINS) == Stick(0.0, 0.1)
+    told(hand, b"a", 2 * BEGINS)
+    assert wish(hand, 2 * BEGINS).forward == 0.0
+
+
+def test_a_switch_is_pressed_for_one_word() -> None:
+    hand = Keyboard(1.0, Extras(switches=(5,)))
+    told(hand, b"1")
+    assert [wish(hand, at).buttons for at in (1, 2)] == [1 << 5, 0]
+
+
+def test_before_the_robot_is_armed_nothing_moves() -> None:
+    hand = Keyboard(1.0, Extras(up_button=3))
+    told(hand, b"w")
+    assert hand.wish(LINK, 1, armed=False) == Stick()
+    told(hand, b"r")
+    assert hand.wish(LINK, 1, armed=False) == Stick()
+
+
+@pytest.mark.parametrize(("key", "asked"), [(b"p", Asked.ARM), (b"\r", Asked.STOP), (b"\n", Asked.STOP)])
+def test_keys_arm_and_stop(key: bytes, asked: Asked) -> None:
+    assert told(Keyboard(1.0), b"w" + key) == [asked]
