@@ -8,7 +8,7 @@ import typer
 
 from emulators.replay.order import Into
 from firmware_bridge.cli.commands import command
-from firmware_bridge.cli.options import HomeOption, RobotArgument, ZeroOption
+from firmware_bridge.cli.options import HomeOption, MaxDelayOption, RobotArgument, ZeroOption
 from firmware_bridge.dissector.canopen import SERVICE_NAMES
 
 EXAMPLES: Final = """Examples:
@@ -22,7 +22,7 @@ and operator have sent into the bridge.
 
 `firmware-bridge replay robot.log rars --without pdo --tolerance-us 5000` suits the bus of a real robot.
 
-`--zero` and `--home` are those that `drive` was started with."""
+`--zero`, `--home` and `--max-delay` are those that `drive` was started with."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,6 +71,7 @@ class ReplayOptions:
     ] = None
     zero: ZeroOption = None
     home: HomeOption = None
+    max_delay: MaxDelayOption = None
     plant: Annotated[
         Path | None,
         typer.Option(metavar="FMU", help="Another plant below the drives.", show_default=False),

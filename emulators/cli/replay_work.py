@@ -12,13 +12,15 @@ from firmware_bridge.cli.robot_argument import find_robot
 from firmware_bridge.cli.zeros import zeros_of
 from firmware_bridge.dissector.canopen import SERVICE_NAMES
 from firmware_bridge.drivers.epos2.serial.plan import PlanError
+from firmware_bridge.robot import RobotFileError
 from firmware_bridge.units import MICROSECOND, from_seconds, to_seconds
 from fmu.errors import PlantError
 
 
 def replay(given: ReplayOptions) -> None:
     """Do what `replay` says; what is wrong ends the program with a message."""
-    machine = find_robot(given.robot)
+    with one_message(RobotFileError):
+        machine = find_robot(given.robot).agreed_on(given.max_delay)
     for name in given.without or ():
         if name not in SERVICE_NAMES:
             raise refusal(f"--without {name}: no such service; there are: {', '.join(SERVICE_NAMES)}")

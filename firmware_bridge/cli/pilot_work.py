@@ -57,13 +57,12 @@ def pilot(given: PilotOptions) -> None:
         asks=PROFILES[given.telemetry],
     )
     cockpit = Cockpit(station, say, arms=given.arm, rolling=kind.body(robot).rolling)
-    if given.keyboard:
-        say(HELP)
+    keys = f"; {HELP}" if given.keyboard else ""
     carry(
         Remembering(cockpit, remembered, station.stamps, say),
         {OPERATOR: partial(UdpPort, given.mavlink), **hand},
         until(given.duration),
-        f"{robot.name}: pilot on {given.mavlink}",
+        f"{robot.name}: pilot on {given.mavlink}{keys}",
     )
 
 
