@@ -98,6 +98,7 @@ class Kind(Generic[G, M, S]):
             groups=frozenset(self.groups),
             travelling=self.travelling,
             rests_below={axis.name: axis.rests_below for axis in self._travellers(robot)},
+            silent_after=robot.silent_after,
             numbers=self.numbers,
             interlocks=mode.interlocks,
             limits=self._delayed(robot, mode.limits),

@@ -11,6 +11,7 @@ from emulators.bench.strays import Stray
 from firmware_bridge.kinds import kind_of
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.table import Table
+from firmware_bridge.teleop.modes import number_of_own
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -89,8 +90,10 @@ class Step(Table):
     """Let axes find their zero, by their roles, one after the other; they move."""
     pause: Annotated[bool | None, Sends(_PAUSE_CONTINUE, lambda wait, _: (0.0 if wait else 1.0,), 1)] = None
     """Come to rest and wait there; false: go on, the stick let go."""
-    mode: Annotated[int | None, Field(ge=0), Sends(176, lambda mode, _: (1.0, mode))] = None
-    """DO_SET_MODE's custom mode: 0 is the whole robot, others are its modes after a failed actuator."""
+    mode: Annotated[
+        str | None, Sends(176, lambda mode, robot: (1.0, number_of_own(modes(robot).index(mode))))
+    ] = None
+    """DO_SET_MODE's custom mode: go on after an actuator has failed, by the mode's name; "" is whole."""
     guide: Annotated[str | None, Sends(176, lambda guide, robot: (1.0, 0.0, guides(robot).index(guide)))] = (
         None
     )
@@ -123,6 +126,11 @@ class Step(Table):
 def guides(robot: AnyRobot) -> tuple[str, ...]:
     """Return who may drive a robot, in the order of their numbers; the first is the operator."""
     return ("", *kind_of(robot).guides)
+
+
+def modes(robot: AnyRobot) -> tuple[str, ...]:
+    """Return a robot's modes, in the order of their places; the first is the whole robot."""
+    return ("", *kind_of(robot).modes)
 
 
 def of_key(step: type[Step], key: str) -> object:

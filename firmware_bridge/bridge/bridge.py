@@ -68,8 +68,9 @@ class Bridge:
         kind: AnyKind,
         trust: Trust = EVERYBODY,
         stands: tuple[ConfirmZero, ...] = (),
+        mode: str = "",
     ) -> None:
-        """Take a robot file, its kind, whose words are believed, and where axes stand.
+        """Take a robot file, its kind, whose words are believed, where axes stand, and the mode to begin in.
 
         PlanError where a cycle does not fit on a link, ValueError where an axis cannot stand there.
         """
@@ -88,7 +89,9 @@ class Bridge:
             guides=tuple(kind.guides),
             trust=trust,
         )
-        self._permission: Permission[Any, Any, Any] = Permission(robot, rules, self._fleets, self._outbox)
+        self._permission: Permission[Any, Any, Any] = Permission(
+            robot, rules, self._fleets, self._outbox, mode
+        )
         self._pipeline: Pipeline[Any, Any, Any] = Pipeline(
             robot,
             kind,
@@ -294,7 +297,7 @@ class Bridge:
             self._begin_to_leave(now)
         elif self._tasks and not (self._tasks[0] is Task.ENABLE and self._permission.forbids_power):
             self._task = self._tasks.popleft()
-            self._outbox += self._fleets.begin((self._task,), now)
+            self._outbox += self._fleets.begin((self._task,), now, self._permission.rules.without)
         else:
             self.phase = Phase.RUNNING
 

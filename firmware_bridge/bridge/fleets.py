@@ -114,9 +114,11 @@ class Fleets:
         """Withhold the beats of a link, so that its devices stop by their own watch."""
         self._silent_until[link] = max(until, self._silent_until.get(link, until))
 
-    def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
-        """Let all devices do these tasks, side by side."""
-        return _joined([fleet.begin(tasks, now) for fleet in self.all])
+    def begin(
+        self, tasks: tuple[Task, ...], now: Nanoseconds, without: frozenset[str] = frozenset()
+    ) -> tuple[Packet, ...]:
+        """Let all devices do these tasks, side by side; those of the axes `without` are left alone."""
+        return _joined([fleet.begin(tasks, now, without) for fleet in self.all])
 
     def sample(self, cycle: int, now: Nanoseconds) -> tuple[Packet, ...]:
         """Begin a cycle, the `cycle`-th: have the devices of each link that is due tell where they are."""

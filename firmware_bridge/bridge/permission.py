@@ -27,7 +27,7 @@ from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.table import Table
 from firmware_bridge.safety.rules import Rules
 from firmware_bridge.safety.snapshot import Hold, Snapshot
-from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+from firmware_bridge.units import SECOND, Nanoseconds
 
 G = TypeVar("G", bound=Table)
 M = TypeVar("M")
@@ -41,17 +41,23 @@ class Permission(Generic[G, M, S]):
     """The leave to move, and who may change it."""
 
     def __init__(
-        self, robot: AnyRobot, rules: dict[str, Rules[G, M, S]], fleets: Fleets, outbox: list[Packet]
+        self,
+        robot: AnyRobot,
+        rules: dict[str, Rules[G, M, S]],
+        fleets: Fleets,
+        outbox: list[Packet],
+        mode: str = "",
     ) -> None:
-        """Take the drives that a request may switch, and where to put what is to be sent at once."""
+        """Take the drives that a request may switch, and where to put what is to be sent at once.
+
+        `mode`: the one that the robot is in from the start.
+        """
         self._rules: Final = rules
         self._fleets = fleets
         self.homing: Final = Homing()
         """Which axis finds its zero now."""
         self._outbox = outbox
-        self._silent_after = {
-            axis.name: robot.links[axis.link].silent_ms * MILLISECOND for axis in robot.axes
-        }
+        self._silent_after = robot.silent_after
         self._final = False
         self.stops: Final = Stops(robot, fleets)
         """Whether the axes obey when they are to stop."""
@@ -59,7 +65,7 @@ class Permission(Generic[G, M, S]):
         """Whether the robot stands by itself where its power shall go."""
         self.armed = False
         self.emergency_stopped = False
-        self.mode = ""
+        self.mode = mode
         """The mode after a failed actuator; empty while the robot is whole."""
         self.powered_off = False
         """A forced disarm takes the power off at rest; it stays off until arming puts it on again."""
@@ -291,7 +297,9 @@ class Permission(Generic[G, M, S]):
             return Verdict(accepted=False, reason=f"mode: this robot has no '{mode}'; it has {known}")
         if mode == self.mode:
             return self._resume(seen)
-        if self.armed or not self.rules.at_rest(seen):
+        rules = self._rules[mode]
+        # By the mode's own body: what it does without, and tells nothing, is not known to stand.
+        if self.armed or not rules.at_rest(rules.sensed(seen)):
             return Verdict(accepted=False, reason="mode: stop and disarm first", temporary=True)
         self.mode = mode
         return Verdict(accepted=True, reason=f"mode: {mode or 'the whole robot'}; arm to move")

@@ -116,6 +116,15 @@ class DriveOptions:
     path_speed: PathSpeedOption = None
     link: LinkOption = None
     max_delay: MaxDelayOption = None
+    mode: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help="Begin in this mode after a failed actuator: its device is left alone. A wrong name is "
+            "answered with those that there are.",
+            show_default="the whole robot",
+        ),
+    ] = None
     zero: ZeroOption = None
     home: HomeOption = None
     state: Annotated[

@@ -21,11 +21,13 @@ from firmware_bridge.drivers.epos2.serial.line import MaxonLine
 from firmware_bridge.drivers.epos2.serial.plan import PlanError
 from firmware_bridge.drivers.shield.fleet import measured, over_protocol
 from firmware_bridge.drivers.shield.plan import ShieldPlanError
+from firmware_bridge.kind import AnyKind
 from firmware_bridge.kinds import kind_of
 from firmware_bridge.node import OPERATOR, Node, Stoppable, holds
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot, RobotFileError
 from firmware_bridge.robot.path_file import PathFileError, along_path
+from firmware_bridge.robot.problems import near
 from firmware_bridge.robot.settings.epos2 import Epos2Driver, Epos2Link
 from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.safety.guard import guarded
@@ -168,7 +170,8 @@ def drive(given: DriveOptions) -> None:
     with one_message(PlanError, ShieldPlanError, RobotFileError, PathFileError, ValueError):
         machine = _with_lines(machine, places, given).told_by(given.bandwidth).agreed_on(given.max_delay)
         machine, _ = along_path(machine, given.path, given.path_speed)
-        bridge = Bridge(machine, kind_of(machine), stamps.trust, stands)
+        kind = kind_of(machine)
+        bridge = Bridge(machine, kind, stamps.trust, stands, _mode(given.mode, kind))
     kept = LastPlaces(state)
     bridge.offer(kept.read())
     node: Node = guarded(bridge, machine)
@@ -229,6 +232,13 @@ def texts_of() -> Texts:
                 yield heard.text
 
     return read
+
+
+def _mode(name: str | None, kind: AnyKind) -> str:
+    if name is not None and name not in kind.modes:
+        known = near(name, list(kind.modes)) if kind.modes else "this robot has none"
+        raise refusal(f"--mode {name}: no such mode; {known}")
+    return name or ""
 
 
 def _unconfirmed(bridge: Bridge) -> str:

@@ -120,9 +120,12 @@ class Fleet:
             if reading is not None and now - reading.heard_at <= silent_ms * MILLISECOND
         }
 
-    def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
-        """Let all drives do these tasks, side by side."""
-        return _joined([driver.begin(tasks, now) for driver in self.drivers])
+    def begin(
+        self, tasks: tuple[Task, ...], now: Nanoseconds, without: frozenset[str] = frozenset()
+    ) -> tuple[Packet, ...]:
+        """Let all drives do these tasks, side by side; those of the axes `without` are left alone."""
+        used = [driver for driver in self.drivers if driver.axis.name not in without]
+        return _joined([driver.begin(tasks, now) for driver in used])
 
     def command(self, demands: Mapping[str, Demand]) -> tuple[Packet, ...]:
         """Send each axis its demand; an axis without one rests."""

@@ -301,6 +301,11 @@ class Robot(Table, Generic[G_co]):
         """The time from one set-point to the next."""
         return self.cycle_ms * MILLISECOND
 
+    @property
+    def silent_after(self) -> dict[str, Nanoseconds]:
+        """After how long without a word a device is silent, by the axes' names."""
+        return {axis.name: self.links[axis.link].silent_ms * MILLISECOND for axis in self.axes}
+
     def axis(self, role: str) -> Axis:
         """Return the axis with this role; KeyError where the robot has none."""
         for axis in self.axes:

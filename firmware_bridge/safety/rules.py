@@ -6,7 +6,8 @@ from typing import Final, Generic, TypeVar
 from firmware_bridge.robot.table import Table
 from firmware_bridge.safety.body import Body
 from firmware_bridge.safety.interlock import Interlock, Limit
-from firmware_bridge.safety.snapshot import Group, Snapshot
+from firmware_bridge.safety.snapshot import Facts, Group, Snapshot
+from firmware_bridge.units import Nanoseconds
 
 G = TypeVar("G", bound=Table)
 M = TypeVar("M")
@@ -17,7 +18,15 @@ class Rules(Generic[G, M, S]):
     """One mode's body, groups, interlocks and limits, in their order."""
 
     __slots__ = (
-        "_rests_below", "after_limits", "body", "groups", "interlocks", "limits", "numbers", "travelling",
+        "_rests_below",
+        "_silent_after",
+        "after_limits",
+        "body",
+        "groups",
+        "interlocks",
+        "limits",
+        "numbers",
+        "travelling",
         "without",
     )  # fmt: skip
 
@@ -29,6 +38,7 @@ class Rules(Generic[G, M, S]):
         groups: frozenset[Group],
         travelling: frozenset[Group],
         rests_below: Mapping[str, float],
+        silent_after: Mapping[str, Nanoseconds],
         numbers: Mapping[str, Callable[[M], float | None]],
         interlocks: tuple[Interlock[G, M, S], ...],
         limits: tuple[Limit[G, M, S], ...],
@@ -41,6 +51,7 @@ class Rules(Generic[G, M, S]):
         """The groups that take the robot from its place."""
         self._rests_below: Final = tuple(rests_below.items())
         """The axes that do, by their names, and the speed at which each does not stand any more."""
+        self._silent_after: Final = silent_after
         self.numbers: Final = numbers
         """What in a motion must be a finite number, by its title for people."""
         self.interlocks: Final = tuple(row for row in interlocks if not row.after_limits)
@@ -59,5 +70,21 @@ class Rules(Generic[G, M, S]):
         """Return whether the robot stands where it is, whatever it is told."""
         axes = seen.facts.axes
         return not self.body.moving(seen.body) & self.travelling and all(
-            abs(axes[name].velocity) < bound for name, bound in self._rests_below
+            abs(axes[name].velocity) < bound or self._is_mute(name, seen.facts)
+            for name, bound in self._rests_below
         )
+
+    def sensed(self, seen: Snapshot[M, S]) -> Snapshot[M, S]:
+        """Return the snapshot as this mode's body would have sensed it."""
+        return Snapshot(
+            facts=seen.facts,
+            wish=seen.wish,
+            demanded=seen.demanded,
+            body=self.body.sensed(seen.facts.axes, seen.facts.sensors),
+            pose=seen.pose,
+            located=seen.located,
+        )
+
+    def _is_mute(self, name: str, facts: Facts) -> bool:
+        """Return whether an axis that the mode does without tells nothing any more: its last word is old."""
+        return name in self.without and facts.now - facts.axes[name].heard_at >= self._silent_after[name]

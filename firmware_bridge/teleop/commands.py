@@ -228,7 +228,7 @@ def _enter_mode(order: Order, exchange: Exchange) -> Answer:
     asked = None if main is None else modes.asked(main, sub, len(session.modes))
     if asked is None:
         known = [f"{row.number} {row.way.value}" for row in modes.ROWS]
-        known += [f"{place} {name}" for place, name in enumerate(session.modes) if name]
+        known += [f"{modes.number_of_own(place)} {name}" for place, name in enumerate(session.modes) if name]
         return _denied(f"mode: {', '.join(known)}; there are no others; it is paused")
     session.audience.voice(exchange.sender.source).px4 = asked.px4
     if asked.way is modes.Way.HOLD:

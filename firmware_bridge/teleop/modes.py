@@ -63,6 +63,8 @@ ROWS: Final = (
 BY_WAY: Final = {row.way: row for row in ROWS}
 _BY_NUMBER: Final = {row.number: row.way for row in ROWS}
 _BY_PX4: Final = {number: row.way for row in ROWS for number in (row.px4, *row.also)}
+_OWN: Final = tuple(number for number in range(1 << 8) if number == 0 or number not in _BY_NUMBER)
+"""The numbers of the robot's own modes, 0 the whole robot's; those of the rows mean what they mean."""
 _WHOLE: Final = 1 << 16
 """PX4's numbers are not below this where they are not divided into main mode and submode."""
 
@@ -80,11 +82,11 @@ class Asked(NamedTuple):
 def asked(main: int, sub: int, own: int) -> Asked | None:
     """Return what DO_SET_MODE's parameters 2 and 3 ask of a robot with so many modes; None for none of them.
 
-    The robot's own modes, after a failed actuator, are counted from 1 and come before the rest; 0 is that of
+    The robot's own modes, after a failed actuator, are counted from 1, over the rows' numbers; 0 is that of
     the whole robot.
     """
-    if main < own:
-        return Asked(Way.MANUAL, main, px4=False)
+    if main in _OWN[:own]:
+        return Asked(Way.MANUAL, _OWN.index(main), px4=False)
     if main in _BY_NUMBER and sub == 0:
         return Asked(_BY_NUMBER[main], None, px4=False)
     whole = main if main >= _WHOLE else px4(main, sub)
@@ -99,20 +101,25 @@ def asked(main: int, sub: int, own: int) -> Asked | None:
 
 def number_of(way: Way, own: int) -> int:
     """Return the number that everybody is told; `own` is the place of the robot's own mode, 0 the whole."""
-    return own if way is Way.MANUAL else BY_WAY[way].number
+    return number_of_own(own) if way is Way.MANUAL else BY_WAY[way].number
+
+
+def number_of_own(place: int) -> int:
+    """Return the number of one of the robot's own modes by its place; place 0 is the whole robot."""
+    return _OWN[place]
 
 
 def in_px4(number: int) -> int:
-    """Return a number that everybody is told as PX4 would count it."""
+    """Return a number that everybody is told as PX4 would count it; own modes are submodes of Manual."""
     way = _BY_NUMBER.get(number)
-    return px4(_MAIN_MANUAL, number) if way is None else BY_WAY[way].px4
+    return px4(_MAIN_MANUAL, _OWN.index(number)) if way is None else BY_WAY[way].px4
 
 
 def listed(modes: tuple[str, ...]) -> list[Message]:
     """Return AVAILABLE_MODES, one for each; `modes` are the robot's own, the first the whole robot's."""
     rows = [(row.way.value, row.number, 0) for row in ROWS]
     rows += [
-        (name.replace("_", " ").capitalize(), place, dialect.MAV_MODE_PROPERTY_ADVANCED)
+        (name.replace("_", " ").capitalize(), _OWN[place], dialect.MAV_MODE_PROPERTY_ADVANCED)
         for place, name in enumerate(modes)
         if name
     ]

@@ -7,6 +7,7 @@ from firmware_bridge.kind import Kind
 from firmware_bridge.robots.rars.body import BASE, GROUPS, Rars, reach
 from firmware_bridge.robots.rars.geometry import Geometry
 from firmware_bridge.robots.rars.model import RarsModel
+from firmware_bridge.robots.rars.modes import MODES
 from firmware_bridge.robots.rars.motion import Motion, State
 from firmware_bridge.robots.rars.rules import INTERLOCKS, LIMITS, slowed
 from firmware_bridge.robots.rars.station import STATION
@@ -31,4 +32,5 @@ KIND: Final[Kind[Geometry, Motion, State]] = Kind(
     reach=reach,
     station=STATION,
     model=RarsModel,
+    modes=MODES,
 )

@@ -15,7 +15,7 @@ from firmware_bridge.motion.odometry import moved
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.motion.ramp import MARGIN, Ramp
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.rars.geometry import Geometry
+from firmware_bridge.robots.rars.geometry import Geometry, Limits
 from firmware_bridge.robots.rars.motion import Motion, State
 from firmware_bridge.units import Nanoseconds, to_seconds
 
@@ -40,22 +40,24 @@ LEASH_S: Final = 0.3
 than the rate, and a target that ran away would go on after the stick is let go."""
 
 
-def ramp_of(robot: Robot[Geometry]) -> Ramp:
-    """Return the bounds of the base's speed."""
-    limits, base = robot.geometry.limits, robot.geometry.base
+def ramp_of(robot: Robot[Geometry], limits: Limits | None = None) -> Ramp:
+    """Return the bounds of the base's speed, by these limits or by those of the whole robot."""
+    limits, base = limits or robot.geometry.limits, robot.geometry.base
     return Ramp(MARGIN * limits.acceleration_mps2, base.rear_track_m / 2.0, robot.cycle)
 
 
 class Rars:
     """A `firmware_bridge.kind.Body`."""
 
-    def __init__(self, robot: Robot[Geometry]) -> None:
+    def __init__(self, robot: Robot[Geometry], limits: Limits | None = None) -> None:
+        """Take the robot, and what narrows its limits."""
+        limits = limits or robot.geometry.limits
         self._base = robot.geometry.base
         self._lift = robot.geometry.lift
         self._highest_m = scissor.highest(self._lift)
-        self._rate_mps = robot.geometry.limits.lift_rate_mps
-        self._ramp = ramp_of(robot)
-        self._top_mps = robot.geometry.limits.speed_mps
+        self._rate_mps = limits.lift_rate_mps
+        self._ramp = ramp_of(robot, limits)
+        self._top_mps = limits.speed_mps
         self._left = robot.axis(LEFT_WHEEL).name
         self._right = robot.axis(RIGHT_WHEEL).name
         self._steering = robot.axis(STEERING).name

@@ -32,12 +32,32 @@ class Limits(Table):
         return math.radians(self.steer_angle_deg)
 
 
+class Failed(Table):
+    """What narrows the limits once an actuator has failed."""
+
+    speed_mps: Positive
+    acceleration_g: Positive
+    steer_angle_deg: Annotated[float, Field(gt=0, lt=90)]
+    """Where one wheel drives alone."""
+
+
 class Geometry(Table):
     """Steered base, lift on it, and their limits."""
 
     base: DavisBase
     lift: ScissorLift
     limits: Limits
+    failed: Failed
+
+    @property
+    def narrowed(self) -> Limits:
+        """The limits after a failure."""
+        failed, whole = self.failed, self.limits
+        changed = {
+            "speed_mps": min(failed.speed_mps, whole.speed_mps),
+            "acceleration_g": min(failed.acceleration_g, whole.acceleration_g),
+        }
+        return whole.model_copy(update=changed)
 
     @property
     def tightest_steer_rad(self) -> float:

@@ -142,16 +142,18 @@ def _clip(
     return (replace(motion, **clipped) if clipped else motion), reason
 
 
-def _speed(view: View, high: float) -> tuple[Motion, str | None]:
+def clip_speed(view: View, high: float) -> tuple[Motion, str | None]:
+    """Clip the base's speed, in m/s."""
     return _clip(view.allowed, "speed_mps", high, "m/s")
 
 
 def slowed(view: View, share: float) -> tuple[Motion, str | None]:
     """Clip the base's speed to a share of its top; the lift stays where the robot is."""
-    return _speed(view, share * view.geometry.limits.speed_mps)
+    return clip_speed(view, share * view.geometry.limits.speed_mps)
 
 
-def _steer(view: View, high: float) -> tuple[Motion, str | None]:
+def clip_steer(view: View, high: float) -> tuple[Motion, str | None]:
+    """Clip the steer angle, in rad."""
     return _clip(view.allowed, "steer_rad", high, "deg", scale=_DEGREES)
 
 
@@ -179,14 +181,20 @@ def _limit(name: str, clip: Callable[[View], tuple[Motion, str | None]], remedy:
 
 
 LIMITS: Final = (
-    _limit("speed limit", lambda view: _speed(view, view.geometry.limits.speed_mps), "ask for less speed"),
     _limit(
-        "tipping limit", lambda view: _speed(view, _tipping_speed(view)), "steer less or ask for less speed"
+        "speed limit", lambda view: clip_speed(view, view.geometry.limits.speed_mps), "ask for less speed"
     ),
     _limit(
-        "steer angle limit", lambda view: _steer(view, view.geometry.limits.steer_angle_rad), "steer less"
+        "tipping limit",
+        lambda view: clip_speed(view, _tipping_speed(view)),
+        "steer less or ask for less speed",
     ),
-    _limit("turn radius limit", lambda view: _steer(view, view.geometry.tightest_steer_rad), "steer less"),
+    _limit(
+        "steer angle limit", lambda view: clip_steer(view, view.geometry.limits.steer_angle_rad), "steer less"
+    ),
+    _limit(
+        "turn radius limit", lambda view: clip_steer(view, view.geometry.tightest_steer_rad), "steer less"
+    ),
     _limit("lift rate limit", _lift_rate, "ask for a slower lift"),
     _limit("lift range limit", _lift_range, "ask for a height within reach"),
     _limit("acceleration limit", _acceleration, "change the speed more slowly"),

@@ -1,0 +1,202 @@
+"""RARS after an actuator has failed (A. P. Das, PhD thesis, IIT Delhi, 2018, 2.2), a mode for each.
+
+The thesis names two: a failed steering leaves the two rear wheels, a failed traction motor the other one and
+the steering ("bicycle mode"). Here its rack stays where it is, held by a gear of 159: that leaves the arcs of
+one radius. To let the front wheels go would take a trail of the kingpins, which the thesis does not give.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Final
+
+from firmware_bridge.drivers.driver import Demand, Feedback, Reading, Speed
+from firmware_bridge.kind import Mode
+from firmware_bridge.motion import davis
+from firmware_bridge.motion.odometry import moved
+from firmware_bridge.motion.pose import Pose
+from firmware_bridge.robot import Robot
+from firmware_bridge.robots.rars.body import (
+    LEFT_WHEEL,
+    RIGHT_WHEEL,
+    SCREW,
+    STEERING,
+    Rars,
+    steered,
+)
+from firmware_bridge.robots.rars.geometry import Geometry
+from firmware_bridge.robots.rars.motion import Motion, State
+from firmware_bridge.robots.rars.rules import (
+    INTERLOCKS,
+    LIMIT_CLEARS_AFTER,
+    LIMITS,
+    Limit,
+    View,
+    clip_speed,
+    clip_steer,
+)
+
+STAYS_WITHIN_RAD: Final = math.radians(1.0)
+"""So far may a wish be beside an angle that stays, before who drives is told that it does."""
+
+
+class Failed(Rars):
+    """A body of which one axis is left out: within the narrowed limits."""
+
+    role: str
+    """Which."""
+
+    def __init__(self, robot: Robot[Geometry]) -> None:
+        super().__init__(robot, robot.geometry.narrowed)
+        self._out: Final = robot.axis(self.role).name
+
+    def demands(self, motion: Motion, state: State) -> Mapping[str, Demand]:
+        """Return the demands of the axes that are left."""
+        return {name: demand for name, demand in super().demands(motion, state).items() if name != self._out}
+
+
+class SteeringFailed(Failed):
+    """The rack stays where it is: the wheels follow its angle, as ever, and nothing changes it."""
+
+    role = STEERING
+
+    def sensed(self, axes: Mapping[str, Feedback], sensors: Mapping[str, Reading]) -> State:
+        """Return the state, with an angle as long as its drive has kept its zero."""
+        state = super().sensed(axes, sensors)
+        return replace(state, steer_rad=None) if axes[self._out].zero_lost else state
+
+
+class LiftFailed(Failed):
+    """The platform stays where it is: the screw locks itself (thesis 2.5)."""
+
+    role = SCREW
+
+    def sensed(self, axes: Mapping[str, Feedback], sensors: Mapping[str, Reading]) -> State:
+        """Return the state, with a height as long as its drive has kept its zero."""
+        state = super().sensed(axes, sensors)
+        return replace(state, lift_m=None) if axes[self._out].zero_lost else state
+
+
+class OneWheel(Failed):
+    """One rear wheel drives, and the other one is driven back through its gear.
+
+    Pose and speed follow from the driven wheel and the angle that is steered.
+    """
+
+    side: int
+    """1 where the right wheel drives, -1 where the left one does."""
+
+    def __init__(self, robot: Robot[Geometry]) -> None:
+        super().__init__(robot)
+        self._driven: Final = self._right if self.side > 0 else self._left
+        self.rolling = (self._driven,)
+
+    def sensed(self, axes: Mapping[str, Feedback], sensors: Mapping[str, Reading]) -> State:
+        """Return the state; speed and yaw rate as the driven wheel has them in the turn that is steered."""
+        state = super().sensed(axes, sensors)
+        speed = axes[self._driven].velocity * self._base.wheel_radius_m / self._share(steered(state))
+        return replace(
+            state, speed_mps=speed, yaw_rate_rad_s=speed * davis.curvature(self._base, steered(state))
+        )
+
+    def demands(self, motion: Motion, state: State) -> Mapping[str, Demand]:
+        """Return the steering's demand, and that of the wheel that drives."""
+        rolling = motion.speed_mps / self._base.wheel_radius_m
+        return {
+            **super().demands(motion, state),
+            self._driven: Speed(rolling * self._share(steered(state))),
+        }
+
+    def advanced(self, pose: Pose, before: Mapping[str, Feedback], after: Mapping[str, Feedback]) -> Pose:
+        """Return the pose after the driven wheel rolled on, in the turn that is steered now."""
+        steering, base = after[self._steering], self._base
+        steer = davis.steer_from_pinion(base, steering.position)
+        rolled = (after[self._driven].position - before[self._driven].position) * base.wheel_radius_m
+        middle = rolled / self._share(steer)
+        across = middle * davis.curvature(base, steer) * base.rear_track_m / 2.0
+        return moved(pose, middle - across, middle + across, base.rear_track_m)
+
+    def _share(self, steer_rad: float) -> float:
+        """Return how much faster than the axle's middle the driven wheel rolls in this turn; above 0."""
+        return 1.0 + self.side * davis.curvature(self._base, steer_rad) * self._base.rear_track_m / 2.0
+
+
+class LeftFailed(OneWheel):
+    """The right wheel drives."""
+
+    role = LEFT_WHEEL
+    side = 1
+
+
+class RightFailed(OneWheel):
+    """The left wheel drives."""
+
+    role = RIGHT_WHEEL
+    side = -1
+
+
+def _slow(view: View) -> tuple[Motion, str | None]:
+    return clip_speed(view, view.geometry.narrowed.speed_mps)
+
+
+def _little_steer(view: View) -> tuple[Motion, str | None]:
+    return clip_steer(view, math.radians(view.geometry.failed.steer_angle_deg))
+
+
+def _steering_stays(view: View) -> tuple[Motion, str | None]:
+    """Let nobody steer; say so to who wants another angle than it has."""
+    motion, angle = view.allowed, steered(view.body)
+    if motion.steer_rad is None:
+        return motion, None
+    kept = replace(motion, steer_rad=None)
+    if abs(motion.steer_rad - angle) <= STAYS_WITHIN_RAD:
+        return kept, None
+    return kept, f"the steering stays at {math.degrees(angle):.0f} deg"
+
+
+def _lift_stays(view: View) -> tuple[Motion, str | None]:
+    """Let nobody lift; say so to who wants to."""
+    motion = view.allowed
+    if motion.lift_m is None and motion.lift_rate_mps == 0.0:
+        return motion, None
+    return replace(motion, lift_m=None, lift_rate_mps=0.0), "the lift stays where it is"
+
+
+def _limits(*more: Limit) -> tuple[Limit, ...]:
+    slow = Limit("speed after a failure", _slow, "ask for less speed", clear_after=LIMIT_CLEARS_AFTER)
+    return (*more, slow, *LIMITS)
+
+
+STEERING_STAYS: Final = Limit(
+    "steering out of use", _steering_stays, "let the steering go", clear_after=LIMIT_CLEARS_AFTER
+)
+LIFT_STAYS: Final = Limit(
+    "lift out of use", _lift_stays, "let the lift's stick go", clear_after=LIMIT_CLEARS_AFTER
+)
+LITTLE_STEER: Final = Limit(
+    "steer angle after a failure", _little_steer, "steer less", clear_after=LIMIT_CLEARS_AFTER
+)
+
+MODES: Final[Mapping[str, Mode[Geometry, Motion, State]]] = {
+    "steering_failed": Mode(
+        without=frozenset({STEERING}),
+        body=SteeringFailed,
+        interlocks=INTERLOCKS,
+        limits=_limits(STEERING_STAYS),
+    ),
+    "left_failed": Mode(
+        without=frozenset({LEFT_WHEEL}),
+        body=LeftFailed,
+        interlocks=INTERLOCKS,
+        limits=_limits(LITTLE_STEER),
+    ),
+    "right_failed": Mode(
+        without=frozenset({RIGHT_WHEEL}),
+        body=RightFailed,
+        interlocks=INTERLOCKS,
+        limits=_limits(LITTLE_STEER),
+    ),
+    "lift_failed": Mode(
+        without=frozenset({SCREW}), body=LiftFailed, interlocks=INTERLOCKS, limits=_limits(LIFT_STAYS)
+    ),
+}
