@@ -29,11 +29,10 @@ from firmware_bridge.robots.rars.motion import Motion, State
 from firmware_bridge.robots.rars.rules import (
     INTERLOCKS,
     LIMIT_CLEARS_AFTER,
-    LIMITS,
     Limit,
     View,
-    clip_speed,
     clip_steer,
+    limits_by,
 )
 
 STAYS_WITHIN_RAD: Final = math.radians(1.0)
@@ -108,13 +107,17 @@ class OneWheel(Failed):
         }
 
     def advanced(self, pose: Pose, before: Mapping[str, Feedback], after: Mapping[str, Feedback]) -> Pose:
-        """Return the pose after the driven wheel rolled on, in the turn that is steered now."""
-        steering, base = after[self._steering], self._base
-        steer = davis.steer_from_pinion(base, steering.position)
+        """Return the pose after the driven wheel rolled on, in the turn that is steered now.
+
+        The dead wheel's count, where there is one, makes it worse: one wheel is driven and the other one
+        dragged, each slips its own way by a percent or two, and over the track that is a turn.
+        """
+        base = self._base
         rolled = (after[self._driven].position - before[self._driven].position) * base.wheel_radius_m
-        middle = rolled / self._share(steer)
-        across = middle * davis.curvature(base, steer) * base.rear_track_m / 2.0
-        return moved(pose, middle - across, middle + across, base.rear_track_m)
+        share = self._share(davis.steer_from_pinion(base, after[self._steering].position))
+        other = rolled * (2.0 - share) / share
+        left, right = (other, rolled) if self.side > 0 else (rolled, other)
+        return moved(pose, left, right, base.rear_track_m)
 
     def _share(self, steer_rad: float) -> float:
         """Return how much faster than the axle's middle the driven wheel rolls in this turn; above 0."""
@@ -133,10 +136,6 @@ class RightFailed(OneWheel):
 
     role = RIGHT_WHEEL
     side = -1
-
-
-def _slow(view: View) -> tuple[Motion, str | None]:
-    return clip_speed(view, view.geometry.narrowed.speed_mps)
 
 
 def _little_steer(view: View) -> tuple[Motion, str | None]:
@@ -163,8 +162,7 @@ def _lift_stays(view: View) -> tuple[Motion, str | None]:
 
 
 def _limits(*more: Limit) -> tuple[Limit, ...]:
-    slow = Limit("speed after a failure", _slow, "ask for less speed", clear_after=LIMIT_CLEARS_AFTER)
-    return (*more, slow, *LIMITS)
+    return (*more, *limits_by(lambda geometry: geometry.narrowed))
 
 
 STEERING_STAYS: Final = Limit(

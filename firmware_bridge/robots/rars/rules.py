@@ -12,7 +12,7 @@ from typing import Any, Final, TypeAlias
 from firmware_bridge.motion import davis, scissor
 from firmware_bridge.robot import Robot
 from firmware_bridge.robots.rars.body import BASE, BASE_MOVES_MPS, LIFT, known, ramp_of, rolls, steered
-from firmware_bridge.robots.rars.geometry import Geometry
+from firmware_bridge.robots.rars.geometry import Geometry, Limits
 from firmware_bridge.robots.rars.motion import Motion, State
 from firmware_bridge.safety import interlock
 from firmware_bridge.safety.limits import bounded
@@ -157,22 +157,22 @@ def clip_steer(view: View, high: float) -> tuple[Motion, str | None]:
     return _clip(view.allowed, "steer_rad", high, "deg", scale=_DEGREES)
 
 
-def _lift_rate(view: View) -> tuple[Motion, str | None]:
-    return _clip(view.allowed, "lift_rate_mps", view.geometry.limits.lift_rate_mps, "m/s")
+def _lift_rate(view: View, high: float) -> tuple[Motion, str | None]:
+    return _clip(view.allowed, "lift_rate_mps", high, "m/s")
 
 
 def _lift_range(view: View) -> tuple[Motion, str | None]:
     return _clip(view.allowed, "lift_m", scissor.highest(view.geometry.lift), "m", low=0.0)
 
 
-def _acceleration(view: View) -> tuple[Motion, str | None]:
+def _acceleration(view: View, limits: Limits) -> tuple[Motion, str | None]:
     """Clip nothing, the ramp does; say where it will take more than one cycle."""
     demanded, speed = view.seen.demanded.speed_mps, view.allowed.speed_mps
-    ramp = ramp_of(view.robot)
+    ramp = ramp_of(view.robot, limits)
     bend = davis.curvature(view.geometry.base, steered(view.body))
     if abs(speed - ramp.step(demanded, speed, bend, ramp.longest_step)) <= SPEED_TOLERANCE_MPS:
         return view.allowed, None
-    limit = view.geometry.limits.acceleration_mps2
+    limit = limits.acceleration_mps2
     return view.allowed, f"asked to go from {demanded:.2f} to {speed:.2f} m/s at once, limit {limit:.2f} m/s2"
 
 
@@ -180,23 +180,37 @@ def _limit(name: str, clip: Callable[[View], tuple[Motion, str | None]], remedy:
     return Limit(name, clip, remedy, clear_after=LIMIT_CLEARS_AFTER)
 
 
-LIMITS: Final = (
-    _limit(
-        "speed limit", lambda view: clip_speed(view, view.geometry.limits.speed_mps), "ask for less speed"
-    ),
-    _limit(
-        "tipping limit",
-        lambda view: clip_speed(view, _tipping_speed(view)),
-        "steer less or ask for less speed",
-    ),
-    _limit(
-        "steer angle limit", lambda view: clip_steer(view, view.geometry.limits.steer_angle_rad), "steer less"
-    ),
-    _limit(
-        "turn radius limit", lambda view: clip_steer(view, view.geometry.tightest_steer_rad), "steer less"
-    ),
-    _limit("lift rate limit", _lift_rate, "ask for a slower lift"),
-    _limit("lift range limit", _lift_range, "ask for a height within reach"),
-    _limit("acceleration limit", _acceleration, "change the speed more slowly"),
-)
-"""Applied in this order; a later one sees what an earlier one left."""
+def limits_by(of: Callable[[Geometry], Limits]) -> tuple[Limit, ...]:
+    """Return the limits in the order in which they are applied; a later one sees what an earlier one left."""
+
+    def limits(view: View) -> Limits:
+        return of(view.geometry)
+
+    return (
+        _limit("speed limit", lambda view: clip_speed(view, limits(view).speed_mps), "ask for less speed"),
+        _limit(
+            "tipping limit",
+            lambda view: clip_speed(view, _tipping_speed(view)),
+            "steer less or ask for less speed",
+        ),
+        _limit(
+            "steer angle limit", lambda view: clip_steer(view, limits(view).steer_angle_rad), "steer less"
+        ),
+        _limit(
+            "turn radius limit", lambda view: clip_steer(view, view.geometry.tightest_steer_rad), "steer less"
+        ),
+        _limit(
+            "lift rate limit",
+            lambda view: _lift_rate(view, limits(view).lift_rate_mps),
+            "ask for a slower lift",
+        ),
+        _limit("lift range limit", _lift_range, "ask for a height within reach"),
+        _limit(
+            "acceleration limit",
+            lambda view: _acceleration(view, limits(view)),
+            "change the speed more slowly",
+        ),
+    )
+
+
+LIMITS: Final = limits_by(lambda geometry: geometry.limits)
