@@ -53,6 +53,7 @@ ROOMS: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("motion/*", ("unit/motion/*",)),
     ("robots/*/station", ("unit/teleop/*",)),
     ("robots/rars/model", ("unit/pilot/test_predictor",)),
+    ("robots/rars/modes", ("robots/test_rars_modes",)),
     ("robots/rome/*", ("robots/test_rome", "robots/test_rome_cameras")),
     ("robots/*", (*GATE, "robots/test_rars_body", "unit/motion/*", "unit/pipeline/test_rest")),
     ("carrier/*", ("robots/test_carrier*",)),

@@ -250,3 +250,13 @@ def test_a_fault_that_cannot_be_reset_is_named_with_its_cause(bench: "Bench") ->
         "node 3 (steering): it stayed in 'fault' for 1000 ms after controlword 0x0080 "
         "(expected 'operation enabled', statusword 0x8308); fault 0x8120, CAN error passive"
     )
+
+
+def test_a_bridge_that_begins_in_a_mode_leaves_its_dead_drive_alone_and_arms(
+    bench_with: "Callable[[Bridge], Bench]", robot: AnyRobot
+) -> None:
+    bench = bench_with(Bridge(robot, KIND, mode="left_failed"))
+    bench.drives["left"].silent = True
+    bench.runs(3)
+    assert bench.bridge.failure is None
+    assert bench.bridge.phase is Phase.RUNNING

@@ -1,0 +1,158 @@
+"""What is left of RARS's body in each mode after a failed actuator: demands, state, pose and limits."""
+
+import math
+from types import SimpleNamespace
+from typing import Any, Final
+
+import pytest
+
+from firmware_bridge.drivers.driver import Feedback, Speed
+from firmware_bridge.intent import USUAL_AGE_LIMIT
+from firmware_bridge.kinds import find
+from firmware_bridge.motion import davis
+from firmware_bridge.motion.pose import Pose
+from firmware_bridge.robots.rars import KIND
+from firmware_bridge.robots.rars.motion import Motion, State
+from firmware_bridge.safety.interlock import View
+from firmware_bridge.teleop import modes
+from firmware_bridge.units import SECOND
+from hil_tests.robots.test_rars_body import axes
+
+ROBOT: Final[Any] = find("rars")
+BASE: Final[davis.DavisBase] = ROBOT.geometry.base
+R: Final = BASE.wheel_radius_m
+WHOLE: Final[Any] = KIND.body(ROBOT)
+ALL: Final = Motion(speed_mps=0.1, steer_rad=0.2, lift_m=0.01)
+LEFT_OUT: Final = {
+    "steering_failed": "steer",
+    "left_failed": "left",
+    "right_failed": "right",
+    "lift_failed": "lift",
+}
+
+
+def body(mode: str) -> Any:
+    return KIND.modes[mode].body(ROBOT)
+
+
+def at(steer: float) -> float:
+    return davis.pinion_from_steer(BASE, steer)
+
+
+@pytest.mark.parametrize(("mode", "name"), LEFT_OUT.items())
+def test_what_a_mode_does_without_is_told_nothing_and_the_rest_is_as_ever(mode: str, name: str) -> None:
+    assert KIND.rules(ROBOT)[mode].without == {name}
+    state = State(0.2, 0.0, 0.0, 0.1, 0.0)
+    whole = WHOLE.demands(ALL, state)
+    assert body(mode).demands(ALL, state) == {axis: told for axis, told in whole.items() if axis != name}
+
+
+@pytest.mark.parametrize("steer", [-0.4, 0.0, 0.4])
+@pytest.mark.parametrize(("mode", "name"), [("left_failed", "right"), ("right_failed", "left")])
+def test_one_wheel_tells_how_the_robot_moves_in_the_turn_that_is_steered(
+    mode: str, name: str, steer: float
+) -> None:
+    whole = dict(zip(("left", "right"), davis.wheel_speeds(BASE, 0.15, steer), strict=True))
+    state = body(mode).sensed(axes(steer=(at(steer), 0.0), **{name: (0.0, whole[name])}), {})
+    assert state.speed_mps == pytest.approx(0.15)
+    assert state.yaw_rate_rad_s == pytest.approx(0.15 * davis.curvature(BASE, steer))
+    assert body(mode).demands(Motion(speed_mps=0.15), state)[name] == Speed(pytest.approx(whole[name]))
+
+
+@pytest.mark.parametrize("steer", [-0.4, 0.0, 0.4])
+@pytest.mark.parametrize(("mode", "name"), [("left_failed", "right"), ("right_failed", "left")])
+def test_one_wheel_carries_the_pose_along_the_turn_whatever_is_counted_of_the_other(
+    mode: str, name: str, steer: float
+) -> None:
+    rolled = dict(zip(("left", "right"), davis.wheel_speeds(BASE, 1.0, steer), strict=True))
+    before = axes(steer=(at(steer), 0.0))
+    after = axes(steer=(at(steer), 0.0), **{name: (rolled[name], 0.0)})
+    whole = WHOLE.advanced(Pose(), before, axes(**{each: (way, 0.0) for each, way in rolled.items()}))
+    pose = body(mode).advanced(Pose(), before, after)
+    assert (pose.x_m, pose.y_m, pose.heading_rad) == pytest.approx((whole.x_m, whole.y_m, whole.heading_rad))
+    assert body(mode).rolling == (name,)
+
+
+def without_zero(name: str, seen: dict[str, Feedback]) -> dict[str, Feedback]:
+    one = seen[name]
+    seen[name] = Feedback(one.axis, position=one.position, heard_at=one.heard_at, zero_lost=True)
+    return seen
+
+
+def test_an_angle_or_a_height_is_unknown_where_the_dead_drive_has_lost_its_zero() -> None:
+    seen = axes(steer=(at(0.3), 0.0), lift=(1.0, 0.0))
+    assert body("steering_failed").sensed(seen, {}).steer_rad == pytest.approx(0.3)
+    assert body("lift_failed").sensed(seen, {}).lift_m > 0.0
+    assert body("steering_failed").sensed(without_zero("steer", dict(seen)), {}).steer_rad is None
+    assert body("lift_failed").sensed(without_zero("lift", dict(seen)), {}).lift_m is None
+
+
+def clipped(mode: str, wish: Motion) -> tuple[Motion, list[str]]:
+    """The wish behind the mode's limits, and the names of those that told something."""
+    facts = SimpleNamespace(age_limit=USUAL_AGE_LIMIT)
+    seen: Any = SimpleNamespace(
+        body=State(0.1, 0.0, 0.0, 0.0, 0.0), demanded=Motion(), facts=facts, wish=wish
+    )
+    view: Any = View(ROBOT, seen, wish, frozenset(), None)
+    told = []
+    for row in KIND.rules(ROBOT)[mode].limits:
+        allowed, reason = row.clip(view)
+        told += [row.name] if reason is not None and row.name != "acceleration limit" else []
+        view = View(ROBOT, seen, allowed, frozenset(), None)
+    return view.allowed, told
+
+
+DEGREE: Final = math.radians(1.0)
+
+
+@pytest.mark.parametrize(
+    ("mode", "wish", "allowed", "told"),
+    [
+        ("left_failed", Motion(0.2), Motion(0.2), []),
+        ("left_failed", Motion(0.21), Motion(0.2), ["speed limit"]),
+        ("right_failed", Motion(-0.21), Motion(-0.2), ["speed limit"]),
+        ("left_failed", Motion(0.1, 30 * DEGREE), Motion(0.1, 30 * DEGREE), []),
+        ("left_failed", Motion(0.1, 31 * DEGREE), Motion(0.1, 30 * DEGREE), ["steer angle after a failure"]),
+        (
+            "right_failed",
+            Motion(0.1, -31 * DEGREE),
+            Motion(0.1, -30 * DEGREE),
+            ["steer angle after a failure"],
+        ),
+        ("steering_failed", Motion(0.1, 0.1), Motion(0.1), []),
+        ("steering_failed", Motion(0.1, 0.1 + 0.9 * DEGREE), Motion(0.1), []),
+        ("steering_failed", Motion(0.1, 0.1 - 1.1 * DEGREE), Motion(0.1), ["steering out of use"]),
+        ("steering_failed", Motion(0.3), Motion(0.2), ["speed limit"]),
+        ("lift_failed", Motion(0.1), Motion(0.1), []),
+        ("lift_failed", Motion(0.1, 0.1, 0.3), Motion(0.1, 0.1), ["lift out of use"]),
+        ("lift_failed", Motion(lift_rate_mps=-0.01), Motion(), ["lift out of use"]),
+    ],
+)
+def test_limits_after_a_failure(mode: str, wish: Motion, allowed: Motion, told: list[str]) -> None:
+    assert clipped(mode, wish) == (allowed, told)
+
+
+@pytest.mark.parametrize("mode", LEFT_OUT)
+def test_the_ramp_after_a_failure_is_the_narrow_one(mode: str) -> None:
+    state = State(0.0, 0.0, 0.0, 0.0, 0.0)
+    step = body(mode).ramped(Motion(), Motion(0.2), state, ROBOT.cycle).speed_mps
+    narrow = ROBOT.geometry.narrowed.acceleration_mps2 * ROBOT.cycle / SECOND
+    assert 0.79 * narrow < step <= narrow
+
+
+def test_narrowed_limits_widen_nothing() -> None:
+    slow = ROBOT.geometry.limits.model_copy(update={"speed_mps": 0.1, "acceleration_g": 0.01})
+    narrowed = ROBOT.geometry.model_copy(update={"limits": slow}).narrowed
+    assert (narrowed.speed_mps, narrowed.acceleration_g) == (0.1, 0.01)
+
+
+def test_the_modes_numbers_are_none_of_those_that_mean_something_else() -> None:
+    numbers = [modes.number_of_own(place) for place in range(len(KIND.modes) + 1)]
+    assert numbers == [0, 1, 2, 3, 5]
+    for place, number in enumerate(numbers):
+        assert modes.asked(number, 0, len(numbers)) == modes.Asked(modes.Way.MANUAL, place, px4=False)
+        whole = modes.in_px4(number)
+        assert modes.asked(whole, 0, len(numbers)) == modes.Asked(modes.Way.MANUAL, place, px4=True)
+    hold = modes.asked(4, 0, len(numbers))
+    assert hold is not None
+    assert hold.way is modes.Way.HOLD
