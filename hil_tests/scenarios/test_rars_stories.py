@@ -104,42 +104,26 @@ def test_the_lift_rises_at_rest_only_and_holds_the_wheels(rides: Ridden) -> None
     assert ride.now["speed_mps"] == pytest.approx(0.2, rel=0.02)
 
 
-def test_the_wheels_follow_the_angle_that_is_steered(rides: Ridden) -> None:
-    """A step from 0 to 30 degrees at 0.3 m/s: each cycle's set-points fit the angle read in that cycle."""
-    ride = rides(ARMED, step(4.0, speed_mps=0.3), step(6.0, steer_deg=30), seconds=20)
-    rars = find("rars")
-    half = rars.geometry.base.rear_track_m / 2.0
-    steering = rars.axis("steering")
-    angle: list[float] = []
-    sent: dict[int, int] = {}
-    ratios: list[tuple[float, float]] = []
-
-    def watch(now: int, sender: str, packet: object) -> None:
-        address, payload = packet.address, packet.payload  # type: ignore[attr-defined]
-        if address == 0x280 + steering.epos2.node:
-            counts = int.from_bytes(payload[2:6], "little", signed=True)
-            pinion = Scale.of(steering).position(counts)
-            angle[:] = [davis.steer_from_pinion(rars.geometry.base, pinion)]
-        if sender == "bridge" and address in (0x501, 0x502):
-            sent[address] = int.from_bytes(payload[2:6], "little", signed=True)
-            if len(sent) == 2:
-                if now >= from_seconds(5.9) and angle:
-                    ratios.append((sent[0x502] / sent[0x501], angle[0]))
-                sent.clear()
-
-    ride.rig.can_wire.observe(watch)
-    ride.runs_until(9.0)
-    assert len(ratios) >= 60
-    assert ratios[-1][1] == pytest.approx(math.radians(30), abs=0.002)
-    for ratio, steer in ratios:
-        radius = math.inf if steer == 0 else davis.turn_radius(rars.geometry.base, steer)
-        expected = 1.0 if math.isinf(radius) else (radius + half) / (radius - half)
-        assert ratio == pytest.approx(expected, rel=0.02)
-    end = ride.now
-    left, right = end["motor_speed_left_rad_s"], end["motor_speed_right_rad_s"]
-    radius = davis.turn_radius(rars.geometry.base, end["steer_rad"])
-    assert right / left == pytest.approx((radius + half) / (radius - half), rel=0.02)
-    assert end["yaw_rate_rad_s"] == pytest.approx(end["speed_mps"] / radius, rel=0.02)
+@pytest.mark.parametrize(("begin", "end"), [(0, 10), (0, 30), (0, 58), (-30, 30), (58, 0)])
+def test_the_wheels_follow_the_angle_that_is_steered(rides: Ridden, begin: float, end: float) -> None:
+    """A step of the steering at 0.3 m/s: the plant's wheels keep the ratio of the angle of the same instant."""
+    ride = rides(
+        ARMED,
+        step(4.0, speed_mps=0.3, steer_deg=begin),
+        step(10.0, steer_deg=end),
+        seconds=20,
+    )
+    ride.runs_until(16.0)
+    base = find("rars").geometry.base
+    half = base.rear_track_m / 2.0
+    assert math.degrees(ride.now["steer_rad"]) == pytest.approx(end, abs=0.1)
+    for row in ride.rows(9.9, 16.0):
+        across = half * davis.curvature(base, row["steer_rad"])
+        ratio = row["motor_speed_right_rad_s"] / row["motor_speed_left_rad_s"]
+        assert ratio == pytest.approx((1.0 + across) / (1.0 - across), rel=0.02), row.at
+    now = ride.now
+    turn = now["speed_mps"] * davis.curvature(base, now["steer_rad"])
+    assert now["yaw_rate_rad_s"] == pytest.approx(turn, rel=0.02, abs=1e-3)
 
 
 def test_a_drive_that_falls_silent_stops_the_robot_and_is_named(rides: Ridden) -> None:
