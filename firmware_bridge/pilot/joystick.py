@@ -34,7 +34,7 @@ class Device:
     stop: int
     switches: tuple[int, ...]
     """In the order of the robot's switches."""
-    lift: int
+    rise: int
     """An axis that is negative at its upper end, as hats are: up and down."""
 
 
@@ -77,7 +77,7 @@ class Controls:
     @property
     def up(self) -> float:
         """From -1, down, to 1, up."""
-        return -max(-FULL, self._axes.get(self.device.lift, 0)) / FULL
+        return -max(-FULL, self._axes.get(self.device.rise, 0)) / FULL
 
     @property
     def helm(self) -> float:

@@ -19,7 +19,7 @@ STEP: Final = 0.1
 """Of full lock, at a press."""
 HELP: Final = (
     "keep w or s (arrows) down to drive, a and d turn the helm, x brings it back; p arms, space lets go, "
-    "Enter is the emergency stop; r and f lift and lower, 1 to 9 switch"
+    "Enter is the emergency stop; r and f go up and down, 1 to 9 switch"
 )
 _ARROWS: Final = MappingProxyType({b"A": b"w", b"B": b"s", b"C": b"d", b"D": b"a"})
 _ESCAPE: Final = b"\x1b"

@@ -26,7 +26,7 @@ PROFILES: Final[MappingProxyType[str, Profile]] = MappingProxyType(
 """`usual`: as the robot sends it.
 
 `cycle`: all fields of the packet of A. P. Das, PhD thesis, IIT Delhi, 2018, Fig. 4.3, at its 20 Hz: pose;
-steer angle, height of the platform, each motor's current by name; the wheels' speeds; the battery's voltage.
+angles, heights and each motor's current by name; the rolling axes' speeds; the battery's voltage.
 """
 USUAL: Final = PROFILES["usual"]
 ORDER: Final = dialect.MAV_CMD_SET_MESSAGE_INTERVAL

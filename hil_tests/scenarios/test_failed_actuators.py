@@ -23,7 +23,7 @@ DIES_AT_S: Final = 6.0
 MODE_AT_S: Final = 9.0
 GOES_AT_S: Final = MODE_AT_S + 2.5
 GOAL_M: Final = 5.0
-NARROW_MPS: Final = RARS.geometry.failed.speed_mps
+NARROW_MPS: Final = RARS.geometry.limp.speed_mps
 DEAD: Final = {
     "left_failed": "left",
     "right_failed": "right",

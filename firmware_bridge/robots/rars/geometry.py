@@ -32,8 +32,8 @@ class Limits(Table):
         return math.radians(self.steer_angle_deg)
 
 
-class Failed(Table):
-    """What narrows the limits once an actuator has failed."""
+class Limp(Table):
+    """What narrows the limits once an actuator has failed, for the way home."""
 
     speed_mps: Positive
     acceleration_g: Positive
@@ -47,15 +47,15 @@ class Geometry(Table):
     base: DavisBase
     lift: ScissorLift
     limits: Limits
-    failed: Failed
+    limp: Limp
 
     @property
     def narrowed(self) -> Limits:
         """The limits after a failure."""
-        failed, whole = self.failed, self.limits
+        limp, whole = self.limp, self.limits
         changed = {
-            "speed_mps": min(failed.speed_mps, whole.speed_mps),
-            "acceleration_g": min(failed.acceleration_g, whole.acceleration_g),
+            "speed_mps": min(limp.speed_mps, whole.speed_mps),
+            "acceleration_g": min(limp.acceleration_g, whole.acceleration_g),
         }
         return whole.model_copy(update=changed)
 
