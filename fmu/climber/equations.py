@@ -105,6 +105,7 @@ class Climber:
         given = Given(*(P[f"start_{name}"] for name in ("arc", "height", "heading", "swivel", "joint")))
         starts = Start(self.surface, given, SIZES, TORI).rows
         on_wall = 1 - self.fallen
+        self.yaw_rate = sp.S.Zero
         rows: list[State] = []
         for side, contact, turning, slide in zip(WHEELS, self.contacts, turnings, slides, strict=True):
             rates = contact.rates(turning, slide)
@@ -114,6 +115,8 @@ class Climber:
             ]
             if side == "left":
                 pitching = on_wall * (self.spins[0] - rates["wheel"])
+            if side != "caster":
+                self.yaw_rate += HALF * on_wall * rates["psi"]
         return (
             *rows,
             State("pitch", "rad", starts["pitch"], pitching),
@@ -170,6 +173,7 @@ def model(surface: Surface = TANK) -> Model:
     left, right = (Shaft(axis, P | {name + axis: value for name, value in wheel.items()}) for axis in AXES)
     robot = Climber(left, right, surface)
     first, second = robot.accelerations()
+    states = robot.states()
     height = (symbol("height_left") + symbol("height_right")) * HALF
     arc = (symbol("arc_left") + symbol("arc_right")) * HALF
     heading = (symbol("psi_left") + symbol("psi_right")) * HALF - sp.pi / 2
@@ -185,7 +189,7 @@ def model(surface: Surface = TANK) -> Model:
         description="Climbing robot: two magnetic wheels, a joint and a caster on a tank",
         parameters=PARAMETERS,
         inputs=tuple(Input(f"voltage_{axis}", "V", f"motor voltage, {axis}", 24.0) for axis in AXES),
-        states=(*left.states(first), *right.states(second), *robot.states()),
+        states=(*left.states(first), *right.states(second), *states),
         outputs=(
             *left.outputs(),
             *right.outputs(),
@@ -193,6 +197,7 @@ def model(surface: Surface = TANK) -> Model:
             Output("height", "m", "way along the tank's axis, middle of both contacts", height, 1.0),
             Output("heading", "rad", "direction from the arc towards the axis", heading, 1.0),
             Output("speed", "m/s", "speed forwards as the wheels roll", speed, 0.1),
+            Output("yaw_rate", "rad/s", "how fast the heading turns", robot.yaw_rate, 1.0),
             *contacts,
             Output("pitch", "rad", "left half about its axle, nose up positive", symbol("pitch"), 0.1),
             Output("joint", "rad", "right half against the left", symbol("joint"), 0.1),

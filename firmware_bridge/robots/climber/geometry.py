@@ -1,0 +1,102 @@
+"""The climber's geometry, tank, limits, control and paths in its robot file.
+
+[C] is Qualls, Canfield, Shibakov, JAMRIS 10(3), 2016. Lengths on the tank are those of its unrolled surface:
+the arc round it, to the right of a robot that looks up, and the height along its axis.
+"""
+
+import math
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
+
+from firmware_bridge.motion.differential import DifferentialBase
+from firmware_bridge.robot.table import Finite, Positive, Table
+
+
+
+class Base(DifferentialBase):
+    """Two driven wheels on a joint between them."""
+
+    coupled: bool = False
+    """One shaft turns both wheels, as in the laboratory of [C] 5: the robot cannot turn then."""
+
+    @property
+    def coupling(self) -> float:
+        """The same as the plant has it: 1 coupled, 0 not."""
+        return float(self.coupled)
+
+
+class Tank(Table):
+    """A standing cylinder."""
+
+    radius_m: Positive
+
+
+class Start(Table):
+    """How the robot is put on the tank; it counts where no cameras see it."""
+
+    heading_deg: Finite = 90.0
+    """From the arc towards the axis: 90 looks up."""
+    height_m: Finite = 0.0
+
+    @property
+    def heading_rad(self) -> float:
+        """The same in rad."""
+        return math.radians(self.heading_deg)
+
+
+class Limits(Table):
+    """What the interlocks hold, whatever the operator wishes."""
+
+    speed_mps: Positive
+    acceleration_mps2: Positive
+    turn_rate_rad_s: Positive
+    turn_acceleration_rad_s2: Positive
+    sideways_mps2: Positive
+
+
+class Control(Table):
+    """Gains of the polar law (27) to (29) of [C], with the signs under which it is stable."""
+
+    k_rho_per_s: Positive
+    k_alpha_per_s: Positive
+    k_beta_per_s: Annotated[float, Field(lt=0.0)]
+    speed_mps: Positive
+    """Along paths."""
+
+    @model_validator(mode="after")
+    def _is_stable(self) -> Self:
+        if self.k_alpha_per_s <= self.k_rho_per_s:
+            raise ValueError("k_alpha_per_s must be larger than k_rho_per_s: the law is not stable else")
+        return self
+
+
+class Paths(Table):
+    """How large the paths are on the unrolled surface."""
+
+    side_m: Positive = 1.0
+    """Of triangle, square and diamond."""
+    length_m: Positive = 1.0
+    """Of vertical, horizontal and spiral."""
+    radius_m: Positive = 0.5
+    """Of the circle."""
+
+
+class Geometry(Table):
+    """The robot, its tank, its limits, its control and its paths."""
+
+    base: Base
+    tank: Tank
+    start: Start = Start()
+    limits: Limits
+    control: Control
+    paths: Paths = Paths()
+
+    @model_validator(mode="after")
+    def _paths_are_no_faster_than_the_robot(self) -> Self:
+        if self.control.speed_mps > self.limits.speed_mps:
+            raise ValueError(
+                f"control.speed_mps is {self.control.speed_mps:g}, limits.speed_mps only "
+                f"{self.limits.speed_mps:g}"
+            )
+        return self

@@ -1,0 +1,41 @@
+"""The tank's surface as the bridge knows it: unrolled, and how two wheels turn on it.
+
+A cylinder unrolls without stretching, so a pose on it is a pose on a plane: x is the arc, y the height, the
+heading counts from the arc towards the axis, seen from outside. Only the track is another one: wheels that
+stand upright on a bent surface touch it nearer to each other than their axle is long.
+"""
+
+import math
+from typing import Final
+
+from firmware_bridge.motion.pose import Pose
+from firmware_bridge.robots.climber.geometry import Geometry
+
+FLAT_PER_M: Final = 1e-6
+"""Below this curvature along the axle the track is that of a plane."""
+
+
+def track_on(geometry: Geometry, heading_rad: float) -> float:
+    """Return the track in m, along the surface, of a robot that looks so.
+
+    Both wheels upright: a wheel's middle lies b beside the robot's and r_c + r_w off the curve's middle, so
+    it stands at atan(b / (r_c + r_w)) round it, where 1 / r_c is the curvature along the axle.
+    """
+    base = geometry.base
+    bend = math.sin(heading_rad) ** 2 / geometry.tank.radius_m
+    if bend < FLAT_PER_M:
+        return base.track_m
+    half = 0.5 * base.track_m * bend / (1.0 + base.wheel_radius_m * bend)
+    return 2.0 * math.atan(half) / bend
+
+
+def placed(geometry: Geometry, rolled: Pose) -> Pose:
+    """Return the pose on the unrolled surface of a robot that was put on it as the robot file says."""
+    start = geometry.start
+    turn = start.heading_rad
+    cosine, sine = math.cos(turn), math.sin(turn)
+    return Pose(
+        rolled.x_m * cosine - rolled.y_m * sine,
+        start.height_m + rolled.x_m * sine + rolled.y_m * cosine,
+        rolled.heading_rad + turn,
+    )
