@@ -201,6 +201,13 @@ def model(surface: Surface = TANK) -> Model:
             *contacts,
             Output("pitch", "rad", "left half about its axle, nose up positive", symbol("pitch"), 0.1),
             Output("joint", "rad", "right half against the left", symbol("joint"), 0.1),
+            Output(
+                "analogue_2_left",
+                "V",
+                "joint's sensor, at the second analogue input of the left drive",
+                P["joint_sensor_rest"] + symbol("joint") / P["joint_sensor"],
+                1.0,
+            ),
             Output("swivel", "rad", "caster's angle, 0 trailing, to the left", symbol("swivel"), 1.0),
             Output("fallen", "1", "1: magnets have let go and it falls, else 0", robot.fallen, switch=True),
             Output("fall", "m", "how far it has fallen", symbol("fall"), 1.0),

@@ -90,6 +90,8 @@ JOINT: Final[tuple[Parameter, ...]] = (
         "joint_stop", math.radians(25.0), "rad", "joint's stops, both ways from flat", "ASSUME", least=0.0
     ),
     Parameter("stop_stiffness", 200.0, "N.m/rad", "stiffness of its stops", "ASSUME", least=0.0),
+    Parameter("joint_sensor", math.pi / 10.0, "rad", "joint's angle for 1 V of its sensor", "ASSUME"),
+    Parameter("joint_sensor_rest", 2.5, "V", "joint's sensor where the joint is flat", "ASSUME"),
 )
 
 MAGNETS: Final[tuple[Parameter, ...]] = (

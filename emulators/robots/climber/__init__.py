@@ -53,6 +53,11 @@ def _demanded_turn(seen: Seen) -> float:
     return seen.demanded.turn_rad_s
 
 
+def _measured_joint(seen: Seen) -> float:
+    joint = seen.body.joint_rad
+    return math.nan if joint is None else joint
+
+
 def _path_offset(seen: Seen) -> float:
     along = seen.wish.path_s
     return math.nan if along is None else along - to_seconds(seen.facts.now)
@@ -127,7 +132,8 @@ REHEARSAL: Final = Rehearsal(
         Column("odometry_heading_rad", "counter-clockwise", "rad", seen=lambda seen: seen.pose.heading_rad),
         Column("demanded_speed_mps", "what the bridge asks of the wheels", "m/s", seen=_demanded_speed),
         Column("demanded_turn_rad_s", "what the bridge asks of the wheels", "rad/s", seen=_demanded_turn),
-        Column("joint_rad", "right half against the left", "rad", plant="joint"),
+        Column("joint_rad", "right half against the left", "rad", plant="joint", most=True),
+        Column("measured_joint_rad", "what its sensor tells", "rad", seen=_measured_joint),
         Column(OFFSET, "a guide's clock less the run's", "s", seen=_path_offset),
         Column("battery_v", "battery's terminal voltage", "V", plant="battery_voltage"),
     ),
@@ -147,7 +153,12 @@ REHEARSAL: Final = Rehearsal(
             limit=lambda robot: (robot.geometry.limits.turn_rate_rad_s, "rad/s"),
             shaded=True,
         ),
-        Panel("Joint", "angle [deg]", (Curve("joint_rad", "plant", scale=math.degrees(1.0)),)),
+        Panel(
+            "Joint",
+            "angle [deg]",
+            (Curve("joint_rad", "plant", scale=math.degrees(1.0)),),
+            limit=lambda robot: (robot.geometry.joint.bound_deg, "deg"),
+        ),
     ),
     remarks=_remarks,
     cases=cases,

@@ -54,10 +54,12 @@ class Body:
         self.rolling: tuple[str, ...] = (self._left, self._right)
         """The axes from whose positions the pose is carried on."""
 
-    def sensed(self, axes: Mapping[str, Feedback], _sensors: Mapping[str, Reading]) -> State:
-        """Return speed and turn rate."""
+    def sensed(self, axes: Mapping[str, Feedback], sensors: Mapping[str, Reading]) -> State:
+        """Return speed, turn rate and the joint's angle."""
         speed, turn = twist(self._base, axes[self._left].velocity, axes[self._right].velocity)
-        return State(speed, turn)
+        joint = self._geometry.joint
+        told = sensors.get(joint.sensor)
+        return State(speed, turn, None if told is None else told.value - joint.rest)
 
     def asked(self, motion: Motion, _state: State) -> frozenset[str]:
         """Return the wheels where the motion asks it to drive or to turn."""

@@ -45,6 +45,36 @@ class Start(Table):
         return math.radians(self.heading_deg)
 
 
+class Joint(Table):
+    """The joint between both halves, and how its angle is measured; angles either way from flat."""
+
+    sensor: str
+    """The name of the sensor that measures it, in rad."""
+    rest: Finite
+    """What that tells where the joint is flat, rad."""
+    turns_round_deg: Positive
+    """A guide that drives nose first turns round there."""
+    slow_deg: Positive
+    """From there on the robot drives slower nose first, the nearer to the bound the slower."""
+    bound_deg: Positive
+    """There it does not drive nose first any more."""
+
+    @model_validator(mode="after")
+    def _in_this_order(self) -> Self:
+        if not self.turns_round_deg <= self.slow_deg < self.bound_deg:
+            raise ValueError("turns_round_deg, slow_deg and bound_deg must grow in this order")
+        return self
+
+    def share(self, joint_rad: float | None) -> float:
+        """Return the share of its speed that the robot may have nose first; 0 where nobody knows the angle."""
+        if joint_rad is None:
+            return 0.0
+        slow, bound = math.radians(self.slow_deg), math.radians(self.bound_deg)
+        # Said so that what is no number is none, too.
+        left = (bound - abs(joint_rad)) / (bound - slow)
+        return min(left, 1.0) if left > 0.0 else 0.0
+
+
 class Limits(Table):
     """What the interlocks hold, whatever the operator wishes."""
 
@@ -88,6 +118,7 @@ class Geometry(Table):
     base: Base
     tank: Tank
     start: Start = Start()
+    joint: Joint
     limits: Limits
     control: Control
     paths: Paths = Paths()

@@ -76,7 +76,7 @@ class Follower:
         if self._leg == len(self._legs):
             return self._motion(0.0, 0.0)
         leg = self._legs[self._leg]
-        if self._turns_round(seen.body) and not self._tail:
+        if not self._tail and self._must_turn_round(seen.body):
             self._tail = self._turning = True
         if self._turning:
             wish = self._turned(leg, pose)
@@ -92,8 +92,12 @@ class Follower:
         self._posed_at = sampled
         return age
 
-    def _turns_round(self, _state: State) -> bool:
-        return False
+    def _must_turn_round(self, state: State) -> bool:
+        """Return whether the joint's angle grows so that it is better to go on tail first; coupled, it cannot."""
+        joint = state.joint_rad
+        if joint is None or self._geometry.base.coupled:
+            return False
+        return abs(joint) >= math.radians(self._geometry.joint.turns_round_deg)
 
     def _turned(self, leg: Leg, pose: Pose) -> Motion | None:
         """Return the turn on the spot towards the leg; None where it is over, or none is needed."""

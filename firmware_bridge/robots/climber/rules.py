@@ -1,5 +1,6 @@
 """The robot's own interlock and limits, beside the common ones that every robot has."""
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Final, TypeAlias
@@ -51,6 +52,27 @@ def slowed(view: View, share: float) -> tuple[Motion, str | None]:
     return replace(view.allowed, speed_mps=allowed), reason
 
 
+def _joint(view: View) -> tuple[Motion, str | None]:
+    """Clip the speed nose first: with the caster trailing the joint's angle runs away, leading it decays."""
+    motion, joint = view.allowed, view.body.joint_rad
+    high = view.geometry.joint.share(joint) * view.geometry.limits.speed_mps
+    if motion.speed_mps <= high:
+        return motion, None
+    known = "not known" if joint is None else f"{math.degrees(joint):.1f} deg"
+    return replace(motion, speed_mps=high), (
+        f"the joint's angle is {known}: asked for {motion.speed_mps:.3f} m/s nose first, allowed is {high:.3f}"
+    )
+
+
+def _coupled(view: View) -> tuple[Motion, str | None]:
+    motion = view.allowed
+    if not view.geometry.base.coupled or motion.turn_rad_s == 0.0:
+        return motion, None
+    return replace(motion, turn_rad_s=0.0), (
+        f"asked to turn with {motion.turn_rad_s:.2f} rad/s: one shaft turns both wheels"
+    )
+
+
 def _turn(view: View) -> tuple[Motion, str | None]:
     allowed, reason = bounded(view.allowed.turn_rad_s, view.geometry.limits.turn_rate_rad_s, "rad/s")
     return replace(view.allowed, turn_rad_s=allowed), reason
@@ -82,6 +104,8 @@ def _limit(name: str, clip: Callable[[View], tuple[Motion, str | None]], remedy:
 
 LIMITS: Final = (
     _limit("speed limit", lambda view: slowed(view, 1.0), "ask for less speed"),
+    _limit("joint limit", _joint, "drive tail first, or turn round"),
+    _limit("coupled wheels", _coupled, "drive straight, nose first or tail first"),
     _limit("turn rate limit", _turn, "turn more slowly"),
     _limit("sideways limit", _sideways, "turn less or ask for less speed"),
     _limit("acceleration limit", _acceleration, "change speed and turn more slowly"),
