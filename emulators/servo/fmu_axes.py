@@ -17,9 +17,16 @@ HELD: Final = "held_"
 
 
 def fmu_plant(
-    path: Path, axes: Sequence[str], parameters: Mapping[str, float], more: Sequence[str] = ()
+    path: Path,
+    axes: Sequence[str],
+    parameters: Mapping[str, float],
+    more: Sequence[str] = (),
+    optional: Sequence[str] = (),
 ) -> FmuPlant:
-    """Load the plant of these axes; `more` are outputs that are needed beside theirs; PlantError."""
+    """Load the plant of these axes; PlantError.
+
+    `more` are outputs that are needed beside theirs, `optional` those that are read where it has them.
+    """
     own = plant_outputs(axes)
     return FmuPlant(
         path,
@@ -28,7 +35,11 @@ def fmu_plant(
         parameters,
         units=units(axes),
         optional_inputs=(*pin_inputs(axes), *(f"{HELD}{axis}" for axis in axes)),
-        optional_outputs=pin_outputs(axes) + sensor_outputs(axes),
+        optional_outputs=(
+            *pin_outputs(axes),
+            *sensor_outputs(axes),
+            *(it for it in optional if it not in more),
+        ),
     )
 
 

@@ -176,9 +176,7 @@ RATIOS: Final[Mapping[str, float]] = {
 }
 """r_c / b. The paper's radii of 2e5, 2e2 and 0.5e2 "m" do not fit its ratios; the ratios count."""
 
-_RE25: Final = {
-    row.name: row.start for row in motor_rows("wheel", "ASSUME, maxon RE25 20 W 24 V", **RE25)
-}
+_RE25: Final = {row.name: row.start for row in motor_rows("wheel", "ASSUME, maxon RE25 20 W 24 V", **RE25)}
 """A motor that carries 4 kg up a wall for ever: half the weight and the gear's friction take 1.1 A of it."""
 
 SETS: Final[Mapping[str, Mapping[str, float]]] = {

@@ -13,7 +13,6 @@ from firmware_bridge.motion.differential import DifferentialBase
 from firmware_bridge.robot.table import Finite, Positive, Table
 
 
-
 class Base(DifferentialBase):
     """Two driven wheels on a joint between them."""
 
