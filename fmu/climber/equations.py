@@ -3,7 +3,7 @@
 [C] is Qualls, Canfield, Shibakov, JAMRIS 10(3), 2016.
 """
 
-from functools import cache
+from functools import cache, reduce
 from typing import Final
 
 import sympy as sp
@@ -14,7 +14,7 @@ from fmu.climber.contact import Contact, Torus
 from fmu.climber.parameters import AXES, PARAMETERS
 from fmu.climber.start import Given, Start
 from fmu.climber.surfaces import Surface, torus
-from fmu.climber.vectors import Vector, dot
+from fmu.climber.vectors import Vector, dot, product
 from fmu.export.functions import larger, named, passed, positive_part
 from fmu.export.model import Event, Expression, Input, Model, Output, State
 from fmu.parts.battery import terminal_voltage
@@ -162,6 +162,34 @@ class Climber:
         return forwards + turning + P["wheel_inertia"] + self._rotor(), forwards - turning
 
 
+def in_space(arc: Expression, height: Expression, heading: Expression) -> tuple[Output, ...]:
+    """Return where cameras would see the robot: its place on the surface, and its axes there.
+
+    Its x is ahead, y to the left, z off the surface. At the surface's origin, with a heading of 0, they are
+    the world's y, z and x.
+    """
+    along, across, out = TANK(arc, height).point
+    position = zip("xyz", (along, across, out), strict=True)
+    half_round, half_up, half_turn = (
+        angle * HALF
+        for angle in (arc / P["tank_radius"], -height / (P["ring_radius"] + P["tank_radius"]), heading)
+    )
+    turns = (
+        (sp.S.Zero, sp.sin(half_up), sp.S.Zero, sp.cos(half_up)),
+        (sp.S.Zero, sp.S.Zero, sp.sin(half_round), sp.cos(half_round)),
+        (HALF, HALF, HALF, HALF),
+        (sp.S.Zero, sp.S.Zero, sp.sin(half_turn), sp.cos(half_turn)),
+    )
+    attitude = zip("xyzw", reduce(product, turns), strict=True)
+    return (
+        *(Output(name, "m", f"robot in space, {name}", each, 1.0) for name, each in position),
+        *(
+            Output(f"q{name}", "1", f"its attitude, a quaternion's {name}", each, 1.0)
+            for name, each in attitude
+        ),
+    )
+
+
 @cache
 def model(surface: Surface = TANK) -> Model:
     """Return the equations of the climbing robot with all tables.
@@ -197,6 +225,7 @@ def model(surface: Surface = TANK) -> Model:
             Output("height", "m", "way along the tank's axis, middle of both contacts", height, 1.0),
             Output("heading", "rad", "direction from the arc towards the axis", heading, 1.0),
             Output("speed", "m/s", "speed forwards as the wheels roll", speed, 0.1),
+            *in_space(arc, height, heading),
             Output("yaw_rate", "rad/s", "how fast the heading turns", robot.yaw_rate, 1.0),
             *contacts,
             Output("pitch", "rad", "left half about its axle, nose up positive", symbol("pitch"), 0.1),

@@ -12,10 +12,12 @@ from firmware_bridge.robots.climber.motion import Motion, State
 from firmware_bridge.robots.climber.paths import PATHS
 from firmware_bridge.robots.climber.rules import INTERLOCKS, LIMITS, slowed
 from firmware_bridge.robots.climber.station import STATION
+from firmware_bridge.robots.climber.surface import unrolled
 
 KIND: Final[Kind[Geometry, Motion, State]] = Kind(
     name="climber",
     file=Path(__file__).with_name("climber.toml"),
+    more={"cameras": Path(__file__).with_name("cameras.toml")},
     geometry=Geometry,
     rest=Motion(),
     numbers={
@@ -30,5 +32,6 @@ KIND: Final[Kind[Geometry, Motion, State]] = Kind(
     slowed=slowed,
     reach=reach,
     station=STATION,
+    unrolled=lambda robot: partial(unrolled, robot.geometry),
     guides={name: partial(Follower, name=name) for name in PATHS},
 )

@@ -26,9 +26,12 @@ class Base(DifferentialBase):
 
 
 class Tank(Table):
-    """A standing cylinder."""
+    """A standing cylinder, seen by cameras whose room has z upwards."""
 
     radius_m: Positive
+    axis_x_m: Finite = 0.0
+    """Where its axis is in the room. The arc is 0 at its +x side."""
+    axis_y_m: Finite = 0.0
 
 
 class Start(Table):

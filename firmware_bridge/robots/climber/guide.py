@@ -19,6 +19,7 @@ from typing import Final
 from firmware_bridge.motion.captured import Source
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot
+from firmware_bridge.robots.climber.body import ramp_of
 from firmware_bridge.robots.climber.geometry import Geometry
 from firmware_bridge.robots.climber.motion import Motion, State
 from firmware_bridge.robots.climber.paths import PATHS, Leg
@@ -48,6 +49,8 @@ class Follower:
         self._limits: Final = geometry.limits
         self._legs: Final = PATHS[name](geometry.paths)
         self._axes: Final = tuple(axis.name for axis in robot.axes)
+        self._ramp: Final = ramp_of(robot)
+        self._demanded = 0.0, 0.0
         self._begin: tuple[float, float] | None = None
         """Where the leg begins, m."""
         self._leg = 0
@@ -68,6 +71,7 @@ class Follower:
     def wished(self, seen: Snapshot[Motion, State], elapsed: Nanoseconds) -> Motion:
         """Return the motion towards where the path is now."""
         located, age = seen.located, self._age(seen)
+        self._demanded = seen.demanded.speed_mps, seen.demanded.turn_rad_s
         if located is not None and located.source is Source.UNSEEN:
             return self._motion(0.0, 0.0)
         pose = seen.pose if located is not None else placed(self._geometry, seen.pose)
@@ -76,13 +80,14 @@ class Follower:
         if self._leg == len(self._legs):
             return self._motion(0.0, 0.0)
         leg = self._legs[self._leg]
-        if not self._tail and self._must_turn_round(seen.body):
+        stops = not self._tail and self._must_turn_round(seen.body)
+        if stops and self._rate == 0.0:
             self._tail = self._turning = True
         if self._turning:
             wish = self._turned(leg, pose)
             if wish is not None:
                 return wish
-        self._go_on(leg, to_seconds(elapsed))
+        self._go_on(leg, to_seconds(elapsed), stops=stops)
         return self._driven(leg, pose, self._begin, to_seconds(age))
 
     def _age(self, seen: Snapshot[Motion, State]) -> Nanoseconds:
@@ -121,21 +126,30 @@ class Follower:
         dx = begin[0] + arc + lead * cosine - pose.x_m
         dy = begin[1] + height + lead * sine - pose.y_m
         theta = pose.heading_rad + (math.pi if self._tail else 0.0)
-        rho = math.hypot(dx, dy)
-        alpha = math.remainder(math.atan2(dy, dx) - theta, math.tau)
+        ahead = dx * math.cos(theta) + dy * math.sin(theta)
+        left = dy * math.cos(theta) - dx * math.sin(theta)
+        # The reference is never behind: where the robot is too far on, it waits for it, or goes back straight.
+        alpha = math.atan2(left, max(ahead, NEAREST_M))
         beta = math.remainder(heading - theta - alpha, math.tau)
         control = self._control
-        # Where the reference is further ahead than the speed asks for, that is taken back.
-        speed = control.k_rho_per_s * (rho * math.cos(alpha) - lead) + self._rate
+        # rho cos(alpha); where the reference is further ahead than the speed asks for, that is taken back.
+        speed = control.k_rho_per_s * (ahead - lead) + self._rate
         turn = control.k_alpha_per_s * alpha + control.k_beta_per_s * beta + leg.bend * self._rate
-        if self._way >= leg.length and abs(rho * math.cos(alpha) - lead) <= ARRIVED_M:
+        if self._way >= leg.length and abs(ahead - lead) <= ARRIVED_M:
             self._next(leg, begin)
             return self._motion(0.0, 0.0)
         return self._motion(side * speed, turn)
 
-    def _go_on(self, leg: Leg, seconds: float) -> None:
-        """Move where the robot shall be on along the leg: as fast as the path may be, and to rest at its end."""
+    def _go_on(self, leg: Leg, seconds: float, *, stops: bool) -> None:
+        """Move where the robot shall be on along the leg: as fast as the path may be, and to rest at its end.
+
+        It comes to rest before where it `stops`.
+        """
         reach = SHARE * self._limits.acceleration_mps2
+        if stops:
+            rate = max(self._rate - reach * seconds, 0.0)
+            self._way, self._rate = self._way + 0.5 * (self._rate + rate) * seconds, rate
+            return
         left = max(leg.length - self._way, 0.0)
         fastest = min(self._rate + reach * seconds, self._control.speed_mps, math.sqrt(2.0 * reach * left))
         step = 0.5 * (self._rate + fastest) * seconds
@@ -155,4 +169,11 @@ class Follower:
         return math.remainder(heading + (math.pi if self._tail else 0.0) - pose.heading_rad, math.tau)
 
     def _motion(self, speed: float, turn: float) -> Motion:
+        """Return the motion, which is no faster than the robot may be, nor sooner than its ramp allows."""
+        limits = self._limits
+        wish = (
+            min(max(speed, -limits.speed_mps), limits.speed_mps),
+            min(max(turn, -limits.turn_rate_rad_s), limits.turn_rate_rad_s),
+        )
+        speed, turn = self._ramp.step(self._demanded, wish, self._ramp.longest_step)
         return Motion(speed, turn, path_s=(self._done_m + self._way) / self._control.speed_mps)

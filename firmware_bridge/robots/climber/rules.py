@@ -34,7 +34,42 @@ def _turns_too_fast(view: View) -> str | None:
     return f"the robot turns with {turn:.2f} rad/s, limit {limit:.2f} rad/s"
 
 
+def _pose_lost(view: View) -> str | None:
+    """Judge where a guide needs the pose: an operator sees himself where the robot is."""
+    located = view.seen.located
+    if located is None or located.reason is None or view.seen.wish.path_s is None:
+        return None
+    return located.reason
+
+
+def _slips(view: View) -> str | None:
+    """Judge what the cameras see against what the wheels tell."""
+    located, known = view.seen.located, view.robot.located_by
+    if located is None or known is None or located.slip_mps <= known[1].slip_mps:
+        return None
+    return (
+        f"the robot moves {located.slip_mps:.3f} m/s otherwise than its wheels turn, "
+        f"limit {known[1].slip_mps:.3f} m/s"
+    )
+
+
 INTERLOCKS: Final = (
+    Interlock(
+        "robot slips",
+        _slips,
+        "look whether it still holds to the wall, then arm",
+        clear_after=CLEARS_AFTER,
+        severity=Severity.CRITICAL,
+        disarms=True,
+    ),
+    Interlock(
+        "pose lost",
+        _pose_lost,
+        "look what hides it from the cameras; where it was carried elsewhere, set its home anew",
+        clear_after=CLEARS_AFTER,
+        severity=Severity.CRITICAL,
+        blocks_arming=False,
+    ),
     Interlock(
         "turns too fast",
         _turns_too_fast,

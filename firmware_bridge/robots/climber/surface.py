@@ -8,11 +8,29 @@ stand upright on a bent surface touch it nearer to each other than their axle is
 import math
 from typing import Final
 
+from firmware_bridge.drivers.driver import SeenPose
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robots.climber.geometry import Geometry
 
 FLAT_PER_M: Final = 1e-6
 """Below this curvature along the axle the track is that of a plane."""
+
+
+def unrolled(geometry: Geometry, seen: SeenPose, near: Pose) -> Pose:
+    """Return the pose on the unrolled surface of a robot that cameras see in the room.
+
+    The arc is that of the turn round the tank which is nearest to where the robot is believed to be. How far
+    off the tank's axis its body is does not matter: it stands on the surface, wherever its pivot is above it.
+    """
+    tank = geometry.tank
+    x, y, height = seen.position
+    round_it = math.atan2(y - tank.axis_y_m, x - tank.axis_x_m)
+    turns = math.tau * round((near.x_m / tank.radius_m - round_it) / math.tau)
+    # The way ahead in the room, along the arc and along the axis.
+    qx, qy, qz, qw = seen.attitude
+    ahead = 1.0 - 2.0 * (qy * qy + qz * qz), 2.0 * (qx * qy + qz * qw), 2.0 * (qx * qz - qy * qw)
+    along = ahead[1] * math.cos(round_it) - ahead[0] * math.sin(round_it)
+    return Pose(tank.radius_m * (round_it + turns), height, math.atan2(ahead[2], along))
 
 
 def track_on(geometry: Geometry, heading_rad: float) -> float:
