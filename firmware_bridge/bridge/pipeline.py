@@ -334,7 +334,7 @@ class Pipeline(Generic[G, M, S]):
             before, self._counted = self._counted, axes
             pose = locating.odometry
             if before is not None and before[body.rolling[0]].sampled_at not in at:
-                pose = body.advanced(pose, before, axes)
+                pose = body.advanced(pose, before, axes, facts.sensors)
             locating.rolled(pose, axes[body.rolling[0]].sampled_at, facts.sensors)
 
     def _keep(self, known: Snapshot[M, S], holds: tuple[Hold, ...]) -> None:

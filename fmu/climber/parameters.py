@@ -202,6 +202,7 @@ PLANT: Final = Plant(
     robot_file={
         "geometry.base.wheel_radius_m": ("wheel_radius", 1.0),
         "geometry.base.track_m": ("half_track", 0.5),
+        "geometry.base.crown_radius_m": ("crown_radius", 1.0),
         "geometry.base.coupling": ("coupled", 1.0),
         "geometry.tank.radius_m": ("tank_radius", 1.0),
         "axes.left.ratio": ("gear_wheel", 1.0),

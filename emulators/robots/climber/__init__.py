@@ -17,6 +17,7 @@ from emulators.bench.path_error import Path as FollowedPath
 from emulators.bench.rehearsal import Channel, Rehearsal, StickAxes, Twist
 from emulators.bench.step import Finite, Holds, Positive, Presses, Slope, Step
 from emulators.robots.climber.cases import cases
+from firmware_bridge.motion.captured import Source
 from firmware_bridge.robot import Robot
 from firmware_bridge.robots.climber.geometry import Geometry
 from firmware_bridge.robots.climber.motion import Motion, State
@@ -25,6 +26,7 @@ from firmware_bridge.units import to_seconds
 
 Climber: TypeAlias = Robot[Geometry]
 Seen: TypeAlias = Snapshot[Motion, State]
+UP: Final = math.pi / 2.0
 BUTTONS: Final = {"emergency_stop": 4}
 
 
@@ -51,6 +53,20 @@ def _demanded_speed(seen: Seen) -> float:
 
 def _demanded_turn(seen: Seen) -> float:
     return seen.demanded.turn_rad_s
+
+
+def _believed(seen: Seen) -> tuple[float, float, float]:
+    """Return where the bridge believes to be on the unrolled tank.
+
+    Odometry begins at 0, as the robot is put on: looking up. Before cameras have seen it, nothing is believed
+    but that.
+    """
+    pose, located = seen.pose, seen.located
+    if located is None:
+        return -pose.y_m, pose.x_m, pose.heading_rad + UP
+    if located.source is Source.UNSEEN:
+        return 0.0, 0.0, UP
+    return pose.x_m, pose.y_m, pose.heading_rad
 
 
 def _measured_joint(seen: Seen) -> float:
@@ -127,9 +143,9 @@ REHEARSAL: Final = Rehearsal(
         Column("heading_rad", "counter-clockwise from the way round", "rad", plant="heading"),
         Column("speed_mps", "forward speed of the reference point", "m/s", plant="speed"),
         Column("yaw_rate_rad_s", "counter-clockwise", "rad/s", plant="yaw_rate"),
-        Column("odometry_x_m", "where the bridge believes to be", "m", seen=lambda seen: seen.pose.x_m),
-        Column("odometry_y_m", "left", "m", seen=lambda seen: seen.pose.y_m),
-        Column("odometry_heading_rad", "counter-clockwise", "rad", seen=lambda seen: seen.pose.heading_rad),
+        Column("odometry_x_m", "where the bridge believes to be", "m", seen=lambda seen: _believed(seen)[0]),
+        Column("odometry_y_m", "way up", "m", seen=lambda seen: _believed(seen)[1]),
+        Column("odometry_heading_rad", "counter-clockwise", "rad", seen=lambda seen: _believed(seen)[2]),
         Column("demanded_speed_mps", "what the bridge asks of the wheels", "m/s", seen=_demanded_speed),
         Column("demanded_turn_rad_s", "what the bridge asks of the wheels", "rad/s", seen=_demanded_turn),
         Column("joint_rad", "right half against the left", "rad", plant="joint", most=True),

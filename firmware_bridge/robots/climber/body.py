@@ -57,9 +57,13 @@ class Body:
     def sensed(self, axes: Mapping[str, Feedback], sensors: Mapping[str, Reading]) -> State:
         """Return speed, turn rate and the joint's angle."""
         speed, turn = twist(self._base, axes[self._left].velocity, axes[self._right].velocity)
+        return State(speed, turn, self._joint(sensors))
+
+    def _joint(self, sensors: Mapping[str, Reading]) -> float | None:
+        """Return the joint's angle from flat in rad."""
         joint = self._geometry.joint
         told = sensors.get(joint.sensor)
-        return State(speed, turn, None if told is None else told.value - joint.rest)
+        return None if told is None else told.value - joint.rest
 
     def asked(self, motion: Motion, _state: State) -> frozenset[str]:
         """Return the wheels where the motion asks it to drive or to turn."""
@@ -86,11 +90,18 @@ class Body:
         left, right = wheel_speeds(self._base, motion.speed_mps, motion.turn_rad_s)
         return {self._left: Speed(left), self._right: Speed(right)}
 
-    def advanced(self, pose: Pose, before: Mapping[str, Feedback], after: Mapping[str, Feedback]) -> Pose:
+    def advanced(
+        self,
+        pose: Pose,
+        before: Mapping[str, Feedback],
+        after: Mapping[str, Feedback],
+        sensors: Mapping[str, Reading],
+    ) -> Pose:
         """Return the pose after both wheels rolled on, on the unrolled surface."""
         left, right = (after[name].position - before[name].position for name in self.rolling)
         radius = self._base.wheel_radius_m
-        track = track_on(self._geometry, placed(self._geometry, pose).heading_rad)
+        heading = placed(self._geometry, pose).heading_rad
+        track = track_on(self._geometry, heading, self._joint(sensors))
         return moved(pose, left * radius, right * radius, track)
 
 

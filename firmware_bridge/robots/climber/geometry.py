@@ -16,6 +16,8 @@ from firmware_bridge.robot.table import Finite, Positive, Table
 class Base(DifferentialBase):
     """Two driven wheels on a joint between them."""
 
+    crown_radius_m: Positive
+    """Of a wheel's cross-section, which is round."""
     coupled: bool = False
     """One shaft turns both wheels, as in the laboratory of [C] 5: the robot cannot turn then."""
 

@@ -2,7 +2,7 @@
 
 A cylinder unrolls without stretching, so a pose on it is a pose on a plane: x is the arc, y the height, the
 heading counts from the arc towards the axis, seen from outside. Only the track is another one: wheels that
-stand upright on a bent surface touch it nearer to each other than their axle is long.
+stand on a bent surface touch it nearer to each other than their axle is long, the more the joint is turned.
 """
 
 import math
@@ -33,18 +33,24 @@ def unrolled(geometry: Geometry, seen: SeenPose, near: Pose) -> Pose:
     return Pose(tank.radius_m * (round_it + turns), height, math.atan2(ahead[2], along))
 
 
-def track_on(geometry: Geometry, heading_rad: float) -> float:
-    """Return the track in m, along the surface, of a robot that looks so.
+def track_on(geometry: Geometry, heading_rad: float, joint_rad: float | None = None) -> float:
+    """Return the track in m, along the surface, of a robot that looks so and whose joint is at an angle.
 
-    Both wheels upright: a wheel's middle lies b beside the robot's and r_c + r_w off the curve's middle, so
-    it stands at atan(b / (r_c + r_w)) round it, where 1 / r_c is the curvature along the axle.
+    Across the robot the surface is a circle of radius r = r_c / sin^2(heading). Each half, turned by half of
+    the joint's angle j, puts the middle of its wheel's cross-section (r_t thick, its centres on a ring of r_m)
+    at x = b cos(j / 2) - r_m sin(j / 2) from the robot's middle; the contact is at asin(x / (r + r_t)) round.
+    Without an angle both wheels stand upright.
     """
     base = geometry.base
+    half, crown = 0.5 * base.track_m, base.crown_radius_m
     bend = math.sin(heading_rad) ** 2 / geometry.tank.radius_m
+    lean = (
+        math.atan(half * bend / (1.0 + base.wheel_radius_m * bend)) if joint_rad is None else 0.5 * joint_rad
+    )
+    x = half * math.cos(lean) - (base.wheel_radius_m - crown) * math.sin(lean)
     if bend < FLAT_PER_M:
-        return base.track_m
-    half = 0.5 * base.track_m * bend / (1.0 + base.wheel_radius_m * bend)
-    return 2.0 * math.atan(half) / bend
+        return 2.0 * x
+    return 2.0 * math.asin(x * bend / (1.0 + crown * bend)) / bend
 
 
 def placed(geometry: Geometry, rolled: Pose) -> Pose:
