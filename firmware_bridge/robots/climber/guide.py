@@ -8,8 +8,8 @@ Nourbakhsh): with rho, alpha and beta the reference in polar coordinates from th
 
 The print lacks theta in alpha, and its sign of k_beta is the other one. To a reference that stands it comes
 asymptotically only, so the reference moves: it is so far ahead of where the robot shall be, along the path's
-tangent there, that k_rho rho is the speed along the path; what the path itself bends is added to w. At
-corners the robot turns on the spot. It drives nose first as it was put on, or tail first, where the caster
+tangent there, that k_rho rho is the path's speed; where the path goes slower, as at its end, v is less by as much.
+What the path itself bends is added to w. At corners the robot turns on the spot. It drives nose first as it was put on, or tail first, where the caster
 leads and the joint's angle decays: it turns round where that angle grows.
 """
 
@@ -27,16 +27,16 @@ from firmware_bridge.robots.climber.surface import placed
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.units import Nanoseconds, to_seconds
 
-NEAREST_M: Final = 0.02
-"""The reference is at least so far ahead: nearer, alpha is the noise of the pose (ASSUME)."""
 TURNED_RAD: Final = math.radians(0.5)
 """A turn on the spot is over so near to its heading; the law does the rest on the way."""
-ARRIVED_M: Final = 0.0005
+ARRIVED_M: Final = 0.0003
 """A leg is over so near to its end."""
 SLOWEST_MPS: Final = 0.0005
 """Slower than this a path does not go on: it is at its end."""
-SHARE: Final = 0.6
-"""Of the ramp's accelerations that a path asks for, so that the law can correct."""
+SHARE: Final = 0.2
+"""Of the limits' accelerations that a path asks for, so that the law can correct."""
+TURN_SHARE: Final = 0.5
+"""The same of turns on the spot: nothing is steered by them."""
 
 
 class Follower:
@@ -51,6 +51,8 @@ class Follower:
         self._axes: Final = tuple(axis.name for axis in robot.axes)
         self._ramp: Final = ramp_of(robot)
         self._demanded = 0.0, 0.0
+        self._lead: Final = self._control.speed_mps / self._control.k_rho_per_s
+        """So far ahead the reference is: at a smaller speed the angles to a nearer one are but noise."""
         self._begin: tuple[float, float] | None = None
         """Where the leg begins, m."""
         self._leg = 0
@@ -111,7 +113,7 @@ class Follower:
             self._turning = False
             return None
         limits = self._limits
-        braking = math.sqrt(2.0 * SHARE * limits.turn_acceleration_rad_s2 * abs(off))
+        braking = math.sqrt(2.0 * TURN_SHARE * limits.turn_acceleration_rad_s2 * abs(off))
         turn = min(self._control.k_alpha_per_s * abs(off), braking, limits.turn_rate_rad_s)
         self._rate = 0.0
         return self._motion(0.0, math.copysign(turn, off))
@@ -122,17 +124,16 @@ class Follower:
         # The pose is that of the samples before, of that instant.
         arc, height, heading = leg.at(max(self._way - self._rate * age, 0.0))
         cosine, sine = math.cos(heading), math.sin(heading)
-        lead = max(self._rate / self._control.k_rho_per_s, NEAREST_M)
+        lead = self._lead
         dx = begin[0] + arc + lead * cosine - pose.x_m
         dy = begin[1] + height + lead * sine - pose.y_m
         theta = pose.heading_rad + (math.pi if self._tail else 0.0)
         ahead = dx * math.cos(theta) + dy * math.sin(theta)
         left = dy * math.cos(theta) - dx * math.sin(theta)
         # The reference is never behind: where the robot is too far on, it waits for it, or goes back straight.
-        alpha = math.atan2(left, max(ahead, NEAREST_M))
+        alpha = math.atan2(left, max(ahead, lead))
         beta = math.remainder(heading - theta - alpha, math.tau)
         control = self._control
-        # rho cos(alpha); where the reference is further ahead than the speed asks for, that is taken back.
         speed = control.k_rho_per_s * (ahead - lead) + self._rate
         turn = control.k_alpha_per_s * alpha + control.k_beta_per_s * beta + leg.bend * self._rate
         if self._way >= leg.length and abs(ahead - lead) <= ARRIVED_M:
