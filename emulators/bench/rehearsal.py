@@ -71,6 +71,8 @@ class Rehearsal:
     """What stands beside the summary's numbers, by their keys: the robot's limits."""
     cases: Callable[[AnyRobot], Iterable[Case[Any, Any]]]
     """At least one boundary case for each of its kind's interlocks and limits."""
+    well: Mapping[str, float] = field(default_factory=dict)
+    """What its sensors tell, by their names, of a robot that is well, where it does not move without."""
     paths: Mapping[str, Callable[[AnyRobot], Path]] = field(default_factory=dict)
     """By the names of its guides: where those that go by the clock shall be; needs the column `OFFSET` of
     `emulators.bench.path_error`."""

@@ -40,7 +40,7 @@ class Outputs(Protocol):
 
 
 class Film:
-    """Physics whose plant says where its body is, by `SPACE` or else `FLOOR`, and as a truth where that was."""
+    """Physics whose plant says where its body is, by `SPACE` or `FLOOR`, and as a truth where that was."""
 
     def __init__(
         self,

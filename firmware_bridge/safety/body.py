@@ -44,4 +44,4 @@ class Body(Protocol[M, S]):
         after: Mapping[str, Feedback],
         sensors: Mapping[str, Reading],
     ) -> Pose:
-        """Return the pose after the `rolling` axes moved from one sample to the next; `sensors` as in `sensed`."""
+        """Return the pose after the `rolling` axes moved from one sample to the next; `sensors` tell now."""
