@@ -168,8 +168,10 @@ def in_space(arc: Expression, height: Expression, heading: Expression) -> tuple[
     Its x is ahead, y to the left, z off the surface. At the surface's origin, with a heading of 0, they are
     the world's y, z and x.
     """
-    along, across, out = TANK(arc, height).point
-    position = zip("xyz", (along, across, out), strict=True)
+    out, across, along = TANK(arc, height).point
+    out -= symbol("fall") * sp.cos(P["axis_tilt"])
+    along -= symbol("fall") * sp.sin(P["axis_tilt"])
+    position = zip("xyz", (out, across, along), strict=True)
     half_round, half_up, half_turn = (
         angle * HALF
         for angle in (arc / P["tank_radius"], -height / (P["ring_radius"] + P["tank_radius"]), heading)
@@ -236,6 +238,14 @@ def model(surface: Surface = TANK) -> Model:
                 "joint's sensor, at the second analogue input of the left drive",
                 P["joint_sensor_rest"] + symbol("joint") / P["joint_sensor"],
                 1.0,
+            ),
+            Output(
+                "analogue_1_right",
+                "V",
+                "switches beside the magnets, at the first analogue input of the right drive",
+                5 * (1 - robot.fallen),
+                1.0,
+                switch=True,
             ),
             Output("swivel", "rad", "caster's angle, 0 trailing, to the left", symbol("swivel"), 1.0),
             Output("fallen", "1", "1: magnets have let go and it falls, else 0", robot.fallen, switch=True),

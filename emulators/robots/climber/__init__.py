@@ -178,5 +178,6 @@ REHEARSAL: Final = Rehearsal(
     ),
     remarks=_remarks,
     cases=cases,
+    well={"joint": math.radians(45.0), "wall": 1.0},
     paths=PATHS,
 )

@@ -1,4 +1,4 @@
-"""A climbing robot: two magnetic wheels, a joint and a caster on a tank (Qualls et al., JAMRIS 10(3), 2016)."""
+"""A climbing robot: two magnetic wheels, a joint, a caster, on a tank (Qualls et al., JAMRIS 10(3), 2016)."""
 
 from functools import partial
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The climber's body: from wheels and joint to what it does, and from a motion to what the wheels shall do."""
+"""The climber's body: from wheels and joint to what it does, from a motion to what the wheels shall do."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -55,9 +55,10 @@ class Body:
         """The axes from whose positions the pose is carried on."""
 
     def sensed(self, axes: Mapping[str, Feedback], sensors: Mapping[str, Reading]) -> State:
-        """Return speed, turn rate and the joint's angle."""
+        """Return speed, turn rate, the joint's angle and whether it is on the wall."""
         speed, turn = twist(self._base, axes[self._left].velocity, axes[self._right].velocity)
-        return State(speed, turn, self._joint(sensors))
+        told = sensors.get(self._geometry.wall.sensor)
+        return State(speed, turn, self._joint(sensors), None if told is None else told.value)
 
     def _joint(self, sensors: Mapping[str, Reading]) -> float | None:
         """Return the joint's angle from flat in rad."""

@@ -5,12 +5,14 @@ the arc round it, to the right of a robot that looks up, and the height along it
 """
 
 import math
-from typing import Annotated, Self
+from typing import Annotated, Final, Self
 
 from pydantic import Field, model_validator
 
 from firmware_bridge.motion.differential import DifferentialBase
 from firmware_bridge.robot.table import Finite, Positive, Table
+
+GRAVITY: Final = 9.81
 
 
 class Base(DifferentialBase):
@@ -70,13 +72,59 @@ class Joint(Table):
         return self
 
     def share(self, joint_rad: float | None) -> float:
-        """Return the share of its speed that the robot may have nose first; 0 where nobody knows the angle."""
+        """Return the share of its speed that it may have nose first; 0 where nobody knows the angle."""
         if joint_rad is None:
             return 0.0
         slow, bound = math.radians(self.slow_deg), math.radians(self.bound_deg)
         # Said so that what is no number is none, too.
         left = (bound - abs(joint_rad)) / (bound - slow)
         return min(left, 1.0) if left > 0.0 else 0.0
+
+
+class Wall(Table):
+    """What holds the robot on the tank, and the cable that hangs from it."""
+
+    sensor: str
+    """The name of the sensor that tells which share of its magnets is on the wall."""
+    wheel_n: Positive
+    """Pull-off force of a wheel's magnet."""
+    caster_n: Positive
+    friction: Positive
+    """Between wheel and wall."""
+    mass_kg: Positive
+    mass_height_m: Positive
+    """Its centre of mass off the wall."""
+    length_m: Positive
+    """Between the axle and the caster's contact."""
+    least_margin: Annotated[float, Field(ge=1.0)]
+    """How many times more than the weight the magnets must hold."""
+    cable_m: Positive
+    """From where the robot is put on to where the cable is taut."""
+    cable_kg_per_m: Positive
+
+    @property
+    def heaviest_kg(self) -> float:
+        """What magnets and friction hold with the least margin, cable included.
+
+        Along the wall friction holds it. Off the wall the weight's lever is the height of its centre; the
+        caster's magnet has to bear that alone where the robot looks down.
+        """
+        along = self.friction * (2.0 * self.wheel_n + self.caster_n)
+        off = self.caster_n * self.length_m / self.mass_height_m
+        return min(along, off) / (self.least_margin * GRAVITY)
+
+    @property
+    def highest_m(self) -> float:
+        """How high it may climb until its cable is too heavy."""
+        return (self.heaviest_kg - self.mass_kg) / self.cable_kg_per_m
+
+    @model_validator(mode="after")
+    def _holds_at_all(self) -> Self:
+        if not self.heaviest_kg > self.mass_kg:
+            raise ValueError(
+                f"the magnets hold {self.heaviest_kg:.2f} kg with least_margin, mass_kg is {self.mass_kg:g}"
+            )
+        return self
 
 
 class Limits(Table):
@@ -87,6 +135,9 @@ class Limits(Table):
     turn_rate_rad_s: Positive
     turn_acceleration_rad_s2: Positive
     sideways_mps2: Positive
+    lowest_m: Finite
+    """The height along the tank's axis, above where the robot is put on or as the cameras see it."""
+    highest_m: Finite
 
 
 class Control(Table):
@@ -123,6 +174,7 @@ class Geometry(Table):
     tank: Tank
     start: Start = Start()
     joint: Joint
+    wall: Wall
     limits: Limits
     control: Control
     paths: Paths = Paths()

@@ -8,9 +8,10 @@ Nourbakhsh): with rho, alpha and beta the reference in polar coordinates from th
 
 The print lacks theta in alpha, and its sign of k_beta is the other one. To a reference that stands it comes
 asymptotically only, so the reference moves: it is so far ahead of where the robot shall be, along the path's
-tangent there, that k_rho rho is the path's speed; where the path goes slower, as at its end, v is less by as much.
-What the path itself bends is added to w. At corners the robot turns on the spot. It drives nose first as it was put on, or tail first, where the caster
-leads and the joint's angle decays: it turns round where that angle grows.
+tangent there, that k_rho rho is the path's speed; where the path goes slower, as at its end, v is less by as
+much. What the path itself bends is added to w. At corners the robot turns on the spot. It drives nose first
+as it was put on, or tail first, where the caster leads and the joint's angle decays: it turns round where
+that angle grows. Nobody steers a robot whose wheels are coupled, and it does not turn round either.
 """
 
 import math
@@ -100,7 +101,7 @@ class Follower:
         return age
 
     def _must_turn_round(self, state: State) -> bool:
-        """Return whether the joint's angle grows so that it is better to go on tail first; coupled, it cannot."""
+        """Return whether the joint is turned so far that it is better to go on tail first, if it can."""
         joint = state.joint_rad
         if joint is None or self._geometry.base.coupled:
             return False
@@ -130,7 +131,7 @@ class Follower:
         theta = pose.heading_rad + (math.pi if self._tail else 0.0)
         ahead = dx * math.cos(theta) + dy * math.sin(theta)
         left = dy * math.cos(theta) - dx * math.sin(theta)
-        # The reference is never behind: where the robot is too far on, it waits for it, or goes back straight.
+        # The reference is never behind: where the robot is too far on, it waits, or goes back straight.
         alpha = math.atan2(left, max(ahead, lead))
         beta = math.remainder(heading - theta - alpha, math.tau)
         control = self._control

@@ -22,3 +22,5 @@ class State:
     turn_rad_s: float
     joint_rad: float | None = None
     """The right half against the left, 0 where both are flat; None where its sensor is silent."""
+    on_wall: float | None = None
+    """The share of its magnets that are on the wall; None where nobody tells."""

@@ -12,6 +12,8 @@ from typing import Final, NamedTuple, TypeAlias
 from firmware_bridge.robots.climber.geometry import Paths
 
 UP: Final = math.pi / 2.0
+STRAIGHT_RAD: Final = 1e-9
+"""A chord over less is as long as its arc."""
 
 
 class Leg(NamedTuple):
@@ -26,7 +28,7 @@ class Leg(NamedTuple):
         """Return arc, height and heading so far along it, from where it begins; m, m, rad."""
         turn = self.bend * way
         half = 0.5 * turn
-        chord = way if abs(half) < 1e-9 else way * math.sin(half) / half
+        chord = way if abs(half) < STRAIGHT_RAD else way * math.sin(half) / half
         course = self.heading + half
         return chord * math.cos(course), chord * math.sin(course), self.heading + turn
 
