@@ -69,8 +69,8 @@ def devices(
     """Build a robot's drives above its plant; PlantError where the plant cannot be used.
 
     `outputs` are the plant's that somebody wants to look at, whether an axis needs them or not, `optional`
-    those that he looks at where it has them. With `realistic_latency` the drives take the published time for an
-    SDO answer; otherwise they answer at once.
+    those that he looks at where it has them. With `realistic_latency` the drives take the published time for
+    an SDO answer; otherwise they answer at once.
     `serial` names the axes whose drives have a host on their serial port, and the protocol that they speak,
     None as the host does.
     `storages` keeps saved parameters by axis; without one a drive comes from the factory, and forgets.
