@@ -11,12 +11,13 @@ from typing import Annotated, Final, Literal, TypeAlias
 
 import numpy as np
 
-from emulators.bench.columns import Column, Curve, Panel
+from emulators.bench.columns import Column, Curve, Panel, Samples
 from emulators.bench.path_error import OFFSET
 from emulators.bench.path_error import Path as FollowedPath
 from emulators.bench.rehearsal import Channel, Rehearsal, StickAxes, Twist
 from emulators.bench.step import Finite, Holds, Positive, Presses, Slope, Step
 from emulators.robots.climber.cases import cases
+from emulators.robots.climber.pictures import on_the_tank
 from firmware_bridge.motion.captured import Source
 from firmware_bridge.robot import Robot
 from firmware_bridge.robots.climber.geometry import Geometry
@@ -128,6 +129,19 @@ def _remarks(robot: Climber) -> Mapping[str, str]:
     }
 
 
+def _closure(samples: Samples) -> float | None:
+    """Return how far from where a guide began it has ended, by the plant's truth; None where none drove."""
+    guided = np.flatnonzero(np.isfinite(samples.column(OFFSET)))
+    if not guided.size:
+        return None
+    begin, end = (samples[int(row)] for row in (guided[0], guided[-1]))
+    return math.dist(*((row["x_m"], row["y_m"]) for row in (begin, end)))
+
+
+def _largest_joint(samples: Samples) -> float:
+    return math.degrees(float(np.abs(samples.column("joint_rad")).max(initial=0.0)))
+
+
 REHEARSAL: Final = Rehearsal(
     step=ClimberStep,
     missions=Path(__file__).with_name("missions"),
@@ -148,7 +162,7 @@ REHEARSAL: Final = Rehearsal(
         Column("odometry_heading_rad", "counter-clockwise", "rad", seen=lambda seen: _believed(seen)[2]),
         Column("demanded_speed_mps", "what the bridge asks of the wheels", "m/s", seen=_demanded_speed),
         Column("demanded_turn_rad_s", "what the bridge asks of the wheels", "rad/s", seen=_demanded_turn),
-        Column("joint_rad", "right half against the left", "rad", plant="joint", most=True),
+        Column("joint_rad", "right half against the left", "rad", plant="joint"),
         Column("measured_joint_rad", "what its sensor tells", "rad", seen=_measured_joint),
         Column(OFFSET, "a guide's clock less the run's", "s", seen=_path_offset),
         Column("battery_v", "battery's terminal voltage", "V", plant="battery_voltage"),
@@ -178,6 +192,8 @@ REHEARSAL: Final = Rehearsal(
     ),
     remarks=_remarks,
     cases=cases,
+    figures={"closure_m": _closure, "max_joint_deg": _largest_joint},
+    pictures={"tank": on_the_tank},
     well={"joint": math.radians(45.0), "wall": 1.0},
     paths=PATHS,
 )
