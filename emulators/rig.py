@@ -224,6 +224,7 @@ class Rig:
             drives=self.devices.drives,
             axes=self.devices.servo_axes,
             boards=self.devices.boards,
+            plant=self.devices.plant,
             bridges=self,
             captures=self.captures,
             capture_wires=self.capture_wires,

@@ -14,6 +14,8 @@ from fmu.plant import FmuPlant, PlantError
 
 HELD: Final = "held_"
 """Before an axis: the input by which something rubs at its output, N m, where the plant has it."""
+GRIP_LOST: Final = "grip_lost_"
+"""Likewise: the input that takes what holds it on the surface, 1 for all of it."""
 
 
 def fmu_plant(
@@ -34,7 +36,10 @@ def fmu_plant(
         (*own, *(name for name in dict.fromkeys(more) if name not in own)),
         parameters,
         units=units(axes),
-        optional_inputs=(*pin_inputs(axes), *(f"{HELD}{axis}" for axis in axes)),
+        optional_inputs=(
+            *pin_inputs(axes),
+            *(f"{what}{axis}" for what in (HELD, GRIP_LOST) for axis in axes),
+        ),
         optional_outputs=(
             *pin_outputs(axes),
             *sensor_outputs(axes),
