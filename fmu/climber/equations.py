@@ -59,7 +59,10 @@ class Climber:
         self._mass = self.chassis.at(-P["mass_behind"], P["mass_height"] - P["wheel_radius"])
         self.forces = self.chassis.forces(self._weight, self._mass, self._joint_torque())
         around = Surroundings(P["magnet_reach"], P["wall_friction"], P["slip_damping"])
-        magnets = (P["magnet_wheel"], P["magnet_wheel"], P["magnet_caster"])
+        magnets = (
+            *(P["magnet_wheel"] * (1 - symbol(f"grip_lost_{axis}")) for axis in AXES),
+            P["magnet_caster"],
+        )
         self.holds = [
             Hold(side, contact, force, magnet, around)
             for side, contact, force, magnet in zip(WHEELS, self.contacts, self.forces, magnets, strict=True)
@@ -218,7 +221,13 @@ def model(surface: Surface = TANK) -> Model:
         name="climber",
         description="Climbing robot: two magnetic wheels, a joint and a caster on a tank",
         parameters=PARAMETERS,
-        inputs=tuple(Input(f"voltage_{axis}", "V", f"motor voltage, {axis}", 24.0) for axis in AXES),
+        inputs=(
+            *(Input(f"voltage_{axis}", "V", f"motor voltage, {axis}", 24.0) for axis in AXES),
+            *(
+                Input(f"grip_lost_{axis}", "1", f"share of a magnet that is lost, {axis}", 1.0)
+                for axis in AXES
+            ),
+        ),
         states=(*left.states(first), *right.states(second), *states),
         outputs=(
             *left.outputs(),

@@ -138,6 +138,12 @@ def _closure(samples: Samples) -> float | None:
     return math.dist(*((row["x_m"], row["y_m"]) for row in (begin, end)))
 
 
+def _fell(samples: Samples) -> float | None:
+    """Return how far it has fallen; None where it has not."""
+    far = float(samples.column("fall_m").max(initial=0.0))
+    return far or None
+
+
 def _largest_joint(samples: Samples) -> float:
     return math.degrees(float(np.abs(samples.column("joint_rad")).max(initial=0.0)))
 
@@ -164,6 +170,7 @@ REHEARSAL: Final = Rehearsal(
         Column("demanded_turn_rad_s", "what the bridge asks of the wheels", "rad/s", seen=_demanded_turn),
         Column("joint_rad", "right half against the left", "rad", plant="joint"),
         Column("measured_joint_rad", "what its sensor tells", "rad", seen=_measured_joint),
+        Column("fall_m", "how far it has fallen", "m", plant="fall"),
         Column(OFFSET, "a guide's clock less the run's", "s", seen=_path_offset),
         Column("battery_v", "battery's terminal voltage", "V", plant="battery_voltage"),
     ),
@@ -192,7 +199,7 @@ REHEARSAL: Final = Rehearsal(
     ),
     remarks=_remarks,
     cases=cases,
-    figures={"closure_m": _closure, "max_joint_deg": _largest_joint},
+    figures={"closure_m": _closure, "max_joint_deg": _largest_joint, "fell_m": _fell},
     pictures={"tank": on_the_tank},
     well={"joint": math.radians(45.0), "wall": 1.0},
     paths=PATHS,

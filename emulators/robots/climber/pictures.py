@@ -37,6 +37,7 @@ def on_the_tank(figure: "Figure", robot: Robot[Geometry], samples: Samples) -> N
     space.plot_wireframe(*wall, color=PALE, linewidth=0.4)
     space.plot(*_in_space(arc, height, radius), color=BLUE, linewidth=2.0)
     space.set(title="On the tank", xlabel="out [m]", ylabel="round [m]", zlabel="height [m]")
+    space.set_xticks([])
     space.set_aspect("equal")
 
 

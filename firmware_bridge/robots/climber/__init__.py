@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Final
 
 from firmware_bridge.kind import Kind
-from firmware_bridge.robots.climber.body import GROUPS, WHEELS, Body, reach
+from firmware_bridge.robots.climber.body import CHASSIS, GROUPS, Body, reach
 from firmware_bridge.robots.climber.geometry import Geometry
 from firmware_bridge.robots.climber.guide import Follower
 from firmware_bridge.robots.climber.motion import Motion, State
@@ -26,7 +26,7 @@ KIND: Final[Kind[Geometry, Motion, State]] = Kind(
     },
     body=Body,
     groups=GROUPS,
-    travelling=frozenset({WHEELS}),
+    travelling=frozenset({CHASSIS}),
     interlocks=INTERLOCKS,
     limits=LIMITS,
     slowed=slowed,

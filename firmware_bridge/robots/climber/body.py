@@ -15,10 +15,10 @@ from firmware_bridge.robots.climber.motion import Motion, State
 from firmware_bridge.robots.climber.surface import placed, track_on
 from firmware_bridge.units import Nanoseconds
 
-WHEELS: Final = "wheels"
+CHASSIS: Final = "chassis"
 LEFT: Final = "left_wheel"
 RIGHT: Final = "right_wheel"
-GROUPS: Final = {WHEELS: frozenset({LEFT, RIGHT})}
+GROUPS: Final = {CHASSIS: frozenset({LEFT, RIGHT})}
 """The axes, by their roles in the robot file, that stop together."""
 NOTHING: Final[frozenset[str]] = frozenset()
 
@@ -68,16 +68,16 @@ class Body:
 
     def asked(self, motion: Motion, _state: State) -> frozenset[str]:
         """Return the wheels where the motion asks it to drive or to turn."""
-        return frozenset({WHEELS}) if motion.speed_mps or motion.turn_rad_s else NOTHING
+        return frozenset({CHASSIS}) if motion.speed_mps or motion.turn_rad_s else NOTHING
 
     def moving(self, state: State) -> frozenset[str]:
         """Return the wheels where it is seen to drive or to turn."""
         stands = abs(state.speed_mps) < MOVES_MPS and abs(state.turn_rad_s) < TURNS_RAD_S
-        return NOTHING if stands else frozenset({WHEELS})
+        return NOTHING if stands else frozenset({CHASSIS})
 
     def rested(self, motion: Motion, groups: frozenset[str]) -> Motion:
         """Return the motion at rest; where a guide is on its path stays."""
-        return replace(motion, speed_mps=0.0, turn_rad_s=0.0) if WHEELS in groups else motion
+        return replace(motion, speed_mps=0.0, turn_rad_s=0.0) if CHASSIS in groups else motion
 
     def ramped(self, demanded: Motion, allowed: Motion, _state: State, elapsed: Nanoseconds) -> Motion:
         """Return the next demand on the way to what is allowed."""
