@@ -293,8 +293,8 @@ _ROWS: Final = (
     ),
     Kind(
         plant.GripLost,
-        "What holds the robot on a wall lets go at one axis: a magnet over paint or rust. Where the rest cannot"
-        " hold it, it falls.",
+        "What holds the robot on a wall lets go at one axis: a magnet over paint or rust. Where the others"
+        " cannot hold it, it falls.",
         "No device notices; the motor turns on, without load where the robot has fallen.",
         "the grip",
     ),

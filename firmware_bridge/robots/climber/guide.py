@@ -34,6 +34,8 @@ ARRIVED_M: Final = 0.0003
 """A leg is over so near to its end."""
 SLOWEST_MPS: Final = 0.0005
 """Slower than this a path does not go on: it is at its end."""
+LOOKS: Final = 10
+"""A path begins in the mean of so many poses of the robot at rest: one alone has the cameras' noise."""
 SHARE: Final = 0.2
 """Of the limits' accelerations that a path asks for, so that the law can correct."""
 TURN_SHARE: Final = 0.5
@@ -56,6 +58,7 @@ class Follower:
         """So far ahead the reference is: at a smaller speed the angles to a nearer one are but noise."""
         self._begin: tuple[float, float] | None = None
         """Where the leg begins, m."""
+        self._looks: list[tuple[float, float]] = []
         self._leg = 0
         self._turning = True
         self._tail = False
@@ -79,7 +82,11 @@ class Follower:
             return self._motion(0.0, 0.0)
         pose = seen.pose if located is not None else placed(self._geometry, seen.pose)
         if self._begin is None:
-            self._begin = pose.x_m, pose.y_m
+            self._looks.append((pose.x_m, pose.y_m))
+            if len(self._looks) < LOOKS:
+                return self._motion(0.0, 0.0)
+            x, y = (sum(look) / LOOKS for look in zip(*self._looks, strict=True))
+            self._begin = x, y
         if self._leg == len(self._legs):
             return self._motion(0.0, 0.0)
         leg = self._legs[self._leg]
