@@ -3,7 +3,7 @@
 [C] is Qualls, Canfield, Shibakov, JAMRIS 10(3), 2016.
 """
 
-from functools import cache, reduce
+from functools import cache
 from typing import Final
 
 import sympy as sp
@@ -185,7 +185,7 @@ def in_space(arc: Expression, height: Expression, heading: Expression) -> tuple[
         (HALF, HALF, HALF, HALF),
         (sp.S.Zero, sp.S.Zero, sp.sin(half_turn), sp.cos(half_turn)),
     )
-    attitude = zip("xyzw", reduce(product, turns), strict=True)
+    attitude = zip("xyzw", product(product(product(*turns[:2]), turns[2]), turns[3]), strict=True)
     return (
         *(Output(name, "m", f"robot in space, {name}", each, 1.0) for name, each in position),
         *(
