@@ -1,4 +1,4 @@
-"""The climber's surface, joint and magnets in numbers of their own: what its rules and its odometry rest on."""
+"""The climber's surface, joint and magnets in numbers: what its rules and its odometry rest on."""
 
 import math
 from dataclasses import replace
@@ -114,7 +114,7 @@ def test_a_file_that_would_fall_or_swing_is_refused(before: str, after: str, pro
         parse(text.replace(before, after), "climber.toml")
 
 
-def test_a_wall_that_nobody_tells_of_blocks_arming_and_power_goes_where_it_lets_go() -> None:
+def test_off_the_wall_it_is_disarmed_and_cannot_be_armed() -> None:
     gate, well = gate_of(CLIMBER), State(0.0, 0.0, 0.0, 1.0)
     assert not gate.rule(seen(CLIMBER, START, Situation(body=well))).holds
     (hold,) = gate.rule(seen(CLIMBER, START, Situation(body=replace(well, on_wall=0.0)))).holds
