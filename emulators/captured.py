@@ -8,7 +8,7 @@ import numpy as np
 
 from emulators.motion_capture.bodies import Body
 from emulators.motion_capture.exposure import Cameras, Up
-from emulators.motion_capture.film import Film, Physics
+from emulators.motion_capture.film import FLOOR, SPACE, Film, Physics
 from emulators.motion_capture.system import DATA, DEFAULT, MotionCapture, Timing
 from firmware_bridge.robot import AnyRobot, Problem, RobotFileError
 from firmware_bridge.robot.settings.capture import CaptureBody, CaptureDriver
@@ -17,8 +17,8 @@ from fmu.plant import FmuPlant
 
 CAPTURE_STREAM: Final = 3
 """Which stream of random numbers the capture systems draw from, beside the run's seed."""
-TRUTH: Final = ("x", "y", "heading")
-"""The plant's outputs that a body on a floor is seen by."""
+TRUTH: Final = tuple(dict.fromkeys(FLOOR + SPACE))
+"""The plant's outputs that a body is seen by; `FLOOR` or `SPACE` will do."""
 NAME: Final = "robot"
 """Of a body that the robot file knows by its number."""
 
@@ -76,8 +76,8 @@ def captured(
 def _possible(robot: AnyRobot, name: str, driver: CaptureDriver, plant: FmuPlant) -> None:
     if driver is not CaptureDriver.NATNET:
         raise RobotFileError(robot.name, Problem(f"links.{name}.driver", f"'{driver}' is not emulated"))
-    lacks = [output for output in TRUTH if output not in plant.output_names]
-    if lacks:
+    lacks = [output for output in FLOOR if output not in plant.output_names]
+    if lacks and not set(SPACE) <= set(plant.output_names):
         problem = f"a captured body needs the plant's outputs {', '.join(lacks)}"
         raise RobotFileError(robot.name, Problem("plant.fmu", problem))
     for index, sensor in enumerate(robot.sensors):

@@ -61,14 +61,16 @@ def devices(
     plant_path: Path | None = None,
     *,
     outputs: Sequence[str] = (),
+    optional: Sequence[str] = (),
     realistic_latency: bool = False,
     serial: Mapping[str, Generation | None] = NO_SERIAL,
     storages: Mapping[str, Storage] = NO_STORAGE,
 ) -> Devices:
     """Build a robot's drives above its plant; PlantError where the plant cannot be used.
 
-    `outputs` are the plant's that somebody wants to look at, whether an axis needs them or not. With
-    `realistic_latency` the drives take the published time for an SDO answer; otherwise they answer at once.
+    `outputs` are the plant's that somebody wants to look at, whether an axis needs them or not, `optional`
+    those that he looks at where it has them. With `realistic_latency` the drives take the published time for
+    an SDO answer; otherwise they answer at once.
     `serial` names the axes whose drives have a host on their serial port, and the protocol that they speak,
     None as the host does.
     `storages` keeps saved parameters by axis; without one a drive comes from the factory, and forgets.
@@ -82,7 +84,7 @@ def devices(
         path, parameters = ensure(_plant(robot)), plant_parameters(robot)
     else:
         path, parameters = plant_path, robot.plant.parameters
-    plant = fmu_plant(path, names, parameters, (SUPPLY, *outputs))
+    plant = fmu_plant(path, names, parameters, (SUPPLY, *outputs), optional)
     if robot.shield_links:
         return _on_boards(robot, plant)
     _have_switches(robot, plant)

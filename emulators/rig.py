@@ -80,9 +80,13 @@ class Rig:
         self.robot: Final = robot
         columns = columns_of([axis.name for axis in robot.axes], rehearsal.columns)
         outputs = [column.plant for column in columns if column.plant]
-        outputs += TRUTH if robot.capture_links else ()
         self.devices: Final = devices(
-            robot, plant_path, outputs=outputs, realistic_latency=realistic_latency, serial=_served(robot)
+            robot,
+            plant_path,
+            outputs=outputs,
+            optional=TRUTH if robot.capture_links else (),
+            realistic_latency=realistic_latency,
+            serial=_served(robot),
         )
         self._reads: Final = _reads(columns, self.devices.plant.output_names)
         self._start_bridge(stands)
@@ -220,6 +224,7 @@ class Rig:
             drives=self.devices.drives,
             axes=self.devices.servo_axes,
             boards=self.devices.boards,
+            plant=self.devices.plant,
             bridges=self,
             captures=self.captures,
             capture_wires=self.capture_wires,

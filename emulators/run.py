@@ -95,7 +95,16 @@ def drive(order: Order, progress: Progress) -> Summary:
     faults = rig.faults.records
     path = path_error(rig.samples, followed(order), order.mission.settled_after_s)
     swing = swings(order, rig.samples)
-    summary = summarise(run, axes, rig.samples, rig.holds, faults, path=path, radial_error_m=swing)
+    summary = summarise(
+        run,
+        axes,
+        rig.samples,
+        rig.holds,
+        faults,
+        path=path,
+        radial_error_m=swing,
+        figures=order.rehearsal.figures,
+    )
     (order.folder / "summary.json").write_text(as_json(summary), encoding="utf-8")
     (order.folder / "samples.csv").write_text(rig.samples.csv(), encoding="ascii")
     title = f"{order.robot.name} · {order.mission_name} · seed {order.seed}"
@@ -103,7 +112,14 @@ def drive(order: Order, progress: Progress) -> Summary:
     from emulators.bench.plots import draw  # noqa: PLC0415 - see above
 
     draw(
-        order.folder, title, order.robot, order.rehearsal.panels, rig.samples, holds=rig.holds, faults=faults
+        order.folder,
+        title,
+        order.robot,
+        order.rehearsal.panels,
+        rig.samples,
+        holds=rig.holds,
+        faults=faults,
+        more=order.rehearsal.pictures,
     )
     return summary
 

@@ -10,8 +10,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 
-from firmware_bridge.drivers.driver import Level
+from firmware_bridge.drivers.driver import Level, SeenPose
 from firmware_bridge.motion.model import Model
+from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Axis, Command, Problem, Robot, RobotFileError
 from firmware_bridge.robot.table import Table
 from firmware_bridge.safety.body import Body
@@ -77,6 +78,9 @@ class Kind(Generic[G, M, S]):
     reach: Callable[[Robot[G]], Iterable[tuple[M, S]]]
     """The motions at the corners of what the limits allow, with the state in which they ask the most."""
     station: Station[G, M, S]
+    unrolled: Callable[[Robot[G]], Callable[[SeenPose, Pose], Pose]] | None = None
+    """Turns where it was seen in the room into where it is on what it drives on, near the second pose, which
+    is where it is believed to be; None for who drives on the room's floor."""
     model: Callable[[Robot[G]], Model] | None = None
     """How the robot moves when it is told a speed and a yaw rate, for who predicts it; None: at once."""
     guides: Mapping[str, Callable[[Robot[G]], Guide[M, S]]] = field(default_factory=dict)

@@ -1,11 +1,13 @@
-"""Four pictures of a run for people: the path, the robot's own panels, the currents and the holds.
+"""Pictures of a run for people: the path, the robot's own panels, the currents, the holds, and its own.
 
 The same rows give the same bytes: no date, no random colour, no window system.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
-from typing import Final
+from types import MappingProxyType
+from typing import Final, TypeAlias
 
 from matplotlib import style
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -19,6 +21,8 @@ from emulators.bench.style import PALE, STYLE
 from emulators.bench.time_pictures import currents_picture, holds_picture, panels_picture
 from firmware_bridge.robot import AnyRobot
 
+Picture: TypeAlias = Callable[[Figure, AnyRobot, Samples], None]
+NO_PICTURES: Final[Mapping[str, Picture]] = MappingProxyType({})
 OVER_TIME: Final = {"speeds": True, "currents": True, "holds": False}
 """Pictures whose axes are seconds, and whether they have room for the names of faults."""
 
@@ -32,13 +36,18 @@ def draw(
     *,
     holds: Sequence[HoldRecord],
     faults: Sequence[FaultRecord] = (),
+    more: Mapping[str, Picture] = NO_PICTURES,
 ) -> list[Path]:
-    """Write one PNG for each picture into `folder` and return their paths; no rows, no pictures."""
+    """Write one PNG for each picture into `folder` and return their paths; no rows, no pictures.
+
+    `more` are the robot's own.
+    """
     pictures: Mapping[str, Callable[[Figure], None]] = {
         "path": lambda figure: path_picture(figure, samples, holds),
         "speeds": lambda figure: panels_picture(figure, robot, panels, samples, holds),
         "currents": lambda figure: currents_picture(figure, robot, samples),
         "holds": lambda figure: holds_picture(figure, samples, holds),
+        **{name: partial(_own, picture, robot, samples) for name, picture in more.items()},
     }
     written = []
     for name, picture in pictures.items() if len(samples) else ():
@@ -53,3 +62,7 @@ def draw(
             figure.savefig(path, metadata={"Software": None})
             written.append(path)
     return written
+
+
+def _own(picture: Picture, robot: AnyRobot, samples: Samples, figure: Figure) -> None:
+    picture(figure, robot, samples)

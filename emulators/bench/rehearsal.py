@@ -9,13 +9,16 @@ from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import EntryPoints, entry_points
 from pathlib import Path as FilePath
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from emulators.bench.cases import Case
-from emulators.bench.columns import Column, Panel
+from emulators.bench.columns import Column, Panel, Samples
 from emulators.bench.path_error import Path
 from emulators.bench.step import Step
 from firmware_bridge.robot import AnyRobot
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 GROUP: Final = "firmware_bridge.rehearsals"
 
@@ -71,6 +74,12 @@ class Rehearsal:
     """What stands beside the summary's numbers, by their keys: the robot's limits."""
     cases: Callable[[AnyRobot], Iterable[Case[Any, Any]]]
     """At least one boundary case for each of its kind's interlocks and limits."""
+    well: Mapping[str, float] = field(default_factory=dict)
+    """What its sensors tell, by their names, of a robot that is well, where it does not move without."""
+    figures: Mapping[str, Callable[[Samples], float | None]] = field(default_factory=dict)
+    """Its own numbers in the summary, by their keys there; None where a run has no such number."""
+    pictures: Mapping[str, Callable[["Figure", AnyRobot, Samples], None]] = field(default_factory=dict)
+    """Its own pictures of a run, by their files' names."""
     paths: Mapping[str, Callable[[AnyRobot], Path]] = field(default_factory=dict)
     """By the names of its guides: where those that go by the clock shall be; needs the column `OFFSET` of
     `emulators.bench.path_error`."""

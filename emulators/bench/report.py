@@ -52,6 +52,9 @@ def _numbers(summary: Summary, remarks: Mapping[str, str]) -> Iterator[tuple[str
     if summary.radial_error_m is not None:
         swing = f"{summary.radial_error_m * 1000.0:.1f}"
         yield "swing about the path", swing, "mm", "half of peak to peak, once it had settled"
+    for name, figure in summary.figures.items():
+        if figure is not None:
+            yield name, f"{figure:.4g}", "", ""
     yield "CAN frames", f"{summary.frames}", "", f"bus load {summary.bus_load_percent:.2f} %"
     for line in summary.lines:
         yield (

@@ -1,8 +1,9 @@
 """One run in numbers: what the plant did, what the bridge believed, what held, and what the bus carried."""
 
 import json
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -13,6 +14,7 @@ from emulators.bench.records import FaultRecord, HoldRecord
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
 NO_PATH: Final = PathError()
+NO_FIGURES: Final[Mapping[str, Callable[[Samples], float | None]]] = MappingProxyType({})
 ACCELERATION_WINDOW: Final[Nanoseconds] = 50 * MILLISECOND
 """Acceleration is averaged over one cycle of the set-points: a motor's ripple does not move the platform."""
 
@@ -120,6 +122,8 @@ class Summary:
     faults: tuple[Faulted, ...] = ()
     lines: tuple[LineRun, ...] = ()
     """The serial lines between bridge and drives; none where the bridge is on the CAN bus itself."""
+    figures: dict[str, float | None] = field(default_factory=dict)
+    """The robot's own numbers; in the file each is a key like the others."""
 
 
 def summarise(
@@ -131,6 +135,7 @@ def summarise(
     *,
     path: PathError = NO_PATH,
     radial_error_m: float | None = None,
+    figures: Mapping[str, Callable[[Samples], float | None]] = NO_FIGURES,
 ) -> Summary:
     """Turn a run's rows into its numbers; a run without rows has not moved."""
     speed = samples.column("speed_mps")
@@ -167,6 +172,7 @@ def summarise(
         holds=tuple(Held(hold.name, hold.reason, *_span(hold)) for hold in holds),
         faults=tuple(Faulted(fault.kind, fault.title, fault.nodes, *_span(fault)) for fault in faults),
         lines=run.lines,
+        figures={name: figure(samples) for name, figure in figures.items()},
     )
 
 
@@ -195,7 +201,8 @@ def odometry_errors(samples: Samples) -> Floats:
 
 def as_json(summary: Summary) -> str:
     """Write a summary as JSON, one key a line, ending in a new line."""
-    return json.dumps(asdict(summary), indent=2, ensure_ascii=False) + "\n"
+    told = asdict(summary)
+    return json.dumps(told | told.pop("figures"), indent=2, ensure_ascii=False) + "\n"
 
 
 def _span(record: HoldRecord | FaultRecord) -> tuple[float, float | None]:

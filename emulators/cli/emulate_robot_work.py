@@ -48,7 +48,7 @@ def emulate_board(machine: AnyRobot, given: RobotOptions) -> None:
         spoken = None if given.protocol is None else given.protocol.value
         machine = over_protocol(machine, spoken, given.encoders)
         tell_of_beginning(machine, given.plant)
-        emulated = devices(machine, given.plant, outputs=TRUTH if machine.capture_links else ())
+        emulated = devices(machine, given.plant, optional=TRUTH if machine.capture_links else ())
         ((name, board),) = emulated.boards.items()
         cameras = cameras_of(machine, emulated)
     node = beside_board(name, board, cameras)
@@ -82,7 +82,7 @@ def emulate_drives(machine: AnyRobot, given: RobotOptions) -> None:
         emulated = devices(
             machine,
             given.plant,
-            outputs=TRUTH if machine.capture_links else (),
+            optional=TRUTH if machine.capture_links else (),
             realistic_latency=given.realistic_latency,
             serial={} if given.serial is None else {owner: protocol},
             storages={axis.name: _storage(axis, given) for axis in machine.axes},

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import Final, TypeAlias
 
 from emulators.documents.safety import shipped
+from firmware_bridge.kind import AnyKind
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.teleop.commands import ROWS as COMMANDS
 from firmware_bridge.teleop.lacking import LACKING
@@ -82,11 +83,16 @@ def _each(period: Nanoseconds) -> str:
     return f"{to_seconds(period):.3g} s"
 
 
+def _talker() -> tuple[AnyKind, AnyRobot]:
+    """Return the shipped robot whose station has most to tell: the page shows its own rows."""
+    return max(shipped(), key=lambda one: len(one[0].station.values) + len(one[0].station.switches))
+
+
 def _robot(bandwidth_bit_s: int | None) -> AnyRobot:
-    _, robot = next(shipped())
+    _, robot = _talker()
     return robot.told_by(bandwidth_bit_s)
 
 
 def _station() -> AnyStation:
-    kind, _ = next(shipped())
+    kind, _ = _talker()
     return kind.station

@@ -10,6 +10,10 @@ from typing import Final, Protocol
 from emulators.motion_capture.bodies import Place, on_floor
 from firmware_bridge.units import Nanoseconds
 
+FLOOR: Final = ("x", "y", "heading")
+"""The outputs of a plant that drives on a floor, by which its body is seen."""
+SPACE: Final = ("x", "y", "z", "qx", "qy", "qz", "qw")
+"""Those of one that goes up walls: where its body is in the room, and a quaternion."""
 LENGTH: Final = 1_024
 """Pictures that are kept: those of 4 s at 240 Hz."""
 
@@ -36,7 +40,7 @@ class Outputs(Protocol):
 
 
 class Film:
-    """Physics whose plant has outputs x, y and heading, and as a truth where its body was at an exposure."""
+    """Physics whose plant says where its body is, by `SPACE` or `FLOOR`, and as a truth where that was."""
 
     def __init__(
         self,
@@ -48,11 +52,12 @@ class Film:
         """Take the outputs' names, and when each exposure is, from 0 on; ValueError where one is missing."""
         self._physics: Final = physics
         self._plant: Final = plant
-        self._at: Final = (names.index("x"), names.index("y"), names.index("heading"))
+        self._in_space: Final = set(SPACE) <= set(names)
+        self._at: Final = [names.index(name) for name in (SPACE if self._in_space else FLOOR)]
         self._exposed_at: Final = exposed_at
         self._number = 0
         self._next_at = exposed_at(0)
-        self._pictures: deque[tuple[Nanoseconds, float, float, float]] = deque(maxlen=LENGTH)
+        self._pictures: deque[tuple[Nanoseconds, list[float]]] = deque(maxlen=LENGTH)
 
     def advance(self, until: Nanoseconds) -> tuple[Nanoseconds, tuple[str, ...]]:
         """Move on as the physics does, from exposure to exposure."""
@@ -60,16 +65,22 @@ class Film:
             reached, woken = self._physics.advance(self._next_at)
             if woken:
                 return reached, woken
-            outputs, (x, y, heading) = self._plant.outputs, self._at
-            self._pictures.append((self._next_at, outputs[x], outputs[y], outputs[heading]))
+            outputs = self._plant.outputs
+            self._pictures.append((self._next_at, [outputs[place] for place in self._at]))
             self._number += 1
             self._next_at = self._exposed_at(self._number)
         return self._physics.advance(until)
 
     def __call__(self, now: Nanoseconds) -> Place:
         """Return where the body was, by the newest picture of this instant or before, or by the oldest."""
-        for at, x, y, heading in reversed(self._pictures):
+        for at, picture in reversed(self._pictures):
             if at <= now:
-                return on_floor(x, y, heading)
-        _, x, y, heading = self._pictures[0]
-        return on_floor(x, y, heading)
+                return self._place(picture)
+        return self._place(self._pictures[0][1])
+
+    def _place(self, picture: list[float]) -> Place:
+        if not self._in_space:
+            x, y, heading = picture
+            return on_floor(x, y, heading)
+        x, y, z, qx, qy, qz, qw = picture
+        return Place((x, y, z), (qx, qy, qz, qw))

@@ -14,12 +14,21 @@ from fmu.plant import FmuPlant, PlantError
 
 HELD: Final = "held_"
 """Before an axis: the input by which something rubs at its output, N m, where the plant has it."""
+GRIP_LOST: Final = "grip_lost_"
+"""Likewise: the input that takes what holds it on the surface, 1 for all of it."""
 
 
 def fmu_plant(
-    path: Path, axes: Sequence[str], parameters: Mapping[str, float], more: Sequence[str] = ()
+    path: Path,
+    axes: Sequence[str],
+    parameters: Mapping[str, float],
+    more: Sequence[str] = (),
+    optional: Sequence[str] = (),
 ) -> FmuPlant:
-    """Load the plant of these axes; `more` are outputs that are needed beside theirs; PlantError."""
+    """Load the plant of these axes; PlantError.
+
+    `more` are outputs that are needed beside theirs, `optional` those that are read where it has them.
+    """
     own = plant_outputs(axes)
     return FmuPlant(
         path,
@@ -27,8 +36,15 @@ def fmu_plant(
         (*own, *(name for name in dict.fromkeys(more) if name not in own)),
         parameters,
         units=units(axes),
-        optional_inputs=(*pin_inputs(axes), *(f"{HELD}{axis}" for axis in axes)),
-        optional_outputs=pin_outputs(axes) + sensor_outputs(axes),
+        optional_inputs=(
+            *pin_inputs(axes),
+            *(f"{what}{axis}" for what in (HELD, GRIP_LOST) for axis in axes),
+        ),
+        optional_outputs=(
+            *pin_outputs(axes),
+            *sensor_outputs(axes),
+            *(it for it in optional if it not in more),
+        ),
     )
 
 

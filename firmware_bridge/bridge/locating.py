@@ -1,18 +1,29 @@
 """Where the robot is: by odometry alone, or by the sensor that sees it, carried on by odometry."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from typing import Final, TypeAlias
 
-from firmware_bridge.drivers.driver import Reading
+from firmware_bridge.drivers.driver import Reading, SeenPose
 from firmware_bridge.motion.captured import Bounds, Captured, Located, Sight
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import Nanoseconds
 
+Unrolled: TypeAlias = Callable[[SeenPose, Pose], Pose]
+"""Where on what it drives on a robot is that was seen in the room, near where it is believed to be."""
+
+
+def on_floor(seen: SeenPose, _near: Pose) -> Pose:
+    """Return where on the room's floor a robot is."""
+    x, y, _ = seen.position
+    return Pose(x, y, seen.heading_rad)
+
 
 class Locating:
     """The robot's pose, of the instant of the newest samples of its axes."""
 
-    def __init__(self, robot: AnyRobot) -> None:
+    def __init__(self, robot: AnyRobot, unrolled: Unrolled = on_floor) -> None:
+        self._unrolled: Final = unrolled
         self.odometry = Pose()
         """What was rolled since the bridge began, or since the origin was set anew."""
         self._sensor = ""
@@ -50,11 +61,10 @@ class Locating:
         """Take what odometry says at an instant, and what the sensor has seen last."""
         self.odometry = odometry
         if self._captured is not None:
-            self._captured.step(odometry, at, _sight(readings.get(self._sensor)))
+            sight = self._sight(readings.get(self._sensor), self._captured.located.pose)
+            self._captured.step(odometry, at, sight)
 
-
-def _sight(reading: Reading | None) -> Sight | None:
-    if reading is None or reading.pose is None:
-        return None
-    x, y, _ = reading.pose.position
-    return Sight(Pose(x, y, reading.pose.heading_rad), reading.sampled_at)
+    def _sight(self, reading: Reading | None, near: Pose) -> Sight | None:
+        if reading is None or reading.pose is None:
+            return None
+        return Sight(self._unrolled(reading.pose, near), reading.sampled_at)

@@ -9,7 +9,7 @@ from itertools import compress
 from typing import Final, Generic, TypeVar
 
 from firmware_bridge.bridge.fleets import Fleets
-from firmware_bridge.bridge.locating import Locating
+from firmware_bridge.bridge.locating import Locating, on_floor
 from firmware_bridge.bridge.permission import Permission
 from firmware_bridge.bridge.zeros import Zeros
 from firmware_bridge.drivers.driver import Demand, Feedback, Level, Stop
@@ -75,7 +75,7 @@ class Pipeline(Generic[G, M, S]):
         self._wish: M | None = None
         """The guide's newest wish."""
         self._demanded: M = kind.rest
-        self._locating: Final = Locating(robot)
+        self._locating: Final = Locating(robot, on_floor if kind.unrolled is None else kind.unrolled(robot))
         self._counted: Mapping[str, Feedback] | None = None
         """The samples up to which the pose has been carried on."""
         self._ran_at: Nanoseconds | None = None
@@ -334,7 +334,7 @@ class Pipeline(Generic[G, M, S]):
             before, self._counted = self._counted, axes
             pose = locating.odometry
             if before is not None and before[body.rolling[0]].sampled_at not in at:
-                pose = body.advanced(pose, before, axes)
+                pose = body.advanced(pose, before, axes, facts.sensors)
             locating.rolled(pose, axes[body.rolling[0]].sampled_at, facts.sensors)
 
     def _keep(self, known: Snapshot[M, S], holds: tuple[Hold, ...]) -> None:

@@ -37,5 +37,11 @@ class Body(Protocol[M, S]):
     def demands(self, motion: M, state: S) -> Mapping[str, Demand]:
         """Return the axes' demands for this motion, the first first; an axis left out rests."""
 
-    def advanced(self, pose: Pose, before: Mapping[str, Feedback], after: Mapping[str, Feedback]) -> Pose:
-        """Return the pose after the `rolling` axes moved from one sample to the next."""
+    def advanced(
+        self,
+        pose: Pose,
+        before: Mapping[str, Feedback],
+        after: Mapping[str, Feedback],
+        sensors: Mapping[str, Reading],
+    ) -> Pose:
+        """Return the pose after the `rolling` axes moved from one sample to the next; `sensors` tell now."""

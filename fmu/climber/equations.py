@@ -14,7 +14,7 @@ from fmu.climber.contact import Contact, Torus
 from fmu.climber.parameters import AXES, PARAMETERS
 from fmu.climber.start import Given, Start
 from fmu.climber.surfaces import Surface, torus
-from fmu.climber.vectors import Vector, dot
+from fmu.climber.vectors import Vector, dot, product
 from fmu.export.functions import larger, named, passed, positive_part
 from fmu.export.model import Event, Expression, Input, Model, Output, State
 from fmu.parts.battery import terminal_voltage
@@ -59,7 +59,10 @@ class Climber:
         self._mass = self.chassis.at(-P["mass_behind"], P["mass_height"] - P["wheel_radius"])
         self.forces = self.chassis.forces(self._weight, self._mass, self._joint_torque())
         around = Surroundings(P["magnet_reach"], P["wall_friction"], P["slip_damping"])
-        magnets = (P["magnet_wheel"], P["magnet_wheel"], P["magnet_caster"])
+        magnets = (
+            *(P["magnet_wheel"] * (1 - symbol(f"grip_lost_{axis}")) for axis in AXES),
+            P["magnet_caster"],
+        )
         self.holds = [
             Hold(side, contact, force, magnet, around)
             for side, contact, force, magnet in zip(WHEELS, self.contacts, self.forces, magnets, strict=True)
@@ -105,6 +108,7 @@ class Climber:
         given = Given(*(P[f"start_{name}"] for name in ("arc", "height", "heading", "swivel", "joint")))
         starts = Start(self.surface, given, SIZES, TORI).rows
         on_wall = 1 - self.fallen
+        self.yaw_rate = sp.S.Zero
         rows: list[State] = []
         for side, contact, turning, slide in zip(WHEELS, self.contacts, turnings, slides, strict=True):
             rates = contact.rates(turning, slide)
@@ -114,6 +118,8 @@ class Climber:
             ]
             if side == "left":
                 pitching = on_wall * (self.spins[0] - rates["wheel"])
+            if side != "caster":
+                self.yaw_rate += HALF * on_wall * rates["psi"]
         return (
             *rows,
             State("pitch", "rad", starts["pitch"], pitching),
@@ -159,6 +165,36 @@ class Climber:
         return forwards + turning + P["wheel_inertia"] + self._rotor(), forwards - turning
 
 
+def in_space(arc: Expression, height: Expression, heading: Expression) -> tuple[Output, ...]:
+    """Return where cameras would see the robot: its place on the surface, and its axes there.
+
+    Its x is ahead, y to the left, z off the surface. At the surface's origin, with a heading of 0, they are
+    the world's y, z and x.
+    """
+    out, across, along = TANK(arc, height).point
+    out -= symbol("fall") * sp.cos(P["axis_tilt"])
+    along -= symbol("fall") * sp.sin(P["axis_tilt"])
+    position = zip("xyz", (out, across, along), strict=True)
+    half_round, half_up, half_turn = (
+        angle * HALF
+        for angle in (arc / P["tank_radius"], -height / (P["ring_radius"] + P["tank_radius"]), heading)
+    )
+    turns = (
+        (sp.S.Zero, sp.sin(half_up), sp.S.Zero, sp.cos(half_up)),
+        (sp.S.Zero, sp.S.Zero, sp.sin(half_round), sp.cos(half_round)),
+        (HALF, HALF, HALF, HALF),
+        (sp.S.Zero, sp.S.Zero, sp.sin(half_turn), sp.cos(half_turn)),
+    )
+    attitude = zip("xyzw", product(product(product(*turns[:2]), turns[2]), turns[3]), strict=True)
+    return (
+        *(Output(name, "m", f"robot in space, {name}", each, 1.0) for name, each in position),
+        *(
+            Output(f"q{name}", "1", f"its attitude, a quaternion's {name}", each, 1.0)
+            for name, each in attitude
+        ),
+    )
+
+
 @cache
 def model(surface: Surface = TANK) -> Model:
     """Return the equations of the climbing robot with all tables.
@@ -170,6 +206,7 @@ def model(surface: Surface = TANK) -> Model:
     left, right = (Shaft(axis, P | {name + axis: value for name, value in wheel.items()}) for axis in AXES)
     robot = Climber(left, right, surface)
     first, second = robot.accelerations()
+    states = robot.states()
     height = (symbol("height_left") + symbol("height_right")) * HALF
     arc = (symbol("arc_left") + symbol("arc_right")) * HALF
     heading = (symbol("psi_left") + symbol("psi_right")) * HALF - sp.pi / 2
@@ -184,8 +221,14 @@ def model(surface: Surface = TANK) -> Model:
         name="climber",
         description="Climbing robot: two magnetic wheels, a joint and a caster on a tank",
         parameters=PARAMETERS,
-        inputs=tuple(Input(f"voltage_{axis}", "V", f"motor voltage, {axis}", 24.0) for axis in AXES),
-        states=(*left.states(first), *right.states(second), *robot.states()),
+        inputs=(
+            *(Input(f"voltage_{axis}", "V", f"motor voltage, {axis}", 24.0) for axis in AXES),
+            *(
+                Input(f"grip_lost_{axis}", "1", f"share of a magnet that is lost, {axis}", 1.0)
+                for axis in AXES
+            ),
+        ),
+        states=(*left.states(first), *right.states(second), *states),
         outputs=(
             *left.outputs(),
             *right.outputs(),
@@ -193,9 +236,26 @@ def model(surface: Surface = TANK) -> Model:
             Output("height", "m", "way along the tank's axis, middle of both contacts", height, 1.0),
             Output("heading", "rad", "direction from the arc towards the axis", heading, 1.0),
             Output("speed", "m/s", "speed forwards as the wheels roll", speed, 0.1),
+            *in_space(arc, height, heading),
+            Output("yaw_rate", "rad/s", "how fast the heading turns", robot.yaw_rate, 1.0),
             *contacts,
             Output("pitch", "rad", "left half about its axle, nose up positive", symbol("pitch"), 0.1),
             Output("joint", "rad", "right half against the left", symbol("joint"), 0.1),
+            Output(
+                "analogue_2_left",
+                "V",
+                "joint's sensor, at the second analogue input of the left drive",
+                P["joint_sensor_rest"] + symbol("joint") / P["joint_sensor"],
+                1.0,
+            ),
+            Output(
+                "analogue_1_right",
+                "V",
+                "switches beside the magnets, at the first analogue input of the right drive",
+                5 * (1 - robot.fallen),
+                1.0,
+                switch=True,
+            ),
             Output("swivel", "rad", "caster's angle, 0 trailing, to the left", symbol("swivel"), 1.0),
             Output("fallen", "1", "1: magnets have let go and it falls, else 0", robot.fallen, switch=True),
             Output("fall", "m", "how far it has fallen", symbol("fall"), 1.0),

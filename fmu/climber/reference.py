@@ -15,10 +15,11 @@ FILE: Final = Path(__file__).with_name("reference.csv")
 INPUTS: Final = tuple(f"voltage_{axis}" for axis in AXES)
 OUTPUTS: Final = (
     *(f"{quantity}_{axis}" for quantity in ("current", "angle", "speed") for axis in AXES),
-    *("arc", "height", "heading", "speed"),
+    *("arc", "height", "heading", "speed", "yaw_rate", "x", "y", "z", "qx", "qy", "qz", "qw"),
     *(f"{name}_{side}" for side in WHEELS for name in CONTACTS),
     *(f"gap_{side}" for side in WHEELS),
     *("pitch", "joint", "swivel", "fallen", "fall", "battery_voltage"),
+    *("analogue_1_right", "analogue_2_left"),
 )
 
 COURSE: Final = (

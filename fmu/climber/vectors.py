@@ -30,3 +30,18 @@ def cross(a: Vector, b: Vector) -> Vector:
 def kept(vector: Vector) -> Vector:
     """Return the vector, each component computed once as it is written."""
     return (named(vector[0]), named(vector[1]), named(vector[2]))
+
+
+def product(
+    first: tuple[Expression, Expression, Expression, Expression],
+    second: tuple[Expression, Expression, Expression, Expression],
+) -> tuple[Expression, Expression, Expression, Expression]:
+    """Return the quaternion, x, y, z, w, of the turn `second` about a body's axes after `first`."""
+    ax, ay, az, aw = first
+    bx, by, bz, bw = second
+    return (
+        named(aw * bx + ax * bw + ay * bz - az * by),
+        named(aw * by - ax * bz + ay * bw + az * bx),
+        named(aw * bz + ax * by - ay * bx + az * bw),
+        named(aw * bw - ax * bx - ay * by - az * bz),
+    )

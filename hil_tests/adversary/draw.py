@@ -152,6 +152,8 @@ FAILING: Final[dict[str, Failing]] = {
         takes_power=False,
     ),
     "capture_loss": Failing(Nature.HONEST, _share, longest_s=5.0, takes_power=False),
+    # Nothing that the bridge does keeps a robot on its wall: no rule is judged after it.
+    "grip_lost": Failing(Nature.LYING, longest_s=LIES_S, takes_power=False),
     # A motor that does not do what it is told; let go again it jumps by what it is told then.
     "shaft_blocked": Failing(Nature.LYING, longest_s=LIES_S),
     "motor_cable_off": Failing(Nature.LYING, longest_s=LIES_S),

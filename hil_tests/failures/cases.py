@@ -368,6 +368,7 @@ ELSEWHERE: Final = {
         ("board_brown_out", "line_garbage", "capture_late", "capture_loss"), "the adversary's evenings"
     ),
     **dict.fromkeys(("body_hidden", "markers_swapped"), "stories of robots that cameras see"),
+    "grip_lost": "the climber's stories",
     "stray_frames": "a story: another master",
     "datagram_doubled": "nothing has to stop: a command counts once",
     "index_missing": "nothing has to stop: no drive of RARS watches the index",

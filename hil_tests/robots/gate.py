@@ -6,7 +6,7 @@ from typing import Any, Final, TypeAlias
 
 from emulators.bench.cases import Case, Situation
 from emulators.bench.rehearsal import rehearsal_of
-from firmware_bridge.drivers.driver import Demand, Feedback, Position, Power, Speed, Tells
+from firmware_bridge.drivers.driver import Demand, Feedback, Position, Power, Reading, Speed, Tells
 from firmware_bridge.kind import AnyKind
 from firmware_bridge.kinds import find, kind_of, names
 from firmware_bridge.motion.pose import Pose
@@ -34,6 +34,11 @@ def axes_of(robot: AnyRobot, now: Nanoseconds) -> dict[str, Feedback]:
     return {axis.name: Feedback(axis.name, **well) for axis in robot.axes}  # type: ignore[arg-type] # fields
 
 
+def well(robot: AnyRobot, now: Nanoseconds) -> dict[str, Reading]:
+    """Return what the sensors tell of a robot that is well."""
+    return {name: Reading(value, now, now) for name, value in rehearsal_of(robot).well.items()}
+
+
 def seen(
     robot: AnyRobot,
     now: Nanoseconds = START,
@@ -44,7 +49,7 @@ def seen(
     """Return the robot armed and well, but for what is told."""
     kind = kind_of(robot)
     told = dict(axes_of(robot, now) if axes is None else axes)
-    body = kind.body(robot).sensed(told, {}) if situation.body is None else situation.body
+    body = kind.body(robot).sensed(told, well(robot, now)) if situation.body is None else situation.body
     known: dict[str, Any] = {
         "now": now,
         "armed": True,

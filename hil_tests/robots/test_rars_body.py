@@ -74,7 +74,7 @@ def test_the_base_moves_where_its_faster_wheel_does(turn: float, way: float) -> 
 
 def test_a_pose_goes_on_as_both_wheels_rolled() -> None:
     before = axes(left=(1.0, 0.0), right=(2.0, 0.0))
-    pose = BODY.advanced(Pose(0.0, 0.0, 0.0), before, axes(left=(2.0, 0.0), right=(5.0, 0.0)))
+    pose = BODY.advanced(Pose(0.0, 0.0, 0.0), before, axes(left=(2.0, 0.0), right=(5.0, 0.0)), {})
     assert pose.heading_rad == pytest.approx(2.0 * BASE.wheel_radius_m / BASE.rear_track_m)
 
 

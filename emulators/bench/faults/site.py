@@ -19,6 +19,7 @@ from firmware_bridge.node import CAN, OPERATOR, SERIAL
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import Nanoseconds
+from fmu.plant import FmuPlant
 
 BRIDGE: Final = "bridge"
 OPERATOR_STATION: Final = "operator"
@@ -79,6 +80,7 @@ class Site:
     """The serial lines by link."""
     boards: Mapping[str, Board] = field(default_factory=dict)
     """Boards with a motor shield, by the link."""
+    plant: FmuPlant | None = None
     stations: list[SecondStation] = field(default_factory=list)
     """All that have joined the operator's link, the newest last."""
     _strangers: dict[str, Station] = field(default_factory=dict)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final
 
-from emulators.bench.faults import board, bus, capture, device, link, people
+from emulators.bench.faults import board, bus, capture, device, link, people, plant
 from emulators.bench.faults.fault import Fault, Lasting
 from emulators.wires.faulty_can import WAITING
 
@@ -290,6 +290,13 @@ _ROWS: Final = (
         "The gateway misses its host; its own watch over another drive stops the motors. The bridge"
         " holds `link lost`.",
         "the serial line",
+    ),
+    Kind(
+        plant.GripLost,
+        "What holds the robot on a wall lets go at one axis: a magnet over paint or rust. Where the others"
+        " cannot hold it, it falls.",
+        "No device notices; the motor turns on, without load where the robot has fallen.",
+        "the grip",
     ),
     Kind(
         capture.BodyHidden,

@@ -83,7 +83,13 @@ class Body:
         left, right = wheel_speeds(self._base, motion.speed_mps, motion.turn_rad_s)
         return {self._left: Speed(left), self._right: Speed(right)}
 
-    def advanced(self, pose: Pose, before: Mapping[str, Feedback], after: Mapping[str, Feedback]) -> Pose:
+    def advanced(
+        self,
+        pose: Pose,
+        before: Mapping[str, Feedback],
+        after: Mapping[str, Feedback],
+        _sensors: Mapping[str, Reading],
+    ) -> Pose:
         """Return the pose after both wheels rolled on."""
         left, right = (after[name].position - before[name].position for name in self.rolling)
         radius = self._base.wheel_radius_m

@@ -117,7 +117,13 @@ class Rars:
             demands[self._screw] = Position(scissor.screw_from_height(self._lift, motion.lift_m))
         return demands
 
-    def advanced(self, pose: Pose, before: Mapping[str, Feedback], after: Mapping[str, Feedback]) -> Pose:
+    def advanced(
+        self,
+        pose: Pose,
+        before: Mapping[str, Feedback],
+        after: Mapping[str, Feedback],
+        _sensors: Mapping[str, Reading],
+    ) -> Pose:
         """Return the pose after both rear wheels rolled on."""
         left, right = (after[name].position - before[name].position for name in self.rolling)
         radius = self._base.wheel_radius_m

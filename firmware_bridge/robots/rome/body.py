@@ -71,7 +71,13 @@ class Body:
         speeds = rims(motion.twist, self._distance)
         return {name: Speed(rim / self._radius) for name, rim in zip(self.rolling, speeds, strict=True)}
 
-    def advanced(self, pose: Pose, before: Mapping[str, Feedback], after: Mapping[str, Feedback]) -> Pose:
+    def advanced(
+        self,
+        pose: Pose,
+        before: Mapping[str, Feedback],
+        after: Mapping[str, Feedback],
+        _sensors: Mapping[str, Reading],
+    ) -> Pose:
         """Return the pose after the wheels rolled on."""
         return moved(pose, self._twist([after[it].position - before[it].position for it in self.rolling]))
 

@@ -23,6 +23,7 @@ ON_A_BOARD = (
 )
 HEAD = 'title = "t"\nduration_s = 10.0\n[[step]]\nat_s = 1.0\ntitle = "s"\narm = true\n'
 LEAST = {
+    "grip_lost": 'node = "left"',
     "reception_error": 'node = "left"',
     "receive_overrun": 'node = "left"',
     "bus_off": 'node = "left"',

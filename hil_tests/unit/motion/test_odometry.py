@@ -57,7 +57,7 @@ def test_the_body_carries_the_pose_on_from_its_two_rear_wheels() -> None:
     before = {name: Feedback(name, position=3.0) for name in body.rolling}
     after = {name: Feedback(name, position=3.0 + 1.0 / RADIUS) for name in body.rolling}
     assert body.rolling == ("left", "right")
-    pose = body.advanced(Pose(), before, after)
+    pose = body.advanced(Pose(), before, after, {})
     assert (pose.x_m, pose.y_m, pose.heading_rad) == pytest.approx((1.0, 0.0, 0.0))
 
 

@@ -99,7 +99,13 @@ class Cart:
         wheel = Speed(motion.ahead / RADIUS_M)
         return {"left": wheel, "right": wheel, "brush": Speed(motion.brush)}
 
-    def advanced(self, pose: Pose, before: Mapping[str, Feedback], after: Mapping[str, Feedback]) -> Pose:
+    def advanced(
+        self,
+        pose: Pose,
+        before: Mapping[str, Feedback],
+        after: Mapping[str, Feedback],
+        _sensors: Mapping[str, Reading],
+    ) -> Pose:
         left, right = (RADIUS_M * (after[name].position - before[name].position) for name in self.rolling)
         return moved(pose, left, right, TRACK_M)
 

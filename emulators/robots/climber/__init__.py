@@ -1,0 +1,206 @@
+"""The climber on the bench: what a mission's step may ask of it, how a station says it, and what is drawn.
+
+Signs, scales and paths are written here anew, not taken from the bridge, so that a mistake there is not
+repeated.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Annotated, Final, Literal, TypeAlias
+
+import numpy as np
+
+from emulators.bench.columns import Column, Curve, Panel, Samples
+from emulators.bench.path_error import OFFSET
+from emulators.bench.path_error import Path as FollowedPath
+from emulators.bench.rehearsal import Channel, Rehearsal, StickAxes, Twist
+from emulators.bench.step import Finite, Holds, Positive, Presses, Slope, Step
+from emulators.robots.climber.cases import cases
+from emulators.robots.climber.pictures import on_the_tank
+from firmware_bridge.motion.captured import Source
+from firmware_bridge.robot import Robot
+from firmware_bridge.robots.climber.geometry import Geometry
+from firmware_bridge.robots.climber.motion import Motion, State
+from firmware_bridge.safety.snapshot import Snapshot
+from firmware_bridge.units import to_seconds
+
+Climber: TypeAlias = Robot[Geometry]
+Seen: TypeAlias = Snapshot[Motion, State]
+UP: Final = math.pi / 2.0
+BUTTONS: Final = {"emergency_stop": 4}
+
+
+class ClimberStep(Step):
+    """What the climber's operator does at one instant. Speed and turn stay until a later step."""
+
+    speed_mps: Annotated[Finite | None, Holds("speed")] = None
+    """Forward positive; at once, or with `ramp_mps2`."""
+    ramp_mps2: Annotated[Positive | None, Slope("speed")] = None
+    turn_deg_s: Annotated[Finite | None, Holds("turn", lambda turn, _: math.radians(turn))] = None
+    """To the left positive."""
+    press: Annotated[Literal["emergency_stop"] | None, Presses(BUTTONS)] = None
+    """Tap a button of the stick."""
+
+
+def _stick(values: Mapping[str, float], robot: Climber) -> StickAxes:
+    limits = robot.geometry.limits
+    return StickAxes(x=values["speed"] / limits.speed_mps, r=-values["turn"] / limits.turn_rate_rad_s)
+
+
+def _demanded_speed(seen: Seen) -> float:
+    return seen.demanded.speed_mps
+
+
+def _demanded_turn(seen: Seen) -> float:
+    return seen.demanded.turn_rad_s
+
+
+def _believed(seen: Seen) -> tuple[float, float, float]:
+    """Return where the bridge believes to be on the unrolled tank.
+
+    Odometry begins at 0, as the robot is put on: looking up. Before cameras have seen it, nothing is believed
+    but that.
+    """
+    pose, located = seen.pose, seen.located
+    if located is None:
+        return -pose.y_m, pose.x_m, pose.heading_rad + UP
+    if located.source is Source.UNSEEN:
+        return 0.0, 0.0, UP
+    return pose.x_m, pose.y_m, pose.heading_rad
+
+
+def _measured_joint(seen: Seen) -> float:
+    joint = seen.body.joint_rad
+    return math.nan if joint is None else joint
+
+
+def _path_offset(seen: Seen) -> float:
+    along = seen.wish.path_s
+    return math.nan if along is None else along - to_seconds(seen.facts.now)
+
+
+def _corners(side: float, *degrees: float) -> Callable[[Climber], FollowedPath]:
+    """Return straight sides, as many times the robot file's length, from where it looks up the tank.
+
+    `degrees` are counted to the left from up.
+    """
+
+    def path(robot: Climber) -> FollowedPath:
+        length = side * (robot.geometry.paths.side_m if len(degrees) > 1 else robot.geometry.paths.length_m)
+        turns = np.exp(1j * np.radians(degrees)) * length
+        corners = np.concatenate([[0.0], np.cumsum(turns)])
+        times = np.arange(len(corners)) * length / robot.geometry.control.speed_mps
+        return lambda seconds: (
+            np.interp(seconds, times, corners.real),
+            np.interp(seconds, times, corners.imag),
+        )
+
+    return path
+
+
+def _circle(robot: Climber) -> FollowedPath:
+    """Return a circle to the left that begins upwards."""
+    radius, speed = robot.geometry.paths.radius_m, robot.geometry.control.speed_mps
+
+    def path(seconds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        angle = np.clip(seconds * speed / radius, 0.0, math.tau)
+        return radius * np.sin(angle), radius * (1.0 - np.cos(angle))
+
+    return path
+
+
+PATHS: Final[Mapping[str, Callable[[Climber], FollowedPath]]] = {
+    "vertical": _corners(1.0, 0.0),
+    "horizontal": _corners(1.0, -90.0),
+    "spiral": _corners(1.0, -45.0),
+    "circle": _circle,
+    "triangle": _corners(1.0, 0.0, -120.0, -240.0),
+    "square": _corners(1.0, 0.0, -90.0, -180.0, -270.0),
+    "diamond": _corners(1.0, -45.0, 45.0, 135.0, 225.0),
+}
+
+
+def _remarks(robot: Climber) -> Mapping[str, str]:
+    limits = robot.geometry.limits
+    return {
+        "max_speed_mps": f"limit {limits.speed_mps:g}",
+        "max_acceleration_mps2": f"limit {limits.acceleration_mps2:g}",
+    }
+
+
+def _closure(samples: Samples) -> float | None:
+    """Return how far from where a guide began it has ended, by the plant's truth; None where none drove."""
+    guided = np.flatnonzero(np.isfinite(samples.column(OFFSET)))
+    if not guided.size:
+        return None
+    begin, end = (samples[int(row)] for row in (guided[0], guided[-1]))
+    return math.dist(*((row["x_m"], row["y_m"]) for row in (begin, end)))
+
+
+def _fell(samples: Samples) -> float | None:
+    """Return how far it has fallen; None where it has not."""
+    far = float(samples.column("fall_m").max(initial=0.0))
+    return far or None
+
+
+def _largest_joint(samples: Samples) -> float:
+    return math.degrees(float(np.abs(samples.column("joint_rad")).max(initial=0.0)))
+
+
+REHEARSAL: Final = Rehearsal(
+    step=ClimberStep,
+    missions=Path(__file__).with_name("missions"),
+    channels=(
+        Channel("speed", lambda robot: robot.geometry.limits.speed_mps, trembles_with="speed"),
+        Channel("turn", lambda robot: robot.geometry.limits.turn_rate_rad_s, trembles_with="speed"),
+    ),
+    stick=_stick,
+    twist=lambda values, _: Twist(values["speed"], yaw_rate=-values["turn"]),
+    columns=(
+        Column("x_m", "way round the tank, to the right of who looks up", "m", plant="arc"),
+        Column("y_m", "way up the tank", "m", plant="height"),
+        Column("heading_rad", "counter-clockwise from the way round", "rad", plant="heading"),
+        Column("speed_mps", "forward speed of the reference point", "m/s", plant="speed"),
+        Column("yaw_rate_rad_s", "counter-clockwise", "rad/s", plant="yaw_rate"),
+        Column("odometry_x_m", "where the bridge believes to be", "m", seen=lambda seen: _believed(seen)[0]),
+        Column("odometry_y_m", "way up", "m", seen=lambda seen: _believed(seen)[1]),
+        Column("odometry_heading_rad", "counter-clockwise", "rad", seen=lambda seen: _believed(seen)[2]),
+        Column("demanded_speed_mps", "what the bridge asks of the wheels", "m/s", seen=_demanded_speed),
+        Column("demanded_turn_rad_s", "what the bridge asks of the wheels", "rad/s", seen=_demanded_turn),
+        Column("joint_rad", "right half against the left", "rad", plant="joint"),
+        Column("measured_joint_rad", "what its sensor tells", "rad", seen=_measured_joint),
+        Column("fall_m", "how far it has fallen", "m", plant="fall"),
+        Column(OFFSET, "a guide's clock less the run's", "s", seen=_path_offset),
+        Column("battery_v", "battery's terminal voltage", "V", plant="battery_voltage"),
+    ),
+    panels=(
+        Panel(
+            "Forward speed",
+            "speed [m/s]",
+            (Curve("demanded_speed_mps", "demanded", step=True), Curve("speed_mps", "plant")),
+            limit=lambda robot: (robot.geometry.limits.speed_mps, "m/s"),
+            shaded=True,
+            height=2.5,
+        ),
+        Panel(
+            "Turn rate, left is positive",
+            "turn rate [rad/s]",
+            (Curve("demanded_turn_rad_s", "demanded", step=True), Curve("yaw_rate_rad_s", "plant")),
+            limit=lambda robot: (robot.geometry.limits.turn_rate_rad_s, "rad/s"),
+            shaded=True,
+        ),
+        Panel(
+            "Joint",
+            "angle [deg]",
+            (Curve("joint_rad", "plant", scale=math.degrees(1.0)),),
+            limit=lambda robot: (robot.geometry.joint.bound_deg, "deg"),
+        ),
+    ),
+    remarks=_remarks,
+    cases=cases,
+    figures={"closure_m": _closure, "max_joint_deg": _largest_joint, "fell_m": _fell},
+    pictures={"tank": on_the_tank},
+    well={"joint": math.radians(45.0), "wall": 1.0},
+    paths=PATHS,
+)

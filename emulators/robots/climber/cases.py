@@ -1,0 +1,203 @@
+"""The climber's rows at the edges of their thresholds; the tests that every robot gets go through them."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TypeAlias
+
+from emulators.bench import cases as bench
+from firmware_bridge.kinds import find
+from firmware_bridge.motion.captured import Located, Source
+from firmware_bridge.motion.pose import Pose
+from firmware_bridge.robot import Robot
+from firmware_bridge.robots.climber.body import ramp_of
+from firmware_bridge.robots.climber.geometry import Geometry
+from firmware_bridge.robots.climber.motion import Motion, State
+from firmware_bridge.robots.climber.rules import ON_WALL, SPIN
+
+Case: TypeAlias = bench.Case[Motion, State]
+Situation: TypeAlias = bench.Situation[Motion, State]
+JUST: float = 1.0 + 1e-5
+"""A limit reports what is beyond it by more than a millionth."""
+WELL = State(0.0, 0.0, 0.0, 1.0)
+UP, ROUND = math.pi / 2.0, 0.0
+SEEN = Located(Pose(), Source.CAPTURED, 0.0, 0.0, 0.0, 0)
+
+
+def cases(robot: Robot[Geometry]) -> Iterator[Case]:
+    """Yield at least one case for each interlock and limit."""
+    limits = robot.geometry.limits
+    for side in (-1.0, 1.0):
+        spin = side * SPIN * limits.turn_rate_rad_s
+        yield Case(
+            "turns too fast",
+            trips=Situation(body=replace(WELL, turn_rad_s=math.nextafter(spin, side * math.inf))),
+            spares=Situation(body=replace(WELL, turn_rad_s=spin)),
+            reason=f"the robot turns with {spin:.2f} rad/s, limit {limits.turn_rate_rad_s:.2f} rad/s",
+        )
+        yield _limited("speed limit", Motion(side * limits.speed_mps), Motion(side * JUST * limits.speed_mps))
+        yield _limited(
+            "turn rate limit",
+            Motion(turn_rad_s=side * limits.turn_rate_rad_s),
+            Motion(turn_rad_s=side * JUST * limits.turn_rate_rad_s),
+        )
+        # Tail first at full speed, so that the joint has no say.
+        turn = side * limits.sideways_mps2 / limits.speed_mps
+        yield _limited(
+            "sideways limit", Motion(-limits.speed_mps, turn), Motion(-limits.speed_mps, JUST * turn)
+        )
+        yield from _at_the_joint(robot, side)
+    yield Case(
+        "turns too fast",
+        trips=Situation(body=replace(WELL, turn_rad_s=math.nan)),
+        spares=Situation(body=replace(WELL, speed_mps=limits.speed_mps)),
+        reason=f"the robot turns with nan rad/s, limit {limits.turn_rate_rad_s:.2f} rad/s",
+    )
+    speed, _ = ramp_of(robot).step((0.0, 0.0), (limits.speed_mps, 0.0), robot.cycle)
+    yield Case(
+        "acceleration limit",
+        trips=Situation(wish=Motion(2.0 * speed)),
+        spares=Situation(wish=Motion(speed)),
+        reason=(f"asked to go from 0.00 m/s and 0.00 rad/s to {2.0 * speed:.2f} m/s and 0.00 rad/s at once"),
+    )
+    yield from _on_the_wall(robot)
+    yield from _lost()
+    yield from _bounded(robot)
+    yield from _coupled(robot)
+
+
+def _at_the_joint(robot: Robot[Geometry], side: float) -> Iterator[Case]:
+    """Yield the cases of a joint that is turned: nose first it is slower, and stops; tail first not."""
+    joint, speed = robot.geometry.joint, robot.geometry.limits.speed_mps
+    ahead = Motion(speed)
+    slow, bound = math.radians(joint.slow_deg), math.radians(joint.bound_deg)
+    half = side * 0.5 * (slow + bound)
+    for angle, spared, allowed in (
+        (half, Situation(wish=ahead, demanded=ahead, body=replace(WELL, joint_rad=side * slow)), 0.5 * speed),
+        (side * bound, Situation(wish=Motion(-speed), body=replace(WELL, joint_rad=side * bound)), 0.0),
+    ):
+        yield Case(
+            "joint limit",
+            trips=Situation(wish=ahead, demanded=ahead, body=replace(WELL, joint_rad=angle)),
+            spares=spared,
+            reason=(
+                f"the joint's angle is {math.degrees(angle):.1f} deg: asked for {speed:.3f} m/s nose first, "
+                f"allowed is {allowed:.3f} m/s"
+            ),
+        )
+    for unknown, known in ((None, "not known"), (math.nan, "nan deg")):
+        yield Case(
+            "joint limit",
+            trips=Situation(wish=ahead, demanded=ahead, body=replace(WELL, joint_rad=unknown)),
+            spares=Situation(wish=Motion(-speed), body=replace(WELL, joint_rad=unknown)),
+            reason=(
+                f"the joint's angle is {known}: asked for {speed:.3f} m/s nose first, allowed is 0.000 m/s"
+            ),
+        )
+
+
+def _on_the_wall(robot: Robot[Geometry]) -> Iterator[Case]:
+    del robot
+    below = math.nextafter(ON_WALL, 0.0)
+    for share, reason in (
+        (None, "nobody tells whether its magnets are on the wall"),
+        (math.nan, "nan% of its magnets are on the wall"),
+        (below, f"{below:.0%} of its magnets are on the wall"),
+    ):
+        yield Case(
+            "off the wall",
+            trips=Situation(body=replace(WELL, on_wall=share)),
+            spares=Situation(body=replace(WELL, on_wall=ON_WALL)),
+            reason=reason,
+        )
+
+
+def _lost() -> Iterator[Case]:
+    """Yield the cases of a robot that cameras see: a guide needs its place, an operator does not."""
+    guided = Motion(path_s=1.0)
+    lost = replace(SEEN, source=Source.LOST, uncertain_m=0.051)
+    yield Case(
+        "pose lost",
+        trips=Situation(wish=guided, located=lost),
+        spares=Situation(located=lost),
+        reason="the place is off by 0.051 m at most without the cameras: they do not see it",
+    )
+    yield Case(
+        "pose lost",
+        trips=Situation(wish=guided, located=replace(SEEN, source=Source.UNSEEN)),
+        spares=Situation(wish=guided, located=SEEN),
+        reason="the cameras have not seen the robot yet",
+    )
+    under_cameras = find("climber+cameras")
+    bound = under_cameras.located_by[1].slip_mps if under_cameras.located_by else math.nan
+    yield Case(
+        "robot slips",
+        trips=Situation(located=replace(SEEN, slip_mps=math.nextafter(bound, math.inf))),
+        spares=Situation(located=replace(SEEN, slip_mps=bound)),
+        reason=(f"the robot moves {bound:.3f} m/s otherwise than its wheels turn, limit {bound:.3f} m/s"),
+        robot=under_cameras,
+    )
+
+
+def _bounded(robot: Robot[Geometry]) -> Iterator[Case]:
+    """Yield the cases of a place beyond which it may not drive: it stands there, and looks beyond or back."""
+    limits, wall = robot.geometry.limits, robot.geometry.wall
+    bounds = (
+        ("height limit", robot, Pose(0.0, limits.highest_m, UP), limits.highest_m, ""),
+        ("height limit", robot, Pose(0.0, limits.lowest_m, -UP), limits.lowest_m, ""),
+        ("cable limit", robot, Pose(wall.cable_m, 0.0, ROUND), wall.cable_m, None),
+    )
+    for row, machine, place, bound, why in (*bounds, _heavy(robot)):
+        there, back = replace(SEEN, pose=place), place.heading_rad + math.pi
+        gone = replace(SEEN, pose=Pose(place.x_m, place.y_m, back))
+        ahead = Motion(limits.speed_mps)
+        yield Case(
+            row,
+            trips=Situation(wish=ahead, demanded=ahead, located=there),
+            spares=Situation(wish=ahead, demanded=ahead, located=gone),
+            reason=(
+                f"{bound:.2f} m of the cable are drawn, it is {bound:.2f} m long"
+                if why is None
+                else f"it is {place.y_m:.2f} m high, and may not pass {bound:.2f} m{why}"
+            ),
+            robot=machine,
+        )
+
+
+def _heavy(robot: Robot[Geometry]) -> tuple[str, Robot[Geometry], Pose, float, str]:
+    """Return the case of a cable so heavy that the magnets end the climb below the other bounds."""
+    geometry = robot.geometry
+    spare = geometry.wall.heaviest_kg - geometry.wall.mass_kg
+    wall = geometry.wall.model_copy(update={"cable_kg_per_m": spare / (0.5 * geometry.limits.highest_m)})
+    machine = robot.model_copy(update={"geometry": geometry.model_copy(update={"wall": wall})})
+    high = wall.highest_m
+    held = f": the magnets hold {wall.heaviest_kg:.1f} kg, cable included"
+    return "adhesion limit", machine, Pose(0.0, high, UP), high, held
+
+
+def _coupled(robot: Robot[Geometry]) -> Iterator[Case]:
+    base = robot.geometry.base.model_copy(update={"coupled": True})
+    machine = robot.model_copy(update={"geometry": robot.geometry.model_copy(update={"base": base})})
+    back = Motion(-robot.geometry.limits.speed_mps)
+    yield Case(
+        "coupled wheels",
+        trips=Situation(wish=Motion(turn_rad_s=0.1), demanded=Motion(turn_rad_s=0.1)),
+        spares=Situation(wish=back, demanded=back),
+        reason="asked to turn with 0.10 rad/s: one shaft turns both wheels",
+        robot=machine,
+    )
+
+
+def _limited(row: str, within: Motion, beyond: Motion) -> Case:
+    """Return the case of a limit that is passed at the pace that the robot has already."""
+    asked, allowed, unit = beyond.speed_mps, within.speed_mps, "m/s"
+    if row == "turn rate limit":
+        asked, allowed, unit = beyond.turn_rad_s, within.turn_rad_s, "rad/s"
+    elif row == "sideways limit":
+        allowed = within.speed_mps / JUST
+    return Case(
+        row,
+        trips=Situation(wish=beyond, demanded=within),
+        spares=Situation(wish=within, demanded=within),
+        reason=f"asked for {asked:.2f} {unit}, allowed is {allowed:.2f} {unit}",
+    )

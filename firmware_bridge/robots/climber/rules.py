@@ -1,0 +1,233 @@
+"""The climber's own interlocks and limits, beside the common ones of `firmware_bridge.safety.common`."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Final, TypeAlias
+
+from firmware_bridge.motion.captured import Source
+from firmware_bridge.motion.differential import fastest_in_turn
+from firmware_bridge.motion.pose import Pose
+from firmware_bridge.motion.ramp import MARGIN
+from firmware_bridge.robots.climber.body import ramp_of
+from firmware_bridge.robots.climber.geometry import Geometry
+from firmware_bridge.robots.climber.motion import Motion, State
+from firmware_bridge.robots.climber.surface import placed
+from firmware_bridge.safety import interlock
+from firmware_bridge.safety.limits import bounded
+from firmware_bridge.safety.row import Severity
+from firmware_bridge.units import MILLISECOND, Nanoseconds
+
+View: TypeAlias = interlock.View[Geometry, Motion, State]
+Interlock: TypeAlias = interlock.Interlock[Geometry, Motion, State]
+Limit: TypeAlias = interlock.Limit[Geometry, Motion, State]
+
+ON_WALL: Final = 0.9
+"""The share of the magnets' switches below which one is off."""
+SPIN: Final = 1.3
+"""A robot that turns faster than its limit by this factor turns as nobody asked it to."""
+CLEARS_AFTER: Final[Nanoseconds] = 300 * MILLISECOND
+SPEED_TOLERANCE: Final = 1e-4
+"""A step that the ramp shortens by less, in m/s or rad/s, is not reported."""
+
+
+def _turns_too_fast(view: View) -> str | None:
+    limit = view.geometry.limits.turn_rate_rad_s
+    turn = view.body.turn_rad_s
+    if abs(turn) <= (limit if view.holding else SPIN * limit):
+        return None
+    return f"the robot turns with {turn:.2f} rad/s, limit {limit:.2f} rad/s"
+
+
+def _pose_lost(view: View) -> str | None:
+    """Judge where a guide needs the pose: an operator sees himself where the robot is."""
+    located = view.seen.located
+    if located is None or located.reason is None or view.seen.wish.path_s is None:
+        return None
+    return located.reason
+
+
+def _slips(view: View) -> str | None:
+    """Judge what the cameras see against what the wheels tell."""
+    located, known = view.seen.located, view.robot.located_by
+    if located is None or known is None or located.slip_mps <= known[1].slip_mps:
+        return None
+    return (
+        f"the robot moves {located.slip_mps:.3f} m/s otherwise than its wheels turn, "
+        f"limit {known[1].slip_mps:.3f} m/s"
+    )
+
+
+def _off_the_wall(view: View) -> str | None:
+    on_wall = view.body.on_wall
+    if on_wall is None:
+        return "nobody tells whether its magnets are on the wall"
+    if on_wall >= ON_WALL:
+        return None
+    return f"{on_wall:.0%} of its magnets are on the wall"
+
+
+INTERLOCKS: Final = (
+    Interlock(
+        "off the wall",
+        _off_the_wall,
+        "stand clear; put it back on the wall, then arm",
+        clear_after=CLEARS_AFTER,
+        severity=Severity.EMERGENCY,
+        disarms=True,
+    ),
+    Interlock(
+        "robot slips",
+        _slips,
+        "look whether it still holds to the wall, then arm",
+        clear_after=CLEARS_AFTER,
+        severity=Severity.CRITICAL,
+        disarms=True,
+    ),
+    Interlock(
+        "pose lost",
+        _pose_lost,
+        "look what hides it from the cameras; where it was carried elsewhere, set its home anew",
+        clear_after=CLEARS_AFTER,
+        severity=Severity.CRITICAL,
+        blocks_arming=False,
+    ),
+    Interlock(
+        "turns too fast",
+        _turns_too_fast,
+        "look for a wheel that slips or a drive that runs away, then arm",
+        clear_after=CLEARS_AFTER,
+        severity=Severity.CRITICAL,
+        disarms=True,
+    ),
+)
+
+
+def slowed(view: View, share: float) -> tuple[Motion, str | None]:
+    """Clip the speed to a share of its top; turning takes the robot nowhere."""
+    allowed, reason = bounded(view.allowed.speed_mps, share * view.geometry.limits.speed_mps, "m/s")
+    return replace(view.allowed, speed_mps=allowed), reason
+
+
+def _joint(view: View) -> tuple[Motion, str | None]:
+    """Clip the speed nose first: with the caster trailing the joint's angle runs away, leading it decays."""
+    motion, joint = view.allowed, view.body.joint_rad
+    high = view.geometry.joint.share(joint) * view.geometry.limits.speed_mps
+    if motion.speed_mps <= high:
+        return motion, None
+    known = "not known" if joint is None else f"{math.degrees(joint):.1f} deg"
+    return replace(motion, speed_mps=high), (
+        f"the joint's angle is {known}: asked for {motion.speed_mps:.3f} m/s nose first, "
+        f"allowed is {high:.3f} m/s"
+    )
+
+
+def _place(view: View) -> Pose | None:
+    """Return where it is on the unrolled tank; None where cameras shall tell that, and have not seen it."""
+    located = view.seen.located
+    if located is None:
+        return placed(view.geometry, view.seen.pose)
+    return None if located.source is Source.UNSEEN else located.pose
+
+
+def _braked(left_m: float, view: View) -> float:
+    """Return the speed at which the robot comes to rest within a way; 0 where nothing is left of it."""
+    return math.sqrt(2.0 * MARGIN * view.geometry.limits.acceleration_mps2 * max(left_m, 0.0))
+
+
+def _towards(view: View, share: float, left_m: float) -> Motion:
+    """Return the motion that stops before a bound; it comes nearer with this share of the speed ahead."""
+    motion = view.allowed
+    if share * motion.speed_mps <= _braked(left_m, view):
+        return motion
+    return replace(motion, speed_mps=_braked(left_m, view) / share)
+
+
+def _height(view: View) -> tuple[Motion, str | None]:
+    return _no_higher(view, view.geometry.limits.lowest_m, view.geometry.limits.highest_m, "")
+
+
+def _adhesion(view: View) -> tuple[Motion, str | None]:
+    wall = view.geometry.wall
+    return _no_higher(
+        view, -math.inf, wall.highest_m, f": the magnets hold {wall.heaviest_kg:.1f} kg, cable included"
+    )
+
+
+def _no_higher(view: View, low: float, high: float, why: str) -> tuple[Motion, str | None]:
+    place, motion = _place(view), view.allowed
+    if place is None:
+        return motion, None
+    up = math.sin(place.heading_rad)
+    bound, share, left = (
+        (high, up, high - place.y_m) if up * motion.speed_mps > 0.0 else (low, -up, place.y_m - low)
+    )
+    allowed = _towards(view, share, left)
+    if allowed is motion:
+        return motion, None
+    return allowed, f"it is {place.y_m:.2f} m high, and may not pass {bound:.2f} m{why}"
+
+
+def _cable(view: View) -> tuple[Motion, str | None]:
+    """Clip what draws the cable taut; it lies straight on the tank, from where arc and height are 0."""
+    place, length = _place(view), view.geometry.wall.cable_m
+    drawn = 0.0 if place is None else math.hypot(place.x_m, place.y_m)
+    if place is None or drawn == 0.0:
+        return view.allowed, None
+    share = (place.x_m * math.cos(place.heading_rad) + place.y_m * math.sin(place.heading_rad)) / drawn
+    allowed = _towards(view, share, length - drawn)
+    if allowed is view.allowed:
+        return allowed, None
+    return allowed, f"{drawn:.2f} m of the cable are drawn, it is {length:.2f} m long"
+
+
+def _coupled(view: View) -> tuple[Motion, str | None]:
+    motion = view.allowed
+    if not view.geometry.base.coupled or motion.turn_rad_s == 0.0:
+        return motion, None
+    return replace(motion, turn_rad_s=0.0), (
+        f"asked to turn with {motion.turn_rad_s:.2f} rad/s: one shaft turns both wheels"
+    )
+
+
+def _turn(view: View) -> tuple[Motion, str | None]:
+    allowed, reason = bounded(view.allowed.turn_rad_s, view.geometry.limits.turn_rate_rad_s, "rad/s")
+    return replace(view.allowed, turn_rad_s=allowed), reason
+
+
+def _sideways(view: View) -> tuple[Motion, str | None]:
+    fastest = fastest_in_turn(view.allowed.turn_rad_s, view.geometry.limits.sideways_mps2)
+    allowed, reason = bounded(view.allowed.speed_mps, fastest, "m/s")
+    return replace(view.allowed, speed_mps=allowed), reason
+
+
+def _acceleration(view: View) -> tuple[Motion, str | None]:
+    """Clip nothing, the ramp does; say where it will take more than one cycle."""
+    demanded, asked = view.seen.demanded, view.allowed
+    speed, turn = ramp_of(view.robot).step(
+        (demanded.speed_mps, demanded.turn_rad_s), (asked.speed_mps, asked.turn_rad_s), view.robot.cycle
+    )
+    if abs(asked.speed_mps - speed) <= SPEED_TOLERANCE and abs(asked.turn_rad_s - turn) <= SPEED_TOLERANCE:
+        return asked, None
+    return asked, (
+        f"asked to go from {demanded.speed_mps:.2f} m/s and {demanded.turn_rad_s:.2f} rad/s "
+        f"to {asked.speed_mps:.2f} m/s and {asked.turn_rad_s:.2f} rad/s at once"
+    )
+
+
+def _limit(name: str, clip: Callable[[View], tuple[Motion, str | None]], remedy: str) -> Limit:
+    return Limit(name, clip, remedy, clear_after=CLEARS_AFTER)
+
+
+LIMITS: Final = (
+    _limit("speed limit", lambda view: slowed(view, 1.0), "ask for less speed"),
+    _limit("joint limit", _joint, "drive tail first, or turn round"),
+    _limit("coupled wheels", _coupled, "drive straight, nose first or tail first"),
+    _limit("height limit", _height, "drive the other way"),
+    _limit("adhesion limit", _adhesion, "drive down, or take weight off its cable"),
+    _limit("cable limit", _cable, "drive back, or give it a longer cable"),
+    _limit("turn rate limit", _turn, "turn more slowly"),
+    _limit("sideways limit", _sideways, "turn less or ask for less speed"),
+    _limit("acceleration limit", _acceleration, "change speed and turn more slowly"),
+)
+"""Applied in this order; a later one sees what an earlier one left."""

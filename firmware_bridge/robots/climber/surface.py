@@ -1,0 +1,66 @@
+"""The tank's surface as the bridge knows it: unrolled, and how two wheels turn on it.
+
+A cylinder unrolls without stretching, so a pose on it is a pose on a plane: x is the arc, y the height, the
+heading counts from the arc towards the axis, seen from outside. Only the track is another one: wheels that
+stand on a bent surface touch it nearer to each other than their axle is long, the more the joint is turned.
+"""
+
+import math
+from typing import Final
+
+from firmware_bridge.drivers.driver import SeenPose
+from firmware_bridge.motion.pose import Pose
+from firmware_bridge.robots.climber.geometry import Geometry
+
+FLAT_PER_M: Final = 1e-6
+"""Below this curvature along the axle the track is that of a plane."""
+
+
+def unrolled(geometry: Geometry, seen: SeenPose, near: Pose) -> Pose:
+    """Return the pose on the unrolled surface of a robot that cameras see in the room.
+
+    The arc is that of the turn round the tank which is nearest to where the robot is believed to be. How far
+    off the tank's axis its body is does not matter: it stands on the surface, wherever its pivot is above it.
+    """
+    tank = geometry.tank
+    x, y, height = seen.position
+    round_it = math.atan2(y - tank.axis_y_m, x - tank.axis_x_m)
+    turns = math.tau * round((near.x_m / tank.radius_m - round_it) / math.tau)
+    # The way ahead in the room, along the arc and along the axis.
+    qx, qy, qz, qw = seen.attitude
+    ahead = 1.0 - 2.0 * (qy * qy + qz * qz), 2.0 * (qx * qy + qz * qw), 2.0 * (qx * qz - qy * qw)
+    along = ahead[1] * math.cos(round_it) - ahead[0] * math.sin(round_it)
+    return Pose(tank.radius_m * (round_it + turns), height, math.atan2(ahead[2], along))
+
+
+def track_on(geometry: Geometry, heading_rad: float, joint_rad: float | None = None) -> float:
+    """Return the track in m, along the surface, of a robot that looks so and whose joint is at an angle.
+
+    Across the robot the surface is a circle of radius r = r_c / sin^2(heading). Each half, turned by half of
+    the joint's angle j, puts the middle of its wheel's cross-section (r_t thick, its centres on a ring of
+    r_m) at x = b cos(j / 2) - r_m sin(j / 2) from the robot's middle; the contact is at
+    asin(x / (r + r_t)) round.
+    Without an angle both wheels stand upright.
+    """
+    base = geometry.base
+    half, crown = 0.5 * base.track_m, base.crown_radius_m
+    bend = math.sin(heading_rad) ** 2 / geometry.tank.radius_m
+    lean = (
+        math.atan(half * bend / (1.0 + base.wheel_radius_m * bend)) if joint_rad is None else 0.5 * joint_rad
+    )
+    x = half * math.cos(lean) - (base.wheel_radius_m - crown) * math.sin(lean)
+    if bend < FLAT_PER_M:
+        return 2.0 * x
+    return 2.0 * math.asin(x * bend / (1.0 + crown * bend)) / bend
+
+
+def placed(geometry: Geometry, rolled: Pose) -> Pose:
+    """Return the pose on the unrolled surface of a robot that was put on it as the robot file says."""
+    start = geometry.start
+    turn = start.heading_rad
+    cosine, sine = math.cos(turn), math.sin(turn)
+    return Pose(
+        rolled.x_m * cosine - rolled.y_m * sine,
+        start.height_m + rolled.x_m * sine + rolled.y_m * cosine,
+        rolled.heading_rad + turn,
+    )

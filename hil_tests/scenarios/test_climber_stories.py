@@ -1,0 +1,96 @@
+"""The climber on the bench: closed paths by captured pose and by odometry, joint, coupled wheels, a fall."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from emulators.bench import mission as missions
+from emulators.bench.operator import ScriptedOperator
+from emulators.bench.path_error import path_error
+from emulators.bench.rehearsal import rehearsal_of
+from emulators.rig import Rig
+from emulators.run import Order, followed
+from firmware_bridge.kinds import find
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.units import from_seconds
+
+CLOSED = ("square", "triangle", "diamond")
+STOP_DEG, BOUND_DEG = 25.0, 15.0
+
+
+class Ridden:
+    """A mission that was driven: its figures, its largest distance from the path, and what held."""
+
+    def __init__(self, robot: AnyRobot, name: str, until_s: float | None = None, seed: int = 0) -> None:
+        rehearsal = rehearsal_of(robot)
+        mission = missions.find(name, robot, rehearsal)
+        operator = ScriptedOperator(robot, rehearsal, mission, np.random.default_rng(seed))
+        rig = Rig(robot, rehearsal, operator, seed=seed, faults=mission.fault)
+        try:
+            rig.run(from_seconds(mission.duration_s if until_s is None else until_s))
+            order = Order(robot, rehearsal, name, mission, seed, None)  # type: ignore[arg-type] # no files
+            self.path = path_error(rig.samples, followed(order), 0.0)
+            told = {key: figure(rig.samples) for key, figure in rehearsal.figures.items()}
+            self.figures = {key: math.nan if it is None else it for key, it in told.items()}
+            self.held = {hold.name: hold.reason for hold in rig.holds if hold.began > from_seconds(4.0)}
+            self.samples = rig.samples
+            self.refused = rig.guard.refused
+        finally:
+            rig.finish()
+
+
+def changed(table: str, **values: Any) -> AnyRobot:
+    """Return the climber with other values in one table of its geometry."""
+    robot = find("climber")
+    geometry = robot.geometry
+    other = getattr(geometry, table).model_copy(update=values)
+    return robot.model_copy(update={"geometry": geometry.model_copy(update={table: other})})
+
+
+@pytest.mark.parametrize("name", CLOSED)
+def test_by_captured_pose_a_closed_path_is_kept_to_and_closes(name: str) -> None:
+    ridden = Ridden(find("climber+cameras"), name)
+    assert ridden.path.same_instant is not None
+    assert ridden.path.same_instant < 0.020
+    assert ridden.figures["closure_m"] < 0.001
+    assert ridden.figures["max_joint_deg"] < BOUND_DEG
+    assert ridden.refused == 0
+    # The mission's own end disarms; nothing else holds while it drives.
+    assert set(ridden.held) == {"not armed"}
+
+
+@pytest.mark.parametrize("name", CLOSED)
+def test_by_odometry_alone_it_is_off_by_what_the_summary_tells(name: str) -> None:
+    ridden = Ridden(find("climber"), name)
+    assert 0.001 < ridden.figures["closure_m"] < 0.03
+    assert ridden.figures["max_joint_deg"] < BOUND_DEG
+
+
+@pytest.mark.parametrize("name", CLOSED)
+def test_without_the_rule_the_same_paths_touch_the_joints_stop(name: str) -> None:
+    free = changed("joint", turns_round_deg=80.0, slow_deg=80.0, bound_deg=85.0)
+    assert Ridden(free, name).figures["max_joint_deg"] > STOP_DEG
+
+
+def test_coupled_it_cannot_turn_round_and_the_rule_stops_it() -> None:
+    robot = changed("base", coupled=True)
+    paths = robot.geometry.paths.model_copy(update={"length_m": 2.0})
+    robot = robot.model_copy(update={"geometry": robot.geometry.model_copy(update={"paths": paths})})
+    ridden = Ridden(robot, "vertical", until_s=29.5)
+    assert "nose first" in ridden.held["joint limit"]
+    assert ridden.figures["max_joint_deg"] < BOUND_DEG
+    turned = ridden.samples.column("heading_rad")
+    assert np.abs(turned - turned[0]).max() < math.radians(1.0)
+    last = ridden.samples[-1]
+    assert last["y_m"] == pytest.approx(1.2, abs=0.1)
+
+
+def test_where_a_magnet_lets_go_it_says_so_and_the_drives_stop() -> None:
+    ridden = Ridden(find("climber"), "falls")
+    assert ridden.held["off the wall"] == "0% of its magnets are on the wall"
+    # g t^2 / 2 from within some 0.1 s of the fault at 9 s until 14 s.
+    assert ridden.figures["fell_m"] == pytest.approx(0.5 * 9.81 * 4.95**2, rel=0.05)
+    speed = ridden.samples.column("speed_mps")
+    assert np.abs(speed[-300:]).max() < 1e-3
