@@ -5,7 +5,6 @@ import math
 import pytest
 
 from emulators.bench.mission import Noise
-from firmware_bridge.drivers.epos2.scale import Scale
 from firmware_bridge.kinds import find
 from firmware_bridge.motion import davis
 from firmware_bridge.units import from_seconds, to_seconds

@@ -16,7 +16,7 @@ from firmware_bridge.teleop.mavlink import Codec, Message, dialect
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND
 
 ROW = Device(
-    "fake", helm=1, accelerator=4, brake=5, released=FULL, reverse=7, arm=8, stop=9, switches=(10, 11), lift=6
+    "fake", helm=1, accelerator=4, brake=5, released=FULL, reverse=7, arm=8, stop=9, switches=(10, 11), rise=6
 )
 
 
