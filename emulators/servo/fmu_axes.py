@@ -14,6 +14,8 @@ from fmu.plant import FmuPlant, PlantError
 
 HELD: Final = "held_"
 """Before an axis: the input by which something rubs at its output, N m, where the plant has it."""
+LIFTED: Final = "lifted_"
+"""Before an axis: the input that is 1 where what it turns is in the air, where the plant has it."""
 
 
 def fmu_plant(
@@ -27,7 +29,7 @@ def fmu_plant(
         (*own, *(name for name in dict.fromkeys(more) if name not in own)),
         parameters,
         units=units(axes),
-        optional_inputs=(*pin_inputs(axes), *(f"{HELD}{axis}" for axis in axes)),
+        optional_inputs=(*pin_inputs(axes), *(f"{kind}{axis}" for kind in (HELD, LIFTED) for axis in axes)),
         optional_outputs=pin_outputs(axes) + sensor_outputs(axes),
     )
 

@@ -56,3 +56,12 @@ def test_a_wire_that_is_off_and_a_wheel_that_is_blocked_are_named_and_the_base_s
         assert holds <= held(rig)
         assert speed(rig) < STANDS_MPS
         assert not rig.bridge.seen.facts.armed
+
+
+def test_with_too_low_a_supply_of_the_motors_the_base_does_not_follow_and_is_stopped() -> None:
+    text = '[[fault]]\nkind = "motor_supply_sag"\nto_v = 2.0\nat_s = 6.5\n'
+    with driven("ros-arduino-bridge", "speed_mps = 0.3", 20.0, text) as rig:
+        rig.runs(8.5)
+        assert any(name.startswith("axis does not follow") for name in held(rig))
+        assert speed(rig) < STANDS_MPS
+        assert not rig.bridge.seen.facts.armed
