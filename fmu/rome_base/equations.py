@@ -84,7 +84,7 @@ class Base:
         return self._solved(force)
 
     def _solved(self, force: Expression) -> Expression:
-        """Return force over mass: that with all wheels on the floor, less each in the air (Sherman, Morrison)."""
+        """Return force over mass: with all wheels on the floor, less those in the air (Sherman, Morrison)."""
         # P' P = diag(3/2, 3/2, 3 L2), for the wheels are alike.
         mass = P["mass"] + self.rim_mass * 3 / 2
         turning = P["yaw_inertia"] + 3 * P["wheel_distance"] ** 2 * self.rim_mass

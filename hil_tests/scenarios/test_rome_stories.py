@@ -5,6 +5,7 @@ import pytest
 from emulators.bench.path_error import Followed, path_error
 from emulators.bench.rehearsal import rehearsal_of
 from emulators.rig import BRIDGE
+from firmware_bridge.packet import Packet
 from hil_tests.scenarios.rome_ride import FULL, STANDS_MPS, driven, held, speed
 
 
@@ -65,3 +66,19 @@ def test_with_too_low_a_supply_of_the_motors_the_base_does_not_follow_and_is_sto
         assert any(name.startswith("axis does not follow") for name in held(rig))
         assert speed(rig) < STANDS_MPS
         assert not rig.bridge.seen.facts.armed
+
+
+def test_who_takes_control_is_told_what_the_start_has_shown_of_the_boards_reset() -> None:
+    said: list[bytes] = []
+
+    def note(_now: int, sender: str, packet: Packet) -> None:
+        if sender == BRIDGE:
+            said.append(packet.payload)
+
+    with driven("mw", "speed_mps = 0.1", 5.0, encoders=3) as rig:
+        rig.operator_wire.observe(note)
+        rig.runs(3.9)
+        at_start = b"".join(said).count(b"the line's reset works")
+        rig.runs(0.5)
+    assert at_start == 1
+    assert b"the line's reset works" in b"".join(said).partition(b" drives")[2]

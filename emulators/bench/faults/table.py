@@ -315,8 +315,8 @@ _ROWS: Final = (
     ),
     Kind(
         capture.BodyShakes,
-        "The body trembles: bumps from roller to roller, a floor that is not even, loose markers. ASSUME 1 mm;"
-        " the thesis names vibration without a number.",
+        "The body trembles: bumps from roller to roller, a floor that is not even, loose markers. ASSUME 1 mm"
+        ": the thesis names vibration without a number.",
         "A capture system: sees each frame's place with that error, and its own beside it. The bridge's pose"
         " follows a share of it.",
     ),

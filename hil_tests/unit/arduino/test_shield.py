@@ -286,7 +286,8 @@ def test_a_current_at_its_limit_is_not_driven_further() -> None:
 
 @every(
     ("supply", "was", "off", "ohm"),
-    [(12.0, False, False, 0.5), (5.0, False, False, 0.5), (4.0, False, False, 0.625), (2.5, False, False, 1.0),
+    [(12.0, False, False, 0.5), (5.0, False, False, 0.5),
+     (4.0, False, False, 0.625), (2.5, False, False, 1.0),
      (2.49, False, True, 1.0), (2.79, True, True, 5.0 / 2.79 / 2), (2.8, True, False, 5.0 / 2.8 / 2),
      (0.0, True, True, 1.0)],
 )  # fmt: skip
