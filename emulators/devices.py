@@ -122,8 +122,8 @@ def _on_boards(robot: AnyRobot, plant: FmuPlant) -> Devices:
     constants = tuple(_constant(plant, axis) for axis in names)
     counts = axes[0].shield.counts_per_turn
     supply = plant.output_names.index(SUPPLY)
-    holds, lifts = (_puts(plant, kind, names) for kind in (HELD, LIFTED))
-    load = Load(plant, names, constants, supply, counts_per_turn=counts, holds=holds, lifts=lifts)
+    holds, hoists = (_puts(plant, kind, names) for kind in (HELD, LIFTED))
+    load = Load(plant, names, constants, supply, counts_per_turn=counts, holds=holds, hoists=hoists)
     auto_stop = None if firmware.auto_stop is None else link.auto_stop_ms
     boards = {name: Board(firmware, load, encoders=link.counted, auto_stop=auto_stop)}
     motors = tuple(ShieldMotor(axis.name, boards[name], axis.shield.port) for axis in axes)

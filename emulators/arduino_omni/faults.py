@@ -73,7 +73,7 @@ def _blocked(motor: int) -> Callable[[Board, bool, Nanoseconds], None]:
 
 def _lifted(motor: int) -> Callable[[Board, bool, Nanoseconds], None]:
     def put(board: Board, on: bool, _: Nanoseconds) -> None:  # noqa: FBT001
-        board.motors.lift(motor, lifted=on)
+        board.motors.hoist(motor, lifted=on)
 
     return put
 

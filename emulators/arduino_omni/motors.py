@@ -72,7 +72,7 @@ class Load:
     counts_per_turn: int = COUNTS_PER_TURN
     holds: Callable[[int, float], None] | None = None
     """Have something rub at a motor's shaft behind its gear, N m, from 0 on; None: this plant cannot."""
-    lifts: Callable[[int, float], None] | None = None
+    hoists: Callable[[int, float], None] | None = None
     """Have what a motor turns in the air, 1, or on what it stands on, 0; None: this plant cannot."""
 
 
@@ -225,12 +225,12 @@ class Motors(Shafts):
         self._run()
         self._load.holds(motor, BLOCKED if blocked else 0.0)
 
-    def lift(self, motor: int, *, lifted: bool) -> None:
-        """Lift what a motor turns, or put it down; PlantError where the plant has no way for it."""
-        if self._load.lifts is None:
-            raise PlantError(f"the plant has no input lifted_{self._load.names[motor]}: nothing can lift it")
+    def hoist(self, motor: int, *, lifted: bool) -> None:
+        """Hoist what a motor turns, or put it down; PlantError where the plant has no way for it."""
+        if self._load.hoists is None:
+            raise PlantError(f"the plant has no input lifted_{self._load.names[motor]}: nothing can hoist it")
         self._run()
-        self._load.lifts(motor, float(lifted))
+        self._load.hoists(motor, float(lifted))
 
     def starves(self, volts: float) -> None:
         """Have no more than that as the motors' supply from here on, V; inf: all there is."""

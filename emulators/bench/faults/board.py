@@ -143,15 +143,15 @@ class LoadLifted(_OnMotor):
     kind: ClassVar = "load_lifted"
 
     def put_on(self, site: Site, chance: Generator) -> None:
-        """Lift it; PlantError where the plant has no such input."""
+        """Hoist it; PlantError where the plant has no such input."""
         del chance
         for motors, place in self._found(site):
-            motors.lift(place, lifted=True)
+            motors.hoist(place, lifted=True)
 
     def take_off(self, site: Site) -> None:
         """Put it down."""
         for motors, place in self._found(site):
-            motors.lift(place, lifted=False)
+            motors.hoist(place, lifted=False)
 
 
 class MotorSupplySag(_OfBoards, Lasting):

@@ -126,7 +126,7 @@ def test_with_too_low_a_supply_of_the_motors_the_half_bridges_are_off_and_the_bo
 
 
 def test_nothing_is_lifted_where_the_plant_has_no_floor() -> None:
-    with pytest.raises(PlantError, match="no input lifted_M2: nothing can lift it"):
+    with pytest.raises(PlantError, match="no input lifted_M2: nothing can hoist it"):
         Host("lifted-2@1")
 
 
