@@ -258,8 +258,8 @@ _ROWS: Final = (
     ),
     Kind(
         board.LoadLifted,
-        "A light base stands on what is uneven, or somebody picks it up: what the motor turns is in the air, and"
-        " spins free.",
+        "A light base stands on what is uneven, or somebody picks it up: what the motor turns is in the air,"
+        " and spins free.",
         "A board: notices nothing, its encoder counts on. The base goes otherwise than its motors turn: where"
         " cameras see it the bridge holds `base slips`; without them odometry is wrong, and nobody knows.",
         "the load",
