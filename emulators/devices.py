@@ -15,7 +15,7 @@ from emulators.epos2.objects.saved_parameters import Storage
 from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, plant_outputs
-from emulators.servo.fmu_axes import HELD, fmu_bank, fmu_plant, tell_motor
+from emulators.servo.fmu_axes import HELD, LIFTED, fmu_bank, fmu_plant, tell_motor
 from emulators.servo.pins import SWITCHES, input_lines
 from emulators.shield_bank import ShieldBank, ShieldMotor
 from firmware_bridge.robot import AnyRobot, Axis, Problem, RobotFileError
@@ -123,25 +123,26 @@ def _on_boards(robot: AnyRobot, plant: FmuPlant) -> Devices:
     names = tuple(axis.name for axis in axes)
     constants = tuple(_constant(plant, axis) for axis in names)
     counts = axes[0].shield.counts_per_turn
-    supply, holds = plant.output_names.index(SUPPLY), _holds(plant, names)
-    load = Load(plant, names, constants, supply, counts_per_turn=counts, holds=holds)
+    supply = plant.output_names.index(SUPPLY)
+    holds, hoists = (_puts(plant, kind, names) for kind in (HELD, LIFTED))
+    load = Load(plant, names, constants, supply, counts_per_turn=counts, holds=holds, hoists=hoists)
     auto_stop = None if firmware.auto_stop is None else link.auto_stop_ms
     boards = {name: Board(firmware, load, encoders=link.counted, auto_stop=auto_stop)}
     motors = tuple(ShieldMotor(axis.name, boards[name], axis.shield.port) for axis in axes)
     return Devices({}, ShieldBank(boards, motors), plant, boards)
 
 
-def _holds(plant: FmuPlant, axes: Sequence[str]) -> Callable[[int, float], None] | None:
-    """Return what has something rub at an axis, where the plant can."""
-    wanted = [f"{HELD}{axis}" for axis in axes]
+def _puts(plant: FmuPlant, kind: str, axes: Sequence[str]) -> Callable[[int, float], None] | None:
+    """Return what sets an input of this kind of an axis, where the plant has it."""
+    wanted = [f"{kind}{axis}" for axis in axes]
     if not set(wanted) <= set(plant.input_names):
         return None
     places = [plant.input_names.index(name) for name in wanted]
 
-    def hold(axis: int, torque: float) -> None:
-        plant.inputs[places[axis]] = torque
+    def put(axis: int, value: float) -> None:
+        plant.inputs[places[axis]] = value
 
-    return hold
+    return put
 
 
 def _constant(plant: FmuPlant, axis: str) -> float:

@@ -4,6 +4,7 @@ Sources: ATmega2560 data sheet: brown-out holds the processor in reset; the
 shield's chip goes on down to 2.3 V.
 """
 
+import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -70,6 +71,17 @@ def _blocked(motor: int) -> Callable[[Board, bool, Nanoseconds], None]:
     return put
 
 
+def _lifted(motor: int) -> Callable[[Board, bool, Nanoseconds], None]:
+    def put(board: Board, on: bool, _: Nanoseconds) -> None:  # noqa: FBT001
+        board.motors.hoist(motor, lifted=on)
+
+    return put
+
+
+def _sag(board: Board, on: bool, _: Nanoseconds) -> None:  # noqa: FBT001
+    board.motors.starves(SAGGED_V if on else math.inf)
+
+
 def _in(places: set[int], place: int, *, on: bool) -> None:
     if on:
         places.add(place)
@@ -77,12 +89,15 @@ def _in(places: set[int], place: int, *, on: bool) -> None:
         places.discard(place)
 
 
+SAGGED_V: Final = 2.0
+"""Below what the half bridges need."""
 ROWS: Final[tuple[BoardFault, ...]] = (
     BoardFault("current-limit", "a half bridge cuts a current that reaches 3.2 A", _limit),
     BoardFault("over-temperature", "the half bridges warm up, and shut down at 175 degrees C", _heat),
     BoardFault("hangs", "the firmware does nothing more until a reset; the shield goes on as told", _hang),
     BoardFault("brown-out", "the processor is held in reset; the shield goes on as it was told", _brown_out),
     BoardFault("unpowered", "processor and shield lose their 5 V, and begin anew", _unpowered),
+    BoardFault("supply-sag", f"the motors' supply sags to {SAGGED_V:g} V: the half bridges are off", _sag),
     *(
         BoardFault(f"cable-{motor + 1}", f"the cable of the motor at {port.name} is off", _cable(motor))
         for motor, port in enumerate(PORTS)
@@ -90,6 +105,12 @@ ROWS: Final[tuple[BoardFault, ...]] = (
     *(
         BoardFault(
             f"blocked-{motor + 1}", f"the shaft of the motor at {port.name} is blocked", _blocked(motor)
+        )
+        for motor, port in enumerate(PORTS)
+    ),
+    *(
+        BoardFault(
+            f"lifted-{motor + 1}", f"what the motor at {port.name} turns is in the air", _lifted(motor)
         )
         for motor, port in enumerate(PORTS)
     ),

@@ -16,6 +16,7 @@ Where they are silent:
   counters in the same proportion, and never counted the other way.
 """
 
+import math
 from array import array
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -24,7 +25,16 @@ from typing import Final
 
 from emulators.arduino_omni.mega.pins import ENCODER_PINS, Shafts
 from emulators.arduino_omni.shield.motor_shield import PORTS, MotorShield
-from emulators.arduino_omni.shield.tb6612 import COAST, COUNTS, ON_RESISTANCE, Output, Thermal, limited
+from emulators.arduino_omni.shield.tb6612 import (
+    COAST,
+    COUNTS,
+    ON_RESISTANCE,
+    Output,
+    Thermal,
+    limited,
+    locked,
+    on_resistance,
+)
 from emulators.servo.axis import TICK
 from emulators.servo.motor import DcMotor, DcMotors
 from emulators.servo.seam import WIDEST_ANGLE, Plant, no_measurement
@@ -62,6 +72,8 @@ class Load:
     counts_per_turn: int = COUNTS_PER_TURN
     holds: Callable[[int, float], None] | None = None
     """Have something rub at a motor's shaft behind its gear, N m, from 0 on; None: this plant cannot."""
+    hoists: Callable[[int, float], None] | None = None
+    """Have what a motor turns in the air, 1, or on what it stands on, 0; None: this plant cannot."""
 
 
 def four_motors(motor: DcMotor = MOTOR) -> Load:
@@ -96,10 +108,14 @@ class MotorFaults:
     """Motors, from 0, whose cable is off."""
     dead: set[int] = field(default_factory=set)
     """Encoders, from 0, that give no edges."""
+    supply: float = math.inf
+    """V: the motors' supply has no more."""
 
     def __bool__(self) -> bool:
         """Tell whether anything is otherwise than it should be."""
-        return self.limits_current or self.warms or bool(self.cut) or bool(self.dead)
+        return (
+            self.limits_current or self.warms or bool(self.cut) or bool(self.dead) or self.supply < math.inf
+        )
 
 
 class Motors(Shafts):
@@ -126,6 +142,8 @@ class Motors(Shafts):
         self.faults: Final = MotorFaults()
         self.chips: Final = tuple(Thermal() for _ in PORTS[::CHANNELS_A_CHIP])
         """The half bridges' temperatures, followed where `faults` says so."""
+        self._locked = False
+        """Whether the supply is too low for the half bridges."""
         self._ticks = 0
         self._seen = min(len(wiring), len(load.names))
         self._places: Final = array("q", self._counts())
@@ -193,8 +211,12 @@ class Motors(Shafts):
     def supply(self) -> float:
         """What the half bridges get, in V."""
         self._run()
+        return self._supplied()
+
+    def _supplied(self) -> float:
         place = self._load.supply
-        return self._constant_supply if place is None else self._plant.outputs[place : place + 1][0]
+        given = self._constant_supply if place is None else self._plant.outputs[place : place + 1][0]
+        return min(given, self.faults.supply)
 
     def block(self, motor: int, *, blocked: bool) -> None:
         """Let something hold a motor's shaft, or let it go; PlantError where the plant has no way for it."""
@@ -202,6 +224,18 @@ class Motors(Shafts):
             raise PlantError(f"the plant has no input held_{self._load.names[motor]}: nothing can hold it")
         self._run()
         self._load.holds(motor, BLOCKED if blocked else 0.0)
+
+    def hoist(self, motor: int, *, lifted: bool) -> None:
+        """Hoist what a motor turns, or put it down; PlantError where the plant has no way for it."""
+        if self._load.hoists is None:
+            raise PlantError(f"the plant has no input lifted_{self._load.names[motor]}: nothing can hoist it")
+        self._run()
+        self._load.hoists(motor, float(lifted))
+
+    def starves(self, volts: float) -> None:
+        """Have no more than that as the motors' supply from here on, V; inf: all there is."""
+        self._run()
+        self.faults.supply = volts
 
     def follow_heat(self, *, followed: bool) -> None:
         """Follow the half bridges' temperatures from here on, cold, or no more."""
@@ -290,21 +324,22 @@ class Motors(Shafts):
 
     def _passed(self, motor: int, output: Output, current: float) -> Output:
         """Return what a half bridge makes of what it is told, and its cable leaves of that."""
-        if motor in self.faults.cut:
+        if motor in self.faults.cut or self._locked:
             return COAST
         if self.faults.limits_current:
             output = limited(output, current)
         return self.chips[motor // CHANNELS_A_CHIP].passes(output) if self.faults.warms else output
 
     def _tick(self, outputs: Sequence[Output]) -> None:
-        faults, plant, place = self.faults, self._plant, self._load.supply
-        supply = self._constant_supply if place is None else plant.outputs[place : place + 1][0]
+        faults, plant, supply = self.faults, self._plant, self._supplied()
+        resistance = on_resistance(supply)
         count = len(outputs)
         state = plant.outputs[: 3 * count]
         if faults:
+            self._locked = locked(supply, was=self._locked)
             outputs = [self._passed(motor, it, state[motor]) for motor, it in enumerate(outputs)]
         for motor, output in enumerate(outputs):
-            volts = output.volts(supply, state[motor])
+            volts = output.volts(supply, state[motor], resistance)
             if output.open:
                 volts += output.open / COUNTS * self._load.torque_constants[motor] * state[2 * count + motor]
             plant.inputs[motor] = volts

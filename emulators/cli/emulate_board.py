@@ -80,8 +80,8 @@ class BoardOptions:
         typer.Option(
             metavar="NAME[@FROM[-TO]]",
             help="What is wrong, from and to a time in s; again for each: current-limit, over-temperature, "
-            "hangs, brown-out, unpowered, cable-1 to cable-4, blocked-1 to blocked-4, "
-            "encoder-1 to encoder-3.",
+            "hangs, brown-out, unpowered, supply-sag, cable-1 to cable-4, blocked-1 to blocked-4, "
+            "lifted-1 to lifted-4, encoder-1 to encoder-3.",
             show_default=False,
         ),
     ] = None

@@ -159,7 +159,7 @@ def stops(robot: AnyRobot, link: str) -> Iterator[Cells]:
     """Yield the steps in which the axes on a link are stopped, each with its time."""
     table = robot.links[link]
     axes = robot.axes_on(link)
-    ways = [STOP_STEPS[table.driver](axis, table, robot.cycle) for axis in axes]
+    ways = [STOP_STEPS[table.driver](robot, axis) for axis in axes]
     for steps in zip(*ways, strict=True):
         step = steps[0]
         longest = max(one.lasts(axis.top_speed) for one, axis in zip(steps, axes, strict=True))

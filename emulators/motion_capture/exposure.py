@@ -88,13 +88,23 @@ class Swapped:
     turn: float = math.pi
 
 
+@dataclass(frozen=True, slots=True)
+class Shaken:
+    """A body trembles from `begin` until `end`: it is seen so much less exactly, m along each axis."""
+
+    body: int
+    begin: Nanoseconds
+    end: Nanoseconds = NEVER
+    noise_m: float = 0.001
+
+
 @dataclass(slots=True)
 class Exposure:
     """The room, seen again and again."""
 
     bodies: Sequence[Body]
     cameras: Cameras
-    disturbances: list[Hidden | Swapped] = field(default_factory=list)
+    disturbances: list[Hidden | Swapped | Shaken] = field(default_factory=list)
     _last: dict[int, Place] = field(default_factory=dict)
     """Where each body was seen last."""
 
@@ -109,7 +119,7 @@ class Exposure:
         markers: list[LabelledMarker] = []
         for number, body in enumerate(self.bodies):
             errors = normals[NORMALS * number : NORMALS * number + NORMALS]
-            seen = self._noisy(self._swapped(body, now), errors)
+            seen = self._noisy(self._swapped(body, now), self._noise(body.id, now), errors)
             if self._hidden(body.id, now):
                 place, error, params = self._lost(body.id), 0.0, 0
             else:
@@ -136,9 +146,18 @@ class Exposure:
                 place = Place(position, product(place.attitude, turn))
         return place
 
-    def _noisy(self, place: Place, errors: Sequence[float]) -> Place:
+    def _noise(self, body: int, now: Nanoseconds) -> float:
+        shaken = (
+            one.noise_m
+            for one in self.disturbances
+            if isinstance(one, Shaken) and one.body == body and one.begin <= now < one.end
+        )
+        return math.hypot(self.cameras.noise_m, *shaken)
+
+    @staticmethod
+    def _noisy(place: Place, noise: float, errors: Sequence[float]) -> Place:
         x, y, z, roll, pitch, yaw = errors
-        noise, half = self.cameras.noise_m, 0.5 * self.cameras.noise_m / ARM_M
+        half = 0.5 * noise / ARM_M
         position = _moved(place.position, (x * noise, y * noise, z * noise))
         return Place(position, _unit(product(place.attitude, (roll * half, pitch * half, yaw * half, 1.0))))
 

@@ -18,7 +18,7 @@ from numpy.random import Generator
 
 from emulators.motion_capture.bodies import Body
 from emulators.motion_capture.chance import Chance
-from emulators.motion_capture.exposure import NORMALS, Cameras, Exposure, Hidden, Swapped
+from emulators.motion_capture.exposure import NORMALS, Cameras, Exposure, Hidden, Shaken, Swapped
 from emulators.motion_capture.server import Server
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MICROSECOND, SECOND, Nanoseconds, to_seconds
@@ -92,7 +92,7 @@ class MotionCapture:
         """Frames that have left, to however many clients."""
         self._plan()
 
-    def hide(self, what: Hidden | Swapped) -> None:
+    def hide(self, what: Hidden | Swapped | Shaken) -> None:
         """Hide a body, or have its markers taken for others, as described."""
         self.exposure.disturbances.append(what)
 

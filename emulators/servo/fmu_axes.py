@@ -16,6 +16,8 @@ HELD: Final = "held_"
 """Before an axis: the input by which something rubs at its output, N m, where the plant has it."""
 GRIP_LOST: Final = "grip_lost_"
 """Likewise: the input that takes what holds it on the surface, 1 for all of it."""
+LIFTED: Final = "lifted_"
+"""Before an axis: the input that is 1 where what it turns is in the air, where the plant has it."""
 
 
 def fmu_plant(
@@ -38,7 +40,7 @@ def fmu_plant(
         units=units(axes),
         optional_inputs=(
             *pin_inputs(axes),
-            *(f"{what}{axis}" for what in (HELD, GRIP_LOST) for axis in axes),
+            *(f"{what}{axis}" for what in (HELD, LIFTED, GRIP_LOST) for axis in axes),
         ),
         optional_outputs=(
             *pin_outputs(axes),

@@ -300,6 +300,7 @@ class Bridge:
             self._outbox += self._fleets.begin((self._task,), now, self._permission.rules.without)
         else:
             self.phase = Phase.RUNNING
+            self._operator.note(self._fleets.remarks)
 
     def _refused(self, now: Nanoseconds) -> bool:
         """Whether another master was heard before anything was sent; this bridge stays silent then."""

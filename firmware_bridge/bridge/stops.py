@@ -53,7 +53,7 @@ class AxisStop:
         link = robot.links[axis.link]
         self.driver: Final = driver
         self.link: Final = axis.link
-        steps = STOP_STEPS[link.driver](axis, link, robot.cycle)
+        steps = STOP_STEPS[link.driver](robot, axis)
         self._ways: Final = {off: way(steps, off=off) for off in (False, True)}
         self._rests_below: Final = RESTS * axis.top_speed
         self._silent_after: Final = link.silent_ms * MILLISECOND

@@ -18,7 +18,6 @@ from firmware_bridge.robot import AnyLink, AnyRobot, Axis
 from firmware_bridge.robot.settings.capture import CaptureDriver
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.robot.settings.shield import ShieldDriver
-from firmware_bridge.units import Nanoseconds
 
 DRIVERS: Final[Mapping[str, Callable[[AnyRobot, str], Fleet]]] = {
     Epos2Driver.CAN: can_fleet,
@@ -34,11 +33,11 @@ TELLS: Final[Mapping[str, Callable[[Axis, AnyLink], frozenset[Tells]]]] = {
 }
 """What the device of an axis can tell, by the driver of its link, before there is one."""
 
-STOP_STEPS: Final[Mapping[str, Callable[[Axis, AnyLink, Nanoseconds], tuple[StopStep, ...]]]] = {
+STOP_STEPS: Final[Mapping[str, Callable[[AnyRobot, Axis], tuple[StopStep, ...]]]] = {
     **dict.fromkeys(Epos2Driver, epos2_stop_steps),
     ShieldDriver.MOTOR_SHIELD: shield_stop_steps,
 }
-"""In which steps an axis is stopped, by the driver of its link; the time is the robot's cycle."""
+"""In which steps an axis of a robot is stopped, by the driver of its link."""
 
 
 def tells_of(robot: AnyRobot, axis: Axis) -> frozenset[Tells]:

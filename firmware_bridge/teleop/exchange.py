@@ -124,7 +124,7 @@ class Exchange:
         session = self.session
         if isinstance(request, Arm) and session.control.driver is None:
             session.control.take(self.sender, self.now)
-            self.tell(f"control: {self.sender} drives")
+            self._tell_driver()
         if isinstance(request, Pause):
             session.driven.wait()
         if isinstance(request, ResetOdometry):
@@ -153,7 +153,12 @@ class Exchange:
             self.session.driven.begin()
             self.session.adopt(self.peer, self.now)
             self.decide(ChangeDriver())
-            self.tell(f"control: {self.sender} drives")
+            self._tell_driver()
+
+    def _tell_driver(self) -> None:
+        """Tell who drives, and what he must know of the robot's start."""
+        for text in (f"control: {self.sender} drives", *self.session.notes):
+            self.tell(text)
 
     def give_up_control(self) -> None:
         """Let nobody drive: the robot comes to rest, disarmed."""

@@ -173,6 +173,12 @@ class Operator(Generic[G, M, S]):
         session.tell(Severity.WARNING, text)
         return True
 
+    def note(self, texts: tuple[str, ...]) -> None:
+        """Tell what the start has shown: now, and whoever takes control."""
+        self._session.notes = texts
+        for text in texts:
+            self._session.tell(Severity.NOTICE, text)
+
     def forget(self) -> None:
         """Forget the targets of an operator who has gone silent."""
         self._session.forget()

@@ -1,4 +1,4 @@
-"""Three omni wheels that roll without slip along their rims and whose rollers rub across.
+"""Three omni wheels that roll without slip along their rims and whose rollers rub across, or spin in the air.
 
 [O] is A. Seleit, MSc thesis, UCF, 2020; the same equations in mathematical writing: README.md.
 """
@@ -45,10 +45,13 @@ class Base:
         self.heading = symbol("heading")
         self.rims = rims(sp.S.Zero, P["wheel_distance"])
         rolled = sp.Matrix([P["wheel_radius"] * shaft.speed / shaft.gear for shaft in shafts])
-        self.velocity = inverse(sp.S.Zero, P["wheel_distance"]) * rolled
+        self.creep = sp.Matrix([symbol(f"creep_{shaft.axis}") for shaft in shafts])
+        self.rests = [1 - symbol(f"lifted_{shaft.axis}") for shaft in shafts]
+        self.velocity = inverse(sp.S.Zero, P["wheel_distance"]) * (rolled - self.creep)
         gear, rotor = P["gear_wheel"], P["rotor_inertia_wheel"]
         self.rim_mass = (P["wheel_inertia"] + rotor * gear**2) / P["wheel_radius"] ** 2
         self.load = P["mass"] * P["gravity"] / 3 * P["roller_friction"]
+        self.drive = sp.Matrix([shaft.torque * shaft.gear / P["wheel_radius"] for shaft in shafts])
 
     def across(self, wheel: int) -> Expression:
         """Return the speed of a wheel's rollers, outwards: a turn of the base does not turn them."""
@@ -58,28 +61,56 @@ class Base:
     def rubbing(self, wheel: int) -> Expression:
         """Return the rollers' friction in N, outwards."""
         dry = self.load * symbol(f"roller_{self.shafts[wheel].axis}")
-        return -(dry + P["roller_viscous"] * self.across(wheel))
+        return -self.rests[wheel] * (dry + P["roller_viscous"] * self.across(wheel))
 
-    def accelerations(self) -> tuple[Expression, ...]:
-        """Return the motors' accelerations.
+    def slowing(self) -> tuple[Expression, ...]:
+        """Return how fast each rim that touches the floor becomes as fast as it is, m/s2."""
+        return tuple(
+            down * creep / P["touch_down"] for down, creep in zip(self.rests, self.creep, strict=True)
+        )
 
-        (M + P' j P) v' + W x M v = P' (forces at the rims) + rollers, with P constant in the body's frame.
+    def change(self) -> Expression:
+        """Return the body's accelerations.
+
+        (M + P' j P) v' + W x M v = P' (forces at the rims) + rollers, with P constant in the body's frame;
+        a wheel in the air has no part in the sums over the wheels.
         """
         u, q, yaw_rate = self.velocity
-        drive = sp.Matrix([shaft.torque * shaft.gear / P["wheel_radius"] for shaft in self.shafts])
-        force = self.rims.T * drive + P["mass"] * yaw_rate * sp.Matrix([q, -u, 0])
+        pulls = self.drive + self.rim_mass * sp.Matrix(self.slowing())
+        pulls = sp.Matrix([down * pull for down, pull in zip(self.rests, pulls, strict=True)])
+        force = self.rims.T * pulls + P["mass"] * yaw_rate * sp.Matrix([q, -u, 0])
         for wheel, angle in enumerate(ANGLES):
             force += self.rubbing(wheel) * sp.Matrix([sp.cos(angle), sp.sin(angle), 0])
+        return self._solved(force)
+
+    def _solved(self, force: Expression) -> Expression:
+        """Return force over mass: with all wheels on the floor, less those in the air (Sherman, Morrison)."""
         # P' P = diag(3/2, 3/2, 3 L2), for the wheels are alike.
         mass = P["mass"] + self.rim_mass * 3 / 2
         turning = P["yaw_inertia"] + 3 * P["wheel_distance"] ** 2 * self.rim_mass
-        change = self.rims * sp.Matrix([force[0] / mass, force[1] / mass, force[2] / turning])
+        rows = [self.rims.row(wheel) for wheel in range(3)]
+        found = [sp.Matrix([it[0] / mass, it[1] / mass, it[2] / turning]) for it in (force, *rows)]
+        for wheel, row in enumerate(rows):
+            less = (1 - self.rests[wheel]) * self.rim_mass
+            share = less / (1 - less * (row * found[wheel + 1])[0])
+            way = found[wheel + 1]
+            found = [it + share * (row * it)[0] * way for it in found]
+        return found[0]
+
+    def accelerations(self, rims: Expression) -> tuple[Expression, ...]:
+        """Return the motors' accelerations, where the floor under the rims has these, in m/s2."""
         return tuple(
-            shaft.gear / P["wheel_radius"] * rate for shaft, rate in zip(self.shafts, change, strict=True)
+            shaft.gear / P["wheel_radius"] * (rims[wheel] + self.creeping(wheel, rims))
+            for wheel, shaft in enumerate(self.shafts)
         )
 
-    def states(self) -> tuple[State, ...]:
-        """Return pose and rollers."""
+    def creeping(self, wheel: int, rims: Expression) -> Expression:
+        """Return by how much a rim gains on the floor, m/s2: in the air it is its motor's alone."""
+        alone = self.drive[wheel] / self.rim_mass - rims[wheel]
+        return (1 - self.rests[wheel]) * alone - self.slowing()[wheel]
+
+    def states(self, rims: Expression) -> tuple[State, ...]:
+        """Return pose, rollers, and what the rims are ahead of the floor."""
         u, q, yaw_rate = self.velocity
         sine, cosine = sp.sin(self.heading), sp.cos(self.heading)
         rollers = (
@@ -91,11 +122,16 @@ class Base:
             )
             for wheel, shaft in enumerate(self.shafts)
         )
+        creeps = (
+            State(f"creep_{shaft.axis}", "m/s", sp.S.Zero, self.creeping(wheel, rims))
+            for wheel, shaft in enumerate(self.shafts)
+        )
         return (
             State("x", "m", sp.S.Zero, u * cosine - q * sine),
             State("y", "m", sp.S.Zero, u * sine + q * cosine),
             State("heading", "rad", sp.S.Zero, yaw_rate),
             *rollers,
+            *creeps,
         )
 
     def energy(self) -> Expression:
@@ -118,11 +154,12 @@ def model() -> Model:
     wheel = {name.removesuffix("wheel"): value for name, value in P.items() if name.endswith("_wheel")}
     shafts = tuple(_shaft(axis, wheel) for axis in AXES)
     base = Base(shafts)
+    on_floor = base.rims * base.change()
     u, q, yaw_rate = base.velocity
     energy = sum((shaft.energy() for shaft in shafts), base.energy())
     motors = (
         state
-        for shaft, rate in zip(shafts, base.accelerations(), strict=True)
+        for shaft, rate in zip(shafts, base.accelerations(on_floor), strict=True)
         for state in shaft.states(rate)
     )
     return Model(
@@ -132,8 +169,9 @@ def model() -> Model:
         inputs=(
             *(Input(f"voltage_{axis}", "V", f"motor voltage, wheel {axis}", 12.0) for axis in AXES),
             *(Input(f"held_{axis}", "N.m", f"what holds wheel {axis} by rubbing", 1.0) for axis in AXES),
+            *(Input(f"lifted_{axis}", "1", f"1 where wheel {axis} is in the air", 1.0) for axis in AXES),
         ),
-        states=(*motors, *base.states()),
+        states=(*motors, *base.states(on_floor)),
         outputs=(
             *(row for shaft in shafts for row in shaft.outputs()),
             Output("x", "m", "base's middle, world x", symbol("x"), 1.0),

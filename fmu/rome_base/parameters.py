@@ -52,6 +52,14 @@ BASE: Final[tuple[Parameter, ...]] = (
     ),
     Parameter("roller_viscous", 1.0, "N.s/m", "rollers' viscous friction", "ASSUME", tunable=True),
     Parameter(
+        "touch_down",
+        0.1,
+        "s",
+        "in which a wheel that is put down loses its speed over the floor, to 1/e",
+        "ASSUME: some 5 N at 0.5 m/s, within what a wheel's load of 11 N rubs",
+        least=0.0,
+    ),
+    Parameter(
         "roller_presliding", 2e-4, "m", "way over which the rollers' friction builds up", "ASSUME", least=0.0
     ),
 )

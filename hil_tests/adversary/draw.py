@@ -157,6 +157,11 @@ FAILING: Final[dict[str, Failing]] = {
     # A motor that does not do what it is told; let go again it jumps by what it is told then.
     "shaft_blocked": Failing(Nature.LYING, longest_s=LIES_S),
     "motor_cable_off": Failing(Nature.LYING, longest_s=LIES_S),
+    "body_shakes": Failing(Nature.HONEST, longest_s=5.0, takes_power=False),
+    "load_lifted": Failing(Nature.LYING, longest_s=LIES_S),
+    "motor_supply_sag": Failing(
+        Nature.LYING, lambda chance: {"to_v": float(chance.choice([2.0, 4.0]))}, longest_s=LIES_S
+    ),
     "encoder_cable_off": Failing(Nature.LYING, longest_s=LIES_S),
     "line_garbage": Failing(
         Nature.LYING, lambda chance: {"every_ms": int(chance.choice([2, 20, 300]))}, longest_s=5.0

@@ -361,13 +361,15 @@ ELSEWHERE: Final = {
             "motor_cable_off",
             "encoder_cable_off",
             "shaft_blocked",
+            "load_lifted",
+            "motor_supply_sag",
         ),
         "ROME's stories",
     ),
     **dict.fromkeys(
         ("board_brown_out", "line_garbage", "capture_late", "capture_loss"), "the adversary's evenings"
     ),
-    **dict.fromkeys(("body_hidden", "markers_swapped"), "stories of robots that cameras see"),
+    **dict.fromkeys(("body_hidden", "body_shakes", "markers_swapped"), "stories of robots that cameras see"),
     "grip_lost": "the climber's stories",
     "stray_frames": "a story: another master",
     "datagram_doubled": "nothing has to stop: a command counts once",

@@ -18,6 +18,8 @@ P = {row.name: row.start for row in PARAMETERS}
 RADIUS, DISTANCE, GEAR = P["wheel_radius"], P["wheel_distance"], P["gear_wheel"]
 FREE = {f"{part}_wheel": 0.0 for part in ("resistance", "coulomb", "viscous", "torque_constant")}
 FREE |= {"roller_friction": 0.0, "roller_viscous": 0.0}
+PSI = sp.Symbol("psi")
+TURNED = sp.lambdify(PSI, rims(PSI, DISTANCE), "numpy")
 
 
 def test_the_inverse_is_the_inverse() -> None:
@@ -111,8 +113,7 @@ def follow(
             slope = (np.array(path(t + 1e-4)) - np.array(path(t - 1e-4))) / 2e-4
             e = np.array([now["x"], now["y"], now["heading"]]) - wanted
             offset += e * 0.01
-            turn = np.array(rims(now["heading"], DISTANCE).tolist(), dtype=float)
-            rim = turn @ (slope - 2.0 * e - 0.5 * offset)  # (2.15), e = actual - desired
+            rim = TURNED(now["heading"]) @ (slope - 2.0 * e - 0.5 * offset)  # (2.15), e = actual - desired
             speeds = np.array([now[f"speed_{axis}"] for axis in AXES]) * RADIUS / gear
             integral += (rim - speeds) * 0.01
             volts = (
@@ -229,3 +230,42 @@ def test_reversing_mirrors_driving() -> None:
         back = other.runs(0.5, two=6.0, three=-6.0)
     for name in ("x", "speed", "current_two", "angle_three"):
         assert ahead[name] == pytest.approx(-back[name], rel=1e-9)
+
+
+def test_a_wheel_in_the_air_turns_as_its_own_inertia_lets_it_and_moves_nothing() -> None:
+    """Its motor gets 6 V: without friction it gains K i n / (I_w + J n2), and the base stands."""
+    with ModelBench(MODEL, FREE | {"torque_constant_wheel": P["torque_constant_wheel"]}) as bench:
+        before = bench.runs(0.002, one=6.0, lifted_one=1.0)
+        now = bench.runs(0.0001, one=6.0, lifted_one=1.0)
+    current = 0.5 * (before["current_one"] + now["current_one"])
+    inertia = P["wheel_inertia"] / GEAR**2 + P["rotor_inertia_wheel"]
+    gained = (now["speed_one"] - before["speed_one"]) / 0.0001
+    assert gained == pytest.approx(P["torque_constant_wheel"] * current / inertia, rel=1e-2)
+    assert [now[it] for it in ("speed", "speed_sideways", "yaw_rate")] == pytest.approx([0.0] * 3)
+
+
+def test_put_down_it_turns_with_the_floor_again_and_the_base_has_what_it_lost() -> None:
+    with ModelBench(MODEL) as bench:
+        spun = bench.runs(0.5, one=6.0, lifted_one=1.0)
+        assert spun["speed_one"] > 200.0
+        assert math.hypot(spun["speed"], spun["speed_sideways"]) < 1e-3
+        moved = bench.runs(0.05, one=6.0)
+        assert moved["speed_sideways"] > 0.01  # wheel one drives to the left
+        now = bench.runs(3.0)
+    rolled = np.array(rims(0, DISTANCE).tolist(), dtype=float) @ [
+        now[it] for it in ("speed", "speed_sideways", "yaw_rate")
+    ]
+    assert rolled == pytest.approx([RADIUS / GEAR * now[f"speed_{axis}"] for axis in AXES], abs=1e-9)
+
+
+@pytest.mark.parametrize("lifted", [("one",), ("one", "three"), AXES], ids="+".join)
+def test_the_others_carry_on_as_if_it_were_not_there(lifted: tuple[str, ...]) -> None:
+    """With free wheels in the air a push has the mass of what still turns with the base: energy stays."""
+    start = {f"speed_{axis}": speed for axis, speed in zip(AXES, (300.0, -100.0, 250.0), strict=True)}
+    with ModelBench(MODEL, FREE | start) as bench:
+        before, first = bench.energy(), bench.now()
+        for _ in range(5):
+            now = bench.runs(0.2, **{f"lifted_{axis}": 1.0 for axis in lifted})
+            assert bench.energy() == pytest.approx(before, rel=1e-9)
+        for axis in lifted:
+            assert now[f"speed_{axis}"] == pytest.approx(first[f"speed_{axis}"], rel=1e-12)

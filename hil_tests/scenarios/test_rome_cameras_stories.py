@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from typing import Final
 
 import numpy as np
+import pytest
 
 from emulators.bench import mission as missions
 from emulators.bench.operator import ScriptedOperator
@@ -80,8 +81,8 @@ def error_m(rig: Rig) -> float:
 
 
 def test_on_the_rough_floor_cameras_keep_it_nearer_to_the_path_than_odometry_does() -> None:
-    floor = missions.find("floor", find("rome"), rehearsal_of(find("rome"))).plant
-    more = f"plant = {{ {', '.join(f'{name} = {value}' for name, value in floor.items())} }}\n"
+    floor = missions.find("floor", find("rome"), rehearsal_of(find("rome")))
+    more = f"plant = {{ {', '.join(f'{name} = {value}' for name, value in floor.plant.items())} }}\n"
     errors = {}
     for name in ("rome", "rome+cameras"):
         with circling(name, more) as rig:
@@ -144,3 +145,25 @@ def test_a_wheel_that_nobody_counts_and_that_stands_is_seen_and_the_base_stops()
         assert "base slips" in holds(rig)
         assert not rig.bridge.seen.facts.armed
         assert speed(rig) < 2.0 * STANDS_MPS
+
+
+@pytest.mark.parametrize("node", ["one", "two", "three"])
+def test_a_wheel_in_the_air_spins_free_and_the_base_that_slips_is_stopped(node: str) -> None:
+    fault = f'[[fault]]\nkind = "load_lifted"\nnode = "{node}"\nat_s = 4.5\n'
+    with circling("rome+cameras", fault) as rig:
+        rig.runs(4.5)
+        assert holds(rig).keys() <= {"acceleration limit"}
+        rig.runs(1.75)
+        assert "base slips" in holds(rig)
+        assert not rig.bridge.seen.facts.armed
+        rig.runs(1.0)
+        assert speed(rig) < STANDS_MPS
+
+
+def test_a_base_that_trembles_is_followed_no_further_off_than_it_trembles() -> None:
+    """Seen with an error of 1 mm, its pose is off by no more than 5 of them beside its age; it drives on."""
+    with circling("rome+cameras", '[[fault]]\nkind = "body_shakes"\nat_s = 1.0\n') as rig:
+        rig.runs(9.0)
+        assert off_m(rig) < 0.02
+        assert 0.001 < error_m(rig) < 0.03
+        assert holds(rig).keys() <= {"acceleration limit"}

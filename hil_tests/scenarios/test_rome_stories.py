@@ -5,6 +5,7 @@ import pytest
 from emulators.bench.path_error import Followed, path_error
 from emulators.bench.rehearsal import rehearsal_of
 from emulators.rig import BRIDGE
+from firmware_bridge.packet import Packet
 from hil_tests.scenarios.rome_ride import FULL, STANDS_MPS, driven, held, speed
 
 
@@ -56,3 +57,28 @@ def test_a_wire_that_is_off_and_a_wheel_that_is_blocked_are_named_and_the_base_s
         assert holds <= held(rig)
         assert speed(rig) < STANDS_MPS
         assert not rig.bridge.seen.facts.armed
+
+
+def test_with_too_low_a_supply_of_the_motors_the_base_does_not_follow_and_is_stopped() -> None:
+    text = '[[fault]]\nkind = "motor_supply_sag"\nto_v = 2.0\nat_s = 6.5\n'
+    with driven("ros-arduino-bridge", "speed_mps = 0.3", 20.0, text) as rig:
+        rig.runs(8.5)
+        assert any(name.startswith("axis does not follow") for name in held(rig))
+        assert speed(rig) < STANDS_MPS
+        assert not rig.bridge.seen.facts.armed
+
+
+def test_who_takes_control_is_told_what_the_start_has_shown_of_the_boards_reset() -> None:
+    said: list[bytes] = []
+
+    def note(_now: int, sender: str, packet: Packet) -> None:
+        if sender == BRIDGE:
+            said.append(packet.payload)
+
+    with driven("mw", "speed_mps = 0.1", 5.0, encoders=3) as rig:
+        rig.operator_wire.observe(note)
+        rig.runs(3.9)
+        at_start = b"".join(said).count(b"the line's reset works")
+        rig.runs(0.5)
+    assert at_start == 1
+    assert b"the line's reset works" in b"".join(said).partition(b" drives")[2]

@@ -1,11 +1,14 @@
 """The half bridges TB6612FNG: three levels make a motor driven, braked or free; their losses.
 
 Source: Toshiba, TB6612FNG data sheet: the function table, 0.5 Ohm from both transistors together, 1.2 A mean
-and 3.2 A peak a channel. Low PWM with a direction is a short brake (slow decay).
+and 3.2 A peak a channel, a motor supply of 2.5 to 13.5 V, and that a low voltage is detected. Low PWM with a
+direction is a short brake (slow decay).
 
 Where it is silent:
 * with both inputs low PWM does not matter.
 * thermal shutdown is at 175 degrees C, and ends at 155.
+* the outputs are off below 2.5 V of motor supply, the least that it names, and on again from 2.8 V.
+* below 5 V the resistance grows as the supply falls.
 * the chip warms by 130 K for each watt, with a time constant of 10 s, from 25 degrees C.
 """
 
@@ -18,6 +21,9 @@ from firmware_bridge.units import Nanoseconds, to_seconds
 
 ON_RESISTANCE: Final = 0.5
 """Ohm, upper and lower transistor together, at 5 V and more."""
+FULLY_ON_V: Final = 5.0
+LOCKED_V: Final = 2.5
+UNLOCKED_V: Final = 2.8
 PEAK_CURRENT: Final = 3.2
 """A, a channel, for 20 ms."""
 SHUTDOWN_C: Final = 175.0
@@ -55,13 +61,15 @@ class Output:
     brake: int = 0
     open: int = 0
 
-    def volts(self, supply: float, current: float) -> float:
+    def volts(self, supply: float, current: float, resistance: float = ON_RESISTANCE) -> float:
         """Return the mean voltage at the motor's terminals in V, for a steady current in A, counted as CW.
+
+        `resistance` is the half bridge's, Ohm.
 
         None of it holds while all is open: then the motor has its own voltage, and no current.
         """
         conducts = self.cw + self.ccw + self.brake
-        return ((self.cw - self.ccw) * supply - conducts * current * ON_RESISTANCE) / COUNTS
+        return ((self.cw - self.ccw) * supply - conducts * current * resistance) / COUNTS
 
 
 COAST: Final = Output(open=COUNTS)
@@ -78,6 +86,16 @@ def limited(output: Output, current: float, peak: float = PEAK_CURRENT) -> Outpu
     if current > 0:
         return Output(0, output.ccw, output.brake + output.cw, output.open)
     return Output(output.cw, 0, output.brake + output.ccw, output.open)
+
+
+def on_resistance(supply: float) -> float:
+    """Return what a half bridge has in Ohm at a motor supply in V."""
+    return ON_RESISTANCE * max(1.0, FULLY_ON_V / max(supply, LOCKED_V))
+
+
+def locked(supply: float, *, was: bool) -> bool:
+    """Return whether a motor supply in V is too low for the outputs, where it `was` before or not."""
+    return supply < (UNLOCKED_V if was else LOCKED_V)
 
 
 class Thermal:

@@ -1,5 +1,6 @@
 """Faults of a board with a motor shield: its cable, supply and reset, the wires of motors and encoders."""
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from typing import Annotated, ClassVar, Final
@@ -134,6 +135,43 @@ class ShaftBlocked(_OnMotor):
         """Let it end."""
         for motors, place in self._found(site):
             motors.block(place, blocked=False)
+
+
+class LoadLifted(_OnMotor):
+    """What a motor turns is in the air: it spins free, and moves nothing."""
+
+    kind: ClassVar = "load_lifted"
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Hoist it; PlantError where the plant has no such input."""
+        del chance
+        for motors, place in self._found(site):
+            motors.hoist(place, lifted=True)
+
+    def take_off(self, site: Site) -> None:
+        """Put it down."""
+        for motors, place in self._found(site):
+            motors.hoist(place, lifted=False)
+
+
+class MotorSupplySag(_OfBoards, Lasting):
+    """The motors' own supply sags, so far that the half bridges lock their outputs, or not so far."""
+
+    kind: ClassVar = "motor_supply_sag"
+    to_v: Annotated[float, Field(ge=0, le=15, description="of the motors' supply, in V")]
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Let it sag."""
+        del chance
+        self._have(site, self.to_v)
+
+    def take_off(self, site: Site) -> None:
+        """Give it back."""
+        self._have(site, math.inf)
+
+    def _have(self, site: Site, volts: float) -> None:
+        for board in site.boards.values():
+            board.motors.starves(volts)
 
 
 class _WireOff(_OnMotor, ABC):

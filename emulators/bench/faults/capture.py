@@ -9,7 +9,7 @@ from pydantic import Field
 
 from emulators.bench.faults.fault import Lasting, Positive, Problem, Share, Stations
 from emulators.bench.faults.site import Site
-from emulators.motion_capture.exposure import Hidden, Swapped
+from emulators.motion_capture.exposure import Hidden, Shaken, Swapped
 from emulators.wires import Impairment
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import MILLISECOND
@@ -52,6 +52,20 @@ class MarkersSwapped(_Seen):
             for body in system.exposure.bodies:
                 aside = (self.aside_m, 0.0, 0.0)
                 system.hide(Swapped(body.id, self.begin, self.end, aside, turn))
+
+
+class BodyShakes(_Seen):
+    """The robot trembles, as on a floor that is not even: its place is known so much less exactly."""
+
+    kind: ClassVar = "body_shakes"
+    noise_mm: Annotated[Positive, Field(description="standard deviation along each axis, in mm")] = 1.0
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Shake all bodies of all systems."""
+        del chance
+        for system in site.captures.values():
+            for body in system.exposure.bodies:
+                system.hide(Shaken(body.id, self.begin, self.end, self.noise_mm / 1_000.0))
 
 
 class CaptureLate(_Seen):

@@ -257,6 +257,22 @@ _ROWS: Final = (
         "the shaft",
     ),
     Kind(
+        board.LoadLifted,
+        "A light base stands on what is uneven, or somebody picks it up: what the motor turns is in the air,"
+        " and spins free.",
+        "A board: notices nothing, its encoder counts on. The base goes otherwise than its motors turn: where"
+        " cameras see it the bridge holds `base slips`; without them odometry is wrong, and nobody knows.",
+        "the load",
+    ),
+    Kind(
+        board.MotorSupplySag,
+        "The motors' own supply sags, as a battery that is empty; the processor lives on its own. Below 2.5 V"
+        " the half bridges lock their outputs, and from 2.8 V on they work again.",
+        "A board: notices nothing; a loop of speeds on it drives harder and harder. The bridge holds `axis"
+        " does not follow`.",
+        "the motors' supply",
+    ),
+    Kind(
         board.MotorCableOff,
         "A wire between shield and motor is off: the motor rolls out.",
         "A board: notices nothing. The bridge holds `axis does not follow`.",
@@ -303,6 +319,13 @@ _ROWS: Final = (
         "Somebody stands before the cameras, or the robot is where none of them looks.",
         "The capture system sends the last pose again and says that the body is not tracked.",
         "what the cameras see",
+    ),
+    Kind(
+        capture.BodyShakes,
+        "The body trembles: bumps from roller to roller, a floor that is not even, loose markers. ASSUME 1 mm"
+        ": the thesis names vibration without a number.",
+        "A capture system: sees each frame's place with that error, and its own beside it. The bridge's pose"
+        " follows a share of it.",
     ),
     Kind(
         capture.MarkersSwapped,

@@ -12,9 +12,8 @@ from typing import Final
 from firmware_bridge.drivers.driver import Stop, Task
 from firmware_bridge.drivers.epos2.scale import Scale
 from firmware_bridge.drivers.stop_steps import StopStep
-from firmware_bridge.robot import AnyLink, Axis
+from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.robot.settings.epos2 import Epos2Driver, Epos2Link
-from firmware_bridge.units import Nanoseconds
 
 _WRITTEN: Final = {Epos2Driver.CAN: "by PDO", Epos2Driver.SERIAL: "by WriteObject"}
 _SILENCE: Final = {
@@ -24,11 +23,12 @@ _SILENCE: Final = {
 _RESET: Final = {Epos2Driver.CAN: "NMT reset node", Epos2Driver.SERIAL: "NMT service 129, reset node"}
 
 
-def stop_steps(axis: Axis, link: AnyLink, cycle: Nanoseconds) -> tuple[StopStep, ...]:
-    """Return the steps for one drive; `cycle` is the robot's. TypeError where no EPOS2 is on the link."""
+def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
+    """Return the steps for one drive of a robot. TypeError where no EPOS2 is on its link."""
+    link = robot.links[axis.link]
     if not isinstance(link, Epos2Link):
         raise TypeError(f"no EPOS2 is on the link of '{axis.name}'")
-    times, over_can = link.confirmed(cycle), link.driver is Epos2Driver.CAN
+    times, over_can = link.confirmed(robot.cycle), link.driver is Epos2Driver.CAN
     per_unit = abs(Scale.of(axis).rpm_per_unit_s)
     quick = axis.epos2.profile.quick_stop_rpm_s / per_unit
     how = _WRITTEN[link.driver]

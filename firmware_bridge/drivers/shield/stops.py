@@ -8,23 +8,21 @@ other run on, and what is said to a board in its boot loader keeps it there: so 
 release once, and is then reset at once, and nothing is said until it must have booted.
 """
 
-from typing import Final
-
 from firmware_bridge.drivers.driver import Stop, Task
 from firmware_bridge.drivers.stop_steps import StopStep
-from firmware_bridge.robot import AnyLink, Axis
+from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.robot.settings.shield import ShieldLink
-from firmware_bridge.units import MILLISECOND, Nanoseconds
-
-WORDS: Final = 3
-"""Each of three motors may be released with a word of its own, and none of them may be answered."""
+from firmware_bridge.units import MILLISECOND
 
 
-def stop_steps(axis: Axis, link: AnyLink, cycle: Nanoseconds) -> tuple[StopStep, ...]:
-    """Return the steps for one motor; `cycle` is the robot's. TypeError where no shield is on the link."""
+def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
+    """Return the steps for one motor of a robot. TypeError where no shield is on its link."""
+    link = robot.links[axis.link]
     if not isinstance(link, ShieldLink):
         raise TypeError(f"no motor shield is on the link of '{axis.name}'")
-    within = link.confirmed(cycle)
+    within = link.confirmed(robot.cycle)
+    # Each motor may be released with a word of its own, and none of them may be answered.
+    words = len(robot.axes_on(axis.link)) * link.answers_within_ms * MILLISECOND
     board = link.stops_itself
     runs_on = "the motors run on while it boots: the shield has no wire to the board's reset"
     if board:
@@ -50,7 +48,7 @@ def stop_steps(axis: Axis, link: AnyLink, cycle: Nanoseconds) -> tuple[StopStep,
             "release",
             "speed 0 for all motors, and a question" if board else "release, and a question",
             Stop.POWER_OFF,
-            WORDS * link.answers_within_ms * MILLISECOND,
+            words,
             task=Task.DISABLE,
             ends_power=True,
         ),

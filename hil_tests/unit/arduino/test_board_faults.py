@@ -6,7 +6,7 @@ import pytest
 from typer.testing import CliRunner
 
 from emulators.arduino_omni.board import FIRMWARES, Board
-from emulators.arduino_omni.faults import FAULTS, FaultyBoard, planned
+from emulators.arduino_omni.faults import FAULTS, SAGGED_V, FaultyBoard, planned
 from emulators.arduino_omni.mega.motor_library import pre_scale
 from emulators.arduino_omni.motors import MOTOR, SUPPLY_V, four_motors
 from emulators.arduino_omni.shield.tb6612 import (
@@ -23,6 +23,7 @@ from firmware_bridge.cli import program
 from firmware_bridge.node import SERIAL
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds, to_seconds
+from fmu.errors import PlantError
 
 READY = 2.0
 STUCK = DcMotor(MOTOR.resistance, MOTOR.inductance, MOTOR.torque_constant, inertia=1e3, friction=0.0)
@@ -110,6 +111,23 @@ def test_a_cable_that_is_off_for_a_while_leaves_its_motor_alone() -> None:
     assert it.board.motors.speeds[1] < it.board.motors.speeds[0] - 1.0
     it.run(3.0)
     assert it.board.motors.speeds[1] == pytest.approx(it.board.motors.speeds[0], rel=1e-3)
+
+
+def test_with_too_low_a_supply_of_the_motors_the_half_bridges_are_off_and_the_board_lives_on() -> None:
+    it = Host("supply-sag@3-4")
+    it.ask(b"o 100 -100 0\r", 0.9)
+    before = it.board.motors.speeds[0]
+    assert it.ask(b"b\r", 0.5) == b"57600\r\n"
+    assert it.board.motors.currents[:2] == pytest.approx([0.0, 0.0], abs=1e-3)
+    assert it.board.motors.supply == SAGGED_V
+    assert it.board.motors.speeds[0] < before - 1.0
+    it.run(3.0)
+    assert it.board.motors.speeds[0] == pytest.approx(before, rel=1e-3)
+
+
+def test_nothing_is_lifted_where_the_plant_has_no_floor() -> None:
+    with pytest.raises(PlantError, match="no input lifted_M2: nothing can hoist it"):
+        Host("lifted-2@1")
 
 
 def test_a_shaft_that_is_blocked_for_a_while_stands_and_draws_a_stalls_current() -> None:

@@ -9,8 +9,18 @@ from hypothesis import strategies as st
 from emulators.arduino_omni.shield.i2c import GENERAL_CALL, Result, Segment, Transfer, read, write
 from emulators.arduino_omni.shield.motor_shield import share
 from emulators.arduino_omni.shield.pca9685 import Pca9685, Wave, wave
-from emulators.arduino_omni.shield.tb6612 import COAST, Bridge, Output, Thermal, bridge, limited
+from emulators.arduino_omni.shield.tb6612 import (
+    COAST,
+    Bridge,
+    Output,
+    Thermal,
+    bridge,
+    limited,
+    locked,
+    on_resistance,
+)
 from firmware_bridge.units import MICROSECOND, MILLISECOND, NEVER, SECOND
+from hil_tests.rows import every
 from hil_tests.unit.arduino.master import ADDRESS, BIT, Master
 
 # The bus
@@ -272,6 +282,20 @@ def test_a_current_at_its_limit_is_not_driven_further() -> None:
     assert limited(half, 3.2) == Output(brake=4096)
     assert limited(half, -3.2) == half
     assert limited(Output(ccw=1024, brake=3072), -6.3) == Output(brake=4096)
+
+
+@every(
+    ("supply", "was", "off", "ohm"),
+    [(12.0, False, False, 0.5), (5.0, False, False, 0.5),
+     (4.0, False, False, 0.625), (2.5, False, False, 1.0),
+     (2.49, False, True, 1.0), (2.79, True, True, 5.0 / 2.79 / 2), (2.8, True, False, 5.0 / 2.8 / 2),
+     (0.0, True, True, 1.0)],
+)  # fmt: skip
+def test_a_supply_that_sags_weakens_the_half_bridges_and_then_locks_them(
+    supply: float, ohm: float, *, was: bool, off: bool
+) -> None:
+    assert locked(supply, was=was) is off
+    assert on_resistance(supply) == pytest.approx(ohm)
 
 
 def test_a_chip_that_is_too_hot_is_off_until_it_has_cooled() -> None:

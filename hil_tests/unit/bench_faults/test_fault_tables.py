@@ -19,7 +19,7 @@ SERIAL = over_serial(RARS)
 ROME = kinds.find("rome")
 ON_A_BOARD = (
     *("board_silent", "board_reset", "board_hangs", "board_brown_out", "line_garbage"),
-    *("shaft_blocked", "motor_cable_off", "encoder_cable_off"),
+    *("shaft_blocked", "motor_cable_off", "encoder_cable_off", "load_lifted", "motor_supply_sag"),
 )
 HEAD = 'title = "t"\nduration_s = 10.0\n[[step]]\nat_s = 1.0\ntitle = "s"\narm = true\n'
 LEAST = {
@@ -49,6 +49,8 @@ LEAST = {
     "capture_late": "by_ms = 100.0",
     "motor_cable_off": 'node = "two"',
     "shaft_blocked": 'node = "two"',
+    "load_lifted": 'node = "two"',
+    "motor_supply_sag": "to_v = 2.0",
     "encoder_cable_off": 'node = "two"',
 }
 """What a kind needs beside its instant."""
@@ -71,7 +73,7 @@ def refusal(text: str, robot: AnyRobot = RARS) -> list[str]:
 SEEN = RARS.with_links({"cameras": cameras()})
 ON = {
     "serial_unplugged": SERIAL,
-    **dict.fromkeys(("body_hidden", "markers_swapped", "capture_late", "capture_loss"), SEEN),
+    **dict.fromkeys(("body_hidden", "body_shakes", "markers_swapped", "capture_late", "capture_loss"), SEEN),
 }
 """What a kind is of, where RARS has it not."""
 

@@ -188,10 +188,11 @@ def test_a_stop_ends_with_the_boards_reset_and_tells_of_its_own_stop_where_it_ha
     names, notes = {}, {}
     for protocol in ("ros-arduino-bridge", "arduinoio"):
         robot = over(protocol)
-        steps = stop_steps(robot.axes[0], robot.links["board"], robot.cycle)
+        steps = stop_steps(robot, robot.axes[0])
         names[protocol] = [step.name for step in steps]
         notes[protocol] = steps[-1].note
         assert steps[-1].task is Task.RESET
+        assert steps[2].within == 3 * robot.shield_link("board").answers_within_ms * MILLISECOND
         assert steps[0].demand is Stop.REST
         assert all(step.demand is Stop.POWER_OFF for step in steps if step.ends_power)
     assert names["ros-arduino-bridge"] == names["arduinoio"] == ["speed 0", "brake", "release", "reset"]
