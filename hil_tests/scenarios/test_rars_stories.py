@@ -105,7 +105,7 @@ def test_the_lift_rises_at_rest_only_and_holds_the_wheels(rides: Ridden) -> None
 
 @pytest.mark.parametrize(("begin", "end"), [(0, 10), (0, 30), (0, 58), (-30, 30), (58, 0)])
 def test_the_wheels_follow_the_angle_that_is_steered(rides: Ridden, begin: float, end: float) -> None:
-    """A step of the steering at 0.3 m/s: the plant's wheels keep the ratio of the angle of the same instant."""
+    """A step of the steering at 0.3 m/s: the plant's wheels keep the ratio of that instant's angle."""
     ride = rides(
         ARMED,
         step(4.0, speed_mps=0.3, steer_deg=begin),
