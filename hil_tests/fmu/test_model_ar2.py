@@ -30,7 +30,8 @@ def inertia(angles: Matrix) -> Matrix:
 
     def middles(turned: Matrix) -> Matrix:
         places = np.array([frame[:3, 3] for frame in AR2.frames(turned)])
-        return (places[1:] + places[:-1]) / 2.0
+        between: Matrix = (places[1:] + places[:-1]) / 2.0
+        return between
 
     step = 1e-6
     moved = np.array([(middles(angles + step * it) - middles(angles - step * it)) for it in np.eye(6)])
@@ -53,7 +54,7 @@ def test_gears_and_places_of_rest_are_the_boards() -> None:
 def test_let_go_it_begins_to_fall_as_mass_and_weight_say(degrees: tuple[float, ...]) -> None:
     angles = np.radians(degrees)
     meant = np.linalg.solve(inertia(angles), -np.array(weight(degrees)))
-    with ModelBench(MODEL, SETS["free"] | at(degrees)) as bench:
+    with ModelBench(MODEL, {**SETS["free"], **at(degrees)}) as bench:
         now = bench.now()
         place = (now["tool_x"], now["tool_y"], now["tool_z"])
         assert place == pytest.approx(AR2.pose(angles)[:3, 3], abs=1e-12)
@@ -64,7 +65,7 @@ def test_let_go_it_begins_to_fall_as_mass_and_weight_say(degrees: tuple[float, .
 
 def test_its_energy_stays_while_all_joints_swing() -> None:
     speeds = {f"speed_{axis}": it for axis, it in zip(AXES, (1.0, -0.5, 0.8, 2.0, -1.0, 3.0), strict=True)}
-    start = SETS["free"] | SETS["loaded"] | at((0.0, -100.0, 60.0, 10.0, 20.0, 0.0)) | speeds
+    start = {**SETS["free"], **SETS["loaded"], **at((0.0, -100.0, 60.0, 10.0, 20.0, 0.0)), **speeds}
     with ModelBench(MODEL, start) as bench:
         first = bench.energy()
         now = bench.runs(0.2)
