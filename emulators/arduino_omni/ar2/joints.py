@@ -27,8 +27,16 @@ _SWITCHES: Final = {axis.switch_pin: place for place, axis in enumerate(JOINTS)}
 class Joints(Shafts):
     """Seven axes on their drivers."""
 
-    def __init__(self, load: Weight = weight, places: Sequence[int] | None = None) -> None:
-        """Stand at `places`, in steps from the least, or at rest; `load` in N m by angles in degrees."""
+    def __init__(
+        self,
+        load: Weight = weight,
+        places: Sequence[int] | None = None,
+        told: Callable[[int, int, Nanoseconds], None] | None = None,
+    ) -> None:
+        """Stand at `places`, in steps from the least, or at rest; `load` in N m by angles in degrees.
+
+        `told` hears of each pulse: which axis, 1 for ahead or -1, and when.
+        """
         super().__init__(())
         self.places: Final = [axis.rest for axis in AXES] if places is None else list(places)
         self.pulses: Final = [0] * len(AXES)
@@ -39,6 +47,7 @@ class Joints(Shafts):
         self.powered = True
         """Whether the drivers have their current."""
         self._load: Final = load
+        self._told: Final = told
         self._pulsed_at: Final = [deque([-SECOND], FIELD) for _ in AXES]
 
     @property
@@ -64,6 +73,8 @@ class Joints(Shafts):
         speed = len(pulsed_at) * SECOND / HALF_STEPS / max(at - pulsed_at[0], 1)
         pulsed_at.append(at)
         self.pulses[axis] += 1
+        if self._told is not None:
+            self._told(axis, ahead, at)
         place = self.places[axis] + ahead
         if self._moves(axis, ahead, speed) and -OVERDRIVE <= place <= row.steps + OVERDRIVE:
             self.places[axis] = place

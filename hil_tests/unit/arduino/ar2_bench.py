@@ -19,23 +19,17 @@ def weightless(_: Sequence[float]) -> Sequence[float]:
     return LEVEL
 
 
-class Kept(Joints):
-    """Joints whose pulses are kept: axis, 1 for ahead or -1, instant in us."""
-
-    def __init__(self, load: Callable[[Sequence[float]], Sequence[float]] = weightless) -> None:
-        super().__init__(load)
-        self.kept: list[tuple[int, int, int]] = []
-
-    def pulse(self, axis: int, level: int, at: Nanoseconds) -> None:
-        self.kept.append((axis, 1 if level == AXES[axis].ahead_level else -1, at // MICROSECOND))
-        super().pulse(axis, level, at)
-
-
 class Bench:
     """A board that has started, and has its line's bytes at once."""
 
-    def __init__(self, generation: str = "2.0", joints: Kept | None = None) -> None:
-        self.joints = Kept() if joints is None else joints
+    def __init__(
+        self,
+        generation: str = "2.0",
+        load: Callable[[Sequence[float]], Sequence[float]] = weightless,
+    ) -> None:
+        self.kept: list[tuple[int, int, int]] = []
+        """Pulses: axis, 1 for ahead or -1, instant in us."""
+        self.joints = Joints(load, told=self._keep)
         firmware = FIRMWARES[generation]
         self.mega = Mega(
             lambda mega: Ar2Sketch(mega, self.joints, firmware), firmware.baud, shafts=self.joints, boot=0
@@ -43,6 +37,9 @@ class Bench:
         self.now: Nanoseconds = 0
         self.mega.reset(0)
         self.mega.advance(0)
+
+    def _keep(self, axis: int, ahead: int, at: Nanoseconds) -> None:
+        self.kept.append((axis, ahead, at // MICROSECOND))
 
     @property
     def busy(self) -> bool:
@@ -60,7 +57,7 @@ class Bench:
 
     def ask(self, line: bytes, within: Nanoseconds = 1_000 * SECOND) -> bytes:
         """Say a line; return what is said until nothing is due any more, or the time is over."""
-        self.joints.kept.clear()
+        self.kept.clear()
         self.now += GAP
         self.mega.advance(self.now)
         for byte in line:
@@ -80,10 +77,10 @@ class Bench:
     def moved(self) -> list[int]:
         """Return by how many steps each axis was told to go, with signs, by the last line."""
         told = [0] * len(AXES)
-        for axis, ahead, _ in self.joints.kept:
+        for axis, ahead, _ in self.kept:
             told[axis] += ahead
         return told
 
     def span_us(self) -> int:
         """Return the time from the first pulse to the last."""
-        return self.joints.kept[-1][2] - self.joints.kept[0][2]
+        return self.kept[-1][2] - self.kept[0][2]

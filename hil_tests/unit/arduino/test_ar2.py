@@ -8,12 +8,13 @@ from emulators.arduino_omni.ar2.firmwares import FIRMWARES
 from emulators.arduino_omni.ar2.gravity import weight
 from emulators.arduino_omni.ar2.joints import Joints
 from emulators.arduino_omni.ar2.moves import TURN_US, waited
+from emulators.arduino_omni.ar2.strings import substring
 from firmware_bridge.node import DTR_UP, SERIAL
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.arduino import ar2
 from hil_tests.rows import every
-from hil_tests.unit.arduino.ar2_bench import Bench, Kept, weightless
+from hil_tests.unit.arduino.ar2_bench import Bench, weightless
 
 ONE = b"MJA0500S25G10H10I10K10\n"
 SEVERAL = b"MJA1500B0200C11000D00E00F00T00S25G15H10I20K5\n"
@@ -51,7 +52,7 @@ def test_one_joint_takes_the_time_of_the_worked_example() -> None:
     assert bench.ask(ONE) == b"command recieved"
     assert bench.moved() == [-500, 0, 0, 0, 0, 0, 0]
     bench.ask(b"MJA11000S25G10H10I10K10\n")
-    assert len(bench.joints.kept) == 1_000
+    assert len(bench.kept) == 1_000
     # 101 steps from 8800 us down, 799 of 800 us, 100 of 800 us and more; whole us are cut in the last part.
     slower = sum(int(800 + 32 * k / 3) for k in range(100))
     whole = 484_800 + 799 * 800 + slower
@@ -64,7 +65,7 @@ def test_several_joints_go_in_the_turns_of_the_longest() -> None:
     assert bench.ask(SEVERAL) == b"command recieved"
     assert bench.moved() == [500, -200, 1000, 0, 0, 0, 0]
     assert bench.joints.angles[0] == pytest.approx(500 * 340 / 15_200)
-    before = {axis: [at for it, _, at in bench.joints.kept if it == axis] for axis in range(3)}
+    before = {axis: [at for it, _, at in bench.kept if it == axis] for axis in range(3)}
     assert [len(it) for it in before.values()] == [500, 200, 1000]
     # 200 of 1000: every fifth turn; 500: every second; each pulse waits for the one before it.
     turns = [sum(at < one for at in before[2]) for one in before[1]]
@@ -74,7 +75,7 @@ def test_several_joints_go_in_the_turns_of_the_longest() -> None:
 def test_it_answers_before_it_moves_and_hears_nothing_while_it_does() -> None:
     bench = Bench()
     assert bench.ask(ONE, 5 * MILLISECOND) == b"command recieved"
-    assert bench.joints.kept == []
+    assert bench.kept == []
     assert bench.ask(b"TMone\nTM" + 90 * b"x" + b"\n", 100 * MILLISECOND) == b""
     assert bench.mega.serial.lost == 99 - 63
     assert bench.run(10 * SECOND) == b"one\n\r\n"
@@ -112,6 +113,23 @@ def test_fields_are_found_by_their_letters_in_the_whole_line(line: bytes, said: 
 )
 def test_a_long_delay_loses_its_upper_bits(asked: int, takes: int) -> None:
     assert waited(asked) == takes
+
+
+@every(
+    ("left", "right", "found"),
+    [
+        (1, 3, b"bc"),
+        (3, 1, b"bc"),
+        (0, -1, b"abcd"),
+        (-1, 2, b"cd"),
+        (4, -1, b""),
+        (4, 6, b""),
+        (2, 99, b"cd"),
+    ],
+)
+def test_a_part_of_a_string_is_as_the_core_cuts_it(left: int, right: int, found: bytes) -> None:
+    assert substring(b"abcd", left, right) == found
+    assert substring(b"abcd\0e", left, right) == found.partition(b"\0")[0]
 
 
 # Answers
@@ -222,7 +240,7 @@ def calibrated(bench: Bench) -> list[int]:
 
 
 def test_the_guis_calibration_ends_where_its_counters_say() -> None:
-    bench = Bench(joints=Kept(weight))
+    bench = Bench(load=weight)
     bench.joints.places[:6] = [50, 300, 7_700, 90, 150, 6_600]
     assert calibrated(bench) == bench.joints.places[:6]
     assert bench.joints.lost == [0] * 7
@@ -230,7 +248,7 @@ def test_the_guis_calibration_ends_where_its_counters_say() -> None:
 
 @pytest.mark.long(beside="test_the_guis_calibration_ends_where_its_counters_say")
 def test_from_anywhere_the_guis_calibration_leads_to_rest() -> None:
-    bench = Bench(joints=Kept(weight))
+    bench = Bench(load=weight)
     bench.joints.places[:6] = [5_000, 3_000, 2_000, 9_000, 1_500, 4_000]
     to_rest = [axis.rest - count for axis, count in zip(JOINTS, calibrated(bench), strict=True)]
     bench.ask(ar2.move(to_rest, 25, up=(10, 10), down=(10, 10)))
@@ -299,7 +317,7 @@ def test_a_motor_that_is_too_fast_or_too_heavily_loaded_loses_steps_in_silence()
     assert fast.joints.lost[0] > 300
     assert fast.joints.places[0] == 7_600 + 500 - fast.joints.lost[0]
     for load, lost in ((weightless, False), (lambda _: (0.0, -18.0, 0.0, 0.0, 0.0, 0.0), True)):
-        slow = Bench(joints=Kept(load))
+        slow = Bench(load=load)
         slow.ask(b"MJB0500S50G10H10I10K10\n")
         assert (slow.joints.lost[1] > 100) is lost
         slow.ask(b"MJB1500S50G10H10I10K10\n")  # with the weight

@@ -73,7 +73,7 @@ def agree(seed: int, count: int) -> int:
             meant = model.obey(text + "\n")
             assert bench.busy == (meant is None), text
             assert meant is None or said == meant, text
-            kept = [(axis, ahead, (at - begun // MICROSECOND)) for axis, ahead, at in bench.joints.kept]
+            kept = [(axis, ahead, (at - begun // MICROSECOND)) for axis, ahead, at in bench.kept]
             assert kept == model.pulses, text
             pulses += len(kept)
             # What was lost at a stop is no matter of the grammar.

@@ -57,6 +57,27 @@ def test_a_poses_error_dies_away_from_a_stated_offset() -> None:
     assert math.acos(min(1.0, (np.trace(error) - 1.0) / 2.0)) < 1e-3
 
 
+def test_a_large_orientation_error_dies_away_by_its_gain_while_both_frames_turn() -> None:
+    rng, step = np.random.default_rng(5), 1e-6
+
+    def error(actual: Matrix, desired: Matrix) -> Matrix:
+        found: Matrix = 0.5 * np.cross(actual.T, desired.T).sum(axis=0)
+        return found
+
+    for _ in range(20):
+        one, two, rate = rng.normal(size=(3, 3))
+        actual, desired = np.eye(4), np.eye(4)
+        actual[:3, :3] = turned(tuple(one), 1.0)
+        desired[:3, :3] = turned(tuple(two), 1.0) @ actual[:3, :3]
+        turn = pose_law(desired, actual, np.r_[np.zeros(3), rate], (1.0, 3.0))[3:]
+        after = error(
+            turned(tuple(turn), step * float(np.linalg.norm(turn))) @ actual[:3, :3],
+            turned(tuple(rate), step * float(np.linalg.norm(rate))) @ desired[:3, :3],
+        )
+        first = error(actual[:3, :3], desired[:3, :3])
+        assert (after - first) / step == pytest.approx(-3.0 * first, abs=1e-4)
+
+
 def test_a_turning_desired_frame_is_followed_by_its_own_turn_rate() -> None:
     axis, rate, angles = (0.0, 1.0, 1.0), 0.2, BEGIN.copy()
     begin = AR2.pose(BEGIN)
