@@ -34,9 +34,9 @@ COMMANDS: Final[tuple[Row, ...]] = (
         "emulate",
         """Put emulated devices on a real CAN bus or a serial line, in real time.
 
-`emulate epos2` brings drives alone, `emulate board` an Arduino with a motor shield, `emulate capture` a
-motion capture system. `emulate ROBOT` brings the drives and the plant of a robot; the word `robot` in front
-of the robot's name may be left out.""",
+`emulate epos2` brings drives alone, `emulate board` an Arduino with a motor shield, `emulate ar2` the board
+of an arm, `emulate capture` a motion capture system. `emulate ROBOT` brings the drives and the plant of a
+robot; the word `robot` in front of the robot's name may be left out.""",
         """Examples:
 
 `firmware-bridge emulate rars -i socketcan -c vcan0`
@@ -60,6 +60,11 @@ of the robot's name may be left out.""",
         "emulate board",
         "emulators.cli.emulate_board:emulate",
         "Put an Arduino Mega 2560 with an Adafruit Motor Shield V2 on a serial line.",
+    ),
+    Command(
+        "emulate ar2",
+        "emulators.cli.emulate_ar2:emulate",
+        "Put the board of an AR2 arm on a serial line, in real time, with the arm on its drivers.",
     ),
     Command(
         "emulate capture",

@@ -34,6 +34,7 @@ THEIR_OWN: Final = (
     "emulators/robots/",
     "emulators/starter/",
     "emulators/cli/new",
+    "fmu/ar2/",
     "fmu/parts/",
     "fmu/climber/",
     "fmu/rars/",

@@ -14,7 +14,7 @@ from fmu.build import ensure
 from fmu.plants import names
 
 FOLDER = Path(fmu.__file__).parent
-SOURCES = {"climber": "[C]", "rars": "[R]", "rome_base": "[O]", "single_axis": "ASSUME"}
+SOURCES = {"ar2": "[A]", "climber": "[C]", "rars": "[R]", "rome_base": "[O]", "single_axis": "ASSUME"}
 
 
 def part(model: str, module: str) -> Any:

@@ -3,6 +3,7 @@
 Source: the C standard; avr-libc. Overflow of a signed number wraps here, as the machine's code for it does.
 """
 
+import math
 from struct import Struct
 from typing import Final
 
@@ -58,3 +59,29 @@ def atoi(text: bytes) -> int:
             break
         value = int16(10 * value + byte - 0x30)
     return int16(-value if negative else value)
+
+
+def single(value: float) -> float:
+    """Return a float as a sum, a product or a division leaves it: infinite beyond its range."""
+    try:
+        return float32(value)
+    except OverflowError:
+        return math.copysign(math.inf, value)
+
+
+def divided(dividend: float, divisor: float) -> float:
+    """Return a float divided; by zero infinite, and none at all for zero by zero."""
+    if divisor == 0.0:
+        sign = math.copysign(1.0, divisor)
+        return math.nan if dividend == 0.0 or math.isnan(dividend) else sign * dividend * math.inf
+    return single(dividend / divisor)
+
+
+def truncated(value: float) -> int:
+    """Return the long that a float becomes, towards zero.
+
+    Beyond a long, where C says nothing, it is 0 here.
+    """
+    if not -(2.0**31) <= value < 2.0**31:
+        return 0
+    return int(value)

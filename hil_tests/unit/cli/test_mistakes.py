@@ -173,3 +173,11 @@ def test_a_cut_that_makes_no_sense_shows_one_that_does(cut: str) -> None:
 
 def out_of(command: str, folder: Path) -> list[str]:
     return ["--out", str(folder / "out")] if command == "bench" else ["-i", "virtual", "-c", "mistakes"]
+
+
+def test_an_arms_firmware_that_there_is_not_is_answered_with_those_that_there_are() -> None:
+    assert "--firmware 1.0: there is none; there are: 2.0, 1.5" in refused(
+        "emulate", "ar2", "--firmware", "1.0"
+    )
+    line = refused("emulate", "ar2", "--serial", "/dev/nowhere", "--reset-on-open")
+    assert "only --serial pty needs it" in line

@@ -1,0 +1,46 @@
+"""The generations of the arm's sketch, as rows.
+
+Sources: Chris-Annin/AR2, AR2_2.0 and AR2_1.5. Left out is what their facts do not suffice for: the sketch of
+2017 with its other lines, and the later one for two boards with encoders.
+
+Where they are silent:
+* 1.5 moves as 2.0 does.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final
+
+from firmware_bridge.wire.arduino import ar2
+
+COMMANDS: Final = frozenset({"SV", "WT", "JF", "ON", "OF", "WI", "WO", "TM", "LL", "MJ", "ML"})
+
+
+@dataclass(frozen=True, slots=True)
+class Firmware:
+    """What can be flashed."""
+
+    title: str
+    baud: int
+    reached: tuple[bytes, bytes]
+    """What it says after LL: all joints are at their switches, or not."""
+    input: tuple[bytes, bytes]
+    """What it says of an input: high, or low."""
+    commands: frozenset[str] = COMMANDS
+    multiplier: float = 200.0
+    """us a pulse of MJ at full speed."""
+
+
+FIRMWARES: Final[Mapping[str, Firmware]] = MappingProxyType(
+    {
+        "2.0": Firmware("AR2 2.0", ar2.BAUD, (b"P\r", b"F\r"), (b"T\r", b"F\r")),
+        "1.5": Firmware(
+            "AR2 1.5",
+            ar2.OLD_BAUD,
+            (b"pass\n\r\n", b"fail\n\r\n"),
+            (b"True\n\r\n", b"False\n\r\n"),
+            COMMANDS - {"TM", "ML"},
+        ),
+    }
+)

@@ -1,0 +1,165 @@
+"""A tool along its path by rates of joints: the law, what it does near singular postures, and near limits.
+
+Source: A. Seleit, MSc thesis, UCF, 2020, (3.15), (3.16) and (3.21) to (3.23). Damping: Y. Nakamura and
+H. Hanafusa, 1986. Joints that near their limits weigh more: T. F. Chan and R. V. Dubey, 1995. Lengths in m,
+angles in rad, in the floor's frame.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from firmware_bridge.motion.chain import Angles, Chain, Matrix
+
+ALL: Final = (0, 1, 2, 3, 4, 5)
+"""Of the tool's three speeds and three turns: all are asked for."""
+POSITION: Final = (0, 1, 2)
+HEAVIEST: Final = 1e6
+"""The weight of a joint at its limit: it does a millionth of what it would do."""
+
+
+class Watch(NamedTuple):
+    """How a posture moves the tool."""
+
+    manipulability: float
+    """The product of the singular values: 0 where a direction is lost."""
+    smallest: float
+    """The least singular value."""
+    damping: float
+    """The square of what was added to each of them; 0 far from singular postures."""
+
+
+@dataclass(frozen=True, slots=True)
+class Damping:
+    """From which least singular value on rates are damped, and how much at a singular posture.
+
+    ASSUME 0.03 and 0.03: for 20 mm/s of the tool the joints then do 0.67 rad/s at most, all together.
+    """
+
+    below: float = 0.03
+    most: float = 0.03
+
+    def squared(self, smallest: float) -> float:
+        """Return the square of the damping: it begins smoothly at `below`."""
+        if smallest >= self.below:
+            return 0.0
+        return (1.0 - (smallest / self.below) ** 2) * self.most**2
+
+
+class Rates(NamedTuple):
+    """What the joints shall do, rad/s, and how the posture is."""
+
+    joints: Matrix
+    watch: Watch
+
+
+def resolved(
+    chain: Chain,
+    angles: Angles,
+    wanted: Matrix,
+    *,
+    rows: Sequence[int] = ALL,
+    moving: Sequence[int] = ALL,
+    damping: Damping | None = None,
+) -> Rates:
+    """Return the joints' rates for what the tool shall do, q' = J+ (wanted) of (3.16).
+
+    `rows` are those of the tool's six speeds that `wanted` has, `moving` the joints that are not locked.
+    Where joints are left over, those that near a limit do less.
+    """
+    jacobian = chain.jacobian(angles)[np.ix_(rows, moving)]
+    inverse, watch = _inverse(jacobian, Damping() if damping is None else damping)
+    rates = inverse @ wanted
+    if len(moving) > len(rows):
+        spread = np.array(
+            [
+                1.0 / math.sqrt(_weight(angles[joint], chain.least[joint], chain.most[joint], rate))
+                for joint, rate in zip(moving, rates, strict=True)
+            ]
+        )
+        rates = spread * (_damped(jacobian * spread, watch.damping) @ wanted)
+    found = np.zeros(len(chain.links))
+    found[list(moving)] = rates
+    return Rates(found, watch)
+
+
+def position_error_law(desired: Matrix, actual: Matrix, speed: Matrix, gain: float) -> Matrix:
+    """Return the speed that the tool shall have, x' + K e with e = x_r - x, in m/s."""
+    return speed + gain * (desired - actual)
+
+
+def pose_law(desired: Matrix, actual: Matrix, twist: Matrix, gains: tuple[float, float]) -> Matrix:
+    """Return the tool's speed and turn for two poses and the desired one's twist, (3.21) to (3.23).
+
+    `gains` in 1/s for position and orientation. The orientation's error is half the sum of the vector
+    products of both frames' axes; the law turns it back by the shortest way, from any error below 90 degrees.
+    """
+    place, turn = gains
+    error = desired[:3, 3] - actual[:3, 3]
+    pairs = [(actual[:3, axis], desired[:3, axis]) for axis in range(3)]
+    orientation = 0.5 * sum((np.cross(e, d) for e, d in pairs), start=np.zeros(3))
+    lever = -0.5 * sum((_skew(d) @ _skew(e) for e, d in pairs), start=np.zeros((3, 3)))
+    turned = np.linalg.solve(lever, lever.T @ twist[3:] + turn * orientation)
+    law: Matrix = np.r_[twist[:3] + place * error, turned]
+    return law
+
+
+def slowed(
+    chain: Chain,
+    angles: Angles,
+    rates: Matrix,
+    fastest: Sequence[float],
+    seconds: float,
+    *,
+    margin: float = 0.0,
+) -> float:
+    """Return the share of these rates, 1 at most, at which no joint is too fast or passes its limit.
+
+    `fastest` in rad/s; for the next `seconds`, with a `margin` before the limits in rad. All joints by one
+    share: so the tool stays on its way, and stops there.
+    """
+    share = 1.0
+    for joint, rate in enumerate(rates):
+        room = (
+            (chain.most[joint] - margin - angles[joint])
+            if rate > 0.0
+            else (angles[joint] - chain.least[joint] - margin)
+        )
+        allowed = min(fastest[joint], max(0.0, room) / seconds)
+        if abs(rate) > allowed:
+            share = min(share, allowed / abs(rate))
+    return float(share)
+
+
+def _inverse(jacobian: Matrix, damping: Damping) -> tuple[Matrix, Watch]:
+    """Return the damped inverse, and how singular it was."""
+    values = np.linalg.svd(jacobian, compute_uv=False)
+    added = damping.squared(float(values[-1]))
+    return _damped(jacobian, added), Watch(float(np.prod(values)), float(values[-1]), added)
+
+
+def _damped(jacobian: Matrix, added: float) -> Matrix:
+    """Return J' (J J' + damping)^-1, which is the inverse of least squares where nothing is added."""
+    if not added:
+        inverse: Matrix = np.asarray(np.linalg.pinv(jacobian), np.float64)
+        return inverse
+    square = jacobian @ jacobian.T + added * np.eye(jacobian.shape[0])
+    damped: Matrix = np.asarray(np.linalg.solve(square, jacobian), np.float64).T
+    return damped
+
+
+def _weight(angle: float, least: float, most: float, rate: float) -> float:
+    """Return 1 where a joint goes away from its limit, and more the nearer it comes, `HEAVIEST` at most."""
+    above, below = most - angle, angle - least
+    if above <= 0.0 or below <= 0.0:
+        return HEAVIEST
+    slope = (most - least) ** 2 * (2.0 * angle - most - least) / (4.0 * above**2 * below**2)
+    return min(1.0 + abs(slope), HEAVIEST) if slope * rate > 0.0 else 1.0
+
+
+def _skew(vector: Matrix) -> Matrix:
+    x, y, z = vector
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])

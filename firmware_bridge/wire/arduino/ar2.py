@@ -1,0 +1,56 @@
+"""The arm AR2: lines of letters and decimal numbers, and what its board says to them.
+
+Source: Chris-Annin/AR2, AR2_2.0 and AR2_1.5.
+
+Answers have no line's end unless it stands here.
+"""
+
+from collections.abc import Sequence
+from typing import Final
+
+BAUD: Final = 115_200
+OLD_BAUD: Final = 9_600
+END: Final = b"\n"
+LETTERS: Final = "ABCDEFT"
+"""Of six joints and the track."""
+MOVING: Final = b"command recieved"
+"""Said to a move before it begins; nothing is said when it ends."""
+DONE: Final = b"Done"
+SERVO_DONE: Final = b"Servo Done"
+POINTS: Final = b"num points recieved"
+ALL_POINTS: Final = b"waypts done"
+ECHO_END: Final = b"\r\n"
+MOST_STEPS: Final = 32_767
+
+
+def move(
+    steps: Sequence[int],
+    speed: float,
+    *,
+    up: tuple[int, int] = (0, 100),
+    down: tuple[int, int] = (0, 100),
+) -> bytes:
+    """Return the line of a joint move: steps of six joints and the track, ahead with digit 1.
+
+    `speed`, and of `up` and `down` the part of the way and the speed there, are percentages; those speeds
+    divide. ValueError for what the board would take for something else.
+    """
+    if not 0 < len(steps) <= len(LETTERS):
+        raise ValueError(f"a move takes up to {len(LETTERS)} axes, not {len(steps)}")
+    if max(map(abs, steps)) > MOST_STEPS:
+        raise ValueError(f"a move takes up to {MOST_STEPS} steps, not {max(map(abs, steps))}")
+    if min(up[1], down[1]) <= 0 or not 0.0 < speed <= 100.0:  # noqa: PLR2004 - a percentage
+        raise ValueError(f"speeds of {speed}, {up[1]} and {down[1]} %: the board divides by each of them")
+    axes = "".join(
+        f"{letter}{int(count > 0)}{abs(count)}"
+        for letter, count in zip(LETTERS, (*steps, *(0,) * (len(LETTERS) - len(steps))), strict=True)
+    )
+    return f"MJ{axes}S{speed:g}G{up[0]}H{up[1]}I{down[0]}K{down[1]}".encode() + END
+
+
+def switches(steps: Sequence[int], digits: Sequence[int], speed: int) -> bytes:
+    """Return the line that drives joints to their limit switches: six counts of steps and directions."""
+    axes = "".join(
+        f"{letter}{digit}{count}" for letter, digit, count in zip(LETTERS[:6], digits, steps, strict=True)
+    )
+    return f"LL{axes}S{speed}".encode() + END
