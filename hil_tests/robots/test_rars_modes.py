@@ -2,11 +2,11 @@
 
 import math
 from types import SimpleNamespace
-from typing import Any, Final
+from typing import Any, Final, cast
 
 import pytest
 
-from firmware_bridge.drivers.driver import Feedback, Speed
+from firmware_bridge.drivers.driver import Feedback
 from firmware_bridge.intent import USUAL_AGE_LIMIT
 from firmware_bridge.kinds import find
 from firmware_bridge.motion import davis
@@ -31,6 +31,12 @@ LEFT_OUT: Final = {
 }
 
 
+def turned(steer: float, **wheels: tuple[float, float]) -> dict[str, Feedback]:
+    """Every axis, with the steering at an angle."""
+    seen: Any = axes
+    return cast("dict[str, Feedback]", seen(steer=(at(steer), 0.0), **wheels))
+
+
 def body(mode: str) -> Any:
     return KIND.modes[mode].body(ROBOT)
 
@@ -53,10 +59,10 @@ def test_one_wheel_tells_how_the_robot_moves_in_the_turn_that_is_steered(
     mode: str, name: str, steer: float
 ) -> None:
     whole = dict(zip(("left", "right"), davis.wheel_speeds(BASE, 0.15, steer), strict=True))
-    state = body(mode).sensed(axes(steer=(at(steer), 0.0), **{name: (0.0, whole[name])}), {})
+    state = body(mode).sensed(turned(steer, **{name: (0.0, whole[name])}), {})
     assert state.speed_mps == pytest.approx(0.15)
     assert state.yaw_rate_rad_s == pytest.approx(0.15 * davis.curvature(BASE, steer))
-    assert body(mode).demands(Motion(speed_mps=0.15), state)[name] == Speed(pytest.approx(whole[name]))
+    assert body(mode).demands(Motion(speed_mps=0.15), state)[name].value == pytest.approx(whole[name])
 
 
 @pytest.mark.parametrize("steer", [-0.4, 0.0, 0.4])
@@ -66,9 +72,11 @@ def test_one_wheel_carries_the_pose_along_the_turn_whatever_is_counted_of_the_ot
 ) -> None:
     rolled = dict(zip(("left", "right"), davis.wheel_speeds(BASE, 1.0, steer), strict=True))
     before = axes(steer=(at(steer), 0.0))
-    after = axes(steer=(at(steer), 0.0), **{name: (rolled[name], 0.0)})
-    whole = WHOLE.advanced(Pose(), before, axes(**{each: (way, 0.0) for each, way in rolled.items()}))
-    pose = body(mode).advanced(Pose(), before, after)
+    after = turned(steer, **{name: (rolled[name], 0.0)})
+    whole = WHOLE.advanced(
+        Pose(), before, turned(0.0, **{each: (way, 0.0) for each, way in rolled.items()}), {}
+    )
+    pose = body(mode).advanced(Pose(), before, after, {})
     assert (pose.x_m, pose.y_m, pose.heading_rad) == pytest.approx((whole.x_m, whole.y_m, whole.heading_rad))
     assert body(mode).rolling == (name,)
 

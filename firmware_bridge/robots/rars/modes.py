@@ -106,7 +106,13 @@ class OneWheel(Failed):
             self._driven: Speed(rolling * self._share(steered(state))),
         }
 
-    def advanced(self, pose: Pose, before: Mapping[str, Feedback], after: Mapping[str, Feedback]) -> Pose:
+    def advanced(
+        self,
+        pose: Pose,
+        before: Mapping[str, Feedback],
+        after: Mapping[str, Feedback],
+        _sensors: Mapping[str, Reading],
+    ) -> Pose:
         """Return the pose after the driven wheel rolled on, in the turn that is steered now.
 
         The dead wheel's count, where there is one, makes it worse: one wheel is driven and the other one
