@@ -68,6 +68,7 @@ FREE: Final = {
     "heading": "of any robot; of a table",
     "height": "of a picture",
     "highest": "of any numbers",
+    "joint": "of any arm, and what its board calls its axes",
     "lamp": "an example of what is switched",
     "least": "of any numbers",
     "left": "what remains, what is left out; the left side of anything",
