@@ -63,8 +63,10 @@ ROWS: Final = (
 BY_WAY: Final = {row.way: row for row in ROWS}
 _BY_NUMBER: Final = {row.number: row.way for row in ROWS}
 _BY_PX4: Final = {number: row.way for row in ROWS for number in (row.px4, *row.also)}
-_OWN: Final = tuple(number for number in range(1 << 8) if number == 0 or number not in _BY_NUMBER)
-"""The numbers of the robot's own modes, 0 the whole robot's; those of the rows mean what they mean."""
+_FIRST_OWN: Final = 20
+_OWN: Final = (0, *range(_FIRST_OWN, 1 << 6))
+"""The numbers of the robot's own modes by their places, 0 the whole robot's. Rover's end at 16, and PX4's main
+modes, which come in the same parameter, at 11: a station that asks for one of theirs must not get one of these."""
 _WHOLE: Final = 1 << 16
 """PX4's numbers are not below this where they are not divided into main mode and submode."""
 
@@ -82,8 +84,7 @@ class Asked(NamedTuple):
 def asked(main: int, sub: int, own: int) -> Asked | None:
     """Return what DO_SET_MODE's parameters 2 and 3 ask of a robot with so many modes; None for none of them.
 
-    The robot's own modes, after a failed actuator, are counted from 1, over the rows' numbers; 0 is that of
-    the whole robot.
+    The robot's own modes, after a failed actuator, are counted from 20; 0 is that of the whole robot.
     """
     if main in _OWN[:own]:
         return Asked(Way.MANUAL, _OWN.index(main), px4=False)

@@ -132,7 +132,7 @@ def test_build_goes_into_this_folder_unless_told_otherwise(
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("build", "mars"), "there is no plant 'mars'; did you mean 'rars'? there are: carrier, climber, "),
+        (("build", "mars"), "there is no plant 'mars'; did you mean 'rars'? there are: ar2, carrier, "),
         (
             ("build", "rars", "--out", "/proc/nowhere/rars.fmu"),
             "/proc/nowhere/rars.fmu: the FMU cannot be written",

@@ -181,7 +181,7 @@ def test_the_friction_that_it_writes_is_more_than_its_plant_has_and_less_than_a_
         (("class",), "NAME: 'class' is no name"),
         (("json",), "there is a Python package 'json' already"),
         (("rars",), "the robot 'rars' is installed already"),
-        (("climber",), "the plant 'climber' is installed already"),
+        (("single_axis",), "the plant 'single_axis' is installed already"),
         (("mickey", "--kind", "diferential"), "--kind: no kind 'diferential'; perhaps 'differential'?"),
         (("mickey", "--device", "70/11"), "--device: no EPOS2 '70/11'; perhaps '70/10'?"),
         (("mickey", "--motor", "RE41"), "--motor: no motor 'RE41' is known; perhaps 'RE40'?"),

@@ -86,24 +86,24 @@ def test_steering_that_restarts_at_45_degrees_does_not_run_into_its_stop(
     one = rides(
         ARMED,
         step(4.0, speed_mps=0.1, steer_deg=TURNED_DEG),
-        step(7.5, speed_mps=0.0, steer_deg=0.0),
-        step(8.0, arm=True),
-        step(13.0, zero={"steering": TURNED_DEG}),
-        step(14.0, arm=True),
-        step(15.0, speed_mps=0.1, steer_deg=-TURNED_DEG),
+        step(10.5, speed_mps=0.0, steer_deg=0.0),
+        step(11.0, arm=True),
+        step(16.0, zero={"steering": TURNED_DEG}),
+        step(17.0, arm=True),
+        step(22.0, speed_mps=0.1, steer_deg=-TURNED_DEG),
         seconds=30,
         robot=robot,
-        faults=[fault("drive_restart", 7.0, node="steer", for_s=0.2)],
+        faults=[fault("drive_restart", 10.0, node="steer", for_s=0.2)],
     )
-    one.runs_until(12.9)
+    one.runs_until(15.9)
     assert "axis zero lost: steer" in one.holding
-    assert one.fastest(8.5, 12.9) < 0.002
+    assert one.fastest(11.5, 15.9) < 0.002
     assert steer_deg(one) == pytest.approx(TURNED_DEG, abs=STEER_ERROR_DEG), "it stays where it was"
-    one.runs_until(14.9)
-    assert "zero of steering: accepted" in answers(one, 13.0)
+    one.runs_until(21.9)
+    assert "zero of steering: accepted" in answers(one, 16.0)
     assert one.operator.diary.armed
     assert steer_deg(one) == pytest.approx(0.0, abs=STEER_ERROR_DEG)
-    one.runs_until(18.0)
+    one.runs_until(28.0)
     assert steer_deg(one) == pytest.approx(-TURNED_DEG, abs=2 * STEER_ERROR_DEG)
     assert kept_back(one) == []
 

@@ -25,8 +25,10 @@ def steps(mission: Mission) -> list[RarsStep]:
     return [step for step in mission.step if isinstance(step, RarsStep)]
 
 
-def test_five_missions_are_shipped() -> None:
-    assert list(REHEARSAL.shipped()) == ["circles", "faults", "interlocks", "line", "pursuit"]
+def test_seven_missions_are_shipped() -> None:
+    assert list(REHEARSAL.shipped()) == [
+        "circles", "faults", "interlocks", "left_failed", "line", "pursuit", "steering_failed"
+    ]  # fmt: skip
 
 
 def test_line_is_the_line_of_the_thesis() -> None:

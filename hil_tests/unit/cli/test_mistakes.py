@@ -115,8 +115,8 @@ def test_a_robot_is_not_driven_from_beyond_the_machine_without_a_key() -> None:
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        ("pilot rars", "--joystick, or --path NAME"),
-        ("pilot rars --joystick --path line", "--joystick, or --path NAME"),
+        ("pilot rars", "--joystick, --keyboard, or --path NAME"),
+        ("pilot rars --joystick --path line", "--joystick, --keyboard, or --path NAME"),
         ("pilot rars --path lime", "there is no path 'lime'; perhaps 'line'?"),
         ("pilot rars --joystick --controls gampad", "perhaps 'gamepad'?"),
         ("pilot rars --joystick --mavlink udpin:127.0.0.1:0 --device /dev/input/none", "`ls /dev/input/js*`"),

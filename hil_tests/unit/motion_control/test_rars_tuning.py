@@ -164,7 +164,7 @@ def test_steering_and_lift_reach_their_targets(rars: Rars, name: str, targets: t
         rars.write(name, at.CONTROLWORD, 0x3F)
         rars.run(25)
         rars.write(name, at.CONTROLWORD, 0x0F)
-        rars.run(way // 60 + 500)
+        rars.run(way // 20 + 500)
         seen = []
         for _ in range(100):
             rars.run(1)

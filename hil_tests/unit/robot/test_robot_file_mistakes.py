@@ -50,7 +50,7 @@ def test_the_file_that_the_mistakes_are_made_in_is_good(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("old", "new"),
-    [("velocity_rpm = 2_500 ", "velocity_rpm = 6_984 "), ("velocity_rpm = 2_600", "velocity_rpm = 4_000")],
+    [("velocity_rpm = 800 ", "velocity_rpm = 6_984 "), ("velocity_rpm = 2_600", "velocity_rpm = 4_000")],
 )
 def test_a_profile_at_its_bound_is_good(old: str, new: str, tmp_path: Path) -> None:
     assert robots(str(written(tmp_path, RARS.replace(old, new, 1)))).exit_code == 0

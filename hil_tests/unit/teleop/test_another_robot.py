@@ -174,7 +174,7 @@ def test_a_change_of_state_forgets_what_the_station_says_and_no_more(bench: ToyB
     assert bench.operator.intent.heard_at == heard_at
 
 
-@pytest.mark.parametrize(("number", "mode"), [(0, ""), (1, MODES[0]), (2, MODES[1])])
+@pytest.mark.parametrize(("number", "mode"), [(0, ""), (20, MODES[0]), (21, MODES[1])])
 def test_modes_are_asked_for_by_their_number_and_told(bench: ToyBench, number: int, mode: str) -> None:
     assert acks(bench.order(176, 1, number)) == [(176, ACCEPTED)]
     assert bench.asked == [EnterMode(mode)]

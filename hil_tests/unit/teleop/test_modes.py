@@ -187,7 +187,7 @@ def test_guided_ends_by_another_order_and_by_another_driver(bench: RarsBench, en
 
 def test_guided_leaves_the_robots_own_mode_as_it_is() -> None:
     bench = toy()
-    bench.order(MODE, 1, 2)
+    bench.order(MODE, 1, 21)
     bench.report()
     bench.order(MODE, 1, GUIDED)
     assert bench.asked[-1] == EnterMode("without_boom")
