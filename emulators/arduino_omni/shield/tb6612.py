@@ -7,7 +7,7 @@ direction is a short brake (slow decay).
 Where it is silent:
 * with both inputs low PWM does not matter.
 * thermal shutdown is at 175 degrees C, and ends at 155.
-* ASSUME: the outputs are off below 2.5 V of motor supply, the least that it names for it to work, and on again
+* ASSUME: the outputs are off below 2.5 V of motor supply, the least that it names to work, and on again
   from 2.8 V: it says that a low voltage is detected, and not at which, nor with what hysteresis.
 * ASSUME: below 5 V, where it gives 0.5 Ohm, the resistance grows as the supply falls.
 * the chip warms by 130 K for each watt, with a time constant of 10 s, from 25 degrees C.
