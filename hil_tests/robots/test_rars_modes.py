@@ -17,6 +17,7 @@ from firmware_bridge.safety.interlock import View
 from firmware_bridge.teleop import modes
 from firmware_bridge.units import SECOND
 from hil_tests.robots.test_rars_body import axes
+from hil_tests.rows import every
 
 ROBOT: Final[Any] = find("rars")
 BASE: Final[davis.DavisBase] = ROBOT.geometry.base
@@ -164,3 +165,29 @@ def test_the_modes_numbers_are_none_of_those_that_mean_something_else() -> None:
     hold = modes.asked(4, 0, len(numbers))
     assert hold is not None
     assert hold.way is modes.Way.HOLD
+
+
+@every(
+    ("wish", "told"),
+    [
+        (Motion(steer_rad=0.2 + 1.005 * DEGREE), "the steering stays at 11 deg"),
+        (Motion(steer_rad=0.2 - 1.005 * DEGREE), "the steering stays at 11 deg"),
+        (Motion(steer_rad=0.2 + 0.995 * DEGREE), None),
+        (Motion(steer_rad=0.2 - 0.995 * DEGREE), None),
+    ],
+)
+def test_who_wants_to_steer_a_degree_beside_the_angle_is_told_the_angle(
+    wish: Motion, told: str | None
+) -> None:
+    seen: Any = SimpleNamespace(body=State(0.2, 0.0, 0.0, 0.0, 0.0))
+    view: Any = View(ROBOT, seen, wish, frozenset(), None)
+    limits = {row.name: row for row in KIND.rules(ROBOT)["steering_failed"].limits}
+    assert limits["steering out of use"].clip(view) == (Motion(), told)
+
+
+@every(("mode", "name"), [("left_failed", "right"), ("right_failed", "left")])
+def test_one_wheel_carries_the_pose_by_what_it_rolled_since_the_last_sample(mode: str, name: str) -> None:
+    before = turned(0.0, **{name: (5.0, 0.0)})
+    after = turned(0.0, **{name: (5.5, 0.0)})
+    pose = body(mode).advanced(Pose(), before, after, {})
+    assert (pose.x_m, pose.y_m, pose.heading_rad) == pytest.approx((0.5 * R, 0.0, 0.0))
