@@ -67,8 +67,8 @@ _FIRST_OWN: Final = 20
 _OWN: Final[tuple[int, ...]] = (0, *range(_FIRST_OWN, 1 << 6))
 """The numbers of the robot's own modes by their places, 0 the whole robot's.
 
-Rover ends at 16, and PX4 with its main modes, which come in the same parameter, at 11: who asks for one of theirs
-must not get one of these.
+Rover ends at 16, and PX4 with its main modes, which come in the same parameter, at 11. Who asks for one of
+theirs must not get one of these.
 """
 _WHOLE: Final = 1 << 16
 """PX4's numbers are not below this where they are not divided into main mode and submode."""
