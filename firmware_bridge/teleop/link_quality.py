@@ -57,7 +57,7 @@ ROWS: Final = (
         _lost,
         0.1,
         0.05,
-        "link: {lost:.0%} of this station's frames are lost",
+        "link: {share:.0%} of this station's frames are lost",
         "link: frames come again",
     ),
     Row(
@@ -87,13 +87,12 @@ class Quality:
                 continue
             if place not in self._bad and value >= row.bad_from:
                 self._bad.add(place)
-                told.append((Severity.WARNING, _text(row.bad, link)))
+                told.append((Severity.WARNING, _text(row.bad, value, link)))
             elif place in self._bad and value < row.good_below:
                 self._bad.discard(place)
-                told.append((Severity.INFO, _text(row.good, link)))
+                told.append((Severity.INFO, _text(row.good, value, link)))
         return told
 
 
-def _text(text: str, link: Link) -> str:
-    trip, lost = link.ages.trips.newest(link.now) or 0, link.ages.losses.share or 0.0
-    return text.format(trip=to_seconds(trip), lost=lost)
+def _text(text: str, value: float, link: Link) -> str:
+    return text.format(share=value, trip=value * to_seconds(link.limit.most))

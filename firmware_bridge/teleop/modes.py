@@ -64,9 +64,12 @@ BY_WAY: Final = {row.way: row for row in ROWS}
 _BY_NUMBER: Final = {row.number: row.way for row in ROWS}
 _BY_PX4: Final = {number: row.way for row in ROWS for number in (row.px4, *row.also)}
 _FIRST_OWN: Final = 20
-_OWN: Final = (0, *range(_FIRST_OWN, 1 << 6))
-"""The numbers of the robot's own modes by their places, 0 the whole robot's. Rover's end at 16, and PX4's main
-modes, which come in the same parameter, at 11: a station that asks for one of theirs must not get one of these."""
+_OWN: Final[tuple[int, ...]] = (0, *range(_FIRST_OWN, 1 << 6))
+"""The numbers of the robot's own modes by their places, 0 the whole robot's.
+
+Rover ends at 16, and PX4 with its main modes, which come in the same parameter, at 11. Who asks for one of
+theirs must not get one of these.
+"""
 _WHOLE: Final = 1 << 16
 """PX4's numbers are not below this where they are not divided into main mode and submode."""
 

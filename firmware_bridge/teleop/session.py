@@ -197,9 +197,9 @@ class Session:
         self._ages: tuple[int, Ages, Quality] = (0, Ages(signed=False), Quality())
         self.peers: Final[dict[Sender, Peer]] = {}
         self.untold: list[Message] = []
+        """Who drives now: told with the next report, beside the answers."""
         self.notes: tuple[str, ...] = ()
         """What the start has shown that whoever drives must know."""
-        """Who drives now: told with the next report, beside the answers."""
         self.dropped: Final = Dropped()
         self.terminated = False
         self.resets = 0

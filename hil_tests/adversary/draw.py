@@ -14,7 +14,7 @@ from emulators.bench.faults.people import BridgeEnds
 from emulators.bench.faults.site import BRIDGE
 from emulators.bench.mission import Mission, Noise
 from emulators.bench.rehearsal import Rehearsal
-from emulators.bench.step import Holds, Input, Presses, Sends, Slope, Step, guides, inputs
+from emulators.bench.step import Holds, Input, Presses, Sends, Slope, Step, guides, inputs, modes
 from emulators.bench.strays import Stray
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import NEVER
@@ -31,6 +31,8 @@ DRIVES: Final = 0.3
 """So often he moves one channel of his stick alone, ..."""
 FIRST: Final = 0.6
 """... and so often it is the first one."""
+NAMED: Final = {"guide": guides, "mode": modes}
+"""What a step says by its name."""
 TRIES: Final = 50
 SLOPED: Final = 0.3
 """So many evenings are on a slope, where the plant has one, ..."""
@@ -368,8 +370,7 @@ class Draw:
         drawn: dict[object, Callable[[], Any]] = {
             True: lambda: True,
             bool: lambda: bool(chance.integers(2)),
-            str: lambda: str(chance.choice(guides(self._robot))),
-            int: lambda: int(chance.integers(0, 3)),
+            str: lambda: str(chance.choice(NAMED[key](self._robot))),
         }
         for kind in said & drawn.keys():
             return drawn[kind]()

@@ -96,7 +96,7 @@ def deaf(*_: Any, **__: Any) -> Verdict:
 def test_an_emergency_stop_that_does_nothing_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Permission, "_stop", deaf)
     one = search(find("carrier"), HONEST)
-    found = next(found for found, _ in map(one.looked, (19,)) if found is not None)
+    found = next(found for found, _ in map(one.looked, (44,)) if found is not None)
     assert found.violation.name == "motion with power that may not be"
     assert any(step.emergency_stop for step in found.mission.step)
 

@@ -140,8 +140,10 @@ def common_trips(robot: AnyRobot) -> Iterator[tuple[str, dict[str, Any]]]:
         ):
             changed = replace(well[axis.name], **changes)
             yield f"{row}: {axis.name}", {"axes": {**well, axis.name: changed}}
-        strays = Following(sampled_at=START, obeyed_at=START - limit)
-        repeats = replace(strays, obeyed_at=START, settled_at=START - limit)
+        said = axis.belief.within_ms
+        long = limit if said is None else said * MILLISECOND
+        strays = Following(sampled_at=START, obeyed_at=START - long)
+        repeats = replace(strays, obeyed_at=START, settled_at=START - long)
         for row, following in (
             ("axis does not follow", strays),
             ("axis moves unasked", replace(strays, unasked=True)),

@@ -7,8 +7,9 @@ direction is a short brake (slow decay).
 Where it is silent:
 * with both inputs low PWM does not matter.
 * thermal shutdown is at 175 degrees C, and ends at 155.
-* the outputs are off below 2.5 V of motor supply, the least that it names, and on again from 2.8 V.
-* below 5 V the resistance grows as the supply falls.
+* ASSUME: the outputs are off below 2.5 V of motor supply, the least that it names to work, and on again
+  from 2.8 V: it says that a low voltage is detected, and not at which, nor with what hysteresis.
+* ASSUME: below 5 V, where it gives 0.5 Ohm, the resistance grows as the supply falls.
 * the chip warms by 130 K for each watt, with a time constant of 10 s, from 25 degrees C.
 """
 
@@ -23,7 +24,9 @@ ON_RESISTANCE: Final = 0.5
 """Ohm, upper and lower transistor together, at 5 V and more."""
 FULLY_ON_V: Final = 5.0
 LOCKED_V: Final = 2.5
+"""V of motor supply below which the outputs are off. ASSUME, see above."""
 UNLOCKED_V: Final = 2.8
+"""V of motor supply from which they are on again. ASSUME, see above."""
 PEAK_CURRENT: Final = 3.2
 """A, a channel, for 20 ms."""
 SHUTDOWN_C: Final = 175.0

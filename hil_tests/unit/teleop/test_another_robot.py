@@ -189,7 +189,7 @@ def test_modes_that_it_lacks_are_denied(bench: ToyBench, number: float) -> None:
     assert acks(replies) == [(176, DENIED)]
     assert (
         "".join(texts(replies)).rstrip()
-        == "mode: 0 Manual, 15 Guided, 4 Hold, 1 without_port, 2 without_boom; "
+        == "mode: 0 Manual, 15 Guided, 4 Hold, 20 without_port, 21 without_boom; "
         "there are no others; it is paused"
     )
     assert bench.asked == [Pause()]

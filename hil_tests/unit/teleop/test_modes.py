@@ -90,8 +90,8 @@ def test_the_names_are_listed_all_at_once_or_one_alone(bench: RarsBench) -> None
 def test_the_robots_own_modes_are_listed_behind_them() -> None:
     listed = [one for one in toy().order(512, 435) if one.get_type() == "AVAILABLE_MODES"]
     assert [(one.mode_name, one.custom_mode) for one in listed[3:]] == [
-        ("Without port", 1),
-        ("Without boom", 2),
+        ("Without port", 20),
+        ("Without boom", 21),
     ]
     assert {one.number_modes for one in listed} == {5}
 

@@ -1,0 +1,123 @@
+"""What who drives is told of his link: both edges of each figure, once each way, and in which words."""
+
+from __future__ import annotations
+
+from firmware_bridge.intent import AgeLimit
+from firmware_bridge.safety.row import Severity
+from firmware_bridge.teleop.age import Ages
+from firmware_bridge.teleop.link_quality import Link, Quality
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+from hil_tests.rows import every
+
+QUESTION = (111, 1)
+ASKED_AT = 7 * SECOND
+WHOLE = 2 * SECOND
+"""How old a word may be here: not the usual limit, so that who reads another one is seen."""
+UNDATED = "link: nobody can tell how old this station's words are, only when they cease"
+
+
+def link(
+    trip: Nanoseconds | None = None,
+    *,
+    lost: float | None = None,
+    dated: bool = True,
+    asked_for: Nanoseconds | None = None,
+) -> Link:
+    """Return a link on which one question was answered after `trip`, or one was asked so long ago."""
+    ages = Ages(signed=False)
+    now = ASKED_AT + (trip or asked_for or 0)
+    if trip is not None or asked_for is not None:
+        ages.trips.ask(QUESTION, now=ASKED_AT)
+    if trip is not None:
+        ages.trips.answered(QUESTION, now)
+    ages.losses.share = lost
+    return Link(ages, AgeLimit(most=WHOLE), dated, now)
+
+
+def told(*links: Link) -> list[list[tuple[Severity, str]]]:
+    """Return what one who drives is told on a link that changes so."""
+    quality = Quality()
+    return [quality.changes(one) for one in links]
+
+
+def warned(text: str) -> list[tuple[Severity, str]]:
+    return [(Severity.WARNING, text)]
+
+
+def eased(text: str) -> list[tuple[Severity, str]]:
+    return [(Severity.INFO, text)]
+
+
+EDGES = {
+    "a round trip as long as a word may be old": (
+        [link(WHOLE - 1), link(WHOLE)],
+        [[], warned("link: round trip 2.00 s")],
+    ),
+    "... which gets better, but not by a quarter": (
+        [link(WHOLE), link(1500 * MILLISECOND)],
+        [warned("link: round trip 2.00 s"), []],
+    ),
+    "... and by more": (
+        [link(WHOLE), link(1500 * MILLISECOND - 1)],
+        [warned("link: round trip 2.00 s"), eased("link: round trip 1.50 s, good again")],
+    ),
+    "a round trip between the bounds, from the good side": ([link(1800 * MILLISECOND)], [[]]),
+    "one frame in ten is lost": (
+        [link(lost=0.0999), link(lost=0.1)],
+        [[], warned("link: 10% of this station's frames are lost")],
+    ),
+    "all frames are lost": ([link(lost=1.0)], [warned("link: 100% of this station's frames are lost")]),
+    "... one in twenty": (
+        [link(lost=0.25), link(lost=0.05)],
+        [warned("link: 25% of this station's frames are lost"), []],
+    ),
+    "... and fewer": (
+        [link(lost=0.25), link(lost=0.0499)],
+        [warned("link: 25% of this station's frames are lost"), eased("link: frames come again")],
+    ),
+    "a share between the bounds, from the good side": ([link(lost=0.07)], [[]]),
+    "words without a time, asked for 3 s": (
+        [link(dated=False, asked_for=3 * SECOND - 1), link(dated=False, asked_for=3 * SECOND)],
+        [[], warned(UNDATED)],
+    ),
+    "... and still without": (
+        [link(dated=False, asked_for=3 * SECOND), link(dated=False, asked_for=4 * SECOND)],
+        [warned(UNDATED), []],
+    ),
+    "... and then with one": (
+        [link(dated=False, asked_for=3 * SECOND), link(dated=True, asked_for=3 * SECOND)],
+        [warned(UNDATED), eased("link: how old this station's words are is known")],
+    ),
+    "words with a time": ([link(dated=True, asked_for=3 * SECOND)], [[]]),
+    "a station that was never asked": ([link(dated=False)], [[]]),
+}
+
+
+@every("edge", EDGES)
+def test_what_is_told_at_both_edges(edge: str) -> None:
+    links, expected = EDGES[edge]
+    assert told(*links) == expected
+
+
+def test_what_is_bad_is_told_once_and_again_after_it_was_good() -> None:
+    bad, good = link(WHOLE), link(MILLISECOND)
+    assert [len(texts) for texts in told(bad, bad, bad, good, good, bad)] == [1, 0, 0, 1, 0, 1]
+
+
+def test_a_figure_that_is_not_known_any_more_ends_nothing() -> None:
+    assert [len(texts) for texts in told(link(WHOLE), link(), link(WHOLE))] == [1, 0, 0]
+
+
+def test_each_figure_is_told_by_itself() -> None:
+    both = link(WHOLE, lost=0.5)
+    assert told(both, link(WHOLE, lost=0.01), link(MILLISECOND, lost=0.5)) == [
+        [
+            *warned("link: round trip 2.00 s"),
+            *warned("link: 50% of this station's frames are lost"),
+        ],
+        eased("link: frames come again"),
+        [
+            *eased("link: round trip 0.00 s, good again"),
+            *warned("link: 50% of this station's frames are lost"),
+        ],
+    ]
