@@ -12,6 +12,7 @@ from firmware_bridge.kinds import find
 from firmware_bridge.motion import davis
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robots.rars import KIND
+from firmware_bridge.robots.rars.modes import STAYS_WITHIN_RAD
 from firmware_bridge.robots.rars.motion import Motion, State
 from firmware_bridge.safety.interlock import View
 from firmware_bridge.teleop import modes
@@ -191,3 +192,12 @@ def test_one_wheel_carries_the_pose_by_what_it_rolled_since_the_last_sample(mode
     after = turned(0.0, **{name: (5.5, 0.0)})
     pose = body(mode).advanced(Pose(), before, after, {})
     assert (pose.x_m, pose.y_m, pose.heading_rad) == pytest.approx((0.5 * R, 0.0, 0.0))
+
+
+def test_an_angle_just_as_far_as_may_be_is_not_told() -> None:
+    still = State(0.0, 0.0, 0.0, 0.0, 0.0)
+    row = KIND.modes["steering_failed"].limits[0]
+    for beside, told in ((STAYS_WITHIN_RAD, False), (math.nextafter(STAYS_WITHIN_RAD, 1.0), True)):
+        seen: Any = SimpleNamespace(body=still)
+        _, reason = row.clip(View(ROBOT, seen, Motion(0.1, beside), frozenset(), None))
+        assert (reason is not None) is told

@@ -2,11 +2,16 @@
 
 import math
 from dataclasses import replace
-from typing import Final
+from typing import Any, Final
 
 import pytest
 
-from firmware_bridge.intent import Arm, ClearEmergencyStop, Disarm, EmergencyStop, EnterMode
+from firmware_bridge.drivers.driver import Feedback
+from firmware_bridge.intent import NEVER_HEARD, Arm, ClearEmergencyStop, Disarm, EmergencyStop, EnterMode
+from firmware_bridge.kinds import find, kind_of
+from firmware_bridge.motion.pose import Pose
+from firmware_bridge.safety.snapshot import Facts, Snapshot
+from firmware_bridge.units import SECOND
 from hil_tests.unit.pipeline.cart import PaperCart
 
 BOUND: Final = 12.0 * (1.0 / 80.0)
@@ -70,3 +75,67 @@ def test_an_axis_that_moves_by_itself_is_not_told_where_it_stands(sign: float) -
         verdict = cart.permission.set_zero(driver, 0.5, cart.pipeline.known(cart.now), ())
         assert (not verdict.accepted, verdict.reason.endswith("moves")) == (refused, refused)
         assert driver.zeros == ([] if refused else [0.5])
+
+
+RARS: Final[Any] = find("rars")
+RULES: Final = kind_of(RARS).rules(RARS)
+SILENT: Final = RARS.silent_after["left"]
+
+
+def seen(left_rad_s: float, age: int) -> Snapshot[Any, Any]:
+    """RARS's left wheel told a speed so long ago; all others have just told that they rest."""
+    now = 10 * SECOND
+    axes = {axis.name: Feedback(axis.name, heard_at=now, sampled_at=now) for axis in RARS.axes}
+    axes["left"] = replace(axes["left"], velocity=left_rad_s, heard_at=now - age)
+    facts = Facts(
+        now=now,
+        armed=False,
+        emergency_stopped=False,
+        heard_at=NEVER_HEARD,
+        neutral=True,
+        axes=axes,
+        sensors={},
+        links_lost={},
+    )
+    rest = kind_of(RARS).rest
+    body = RULES[""].body.sensed(axes, {})
+    return Snapshot(facts=facts, wish=rest, demanded=rest, body=body, pose=Pose(1.0, 2.0, 3.0))
+
+
+@pytest.mark.parametrize(
+    ("mode", "left_rad_s", "age", "rests"),
+    [
+        ("left_failed", 5.0, SILENT, True),
+        ("left_failed", 5.0, SILENT - 1, False),  # it is heard, and turns
+        ("left_failed", 0.0, 0, True),
+        ("right_failed", 5.0, SILENT, False),  # not the one that this mode does without
+        ("", 5.0, SILENT, False),
+    ],
+)
+def test_an_axis_that_a_mode_does_without_counts_as_long_as_it_is_heard(
+    mode: str, left_rad_s: float, age: int, *, rests: bool
+) -> None:
+    rules = RULES[mode]
+    known = rules.sensed(seen(left_rad_s, age))
+    assert rules.stands(known) is rests
+    assert rules.at_rest(known) is rests
+
+
+def test_what_a_mode_senses_is_the_same_snapshot_with_its_own_body() -> None:
+    one = seen(5.0, SILENT)
+    wish, located = object(), object()
+    before: Snapshot[Any, Any] = Snapshot(
+        facts=one.facts,
+        wish=wish,
+        demanded=one.demanded,
+        body=one.body,
+        pose=one.pose,
+        located=located,  # type: ignore[arg-type] # handed on, whatever it is
+    )
+    after = RULES["left_failed"].sensed(before)
+    assert after.body != before.body
+    assert after.body == RULES["left_failed"].body.sensed(before.facts.axes, {})
+    assert after.facts is before.facts
+    assert after.wish is wish
+    assert (after.demanded, after.pose) == (one.demanded, one.pose)
+    assert after.located is located
