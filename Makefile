@@ -41,7 +41,7 @@ unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
 SHELL := bash
-.PHONY: help setup compiled same demo test long test-all check docs golden bench adversary fuzz twins mutants hour clean
+.PHONY: help setup compiled same demo studies test long test-all check docs golden bench adversary fuzz twins mutants hour clean
 
 help: ## list these commands
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' Makefile
@@ -98,6 +98,9 @@ demo: $(READY) ## drive the shipped missions in virtual time; results in out/
 		$(BRIDGE) bench rars --mission $$mission --out $(OUT)/rars-$$mission || exit $$?; \
 	done; \
 	echo "demo: $(MISSIONS) driven in $$(( $$(date +%s) - begun )) s; tables, plots and recordings are in $(OUT)/rars-*/"
+
+studies: $(READY) ## make the sources' figures and numbers anew; one page, in out/studies
+	@$(BRIDGE) study all --out $(OUT)/studies
 
 # Two lanes, which between them lose nothing: a test says so. Each leaves out what this machine's kernel cannot do.
 # Of Hypothesis's tests the first draws a tenth of the examples, and the second all of them again.

@@ -83,6 +83,8 @@ class Rehearsal:
     paths: Mapping[str, Callable[[AnyRobot], Path]] = field(default_factory=dict)
     """By the names of its guides: where those that go by the clock shall be; needs the column `OFFSET` of
     `emulators.bench.path_error`."""
+    studies: str = ""
+    """The module whose `STUDIES` are its studies, rows of `emulators.studies.study`; imported when asked."""
 
     def shipped(self) -> dict[str, FilePath]:
         """Return the shipped missions by their names, in alphabetical order."""
@@ -94,10 +96,14 @@ def _entries() -> EntryPoints:
     return entry_points(group=GROUP)
 
 
+def rehearsals() -> dict[str, Rehearsal]:
+    """Return every installed robot's rehearsal by its kind, in the order of the kinds' names."""
+    return {entry.name: entry.load() for entry in sorted(_entries(), key=lambda entry: entry.name)}
+
+
 def mission_names() -> list[str]:
     """Return the names of all shipped missions, of whichever robot."""
-    found = {name for entry in _entries() for name in entry.load().shipped()}
-    return sorted(found)
+    return sorted({name for rehearsal in rehearsals().values() for name in rehearsal.shipped()})
 
 
 def rehearsal_of(robot: AnyRobot) -> Rehearsal:

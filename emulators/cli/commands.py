@@ -30,6 +30,11 @@ COMMANDS: Final[tuple[Row, ...]] = (
         "emulators.cli.replay:replay",
         "Play a recording again in virtual time, and show the first packet that differs from it.",
     ),
+    Command(
+        "study",
+        "emulators.cli.study:study",
+        "Make a source's figures and numbers anew: printed, independent, ours, and why they differ.",
+    ),
     Group(
         "emulate",
         """Put emulated devices on a real CAN bus or a serial line, in real time.

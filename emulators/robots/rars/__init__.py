@@ -147,4 +147,5 @@ REHEARSAL: Final = Rehearsal(
     ),
     remarks=_remarks,
     cases=cases,
+    studies="emulators.robots.rars.studies",
 )
