@@ -152,6 +152,24 @@ class LettingGo:
         else:
             self._enter(Stage.KEPT, now)
 
+    def kept_by(self, without: Collection[str], now: Nanoseconds) -> str | None:
+        """Return why the power of these axes cannot go while the others keep theirs; None where it can.
+
+        Those that stand together are looked at as they are now: what one holds, the rest would have to.
+        """
+        looked: dict[str, list[_Axis]] = {}
+        going = set[str]()
+        for axis in self._free:
+            if axis.powered and not axis.silent(now):
+                stands_with = axis.driver.axis.stands_with or axis.driver.axis.name
+                one = _Axis(axis.driver, axis.silent_after)
+                one.look(now)
+                looked.setdefault(stands_with, []).append(one)
+                if axis.driver.axis.name in without:
+                    going.add(stands_with)
+        reasons = (_pulls(looked[stands_with]) for stands_with in sorted(going))
+        return next((reason for reason in reasons if reason is not None), None)
+
     def ordered(self, now: Nanoseconds) -> None:
         """Learn that the power goes by an order: nothing is looked at, and nothing gets it again."""
         self._enter(Stage.KEPT, now)

@@ -7,7 +7,7 @@ from typing import Final, Generic, TypeVar
 
 from firmware_bridge.bridge.fleets import Fleets
 from firmware_bridge.bridge.homing import Homing
-from firmware_bridge.bridge.letting_go import LettingGo
+from firmware_bridge.bridge.letting_go import HELD, LettingGo
 from firmware_bridge.bridge.stops import Stops
 from firmware_bridge.drivers.driver import BRING_UP, Driver, Power, Stop, Task
 from firmware_bridge.intent import (
@@ -301,6 +301,10 @@ class Permission(Generic[G, M, S]):
         # By the mode's own body: what it does without, and tells nothing, is not known to stand.
         if self.armed or not rules.at_rest(rules.sensed(seen)):
             return Verdict(accepted=False, reason="mode: stop and disarm first", temporary=True)
+        kept = self.letting_go.kept_by(rules.carriers, seen.facts.now)
+        if kept is not None:
+            reason = f"mode: {kept}; {HELD.remedy.partition(';')[0]}"
+            return Verdict(accepted=False, reason=reason, temporary=True)
         self.mode = mode
         return Verdict(accepted=True, reason=f"mode: {mode or 'the whole robot'}; arm to move")
 

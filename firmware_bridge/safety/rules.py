@@ -22,6 +22,7 @@ class Rules(Generic[G, M, S]):
         "_silent_after",
         "after_limits",
         "body",
+        "carriers",
         "groups",
         "interlocks",
         "limits",
@@ -51,6 +52,8 @@ class Rules(Generic[G, M, S]):
         """The groups that take the robot from its place."""
         self._rests_below: Final = tuple(rests_below.items())
         """The axes that do, by their names, and the speed at which each does not stand any more."""
+        self.carriers: Final = frozenset(without.intersection(rests_below))
+        """Those of the axes left out that take the robot from its place, and hold it where it is."""
         self._silent_after: Final = silent_after
         self.numbers: Final = numbers
         """What in a motion must be a finite number, by its title for people."""

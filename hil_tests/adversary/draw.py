@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum
+from itertools import repeat
 from typing import Annotated, Any, Final, Literal, get_args, get_origin
 
 import numpy as np
@@ -19,6 +20,7 @@ from emulators.bench.strays import Stray
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import NEVER
 from fmu.plants import find as find_plant
+from hil_tests.adversary.limp import Limp
 
 READY_S: Final = 3.0
 PAUSE_S: Final = 0.8
@@ -154,8 +156,6 @@ FAILING: Final[dict[str, Failing]] = {
         takes_power=False,
     ),
     "capture_loss": Failing(Nature.HONEST, _share, longest_s=5.0, takes_power=False),
-    # Nothing that the bridge does keeps a robot on its wall: no rule is judged after it.
-    "grip_lost": Failing(Nature.LYING, longest_s=LIES_S, takes_power=False),
     # A motor that does not do what it is told; let go again it jumps by what it is told then.
     "shaft_blocked": Failing(Nature.LYING, longest_s=LIES_S),
     "motor_cable_off": Failing(Nature.LYING, longest_s=LIES_S),
@@ -210,6 +210,7 @@ class Draw:
         ]
         self._kinds: Final = [names for names in kinds if names]
         self._sloped = False
+        self._again: Callable[[float], dict[str, Any]] = lambda _: {}
         rows = inputs(rehearsal.step)
         self._held_by: Final = {key: row for key, row in rows.items() if isinstance(row, Holds)}
         self._main: Final = next(iter(self._held_by))
@@ -217,23 +218,27 @@ class Draw:
 
     def mission(self, seconds: float) -> Mission:
         """Return a whole evening that begins with an armed robot."""
-        opening = [*self._stands(), self._step(READY_S, {"arm": True})]
         floor = self._floor()
         self._sloped = bool(floor)
+        limp = Limp(self._robot, self._chance, sloped=self._sloped)
+        self._again = limp.again
         noise = Noise(
             stick=float(self._chance.choice([0.0, 0.02])),
             delay_ms=float(self._chance.choice([0.0, 80.0])),
             jitter_ms=float(self._chance.choice([0.0, 60.0])),
             loss=float(self._chance.choice([0.0, 0.1])),
         )
+        goes = ({self._main: one} for one in map(self._held, repeat(self._held_by[self._main])) if one)
+        steps = [self._step(at, does) for at, does in limp.steps(self._lets_go(), goes)]
+        steps += [*self._stands(), self._step(READY_S, {"arm": True}), *self.steps(READY_S + 0.5, seconds)]
         return Mission(
             title="an evening with an adversary",
             duration_s=seconds,
             input=Input.STICK,
             noise=noise,
             plant=floor,
-            step=(*opening, *self.steps(READY_S + 0.5, seconds)),
-            fault=self.faults(READY_S + 0.5, seconds - 2.0),
+            step=tuple(sorted(steps, key=lambda step: step.at_s)),
+            fault=(*limp.faults, *self.faults(READY_S + 0.5, seconds - 2.0, limp.faults)),
         )
 
     def steps(self, begin: float, end: float) -> tuple[Step, ...]:
@@ -242,7 +247,7 @@ class Draw:
         while (now := self._later(now, PAUSE_S)) < end - 0.1:
             habit = self._chance.random()
             if habit < RECOVERS:
-                found.append(self._step(now, {**self._lets_go(), "clear": True}))
+                found.append(self._step(now, {**self._lets_go(), "clear": True, **self._again(now)}))
                 if (now := self._later(now, 0.2)) < end - 0.1:
                     found.append(self._step(now, {"arm": True}))
                 now += float(self._chance.uniform(0.0, POWER_S))

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 from emulators.bench.columns import motor_speed
 from emulators.rig import Rig
@@ -61,10 +61,18 @@ class Own:
     name: str
     ratio: Callable[[AnyRobot, Rig], float]
     lasts_s: float = 0.0
+    unpowered: bool = False
+    """Judged without power, too, where neither a fault nor an order took it: the bridge let it run away."""
+
+
+def limits(robot: AnyRobot, rig: Rig) -> Any:
+    """Return RARS's limits: the narrow ones in a mode after a failure."""
+    geometry: Any = robot.geometry
+    return geometry.narrowed if rig.bridge.seen.facts.mode else geometry.limits
 
 
 def _speed(robot: AnyRobot, rig: Rig) -> float:
-    top: float = robot.geometry.limits.speed_mps + BEYOND_MPS
+    top: float = limits(robot, rig).speed_mps + BEYOND_MPS
     return abs(float(rig.samples[-1]["speed_mps"])) / (top * gives(robot))
 
 
@@ -138,7 +146,7 @@ def _faster(robot: AnyRobot, rig: Rig) -> float:
 
 OWN: Final[Mapping[str, tuple[Own, ...]]] = {
     "rars": (
-        Own("speed beyond 0.505 m/s", _speed),
+        Own("speed beyond its limit", _speed, unpowered=True),
         Own("acceleration beyond its limit", _acceleration),
         Own("less than 30 mm from tipping", _tipping),
     ),

@@ -86,6 +86,11 @@ def look(**how: object) -> Look:
         ("an end without an end", {"ending": True}, 15.0),
         ("let go, and rolls", {"rolled_m": 0.0201}, 0.0),
         ("power that nobody watches", {"unwatched": frozenset({"left"})}, 1.0),
+        (
+            "power for what is left out",
+            {"powered": frozenset({"left", "right"}), "left_out": frozenset({"left"})},
+            2.0,
+        ),
     ],
 )
 def test_a_rule_is_broken_when_it_was_for_its_time(
@@ -100,6 +105,51 @@ def test_a_rule_is_broken_when_it_was_for_its_time(
     violation = judge.look(from_seconds(within_s), wrong)
     assert violation is not None
     assert violation.name == name
+
+
+SPEED: Final = "speed beyond its limit"
+
+
+@pytest.mark.parametrize(
+    ("how", "broken"),
+    [
+        ({"powered": frozenset({"left", "right"})}, True),
+        ({"powered": frozenset({"right"})}, False),
+        ({"powered": frozenset({"right"}), "left_out": frozenset({"left"})}, True),
+        ({"let_go": True}, True),
+        ({}, False),
+    ],
+)
+def test_too_fast_is_what_has_the_power_of_its_mode_or_was_let_go_by_the_bridge_itself(
+    how: dict[str, object], *, broken: bool
+) -> None:
+    own = look().own | {SPEED: 1.01}
+    violation = Judge(invariants(RARS)).look(0, look(own=own, may_move=True, **how))
+    assert (violation is not None and violation.name == SPEED) is broken
+
+
+@pytest.mark.interpreted
+def test_a_bridge_that_drives_as_fast_as_ever_after_a_failure_is_found(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    steps = (step(3.5, mode="lift_failed"), step(4.0, arm=True), step(5.0, speed_mps=0.4))
+    mission = story(STANDS, *steps, seconds=20)
+    # What the interlocks and the ramp have for this mode; the judge asks the robot file.
+    geometry = type(RARS.geometry)
+    narrow = RARS.geometry.narrowed
+    one = Life(RARS, rehearsal_of(RARS), mission, 0, invariants(RARS))
+    assert one.run(from_seconds(8.0)) is None
+    one.rig.finish()
+    monkeypatch.setattr(geometry, "narrowed", property(lambda self: self.limits))
+    monkeypatch.setattr(
+        "hil_tests.adversary.own.limits",
+        lambda _, rig: narrow if rig.bridge.seen.facts.mode else RARS.geometry.limits,
+    )
+    one = Life(RARS, rehearsal_of(RARS), mission, 0, invariants(RARS))
+    violation = one.run(from_seconds(8.0))
+    one.rig.finish()
+    assert violation is not None
+    assert violation.name == SPEED
 
 
 @pytest.mark.interpreted

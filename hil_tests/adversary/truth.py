@@ -18,7 +18,7 @@ from firmware_bridge.robot.model import GuardExclusive, GuardSum
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.units import SECOND, Nanoseconds, from_seconds
 from firmware_bridge.wire.epos2 import address as at
-from hil_tests.adversary.own import OWN, ROUNDED, gives
+from hil_tests.adversary.own import OWN, ROUNDED, Own, gives
 from hil_tests.adversary.reached import Reached
 
 GOES_M: Final = 0.020
@@ -66,6 +66,11 @@ class Look:
     """The axes of boards that no word of any bridge can reach."""
     runs_on: frozenset[str] = frozenset()
     """Those of them whose board goes on as it was told, until it is reached again: nothing can stop them."""
+
+    left_out: frozenset[str] = frozenset()
+    """The axes that its mode does without, by an order, where this bridge alone gives power."""
+    let_go: bool = False
+    """Nothing but the bridge itself takes the power: neither a fault nor an order."""
 
     def moves(self, name: str, slowest: Mapping[str, float]) -> float:
         """Return the axis's speed as a share of the slowest that counts as motion."""
@@ -146,6 +151,8 @@ class Truth:
             {own.name: own.ratio(self.robot, rig) for own in OWN.get(self.robot.kind, ())},
             unreached,
             runs_on,
+            frozenset() if gone or rig.world.here(SECOND_BRIDGE) else bridge.seen.facts.without,
+            let_go,
         )
 
     def _rolled(self, row: Sample, powered: frozenset[str]) -> float:
@@ -184,11 +191,14 @@ def invariants(robot: AnyRobot) -> tuple[Invariant, ...]:
     def unattended(look: Look) -> float:
         return 2.0 * bool(look.gone and look.powered - look.runs_on)
 
+    def left_out(look: Look) -> float:
+        return 2.0 * bool(look.powered & look.left_out)
+
     return (
         *(_sum(total) for total in robot.guard.sums),
         *(_exclusive(pair, slowest) for pair in robot.guard.exclusive),
         *(_travel(axis.name, axis.travel) for axis in robot.axes if axis.travel is not None),
-        *(_own(own.name, own.lasts_s, frozenset(free or slowest)) for own in OWN.get(robot.kind, ())),
+        *(_own(own, frozenset(free or slowest)) for own in OWN.get(robot.kind, ())),
         *((Invariant("a board that nobody reaches runs on", forgot, forgets_s, 6.0),) * bool(stops_itself)),
         Invariant("motion with power that may not be", may_not_move, may_not_s, 6.0 + may_not_s - MAY_NOT_S),
         Invariant("power that nobody watches", lambda look: 2.0 * bool(look.unwatched), 1.0, 6.0),
@@ -197,6 +207,7 @@ def invariants(robot: AnyRobot) -> tuple[Invariant, ...]:
             "an emergency stop with power", lambda look: 2.0 * bool(look.stopped and look.powered), 5.0
         ),
         Invariant("an end without an end", lambda look: 2.0 * look.ending, ENDS_S),
+        Invariant("power for what is left out", left_out, MAY_NOT_S, 6.0),
         Invariant("let go, and rolls", lambda look: look.rolled_m / GOES_M),
     )
 
@@ -225,12 +236,13 @@ def _travel(name: str, travel: tuple[float, float]) -> Invariant:
     )
 
 
-def _own(name: str, lasts_s: float, free: frozenset[str]) -> Invariant:
+def _own(own: Own, free: frozenset[str]) -> Invariant:
     def ratio(look: Look) -> float:
         # What rolls out, or down a slope, is held by nobody; nor are gears that turn on.
-        return look.own[name] if look.powered >= free else 0.0
+        judged = look.powered >= free - look.left_out or (own.unpowered and look.let_go)
+        return look.own[own.name] if judged else 0.0
 
-    return Invariant(name, ratio, lasts_s)
+    return Invariant(own.name, ratio, own.lasts_s)
 
 
 @dataclass(slots=True)

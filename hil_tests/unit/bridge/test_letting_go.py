@@ -207,6 +207,56 @@ def test_where_nothing_had_power_nothing_gets_it_however_it_is_pushed() -> None:
     assert standing.cart.drivers["left"].begun == []
 
 
+def kept_by(standing: Standing, *without: str) -> str | None:
+    return standing.letting_go.kept_by(frozenset(without), standing.now)
+
+
+@pytest.mark.parametrize(("beyond", "held"), [(0.999, False), (1.001, True)])
+def test_what_a_mode_does_without_keeps_its_power_where_it_holds_the_robot(
+    beyond: float, *, held: bool
+) -> None:
+    """And as long as it does: the next instant is looked at anew. What the others hold is no matter."""
+    standing = Standing()
+    standing.tells("right", current_a=9.0)
+    standing.tells("left", current_a=-beyond * FRICTION)
+    reason = "on a slope: held with power, 0.50 A at node 1 (left), and friction explains 0.50 A"
+    assert kept_by(standing, "left") == (reason if held else None)
+    assert kept_by(standing, "brush") is None
+    standing.tells("left", current_a=0.0)
+    assert kept_by(standing, "left") is None
+
+
+def test_what_one_of_two_that_stand_together_holds_the_other_would_have_to() -> None:
+    def together(table: dict[str, Any]) -> None:
+        held_brush(table)
+        table["axes"][0]["stands_with"] = table["axes"][1]["stands_with"] = "wheels"
+
+    standing = Standing(together)
+    standing.tells("left", current_a=0.0)
+    standing.tells("right", current_a=1.1)
+    assert "node 1 (left) and node 2 (right)" in str(kept_by(standing, "left"))
+    standing.tells("left", current_a=-1.0)
+    assert kept_by(standing, "left") is None
+
+
+@pytest.mark.parametrize(
+    ("what", "kept"),
+    [
+        ({"power": Power.OFF}, False),
+        ({"power": Power.FAULT}, False),
+        ({"heard_at": START - SILENT}, False),
+        ({"heard_at": START - SILENT + 1}, True),
+        ({"current_a": None}, True),
+    ],
+)
+def test_a_dead_axis_holds_nothing_and_one_whose_current_is_not_known_may(
+    what: dict[str, Any], *, kept: bool
+) -> None:
+    standing = Standing()
+    standing.tells("left", **{"current_a": 9.0} | what)
+    assert (kept_by(standing, "left") is not None) is kept
+
+
 def test_an_axis_that_the_mode_does_without_is_not_looked_at() -> None:
     standing = Standing()
     standing.without = frozenset({"left"})

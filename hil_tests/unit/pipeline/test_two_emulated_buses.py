@@ -15,6 +15,7 @@ from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import Robot
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.teleop.mavlink import Codec, dialect
+from firmware_bridge.teleop.modes import number_of_own
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 from hil_tests.unit.pipeline.cart import KIND, TOOL, WHEELS, Sizes, cart
 
@@ -172,7 +173,7 @@ def test_after_a_failed_brush_the_cart_goes_on_in_another_mode() -> None:
     bench.world.silence("brush", bench.world.now)
     bench.runs(1.5)
     assert bench.commands(ARM, 1.0) == dialect.MAV_RESULT_TEMPORARILY_REJECTED
-    assert bench.commands(MODE, 1.0, 1.0) == dialect.MAV_RESULT_ACCEPTED
+    assert bench.commands(MODE, 1.0, number_of_own(1)) == dialect.MAV_RESULT_ACCEPTED
     bench.runs(0.5)
     assert bench.held() == {"not armed"}
     assert bench.commands(ARM, 1.0) == dialect.MAV_RESULT_ACCEPTED
