@@ -123,7 +123,7 @@ SPEED: Final = "speed beyond its limit"
 def test_too_fast_is_what_has_the_power_of_its_mode_or_was_let_go_by_the_bridge_itself(
     how: dict[str, object], *, broken: bool
 ) -> None:
-    own = look().own | {SPEED: 1.01}
+    own = {**look().own, SPEED: 1.01}
     violation = Judge(invariants(RARS)).look(0, look(own=own, may_move=True, **how))
     assert (violation is not None and violation.name == SPEED) is broken
 
