@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from emulators.bench.style import AXIS_COLOURS, STYLE
 from emulators.studies.study import Plot
 
-SIZE: Final = (7.4, 3.8)
-SQUARE: Final = (7.4, 5.4)
+SIZE: Final = (7.4, 4.4)
+SQUARE: Final = (7.4, 6.2)
 """Inches, of a plot with both axes on one scale."""
 LOOKS: Final[Mapping[str, Mapping[str, Any]]] = {
     "line": {"linestyle": "-"},
@@ -35,7 +35,7 @@ def pictures(plot: Plot) -> tuple[bytes, bytes]:
         if plot.equal:
             axes.set_aspect("equal", adjustable="datalim")
         if any(curve.label for curve in plot.curves):
-            axes.legend(loc="best", fontsize=8.5)
+            figure.legend(loc="outside lower center", ncols=2, fontsize=8.5)
         vector, raster = BytesIO(), BytesIO()
         figure.savefig(vector, format="svg", metadata={"Date": None})
         figure.savefig(raster, format="png", metadata={"Software": None})

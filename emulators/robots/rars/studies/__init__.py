@@ -17,4 +17,16 @@ STUDIES: Final = (
         f"{THESIS}, (2.2)-(2.7), Fig. 2.4-2.6",
         f"{HERE}.tipping:tipping",
     ),
+    Study(
+        "delay",
+        "Pure pursuit over a slow link: from which delay on it swings",
+        f"{THESIS}, (5.3)-(5.5), 6.1, App. B",
+        f"{HERE}.delay:delay",
+    ),
+    Study(
+        "steering",
+        "The steering's step under computed torque, and its model 10 % wrong",
+        f"{THESIS}, (3.85)-(3.102)",
+        f"{HERE}.steering:steering",
+    ),
 )
