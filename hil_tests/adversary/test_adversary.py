@@ -78,7 +78,7 @@ def test_a_limit_that_is_too_high_is_found_and_driven_again_from_its_file() -> N
         update={"geometry": geometry, "guard": rars.guard.model_copy(update={"sums": ()})}
     )
     one = search(robot, HONEST, rars)
-    found = found_by(one, 4)
+    found = found_by(one, 8)
     assert found.violation.name in {"base speed beyond its bound", "speed beyond its limit"}
     assert len(found.mission.step) <= 4
     assert found.mission.fault == ()
