@@ -29,4 +29,22 @@ STUDIES: Final = (
         f"{THESIS}, (3.85)-(3.102)",
         f"{HERE}.steering:steering",
     ),
+    Study(
+        "torques",
+        "The torques that drive it round a circle of 5 m, flat and on a ramp",
+        f"{THESIS}, (3.13)-(3.44), Fig. 3.4 and after",
+        f"{HERE}.torques:torques",
+    ),
+    Study(
+        "slopes",
+        "How steep a slope it climbs, and how much its wheels slip",
+        f"{THESIS}, 2.3.2, 3.3.4, 3.4.5, (3.83)",
+        f"{HERE}.slopes:slopes",
+    ),
+    Study(
+        "sizing",
+        "What its motors must give: traction, steering, screw",
+        f"{THESIS}, (2.9)-(2.18), (C.1)",
+        f"{HERE}.sizing:sizing",
+    ),
 )

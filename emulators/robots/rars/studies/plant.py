@@ -57,7 +57,11 @@ class Plant:
         """Set the steering motor's voltage from the next step on."""
         self._plant.inputs[2] = volts
 
+    def lift(self, volts: float) -> None:
+        """Set the lift motor's voltage from the next step on."""
+        self._plant.inputs[3] = volts
+
     def rests(self, seconds: float) -> None:
-        """Run on with the motors' voltages as they are."""
+        """Run on with the motors' voltages as they are, s."""
         for _ in range(round(seconds * SECOND / STEP)):
             self._plant.step()

@@ -39,7 +39,7 @@ def tipping(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
     limits = np.array([tipping_speed(robot, steer_of_radius(radius, robot)) for radius in radii])
     ours = {offset: [_lifts_at(offset, slope) for slope in slopes] for offset in (0.141, 0.220)}
     fine = np.radians(np.linspace(0.0, 30.0, 61))
-    heights = np.linspace(0.0, 1.3, 40)
+    heights = np.linspace(0.5, 1.5, 40)
     return Findings(
         compared=(
             Compared(
@@ -123,7 +123,7 @@ def tipping(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
             ),
             Plot(
                 "What the lift does to it",
-                "height of the lift over collapsed [m]",
+                "height h of the lift's top [m]",
                 "static angle at which it tips [°]",
                 tuple(
                     Curve(
@@ -132,10 +132,10 @@ def tipping(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
                         np.degrees(np.arctan(arm / _height(heights, load))),
                     )
                     for load in (0.0, 10.0)
-                    for way, arm in (("forward or back", 0.141), ("sideways", 0.168))
+                    for way, arm in (("backwards", 0.141), ("sideways", 0.168))
                 ),
                 "Centre of gravity with lift height h and payload m_p at its top (ASSUME): 62 kg at 190 mm, "
-                "8 kg of scissor at h / 2.",
+                "8 kg of scissor at h / 2; arms 141 mm and 168 mm; Tab. 2.1 has 0.5 to 1.5 m.",
             ),
         ),
         remarks=(
