@@ -174,11 +174,12 @@ class Rig:
         self._attach_bridge(self._lines())
 
     def start_second(self) -> None:
-        """Start a second bridge on the buses, with nobody at its operator's link."""
+        """Start a second bridge on the buses, with nobody at its operator's link, and no cameras that it sees."""
         if self.world.here(SECOND_BRIDGE):
             self.world.detach(SECOND_BRIDGE)
         second = guarded(Bridge(self.robot, kind_of(self.robot)), self.robot)
-        self.world.attach(SECOND_BRIDGE, second, {**self.can_wires, OPERATOR: DatagramWire(name="second")})
+        alone = {name: DatagramWire(name=f"second {name}") for name in (*self.capture_wires, OPERATOR)}
+        self.world.attach(SECOND_BRIDGE, second, {**self.can_wires, **alone})
 
     def _start_bridge(self, stands: tuple[ConfirmZero, ...] = ()) -> None:
         self.bridge = Bridge(self.robot, kind_of(self.robot), stands=stands)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from emulators.bench.rehearsal import rehearsal_of
 from firmware_bridge.robot import RobotFileError
-from hil_tests.adversary.draw import Nature
+from hil_tests.adversary.failing import Nature
 from hil_tests.adversary.robots import line_of, options, robot_of
 from hil_tests.adversary.search import Search, as_toml
 from hil_tests.adversary.truth import invariants

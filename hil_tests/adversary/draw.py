@@ -2,8 +2,6 @@
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from enum import Enum
 from itertools import repeat
 from typing import Annotated, Any, Final, Literal, get_args, get_origin
 
@@ -18,8 +16,8 @@ from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.step import Holds, Input, Presses, Sends, Slope, Step, guides, inputs, modes
 from emulators.bench.strays import Stray
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.units import NEVER
 from fmu.plants import find as find_plant
+from hil_tests.adversary.failing import FAILING, Nature, takes_power
 from hil_tests.adversary.limp import Limp
 
 READY_S: Final = 3.0
@@ -33,6 +31,12 @@ DRIVES: Final = 0.3
 """So often he moves one channel of his stick alone, ..."""
 FIRST: Final = 0.6
 """... and so often it is the first one."""
+SLOW_M: Final = 0.1
+"""A robot that gets no further than this between two things that its operator does is slow: ..."""
+KEEPS_ON: Final = 0.3
+"""... so often he keeps its stick where it is, ..."""
+KEEPS_S: Final = 12.0
+"""... for up to so long."""
 NAMED: Final = {"guide": guides, "mode": modes}
 """What a step says by its name."""
 TRIES: Final = 50
@@ -41,157 +45,11 @@ SLOPED: Final = 0.3
 STEEPEST_DEG: Final = 10.0
 GRIP: Final = {"floor_friction": 0.9}
 """... of a floor that grips: on the thesis's own one robot and wheels slide, which nobody holds."""
-LIES_S: Final = 12.0
-"""The longest lie: well beyond the time in which the bridge must have stopped him who tells it."""
+PUT_ON: Final = {"start_heading": (0.0, 180.0), "start_joint": (-14.0, 8.0)}
+"""How a robot with a joint is put on its wall, in degrees: any way up, and with the joint bent, beside what
+the wall bends it, up to where it is slowed down."""
 FAR: Final = 3.0
 """A value of a key without a known range is drawn from this to both sides."""
-
-
-class Nature(Enum):
-    """Who is to be believed when a fault is on."""
-
-    HONEST = "honest"
-    """Somebody fails, and nobody lies."""
-    LYING = "lying"
-    """A drive tells what is not, or does not do what it says."""
-    STRANGER = "stranger"
-    """Another master speaks on the bus."""
-
-
-How = Callable[[Generator], dict[str, Any]]
-
-
-@dataclass(frozen=True, slots=True)
-class Failing:
-    """How a fault is drawn."""
-
-    nature: Nature
-    how: How = lambda _: {}
-    longest_s: float = 1.0
-    takes_power: bool = True
-    """The drives may lose their power by it: on a slope nobody holds that, so it is not drawn there."""
-
-
-def _ends(chance: Generator) -> dict[str, Any]:
-    """Ctrl-C, and once more within 5 s or not; or the process is killed."""
-    if chance.random() < 0.4:
-        return {"how": "killed"}
-    again = {"again_after_s": round(float(chance.uniform(0.05, 4.9)), 3)}
-    return {"how": "asked", **(again if chance.random() < 0.5 else {})}
-
-
-def _joins(chance: Generator) -> dict[str, Any]:
-    orders = ["", "take", "give up", "arm", "disarm", "emergency stop", "clear", "hold", "garbage"]
-    order = str(chance.choice(orders))
-    # Under the first one's name it gives no order: nobody could tell whose word an answer is to.
-    system = 255 if order in {"", "garbage"} and chance.random() < 0.5 else 254
-    stick = float(chance.choice([-1.0, 0.0, 0.0, 1.0]))
-    return {"order": order, "stick": stick, "system": system}
-
-
-def _master(chance: Generator) -> dict[str, Any]:
-    """SYNC, the bridge's own heartbeat, a drive's set-points (without power, enabled, moving); its objects.
-
-    By SDO: controlword without power and enabled, a speed, a profile's deceleration, no watch.
-    """
-    node = int(chance.integers(1, 5))
-    sent = [
-        (0x080, ""),
-        (0x764, "05"),
-        (0x500 + node, "060000000000"),
-        (0x500 + node, "0F00E8030000"),
-        (0x400 + node, "060000000000"),
-        (0x400 + node, "3F0010270000"),
-        (0x600 + node, "2B40600006000000"),
-        (0x600 + node, "2B4060000F000000"),
-        (0x600 + node, "23FF6000E8030000"),
-        (0x600 + node, "2384600001000000"),
-        (0x600 + node, "2316100100000000"),
-    ]
-    identifier, data = sent[int(chance.integers(len(sent)))]
-    return {"identifier": identifier, "data": data, "every_ms": int(chance.choice([5, 20, 50, 200]))}
-
-
-def _share(chance: Generator) -> dict[str, Any]:
-    return {"share": round(float(chance.choice([0.05, 0.3, 1.0])), 3)}
-
-
-FAILING: Final[dict[str, Failing]] = {
-    "frame_error": Failing(Nature.HONEST, _share),
-    "frame_loss": Failing(Nature.HONEST, _share),
-    "receive_overrun": Failing(Nature.HONEST, _share),
-    "bus_off": Failing(Nature.HONEST),
-    "babbling_node": Failing(Nature.HONEST, lambda chance: {"every_us": int(chance.integers(150, 2000))}),
-    "node_silent": Failing(Nature.HONEST, longest_s=3.0),
-    "drive_restart": Failing(Nature.HONEST),
-    "supply_sag": Failing(Nature.HONEST, lambda chance: {"to_v": float(chance.choice([5.0, 15.0]))}),
-    "logic_supply_sag": Failing(Nature.HONEST, lambda _: {"to_v": 3.0}),
-    "gate_supply_sag": Failing(Nature.HONEST, lambda _: {"to_v": 6.0}),
-    "datagram_loss": Failing(Nature.HONEST, _share, longest_s=8.0, takes_power=False),
-    "datagram_late": Failing(
-        Nature.HONEST,
-        lambda chance: {"by_ms": float(chance.integers(10, 1500))},
-        longest_s=3.0,
-        takes_power=False,
-    ),
-    "datagram_doubled": Failing(
-        Nature.HONEST,
-        lambda chance: {"after_ms": float(chance.integers(0, 400))},
-        longest_s=5.0,
-        takes_power=False,
-    ),
-    "serial_unplugged": Failing(Nature.HONEST, longest_s=3.0),
-    "bridge_ends": Failing(Nature.HONEST, _ends, longest_s=8.0),
-    "second_bridge": Failing(Nature.HONEST, longest_s=5.0, takes_power=False),
-    "second_station": Failing(Nature.HONEST, _joins, longest_s=14.0, takes_power=False),
-    "board_silent": Failing(Nature.HONEST, longest_s=5.0),
-    "board_reset": Failing(Nature.HONEST),
-    "board_hangs": Failing(Nature.HONEST),
-    "board_brown_out": Failing(Nature.HONEST, longest_s=3.0),
-    "body_hidden": Failing(Nature.HONEST, longest_s=6.0, takes_power=False),
-    "capture_late": Failing(
-        Nature.HONEST,
-        lambda chance: {"by_ms": float(chance.integers(5, 1500))},
-        longest_s=5.0,
-        takes_power=False,
-    ),
-    "capture_loss": Failing(Nature.HONEST, _share, longest_s=5.0, takes_power=False),
-    # A motor that does not do what it is told; let go again it jumps by what it is told then.
-    "shaft_blocked": Failing(Nature.LYING, longest_s=LIES_S),
-    "motor_cable_off": Failing(Nature.LYING, longest_s=LIES_S),
-    "body_shakes": Failing(Nature.HONEST, longest_s=5.0, takes_power=False),
-    "load_lifted": Failing(Nature.LYING, longest_s=LIES_S),
-    "motor_supply_sag": Failing(
-        Nature.LYING, lambda chance: {"to_v": float(chance.choice([2.0, 4.0]))}, longest_s=LIES_S
-    ),
-    "encoder_cable_off": Failing(Nature.LYING, longest_s=LIES_S),
-    "line_garbage": Failing(
-        Nature.LYING, lambda chance: {"every_ms": int(chance.choice([2, 20, 300]))}, longest_s=5.0
-    ),
-    "markers_swapped": Failing(
-        Nature.LYING,
-        lambda chance: {
-            "aside_m": round(float(chance.uniform(-1.0, 1.0)), 3),
-            "turn_deg": float(chance.integers(-180, 181)),
-        },
-        longest_s=LIES_S,
-        takes_power=False,
-    ),
-    "set_points_ignored": Failing(Nature.LYING, longest_s=LIES_S),
-    "encoder_frozen": Failing(Nature.LYING, longest_s=LIES_S),
-    "encoder_cut": Failing(Nature.LYING),
-    "encoder_counts_lost": Failing(Nature.LYING, lambda _: {"share": 0.2}, longest_s=5.0),
-    "nmt_stranger": Failing(
-        Nature.STRANGER,
-        lambda chance: {
-            "command": str(
-                chance.choice(["stop", "enter_pre_operational", "reset_communication", "reset_node"])
-            )
-        },
-    ),
-    "stray_frames": Failing(Nature.STRANGER, _master, longest_s=LIES_S),
-}
-"""By the faults' names; those that are not here have no place in an evening."""
 
 
 class Draw:
@@ -215,11 +73,12 @@ class Draw:
         self._held_by: Final = {key: row for key, row in rows.items() if isinstance(row, Holds)}
         self._main: Final = next(iter(self._held_by))
         self._full: Final = {channel.name: channel.full(robot) for channel in rehearsal.channels}
+        self._slow: Final = self._full[self._held_by[self._main].channel] * PAUSE_S < SLOW_M
 
     def mission(self, seconds: float) -> Mission:
         """Return a whole evening that begins with an armed robot."""
         floor = self._floor()
-        self._sloped = bool(floor)
+        self._sloped = "slope" in floor
         limp = Limp(self._robot, self._chance, sloped=self._sloped)
         self._again = limp.again
         noise = Noise(
@@ -245,6 +104,10 @@ class Draw:
         """Return what the operator does between two seconds, in order."""
         found, now = [], begin
         while (now := self._later(now, PAUSE_S)) < end - 0.1:
+            if self._slow and self._chance.random() < KEEPS_ON:
+                found.append(self._step(now, {**self._lets_go(), **self._goes()}))
+                now += float(self._chance.uniform(0.0, KEEPS_S))
+                continue
             habit = self._chance.random()
             if habit < RECOVERS:
                 found.append(self._step(now, {**self._lets_go(), "clear": True, **self._again(now)}))
@@ -265,6 +128,12 @@ class Draw:
         value = self._held(self._held_by[key])
         return self._lets_go() if value is None else {key: value}
 
+    def _goes(self) -> dict[str, Any]:
+        """Return full stick, ahead or back."""
+        row = self._held_by[self._main]
+        share = float(self._chance.choice([-1.0, 1.0, 1.0]))
+        return {self._main: share * self._full[row.channel] / row.into(1.0, self._robot)}
+
     def _later(self, now: float, pause_s: float) -> float:
         return round(now + float(self._chance.exponential(pause_s)) + 0.06, 3)
 
@@ -273,12 +142,15 @@ class Draw:
         return dict.fromkeys(keys.values(), 0.0)
 
     def _floor(self) -> dict[str, float]:
-        """Return the plant's parameters on a slope, uphill or down; nothing for the flat."""
+        """Return the plant's parameters on a slope or put on its wall; nothing for the flat."""
         known = {row.name for row in find_plant(self._robot.plant.fmu).parameters}
+        if known >= PUT_ON.keys():
+            degrees = {name: float(self._chance.uniform(*between)) for name, between in PUT_ON.items()}
+            return {name: round(math.radians(angle), 4) for name, angle in degrees.items()}
         if "slope" not in known or self._chance.random() >= SLOPED:
             return {}
-        degrees = float(self._chance.uniform(-STEEPEST_DEG, STEEPEST_DEG))
-        return {"slope": round(math.radians(degrees), 4), **GRIP}
+        slope = float(self._chance.uniform(-STEEPEST_DEG, STEEPEST_DEG))
+        return {"slope": round(math.radians(slope), 4), **GRIP}
 
     def faults(self, begin: float, end: float, others: tuple[Fault, ...] = ()) -> tuple[Fault, ...]:
         """Return what fails between two seconds; of two things that cannot be together, the first."""
@@ -387,14 +259,3 @@ class Draw:
 
     def _step(self, second: float, does: dict[str, Any]) -> Step:
         return self._rehearsal.step.model_validate({"at_s": second, "title": f"at {second:g} s", **does})
-
-
-def takes_power(fault: Fault) -> bool:
-    """Return whether the drives may lose their power by this fault, whatever the bridge does."""
-    return FAILING[fault.kind].takes_power and not _asked(fault)
-
-
-def _asked(fault: Fault) -> bool:
-    """Return whether it is a bridge that is asked once to end, which holds a robot on a slope, and may."""
-    once = isinstance(fault, BridgeEnds) and fault.how == "asked" and fault.again_after_s is None
-    return once and fault.end == NEVER

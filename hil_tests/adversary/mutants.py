@@ -91,7 +91,7 @@ def evenings(seconds: float, known: dict[str, str]) -> tuple[str, dict[str, str]
     from emulators.rig import Rig  # noqa: PLC0415 - see above
     from firmware_bridge.drivers.epos2.serial.fleet import over_serial  # noqa: PLC0415 - see above
     from firmware_bridge.kinds import find  # noqa: PLC0415 - see above
-    from hil_tests.adversary.draw import Nature  # noqa: PLC0415 - see above
+    from hil_tests.adversary.failing import Nature  # noqa: PLC0415 - see above
     from hil_tests.adversary.search import Search  # noqa: PLC0415 - see above
     from hil_tests.adversary.truth import invariants  # noqa: PLC0415 - see above
 

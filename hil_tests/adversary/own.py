@@ -6,9 +6,11 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from emulators.bench.columns import motor_speed
+from emulators.bench.faults.plant import GripLost
 from emulators.rig import Rig
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import STANDARD_GRAVITY
+from fmu.plants import find as find_plant
 
 BEYOND_MPS: Final = 0.005
 """Above its speed limit: what RARS's regulators may overshoot, turning and reversing."""
@@ -52,6 +54,12 @@ OMNI_OVER: Final = 20
 """Samples over which it speeds up: two cycles of MWProtocol."""
 OMNI_RAMP: Final = 1.25
 """Beside its acceleration; 0.96 is measured where nothing fails, as a wheel is regulated in whole cycles."""
+
+
+TRACKS: Final = 0.003
+"""Above the climber's limits of speed and of a rim: what its regulators may overshoot, in m/s."""
+STOP: Final = 0.999
+"""Of the joint's stop: a joint so near touches it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,6 +152,28 @@ def _faster(robot: AnyRobot, rig: Rig) -> float:
     return gained / bound
 
 
+def _climbs(robot: AnyRobot, rig: Rig) -> float:
+    speed = abs(float(rig.samples[-1]["speed_mps"]))
+    return _on_the_wall(rig, speed / (robot.geometry.limits.speed_mps + TRACKS))
+
+
+def _climber_turns(robot: AnyRobot, rig: Rig) -> float:
+    limits, half = robot.geometry.limits, robot.geometry.base.track_m / 2.0
+    turn = abs(float(rig.samples[-1]["yaw_rate_rad_s"]))
+    return _on_the_wall(rig, turn / (limits.turn_rate_rad_s + TRACKS / half))
+
+
+def _joint(robot: AnyRobot, rig: Rig) -> float:
+    rows = find_plant(robot.plant.fmu).parameters
+    stop = next(row.start for row in rows if row.name == "joint_stop")
+    return _on_the_wall(rig, abs(float(rig.samples[-1]["joint_rad"])) / (STOP * stop))
+
+
+def _on_the_wall(rig: Rig, ratio: float) -> float:
+    """Return a ratio that counts until a magnet has let go: the joint's spring alone bends it then."""
+    return 0.0 if any(record.kind == GripLost.kind for record in rig.faults.records) else ratio
+
+
 OWN: Final[Mapping[str, tuple[Own, ...]]] = {
     "rars": (
         Own("speed beyond its limit", _speed, unpowered=True),
@@ -159,5 +189,10 @@ OWN: Final[Mapping[str, tuple[Own, ...]]] = {
         Own("turn rate beyond its limit", _turning, 0.1),
         Own("a wheel's speed beyond its limit", _rim, 0.1),
         Own("speeding up beyond its limit", _faster),
+    ),
+    "climber": (
+        Own("speed beyond its limit", _climbs, 0.1),
+        Own("turn rate beyond its limit", _climber_turns, 0.1),
+        Own("its joint at the stop", _joint),
     ),
 }

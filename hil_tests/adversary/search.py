@@ -20,7 +20,8 @@ from emulators.rig import Rig
 from emulators.run import HAND_STREAM
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
-from hil_tests.adversary.draw import FAILING, READY_S, Draw, Nature, takes_power
+from hil_tests.adversary.draw import READY_S, Draw
+from hil_tests.adversary.failing import FAILING, Nature, takes_power
 from hil_tests.adversary.truth import Invariant, Judge, Truth, Violation
 
 LOOK_EVERY: Final = 0.01
@@ -94,7 +95,7 @@ class Life:
             look = self._truth.look(
                 self.rig,
                 told_to_stop=next((word for word in words if word != CLEARED), STOPPED) != GOES,
-                stopped=words[0] == STOPPED and not self.mission.plant,
+                stopped=words[0] == STOPPED and "slope" not in self.mission.plant,
                 let_go=FORCED not in words and not any(map(takes_power, self.mission.fault)),
             )
             broken = self.judge.look(self.rig.world.now, look)

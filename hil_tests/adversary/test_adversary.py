@@ -12,7 +12,7 @@ from firmware_bridge.intent import Verdict
 from firmware_bridge.kinds import find
 from firmware_bridge.robot import AnyRobot
 from hil_tests.adversary.__main__ import main
-from hil_tests.adversary.draw import Nature
+from hil_tests.adversary.failing import Nature
 from hil_tests.adversary.mutants import TARGETS, tool
 from hil_tests.adversary.robots import read, robot_of
 from hil_tests.adversary.search import Found, Search, as_toml
@@ -29,6 +29,8 @@ ROBOTS: Final = {
     "rome+cameras --protocol arduinoio": 1,
     "rome+cameras --protocol mw": 1,
     "rome+cameras --protocol firmata": 2,
+    "climber": 5,
+    "climber+cameras": 2,
 }
 """As `bench` is told, and how many evenings each has. Over Firmata two wheels of three are counted, so that
 it needs the cameras."""

@@ -92,7 +92,7 @@ def test_steering_that_nobody_has_seen_finds_its_end(rides: Ridden, robot: AnyRo
         HOME,
         step(9.0, arm=True),
         step(10.0, speed_mps=0.1, steer_deg=0.0),
-        seconds=16,
+        seconds=19,
         robot=robot,
         stands=False,
     )
@@ -101,7 +101,7 @@ def test_steering_that_nobody_has_seen_finds_its_end(rides: Ridden, robot: AnyRo
     known = math.degrees(one.rig.bridge.seen.body.steer_rad)
     assert known == pytest.approx(steer_deg(one), abs=0.5)
     assert known == pytest.approx(-END_DEG, abs=0.5)
-    one.runs_until(14.0)
+    one.runs_until(17.0)
     assert steer_deg(one) == pytest.approx(0.0, abs=0.5)
     assert one.now["speed_mps"] == pytest.approx(0.1, rel=0.05)
     assert kept_back(one) == []

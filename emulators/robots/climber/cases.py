@@ -67,21 +67,25 @@ def cases(robot: Robot[Geometry]) -> Iterator[Case]:
 
 
 def _at_the_joint(robot: Robot[Geometry], side: float) -> Iterator[Case]:
-    """Yield the cases of a joint that is turned: nose first it is slower, and stops; tail first not."""
+    """Yield the cases of a joint that is turned: the way in which it grows it is slower, and stops."""
     joint, speed = robot.geometry.joint, robot.geometry.limits.speed_mps
-    ahead = Motion(speed)
+    ahead, first = Motion(side * speed), "nose" if side > 0.0 else "tail"
     slow, bound = math.radians(joint.slow_deg), math.radians(joint.bound_deg)
     half = side * 0.5 * (slow + bound)
     for angle, spared, allowed in (
         (half, Situation(wish=ahead, demanded=ahead, body=replace(WELL, joint_rad=side * slow)), 0.5 * speed),
-        (side * bound, Situation(wish=Motion(-speed), body=replace(WELL, joint_rad=side * bound)), 0.0),
+        (
+            side * bound,
+            Situation(wish=Motion(-side * speed), body=replace(WELL, joint_rad=side * bound)),
+            0.0,
+        ),
     ):
         yield Case(
             "joint limit",
             trips=Situation(wish=ahead, demanded=ahead, body=replace(WELL, joint_rad=angle)),
             spares=spared,
             reason=(
-                f"the joint's angle is {math.degrees(angle):.1f} deg: asked for {speed:.3f} m/s nose first, "
+                f"the joint's angle is {math.degrees(angle):.1f} deg: asked for {speed:.3f} m/s {first} first, "
                 f"allowed is {allowed:.3f} m/s"
             ),
         )
@@ -89,9 +93,9 @@ def _at_the_joint(robot: Robot[Geometry], side: float) -> Iterator[Case]:
         yield Case(
             "joint limit",
             trips=Situation(wish=ahead, demanded=ahead, body=replace(WELL, joint_rad=unknown)),
-            spares=Situation(wish=Motion(-speed), body=replace(WELL, joint_rad=unknown)),
+            spares=Situation(wish=Motion(turn_rad_s=0.01), body=replace(WELL, joint_rad=unknown)),
             reason=(
-                f"the joint's angle is {known}: asked for {speed:.3f} m/s nose first, allowed is 0.000 m/s"
+                f"the joint's angle is {known}: asked for {speed:.3f} m/s {first} first, allowed is 0.000 m/s"
             ),
         )
 

@@ -64,7 +64,7 @@ class Body:
         """Return the joint's angle from flat in rad."""
         joint = self._geometry.joint
         told = sensors.get(joint.sensor)
-        return None if told is None else told.value - joint.rest
+        return None if told is None else joint.read(told.value)
 
     def asked(self, motion: Motion, _state: State) -> frozenset[str]:
         """Return the wheels where the motion asks it to drive or to turn."""

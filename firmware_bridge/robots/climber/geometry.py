@@ -59,25 +59,37 @@ class Joint(Table):
     rest: Finite
     """What that tells where the joint is flat, rad."""
     turns_round_deg: Positive
-    """A guide that drives nose first turns round there."""
+    """A guide turns round there."""
     slow_deg: Positive
-    """From there on the robot drives slower nose first, the nearer to the bound the slower."""
+    """From there on the robot drives slower the way in which the angle grows, the nearer to the bound the
+    slower."""
     bound_deg: Positive
-    """There it does not drive nose first any more."""
+    """There it does not drive that way any more."""
+    believed_deg: Positive
+    """An angle beyond it, which is beyond the stops, is a sensor whose wire is off."""
 
     @model_validator(mode="after")
     def _in_this_order(self) -> Self:
-        if not self.turns_round_deg <= self.slow_deg < self.bound_deg:
-            raise ValueError("turns_round_deg, slow_deg and bound_deg must grow in this order")
+        if not self.turns_round_deg <= self.slow_deg < self.bound_deg < self.believed_deg:
+            raise ValueError("turns_round_deg, slow_deg, bound_deg and believed_deg must grow in this order")
         return self
 
-    def share(self, joint_rad: float | None) -> float:
-        """Return the share of its speed that it may have nose first; 0 where nobody knows the angle."""
+    def read(self, told_rad: float) -> float | None:
+        """Return the angle that a sensor has told; None where it cannot be that."""
+        angle = told_rad - self.rest
+        return angle if abs(angle) <= math.radians(self.believed_deg) else None
+
+    def share(self, joint_rad: float | None, way: float) -> float:
+        """Return the share of its speed that it may have nose first, or where `way` is negative tail first.
+
+        An angle to the one side grows nose first and decays tail first, to the other side the other way round:
+        on the plant, at each heading and from each angle. 0 where nobody knows the angle.
+        """
         if joint_rad is None:
             return 0.0
         slow, bound = math.radians(self.slow_deg), math.radians(self.bound_deg)
         # Said so that what is no number is none, too.
-        left = (bound - abs(joint_rad)) / (bound - slow)
+        left = (bound - math.copysign(1.0, way) * joint_rad) / (bound - slow)
         return min(left, 1.0) if left > 0.0 else 0.0
 
 

@@ -10,8 +10,8 @@ The print lacks theta in alpha, and its sign of k_beta is the other one. To a re
 asymptotically only, so the reference moves: it is so far ahead of where the robot shall be, along the path's
 tangent there, that k_rho rho is the path's speed; where the path goes slower, as at its end, v is less by as
 much. What the path itself bends is added to w. At corners the robot turns on the spot. It drives nose first
-as it was put on, or tail first, where the caster leads and the joint's angle decays: it turns round where
-that angle grows. Nobody steers a robot whose wheels are coupled, and it does not turn round either.
+as it was put on, or tail first, where the caster leads: it turns round where the joint's angle has grown, as
+the other way that decays. Nobody steers a robot whose wheels are coupled, and it does not turn round either.
 """
 
 import math
@@ -90,9 +90,9 @@ class Follower:
         if self._leg == len(self._legs):
             return self._motion(0.0, 0.0)
         leg = self._legs[self._leg]
-        stops = not self._tail and self._must_turn_round(seen.body)
+        stops = self._must_turn_round(seen.body)
         if stops and self._rate == 0.0:
-            self._tail = self._turning = True
+            self._tail, self._turning = not self._tail, True
         if self._turning:
             wish = self._turned(leg, pose)
             if wish is not None:
@@ -108,11 +108,12 @@ class Follower:
         return age
 
     def _must_turn_round(self, state: State) -> bool:
-        """Return whether the joint is turned so far that it is better to go on tail first, if it can."""
+        """Return whether the joint is turned so far that it is better to go on the other way round, if it can."""
         joint = state.joint_rad
         if joint is None or self._geometry.base.coupled:
             return False
-        return abs(joint) >= math.radians(self._geometry.joint.turns_round_deg)
+        grown = -joint if self._tail else joint
+        return grown >= math.radians(self._geometry.joint.turns_round_deg)
 
     def _turned(self, leg: Leg, pose: Pose) -> Motion | None:
         """Return the turn on the spot towards the leg; None where it is over, or none is needed."""

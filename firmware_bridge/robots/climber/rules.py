@@ -110,14 +110,15 @@ def slowed(view: View, share: float) -> tuple[Motion, str | None]:
 
 
 def _joint(view: View) -> tuple[Motion, str | None]:
-    """Clip the speed nose first: with the caster trailing the joint's angle runs away, leading it decays."""
+    """Clip the speed the way in which the joint's angle grows; the other way it decays."""
     motion, joint = view.allowed, view.body.joint_rad
-    high = view.geometry.joint.share(joint) * view.geometry.limits.speed_mps
-    if motion.speed_mps <= high:
+    high = view.geometry.joint.share(joint, motion.speed_mps) * view.geometry.limits.speed_mps
+    if abs(motion.speed_mps) <= high:
         return motion, None
     known = "not known" if joint is None else f"{math.degrees(joint):.1f} deg"
-    return replace(motion, speed_mps=high), (
-        f"the joint's angle is {known}: asked for {motion.speed_mps:.3f} m/s nose first, "
+    first = "nose" if motion.speed_mps > 0.0 else "tail"
+    return replace(motion, speed_mps=math.copysign(high, motion.speed_mps)), (
+        f"the joint's angle is {known}: asked for {abs(motion.speed_mps):.3f} m/s {first} first, "
         f"allowed is {high:.3f} m/s"
     )
 
@@ -221,7 +222,7 @@ def _limit(name: str, clip: Callable[[View], tuple[Motion, str | None]], remedy:
 
 LIMITS: Final = (
     _limit("speed limit", lambda view: slowed(view, 1.0), "ask for less speed"),
-    _limit("joint limit", _joint, "drive tail first, or turn round"),
+    _limit("joint limit", _joint, "drive the other way, or turn round"),
     _limit("coupled wheels", _coupled, "drive straight, nose first or tail first"),
     _limit("height limit", _height, "drive the other way"),
     _limit("adhesion limit", _adhesion, "drive down, or take weight off its cable"),
