@@ -36,6 +36,8 @@ ROBOTS: Final = {
 it needs the cameras."""
 FOUND: Final = sorted(Path(__file__).with_name("found").glob("*.toml"))
 """Missions that broke a rule once, or the bench."""
+TOUCHES: Final = 7
+"""An evening in which a climber without its rule touches its joint's stop."""
 HONEST: Final = frozenset({Nature.HONEST})
 ALL: Final = frozenset(Nature)
 
@@ -88,6 +90,20 @@ def test_a_limit_that_is_too_high_is_found_and_driven_again_from_its_file() -> N
     again = missions.parse(text, "found.toml", robot, one.rehearsal)
     broken = one.again(again, found.seed, found.violation.name)
     assert broken == found.violation
+
+
+@pytest.mark.parametrize("line", ["climber", "climber+cameras"])
+def test_a_climber_without_its_joints_rule_touches_the_stop(line: str) -> None:
+    """In evenings that the rule keeps from it: backwards, with the joint bent to the other side."""
+    climber = find(line)
+    free = {"turns_round_deg": 80.0, "slow_deg": 80.0, "bound_deg": 85.0, "believed_deg": 90.0}
+    joint = climber.geometry.joint.model_copy(update=free)
+    geometry = climber.geometry.model_copy(update={"joint": joint})
+    found, _ = search(climber.model_copy(update={"geometry": geometry}), HONEST).looked(TOUCHES)
+    assert found is not None
+    assert found.violation.name == "its joint at the stop"
+    ruled, _ = search(climber, HONEST).looked(TOUCHES)
+    assert ruled is None
 
 
 def deaf(*_: Any, **__: Any) -> Verdict:

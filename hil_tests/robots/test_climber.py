@@ -100,6 +100,15 @@ def test_it_is_the_slower_the_more_the_joint_is_turned_the_way_in_which_that_gro
         assert ruling.allowed.turn_rad_s == pytest.approx(0.1)
 
 
+@every(("told_deg", "read_deg"), [(0.0, 0.0), (-29.9, -29.9), (29.9, 29.9), (-45.0, None), (30.1, None)])
+def test_an_angle_beyond_the_stops_is_a_wire_that_is_off(told_deg: float, read_deg: float | None) -> None:
+    joint = GEOMETRY.joint
+    angle = joint.read(math.radians(told_deg) + joint.rest)
+    assert (None if angle is None else math.degrees(angle)) == (
+        read_deg if read_deg is None else pytest.approx(read_deg)
+    )
+
+
 @every(
     ("before", "after", "problem"),
     [
