@@ -96,7 +96,7 @@ def test_a_limit_that_is_too_high_is_found_and_driven_again_from_its_file() -> N
 def test_a_climber_without_its_joints_rule_touches_the_stop(line: str) -> None:
     """In evenings that the rule keeps from it: backwards, with the joint bent to the other side."""
     climber = find(line)
-    free = {"turns_round_deg": 80.0, "slow_deg": 80.0, "bound_deg": 85.0, "believed_deg": 90.0}
+    free = {"turns_round_deg": 80.0, "slow_deg": 80.0, "bound_deg": 85.0, "sensor_bound_deg": 90.0}
     joint = climber.geometry.joint.model_copy(update=free)
     geometry = climber.geometry.model_copy(update={"joint": joint})
     found, _ = search(climber.model_copy(update={"geometry": geometry}), HONEST).looked(TOUCHES)

@@ -115,7 +115,7 @@ def test_an_angle_beyond_the_stops_is_a_wire_that_is_off(told_deg: float, read_d
         ("k_alpha_per_s = 3.0", "k_alpha_per_s = 0.9", "k_alpha_per_s must be larger than k_rho_per_s"),
         ("k_beta_per_s = -0.5", "k_beta_per_s = 0.5", "k_beta_per_s"),
         ("slow_deg = 12.0", "slow_deg = 16.0", "must grow in this order"),
-        ("believed_deg = 30.0", "believed_deg = 15.0", "must grow in this order"),
+        ("sensor_bound_deg = 30.0", "sensor_bound_deg = 15.0", "must grow in this order"),
         ("mass_kg = 4.0", "mass_kg = 7.0", "the magnets hold 6.06 kg with least_margin, mass_kg is 7"),
         ("speed_mps = 0.05\n", "speed_mps = 0.08\n", "control.speed_mps is 0.08, limits.speed_mps only 0.06"),
     ],

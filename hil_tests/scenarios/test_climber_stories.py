@@ -70,7 +70,7 @@ def test_by_odometry_alone_it_is_off_by_what_the_summary_tells(name: str) -> Non
 
 @pytest.mark.parametrize("name", CLOSED)
 def test_without_the_rule_the_same_paths_touch_the_joints_stop(name: str) -> None:
-    free = changed("joint", turns_round_deg=80.0, slow_deg=80.0, bound_deg=85.0, believed_deg=90.0)
+    free = changed("joint", turns_round_deg=80.0, slow_deg=80.0, bound_deg=85.0, sensor_bound_deg=90.0)
     assert Ridden(free, name).figures["max_joint_deg"] > STOP_DEG
 
 

@@ -85,8 +85,8 @@ def _at_the_joint(robot: Robot[Geometry], side: float) -> Iterator[Case]:
             trips=Situation(wish=ahead, demanded=ahead, body=replace(WELL, joint_rad=angle)),
             spares=spared,
             reason=(
-                f"the joint's angle is {math.degrees(angle):.1f} deg: asked for {speed:.3f} m/s {first} first, "
-                f"allowed is {allowed:.3f} m/s"
+                f"the joint's angle is {math.degrees(angle):.1f} deg: asked for {speed:.3f} m/s "
+                f"{first} first, allowed is {allowed:.3f} m/s"
             ),
         )
     for unknown, known in ((None, "not known"), (math.nan, "nan deg")):

@@ -65,25 +65,25 @@ class Joint(Table):
     slower."""
     bound_deg: Positive
     """There it does not drive that way any more."""
-    believed_deg: Positive
+    sensor_bound_deg: Positive
     """An angle beyond it, which is beyond the stops, is a sensor whose wire is off."""
 
     @model_validator(mode="after")
     def _in_this_order(self) -> Self:
-        if not self.turns_round_deg <= self.slow_deg < self.bound_deg < self.believed_deg:
-            raise ValueError("turns_round_deg, slow_deg, bound_deg and believed_deg must grow in this order")
+        if not self.turns_round_deg <= self.slow_deg < self.bound_deg < self.sensor_bound_deg:
+            raise ValueError("turns_round_deg, slow_deg, bound_deg, sensor_bound_deg must grow in this order")
         return self
 
     def read(self, told_rad: float) -> float | None:
         """Return the angle that a sensor has told; None where it cannot be that."""
         angle = told_rad - self.rest
-        return angle if abs(angle) <= math.radians(self.believed_deg) else None
+        return angle if abs(angle) <= math.radians(self.sensor_bound_deg) else None
 
     def share(self, joint_rad: float | None, way: float) -> float:
         """Return the share of its speed that it may have nose first, or where `way` is negative tail first.
 
-        An angle to the one side grows nose first and decays tail first, to the other side the other way round:
-        on the plant, at each heading and from each angle. 0 where nobody knows the angle.
+        An angle to the one side grows nose first and decays tail first, to the other side the other way
+        round: on the plant, at each heading and from each angle. 0 where nobody knows the angle.
         """
         if joint_rad is None:
             return 0.0

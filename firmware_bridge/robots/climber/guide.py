@@ -108,7 +108,7 @@ class Follower:
         return age
 
     def _must_turn_round(self, state: State) -> bool:
-        """Return whether the joint is turned so far that it is better to go on the other way round, if it can."""
+        """Return whether the joint is turned so far that it is better to turn round, if it can."""
         joint = state.joint_rad
         if joint is None or self._geometry.base.coupled:
             return False
