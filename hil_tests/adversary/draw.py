@@ -143,7 +143,7 @@ class Draw:
 
     def _floor(self) -> dict[str, float]:
         """Return the plant's parameters on a slope or put on its wall; nothing for the flat."""
-        known = {row.name for row in find_plant(self._robot.plant.fmu).parameters}
+        known = _parameters(self._robot)
         if known >= PUT_ON.keys():
             degrees = {name: float(self._chance.uniform(*between)) for name, between in PUT_ON.items()}
             return {name: round(math.radians(angle), 4) for name, angle in degrees.items()}
@@ -169,7 +169,9 @@ class Draw:
 
     def _meets(self, name: str) -> bool:
         """Return whether this robot has what a kind of fault is of; the evening's chance is not asked."""
-        kind = KINDS[name].fault
+        kind, parameter = KINDS[name].fault, FAILING[name].parameter
+        if parameter and parameter not in _parameters(self._robot):
+            return False
         said = {"kind": name, "at_s": 0.0, **FAILING[name].how(np.random.default_rng(0))}
         if "node" in kind.model_fields:
             said["node"] = next(iter(kind.among.of(self._robot)), BRIDGE)
@@ -259,3 +261,8 @@ class Draw:
 
     def _step(self, second: float, does: dict[str, Any]) -> Step:
         return self._rehearsal.step.model_validate({"at_s": second, "title": f"at {second:g} s", **does})
+
+
+def _parameters(robot: AnyRobot) -> set[str]:
+    """Return the names of its plant's parameters."""
+    return {row.name for row in find_plant(robot.plant.fmu).parameters}
