@@ -7,10 +7,10 @@ from typing import Any, Self
 import numpy as np
 import pytest
 
+from emulators.robots.climber.studies.constraints import Robot
 from fmu.build import ensure
 from fmu.climber.parameters import SETS
 from fmu.plant import FmuPlant
-from hil_tests.fmu.climber_by_constraints import Robot
 from hil_tests.fmu.climber_rolled import NUMBERS
 
 WHEELS = ("left", "right", "caster")

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from emulators.robots.climber.studies.constraints import Robot
 from fmu.build import ensure
 from fmu.climber.parameters import SETS
 from fmu.plant import FmuPlant, PlantError
-from hil_tests.fmu.climber_by_constraints import Robot
 from hil_tests.fmu.climber_rolled import NUMBERS, Rolled
 
 Maker = Callable[..., Rolled]

@@ -9,7 +9,7 @@ from emulators.studies.shelf import studies
 from emulators.studies.study import Study
 
 STUDIES: Final = {study.name: study for study in studies()}
-SHORT: Final = ("tipping", "torques", "sizing")
+SHORT: Final = ("tipping", "torques", "sizing", "pivot", "polar_law")
 """Those that `make test` has time for; `make long` makes all of them, quick and whole."""
 
 

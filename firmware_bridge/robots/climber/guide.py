@@ -33,7 +33,7 @@ TURNED_RAD: Final = math.radians(0.5)
 ARRIVED_M: Final = 0.0003
 """A leg is over so near to its end."""
 SLOWEST_MPS: Final = 0.0005
-"""Slower than this a path does not go on: it is at its end."""
+"""A path that must brake to less than this is at its end."""
 LOOKS: Final = 10
 """A path begins in the mean of so many poses of the robot at rest: one alone has the cameras' noise."""
 SHARE: Final = 0.2
@@ -161,9 +161,10 @@ class Follower:
             self._way, self._rate = self._way + 0.5 * (self._rate + rate) * seconds, rate
             return
         left = max(leg.length - self._way, 0.0)
-        fastest = min(self._rate + reach * seconds, self._control.speed_mps, math.sqrt(2.0 * reach * left))
+        braking = math.sqrt(2.0 * reach * left)
+        fastest = min(self._rate + reach * seconds, self._control.speed_mps, braking)
         step = 0.5 * (self._rate + fastest) * seconds
-        if step >= left or fastest < SLOWEST_MPS:
+        if step >= left or braking < SLOWEST_MPS:
             self._way, self._rate = leg.length, 0.0
         else:
             self._way, self._rate = self._way + step, fastest

@@ -8,13 +8,21 @@ for at each instant. On cylinders.
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Final, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
+from emulators.studies.solve import integrate
+
 Vector: TypeAlias = npt.NDArray[np.float64]
 Speed: TypeAlias = Callable[[float], float]
+
+
+SEARCHES: Final = 40
+FOUND_RAD: Final = 1e-16
+FOUND: Final = 1e-14
+"""m, and of the sine by which the wheels lean against each other."""
 
 
 @dataclass(frozen=True)
@@ -29,6 +37,7 @@ class Touch:
 
     @property
     def tube(self) -> float:
+        """How far the axle leans off the surface, rad."""
         return math.asin(-float(self.normal @ self.axle))
 
     def psi(self) -> float:
@@ -40,12 +49,12 @@ class Touch:
 def touch(middle: Vector, axle: Vector, crown: float, wheel: float, tank: float) -> Touch:
     """Find where a torus is nearest to a cylinder about the third axis."""
     turn = math.atan2(middle[1], middle[0])
-    for _ in range(40):
+    for _ in range(SEARCHES):
         normal = np.array([math.cos(turn), math.sin(turn), 0.0])
         spoke = (normal @ axle) * axle - normal
         centre = middle + (wheel - crown) * spoke / math.sqrt(spoke @ spoke)
         before, turn = turn, math.atan2(centre[1], centre[0])
-        if abs(turn - before) < 1e-16:
+        if abs(turn - before) < FOUND_RAD:
             break
     return Touch(middle, axle, centre - crown * normal, normal, math.hypot(*centre[:2]) - crown - tank)
 
@@ -89,7 +98,7 @@ class Robot:
             now = off(x)
             slope = np.array([(off(x + 1e-7 * each) - now) / 1e-7 for each in np.eye(4)]).T
             x = x - np.linalg.solve(slope, now)
-            if np.abs(now).max() < 1e-14:
+            if np.abs(now).max() < FOUND:
                 break
         return put(x)
 
@@ -113,6 +122,7 @@ class Robot:
         return cls(p, middle - p["half_track"] * axle, frame, read["joint"], read["swivel"])
 
     def touches(self) -> tuple[Touch, Touch, Touch]:
+        """Return where left wheel, right wheel and caster are nearest to the cylinder."""
         p = self.p
         ahead, left, up = self.frame
         right_axle = math.cos(self.joint) * left + math.sin(self.joint) * up
@@ -168,7 +178,6 @@ class Robot:
 
     def driven(self, left: Speed, right: Speed, seconds: float, step: float) -> list["Robot"]:
         """Return it at every step of a run at these wheel speeds in rad/s, by Runge's and Kutta's method."""
-        x = self._as_vector()
 
         def slope(t: float, at: Vector) -> Vector:
             robot = self._of(at)
@@ -176,16 +185,9 @@ class Robot:
             turned = np.cross(rates[3:6], robot.frame).ravel()
             return np.concatenate([rates[:3], turned, rates[6:8]])
 
-        found = [self]
-        for count in range(round(seconds / step)):
-            t = count * step
-            a = slope(t, x)
-            b = slope(t + step / 2, x + step / 2 * a)
-            c = slope(t + step / 2, x + step / 2 * b)
-            d = slope(t + step, x + step * c)
-            x = x + step / 6 * (a + 2 * b + 2 * c + d)
-            found.append(self._of(x))
-        return found
+        times = np.linspace(0.0, round(seconds / step) * step, round(seconds / step) + 1)
+        rows = integrate(slope, self._as_vector(), times)
+        return [self, *map(self._of, rows[1:])]
 
     def readings(self) -> dict[str, float]:
         """Return what the plant calls so; arcs within half a turn of 0."""
