@@ -39,6 +39,8 @@ class Plant:
     """Named start values of some parameters, in SI units."""
     robot_file: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     """Path into a robot's file, rows of a table by their name -> parameter, and the factor into its unit."""
+    grips: bool = False
+    """Whether what holds it on a wall can let go: it has an input `grip_lost_AXIS` for each axis."""
 
     def model(self) -> "Model":
         """Return equations and tables; `outputs` are what can be read, each with unit and meaning."""

@@ -272,6 +272,6 @@ def model(surface: Surface = TANK) -> Model:
             right.dry_friction(),
             inner("energy", "J", "energy stored in the whole robot", energy, 10.0),
         ),
-        inner_step=50e-6,
+        inner_step=100e-6,
         events=robot.events(),
     )

@@ -207,4 +207,5 @@ PLANT: Final = Plant(
         "geometry.tank.radius_m": ("tank_radius", 1.0),
         "axes.left.ratio": ("gear_wheel", 1.0),
     },
+    grips=True,
 )

@@ -169,9 +169,7 @@ class Draw:
 
     def _meets(self, name: str) -> bool:
         """Return whether this robot has what a kind of fault is of; the evening's chance is not asked."""
-        kind, parameter = KINDS[name].fault, FAILING[name].parameter
-        if parameter and parameter not in _parameters(self._robot):
-            return False
+        kind = KINDS[name].fault
         said = {"kind": name, "at_s": 0.0, **FAILING[name].how(np.random.default_rng(0))}
         if "node" in kind.model_fields:
             said["node"] = next(iter(kind.among.of(self._robot)), BRIDGE)

@@ -38,8 +38,6 @@ class Failing:
     longest_s: float = 1.0
     takes_power: bool = True
     """The drives may lose their power by it: on a slope nobody holds that, so it is not drawn there."""
-    parameter: str = ""
-    """What a plant must have for it; empty for nothing."""
 
 
 def _ends(chance: Generator) -> dict[str, Any]:
@@ -129,7 +127,7 @@ FAILING: Final[dict[str, Failing]] = {
     # A motor that does not do what it is told; let go again it jumps by what it is told then.
     "shaft_blocked": Failing(Nature.LYING, longest_s=LIES_S),
     "motor_cable_off": Failing(Nature.LYING, longest_s=LIES_S),
-    "grip_lost": Failing(Nature.HONEST, takes_power=False, parameter="magnet_reach"),
+    "grip_lost": Failing(Nature.HONEST, takes_power=False),
     "body_shakes": Failing(Nature.HONEST, longest_s=5.0, takes_power=False),
     "load_lifted": Failing(Nature.LYING, longest_s=LIES_S),
     "motor_supply_sag": Failing(

@@ -118,11 +118,11 @@ class Client:
         self.texts: list[str] = []
         self.x = 0.0
 
-    def says(self, speed: float, seconds: float) -> None:
-        """Drive straight at 20 Hz for some time, and listen."""
+    def says(self, speed: float, seconds: float, full: float = 0.5) -> None:
+        """Drive straight at 20 Hz for some time, and listen; `full` is the speed of a full stick, m/s."""
         end = time.monotonic() + seconds
         while time.monotonic() < end:
-            self.link.mav.manual_control_send(1, round(speed / 0.5 * 1000), 0x7FFF, 0, 0, 0)
+            self.link.mav.manual_control_send(1, round(speed / full * 1000), 0x7FFF, 0, 0, 0)
             self.hears(0.05)
 
     def says_until(self, speed: float, happens: Callable[[], object], within: float, what: str) -> None:
@@ -177,6 +177,10 @@ class Bench:
     port: int
     bus: tuple[str, str] = SOCKETCAN
     """Interface and channel."""
+    robot: str = "rars"
+    last_node: int = 4
+    zeros: tuple[str, ...] = ("lift", "steer")
+    """The axes that a person tells the bridge to stand at 0."""
     client: Client | None = None
 
     @property
@@ -218,8 +222,12 @@ class Bench:
         return self.client
 
     def emulates(self, *more: str) -> Program:
-        program = self.starts("emulate", "emulate", "rars", *self.where, *more)
-        until(lambda: self.eye.ask(4, 0x1000) == 0x20192, START_WITHIN_S, f"emulator: {program.printed}")
+        program = self.starts("emulate", "emulate", self.robot, *self.where, *more)
+
+        def there() -> bool:
+            return self.eye.ask(self.last_node, 0x1000) == 0x20192
+
+        until(there, START_WITHIN_S, f"emulator: {program.printed}")
         return program
 
     def drives(
@@ -230,7 +238,8 @@ class Bench:
         more: Sequence[str] = (),
     ) -> Program:
         where = f"udpin:127.0.0.1:{self.port if port is None else port}"
-        stands = ("--zero", "lift=0", "--zero", "steer=0", "--state", str(self.folder / f"{name}.json"))
+        stands = [each for axis in self.zeros for each in ("--zero", f"{axis}=0")]
+        stands += ["--state", str(self.folder / f"{name}.json")]
         return self.starts(
-            name, "drive", "rars", *self.where, "--mavlink", where, *stands, *more, before=before
+            name, "drive", self.robot, *self.where, "--mavlink", where, *stands, *more, before=before
         )

@@ -47,6 +47,23 @@ def test_a_client_drives_is_killed_and_the_robot_stops_then_ctrl_c(bench: Bench)
     assert found.stdout == ""
 
 
+def test_the_climber_climbs_on_a_bus_too(bench: Bench) -> None:
+    bench.robot, bench.last_node, bench.zeros = "climber", 2, ()
+    bench.emulates()
+    bridge = bench.drives()
+    client = bench.joins()
+    client.arms()
+    began = [bench.eye.ask(node, 0x6064) or 0 for node in (1, 2)]
+    client.says(0.04, 4.0, full=0.06)
+    client.says(0.0, 1.0)
+    rolled = [(bench.eye.ask(node, 0x6064) or 0) - first for node, first in zip((1, 2), began, strict=True)]
+    counts_per_m = 2000 * 84 / (2 * 3.141592653589793 * 0.05)
+    assert all(0.05 < way / counts_per_m < 0.2 for way in rolled), (rolled, client.texts, bridge.printed)
+    assert bridge.ends() == 0, bridge.printed
+    for node in (1, 2):
+        assert bench.eye.state(node) in DISABLED, (node, bridge.printed)
+
+
 def test_the_drives_stop_by_themselves_when_the_bridge_is_killed(bench: Bench) -> None:
     bench.emulates()
     bridge = bench.drives()

@@ -1,14 +1,17 @@
 """Faults of what the robot stands on or hangs by: the plant's, not a device's."""
 
+from collections.abc import Iterator
 from typing import Annotated, ClassVar
 
 from numpy.random import Generator
 from pydantic import Field
 
-from emulators.bench.faults.fault import Lasting, Node
+from emulators.bench.faults.fault import Lasting, Node, Problem
 from emulators.bench.faults.site import Site
 from emulators.servo.fmu_axes import GRIP_LOST
+from firmware_bridge.robot import AnyRobot
 from fmu.errors import PlantError
+from fmu.plants import find, names
 
 
 class GripLost(Lasting):
@@ -16,6 +19,12 @@ class GripLost(Lasting):
 
     kind: ClassVar = "grip_lost"
     node: Annotated[Node, Field(description="whose")]
+
+    def problems(self, robot: AnyRobot) -> Iterator[Problem]:
+        """Give what this robot lacks for it; a plant that nobody has installed is asked when it is there."""
+        yield from super().problems(robot)
+        if robot.plant.fmu in names() and not find(robot.plant.fmu).grips:
+            yield "kind", f"nothing holds {robot.name} on a wall: its plant has no input {GRIP_LOST}AXIS"
 
     def put_on(self, site: Site, chance: Generator) -> None:
         """Take the grip; PlantError where the plant has no such input."""

@@ -72,6 +72,7 @@ def refusal(text: str, robot: AnyRobot = RARS) -> list[str]:
 
 SEEN = RARS.with_links({"cameras": cameras()})
 ON = {
+    "grip_lost": kinds.find("climber"),
     "serial_unplugged": SERIAL,
     **dict.fromkeys(("body_hidden", "body_shakes", "markers_swapped", "capture_late", "capture_loss"), SEEN),
 }
@@ -153,6 +154,10 @@ AT = "at_s = 2.0\n"
         (table("datagram_late", AT), "fault[0].by_ms: Field required"),
         (table("datagram_loss", f'{AT}sender = "robot"'), "fault[0].sender: "),
         (table("serial_unplugged", AT), "fault[0].kind: rars is not on a serial line"),
+        (
+            table("grip_lost", f"{AT}node = 1"),
+            "fault[0].kind: nothing holds rars on a wall: its plant has no",
+        ),
     ],
 )
 def test_a_wrong_fault_is_refused_with_file_key_and_a_near_name(text: str, complaint: str) -> None:
