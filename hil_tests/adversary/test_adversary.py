@@ -36,8 +36,9 @@ ROBOTS: Final = {
 it needs the cameras."""
 FOUND: Final = sorted(Path(__file__).with_name("found").glob("*.toml"))
 """Missions that broke a rule once, or the bench."""
-TOUCHES: Final = 7
-"""An evening in which a climber without its rule touches its joint's stop."""
+TOUCHES: Final = (14, 16, 19, 28, 33)
+"""Evenings in which a climber without its rule touches its joint's stop, as in one of eight. A hair's breadth
+more or less decides whether an evening still does: one of them is enough."""
 HONEST: Final = frozenset({Nature.HONEST})
 ALL: Final = frozenset(Nature)
 
@@ -99,10 +100,10 @@ def test_a_climber_without_its_joints_rule_touches_the_stop(line: str) -> None:
     free = {"turns_round_deg": 80.0, "slow_deg": 80.0, "bound_deg": 85.0, "sensor_bound_deg": 90.0}
     joint = climber.geometry.joint.model_copy(update=free)
     geometry = climber.geometry.model_copy(update={"joint": joint})
-    found, _ = search(climber.model_copy(update={"geometry": geometry}), HONEST).looked(TOUCHES)
-    assert found is not None
+    free_one = search(climber.model_copy(update={"geometry": geometry}), HONEST)
+    found = next(found for found, _ in map(free_one.looked, TOUCHES) if found is not None)
     assert found.violation.name == "its joint at the stop"
-    ruled, _ = search(climber, HONEST).looked(TOUCHES)
+    ruled, _ = search(climber, HONEST).looked(found.seed)
     assert ruled is None
 
 
