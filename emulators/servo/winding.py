@@ -23,6 +23,10 @@ RESTING: Final = 10
 """mrad/s up to which a winding without voltage and current is left alone."""
 LEARNING: Final = 5_000
 """mrad/s above which a back-EMF constant that nobody told is learnt."""
+SLOWING: Final = 16
+"""It is learnt while the shaft loses no more than this part of its speed in a tick: in one that brakes itself
+faster the current comes from the speed that was, and asks for too much.
+"""
 MOST_LEARNING: Final = 1 << 28
 """16 Ohm: an upper bound of them (ASSUME)."""
 SETTLING_MS: Final = 1
@@ -114,7 +118,8 @@ def turns(axis: ServoAxis, speed: int) -> int:
         axis.waits -= 1
     elif axis.learning and (speed > LEARNING or speed < -LEARNING):
         braking = (-current if speed > 0 else current) - axis.left
-        if braking > 0:
+        lost = (axis.speed_before - speed) if speed > 0 else (speed - axis.speed_before)
+        if braking > 0 and SLOWING * lost <= (speed if speed > 0 else -speed):
             if braking <= axis.braking < 2 * braking:
                 axis.learning = min(axis.learning << 1, MOST_LEARNING)
             axis.braking = braking

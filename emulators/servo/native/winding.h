@@ -38,7 +38,8 @@ static inline int64_t servo_turns(servo_axis *axis, int64_t speed)
         axis->waits -= 1;
     } else if (axis->learning && beyond(speed, LEARNING)) {
         int64_t braking = (speed > 0 ? -current : current) - axis->left;
-        if (braking > 0) {
+        int64_t lost = speed > 0 ? axis->speed_before - speed : speed - axis->speed_before;
+        if (braking > 0 && SLOWING * lost <= (speed > 0 ? speed : -speed)) {
             if (braking <= axis->braking && axis->braking < 2 * braking)
                 axis->learning = least(shifted(axis->learning, 1), MOST_LEARNING);
             axis->braking = braking;

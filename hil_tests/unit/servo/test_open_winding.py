@@ -130,6 +130,7 @@ MOTORS = st.builds(
     load=st.floats(-0.1, 0.1),
 )
 @example(motor=DcMotor(0.0625, 6.25e-7, 0.1875, 1e-5), told="all", speed=3.0, current=2.0, load=0.0)
+@example(motor=DcMotor(0.0605, 2.85e-5, 0.0957, 6.95e-5), told="nothing", speed=59.0, current=0.0, load=0.0)
 def test_an_open_stage_gives_no_motor_energy(
     *, motor: DcMotor, told: str, speed: float, current: float, load: float
 ) -> None:
