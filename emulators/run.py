@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final, TextIO, TypeAlias
+from typing import Final, TypeAlias
 
 import numpy as np
 
@@ -18,11 +18,9 @@ from emulators.bench.radial_error import radial_error
 from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.summary import LineRun, Run, Summary, as_json, summarise
 from emulators.line import AnyLine
-from emulators.rig import BRIDGE, Rig
-from emulators.wires.ends import Observer
+from emulators.recorded import CHUNKS, FRAMES, WORDS, record
+from emulators.rig import Rig
 from firmware_bridge.node import Node
-from firmware_bridge.packet import Packet
-from firmware_bridge.recording import Direction, candump_line, serial_line, tlog_records
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 
@@ -162,33 +160,9 @@ def followed(order: Order) -> list[Followed]:
 def _recorded(rig: Rig, folder: Path) -> Iterator[None]:
     """Write what the wires carry while this is open: `can.log`, `serial.log` and `operator.tlog`."""
     with (
-        (folder / "can.log").open("w", encoding="ascii") as frames,
-        (folder / "serial.log").open("w", encoding="ascii") as chunks,
-        (folder / "operator.tlog").open("wb") as words,
+        (folder / FRAMES).open("w", encoding="ascii") as frames,
+        (folder / CHUNKS).open("w", encoding="ascii") as chunks,
+        (folder / WORDS).open("wb") as words,
     ):
-
-        def note_datagram(now: Nanoseconds, _sender: str, packet: Packet) -> None:
-            words.write(tlog_records(now, packet.payload))
-
-        for link, wire in rig.can_wires.items():
-            wire.observe(_frames_noted(frames, link))
-        for link, line in rig.lines.items():
-            line.wire.observe(_bytes_noted(chunks, link))
-        rig.operator_wire.observe(note_datagram)
+        record(rig, frames, chunks, words)
         yield
-
-
-def _frames_noted(frames: TextIO, channel: str) -> Observer:
-    def note(now: Nanoseconds, _sender: str, packet: Packet) -> None:
-        frames.write(candump_line(now, packet, channel) + "\n")
-
-    return note
-
-
-def _bytes_noted(chunks: TextIO, link: str) -> Observer:
-    def note(now: Nanoseconds, sender: str, packet: Packet) -> None:
-        if packet.payload:
-            direction = Direction.SENT if sender == BRIDGE else Direction.HEARD
-            chunks.write(serial_line(now, link, direction, packet.payload) + "\n")
-
-    return note

@@ -140,7 +140,7 @@ def parse(text: str, file: str, robot: AnyRobot, rehearsal: Rehearsal) -> Missio
         mission = model.model_validate(table)
     except ValidationError as error:
         raise MissionFileError(file, *problems_of(error, model)) from error
-    problems = (*_misfits(mission, robot, rehearsal), *starmap(Problem, misfits(mission.fault, robot)))
+    problems = (*cannot_say(mission, robot, rehearsal), *starmap(Problem, misfits(mission.fault, robot)))
     if problems:
         raise MissionFileError(file, *problems)
     return mission
@@ -166,7 +166,7 @@ def find(name: str, robot: AnyRobot, rehearsal: Rehearsal) -> Mission:
     raise MissionFileError(name, Problem("", problem))
 
 
-def _misfits(mission: Mission, robot: AnyRobot, rehearsal: Rehearsal) -> Iterator[Problem]:
+def cannot_say(mission: Mission, robot: AnyRobot, rehearsal: Rehearsal) -> Iterator[Problem]:
     """Yield what the input that is in the operator's hand cannot say."""
     channels = {channel.name: channel for channel in rehearsal.channels}
     held = mission.input

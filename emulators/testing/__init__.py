@@ -1,0 +1,1 @@
+"""Tests of a user's own: a robot on the bench as a fixture of pytest."""

@@ -1,0 +1,56 @@
+"""What a failing test leaves: its recording in a folder, and a report of what happened to the robot."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from emulators.bench.records import FaultRecord
+from emulators.testing.rig import VirtualRig
+from firmware_bridge.units import Nanoseconds, to_seconds
+
+
+def told(rig: VirtualRig, test: str, folder: Path, again: str, *, pictures: bool) -> str:
+    """Keep a rig's recording and pictures in a folder, and say what a person wants to know first.
+
+    `again` is the line that runs the test again.
+    """
+    return "\n".join(_lines(rig, test, folder, again, pictures=pictures))
+
+
+def _lines(rig: VirtualRig, test: str, folder: Path, again: str, *, pictures: bool) -> Iterator[str]:
+    yield f"{rig.robot.name}, seed {rig.seed}, at {rig.now:.2f} s of virtual time"
+    held = [hold for hold in rig.held if hold.ended is None or hold.ended > rig.began]
+    yield f"holds since it was armed at {to_seconds(rig.began):.2f} s:{'' if held else ' none'}"
+    yield from (f"  {_span(hold.began, hold.ended)}  {hold.name}: {hold.reason}" for hold in held)
+    if rig.faults:
+        yield "faults:"
+        yield from (f"  {_span(fault.began, fault.ended)}  {_wrong(fault)}" for fault in rig.faults)
+    yield "operator:"
+    entries = [entry for entry in rig.operator.diary if entry.at >= rig.began]
+    yield from (f"  {to_seconds(entry.at):6.2f} s  {entry.kind}: {entry.text}" for entry in entries)
+    try:
+        kept = [*rig.recording.keep(folder), *(_drawn(rig, test, folder) if pictures else ())]
+    except OSError as error:
+        yield f"kept: nothing, {folder} cannot be written: {error}"
+    else:
+        yield f"kept in {folder}: {', '.join(path.name for path in kept)}"
+    yield f"again: {again}"
+
+
+def _drawn(rig: VirtualRig, test: str, folder: Path) -> list[Path]:
+    # Half a second for Matplotlib, which no test needs that is green.
+    from emulators.bench.plots import draw  # noqa: PLC0415 - see above
+
+    title = f"{rig.robot.name} · {test} · seed {rig.seed}"
+    shown, more = rig.rehearsal.panels, rig.rehearsal.pictures
+    return draw(
+        folder, title, rig.robot, shown, rig.bench.samples, holds=rig.held, faults=rig.faults, more=more
+    )
+
+
+def _span(began: Nanoseconds, ended: Nanoseconds | None) -> str:
+    until = "      on" if ended is None else f"{to_seconds(ended):6.2f} s"
+    return f"{to_seconds(began):6.2f} s to {until}"
+
+
+def _wrong(fault: FaultRecord) -> str:
+    return f"{fault.kind} ({', '.join(fault.nodes)}): {fault.title}"

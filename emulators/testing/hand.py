@@ -1,0 +1,121 @@
+"""The operator in a test: does what a mission's step can say, and stays with it until told otherwise."""
+
+from collections.abc import Callable
+from typing import Final
+
+from pydantic import ValidationError
+
+from emulators.bench.log import Entry
+from emulators.bench.mission import Mission, cannot_say
+from emulators.bench.operator import ScriptedOperator
+from emulators.bench.rehearsal import Rehearsal
+from emulators.bench.step import Holds, Step, inputs
+from emulators.testing.errors import RigError
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.problems import problems_of
+from firmware_bridge.units import Nanoseconds, to_seconds
+
+FOR_GOOD_S: Final = 1e6
+"""Longer than any story."""
+AT_ONCE_S: Final = 1e-6
+FORWARD: Final = "speed_mps"
+"""The key of a step by which every robot on the ground is driven ahead."""
+
+
+class Hand:
+    """A human at the ground station; his words take effect with the station's next message, within 50 ms."""
+
+    def __init__(
+        self,
+        robot: AnyRobot,
+        rehearsal: Rehearsal,
+        station: ScriptedOperator,
+        story: Mission,
+        clock: Callable[[], Nanoseconds],
+    ) -> None:
+        self._robot: Final = robot
+        self._rehearsal: Final = rehearsal
+        self._step: Final = rehearsal.step
+        self._station: Final = station
+        self._clock: Final = clock
+        self.story = story
+        """What he has done so far, as a mission."""
+
+    @property
+    def diary(self) -> tuple[Entry, ...]:
+        """What he did, what he was told in words, what became of his orders, the oldest first."""
+        return tuple(self._station.diary.entries)
+
+    @property
+    def told(self) -> tuple[str, ...]:
+        """The diary's texts."""
+        return tuple(entry.text for entry in self.diary)
+
+    @property
+    def armed(self) -> bool:
+        """Whether the robot says that it is armed."""
+        return bool(self._station.diary.armed)
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """What can be said in `does` and `drives`, in a mission's words."""
+        return tuple(key for key in self._step.model_fields if key not in {"at_s", "title"})
+
+    def does(self, title: str = "", **said: object) -> None:
+        """Do one step of a mission now; RigError, with a near name, where the robot has no such key."""
+        table = {"at_s": to_seconds(self._clock()), "title": title or ", ".join(said) or "nothing", **said}
+        try:
+            step = self._step.model_validate(table)
+        except ValidationError as error:
+            problems = "; ".join(f"{key}: {what}" for key, what in problems_of(error, self._step))
+            raise RigError(f"{self._robot.name}: its operator cannot do that: {problems}") from error
+        self._goes_on(step)
+
+    def drives(self, forward: float | None = None, **said: object) -> None:
+        """Drive ahead with so many m/s, and whatever else the robot's missions can say, from now on."""
+        if forward is not None and FORWARD not in self._step.model_fields:
+            known = ", ".join(self.keys)
+            raise RigError(f"{self._robot.name} has no forward; its operator knows {known}")
+        self.does("drives", **({} if forward is None else {FORWARD: forward}), **said)
+
+    def lets_go(self) -> None:
+        """Let go of everything that he holds."""
+        rows = inputs(self._step).items()
+        keys = {row.channel: key for key, row in rows if isinstance(row, Holds)}
+        self.does("lets go", **dict.fromkeys(keys.values(), 0.0))
+
+    def falls_silent(self, seconds: float = FOR_GOOD_S) -> None:
+        """Say nothing any more, or for so long: his station is dead, or the link is."""
+        self.does("falls silent", silent_s=seconds)
+
+    def comes_back(self) -> None:
+        """Speak again; what he held he holds still."""
+        self.does("comes back", silent_s=AT_ONCE_S)
+
+    def arms(self) -> None:
+        """Ask for the robot to be armed, and again until it is answered."""
+        self.does("arms", arm=True)
+
+    def disarms(self) -> None:
+        """Ask for it to be disarmed."""
+        self.does("disarms", disarm=True)
+
+    def stops(self) -> None:
+        """Give the emergency stop."""
+        self.does("emergency stop", emergency_stop=True)
+
+    def clears(self) -> None:
+        """Clear the emergency stop."""
+        self.does("clears the stop", clear=True)
+
+    def takes_over(self, story: Mission) -> None:
+        """Go on from an instant that was kept, as the one who had told this story by then."""
+        self.story = story
+        self._station.take_over(story)
+
+    def _goes_on(self, step: Step) -> None:
+        story = self.story.model_copy(update={"step": (*self.story.step, step)})
+        problems = "; ".join(one.problem for one in cannot_say(story, self._robot, self._rehearsal))
+        if problems:
+            raise RigError(f"{self._robot.name}: its operator cannot do that: {problems}")
+        self.takes_over(story)

@@ -1,0 +1,45 @@
+"""Armed robots that a session of tests has ready: each test begins with one as it was at that instant."""
+
+from collections import OrderedDict
+from collections.abc import Callable
+from typing import Final
+
+from emulators.testing.rig import VirtualRig
+from firmware_bridge.kinds import find
+
+MOST: Final = 16
+"""So many are kept at once; the one that was not asked for longest goes."""
+
+
+class Kept:
+    """Robots by their names and seeds."""
+
+    def __init__(self) -> None:
+        self._rigs: Final[OrderedDict[tuple[str, int], tuple[VirtualRig, Callable[[], None]]]] = OrderedDict()
+
+    def armed(self, robot: str, seed: int) -> VirtualRig:
+        """Return a robot armed and at rest, for one test at a time; RobotFileError where there is none."""
+        name = (robot, seed)
+        known = self._rigs.pop(name, None)
+        if known is not None and not known[0].whole:
+            known[0].finish()
+            known = None
+        rig, back = known or self._new(robot, seed)
+        back()
+        self._rigs[name] = rig, back
+        if len(self._rigs) > MOST:
+            oldest, _ = self._rigs.popitem(last=False)[1]
+            oldest.finish()
+        return rig
+
+    def finish(self) -> None:
+        """Let go of all of them."""
+        for rig, _ in self._rigs.values():
+            rig.finish()
+        self._rigs.clear()
+
+    @staticmethod
+    def _new(robot: str, seed: int) -> tuple[VirtualRig, Callable[[], None]]:
+        rig = VirtualRig(find(robot, plant_too=True), seed)
+        rig.arms()
+        return rig, rig.keep()

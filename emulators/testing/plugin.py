@@ -1,0 +1,158 @@
+"""The pytest plugin: fixtures `rig`, `fault` and `recording`, options, marks, a failing test's report.
+
+It is loaded in every run of pytest where the package is installed, so nothing of the bench is imported before
+a test asks for it.
+"""
+
+import os
+import re
+import shlex
+import shutil
+from collections.abc import Callable, Generator, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, TypeGuard
+
+import pytest
+
+from emulators.testing.errors import RigError
+
+if TYPE_CHECKING:
+    from emulators.testing.kept import Kept
+    from emulators.testing.recording import Recording
+    from emulators.testing.rig import VirtualRig
+
+MARKS: Final = (
+    "robot(name, ...): which robots the test is run with",
+    "seeds(number): run the test with so many seeds, --seed the first",
+    "needs(what, ...): skip the test where this machine has not got it: vcan, cc",
+)
+NEEDS: Final[dict[str, tuple[Callable[[], bool], str]]] = {
+    "vcan": (
+        Path("/sys/class/net/vcan0").exists,
+        "a SocketCAN bus vcan0: sudo ip link add dev vcan0 type vcan && sudo ip link set up vcan0",
+    ),
+    "cc": (lambda: shutil.which("cc") is not None, "a C compiler called cc"),
+}
+"""What a test may need: whether it is there, and what is missing otherwise."""
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the options, and `rig_robot` for a project's own file."""
+    group = parser.getgroup("firmware-bridge", "robots and drives emulated by firmware-bridge")
+    group.addoption("--robot", metavar="NAME", help="the robot of the tests that name none, or a robot file")
+    group.addoption("--seed", type=int, default=0, metavar="N", help="all that is random comes from it")
+    group.addoption(
+        "--kept", type=Path, default=Path("out/tests"), metavar="DIR", help="where failing tests leave theirs"
+    )
+    group.addoption("--no-pictures", action="store_true", help="failing tests leave their recordings only")
+    parser.addini("rig_robot", "the robot of the tests that name none, where --robot is not given")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Make the marks known."""
+    for mark in MARKS:
+        config.addinivalue_line("markers", mark)
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """Make a test for each robot and each seed of its marks."""
+    robots = metafunc.definition.get_closest_marker("robot")
+    if robots is not None and "rig_robot" in metafunc.fixturenames:
+        metafunc.parametrize("rig_robot", robots.args)
+    seeds = metafunc.definition.get_closest_marker("seeds")
+    if seeds is not None and "rig_seed" in metafunc.fixturenames:
+        first = metafunc.config.getoption("--seed")
+        metafunc.parametrize("rig_seed", range(first, first + seeds.args[0]), ids="seed{}".format)
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Leave out a test that needs what is not here."""
+    for mark in item.iter_markers("needs"):
+        for what in mark.args:
+            if what not in NEEDS:
+                pytest.fail(f"needs({what!r}): there are {', '.join(NEEDS)}", pytrace=False)
+            there, missing = NEEDS[what]
+            if not there():
+                pytest.skip(f"needs {missing}")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(
+    item: pytest.Item, call: pytest.CallInfo[None]
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Tell of a failing test's robot, and where its recording is."""
+    report = yield
+    rig = getattr(item, "funcargs", {}).get("rig")
+    wrong_story = call.excinfo is not None and isinstance(call.excinfo.value, RigError)
+    if call.when == "call" and report.failed and _is_virtual(rig) and not wrong_story:
+        from emulators.testing.failure import told  # noqa: PLC0415 - the bench is there: a test has used it
+
+        name = item.nodeid.rpartition("/")[2]
+        folder = item.config.getoption("--kept") / re.sub(r"[^\w.-]+", "-", name).strip("-")
+        pictures = not item.config.getoption("--no-pictures")
+        text = told(rig, name, folder, _again(item), pictures=pictures)
+        report.sections.append(("firmware-bridge", text))
+    return report
+
+
+@pytest.fixture(scope="session")
+def _kept_rigs() -> Iterator["Kept"]:
+    from emulators.testing.kept import Kept  # noqa: PLC0415 - two seconds, for tests that use it alone
+
+    kept = Kept()
+    yield kept
+    kept.finish()
+
+
+@pytest.fixture
+def rig_robot(pytestconfig: pytest.Config) -> str:
+    """Return the robot of a test, by name or file: of its mark `robot`, --robot, or rig_robot in the ini."""
+    name = pytestconfig.getoption("--robot") or pytestconfig.getini("rig_robot")
+    if not name:
+        pytest.fail(
+            "which robot? Give --robot NAME, @pytest.mark.robot(NAME), or rig_robot = NAME in pytest's"
+            " configuration; `firmware-bridge robots` lists them",
+            pytrace=False,
+        )
+    return str(name)
+
+
+@pytest.fixture
+def rig_seed(pytestconfig: pytest.Config) -> int:
+    """Return the seed of a test: of its mark `seeds`, or of --seed."""
+    return int(pytestconfig.getoption("--seed"))
+
+
+@pytest.fixture
+def rig(_kept_rigs: "Kept", rig_robot: str, rig_seed: int, request: pytest.FixtureRequest) -> "VirtualRig":
+    """Return a robot in virtual time, armed and at rest, with its operator."""
+    request.node.user_properties += [("robot", rig_robot), ("seed", rig_seed)]
+    return _kept_rigs.armed(rig_robot, rig_seed)
+
+
+@pytest.fixture
+def fault(rig: "VirtualRig") -> Callable[..., None]:
+    """Return what makes something go wrong: `fault("supply_sag", to_v=9, for_s=0.5)`."""
+    return rig.fault
+
+
+@pytest.fixture
+def recording(rig: "VirtualRig") -> "Recording":
+    """Return what the rig's wires have carried since the robot was switched on."""
+    return rig.recording
+
+
+def _is_virtual(rig: object) -> "TypeGuard[VirtualRig]":
+    """Whether this is a rig of ours: a project may have a fixture of that name."""
+    return type(rig).__module__ == "emulators.testing.rig"
+
+
+def _again(item: pytest.Item) -> str:
+    """Return the line that runs a test again from where pytest was called."""
+    config = item.config
+    path = os.path.relpath(item.path, config.invocation_params.dir)
+    words = ["pytest", "::".join([path, *item.nodeid.split("::")[1:]])]
+    for option in ("--robot", "--seed"):
+        if config.getoption(option):
+            words += [option, str(config.getoption(option))]
+    return shlex.join(words)

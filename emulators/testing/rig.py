@@ -1,0 +1,174 @@
+"""A robot in virtual time as a test sees it: who drives it, how it moves, what holds it, what goes wrong."""
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Final
+
+import numpy as np
+from pydantic import ValidationError
+
+from emulators.bench.columns import Samples
+from emulators.bench.faults import KINDS, FaultError, read
+from emulators.bench.mission import Mission
+from emulators.bench.operator import ScriptedOperator
+from emulators.bench.records import FaultRecord, HoldRecord
+from emulators.bench.rehearsal import rehearsal_of
+from emulators.rig import Rig
+from emulators.run import HAND_STREAM
+from emulators.testing.errors import RigError
+from emulators.testing.hand import FOR_GOOD_S, Hand
+from emulators.testing.recording import Recording
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.problems import problems_of
+from firmware_bridge.units import SECOND, Nanoseconds, from_seconds, to_seconds
+
+ARM_S: Final = 3.0
+"""By then the drives of every robot here are set up, and the operator may arm."""
+ARMED_BY_S: Final = 20.0
+"""ASSUME: a robot that is not armed by then will not be; those of this tree are armed at 3.01 s."""
+STEP_S: Final = 0.01
+"""So often a condition is looked at: as often as a sample is taken."""
+UNIT_WORDS: Final = {"m/s": "mps", "rad/s": "rad_s"}
+"""How a column's name says its unit, where that is not the unit in small letters."""
+
+
+class Body:
+    """The newest sample of the robot, every 10 ms: `body.speed_mps`, or without the unit, `body.speed`."""
+
+    def __init__(self, robot: str, samples: Samples) -> None:
+        self._robot: Final = robot
+        self._samples: Final = samples
+        self._names: Final = {column.name: column.name for column in samples.columns}
+        for column in samples.columns:
+            word = UNIT_WORDS.get(column.unit, column.unit.lower())
+            self._names.setdefault(column.name.removesuffix(f"_{word}"), column.name)
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """What can be asked, each with its unit."""
+        return tuple(column.name for column in self._samples.columns)
+
+    def __getattr__(self, name: str) -> float:
+        """Return a column of the newest sample, in the unit of its name; RigError for one there is not."""
+        if name.startswith("_"):
+            raise AttributeError(name)
+        if name not in self._names:
+            raise RigError(f"{self._robot} has no '{name}'; it has {', '.join(self.columns)}")
+        return float(self._samples[-1][self._names[name]])
+
+
+class VirtualRig:
+    """One robot with its operator, in virtual time, on a link without noise; the seed decides all."""
+
+    def __init__(self, robot: AnyRobot, seed: int = 0) -> None:
+        """Build it, switched off; LookupError where the robot has no rehearsal, PlantError for no plant."""
+        self.robot: Final = robot
+        self.seed: Final = seed
+        self.rehearsal: Final = rehearsal_of(robot)
+        step = self.rehearsal.step
+        arms = step(at_s=ARM_S, title="arms", arm=True)
+        zero = {axis.role: 0.0 for axis in robot.axes if axis.zero_confirmed}
+        told = (step(at_s=0.0, title="says where it stands", zero=zero),) if zero else ()
+        story = Mission(title=f"a test of {robot.name}", duration_s=FOR_GOOD_S, step=(*told, arms))
+        hand = np.random.default_rng([seed, HAND_STREAM])
+        station = ScriptedOperator(robot, self.rehearsal, story, hand)
+        self.bench: Final = Rig(robot, self.rehearsal, station, seed=seed)
+        """The bench below, for what is not said here."""
+        self.recording: Final = Recording(self.bench)
+        self.operator: Final = Hand(robot, self.rehearsal, station, story, lambda: self.bench.world.now)
+        self.body: Final = Body(robot.name, self.bench.samples)
+        self.began: Nanoseconds = 0
+        """When the robot was armed, and a test's own story begins."""
+        self.whole = True
+        """False where a run was broken off amid an instant: nothing can be said of such a rig."""
+
+    @property
+    def now(self) -> float:
+        """The virtual time, s; the story of a test begins at about 3 s, when the robot is armed."""
+        return to_seconds(self.bench.world.now)
+
+    @property
+    def holds(self) -> Mapping[str, str]:
+        """What holds the robot now: each interlock's name, and its reason."""
+        return {hold.name: hold.reason for hold in self.bench.holds if hold.ended is None}
+
+    @property
+    def held(self) -> tuple[HoldRecord, ...]:
+        """All holds so far, the oldest first."""
+        return tuple(self.bench.holds)
+
+    @property
+    def faults(self) -> tuple[FaultRecord, ...]:
+        """All faults so far, the oldest first."""
+        return tuple(self.bench.faults.records)
+
+    def runs(self, seconds: float) -> None:
+        """Let so much virtual time pass."""
+        self.whole = False
+        self.bench.run(self.bench.world.now + from_seconds(seconds))
+        self.whole = True
+
+    def runs_until(self, what: Callable[[], object], within: float) -> float:
+        """Run until something is so, looked at every 10 ms; return after how many seconds it was.
+
+        AssertionError where it is not so within that many seconds.
+        """
+        began = self.bench.world.now
+        while not what():
+            if self.bench.world.now - began >= from_seconds(within):
+                raise AssertionError(f"not so within {within:g} s of virtual time, at {self.now:.2f} s")
+            self.runs(STEP_S)
+        return to_seconds(self.bench.world.now - began)
+
+    def arms(self) -> None:
+        """Run from the beginning until the operator is told that it is armed; RigError where he is not."""
+        while not self.operator.armed:
+            if self.bench.world.now >= ARMED_BY_S * SECOND:
+                holds = "; ".join(f"{name}: {reason}" for name, reason in self.holds.items())
+                told = " / ".join(self.operator.told[-3:])
+                raise RigError(f"{self.robot.name} is not armed by {ARMED_BY_S:g} s: {holds or told}")
+            self.runs(STEP_S)
+        self.began = self.bench.world.now
+
+    def fault(self, kind: str, **keys: object) -> None:
+        """Have something go wrong from now on: `fault("supply_sag", to_v=9, for_s=0.5)`.
+
+        The kinds and their keys are those of `[[fault]]` in a mission; RigError for what cannot be.
+        """
+        table = {"kind": kind, "at_s": self.now, **keys}
+        try:
+            fault = read(table)
+            self.bench.faults.plan([fault])
+        except ValidationError as error:
+            model = KINDS[kind].fault if kind in KINDS else Mission
+            said = "; ".join(f"{key}: {problem}" for key, problem in problems_of(error, model))
+            raise RigError(f"no such fault: {said}") from error
+        except FaultError as error:
+            said = "; ".join(f"{key.partition('.')[2] or key}: {what}" for key, what in error.problems)
+            raise RigError(f"{self.robot.name} cannot have the fault '{kind}': {said}") from error
+
+    @contextmanager
+    def branch(self) -> Iterator["VirtualRig"]:
+        """Go back to this instant at the end: what is done meanwhile has not been.
+
+        Where an exception ends it, nothing goes back, so that a failing test's report tells what was.
+        """
+        back = self.keep()
+        yield self
+        back()
+
+    def keep(self) -> Callable[[], None]:
+        """Keep this instant; return what goes back to it, as often as one likes."""
+        moment, story, mark = self.bench.snapshot(), self.operator.story, self.recording.mark()
+
+        def back() -> None:
+            self.bench.restore(moment)
+            self.operator.takes_over(story)
+            self.recording.cut(mark)
+            self.whole = True
+
+        return back
+
+    def finish(self) -> None:
+        """Let go of the plant."""
+        self.bench.finish()

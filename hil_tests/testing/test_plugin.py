@@ -1,0 +1,141 @@
+"""The plugin as its users have it: pytest within pytest, on stories of theirs."""
+
+import subprocess
+import sys
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import emulators.bench.plots
+import emulators.testing.failure
+import emulators.testing.kept  # noqa: F401 - what pytest within pytest is the first to import, it forgets
+
+pytest_plugins = ["pytester"]
+
+PLUGIN = "emulators.testing.plugin"
+HOME = str(Path.home())
+PROJECT = Path(__file__).parents[2] / "pyproject.toml"
+
+SILENCE = """
+    def test_silence(rig):
+        rig.operator.drives(forward=0.3)
+        rig.runs(seconds=2)
+        rig.operator.falls_silent()
+        rig.runs(seconds=1)
+        assert abs(rig.body.speed) < 0.01
+        assert "operator silent" in rig.holds
+"""
+
+STORIES = """
+    import pytest
+
+    def test_begins_where_the_first_test_began(rig, recording):
+        assert rig.holds == {}
+        assert rig.body.speed == pytest.approx(0.0, abs=1e-3)
+        assert rig.operator.told[-1] == "armed"
+        assert rig.now < 3.1
+
+    def test_a_fault(rig, fault, recording):
+        rig.operator.drives(forward=0.3)
+        rig.runs(2)
+        before = len(recording.frames)
+        fault("frame_loss")
+        rig.runs(1)
+        assert len(recording.frames) < before + 40
+        assert any(name.startswith("axis silent") for name in rig.holds)
+
+    @pytest.mark.robot("rome")
+    @pytest.mark.seeds(2)
+    def test_with_seeds(rig, rig_seed):
+        assert rig.seed == rig_seed
+
+    @pytest.mark.robot("rars", "rome")
+    def test_with_robots(rig, rig_robot):
+        assert rig.robot.name == rig_robot
+
+    @pytest.mark.needs("a moon")
+    def test_needs_what_nobody_knows():
+        pass
+"""
+
+
+Run = Callable[..., pytest.RunResult]
+
+
+@pytest.fixture
+def run(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> Run:
+    monkeypatch.setenv("HOME", HOME)  # pytester has an empty one, where all plants would have to be built
+
+    def within(*args: str) -> pytest.RunResult:
+        return pytester.runpytest_inprocess("-p", PLUGIN, "-p", "no:cacheprovider", *args)
+
+    return within
+
+
+def test_stories_of_a_robot_in_virtual_time(pytester: pytest.Pytester, run: Run) -> None:
+    pytester.makepyfile(SILENCE + STORIES)
+    result = run("--robot", "rars", "--junitxml=j.xml", "--strict-markers", "--seed", "7")
+    result.assert_outcomes(passed=7, errors=1)
+    result.stdout.fnmatch_lines("*needs('a moon'): there are vcan, cc*")
+    report = (pytester.path / "j.xml").read_text(encoding="utf-8")
+    assert '<property name="robot" value="rome"' in report
+    assert '<property name="seed" value="8"' in report
+
+
+def test_a_failing_test_says_what_held_and_keeps_what_happened(pytester: pytest.Pytester, run: Run) -> None:
+    pytester.makeini("[pytest]\nrig_robot = rars")
+    pytester.makepyfile(test_it=SILENCE.replace('"operator silent"', '"boredom"'))
+    result = run("--kept", "left", "--seed", "3", "--no-pictures")
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(
+        [
+            "rars, seed 3, at 6.01 s of virtual time",
+            "*operator silent: no motion command for 0.50 s, limit 0.50 s",
+            "*step: falls silent",
+            "kept in left/test_it.py-test_silence: can.log, samples.csv, operator.tlog",
+        ]
+    )
+    assert "again: pytest test_it.py::test_silence --seed 3" in result.outlines
+    (folder,) = (pytester.path / "left").iterdir()
+    assert " drives 701#00\n" in (folder / "can.log").read_text(encoding="ascii")
+    assert (folder / "samples.csv").read_text(encoding="ascii").count("\n") == 1 + 602
+
+
+@pytest.mark.long(beside="test_a_failing_test_says_what_held_and_keeps_what_happened")
+def test_a_failing_test_leaves_pictures(pytester: pytest.Pytester, run: Run) -> None:
+    pytester.makepyfile(test_it="def test_nothing(rig):\n    rig.runs(0.5)\n    assert not rig.now")
+    run("--robot", "rome")
+    pictures = {path.stem for path in pytester.path.glob("out/tests/*/*.png")}
+    assert {"path", "speeds", "currents", "holds"} <= pictures
+
+
+def test_a_story_for_no_robot_and_one_that_cannot_be_told(pytester: pytest.Pytester, run: Run) -> None:
+    pytester.makepyfile(
+        """
+        import pytest
+
+        def test_nobody(rig):
+            pass
+
+        @pytest.mark.robot("rome")
+        def test_wings(rig):
+            rig.body.wings
+        """
+    )
+    result = run()
+    result.assert_outcomes(failed=1, errors=1)
+    result.stdout.fnmatch_lines(
+        ["which robot? Give --robot NAME*", "*RigError: rome has no 'wings'; it has x_m*"]
+    )
+    result.stdout.no_fnmatch_line("kept in*")
+
+
+def test_whoever_does_not_use_it_does_not_wait_for_it() -> None:
+    entries = tomllib.loads(PROJECT.read_text(encoding="utf-8"))["project"]["entry-points"]["pytest11"]
+    assert entries == {PLUGIN: PLUGIN}
+    program = f"import sys, pytest, {PLUGIN}; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    heavy = {"numpy", "pydantic", "can", "emulators.rig", "firmware_bridge"}
+    assert heavy & set(loaded.stdout.split()) == set()
