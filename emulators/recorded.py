@@ -1,8 +1,10 @@
 """What a rig's wires carry, as the field records it: candump lines, lines of serial bytes, a tlog."""
 
-from typing import Protocol
+from collections.abc import Iterator
+from typing import Protocol, TypeAlias
 
 from emulators.rig import BRIDGE, Rig
+from emulators.wires import DatagramWire, FaultyCanWire, SerialWire
 from emulators.wires.ends import Observer
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import Direction, candump_line, serial_line, tlog_records
@@ -26,17 +28,26 @@ class Records(Protocol):
         """Take a record."""
 
 
-def record(rig: Rig, frames: Lines, chunks: Lines, words: Records) -> None:
-    """Write down what the wires carry from now on: the buses, the serial lines, the operator's link."""
+Way: TypeAlias = tuple[FaultyCanWire | SerialWire | DatagramWire, Observer]
+
+
+def ways(rig: Rig, frames: Lines, chunks: Lines, words: Records) -> Iterator[Way]:
+    """Give each wire and what writes down its packets: the buses, the serial lines, the operator's link."""
 
     def note_datagram(now: Nanoseconds, _sender: str, packet: Packet) -> None:
         words.write(tlog_records(now, packet.payload))
 
     for link, wire in rig.can_wires.items():
-        wire.observe(_frames_noted(frames, link))
+        yield wire, _frames_noted(frames, link)
     for link, line in rig.lines.items():
-        line.wire.observe(_bytes_noted(chunks, link))
-    rig.operator_wire.observe(note_datagram)
+        yield line.wire, _bytes_noted(chunks, link)
+    yield rig.operator_wire, note_datagram
+
+
+def record(rig: Rig, frames: Lines, chunks: Lines, words: Records) -> None:
+    """Write down what the wires carry from now on."""
+    for wire, observer in ways(rig, frames, chunks, words):
+        wire.observe(observer)
 
 
 def _frames_noted(frames: Lines, channel: str) -> Observer:

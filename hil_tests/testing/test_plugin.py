@@ -1,5 +1,6 @@
 """The plugin as its users have it: pytest within pytest, on stories of theirs."""
 
+import re
 import subprocess
 import sys
 import tomllib
@@ -17,16 +18,10 @@ pytest_plugins = ["pytester"]
 PLUGIN = "emulators.testing.plugin"
 HOME = str(Path.home())
 PROJECT = Path(__file__).parents[2] / "pyproject.toml"
-
-SILENCE = """
-    def test_silence(rig):
-        rig.operator.drives(forward=0.3)
-        rig.runs(seconds=2)
-        rig.operator.falls_silent()
-        rig.runs(seconds=1)
-        assert abs(rig.body.speed) < 0.01
-        assert "operator silent" in rig.holds
-"""
+PAGE = PROJECT.with_name("docs") / "testing.md"
+BLOCKS = re.findall(
+    r"^```python\n(.*?)^```", PAGE.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE
+)
 
 STORIES = """
     import pytest
@@ -74,10 +69,11 @@ def run(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> Run:
     return within
 
 
-def test_stories_of_a_robot_in_virtual_time(pytester: pytest.Pytester, run: Run) -> None:
-    pytester.makepyfile(SILENCE + STORIES)
+def test_the_stories_of_the_page_and_others(pytester: pytest.Pytester, run: Run) -> None:
+    blocks = {f"test_block{number}": block for number, block in enumerate(BLOCKS)}
+    pytester.makepyfile(test_others=STORIES, **blocks)
     result = run("--robot", "rars", "--junitxml=j.xml", "--strict-markers", "--seed", "7")
-    result.assert_outcomes(passed=7, errors=1)
+    result.assert_outcomes(passed=4 + 6, errors=1)
     result.stdout.fnmatch_lines("*needs('a moon'): there are vcan, cc*")
     report = (pytester.path / "j.xml").read_text(encoding="utf-8")
     assert '<property name="robot" value="rome"' in report
@@ -86,7 +82,7 @@ def test_stories_of_a_robot_in_virtual_time(pytester: pytest.Pytester, run: Run)
 
 def test_a_failing_test_says_what_held_and_keeps_what_happened(pytester: pytest.Pytester, run: Run) -> None:
     pytester.makeini("[pytest]\nrig_robot = rars")
-    pytester.makepyfile(test_it=SILENCE.replace('"operator silent"', '"boredom"'))
+    pytester.makepyfile(test_it=BLOCKS[0].replace('"operator silent"', '"boredom"'))
     result = run("--kept", "left", "--seed", "3", "--no-pictures")
     result.assert_outcomes(failed=1)
     result.stdout.fnmatch_lines(
@@ -94,7 +90,7 @@ def test_a_failing_test_says_what_held_and_keeps_what_happened(pytester: pytest.
             "rars, seed 3, at 6.01 s of virtual time",
             "*operator silent: no motion command for 0.50 s, limit 0.50 s",
             "*step: falls silent",
-            "kept in left/test_it.py-test_silence: can.log, samples.csv, operator.tlog",
+            "kept in left/test_it.py-test_silence: can.log, operator.tlog, samples.csv",
         ]
     )
     assert "again: pytest test_it.py::test_silence --seed 3" in result.outlines
