@@ -27,7 +27,7 @@ def rig(kept: Kept) -> VirtualRig:
 def traces(rig: VirtualRig) -> tuple[object, ...]:
     return (
         rig.bench.world.trace_sha256,
-        rig.recording.frames,
+        rig.recording.chunks,
         rig.held,
         rig.operator.told,
         rig.bench.samples.csv(),
