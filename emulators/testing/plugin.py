@@ -1,4 +1,4 @@
-"""The pytest plugin: fixtures `rig`, `fault` and `recording`, options, marks, a failing test's report.
+"""The pytest plugin: fixtures, options and marks, and what a failing test reports.
 
 It is loaded in every run of pytest where the package is installed, so nothing of the bench is imported before
 a test asks for it.
@@ -8,7 +8,8 @@ import os
 import re
 import shlex
 import shutil
-from collections.abc import Callable, Generator, Iterator
+import sys
+from collections.abc import Callable, Generator, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, TypeGuard
 
@@ -18,6 +19,7 @@ from emulators.testing.errors import RigError
 
 if TYPE_CHECKING:
     from emulators.testing.kept import Kept
+    from emulators.testing.process import Process
     from emulators.testing.recording import Recording
     from emulators.testing.rig import VirtualRig
 
@@ -26,6 +28,12 @@ MARKS: Final = (
     "seeds(number): run the test with so many seeds, --seed the first",
     "needs(what, ...): skip the test where this machine has not got it: vcan, cc",
 )
+PROCESSES: Final = pytest.StashKey[list["Process"]]()
+"""What a test has started, in the order of starting."""
+PROGRAM: Final = (sys.executable, "-c", "from firmware_bridge.cli import main; main()")
+"""`firmware-bridge`, wherever it is installed."""
+READY_WITHIN_S: Final = 60.0
+"""So long drives may take to be there, on a machine that has much to do."""
 NEEDS: Final[dict[str, tuple[Callable[[], bool], str]]] = {
     "vcan": (
         Path("/sys/class/net/vcan0").exists,
@@ -92,6 +100,10 @@ def pytest_runtest_makereport(
         pictures = not item.config.getoption("--no-pictures")
         text = told(rig, name, folder, _again(item), pictures=pictures)
         report.sections.append(("firmware-bridge", text))
+    if call.when == "call" and report.failed:
+        for process in item.stash.get(PROCESSES, []):
+            text = f"{process.command}\nexit status: {process.status}\n{process.printed}"
+            report.sections.append(("firmware-bridge, a program", text))
     return report
 
 
@@ -140,6 +152,42 @@ def fault(rig: "VirtualRig") -> Callable[..., None]:
 def recording(rig: "VirtualRig") -> "Recording":
     """Return what the rig's wires have carried since the robot was switched on."""
     return rig.recording
+
+
+@pytest.fixture
+def under_test(
+    request: pytest.FixtureRequest, tmp_path: Path
+) -> Iterator[Callable[[str | Sequence[str]], "Process"]]:
+    """Return what starts a program, `under_test("./my_master vcan0")`; it is ended with the test."""
+    from emulators.testing.process import Process  # noqa: PLC0415 - for tests that use it alone
+
+    started: list[Process] = request.node.stash.setdefault(PROCESSES, [])
+
+    def start(command: str | Sequence[str]) -> Process:
+        started.append(Process(command, tmp_path / f"program-{len(started)}.txt"))
+        return started[-1]
+
+    yield start
+    for process in reversed(started):
+        process.stop()
+
+
+@pytest.fixture
+def drives(under_test: Callable[[Sequence[str]], "Process"], tmp_path: Path) -> Callable[..., str]:
+    """Return what puts emulated EPOS2 on a serial line, in real time, and says which: nodes 1-2, more words.
+
+    The first is on the line itself, a pseudo-terminal whose path is returned, the others are behind it. The
+    words are those of `firmware-bridge emulate epos2`.
+    """
+
+    def emulate(nodes: str = "1", *more: str) -> str:
+        port = tmp_path / f"drives-{nodes}.tty"
+        words = ("--node", nodes, "--serial", "pty", "--serial-link", str(port))
+        program = under_test((*PROGRAM, "emulate", "epos2", *words, *more))
+        program.waits(port.exists, "on the line", READY_WITHIN_S)
+        return str(port)
+
+    return emulate
 
 
 def _is_virtual(rig: object) -> "TypeGuard[VirtualRig]":

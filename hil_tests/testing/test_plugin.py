@@ -1,5 +1,6 @@
 """The plugin as its users have it: pytest within pytest, on stories of theirs."""
 
+import os
 import re
 import subprocess
 import sys
@@ -70,7 +71,7 @@ def run(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> Run:
 
 
 def test_the_stories_of_the_page_and_others(pytester: pytest.Pytester, run: Run) -> None:
-    blocks = {f"test_block{number}": block for number, block in enumerate(BLOCKS)}
+    blocks = {f"test_block{number}": block for number, block in enumerate(BLOCKS[:2])}
     pytester.makepyfile(test_others=STORIES, **blocks)
     result = run("--robot", "rars", "--junitxml=j.xml", "--strict-markers", "--seed", "7")
     result.assert_outcomes(passed=4 + 6, errors=1)
@@ -97,6 +98,14 @@ def test_a_failing_test_says_what_held_and_keeps_what_happened(pytester: pytest.
     (folder,) = (pytester.path / "left").iterdir()
     assert " drives 701#00\n" in (folder / "can.log").read_text(encoding="ascii")
     assert (folder / "samples.csv").read_text(encoding="ascii").count("\n") == 1 + 602
+
+
+@pytest.mark.interpreted
+@pytest.mark.long(beside="test_one_that_ends_too_soon_says_what_it_printed")
+def test_the_master_of_the_page(pytester: pytest.Pytester, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", str(Path(sys.executable).parent), prepend=os.pathsep)
+    pytester.makepyfile(BLOCKS[2])
+    run().assert_outcomes(passed=1)
 
 
 @pytest.mark.long(beside="test_a_failing_test_says_what_held_and_keeps_what_happened")

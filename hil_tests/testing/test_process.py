@@ -1,0 +1,68 @@
+"""A program of the user's against emulated drives on a serial line, in real time, as a test starts it."""
+
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from emulators.testing.plugin import PROGRAM
+from emulators.testing.process import Process
+
+pytest_plugins = ["pytester"]
+
+HANGS = "print('here', flush=True); __import__('threading').Event().wait()"
+
+MASTER = f"""
+    def test_a_master(drives, under_test):
+        port = drives("1-2")
+        words = ("epos2", "read", "statusword", "--node", "2", "--serial", port)
+        master = under_test([*{PROGRAM!r}, *words])
+        assert master.ends(within=60) == 0, master.printed
+        assert "switch on disabled" in master.printed
+
+    def test_one_that_hangs(under_test):
+        master = under_test([{sys.executable!r}, "-c", {HANGS!r}])
+        master.says("here", within=60)
+        master.ends(within=0.1)
+"""
+
+
+Starts = Callable[[str], Process]
+
+
+@pytest.fixture
+def python(tmp_path: Path) -> Iterator[Starts]:
+    started: list[Process] = []
+
+    def start(program: str) -> Process:
+        started.append(Process([sys.executable, "-c", program], tmp_path / "out.txt"))
+        return started[-1]
+
+    yield start
+    for one in started:
+        one.stop()
+
+
+def test_one_that_ends_too_soon_says_what_it_printed(python: Starts) -> None:
+    one = python("print('no bus'); raise SystemExit(3)")
+    with pytest.raises(AssertionError, match=r"ended with 3, not 'ready' printed; it printed:\nno bus"):
+        one.says("ready", within=60)
+    assert one.ends() == 3
+
+
+def test_one_that_hangs_is_ended(python: Starts) -> None:
+    one = python(HANGS)
+    one.says("here", within=60)
+    with pytest.raises(AssertionError, match=r"still runs after 0.1 s; it printed:\nhere"):
+        one.ends(within=0.1)
+    one.stop()
+    assert one.status is not None
+
+
+@pytest.mark.long(beside="test_one_that_ends_too_soon_says_what_it_printed")
+def test_drives_on_a_line_and_a_master_of_ones_own(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(MASTER)
+    result = pytester.runpytest_inprocess("-p", "emulators.testing.plugin", "-p", "no:cacheprovider")
+    result.assert_outcomes(passed=1, failed=1)
+    result.stdout.fnmatch_lines(["*still runs after 0.1 s; it printed:*", "exit status: None", "here"])
