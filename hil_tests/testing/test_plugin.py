@@ -5,14 +5,14 @@ import re
 import subprocess
 import sys
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
-import emulators.bench.plots
-import emulators.testing.failure
-import emulators.testing.kept  # noqa: F401 - what pytest within pytest is the first to import, it forgets
+if TYPE_CHECKING:
+    from types import ModuleType
 
 pytest_plugins = ["pytester"]
 
@@ -60,12 +60,34 @@ STORIES = """
 Run = Callable[..., pytest.RunResult]
 
 
+class Imported:
+    """What pytest within pytest has imported, which pytester forgets; NumPy can be imported once only."""
+
+    def __init__(self) -> None:
+        self._modules: dict[str, ModuleType] = {}
+
+    def pytest_unconfigure(self) -> None:
+        self._modules = {name: it for name, it in sys.modules.items() if not name.startswith("test_")}
+
+    def put_back(self) -> None:
+        sys.modules.update({name: it for name, it in self._modules.items() if name not in sys.modules})
+
+
+@pytest.fixture(autouse=True)
+def imported() -> Iterator[Imported]:
+    """Outlive pytester, whose end is the last to forget."""
+    one = Imported()
+    yield one
+    one.put_back()
+
+
 @pytest.fixture
-def run(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> Run:
+def run(imported: Imported, pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> Run:
     monkeypatch.setenv("HOME", HOME)  # pytester has an empty one, where all plants would have to be built
 
     def within(*args: str) -> pytest.RunResult:
-        return pytester.runpytest_inprocess("-p", PLUGIN, "-p", "no:cacheprovider", *args)
+        words = ("-p", PLUGIN, "-p", "no:cacheprovider", *args)
+        return pytester.runpytest_inprocess(*words, plugins=[imported])
 
     return within
 
