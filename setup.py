@@ -39,11 +39,13 @@ WAY_OF_A_PACKET: Final = (
     "emulators/servo/motor.py",
     "emulators/servo/scaling.py",
     "emulators/shield_bank.py",
+    "emulators/stepper_bank.py",
     "emulators/trace.py",
     "emulators/wires/*.py",
     "emulators/world.py",
     "firmware_bridge/bridge/*.py",
     "firmware_bridge/drivers/*.py",
+    "firmware_bridge/drivers/ar2/*.py",
     "firmware_bridge/drivers/capture/*.py",
     "firmware_bridge/drivers/epos2/*.py",
     "firmware_bridge/drivers/epos2/can/*.py",
@@ -68,6 +70,7 @@ INTERPRETED: Final = frozenset(
         "firmware_bridge/motion/davis.py",  # it holds a table of the robot file, which pydantic reads
         "firmware_bridge/motion/differential.py",  # as above
         "firmware_bridge/motion/scissor.py",  # as above
+        "firmware_bridge/robots/ar2/geometry.py",  # as above
         "firmware_bridge/robots/climber/geometry.py",  # as above
         "firmware_bridge/robots/rars/geometry.py",  # as above
         "firmware_bridge/robots/rome/geometry.py",  # as above

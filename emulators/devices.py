@@ -6,6 +6,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
+from emulators.arduino_omni.ar2.board import Ar2Board
+from emulators.arduino_omni.ar2.firmwares import FIRMWARES as AR2_FIRMWARES
 from emulators.arduino_omni.board import FIRMWARES, Board
 from emulators.arduino_omni.motors import Load
 from emulators.epos2.drive import Epos2
@@ -18,6 +20,7 @@ from emulators.servo.bank import ServoBank, plant_outputs
 from emulators.servo.fmu_axes import HELD, LIFTED, fmu_bank, fmu_plant, tell_motor
 from emulators.servo.pins import SWITCHES, input_lines
 from emulators.shield_bank import ShieldBank, ShieldMotor
+from emulators.stepper_bank import PlantJoints, StepperBank, stepper_plant
 from firmware_bridge.robot import AnyRobot, Axis, Problem, RobotFileError
 from firmware_bridge.wire.maxon.frame import Generation
 from fmu.build import ensure
@@ -38,9 +41,9 @@ class Devices:
     """The emulated half of a robot: its drives by axis name, what moves them, and the plant below."""
 
     drives: dict[str, Epos2]
-    bank: ServoBank | ShieldBank
+    bank: ServoBank | ShieldBank | StepperBank
     plant: FmuPlant
-    boards: dict[str, Board] = field(default_factory=dict)
+    boards: dict[str, Board | Ar2Board] = field(default_factory=dict)
     """By the links' names."""
 
     @property
@@ -84,6 +87,8 @@ def devices(
         path, parameters = ensure(_plant(robot)), plant_parameters(robot)
     else:
         path, parameters = plant_path, robot.plant.parameters
+    if robot.ar2_links:
+        return _on_steppers(robot, stepper_plant(path, parameters, outputs))
     plant = fmu_plant(path, names, parameters, (SUPPLY, *outputs), optional)
     if robot.shield_links:
         return _on_boards(robot, plant)
@@ -127,9 +132,20 @@ def _on_boards(robot: AnyRobot, plant: FmuPlant) -> Devices:
     holds, hoists = (_puts(plant, kind, names) for kind in (HELD, LIFTED))
     load = Load(plant, names, constants, supply, counts_per_turn=counts, holds=holds, hoists=hoists)
     auto_stop = None if firmware.auto_stop is None else link.auto_stop_ms
-    boards = {name: Board(firmware, load, encoders=link.counted, auto_stop=auto_stop)}
-    motors = tuple(ShieldMotor(axis.name, boards[name], axis.shield.port) for axis in axes)
-    return Devices({}, ShieldBank(boards, motors), plant, boards)
+    board = Board(firmware, load, encoders=link.counted, auto_stop=auto_stop)
+    motors = tuple(ShieldMotor(axis.name, board, axis.shield.port) for axis in axes)
+    return Devices({}, ShieldBank({name: board}, motors), plant, {name: board})
+
+
+def _on_steppers(robot: AnyRobot, plant: FmuPlant) -> Devices:
+    """Put an arm's joints on its board; RobotFileError where that cannot be."""
+    (name, _), *others = robot.ar2_links.items()
+    if others or [axis.link for axis in robot.axes] != [name] * len(robot.axes):
+        problem = "one board that moves all joints is emulated, and no more"
+        raise RobotFileError(robot.name, Problem("links", problem))
+    joints = PlantJoints(plant)
+    board = Ar2Board(AR2_FIRMWARES["2.0"], joints)
+    return Devices({}, StepperBank(board, joints, robot), plant, {name: board})
 
 
 def _puts(plant: FmuPlant, kind: str, axes: Sequence[str]) -> Callable[[int, float], None] | None:

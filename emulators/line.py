@@ -8,12 +8,15 @@ from emulators.bench.summary import LineRun
 from emulators.wires import SerialWire, usb
 from emulators.wires.serial import Inbox
 from emulators.wires.usb import ChunkWire
+from firmware_bridge.drivers.ar2.board import Ar2Board
 from firmware_bridge.drivers.epos2.serial.line import MaxonLine
 from firmware_bridge.drivers.epos2.serial.link import SerialLink
 from firmware_bridge.drivers.fleet import Link
 from firmware_bridge.drivers.shield.board import Board
 from firmware_bridge.node import Node
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.ar2 import Ar2Link
+from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.units import MICROSECOND, MILLISECOND, Nanoseconds
 
 
@@ -65,22 +68,22 @@ class Line:
 
 @dataclass(frozen=True, slots=True)
 class BoardLine:
-    """The line to a board with a motor shield."""
+    """The line to an Arduino: with a motor shield, or with an arm."""
 
     wire: ChunkWire
     adapter: Adapter
-    link: Board
+    link: Board | Ar2Board
 
     @classmethod
     def of(
         cls, robot: AnyRobot, node: Node, link: Link, before: "Line | BoardLine | None" = None
     ) -> "BoardLine | None":
         """Put a node on a line to a board; None where this link is to none; `before` as for other lines."""
-        if not isinstance(link, Board):
+        if not isinstance(link, Board | Ar2Board):
             return None
         adapter = Adapter(node, link.name)
         if not isinstance(before, BoardLine):
-            delay = robot.shield_link(link.name).port_latency_us * MICROSECOND
+            delay = _table(robot, link.name).port_latency_us * MICROSECOND
             return cls(ChunkWire(delay, link.name), adapter, link)
         adapter.plugged = before.adapter.plugged
         link.commands, link.busy = before.link.commands, before.link.busy
@@ -88,7 +91,7 @@ class BoardLine:
 
     def carried(self, robot: AnyRobot, duration: Nanoseconds) -> LineRun:
         """Return what the line has carried in a run so long."""
-        table = robot.shield_link(self.link.name)
+        table = _table(robot, self.link.name)
         return LineRun(
             link=self.link.name,
             protocol=table.protocol.value,
@@ -100,6 +103,11 @@ class BoardLine:
             longest_cycle_ms=self.link.longest_cycle / MILLISECOND,
             late_cycles=self.link.late,
         )
+
+
+def _table(robot: AnyRobot, name: str) -> ShieldLink | Ar2Link:
+    """Return the table of a link to an Arduino."""
+    return robot.ar2_link(name) if name in robot.ar2_links else robot.shield_link(name)
 
 
 AnyLine: TypeAlias = Line | BoardLine

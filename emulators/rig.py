@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from emulators.bench.adapter import Adapter
-from emulators.bench.columns import SAMPLE_EVERY, Column, Samples, columns_of
+from emulators.bench.columns import SAMPLE_EVERY, Column, Samples, columns_of, electric
 from emulators.bench.faults import BRIDGE, OPERATOR_STATION, SECOND_BRIDGE, Fault, Faults, Site
 from emulators.bench.mission import Noise
 from emulators.bench.records import HoldRecord
@@ -78,7 +78,7 @@ class Rig:
         stands: tuple[ConfirmZero, ...] = (),
     ) -> None:
         self.robot: Final = robot
-        columns = columns_of([axis.name for axis in robot.axes], rehearsal.columns)
+        columns = columns_of(electric(robot), rehearsal.columns)
         outputs = [column.plant for column in columns if column.plant]
         self.devices: Final = devices(
             robot,

@@ -9,7 +9,8 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from emulators.bench.columns import Samples
+from emulators.arduino_omni.board import Board
+from emulators.bench.columns import Samples, electric
 from emulators.bench.mission import Mission
 from emulators.bench.operator import ScriptedOperator
 from emulators.bench.path_error import Followed, path_error
@@ -89,7 +90,7 @@ def drive(order: Order, progress: Progress) -> Summary:
         guard_refusals=rig.guard.refused,
         lines=tuple(_carried(rig, order, link, line) for link, line in rig.lines.items()),
     )
-    axes = [axis.name for axis in order.robot.axes]
+    axes = electric(order.robot)
     faults = rig.faults.records
     path = path_error(rig.samples, followed(order), order.mission.settled_after_s)
     swing = swings(order, rig.samples)
@@ -141,7 +142,7 @@ def swings(order: Order, samples: Samples) -> float | None:
 def _carried(rig: Rig, order: Order, link: str, line: AnyLine) -> LineRun:
     """Return what a line has carried, and a board behind it to its shield."""
     carried, board = line.carried(order.robot, order.duration), rig.devices.boards.get(link)
-    if board is None:
+    if not isinstance(board, Board):
         return carried
     return replace(carried, i2c_percent=round(100.0 * board.mega.bus.busy / order.duration, 3))
 

@@ -90,8 +90,13 @@ def motor_speed(axis: str) -> str:
     return f"motor_speed_{axis}_rad_s"
 
 
+def electric(robot: AnyRobot) -> list[str]:
+    """Return the axes whose motors' currents the plant tells: no stepper's, which its driver keeps."""
+    return [axis.name for axis in robot.axes if axis.link not in robot.ar2_links]
+
+
 def columns_of(axes: Sequence[str], own: tuple[Column, ...]) -> tuple[Column, ...]:
-    """Return a robot's columns: its own, and those that every robot has."""
+    """Return a robot's columns: its own, and those of axes whose currents the plant tells."""
     currents = tuple(Column(current(axis), "motor current", "A", plant=f"current_{axis}") for axis in axes)
     speeds = tuple(Column(motor_speed(axis), "motor shaft", "rad/s", plant=f"speed_{axis}") for axis in axes)
     return (*own, ARMED, *currents, *speeds)

@@ -71,8 +71,9 @@ def _placed(samples: Samples, begin: int, path: Path) -> Callable[[Floats], np.n
     """Return the path in the plant's own frame, as complex numbers."""
     believed, true = _complex(samples, ODOMETRY), _complex(samples, POSE)
     headings = [samples.column(names[2]) for names in (POSE, ODOMETRY)]
-    turn = headings[0][0] - headings[1][0]
-    start = true[0] + (believed[begin] - believed[0]) * np.exp(1j * turn)
+    first = int(np.isfinite(believed).argmax())
+    turn = headings[0][first] - headings[1][first]
+    start = true[first] + (believed[begin] - believed[first]) * np.exp(1j * turn)
     course = np.exp(1j * (turn + headings[1][begin]))
     first_x, first_y = path(np.zeros(1))
 

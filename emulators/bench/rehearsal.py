@@ -74,6 +74,8 @@ class Rehearsal:
     """What stands beside the summary's numbers, by their keys: the robot's limits."""
     cases: Callable[[AnyRobot], Iterable[Case[Any, Any]]]
     """At least one boundary case for each of its kind's interlocks and limits."""
+    stands: Mapping[str, float] = field(default_factory=dict)
+    """Where the plant begins, by the axes' roles and as it is read off the robot; 0 where nothing is said."""
     well: Mapping[str, float] = field(default_factory=dict)
     """What its sensors tell, by their names, of a robot that is well, where it does not move without."""
     figures: Mapping[str, Callable[[Samples], float | None]] = field(default_factory=dict)

@@ -142,7 +142,7 @@ def summarise(
     lateral = speed * samples.column("yaw_rate_rad_s")
     steps = np.hypot(np.diff(samples.column("x_m")), np.diff(samples.column("y_m")))
     errors = odometry_errors(samples)
-    currents = np.concatenate([samples.column(current(axis)) for axis in axes])
+    currents = np.concatenate([samples.column(current(axis)) for axis in axes] or [np.zeros(1)])
     simulated_s = to_seconds(run.simulated)
     return Summary(
         robot=run.robot,
@@ -185,12 +185,14 @@ def mean_acceleration(speed_mps: Floats) -> Floats:
 def odometry_errors(samples: Samples) -> Floats:
     """Return the distance in metres between the bridge's pose and the plant's, row by row.
 
-    The bridge counts from where it began, the plant from its own origin: the first row makes them agree.
+    The bridge counts from where it began, the plant from its own origin: the first row in which it believes
+    anything makes them agree. Rows without a belief are left out.
     """
-    if not len(samples):
+    believes = np.isfinite(samples.column(ODOMETRY[0]))
+    if not believes.any():
         return np.array([], dtype=np.float64)
     (x, y, heading), (ox, oy, odometry_heading) = (
-        [samples.column(name) for name in names] for names in (POSE, ODOMETRY)
+        [samples.column(name)[believes] for name in names] for names in (POSE, ODOMETRY)
     )
     turn = heading[0] - odometry_heading[0]
     believed = (ox - ox[0]) + 1j * (oy - oy[0])

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from emulators.bench.columns import Curve, Panel, Samples, current
+from emulators.bench.columns import Curve, Panel, Samples, current, electric
 from emulators.bench.records import HoldRecord
 from emulators.bench.style import (
     AXIS_COLOURS,
@@ -64,9 +64,10 @@ def panels_picture(
 
 def currents_picture(figure: Figure, robot: AnyRobot, samples: Samples) -> None:
     """Draw each motor's current in a row of its own."""
-    figure.set_size_inches(10.0, 1.2 + 1.7 * len(robot.axes))
-    rows = figure.subplots(len(robot.axes), 1, sharex=True, squeeze=False)[:, 0]
-    for index, (axis, axes) in enumerate(zip(robot.axes, rows, strict=True)):
+    told = [axis for axis in robot.axes if axis.name in electric(robot)]
+    figure.set_size_inches(10.0, 1.2 + 1.7 * len(told))
+    rows = figure.subplots(len(told), 1, sharex=True, squeeze=False)[:, 0]
+    for index, (axis, axes) in enumerate(zip(told, rows, strict=True)):
         drawn = samples.column(current(axis.name))
         axes.plot(samples.seconds, drawn, color=AXIS_COLOURS[index % len(AXIS_COLOURS)], linewidth=1.1)
         rms = math.sqrt(float(np.mean(drawn**2)))

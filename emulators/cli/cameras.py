@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
+from emulators.arduino_omni.ar2.board import Ar2Board
 from emulators.arduino_omni.board import Board
 from emulators.captured import captured
 from emulators.devices import Devices
@@ -30,7 +31,7 @@ class Cameras:
     """What moves the robot; they have it on film."""
 
 
-def beside_board(name: str, board: Board, cameras: Cameras) -> Node:
+def beside_board(name: str, board: Board | Ar2Board, cameras: Cameras) -> Node:
     """Return a board on the link "serial" and the cameras around what it drives, as one node."""
     if not cameras.members:
         return board

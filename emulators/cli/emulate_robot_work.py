@@ -25,6 +25,7 @@ from firmware_bridge.drivers.epos2.setup import commissioned
 from firmware_bridge.drivers.shield.fleet import over_protocol
 from firmware_bridge.node import CAN, SERIAL, Node
 from firmware_bridge.robot import AnyRobot, Axis, RobotFileError
+from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.shell.black_box import CAN_LOG, SERIAL_LOG
 from firmware_bridge.shell.clock import LivedClock
 from firmware_bridge.shell.ports import Port, PortError, open_can
@@ -36,14 +37,14 @@ from fmu.errors import PlantError
 def emulate(given: RobotOptions) -> None:
     """Do what `emulate ROBOT` says; what is wrong ends the program with a message."""
     machine = find_robot(given.robot)
-    if machine.shield_links:
+    if machine.shield_links or machine.ar2_links:
         emulate_board(machine, given)
     else:
         emulate_drives(machine, given)
 
 
 def emulate_board(machine: AnyRobot, given: RobotOptions) -> None:
-    """Put a robot's board on a serial line, with its plant at the shield's terminals."""
+    """Put a robot's board on a serial line, with its plant at the shield's terminals, or on its pulses."""
     with one_message(RobotFileError, PlantError):
         spoken = None if given.protocol is None else given.protocol.value
         machine = over_protocol(machine, spoken, given.encoders)
@@ -52,17 +53,21 @@ def emulate_board(machine: AnyRobot, given: RobotOptions) -> None:
         ((name, board),) = emulated.boards.items()
         cameras = cameras_of(machine, emulated)
     node = beside_board(name, board, cameras)
-    table = machine.shield_link(name)
+    table = machine.links[name]
+    if isinstance(table, ShieldLink):
+        stock = "" if table.stock else ", not stock"
+        rate, what = table.line_rate, f"{table.protocol.value}, {table.counted} encoders{stock}"
+    else:
+        rate, what = machine.ar2_link(name).line_rate, machine.ar2_link(name).protocol.value
     with recording(given.record, {SERIAL: SERIAL_LOG}) as (around, _):
         with one_message(PortError):
-            line = open_serial(given.serial or WORD, table.line_rate, given.serial_link)
+            line = open_serial(given.serial or WORD, rate, given.serial_link)
         where = ", ".join((line.name, *cameras.where))
-        stock = "" if table.stock else ", not stock"
         carry(
             around(node),
             {SERIAL: lambda: line, **cameras.openers},
             until(given.duration),
-            f"{machine.name} is on {where}: {table.protocol.value}, {table.counted} encoders{stock}",
+            f"{machine.name} is on {where}: {what}",
             PlantError,
             ServoError,
             clock=LivedClock(),

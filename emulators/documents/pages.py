@@ -16,13 +16,18 @@ from emulators.documents import (
     state_diagram,
     stations,
 )
+from emulators.documents.safety_texts import (
+    AGE_TEXT,
+    AXIS_TEXT,
+    BELIEF_TEXT,
+    GUARD_TEXT,
+    SAFETY_TEXT,
+    STOPS_TEXT,
+    power_text,
+)
 from emulators.epos2.control.power_states import TRANSITIONS
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import EPOS2_70_10
-from firmware_bridge.bridge.bridge import ASKED_AGAIN_WITHIN
-from firmware_bridge.bridge.letting_go import LOOKS_FOR, WATCHED_FOR
-from firmware_bridge.bridge.permission import BRAKED_WITHIN
-from firmware_bridge.units import MILLISECOND, SECOND
 
 MADE: Final = "This page is made by `make docs` from the tables in the code; change those."
 OBJECTS_TEXT: Final = """{objects} objects under {indexes} indexes, as a 70/10 has them; the other types
@@ -100,67 +105,6 @@ rig.faults.plan([read({{"kind": "frame_loss", "at_s": 6.0, "for_s": 0.4, "node":
 
 {kinds} kinds; `EMCY` codes are explained [here](emergencies.md). Stations lie on the CAN cable in this order:
 {cable} (ASSUME)."""
-
-STOPS_TEXT: Final = """Whatever stops an axis, its drive's own word must confirm it, newer than the stop: a
-sample with the axis at rest, or a statusword of a state without torque. A step that is not confirmed in its
-time gives way to the next one, the operator is told, and the robot is disarmed. A stop that was confirmed
-begins anew where the word is not heard any more, or says that the axis moves with power. **Of** says what
-the step belongs to: a stop, a power-off that was ordered (forced disarm, the end of the program), or both.
-**Within** counts beside the ramp, and **from top speed** with it; a step ends sooner where nothing is
-heard: after the link's `silent_ms`, or where the drive says that it does not listen after **within** alone.
-The silence is left out for an axis that rested when it was last heard. The times stand in the robot file,
-`links.NAME.stop_confirmed_ms`. While a stop escalates, arming is refused."""
-SAFETY_TEXT: Final = """The robots that come with this package; `firmware-bridge robots` checks others.
-
-A hold stops the groups that it names, and lets go when its row has been clear for its time at every look.
-One that **disarms** takes the leave to move: to go on, arm again. While one that **blocks arming** holds, the
-robot cannot be armed. One that **latches** sets the emergency stop, which stays until an order clears it. On
-a link whose `stops` names groups, its own row and those of its axes stop these alone, and do not disarm.
-
-**Another master** is whoever else sends on a CAN link what only the master of its drives sends: network
-commands, SYNC, set-points to these drives, a heartbeat with the bridge's own node. Heard once, it counts for
-1 s. A starting bridge listens for `bridge_silent_ms` before it sends anything, and refuses to start where it
-hears one; ended until then, it leaves the drives as they are. Behind a gateway a serial line shows nothing of
-the bus, so that there nobody notices; reading and writing objects, as an engineer does, is not held against
-anyone."""
-AXIS_TEXT: Final = """Each axis is judged by these rows; while one holds, everything stops, and the robot is
-disarmed. A row **needs** something that a driver's devices tell. Where they do not, the weaker row stands in
-for it; where there is none, the robot file is refused. One that **takes power** switches its axis off until
-the robot is armed again, for what is not believed cannot ramp. The last row is of an axis that the robot's
-mode does without."""
-BELIEF_TEXT: Final = """From what was sent to it each axis has a range in which it may be: of speeds where
-it is told a speed or a stop, else of positions. The range reaches to a new demand at once, and leaves an
-old one with **lag**, and no faster than with **ramp** or **cruise**. An axis that is beside its range by
-more than **speed** or **position** at every sample **within** this time strays: it moves unasked where it
-moves further, faster or another way than told, else it does not follow. A position that repeats to the last
-bit for as long may owe no more than **repeats** of the way asked; and it may stand with no more than
-**holds with** for twice as long. A robot rests when each axis that takes it from its place is slower than
-**stands below**. All of them are worked out from top speed, drive and link unless `[axes.belief]` in the
-robot file says otherwise."""
-LETTING_GO_TEXT: Final = f"""What ends without power, and what keeps it. Category 0 takes the power at once,
-1 at rest, 2 keeps it (EN 60204-1).
-
-* **Disarmed**: category 2, on a slope and on the flat.
-* **Emergency stop, end of the program**: category 1 where the robot stands by itself. All axes keep their
-  torque until the base rests; for {LOOKS_FOR // MILLISECOND} ms the current is looked at with which each
-  **free** axis stands. No more than **friction** explains, and all let go together; {WATCHED_FOR // SECOND} s
-  long a free axis that moves is given its power again. More, or a current that is not known: "on a slope:
-  held with power", category 2, until it is ordered off.
-* **Forced disarm**: category 1 in any place: quick stop, and at rest, or after {BRAKED_WITHIN // SECOND} s at
-  the latest, no power. It is the order that lets a held robot go. Where the program ends, asking it twice
-  within {ASKED_AGAIN_WITHIN // SECOND} s is that order, too.
-* **A bridge that is dead**, killed or cut off: each drive stops by its own watch with a quick stop, and is
-  without power then. On a slope the robot **rolls**: 1.9 m/s on 5 degrees 4 s later. Only brakes, or wheels
-  that are blocked, hold it.
-
-An axis that **holds** by itself stands without power, by its gear; the file says so with
-`unpowered = "holds"`. Without `friction` in `[axes.belief]` friction counts as a 20th of the motor's
-continuous current."""
-GUARD_TEXT: Final = """The guard shares neither code nor state with the interlocks. It lets no set-point
-pass that lies beyond these bounds, no sum of speeds beyond its own, and no motion of one side while the
-other may move. It ends a drive's watch over the bridge only after a statusword without power, and resets a
-drive only when the word that takes the power has been in force for `by_object` and no statusword has
-confirmed it."""
 
 
 def pages(
@@ -283,15 +227,6 @@ def _faults() -> str:
     return _page("Faults that a mission can name", *parts)
 
 
-AGE_TEXT: Final = """\
-No motion command is obeyed that was said longer ago than `operator.max_age_ms`, counted to the instant at
-which it is obeyed. How old it is when it comes is told by the first of these rows that tells anything; a row
-that dates it is off by half the shortest round trip at most. What no row dates is obeyed under the rule of
-silence, or moves nothing: `operator.unknown_age`. A wish to stop is obeyed however old, and nothing that was
-said before it undoes it. [Why](decisions/age-of-words.md). A session may agree on more, up to
-`operator.max_age_ceiling_ms`: the robot is [slower then](decisions/agreed-delay.md), by the same factor."""
-
-
 def _safety(measured: Mapping[str, Sequence[str]]) -> str:
     parts = [SAFETY_TEXT, "## Every axis", AXIS_TEXT, table(safety.AXIS_HEADINGS, safety.axis_rows())]
     parts += ["## How old a word is", AGE_TEXT, table(safety.AGE_HEADINGS, safety.ages())]
@@ -306,7 +241,7 @@ def _safety(measured: Mapping[str, Sequence[str]]) -> str:
             BELIEF_TEXT,
             table(safety.BELIEF_HEADINGS, safety.beliefs(robot)),
             "### What becomes of its power",
-            LETTING_GO_TEXT,
+            power_text(robot),
             table(safety.UNPOWERED_HEADINGS, safety.unpowered(robot)),
             "### What its guard lets pass",
             GUARD_TEXT,

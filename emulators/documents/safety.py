@@ -15,6 +15,7 @@ from firmware_bridge.robot import AnyRobot, Axis, Command
 from firmware_bridge.robot.settings.shield import ShieldLink, ShieldProtocol
 from firmware_bridge.safety.common import AXIS_ROWS, LEFT_OUT_ROW, whole_robot_rows
 from firmware_bridge.safety.following import bounds_of, within
+from firmware_bridge.safety.guard.ar2 import GuardedJoint
 from firmware_bridge.safety.guard.bounds import targets
 from firmware_bridge.safety.guard.shield import GuardedMotor
 from firmware_bridge.safety.interlock import AxisInterlock
@@ -177,6 +178,8 @@ def stops(robot: AnyRobot, link: str) -> Iterator[Cells]:
 
 def reached(robot: AnyRobot) -> tuple[AnyRobot, ...]:
     """Return a robot in the ways to reach it: over CAN or serially, with a loop on its board or not."""
+    if robot.ar2_links:
+        return (robot,)
     if robot.shield_links:
         shown = (ShieldProtocol.ROS_ARDUINO_BRIDGE, ShieldProtocol.MW)
         return tuple(over_protocol(robot, spoken.value) for spoken in shown)
@@ -201,6 +204,9 @@ def _on_the_wire(robot: AnyRobot, axis: Axis) -> str:
     if axis.link in robot.shield_links:
         motor = GuardedMotor(axis, robot)
         return f"-{motor.most} to {motor.most} {motor.unit}"
+    if axis.link in robot.ar2_links:
+        joint = GuardedJoint(axis, robot)
+        return f"{joint.least} to {joint.most} steps, {joint.at_once} at once"
     unit = "qc" if axis.command is Command.POSITION else "rpm"
     allowed = targets(axis)
     return f"{allowed[0]} to {allowed[-1]} {unit}"

@@ -67,7 +67,8 @@ class VirtualRig:
         self.rehearsal: Final = rehearsal_of(robot)
         step = self.rehearsal.step
         arms = step(at_s=ARM_S, title="arms", arm=True)
-        zero = {axis.role: 0.0 for axis in robot.axes if axis.zero_confirmed}
+        stands = self.rehearsal.stands
+        zero = {axis.role: stands.get(axis.role, 0.0) for axis in robot.axes if axis.zero_confirmed}
         told = (step(at_s=0.0, title="says where it stands", zero=zero),) if zero else ()
         story = Mission(title=f"a test of {robot.name}", duration_s=FOR_GOOD_S, step=(*told, arms))
         hand = np.random.default_rng([seed, HAND_STREAM])

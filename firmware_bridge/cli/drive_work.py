@@ -28,6 +28,7 @@ from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot, RobotFileError
 from firmware_bridge.robot.path_file import PathFileError, along_path
 from firmware_bridge.robot.problems import near
+from firmware_bridge.robot.settings.ar2 import Ar2Link
 from firmware_bridge.robot.settings.epos2 import Epos2Driver, Epos2Link
 from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.safety.guard import guarded
@@ -180,7 +181,7 @@ def drive(given: DriveOptions) -> None:
     hints: dict[str, str] = {}
     for name, place in places.items():
         table = machine.links[name]
-        if isinstance(table, ShieldLink):
+        if isinstance(table, ShieldLink | Ar2Link):
             openers[name] = _serial_opener(machine, place, table.line_rate)
             lines.append(name)
             hints[name] = _no_board(table)
@@ -251,6 +252,10 @@ def _with_lines(machine: AnyRobot, places: Mapping[str, Place], given: DriveOpti
     if machine.shield_links:
         spoken = given.protocol and given.protocol.value
         return _told(measured(over_protocol(machine, spoken, given.encoders)))
+    if machine.ar2_links:
+        if given.protocol is not None or given.baud is not None:
+            raise refusal("--protocol and --baud: the board of an AR2 speaks one language, at one rate")
+        return machine
     protocol, baud = generation_of(given.protocol), given.baud
     on_lines = [name for name, place in places.items() if place.device is not None]
     serial = any(table.driver is Epos2Driver.SERIAL for table in machine.links.values())
@@ -271,7 +276,12 @@ def _told(machine: AnyRobot) -> AnyRobot:
     return machine
 
 
-def _no_board(table: ShieldLink) -> str:
+def _no_board(table: ShieldLink | Ar2Link) -> str:
+    if isinstance(table, Ar2Link):
+        return (
+            f"nothing was heard on the line at {table.line_rate} Bd: is the board on, and was it flashed "
+            "with AR2 2.0?"
+        )
     return (
         f"nothing was heard on the line at {table.line_rate} Bd: is the board on, and was it flashed with "
         f"{table.protocol.value} (--protocol)?"

@@ -14,6 +14,7 @@ from firmware_bridge.cli.console import one_message, refusal, say
 from firmware_bridge.cli.tables import terminal
 from firmware_bridge.drivers.shield.plan import shield_plan
 from firmware_bridge.robot import AnyRobot, RobotFileError
+from firmware_bridge.robot.settings.ar2 import Ar2Link
 from firmware_bridge.robot.settings.capture import CaptureLink
 from firmware_bridge.robot.settings.shield import ShieldLink, ShieldProtocol
 from firmware_bridge.units import MILLISECOND
@@ -84,6 +85,8 @@ def _link(robot: AnyRobot, name: str) -> str:
     every = f"every {link.every * robot.cycle_ms} ms"
     if isinstance(link, CaptureLink):
         return f"{name}: {link.driver.value} from {link.server}"
+    if isinstance(link, Ar2Link):
+        return f"{name}: {link.driver.value}, {link.line_rate} Bd, moves of {link.move_ms} ms\n{every}"
     if not isinstance(link, ShieldLink):
         return f"{name}: {link.driver.value}, {link.bit_rate // 1000} kbit/s\n{every}"
     rows = [f"{name}: {link.driver.value}, {link.protocol.value}, {link.line_rate} Bd", every]

@@ -3,6 +3,8 @@
 from collections.abc import Callable, Mapping
 from typing import Final
 
+from firmware_bridge.drivers.ar2 import fleet as ar2
+from firmware_bridge.drivers.ar2.stops import stop_steps as ar2_stop_steps
 from firmware_bridge.drivers.capture.fleet import capture_fleet
 from firmware_bridge.drivers.driver import Tells
 from firmware_bridge.drivers.epos2 import feedback as epos2
@@ -15,6 +17,7 @@ from firmware_bridge.drivers.shield.fleet import shield_fleet
 from firmware_bridge.drivers.shield.stops import stop_steps as shield_stop_steps
 from firmware_bridge.drivers.stop_steps import StopStep
 from firmware_bridge.robot import AnyLink, AnyRobot, Axis
+from firmware_bridge.robot.settings.ar2 import Ar2Driver
 from firmware_bridge.robot.settings.capture import CaptureDriver
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.robot.settings.shield import ShieldDriver
@@ -23,6 +26,7 @@ DRIVERS: Final[Mapping[str, Callable[[AnyRobot, str], Fleet]]] = {
     Epos2Driver.CAN: can_fleet,
     Epos2Driver.SERIAL: serial_fleet,
     ShieldDriver.MOTOR_SHIELD: shield_fleet,
+    Ar2Driver.AR2: ar2.ar2_fleet,
     **dict.fromkeys(CaptureDriver, capture_fleet),
 }
 """How a link's devices are made, by the driver that the robot file names."""
@@ -30,12 +34,14 @@ DRIVERS: Final[Mapping[str, Callable[[AnyRobot, str], Fleet]]] = {
 TELLS: Final[Mapping[str, Callable[[Axis, AnyLink], frozenset[Tells]]]] = {
     **dict.fromkeys(Epos2Driver, lambda _axis, _link: epos2.TELLS),
     ShieldDriver.MOTOR_SHIELD: shield.tells,
+    Ar2Driver.AR2: ar2.tells,
 }
 """What the device of an axis can tell, by the driver of its link, before there is one."""
 
 STOP_STEPS: Final[Mapping[str, Callable[[AnyRobot, Axis], tuple[StopStep, ...]]]] = {
     **dict.fromkeys(Epos2Driver, epos2_stop_steps),
     ShieldDriver.MOTOR_SHIELD: shield_stop_steps,
+    Ar2Driver.AR2: ar2_stop_steps,
 }
 """In which steps an axis of a robot is stopped, by the driver of its link."""
 

@@ -1,14 +1,12 @@
 """One robot, one file: the checked table, and how it is read."""
 
+from firmware_bridge.robot.guard_table import GuardExclusive, GuardSum, GuardTable
 from firmware_bridge.robot.model import (
     AnyLink,
     AnyRobot,
     Axis,
     Battery,
     Command,
-    GuardExclusive,
-    GuardSum,
-    GuardTable,
     Output,
     PlantFile,
     Robot,

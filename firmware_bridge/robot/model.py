@@ -8,7 +8,9 @@ from typing import Annotated, Any, Final, Generic, Self, TypeAlias, TypeVar
 from pydantic import Field, field_validator, model_validator
 
 from firmware_bridge.robot.belief import RUBS, STANDS, Belief
+from firmware_bridge.robot.guard_table import GuardTable
 from firmware_bridge.robot.operator_link import OperatorLink
+from firmware_bridge.robot.settings.ar2 import Ar2Axis, Ar2Device, Ar2Driver, Ar2Link
 from firmware_bridge.robot.settings.capture import (
     CaptureBody,
     CaptureDriver,
@@ -26,12 +28,19 @@ G_co = TypeVar("G_co", bound=Table, covariant=True)
 AnyLink: TypeAlias = Annotated[
     Annotated[Epos2Link, tag(Epos2Link)]
     | Annotated[ShieldLink, tag(ShieldLink)]
+    | Annotated[Ar2Link, tag(Ar2Link)]
     | Annotated[CaptureLink, tag(CaptureLink)],
-    told_by("driver", {ShieldLink: list(ShieldDriver), CaptureLink: list(CaptureDriver)}, Epos2Link),
+    told_by(
+        "driver",
+        {ShieldLink: list(ShieldDriver), Ar2Link: list(Ar2Driver), CaptureLink: list(CaptureDriver)},
+        Epos2Link,
+    ),
 ]
 AnyAxis: TypeAlias = Annotated[
-    Annotated[Epos2Axis, tag(Epos2Axis)] | Annotated[ShieldAxis, tag(ShieldAxis)],
-    told_by("device", {ShieldAxis: list(ShieldDevice)}, Epos2Axis),
+    Annotated[Epos2Axis, tag(Epos2Axis)]
+    | Annotated[ShieldAxis, tag(ShieldAxis)]
+    | Annotated[Ar2Axis, tag(Ar2Axis)],
+    told_by("device", {ShieldAxis: list(ShieldDevice), Ar2Axis: list(Ar2Device)}, Epos2Axis),
 ]
 AnySensor: TypeAlias = Annotated[
     Annotated[Epos2AnalogueInput, tag(Epos2AnalogueInput)] | Annotated[CaptureBody, tag(CaptureBody)],
@@ -195,6 +204,13 @@ class Axis(Table):
         return self.settings
 
     @property
+    def ar2(self) -> Ar2Axis:
+        """The table of its joint at an AR2's board; TypeError where another device moves it."""
+        if not isinstance(self.settings, Ar2Axis):
+            raise TypeError(f"the axis '{self.name}' is no joint of an AR2")
+        return self.settings
+
+    @property
     def called(self) -> str:
         """The axis in words for people, with its device."""
         return f"{self.settings.address} ({self.title})"
@@ -243,30 +259,6 @@ class Battery(Table):
         if self.low_v >= self.nominal_v:
             raise ValueError("low_v must be below nominal_v")
         return self
-
-
-class GuardSum(Table):
-    """A sum of axis speeds, each with its factor, that the guard bounds to both sides."""
-
-    name: str
-    of: Annotated[dict[Name, Finite], Field(min_length=1)]
-    """A factor for each axis's speed in its unit a second."""
-    bound: Positive
-
-
-class GuardExclusive(Table):
-    """Axes of which only one side may be told to move at a time."""
-
-    name: str
-    one: Annotated[tuple[Name, ...], Field(min_length=1, strict=False)]
-    other: Annotated[tuple[Name, ...], Field(min_length=1, strict=False)]
-
-
-class GuardTable(Table):
-    """What the guard knows of several axes; of each one it knows travel and top_speed."""
-
-    sums: Annotated[tuple[GuardSum, ...], Field(strict=False)] = ()
-    exclusive: Annotated[tuple[GuardExclusive, ...], Field(strict=False)] = ()
 
 
 class PlantFile(Table):
@@ -332,6 +324,11 @@ class Robot(Table, Generic[G_co]):
         return {name: link for name, link in self.links.items() if isinstance(link, ShieldLink)}
 
     @property
+    def ar2_links(self) -> dict[str, Ar2Link]:
+        """The links to boards of AR2 arms, by their names."""
+        return {name: link for name, link in self.links.items() if isinstance(link, Ar2Link)}
+
+    @property
     def capture_links(self) -> dict[str, CaptureLink]:
         """The links to motion capture systems, by their names."""
         return {name: link for name, link in self.links.items() if isinstance(link, CaptureLink)}
@@ -356,6 +353,13 @@ class Robot(Table, Generic[G_co]):
         link = self.links[name]
         if not isinstance(link, ShieldLink):
             raise TypeError(f"no motor shield is on the link '{name}'")
+        return link
+
+    def ar2_link(self, name: str) -> Ar2Link:
+        """Return a link to an AR2's board; KeyError, or TypeError where others are on it."""
+        link = self.links[name]
+        if not isinstance(link, Ar2Link):
+            raise TypeError(f"no AR2 is on the link '{name}'")
         return link
 
     def told_by(self, bandwidth_bit_s: int | None) -> Self:

@@ -11,6 +11,7 @@ import sympy as sp
 from fmu.ar2.parameters import AXES, PARAMETERS
 from fmu.export.functions import named, positive_part, size
 from fmu.export.model import Expression, Input, Model, Output, State
+from fmu.parts.motor import bristle
 from fmu.parts.stop import push
 from fmu.parts.symbols import HALF, inner, symbol, symbols
 
@@ -158,6 +159,12 @@ def driven(axis: str) -> Expression:
     return P["efficiency"] * gear * pull - damping
 
 
+def rubbed(axis: str) -> Expression:
+    """Return what gear and bearing rub at a joint, N m: a part of what its motor can do, by a bristle."""
+    level = P["friction"] * P["efficiency"] * P[f"gear_{axis}"] * P[f"holding_{axis}"]
+    return level * symbol(f"bristle_{axis}")
+
+
 def past_stops(axis: str) -> tuple[Expression, Expression]:
     """Return how far a joint is in its lower stop, and in its upper one, rad."""
     angle = symbol(f"angle_{axis}")
@@ -176,11 +183,15 @@ def model() -> Model:
     arm = Arm()
     inertia = arm.inertia()
     torques = [
-        line(driven(axis) + stopped(axis) - load) for axis, load in zip(AXES, arm.loads(), strict=True)
+        line(driven(axis) + stopped(axis) - rubbed(axis) - load)
+        for axis, load in zip(AXES, arm.loads(), strict=True)
     ]
     rates = solved(inertia, torques)
     stops = sum(HALF * P["stop_stiffness"] * depth**2 for axis in AXES for depth in past_stops(axis))
     turn = symbol(f"angle_{AXES[0]}")
+    velocity = sum(
+        (column * speed for column, speed in zip(arm.columns[-1], arm.speeds, strict=True)), sp.zeros(3, 1)
+    )
     x, y, z = arm.origins[-1]
     return Model(
         name="ar2",
@@ -199,6 +210,15 @@ def model() -> Model:
                 State(f"speed_{axis}", "rad/s", sp.S.Zero, rate)
                 for axis, rate in zip(AXES, rates, strict=True)
             ),
+            *(
+                State(
+                    f"bristle_{axis}",
+                    "1",
+                    sp.S.Zero,
+                    bristle(symbol(f"speed_{axis}"), symbol(f"bristle_{axis}"), P["presliding"]),
+                )
+                for axis in AXES
+            ),
         ),
         outputs=(
             *(
@@ -216,6 +236,7 @@ def model() -> Model:
             Output("tool_x", "m", "tool, along the floor's x", x * sp.cos(turn) - y * sp.sin(turn)),
             Output("tool_y", "m", "tool, along the floor's y", x * sp.sin(turn) + y * sp.cos(turn)),
             Output("tool_z", "m", "tool, above the floor", z),
+            Output("tool_speed", "m/s", "tool, how fast it moves", sp.sqrt(velocity.dot(velocity))),
             inner("energy", "J", "energy of links, rotors and stops", arm.energy(inertia) + stops, 10.0),
         ),
         inner_step=50e-6,

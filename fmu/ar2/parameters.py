@@ -119,6 +119,22 @@ PARAMETERS: Final[tuple[Parameter, ...]] = (
         "ASSUME, damping of some 2 % at the swing of a step",
         least=0.0,
     ),
+    Parameter(
+        "friction",
+        0.1,
+        "1",
+        "dry friction of gear and bearing, part of the motor's torque at rest behind the gear",
+        "ASSUME; a third of what the efficiency takes",
+        least=0.0,
+    ),
+    Parameter(
+        "presliding",
+        5e-5,
+        "rad",
+        "way over which dry friction builds up",
+        "ASSUME, a sixth of a step",
+        least=0.0,
+    ),
     Parameter("stop_stiffness", 5_000.0, "N.m/rad", "stops' stiffness", "ASSUME"),
     Parameter("stop_damping", 0.5, "s/rad", "stops' damping, part of their torque per speed", "ASSUME"),
 )
@@ -126,7 +142,7 @@ PARAMETERS: Final[tuple[Parameter, ...]] = (
 SETS: Final[Mapping[str, Mapping[str, float]]] = {
     "bare": {},
     "loaded": {"payload": 1.0},
-    "free": {"damping_time": 1e9},
+    "free": {"damping_time": 1e9, "friction": 0.0},
 }
 """Named arms: without a load, with 1 kg, and without any friction, for tests of its energy."""
 

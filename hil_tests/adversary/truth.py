@@ -13,8 +13,7 @@ from emulators.bench.columns import Sample, motor_speed
 from emulators.epos2.drive import Epos2
 from emulators.rig import BRIDGE, SECOND_BRIDGE, Rig
 from firmware_bridge.bridge import Phase
-from firmware_bridge.robot import AnyRobot, Axis, Unpowered
-from firmware_bridge.robot.model import GuardExclusive, GuardSum
+from firmware_bridge.robot import AnyRobot, Axis, GuardExclusive, GuardSum, Unpowered
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.units import SECOND, Nanoseconds, from_seconds
 from firmware_bridge.wire.epos2 import address as at

@@ -50,6 +50,7 @@ FREE: Final = {
     "ahead": "before others, in time or on the way",
     "alpha": "how much shines through, as Matplotlib has it",
     "angle": "the quantity, of any shaft",
+    "angles": "as above",
     "axis": "what one motor moves, in every robot file",
     "base": "a base class, the base of a number, SI's base units, CAN's base frame, MAVLink's base_mode",
     "battery": "every robot file knows it",
@@ -86,13 +87,16 @@ FREE: Final = {
     "per": "one for each",
     "pitch": "of a body's attitude, as MAVLink has it",
     "points": "a verb, and of any curve",
+    "pose": "where anything is, and how it is turned",
     "press": "a button of the operator's stick",
     "rad": "the unit",
     "radius": "a rolling axis has one on MAVLink",
     "ramp": "of any speed",
     "rate": "of bits, of samples, of change",
+    "rates": "as above",
     "rest": "standing still; what remains",
     "right": "correct; the right side of anything",
+    "roll": "of a body's attitude, as MAVLink has it; a verb of wheels",
     "round": "to whole numbers; about something",
     "sensor": "in every robot file",
     "side": "of a link, of anything",
@@ -105,6 +109,7 @@ FREE: Final = {
     "track": "of any path: what is across it is cross-track",
     "turn": "one revolution of a shaft; whose turn it is; the stick's turn",
     "turns": "a verb; revolutions of a shaft",
+    "tool": "of any arm; a program of this tree",
     "two": "the number",
     "wall": "the clock on it",
     "width": "of a picture, of a pulse",
@@ -119,6 +124,7 @@ STANDARD: Final = {
 """Names of other people that are used as they are."""
 
 WHOLE: Final = {
+    ("firmware_bridge/robot/settings/ar2.py", "ar2"): "the driver of that arm's board, on whatever robot",
     ("emulators/bench/columns.py", "left"): "says which way is positive",
     ("emulators/bench/fault_marks.py", "right"): "Matplotlib's alignment",
     ("emulators/bench/plots.py", "left"): "Matplotlib's side of a plot",
@@ -280,7 +286,7 @@ FILES: Final = files()
 
 
 def test_the_words_are_those_of_the_robots_of_this_tree() -> None:
-    assert {"rars", "carrier", "climber", "rome"} == SHIPPED
+    assert {"ar2", "rars", "carrier", "climber", "rome"} == SHIPPED
     assert {"rars", "steer", "lift", "headlamp", "pinion", "screw", "wheel", "retracted"} <= WORDS
     assert len(FILES) > 200
 

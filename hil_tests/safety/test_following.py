@@ -24,7 +24,7 @@ def test_what_a_shield_s_axis_leaves_out_is_worked_out_from_its_regulator() -> N
         assert bounds.position == pytest.approx(axis.top_speed / 40.0)
 
 
-@pytest.mark.parametrize("name", [name for name in names() if not find(name).shield_links])
+@pytest.mark.parametrize("name", [name for name in names() if find(name).epos2_links])
 def test_what_a_robot_file_leaves_out_is_worked_out(name: str) -> None:
     robot = find(name)
     for axis in robot.axes:

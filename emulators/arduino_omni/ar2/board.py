@@ -11,7 +11,10 @@ from emulators.arduino_omni.ar2.sketch import Ar2Sketch
 from emulators.arduino_omni.mega.mega import Mega
 from emulators.arduino_omni.usb_board import UsbBoard
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.units import Nanoseconds
+from firmware_bridge.units import MILLISECOND, Nanoseconds
+
+MOVES_EVERY: Final[Nanoseconds] = 50 * MILLISECOND
+"""An arm that swings is moved on so often at least, so that an idle board has nothing to catch up with."""
 
 
 class Ar2Board:
@@ -24,6 +27,12 @@ class Ar2Board:
             lambda mega: Ar2Sketch(mega, self.joints, firmware), firmware.baud, shafts=self.joints
         )
         self._usb: Final = UsbBoard(self.mega)
+
+    @property
+    def moves(self) -> bool:
+        """Whether its sketch is in the middle of a move."""
+        sketch = self.mega.sketch
+        return isinstance(sketch, Ar2Sketch) and sketch.moves
 
     def reset(self, now: Nanoseconds) -> None:
         """Press the board's button: a move ends where it is."""
@@ -39,8 +48,14 @@ class Ar2Board:
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Take a chunk from the host, or what became of DTR."""
-        return self._usb.receive(packet, now)
+        return self._moved(self._usb.receive(packet, now), now)
 
     def wake(self, now: Nanoseconds) -> Reaction:
         """Do what is due; the first call switches the board on."""
-        return self._usb.wake(now)
+        return self._moved(self._usb.wake(now), now)
+
+    def _moved(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
+        if not self.joints.swings:
+            return reaction
+        self.joints.reach(now)
+        return Reaction(reaction.sent, min(reaction.wake_at, now + MOVES_EVERY))

@@ -44,6 +44,8 @@ class Joints(Shafts):
         self.lost: Final = [0] * len(AXES)
         self.open_switches: Final[set[int]] = set()
         """Joints, from 0, whose switch's wire is broken: such a one reads as reached."""
+        self.swings = False
+        """Whether the arm moves between two pulses, too."""
         self.powered = True
         """Whether the drivers have their current."""
         self._load: Final = load

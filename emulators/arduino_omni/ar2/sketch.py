@@ -86,6 +86,11 @@ class Ar2Sketch:
             "ML": self._waypoints,
         }
 
+    @property
+    def moves(self) -> bool:
+        """Whether a move is under way."""
+        return self._move is not None
+
     def setup(self) -> None:
         """Configure the pins."""
         pins = self._mega.pins

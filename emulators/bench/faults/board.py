@@ -1,4 +1,4 @@
-"""Faults of a board with a motor shield: its cable, supply and reset, the wires of motors and encoders."""
+"""Faults of an Arduino: its cable, supply and reset; behind a shield the wires of motors and encoders."""
 
 import math
 from abc import ABC, abstractmethod
@@ -8,7 +8,6 @@ from typing import Annotated, ClassVar, Final
 from numpy.random import Generator
 from pydantic import Field
 
-from emulators.arduino_omni.faults import FAULTS
 from emulators.arduino_omni.motors import Motors
 from emulators.bench.faults.fault import Fault, Lasting, Node, Problem, Stations
 from emulators.bench.faults.site import Site
@@ -16,7 +15,6 @@ from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import MILLISECOND, NEVER
 
 One = Annotated[Node, Field(description="which motor")]
-BROWN_OUT: Final = FAULTS["brown-out"]
 BURST: Final = 8
 """Bytes of a disturbance."""
 
@@ -28,8 +26,8 @@ class _OfBoards(Fault, ABC):
 
     def problems(self, robot: AnyRobot) -> Iterator[Problem]:
         """Give what this robot lacks for it."""
-        if not robot.shield_links:
-            yield "kind", f"{robot.name} has no board with a motor shield"
+        if not robot.shield_links and not robot.ar2_links:
+            yield "kind", f"{robot.name} has no Arduino"
 
 
 class BoardSilent(_OfBoards, Lasting):
@@ -89,7 +87,7 @@ class BoardBrownOut(_OfBoards, Lasting):
 
     def _hold(self, site: Site, *, on: bool) -> None:
         for board in site.boards.values():
-            BROWN_OUT.put(board, on, site.world.now)
+            board.mega.brown_out(site.world.now, low=on)
 
 
 class LineGarbage(_OfBoards, Lasting):
@@ -117,7 +115,7 @@ class _OnMotor(Lasting, ABC):
     def _found(self, site: Site) -> Iterator[tuple[Motors, int]]:
         for axis in site.robot.axes:
             if axis.name in self.targets(site.robot):
-                yield site.boards[axis.link].motors, axis.shield.port - 1
+                yield site.shield(axis.link).motors, axis.shield.port - 1
 
 
 class ShaftBlocked(_OnMotor):
@@ -158,6 +156,12 @@ class MotorSupplySag(_OfBoards, Lasting):
     """The motors' own supply sags, so far that the half bridges lock their outputs, or not so far."""
 
     kind: ClassVar = "motor_supply_sag"
+
+    def problems(self, robot: AnyRobot) -> Iterator[Problem]:
+        """Give what this robot lacks for it."""
+        if not robot.shield_links:
+            yield "kind", f"{robot.name} has no board with a motor shield"
+
     to_v: Annotated[float, Field(ge=0, le=15, description="of the motors' supply, in V")]
 
     def put_on(self, site: Site, chance: Generator) -> None:
@@ -170,8 +174,8 @@ class MotorSupplySag(_OfBoards, Lasting):
         self._have(site, math.inf)
 
     def _have(self, site: Site, volts: float) -> None:
-        for board in site.boards.values():
-            board.motors.starves(volts)
+        for name in site.robot.shield_links:
+            site.shield(name).motors.starves(volts)
 
 
 class _WireOff(_OnMotor, ABC):

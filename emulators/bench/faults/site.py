@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Protocol
 
+from emulators.arduino_omni.ar2.board import Ar2Board
 from emulators.arduino_omni.board import Board
 from emulators.bench.adapter import Adapter
 from emulators.bench.second_station import SecondStation
@@ -78,14 +79,21 @@ class Site:
     """What they send on, by link."""
     lines: Mapping[str, Wire] = field(default_factory=dict)
     """The serial lines by link."""
-    boards: Mapping[str, Board] = field(default_factory=dict)
-    """Boards with a motor shield, by the link."""
+    boards: Mapping[str, Board | Ar2Board] = field(default_factory=dict)
+    """Arduinos, with a motor shield or an arm, by the link."""
     plant: FmuPlant | None = None
     stations: list[SecondStation] = field(default_factory=list)
     """All that have joined the operator's link, the newest last."""
     _strangers: dict[str, Station] = field(default_factory=dict)
     """By the link on whose bus or line they are."""
     _unplugged: dict[str, Mapping[str, Wire]] = field(default_factory=dict)
+
+    def shield(self, link: str) -> Board:
+        """Return the board with a motor shield on a link; TypeError where it has none."""
+        board = self.boards[link]
+        if not isinstance(board, Board):
+            raise TypeError(f"the board on the link '{link}' has no motor shield")
+        return board
 
     def send(self, link: str, address: int, payload: bytes) -> None:
         """Have a stranger queue a frame on a link's bus; he is there from the first one on."""

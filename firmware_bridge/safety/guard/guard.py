@@ -16,10 +16,12 @@ from typing import Final, TypeAlias
 from firmware_bridge.node import OPERATOR, Node, Stoppable, holds
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.ar2 import Ar2Driver
 from firmware_bridge.robot.settings.capture import CaptureDriver
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.robot.settings.shield import ShieldDriver
 from firmware_bridge.safety.guard.across_axes import AxesRule, rules_across
+from firmware_bridge.safety.guard.ar2 import Ar2Rules
 from firmware_bridge.safety.guard.capture import CaptureRules
 from firmware_bridge.safety.guard.epos2_can import Epos2CanRules
 from firmware_bridge.safety.guard.epos2_serial import Epos2SerialRules
@@ -259,5 +261,6 @@ _RULES: Final[Mapping[str, Callable[[AnyRobot, str], WireRules]]] = {
     Epos2Driver.CAN: Epos2CanRules,
     Epos2Driver.SERIAL: Epos2SerialRules,
     ShieldDriver.MOTOR_SHIELD: ShieldRules,
+    Ar2Driver.AR2: Ar2Rules,
     **dict.fromkeys(CaptureDriver, CaptureRules),
 }

@@ -20,6 +20,7 @@ SERVO_DONE: Final = b"Servo Done"
 POINTS: Final = b"num points recieved"
 ALL_POINTS: Final = b"waypts done"
 ECHO_END: Final = b"\r\n"
+"""After the line that TM echoes, its own end among it."""
 MOST_STEPS: Final = 32_767
 
 
@@ -54,3 +55,18 @@ def switches(steps: Sequence[int], digits: Sequence[int], speed: int) -> bytes:
         f"{letter}{digit}{count}" for letter, digit, count in zip(LETTERS[:6], digits, steps, strict=True)
     )
     return f"LL{axes}S{speed}".encode() + END
+
+
+def test(text: str) -> bytes:
+    """Return the line that is echoed when all before it is done."""
+    return f"TM{text}".encode() + END
+
+
+def echo(text: str) -> bytes:
+    """Return what comes back of it."""
+    return text.encode() + END + ECHO_END
+
+
+def place(joint: int, steps: int) -> str:
+    """Return the text that says where a joint, 1 to 6, stands: the board keeps no count, and echoes it."""
+    return f"{LETTERS[joint - 1]}{steps}"

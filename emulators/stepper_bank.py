@@ -1,0 +1,103 @@
+"""The joints of an arm on an FMU: what each pulse does to its motor's field, and where that takes the arm.
+
+The plant is the truth here: a rotor follows its field or does not, and a switch closes where the joint is. It
+goes on in steps of half a millisecond, and a pulse counts from the step in which it falls.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Final
+
+from emulators.arduino_omni.ar2.axes import AXES, JOINTS, OVERDRIVE
+from emulators.arduino_omni.ar2.board import Ar2Board
+from emulators.arduino_omni.ar2.joints import Joints
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.units import MICROSECOND, Nanoseconds
+from fmu.plant import FmuPlant
+
+STEP: Final[Nanoseconds] = 500 * MICROSECOND
+HALF_STEP: Final = math.tau / 400.0
+"""Of a motor's shaft, rad."""
+FIELDS: Final = tuple(f"field_j{joint}" for joint in range(1, 7))
+ANGLES: Final = tuple(f"angle_j{joint}" for joint in range(1, 7))
+CURRENT: Final = "current_on"
+
+
+def stepper_plant(path: Path, parameters: Mapping[str, float], outputs: Sequence[str]) -> FmuPlant:
+    """Load the plant of an arm; PlantError where it lacks its joints, or what is to be looked at."""
+    more = tuple(dict.fromkeys(name for name in outputs if name not in ANGLES))
+    plant = FmuPlant(path, (*FIELDS, CURRENT), (*ANGLES, *more), parameters, step=STEP)
+    plant.inputs[len(FIELDS)] = 1.0
+    return plant
+
+
+class PlantJoints(Joints):
+    """Joints whose places are the plant's; the track is not on it."""
+
+    def __init__(self, plant: FmuPlant) -> None:
+        """Stand where the plant begins."""
+        super().__init__()
+        self.swings = True
+        self._plant: Final = plant
+        self._reached: Nanoseconds = 0
+        self._look()
+
+    def reach(self, now: Nanoseconds) -> None:
+        """Let the arm go on up to `now`, in whole steps."""
+        while self._reached + STEP <= now:
+            self._plant.step()
+            self._reached += STEP
+
+    def reached(self, joint: int) -> bool:
+        """Tell whether a joint is at its switch."""
+        self._look()
+        return super().reached(joint)
+
+    def pulse(self, axis: int, level: int, at: Nanoseconds) -> None:
+        """Turn a motor's field by half a step; the track moves nothing."""
+        self.pulses[axis] += 1
+        if axis >= len(JOINTS):
+            return
+        self.reach(at)
+        ahead = 1.0 if level == AXES[axis].ahead_level else -1.0
+        self._plant.inputs[axis] = self._plant.inputs[axis : axis + 1][0] + ahead * HALF_STEP
+
+    def switch_current(self, *, on: bool) -> None:
+        """Give the drivers their current, or take it: the arm falls then."""
+        self.powered = on
+        self._plant.inputs[len(FIELDS)] = float(on)
+
+    def _look(self) -> None:
+        for joint, axis in enumerate(JOINTS):
+            angle = math.degrees(self._plant.outputs[joint : joint + 1][0])
+            place = round((angle - axis.least_deg) / axis.per_step_deg)
+            self.places[joint] = min(max(place, -OVERDRIVE), axis.steps + OVERDRIVE)
+
+
+class StepperMotor:
+    """One joint's motor on its driver, which keeps its current whatever the board does."""
+
+    def __init__(self, name: str, board: Ar2Board) -> None:
+        self.name: Final = name
+        self._board: Final = board
+
+    @property
+    def powered(self) -> bool:
+        """Whether anything moves it: its board is in the middle of a move."""
+        return self._board.moves
+
+
+class StepperBank:
+    """What moves between two events: the board with its arm."""
+
+    def __init__(self, board: Ar2Board, joints: PlantJoints, robot: AnyRobot) -> None:
+        self.axes: Final = tuple(StepperMotor(axis.name, board) for axis in robot.axes)
+        self._board: Final = board
+        self._joints: Final = joints
+
+    def advance(self, until: Nanoseconds) -> tuple[Nanoseconds, tuple[str, ...]]:
+        """Move on to `until`; the board asks to be woken by itself when it may have something to say."""
+        self._board.advance(until)
+        self._joints.reach(until)
+        return until, ()

@@ -1,0 +1,32 @@
+"""The board of an AR2 arm as one link of the robot."""
+
+from firmware_bridge.drivers.ar2.board import Ar2Board
+from firmware_bridge.drivers.ar2.joint import TELLS, Ar2Joint
+from firmware_bridge.drivers.driver import Tells
+from firmware_bridge.drivers.fleet import Fleet
+from firmware_bridge.robot import AnyLink, AnyRobot, Axis, Problem, RobotFileError
+from firmware_bridge.units import MICROSECOND, MILLISECOND
+
+LINE_US = 12_000
+"""What the longest line, its question, and both chips take beside the move itself."""
+
+
+def tells(_axis: Axis, _link: AnyLink) -> frozenset[Tells]:
+    """Return what is told of a joint."""
+    return TELLS
+
+
+def ar2_fleet(robot: AnyRobot, name: str) -> Fleet:
+    """Return the joints on the robot's link of this name; RobotFileError where a cycle is too short."""
+    table, axes = robot.ar2_link(name), robot.axes_on(name)
+    cycle = robot.cycle * table.every
+    needed = table.move + (LINE_US + table.port_latency_us) * MICROSECOND
+    if cycle < needed:
+        problem = (
+            f"a move of {table.move_ms} ms, and what is said for it, take {needed / MILLISECOND:.0f} ms, and "
+            f"the link's cycle is {cycle // MILLISECOND} ms; say a shorter move_ms, or every"
+        )
+        raise RobotFileError(robot.name, Problem(f"links.{name}.move_ms", problem))
+    board = Ar2Board(name, table)
+    board.joints = tuple(Ar2Joint(axis, robot, board) for axis in axes)
+    return Fleet(board, table, board.joints)

@@ -1,0 +1,214 @@
+"""One joint of the arm as the bridge sees it: a `firmware_bridge.drivers.driver.Driver`.
+
+It has no encoder, and the board has no word for power. Its position is counted: from where somebody has seen
+it stand, by the steps of moves whose end the board has proved. A motor that has lost steps is not noticed.
+What leaves for all joints is the board's: a demand is noted here.
+"""
+
+from typing import Final, Protocol
+
+from firmware_bridge.drivers.driver import (
+    Demand,
+    Feedback,
+    Position,
+    Power,
+    StartupError,
+    Stop,
+    Task,
+    Tells,
+)
+from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.packet import Packet
+from firmware_bridge.robot import AnyRobot, Axis
+from firmware_bridge.units import NEVER, Nanoseconds, to_seconds
+
+TELLS: Final = frozenset({Tells.STOP})
+"""The board's answer to what was said behind a move proves that its steps are done; more it does not tell."""
+MOVES_AT_ONCE: Final = 1
+"""Steps beside those of its top speed: what is told is rounded."""
+
+
+class Words(Protocol):
+    """What carries the joint's words: its board."""
+
+    @property
+    def under_way(self) -> tuple[Task, ...]:
+        """The tasks that are not done."""
+
+    @property
+    def stops(self) -> bool:
+        """Whether the tasks under way are to stop the arm."""
+
+    @property
+    def configured(self) -> bool:
+        """Whether the board was found, and not lost since."""
+
+    @property
+    def problem(self) -> str | None:
+        """Why the last tasks failed."""
+
+    def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
+        """Do tasks, for all joints."""
+
+    def end_tasks(self) -> None:
+        """Do those under way no more."""
+
+    def demanded(self) -> None:
+        """Move the joints to where they are wanted, soon."""
+
+    def placed(self, joint: "Ar2Joint", steps: int, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Say on the line where a joint stands."""
+
+
+class Ar2Joint:
+    """One joint."""
+
+    def __init__(self, axis: Axis, robot: AnyRobot, board: Words) -> None:
+        self._axis: Final = axis
+        self._board: Final = board
+        self.number: Final = axis.ar2.joint
+        self._per_unit: Final = axis.ar2.steps_per_unit(axis.ratio)
+        link = robot.ar2_link(axis.link)
+        by_axis = axis.top_speed * to_seconds(robot.cycle * link.every) * self._per_unit
+        by_motor = 2.0 * axis.ar2.full_steps_s * to_seconds(link.move)
+        self.most: Final = int(min(by_axis, by_motor)) + MOVES_AT_ONCE
+        """Steps of one move."""
+        self.demand: Demand = Stop.REST
+        self.enabled = False
+        """Whether it may be moved."""
+        self.released = False
+        """Whether the board has proved that nothing moves since it may not."""
+        self.count: int | None = None
+        """Steps from the end of its way; None while nobody knows."""
+        self.told: int | None = None
+        """The count that was said to the board, which has not answered."""
+        self._position = self._velocity = 0.0
+        self._heard_at: Nanoseconds = NEVER_HEARD
+        self._sampled_at: Nanoseconds = NEVER_HEARD
+
+    @property
+    def axis(self) -> Axis:
+        """The axis that it moves."""
+        return self._axis
+
+    @property
+    def tells(self) -> frozenset[Tells]:
+        """What it can tell."""
+        return TELLS
+
+    @property
+    def feedback(self) -> Feedback:
+        """What is known of it; the power is what was said here, and its current is never the bridge's."""
+        power = Power.UNKNOWN
+        if self._board.configured and self._heard_at != NEVER_HEARD:
+            power = Power.ON if self.enabled else Power.OFF
+        return Feedback(
+            axis=self._axis.name,
+            power=power,
+            heard_at=self._heard_at,
+            sampled_at=self._sampled_at,
+            position=self._position,
+            velocity=self._velocity,
+            says="" if power is Power.UNKNOWN else "counted" if self.enabled else "counted, not moved",
+            zero_lost=self.count is None,
+        )
+
+    @property
+    def sampled_at(self) -> Nanoseconds:
+        """When its newest sample was taken."""
+        return self._sampled_at
+
+    @property
+    def busy(self) -> bool:
+        """Whether the board has tasks to do, or is being told where the joint stands."""
+        return bool(self._board.under_way) or self.told is not None
+
+    @property
+    def failure(self) -> StartupError | None:
+        """Why the board's last tasks failed."""
+        problem = self._board.problem
+        return None if problem is None else StartupError(self._axis, problem)
+
+    @property
+    def configured(self) -> bool:
+        """Whether the board was found, and not lost since."""
+        return self._board.configured
+
+    @property
+    def unpowered(self) -> bool:
+        """Whether the board has proved that nothing moves, and nothing was sent since.
+
+        The weaker word of a device that has none for its power: the motors keep their current, and hold.
+        """
+        return self.released
+
+    @property
+    def wake_at(self) -> Nanoseconds:
+        """Never: the board is woken."""
+        return NEVER
+
+    def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
+        """Do these tasks, with all joints."""
+        return self._board.begin(tasks, now)
+
+    def set_zero(self, position: float, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Count from where somebody saw it stand, in rad; it is said on the line, and counts once echoed."""
+        return self._board.placed(self, self.steps_at(position), now)
+
+    def home(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Do nothing: somebody has to look where it stands."""
+        del now
+        return ()
+
+    def command(self, demand: Demand) -> tuple[Packet, ...]:
+        """Note a demand; while tasks are under way only one that stops, unless they do so themselves."""
+        if self._board.under_way:
+            if demand not in {Stop.QUICK_STOP, Stop.POWER_OFF} or self._board.stops:
+                return ()
+            self._board.end_tasks()
+        self.demand = demand
+        if demand is Stop.POWER_OFF:
+            self.enabled = False
+        self._board.demanded()
+        return ()
+
+    def release(self) -> tuple[Packet, ...]:
+        """Do nothing: no word of the board has a handshake."""
+        return ()
+
+    def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Do nothing: the board is woken."""
+        del now
+        return ()
+
+    def steps_at(self, position: float) -> int:
+        """Return the count at a position in rad."""
+        return round(self._axis.direction * (position - self._axis.ar2.origin) * self._per_unit)
+
+    @property
+    def wanted(self) -> int:
+        """Steps from where it is counted to where it shall be."""
+        if self.count is None or not self.enabled or not isinstance(self.demand, Position):
+            return 0
+        return self.steps_at(self.demand.value) - self.count
+
+    def moved(self, steps: int) -> None:
+        """Learn that so many steps are done."""
+        if self.count is not None:
+            self.count += steps
+
+    def lost(self) -> None:
+        """Learn that nobody knows any more where it stands, and that it may not be moved."""
+        self.count = self.told = None
+        self.enabled = self.released = False
+        self.demand = Stop.REST
+
+    def sampled(self, cycle_at: Nanoseconds, now: Nanoseconds, *, placed: bool) -> None:
+        """Learn that the board has answered a cycle's question; `placed`: it was told its place since."""
+        before, count = self._position, self.count
+        if count is not None:
+            self._position = self._axis.ar2.origin + self._axis.direction * count / self._per_unit
+        known = self._sampled_at != NEVER_HEARD and count is not None and not placed
+        elapsed = to_seconds(cycle_at - self._sampled_at)
+        self._velocity = (self._position - before) / elapsed if known and elapsed > 0.0 else 0.0
+        self._sampled_at, self._heard_at = cycle_at, now

@@ -1,0 +1,47 @@
+"""In which steps the arm is stopped, and which word of its board confirms each: the ladder of its driver.
+
+A move that was sent is driven to its end, and lasts as long as the robot file lets it; no ordinary stop is
+more than to send no further one. The board has no word for power: the motors keep their current, and hold the
+arm. It ends by a switch in their supply, and the arm falls then.
+"""
+
+from firmware_bridge.drivers.driver import Stop, Task
+from firmware_bridge.drivers.stop_steps import StopStep
+from firmware_bridge.robot import AnyRobot, Axis
+from firmware_bridge.robot.settings.ar2 import Ar2Link
+from firmware_bridge.units import MILLISECOND
+
+
+def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
+    """Return the steps for one joint of a robot. TypeError where no AR2 is on its link."""
+    link = robot.links[axis.link]
+    if not isinstance(link, Ar2Link):
+        raise TypeError(f"no AR2 is on the link of '{axis.name}'")
+    within = link.confirmed(robot.cycle)
+    return (
+        StopStep(
+            "no further move",
+            f"nothing; a move that was sent ends within {link.move_ms} ms",
+            Stop.REST,
+            within,
+            heard=True,
+        ),
+        StopStep(
+            "question",
+            "a question, which is answered when nothing moves",
+            Stop.POWER_OFF,
+            within + link.answers_within_ms * MILLISECOND,
+            task=Task.DISABLE,
+            ends_power=True,
+            note="the motors keep their current, and hold",
+        ),
+        StopStep(
+            "reset",
+            "DTR down and up: a move under way ends",
+            Stop.POWER_OFF,
+            2 * link.boots_within_ms * MILLISECOND,
+            task=Task.RESET,
+            ends_power=True,
+            note="nobody knows then where the arm stands; the motors keep their current, and hold",
+        ),
+    )

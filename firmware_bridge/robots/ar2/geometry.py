@@ -1,0 +1,70 @@
+"""The arm's limits, workspace and control in its robot file; its links are those of `motion.ar2`."""
+
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
+
+from firmware_bridge.robot.table import Finite, NonNegative, Positive, Table
+
+
+class Limits(Table):
+    """What the interlocks hold, whatever the operator wishes."""
+
+    speed_mps: Positive
+    """Of the tool."""
+    acceleration_mps2: Positive
+    turn_rate_rad_s: Positive
+    """Of the tool about any axis."""
+    turn_acceleration_rad_s2: Positive
+    joint_margin_deg: NonNegative
+    """So far before the ends of a joint's travel it stops."""
+
+
+class Workspace(Table):
+    """Where the tool may be, m in the frame of the arm's foot, z from the floor that it stands on."""
+
+    lowest_m: Annotated[tuple[Finite, Finite, Finite], Field(strict=False)]
+    highest_m: Annotated[tuple[Finite, Finite, Finite], Field(strict=False)]
+    """The corners of a box; its lower side keeps the floor."""
+    base_radius_m: Positive
+    """Around its first axis; the tool stays outside of it ..."""
+    base_height_m: Positive
+    """... up to this height."""
+
+    @model_validator(mode="after")
+    def _is_a_box(self) -> Self:
+        if any(low >= high for low, high in zip(self.lowest_m, self.highest_m, strict=True)):
+            raise ValueError("highest_m must be above lowest_m in each of x, y and z")
+        return self
+
+
+class Control(Table):
+    """Gains of the law (3.16), (3.21) to (3.23)."""
+
+    kp_per_s: NonNegative
+    ko_per_s: NonNegative
+
+
+class Pose(Table):
+    """The guide `pose`: from where the tool is to a place beside, turned by less than 90 degrees."""
+
+    by_m: Annotated[tuple[Finite, Finite, Finite], Field(strict=False)]
+    tilt_deg: Annotated[tuple[Finite, Finite, Finite], Field(strict=False)]
+    """About x, y and z of the foot's frame, together: the length is the angle."""
+
+
+class Courses(Table):
+    """Heights of the guides `ramp`, (3.24), and `sine`, (3.25): mm by context, 60 s."""
+
+    height_m: Positive = 0.08
+    ramp_s: Positive = 60.0
+    pose: Pose
+
+
+class Geometry(Table):
+    """All that a robot file says of the arm beside its joints."""
+
+    limits: Limits
+    workspace: Workspace
+    control: Control
+    courses: Courses

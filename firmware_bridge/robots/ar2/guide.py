@@ -1,0 +1,107 @@
+"""The arm's guides: the law of resolved rate along a course of the tool; the gate judges their wishes.
+
+q' = J+ (x_r' + K e), with e = x_r - x, and for a pose the law (3.21) to (3.23) (A. Seleit, MSc thesis, UCF,
+2020). A course begins where the tool is; while the arm is held back it waits. What the joints were told last
+counts as where they are: it is where they are at the end of a move, and nothing measures them.
+
+Tests of the source: (3.24), a ramp, and (3.25), a sine, both upwards, of 80 in 60 s; mm by context.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Final, NamedTuple, TypeAlias
+
+import numpy as np
+
+from firmware_bridge.motion.ar2 import AR2
+from firmware_bridge.motion.chain import Matrix
+from firmware_bridge.motion.resolved_rate import pose_law
+from firmware_bridge.robot import Robot
+from firmware_bridge.robots.ar2.body import Body
+from firmware_bridge.robots.ar2.geometry import Courses, Geometry
+from firmware_bridge.robots.ar2.motion import STILL, Motion, State, motion_of
+from firmware_bridge.safety.snapshot import Snapshot
+from firmware_bridge.units import Nanoseconds, to_seconds
+
+
+class Place(NamedTuple):
+    """Where a course is at an instant, from where it began, m and m/s; turned by a vector, rad."""
+
+    by: tuple[float, float, float]
+    speed: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    turned: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+Course: TypeAlias = Callable[[Courses, float], Place]
+
+
+def ramp(courses: Courses, seconds: float) -> Place:
+    """Return the place on a ramp upwards, which ends at its height."""
+    rate = courses.height_m / courses.ramp_s
+    over = seconds >= courses.ramp_s
+    height = courses.height_m if over else rate * seconds
+    return Place((0.0, 0.0, height), (0.0, 0.0, 0.0 if over else rate))
+
+
+def sine(courses: Courses, seconds: float) -> Place:
+    """Return the place on one sine up and down, which ends where it began."""
+    if seconds >= courses.ramp_s:
+        return Place((0.0, 0.0, 0.0))
+    rate = math.tau / courses.ramp_s
+    height = courses.height_m * math.sin(rate * seconds)
+    return Place((0.0, 0.0, height), (0.0, 0.0, courses.height_m * rate * math.cos(rate * seconds)))
+
+
+def pose(courses: Courses, seconds: float) -> Place:
+    """Return the place beside, which is asked for at once: the law alone takes the tool there."""
+    del seconds
+    x, y, z = (math.radians(it) for it in courses.pose.tilt_deg)
+    return Place(courses.pose.by_m, turned=(x, y, z))
+
+
+COURSES: Final[Mapping[str, Course]] = MappingProxyType({"ramp": ramp, "sine": sine, "pose": pose})
+"""By the guides' names."""
+
+
+class Follower:
+    """A `firmware_bridge.kind.Guide` along one course."""
+
+    def __init__(self, robot: Robot[Geometry], course: Course) -> None:
+        self._courses: Final = robot.geometry.courses
+        self._gains: Final = (robot.geometry.control.kp_per_s, robot.geometry.control.ko_per_s)
+        self._course: Final = course
+        self._body: Final = Body(robot)
+        self._start: Matrix | None = None
+        self._seconds = 0.0
+        self._waits = False
+
+    def reset(self) -> None:
+        """Let the course wait: the arm was held back."""
+        self._waits = True
+
+    def wished(self, seen: Snapshot[Motion, State], elapsed: Nanoseconds) -> Motion:
+        """Return the motion towards where the course is now."""
+        actual = AR2.pose(self._body.begin(seen.demanded, seen.body))
+        if self._start is None:
+            self._start = actual
+        elif not self._waits:
+            self._seconds += to_seconds(elapsed)
+        self._waits = False
+        place = self._course(self._courses, self._seconds)
+        desired = np.eye(4)
+        desired[:3, :3] = turned(place.turned) @ self._start[:3, :3]
+        desired[:3, 3] = self._start[:3, 3] + place.by
+        law = pose_law(desired, actual, np.array((*place.speed, *STILL[3:])), self._gains)
+        return motion_of(law.tolist(), path_s=self._seconds)
+
+
+def turned(by: tuple[float, float, float]) -> Matrix:
+    """Return the matrix that turns about a vector by its length in rad (O. Rodrigues)."""
+    angle = math.hypot(*by)
+    if not angle:
+        return np.eye(3)
+    x, y, z = (it / angle for it in by)
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    found: Matrix = np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * cross @ cross
+    return found

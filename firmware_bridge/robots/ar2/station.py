@@ -1,0 +1,80 @@
+"""The arm's rows on MAVLink: the tool by stick and by velocity, and what it tells.
+
+Full stick is the speed limit in its direction, ahead, to the left, and upwards while button 3 is held; and
+the turn rate's about the upright axis. Button 2 is the emergency stop.
+"""
+
+import math
+from typing import Final
+
+from firmware_bridge.robot import Robot
+from firmware_bridge.robots.ar2.body import JOINTS
+from firmware_bridge.robots.ar2.geometry import Geometry
+from firmware_bridge.robots.ar2.motion import Motion, State
+from firmware_bridge.robots.ar2.rules import tool
+from firmware_bridge.safety.snapshot import Snapshot
+from firmware_bridge.teleop.station import Fixed, Gauge, Station, Stick, Twist, Value, Velocity
+from firmware_bridge.units import SECOND
+
+
+def of_stick(stick: Stick, _wish: Motion, robot: Robot[Geometry]) -> Motion:
+    """Return the wish for a stick."""
+    limits = robot.geometry.limits
+    speed = limits.speed_mps
+    return Motion(
+        ahead_mps=(stick.forward or 0.0) * speed,
+        left_mps=(stick.left or 0.0) * speed,
+        up_mps=(stick.up or 0.0) * speed,
+        yaw_rad_s=(stick.turn or 0.0) * limits.turn_rate_rad_s,
+    )
+
+
+def of_target(velocity: Velocity, _wish: Motion, _robot: Robot[Geometry]) -> Motion:
+    """Return the wish for a velocity on the level, and a turn rate."""
+    return Motion(velocity.forward_mps, velocity.left_mps, yaw_rad_s=velocity.yaw_rate_rad_s or 0.0)
+
+
+def _largest(robot: Robot[Geometry]) -> Twist:
+    limits = robot.geometry.limits
+    return Twist(limits.speed_mps, limits.speed_mps, limits.turn_rate_rad_s)
+
+
+def _still(_state: State) -> Twist:
+    """Return that the foot does not move: what the tool does is told by values of its own."""
+    return Twist(0.0, 0.0, 0.0)
+
+
+def _coordinate(axis: int, letter: str) -> Value[Motion, State]:
+    def read(seen: Snapshot[Motion, State]) -> float:
+        return tool(seen.body)[axis]
+
+    return Value(f"TOOL_{letter}", SECOND // 5, read, "m, where the tool is counted to be")
+
+
+def _degrees(role: str) -> Gauge[Geometry]:
+    return Gauge(
+        role, "deg", lambda position, _: math.degrees(position), lambda value, _: math.radians(value)
+    )
+
+
+STATION: Final[Station[Geometry, Motion, State]] = Station(
+    stick=of_stick,
+    target=of_target,
+    twist=_still,
+    forgotten=lambda wish: wish,
+    largest=_largest,
+    stop_button=2,
+    up_button=3,
+    values=(
+        *(_coordinate(axis, letter) for axis, letter in enumerate("XYZ")),
+        Value("PATH", SECOND // 5, lambda seen: seen.wish.path_s, "s on the course that a guide follows"),
+    ),
+    parameters=(
+        Fixed("SPD_MAX", lambda robot: robot.geometry.limits.speed_mps, "m/s"),
+        Fixed("ACC_MAX", lambda robot: robot.geometry.limits.acceleration_mps2, "m/s2"),
+        Fixed("TURN_MAX", lambda robot: robot.geometry.limits.turn_rate_rad_s, "rad/s"),
+        Fixed("CTRL_P", lambda robot: robot.geometry.control.kp_per_s, "1/s"),
+        Fixed("CTRL_O", lambda robot: robot.geometry.control.ko_per_s, "1/s"),
+    ),
+    gauges=tuple(map(_degrees, JOINTS)),
+)

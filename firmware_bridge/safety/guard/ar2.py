@@ -1,0 +1,259 @@
+"""What may leave towards the board of an AR2 arm: questions, places, short moves within the joints' bounds.
+
+A move cannot be stopped once it is sent. So one is under way at a time, until the board has echoed what was
+said after it; it is short, and no joint gets further in it than its top speed allows in a cycle, nor beyond
+its travel, counted here anew from the place that was said last. Without such a place a joint is not moved.
+
+Source: Chris-Annin/AR2, AR2_2.0, its sketch: the grammar, and the time of each pulse; robot file for bounds.
+"""
+
+import math
+import re
+from collections.abc import Mapping
+from typing import Final, NamedTuple
+
+from firmware_bridge.node import DTR_DOWN, DTR_UP, LINE_BACK, LINE_LOST
+from firmware_bridge.packet import Packet
+from firmware_bridge.robot import AnyRobot, Axis
+from firmware_bridge.safety.guard.bounds import ROUNDING
+from firmware_bridge.safety.guard.in_force import Asked, InForce
+from firmware_bridge.safety.guard.wire_rules import WireRules
+from firmware_bridge.units import NEVER, SECOND, Nanoseconds
+
+HALT: Final = b"TMhalt\n"
+"""What takes motion away: nothing can, and nothing follows; its echo proves that the move is over."""
+QUESTION: Final = re.compile(rb"TM(q[0-9]{1,12}|halt)\n")
+PLACE: Final = re.compile(rb"TM([A-F])([0-9]{1,5})\n")
+MOVE: Final = re.compile(
+    rb"MJA([01])(\d{1,4})B([01])(\d{1,4})C([01])(\d{1,4})D([01])(\d{1,4})E([01])(\d{1,4})F([01])(\d{1,4})"
+    rb"T00S(\d{1,3}(?:\.\d{1,6})?)G0H100I0K100\n"
+)
+HEARD: Final = 256
+"""Bytes that are looked through for an echo."""
+STEPS_PER_TURN: Final = 400
+FULL_MS: Final = 20.0
+"""Of all pulses of a turn of the sketch's loop at 1 %."""
+TURN_MS: Final = 0.1
+"""What a turn takes beside, at most; the longest joint takes no more than two turns for a step."""
+SLOWEST: Final = 1.3
+"""Percent: below it a pulse is longer than delayMicroseconds() can count."""
+SHORTEST_MS: Final = 0.28
+"""Between two pulses: at less a motor may lose steps without a load."""
+LONGEST_MS: Final = 100.0
+"""Of any move, whatever the robot file says."""
+
+
+class Move(NamedTuple):
+    """Steps of J1 to J6, ahead positive, and how fast."""
+
+    steps: tuple[int, ...]
+    percent: float
+
+    @property
+    def pulse_ms(self) -> float:
+        """The time of one pulse."""
+        return FULL_MS / self.percent / max(1, sum(1 for it in self.steps if it))
+
+    @property
+    def lasts_ms(self) -> float:
+        """The longest that it may take."""
+        turns = 2.0 * max(map(abs, self.steps))
+        # Its first turn waits twice as long.
+        first = sum(1 for it in self.steps if it)
+        return (sum(map(abs, self.steps)) + first) * self.pulse_ms + turns * TURN_MS
+
+
+def move_of(line: bytes) -> Move | None:
+    """Read a move as the bridge says them; None for anything else."""
+    found = MOVE.fullmatch(line)
+    if found is None:
+        return None
+    fields = found.groups()
+    steps = tuple(
+        int(count) * (1 if digit == b"1" else -1)
+        for digit, count in zip(fields[0:12:2], fields[1:12:2], strict=True)
+    )
+    return Move(steps, float(fields[12]))
+
+
+class GuardedJoint:
+    """One joint: where it has been said to stand, and the move that is under way."""
+
+    def __init__(self, axis: Axis, robot: AnyRobot) -> None:
+        self.axis: Final = axis
+        link = robot.ar2_link(axis.link)
+        self.cycle: Final = robot.cycle * link.every
+        self.all: tuple[InForce, ...] = ()
+        self.commanded_at: Nanoseconds = -NEVER
+        self.homes: Final = False
+        self.homes_within_s: Final = 0.0
+        self.speed: Final = 0.0
+        self.number: Final = axis.ar2.joint
+        per_rad = axis.direction * STEPS_PER_TURN * axis.ratio / math.tau
+        low, high = axis.travel or (0.0, 0.0)
+        ends = sorted(per_rad * (end - math.radians(axis.ar2.counts_from_deg)) for end in (low, high))
+        self.least: Final = round(ends[0])
+        self.most: Final = round(ends[1])
+        self.at_once: Final = math.floor(axis.top_speed * abs(per_rad) * self.cycle / SECOND) + 1
+        """Steps of one move: what is told is rounded."""
+        self.place: int | None = None
+        """In steps; None while nobody has said it."""
+        self.moving = False
+
+    @property
+    def powered(self) -> bool:
+        """Whether it may move: its motor has its current always."""
+        return self.moving
+
+    def refuses_place(self, place: int) -> str | None:
+        """Return why nobody can mean that it stands there, or None."""
+        if self.least <= place <= self.most:
+            return None
+        return f"{self.axis.called}: {place} steps are not within {self.least} to {self.most}"
+
+    def refuses(self, steps: int) -> str | None:
+        """Return why it may not go so many steps, or None."""
+        if not steps:
+            return None
+        if self.place is None:
+            return f"{self.axis.called}: moved by {steps} steps, and nobody has said where it stands"
+        if abs(steps) > self.at_once:
+            return f"{self.axis.called}: {steps} steps at once, {self.at_once} are allowed"
+        there = self.place + steps
+        if not self.least <= there <= self.most and not self._comes_back(there):
+            return f"{self.axis.called}: to {there} steps, its travel is {self.least} to {self.most}"
+        return None
+
+    def _comes_back(self, there: int) -> bool:
+        place = there if self.place is None else self.place
+        return place < there <= self.most or self.least <= there < place
+
+
+class Ar2Rules(WireRules):
+    """Lines to one board, and the echoes of it."""
+
+    def __init__(self, robot: AnyRobot, link: str) -> None:
+        self.link = link
+        joints = tuple(GuardedJoint(axis, robot) for axis in robot.axes_on(link))
+        self._joints: Final = {joint.number: joint for joint in joints}
+        self.axes: tuple[InForce, ...] = joints
+        self._longest: Final = min(LONGEST_MS, float(robot.ar2_link(link).move_ms))
+        self._under_way = False
+        """Whether the end of a move is not proved."""
+        self._proves: bytes | None = None
+        """The echo that would prove it: of the newest line that was said after it."""
+        self._heard = b""
+
+    @property
+    def waiting(self) -> bool:
+        """Never: what the guard says has left when it was handed over."""
+        return False
+
+    def axes_of(self, packet: Packet) -> tuple[InForce, ...]:
+        """Return all joints: a question says that none of them shall move, a move where all shall go."""
+        line = packet.payload
+        is_word = packet.address == 0 and (QUESTION.fullmatch(line) or MOVE.fullmatch(line))
+        return self.axes if is_word else ()
+
+    def asked_by(self, packet: Packet) -> Mapping[InForce, Asked]:
+        """Return which joints a line moves."""
+        steps = self._steps(packet)
+        return {joint: Asked(moves=bool(steps.get(joint.number)), speed=0.0) for joint in self._all}
+
+    def refuses(self, packet: Packet, now: Nanoseconds) -> str | None:
+        """Look into the list, and at what is under way."""
+        del now
+        line = packet.payload
+        if packet.address in {DTR_UP, DTR_DOWN} and not line:
+            return None
+        if packet.address != 0:
+            return f"address {packet.address} is none of a line's"
+        if QUESTION.fullmatch(line):
+            return None
+        said = PLACE.fullmatch(line)
+        if said is not None:
+            return self._refuses_place(said[1][0] - ord("A") + 1, int(said[2]))
+        move = move_of(line)
+        return f"the line {line!r} is not listed" if move is None else self._refuses_move(move)
+
+    def _refuses_place(self, number: int, place: int) -> str | None:
+        joint = self._joints.get(number)
+        if joint is None:
+            return f"no axis is joint J{number}"
+        if self._under_way:
+            return f"{joint.axis.called}: said to stand at {place} steps while the arm may move"
+        return joint.refuses_place(place)
+
+    def _refuses_move(self, move: Move) -> str | None:
+        if self._under_way:
+            return "a move before the end of the one before was proved"
+        if move.percent < SLOWEST or move.pulse_ms < SHORTEST_MS:
+            return f"a move with a pulse of {move.pulse_ms:.3g} ms at {move.percent:g} %"
+        if move.lasts_ms > self._longest + LONGEST_MS * ROUNDING:
+            return f"a move of up to {move.lasts_ms:.0f} ms, {self._longest:.0f} are allowed"
+        for number, steps in enumerate(move.steps, 1):
+            joint = self._joints.get(number)
+            if joint is None and steps:
+                return f"joint J{number} is no axis of this robot, and moves by {steps} steps"
+            reason = None if joint is None else joint.refuses(steps)
+            if reason is not None:
+                return reason
+        return None
+
+    def safe(self, axis: GuardedJoint) -> tuple[Packet, ...]:
+        """Return the one word for all joints: a question."""
+        del axis
+        return (Packet(self.link, 0, HALT),)
+
+    def instead_of(self, packet: Packet) -> tuple[Packet, ...]:
+        """Return a question: no line but a move moves anything."""
+        del packet
+        return (Packet(self.link, 0, HALT),)
+
+    def sends(self, packet: Packet, now: Nanoseconds, *, asked: bool) -> tuple[InForce, ...]:
+        """Note a line that leaves."""
+        del now, asked
+        if packet.address != 0:
+            self._forget()
+            return self.axes
+        steps = self._steps(packet)
+        if any(steps.values()):
+            self._under_way, self._proves = True, None
+            for joint in self._all:
+                joint.moving = bool(steps.get(joint.number))
+                if joint.place is not None:
+                    joint.place += steps.get(joint.number, 0)
+            return self.axes
+        said = PLACE.fullmatch(packet.payload)
+        if said is not None:
+            self._joints[said[1][0] - ord("A") + 1].place = int(said[2])
+        self._proves = packet.payload[2:] + b"\r\n"
+        self._heard = b""
+        return ()
+
+    def receives(self, packet: Packet, now: Nanoseconds) -> bool:
+        """Let everything in; an echo of what was said after a move proves its end."""
+        del now
+        if packet.address in {LINE_LOST, LINE_BACK} and not packet.payload:
+            self._forget()
+            return True
+        self._heard = (self._heard + bytes(packet.payload))[-HEARD:]
+        if self._proves is not None and self._proves in self._heard:
+            self._under_way, self._proves = False, None
+            for joint in self._all:
+                joint.moving = False
+        return True
+
+    @property
+    def _all(self) -> tuple[GuardedJoint, ...]:
+        return tuple(self._joints.values())
+
+    def _steps(self, packet: Packet) -> Mapping[int, int]:
+        move = move_of(packet.payload) if packet.address == 0 else None
+        return {} if move is None else dict(enumerate(move.steps, 1))
+
+    def _forget(self) -> None:
+        """Know no place any more: the board starts anew, or was not to be reached. A move has ended then."""
+        self._under_way, self._proves = False, None
+        for joint in self._all:
+            joint.place, joint.moving = None, False

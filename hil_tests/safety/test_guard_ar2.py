@@ -1,0 +1,150 @@
+"""What the guard lets through to an arm: one short move at a time, in its travel, from a place said."""
+
+from collections.abc import Callable
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from emulators.arduino_omni.ar2.axes import JOINTS
+from firmware_bridge.kinds import find
+from firmware_bridge.node import DTR_DOWN, DTR_UP, LINE_BACK, LINE_LOST
+from firmware_bridge.packet import Packet
+from firmware_bridge.safety.guard.ar2 import HALT
+from firmware_bridge.wire.arduino import ar2 as words
+from hil_tests.lanes import examples
+from hil_tests.safety.guard_bench import Bench
+from hil_tests.unit.arduino.ar2_bench import Bench as Arm
+
+ROBOT = find("ar2")
+MIDDLE = tuple(axis.steps // 2 for axis in JOINTS)
+QUESTION = words.test("q1")
+STEP = words.move((5, -5, 0, 0, 0, 0), 10.0)
+
+
+def line(data: bytes) -> Packet:
+    return Packet("arm", 0, data)
+
+
+class OnTheLine:
+    """A guard with an arm's board behind it that has a mind of its own about when it answers."""
+
+    def __init__(self) -> None:
+        self.bench = Bench(ROBOT)
+
+    def says(self, data: bytes) -> bool:
+        """Say a line; return whether it has left as it is."""
+        return self.bench.says(line(data)) == (line(data),)
+
+    def refused(self, data: bytes) -> str:
+        """Say a line that does not leave, and return why; a question leaves in its place."""
+        before = len(self.bench.refusals)
+        assert self.bench.says(line(data)) == (line(HALT),)
+        assert len(self.bench.refusals) == before + 1
+        return self.bench.refusals[-1].reason
+
+    def echoes(self, data: bytes) -> None:
+        self.bench.hears(line(data))
+
+    def told(self, steps: tuple[int, ...] = MIDDLE) -> "OnTheLine":
+        """Have it told where all joints stand."""
+        for joint, place in enumerate(steps, 1):
+            assert self.says(words.test(words.place(joint, place)))
+        return self
+
+
+@pytest.mark.parametrize(
+    ("data", "why"),
+    [
+        (b"MJA15B00C00D00E00F00T00S10G0H100I0K100", "is not listed"),
+        (b"MJA15B00C00D00E00F00T05S10G0H100I0K100\n", "is not listed"),
+        (b"MJA15B00C00D00E00F00T00S10G10H10I10K10\n", "is not listed"),
+        (b"MJA15B00C00D00E00F00T00S10G0H100I0K100\nMJA1\n", "is not listed"),
+        (b"MJA150000B00C00D00E00F00T00S10G0H100I0K100\n", "is not listed"),
+        (b"LLA0200B00C00D00E00F00S50\n", "is not listed"),
+        (b"ML1\n", "is not listed"),
+        (b"ONX39\n", "is not listed"),
+        (b"TMhello\n", "is not listed"),
+        (b"", "is not listed"),
+        (words.move((5, 0, 0, 0, 0, 0), 1.2), "a pulse of 16.7 ms at 1.2 %"),
+        (words.move((5, 0, 0, 0, 0, 0), 100.0), "a pulse of 0.2 ms at 100 %"),
+        (words.move((58, 0, 0, 0, 0, 0), 40.0), "joint J1 (waist): 58 steps at once, 52 are allowed"),
+        (words.move((20, 0, 0, 0, 0, 0), 6.0), "a move of up to 74 ms, 60 are allowed"),
+        (words.test("G5"), "is not listed"),
+        (words.test("A15201"), "joint J1 (waist): 15201 steps are not within 0 to 15200"),
+    ],
+)
+def test_what_is_not_listed_or_beyond_its_bound_does_not_leave(data: bytes, why: str) -> None:
+    assert why in OnTheLine().told().refused(data)
+
+
+def test_a_joint_moves_once_somebody_has_said_where_it_stands() -> None:
+    one = OnTheLine()
+    assert "nobody has said where it stands" in one.refused(STEP)
+    assert one.told().says(STEP)
+
+
+@pytest.mark.parametrize(
+    ("axis", "place", "sign"), [(it, end, sign) for it in range(6) for end, sign in ((0, -1), (1, 1))]
+)
+def test_no_joint_goes_beyond_its_travel(axis: int, place: int, sign: int) -> None:
+    end = place * JOINTS[axis].steps
+    places = (*MIDDLE[:axis], end, *MIDDLE[axis + 1 :])
+    beyond = words.move(tuple(sign * (it == axis) for it in range(6)), 2.0)
+    inwards = words.move(tuple(-sign * (it == axis) for it in range(6)), 2.0)
+    assert "its travel is" in OnTheLine().told(places).refused(beyond)
+    assert OnTheLine().told(places).says(inwards)
+
+
+def test_one_move_is_under_way_until_what_was_said_after_it_is_echoed() -> None:
+    one = OnTheLine().told()
+    assert one.says(STEP)
+    one.echoes(words.MOVING)
+    assert "before the end of the one before was proved" in one.refused(STEP)
+    assert "while the arm may move" in one.refused(words.test("A7000"))
+    assert one.says(words.test("q8"))
+    one.echoes(words.echo("q7"))
+    assert "was proved" in one.refused(STEP)
+    assert one.says(words.test("q9"))
+    for byte in words.echo("q9"):
+        one.echoes(bytes([byte]))
+    assert one.says(STEP)
+
+
+@pytest.mark.parametrize(
+    "begins_anew",
+    [
+        lambda one: one.bench.says(Packet("arm", DTR_DOWN, b""), Packet("arm", DTR_UP, b"")),
+        lambda one: one.bench.hears(Packet("arm", LINE_LOST, b"")),
+        lambda one: one.bench.hears(Packet("arm", LINE_BACK, b"")),
+    ],
+)
+def test_a_board_that_begins_anew_stands_nobody_knows_where(
+    begins_anew: Callable[[OnTheLine], object],
+) -> None:
+    one = OnTheLine().told()
+    assert one.says(STEP)
+    begins_anew(one)
+    assert "nobody has said where it stands" in one.refused(STEP)
+
+
+steps = st.lists(st.integers(-90, 90), min_size=6, max_size=6)
+said = st.one_of(
+    st.builds(words.move, steps, st.floats(1.0, 100.0)),
+    st.builds(lambda text: words.test(f"q{text}"), st.integers(0, 99)),
+    st.binary(max_size=60),
+)
+
+
+@settings(max_examples=examples(60))
+@given(lines=st.lists(said, max_size=30), begin=st.tuples(*(st.integers(0, axis.steps) for axis in JOINTS)))
+def test_whatever_is_said_the_arm_stays_in_its_travel(lines: list[bytes], begin: tuple[int, ...]) -> None:
+    """By the emulated board, which does what has left, and answers at once."""
+    one, arm = OnTheLine().told(begin), Arm()
+    arm.joints.places[:6] = begin
+    for data in lines:
+        for packet in one.bench.says(line(data)):
+            heard = arm.ask(packet.payload)
+            one.echoes(heard)
+            assert not any(arm.joints.lost), "no joint is driven into its stop"
+        assert all(0 <= place <= axis.steps for place, axis in zip(arm.joints.places, JOINTS, strict=False))
