@@ -10,6 +10,7 @@ from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.drivers.fleets import DRIVERS, fleets_of
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Output
+from firmware_bridge.robot.settings.ar2 import Ar2Driver
 from firmware_bridge.robot.settings.capture import CaptureDriver
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.robot.settings.shield import ShieldDriver
@@ -53,7 +54,7 @@ ROBOTS = pytest.mark.parametrize("make", [on_can, on_lines, on_both])
 
 
 def test_every_driver_of_the_robot_file_makes_a_fleet() -> None:
-    assert set(DRIVERS) == {*Epos2Driver, *ShieldDriver, *CaptureDriver}
+    assert set(DRIVERS) == {*Epos2Driver, *ShieldDriver, *Ar2Driver, *CaptureDriver}
 
 
 @ROBOTS
