@@ -37,6 +37,11 @@ COMMANDS: Final[tuple[Row, ...]] = (
 `firmware-bridge epos2 state --serial /dev/ttyUSB0 --protocol v2`""",
     ),
     Command(
+        "epos2 scan",
+        "firmware_bridge.cli.epos2.scan:scan",
+        "List who answers on a CAN bus, or behind a serial line: device, versions, serial number, states.",
+    ),
+    Command(
         "epos2 read",
         "firmware_bridge.cli.epos2.read:read",
         "Read objects of a drive, with their names, units, and what their bits say.",

@@ -58,6 +58,7 @@ IMPORTED: Final[dict[str, set[str]]] = {
     "epos2 state quick-stop -i socketcan -c nosuchcan0": LINE,
     "epos2 state quick-stop --serial /dev/null": LINE,
     "epos2 read statusword --serial /dev/null": {*LINE, "rich"},
+    "epos2 scan -i socketcan -c nosuchcan0": LINE,
     "drive rars -i socketcan -c nosuchcan0": BRIDGE,
 }
 """Everything else, above all Matplotlib, NumPy, SymPy, FMPy and python-can, is for who asks for it."""
