@@ -25,6 +25,11 @@ COMMANDS: Final[tuple[Row, ...]] = (
         "firmware_bridge.cli.robots:robots",
         "List the robots that are installed, each file checked.",
     ),
+    Command(
+        "monitor",
+        "firmware_bridge.cli.monitor:monitor",
+        "Show a CAN bus in words: who is there, PDOs, statuswords, emergencies, rates, load, the last error.",
+    ),
     Group(
         "epos2",
         "One EPOS2 drive, real or emulated, over CAN or a serial line: its objects, its state.",

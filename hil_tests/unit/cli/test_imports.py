@@ -40,6 +40,8 @@ IMPORTED: Final[dict[str, set[str]]] = {
     "robots": {*OPTIONS, "rich", *KINDS},
     "drive --help": HELP,
     "pilot --help": HELP,
+    "monitor --help": HELP,
+    "monitor -i socketcan -c nosuchcan0": {*BRIDGE, "rich"},  # the dissector reads MAVLink, too
     "pilot rars --joystick --mavlink udpin:127.0.0.1:0 --device /dev/input/none": BRIDGE,
     "bench --help": HELP,
     "study --help": HELP,

@@ -139,9 +139,9 @@ def test_a_stopped_drive_is_heard_though_it_does_not_answer() -> None:
 def test_a_line_brings_its_own_drive_and_those_behind_it(generation: Generation) -> None:
     rig = Rig(generation)
     link = SerialAccess(generation)
-    scan = Scan(link, range(2, 5))
+    scan = Scan(link, range(1, 5))
     found = scanned(rig, scan, link)
-    assert (scan.own, set(found), scan.silent) == (NEAR, {NEAR, FAR}, (3, 4))
+    assert (scan.own, scan.asked, set(found), scan.silent) == (NEAR, [1, 2, 3, 4], {NEAR, FAR}, (3, 4))
     for node in (NEAR, FAR):
         assert found[node].value(SERIAL_NUMBER) == rig.value(node, SERIAL_NUMBER)
     assert found[NEAR].network == (NmtState.PRE_OPERATIONAL, NmtState.STOPPED), "a line answers in both"
