@@ -45,6 +45,7 @@ IMPORTED: Final[dict[str, set[str]]] = {
     "pilot rars --joystick --mavlink udpin:127.0.0.1:0 --device /dev/input/none": BRIDGE,
     "bench --help": HELP,
     "study --help": HELP,
+    "doctor --help": HELP,
     "emulate --help": HELP,
     "emulate rars --help": HELP,
     "emulate epos2 --help": HELP,
