@@ -71,7 +71,6 @@ def on_scripted(monkeypatch: pytest.MonkeyPatch, *words: str) -> Any:
     return run("-i", "virtual", "-c", "foreign", *words)
 
 
-@pytest.mark.interpreted
 def test_a_live_bus_is_told_change_by_change_and_as_a_picture_at_its_end(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -89,7 +88,6 @@ def test_a_live_bus_is_told_change_by_change_and_as_a_picture_at_its_end(
     assert "37 07, by a mapping that is not known" in told.stdout
 
 
-@pytest.mark.interpreted
 def test_on_a_terminal_it_is_drawn_and_nothing_is_sent(monkeypatch: pytest.MonkeyPatch) -> None:
     screen = Console(force_terminal=True, width=140, height=50, record=True)
     monkeypatch.setattr(monitor_work, "terminal", lambda: screen)

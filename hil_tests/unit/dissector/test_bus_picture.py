@@ -4,7 +4,9 @@ import lzma
 from pathlib import Path
 from typing import Final
 
+import hypothesis.strategies as st
 import pytest
+from hypothesis import given
 
 from firmware_bridge import kinds
 from firmware_bridge.dissector.bus_picture import BusPicture
@@ -14,7 +16,7 @@ from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import parse_candump
 from firmware_bridge.units import MILLISECOND, SECOND
-from firmware_bridge.wire.can import INTERFRAME_BITS, REMOTE, frame_bits
+from firmware_bridge.wire.can import EXTENDED, INTERFRAME_BITS, REMOTE, frame_bits
 from firmware_bridge.wire.can_error import BUS_OFF, encode_report
 from firmware_bridge.wire.canopen import NmtState
 from hil_tests.rows import every
@@ -140,6 +142,26 @@ def test_a_burst_is_a_peak_and_no_load_goes_beyond_all() -> None:
     for at in range(400):
         picture.note(at * MILLISECOND, frame(0x123, "FFFFFFFFFFFFFFFF"))
     assert (picture.load_percent, picture.peak_percent) == (100.0, 100.0)
+
+
+@given(
+    st.lists(
+        st.tuples(
+            st.integers(0, 300),
+            st.integers(0, 0x7FF),
+            st.sampled_from([0, EXTENDED, REMOTE]),
+            st.binary(max_size=8),
+        )
+    )
+)
+def test_whatever_comes_leaves_a_picture(frames: list[tuple[int, int, int, bytes]]) -> None:
+    picture, now = BusPicture(1_000_000), 0
+    for later, number, flag, content in frames:
+        now += later * MILLISECOND
+        assert all(picture.note(now, Packet(CAN, number | flag, content))), "a change has a text"
+    assert sum(count for _, _, _, count, _ in picture.messages()) == picture.frames == len(frames)
+    assert 0.0 <= picture.load_percent <= 100.0
+    assert all(title for _, title, _, _, _ in picture.messages())
 
 
 def test_nothing_heard_is_a_picture_too() -> None:
