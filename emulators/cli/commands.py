@@ -35,6 +35,11 @@ COMMANDS: Final[tuple[Row, ...]] = (
         "emulators.cli.study:study",
         "Make a source's figures and numbers anew: printed, independent, ours, and why they differ.",
     ),
+    Command(
+        "doctor",
+        "emulators.cli.doctor:doctor",
+        "Look at this machine: what is there, what is missing, what to be careful of, and how to mend it.",
+    ),
     Group(
         "emulate",
         """Put emulated devices on a real CAN bus or a serial line, in real time.

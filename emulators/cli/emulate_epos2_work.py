@@ -1,6 +1,5 @@
 """Puts drives without a robot on real links, in real time."""
 
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -18,13 +17,13 @@ from emulators.servo.motor import MOTOR, DcMotor
 from emulators.single import Order, drives
 from firmware_bridge.cli.console import one_message, refusal
 from firmware_bridge.cli.links import on_the_line, opened
+from firmware_bridge.cli.node_numbers import numbers
 from firmware_bridge.cli.options import until
 from firmware_bridge.cli.real_time import carry
 from firmware_bridge.cli.recorded import recording
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.shell.black_box import CAN_LOG, SERIAL_LOG
 from firmware_bridge.shell.clock import LivedClock
-from firmware_bridge.wire.canopen import FIRST_NODE, LAST_NODE
 from firmware_bridge.wire.maxon.frame import Generation
 from fmu.errors import PlantError
 
@@ -74,22 +73,6 @@ def emulate(given: DrivesOptions) -> None:
             ServoError,
             clock=LivedClock(),
         )
-
-
-def numbers(text: str) -> tuple[int, ...]:
-    """Read `1`, `1-8` or `1,3,5-7`; what is no such list ends the program with a message."""
-    found: list[int] = []
-    for part in text.split(","):
-        fits = re.fullmatch(r"(\d+)(?:-(\d+))?", part.strip())
-        if fits is None:
-            raise refusal(f"--node {text}: say 1, or 1-8, or 1,3,5-7")
-        first, last = int(fits[1]), int(fits[2] or fits[1])
-        if not FIRST_NODE <= first <= last <= LAST_NODE:
-            raise refusal(f"--node {text}: nodes are numbered {FIRST_NODE} to {LAST_NODE}, upwards")
-        found.extend(range(first, last + 1))
-    if len(set(found)) != len(found):
-        raise refusal(f"--node {text}: a number occurs twice")
-    return tuple(found)
 
 
 def _profile(name: str, rate: int, choices: Sequence[str], *, latency: bool) -> DeviceProfile:

@@ -25,6 +25,11 @@ COMMANDS: Final[tuple[Row, ...]] = (
         "firmware_bridge.cli.robots:robots",
         "List the robots that are installed, each file checked.",
     ),
+    Command(
+        "monitor",
+        "firmware_bridge.cli.monitor:monitor",
+        "Show a CAN bus in words: who is there, PDOs, statuswords, emergencies, rates, load, the last error.",
+    ),
     Group(
         "epos2",
         "One EPOS2 drive, real or emulated, over CAN or a serial line: its objects, its state.",
@@ -35,6 +40,11 @@ COMMANDS: Final[tuple[Row, ...]] = (
 `firmware-bridge epos2 write profile-velocity 500rpm --serial /dev/ttyUSB0`
 
 `firmware-bridge epos2 state --serial /dev/ttyUSB0 --protocol v2`""",
+    ),
+    Command(
+        "epos2 scan",
+        "firmware_bridge.cli.epos2.scan:scan",
+        "List who answers on a CAN bus, or behind a serial line: device, versions, serial number, states.",
     ),
     Command(
         "epos2 read",

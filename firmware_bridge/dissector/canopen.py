@@ -5,7 +5,7 @@ far as somebody was seen to write them: a reader that has followed a set-up know
 PDO is read by the defaults of the EPOS2; bytes that do not fit its mapping are left as they are.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Final
 
@@ -33,8 +33,10 @@ OTHER: Final = "other"
 class Canopen:
     """Reads the frames of one bus in their order."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, defaults: bool = True) -> None:
+        """`defaults` tells to read a PDO whose mapping nobody was seen to write as an EPOS2's default."""
         self._nodes = Nodes()
+        self._defaults = defaults
         self._asked: dict[int, Address] = {}
         """The object of each node's SDO transfer."""
 
@@ -66,6 +68,33 @@ class Canopen:
         for node, _, mapping in self._nodes.candidates(number):
             return node if mapping >= TRANSMIT_MAPPING else MASTER
         return None
+
+    def expect(self, node: int, written: Iterable[tuple[Address, bytes]]) -> None:
+        """Take a node for set up like this, without having seen it."""
+        self._nodes.expect(node, written)
+
+    def objects(self, packet: Packet) -> tuple[int, list[tuple[Address, bytes]]]:
+        """Return the node that tells objects of its own by this frame, and these with their bytes.
+
+        They come in its transmit PDOs, as far as their mapping is known, and in its SDO answers.
+        """
+        number = identifier(packet.address)
+        if packet.address & (ERROR | EXTENDED | REMOTE):
+            return MASTER, []
+        node = number - canopen.SDO_RESPONSE
+        if canopen.FIRST_NODE <= node <= canopen.LAST_NODE:
+            response = sdo.decode_response(packet.payload)
+            if isinstance(response, sdo.UploadResponse) and response.raw is not None:
+                return node, [(response.address, response.raw)]
+            return node, []
+        for owner, _, mapping in self._nodes.candidates(number) if _is_pdo(number) else ():
+            known = mapping >= TRANSMIT_MAPPING and self._known(owner, mapping)
+            return owner, self._nodes.contents(owner, mapping, packet.payload) if known else []
+        return MASTER, []
+
+    def value(self, node: int, address: Address, raw: bytes) -> str:
+        """Return an object's value for people, with its unit and what its bits say."""
+        return self._nodes.value(node, address, raw)
 
     # Services
 
@@ -171,8 +200,13 @@ class Canopen:
             return title
         return f"0x{number:03X}"
 
+    def _known(self, node: int, mapping: int) -> bool:
+        return self._defaults or self._nodes.mapped(node, mapping)
+
     def _pdo(self, number: int, payload: bytes) -> str:
         for node, title, mapping in self._nodes.candidates(number):
+            if not self._known(node, mapping):
+                return f"{title}: {payload.hex(' ').upper()}, by a mapping that is not known"
             fields = self._nodes.fields(node, mapping, payload)
             return f"{title}: {', '.join(fields) if fields else 'bytes that do not fit its mapping'}"
         return "a PDO of nobody known"

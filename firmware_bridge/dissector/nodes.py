@@ -1,6 +1,6 @@
 """What is known of the nodes on a bus from what was written to them: their PDOs, and how values are read."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Final
 
 from firmware_bridge.drivers.commissioning.names import called
@@ -56,6 +56,17 @@ class Nodes:
         if row is not None and row.type.size:
             written[address] = row.type.decode(raw[: row.type.size])
 
+    def expect(self, node: int, written: Iterable[tuple[Address, bytes]]) -> None:
+        """Take a node for set up like this from the start, and after each restart."""
+        for address, raw in written:
+            self.note(node, address, raw)
+        self._saved[node] = dict(self._written[node])
+
+    def mapped(self, node: int, mapping: int) -> bool:
+        """Whether a PDO's mapping was written, so that it need not be taken for the default."""
+        written = self._written.get(node, {})
+        return any(Address(mapping, place) in written for place in range(MAX_ENTRIES + 1))
+
     def forget(self, node: int) -> None:
         """Know of a node that restarts only what it has saved."""
         self._written[node] = dict(self._saved.get(node, {}))
@@ -95,8 +106,8 @@ class Nodes:
                     if entry & canopen.COB_ID_MASK == number:
                         yield node, f"{kind} {place + 1}, node {node}", mapping + place
 
-    def fields(self, node: int, mapping: int, payload: bytes) -> list[str]:
-        """Return name and value of each mapped object; none where the bytes are not those of the mapping."""
+    def contents(self, node: int, mapping: int, payload: bytes) -> list[tuple[Address, bytes]]:
+        """Return each mapped object with its bytes; none where the bytes are not those of the mapping."""
         count = min(self.entry(node, mapping, 0), MAX_ENTRIES)
         entries = [MappingEntry.decode(self.entry(node, mapping, place + 1)) for place in range(count)]
         if sum(entry.bits for entry in entries) != 8 * len(payload):
@@ -104,7 +115,11 @@ class Nodes:
         found, begin = [], 0
         for entry in entries:
             end = begin + entry.bits // 8
-            value = self.value(node, entry.address, payload[begin:end])
-            found.append(f"{called(entry.address)} = {value}")
+            found.append((entry.address, payload[begin:end]))
             begin = end
         return found
+
+    def fields(self, node: int, mapping: int, payload: bytes) -> list[str]:
+        """Return name and value of each mapped object; none where the bytes are not those of the mapping."""
+        found = self.contents(node, mapping, payload)
+        return [f"{called(address)} = {self.value(node, address, raw)}" for address, raw in found]

@@ -36,6 +36,11 @@ class Clock:
         return select.select(filenos, (), (), timeout)[0]
 
 
+def resolution() -> Nanoseconds:
+    """Return the step of the clock, as the system tells it; at least one nanosecond."""
+    return max(1, round(time.get_clock_info("monotonic").resolution * SECOND))
+
+
 class LivedClock(Clock):
     """Counts only the time that the process was let run, for emulated devices.
 

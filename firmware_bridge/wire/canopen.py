@@ -62,6 +62,11 @@ class NmtState(IntEnum):
     OPERATIONAL = 0x05
     PRE_OPERATIONAL = 0x7F
 
+    @property
+    def title(self) -> str:
+        """The state as people say it."""
+        return self.name.lower().replace("_", "-")
+
 
 _STATE_BY_BYTE: Final = {int(state): state for state in NmtState}
 

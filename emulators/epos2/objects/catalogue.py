@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import Final
 
 from emulators.epos2.objects.device_profile import EPOS2_70_10, DeviceProfile, Known
+from firmware_bridge.wire.epos2.hardware import TYPES
 from firmware_bridge.wire.epos2.rows import EDS, Provenance
 
 _NAME: Final = Known(Provenance.DOCUMENTED, "the type's name tells supply and continuous current")
@@ -43,7 +44,7 @@ EPOS2_24_2: Final = DeviceProfile(
     marks=_marked(hardware_version=_UNKNOWN),
 )
 EPOS2_24_5: Final = DeviceProfile(
-    name="EPOS2 24/5",
+    name=TYPES[0x6220],
     hardware_version=0x6220,
     continuous_current_ma=5_000,
     peak_current_ma=10_000,
@@ -51,7 +52,7 @@ EPOS2_24_5: Final = DeviceProfile(
     marks=_marked(order_numbers=_UNKNOWN),
 )
 EPOS2_50_5: Final = DeviceProfile(
-    name="EPOS2 50/5",
+    name=TYPES[0x6320],
     order_numbers=("347717",),
     hardware_version=0x6320,
     continuous_current_ma=5_000,
@@ -60,7 +61,7 @@ EPOS2_50_5: Final = DeviceProfile(
     marks=_marked(hardware_version=Known(Provenance.DOCUMENTED, f"{_FIRMWARE_FILE}; also seen: 0x6322")),
 )
 EPOS2_MODULE_36_2: Final = DeviceProfile(
-    name="EPOS2 Module 36/2",
+    name=TYPES[0x6120],
     order_numbers=("360665",),
     hardware_version=0x6120,
     continuous_current_ma=2_000,

@@ -13,6 +13,7 @@ from firmware_bridge.units import MICROSECOND, MILLISECOND, Nanoseconds
 from firmware_bridge.wire.abort import AbortCode
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.hardware import TYPES
 from firmware_bridge.wire.epos2.rows import (
     APPLICATION_NOTES,
     ASSUMPTION,
@@ -234,7 +235,7 @@ _FIELDS: Final[Mapping[Address, str]] = MappingProxyType(
 )
 
 EPOS2_70_10: Final = DeviceProfile(
-    name="EPOS2 70/10",
+    name=TYPES[0x6420],
     order_numbers=("375711",),
     hardware_version=0x6420,
     continuous_current_ma=10_000,

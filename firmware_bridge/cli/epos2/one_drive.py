@@ -16,7 +16,7 @@ from firmware_bridge.cli.epos2.drive_options import (
 )
 from firmware_bridge.cli.options import BitRateOption, ChannelOption, InterfaceOption
 from firmware_bridge.drivers.commissioning.can_access import CanAccess
-from firmware_bridge.drivers.commissioning.client import JobClient, Script
+from firmware_bridge.drivers.commissioning.client import JobClient, Overhear, Script
 from firmware_bridge.drivers.commissioning.error_text import error_text
 from firmware_bridge.drivers.commissioning.job import JobError
 from firmware_bridge.drivers.commissioning.network_command import GatewayCheck
@@ -40,6 +40,8 @@ class OneDrive:
     node: int | None
     """None for the drive on a serial line, whichever it is; 0 for all nodes."""
     title: str
+    where: str
+    """The bus or the line alone."""
     silence: str
     """What to look at when nobody answers."""
     link: CanAccess | SerialAccess
@@ -51,13 +53,15 @@ class OneDrive:
         """Whether the drive is asked on its own line, with no bus in between."""
         return isinstance(self.link, SerialAccess) and self.link.node in {OWN, self.gateway}
 
-    def converse(self, script: Script, until: Nanoseconds = NEVER) -> JobClient:
+    def converse(
+        self, script: Script, until: Nanoseconds = NEVER, overhear: Overhear | None = None
+    ) -> JobClient:
         """Carry a script out in real time; what goes wrong ends the program with one message.
 
         Returns also where the time was over, or the user had enough, before the script was done.
         """
         checked = () if self.gateway is None or isinstance(self.link, CanAccess) else self._checked(self.link)
-        client = JobClient(self.link, (*checked, *script))
+        client = JobClient(self.link, (*checked, *script), overhear)
         with one_message(PortError):
             port = self.opener()
         with one_message(LostPort, status=FAILED):
@@ -99,9 +103,11 @@ def drive_from_options(
             "a serial line", "--serial DEVICE", {"--baud": baud, "--protocol": protocol, "--gateway": gateway}
         )
         number = FIRST_NODE if node is None else node
+        where = channel or "the configured bus"
         return OneDrive(
             number,
-            _title(number, channel or "the configured bus"),
+            _title(number, where),
+            where,
             "is it on, on this bus, at this bit rate, with this --node? In Stopped it is silent, too",
             CanAccess(number),
             lambda: open_can(interface, channel, bit_rate),
@@ -113,6 +119,7 @@ def drive_from_options(
     return OneDrive(
         wanted,
         f"the drive on {serial}" if wanted is None else _title(wanted, serial),
+        serial,
         f"is it on, at {rate} Bd (--baud), and does the line speak {spoken.value}, "
         f"not {_OTHER[spoken]} (--protocol)?",
         SerialAccess(spoken, wanted or OWN),
@@ -137,10 +144,14 @@ DriveCommand = Callable[..., None]
 
 
 def one_drive(node: Any = NodeOption) -> Callable[[DriveCommand], DriveCommand]:
-    """Put the parameters of `drive_from_options` in the place of a command's first; `node` names it."""
+    """Put the parameters of `drive_from_options` in the place of a command's first.
+
+    `node` names the drive; None where the command is for all that are on the bus or the line.
+    """
     line = [
         each.replace(annotation=node) if each.name == "node" else each
         for each in signature(drive_from_options).parameters.values()
+        if each.name != "node" or node is not None
     ]
 
     def with_options(command: DriveCommand) -> DriveCommand:

@@ -14,7 +14,6 @@ from firmware_bridge.cli.epos2.one_drive import OneDrive, one_drive
 from firmware_bridge.drivers.commissioning.overview import Overview
 from firmware_bridge.drivers.commissioning.power import PowerCommand, Wanted
 from firmware_bridge.drivers.commissioning.words import title
-from firmware_bridge.wire.canopen import NmtState
 from firmware_bridge.wire.epos2 import address as at
 
 EXAMPLES: Final = """Examples:
@@ -69,7 +68,7 @@ def _text(drive: OneDrive, overview: Overview) -> str:
         ("statusword", value_text(standing, at.STATUSWORD)),
         ("controlword", value_text(standing, at.CONTROLWORD)),
         ("mode", title(overview.mode)),
-        ("network", " or ".join(_network(each) for each in overview.network) or "unknown"),
+        ("network", " or ".join(each.title for each in overview.network) or "unknown"),
         ("errors", value_text(standing, at.ERROR_REGISTER)),
         ("history", "\n             ".join(errors) or "empty"),
     )
@@ -84,11 +83,7 @@ def _record(drive: OneDrive, overview: Overview) -> dict[str, Any]:
         "mode": None
         if overview.mode is None
         else {"number": overview.mode.value, "name": title(overview.mode)},
-        "network": [_network(each) for each in overview.network],
+        "network": [each.title for each in overview.network],
         "history": [object_record(history, address) for address in history.addresses],
         "objects": [object_record(standing, address) for address in standing.addresses],
     }
-
-
-def _network(found: NmtState) -> str:
-    return found.name.lower().replace("_", "-")

@@ -4,8 +4,6 @@ A bus has room for one SDO client of each node. Beside a running bridge this one
 other's question about the same object.
 """
 
-from typing import Final
-
 from firmware_bridge.drivers.commissioning.job import (
     BrokenAnswerError,
     Job,
@@ -37,8 +35,10 @@ class CanAccess:
     """One drive by its node number."""
 
     def __init__(self, node: int, timeout: Nanoseconds = TIMEOUT) -> None:
-        self.node: Final = node
+        self.node = node
+        """May be another from one job to the next."""
         self._timeout = timeout
+        self._tries = ATTEMPTS
         self._client = SdoClient(timeout)
         self._job: Job | None = None
         self._sent_only = False
@@ -47,6 +47,10 @@ class CanAccess:
     def wake_at(self) -> Nanoseconds:
         """When the answer is late."""
         return self._client.wake_at
+
+    def asks_once(self, timeout: Nanoseconds) -> None:
+        """Wait so long for an answer from now on, and do not ask again."""
+        self._timeout, self._tries = timeout, 1
 
     def begin(self, job: Job, now: Nanoseconds) -> Sent:
         """Begin a job; ValueError while another is under way."""
@@ -58,7 +62,7 @@ class CanAccess:
         self._job = job
         self._client = SdoClient(patience(job, self._timeout))
         raw = job.raw if isinstance(job, WriteJob) else None
-        return self._requests(self._client.start(Transfer(job.address, raw, attempts(job, ATTEMPTS)), now))
+        return self._requests(self._client.start(Transfer(job.address, raw, attempts(job, self._tries)), now))
 
     def hear(self, packet: Packet, now: Nanoseconds) -> Sent:
         """Take a frame of the bus; all but those of the drive's SDO server are somebody else's."""

@@ -41,6 +41,8 @@ class Do:
 
 Step: TypeAlias = Union[Ask, Pause, Do]  # noqa: UP007 - `Script` is a name yet to come
 Script: TypeAlias = tuple[Step, ...]
+Overhear: TypeAlias = Callable[[Packet], None]
+"""Is told of every packet that arrives, whosever it is."""
 
 
 def need(then: Callable[[bytes], Script]) -> Callable[[Outcome], Script]:
@@ -57,9 +59,10 @@ def need(then: Callable[[bytes], Script]) -> Callable[[Outcome], Script]:
 class JobClient:
     """One script on one link. `failure` says why it ended early, where it did."""
 
-    def __init__(self, link: DriveAccess, script: Script) -> None:
+    def __init__(self, link: DriveAccess, script: Script, overhear: Overhear | None = None) -> None:
         self.failure: JobError | CommissioningError | None = None
         self._link = link
+        self._overhear = overhear
         self._rest = script
         self._asked: Ask | None = None
         self._paused_until: Nanoseconds = NEVER
@@ -73,6 +76,8 @@ class JobClient:
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Take what arrives on the link."""
+        if self._overhear is not None:
+            self._overhear(packet)
         return self._go_on(self._link.hear(packet, now), now)
 
     def wake(self, now: Nanoseconds) -> Reaction:

@@ -32,6 +32,14 @@ IDENTITY: Final = (
 """Name, versions in the order of maxon's command library, the identity object, the serial number."""
 
 
+def network_states(statusword: int, *, alone: bool) -> tuple[NmtState, ...]:
+    """Return the network states that an EPOS2 may be in, by its statusword; `alone` as for `Overview`."""
+    if statusword & Status.REMOTE:
+        return (NmtState.OPERATIONAL,)
+    pre = (NmtState.PRE_OPERATIONAL,)
+    return (*pre, NmtState.STOPPED) if alone else pre
+
+
 class Overview:
     """How a drive stands. `readings` holds what was read, in order."""
 
@@ -61,12 +69,7 @@ class Overview:
     def network(self) -> tuple[NmtState, ...]:
         """Network states that it may be in: a drive in Stopped answers on its own line only."""
         word = self._standing.value(at.STATUSWORD)
-        if not isinstance(word, int):
-            return ()
-        if word & Status.REMOTE:
-            return (NmtState.OPERATIONAL,)
-        pre = (NmtState.PRE_OPERATIONAL,)
-        return (*pre, NmtState.STOPPED) if self._alone else pre
+        return network_states(word, alone=self._alone) if isinstance(word, int) else ()
 
     def script(self) -> Script:
         """Read it all."""

@@ -17,6 +17,7 @@ from firmware_bridge.wire.maxon.frame import Generation
 from hil_tests.unit.cli.bench_drives import Bench, Told, ask, bench
 
 COMMANDS = {
+    "scan": (),
     "read": ("statusword",),
     "write": ("profile-velocity", "500"),
     "state": (),
@@ -93,6 +94,41 @@ def test_version(way: tuple[str, ...]) -> None:
     out = ask("version", *way).out
     for text in ("EPOS2", "0x6420", "0x2126", "0x66208001595"):
         assert text in out
+
+
+PATIENT = ("--timeout", "10000", "--listen", "0")
+"""However busy the machine is."""
+
+
+def test_who_is_there(on: Bench) -> None:
+    told = ask("scan", "--node", "1-2", *PATIENT, *on.can)
+    assert (told.status, told.err) == (0, "")
+    head, *rows, silent = [" ".join(line.split()) for line in told.out.splitlines()]
+    assert head == "node device version serial number network state"
+    assert rows == [
+        f"{node} EPOS2 70/10 software 0x2126, hardware 0x6420 0x66208001595{5 + node - 1} pre-operational "
+        "switch on disabled"
+        for node in (1, 2)
+    ]
+    assert silent == "silent: none"
+    found = data(ask("scan", "-n", "1", "--json", *PATIENT, *on.can))
+    assert [(each["node"], each["device"], each["software"]) for each in found["nodes"]] == [
+        (1, "EPOS2 70/10", 0x2126)
+    ]
+
+
+def test_who_is_behind_a_line(on: Bench) -> None:
+    told = ask("scan", "--node", "1-3", *on.serial)
+    assert [line[:1] for line in told.out.splitlines()] == ["n", "1", "2", "s"]
+    assert told.out.endswith("silent: 3\n")
+    other = ask("scan", "--gateway", "2", *on.serial)
+    assert "the drive on the line is node 1, not 2; nothing was done" in other.line
+
+
+def test_a_bus_where_nobody_answers_is_told(on: Bench) -> None:
+    told = ask("scan", "--node", "5-6,9", "--timeout", "5", "--listen", "0", *on.can)
+    assert (told.status, told.out) == (1, "silent: 5-6,9\n")
+    assert f"nobody answers on {on.channel}: are they on, on this bus, at this bit rate" in told.line
 
 
 def test_network_commands(way: tuple[str, ...]) -> None:
@@ -199,6 +235,9 @@ def test_another_drive_on_the_line_than_named_is_told(on: Bench) -> None:
         (("state", "--serial", "/dev/no-such", "--protocol", "v2"), "/dev/no-such at 1000000 Bd"),
         (("read", "statusword", "--serial", "/dev/null"), "cannot open serial port /dev/null"),
         (("write", "0x6081", "5", "--size", "4", "--serial", "/dev/null"), "always carries four bytes"),
+        (("scan", "--serial", "/dev/no-such"), "/dev/no-such at 115200 Bd: there is no"),
+        (("scan", "--node", "0-3"), "--node 0-3: nodes are numbered 1 to 127"),
+        (("scan", "-i", "socketcan", "-c", "nosuchcan0"), "nosuchcan0"),
         (("read", "statusword", "-i", "smoke", "-c", "0"), "The interfaces are"),
         (("read", "statusword", "-i", "socketcan", "-c", "nosuchcan0"), "nosuchcan0"),
     ],

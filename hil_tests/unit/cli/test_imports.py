@@ -40,9 +40,12 @@ IMPORTED: Final[dict[str, set[str]]] = {
     "robots": {*OPTIONS, "rich", *KINDS},
     "drive --help": HELP,
     "pilot --help": HELP,
+    "monitor --help": HELP,
+    "monitor -i socketcan -c nosuchcan0": {*BRIDGE, "rich"},  # the dissector reads MAVLink, too
     "pilot rars --joystick --mavlink udpin:127.0.0.1:0 --device /dev/input/none": BRIDGE,
     "bench --help": HELP,
     "study --help": HELP,
+    "doctor --help": HELP,
     "emulate --help": HELP,
     "emulate rars --help": HELP,
     "emulate epos2 --help": HELP,
@@ -58,6 +61,7 @@ IMPORTED: Final[dict[str, set[str]]] = {
     "epos2 state quick-stop -i socketcan -c nosuchcan0": LINE,
     "epos2 state quick-stop --serial /dev/null": LINE,
     "epos2 read statusword --serial /dev/null": {*LINE, "rich"},
+    "epos2 scan -i socketcan -c nosuchcan0": LINE,
     "drive rars -i socketcan -c nosuchcan0": BRIDGE,
 }
 """Everything else, above all Matplotlib, NumPy, SymPy, FMPy and python-can, is for who asks for it."""

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any, cast
 import pytest
 from typer.testing import CliRunner
 
-from emulators.cli.emulate_epos2_work import numbers
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.servo.axis import RAMP, TICK, ServoAxis
 from emulators.servo.commands import regulate_velocity
@@ -16,6 +15,7 @@ from emulators.single import Order, drives
 from emulators.wires import CanWire
 from emulators.world import World
 from firmware_bridge.cli import program
+from firmware_bridge.cli.node_numbers import numbers
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND

@@ -1,0 +1,148 @@
+"""`epos2 scan`: who answers on a bus, or behind a serial line."""
+
+import json
+from typing import Annotated, Any, Final
+
+import typer
+
+from firmware_bridge.cli.commands import command
+from firmware_bridge.cli.console import FAILED, INTERRUPTED, refusal, say
+from firmware_bridge.cli.epos2.drive_options import JsonOption
+from firmware_bridge.cli.epos2.one_drive import OneDrive, one_drive
+from firmware_bridge.cli.node_numbers import listed, numbers
+from firmware_bridge.drivers.commissioning.can_access import CanAccess
+from firmware_bridge.drivers.commissioning.scan import HARDWARE, SERIAL_NUMBER, SOFTWARE, TIMEOUT, Found, Scan
+from firmware_bridge.units import MILLISECOND, from_seconds
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.hardware import type_of
+
+EXAMPLES: Final = """Examples:
+
+`firmware-bridge epos2 scan -i socketcan -c can0`
+
+`firmware-bridge epos2 scan --node 1-8 --timeout 200 -i slcan -c /dev/ttyACM0`
+
+`firmware-bridge epos2 scan --node 1-4 --serial /dev/ttyUSB0` asks the drive there, and those behind it."""
+
+_HEADINGS: Final = ("node", "device", "version", "serial number", "network", "state")
+_GAP: Final = 2
+"""Blanks between two columns."""
+_SILENCE: Final = "are they on, on this bus, at this bit rate (-b)? In Stopped they are silent, too"
+
+
+@command(EXAMPLES)
+@one_drive(None)
+def scan(
+    drive: OneDrive,
+    *,
+    node: Annotated[
+        str, typer.Option("--node", "-n", metavar="NUMBERS", help="Whom to ask: 1, or 1-8, or 1,3,5-7.")
+    ] = "1-127",
+    timeout: Annotated[
+        float,
+        typer.Option(
+            min=1.0,
+            max=10_000.0,
+            metavar="MS",
+            help="How long to wait for an answer on the CAN bus. On a line the drive decides.",
+        ),
+    ] = TIMEOUT / MILLISECOND,
+    listen: Annotated[
+        float,
+        typer.Option(
+            min=0.0, max=60.0, metavar="SECONDS", help="Listen for heartbeats on the CAN bus first."
+        ),
+    ] = 1.0,
+    as_json: JsonOption = False,
+) -> None:
+    """List who answers on a CAN bus, or behind a serial line: device, versions, serial number, states.
+
+    Nothing is written. Each node is asked by SDO what it is, one after the other, so a bus without any takes
+    127 time-outs, 7 s; a serial line waits as long as its drive does for each node that is not there. Beside
+    a master that speaks to the same node by SDO at that moment, either may get the other's answer. Exit
+    status 1 where nobody answers.
+    """
+    nodes = numbers(node)
+    if isinstance(drive.link, CanAccess):
+        drive.link.asks_once(from_seconds(timeout / 1000.0))
+    found = Scan(drive.link, nodes, from_seconds(listen))
+    client = drive.converse(found.script(), overhear=found.overhear)
+    say(json.dumps(_record(found), indent=2) if as_json else _text(found))
+    if not client.finished:
+        raise refusal("interrupted; not everybody was asked", INTERRUPTED)
+    if not any(each.answers for each in found.found):
+        raise refusal(f"nobody answers on {drive.where}: {_SILENCE}", FAILED)
+
+
+def _text(scan: Scan) -> str:
+    rows = [_HEADINGS, *(_row(found) for found in scan.found)]
+    widths = [max(map(len, column)) + _GAP for column in zip(*rows, strict=True)]
+    table = ["".join(f"{cell:<{width}}" for cell, width in zip(row, widths, strict=True)) for row in rows]
+    lines = [line.rstrip() for line in table] if scan.found else []
+    return "\n".join([*lines, f"silent: {listed(scan.silent) or 'none'}"])
+
+
+def _row(found: Found) -> tuple[str, ...]:
+    network = " or ".join(each.title for each in found.network) or "unknown"
+    if not found.answers:
+        return (f"{found.node}", "heard, does not answer", "-", "-", network, "-")
+    return (f"{found.node}", _device(found), _version(found), _serial_number(found), network, _state(found))
+
+
+def _device(found: Found) -> str:
+    """Return who made which device, and what it says that it is."""
+    name, product, vendor = (found.value(one) for one in (at.DEVICE_NAME, at.PRODUCT_CODE, at.VENDOR_ID))
+    known = type_of(product) if found.maxon and isinstance(product, int) else None
+    if known is not None:
+        return known
+    maker = "of an unknown maker" if vendor is None else f"of vendor 0x{vendor:08X}"
+    kind = {None: "", 0: ", no device profile"}.get(found.profile, f", profile {found.profile}")
+    return f"'{name or 'no name'}' {'of maxon' if found.maxon else maker}{kind}"
+
+
+def _version(found: Found) -> str:
+    if found.maxon:
+        return f"software {_hex(found, SOFTWARE, 4)}, hardware {_hex(found, HARDWARE, 4)}"
+    return f"revision {_hex(found, at.REVISION, 8)}"
+
+
+def _serial_number(found: Found) -> str:
+    return _hex(found, SERIAL_NUMBER, 1) if found.maxon else _hex(found, at.SERIAL_NUMBER, 1)
+
+
+def _hex(found: Found, address: Address, digits: int) -> str:
+    """Return a number as maxon prints it, in hexadecimal digits."""
+    value = found.number(address)
+    return "-" if value is None else f"0x{value:0{digits}X}"
+
+
+def _state(found: Found) -> str:
+    if found.number(at.STATUSWORD) is None:
+        return "-"
+    return "no state of a drive" if found.state is None else found.state.title
+
+
+def _record(scan: Scan) -> dict[str, Any]:
+    return {
+        "nodes": [
+            {
+                "node": found.node,
+                "answers": found.answers,
+                "device": _device(found) if found.answers else None,
+                "device_type": found.value(at.DEVICE_TYPE),
+                "vendor": found.value(at.VENDOR_ID),
+                "product_code": found.value(at.PRODUCT_CODE),
+                "revision": found.value(at.REVISION),
+                "software": found.value(SOFTWARE),
+                "hardware": found.value(HARDWARE),
+                "serial_number": found.value(SERIAL_NUMBER if found.maxon else at.SERIAL_NUMBER),
+                "network": [each.title for each in found.network],
+                "network_heard": found.heard is not None,
+                "state": None if found.state is None else found.state.title,
+                "statusword": found.value(at.STATUSWORD),
+            }
+            for found in scan.found
+        ],
+        "silent": list(scan.silent),
+    }

@@ -1,0 +1,140 @@
+"""Listens to a bus, or reads a recording, and draws what is known of it."""
+
+import gzip
+import lzma
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack
+from pathlib import Path
+from typing import IO, Final, TypeAlias
+
+from rich.live import Live
+
+from firmware_bridge.cli.console import WRONG_INPUT, refusal, say
+from firmware_bridge.cli.monitor import MonitorOptions
+from firmware_bridge.cli.monitor_table import drawn, instant
+from firmware_bridge.cli.options import until
+from firmware_bridge.cli.real_time import carry
+from firmware_bridge.cli.tables import terminal
+from firmware_bridge.dissector.bus_picture import BusPicture
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.recording import RecordingError, parse_candump
+from firmware_bridge.shell.ports import open_can
+from firmware_bridge.units import MILLISECOND, Nanoseconds
+
+DRAW_EVERY: Final[Nanoseconds] = 250 * MILLISECOND
+BIT_RATE: Final = 1_000_000
+"""Bits a second, where neither the robot file nor an option tells them."""
+_OPENERS: Final[Mapping[str, Callable[..., IO[str]]]] = {".gz": gzip.open, ".xz": lzma.open}
+_Tell: TypeAlias = Callable[[tuple[str, ...]], None]
+
+
+class Listening:
+    """A node that hears everything and says nothing."""
+
+    def __init__(self, picture: BusPicture, tell: _Tell, draw: Callable[[], None]) -> None:
+        self._picture = picture
+        self._tell = tell
+        self._draw = draw
+        self._draw_at: Nanoseconds = 0
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        """Take a frame."""
+        self._tell(self._picture.note(now, packet))
+        return Reaction((), self._draw_at)
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        """Draw the picture, and again a little later."""
+        self._tell(self._picture.pass_time(now))
+        self._draw()
+        self._draw_at = now + DRAW_EVERY
+        return Reaction((), self._draw_at)
+
+
+def monitor(given: MonitorOptions) -> None:
+    """Do what `monitor` says; what is wrong ends the program with a message."""
+    picture = _picture(given)
+    if given.log is None:
+        _live(given, picture)
+        return
+    if given.interface is not None or given.duration is not None:
+        raise refusal("--log: a recording has no interface and no duration; leave out -i and --duration")
+    for at, packet in _recorded(given.log, given.channel):
+        picture.note(at, packet)
+    terminal().print(drawn(picture))
+
+
+def _live(given: MonitorOptions, picture: BusPicture) -> None:
+    with ExitStack() as stack:
+        if on_a_terminal():
+            shown = stack.enter_context(Live(console=terminal(), auto_refresh=False))
+            node = Listening(picture, lambda _: None, lambda: shown.update(drawn(picture), refresh=True))
+        else:
+            stack.callback(lambda: terminal().print(drawn(picture)))
+            node = Listening(picture, lambda texts: _lines(picture, texts), lambda: None)
+        carry(
+            node,
+            {CAN: lambda: open_can(given.interface, given.channel, picture.bit_rate)},
+            until(given.duration),
+            f"listening on {given.channel or 'the configured bus'}",
+        )
+
+
+def on_a_terminal() -> bool:
+    """Whether what is printed is seen by a person, now."""
+    return sys.stdout.isatty()
+
+
+def _lines(picture: BusPicture, texts: tuple[str, ...]) -> None:
+    for text in texts:
+        say(f"{instant(picture, picture.now)}  {text}")
+
+
+def _picture(given: MonitorOptions) -> BusPicture:
+    """Return a picture of nothing heard yet; with the drives of a robot where one was named."""
+    if given.robot is None:
+        if given.link is not None:
+            raise refusal(f"--link {given.link}: only a robot has links; say --robot, too")
+        return BusPicture(given.bit_rate or BIT_RATE)
+    # With them come pydantic and every installed robot.
+    from firmware_bridge.cli.robot_argument import find_robot  # noqa: PLC0415 - see above
+    from firmware_bridge.dissector.robot_mapping import can_links, expected_on  # noqa: PLC0415 - as above
+
+    robot = find_robot(given.robot)
+    links = can_links(robot)
+    if not links:
+        raise refusal(f"--robot {given.robot}: {robot.name} has no drives on a CAN bus; leave --robot out")
+    link = links[0] if given.link is None and len(links) == 1 else given.link
+    if link not in links:
+        raise refusal(f"{robot.name} is on these buses: {', '.join(links)}; say which one with --link")
+    return BusPicture(given.bit_rate or robot.epos2_link(link).bit_rate, tuple(expected_on(robot, link)))
+
+
+def _recorded(path: Path, channel: str | None) -> Iterator[tuple[Nanoseconds, Packet]]:
+    """Yield the frames of one bus of a recording; one that cannot be read ends the program with a message."""
+    opened = _OPENERS.get(path.suffix, open)
+    heard: set[str] = set()
+    number = 0
+    try:
+        with opened(path, "rt", encoding="ascii") as lines:
+            for line in lines:
+                number += 1
+                if not line.strip():
+                    continue
+                at, bus, packet = parse_candump(line.rstrip("\n"))
+                heard.add(bus)
+                if channel is None and len(heard) > 1:
+                    raise refusal(
+                        f"{path}: holds frames of {' and '.join(sorted(heard))}; choose one with -c"
+                    )
+                if channel in {None, bus}:
+                    yield at, packet
+    except (OSError, EOFError, lzma.LZMAError, UnicodeDecodeError) as error:
+        raise refusal(f"{path}: cannot be read: {error}", WRONG_INPUT) from None
+    except RecordingError:
+        raise refusal(
+            f"{path}, line {number}: no line of a candump log, as '(12.345678) can0 123#DEADBEEF'"
+        ) from None
+    if channel is not None and channel not in heard:
+        raise refusal(f"{path}: holds no frame of '{channel}', but of {', '.join(sorted(heard)) or 'nobody'}")

@@ -1,0 +1,242 @@
+"""What is known of a CANopen bus from listening: who is there, what is said how often, what went wrong last.
+
+Words come from the dissector; this adds up and remembers. It refuses to know where frames come from, and
+sends none. Time is an argument and must not step back.
+"""
+
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Final
+
+from firmware_bridge.dissector.canopen import MASTER, Canopen, service_name
+from firmware_bridge.dissector.lately import Lately
+from firmware_bridge.dissector.robot_mapping import Expected
+from firmware_bridge.packet import Packet
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, to_seconds
+from firmware_bridge.wire import canopen, sdo
+from firmware_bridge.wire.can import ERROR, INTERFRAME_BITS, REMOTE, frame_bits
+from firmware_bridge.wire.canopen import NmtState
+from firmware_bridge.wire.epos2 import address as at
+
+RECENT: Final[Nanoseconds] = SECOND
+"""Rates and load are those of this span."""
+BURST: Final[Nanoseconds] = 100 * MILLISECOND
+"""The peak load is the highest that any span of this length has seen."""
+BEATS: Final = 5
+"""So many of the last intervals between heartbeats tell the period."""
+MISSED: Final = 2
+"""A heartbeat is missing after so many of its own periods. ASSUME: consumers wait about as long; CiA 301
+leaves it to who sets them up."""
+_NO_STATUS: Final = ""
+
+
+@dataclass(slots=True)
+class NodeSeen:
+    """One node, as far as it was heard."""
+
+    node: int
+    title: str = ""
+    """What the robot file calls it."""
+    network: NmtState | None = None
+    """As it has said last."""
+    beat_at: Nanoseconds | None = None
+    periods: deque[Nanoseconds] = field(default_factory=lambda: deque(maxlen=BEATS))
+    """Between its last heartbeats, or answers to node guarding."""
+    missing: bool = False
+    """Whether a heartbeat is overdue."""
+    status: str = _NO_STATUS
+    """Its statusword in words."""
+    emergency: str = ""
+    emergencies: int = 0
+    raw_status: bytes = b""
+
+    @property
+    def period(self) -> Nanoseconds | None:
+        """The time from one heartbeat to the next, the median of the last; None where they are too few."""
+        return sorted(self.periods)[len(self.periods) // 2] if len(self.periods) > 1 else None
+
+
+@dataclass(slots=True)
+class MessageSeen:
+    """The frames of one identifier."""
+
+    packet: Packet
+    """The last one."""
+    read: tuple[str, str] | None = None
+    """What it is, and what it says; None where nobody has read it yet."""
+    count: int = 0
+    lately: Lately = field(default_factory=lambda: Lately(RECENT))
+
+
+@dataclass(frozen=True, slots=True)
+class Error:
+    """What went wrong, and when."""
+
+    at: Nanoseconds
+    text: str
+
+
+class BusPicture:
+    """One bus. `note` and `pass_time` return what has changed, in words."""
+
+    def __init__(self, bit_rate: int, expected: tuple[Expected, ...] = ()) -> None:
+        self.bit_rate: Final = bit_rate
+        self.frames = 0
+        self.bits = 0
+        """Of all frames, stuff bits and the spaces between them included."""
+        self.first_at: Nanoseconds | None = None
+        self.now: Nanoseconds = 0
+        self.error: Error | None = None
+        """The last one."""
+        self._reader = Canopen(defaults=False)
+        self._nodes: dict[int, NodeSeen] = {}
+        self._messages: dict[int, MessageSeen] = {}
+        self._titles = {one.node: one.title for one in expected}
+        self._recent, self._burst = Lately(RECENT), Lately(BURST)
+        for one in expected:
+            self._reader.expect(one.node, one.written)
+
+    @property
+    def nodes(self) -> tuple[NodeSeen, ...]:
+        """Who was heard, by number."""
+        return tuple(one for _, one in sorted(self._nodes.items()))
+
+    @property
+    def elapsed(self) -> Nanoseconds:
+        """The time since the first frame."""
+        return 0 if self.first_at is None else self.now - self.first_at
+
+    @property
+    def load_percent(self) -> float:
+        """The part of the last `RECENT` in which the bus was taken, or of the time since the first frame."""
+        return self._percent(self._recent.total(self.now), min(RECENT, self.elapsed))
+
+    @property
+    def mean_percent(self) -> float:
+        """The part of all the time in which the bus was taken."""
+        return self._percent(self.bits, self.elapsed)
+
+    @property
+    def peak_percent(self) -> float:
+        """The load in the busiest `BURST`."""
+        return self._percent(self._burst.peak, min(BURST, self.elapsed))
+
+    def messages(self) -> Iterator[tuple[int, str, str, int, float]]:
+        """Yield identifier, what it is, what it said last, count, and frames a second, by identifier."""
+        for address, one in sorted(self._messages.items()):
+            if one.read is None:
+                one.read = self._read(one.packet)
+            yield address, *one.read, one.count, one.lately.total(self.now) / to_seconds(RECENT)
+
+    def note(self, now: Nanoseconds, packet: Packet) -> tuple[str, ...]:
+        """Take a frame that has arrived."""
+        late = self.pass_time(now)
+        if self.first_at is None:
+            self.first_at = now
+        address = packet.address
+        if address & ERROR:
+            return (*late, self._wrong(self._reader.read("", packet)))
+        self.frames += 1
+        bits = frame_bits(address, packet.payload) + INTERFRAME_BITS
+        self.bits += bits
+        self._recent.add(now, bits)
+        self._burst.add(now, bits)
+        message = self._messages.setdefault(address, MessageSeen(packet))
+        message.packet, message.read = packet, None
+        message.count += 1
+        message.lately.add(now, 1)
+        return (*late, *self._changes(now, packet, message))
+
+    def pass_time(self, now: Nanoseconds) -> tuple[str, ...]:
+        """Take note that it is `now`, and of heartbeats that are overdue."""
+        self.now = max(self.now, now)
+        return tuple(self._missing(one) for one in self._nodes.values() if self._overdue(one))
+
+    def _changes(self, now: Nanoseconds, packet: Packet, message: MessageSeen) -> Iterator[str]:
+        """Follow a frame, and say what it has changed; PDOs are read when they are shown."""
+        kind = service_name(packet)
+        if kind not in {"pdo", "sync"}:
+            message.read = self._read(packet)
+        node = None if packet.address & REMOTE else self._reader.sender(packet)
+        if node is not None and node != MASTER and node not in self._nodes:
+            self._nodes[node] = NodeSeen(node, self._titles.get(node, ""))
+            yield f"node {node} is there"
+        if kind == "nmt" and message.read is not None:
+            yield ": ".join(filter(None, message.read))
+        elif kind == "sdo":
+            yield from self._aborted(packet, message)
+        seen = self._nodes.get(MASTER if node is None else node)
+        if seen is None:
+            return
+        if kind == "heartbeat":
+            yield from self._beats(seen, now, packet.payload)
+        elif kind == "emergency":
+            yield from self._emergency(seen, packet, message)
+        yield from self._status(packet)
+
+    def _beats(self, seen: NodeSeen, now: Nanoseconds, payload: bytes) -> Iterator[str]:
+        """Take a heartbeat, a boot-up message or an answer to node guarding."""
+        state = canopen.decode_heartbeat(payload)
+        restarted = state is NmtState.BOOT_UP
+        if state is not seen.network and state is not None:
+            yield f"node {seen.node}: {'restarted' if restarted else state.title}"
+        elif seen.missing:
+            yield f"node {seen.node}: its heartbeat is back"
+        if restarted:
+            seen.periods.clear()
+            seen.status, seen.raw_status = _NO_STATUS, b""
+        elif seen.beat_at is not None and not seen.missing:
+            seen.periods.append(now - seen.beat_at)
+        seen.beat_at, seen.missing = None if restarted else now, False
+        seen.network = seen.network if state is None else state
+
+    def _emergency(self, seen: NodeSeen, packet: Packet, message: MessageSeen) -> Iterator[str]:
+        told = canopen.decode_emergency(packet.payload)
+        if message.read is None:
+            return
+        title, said = message.read
+        seen.emergency = said
+        if told is not None and told.code:
+            seen.emergencies += 1
+            yield self._wrong(f"{title}: {said}")
+        else:
+            yield f"{title}: {said}"
+
+    def _aborted(self, packet: Packet, message: MessageSeen) -> Iterator[str]:
+        decode = sdo.decode_request if packet.address >= canopen.SDO_REQUEST else sdo.decode_response
+        if message.read is not None and isinstance(decode(packet.payload), sdo.Abort):
+            yield self._wrong(": ".join(message.read))
+
+    def _status(self, packet: Packet) -> Iterator[str]:
+        """Take the statusword, where a frame brings it."""
+        node, objects = self._reader.objects(packet)
+        raw = dict(objects).get(at.STATUSWORD)
+        seen = self._nodes.get(node)
+        if raw is None or seen is None or raw == seen.raw_status:
+            return
+        seen.raw_status = raw
+        seen.status = self._reader.value(node, at.STATUSWORD, raw)
+        yield f"node {node}: statusword {seen.status}"
+
+    def _overdue(self, seen: NodeSeen) -> bool:
+        period = seen.period
+        if seen.missing or period is None or seen.beat_at is None:
+            return False
+        return self.now - seen.beat_at > MISSED * period
+
+    def _missing(self, seen: NodeSeen) -> str:
+        seen.missing = True
+        period = 0 if seen.period is None else seen.period // MILLISECOND
+        return self._wrong(f"node {seen.node}: no heartbeat for more than {MISSED} x {period} ms")
+
+    def _wrong(self, text: str) -> str:
+        self.error = Error(self.now, text)
+        return text
+
+    def _read(self, packet: Packet) -> tuple[str, str]:
+        title, _, said = self._reader.read("", packet).partition(": ")
+        return title, said
+
+    def _percent(self, bits: int, span: Nanoseconds) -> float:
+        return min(100.0, 100.0 * bits * SECOND / self.bit_rate / span) if span else 0.0

@@ -1,0 +1,172 @@
+"""Who answers on a bus, or behind a serial line: each node is asked what it is, one after the other.
+
+It only reads. What a node says of itself meanwhile, its heartbeat or its answer to somebody's node guarding,
+is heard, too; nobody is asked for it, because a remote request begins a node's own watch over its master
+(CiA 301).
+"""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Final, TypeAlias
+
+from firmware_bridge.drivers.commissioning.can_access import CanAccess
+from firmware_bridge.drivers.commissioning.client import Ask, Do, Pause, Script, need
+from firmware_bridge.drivers.commissioning.job import JobError, Outcome, ReadJob
+from firmware_bridge.drivers.commissioning.network_command import SDO_SERVER
+from firmware_bridge.drivers.commissioning.overview import network_states
+from firmware_bridge.drivers.commissioning.serial_access import OWN, SerialAccess
+from firmware_bridge.drivers.commissioning.values import decode
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet
+from firmware_bridge.units import MILLISECOND, Nanoseconds
+from firmware_bridge.wire import canopen
+from firmware_bridge.wire.canopen import NODE_MASK, NmtState
+from firmware_bridge.wire.cia402 import State, state_of
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.hardware import MAXON
+
+TIMEOUT: Final[Nanoseconds] = 50 * MILLISECOND
+"""For one answer on the bus. The drive needs 1 to 13 ms, by the bit rate (EPOS2 Application Notes, p. 168).
+ASSUME: an adapter behind USB, and a busy machine, add less than the rest."""
+DRIVES_PROFILE: Final = 402
+SOFTWARE: Final = Address(0x2003, 1)
+HARDWARE: Final = Address(0x2003, 2)
+SERIAL_NUMBER: Final = Address(0x2004)
+_PROFILE_MASK: Final = 0xFFFF
+
+
+class Found:
+    """What one node has told."""
+
+    def __init__(self, node: int, *, alone: bool) -> None:
+        """`alone` tells that it was asked on its own line, which answers in every network state."""
+        self.node: Final = node
+        self._alone = alone
+        self.outcomes: dict[Address, Outcome] = {}
+        """What came of each question, in the order of the questions."""
+        self.heard: NmtState | None = None
+        """What it has said of its state without being asked, or asked by somebody else."""
+
+    @property
+    def answers(self) -> bool:
+        """Whether it has answered anything."""
+        return bool(self.outcomes)
+
+    def value(self, address: Address) -> int | str | None:
+        """Return what it has answered; None where it has not, or refused."""
+        raw = self.outcomes.get(address)
+        return decode(address, raw) if isinstance(raw, bytes) else None
+
+    def number(self, address: Address) -> int | None:
+        """Return what it has answered where that is a number."""
+        value = self.value(address)
+        return value if isinstance(value, int) else None
+
+    @property
+    def maxon(self) -> bool:
+        """Whether maxon has made it."""
+        return self.value(at.VENDOR_ID) == MAXON
+
+    @property
+    def profile(self) -> int | None:
+        """The number of its device profile, 402 for a drive; 0 where it follows none (CiA 301, 0x1000)."""
+        kind = self.number(at.DEVICE_TYPE)
+        return None if kind is None else kind & _PROFILE_MASK
+
+    @property
+    def state(self) -> State | None:
+        """The state of a drive's power machine; None where no statusword tells one."""
+        word = self.number(at.STATUSWORD)
+        return None if word is None else state_of(word)
+
+    @property
+    def network(self) -> tuple[NmtState, ...]:
+        """Network states that it may be in: the one that was heard, or, of an EPOS2, by its word."""
+        word = self.number(at.STATUSWORD)
+        if self.heard is not None:
+            return (self.heard,)
+        return network_states(word, alone=self._alone) if self.maxon and word is not None else ()
+
+    def next_question(self) -> Address | None:
+        """Return the first object that is of interest and was not asked for; None when all were."""
+        wanted = (address for of, rows in _QUESTIONS if of(self) for address in rows)
+        return next((address for address in wanted if address not in self.outcomes), None)
+
+
+_Of: TypeAlias = Callable[[Found], bool]
+_QUESTIONS: Final[tuple[tuple[_Of, tuple[Address, ...]], ...]] = (
+    (
+        lambda _found: True,
+        (at.DEVICE_TYPE, at.VENDOR_ID, at.PRODUCT_CODE, at.REVISION, at.SERIAL_NUMBER, at.DEVICE_NAME),
+    ),
+    (lambda found: found.maxon, (SOFTWARE, HARDWARE, SERIAL_NUMBER)),
+    (lambda found: found.profile == DRIVES_PROFILE, (at.STATUSWORD,)),
+)
+"""What is asked of whom, by what it has answered so far."""
+
+
+class Scan:
+    """The questions, and who has answered. Its script can be carried out once."""
+
+    def __init__(self, link: CanAccess | SerialAccess, nodes: Sequence[int], listen: Nanoseconds = 0) -> None:
+        """`listen` is for how long nobody is asked, so that heartbeats are heard."""
+        self.asked: list[int] = []
+        self.own: int | None = None
+        """The number of the drive on a serial line."""
+        self._link = link
+        self._nodes = tuple(nodes)
+        self._listen = listen
+        self._found: dict[int, Found] = {}
+
+    @property
+    def found(self) -> tuple[Found, ...]:
+        """Who has answered or was heard, by number."""
+        return tuple(found for _, found in sorted(self._found.items()))
+
+    @property
+    def silent(self) -> tuple[int, ...]:
+        """Who was asked and has not answered, nor was heard."""
+        return tuple(node for node in sorted(self.asked) if node not in self._found)
+
+    def script(self) -> Script:
+        """Listen, and ask everybody. A drive on a serial line comes first; one that is silent ends it."""
+        if isinstance(self._link, SerialAccess):
+            self._link.node = OWN
+            return (Ask(ReadJob(SDO_SERVER), need(self._begin)),)
+        listening = (Pause(self._listen),) if self._listen else ()
+        return (*listening, *self._all(self._nodes))
+
+    def overhear(self, packet: Packet) -> None:
+        """Take note of a packet that is nobody's answer to a question."""
+        node = packet.address - canopen.ERROR_CONTROL
+        if packet.link != CAN or not canopen.FIRST_NODE <= node <= canopen.LAST_NODE:
+            return
+        state = canopen.decode_heartbeat(packet.payload)
+        if state is not None:
+            self._of(node).heard = state
+
+    def _begin(self, raw: bytes) -> Script:
+        """Go on from the drive on the line, whose number is in the identifier of its SDO server."""
+        self.own = int.from_bytes(raw, "little") & NODE_MASK
+        others = (node for node in self._nodes if node != self.own)
+        return self._all((self.own, *others))
+
+    def _all(self, nodes: Sequence[int]) -> Script:
+        return tuple(Do(partial(self._begin_with, node)) for node in nodes)
+
+    def _begin_with(self, node: int) -> Script:
+        self._link.node = OWN if node == self.own else node
+        self.asked.append(node)
+        return (Ask(ReadJob(at.DEVICE_TYPE), partial(self._told, node, at.DEVICE_TYPE)),)
+
+    def _told(self, node: int, address: Address, outcome: Outcome) -> Script:
+        if isinstance(outcome, JobError) and outcome.unheard:
+            return ()  # nor would it answer the next one
+        found = self._of(node)
+        found.outcomes[address] = outcome
+        following = found.next_question()
+        return () if following is None else (Ask(ReadJob(following), partial(self._told, node, following)),)
+
+    def _of(self, node: int) -> Found:
+        return self._found.setdefault(node, Found(node, alone=node == self.own))

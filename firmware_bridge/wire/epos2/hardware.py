@@ -1,0 +1,28 @@
+"""The types of EPOS2 by their hardware versions, as far as a source tells them.
+
+Source: names of maxon's firmware files and users' drivers; that of the 70/10 was read from a device. No
+source tells that of the 24/2.
+"""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Final
+
+MAXON: Final = 0x000000FB
+"""Vendor in 0x1018:1."""
+TYPES: Final[Mapping[int, str]] = MappingProxyType(
+    {
+        0x6120: "EPOS2 Module 36/2",
+        0x6220: "EPOS2 24/5",
+        0x6320: "EPOS2 50/5",
+        0x6322: "EPOS2 50/5",
+        0x6420: "EPOS2 70/10",
+    }
+)
+"""A type's name by its hardware version (0x2003:2), which is the product code's upper half (0x1018:2)."""
+_VERSION_SHIFT: Final = 16
+
+
+def type_of(product_code: int) -> str | None:
+    """Return the type that a product code tells; None for one that no source knows."""
+    return TYPES.get(product_code >> _VERSION_SHIFT)

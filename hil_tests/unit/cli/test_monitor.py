@@ -1,0 +1,146 @@
+"""`monitor`: a bus in words, live over a port that must not be written to, and from a recording."""
+
+import gzip
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NoReturn
+
+import pytest
+from rich.console import Console
+from typer.testing import CliRunner
+
+from firmware_bridge.cli import monitor_work, program
+from firmware_bridge.cli.monitor_work import Listening
+from firmware_bridge.dissector.bus_picture import BusPicture
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet
+from firmware_bridge.shell.ports import LostPort
+from firmware_bridge.units import NEVER, Nanoseconds
+from hil_tests.rows import every
+
+HEARD = ((0x703, b"\0"), (0x703, b"\x7f"), (0x083, bytes.fromhex("2032040000000000")), (0x183, b"\x37\x07"))
+LOG = """(1577836800.000000) can0 703#00
+(1577836800.100000) can0 703#7F
+(1577836800.200000) can0 083#2032040000000000
+(1577836800.300000) can0 183#3707
+"""
+
+
+class Scripted:
+    """A port on which some frames come, and that is lost then. To write to it is what must not be."""
+
+    name = "a scripted bus"
+    retry_at: Nanoseconds = NEVER
+
+    def __init__(self, frames: Sequence[tuple[int, bytes]]) -> None:
+        self._frames = list(frames)
+        self._readable, self._writable = os.pipe()
+        os.write(self._writable, b"!")
+        self.closed = False
+
+    def fileno(self) -> int:
+        return self._readable
+
+    def read(self, _now: Nanoseconds) -> list[tuple[int, bytes]]:
+        if not self._frames:
+            raise LostPort(self, "the interface is gone")
+        frames, self._frames = self._frames, []
+        return frames
+
+    def write(self, address: int, _payload: bytes, _now: Nanoseconds) -> NoReturn:
+        raise AssertionError(f"{address:03X} was sent by who only listens")
+
+    def flush(self, _now: Nanoseconds) -> None: ...
+
+    def close(self) -> None:
+        if not self.closed:
+            self.closed = True
+            os.close(self._readable)
+            os.close(self._writable)
+
+
+def run(*words: str) -> Any:
+    result = CliRunner().invoke(program, ["monitor", *words], env={"COLUMNS": "140"})
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    return result
+
+
+def on_scripted(monkeypatch: pytest.MonkeyPatch, *words: str) -> Any:
+    monkeypatch.setattr(monitor_work, "open_can", lambda *_: Scripted(HEARD))
+    return run("-i", "virtual", "-c", "foreign", *words)
+
+
+def test_a_live_bus_is_told_change_by_change_and_as_a_picture_at_its_end(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    told = on_scripted(monkeypatch)
+    assert told.exit_code == 1
+    assert "lost a scripted bus: the interface is gone" in told.stderr
+    lines = told.stdout.splitlines()
+    assert lines[0] == "listening on foreign; Ctrl-C ends it"
+    assert [line.partition(" s  ")[2] for line in lines[1:5]] == [
+        "node 3 is there",
+        "node 3: restarted",
+        "node 3: pre-operational",
+        "EMCY node 3: 0x3220, under-voltage; error register 0x04 (voltage)",
+    ]
+    assert "37 07, by a mapping that is not known" in told.stdout
+
+
+def test_on_a_terminal_it_is_drawn_and_nothing_is_sent(monkeypatch: pytest.MonkeyPatch) -> None:
+    screen = Console(force_terminal=True, width=140, height=50, record=True)
+    monkeypatch.setattr(monitor_work, "terminal", lambda: screen)
+    monkeypatch.setattr(monitor_work, "on_a_terminal", lambda: True)
+    on_scripted(monkeypatch)
+    shown = screen.export_text()
+    assert "last error: " in shown
+    assert "node 3 is there" not in shown, "no lines beside the picture"
+
+
+def test_who_listens_sends_nothing_whatever_comes() -> None:
+    node = Listening(BusPicture(1_000_000), lambda _: None, lambda: None)
+    for number, (address, payload) in enumerate((*HEARD, (0x603, b""), (0x000, b"\x81\0"), (0x703, b"\x05"))):
+        assert node.wake(number).sent == ()
+        assert node.receive(Packet(CAN, address, payload), number).sent == ()
+
+
+@pytest.mark.parametrize("compressed", [False, True])
+def test_a_recording_is_one_picture(tmp_path: Path, *, compressed: bool) -> None:
+    path = tmp_path / ("can.log.gz" if compressed else "can.log")
+    path.write_bytes(gzip.compress(LOG.encode()) if compressed else LOG.encode())
+    told = run("--log", str(path), "--robot", "rars", "-b", "500000")
+    assert told.exit_code == 0, told.stderr
+    assert told.stdout == run("--log", str(path), "--robot", "rars", "-b", "500000").stdout
+    first, error, *_ = told.stdout.splitlines()
+    assert first.startswith("4 frames in 0.300 s; load at 500 kbit/s: ")
+    assert error == "last error: 0.200 s, EMCY node 3: 0x3220, under-voltage; error register 0x04 (voltage)"
+    assert "3 steering" in told.stdout
+    assert "0x0737 (operation enabled, power stage on" in told.stdout
+
+
+@every(
+    ("words", "content", "told"),
+    [
+        (("--log", "LOG", "-i", "virtual"), LOG, "a recording has no interface"),
+        (("--log", "LOG", "-c", "can7"), LOG, "holds no frame of 'can7', but of can0"),
+        (("--log", "LOG"), LOG + LOG.replace("can0", "can1"), "frames of can0 and can1; choose one with -c"),
+        (("--log", "LOG"), LOG + "nonsense\n", "line 5: no line of a candump log"),
+        (("--log", "LOG"), "\xff", "cannot be read"),
+        (("--log", "LOG.nowhere"), "", "cannot be read"),
+        (("--link", "can", "--log", "LOG"), LOG, "only a robot has links"),
+        (("--robot", "rars", "--link", "bus", "--log", "LOG"), LOG, "say which one with --link"),
+        (("--robot", "rome", "--log", "LOG"), LOG, "has no drives on a CAN bus"),
+        (("--robot", "nobody", "--log", "LOG"), LOG, "nobody"),
+        (("-i", "socketcan", "-c", "nosuchcan0"), LOG, "nosuchcan0"),
+    ],
+)
+def test_mistakes_are_told_in_one_line(
+    tmp_path: Path, words: tuple[str, ...], content: str, told: str
+) -> None:
+    path = tmp_path / "can.log"
+    path.write_text(content, encoding="latin-1")
+    found = run(*(word.replace("LOG", str(path)) for word in words))
+    assert found.exit_code == 2, found.output
+    (line,) = found.stderr.splitlines()
+    assert told in line

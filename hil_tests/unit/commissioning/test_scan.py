@@ -1,0 +1,163 @@
+"""Who answers: emulated drives on a bus and behind a line, and a stranger's node; nothing is written."""
+
+from collections.abc import Mapping
+
+import pytest
+
+from emulators.epos2.objects.catalogue import PROFILES
+from firmware_bridge.drivers.commissioning.can_access import CanAccess
+from firmware_bridge.drivers.commissioning.client import Ask, JobClient, Script, need
+from firmware_bridge.drivers.commissioning.job import SilentError, WriteJob
+from firmware_bridge.drivers.commissioning.network_command import NetworkCommand
+from firmware_bridge.drivers.commissioning.scan import SERIAL_NUMBER, SOFTWARE, TIMEOUT, Found, Scan
+from firmware_bridge.drivers.commissioning.serial_access import SerialAccess
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+from firmware_bridge.wire import canopen, sdo
+from firmware_bridge.wire.canopen import NmtCommand, NmtState
+from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.hardware import type_of
+from firmware_bridge.wire.maxon.frame import Generation
+from hil_tests.unit.commissioning.rig import FAR, NEAR, Rig
+
+STRANGER = 5
+OBJECTS = {
+    at.DEVICE_TYPE: (0x0003_0191).to_bytes(4, "little"),
+    at.VENDOR_ID: (0x1234).to_bytes(4, "little"),
+    at.PRODUCT_CODE: (0x6420_0000).to_bytes(4, "little"),
+    at.REVISION: (0x0001_0002).to_bytes(4, "little"),
+    at.DEVICE_NAME: b"IO",
+}
+"""Inputs and outputs of another maker, which happens to have a product code that maxon has, too."""
+
+
+class Stranger:
+    """A node of another maker: it answers to what it has, and refuses all else."""
+
+    def __init__(self, objects: Mapping[Address, bytes], *, refuses: bool = True) -> None:
+        self._objects = objects
+        self._refuses = refuses
+
+    def receive(self, packet: Packet, _now: Nanoseconds) -> Reaction:
+        request = sdo.decode_request(packet.payload)
+        if packet.address != canopen.SDO_REQUEST + STRANGER or not isinstance(request, sdo.UploadRequest):
+            return Reaction()
+        raw = self._objects.get(request.address)
+        if raw is None and not self._refuses:
+            return Reaction()
+        answer = (
+            sdo.encode_abort(request.address, sdo.AbortCode.NO_OBJECT)
+            if raw is None
+            else sdo.encode_upload_response(request.address, raw)
+        )
+        return Reaction((Packet(CAN, canopen.SDO_RESPONSE + STRANGER, answer),))
+
+    def wake(self, _now: Nanoseconds) -> Reaction:
+        return Reaction()
+
+
+def scanned(rig: Rig, scan: Scan, link: CanAccess | SerialAccess) -> dict[int, Found]:
+    """Carry a scan out on whatever the link is on, in virtual time."""
+    script: Script = scan.script()
+    client = JobClient(link, script, scan.overhear)
+    wire = {CAN: rig.bus} if isinstance(link, CanAccess) else {"serial": rig.line}
+    rig.world.attach("client", client, wire)
+    end = rig.world.now + 300 * SECOND
+    while not client.finished and rig.world.now < end:
+        rig.waits(MILLISECOND)
+    rig.world.detach("client")
+    if client.failure is not None:
+        raise client.failure
+    assert client.finished
+    return {found.node: found for found in scan.found}
+
+
+def on_the_bus(rig: Rig, nodes: range, listen: Nanoseconds = 0) -> tuple[Scan, dict[int, Found]]:
+    link = CanAccess(NEAR)
+    link.asks_once(TIMEOUT)
+    scan = Scan(link, nodes, listen)
+    return scan, scanned(rig, scan, link)
+
+
+def test_a_bus_is_asked_from_1_to_127_and_only_read() -> None:
+    rig = Rig()
+    rig.world.attach("stranger", Stranger(OBJECTS), {CAN: rig.bus})
+    asked: list[Packet] = []
+    rig.bus.observe(lambda _at, sender, packet: asked.append(packet) if sender == "client" else None)
+    before = rig.world.now
+    scan, found = on_the_bus(rig, range(1, 128))
+    assert (set(found), len(scan.silent)) == ({NEAR, FAR, STRANGER}, 124)
+    assert rig.world.now - before < 125 * TIMEOUT + SECOND // 4, "one time-out for each that is silent"
+    reading = (sdo.UploadRequest, sdo.UploadSegmentRequest, sdo.Abort)
+    assert len(asked) > 127
+    for packet in asked:
+        assert packet.address & ~canopen.NODE_MASK == canopen.SDO_REQUEST
+        assert isinstance(sdo.decode_request(packet.payload), reading)
+    for node in (NEAR, FAR):
+        drive = found[node]
+        assert (drive.maxon, drive.profile, drive.value(SOFTWARE)) == (True, 402, 0x2126)
+        assert drive.value(SERIAL_NUMBER) == rig.value(node, SERIAL_NUMBER)
+        assert (drive.state, drive.network) == (State.SWITCH_ON_DISABLED, (NmtState.PRE_OPERATIONAL,))
+
+
+def test_a_strangers_node_is_told_from_a_drive_and_not_asked_what_only_a_drive_knows() -> None:
+    rig = Rig()
+    rig.world.attach("stranger", Stranger(OBJECTS), {CAN: rig.bus})
+    _, found = on_the_bus(rig, range(STRANGER, STRANGER + 1))
+    stranger = found[STRANGER]
+    assert (stranger.maxon, stranger.profile, stranger.state, stranger.network) == (False, 401, None, ())
+    assert (stranger.value(at.DEVICE_NAME), stranger.value(at.VENDOR_ID)) == ("IO", 0x1234)
+    assert stranger.value(at.SERIAL_NUMBER) is None, "it has refused that, and is there all the same"
+    assert not {SOFTWARE, SERIAL_NUMBER, at.STATUSWORD} & set(stranger.outcomes)
+
+
+def test_a_node_that_falls_silent_under_way_is_listed_with_what_it_has_said() -> None:
+    rig = Rig()
+    stranger = Stranger({at.DEVICE_TYPE: OBJECTS[at.DEVICE_TYPE]}, refuses=False)
+    rig.world.attach("stranger", stranger, {CAN: rig.bus})
+    scan, found = on_the_bus(rig, range(1, 10))
+    assert set(found[STRANGER].outcomes) == {at.DEVICE_TYPE}
+    assert set(found) == {NEAR, FAR, STRANGER}
+    assert STRANGER not in scan.silent
+
+
+def test_a_stopped_drive_is_heard_though_it_does_not_answer() -> None:
+    rig = Rig()
+    rig.does(CanAccess(FAR), (Ask(WriteJob(at.PRODUCER_HEARTBEAT, b"\x64\0"), need(lambda _raw: ())),))
+    rig.does(CanAccess(NEAR), NetworkCommand(NmtCommand.START, NEAR).script())
+    rig.does(CanAccess(FAR), NetworkCommand(NmtCommand.STOP, FAR).script())
+    scan, found = on_the_bus(rig, range(1, 4), listen=200 * MILLISECOND)
+    assert (found[FAR].answers, found[FAR].network) == (False, (NmtState.STOPPED,))
+    assert (found[NEAR].answers, found[NEAR].network) == (True, (NmtState.OPERATIONAL,))
+    assert scan.silent == (3,)
+
+
+@pytest.mark.parametrize("generation", Generation)
+def test_a_line_brings_its_own_drive_and_those_behind_it(generation: Generation) -> None:
+    rig = Rig(generation)
+    link = SerialAccess(generation)
+    scan = Scan(link, range(1, 5))
+    found = scanned(rig, scan, link)
+    assert (scan.own, scan.asked, set(found), scan.silent) == (NEAR, [1, 2, 3, 4], {NEAR, FAR}, (3, 4))
+    for node in (NEAR, FAR):
+        assert found[node].value(SERIAL_NUMBER) == rig.value(node, SERIAL_NUMBER)
+    assert found[NEAR].network == (NmtState.PRE_OPERATIONAL, NmtState.STOPPED), "a line answers in both"
+    assert found[FAR].network == (NmtState.PRE_OPERATIONAL,)
+
+
+def test_a_line_on_which_nobody_answers_ends_the_scan() -> None:
+    rig = Rig(Generation.V2)
+    link = SerialAccess(Generation.V1)  # not what the drive speaks
+    with pytest.raises(SilentError):
+        scanned(rig, Scan(link, range(1, 128)), link)
+
+
+def test_every_type_that_is_emulated_is_known_by_its_product_code() -> None:
+    known = {name: profile for name, profile in PROFILES.items() if profile.hardware_version is not None}
+    assert set(PROFILES) - set(known) == {"24/2"}
+    for profile in known.values():
+        assert type_of((profile.hardware_version or 0) << 16 | profile.application_number) == profile.name
+    assert type_of(0) is None

@@ -1,0 +1,206 @@
+"""What is known of a bus from listening: frame by frame, by the robot's mapping, and from a recording."""
+
+import lzma
+from pathlib import Path
+from typing import Final
+
+import hypothesis.strategies as st
+import pytest
+from hypothesis import given
+
+from firmware_bridge import kinds
+from firmware_bridge.dissector.bus_picture import BusPicture
+from firmware_bridge.dissector.lately import Lately
+from firmware_bridge.dissector.robot_mapping import can_links, expected_on
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet
+from firmware_bridge.recording import parse_candump
+from firmware_bridge.units import MILLISECOND, SECOND
+from firmware_bridge.wire.can import EXTENDED, INTERFRAME_BITS, REMOTE, frame_bits
+from firmware_bridge.wire.can_error import BUS_OFF, encode_report
+from firmware_bridge.wire.canopen import NmtState
+from hil_tests.rows import every
+
+MASTERS: Final = Path(__file__).parents[2] / "recordings" / "rars" / "canopen-master.log.xz"
+ON: Final = "power stage on, remote (NMT operational)"
+
+STORY: Final = [
+    (0, 0x703, "00", ["node 3 is there", "node 3: restarted"]),
+    (1, 0x703, "7F", ["node 3: pre-operational"]),
+    (101, 0x703, "7F", []),
+    (110, 0x603, "4041600000000000", []),
+    (111, 0x583, "4B41600040050000", ["node 3: statusword 0x0540 (switch on disabled, target reached)"]),
+    (112, 0x583, "4B41600040050000", []),
+    (113, 0x183, "3705", []),  # of what it consists, nobody has seen yet
+    (120, 0x603, "2F001A0001000000", []),
+    (121, 0x603, "23011A0010004160", []),
+    (122, 0x183, "3707", [f"node 3: statusword 0x0737 (operation enabled, {ON}, target reached)"]),
+    (123, 0x183, "37", []),  # too short for its mapping
+    (130, 0x603, "2B40600006000000", []),
+    (
+        131,
+        0x583,
+        "8040600000000206",
+        ["SDO response, node 3: abort, 0x6040 Controlword: 0x06020000 no such object"],
+    ),
+    (140, 0x000, "0103", ["NMT start, node 3"]),
+    (
+        150,
+        0x083,
+        "2032040000000000",
+        ["EMCY node 3: 0x3220, under-voltage; error register 0x04 (voltage)"],
+    ),
+    (151, 0x083, "0000000000000000", ["EMCY node 3: no error; error register 0x00 (no error)"]),
+    (201, 0x703, "05", ["node 3: operational"]),
+    (400, 0x703, "05", []),
+    (600, 0x080, "", []),
+    (601, 0x080, "", ["node 3: no heartbeat for more than 2 x 100 ms"]),
+    (1100, 0x080, "", []),
+    (1200, 0x703, "05", ["node 3: its heartbeat is back"]),
+    (1201, 0x703 | REMOTE, "00", []),
+    (1202, BUS_OFF, encode_report().hex(), ["report of the controller: bus off"]),
+    (1300, 0x703, "00", ["node 3: restarted"]),
+]
+"""Milliseconds, identifier, bytes, and what has changed."""
+
+
+def frame(address: int, content: str) -> Packet:
+    return Packet(CAN, address, bytes.fromhex(content))
+
+
+def told(rows: list[tuple[int, int, str, list[str]]]) -> BusPicture:
+    picture = BusPicture(1_000_000)
+    for at, address, content, _ in rows:
+        picture.note(at * MILLISECOND, frame(address, content))
+    return picture
+
+
+def test_each_change_is_told_once() -> None:
+    picture = BusPicture(1_000_000)
+    for at, address, content, changes in STORY:
+        found = picture.note(at * MILLISECOND, frame(address, content))
+        assert list(found) == changes, f"at {at} ms"
+
+
+def test_what_is_known_of_a_node_is_what_it_said_last() -> None:
+    picture = told(STORY[:17])
+    (node,) = picture.nodes
+    assert (node.node, node.network, node.period) == (3, NmtState.OPERATIONAL, 100 * MILLISECOND)
+    assert node.status.startswith("0x0737 (operation enabled")
+    assert (node.emergencies, node.emergency) == (1, "no error; error register 0x00 (no error)")
+    assert picture.error is not None
+    assert (picture.error.at, picture.error.text) == (150 * MILLISECOND, STORY[14][3][0])
+    (node,) = told(STORY[:22]).nodes
+    assert (node.missing, node.period) == (False, 100 * MILLISECOND), "silence is no period"
+    (node,) = told(STORY).nodes
+    assert (node.network, node.period, node.status) == (NmtState.BOOT_UP, None, ""), "a restart forgets"
+
+
+def test_a_pdo_is_read_by_a_mapping_that_was_seen_and_else_shown_as_it_is() -> None:
+    rows = {title: said for _, title, said, _, _ in told(STORY[:7]).messages()}
+    assert rows["TPDO 1, node 3"] == "37 05, by a mapping that is not known"
+    rows = {title: said for _, title, said, _, _ in told(STORY[:10]).messages()}
+    assert rows["TPDO 1, node 3"] == f"0x6041 Statusword = 0x0737 (operation enabled, {ON}, target reached)"
+    rows = {title: said for _, title, said, _, _ in told(STORY[:11]).messages()}
+    assert rows["TPDO 1, node 3"] == "bytes that do not fit its mapping"
+
+
+def test_a_robot_file_names_the_drives_and_their_pdos_even_after_a_restart() -> None:
+    robot = kinds.find("rars")
+    (link,) = can_links(robot)
+    axis = robot.axes_on(link)[0]
+    node = axis.epos2.node
+    picture = BusPicture(1_000_000, tuple(expected_on(robot, link)))
+    sample = frame(0x280 + node, "3707E80300000A00")
+    changes = [*picture.note(0, frame(0x700 + node, "00")), *picture.note(1, sample)]
+    assert changes[2:] == [f"node {node}: statusword 0x0737 (operation enabled, {ON}, target reached)"]
+    assert picture.nodes[0].title == axis.title
+    said = {address: text for address, _, text, _, _ in picture.messages()}[0x280 + node]
+    assert "0x6064 Position Actual Value = 1000 qc" in said
+    assert said.endswith("0x2027 Current Actual Value Averaged = 10 mA")
+
+
+def test_rates_and_load_are_those_of_the_last_second_by_the_bits_on_the_wire() -> None:
+    picture = BusPicture(125_000)
+    beat = frame(0x703, "05")
+    for at in range(0, 3000, 10):
+        picture.note(at * MILLISECOND, beat)
+    bits = frame_bits(beat.address, beat.payload) + INTERFRAME_BITS
+    assert picture.load_percent == pytest.approx(100 * 100 * bits / 125_000)
+    assert picture.peak_percent == pytest.approx(picture.load_percent)
+    assert picture.mean_percent == pytest.approx(300 * bits / 125_000 / 2.99 * 100)
+    ((address, _, _, count, rate),) = picture.messages()
+    assert (address, count, rate) == (0x703, 300, 100.0)
+    assert [*picture.pass_time(3500 * MILLISECOND)] == ["node 3: no heartbeat for more than 2 x 10 ms"]
+    assert next(picture.messages())[4] == 49.0
+    picture.pass_time(5 * SECOND)
+    assert (picture.load_percent, next(picture.messages())[4]) == (0.0, 0.0)
+
+
+def test_a_burst_is_a_peak_and_no_load_goes_beyond_all() -> None:
+    picture = BusPicture(20_000)
+    for at in range(400):
+        picture.note(at * MILLISECOND, frame(0x123, "FFFFFFFFFFFFFFFF"))
+    assert (picture.load_percent, picture.peak_percent) == (100.0, 100.0)
+
+
+@given(
+    st.lists(
+        st.tuples(
+            st.integers(0, 300),
+            st.integers(0, 0x7FF),
+            st.sampled_from([0, EXTENDED, REMOTE]),
+            st.binary(max_size=8),
+        )
+    )
+)
+def test_whatever_comes_leaves_a_picture(frames: list[tuple[int, int, int, bytes]]) -> None:
+    picture, now = BusPicture(1_000_000), 0
+    for later, number, flag, content in frames:
+        now += later * MILLISECOND
+        assert all(picture.note(now, Packet(CAN, number | flag, content))), "a change has a text"
+    assert sum(count for _, _, _, count, _ in picture.messages()) == picture.frames == len(frames)
+    assert 0.0 <= picture.load_percent <= 100.0
+    assert all(title for _, title, _, _, _ in picture.messages())
+
+
+def test_nothing_heard_is_a_picture_too() -> None:
+    picture = BusPicture(1_000_000)
+    assert picture.pass_time(SECOND) == ()
+    assert (picture.nodes, [*picture.messages()], picture.load_percent, picture.error) == ((), [], 0.0, None)
+
+
+@every(
+    ("span", "amounts", "at", "total"),
+    [
+        (10, [(0, 1)], 9, 1),
+        (10, [(0, 1)], 10, 0),
+        (10, [(0, 1), (0, 2), (5, 3)], 9, 6),
+        (10, [(0, 1), (0, 2), (5, 3)], 12, 3),
+        (10, [(0, 1), (30, 2)], 30, 2),
+    ],
+)
+def test_a_sum_forgets_what_is_as_old_as_its_span(
+    span: int, amounts: list[tuple[int, int]], at: int, total: int
+) -> None:
+    lately = Lately(span)
+    for when, amount in amounts:
+        lately.add(when, amount)
+    assert lately.total(at) == total
+    assert lately.peak == max(sum(a for t, a in amounts if now - span < t <= now) for now, _ in amounts)
+
+
+def test_a_recording_of_a_strangers_master_is_one_picture_and_always_the_same() -> None:
+    lines = lzma.decompress(MASTERS.read_bytes()).decode().splitlines()
+    pictures = [BusPicture(1_000_000), BusPicture(1_000_000)]
+    for picture in pictures:
+        for line in lines:
+            at, _, packet = parse_candump(line)
+            picture.note(at, packet)
+    one, other = pictures
+    assert (list(one.messages()), one.nodes) == (list(other.messages()), other.nodes)
+    assert one.frames == len(lines)
+    assert [node.node for node in one.nodes] == [1, 2, 3, 4]
+    assert one.error is not None
+    assert one.error.text.endswith("abort, 0x6041 Statusword: 0x06010002 object is read-only")
+    assert sum(count for _, _, _, count, _ in one.messages()) == len(lines)
