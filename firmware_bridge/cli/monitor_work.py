@@ -71,7 +71,7 @@ def _live(given: MonitorOptions, picture: BusPicture) -> None:
             shown = stack.enter_context(Live(console=terminal(), auto_refresh=False))
             node = Listening(picture, lambda _: None, lambda: shown.update(drawn(picture), refresh=True))
         else:
-            stack.callback(lambda: terminal().print(drawn(picture)))
+            stack.callback(_at_the_end, picture)
             node = Listening(picture, lambda texts: _lines(picture, texts), lambda: None)
         carry(
             node,
@@ -79,6 +79,14 @@ def _live(given: MonitorOptions, picture: BusPicture) -> None:
             until(given.duration),
             f"listening on {given.channel or 'the configured bus'}",
         )
+
+
+def _at_the_end(picture: BusPicture) -> None:
+    """Print what was heard, also where the bus was lost; an empty table would hide the message."""
+    if picture.frames:
+        terminal().print(drawn(picture))
+    elif sys.exc_info()[0] is None:
+        say("nothing was heard")
 
 
 def on_a_terminal() -> bool:

@@ -33,11 +33,13 @@ BRIDGE: Final = {*LINE, "pymavlink", "fastcrc"}
 """The operator speaks MAVLink."""
 KINDS: Final = {row.module.partition(".")[0] for row in entry_points(group="firmware_bridge.robots")}
 """Whose robots are asked for: everybody's that are installed."""
+MATRICES: Final = {"numpy"}
+"""The arm's kind reckons with matrices; who drives another robot does not load it."""
 
 IMPORTED: Final[dict[str, set[str]]] = {
     "--version": TYPER,
     "--help": HELP,
-    "robots": {*OPTIONS, "rich", *KINDS},
+    "robots": {*OPTIONS, "rich", *KINDS, *MATRICES},
     "drive --help": HELP,
     "pilot --help": HELP,
     "monitor --help": HELP,
@@ -102,7 +104,7 @@ def test_each_library_that_the_program_needs_is_known_to_the_table_or_left_for_w
     needed = {re.split(r"[^\w-]", row)[0] for row in rows if "extra ==" not in row}
     owners = packages_distributions()
     light = {owner for names in IMPORTED.values() for name in names for owner in owners.get(name, ())}
-    assert needed - light == {"fmpy", "matplotlib", "numpy", "python-can", "sympy"}
+    assert needed - light == {"fmpy", "matplotlib", "python-can", "sympy"}
 
 
 def test_what_is_installed_is_not_looked_through_before_a_stop() -> None:
