@@ -14,7 +14,7 @@ FILE: Final = Path(__file__).with_name("reference.csv")
 INPUTS: Final = (*(f"field_{axis}" for axis in AXES), "current_on")
 OUTPUTS: Final = (
     *(f"{quantity}_{axis}" for quantity in ("angle", "speed", "lag") for axis in AXES),
-    *("tool_x", "tool_y", "tool_z"),
+    *("tool_x", "tool_y", "tool_z", "tool_speed"),
 )
 
 COURSE: Final = (
