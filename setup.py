@@ -31,6 +31,7 @@ WAY_OF_A_PACKET: Final = (
     "emulators/bench/operator.py",
     "emulators/bench/orders.py",
     "emulators/bench/stick.py",
+    "emulators/carried_bank.py",
     "emulators/epos2/*.py",
     "emulators/epos2/*/*.py",
     "emulators/motion_capture/*.py",
@@ -74,6 +75,7 @@ INTERPRETED: Final = frozenset(
         "firmware_bridge/robots/climber/geometry.py",  # as above
         "firmware_bridge/robots/rars/geometry.py",  # as above
         "firmware_bridge/robots/rome/geometry.py",  # as above
+        "firmware_bridge/robots/rome_arm/geometry.py",  # as above
         "firmware_bridge/teleop/station.py",  # its rows are generic dataclasses
         "firmware_bridge/wire/abort.py",  # an enumeration with a __new__ of its own
     }

@@ -10,6 +10,7 @@ from emulators.arduino_omni.ar2.board import Ar2Board
 from emulators.arduino_omni.ar2.firmwares import FIRMWARES as AR2_FIRMWARES
 from emulators.arduino_omni.board import FIRMWARES, Board
 from emulators.arduino_omni.motors import Load
+from emulators.carried_bank import CarriedBank
 from emulators.epos2.drive import Epos2
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import DeviceProfile, numbered, realistic
@@ -20,7 +21,7 @@ from emulators.servo.bank import ServoBank, plant_outputs
 from emulators.servo.fmu_axes import HELD, LIFTED, fmu_bank, fmu_plant, tell_motor
 from emulators.servo.pins import SWITCHES, input_lines
 from emulators.shield_bank import ShieldBank, ShieldMotor
-from emulators.stepper_bank import PlantJoints, StepperBank, stepper_plant
+from emulators.stepper_bank import ANGLES, INPUTS, PlantJoints, StepperBank, stepper_plant
 from firmware_bridge.robot import AnyRobot, Axis, Problem, RobotFileError
 from firmware_bridge.wire.maxon.frame import Generation
 from fmu.build import ensure
@@ -41,7 +42,7 @@ class Devices:
     """The emulated half of a robot: its drives by axis name, what moves them, and the plant below."""
 
     drives: dict[str, Epos2]
-    bank: ServoBank | ShieldBank | StepperBank
+    bank: ServoBank | ShieldBank | StepperBank | CarriedBank
     plant: FmuPlant
     boards: dict[str, Board | Ar2Board] = field(default_factory=dict)
     """By the links' names."""
@@ -82,13 +83,16 @@ def devices(
     Geometry that both know is set from the robot file into our own plant, so that they agree; a plant of the
     user's is taken as it is, with the parameters that the robot file lists for it.
     """
-    names = [axis.name for axis in robot.axes]
     if plant_path is None:
         path, parameters = ensure(_plant(robot)), plant_parameters(robot)
     else:
         path, parameters = plant_path, robot.plant.parameters
-    if robot.ar2_links:
+    if robot.ar2_links and not robot.shield_links:
         return _on_steppers(robot, stepper_plant(path, parameters, outputs))
+    names = [axis.name for axis in robot.axes if axis.link not in robot.ar2_links]
+    if robot.ar2_links:
+        plant = fmu_plant(path, names, parameters, (SUPPLY, *ANGLES, *outputs), optional, told=INPUTS)
+        return _on_both(robot, plant)
     plant = fmu_plant(path, names, parameters, (SUPPLY, *outputs), optional)
     if robot.shield_links:
         return _on_boards(robot, plant)
@@ -112,11 +116,38 @@ def devices(
 
 def _on_boards(robot: AnyRobot, plant: FmuPlant) -> Devices:
     """Put a plant's motors at the terminals of a board's shield; RobotFileError where that cannot be."""
-    (name, link), *others = robot.shield_links.items()
-    axes = robot.axes_on(name)
-    if others or len(axes) != len(robot.axes):
-        problem = "one board that turns all motors is emulated, and no more"
+    name, board, bank = _shield(robot, plant)
+    _moves_all(robot, name)
+    return Devices({}, bank, plant, {name: board})
+
+
+def _on_steppers(robot: AnyRobot, plant: FmuPlant) -> Devices:
+    """Put an arm's joints on its board; RobotFileError where that cannot be."""
+    name, board, bank = _steppers(robot, PlantJoints(plant))
+    _moves_all(robot, name)
+    return Devices({}, bank, plant, {name: board})
+
+
+def _on_both(robot: AnyRobot, plant: FmuPlant) -> Devices:
+    """Put an arm's joints on its board, and what carries it on another; RobotFileError."""
+    below, board, base = _shield(robot, plant)
+    above, carried, arm = _steppers(robot, PlantJoints(plant, carried=True))
+    _moves_all(robot, below, above)
+    return Devices({}, CarriedBank(base, board, arm), plant, {below: board, above: carried})
+
+
+def _moves_all(robot: AnyRobot, *links: str) -> None:
+    """Check that every axis is on one of these links, and there is no other with a board."""
+    boards = {*robot.shield_links, *robot.ar2_links}
+    if boards != set(links) or not {axis.link for axis in robot.axes} <= boards:
+        problem = "a board for all motors, one for all joints, or one of each are emulated, and no more"
         raise RobotFileError(robot.name, Problem("links", problem))
+
+
+def _shield(robot: AnyRobot, plant: FmuPlant) -> tuple[str, Board, ShieldBank]:
+    """Return a board with its link, and the motors on its shield."""
+    (name, link), *_ = robot.shield_links.items()
+    axes = robot.axes_on(name)
     if [axis.shield.port for axis in axes] != list(range(1, len(axes) + 1)):
         problem = "the axes' ports must be 1, 2 and so on, in their order, to be emulated"
         raise RobotFileError(robot.name, Problem(f"links.{name}", problem))
@@ -134,18 +165,14 @@ def _on_boards(robot: AnyRobot, plant: FmuPlant) -> Devices:
     auto_stop = None if firmware.auto_stop is None else link.auto_stop_ms
     board = Board(firmware, load, encoders=link.counted, auto_stop=auto_stop)
     motors = tuple(ShieldMotor(axis.name, board, axis.shield.port) for axis in axes)
-    return Devices({}, ShieldBank({name: board}, motors), plant, {name: board})
+    return name, board, ShieldBank({name: board}, motors)
 
 
-def _on_steppers(robot: AnyRobot, plant: FmuPlant) -> Devices:
-    """Put an arm's joints on its board; RobotFileError where that cannot be."""
-    (name, _), *others = robot.ar2_links.items()
-    if others or [axis.link for axis in robot.axes] != [name] * len(robot.axes):
-        problem = "one board that moves all joints is emulated, and no more"
-        raise RobotFileError(robot.name, Problem("links", problem))
-    joints = PlantJoints(plant)
+def _steppers(robot: AnyRobot, joints: PlantJoints) -> tuple[str, Ar2Board, StepperBank]:
+    """Return an arm's board with its link, and its joints."""
+    (name, _), *_ = robot.ar2_links.items()
     board = Ar2Board(AR2_FIRMWARES["2.0"], joints)
-    return Devices({}, StepperBank(board, joints, robot), plant, {name: board})
+    return name, board, StepperBank(board, joints, [axis.name for axis in robot.axes_on(name)])
 
 
 def _puts(plant: FmuPlant, kind: str, axes: Sequence[str]) -> Callable[[int, float], None] | None:

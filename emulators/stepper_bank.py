@@ -12,7 +12,6 @@ from typing import Final
 from emulators.arduino_omni.ar2.axes import AXES, JOINTS, OVERDRIVE
 from emulators.arduino_omni.ar2.board import Ar2Board
 from emulators.arduino_omni.ar2.joints import Joints
-from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import MICROSECOND, Nanoseconds
 from fmu.plant import FmuPlant
 
@@ -22,30 +21,34 @@ HALF_STEP: Final = math.tau / 400.0
 FIELDS: Final = tuple(f"field_j{joint}" for joint in range(1, 7))
 ANGLES: Final = tuple(f"angle_j{joint}" for joint in range(1, 7))
 CURRENT: Final = "current_on"
+INPUTS: Final = (*FIELDS, CURRENT)
 
 
 def stepper_plant(path: Path, parameters: Mapping[str, float], outputs: Sequence[str]) -> FmuPlant:
     """Load the plant of an arm; PlantError where it lacks its joints, or what is to be looked at."""
     more = tuple(dict.fromkeys(name for name in outputs if name not in ANGLES))
-    plant = FmuPlant(path, (*FIELDS, CURRENT), (*ANGLES, *more), parameters, step=STEP)
-    plant.inputs[len(FIELDS)] = 1.0
-    return plant
+    return FmuPlant(path, INPUTS, (*ANGLES, *more), parameters, step=STEP)
 
 
 class PlantJoints(Joints):
     """Joints whose places are the plant's; the track is not on it."""
 
-    def __init__(self, plant: FmuPlant) -> None:
-        """Stand where the plant begins."""
+    def __init__(self, plant: FmuPlant, *, carried: bool = False) -> None:
+        """Stand where the plant begins. `carried`: somebody else takes the plant on."""
         super().__init__()
         self.swings = True
         self._plant: Final = plant
+        self._fields: Final = [plant.input_names.index(name) for name in FIELDS]
+        self._angles: Final = [plant.output_names.index(name) for name in ANGLES]
+        self._current: Final = plant.input_names.index(CURRENT)
+        self._carried: Final = carried
         self._reached: Nanoseconds = 0
+        plant.inputs[self._current] = 1.0
         self._look()
 
     def reach(self, now: Nanoseconds) -> None:
         """Let the arm go on up to `now`, in whole steps."""
-        while self._reached + STEP <= now:
+        while not self._carried and self._reached + STEP <= now:
             self._plant.step()
             self._reached += STEP
 
@@ -61,16 +64,18 @@ class PlantJoints(Joints):
             return
         self.reach(at)
         ahead = 1.0 if level == AXES[axis].ahead_level else -1.0
-        self._plant.inputs[axis] = self._plant.inputs[axis : axis + 1][0] + ahead * HALF_STEP
+        place = self._fields[axis]
+        self._plant.inputs[place] = self._plant.inputs[place : place + 1][0] + ahead * HALF_STEP
 
     def switch_current(self, *, on: bool) -> None:
         """Give the drivers their current, or take it: the arm falls then."""
         self.powered = on
-        self._plant.inputs[len(FIELDS)] = float(on)
+        self._plant.inputs[self._current] = float(on)
 
     def _look(self) -> None:
         for joint, axis in enumerate(JOINTS):
-            angle = math.degrees(self._plant.outputs[joint : joint + 1][0])
+            output = self._angles[joint]
+            angle = math.degrees(self._plant.outputs[output : output + 1][0])
             place = round((angle - axis.least_deg) / axis.per_step_deg)
             self.places[joint] = min(max(place, -OVERDRIVE), axis.steps + OVERDRIVE)
 
@@ -91,8 +96,8 @@ class StepperMotor:
 class StepperBank:
     """What moves between two events: the board with its arm."""
 
-    def __init__(self, board: Ar2Board, joints: PlantJoints, robot: AnyRobot) -> None:
-        self.axes: Final = tuple(StepperMotor(axis.name, board) for axis in robot.axes)
+    def __init__(self, board: Ar2Board, joints: PlantJoints, axes: Sequence[str]) -> None:
+        self.axes: Final = tuple(StepperMotor(name, board) for name in axes)
         self._board: Final = board
         self._joints: Final = joints
 

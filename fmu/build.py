@@ -132,7 +132,7 @@ def _units(fmi: int) -> tuple[str, ...]:
 
 def _about(plant: Plant) -> About:
     """Return what the package that brings a plant says of itself, and the plant's own page."""
-    page = _folder(plant) / "README.md"
+    page = _folder(plant, plant.package) / "README.md"
     return replace(origin(plant), page=page.read_text(encoding="utf-8") if page.is_file() else "")
 
 
@@ -149,22 +149,21 @@ def _cache() -> Path:
 def _sources(plant: Plant) -> Iterator[tuple[str, Path]]:
     """Yield what the FMU is made from: a name that is the same on every machine, and the file."""
     yield "fingerprint.py", _HERE / "fingerprint.py"
-    folders = {"export": _HERE / "export", "parts": _HERE / "parts", plant.package: _folder(plant)}
+    folders = {"export": _HERE / "export", "parts": _HERE / "parts"}
+    folders |= {package: _folder(plant, package) for package in (plant.package, *plant.made_of)}
     for name, folder in folders.items():
         for path in sorted(folder.rglob("*")):
             if path.suffix in {".py", ".c", ".h", ".md"}:
                 yield f"{name}/{path.relative_to(folder).as_posix()}", path
 
 
-def _folder(plant: Plant) -> Path:
+def _folder(plant: Plant, package: str) -> Path:
     try:
-        spec = importlib.util.find_spec(plant.package)
+        spec = importlib.util.find_spec(package)
     except ImportError:
         spec = None
     if spec is None or not spec.submodule_search_locations:
-        raise PlantError(
-            f"the plant '{plant.name}' is to stand in the package {plant.package}: there is none"
-        )
+        raise PlantError(f"the plant '{plant.name}' is to stand in the package {package}: there is none")
     return Path(spec.submodule_search_locations[0])
 
 

@@ -29,7 +29,8 @@ class Plant:
     """A plant that can be built; an entry point names such a value.
 
     In `package`, an import path, stands `equations.py` with a function `model()`, and all that it needs
-    beside `fmu.parts`. Making a Plant must be quick: SymPy comes with the equations, when they are asked for.
+    beside `fmu.parts` and `made_of`. Making a Plant must be quick: SymPy comes with the equations, when they
+    are asked for.
     """
 
     name: str
@@ -39,6 +40,8 @@ class Plant:
     """Named start values of some parameters, in SI units."""
     robot_file: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     """Path into a robot's file, rows of a table by their name -> parameter, and the factor into its unit."""
+    made_of: tuple[str, ...] = ()
+    """The packages of other plants whose equations it takes."""
     grips: bool = False
     """Whether what holds it on a wall can let go: it has an input `grip_lost_AXIS` for each axis."""
 

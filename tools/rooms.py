@@ -57,6 +57,7 @@ ROOMS: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("robots/rars/model", ("unit/pilot/test_predictor",)),
     ("robots/rars/modes", ("robots/test_rars_modes",)),
     ("robots/ar2/*", ("scenarios/test_ar2_stories",)),
+    ("robots/rome_arm/*", ("robots/test_rome_arm", "scenarios/test_rome_arm_stories")),
     ("robots/rome/*", ("robots/test_rome", "robots/test_rome_cameras")),
     ("robots/*", (*GATE, "robots/test_rars_body", "unit/motion/*", "unit/pipeline/test_rest")),
     ("carrier/*", ("robots/test_carrier*",)),

@@ -18,8 +18,12 @@ AHEAD_S: Final = 1.0
 """So far along the path to either side its nearest point is looked for."""
 STEPS: Final = 41
 
-Path: TypeAlias = Callable[[Floats], tuple[Floats, Floats]]
-"""Where the path is at these of its own seconds: m, ahead and left of where it looks at its begin."""
+HEIGHT: Final = "height_m"
+"""The column of how high is what a path with heights leads."""
+
+Path: TypeAlias = Callable[[Floats], tuple[Floats, ...]]
+"""Where the path is at these of its own seconds: m, ahead and left of where it looks at its begin; and up,
+where it leads something up and down."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +53,8 @@ def path_error(samples: Samples, followed: Sequence[Followed], settled_after_s: 
             reference = _placed(samples, rows[0], path)
             seconds = samples.seconds[settled] + samples.column(OFFSET)[settled]
             truth = _complex(samples, POSE)[settled]
-            same.append(float(np.abs(truth - reference(seconds)).max()))
+            off = np.hypot(np.abs(truth - reference(seconds)), _too_high(samples, rows[0], settled, path))
+            same.append(float(off.max()))
             across.append(
                 max(_nearest(point, at, reference) for point, at in zip(truth, seconds, strict=True))
             )
@@ -75,14 +80,24 @@ def _placed(samples: Samples, begin: int, path: Path) -> Callable[[Floats], np.n
     turn = headings[0][first] - headings[1][first]
     start = true[first] + (believed[begin] - believed[first]) * np.exp(1j * turn)
     course = np.exp(1j * (turn + headings[1][begin]))
-    first_x, first_y = path(np.zeros(1))
+    first_x, first_y, *_ = path(np.zeros(1))
 
     def at(seconds: Floats) -> np.ndarray:
-        x, y = path(seconds)
+        x, y, *_ = path(seconds)
         placed: np.ndarray = start + (x - first_x + 1j * (y - first_y)) * course
         return placed
 
     return at
+
+
+def _too_high(samples: Samples, begin: int, rows: np.ndarray, path: Path) -> Floats:
+    """Return how much too high it was in these rows; 0 where the path has no heights."""
+    first, heights = path(np.zeros(1))[2:], path(samples.seconds[rows] + samples.column(OFFSET)[rows])[2:]
+    if not heights:
+        return np.zeros(rows.size)
+    true = samples.column(HEIGHT)
+    too_high: Floats = true[rows] - true[begin] - (heights[0] - first[0])
+    return too_high
 
 
 def _complex(samples: Samples, names: tuple[str, str, str]) -> np.ndarray:

@@ -1,6 +1,6 @@
 """The capture systems of a robot file, beside its other emulated devices, where the file says they are."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 
@@ -31,12 +31,13 @@ class Cameras:
     """What moves the robot; they have it on film."""
 
 
-def beside_board(name: str, board: Board | Ar2Board, cameras: Cameras) -> Node:
-    """Return a board on the link "serial" and the cameras around what it drives, as one node."""
-    if not cameras.members:
-        return board
-    members: dict[str, Node] = {name: board, **cameras.members}
-    return Cluster(members, cameras.physics, links={name: {SERIAL: SERIAL}, **cameras.links})
+def beside_boards(boards: Mapping[str, Board | Ar2Board], links: Mapping[str, str], cameras: Cameras) -> Node:
+    """Return boards and the cameras around what they drive, as one node; `links` are the boards' outside."""
+    if len(boards) == 1 and not cameras.members:
+        return next(iter(boards.values()))
+    members: dict[str, Node] = {**boards, **cameras.members}
+    lines = {name: {SERIAL: link} for name, link in links.items()}
+    return Cluster(members, cameras.physics, links={**lines, **cameras.links})
 
 
 def cameras_of(robot: AnyRobot, below: Devices, seed: int = 0) -> Cameras:

@@ -2,10 +2,11 @@
 
 import re
 from collections.abc import Callable
+from functools import partial
 
 from emulators.captured import TRUTH
 from emulators.cli.beginning import tell_of_beginning
-from emulators.cli.cameras import beside_board, cameras_of
+from emulators.cli.cameras import beside_boards, cameras_of
 from emulators.cli.emulate_robot import RobotOptions
 from emulators.cli.options import parameter_file
 from emulators.devices import devices
@@ -44,34 +45,56 @@ def emulate(given: RobotOptions) -> None:
 
 
 def emulate_board(machine: AnyRobot, given: RobotOptions) -> None:
-    """Put a robot's board on a serial line, with its plant at the shield's terminals, or on its pulses."""
+    """Put a robot's boards on serial lines, with its plant at the shield's terminals, or on its pulses."""
     with one_message(RobotFileError, PlantError):
         spoken = None if given.protocol is None else given.protocol.value
         machine = over_protocol(machine, spoken, given.encoders)
         tell_of_beginning(machine, given.plant)
         emulated = devices(machine, given.plant, optional=TRUTH if machine.capture_links else ())
-        ((name, board),) = emulated.boards.items()
         cameras = cameras_of(machine, emulated)
-    node = beside_board(name, board, cameras)
-    table = machine.links[name]
-    if isinstance(table, ShieldLink):
-        stock = "" if table.stock else ", not stock"
-        rate, what = table.line_rate, f"{table.protocol.value}, {table.counted} encoders{stock}"
-    else:
-        rate, what = machine.ar2_link(name).line_rate, machine.ar2_link(name).protocol.value
-    with recording(given.record, {SERIAL: SERIAL_LOG}) as (around, _):
+    alone = len(emulated.boards) == 1
+    links = {name: SERIAL if alone else name for name in emulated.boards}
+    node = beside_boards(emulated.boards, links, cameras)
+    files = {link: SERIAL_LOG if alone else f"{name}-{SERIAL_LOG}" for name, link in links.items()}
+    with recording(given.record, files) as (around, _):
         with one_message(PortError):
-            line = open_serial(given.serial or WORD, rate, given.serial_link)
-        where = ", ".join((line.name, *cameras.where))
+            lines = {name: _line_of(machine, name, given, alone=alone) for name in links}
+        of_boards = (f"{'' if alone else f'{name} on '}{line.name}" for name, line in lines.items())
+        spoken_there = ", ".join(_spoken(machine, name) for name in links)
         carry(
             around(node),
-            {SERIAL: lambda: line, **cameras.openers},
+            {**{links[name]: partial(_same, line) for name, line in lines.items()}, **cameras.openers},
             until(given.duration),
-            f"{machine.name} is on {where}: {what}",
+            f"{machine.name} is on {', '.join((*of_boards, *cameras.where))}: {spoken_there}",
             PlantError,
             ServoError,
             clock=LivedClock(),
         )
+
+
+def _same(port: Port) -> Port:
+    """Return what was opened already, because its name is found out only then."""
+    return port
+
+
+def _line_of(machine: AnyRobot, name: str, given: RobotOptions, *, alone: bool) -> Port:
+    """Open the line to a board; where there are several each has a pseudo-terminal of its own. PortError."""
+    table = machine.links[name]
+    rate = table.line_rate if isinstance(table, ShieldLink) else machine.ar2_link(name).line_rate
+    link, device = given.serial_link, given.serial or WORD
+    if alone:
+        return open_serial(device, rate, link)
+    if device != WORD:
+        raise PortError(f"--serial {device}: {machine.name} has several boards; say --serial {WORD}")
+    return open_serial(device, rate, None if link is None else link.with_name(f"{link.name}-{name}"))
+
+
+def _spoken(machine: AnyRobot, name: str) -> str:
+    """Return what a board speaks."""
+    table = machine.links[name]
+    if not isinstance(table, ShieldLink):
+        return machine.ar2_link(name).protocol.value
+    return f"{table.protocol.value}, {table.counted} encoders{'' if table.stock else ', not stock'}"
 
 
 def emulate_drives(machine: AnyRobot, given: RobotOptions) -> None:

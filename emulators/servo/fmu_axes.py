@@ -26,15 +26,18 @@ def fmu_plant(
     parameters: Mapping[str, float],
     more: Sequence[str] = (),
     optional: Sequence[str] = (),
+    *,
+    told: Sequence[str] = (),
 ) -> FmuPlant:
     """Load the plant of these axes; PlantError.
 
-    `more` are outputs that are needed beside theirs, `optional` those that are read where it has them.
+    `told` are inputs that are needed beside theirs, `more` outputs; `optional` are outputs that are read
+    where it has them.
     """
     own = plant_outputs(axes)
     return FmuPlant(
         path,
-        plant_inputs(axes),
+        (*plant_inputs(axes), *told),
         (*own, *(name for name in dict.fromkeys(more) if name not in own)),
         parameters,
         units=units(axes),

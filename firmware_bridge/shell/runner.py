@@ -174,7 +174,8 @@ class _Carrier:
                 self._take(self._node.receive(Packet(link, address, payload), now), now)
 
     def _take(self, reaction: Reaction, now: Nanoseconds) -> None:
-        self._wake_at = reaction.wake_at
+        # Nobody is late for an instant that had passed when it was named: "at once" may be any of those.
+        self._wake_at = max(reaction.wake_at, now)
         self._done = self._stopping and reaction.wake_at == NEVER
         for packet in reaction.sent:
             port = self._ports.get(packet.link)

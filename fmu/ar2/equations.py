@@ -3,8 +3,8 @@
 Everything is written in a frame that turns with the first joint, about which weight and links are alike.
 """
 
-from collections.abc import Sequence
-from typing import Any, Final
+from collections.abc import Iterator, Sequence
+from typing import Any, Final, NamedTuple
 
 import sympy as sp
 
@@ -38,12 +38,26 @@ def lines(vector: Any) -> Any:
     return vector.applyfunc(line)
 
 
-class Arm:
-    """Where the links are, how they move, and what their masses do."""
+class Ground(NamedTuple):
+    """How what the arm stands on moves, in its own frame; it turns about the first joint's axis."""
 
-    def __init__(self) -> None:
+    ahead: Expression
+    left: Expression
+    turn: Expression
+
+
+class Arm:
+    """Where the links are, how they move, and what their masses do; its foot may be on ground that moves.
+
+    Then the ground's three speeds stand before the joints' in whatever goes by joints.
+    """
+
+    def __init__(self, ground: Ground | None = None) -> None:
         self.angles: Final = [symbol(f"angle_{axis}") for axis in AXES]
-        self.speeds: Final = [symbol(f"speed_{axis}") for axis in AXES]
+        self.ground: Final = ground
+        self.first: Final = 0 if ground is None else len(ground)
+        """Where the joints begin."""
+        self.speeds: Final = [*(ground or ()), *(symbol(f"speed_{axis}") for axis in AXES)]
         self.axes: Final[list[Any]] = [sp.Matrix([0, 0, 1])]
         self.origins: Final[list[Any]] = [sp.zeros(3, 1)]
         self.masses: Final = [*(P[f"mass_{axis}"] for axis in AXES), P["payload"]]
@@ -51,18 +65,42 @@ class Arm:
         """Where the masses are: links, and what the tool carries."""
         self.swings: Final[list[Any]] = []
         """Their accelerations where no joint's speed changes."""
+        self.turned: Final[Any] = () if ground is None else (sp.cos(self.angles[0]), sp.sin(self.angles[0]))
+        """Cosine and sine of the first joint's angle, where the ground's own directions count."""
         self._walk()
         self.columns: Final = [
-            [lines(self.axes[joint].cross(point - self.origins[joint])) for joint in range(min(place + 1, 6))]
+            [
+                *self.carried(point),
+                *(
+                    lines(self.axes[joint].cross(point - self.origins[joint]))
+                    for joint in range(min(place + 1, 6))
+                ),
+            ]
             for place, point in enumerate(self.points)
         ]
+
+    def in_frame(self, ahead: Expression, left: Expression) -> Any:
+        """Return a level vector of the ground in the frame that turns with the first joint."""
+        cosine, sine = self.turned
+        return sp.Matrix([ahead * cosine + left * sine, left * cosine - ahead * sine, 0])
+
+    def carried(self, point: Any) -> Iterator[Any]:
+        """Yield how a point moves with the ground: ahead, to the left, and round; nothing where it rests."""
+        if self.ground is not None:
+            yield self.in_frame(sp.S.One, sp.S.Zero)
+            yield self.in_frame(sp.S.Zero, sp.S.One)
+            yield sp.Matrix([-point[1], point[0], 0])
 
     def _walk(self) -> None:
         """Go from link to link: frames, turn rates, and accelerations that the speeds alone make."""
         along = sp.Matrix([1, 0, 0])
         turning, turned, swing = sp.zeros(3, 1), sp.zeros(3, 1), sp.zeros(3, 1)
+        if self.ground is not None:
+            ahead, left, turn = self.ground
+            turning = sp.Matrix([0, 0, turn])
+            swing = lines(self.in_frame(-turn * left, turn * ahead))
         for joint, (sine, a, d, offset) in enumerate(LINKS):
-            axis, speed = self.axes[-1], self.speeds[joint]
+            axis, speed = self.axes[-1], self.speeds[self.first + joint]
             # The first joint's angle is left out: the frame turns with it.
             angle = sp.S.Zero if joint == 0 else line(self.angles[joint] + offset)
             left = axis.cross(along)
@@ -80,47 +118,51 @@ class Arm:
         self.swings.append(swing)
 
     def inertia(self) -> list[list[Expression]]:
-        """Return the lower half of the mass matrix, with the rotors behind their gears."""
+        """Return the lower half of the mass matrix, with the rotors behind their gears.
+
+        Of the ground there is only what the arm makes of it.
+        """
         found = []
-        for joint, axis in enumerate(AXES):
+        rotors = [P[f"rotor_inertia_{axis}"] * P[f"gear_{axis}"] ** 2 for axis in AXES]
+        for one, rotor in enumerate([sp.S.Zero] * self.first + rotors):
             row = [
                 sum(
                     (
-                        self.masses[place] * columns[joint].dot(columns[other])
+                        self.masses[place] * columns[one].dot(columns[other])
                         for place, columns in enumerate(self.columns)
-                        if joint < len(columns)
+                        if one < len(columns)
                     ),
                     sp.S.Zero,
                 )
-                for other in range(joint + 1)
+                for other in range(one + 1)
             ]
-            row[joint] += P[f"rotor_inertia_{axis}"] * P[f"gear_{axis}"] ** 2
+            row[one] += rotor
             found.append([line(it) for it in row])
         return found
 
     def loads(self) -> list[Expression]:
-        """Return what weight and speeds do against each joint, N m."""
+        """Return what weight and speeds do against each joint, N m, and against the ground's ways, N."""
         up = P["gravity"] * sp.Matrix([0, 0, 1])
         return [
             line(
                 sum(
                     (
-                        self.masses[place] * columns[joint].dot(self.swings[place] + up)
+                        self.masses[place] * columns[one].dot(self.swings[place] + up)
                         for place, columns in enumerate(self.columns)
-                        if joint < len(columns)
+                        if one < len(columns)
                     ),
                     sp.S.Zero,
                 )
             )
-            for joint in range(len(AXES))
+            for one in range(len(self.speeds))
         ]
 
     def energy(self, inertia: Sequence[Sequence[Expression]]) -> Expression:
         """Return kinetic and potential energy in J, that of the floor's height being 0."""
         moving = sum(
-            (HALF if joint == other else 1) * inertia[joint][other] * self.speeds[joint] * self.speeds[other]
-            for joint in range(len(AXES))
-            for other in range(joint + 1)
+            (HALF if one == other else 1) * inertia[one][other] * self.speeds[one] * self.speeds[other]
+            for one in range(len(self.speeds))
+            for other in range(one + 1)
         )
         heights = (mass * point[2] for mass, point in zip(self.masses, self.points, strict=True))
         return moving + P["gravity"] * sum(heights)
@@ -178,16 +220,61 @@ def stopped(axis: str) -> Expression:
     return push(under, -speed, stiffness, damping) - push(over, speed, stiffness, damping)
 
 
+def torque(axis: str) -> Expression:
+    """Return what motor, stops and friction do at a joint, N m."""
+    return driven(axis) + stopped(axis) - rubbed(axis)
+
+
+def bent() -> Expression:
+    """Return the energy of all stops that a joint is in, J."""
+    return sum(HALF * P["stop_stiffness"] * depth**2 for axis in AXES for depth in past_stops(axis))
+
+
+def inputs() -> tuple[Input, ...]:
+    """Return what the drivers do."""
+    fields = (
+        Input(f"field_{axis}", "rad", f"how far the driver has turned the field, {axis}") for axis in AXES
+    )
+    return (*fields, Input("current_on", "1", "drivers' current, 1 on, 0 off", 1.0, switch=True))
+
+
+def states(rates: Sequence[Expression]) -> tuple[State, ...]:
+    """Return the joints; `rates` are their accelerations, rad/s2."""
+    return (
+        *(State(f"angle_{axis}", "rad", P[f"rest_{axis}"], symbol(f"speed_{axis}")) for axis in AXES),
+        *(State(f"speed_{axis}", "rad/s", sp.S.Zero, rate) for axis, rate in zip(AXES, rates, strict=True)),
+        *(
+            State(
+                f"bristle_{axis}",
+                "1",
+                sp.S.Zero,
+                bristle(symbol(f"speed_{axis}"), symbol(f"bristle_{axis}"), P["joint_presliding"]),
+            )
+            for axis in AXES
+        ),
+    )
+
+
+def outputs() -> tuple[Output, ...]:
+    """Return what joints and rotors do."""
+    return (
+        *(Output(f"angle_{axis}", "rad", f"joint's angle, {axis}", symbol(f"angle_{axis}")) for axis in AXES),
+        *(
+            Output(f"speed_{axis}", "rad/s", f"joint's speed, {axis}", symbol(f"speed_{axis}"))
+            for axis in AXES
+        ),
+        *(
+            Output(f"lag_{axis}", "rad", f"rotor behind its field, at the motor, {axis}", lag(axis))
+            for axis in AXES
+        ),
+    )
+
+
 def model() -> Model:
     """Return the equations of the arm with all tables."""
     arm = Arm()
     inertia = arm.inertia()
-    torques = [
-        line(driven(axis) + stopped(axis) - rubbed(axis) - load)
-        for axis, load in zip(AXES, arm.loads(), strict=True)
-    ]
-    rates = solved(inertia, torques)
-    stops = sum(HALF * P["stop_stiffness"] * depth**2 for axis in AXES for depth in past_stops(axis))
+    torques = [line(torque(axis) - load) for axis, load in zip(AXES, arm.loads(), strict=True)]
     turn = symbol(f"angle_{AXES[0]}")
     velocity = sum(
         (column * speed for column, speed in zip(arm.columns[-1], arm.speeds, strict=True)), sp.zeros(3, 1)
@@ -197,47 +284,15 @@ def model() -> Model:
         name="ar2",
         description="The arm AR2: six joints on stepper motors with gears",
         parameters=PARAMETERS,
-        inputs=(
-            *(
-                Input(f"field_{axis}", "rad", f"how far the driver has turned the field, {axis}")
-                for axis in AXES
-            ),
-            Input("current_on", "1", "drivers' current, 1 on, 0 off", 1.0, switch=True),
-        ),
-        states=(
-            *(State(f"angle_{axis}", "rad", P[f"rest_{axis}"], symbol(f"speed_{axis}")) for axis in AXES),
-            *(
-                State(f"speed_{axis}", "rad/s", sp.S.Zero, rate)
-                for axis, rate in zip(AXES, rates, strict=True)
-            ),
-            *(
-                State(
-                    f"bristle_{axis}",
-                    "1",
-                    sp.S.Zero,
-                    bristle(symbol(f"speed_{axis}"), symbol(f"bristle_{axis}"), P["presliding"]),
-                )
-                for axis in AXES
-            ),
-        ),
+        inputs=inputs(),
+        states=states(solved(inertia, torques)),
         outputs=(
-            *(
-                Output(f"angle_{axis}", "rad", f"joint's angle, {axis}", symbol(f"angle_{axis}"))
-                for axis in AXES
-            ),
-            *(
-                Output(f"speed_{axis}", "rad/s", f"joint's speed, {axis}", symbol(f"speed_{axis}"))
-                for axis in AXES
-            ),
-            *(
-                Output(f"lag_{axis}", "rad", f"rotor behind its field, at the motor, {axis}", lag(axis))
-                for axis in AXES
-            ),
+            *outputs(),
             Output("tool_x", "m", "tool, along the floor's x", x * sp.cos(turn) - y * sp.sin(turn)),
             Output("tool_y", "m", "tool, along the floor's y", x * sp.sin(turn) + y * sp.cos(turn)),
             Output("tool_z", "m", "tool, above the floor", z),
             Output("tool_speed", "m/s", "tool, how fast it moves", sp.sqrt(velocity.dot(velocity))),
-            inner("energy", "J", "energy of links, rotors and stops", arm.energy(inertia) + stops, 10.0),
+            inner("energy", "J", "energy of links, rotors and stops", arm.energy(inertia) + bent(), 10.0),
         ),
         inner_step=50e-6,
     )

@@ -128,7 +128,7 @@ PARAMETERS: Final[tuple[Parameter, ...]] = (
         least=0.0,
     ),
     Parameter(
-        "presliding",
+        "joint_presliding",
         5e-5,
         "rad",
         "way over which dry friction builds up",

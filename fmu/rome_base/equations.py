@@ -38,9 +38,12 @@ def inverse(turn: Expression, distance: Expression) -> Expression:
 
 
 class Base:
-    """The body in its own frame: u forwards, q to the left, W counter-clockwise; forces from the wheels."""
+    """The body in its own frame: u forwards, q to the left, W counter-clockwise; forces from the wheels.
 
-    def __init__(self, shafts: tuple[Shaft, ...]) -> None:
+    `carried` is the mass that stands on it and is not its own, kg.
+    """
+
+    def __init__(self, shafts: tuple[Shaft, ...], carried: Expression = sp.S.Zero) -> None:
         self.shafts = shafts
         self.heading = symbol("heading")
         self.rims = rims(sp.S.Zero, P["wheel_distance"])
@@ -50,7 +53,7 @@ class Base:
         self.velocity = inverse(sp.S.Zero, P["wheel_distance"]) * (rolled - self.creep)
         gear, rotor = P["gear_wheel"], P["rotor_inertia_wheel"]
         self.rim_mass = (P["wheel_inertia"] + rotor * gear**2) / P["wheel_radius"] ** 2
-        self.load = P["mass"] * P["gravity"] / 3 * P["roller_friction"]
+        self.load = (P["mass"] + carried) * P["gravity"] / 3 * P["roller_friction"]
         self.drive = sp.Matrix([shaft.torque * shaft.gear / P["wheel_radius"] for shaft in shafts])
 
     def across(self, wheel: int) -> Expression:
@@ -75,13 +78,24 @@ class Base:
         (M + P' j P) v' + W x M v = P' (forces at the rims) + rollers, with P constant in the body's frame;
         a wheel in the air has no part in the sums over the wheels.
         """
+        return self._solved(self.force())
+
+    def inertia(self) -> Expression:
+        """Return M + P' j P."""
+        found = sp.diag(P["mass"], P["mass"], P["yaw_inertia"])
+        for wheel, rest in enumerate(self.rests):
+            found += rest * self.rim_mass * self.rims.row(wheel).T * self.rims.row(wheel)
+        return found
+
+    def force(self) -> Expression:
+        """Return what moves the body, N and N m, with what its turning takes of it."""
         u, q, yaw_rate = self.velocity
         pulls = self.drive + self.rim_mass * sp.Matrix(self.slowing())
         pulls = sp.Matrix([down * pull for down, pull in zip(self.rests, pulls, strict=True)])
         force = self.rims.T * pulls + P["mass"] * yaw_rate * sp.Matrix([q, -u, 0])
         for wheel, angle in enumerate(ANGLES):
             force += self.rubbing(wheel) * sp.Matrix([sp.cos(angle), sp.sin(angle), 0])
-        return self._solved(force)
+        return force
 
     def _solved(self, force: Expression) -> Expression:
         """Return force over mass: with all wheels on the floor, less those in the air (Sherman, Morrison)."""
@@ -143,62 +157,75 @@ class Base:
         return HALF * (moving + spin + self.load * P["roller_presliding"] * dry)
 
 
+def shafts() -> tuple[Shaft, ...]:
+    """Return the motors' shafts; what holds a wheel rubs as its own dry friction does."""
+    wheel = {name.removesuffix("wheel"): value for name, value in P.items() if name.endswith("_wheel")}
+    return tuple(_shaft(axis, wheel) for axis in AXES)
+
+
 def _shaft(axis: str, wheel: Mapping[str, Expression]) -> Shaft:
-    """Return a motor's shaft; what holds its wheel rubs as its own dry friction does."""
     held = {f"coulomb_{axis}": wheel["coulomb_"] + symbol(f"held_{axis}") / wheel["gear_"]}
     return Shaft(axis, P | {name + axis: value for name, value in wheel.items()} | held)
 
 
+def motors(base: Base, on_floor: Expression) -> tuple[State, ...]:
+    """Return the motors; `on_floor` are the accelerations of the floor under the rims, m/s2."""
+    rates = zip(base.shafts, base.accelerations(on_floor), strict=True)
+    return tuple(state for shaft, rate in rates for state in shaft.states(rate))
+
+
+def inputs() -> tuple[Input, ...]:
+    """Return the motors' voltages, and what may be wrong with the wheels."""
+    return (
+        *(Input(f"voltage_{axis}", "V", f"motor voltage, wheel {axis}", 12.0) for axis in AXES),
+        *(Input(f"held_{axis}", "N.m", f"what holds wheel {axis} by rubbing", 1.0) for axis in AXES),
+        *(Input(f"lifted_{axis}", "1", f"1 where wheel {axis} is in the air", 1.0) for axis in AXES),
+    )
+
+
+def outputs(base: Base) -> tuple[Output, ...]:
+    """Return what drives, encoders and eyes see."""
+    u, q, yaw_rate = base.velocity
+    return (
+        *(row for shaft in base.shafts for row in shaft.outputs()),
+        Output("x", "m", "base's middle, world x", symbol("x"), 1.0),
+        Output("y", "m", "base's middle, world y", symbol("y"), 1.0),
+        Output("heading", "rad", "heading, counter-clockwise from world x", base.heading, 1.0),
+        Output("speed", "m/s", "speed forwards, along the base's own x", u, 0.1),
+        Output("speed_sideways", "m/s", "speed to the left, along the base's own y", q, 0.1),
+        Output("yaw_rate", "rad/s", "yaw rate, counter-clockwise", yaw_rate, 1.0),
+        Output(
+            "battery_voltage",
+            "V",
+            "battery's terminal voltage",
+            terminal_voltage(base.shafts, P),
+            12.0,
+            least=0.0,
+        ),
+        *(shaft.dry_friction() for shaft in base.shafts),
+        *(
+            inner(
+                f"roller_{axis}",
+                "1",
+                f"rollers' dry friction over its level, {axis}",
+                symbol(f"roller_{axis}"),
+            )
+            for axis in AXES
+        ),
+    )
+
+
 def model() -> Model:
     """Return the equations of motion of the base with all tables."""
-    wheel = {name.removesuffix("wheel"): value for name, value in P.items() if name.endswith("_wheel")}
-    shafts = tuple(_shaft(axis, wheel) for axis in AXES)
-    base = Base(shafts)
+    base = Base(shafts())
     on_floor = base.rims * base.change()
-    u, q, yaw_rate = base.velocity
-    energy = sum((shaft.energy() for shaft in shafts), base.energy())
-    motors = (
-        state
-        for shaft, rate in zip(shafts, base.accelerations(on_floor), strict=True)
-        for state in shaft.states(rate)
-    )
+    energy = sum((shaft.energy() for shaft in base.shafts), base.energy())
     return Model(
         name="rome_base",
         description="ROME's base: three omni wheels on DC motors",
         parameters=PARAMETERS,
-        inputs=(
-            *(Input(f"voltage_{axis}", "V", f"motor voltage, wheel {axis}", 12.0) for axis in AXES),
-            *(Input(f"held_{axis}", "N.m", f"what holds wheel {axis} by rubbing", 1.0) for axis in AXES),
-            *(Input(f"lifted_{axis}", "1", f"1 where wheel {axis} is in the air", 1.0) for axis in AXES),
-        ),
-        states=(*motors, *base.states(on_floor)),
-        outputs=(
-            *(row for shaft in shafts for row in shaft.outputs()),
-            Output("x", "m", "base's middle, world x", symbol("x"), 1.0),
-            Output("y", "m", "base's middle, world y", symbol("y"), 1.0),
-            Output("heading", "rad", "heading, counter-clockwise from world x", base.heading, 1.0),
-            Output("speed", "m/s", "speed forwards, along the base's own x", u, 0.1),
-            Output("speed_sideways", "m/s", "speed to the left, along the base's own y", q, 0.1),
-            Output("yaw_rate", "rad/s", "yaw rate, counter-clockwise", yaw_rate, 1.0),
-            Output(
-                "battery_voltage",
-                "V",
-                "battery's terminal voltage",
-                terminal_voltage(shafts, P),
-                12.0,
-                least=0.0,
-            ),
-            *(shaft.dry_friction() for shaft in shafts),
-            *(
-                inner(
-                    f"roller_{axis}",
-                    "1",
-                    f"rollers' dry friction over its level, {axis}",
-                    symbol(f"roller_{axis}"),
-                )
-                for axis in AXES
-            ),
-            inner("energy", "J", "energy stored in the whole base", energy, 10.0),
-        ),
+        inputs=inputs(),
+        states=(*motors(base, on_floor), *base.states(on_floor)),
+        outputs=(*outputs(base), inner("energy", "J", "energy stored in the whole base", energy, 10.0)),
         inner_step=50e-6,
     )

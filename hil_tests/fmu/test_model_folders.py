@@ -14,7 +14,14 @@ from fmu.build import ensure
 from fmu.plants import names
 
 FOLDER = Path(fmu.__file__).parent
-SOURCES = {"ar2": "[A]", "climber": "[C]", "rars": "[R]", "rome_base": "[O]", "single_axis": "ASSUME"}
+SOURCES = {
+    "ar2": "[A]",
+    "climber": "[C]",
+    "rars": "[R]",
+    "rome_arm": "[A]",
+    "rome_base": "[O]",
+    "single_axis": "ASSUME",
+}
 
 
 def part(model: str, module: str) -> Any:

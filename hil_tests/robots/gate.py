@@ -29,9 +29,20 @@ def gate_of(robot: AnyRobot) -> Gate[Any, Any, Any]:
 
 
 def axes_of(robot: AnyRobot, now: Nanoseconds) -> dict[str, Feedback]:
-    """Return all axes at their zero, with power, heard now."""
-    well = {"power": Power.ON, "heard_at": now, "sampled_at": now}
-    return {axis.name: Feedback(axis.name, **well) for axis in robot.axes}  # type: ignore[arg-type] # fields
+    """Return all axes where the bench begins with them, with power, heard now."""
+    gauges = {gauge.role: gauge for gauge in kind_of(robot).station.gauges}
+    stands = rehearsal_of(robot).stands
+
+    def place(role: str) -> float:
+        read = stands.get(role, 0.0)
+        return read if role not in gauges else gauges[role].position(read, robot)
+
+    return {
+        axis.name: Feedback(
+            axis.name, position=place(axis.role), power=Power.ON, heard_at=now, sampled_at=now
+        )
+        for axis in robot.axes
+    }
 
 
 def well(robot: AnyRobot, now: Nanoseconds) -> dict[str, Reading]:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import fields, replace
+from dataclasses import fields, is_dataclass, replace
 from typing import Any, Final
 
 import numpy as np
@@ -51,8 +51,9 @@ MISSIONS: Final = [
     (name, mission) for name in ROBOTS for mission in LONG.get(name, rehearsal_of(find(name)).shipped())
 ]
 
-LEAST: Final = {"ar2": 0.05}
-"""Share of its top speed that each mission of a robot reaches, where it is less: 80 mm last 60 s."""
+LEAST: Final = {"ar2": 0.05, "rome_arm": 0.08}
+"""Share of its top speed that each mission of a robot reaches, where it is less: 80 mm last 60 s, and ROME's
+formation goes sideways."""
 every = pytest.mark.parametrize("name", ROBOTS)
 each_case = pytest.mark.parametrize(
     ("name", "case"), CASES, ids=[f"{name}-{case.row}-{place}" for place, (name, case) in enumerate(CASES)]
@@ -182,16 +183,23 @@ def test_a_word_just_in_time_stops_nothing(name: str) -> None:
     assert held(gate_of(robot).rule(seen(robot, heard_at=START - silent + 1, axes=axes))) == {}
 
 
+def spoiled(motion: Any, value: float) -> Iterator[Any]:
+    """Yield the motion with each of its numbers in turn replaced, those of its halves as well."""
+    for field in fields(motion):
+        inner = getattr(motion, field.name)
+        if is_dataclass(inner):
+            yield from (replace(motion, **{field.name: it}) for it in spoiled(inner, value))
+        elif "tuple" not in str(field.type):
+            yield replace(motion, **{field.name: value})
+
+
 @every
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
 def test_a_wish_that_is_no_number_stops_all_of_it(name: str, value: float) -> None:
     robot = find(name)
     kind = kind_of(robot)
     named = set()
-    for field in fields(kind.rest):
-        if "tuple" in str(field.type):
-            continue
-        wish = replace(kind.rest, **{field.name: value})
+    for wish in spoiled(kind.rest, value):
         titles = [title for title, read in kind.numbers.items() if read(wish) is value]
         if titles:
             ruling = gate_of(robot).rule(seen(robot, START, Situation(wish=wish)))
@@ -350,8 +358,9 @@ def test_its_missions_drive_without_a_refusal_and_it_ends_without_power(name: st
         rig.run(from_seconds(script.duration_s))
         assert rig.guard.refused == 0, rig.guard.refusals
         speed = rig.samples.column("speed_mps")
-        assert np.abs(speed).max() > LEAST.get(name, 0.3) * robot.geometry.limits.speed_mps
-        assert np.abs(speed).max() <= 1.02 * robot.geometry.limits.speed_mps
+        top = next(channel.full(robot) for channel in rehearsal.channels if channel.name == "speed")
+        assert np.abs(speed).max() > LEAST.get(name, 0.3) * top
+        assert np.abs(speed).max() <= 1.02 * top
         rig.world.stop(BRIDGE)
         rig.runs(ORDERLY_S)
         assert rig.bridge.finished

@@ -12,7 +12,7 @@ from firmware_bridge.kinds import find, kind_of, parse
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import RobotFileError
 from firmware_bridge.robots.rome import KIND
-from firmware_bridge.robots.rome.guide import Follower
+from firmware_bridge.robots.rome.guide import named
 from firmware_bridge.robots.rome.motion import Motion, State
 from firmware_bridge.robots.rome.paths import by_points, ellipse, line
 from firmware_bridge.safety.snapshot import Facts, Snapshot
@@ -74,7 +74,7 @@ def test_a_stick_and_a_velocity_ask_for_three_ways_to_move() -> None:
 
 def test_the_control_law_is_2_15_with_the_error_actual_less_desired() -> None:
     """On the path the wish is its own speed; off it, less K_p times the error and K_i its integral."""
-    guide = Follower(ROBOT, "circle")
+    guide = named(ROBOT, "circle")
     control = ROBOT.geometry.control
     first = guide.wished(seen(Pose(), SECOND, SECOND), 0)
     assert (first.ahead_mps, first.left_mps) == pytest.approx((0.0, 0.25))
@@ -89,7 +89,7 @@ def test_the_control_law_is_2_15_with_the_error_actual_less_desired() -> None:
 
 
 def test_a_turned_base_gets_the_same_way_in_its_own_frame() -> None:
-    guide = Follower(ROBOT, "line")
+    guide = named(ROBOT, "line")
     guide.wished(seen(Pose(), SECOND, SECOND), 0)
     turned = guide.wished(seen(Pose(0.0, 0.0, math.pi / 2.0), SECOND, SECOND), 0)
     assert (turned.ahead_mps, turned.left_mps) == pytest.approx((0.0, -0.5), abs=1e-12)
@@ -97,26 +97,26 @@ def test_a_turned_base_gets_the_same_way_in_its_own_frame() -> None:
 
 
 def test_a_path_begins_where_the_base_stands_and_as_it_looks() -> None:
-    guide = Follower(ROBOT, "line")
+    guide = named(ROBOT, "line")
     wish = guide.wished(seen(Pose(3.0, -1.0, 1.0), SECOND, SECOND), 0)
     assert (wish.ahead_mps, wish.left_mps, wish.turn_rad_s) == pytest.approx((0.5, 0.0, 0.0))
 
 
 def test_while_the_base_is_held_back_the_path_waits_and_the_integral_is_forgotten() -> None:
-    guide = Follower(ROBOT, "line")
+    guide = named(ROBOT, "line")
     guide.wished(seen(Pose(), SECOND, SECOND), 0)
     for _ in range(3):
         held = guide.wished(seen(Pose(-0.1, 0.0, 0.0), SECOND, SECOND), 50 * MILLISECOND)
         guide.reset()
     assert held.path_s == pytest.approx(0.05)
-    fresh = Follower(ROBOT, "line")
+    fresh = named(ROBOT, "line")
     fresh.wished(seen(Pose(), SECOND, SECOND), 0)
     first = fresh.wished(seen(Pose(-0.1, 0.0, 0.0), SECOND, SECOND), 50 * MILLISECOND)
     assert held.ahead_mps == pytest.approx(first.ahead_mps)
 
 
 def test_the_integral_stops_where_a_rim_is_at_its_limit() -> None:
-    guide = Follower(ROBOT, "line")
+    guide = named(ROBOT, "line")
     guide.wished(seen(Pose(), SECOND, SECOND), 0)
     far = seen(Pose(-5.0, 0.0, 0.0), SECOND, SECOND)
     first, *_, last = [guide.wished(far, 50 * MILLISECOND) for _ in range(20)]

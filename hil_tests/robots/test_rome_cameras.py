@@ -13,7 +13,7 @@ from firmware_bridge.motion.captured import Located, Source
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import RobotFileError
 from firmware_bridge.robots.rome import KIND
-from firmware_bridge.robots.rome.guide import Follower
+from firmware_bridge.robots.rome.guide import named
 from firmware_bridge.robots.rome.motion import Motion
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.units import MILLISECOND, Nanoseconds
@@ -60,7 +60,7 @@ def test_a_robot_is_located_by_one_body_only() -> None:
 
 
 def test_before_it_is_seen_the_guide_wishes_for_nothing_and_the_path_begins_where_it_is_seen() -> None:
-    guide = Follower(ROBOT, "line")
+    guide = named(ROBOT, "line")
     unseen = replace(KNOWN, source=Source.UNSEEN, pose=Pose())
     for cycle in range(3):
         wish = guide.wished(placed(unseen, START + cycle * CYCLE), CYCLE)

@@ -8,10 +8,13 @@ from typing import Annotated, ClassVar, Final
 from numpy.random import Generator
 from pydantic import Field
 
+from emulators.arduino_omni.ar2.board import Ar2Board
+from emulators.arduino_omni.board import Board
 from emulators.arduino_omni.motors import Motors
 from emulators.bench.faults.fault import Fault, Lasting, Node, Problem, Stations
 from emulators.bench.faults.site import Site
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.problems import near
 from firmware_bridge.units import MILLISECOND, NEVER
 
 One = Annotated[Node, Field(description="which motor")]
@@ -20,14 +23,36 @@ BURST: Final = 8
 
 
 class _OfBoards(Fault, ABC):
-    """A fault of every board that the robot has."""
+    """A fault of one board, or of every board that the robot has."""
 
     among: ClassVar = Stations.NONE
+    link: Annotated[
+        str | None, Field(description="of the board on which link; of each, where it is left out")
+    ] = None
 
     def problems(self, robot: AnyRobot) -> Iterator[Problem]:
         """Give what this robot lacks for it."""
-        if not robot.shield_links and not robot.ar2_links:
-            yield "kind", f"{robot.name} has no Arduino"
+        known = self.possible(robot)
+        if not known:
+            yield "kind", f"{robot.name} has no {self.needed}"
+        elif self.link is not None and self.link not in known:
+            yield "link", f"no {self.needed} is on '{self.link}'; {near(self.link, known)}"
+
+    needed: ClassVar = "Arduino"
+    """What a robot lacks that it is not possible on."""
+
+    @staticmethod
+    def possible(robot: AnyRobot) -> list[str]:
+        """Return the links that have such a board."""
+        return [*robot.shield_links, *robot.ar2_links]
+
+    def on(self, robot: AnyRobot) -> list[str]:
+        """Return the links whose boards have it."""
+        return [name for name in self.possible(robot) if self.link in {None, name}]
+
+    def boards(self, site: Site) -> list[Board | Ar2Board]:
+        """Return the boards that have it."""
+        return [site.boards[name] for name in self.on(site.robot)]
 
 
 class BoardSilent(_OfBoards, Lasting):
@@ -38,12 +63,12 @@ class BoardSilent(_OfBoards, Lasting):
     def put_on(self, site: Site, chance: Generator) -> None:
         """Cut it off."""
         del chance
-        for name in site.boards:
+        for name in self.on(site.robot):
             site.world.silence(name, site.world.now)
 
     def take_off(self, site: Site) -> None:
         """Let it hear and be heard again."""
-        for name in site.boards:
+        for name in self.on(site.robot):
             site.world.silence(name, NEVER)
 
 
@@ -55,7 +80,7 @@ class BoardReset(_OfBoards):
     def put_on(self, site: Site, chance: Generator) -> None:
         """Pull RESET."""
         del chance
-        for board in site.boards.values():
+        for board in self.boards(site):
             board.reset(site.world.now)
 
 
@@ -67,7 +92,7 @@ class BoardHangs(_OfBoards):
     def put_on(self, site: Site, chance: Generator) -> None:
         """Let it hang."""
         del chance
-        for board in site.boards.values():
+        for board in self.boards(site):
             board.hang(site.world.now)
 
 
@@ -86,7 +111,7 @@ class BoardBrownOut(_OfBoards, Lasting):
         self._hold(site, on=False)
 
     def _hold(self, site: Site, *, on: bool) -> None:
-        for board in site.boards.values():
+        for board in self.boards(site):
             board.mega.brown_out(site.world.now, low=on)
 
 
@@ -103,7 +128,7 @@ class LineGarbage(_OfBoards, Lasting):
     def _disturb(self, told: tuple[Site, Generator]) -> None:
         site, chance = told
         if site.world.now < self.end:
-            for name in site.boards:
+            for name in self.on(site.robot):
                 site.disturb(name, chance.bytes(BURST))
             site.world.call_at(site.world.now + self.every_ms * MILLISECOND, self._disturb, told)
 
@@ -156,11 +181,7 @@ class MotorSupplySag(_OfBoards, Lasting):
     """The motors' own supply sags, so far that the half bridges lock their outputs, or not so far."""
 
     kind: ClassVar = "motor_supply_sag"
-
-    def problems(self, robot: AnyRobot) -> Iterator[Problem]:
-        """Give what this robot lacks for it."""
-        if not robot.shield_links:
-            yield "kind", f"{robot.name} has no board with a motor shield"
+    needed: ClassVar = "board with a motor shield"
 
     to_v: Annotated[float, Field(ge=0, le=15, description="of the motors' supply, in V")]
 
@@ -174,8 +195,13 @@ class MotorSupplySag(_OfBoards, Lasting):
         self._have(site, math.inf)
 
     def _have(self, site: Site, volts: float) -> None:
-        for name in site.robot.shield_links:
+        for name in self.on(site.robot):
             site.shield(name).motors.starves(volts)
+
+    @staticmethod
+    def possible(robot: AnyRobot) -> list[str]:
+        """Return the links that have such a board."""
+        return list(robot.shield_links)
 
 
 class _WireOff(_OnMotor, ABC):

@@ -15,7 +15,8 @@ Case: TypeAlias = bench.Case[Motion, State]
 Situation: TypeAlias = bench.Situation[Motion, State]
 JUST: Final = 1.0 + 1e-5
 """A limit reports what is beyond it by more than a millionth."""
-STRAIGHT: Final = State(STILL, STILL)
+STRAIGHT: Final = State(tuple(map(math.radians, (0.0, -90.0, 90.0, 0.0, 0.0, 0.0))), STILL)
+"""Its wrist is: the fourth and sixth joint turn about one axis."""
 BENT: Final = State(tuple(map(math.radians, (0.0, -90.0, 90.0, 0.0, 60.0, 0.0))), STILL)
 """As the arm begins on the bench: far from singular postures."""
 
@@ -88,13 +89,13 @@ def _with_box(
 
 
 def _outside(robot: Robot[Geometry]) -> Case:
-    behind = tool(BENT)[0] + OUTSIDE_M + 1e-7
     j1, j2, *others = BENT.angles
-    forward = State((j1, j2 + 1e-5, *others), STILL)
+    back = State((j1, j2 - 1e-5, *others), STILL)
+    behind = tool(back)[0] + OUTSIDE_M + 1e-7
     return Case(
         "tool outside",
-        trips=Situation(body=BENT),
-        spares=Situation(body=forward),
+        trips=Situation(body=back),
+        spares=Situation(body=BENT),
         reason=f"the tool is {1000.0 * OUTSIDE_M:.0f} mm beyond x {behind:g} m of its workspace",
         robot=_with_box(robot, behind=behind),
     )

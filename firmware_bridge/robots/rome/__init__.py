@@ -7,7 +7,7 @@ from typing import Final
 from firmware_bridge.kind import Kind
 from firmware_bridge.robots.rome.body import BASE, GROUPS, Body, reach
 from firmware_bridge.robots.rome.geometry import Geometry
-from firmware_bridge.robots.rome.guide import Follower
+from firmware_bridge.robots.rome.guide import named
 from firmware_bridge.robots.rome.motion import Motion, State
 from firmware_bridge.robots.rome.paths import PATHS
 from firmware_bridge.robots.rome.rules import INTERLOCKS, LIMITS, slowed
@@ -32,5 +32,5 @@ KIND: Final[Kind[Geometry, Motion, State]] = Kind(
     slowed=slowed,
     reach=reach,
     station=STATION,
-    guides={name: partial(Follower, name=name) for name in PATHS},
+    guides={name: partial(named, name=name) for name in PATHS},
 )

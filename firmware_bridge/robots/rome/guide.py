@@ -17,7 +17,7 @@ from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot
 from firmware_bridge.robots.rome.geometry import Geometry
 from firmware_bridge.robots.rome.motion import Motion, State
-from firmware_bridge.robots.rome.paths import PATHS
+from firmware_bridge.robots.rome.paths import PATHS, Path
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.units import Nanoseconds, to_seconds
 
@@ -25,9 +25,9 @@ from firmware_bridge.units import Nanoseconds, to_seconds
 class Follower:
     """A `firmware_bridge.kind.Guide` along one path."""
 
-    def __init__(self, robot: Robot[Geometry], name: str) -> None:
+    def __init__(self, robot: Robot[Geometry], path: Path) -> None:
         geometry = robot.geometry
-        self._path: Final = PATHS[name](geometry.paths)
+        self._path: Final = path
         self._control: Final = geometry.control
         self._distance: Final = geometry.base.wheel_distance_m
         self._rim: Final = geometry.limits.rim_mps
@@ -89,6 +89,11 @@ class Follower:
             rate - kp * one - ki * total for rate, one, total in zip(feed, error, added, strict=True)
         )
         return Twist(*_turned((x, y), -heading), turn)
+
+
+def named(robot: Robot[Geometry], name: str) -> Follower:
+    """Return the guide along one of the paths of the robot's file."""
+    return Follower(robot, PATHS[name](robot.geometry.paths))
 
 
 def _turned(way: tuple[float, float], angle: float) -> tuple[float, float]:

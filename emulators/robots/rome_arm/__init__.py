@@ -1,0 +1,190 @@
+"""ROME whole on the bench: its base's and its arm's rehearsals, and where base and tool together shall be.
+
+Signs, scales and paths are written anew, not taken from the bridge, so that a mistake there is not repeated:
+an orbit goes by Kepler's equation here, and by F and G there.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Final, TypeAlias
+
+import numpy as np
+
+from emulators.bench.columns import Column, Curve, Floats, Panel, Samples
+from emulators.bench.path_error import HEIGHT
+from emulators.bench.path_error import Path as FollowedPath
+from emulators.bench.rehearsal import Channel, Rehearsal, StickAxes
+from emulators.bench.step import Finite, Holds
+from emulators.robots import ar2, rome
+from emulators.robots.ar2 import LIFTS
+from emulators.robots.rome import RomeStep
+from emulators.robots.rome_arm.cases import cases
+from firmware_bridge.robot import AnyRobot, Robot
+from firmware_bridge.robots.rome_arm.geometry import Geometry
+from firmware_bridge.robots.rome_arm.halves import ARM, BASE, Half
+
+RomeArm: TypeAlias = Robot[Geometry]
+WHEELS: Final = ("one", "two", "three")
+OF_THE_ARM: Final = ("angle_", "lag_")
+"""How its columns begin: of its tool the plant has the place in the room."""
+USED: Final = 0.9
+"""Share of the base's speed and acceleration that a path may ask for."""
+INSTANTS: Final = 4000
+NEWTONS: Final = 30
+SHAKEN: Final = 10
+"""Samples over which what a wheel carries is the mean: 100 ms."""
+
+
+class RomeArmStep(RomeStep):
+    """What ROME's operator does at one instant."""
+
+    up_mps: Annotated[Finite | None, Holds("up")] = None
+    """Of the tool; by stick only."""
+
+
+def _stick(values: Mapping[str, float], robot: RomeArm) -> StickAxes:
+    base = rome.REHEARSAL.stick(values, BASE.robot(robot))
+    up = values["up"] / robot.geometry.arm.limits.speed_mps
+    return replace(base, z=up or None, buttons=LIFTS if up else 0)
+
+
+def _columns(half: Half, rows: tuple[Column, ...]) -> Iterator[Column]:
+    """Yield a half's columns; what it reads of the bridge it reads of its half."""
+
+    def of(read: Callable[..., float]) -> Callable[..., float]:
+        return lambda seen: read(half.seen(seen))
+
+    for row in rows:
+        yield row if row.seen is None else replace(row, seen=of(row.seen))
+
+
+def _panels(half: Half, rows: tuple[Panel, ...]) -> Iterator[Panel]:
+    def of(limit: Callable[..., tuple[float, str]]) -> Callable[[AnyRobot], tuple[float, str]]:
+        return lambda robot: limit(half.robot(robot))
+
+    for row in rows:
+        yield row if row.limit is None else replace(row, limit=of(row.limit))
+
+
+def _full(half: Half, name: str) -> Channel:
+    """Return a channel of one half."""
+    rows: tuple[Channel, ...] = (ar2 if half is ARM else rome).REHEARSAL.channels
+    row = next(row for row in rows if row.name == name)
+    return replace(row, full=lambda robot: row.full(half.robot(robot)))
+
+
+def _orbit(robot: RomeArm) -> FollowedPath:
+    """Return the orbit on the floor, by its shape and Kepler's equation; mu is 1."""
+    table = robot.geometry.orbit
+    place, speed = np.array(table.start_du), np.array(table.speed_du_tu)
+    away = float(np.linalg.norm(place))
+    axis = 1.0 / (2.0 / away - float(speed @ speed))
+    towards = float(speed @ speed) * place - float(place @ speed) * speed - place / away
+    eccentricity = float(np.linalg.norm(towards))
+    ahead = towards / eccentricity
+    beside = np.cross(np.cross(place, speed), ahead)
+    beside /= np.linalg.norm(beside)
+    n = axis**-1.5
+    begin = math.atan2(
+        float(place @ speed) / math.sqrt(axis), 1.0 - away / axis
+    )  # of the eccentric anomaly: e sin E, e cos E
+    mean = begin - eccentricity * math.sin(begin)
+
+    def flown(times: Floats) -> Floats:
+        anomaly = mean + n * times + eccentricity * np.sin(mean + n * times)
+        for _ in range(NEWTONS):
+            late = anomaly - eccentricity * np.sin(anomaly) - mean - n * times
+            anomaly = anomaly - late / (1.0 - eccentricity * np.cos(anomaly))
+        across = math.sqrt(1.0 - eccentricity**2) * np.sin(anomaly)
+        found: Floats = axis * (np.outer(ahead, np.cos(anomaly) - eccentricity) + np.outer(beside, across))
+        return found
+
+    sizes = np.array((table.m_per_du, table.m_per_du, table.height_per_du))[:, None]
+    times = np.linspace(0.0, math.tau / n, INSTANTS)
+    seconds_per_tu = table.s_per_tu * _stretch(robot, sizes[:2] * flown(times)[:2], times[1])
+
+    def path(seconds: Floats) -> tuple[Floats, Floats, Floats]:
+        x, y, z = sizes * flown(np.maximum(seconds, 0.0) / seconds_per_tu)
+        off = np.where(seconds > 0.0, 0.0, 1.0)
+        return x + off * table.sideways_m[0], y + off * table.sideways_m[1], z
+
+    return path
+
+
+def _stretch(robot: RomeArm, places: Floats, apart: float) -> float:
+    """Return how many times its time a way takes that the base could not follow, from places on the floor."""
+    limits = robot.geometry.base.limits
+    speeds = np.gradient(places, apart, axis=1)
+    bends = np.gradient(speeds, apart, axis=1)[:, 2:-2]
+    fastest, hardest = (float(np.linalg.norm(it, axis=0).max()) for it in (speeds[:, 1:-1], bends))
+    return max(
+        1.0, fastest / (USED * limits.speed_mps), math.sqrt(hardest / (USED * limits.acceleration_mps2))
+    )
+
+
+def _formation(robot: RomeArm) -> FollowedPath:
+    """Return the ellipse (a cos nt, -2 a sin nt, h sin nt)."""
+    table = robot.geometry.formation
+
+    def flown(times: Floats) -> tuple[Floats, Floats, Floats]:
+        angle = math.tau * times / table.turn_s
+        along = -2.0 * table.half_width_m * np.sin(angle)
+        return table.half_width_m * np.cos(angle), along, table.height_m * np.sin(angle)
+
+    times = np.linspace(0.0, table.turn_s, INSTANTS)
+    stretch = _stretch(robot, np.array(flown(times)[:2]), times[1])
+    return lambda seconds: flown(seconds / stretch)
+
+
+def _pose(robot: RomeArm) -> FollowedPath:
+    x, y = robot.geometry.pose.by_m
+    up = robot.geometry.arm.courses.pose.by_m[2]
+    there = np.vectorize(lambda seconds: 1.0 if seconds > 0.0 else 0.0)
+    return lambda seconds: (x * there(seconds), y * there(seconds), up * there(seconds))
+
+
+def _least_load(samples: Samples) -> float | None:
+    """Return what the wheel that carried least carried, as a share of a third of all, over 100 ms.
+
+    Each step of a joint shakes the rigid plant for an instant; what tips the base lasts longer.
+    """
+    loads = np.array([samples.column(f"load_{wheel}_n") for wheel in WHEELS])
+    if loads.shape[1] < SHAKEN:
+        return None
+    means = np.array([np.convolve(row, np.ones(SHAKEN), "valid") for row in loads])
+    return float((3.0 * means / means.sum(axis=0)).min())
+
+
+REHEARSAL: Final = Rehearsal(
+    step=RomeArmStep,
+    missions=Path(__file__).with_name("missions"),
+    channels=(
+        *(_full(BASE, name) for name in ("speed", "left", "turn")),
+        _full(ARM, "up"),
+    ),
+    stick=_stick,
+    twist=rome.REHEARSAL.twist,
+    columns=(
+        *_columns(BASE, rome.REHEARSAL.columns),
+        *(row for row in ar2.REHEARSAL.columns if row.name.startswith(OF_THE_ARM)),
+        Column(HEIGHT, "tool, above the floor", "m", plant="tool_z"),
+        Column("tool_x_m", "tool, in the frame in which the run began", "m", plant="tool_x"),
+        Column("tool_y_m", "tool, left", "m", plant="tool_y"),
+        *(Column(f"load_{it}_n", f"what wheel {it} carries", "N", plant=f"load_{it}") for it in WHEELS),
+    ),
+    panels=(
+        *_panels(BASE, rome.REHEARSAL.panels),
+        Panel("Tool above the floor", "height [mm]", (Curve(HEIGHT, "plant", scale=1000.0),)),
+        *(row for row in ar2.REHEARSAL.panels if row.limit is None),
+        Panel(
+            "What the wheels carry", "load [N]", tuple(Curve(f"load_{it}_n", f"wheel {it}") for it in WHEELS)
+        ),
+    ),
+    remarks=lambda robot: rome.REHEARSAL.remarks(BASE.robot(robot)),
+    cases=cases,
+    stands=ar2.REHEARSAL.stands,
+    figures={**ar2.REHEARSAL.figures, "least_wheel_load_share": _least_load},
+    paths={"orbit": _orbit, "formation": _formation, "pose": _pose},
+)

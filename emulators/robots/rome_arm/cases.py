@@ -1,0 +1,107 @@
+"""ROME's rows at the edges of their thresholds: those of its halves, and those between them."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any, Final, TypeAlias
+
+from emulators.bench import cases as bench
+from emulators.robots.ar2.cases import BENT
+from emulators.robots.ar2.cases import cases as cases_of_arm
+from emulators.robots.rome.cases import cases as cases_of_base
+from firmware_bridge.kinds import find
+from firmware_bridge.robot import Robot
+from firmware_bridge.robots.ar2 import motion as arm
+from firmware_bridge.robots.ar2.rules import tool
+from firmware_bridge.robots.rome import motion as base
+from firmware_bridge.robots.rome_arm.balance import balance
+from firmware_bridge.robots.rome_arm.geometry import Geometry
+from firmware_bridge.robots.rome_arm.halves import ARM, BASE, Half
+from firmware_bridge.robots.rome_arm.motion import Motion, State
+
+Case: TypeAlias = bench.Case[Motion, State]
+Situation: TypeAlias = bench.Situation[Motion, State]
+STANDS: Final = base.State(0.0, 0.0, 0.0)
+WHOLE: Final = State(STANDS, BENT)
+AHEAD: Final = State(STANDS, arm.State((0.0, BENT.angles[1] + 1e-5, *BENT.angles[2:]), arm.STILL))
+"""A little further forward."""
+
+
+def cases(robot: Robot[Geometry]) -> Iterator[Case]:
+    """Yield at least one case for each interlock and limit."""
+    for of_base in cases_of_base(BASE.robot(robot)):
+        yield _whole(BASE, of_base, None if of_base.robot is None else _with_board(of_base.robot))
+    for of_arm in cases_of_arm(ARM.robot(robot)):
+        row = of_arm.row if of_arm.row.startswith("tool") else f"tool {of_arm.row}"
+        other = of_arm.robot
+        if other is not None:
+            geometry = robot.geometry.model_copy(update={"arm": other.geometry})
+            axes = {axis.name: axis for axis in (*robot.axes, *other.axes)}
+            other = robot.model_copy(update={"geometry": geometry, "axes": tuple(axes.values())})
+        yield replace(_whole(ARM, of_arm, other), row=row)
+    yield from _between(robot)
+
+
+def _whole(half: Half, case: bench.Case[Any, Any], robot: Robot[Geometry] | None) -> Case:
+    return Case(
+        case.row,
+        trips=_both(half, case.trips),
+        spares=_both(half, case.spares),
+        reason=case.reason,
+        robot=robot,
+    )
+
+
+def _both(half: Half, of_half: bench.Situation[Any, Any]) -> Situation:
+    """Return the situation of both, in which the other half rests."""
+    put = {"wish": of_half.wish, "demanded": of_half.demanded}
+    body = WHOLE if of_half.body is None else replace(WHOLE, **{half.name: of_half.body})
+    motions = {key: None if it is None else half.put(Motion(), it) for key, it in put.items()}
+    return Situation(body=body, located=of_half.located, **motions)
+
+
+def _with_board(base_alone: Robot[Any]) -> Robot[Geometry]:
+    """Return the whole robot under cameras, with the board of another one's base."""
+    whole: Robot[Geometry] = find("rome_arm+cameras")
+    return whole.model_copy(update={"links": {**whole.links, "board": base_alone.links["board"]}})
+
+
+def _balanced(robot: Robot[Geometry], **values: float) -> Robot[Geometry]:
+    table = robot.geometry.balance.model_copy(update=values)
+    return robot.model_copy(update={"geometry": robot.geometry.model_copy(update={"balance": table})})
+
+
+def _between(robot: Robot[Geometry]) -> Iterator[Case]:
+    x, y, _ = tool(BENT)
+    away = math.hypot(x, y) + 1e-9
+    yield Case(
+        "arm out",
+        trips=Situation(body=AHEAD),
+        spares=Situation(body=WHOLE),
+        reason=f"the tool is {away:.2f} m away, the base drives with {away:.2f} m at most",
+        robot=_balanced(robot, tool_distance_m=away),
+    )
+    room = balance(robot.geometry, BENT.angles).room_m
+    kept = f"{1000.0 * room:.0f} mm"
+    yield Case(
+        "off balance",
+        trips=Situation(body=AHEAD),
+        spares=Situation(body=WHOLE),
+        reason=f"the centre of gravity is {kept} inside the wheels, least is {kept}",
+        robot=_balanced(robot, margin_m=room),
+    )
+    slow = 0.001
+    ahead, back = (Motion(arm=arm.Motion(ahead_mps=speed)) for speed in (slow, -slow))
+    yield Case(
+        "tool balance",
+        trips=Situation(wish=ahead, demanded=ahead, body=WHOLE),
+        spares=Situation(wish=back, demanded=back, body=WHOLE),
+        reason=f"the centre of gravity would be {kept} inside the wheels",
+        robot=_balanced(robot, margin_m=room),
+    )
+    yield Case(
+        "time stretched",
+        trips=Situation(wish=Motion(path_rate=1.0 / 1.5), body=WHOLE),
+        spares=Situation(wish=Motion(), body=WHOLE),
+        reason="the path takes 1.50 times its time: the base could not follow it",
+    )

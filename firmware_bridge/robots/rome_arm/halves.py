@@ -1,0 +1,118 @@
+"""A robot of two halves: what each half's own rules, body and guides are shown of the whole.
+
+A half is a kind of robot for itself. It sees its own motion, state and geometry, and everything that any
+robot has, and does not know that there is another.
+"""
+
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import replace
+from typing import Any, Final, TypeAlias
+
+from firmware_bridge.kind import AnyKind
+from firmware_bridge.robot import Robot
+from firmware_bridge.robots.ar2.body import JOINTS
+from firmware_bridge.robots.rome.body import WHEELS
+from firmware_bridge.robots.rome_arm.geometry import Geometry
+from firmware_bridge.robots.rome_arm.motion import Motion, State
+from firmware_bridge.safety import interlock
+from firmware_bridge.safety.snapshot import Snapshot
+
+View: TypeAlias = interlock.View[Geometry, Motion, State]
+Interlock: TypeAlias = interlock.Interlock[Geometry, Motion, State]
+Limit: TypeAlias = interlock.Limit[Geometry, Motion, State]
+Seen: TypeAlias = Snapshot[Motion, State]
+Clip: TypeAlias = Callable[[Any], tuple[Any, str | None]]
+
+
+class Half:
+    """One half, by the name that it has in geometry, motion and state."""
+
+    def __init__(self, name: str, roles: Collection[str], said: str = "") -> None:
+        """`roles` are its axes'; `said` stands before the names of its rows that the other half has, too."""
+        self.name: Final = name
+        self._roles: Final = frozenset(roles)
+        self._said: Final = said
+
+    def robot(self, whole: Robot[Geometry]) -> Robot[Any]:
+        """Return the robot with this half's geometry and axes alone."""
+        axes = tuple(axis for axis in whole.axes if axis.role in self._roles)
+        geometry = getattr(whole.geometry, self.name)
+        half: Robot[Any] = whole.model_copy(update={"geometry": geometry, "axes": axes})
+        return half
+
+    def of(self, both: Motion | State) -> Any:
+        """Return this half's motion or state."""
+        return getattr(both, self.name)
+
+    def put(self, whole: Motion, motion: Any) -> Motion:
+        """Return the motion of both with another one of this half."""
+        return replace(whole, **{self.name: motion})
+
+    def seen(self, seen: Seen) -> Snapshot[Any, Any]:
+        """Return what this half knows at that instant."""
+        return Snapshot(
+            facts=seen.facts,
+            wish=self.of(seen.wish),
+            demanded=self.of(seen.demanded),
+            body=self.of(seen.body),
+            pose=seen.pose,
+            located=seen.located,
+        )
+
+    def view(self, view: View) -> "interlock.View[Any, Any, Any]":
+        """Return what a row of this half looks at. The ruling before was over both: it is not shown."""
+        return interlock.View(
+            self.robot(view.robot),
+            self.seen(view.seen),
+            self.of(view.allowed),
+            view.asked,
+            None,
+            holding=view.holding,
+        )
+
+    def numbers(self, kind: AnyKind) -> dict[str, Callable[[Motion], float | None]]:
+        """Return what must be a finite number in this half's motion."""
+
+        def of(read: Callable[[Any], float | None]) -> Callable[[Motion], float | None]:
+            return lambda motion: read(self.of(motion))
+
+        return {title: of(read) for title, read in kind.numbers.items()}
+
+    def interlocks(self, kind: AnyKind) -> Iterator[Interlock]:
+        """Yield its interlocks; they stop both halves, as they stop the whole robot that the half is."""
+        for row in kind.interlocks:
+            yield interlock.Interlock(
+                row.name,
+                self._judging(row.judge),
+                row.remedy,
+                stops=row.stops,
+                clear_after=row.clear_after,
+                severity=row.severity,
+                disarms=row.disarms,
+                blocks_arming=row.blocks_arming,
+                latches=row.latches,
+                parts=row.parts,
+                after_limits=row.after_limits,
+            )
+
+    def limits(self, kind: AnyKind) -> Iterator[Limit]:
+        """Yield its limits; they clip its own motion."""
+        for row in kind.limits:
+            name = row.name if row.name.startswith(self._said) else f"{self._said} {row.name}"
+            yield interlock.Limit(name, self.clipping(row.clip), row.remedy, clear_after=row.clear_after)
+
+    def clipping(self, clip: Clip) -> Callable[[View], tuple[Motion, str | None]]:
+        """Return what clips this half's motion in that of both."""
+
+        def clipped(view: View) -> tuple[Motion, str | None]:
+            allowed, reason = clip(self.view(view))
+            return self.put(view.allowed, allowed), reason
+
+        return clipped
+
+    def _judging(self, judge: Callable[[Any], str | None]) -> Callable[[View], str | None]:
+        return lambda view: judge(self.view(view))
+
+
+BASE: Final = Half("base", WHEELS)
+ARM: Final = Half("arm", JOINTS, "tool")

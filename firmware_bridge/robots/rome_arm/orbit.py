@@ -1,0 +1,112 @@
+"""What ROME shows: an orbit about the Earth, or one body as another on a circle sees it.
+
+x and y are the base's, z is the tool's, and the heading stays (A. Seleit, MSc thesis, UCF, 2020, 2.4). Where
+the base could not follow, the path's time is stretched: it flies the same way, later.
+"""
+
+import math
+from collections.abc import Callable
+from typing import Final, NamedTuple, TypeAlias
+
+import numpy as np
+
+from firmware_bridge.motion import orbit as two_bodies
+from firmware_bridge.motion.orbit_relative import closed, transition
+from firmware_bridge.motion.orbit_scale import Scale
+from firmware_bridge.robots.ar2 import guide as arms
+from firmware_bridge.robots.rome import paths as bases
+from firmware_bridge.robots.rome_arm.geometry import Geometry
+
+USED: Final = 0.9
+"""Share of the base's speed and acceleration that a path may ask for: the rest is for the law."""
+LOOKED_AT: Final = 720
+"""Instants of a revolution at which the base is asked whether it can follow."""
+
+Flight: TypeAlias = Callable[[float], two_bodies.State]
+"""Place and speed on the floor, m and m/s, at an instant of the path."""
+
+
+class Shown(NamedTuple):
+    """A path of base and tool, by its own seconds."""
+
+    base: Callable[[float], bases.Place]
+    tool: Callable[[float], arms.Place]
+    """From where it began."""
+    stretch: float = 1.0
+    """How many times its own time it takes."""
+
+
+def flown(flight: Flight, stretch: float, beside: tuple[float, float] = (0.0, 0.0)) -> Shown:
+    """Return the path of a flight; where it begins the base stands beside, m."""
+
+    def base(seconds: float) -> bases.Place:
+        at = flight(seconds)
+        x, y = float(at.place[0]), float(at.place[1])
+        if not seconds > 0.0:
+            x, y = x + beside[0], y + beside[1]
+        return bases.Place(x, y, 0.0, float(at.speed[0]), float(at.speed[1]), 0.0)
+
+    height = float(flight(0.0).place[2])
+
+    def tool(seconds: float) -> arms.Place:
+        at = flight(seconds)
+        return arms.Place((0.0, 0.0, float(at.place[2]) - height), (0.0, 0.0, float(at.speed[2])))
+
+    return Shown(base, tool, stretch)
+
+
+def orbit(geometry: Geometry) -> Shown:
+    """Return the orbit of the robot's file; for mu = 1 in DU and TU."""
+    table, limits = geometry.orbit, geometry.base.limits
+    begin = two_bodies.state(table.start_du, table.speed_du_tu)
+    meant = Scale(table.m_per_du, table.height_per_du, table.s_per_tu)
+    turn = two_bodies.period(begin)
+    once = turn if turn < math.inf else LONGEST_TU
+    states = (two_bodies.propagated(begin, once * it / LOOKED_AT) for it in range(LOOKED_AT))
+    scale = meant.slowed(states, USED * limits.speed_mps, USED * limits.acceleration_mps2)
+
+    def flight(seconds: float) -> two_bodies.State:
+        return scale.on_floor(two_bodies.propagated(begin, seconds / scale.seconds_per_tu))
+
+    return flown(flight, scale.seconds_per_tu / meant.seconds_per_tu, table.sideways_m)
+
+
+LONGEST_TU: Final = 100.0
+"""So much of an orbit that never comes back is looked at, at most."""
+
+
+def formation(geometry: Geometry) -> Shown:
+    """Return the closed ellipse, twice as long as wide, about a body on a circle: y' = -2 n x."""
+    table, limits = geometry.formation, geometry.base.limits
+    n = math.tau / table.turn_s
+    # Twice as long, so twice as fast along its way: 2 n a, and n^2 of it as acceleration.
+    along = 2.0 * table.half_width_m * n
+    stretch = max(
+        1.0, along / (USED * limits.speed_mps), math.sqrt(along * n / (USED * limits.acceleration_mps2))
+    )
+    begin = closed((table.half_width_m, 0.0, 0.0), 0.0, table.height_m * n, n)
+    first = np.concatenate((begin.place, begin.speed))
+
+    def flight(seconds: float) -> two_bodies.State:
+        at = transition(n, math.fmod(seconds / stretch, table.turn_s)) @ first
+        return two_bodies.State(at[:3], at[3:] / stretch)
+
+    return flown(flight, stretch)
+
+
+def pose(geometry: Geometry) -> Shown:
+    """Return a pose beside, which is asked for at once: the laws alone take base and tool there."""
+    (x, y), turn = geometry.pose.by_m, math.radians(geometry.pose.turn_deg)
+    here, there = (bases.Place(*place, 0.0, 0.0, 0.0) for place in ((0.0, 0.0, 0.0), (x, y, turn)))
+    return Shown(
+        lambda seconds: there if seconds > 0.0 else here,
+        lambda seconds: arms.pose(geometry.arm.courses, seconds),
+    )
+
+
+PATHS: Final[dict[str, Callable[[Geometry], Shown]]] = {
+    "orbit": orbit,
+    "formation": formation,
+    "pose": pose,
+}
+"""By the guides' names."""

@@ -1,0 +1,117 @@
+"""ROME's rows: those of its base, those of its arm, and those between them."""
+
+from typing import Final
+
+import numpy as np
+
+from firmware_bridge.robots import ar2, rome
+from firmware_bridge.robots.ar2.body import Body as Arm
+from firmware_bridge.robots.ar2.motion import STILL
+from firmware_bridge.robots.ar2.rules import HORIZON, tool
+from firmware_bridge.robots.rome.body import BASE as BASE_GROUP
+from firmware_bridge.robots.rome_arm.balance import balance
+from firmware_bridge.robots.rome_arm.halves import ARM, BASE, Interlock, Limit, View
+from firmware_bridge.robots.rome_arm.motion import Motion
+from firmware_bridge.safety import interlock
+from firmware_bridge.safety.row import Severity
+from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
+
+CLEARS_AFTER: Final[Nanoseconds] = 300 * MILLISECOND
+IN_TIME: Final = 1.0 - 1e-6
+"""A guide whose path goes by as fast as that keeps its time."""
+
+
+def _unknown(view: View) -> bool:
+    """Tell whether nobody knows where the arm is: the common row of a lost zero holds then."""
+    return any(axis.zero_lost for axis in view.facts.axes.values())
+
+
+def _arm_out(view: View) -> str | None:
+    if _unknown(view):
+        return None
+    x, y, _ = tool(view.body.arm)
+    away, most = float(np.hypot(x, y)), view.geometry.balance.tool_distance_m
+    if away <= most:
+        return None
+    return f"the tool is {away:.2f} m away, the base drives with {most:.2f} m at most"
+
+
+def _off_balance(view: View) -> str | None:
+    if _unknown(view):
+        return None
+    keeps = view.geometry.balance.margin_m
+    room = balance(view.geometry, view.body.arm.angles).room_m
+    if room >= keeps:
+        return None
+    inside, least = 1000.0 * room, 1000.0 * keeps
+    return f"the centre of gravity is {inside:.0f} mm inside the wheels, least is {least:.0f} mm"
+
+
+def _tips(view: View) -> tuple[Motion, str | None]:
+    """Take away a motion of the tool that leaves less room than is kept, where it makes it less."""
+    motion, geometry = view.allowed, view.geometry
+    if motion.arm.twist == STILL or _unknown(view):
+        return motion, None
+    half = ARM.view(view)
+    arm = Arm(half.robot)
+    angles = arm.begin(half.seen.demanded, half.body)
+    rates, share = arm.rates(angles, motion.arm.twist)
+    later = np.array(angles) + HORIZON * to_seconds(view.robot.cycle) * share * rates.joints
+    now = balance(geometry, angles).room_m
+    then = balance(geometry, tuple(map(float, later))).room_m
+    if then >= geometry.balance.margin_m or then >= now:
+        return motion, None
+    rests = arm.rested(motion.arm, frozenset(ar2.KIND.groups))
+    return ARM.put(motion, rests), f"the centre of gravity would be {1000.0 * then:.0f} mm inside the wheels"
+
+
+def _stretched(view: View) -> tuple[Motion, str | None]:
+    """Clip nothing, the guide has; say that its path takes longer than it is meant to."""
+    rate = view.allowed.path_rate
+    if rate >= IN_TIME:
+        return view.allowed, None
+    return view.allowed, f"the path takes {1.0 / rate:.2f} times its time: the base could not follow it"
+
+
+INTERLOCKS: Final[tuple[Interlock, ...]] = (
+    *BASE.interlocks(rome.KIND),
+    *ARM.interlocks(ar2.KIND),
+    interlock.Interlock(
+        "arm out",
+        _arm_out,
+        "take the tool nearer to the base, which drives then",
+        stops=frozenset({BASE_GROUP}),
+        clear_after=CLEARS_AFTER,
+        blocks_arming=False,
+    ),
+    interlock.Interlock(
+        "off balance",
+        _off_balance,
+        "take the tool nearer to the base; look what it carries",
+        stops=frozenset({BASE_GROUP}),
+        clear_after=CLEARS_AFTER,
+        severity=Severity.CRITICAL,
+        blocks_arming=False,
+    ),
+)
+
+LIMITS: Final[tuple[Limit, ...]] = (
+    *BASE.limits(rome.KIND),
+    *ARM.limits(ar2.KIND),
+    interlock.Limit("tool balance", _tips, "take the tool nearer to the base", clear_after=CLEARS_AFTER),
+    interlock.Limit(
+        "time stretched",
+        _stretched,
+        "make the orbit smaller, or let it take its time",
+        clear_after=CLEARS_AFTER,
+    ),
+)
+"""Applied in this order; a later one sees what an earlier one left."""
+
+
+def slowed(view: View, share: float) -> tuple[Motion, str | None]:
+    """Clip both halves to a share of their top speeds."""
+    base, said = rome.rules.slowed(BASE.view(view), share)
+    arm, told = ar2.rules.slowed(ARM.view(view), share)
+    motion = ARM.put(BASE.put(view.allowed, base), arm)
+    return motion, " and ".join(filter(None, (said, told))) or None

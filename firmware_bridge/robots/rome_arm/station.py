@@ -1,0 +1,83 @@
+"""ROME's rows on MAVLink: the base by stick and by velocity, the tool up and down while button 3 is held."""
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+from typing import Any, Final
+
+from firmware_bridge.robot import Robot
+from firmware_bridge.robots.ar2 import station as arms
+from firmware_bridge.robots.ar2.motion import Motion as ArmMotion
+from firmware_bridge.robots.rome import station as bases
+from firmware_bridge.robots.rome_arm.geometry import Geometry
+from firmware_bridge.robots.rome_arm.halves import ARM, BASE, Half, Seen
+from firmware_bridge.robots.rome_arm.motion import Motion, State
+from firmware_bridge.safety.snapshot import Snapshot
+from firmware_bridge.teleop.station import Fixed, Gauge, Station, Stick, Twist, Value, Velocity
+from firmware_bridge.units import SECOND
+
+
+def of_stick(stick: Stick, wish: Motion, robot: Robot[Geometry]) -> Motion:
+    """Return the wish for a stick: it drives the base, and the tool up and down."""
+    base = bases.of_stick(stick, wish.base, BASE.robot(robot))
+    upwards = Stick(forward=None, left=None, turn=None, up=stick.up)
+    arm = arms.of_stick(upwards, wish.arm, ARM.robot(robot))
+    return Motion(base, arm)
+
+
+def of_target(velocity: Velocity, wish: Motion, robot: Robot[Geometry]) -> Motion:
+    """Return the wish for a velocity and a turn rate of the base; the tool stays."""
+    return Motion(bases.of_target(velocity, wish.base, BASE.robot(robot)), ArmMotion())
+
+
+def _largest(robot: Robot[Geometry]) -> Twist:
+    return bases.STATION.largest(BASE.robot(robot))
+
+
+def _values(half: Half, rows: Iterable[Value[Any, Any]]) -> Iterator[Value[Motion, State]]:
+    def of(read: Callable[[Snapshot[Any, Any]], float | None]) -> Callable[[Seen], float | None]:
+        return lambda seen: read(half.seen(seen))
+
+    for row in rows:
+        yield replace(row, read=of(row.read))
+
+
+def _parameters(half: Half, rows: Iterable[Fixed[Any]], before: str = "") -> Iterator[Fixed[Geometry]]:
+    def of(value: Callable[[Robot[Any]], float]) -> Callable[[Robot[Geometry]], float]:
+        return lambda robot: value(half.robot(robot))
+
+    for row in rows:
+        yield replace(row, name=before + row.name, value=of(row.value))
+
+
+def _gauge(row: Gauge[Any]) -> Gauge[Geometry]:
+    return replace(
+        row,
+        reading=lambda position, robot: row.reading(position, ARM.robot(robot)),
+        position=lambda value, robot: row.position(value, ARM.robot(robot)),
+    )
+
+
+_TOOL: Final = tuple(row for row in arms.STATION.values if row.name.startswith("TOOL"))
+"""The arm's clock is the base's: told once."""
+
+STATION: Final[Station[Geometry, Motion, State]] = Station(
+    stick=of_stick,
+    target=of_target,
+    twist=lambda state: bases.STATION.twist(state.base),
+    forgotten=lambda wish: wish,
+    largest=_largest,
+    metres_rolled=lambda robot: robot.geometry.base.base.wheel_radius_m,
+    stop_button=2,
+    up_button=3,
+    values=(
+        *_values(BASE, bases.STATION.values),
+        *_values(ARM, _TOOL),
+        Value("PATH_RATE", SECOND, lambda seen: seen.wish.path_rate, "of a guide's path, 1 as it is meant"),
+    ),
+    parameters=(
+        *_parameters(BASE, bases.STATION.parameters),
+        *_parameters(ARM, arms.STATION.parameters, "TOOL_"),
+        Fixed("ROOM_MIN", lambda robot: robot.geometry.balance.margin_m, "m"),
+    ),
+    gauges=tuple(_gauge(row) for row in arms.STATION.gauges),
+)

@@ -1,0 +1,1 @@
+"""ROME whole: the arm AR2 on the base on three omni wheels."""
