@@ -13,6 +13,8 @@ READY := .venv/.ready
 MEASURED := .venv/.measured
 EXAMPLES := $(patsubst %/pyproject.toml,%,$(wildcard examples/*/pyproject.toml))
 COMPILED := .venv/compiled
+INSTALLED := .venv/installed
+RELEASE := .venv/.release
 BRIDGE := $(BIN)/firmware-bridge
 
 # Each library's name when pip turns to it, in place of pip's five lines about it.
@@ -41,7 +43,7 @@ unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
 SHELL := bash
-.PHONY: help setup compiled same demo studies test long test-all check docs golden bench adversary fuzz twins mutants hour clean
+.PHONY: help setup compiled wheels same demo studies test long test-all check docs golden bench adversary fuzz twins mutants hour clean
 
 help: ## list these commands
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' Makefile
@@ -63,7 +65,7 @@ $(READY): pyproject.toml setup.py $(wildcard emulators/servo/native/*.[ch] examp
 	@$(BIN)/python -m pip install --quiet --quiet --disable-pip-version-check --upgrade 'pip>=25.1'
 	@echo "setup: 3 of 4, the program, the libraries that it needs, and those that its tests need"
 	@set -o pipefail; $(BIN)/python -m pip install --disable-pip-version-check --progress-bar off \
-		--editable . $(EXAMPLES:%=--editable %) --group dev 2>&1 | tee .venv/pip.log | $(FETCHED) || \
+		--editable ".[plants,plots]" $(EXAMPLES:%=--editable %) --group dev 2>&1 | tee .venv/pip.log | $(FETCHED) || \
 		{ echo "setup: pip could not do it; it says:" >&2; cat .venv/pip.log >&2; exit 1; }
 	@echo "setup: 4 of 4, the plants: from their equations to C, and compiled, for FMI 2.0 and 3.0"
 	@printf '%s\n' 2 3 | xargs -n 1 -P 2 $(BIN)/python -c "$$PLANTS" && echo
@@ -75,10 +77,13 @@ $(COMPILED)/.ready: $(READY) $(shell find firmware_bridge emulators fmu -name '*
 	@$(BIN)/python -c 'import pathlib, sysconfig, sys; sys.exit(not pathlib.Path(sysconfig.get_path("include"), "Python.h").exists())' || \
 		{ echo "compiled: Python's headers are missing; on Debian or Ubuntu: apt-get install python3-dev" >&2; exit 1; }
 	@echo "compiled: translating the core to C; this takes two minutes or three"
-	@[ -x $(COMPILED)/bin/python ] || $(BIN)/python -m venv --without-pip $(COMPILED)
-	@FIRMWARE_BRIDGE_COMPILE=1 $(BIN)/python -m pip --python $(COMPILED)/bin/python install --quiet \
-		--disable-pip-version-check --no-deps --force-reinstall .
+	@rm -rf dist/wheel
+	@FIRMWARE_BRIDGE_COMPILE=1 FIRMWARE_BRIDGE_PLANTS=1 $(BIN)/python -m pip wheel --quiet \
+		--disable-pip-version-check --no-deps --wheel-dir dist/wheel .
 	@rm -rf build
+	@[ -x $(COMPILED)/bin/python ] || $(BIN)/python -m venv --without-pip $(COMPILED)
+	@$(BIN)/python -m pip --python $(COMPILED)/bin/python install --quiet \
+		--disable-pip-version-check --no-deps --force-reinstall dist/wheel/*.whl
 	@$(BIN)/python -c 'import site; print(site.getsitepackages()[0]); [print(f"$(CURDIR)/{it}") for it in ". $(EXAMPLES)".split()]' > \
 		"$$($(COMPILED)/bin/python -c 'import site; print(site.getsitepackages()[0])')/checkout.pth"
 	@touch $@
@@ -90,6 +95,20 @@ same: $(COMPILED)/.ready ## test that the compiled core does the same to the bit
 		hil_tests/unit/epos2_serial hil_tests/unit/rewind hil_tests/unit/world
 
 compiled: $(COMPILED)/.ready ## install the program with its core compiled, in .venv/compiled
+
+# What somebody has who installs the wheel, and no more: from there it is tested, and told what is in it.
+wheels: $(RELEASE) $(COMPILED)/.ready ## make what is published, in dist/: a wheel for this machine, one for any, sources, SBOM
+	@rm -rf dist/*.whl dist/*.tar.gz dist/*.json $(INSTALLED)
+	@cp dist/wheel/*.whl dist/
+	@FIRMWARE_BRIDGE_COMPILE=0 $(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist .
+	@rm -rf build
+	@$(BIN)/python -m build --sdist --outdir dist . > dist/sources.log || { cat dist/sources.log; exit 1; }
+	@$(BIN)/python -m venv $(INSTALLED)
+	@$(INSTALLED)/bin/python -m pip install --quiet --disable-pip-version-check dist/wheel/*.whl
+	@$(BIN)/cyclonedx-py environment --pyproject pyproject.toml --output-reproducible --of JSON -o dist/sbom.cdx.json \
+		$(INSTALLED)/bin/python
+	@$(INSTALLED)/bin/python -m pip install --quiet --disable-pip-version-check "$$(ls dist/wheel/*.whl)[testing]"
+	@ls dist/*.whl dist/*.tar.gz dist/*.json
 
 demo: $(READY) ## drive the shipped missions in virtual time; results in out/
 	@begun=$$(date +%s); \
@@ -130,6 +149,10 @@ docs: $(READY) ## write the pages of docs/ that are made from the code's tables
 
 golden: $(READY) ## renew the golden traces, after a change that is meant to change what is on the wires
 	@$(BIN)/python tools/golden_traces.py --renew
+
+$(RELEASE): $(READY)
+	@$(BIN)/python -m pip install --quiet --quiet --disable-pip-version-check --group release
+	@touch $@
 
 $(MEASURED): $(READY)
 	@$(BIN)/python -m pip install --quiet --quiet --disable-pip-version-check --group bench

@@ -3,18 +3,23 @@
 The servo kernel is a plain shared library beside its source. Without a C compiler the package installs all
 the same, and the kernel's twin in Python serves.
 
-With FIRMWARE_BRIDGE_COMPILE=1 a wheel has, besides, the modules that every packet passes through, translated
-to C by mypyc: see docs/decisions/same-source-compiled.md.
+What a wheel has besides is said by the environment:
+
+* FIRMWARE_BRIDGE_COMPILE=1: the modules that every packet passes through, translated to C by mypyc (see
+  docs/decisions/same-source-compiled.md); 0: nothing native at all, so that the wheel fits every machine.
+* FIRMWARE_BRIDGE_PLANTS=1: the plants' FMUs for this machine, so that who installs it needs no compiler.
 """
 
 import hashlib
 import os
 import sys
+import tomllib
 from pathlib import Path
 from typing import Final
 
 from setuptools import Extension, setup
 from setuptools.command.build_ext import build_ext
+from setuptools.command.build_py import build_py
 
 FOLDER: Final = Path("emulators") / "servo" / "native"
 FILES: Final = sorted(FOLDER.glob("*.[ch]"))
@@ -23,6 +28,7 @@ SAME_EVERYWHERE: Final = "-ffp-contract=off"
 UNIX_FLAGS: Final = ["-std=c99", "-O2", "-fvisibility=hidden"]
 
 MYPYC: Final = "mypy[mypyc]>=2.4,<3"
+FOR_PLANTS: Final = ("fmpy>=0.3.22", "numpy>=1.26", "sympy>=1.12")
 WAY_OF_A_PACKET: Final = (
     "emulators/arduino_omni/*.py",
     "emulators/arduino_omni/*/*.py",
@@ -110,6 +116,25 @@ class Build(build_ext):
         super().build_extension(ext)
 
 
+class WithPlants(build_py):
+    """Copies the modules, and lays the plants' FMUs beside them."""
+
+    def run(self) -> None:
+        """Build each plant that pyproject.toml names, for FMI 2.0 and 3.0, or take it from the cache."""
+        super().run()
+        sys.path.insert(0, str(Path.cwd()))  # what is installed is not yet this package
+        from fmu.build import place  # noqa: PLC0415 - as above
+        from fmu.plants import find  # noqa: PLC0415 - as above
+        from fmu.ready import FOLDER as READY  # noqa: PLC0415 - as above
+        from fmu.ready import file_name  # noqa: PLC0415 - as above
+
+        project = tomllib.loads(Path("pyproject.toml").read_text(encoding="utf-8"))["project"]
+        for name in project["entry-points"]["firmware_bridge.plants"]:
+            plant = find(name)
+            for fmi in (2, 3):
+                place(plant, fmi, Path(self.build_lib, "fmu", READY.name, file_name(plant, fmi)))
+
+
 def built_from() -> str:
     """Return the first 64 bits of the sources' SHA-256: they tell a library that is older than its source."""
     digest = hashlib.sha256()
@@ -138,14 +163,18 @@ def compiled() -> list[Extension]:
     files = {str(file) for pattern in WAY_OF_A_PACKET for file in Path().glob(pattern)}
     chosen = sorted(file for file in files - INTERPRETED if not file.endswith("__init__.py"))
     options = ["--ignore-missing-imports", "--follow-imports=silent"]
-    return list(mypycify([*options, *chosen], opt_level="2", multi_file=True, group_name="firmware_bridge"))
+    modules = mypycify(
+        [*options, *chosen], opt_level="2", debug_level="0", multi_file=True, group_name="firmware_bridge"
+    )
+    return list(modules)
 
 
-WANTED: Final = os.environ.get("FIRMWARE_BRIDGE_COMPILE", "") == "1"
+COMPILE: Final = os.environ.get("FIRMWARE_BRIDGE_COMPILE", "")
+PLANTS: Final = os.environ.get("FIRMWARE_BRIDGE_PLANTS", "") == "1"
 
 setup(
-    cmdclass={"build_ext": Build},
-    ext_modules=[kernel(), *(compiled() if WANTED else ())],
+    cmdclass={"build_ext": Build, **({"build_py": WithPlants} if PLANTS else {})},
+    ext_modules=[*([] if COMPILE == "0" else [kernel()]), *(compiled() if COMPILE == "1" else [])],
     options={"build_ext": {"parallel": os.cpu_count()}},
-    setup_requires=[MYPYC] if WANTED else [],
+    setup_requires=[*([MYPYC] if COMPILE == "1" else []), *(FOR_PLANTS if PLANTS else ())],
 )

@@ -18,6 +18,7 @@ from emulators.bench.piloted import PilotedMission
 from emulators.bench.radial_error import radial_error
 from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.summary import LineRun, Run, Summary, as_json, summarise
+from emulators.extras import installed
 from emulators.line import AnyLine
 from emulators.recorded import CHUNKS, FRAMES, WORDS, record
 from emulators.rig import Rig
@@ -107,19 +108,20 @@ def drive(order: Order, progress: Progress) -> Summary:
     (order.folder / "summary.json").write_text(as_json(summary), encoding="utf-8")
     (order.folder / "samples.csv").write_text(rig.samples.csv(), encoding="ascii")
     title = f"{order.robot.name} · {order.mission_name} · seed {order.seed}"
-    # Half a second for Matplotlib, which nobody needs before the run is over.
-    from emulators.bench.plots import draw  # noqa: PLC0415 - see above
+    if installed("plots"):
+        # Half a second for Matplotlib, which nobody needs before the run is over.
+        from emulators.bench.plots import draw  # noqa: PLC0415 - see above
 
-    draw(
-        order.folder,
-        title,
-        order.robot,
-        order.rehearsal.panels,
-        rig.samples,
-        holds=rig.holds,
-        faults=faults,
-        more=order.rehearsal.pictures,
-    )
+        draw(
+            order.folder,
+            title,
+            order.robot,
+            order.rehearsal.panels,
+            rig.samples,
+            holds=rig.holds,
+            faults=faults,
+            more=order.rehearsal.pictures,
+        )
     return summary
 
 

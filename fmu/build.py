@@ -12,7 +12,7 @@ import platform
 import shutil
 import sys
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from importlib import metadata
@@ -25,6 +25,8 @@ from fmu.export.about import About
 from fmu.fingerprint import RESOURCE
 from fmu.plants import UNKNOWN, Plant, find, origin
 from fmu.platforms import FLAGS, Platform, find_compiler, here, library, told
+from fmu.ready import ready
+from fmu.sources import folder_of, token_of
 
 if TYPE_CHECKING:
     from fmu.export.model import Model
@@ -40,12 +42,16 @@ _EPOCH: Final = (1980, 1, 1, 0, 0, 0)
 def ensure(plant: str | Plant, fmi: int = 3, others: Sequence[Platform] = ()) -> Path:
     """Return the FMU of this plant, or of the installed one of this name, for FMI 2.0 or 3.0.
 
-    It holds a binary for this machine, and for `others`, whose compilers must be here. It is built when it is
-    not in the cache. PlantError where it cannot be.
+    It holds a binary for this machine, and for `others`, whose compilers must be here. It is the one that
+    came with the package; where none did, it is built when it is not in the cache. PlantError where it cannot
+    be.
     """
     chosen = find(plant) if isinstance(plant, str) else plant
+    came = ready(chosen, fmi)
+    if came is not None and not others:
+        return came
     compiler = find_compiler()
-    own = _kept(chosen, fmi, compiler)
+    own = came or _kept(chosen, fmi, compiler)
     target = _kept(chosen, fmi, compiler, others) if others else own
     if target.exists():
         return target
@@ -57,9 +63,9 @@ def ensure(plant: str | Plant, fmi: int = 3, others: Sequence[Platform] = ()) ->
 
 
 def is_built(plant: str | Plant, fmi: int = 3) -> bool:
-    """Tell whether the FMU of this plant is in the cache, so that `ensure` takes no time."""
+    """Tell whether the FMU of this plant is there, so that `ensure` takes no time; PlantError as there."""
     chosen = find(plant) if isinstance(plant, str) else plant
-    return _kept(chosen, fmi, find_compiler()).exists()
+    return ready(chosen, fmi) is not None or _kept(chosen, fmi, find_compiler()).exists()
 
 
 def place(plant: str | Plant, fmi: int, target: Path, others: Sequence[Platform] = ()) -> None:
@@ -70,7 +76,7 @@ def place(plant: str | Plant, fmi: int, target: Path, others: Sequence[Platform]
 def build(plant: str | Plant, fmi: int, target: Path, *, compiler: str | None = None) -> None:
     """Write the FMU of this plant, or of the installed one of this name, replacing `target` at once."""
     chosen = find(plant) if isinstance(plant, str) else plant
-    token = f"{{{_token(chosen)}}}"
+    token = f"{{{token_of(chosen)}}}"
     export(chosen.model(), fmi, target, token=token, about=_about(chosen), compiler=compiler)
 
 
@@ -132,7 +138,7 @@ def _units(fmi: int) -> tuple[str, ...]:
 
 def _about(plant: Plant) -> About:
     """Return what the package that brings a plant says of itself, and the plant's own page."""
-    page = _folder(plant, plant.package) / "README.md"
+    page = folder_of(plant, plant.package) / "README.md"
     return replace(origin(plant), page=page.read_text(encoding="utf-8") if page.is_file() else "")
 
 
@@ -146,41 +152,13 @@ def _cache() -> Path:
     return Path(root) / "firmware-bridge" / "fmu"
 
 
-def _sources(plant: Plant) -> Iterator[tuple[str, Path]]:
-    """Yield what the FMU is made from: a name that is the same on every machine, and the file."""
-    yield "fingerprint.py", _HERE / "fingerprint.py"
-    folders = {"export": _HERE / "export", "parts": _HERE / "parts"}
-    folders |= {package: _folder(plant, package) for package in (plant.package, *plant.made_of)}
-    for name, folder in folders.items():
-        for path in sorted(folder.rglob("*")):
-            if path.suffix in {".py", ".c", ".h", ".md"}:
-                yield f"{name}/{path.relative_to(folder).as_posix()}", path
-
-
-def _folder(plant: Plant, package: str) -> Path:
-    try:
-        spec = importlib.util.find_spec(package)
-    except ImportError:
-        spec = None
-    if spec is None or not spec.submodule_search_locations:
-        raise PlantError(f"the plant '{plant.name}' is to stand in the package {package}: there is none")
-    return Path(spec.submodule_search_locations[0])
-
-
-def _token(plant: Plant) -> str:
-    digest = hashlib.sha256()
-    for name, path in _sources(plant):
-        digest.update(name.encode() + b"\0" + path.read_bytes() + b"\0")
-    return digest.hexdigest()[:32]
-
-
 def _key(plant: Plant, fmi: int, compiler: str, others: Sequence[Platform]) -> str:
     digest = hashlib.sha256(told(compiler))
     for other in others:
         digest.update(told(shutil.which(other.compiler) or "true") + repr(other).encode())
     about = repr(origin(plant))
     parts = (
-        _token(plant),
+        token_of(plant),
         about,
         str(fmi),
         compiler,
@@ -196,7 +174,12 @@ def _key(plant: Plant, fmi: int, compiler: str, others: Sequence[Platform]) -> s
 
 @cache
 def _libraries() -> tuple[str, ...]:
-    return tuple(f"{name} {metadata.version(name)}" for name in ("sympy", "fmpy"))
+    try:
+        return tuple(f"{name} {metadata.version(name)}" for name in ("sympy", "fmpy"))
+    except metadata.PackageNotFoundError as error:
+        raise PlantError(
+            f"a plant is built with {error.name}, which is not here: pip install 'firmware-bridge[plants]'"
+        ) from None
 
 
 def _fmi_headers(fmi: int) -> dict[str, str]:

@@ -27,7 +27,7 @@ AT_HAND: Final = {
 }
 """Markers, and whether this machine has what they stand for."""
 
-ON_DEMAND: Final = ("platforms", "avr")
+ON_DEMAND: Final = ("platforms", "avr", "installed")
 """Markers whose tests run where they are asked for by name, `-m MARKER`."""
 
 

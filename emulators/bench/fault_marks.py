@@ -5,8 +5,9 @@ from typing import Final
 
 from matplotlib.axes import Axes
 
+from emulators.bench.halo import HALO
 from emulators.bench.records import FaultRecord
-from emulators.bench.style import HALO, VERMILION
+from emulators.bench.style import VERMILION
 from firmware_bridge.units import to_seconds
 
 LEAST_SHARE: Final = 1 / 400

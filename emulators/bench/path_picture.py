@@ -8,8 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from emulators.bench.columns import SAMPLE_EVERY, Floats, Samples
+from emulators.bench.halo import HALO
 from emulators.bench.records import HoldRecord
-from emulators.bench.style import BLUE, GREEN, HALO, INK, VERMILION
+from emulators.bench.style import BLUE, GREEN, INK, VERMILION
 from firmware_bridge.units import to_seconds
 
 MOVING_MPS: Final = 0.01

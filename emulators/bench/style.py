@@ -1,9 +1,7 @@
-"""How the bench's pictures look: colours, style, and words that stay readable on a line."""
+"""How the bench's pictures look: colours and style. It refuses to know what draws them."""
 
 from pathlib import Path
 from typing import Final
-
-from matplotlib.patheffects import Normal, Stroke
 
 # Okabe and Ito's palette: told apart with every common kind of colour blindness, and in grey by lightness.
 BLUE: Final = "#0072B2"
@@ -17,6 +15,3 @@ PALE: Final = "#9A9A9A"
 AXIS_COLOURS: Final = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
 
 STYLE: Final = Path(__file__).with_name("bench.mplstyle")
-
-HALO: Final = (Stroke(linewidth=2.5, foreground="white"), Normal())
-"""Keeps a word readable where it crosses a line."""

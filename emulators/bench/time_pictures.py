@@ -11,12 +11,12 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from emulators.bench.columns import Curve, Panel, Samples, current, electric
+from emulators.bench.halo import HALO
 from emulators.bench.records import HoldRecord
 from emulators.bench.style import (
     AXIS_COLOURS,
     BLUE,
     GREEN,
-    HALO,
     INK,
     ORANGE,
     PALE,

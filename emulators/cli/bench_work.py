@@ -10,6 +10,7 @@ from emulators.bench.rehearsal import rehearsal_of
 from emulators.bench.report import show
 from emulators.cli.beginning import tell_of_beginning
 from emulators.cli.bench import BenchOptions
+from emulators.extras import cure, installed
 from emulators.progress_bar import progress_bar
 from emulators.run import Order, drive
 from emulators.servo.bank import ServoError
@@ -55,6 +56,8 @@ def bench(given: BenchOptions) -> None:
         folder = given.out or RESULTS / f"{machine.name}-{name}"
         order = Order(machine, rehearsal, name, script, given.seed, folder, given.plant)
         tell_of_beginning(machine, given.plant)
+        if not installed("plots"):
+            say(f"no pictures this time: {cure('plots')}", err=True)
         with progress_bar() as bar:
             task = bar.add_task(f"{machine.name}, {name}", total=order.duration)
             summary = drive(order, lambda now: bar.update(task, completed=now))

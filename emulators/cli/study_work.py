@@ -1,11 +1,14 @@
 """Makes studies, shows what is compared, and writes tables, pictures and the report."""
 
+import importlib
 from pathlib import Path
+from types import ModuleType
 from typing import Final
 
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
+from emulators.extras import from_extras
 from emulators.studies.shelf import studies, studies_by_robot
 from emulators.studies.study import Compared, Findings, Study, cell, chosen
 from firmware_bridge.cli.console import FAILED, one_message, refusal, say, written_by
@@ -22,12 +25,20 @@ def study(*, name: str | None, every: bool, quick: bool, out: Path | None) -> No
     if name is None:
         raise refusal("study needs a name, or --list to see which there are")
     with one_message(LookupError), written_by("--out"):
+        if out is not None:
+            _drawing()
         made = [(one, _one(one, quick=quick, out=out)) for one in chosen(studies(), name)]
         if out is not None:
             _report(made, out)
     wrong = [f"{one.name}: {row.quantity}" for one, found in made for row in found.out_of_bounds]
     if wrong:
         raise refusal(f"out of bounds: {'; '.join(wrong)}", FAILED)
+
+
+def _drawing() -> ModuleType:
+    """Import what draws: half a second for Matplotlib, which nobody needs who wants no pictures."""
+    with from_extras():
+        return importlib.import_module("emulators.studies.report")
 
 
 def _list() -> None:
@@ -56,10 +67,7 @@ def _one(one: Study, *, quick: bool, out: Path | None) -> Findings:
     for remark in findings.remarks:
         say(f"  {remark}")
     if out is not None:
-        # Half a second for Matplotlib, which nobody needs who wants no pictures.
-        from emulators.studies.report import write  # noqa: PLC0415 - see above
-
-        write(out / one.name, findings)
+        _drawing().write(out / one.name, findings)
     return findings
 
 
@@ -69,8 +77,6 @@ def _cells(row: Compared) -> tuple[str, ...]:
 
 
 def _report(made: list[tuple[Study, Findings]], out: Path) -> None:
-    from emulators.studies.report import page  # noqa: PLC0415 - as above
-
     place = out / REPORT
-    place.write_text(page(made), encoding="utf-8")
+    place.write_text(_drawing().page(made), encoding="utf-8")
     say(f"report: {place}")

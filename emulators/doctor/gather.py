@@ -81,7 +81,7 @@ def gather(sleeps: int = SLEEPS) -> Facts:
         kernel_built=(Path(kernel.__file__).parent / kernel.LIBRARY).exists(),
         kernel_problem=_kernel_problem(),
         compiled={name: _is_compiled(name) for name in CORE},
-        plants={name: None if found is None else _is_built(name) for name in plants.names()},
+        plants={name: _is_built(name) or (None if found is None else False) for name in plants.names()},
         libraries=tuple(Library(name, least, _installed(name)) for name, least in needed),
         extras={
             extra: tuple(name for name in names if _installed(name) is None)

@@ -50,7 +50,11 @@ COARSE: Final[Nanoseconds] = MILLISECOND
 CROWDED: Final = 2.0
 """Processes for each processor. ASSUME: with twice as many as there are processors a cycle waits its turn
 often; with more than one each, now and then."""
-PURPOSES: Final = {"testing": "the plugin of pytest"}
+PURPOSES: Final = {
+    "plants": "for plants of your own",
+    "plots": "pictures of runs",
+    "testing": "the plugin of pytest",
+}
 """What extras are for."""
 _LINUX: Final = "Linux"
 _HEALTHY: Final = frozenset({None, "ERROR-ACTIVE"})
@@ -181,9 +185,10 @@ def load(facts: Facts) -> Said:
 def compiler(facts: Facts) -> Said:
     """Judge what plants, servo kernel and core are translated with."""
     if facts.compiler is None:
-        return _missing(
-            "none", "install one, or correct $CC; on Debian or Ubuntu: apt-get install gcc libc6-dev"
-        )
+        remedy = "install one, or correct $CC; on Debian or Ubuntu: apt-get install gcc libc6-dev"
+        if facts.plants and all(facts.plants.values()):
+            return _careful("none; the plants are built already", f"for a plant of your own {remedy}")
+        return _missing("none", remedy)
     if not facts.headers:
         return _careful(
             f"{facts.compiler}, without Python's headers",
@@ -226,6 +231,8 @@ def plants(facts: Facts) -> Said:
     if not wanting:
         return _ok(f"{', '.join(sorted(facts.plants)) or 'none is installed'}: built")
     remedy = "they are built when they are wanted, 10 s each; `firmware-bridge fmu build NAME` does it now"
+    if facts.extras.get("plants"):
+        remedy = "`pip install 'firmware-bridge[plants]'`: they are built from equations"
     if len(wanting) < len(facts.plants):
         return _careful(f"not built yet: {', '.join(wanting)}", remedy)
     return _missing("none is built yet", remedy)

@@ -10,6 +10,8 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
+from emulators.extras import from_extras
+
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
@@ -105,9 +107,13 @@ class Study:
     """"module:function" of what makes it: takes whether it shall be quick, returns its `Findings`."""
 
     def made(self, *, quick: bool = False) -> Findings:
-        """Make it; a quick one takes fewer points or a shorter run, and holds the same bounds."""
+        """Make it; a quick one takes fewer points or a shorter run, and holds the same bounds.
+
+        ExtraMissingError, a LookupError, where it takes a library that is not installed.
+        """
         module, _, name = self.place.partition(":")
-        make: Callable[[bool], Findings] = getattr(importlib.import_module(module), name)
+        with from_extras():
+            make: Callable[[bool], Findings] = getattr(importlib.import_module(module), name)
         return make(quick)
 
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from emulators.bench.records import FaultRecord
+from emulators.extras import cure, installed
 from emulators.testing.rig import VirtualRig
 from firmware_bridge.units import Nanoseconds, to_seconds
 
@@ -28,11 +29,14 @@ def _lines(rig: VirtualRig, test: str, folder: Path, again: str, *, pictures: bo
     entries = [entry for entry in rig.operator.diary if entry.at >= rig.began]
     yield from (f"  {to_seconds(entry.at):6.2f} s  {entry.kind}: {entry.text}" for entry in entries)
     try:
-        kept = [*rig.recording.keep(folder), *(_drawn(rig, test, folder) if pictures else ())]
+        drawn = pictures and installed("plots")
+        kept = [*rig.recording.keep(folder), *(_drawn(rig, test, folder) if drawn else ())]
     except OSError as error:
         yield f"kept: nothing, {folder} cannot be written: {error}"
     else:
         yield f"kept in {folder}: {', '.join(path.name for path in kept)}"
+        if pictures and not drawn:
+            yield f"no pictures: {cure('plots')}"
     yield f"again: {again}"
 
 

@@ -61,10 +61,12 @@ OUTCOMES: Final[list[tuple[str, dict[str, Any], Verdict, str, str]]] = [
     ("extras", {"extras": {"plots": ("matplotlib",)}}, MISSING, "plots (matplotlib)", "[plots]"),
     ("C compiler", {}, OK, "/usr/bin/cc", ""),
     ("C compiler", {"headers": False}, CAREFUL, "without Python's headers", "python3-dev"),
-    ("C compiler", {"compiler": None}, MISSING, "none", "apt-get install gcc"),
+    ("C compiler", {"compiler": None, "plants": {"x": False}}, MISSING, "none", "apt-get install gcc"),
+    ("C compiler", {"compiler": None}, CAREFUL, "built already", "for a plant of your own"),
     ("plants", {}, OK, "rars, rome_base: built", ""),
     ("plants", {"plants": {"rars": True, "x": False}}, CAREFUL, "not built yet: x", "fmu build"),
     ("plants", {"plants": {"rars": False}}, MISSING, "none is built", "10 s each"),
+    ("plants", {"plants": {"x": False}, "extras": {"plants": ("sympy",)}}, MISSING, "none", "[plants]"),
     ("plants", {"plants": {"rars": None}}, MISSING, "nobody can tell", "install a C compiler"),
     ("servo kernel", {}, OK, "loaded", ""),
     (

@@ -1,0 +1,45 @@
+"""What comes with an extra of the package: whether it is installed, and the line that installs it."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from importlib.util import find_spec
+from types import MappingProxyType
+from typing import Final, Literal, TypeAlias
+
+Extra: TypeAlias = Literal["plots", "plants"]
+
+LIBRARIES: Final[Mapping[Extra, str]] = MappingProxyType({"plots": "matplotlib", "plants": "sympy"})
+"""The library by which each extra is known."""
+MISSING: Final[Mapping[Extra, str]] = MappingProxyType(
+    {
+        "plots": "pictures are drawn by Matplotlib, which is not installed",
+        "plants": "a plant's equations are SymPy's, which is not installed",
+    }
+)
+
+
+class ExtraMissingError(LookupError):
+    """Something was asked for that comes with an extra; says which, and how to have it."""
+
+
+def installed(extra: Extra) -> bool:
+    """Tell whether an extra is here, without importing it."""
+    return find_spec(LIBRARIES[extra]) is not None
+
+
+def cure(extra: Extra) -> str:
+    """Return what is missing without an extra, and the line that installs it."""
+    return f"{MISSING[extra]}: pip install 'firmware-bridge[{extra}]'"
+
+
+@contextmanager
+def from_extras() -> Iterator[None]:
+    """Import in here what may need an extra; ExtraMissingError where that is not installed."""
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        library = (error.name or "").partition(".")[0]
+        for extra, needed in LIBRARIES.items():
+            if needed == library:
+                raise ExtraMissingError(cure(extra)) from None
+        raise

@@ -1,0 +1,178 @@
+"""What `make wheels` has made, as somebody has it who has no checkout, no compiler and no extras."""
+
+import json
+import re
+import subprocess
+import sys
+import tarfile
+from collections.abc import Callable
+from pathlib import Path
+from zipfile import ZipFile
+
+import pytest
+
+pytestmark = pytest.mark.installed
+
+ROOT = Path(__file__).parents[2]
+DIST = ROOT / "dist"
+INSTALLED = ROOT / ".venv" / "installed"
+PACKAGES = ("firmware_bridge/", "emulators/", "fmu/")
+MEGABYTE = 1 << 20
+PIPS_OWN = ("pip", "setuptools", "pkg_resources")
+PAGE = ROOT / "docs" / "installing.md"
+STORY = """
+def test_silence(rig):
+    rig.operator.drives(forward=0.3)
+    rig.runs(seconds=2)
+    rig.operator.falls_silent()
+    rig.runs(seconds=1)
+    assert abs(rig.body.speed) < 0.01
+    assert "operator silent" in rig.holds
+
+def test_read_a_drive(drives, under_test):
+    port = drives("1-2")
+    master = under_test(f"firmware-bridge epos2 read statusword --node 2 --serial {port}")
+    assert master.ends(within=60) == 0
+    assert "switch on disabled" in master.printed
+"""
+Ran = subprocess.CompletedProcess[str]
+Run = Callable[..., Ran]
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> Run:
+    """Run a program of the installation where there is no other: no compiler, no cache, no checkout."""
+    bare = {"PATH": str(INSTALLED / "bin"), "HOME": str(tmp_path / "home"), "COLUMNS": "120"}
+
+    def runs(program: str, *words: str) -> Ran:
+        return subprocess.run(
+            [INSTALLED / "bin" / program, *words],
+            cwd=tmp_path,
+            env=bare,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+
+    return runs
+
+
+def wheels() -> dict[str, Path]:
+    """Return the wheels: for any machine, and for this one."""
+    found = {("any" if path.stem.endswith("-none-any") else "here"): path for path in DIST.glob("*.whl")}
+    assert set(found) == {"any", "here"}, "`make wheels` makes them"
+    return found
+
+
+def tracked() -> set[str]:
+    """Return the checkout's files."""
+    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True)  # noqa: S607
+    return set(listed.stdout.splitlines())
+
+
+def test_a_mission_gives_the_bytes_that_it_gives_in_a_checkout(run: Run, tmp_path: Path) -> None:
+    order = ("bench", "rars", "--mission", "line", "--out")
+    ended = run("firmware-bridge", *order, str(tmp_path / "there"))
+    assert ended.returncode == 0, ended.stderr
+    assert "pip install 'firmware-bridge[plots]'" in ended.stderr
+    program = Path(sys.executable).with_name("firmware-bridge")
+    subprocess.run([program, *order, tmp_path / "here"], check=True, capture_output=True)
+    for name in ("can.log", "operator.tlog", "samples.csv"):
+        assert (tmp_path / "there" / name).read_bytes() == (tmp_path / "here" / name).read_bytes(), name
+    left = {path.name for path in (tmp_path / "there").iterdir()}
+    assert left == {path.name for path in (tmp_path / "here").iterdir() if path.suffix != ".png"}
+    assert not (tmp_path / "home" / ".cache").exists()
+
+
+def test_the_core_is_compiled_and_kept_small() -> None:
+    with ZipFile(wheels()["here"]) as archive:
+        libraries = {it.filename: it.file_size for it in archive.infolist() if it.filename.endswith(".so")}
+    assert any(name.startswith("firmware_bridge/packet.") for name in libraries)
+    assert "emulators/servo/libservo.so" in libraries
+    assert sum(libraries.values()) < 30 * MEGABYTE, "with debugging symbols it is twice as large"
+
+
+@pytest.mark.parametrize("robot", ["rars", "rome", "climber", "ar2", "rome_arm"])
+def test_every_robot_has_its_plant_with_it(run: Run, robot: str) -> None:
+    script = (
+        "import sys, fmu.build, firmware_bridge.robot as robots;"
+        "print(fmu.build.ensure(robots.find(sys.argv[1]).plant.fmu, int(sys.argv[2])))"
+    )
+    for fmi in ("2", "3"):
+        told = run("python", "-c", script, robot, fmi)
+        assert str(INSTALLED) in told.stdout, told.stderr
+
+
+def test_stories_of_a_user_run(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "test_story.py").write_text(STORY)
+    ended = run("pytest", "-q", "--robot", "rars", "test_story.py")
+    assert "2 passed" in ended.stdout, ended.stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("study tipping --quick --out there", "pip install 'firmware-bridge[plots]'"),
+        ("study torques --quick", "pip install 'firmware-bridge[plants]'"),
+        ("fmu build rars --for all", "compiler"),
+    ],
+)
+def test_what_is_missing_is_said_with_its_cure(run: Run, words: str, said: str) -> None:
+    ended = run("firmware-bridge", *words.split())
+    assert ended.returncode != 0
+    assert said in " ".join(ended.stderr.split())
+    assert "Traceback" not in ended.stderr
+
+
+def test_the_doctor_misses_nothing_that_is_needed(run: Run) -> None:
+    told = json.loads(run("firmware-bridge", "doctor", "--json").stdout)
+    assert told["missing"] == []
+
+
+def test_each_file_of_the_packages_is_in_the_wheels() -> None:
+    ours = {name for name in tracked() if name.startswith(PACKAGES)}
+    for path in wheels().values():
+        with ZipFile(path) as archive:
+            held = set(archive.namelist())
+        assert ours - held == set(), path.name
+        strange = {it for it in held - ours if not it.endswith((".so", ".fmu")) and ".dist-info/" not in it}
+        assert strange == set(), path.name
+
+
+def test_the_sources_are_the_checkout() -> None:
+    (path,) = DIST.glob("*.tar.gz")
+    with tarfile.open(path) as archive:
+        held = {it.name.partition("/")[2] for it in archive.getmembers() if it.isfile()}
+    assert tracked() - held - {".gitignore"} == set()
+    strange = {it for it in held - tracked() if not re.match(r"PKG-INFO|setup\.cfg|[^/]*\.egg-info/", it)}
+    assert strange == set()
+
+
+def test_the_page_tells_each_library_and_its_licence() -> None:
+    told = dict(re.findall(r"^\| `([\w.-]+)` \| ([^|]+) \|", PAGE.read_text(encoding="utf-8"), re.MULTILINE))
+    bill = json.loads((DIST / "sbom.cdx.json").read_text(encoding="utf-8"))
+    assert bill["metadata"]["component"]["name"] == "firmware-bridge"
+    mine = {"firmware-bridge", "pip", "setuptools", "pytest", "pluggy", "iniconfig"}
+    assert {it["name"] for it in bill["components"]} - mine == set(told)
+    assert {name for name, licence in told.items() if "GPL" in licence} == {"pymavlink", "python-can"}
+
+
+def test_the_base_is_as_small_as_the_page_says(run: Run) -> None:
+    listed = json.loads(run("python", "-m", "pip", "list", "--format", "json").stdout)
+    names = {it["name"].lower() for it in listed}
+    assert not names & {"matplotlib", "sympy", "mypy"}
+    (limit,) = re.findall(r"less than (\d+) MB", PAGE.read_text(encoding="utf-8"))
+    site = next((INSTALLED / "lib").glob("python3.*")) / "site-packages"
+    files = [path for path in site.rglob("*") if path.is_file() and path.suffix != ".pyc"]
+    size = sum(path.stat().st_size for path in files if path.relative_to(site).parts[0] not in PIPS_OWN)
+    assert size < int(limit) * 1_000_000
+
+
+def test_it_may_be_published() -> None:
+    with ZipFile(wheels()["here"]) as archive:
+        (name,) = (it for it in archive.namelist() if it.endswith(".dist-info/METADATA"))
+        told = archive.read(name).decode()
+    assert "Do Not Upload" not in told
+    assert "License-Expression: MIT" in told
+    for extra in ("plants", "plots", "testing"):
+        assert f"Provides-Extra: {extra}" in told
