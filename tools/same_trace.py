@@ -109,7 +109,7 @@ class Environment:
         sources = copied(self._folder / f"sources-{compiler}")
         pip = [self._python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
         again = ["--no-deps", "--force-reinstall"] if self._installed else []
-        said([*pip, *again, str(sources)], os.environ | {"CC": compiler})
+        said([*pip, *again, f"{sources}[plants]"], os.environ | {"CC": compiler})
         self._installed = True
         kernel = next(self._folder.glob("venv/lib/python*/site-packages/emulators/servo/libservo.so"), None)
         if kernel is None:

@@ -8,6 +8,7 @@ import re
 import shutil
 import subprocess
 import sys
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 from zipfile import ZIP_DEFLATED, ZipFile
@@ -19,7 +20,7 @@ from fmpy.model_description import read_model_description
 from fmpy.validation import validate_fmu
 
 from firmware_bridge.kinds import find
-from fmu import build
+from fmu import build, ready
 from fmu.errors import PlantError
 from fmu.plant import FmuPlant
 from fmu.platforms import find_compiler
@@ -184,6 +185,13 @@ def test_parameters_are_complete() -> None:
         assert "ASSUME" in row.source or "[R]" in row.source
 
 
+@pytest.fixture
+def none_came(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """What is installed brings its plants; here they are built."""
+    monkeypatch.setattr(ready, "FOLDER", tmp_path)
+
+
+@pytest.mark.usefixtures("none_came")
 def test_two_processes_may_build_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     # Forks of this process, which has loaded SymPy: nothing else takes longer.
@@ -198,10 +206,40 @@ def test_two_processes_may_build_at_once(tmp_path: Path, monkeypatch: pytest.Mon
     assert found == build.ensure("single_axis", 3)
 
 
+@pytest.mark.usefixtures("none_came")
 def test_no_compiler_is_one_clear_error(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.delenv("CC", raising=False)
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(PlantError, match=r"no C compiler found \(tried cc, gcc, clang\): install one"):
+        build.ensure("rars", 3)
+
+
+@pytest.mark.usefixtures("none_came")
+def test_a_plant_that_came_with_the_package_is_taken_as_long_as_its_sources_are_the_same(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    assert build.ensure("rars", 3).parent != tmp_path
+    came = tmp_path / ready.file_name(PLANT, 3)
+    build.place("rars", 3, came)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert build.is_built("rars", 3)
+    assert build.ensure("rars", 3) == came
+    with pytest.raises(PlantError, match="no C compiler"):
+        build.ensure("rars", 2)
+    monkeypatch.setattr(ready, "token_of", lambda _plant: "0" * 32)
+    with pytest.raises(PlantError, match="no C compiler"):
+        build.ensure("rars", 3)
+
+
+@pytest.mark.usefixtures("none_came")
+def test_without_sympy_a_plant_says_how_to_have_it(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    def version(name: str) -> str:
+        raise metadata.PackageNotFoundError(name)
+
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(metadata, "version", version)
+    build._libraries.cache_clear()  # noqa: SLF001 - it asks once for all
+    with pytest.raises(PlantError, match=r"built with sympy, .*pip install 'firmware-bridge\[plants\]'"):
         build.ensure("rars", 3)
 
 

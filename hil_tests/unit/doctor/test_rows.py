@@ -58,7 +58,7 @@ OUTCOMES: Final[list[tuple[str, dict[str, Any], Verdict, str, str]]] = [
         "without testing, the plugin of pytest (pytest)",
         "firmware-bridge[testing]",
     ),
-    ("extras", {"extras": {"plots": ("matplotlib",)}}, MISSING, "plots (matplotlib)", "[plots]"),
+    ("extras", {"extras": {"plots": ("matplotlib",)}}, MISSING, "pictures of runs (matplotlib)", "[plots]"),
     ("C compiler", {}, OK, "/usr/bin/cc", ""),
     ("C compiler", {"headers": False}, CAREFUL, "without Python's headers", "python3-dev"),
     ("C compiler", {"compiler": None, "plants": {"x": False}}, MISSING, "none", "apt-get install gcc"),
@@ -172,7 +172,10 @@ def test_every_row_has_its_three_outcomes_in_the_table() -> None:
     [
         ({}, ()),
         ({"python": (3, 9, 0)}, ("Python",)),
-        ({"libraries": (Library("rich", (13,), None),), "compiler": None}, ("libraries", "C compiler")),
+        (
+            {"libraries": (Library("rich", (13,), None),), "compiler": None, "plants": {"x": None}},
+            ("libraries", "C compiler"),
+        ),
         ({"socketcan": False, "vcan": False, "interfaces": (), "ports": (), "load": 99.0}, ()),
         ({"headers": False, "libraries": (Library("rich", (13, 7), (13, 6)),)}, ()),
     ],
