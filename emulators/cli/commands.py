@@ -36,6 +36,11 @@ COMMANDS: Final[tuple[Row, ...]] = (
         "Make a source's figures and numbers anew: printed, independent, ours, and why they differ.",
     ),
     Command(
+        "fmea",
+        "emulators.cli.fmea:fmea",
+        "Try every fault in every state of a robot, and say who notices, when, and how far it goes.",
+    ),
+    Command(
         "doctor",
         "emulators.cli.doctor:doctor",
         "Look at this machine: what is there, what is missing, what to be careful of, and how to mend it.",

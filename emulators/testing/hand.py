@@ -80,7 +80,8 @@ class Hand:
 
     def lets_go(self) -> None:
         """Let go of everything that he holds."""
-        rows = inputs(self._step).items()
+        rows = reversed(inputs(self._step).items())
+        # Of two keys for one channel the first: a later one may have no word for it, as a turn's radius.
         keys = {row.channel: key for key, row in rows if isinstance(row, Holds)}
         self.does("lets go", **dict.fromkeys(keys.values(), 0.0))
 

@@ -274,11 +274,25 @@ def test_a_wheel_owes_the_least_that_it_should_have_gone(sign: float) -> None:
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_however_slow_it_should_go_it_owes_until_it_is_told_to_stand(sign: float) -> None:
+def test_however_slow_it_should_go_it_owes_until_it_moves(sign: float) -> None:
     one = settled(Speed(sign * 5e-7), sign * 5e-7)
     assert one.does(0.0).owes == pytest.approx(0.05 * 5e-7)
     one.told(Speed(0.0))
-    assert one.does(0.0).owes == 0.0
+    assert one.does(0.0, 3).owes == pytest.approx(0.05 * 5e-7), "to be told to stand pays nothing back"
+    assert one.does(sign * 1e-9).owes == 0.0
+
+
+@pytest.mark.parametrize("stop", [Speed(0.0), Stop.REST])
+def test_an_encoder_that_freezes_while_its_wheel_is_stopped_is_known_at_rest(stop: Demand) -> None:
+    one = settled(Speed(4.0), 4.0)
+    for speed in (3.0, 2.0, 1.0):
+        one.told(Speed(speed))
+        one.does(0.0)
+    one.told(stop)
+    known = one.does(0.0, 8)
+    assert known.obeyed_at > known.sampled_at - SECOND // 2
+    assert known.owes > bounds_of(RARS, WHEEL).creep
+    assert known.sampled_at - known.settled_at >= 8 * CYCLE
 
 
 def test_what_it_may_creep_it_may_owe() -> None:

@@ -1,0 +1,150 @@
+"""What came of one failure in one state: who noticed, when, and what the robot did by the plant's truth.
+
+The same state without the failure is run beside it: what differs is the failure's.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Final
+
+import numpy as np
+
+from emulators.bench.columns import SAMPLE_EVERY, Floats
+from emulators.bench.log import Entry, Kind
+from emulators.bench.records import HoldRecord
+from emulators.testing.rig import VirtualRig
+from firmware_bridge.units import MILLISECOND, Nanoseconds
+
+LASTS_S: Final = 2.0
+"""How long a failure lasts that has an end."""
+WATCHED_S: Final = 3.5
+"""So long its effect is looked at: its end, and what the robot does then."""
+ASIDE: Final[Mapping[str, float]] = {"m": 0.02, "rad": 0.05}
+"""Further than this from where it would be without the failure it does something else. ASSUME; the first is
+what docs/safety.md allows a robot that was let go at rest."""
+SHARE: Final = 0.05
+"""... and by so much of the way that it would have gone: as far as a robot that is well may stray. ASSUME."""
+STILL: Final[Mapping[str, float]] = {"m": 0.001, "rad": 0.003}
+"""Who moves less than this has come to rest."""
+RESTS_S: Final = 0.3
+"""... for at least so long before the end."""
+
+
+LATE_MS: Final = 500.0
+"""A robot that does something else for longer than this, and nobody says so, was noticed late. ASSUME."""
+
+
+class Verdict(StrEnum):
+    """What is said of a cell."""
+
+    NOTICED = "noticed"
+    """An interlock holds."""
+    TOLD = "told"
+    """The operator was told, and nothing holds."""
+    TOLERATED = "tolerated"
+    """Nobody said a word, and the robot does what it would do without the failure."""
+    STANDS = "stands"
+    """Nobody said a word, and the robot came to rest where it would have gone on."""
+    LATE = "NOTICED LATE"
+    """It was noticed when the robot had done something else for a while."""
+    MISSED = "NOT NOTICED"
+    """Nobody said a word, and the robot does something else."""
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """What was seen from one instant on."""
+
+    places: Mapping[str, Floats]
+    """The plant's places, in m and rad, by the columns' names, every 10 ms."""
+    units: Mapping[str, str]
+    holds: tuple[HoldRecord, ...]
+    """That began since."""
+    texts: tuple[Entry, ...]
+    """That the operator has got since."""
+    began: Nanoseconds
+    each_ms: float = SAMPLE_EVERY / MILLISECOND
+
+
+@dataclass(frozen=True, slots=True)
+class Effect:
+    """What came of one failure in one state."""
+
+    verdict: Verdict
+    noticed_by: str
+    """The interlock that held first, or the first words."""
+    after_ms: float | None
+    stands_after_ms: float | None
+    """When it stood for good, counted from the failure; None where it still moves at the end."""
+    goes_m: float
+    """The furthest that anything which is told in m went from where it was."""
+    turns_rad: float
+    aside: float
+    """How far it was from where it would be, as a share of what counts as something else."""
+
+
+def watched(rig: VirtualRig) -> Course:
+    """Run on, and return what is seen."""
+    began, first = rig.bench.world.now, len(rig.bench.samples)
+    rig.runs(WATCHED_S)
+    units = {column.name: column.unit for column in rig.rehearsal.columns if column.plant}
+    places = {
+        name: np.asarray(rig.bench.samples.column(name)[first:])
+        for name, unit in units.items()
+        if unit in ASIDE
+    }
+    told = (entry for entry in rig.operator.diary if entry.at >= began and entry.kind is Kind.TOLD)
+    return Course(places, units, tuple(hold for hold in rig.held if hold.began >= began), tuple(told), began)
+
+
+def effect(well: Course, ill: Course) -> Effect:
+    """Compare the courses with the failure and without it."""
+    known = {hold.name for hold in well.holds}
+    holds = [hold for hold in ill.holds if hold.name not in known]
+    said = {entry.text for entry in well.texts}
+    texts = [entry for entry in ill.texts if entry.text not in said]
+    shares = np.max([_share(ill, well, name) for name in well.places], axis=0)
+    other = np.flatnonzero(shares > 1.0)
+    moved_ms = _moved_until(ill) * ill.each_ms
+    by, at, verdict = "", None, Verdict.STANDS if other.size else Verdict.TOLERATED
+    if holds:
+        by, at, verdict = holds[0].name, holds[0].began, Verdict.NOTICED
+    elif texts:
+        by, at, verdict = texts[0].text, texts[0].at, Verdict.TOLD
+    after_ms = None if at is None else (at - ill.began) / MILLISECOND
+    if other.size:
+        # Who stands does no harm, and need not say why.
+        due_ms = float(other[0]) * ill.each_ms + LATE_MS
+        if moved_ms > due_ms and (after_ms is None or after_ms > due_ms):
+            verdict = Verdict.MISSED if after_ms is None else Verdict.LATE
+    return Effect(
+        verdict,
+        by,
+        after_ms,
+        stands_after_ms=moved_ms if moved_ms < 1_000.0 * (WATCHED_S - RESTS_S) else None,
+        goes_m=_furthest(ill, "m"),
+        turns_rad=_furthest(ill, "rad"),
+        aside=float(np.max(shares)),
+    )
+
+
+def _share(ill: Course, well: Course, name: str) -> Floats:
+    """Return how far one place is from where it would be, as a share of what counts as something else."""
+    there, here = well.places[name], ill.places[name]
+    share: Floats = np.abs(here - there) / (ASIDE[ill.units[name]] + SHARE * np.abs(there - there[0]))
+    return share
+
+
+def _furthest(course: Course, unit: str) -> float:
+    found = [np.max(np.abs(it - it[0])) for name, it in course.places.items() if course.units[name] == unit]
+    return float(max(found, default=0.0))
+
+
+def _moved_until(course: Course) -> int:
+    """Return the first of the samples from which on it is where it is at the end."""
+    last = 0
+    for name, it in course.places.items():
+        moves = np.flatnonzero(np.abs(it - it[-1]) > STILL[course.units[name]])
+        last = max(last, int(moves[-1]) + 1 if moves.size else 0)
+    return last

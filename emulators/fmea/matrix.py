@@ -1,0 +1,96 @@
+"""The matrix of a robot: every failure in every state, driven from an instant that was kept."""
+
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+from multiprocessing import get_context
+
+from emulators.fmea.effect import LASTS_S, Effect, Verdict, effect, watched
+from emulators.fmea.failures import Failure, failures_of
+from emulators.fmea.reasons import reason
+from emulators.fmea.states import states_of
+from emulators.testing.rig import VirtualRig
+from firmware_bridge.robot import AnyRobot
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """One failure in one state."""
+
+    state: str
+    failure: Failure
+    effect: Effect
+    why: str = ""
+    """Why nobody need notice."""
+
+    @property
+    def late(self) -> bool:
+        """Whether it moves as nobody asked, and nobody notices in time."""
+        return self.effect.verdict in {Verdict.MISSED, Verdict.LATE}
+
+    @property
+    def wrong(self) -> bool:
+        """Whether it does, and nobody has said why that must be."""
+        return self.late and not self.why
+
+
+Progress = Callable[[Sequence[Cell]], None]
+"""Told the cells of each state that is done."""
+
+
+def state_names(robot: AnyRobot) -> tuple[str, ...]:
+    """Return the states in which failures are tried; LookupError and PlantError as of the rig."""
+    rig = VirtualRig(robot)
+    names = tuple(state.name for state in states_of(rig))
+    rig.finish()
+    return names
+
+
+def matrix(
+    made: Callable[[], AnyRobot],
+    states: Sequence[str],
+    failures: Sequence[Failure],
+    jobs: int,
+    progress: Progress,
+) -> list[Cell]:
+    """Return the cells, state by state; they do not depend on how many processes share the work.
+
+    `made` makes the robot: each process has its own, so it must be a function that can be sent there.
+    RigError where the robot cannot be armed.
+    """
+    row = partial(of_state, made, failures)
+    found: list[Cell] = []
+    for cells in _shared(row, states, jobs):
+        found += cells
+        progress(cells)
+    return found
+
+
+def _shared(row: Callable[[str], list[Cell]], states: Sequence[str], jobs: int) -> Iterator[list[Cell]]:
+    if jobs <= 1 or len(states) <= 1:
+        yield from map(row, states)
+        return
+    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+        yield from pool.map(row, states)
+
+
+def of_state(made: Callable[[], AnyRobot], failures: Sequence[Failure], name: str) -> list[Cell]:
+    """Return the cells of one state."""
+    rig = VirtualRig(made())
+    rig.arms()
+    next(state for state in states_of(rig) if state.name == name).enter(rig)
+    back = rig.keep()
+    well = watched(rig)
+    cells = []
+    for failure in failures:
+        back()
+        rig.fault(failure.kind, **failure.keys, **({"for_s": LASTS_S} if failure.lasts else {}))
+        cells.append(Cell(name, failure, effect(well, watched(rig)), reason(failure, name)))
+    rig.finish()
+    return cells
+
+
+def all_failures(robot: AnyRobot, kinds: Sequence[str] = ()) -> tuple[Failure, ...]:
+    """Return the failures of these kinds, or all that the robot can have."""
+    return tuple(failure for failure in failures_of(robot) if not kinds or failure.kind in kinds)

@@ -1,0 +1,99 @@
+"""The matrix as tables: lines of CSV, and one page of HTML on which somebody finds what he looks for."""
+
+import csv
+import html
+import io
+from collections.abc import Iterator, Sequence
+from typing import Final
+
+from emulators.fmea.effect import Verdict
+from emulators.fmea.matrix import Cell
+
+COLUMNS: Final = (
+    *("state", "failure", "place", "verdict", "noticed_by", "after_ms", "stands_after_ms", "goes_mm"),
+    *("turns_deg", "aside", "why"),
+)
+DEGREES: Final = 57.29577951308232
+LOOK: Final = """
+body { font: 15px/1.5 sans-serif; color: #222; margin: 2em }
+table { border-collapse: collapse; font-size: 12px } th, td { border: 1px solid #ddd; padding: .2em .5em;
+text-align: left; vertical-align: top } thead th { position: sticky; top: 0; background: #fff }
+.noticed { background: #e3f1ea } .told { background: #e4eef8 } .tolerated { background: #fff; color: #888 }
+.stands { background: #f3f3e2 } .why { background: #fbeccb } .wrong { background: #f6c6bd; font-weight: bold }
+small { color: #666; display: block }
+"""
+SAID: Final = (
+    (Verdict.NOTICED, "an interlock holds: which, and after how long"),
+    (Verdict.TOLD, "the operator was told, and nothing holds"),
+    (Verdict.TOLERATED, "the robot does what it would have done"),
+    (Verdict.STANDS, "nobody said a word, and the robot came to rest"),
+)
+
+
+def as_csv(cells: Sequence[Cell]) -> str:
+    """Return a line for each cell, under `COLUMNS`; what was never is left empty."""
+    text = io.StringIO(newline="")
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow(COLUMNS)
+    for cell in cells:
+        found = cell.effect
+        rows.writerow(
+            (
+                *(cell.state, cell.failure.title, cell.failure.place, found.verdict, found.noticed_by),
+                *(_rounded(found.after_ms), _rounded(found.stands_after_ms)),
+                *(_rounded(1e3 * found.goes_m), _rounded(DEGREES * found.turns_rad), f"{found.aside:.2f}"),
+                cell.why if cell.late else "",
+            )
+        )
+    return text.getvalue()
+
+
+def as_page(robot: str, cells: Sequence[Cell]) -> str:
+    """Return the page: a row for each failure at each place, a column for each state."""
+    states = tuple(dict.fromkeys(cell.state for cell in cells))
+    rows: dict[tuple[str, str], dict[str, Cell]] = {}
+    for cell in cells:
+        rows.setdefault((cell.failure.title, cell.failure.place), {})[cell.state] = cell
+    heads = "".join(f"<th>{html.escape(it)}</th>" for it in ("failure", "at", *states))
+    body = "".join(
+        f"<tr><th>{html.escape(title)}</th><th>{html.escape(place)}</th>"
+        f"{''.join(_cell(of[state]) for state in states)}</tr>"
+        for (title, place), of in rows.items()
+    )
+    said = "".join(f'<li><span class="{it.value}">{it.value}</span>: {words}</li>' for it, words in SAID)
+    return (
+        f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{html.escape(robot)}: failures'
+        f"</title><style>{LOOK}</style></head><body><h1>What comes of each failure of {html.escape(robot)}"
+        f"</h1><p>Each was put on in each state and taken off after two seconds, on the bench. By the plant's"
+        f" truth: when the robot stood for good, how far it went and turned, whatever was asked of it.</p>"
+        f'<ul>{said}<li><span class="why">late or never, with a reason</span></li><li><span class="wrong">'
+        f"late or never, and nobody knows why</span></li></ul><table><thead><tr>{heads}</tr></thead>"
+        f"<tbody>{body}</tbody></table></body></html>\n"
+    )
+
+
+def wrongs(cells: Sequence[Cell]) -> Iterator[str]:
+    """Yield a line for each cell in which the robot moves, and nobody notices or has said why."""
+    for cell in cells:
+        if cell.wrong:
+            found = cell.effect
+            by = "" if found.after_ms is None else f" after {found.after_ms:.0f} ms by {found.noticed_by}"
+            yield (
+                f"{cell.state}: {cell.failure.title} {cell.failure.place}: {found.verdict}{by}; it goes "
+                f"{1e3 * found.goes_m:.0f} mm and turns {DEGREES * found.turns_rad:.0f} degrees"
+            )
+
+
+def _cell(cell: Cell) -> str:
+    found = cell.effect
+    kind = "wrong" if cell.wrong else "why" if cell.late else found.verdict.value
+    who = found.noticed_by or found.verdict.value
+    when = "" if found.after_ms is None else f" {found.after_ms:.0f} ms"
+    rests = "moves on" if found.stands_after_ms is None else f"stands {found.stands_after_ms:.0f} ms"
+    way = f"{rests}, {1e3 * found.goes_m:.0f} mm, {DEGREES * found.turns_rad:.0f}°"
+    why = f"<small>{html.escape(cell.why)}</small>" if cell.late and cell.why else ""
+    return f'<td class="{kind}">{html.escape(who)}{when}<small>{way}</small>{why}</td>'
+
+
+def _rounded(value: float | None) -> str:
+    return "" if value is None else f"{value:.1f}"

@@ -1,0 +1,86 @@
+"""The states in which a failure meets a robot: what its operator has asked for, and what has come of it."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from emulators.bench.rehearsal import Channel
+from emulators.bench.step import Holds, inputs
+from emulators.testing.rig import VirtualRig
+
+SHARE: Final = 0.5
+"""Of full stick, on each channel that a state drives. ASSUME: the wish of an ordinary day."""
+GOES_S: Final = 1.5
+"""By then a robot has the speed that was asked for; ASSUME of those that will come."""
+STOPPING_S: Final = 0.1
+STOPPED_S: Final = 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """One state, and how an armed robot at rest is brought to it."""
+
+    name: str
+    enter: Callable[[VirtualRig], None]
+
+
+def states_of(rig: VirtualRig) -> tuple[State, ...]:
+    """Return the states of a robot: without power, at rest, each thing that it can do, and its stops."""
+    channels = rig.rehearsal.channels
+    whole = [channel for channel in channels if not channel.stick_only]
+    wishes = {f"{channel.name} {SHARE:.0%}": _wish(rig, [channel]) for channel in channels}
+    if len(whole) > 1:
+        wishes[f"{', '.join(channel.name for channel in whole)} {SHARE:.0%}"] = _wish(rig, whole)
+    first = next(iter(wishes.values()))
+    return (
+        State("disarmed", _disarmed),
+        State("at rest", lambda rig: rig.runs(STOPPED_S)),
+        *(State(name, _driving(wish)) for name, wish in wishes.items()),
+        State("stopping", _stopping(first)),
+        State("emergency stop", _stopped(first)),
+    )
+
+
+def _wish(rig: VirtualRig, channels: list[Channel]) -> Mapping[str, float]:
+    """Return what a step says for its share of full stick on these channels."""
+    return {key: value for channel in channels for key, value in _said(rig, channel)}
+
+
+def _said(rig: VirtualRig, channel: Channel) -> Iterator[tuple[str, float]]:
+    for key, row in inputs(rig.rehearsal.step).items():
+        if isinstance(row, Holds) and row.channel == channel.name:
+            # The first key is the channel's own, in its unit or in a multiple of it.
+            yield key, SHARE * channel.full(rig.robot) / row.into(1.0, rig.robot)
+            return
+
+
+def _driving(wish: Mapping[str, float]) -> Callable[[VirtualRig], None]:
+    def enter(rig: VirtualRig) -> None:
+        rig.operator.does("drives", **wish)
+        rig.runs(GOES_S)
+
+    return enter
+
+
+def _disarmed(rig: VirtualRig) -> None:
+    rig.operator.disarms()
+    rig.runs(STOPPED_S)
+
+
+def _stopping(wish: Mapping[str, float]) -> Callable[[VirtualRig], None]:
+    def enter(rig: VirtualRig) -> None:
+        _driving(wish)(rig)
+        rig.operator.lets_go()
+        rig.runs(STOPPING_S)
+
+    return enter
+
+
+def _stopped(wish: Mapping[str, float]) -> Callable[[VirtualRig], None]:
+    def enter(rig: VirtualRig) -> None:
+        _driving(wish)(rig)
+        rig.operator.stops()
+        rig.operator.lets_go()
+        rig.runs(STOPPED_S)
+
+    return enter
