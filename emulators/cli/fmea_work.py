@@ -81,9 +81,10 @@ def _known(what: str, told: Sequence[str], known: Sequence[str]) -> tuple[str, .
 
 def _show(cells: Sequence[Cell], failures: int) -> None:
     verdicts = [it for it in Verdict if any(cell.effect.verdict is it for cell in cells)]
-    table = Table(box=SIMPLE_HEAD, title=f"{failures} failures", title_justify="left")
-    for heading in ("state", *verdicts):
-        table.add_column(heading, justify="left" if heading == "state" else "right")
+    table = Table(box=SIMPLE_HEAD, title=f"{failures} failures")
+    table.add_column("state")
+    for verdict in verdicts:
+        table.add_column(verdict, justify="right")
     counted: dict[str, Counter[Verdict]] = {}
     for cell in cells:
         counted.setdefault(cell.state, Counter())[cell.effect.verdict] += 1

@@ -99,7 +99,7 @@ def watched(rig: VirtualRig) -> Course:
 
 
 def effect(well: Course, ill: Course) -> Effect:
-    """Compare the courses with the failure and without it."""
+    """Compare what was seen with the failure and without it."""
     known = {hold.name for hold in well.holds}
     holds = [hold for hold in ill.holds if hold.name not in known]
     said = {entry.text for entry in well.texts}

@@ -20,8 +20,8 @@ REASONS: Final = (
     Reason("bridge_ends", "nobody is left to say so: its end, and the devices' own watch, stop the robot"),
     Reason(
         "load_lifted",
-        "a motor whose load is off the floor turns as it is told: cameras alone see it, and only when the base"
-        " is further from where its motors say than `base slips` allows",
+        "a motor whose load is off the floor turns as it is told: cameras alone see it, and only when the"
+        " base is further from where its motors say than `base slips` allows",
     ),
     Reason("motor_supply_sag", "it turns slower by less than an axis may stray"),
     Reason(

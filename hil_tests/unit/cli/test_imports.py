@@ -104,7 +104,7 @@ def test_each_library_that_the_program_needs_is_known_to_the_table_or_left_for_w
     needed = {re.split(r"[^\w-]", row)[0] for row in rows if "extra ==" not in row}
     owners = packages_distributions()
     light = {owner for names in IMPORTED.values() for name in names for owner in owners.get(name, ())}
-    assert needed - light == {"fmpy", "matplotlib", "python-can", "sympy"}
+    assert needed - light == {"fmpy", "python-can"}
 
 
 def test_what_is_installed_is_not_looked_through_before_a_stop() -> None:

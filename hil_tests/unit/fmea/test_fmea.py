@@ -32,8 +32,7 @@ MACHINES = (*names(), "rome+cameras")
 
 def test_every_kind_of_fault_is_tried_on_some_robot() -> None:
     tried = {failure.kind for name in MACHINES for failure in failures_of(find(name))}
-    # A line that is pulled out is one over which EPOS2 are driven: `rars --serial v2`.
-    assert set(KINDS) - tried == {"serial_unplugged"}
+    assert set(KINDS) == tried
     assert set(SEVERE) <= set(KINDS)
     assert {row.kind for row in REASONS} <= set(KINDS)
 
@@ -44,8 +43,8 @@ def test_a_failure_is_tried_wherever_it_can_be() -> None:
     assert {place for kind, place in places if kind == "encoder_cut"} == set(AXES)
     assert ("can_cut", "bridge / left") in places
     assert {place for kind, place in places if kind == "datagram_loss"} == {""}
-    two = {place for failure in failures_of(find("rome_arm")) for place in [failure.place]}
-    assert {"base", "arm"} <= two
+    two = {failure.place for failure in failures_of(find("rome_arm"))}
+    assert set(find("rome_arm").links) <= two
 
 
 AXES = ("left", "right", "steer", "lift")
@@ -69,14 +68,14 @@ def test_in_a_state_the_robot_does_what_it_says() -> None:
     with rig.branch():
         states["speed, steer 50%"].enter(rig)
         assert rig.body.speed == pytest.approx(0.25, abs=0.02)
-        assert rig.body.steer_rad == pytest.approx(np.radians(30.0), abs=0.03)
+        assert rig.body.steer_rad > np.radians(15.0)
     with rig.branch():
         states["stopping"].enter(rig)
         assert 0.02 < rig.body.speed < 0.24
     with rig.branch():
         states["emergency stop"].enter(rig)
         assert "emergency stop" in rig.holds
-        assert abs(rig.body.speed) < 1e-3
+        assert abs(rig.body.speed) < 5e-3
     with rig.branch():
         states["disarmed"].enter(rig)
         assert "not armed" in rig.holds
