@@ -185,13 +185,21 @@ class Draw:
         among = kind.fault.among.of(self._robot)
         if among and "node" in kind.fault.model_fields:
             said["node"] = str(self._chance.choice(among))
+        if "link" in kind.fault.model_fields and len(links := self._links(said)) > 1:
+            said["link"] = str(self._chance.choice(links))
         # On a slope the bridge that is asked to end holds the robot: to start another one would kill it.
         if kind.lasts and not (self._sloped and kind.fault is BridgeEnds):
             said["for_s"] = round(float(self._chance.uniform(0.05, row.longest_s)), 3)
         return read(said)
 
+    def _links(self, said: dict[str, Any]) -> list[str]:
+        """Return the links on which this fault may be."""
+        links = self._robot.links
+        return [it for it in links if not any(read({**said, "link": it}).problems(self._robot))]
+
     def _stands(self) -> Iterator[Step]:
-        zeros = {axis.role: 0.0 for axis in self._robot.axes if axis.zero_confirmed}
+        stands = self._rehearsal.stands
+        zeros = {axis.role: stands.get(axis.role, 0.0) for axis in self._robot.axes if axis.zero_confirmed}
         if zeros:
             yield self._step(0.0, {"zero": zeros})
 

@@ -2,7 +2,9 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
+from types import SimpleNamespace
 from typing import Any, Final
 
 from emulators.bench.columns import motor_speed
@@ -37,6 +39,32 @@ carries it for both, and gives way twice as far: 0.2087 of 0.2 m/s are measured 
 BOTH_GIVE: Final = 0.014
 """So much of speed times turn rate, per degree: backwards down 6.6 degrees, turning, the carrier races by
 3 % and turns by 7.5 % too much until its regulators have caught up; 0.638 of 0.576 m/s2 are measured."""
+
+
+MOVES: Final = 20
+"""Samples over which a stepper's speed is the mean: two moves of 100 ms."""
+COUNTED: Final = 1.15
+"""Beside a speed limit of an arm that is moved in steps: a move may begin late, and two fall into it."""
+ONE_MOVE_M: Final = 0.004
+"""So far the tool may swing out of its workspace: a move is 3 mm long. ASSUME of the rest."""
+STEP_RAD: Final = math.tau / 200.0
+"""A full step of a motor's shaft; two behind its field the rotor takes the next one."""
+LIFTED: Final = 50
+"""Samples over which a wheel's load is the mean: it is off the floor for half a second."""
+BASE_AXES: Final = frozenset({"one", "two", "three"})
+
+
+def joint(axis: str) -> str:
+    """Return the name of the column of an arm's joint's angle."""
+    return f"angle_{axis}_rad"
+
+
+def mean_rate(rig: Rig, column: str) -> float:
+    """Return how fast a column has changed in the mean of two moves, in its unit a second."""
+    if len(rig.samples) <= MOVES:
+        return 0.0
+    newest, before = rig.samples[-1], rig.samples[-1 - MOVES]
+    return float((newest[column] - before[column]) / ((newest.at - before.at) * 1e-9))
 
 
 def degrees(robot: AnyRobot) -> float:
@@ -75,6 +103,8 @@ class Own:
     lasts_s: float = 0.0
     unpowered: bool = False
     """Judged without power, too, where neither a fault nor an order took it: the bridge let it run away."""
+    needs: frozenset[str] | None = None
+    """The axes that must have power for it; None: those that roll without, or all."""
 
 
 def limits(robot: AnyRobot, rig: Rig) -> Any:
@@ -180,6 +210,66 @@ def _on_the_wall(rig: Rig, ratio: float) -> float:
     return 0.0 if any(record.kind == GripLost.kind for record in rig.faults.records) else ratio
 
 
+def _tool(robot: AnyRobot, rig: Rig) -> float:
+    speed = math.hypot(*(mean_rate(rig, column) for column in TOOL))
+    bound: float = COUNTED * robot.geometry.limits.speed_mps
+    return speed / bound
+
+
+def _workspace(robot: AnyRobot, rig: Rig) -> float:
+    row, box = rig.samples[-1], robot.geometry.workspace
+    ratios = []
+    for column, low, high in zip(TOOL, box.lowest_m, box.highest_m, strict=True):
+        middle, half = (low + high) / 2.0, (high - low) / 2.0 + ONE_MOVE_M
+        ratios.append(abs(row[column] - middle) / half)
+    return float(max(ratios))
+
+
+def _joints(robot: AnyRobot, rig: Rig) -> float:
+    axes = [axis for axis in robot.axes if axis.link in robot.ar2_links]
+    return max(abs(mean_rate(rig, joint(axis.name))) / (COUNTED * axis.top_speed) for axis in axes)
+
+
+def _steps(robot: AnyRobot, rig: Rig) -> float:
+    axes = [axis.name for axis in robot.axes if axis.link in robot.ar2_links]
+    return max(abs(float(rig.samples[-1][f"lag_{name}_rad"])) / (2.0 * STEP_RAD) for name in axes)
+
+
+def _lifted(_robot: AnyRobot, rig: Rig) -> float:
+    rows = rig.samples[-LIFTED:]
+    loads = (sum(row[f"load_{name}_n"] for row in rows) for name in BASE_AXES)
+    return 2.0 * (min(loads) <= 0.0)
+
+
+TOOL: Final = ("x_m", "tool_y_m", "y_m")
+"""The columns of the tool of an arm that stands alone: ahead, left, up, from its foot."""
+ALWAYS: Final = frozenset[str]()
+"""For whom no axis need have power: a stepper keeps its current."""
+ARM: Final = (
+    Own("a joint faster than its top speed", _joints, needs=ALWAYS),
+    Own("steps lost", _steps, needs=ALWAYS),
+)
+
+
+ROME: Final = (
+    Own("speed beyond its limit", _planar, 0.1),
+    Own("turn rate beyond its limit", _turning, 0.1),
+    Own("a wheel's speed beyond its limit", _rim, 0.1),
+    Own("speeding up beyond its limit", _faster),
+)
+
+
+def _on_the_base(rows: tuple[Own, ...]) -> tuple[Own, ...]:
+    """Return ROME's rows where they judge the base of a larger robot."""
+    return tuple(replace(row, ratio=partial(_of_the_base, row.ratio), needs=BASE_AXES) for row in rows)
+
+
+def _of_the_base(ratio: Callable[[Any, Rig], float], robot: AnyRobot, rig: Rig) -> float:
+    """Judge the base alone: its geometry, and the axes on its board."""
+    axes = tuple(axis for axis in robot.axes if axis.name in BASE_AXES)
+    return ratio(SimpleNamespace(geometry=robot.geometry.base, axes=axes), rig)
+
+
 OWN: Final[Mapping[str, tuple[Own, ...]]] = {
     "rars": (
         Own("speed beyond its limit", _speed, unpowered=True),
@@ -190,12 +280,13 @@ OWN: Final[Mapping[str, tuple[Own, ...]]] = {
         Own("acceleration beyond its limit", _acceleration),
         Own("sideways acceleration beyond its limit", _sideways, 0.1),
     ),
-    "rome": (
-        Own("speed beyond its limit", _planar, 0.1),
-        Own("turn rate beyond its limit", _turning, 0.1),
-        Own("a wheel's speed beyond its limit", _rim, 0.1),
-        Own("speeding up beyond its limit", _faster),
+    "rome": ROME,
+    "ar2": (
+        *ARM,
+        Own("the tool's speed beyond its limit", _tool, needs=ALWAYS),
+        Own("the tool outside its workspace", _workspace, needs=ALWAYS),
     ),
+    "rome_arm": (*ARM, *_on_the_base(ROME), Own("a wheel off the floor", _lifted, needs=ALWAYS)),
     "climber": (
         Own("speed beyond its limit", _climbs, 0.1),
         Own("turn rate beyond its limit", _climber_turns, 0.1),

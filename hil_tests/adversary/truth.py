@@ -17,7 +17,7 @@ from firmware_bridge.robot import AnyRobot, Axis, GuardExclusive, GuardSum, Unpo
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.units import SECOND, Nanoseconds, from_seconds
 from firmware_bridge.wire.epos2 import address as at
-from hil_tests.adversary.own import OWN, ROUNDED, Own, gives
+from hil_tests.adversary.own import OWN, ROUNDED, Own, gives, joint, mean_rate
 from hil_tests.adversary.reached import Reached
 
 GOES_M: Final = 0.020
@@ -114,6 +114,8 @@ class Truth:
         """The axes whose drives have a watch of their own over the bridge: a gateway's is its line."""
         self._free: Final = {axis.name for axis in robot.axes if axis.unpowered is Unpowered.FREE}
         self._reached: Final = Reached(robot)
+        self._counted: Final = {axis.name for axis in robot.axes if axis.link in robot.ar2_links}
+        """The axes without an encoder: the plant tells their joints' angles, and no motor's."""
         self.let_go_at: tuple[float, float] | None = None
         """Where the base rested when it last had power; None where it did not rest."""
 
@@ -138,8 +140,8 @@ class Truth:
         return Look(
             self.robot,
             row,
-            {axis.name: _of(axis, row[motor_speed(axis.name)]) for axis in self.robot.axes},
-            {axis.name: _of(axis, turned[f"angle_{axis.name}"]) for axis in self._travelling},
+            {axis.name: self._speed(axis, rig) for axis in self.robot.axes},
+            {axis.name: self._place(axis, turned[f"angle_{axis.name}"]) for axis in self._travelling},
             powered,
             frozenset(unwatched),
             bool(row["armed"]) and not told_to_stop and not gone,
@@ -153,6 +155,15 @@ class Truth:
             frozenset() if gone or rig.world.here(SECOND_BRIDGE) else bridge.seen.facts.without,
             let_go,
         )
+
+    def _speed(self, axis: Axis, rig: Rig) -> float:
+        """Return an axis's speed; a stepper's, which swings with each step, as the mean of some moves."""
+        if axis.name in self._counted:
+            return mean_rate(rig, joint(axis.name))
+        return _of(axis, rig.samples[-1][motor_speed(axis.name)])
+
+    def _place(self, axis: Axis, angle: float) -> float:
+        return angle if axis.name in self._counted else _of(axis, angle)
 
     def _rolled(self, row: Sample, powered: frozenset[str]) -> float:
         place = row["x_m"], row["y_m"]
@@ -236,9 +247,11 @@ def _travel(name: str, travel: tuple[float, float]) -> Invariant:
 
 
 def _own(own: Own, free: frozenset[str]) -> Invariant:
+    needed = free if own.needs is None else own.needs
+
     def ratio(look: Look) -> float:
         # What rolls out, or down a slope, is held by nobody; nor are gears that turn on.
-        judged = look.powered >= free - look.left_out or (own.unpowered and look.let_go)
+        judged = look.powered >= needed - look.left_out or (own.unpowered and look.let_go)
         return look.own[own.name] if judged else 0.0
 
     return Invariant(own.name, ratio, own.lasts_s)
