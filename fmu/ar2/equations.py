@@ -197,8 +197,8 @@ def driven(axis: str) -> Expression:
     gear, speed = P[f"gear_{axis}"], symbol(f"speed_{axis}")
     left = positive_part(1 - gear * size(speed) / P["fading_speed"])
     pull = symbol("current_on") * P[f"holding_{axis}"] * left * sp.sin(P["pole_pairs"] * lag(axis))
-    damping = P[f"rotor_inertia_{axis}"] * gear**2 / P["damping_time"] * speed
-    return P["efficiency"] * gear * pull - damping
+    rate = 1 / P["damping_time"] + symbol("current_on") / P["driver_damping_time"]
+    return P["efficiency"] * gear * pull - P[f"rotor_inertia_{axis}"] * gear**2 * rate * speed
 
 
 def rubbed(axis: str) -> Expression:
