@@ -18,7 +18,10 @@ import pytest
 from emulators.testing.errors import RigError
 
 if TYPE_CHECKING:
+    from emulators.testing.buses import Bus
+    from emulators.testing.emulated import Drives
     from emulators.testing.kept import Kept
+    from emulators.testing.plant import VirtualPlant
     from emulators.testing.process import Process
     from emulators.testing.recording import Recording
     from emulators.testing.rig import VirtualRig
@@ -32,8 +35,6 @@ PROCESSES: Final = pytest.StashKey[list["Process"]]()
 """What a test has started, in the order of starting."""
 PROGRAM: Final = (sys.executable, "-c", "from firmware_bridge.cli import main; main()")
 """`firmware-bridge`, wherever it is installed."""
-READY_WITHIN_S: Final = 60.0
-"""So long drives may take to be there, on a machine that has much to do."""
 NEEDS: Final[dict[str, tuple[Callable[[], bool], str]]] = {
     "vcan": (
         Path("/sys/class/net/vcan0").exists,
@@ -49,6 +50,11 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group = parser.getgroup("firmware-bridge", "robots and drives emulated by firmware-bridge")
     group.addoption("--robot", metavar="NAME", help="the robot of the tests that name none, or a robot file")
     group.addoption("--seed", type=int, default=0, metavar="N", help="all that is random comes from it")
+    group.addoption(
+        "--bus",
+        metavar="vcan|udp_multicast|INTERFACE:CHANNEL",
+        help="the CAN bus of tests in real time; without it SocketCAN's virtual one, or datagrams",
+    )
     group.addoption(
         "--kept", type=Path, default=Path("out/tests"), metavar="DIR", help="where failing tests leave theirs"
     )
@@ -155,12 +161,44 @@ def recording(rig: "VirtualRig") -> "Recording":
 
 
 @pytest.fixture
+def plant(rig_robot: str) -> Iterator["VirtualPlant"]:
+    """Return the robot's plant alone, in virtual time, as it is when nothing has moved yet."""
+    from emulators.testing.plant import VirtualPlant  # noqa: PLC0415 - for tests that use it alone
+    from firmware_bridge.kinds import find  # noqa: PLC0415 - as above
+
+    made = VirtualPlant(find(rig_robot, plant_too=True))
+    yield made
+    made.finish()
+
+
+@pytest.fixture
+def bus(request: pytest.FixtureRequest) -> Iterator[Callable[[], "Bus"]]:
+    """Return what names the test's CAN bus: one that is the test's alone, and the same at each call."""
+    from emulators.testing.buses import VCAN, Turns, buses  # noqa: PLC0415 - for tests that use it alone
+
+    turns = Turns()
+    taken: list[Bus] = []
+    kernel = any(VCAN in mark.args for mark in request.node.iter_markers("needs"))
+
+    def take() -> "Bus":
+        if not taken:
+            taken.append(turns.takes(buses(VCAN if kernel else request.config.getoption("--bus"))))
+        return taken[0]
+
+    yield take
+    turns.finish()
+
+
+@pytest.fixture
 def under_test(
-    request: pytest.FixtureRequest, tmp_path: Path
+    request: pytest.FixtureRequest,
+    tmp_path: Path,
+    bus: Callable[[], "Bus"],  # so that it is given back when nobody is on it any more
 ) -> Iterator[Callable[[str | Sequence[str]], "Process"]]:
     """Return what starts a program, `under_test("./my_master vcan0")`; it is ended with the test."""
     from emulators.testing.process import Process  # noqa: PLC0415 - for tests that use it alone
 
+    del bus
     started: list[Process] = request.node.stash.setdefault(PROCESSES, [])
 
     def start(command: str | Sequence[str]) -> Process:
@@ -173,19 +211,20 @@ def under_test(
 
 
 @pytest.fixture
-def drives(under_test: Callable[[Sequence[str]], "Process"], tmp_path: Path) -> Callable[..., str]:
-    """Return what puts emulated EPOS2 on a serial line, in real time, and says which: nodes 1-2, more words.
+def drives(under_test: Callable[[Sequence[str]], "Process"], tmp_path: Path) -> "Drives":
+    """Return what puts emulated EPOS2 on a serial line, or on a bus: `drives("1-4", on=bus())`."""
+    from emulators.testing.emulated import Drives  # noqa: PLC0415 - for tests that use it alone
 
-    The first is on the line itself, a pseudo-terminal whose path is returned, the others are behind it. The
-    words are those of `firmware-bridge emulate epos2`.
-    """
+    return Drives(lambda words: under_test((*PROGRAM, *words)), tmp_path)
 
-    def emulate(nodes: str = "1", *more: str) -> str:
-        port = tmp_path / f"drives-{nodes}.tty"
-        words = ("--node", nodes, "--serial", "pty", "--serial-link", str(port))
-        program = under_test((*PROGRAM, "emulate", "epos2", *words, *more))
-        program.waits(port.exists, "on the line", READY_WITHIN_S)
-        return str(port)
+
+@pytest.fixture
+def board(under_test: Callable[[Sequence[str]], "Process"], tmp_path: Path) -> Callable[..., str]:
+    """Return what puts an emulated Arduino on a serial line: a robot's, a firmware's, or the arm's."""
+    from emulators.testing import emulated  # noqa: PLC0415 - for tests that use it alone
+
+    def emulate(what: str, *more: str, protocol: str | None = None) -> str:
+        return emulated.board(lambda words: under_test((*PROGRAM, *words)), tmp_path, what, more, protocol)
 
     return emulate
 
@@ -200,7 +239,7 @@ def _again(item: pytest.Item) -> str:
     config = item.config
     path = os.path.relpath(item.path, config.invocation_params.dir)
     words = ["pytest", "::".join([path, *item.nodeid.split("::")[1:]])]
-    for option in ("--robot", "--seed"):
+    for option in ("--robot", "--seed", "--bus"):
         if config.getoption(option):
             words += [option, str(config.getoption(option))]
     return shlex.join(words)

@@ -20,9 +20,14 @@ PLUGIN = "emulators.testing.plugin"
 HOME = str(Path.home())
 PROJECT = Path(__file__).parents[2] / "pyproject.toml"
 PAGE = PROJECT.with_name("docs") / "testing.md"
-BLOCKS = re.findall(
-    r"^```python\n(.*?)^```", PAGE.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE
-)
+BLOCKS = {
+    re.findall(r"^def (test_\w+)", block, flags=re.MULTILINE)[0]: block
+    for block in re.findall(
+        r"^```python\n(.*?)^```", PAGE.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE
+    )
+}
+"""By the name of the first test in each."""
+IN_REAL_TIME = ("test_a_master_of_my_own", "test_both_are_found", "test_a_client_in_ros_manner")
 
 STORIES = """
     import pytest
@@ -93,10 +98,10 @@ def run(imported: Imported, pytester: pytest.Pytester, monkeypatch: pytest.Monke
 
 
 def test_the_stories_of_the_page_and_others(pytester: pytest.Pytester, run: Run) -> None:
-    blocks = {f"test_block{number}": block for number, block in enumerate(BLOCKS[:2])}
+    blocks = {name: block for name, block in BLOCKS.items() if name not in IN_REAL_TIME}
     pytester.makepyfile(test_others=STORIES, **blocks)
     result = run("--robot", "rars", "--junitxml=j.xml", "--strict-markers", "--seed", "7")
-    result.assert_outcomes(passed=4 + 6, errors=1)
+    result.assert_outcomes(passed=5 + 6, errors=1)
     result.stdout.fnmatch_lines("*needs('a moon'): there are vcan, cc*")
     report = (pytester.path / "j.xml").read_text(encoding="utf-8")
     assert '<property name="robot" value="rome"' in report
@@ -105,7 +110,7 @@ def test_the_stories_of_the_page_and_others(pytester: pytest.Pytester, run: Run)
 
 def test_a_failing_test_says_what_held_and_keeps_what_happened(pytester: pytest.Pytester, run: Run) -> None:
     pytester.makeini("[pytest]\nrig_robot = rars")
-    pytester.makepyfile(test_it=BLOCKS[0].replace('"operator silent"', '"boredom"'))
+    pytester.makepyfile(test_it=BLOCKS["test_silence"].replace('"operator silent"', '"boredom"'))
     result = run("--kept", "left", "--seed", "3", "--no-pictures")
     result.assert_outcomes(failed=1)
     result.stdout.fnmatch_lines(
@@ -124,10 +129,21 @@ def test_a_failing_test_says_what_held_and_keeps_what_happened(pytester: pytest.
 
 @pytest.mark.interpreted
 @pytest.mark.long(beside="test_one_that_ends_too_soon_says_what_it_printed")
-def test_the_master_of_the_page(pytester: pytest.Pytester, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("story", "bus"),
+    [
+        ("test_a_master_of_my_own", "vcan"),
+        ("test_a_client_in_ros_manner", "vcan"),
+        pytest.param("test_both_are_found", "vcan", marks=pytest.mark.vcan),
+        pytest.param("test_both_are_found", "udp_multicast", marks=pytest.mark.alone),
+    ],
+)
+def test_the_stories_of_the_page_in_real_time(
+    story: str, bus: str, pytester: pytest.Pytester, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv("PATH", str(Path(sys.executable).parent), prepend=os.pathsep)
-    pytester.makepyfile(BLOCKS[2])
-    run().assert_outcomes(passed=1)
+    pytester.makepyfile(BLOCKS[story])
+    run("--bus", bus).assert_outcomes(passed=1)
 
 
 @pytest.mark.long(beside="test_a_failing_test_says_what_held_and_keeps_what_happened")

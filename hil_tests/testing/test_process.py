@@ -66,3 +66,21 @@ def test_drives_on_a_line_and_a_master_of_ones_own(pytester: pytest.Pytester) ->
     result = pytester.runpytest_inprocess("-p", "emulators.testing.plugin", "-p", "no:cacheprovider")
     result.assert_outcomes(passed=1, failed=1)
     result.stdout.fnmatch_lines(["*still runs after 0.1 s; it printed:*", "exit status: None", "here"])
+
+
+@pytest.mark.long(beside="test_a_board_is_left_alone_in_its_boot_loader_and_then_asked_until_it_has_said_all")
+@pytest.mark.parametrize(
+    "board",
+    ['"mw"', '"arduinoio"', '"firmata", "--encoders", "2"', '"ar2"', '"rome", protocol="firmata"'],
+)
+def test_every_board_comes_and_answers(pytester: pytest.Pytester, board: str) -> None:
+    pytester.makepyfile(
+        f"""
+        import os
+
+        def test_it(board):
+            assert os.path.islink(board({board}))
+        """
+    )
+    result = pytester.runpytest_inprocess("-p", "emulators.testing.plugin", "-p", "no:cacheprovider")
+    result.assert_outcomes(passed=1)
