@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from emulators.testing.kept import Kept
     from emulators.testing.plant import VirtualPlant
     from emulators.testing.process import Process
+    from emulators.testing.real import RealDrives
     from emulators.testing.recording import Recording
     from emulators.testing.rig import VirtualRig
 
@@ -30,6 +31,7 @@ MARKS: Final = (
     "robot(name, ...): which robots the test is run with",
     "seeds(number): run the test with so many seeds, --seed the first",
     "needs(what, ...): skip the test where this machine has not got it: vcan, cc",
+    "destructive: it moves drives; with --hardware it runs with --yes-move-it only",
 )
 PROCESSES: Final = pytest.StashKey[list["Process"]]()
 """What a test has started, in the order of starting."""
@@ -55,6 +57,13 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         metavar="vcan|udp_multicast|INTERFACE:CHANNEL",
         help="the CAN bus of tests in real time; without it SocketCAN's virtual one, or datagrams",
     )
+    group.addoption("--hardware", action="store_true", help="drives are real ones, on --bus or --line")
+    group.addoption(
+        "--line", metavar="PROTOCOL:DEVICE", help="the serial line to real drives: v1:/dev/ttyUSB0"
+    )
+    group.addoption(
+        "--yes-move-it", action="store_true", help="with --hardware: run what is marked destructive, too"
+    )
     group.addoption(
         "--kept", type=Path, default=Path("out/tests"), metavar="DIR", help="where failing tests leave theirs"
     )
@@ -66,6 +75,15 @@ def pytest_configure(config: pytest.Config) -> None:
     """Make the marks known."""
     for mark in MARKS:
         config.addinivalue_line("markers", mark)
+
+
+def pytest_report_header(config: pytest.Config) -> str | None:
+    """Say where drives are real, and whether they will be moved."""
+    if not config.getoption("--hardware"):
+        return None
+    places = [place for word in ("--bus", "--line") if (place := config.getoption(word))]
+    moved = "run, too" if config.getoption("--yes-move-it") else "left out"
+    return f"firmware-bridge: real drives on {' and '.join(places)}; what is marked destructive is {moved}"
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
@@ -80,13 +98,16 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Leave out a test that needs what is not here."""
+    """Leave out a test that needs what is not here, or moves what nobody said may be moved."""
+    real = item.config.getoption("--hardware")
+    if real and item.get_closest_marker("destructive") and not item.config.getoption("--yes-move-it"):
+        pytest.skip("it moves what is real: say --yes-move-it")
     for mark in item.iter_markers("needs"):
         for what in mark.args:
             if what not in NEEDS:
                 pytest.fail(f"needs({what!r}): there are {', '.join(NEEDS)}", pytrace=False)
             there, missing = NEEDS[what]
-            if not there():
+            if not there() and not (what == "vcan" and _on_socketcan(item.config)):
                 pytest.skip(f"needs {missing}")
 
 
@@ -178,11 +199,15 @@ def bus(request: pytest.FixtureRequest) -> Iterator[Callable[[], "Bus"]]:
 
     turns = Turns()
     taken: list[Bus] = []
+    config = request.config
     kernel = any(VCAN in mark.args for mark in request.node.iter_markers("needs"))
+    kind = VCAN if kernel and not _on_socketcan(config) else config.getoption("--bus")
 
     def take() -> "Bus":
+        if not kind and config.getoption("--hardware"):
+            pytest.skip("needs the bus of real drives: --bus INTERFACE:CHANNEL")
         if not taken:
-            taken.append(turns.takes(buses(VCAN if kernel else request.config.getoption("--bus"))))
+            taken.append(turns.takes(buses(kind)))
         return taken[0]
 
     yield take
@@ -211,11 +236,26 @@ def under_test(
 
 
 @pytest.fixture
-def drives(under_test: Callable[[Sequence[str]], "Process"], tmp_path: Path) -> "Drives":
-    """Return what puts emulated EPOS2 on a serial line, or on a bus: `drives("1-4", on=bus())`."""
-    from emulators.testing.emulated import Drives  # noqa: PLC0415 - for tests that use it alone
+def drives(
+    under_test: Callable[[Sequence[str]], "Process"], tmp_path: Path, request: pytest.FixtureRequest
+) -> Iterator["Drives | RealDrives"]:
+    """Return what puts EPOS2 on a serial line, or on a bus, `drives("1-4", on=bus())`: emulated, or real."""
+    # For tests that use them alone.
+    from emulators.testing.emulated import Drives  # noqa: PLC0415 - see above
+    from emulators.testing.real import RealDrives  # noqa: PLC0415 - see above
 
-    return Drives(lambda words: under_test((*PROGRAM, *words)), tmp_path)
+    def start(words: Sequence[str]) -> "Process":
+        return under_test((*PROGRAM, *words))
+
+    option = request.config.getoption
+    if not option("--hardware"):
+        yield Drives(start, tmp_path)
+        return
+    real = RealDrives(start, option("--line"), moved=option("--yes-move-it"))
+    yield real
+    for master in request.node.stash[PROCESSES]:
+        master.stop()  # or it would command them on while they are stopped
+    real.finish()
 
 
 @pytest.fixture
@@ -229,6 +269,11 @@ def board(under_test: Callable[[Sequence[str]], "Process"], tmp_path: Path) -> C
     return emulate
 
 
+def _on_socketcan(config: pytest.Config) -> bool:
+    """Whether real drives are on a bus of the kernel's."""
+    return config.getoption("--hardware") and str(config.getoption("--bus")).startswith("socketcan:")
+
+
 def _is_virtual(rig: object) -> "TypeGuard[VirtualRig]":
     """Whether this is a rig of ours: a project may have a fixture of that name."""
     return type(rig).__module__ == "emulators.testing.rig"
@@ -239,7 +284,8 @@ def _again(item: pytest.Item) -> str:
     config = item.config
     path = os.path.relpath(item.path, config.invocation_params.dir)
     words = ["pytest", "::".join([path, *item.nodeid.split("::")[1:]])]
-    for option in ("--robot", "--seed", "--bus"):
+    for option in ("--robot", "--seed", "--bus", "--line"):
         if config.getoption(option):
             words += [option, str(config.getoption(option))]
+    words += [option for option in ("--hardware", "--yes-move-it") if config.getoption(option)]
     return shlex.join(words)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-pytestmark = pytest.mark.needs("vcan", "cc")
+pytestmark = [pytest.mark.needs("vcan", "cc"), pytest.mark.destructive]
 
 
 @pytest.fixture

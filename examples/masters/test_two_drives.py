@@ -3,6 +3,10 @@
 import sys
 from pathlib import Path
 
+import pytest
+
+pytestmark = pytest.mark.destructive
+
 MASTER = (sys.executable, str(Path(__file__).with_name("two_drives.py")))
 
 

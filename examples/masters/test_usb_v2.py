@@ -5,9 +5,12 @@ import sys
 import tty
 from pathlib import Path
 
+import pytest
+
 MASTER = (sys.executable, str(Path(__file__).with_name("usb_v2.py")))
 
 
+@pytest.mark.destructive
 def test_it_moves_the_drive_on_the_line_and_one_behind_it(drives, under_test):
     port = drives("1-2")
     for node in ("1", "2"):
@@ -16,6 +19,7 @@ def test_it_moves_the_drive_on_the_line_and_one_behind_it(drives, under_test):
         assert abs(int(master.printed.split()[-1]) - 20000) < 50
 
 
+@pytest.mark.destructive
 def test_a_node_that_is_not_there_is_an_error(drives, under_test):
     master = under_test([*MASTER, drives("1"), "9", "20000"])
     assert master.ends(within=60) == 1
