@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from emulators.testing.buses import Bus
     from emulators.testing.emulated import Drives
     from emulators.testing.kept import Kept
+    from emulators.testing.page import Outcome
     from emulators.testing.plant import VirtualPlant
     from emulators.testing.process import Process
     from emulators.testing.real import RealDrives
@@ -67,14 +68,45 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group.addoption(
         "--kept", type=Path, default=Path("out/tests"), metavar="DIR", help="where failing tests leave theirs"
     )
+    group.addoption(
+        "--page", type=Path, metavar="FILE.html", help="write one page about this session's tests"
+    )
     group.addoption("--no-pictures", action="store_true", help="failing tests leave their recordings only")
     parser.addini("rig_robot", "the robot of the tests that name none, where --robot is not given")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Make the marks known."""
+    """Make the marks known; write a page where one is wanted, once where several processes test."""
     for mark in MARKS:
         config.addinivalue_line("markers", mark)
+    if config.getoption("--page") and not hasattr(config, "workerinput"):
+        config.pluginmanager.register(Pages(config.getoption("--page")))
+
+
+class Pages:
+    """Collects what becomes of the tests, and writes a page at the end."""
+
+    def __init__(self, path: Path) -> None:
+        self._path: Final = path
+        self._reports: Final[list[pytest.TestReport]] = []
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        """Keep a report of a test itself, and any that is bad."""
+        if report.when == "call" or not report.passed:
+            self._reports.append(report)
+
+    def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
+        """Write the page, and say where."""
+        from emulators.testing.page import page  # noqa: PLC0415 - for who wants one
+
+        count = len({report.nodeid for report in self._reports})
+        try:
+            self._path.parent.mkdir(parents=True, exist_ok=True)
+            self._path.write_text(page(f"{count} tests", map(_outcome, self._reports)), encoding="utf-8")
+        except OSError as error:
+            terminalreporter.write_line(f"no page: {self._path} cannot be written: {error}", red=True)
+        else:
+            terminalreporter.write_line(f"page: {self._path}")
 
 
 def pytest_report_header(config: pytest.Config) -> str | None:
@@ -117,6 +149,8 @@ def pytest_runtest_makereport(
 ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
     """Tell of a failing test's robot, and where its recording is."""
     report = yield
+    if report.failed:
+        _notes(item, report, "again", _again(item))
     rig = getattr(item, "funcargs", {}).get("rig")
     wrong_story = call.excinfo is not None and isinstance(call.excinfo.value, RigError)
     if call.when == "call" and report.failed and _is_virtual(rig) and not wrong_story:
@@ -127,6 +161,7 @@ def pytest_runtest_makereport(
         pictures = not item.config.getoption("--no-pictures")
         text = told(rig, name, folder, _again(item), pictures=pictures)
         report.sections.append(("firmware-bridge", text))
+        _notes(item, report, "kept", str(folder.resolve()))
     if call.when == "call" and report.failed:
         for process in item.stash.get(PROCESSES, []):
             text = f"{process.command}\nexit status: {process.status}\n{process.printed}"
@@ -267,6 +302,30 @@ def board(under_test: Callable[[Sequence[str]], "Process"], tmp_path: Path) -> C
         return emulated.board(lambda words: under_test((*PROGRAM, *words)), tmp_path, what, more, protocol)
 
     return emulate
+
+
+def _notes(item: pytest.Item, report: pytest.TestReport, name: str, value: str) -> None:
+    """Put a property into this report, and into those of the test to come, from which JUnit takes it."""
+    item.user_properties.append((name, value))
+    report.user_properties.append((name, value))
+
+
+def _outcome(report: pytest.TestReport) -> "Outcome":
+    """Return a report as the page has it."""
+    from emulators.testing.page import Outcome  # noqa: PLC0415 - see above
+
+    known = {str(name): str(value) for name, value in report.user_properties}
+    reason = report.longrepr[2] if isinstance(report.longrepr, tuple) else report.longreprtext
+    return Outcome(
+        name=report.nodeid,
+        outcome="error" if report.failed and report.when != "call" else report.outcome,
+        seconds=report.duration,
+        of=", ".join(f"{name} {known[name]}" for name in ("robot", "seed") if name in known),
+        error=reason,
+        sections=tuple(report.sections),
+        kept=known.get("kept", ""),
+        again=known.get("again", ""),
+    )
 
 
 def _on_socketcan(config: pytest.Config) -> bool:
