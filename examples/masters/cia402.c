@@ -121,6 +121,7 @@ int main(int count, char **words)
     }
     sdo(0x6060, 0, 1, 1); /* profile position */
     sdo(0x6067, 0, 4, 20); /* counts: without this window the end of the profile counts, not where the shaft is */
+    sdo(0x6068, 0, 2, 200); /* ms: without this time a shaft that runs through the window is there, too */
     sdo(0x607A, 0, 4, strtol(words[3], NULL, 0));
     status = sdo(0x6041, 0, 0, 0);
     start[1] = node;

@@ -17,11 +17,11 @@ def master(tmp_path):
 
 def test_it_moves_a_drive(master, bus, drives, under_test):
     channel = drives("1-2", on=bus())
-    moves = under_test(f"{master} {channel} 2 20000")
+    moves = under_test(f"{master} {channel} 2 8000")
     assert moves.ends(within=90) == 0
     assert "node 2: enabled" in moves.printed
     at = int(moves.printed.split()[-1])
-    assert abs(at - 20000) < 50
+    assert abs(at - 8000) < 50
 
 
 def test_it_gives_up_where_the_load_is_too_heavy(master, bus, drives, under_test):

@@ -19,9 +19,11 @@ RATE = 1_000_000
 ANSWERS_S = 10.0
 ENABLES_S = 10.0
 MOVES_S = 60.0
-CONTROLWORD, STATUSWORD, MODE, POSITION, WINDOW, TARGET = 0x6040, 0x6041, 0x6060, 0x6064, 0x6067, 0x607A
+CONTROLWORD, STATUSWORD, MODE, POSITION, TARGET = 0x6040, 0x6041, 0x6060, 0x6064, 0x607A
+WINDOW, WINDOW_TIME = 0x6067, 0x6068
 PROFILE_POSITION = 1
 NEAR = 20
+STAYS_MS = 200
 ENABLED, STATE, FAULT, REACHED = 0x27, 0x6F, 0x08, 0x400
 
 
@@ -114,6 +116,7 @@ def main(port: str, node: int, counts: int) -> None:
     drive.status()
     drive.writes(MODE, PROFILE_POSITION)
     drive.writes(WINDOW, NEAR)  # without it the end of the profile counts, not where the shaft is
+    drive.writes(WINDOW_TIME, STAYS_MS)  # without it a shaft that runs through is there, too
     drive.writes(CONTROLWORD, 0x06)
     drive.writes(CONTROLWORD, 0x0F)
     drive.becomes(STATE, ENABLED, "enabled", ENABLES_S)
