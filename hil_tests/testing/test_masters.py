@@ -58,8 +58,13 @@ def outcomes(pytester: pytest.Pytester, master: str, changes: Changes, *more: st
     shutil.copy(EXAMPLES / f"test_{Path(master).stem}.py", pytester.path)
     words = ("-p", "emulators.testing.plugin", "-p", "no:cacheprovider", *more)
     reports = pytester.inline_run(*words).getreports("pytest_runtest_logreport")
-    done = [report for report in reports if report.when == "call" or not report.passed]
-    return {report.nodeid.rpartition("::")[2]: report.outcome for report in done}
+    done = [it for it in reports if it.when == "call" or not it.passed]
+    return {
+        it.nodeid.rpartition("::")[2]: it.outcome
+        if it.when == "call" or it.skipped
+        else f"{it.when} {it.outcome}"
+        for it in done
+    }
 
 
 def judge(pytester: pytest.Pytester, planted: Planted, *more: str, of: str = "") -> None:
