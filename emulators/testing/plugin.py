@@ -32,8 +32,11 @@ MARKS: Final = (
     "robot(name, ...): which robots the test is run with",
     "seeds(number): run the test with so many seeds, --seed the first",
     "needs(what, ...): skip the test where this machine has not got it: vcan, cc",
-    "destructive: it moves drives; with --hardware it runs with --yes-move-it only",
+    "destructive: it moves drives; with --rig=hardware it runs with --yes-move-it only",
 )
+VIRTUAL: Final = "virtual"
+HARDWARE: Final = "hardware"
+"""Values of --rig."""
 PROCESSES: Final = pytest.StashKey[list["Process"]]()
 """What a test has started, in the order of starting."""
 PROGRAM: Final = (sys.executable, "-c", "from firmware_bridge.cli import main; main()")
@@ -58,18 +61,23 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         metavar="vcan|udp_multicast|INTERFACE:CHANNEL",
         help="the CAN bus of tests in real time; without it SocketCAN's virtual one, or datagrams",
     )
-    group.addoption("--hardware", action="store_true", help="drives are real ones, on --bus or --line")
     group.addoption(
-        "--line", metavar="PROTOCOL:DEVICE", help="the serial line to real drives: v1:/dev/ttyUSB0"
+        "--rig",
+        choices=(VIRTUAL, HARDWARE),
+        default=VIRTUAL,
+        help="hardware: drives are real ones, on --bus or --serial-line, and nothing else is tested",
     )
     group.addoption(
-        "--yes-move-it", action="store_true", help="with --hardware: run what is marked destructive, too"
+        "--serial-line", metavar="PROTOCOL:DEVICE", help="the line to real drives: v1:/dev/ttyUSB0"
+    )
+    group.addoption(
+        "--yes-move-it", action="store_true", help="with --rig=hardware: run what is marked destructive, too"
     )
     group.addoption(
         "--kept", type=Path, default=Path("out/tests"), metavar="DIR", help="where failing tests leave theirs"
     )
     group.addoption(
-        "--page", type=Path, metavar="FILE.html", help="write one page about this session's tests"
+        "--report-page", type=Path, metavar="FILE.html", help="write one page about this session's tests"
     )
     group.addoption("--no-pictures", action="store_true", help="failing tests leave their recordings only")
     parser.addini("rig_robot", "the robot of the tests that name none, where --robot is not given")
@@ -79,8 +87,8 @@ def pytest_configure(config: pytest.Config) -> None:
     """Make the marks known; write a page where one is wanted, once where several processes test."""
     for mark in MARKS:
         config.addinivalue_line("markers", mark)
-    if config.getoption("--page") and not hasattr(config, "workerinput"):
-        config.pluginmanager.register(Pages(config.getoption("--page")))
+    if config.getoption("--report-page") and not hasattr(config, "workerinput"):
+        config.pluginmanager.register(Pages(config.getoption("--report-page")))
 
 
 class Pages:
@@ -111,9 +119,9 @@ class Pages:
 
 def pytest_report_header(config: pytest.Config) -> str | None:
     """Say where drives are real, and whether they will be moved."""
-    if not config.getoption("--hardware"):
+    if not _is_real(config):
         return None
-    places = [place for word in ("--bus", "--line") if (place := config.getoption(word))]
+    places = [place for word in ("--bus", "--serial-line") if (place := config.getoption(word))]
     moved = "run, too" if config.getoption("--yes-move-it") else "left out"
     return f"firmware-bridge: real drives on {' and '.join(places)}; what is marked destructive is {moved}"
 
@@ -131,7 +139,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
     """Leave out a test that needs what is not here, or moves what nobody said may be moved."""
-    real = item.config.getoption("--hardware")
+    real = _is_real(item.config)
     if real and item.get_closest_marker("destructive") and not item.config.getoption("--yes-move-it"):
         pytest.skip("it moves what is real: say --yes-move-it")
     for mark in item.iter_markers("needs"):
@@ -200,6 +208,7 @@ def rig_seed(pytestconfig: pytest.Config) -> int:
 @pytest.fixture
 def rig(_kept_rigs: "Kept", rig_robot: str, rig_seed: int, request: pytest.FixtureRequest) -> "VirtualRig":
     """Return a robot in virtual time, armed and at rest, with its operator."""
+    _virtual_only(request.config, "the robot of a rig")
     request.node.user_properties += [("robot", rig_robot), ("seed", rig_seed)]
     return _kept_rigs.armed(rig_robot, rig_seed)
 
@@ -217,11 +226,12 @@ def recording(rig: "VirtualRig") -> "Recording":
 
 
 @pytest.fixture
-def plant(rig_robot: str) -> Iterator["VirtualPlant"]:
+def plant(rig_robot: str, pytestconfig: pytest.Config) -> Iterator["VirtualPlant"]:
     """Return the robot's plant alone, in virtual time, as it is when nothing has moved yet."""
     from emulators.testing.plant import VirtualPlant  # noqa: PLC0415 - for tests that use it alone
     from firmware_bridge.kinds import find  # noqa: PLC0415 - as above
 
+    _virtual_only(pytestconfig, "a plant")
     made = VirtualPlant(find(rig_robot, plant_too=True))
     yield made
     made.finish()
@@ -239,7 +249,7 @@ def bus(request: pytest.FixtureRequest) -> Iterator[Callable[[], "Bus"]]:
     kind = VCAN if kernel and not _on_socketcan(config) else config.getoption("--bus")
 
     def take() -> "Bus":
-        if not kind and config.getoption("--hardware"):
+        if not kind and _is_real(config):
             pytest.skip("needs the bus of real drives: --bus INTERFACE:CHANNEL")
         if not taken:
             taken.append(turns.takes(buses(kind)))
@@ -283,10 +293,10 @@ def drives(
         return under_test((*PROGRAM, *words))
 
     option = request.config.getoption
-    if not option("--hardware"):
+    if not _is_real(request.config):
         yield Drives(start, tmp_path)
         return
-    real = RealDrives(start, option("--line"), moved=option("--yes-move-it"))
+    real = RealDrives(start, option("--serial-line"), moved=option("--yes-move-it"))
     yield real
     for master in request.node.stash[PROCESSES]:
         master.stop()  # or it would command them on while they are stopped
@@ -294,9 +304,13 @@ def drives(
 
 
 @pytest.fixture
-def board(under_test: Callable[[Sequence[str]], "Process"], tmp_path: Path) -> Callable[..., str]:
+def board(
+    under_test: Callable[[Sequence[str]], "Process"], tmp_path: Path, pytestconfig: pytest.Config
+) -> Callable[..., str]:
     """Return what puts an emulated Arduino on a serial line: a robot's, a firmware's, or the arm's."""
     from emulators.testing import emulated  # noqa: PLC0415 - for tests that use it alone
+
+    _virtual_only(pytestconfig, "a board")
 
     def emulate(what: str, *more: str, protocol: str | None = None) -> str:
         return emulated.board(lambda words: under_test((*PROGRAM, *words)), tmp_path, what, more, protocol)
@@ -328,9 +342,18 @@ def _outcome(report: pytest.TestReport) -> "Outcome":
     )
 
 
+def _is_real(config: pytest.Config) -> bool:
+    return bool(config.getoption("--rig") == HARDWARE)
+
+
+def _virtual_only(config: pytest.Config, what: str) -> None:
+    if _is_real(config):
+        pytest.skip(f"{what} is virtual: not with --rig={HARDWARE}")
+
+
 def _on_socketcan(config: pytest.Config) -> bool:
     """Whether real drives are on a bus of the kernel's."""
-    return config.getoption("--hardware") and str(config.getoption("--bus")).startswith("socketcan:")
+    return _is_real(config) and str(config.getoption("--bus")).startswith("socketcan:")
 
 
 def _is_virtual(rig: object) -> "TypeGuard[VirtualRig]":
@@ -343,8 +366,9 @@ def _again(item: pytest.Item) -> str:
     config = item.config
     path = os.path.relpath(item.path, config.invocation_params.dir)
     words = ["pytest", "::".join([path, *item.nodeid.split("::")[1:]])]
-    for option in ("--robot", "--seed", "--bus", "--line"):
+    for option in ("--robot", "--seed", "--bus", "--serial-line"):
         if config.getoption(option):
             words += [option, str(config.getoption(option))]
-    words += [option for option in ("--hardware", "--yes-move-it") if config.getoption(option)]
+    if _is_real(config):
+        words += [f"--rig={HARDWARE}", *(["--yes-move-it"] if config.getoption("--yes-move-it") else [])]
     return shlex.join(words)

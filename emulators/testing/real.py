@@ -26,13 +26,13 @@ class RealDrives:
     """The drives that are on a bus or behind a line; SkipTest for what can be done to emulated ones only."""
 
     def __init__(self, start: Start, line: str | None, *, moved: bool) -> None:
-        """Know the line of `--line`; `moved` says whether they may be commanded. RigError for no line."""
+        """Know the line, as --serial-line has it, and whether they may be commanded; RigError for no line."""
         self._start: Final = start
         self._moved: Final = moved
         self._taken: Final[list[tuple[str, ...]]] = []
         spoken, _, self._device = (line or LINE).partition(":")
         if not self._device or spoken not in {one.value for one in Generation}:
-            raise RigError(f"--line {line}: say PROTOCOL:DEVICE, as {LINE} or v2:/dev/ttyUSB0")
+            raise RigError(f"--serial-line {line}: say PROTOCOL:DEVICE, as {LINE} or v2:/dev/ttyUSB0")
         self._line: Final = None if line is None else ("--serial", self._device, "--protocol", spoken)
 
     def __call__(self, nodes: str = "1", *more: str, on: Bus | None = None) -> str:
@@ -44,7 +44,7 @@ class RealDrives:
             raise SkipTest(f"real drives are what they are, and take no {more[0]}")
         place = self._line if on is None else on.words
         if place is None:
-            raise SkipTest(f"needs a line to real drives: --line {LINE}")
+            raise SkipTest(f"needs a line to real drives: --serial-line {LINE}")
         for node in numbers(nodes):
             self._asked("state", "--node", str(node), *place)
             self._taken.append(("--node", str(node), *place))

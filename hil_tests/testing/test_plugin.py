@@ -111,7 +111,7 @@ def test_the_stories_of_the_page_and_others(pytester: pytest.Pytester, run: Run)
 def test_a_failing_test_says_what_held_and_keeps_what_happened(pytester: pytest.Pytester, run: Run) -> None:
     pytester.makeini("[pytest]\nrig_robot = rars")
     pytester.makepyfile(test_it=BLOCKS["test_silence"].replace('"operator silent"', '"boredom"'))
-    result = run("--kept", "left", "--seed", "3", "--no-pictures", "--page", "new/page.html")
+    result = run("--kept", "left", "--seed", "3", "--no-pictures", "--report-page", "new/page.html")
     result.assert_outcomes(failed=1)
     result.stdout.fnmatch_lines(
         [
@@ -154,7 +154,7 @@ def test_the_stories_of_the_page_in_real_time(
 @pytest.mark.long(beside="test_a_failing_test_says_what_held_and_keeps_what_happened")
 def test_a_failing_test_leaves_pictures(pytester: pytest.Pytester, run: Run) -> None:
     pytester.makepyfile(test_it="def test_nothing(rig):\n    rig.runs(0.5)\n    assert not rig.now")
-    run("--robot", "rome", "--page", "page.html")
+    run("--robot", "rome", "--report-page", "page.html")
     shown = (pytester.path / "page.html").read_text(encoding="utf-8").count('src="data:image/png;base64,')
     assert shown == len(list(pytester.path.glob("out/tests/*/*.png")))
     pictures = {path.stem for path in pytester.path.glob("out/tests/*/*.png")}

@@ -48,6 +48,9 @@ STORIES = f"""
 
     def test_on_a_bus(drives, bus):
         drives("1", on=bus())
+
+    def test_plant(plant):
+        pass
 """
 
 
@@ -126,7 +129,7 @@ def test_what_nobody_can_do_to_them_is_left_out(program: Program) -> None:
     ):
         with pytest.raises(SkipTest, match=said):
             wrong()
-    with pytest.raises(RigError, match="--line /dev/ttyUSB0: say PROTOCOL:DEVICE"):
+    with pytest.raises(RigError, match="--serial-line /dev/ttyUSB0: say PROTOCOL:DEVICE"):
         RealDrives(program, "/dev/ttyUSB0", moved=True)
     assert program.said == []
 
@@ -144,9 +147,20 @@ def line(tmp_path: Path) -> Iterator[str]:
 @pytest.mark.long(beside="test_who_only_reads_leaves_nothing_written")
 def test_the_same_tests_on_real_drives(pytester: pytest.Pytester, line: str) -> None:
     pytester.makepyfile(STORIES)
-    words = ("-p", "emulators.testing.plugin", "-p", "no:cacheprovider", "-rs", "--hardware", "--line", line)
+    words = (
+        "-p",
+        "emulators.testing.plugin",
+        "-p",
+        "no:cacheprovider",
+        "-rs",
+        "--robot",
+        "rome",
+        "--rig=hardware",
+        "--serial-line",
+        line,
+    )
     careful = pytester.runpytest_inprocess(*words)
-    careful.assert_outcomes(passed=1, skipped=4)
+    careful.assert_outcomes(passed=1, skipped=5)
     careful.stdout.fnmatch_lines(
         [
             "firmware-bridge: real drives on v1:*; what is marked destructive is left out",
@@ -156,7 +170,7 @@ def test_the_same_tests_on_real_drives(pytester: pytest.Pytester, line: str) -> 
         ]
     )
     bold = pytester.runpytest_inprocess(*words, "--yes-move-it")
-    bold.assert_outcomes(passed=2, skipped=3)
+    bold.assert_outcomes(passed=2, skipped=4)
     bold.stdout.fnmatch_lines("*nobody here can take the power*")
     again = pytester.runpytest_inprocess(*words, "-k", "reads")
     again.assert_outcomes(passed=1)
