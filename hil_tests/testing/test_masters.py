@@ -1,10 +1,13 @@
 """The examples' masters: their own tests are green, and red where a master has the mistake they look for."""
 
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 from typing import Final, NamedTuple
 
 import pytest
+
+from hil_tests.testing.conftest import Imported
 
 pytest_plugins = ["pytester"]
 
@@ -13,6 +16,9 @@ EXAMPLES: Final = Path(__file__).parents[2] / "examples" / "masters"
 
 Changes = dict[str, str]
 """What stands in the good master, and what in its place in another."""
+
+
+Judge = Callable[..., None]
 
 
 class Planted(NamedTuple):
@@ -48,7 +54,26 @@ ERROR_CODE: Final = Planted(
 )
 
 
-def outcomes(pytester: pytest.Pytester, master: str, changes: Changes, *more: str) -> dict[str, str]:
+@pytest.fixture
+def judge(pytester: pytest.Pytester, imported: Imported) -> Judge:
+    """Return what sees that a good master's tests are green, and the one for its mistake red.
+
+    It is given the mistake, words for pytest, and `of`, which of the tests are run of a good one.
+    """
+
+    def see(planted: Planted, *more: str, of: str = "") -> None:
+        good = outcomes(pytester, imported, planted.master, {}, "-k", of, *more)
+        assert planted.red in good
+        assert set(good.values()) == {"passed"}, good
+        bad = outcomes(pytester, imported, planted.master, planted.mistake, "-k", planted.red, *more)
+        assert bad == {planted.red: "failed"}
+
+    return see
+
+
+def outcomes(
+    pytester: pytest.Pytester, imported: Imported, master: str, changes: Changes, *more: str
+) -> dict[str, str]:
     """Run a master's own tests with these changes; return what became of each."""
     source = (EXAMPLES / master).read_text(encoding="utf-8")
     for good, bad in changes.items():
@@ -57,7 +82,7 @@ def outcomes(pytester: pytest.Pytester, master: str, changes: Changes, *more: st
     (pytester.path / master).write_text(source, encoding="utf-8")
     shutil.copy(EXAMPLES / f"test_{Path(master).stem}.py", pytester.path)
     words = ("-p", "emulators.testing.plugin", "-p", "no:cacheprovider", *more)
-    reports = pytester.inline_run(*words).getreports("pytest_runtest_logreport")
+    reports = pytester.inline_run(*words, plugins=[imported]).getreports("pytest_runtest_logreport")
     done = [it for it in reports if it.when == "call" or not it.passed]
     return {
         it.nodeid.rpartition("::")[2]: it.outcome
@@ -67,29 +92,20 @@ def outcomes(pytester: pytest.Pytester, master: str, changes: Changes, *more: st
     }
 
 
-def judge(pytester: pytest.Pytester, planted: Planted, *more: str, of: str = "") -> None:
-    """See that a good master's tests, or those `of` a kind, are green, and the one for its mistake red."""
-    good = outcomes(pytester, planted.master, {}, "-k", of, *more)
-    assert planted.red in good
-    assert set(good.values()) == {"passed"}, good
-    bad = outcomes(pytester, planted.master, planted.mistake, "-k", planted.red, *more)
-    assert bad == {planted.red: "failed"}
-
-
 @pytest.mark.vcan
-def test_a_master_in_c_that_does_not_look_at_the_fault_bit(pytester: pytest.Pytester) -> None:
-    judge(pytester, C)
+def test_a_master_in_c_that_does_not_look_at_the_fault_bit(judge: Judge) -> None:
+    judge(C)
 
 
 @pytest.mark.alone
-def test_a_master_in_python_that_does_not_miss_a_heartbeat(pytester: pytest.Pytester) -> None:
-    judge(pytester, PYTHON, "--bus", "udp_multicast")
+def test_a_master_in_python_that_does_not_miss_a_heartbeat(judge: Judge) -> None:
+    judge(PYTHON, "--bus", "udp_multicast")
 
 
-def test_a_master_on_a_line_that_believes_a_damaged_answer(pytester: pytest.Pytester) -> None:
-    judge(pytester, CHECK_SUM, of=CHECK_SUM.red)
+def test_a_master_on_a_line_that_believes_a_damaged_answer(judge: Judge) -> None:
+    judge(CHECK_SUM, of=CHECK_SUM.red)
 
 
 @pytest.mark.long(beside="test_a_master_on_a_line_that_believes_a_damaged_answer")
-def test_a_master_on_a_line_that_does_not_look_at_the_error_code(pytester: pytest.Pytester) -> None:
-    judge(pytester, ERROR_CODE)
+def test_a_master_on_a_line_that_does_not_look_at_the_error_code(judge: Judge) -> None:
+    judge(ERROR_CODE)

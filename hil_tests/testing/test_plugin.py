@@ -5,19 +5,16 @@ import re
 import subprocess
 import sys
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
-if TYPE_CHECKING:
-    from types import ModuleType
+from hil_tests.testing.conftest import Imported
 
 pytest_plugins = ["pytester"]
 
 PLUGIN = "emulators.testing.plugin"
-HOME = str(Path.home())
 PROJECT = Path(__file__).parents[2] / "pyproject.toml"
 PAGE = PROJECT.with_name("docs") / "testing.md"
 BLOCKS = {
@@ -65,30 +62,9 @@ STORIES = """
 Run = Callable[..., pytest.RunResult]
 
 
-class Imported:
-    """What pytest within pytest has imported, which pytester forgets; NumPy can be imported once only."""
-
-    def __init__(self) -> None:
-        self._modules: dict[str, ModuleType] = {}
-
-    def pytest_unconfigure(self) -> None:
-        self._modules = {name: it for name, it in sys.modules.items() if not name.startswith("test_")}
-
-    def put_back(self) -> None:
-        sys.modules.update({name: it for name, it in self._modules.items() if name not in sys.modules})
-
-
-@pytest.fixture(autouse=True)
-def imported() -> Iterator[Imported]:
-    """Outlive pytester, whose end is the last to forget."""
-    one = Imported()
-    yield one
-    one.put_back()
-
-
 @pytest.fixture
-def run(imported: Imported, pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> Run:
-    monkeypatch.setenv("HOME", HOME)  # pytester has an empty one, where all plants would have to be built
+def run(imported: Imported, pytester: pytest.Pytester, home: None) -> Run:
+    del home
 
     def within(*args: str) -> pytest.RunResult:
         words = ("-p", PLUGIN, "-p", "no:cacheprovider", *args)

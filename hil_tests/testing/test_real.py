@@ -16,6 +16,7 @@ from emulators.testing.errors import RigError
 from emulators.testing.plugin import PROGRAM
 from emulators.testing.process import Process
 from emulators.testing.real import LOOKS, RealDrives
+from hil_tests.testing.conftest import Imported
 
 pytest_plugins = ["pytester"]
 
@@ -145,7 +146,7 @@ def line(tmp_path: Path) -> Iterator[str]:
 
 
 @pytest.mark.long(beside="test_who_only_reads_leaves_nothing_written")
-def test_the_same_tests_on_real_drives(pytester: pytest.Pytester, line: str) -> None:
+def test_the_same_tests_on_real_drives(pytester: pytest.Pytester, imported: Imported, line: str) -> None:
     pytester.makepyfile(STORIES)
     words = (
         "-p",
@@ -159,7 +160,7 @@ def test_the_same_tests_on_real_drives(pytester: pytest.Pytester, line: str) -> 
         "--serial-line",
         line,
     )
-    careful = pytester.runpytest_inprocess(*words)
+    careful = pytester.runpytest_inprocess(*words, plugins=[imported])
     careful.assert_outcomes(passed=1, skipped=5)
     careful.stdout.fnmatch_lines(
         [
@@ -169,8 +170,8 @@ def test_the_same_tests_on_real_drives(pytester: pytest.Pytester, line: str) -> 
             "*needs the bus of real drives*",
         ]
     )
-    bold = pytester.runpytest_inprocess(*words, "--yes-move-it")
+    bold = pytester.runpytest_inprocess(*words, "--yes-move-it", plugins=[imported])
     bold.assert_outcomes(passed=2, skipped=4)
     bold.stdout.fnmatch_lines("*nobody here can take the power*")
-    again = pytester.runpytest_inprocess(*words, "-k", "reads")
+    again = pytester.runpytest_inprocess(*words, "-k", "reads", plugins=[imported])
     again.assert_outcomes(passed=1)
