@@ -18,8 +18,13 @@ import pytest
 from emulators.testing.errors import RigError
 
 if TYPE_CHECKING:
+    from emulators.testing.buses import Bus
+    from emulators.testing.emulated import Drives
     from emulators.testing.kept import Kept
+    from emulators.testing.page import Outcome
+    from emulators.testing.plant import VirtualPlant
     from emulators.testing.process import Process
+    from emulators.testing.real import RealDrives
     from emulators.testing.recording import Recording
     from emulators.testing.rig import VirtualRig
 
@@ -27,13 +32,15 @@ MARKS: Final = (
     "robot(name, ...): which robots the test is run with",
     "seeds(number): run the test with so many seeds, --seed the first",
     "needs(what, ...): skip the test where this machine has not got it: vcan, cc",
+    "destructive: it moves drives; with --rig=hardware it runs with --yes-move-it only",
 )
+VIRTUAL: Final = "virtual"
+HARDWARE: Final = "hardware"
+"""Values of --rig."""
 PROCESSES: Final = pytest.StashKey[list["Process"]]()
 """What a test has started, in the order of starting."""
 PROGRAM: Final = (sys.executable, "-c", "from firmware_bridge.cli import main; main()")
 """`firmware-bridge`, wherever it is installed."""
-READY_WITHIN_S: Final = 60.0
-"""So long drives may take to be there, on a machine that has much to do."""
 NEEDS: Final[dict[str, tuple[Callable[[], bool], str]]] = {
     "vcan": (
         Path("/sys/class/net/vcan0").exists,
@@ -50,16 +57,73 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group.addoption("--robot", metavar="NAME", help="the robot of the tests that name none, or a robot file")
     group.addoption("--seed", type=int, default=0, metavar="N", help="all that is random comes from it")
     group.addoption(
+        "--bus",
+        metavar="vcan|udp_multicast|INTERFACE:CHANNEL",
+        help="the CAN bus of tests in real time; without it SocketCAN's virtual one, or datagrams",
+    )
+    group.addoption(
+        "--rig",
+        choices=(VIRTUAL, HARDWARE),
+        default=VIRTUAL,
+        help="hardware: drives are real ones, on --bus or --serial-line, and nothing else is tested",
+    )
+    group.addoption(
+        "--serial-line", metavar="PROTOCOL:DEVICE", help="the line to real drives: v1:/dev/ttyUSB0"
+    )
+    group.addoption(
+        "--yes-move-it", action="store_true", help="with --rig=hardware: run what is marked destructive, too"
+    )
+    group.addoption(
         "--kept", type=Path, default=Path("out/tests"), metavar="DIR", help="where failing tests leave theirs"
+    )
+    group.addoption(
+        "--report-page", type=Path, metavar="FILE.html", help="write one page about this session's tests"
     )
     group.addoption("--no-pictures", action="store_true", help="failing tests leave their recordings only")
     parser.addini("rig_robot", "the robot of the tests that name none, where --robot is not given")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Make the marks known."""
+    """Make the marks known; write a page where one is wanted, once where several processes test."""
     for mark in MARKS:
         config.addinivalue_line("markers", mark)
+    if config.getoption("--report-page") and not hasattr(config, "workerinput"):
+        config.pluginmanager.register(Pages(config.getoption("--report-page")))
+
+
+class Pages:
+    """Collects what becomes of the tests, and writes a page at the end."""
+
+    def __init__(self, path: Path) -> None:
+        self._path: Final = path
+        self._reports: Final[list[pytest.TestReport]] = []
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        """Keep a report of a test itself, and any that is bad."""
+        if report.when == "call" or not report.passed:
+            self._reports.append(report)
+
+    def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
+        """Write the page, and say where."""
+        from emulators.testing.page import page  # noqa: PLC0415 - for who wants one
+
+        count = len({report.nodeid for report in self._reports})
+        try:
+            self._path.parent.mkdir(parents=True, exist_ok=True)
+            self._path.write_text(page(f"{count} tests", map(_outcome, self._reports)), encoding="utf-8")
+        except OSError as error:
+            terminalreporter.write_line(f"no page: {self._path} cannot be written: {error}", red=True)
+        else:
+            terminalreporter.write_line(f"page: {self._path}")
+
+
+def pytest_report_header(config: pytest.Config) -> str | None:
+    """Say where drives are real, and whether they will be moved."""
+    if not _is_real(config):
+        return None
+    places = [place for word in ("--bus", "--serial-line") if (place := config.getoption(word))]
+    moved = "run, too" if config.getoption("--yes-move-it") else "left out"
+    return f"firmware-bridge: real drives on {' and '.join(places)}; what is marked destructive is {moved}"
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
@@ -74,13 +138,16 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Leave out a test that needs what is not here."""
+    """Leave out a test that needs what is not here, or moves what nobody said may be moved."""
+    real = _is_real(item.config)
+    if real and item.get_closest_marker("destructive") and not item.config.getoption("--yes-move-it"):
+        pytest.skip("it moves what is real: say --yes-move-it")
     for mark in item.iter_markers("needs"):
         for what in mark.args:
             if what not in NEEDS:
                 pytest.fail(f"needs({what!r}): there are {', '.join(NEEDS)}", pytrace=False)
             there, missing = NEEDS[what]
-            if not there():
+            if not there() and not (what == "vcan" and _on_socketcan(item.config)):
                 pytest.skip(f"needs {missing}")
 
 
@@ -90,6 +157,8 @@ def pytest_runtest_makereport(
 ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
     """Tell of a failing test's robot, and where its recording is."""
     report = yield
+    if report.failed:
+        _notes(item, report, "again", _again(item))
     rig = getattr(item, "funcargs", {}).get("rig")
     wrong_story = call.excinfo is not None and isinstance(call.excinfo.value, RigError)
     if call.when == "call" and report.failed and _is_virtual(rig) and not wrong_story:
@@ -100,6 +169,7 @@ def pytest_runtest_makereport(
         pictures = not item.config.getoption("--no-pictures")
         text = told(rig, name, folder, _again(item), pictures=pictures)
         report.sections.append(("firmware-bridge", text))
+        _notes(item, report, "kept", str(folder.resolve()))
     if call.when == "call" and report.failed:
         for process in item.stash.get(PROCESSES, []):
             text = f"{process.command}\nexit status: {process.status}\n{process.printed}"
@@ -138,6 +208,7 @@ def rig_seed(pytestconfig: pytest.Config) -> int:
 @pytest.fixture
 def rig(_kept_rigs: "Kept", rig_robot: str, rig_seed: int, request: pytest.FixtureRequest) -> "VirtualRig":
     """Return a robot in virtual time, armed and at rest, with its operator."""
+    _virtual_only(request.config, "the robot of a rig")
     request.node.user_properties += [("robot", rig_robot), ("seed", rig_seed)]
     return _kept_rigs.armed(rig_robot, rig_seed)
 
@@ -155,12 +226,49 @@ def recording(rig: "VirtualRig") -> "Recording":
 
 
 @pytest.fixture
+def plant(rig_robot: str, pytestconfig: pytest.Config) -> Iterator["VirtualPlant"]:
+    """Return the robot's plant alone, in virtual time, as it is when nothing has moved yet."""
+    from emulators.testing.plant import VirtualPlant  # noqa: PLC0415 - for tests that use it alone
+    from firmware_bridge.kinds import find  # noqa: PLC0415 - as above
+
+    _virtual_only(pytestconfig, "a plant")
+    made = VirtualPlant(find(rig_robot, plant_too=True))
+    yield made
+    made.finish()
+
+
+@pytest.fixture
+def bus(request: pytest.FixtureRequest) -> Iterator[Callable[[], "Bus"]]:
+    """Return what names the test's CAN bus: one that is the test's alone, and the same at each call."""
+    from emulators.testing.buses import VCAN, Turns, buses  # noqa: PLC0415 - for tests that use it alone
+
+    turns = Turns()
+    taken: list[Bus] = []
+    config = request.config
+    kernel = any(VCAN in mark.args for mark in request.node.iter_markers("needs"))
+    kind = VCAN if kernel and not _on_socketcan(config) else config.getoption("--bus")
+
+    def take() -> "Bus":
+        if not kind and _is_real(config):
+            pytest.skip("needs the bus of real drives: --bus INTERFACE:CHANNEL")
+        if not taken:
+            taken.append(turns.takes(buses(kind)))
+        return taken[0]
+
+    yield take
+    turns.finish()
+
+
+@pytest.fixture
 def under_test(
-    request: pytest.FixtureRequest, tmp_path: Path
+    request: pytest.FixtureRequest,
+    tmp_path: Path,
+    bus: Callable[[], "Bus"],  # so that it is given back when nobody is on it any more
 ) -> Iterator[Callable[[str | Sequence[str]], "Process"]]:
     """Return what starts a program, `under_test("./my_master vcan0")`; it is ended with the test."""
     from emulators.testing.process import Process  # noqa: PLC0415 - for tests that use it alone
 
+    del bus
     started: list[Process] = request.node.stash.setdefault(PROCESSES, [])
 
     def start(command: str | Sequence[str]) -> Process:
@@ -173,21 +281,79 @@ def under_test(
 
 
 @pytest.fixture
-def drives(under_test: Callable[[Sequence[str]], "Process"], tmp_path: Path) -> Callable[..., str]:
-    """Return what puts emulated EPOS2 on a serial line, in real time, and says which: nodes 1-2, more words.
+def drives(
+    under_test: Callable[[Sequence[str]], "Process"], tmp_path: Path, request: pytest.FixtureRequest
+) -> Iterator["Drives | RealDrives"]:
+    """Return what puts EPOS2 on a serial line, or on a bus, `drives("1-4", on=bus())`: emulated, or real."""
+    # For tests that use them alone.
+    from emulators.testing.emulated import Drives  # noqa: PLC0415 - see above
+    from emulators.testing.real import RealDrives  # noqa: PLC0415 - see above
 
-    The first is on the line itself, a pseudo-terminal whose path is returned, the others are behind it. The
-    words are those of `firmware-bridge emulate epos2`.
-    """
+    def start(words: Sequence[str]) -> "Process":
+        return under_test((*PROGRAM, *words))
 
-    def emulate(nodes: str = "1", *more: str) -> str:
-        port = tmp_path / f"drives-{nodes}.tty"
-        words = ("--node", nodes, "--serial", "pty", "--serial-link", str(port))
-        program = under_test((*PROGRAM, "emulate", "epos2", *words, *more))
-        program.waits(port.exists, "on the line", READY_WITHIN_S)
-        return str(port)
+    option = request.config.getoption
+    if not _is_real(request.config):
+        yield Drives(start, tmp_path)
+        return
+    real = RealDrives(start, option("--serial-line"), moved=option("--yes-move-it"))
+    yield real
+    for master in request.node.stash[PROCESSES]:
+        master.stop()  # or it would command them on while they are stopped
+    real.finish()
+
+
+@pytest.fixture
+def board(
+    under_test: Callable[[Sequence[str]], "Process"], tmp_path: Path, pytestconfig: pytest.Config
+) -> Callable[..., str]:
+    """Return what puts an emulated Arduino on a serial line: a robot's, a firmware's, or the arm's."""
+    from emulators.testing import emulated  # noqa: PLC0415 - for tests that use it alone
+
+    _virtual_only(pytestconfig, "a board")
+
+    def emulate(what: str, *more: str, protocol: str | None = None) -> str:
+        return emulated.board(lambda words: under_test((*PROGRAM, *words)), tmp_path, what, more, protocol)
 
     return emulate
+
+
+def _notes(item: pytest.Item, report: pytest.TestReport, name: str, value: str) -> None:
+    """Put a property into this report, and into those of the test to come, from which JUnit takes it."""
+    item.user_properties.append((name, value))
+    report.user_properties.append((name, value))
+
+
+def _outcome(report: pytest.TestReport) -> "Outcome":
+    """Return a report as the page has it."""
+    from emulators.testing.page import Outcome  # noqa: PLC0415 - see above
+
+    known = {str(name): str(value) for name, value in report.user_properties}
+    reason = report.longrepr[2] if isinstance(report.longrepr, tuple) else report.longreprtext
+    return Outcome(
+        name=report.nodeid,
+        outcome="error" if report.failed and report.when != "call" else report.outcome,
+        seconds=report.duration,
+        of=", ".join(f"{name} {known[name]}" for name in ("robot", "seed") if name in known),
+        error=reason,
+        sections=tuple(report.sections),
+        kept=known.get("kept", ""),
+        again=known.get("again", ""),
+    )
+
+
+def _is_real(config: pytest.Config) -> bool:
+    return bool(config.getoption("--rig") == HARDWARE)
+
+
+def _virtual_only(config: pytest.Config, what: str) -> None:
+    if _is_real(config):
+        pytest.skip(f"{what} is virtual: not with --rig={HARDWARE}")
+
+
+def _on_socketcan(config: pytest.Config) -> bool:
+    """Whether real drives are on a bus of the kernel's."""
+    return _is_real(config) and str(config.getoption("--bus")).startswith("socketcan:")
 
 
 def _is_virtual(rig: object) -> "TypeGuard[VirtualRig]":
@@ -200,7 +366,9 @@ def _again(item: pytest.Item) -> str:
     config = item.config
     path = os.path.relpath(item.path, config.invocation_params.dir)
     words = ["pytest", "::".join([path, *item.nodeid.split("::")[1:]])]
-    for option in ("--robot", "--seed"):
+    for option in ("--robot", "--seed", "--bus", "--serial-line"):
         if config.getoption(option):
             words += [option, str(config.getoption(option))]
+    if _is_real(config):
+        words += [f"--rig={HARDWARE}", *(["--yes-move-it"] if config.getoption("--yes-move-it") else [])]
     return shlex.join(words)

@@ -50,15 +50,20 @@ class Process:
                 continue
             if what():
                 return
-            raise AssertionError(self._told(f"ended with {self.status}, not {called}"))
-        raise AssertionError(self._told(f"not {called} within {within:g} s"))
+            raise self.failed(f"ended with {self.status}, not {called}")
+        raise self.failed(f"not {called} within {within:g} s")
 
     def ends(self, within: float = 10.0) -> int:
         """Wait for its end and return its exit status."""
         try:
             return self._process.wait(within)
         except subprocess.TimeoutExpired:
-            raise AssertionError(self._told(f"still runs after {within:g} s")) from None
+            raise self.failed(f"still runs after {within:g} s") from None
+
+    def kill(self) -> None:
+        """End it at once, as a loss of power does: it says nothing any more. Harmless where it has ended."""
+        self._process.kill()
+        self._process.wait()
 
     def stop(self) -> None:
         """End it where it still runs: it is asked first."""
@@ -67,8 +72,8 @@ class Process:
             try:
                 self._process.wait(KILLED_AFTER_S)
             except subprocess.TimeoutExpired:
-                self._process.kill()
-                self._process.wait()
+                self.kill()
 
-    def _told(self, what: str) -> str:
-        return f"{shlex.join(self.command)}: {what}; it printed:\n{self.printed[-TOLD:]}"
+    def failed(self, what: str) -> AssertionError:
+        """Return the error that says what it did not do, and what it printed."""
+        return AssertionError(f"{shlex.join(self.command)}: {what}; it printed:\n{self.printed[-TOLD:]}")

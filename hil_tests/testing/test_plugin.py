@@ -5,24 +5,26 @@ import re
 import subprocess
 import sys
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
-if TYPE_CHECKING:
-    from types import ModuleType
+from hil_tests.testing.conftest import Imported
 
 pytest_plugins = ["pytester"]
 
 PLUGIN = "emulators.testing.plugin"
-HOME = str(Path.home())
 PROJECT = Path(__file__).parents[2] / "pyproject.toml"
 PAGE = PROJECT.with_name("docs") / "testing.md"
-BLOCKS = re.findall(
-    r"^```python\n(.*?)^```", PAGE.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE
-)
+BLOCKS = {
+    re.findall(r"^def (test_\w+)", block, flags=re.MULTILINE)[0]: block
+    for block in re.findall(
+        r"^```python\n(.*?)^```", PAGE.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE
+    )
+}
+"""By the name of the first test in each."""
+IN_REAL_TIME = ("test_a_master_of_my_own", "test_both_are_found", "test_a_client_in_ros_manner")
 
 STORIES = """
     import pytest
@@ -60,30 +62,9 @@ STORIES = """
 Run = Callable[..., pytest.RunResult]
 
 
-class Imported:
-    """What pytest within pytest has imported, which pytester forgets; NumPy can be imported once only."""
-
-    def __init__(self) -> None:
-        self._modules: dict[str, ModuleType] = {}
-
-    def pytest_unconfigure(self) -> None:
-        self._modules = {name: it for name, it in sys.modules.items() if not name.startswith("test_")}
-
-    def put_back(self) -> None:
-        sys.modules.update({name: it for name, it in self._modules.items() if name not in sys.modules})
-
-
-@pytest.fixture(autouse=True)
-def imported() -> Iterator[Imported]:
-    """Outlive pytester, whose end is the last to forget."""
-    one = Imported()
-    yield one
-    one.put_back()
-
-
 @pytest.fixture
-def run(imported: Imported, pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> Run:
-    monkeypatch.setenv("HOME", HOME)  # pytester has an empty one, where all plants would have to be built
+def run(imported: Imported, pytester: pytest.Pytester, home: None) -> Run:
+    del home
 
     def within(*args: str) -> pytest.RunResult:
         words = ("-p", PLUGIN, "-p", "no:cacheprovider", *args)
@@ -93,10 +74,10 @@ def run(imported: Imported, pytester: pytest.Pytester, monkeypatch: pytest.Monke
 
 
 def test_the_stories_of_the_page_and_others(pytester: pytest.Pytester, run: Run) -> None:
-    blocks = {f"test_block{number}": block for number, block in enumerate(BLOCKS[:2])}
+    blocks = {name: block for name, block in BLOCKS.items() if name not in IN_REAL_TIME}
     pytester.makepyfile(test_others=STORIES, **blocks)
     result = run("--robot", "rars", "--junitxml=j.xml", "--strict-markers", "--seed", "7")
-    result.assert_outcomes(passed=4 + 6, errors=1)
+    result.assert_outcomes(passed=5 + 6, errors=1)
     result.stdout.fnmatch_lines("*needs('a moon'): there are vcan, cc*")
     report = (pytester.path / "j.xml").read_text(encoding="utf-8")
     assert '<property name="robot" value="rome"' in report
@@ -105,8 +86,8 @@ def test_the_stories_of_the_page_and_others(pytester: pytest.Pytester, run: Run)
 
 def test_a_failing_test_says_what_held_and_keeps_what_happened(pytester: pytest.Pytester, run: Run) -> None:
     pytester.makeini("[pytest]\nrig_robot = rars")
-    pytester.makepyfile(test_it=BLOCKS[0].replace('"operator silent"', '"boredom"'))
-    result = run("--kept", "left", "--seed", "3", "--no-pictures")
+    pytester.makepyfile(test_it=BLOCKS["test_silence"].replace('"operator silent"', '"boredom"'))
+    result = run("--kept", "left", "--seed", "3", "--no-pictures", "--report-page", "new/page.html")
     result.assert_outcomes(failed=1)
     result.stdout.fnmatch_lines(
         [
@@ -117,6 +98,11 @@ def test_a_failing_test_says_what_held_and_keeps_what_happened(pytester: pytest.
         ]
     )
     assert "again: pytest test_it.py::test_silence --seed 3" in result.outlines
+    assert "page: new/page.html" in result.outlines
+    page = (pytester.path / "new" / "page.html").read_text(encoding="utf-8")
+    assert "again: <code>pytest test_it.py::test_silence --seed 3</code>" in page
+    assert "operator silent: no motion command for 0.50 s, limit 0.50 s" in page
+    assert "assert &#x27;boredom&#x27; in" in page
     (folder,) = (pytester.path / "left").iterdir()
     assert " drives 701#00\n" in (folder / "can.log").read_text(encoding="ascii")
     assert (folder / "samples.csv").read_text(encoding="ascii").count("\n") == 1 + 602
@@ -124,16 +110,29 @@ def test_a_failing_test_says_what_held_and_keeps_what_happened(pytester: pytest.
 
 @pytest.mark.interpreted
 @pytest.mark.long(beside="test_one_that_ends_too_soon_says_what_it_printed")
-def test_the_master_of_the_page(pytester: pytest.Pytester, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("story", "bus"),
+    [
+        ("test_a_master_of_my_own", "vcan"),
+        ("test_a_client_in_ros_manner", "vcan"),
+        pytest.param("test_both_are_found", "vcan", marks=pytest.mark.vcan),
+        pytest.param("test_both_are_found", "udp_multicast", marks=pytest.mark.alone),
+    ],
+)
+def test_the_stories_of_the_page_in_real_time(
+    story: str, bus: str, pytester: pytest.Pytester, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv("PATH", str(Path(sys.executable).parent), prepend=os.pathsep)
-    pytester.makepyfile(BLOCKS[2])
-    run().assert_outcomes(passed=1)
+    pytester.makepyfile(BLOCKS[story])
+    run("--bus", bus).assert_outcomes(passed=1)
 
 
 @pytest.mark.long(beside="test_a_failing_test_says_what_held_and_keeps_what_happened")
 def test_a_failing_test_leaves_pictures(pytester: pytest.Pytester, run: Run) -> None:
     pytester.makepyfile(test_it="def test_nothing(rig):\n    rig.runs(0.5)\n    assert not rig.now")
-    run("--robot", "rome")
+    run("--robot", "rome", "--report-page", "page.html")
+    shown = (pytester.path / "page.html").read_text(encoding="utf-8").count('src="data:image/png;base64,')
+    assert shown == len(list(pytester.path.glob("out/tests/*/*.png")))
     pictures = {path.stem for path in pytester.path.glob("out/tests/*/*.png")}
     assert {"path", "speeds", "currents", "holds"} <= pictures
 

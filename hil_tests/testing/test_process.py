@@ -8,9 +8,11 @@ import pytest
 
 from emulators.testing.plugin import PROGRAM
 from emulators.testing.process import Process
+from hil_tests.testing.conftest import Imported
 
 pytest_plugins = ["pytester"]
 
+WORDS = ("-p", "emulators.testing.plugin", "-p", "no:cacheprovider")
 HANGS = "print('here', flush=True); __import__('threading').Event().wait()"
 
 MASTER = f"""
@@ -61,8 +63,27 @@ def test_one_that_hangs_is_ended(python: Starts) -> None:
 
 
 @pytest.mark.long(beside="test_one_that_ends_too_soon_says_what_it_printed")
-def test_drives_on_a_line_and_a_master_of_ones_own(pytester: pytest.Pytester) -> None:
+def test_drives_on_a_line_and_a_master_of_ones_own(pytester: pytest.Pytester, imported: Imported) -> None:
     pytester.makepyfile(MASTER)
-    result = pytester.runpytest_inprocess("-p", "emulators.testing.plugin", "-p", "no:cacheprovider")
+    result = pytester.runpytest_inprocess(*WORDS, plugins=[imported])
     result.assert_outcomes(passed=1, failed=1)
     result.stdout.fnmatch_lines(["*still runs after 0.1 s; it printed:*", "exit status: None", "here"])
+
+
+@pytest.mark.long(beside="test_a_board_is_left_alone_in_its_boot_loader_and_then_asked_until_it_has_said_all")
+@pytest.mark.parametrize(
+    "board",
+    ['"mw"', '"arduinoio"', '"firmata", "--encoders", "2"', '"ar2"', '"rome", protocol="firmata"'],
+)
+@pytest.mark.usefixtures("home")
+def test_every_board_comes_and_answers(pytester: pytest.Pytester, imported: Imported, board: str) -> None:
+    pytester.makepyfile(
+        f"""
+        import os
+
+        def test_it(board):
+            assert os.path.islink(board({board}))
+        """
+    )
+    result = pytester.runpytest_inprocess(*WORDS, plugins=[imported])
+    result.assert_outcomes(passed=1)

@@ -1,0 +1,136 @@
+"""Whether devices are there: each call asks one question that changes nothing, and looks for the answer.
+
+Whoever has a call looks at `complete` every 50 ms. Time is counted in looks: here is no clock.
+"""
+
+import select
+from collections.abc import Mapping
+from typing import Final, Self
+
+import serial
+
+from emulators.testing.buses import Bus
+from firmware_bridge.cli.node_numbers import numbers
+from firmware_bridge.shell.ports import open_can
+from firmware_bridge.wire.arduino import ar2, arduinoio, firmata, mw, mw_messages, ros_arduino_bridge
+from firmware_bridge.wire.canopen import SDO_REQUEST, SDO_RESPONSE
+from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.maxon.frame import Answered, Frame, Generation
+from firmware_bridge.wire.maxon.lines import host_end
+from firmware_bridge.wire.sdo import UploadResponse, decode_response, encode_upload
+
+ASKED_AGAIN: Final = 20
+"""Looks, 1 s: an answer that is late comes before the question is put again."""
+BOOTS: Final = 30
+"""Looks, 1.5 s: a byte within the boot loader's 1.1 s keeps it for 9 s."""
+BOOTS_AGAIN: Final = 220
+"""Looks, 11 s: those 9 s, and what comes after."""
+DEVICE_TYPE: Final = Address(0x1000, 0)
+READ_OBJECT: Final = 0x10
+NO_ERROR: Final = bytes(4)
+ROOM: Final = 4096
+ARM: Final = "arm"
+"""What an arm's board speaks: one set of lines, whatever its generation."""
+QUESTIONS: Final[Mapping[str, tuple[bytes, bytes]]] = {
+    "mw": (mw.encode_request(mw_messages.GetServerInfo(), 0), bytes((mw.BOARD_START, mw.ANSWER))),
+    "ros-arduino-bridge": (b"b" + ros_arduino_bridge.END, str(ros_arduino_bridge.BAUD).encode()),
+    "arduinoio": (arduinoio.encode("9", 9), str(arduinoio.MOTOR_V2).encode()),
+    "firmata": (bytes((firmata.VERSION,)), bytes((firmata.VERSION,))),
+    ARM: (b"WTS0" + ar2.END, ar2.DONE),
+}
+"""What is asked of a board's firmware, and how its answer begins."""
+
+
+class RollCall:
+    """Asks drives on a bus what they are, until each has answered."""
+
+    def __init__(self, bus: Bus, nodes: str) -> None:
+        """Begin; PortError where there is no such bus."""
+        self._missing: Final = set(numbers(nodes))
+        self._port: Final = open_can(*bus)
+        self._looks = 0
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._port.close()
+
+    def complete(self) -> bool:
+        """Look once; return whether all have answered."""
+        if self._looks % ASKED_AGAIN == 0:
+            for node in sorted(self._missing):
+                self._port.write(SDO_REQUEST + node, encode_upload(DEVICE_TYPE), 0)
+        self._looks += 1
+        while select.select([self._port.fileno()], [], [], 0)[0]:
+            heard = self._port.read(0)
+            if not heard:
+                break
+            for address, payload in heard:
+                if isinstance(decode_response(payload), UploadResponse):
+                    self._missing.discard(address - SDO_RESPONSE)
+        return not self._missing
+
+
+class _Line:
+    """A serial line, read without waiting."""
+
+    def __init__(self, port: str) -> None:
+        self._line: Final = serial.Serial(port, timeout=0)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._line.close()
+
+
+class LineCall(_Line):
+    """Asks the drive on a serial line, and those behind it, one after the other."""
+
+    def __init__(self, port: str, nodes: str, spoken: Generation) -> None:
+        """Begin; OSError where there is no such line."""
+        super().__init__(port)
+        self._missing: Final = list(numbers(nodes))
+        self._spoken: Final = spoken
+        self._host = host_end(spoken, 0)
+        self._looks = 0
+
+    def complete(self) -> bool:
+        """Look once; return whether all have answered."""
+        if self._looks % ASKED_AGAIN == 0:
+            self._ask()
+        self._looks += 1
+        outcome = self._host.hear(self._line.read(ROOM), 0)
+        self._line.write(self._host.taken())
+        if isinstance(outcome, Answered) and outcome.body[:4] == NO_ERROR:
+            self._missing.pop(0)
+            self._looks = 0
+        return not self._missing
+
+    def _ask(self) -> None:
+        self._host = host_end(self._spoken, 0)
+        index = DEVICE_TYPE.index.to_bytes(2, "little")
+        self._host.ask(Frame(READ_OBJECT, index + bytes((DEVICE_TYPE.subindex, self._missing[0]))), 0)
+        self._line.write(self._host.taken())
+
+
+class BoardCall(_Line):
+    """Asks the firmware of a board that is booting."""
+
+    def __init__(self, port: str, spoken: str) -> None:
+        """Begin; OSError where there is no such line."""
+        super().__init__(port)
+        self._question, self._answer = QUESTIONS[spoken]
+        self._heard = b""
+        self._looks = -BOOTS
+
+    def complete(self) -> bool:
+        """Look once; return whether it has answered, and said all of it."""
+        more = self._line.read(ROOM)
+        if self._looks % BOOTS_AGAIN == 0:
+            self._line.write(self._question)
+            self._heard = b""
+        self._looks += 1
+        self._heard += more
+        return self._looks > 0 and self._answer in self._heard and not more

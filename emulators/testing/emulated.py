@@ -1,0 +1,102 @@
+"""Devices in real time, as a test starts them: drives on a serial line or a bus, a board on a line."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Final
+
+from emulators.arduino_omni.board import FIRMWARES
+from emulators.testing.answering import ARM, BoardCall, LineCall, RollCall
+from emulators.testing.buses import Bus
+from emulators.testing.errors import RigError
+from emulators.testing.process import Process
+from firmware_bridge.kinds import find
+from firmware_bridge.wire.maxon.frame import Generation
+
+READY_WITHIN_S: Final = 60.0
+"""So long a device may take to be there, on a machine that has much to do."""
+GREETING: Final = "Ctrl-C ends it"
+"""The end of the line by which an emulator says that its links are open."""
+Start = Callable[[Sequence[str]], Process]
+"""Runs `firmware-bridge` with these words."""
+
+
+class Drives:
+    """Puts emulated EPOS2 on a serial line, or on a CAN bus."""
+
+    def __init__(self, start: Start, folder: Path) -> None:
+        self._start: Final = start
+        self._folder: Final = folder
+        self._programs: Final[dict[str, Process]] = {}
+
+    def __call__(self, nodes: str = "1", *more: str, on: Bus | None = None) -> str:
+        """Start them, wait until they are there, and return where: the line's path, or the bus's channel.
+
+        Without `on` the first is on a line, and the others are behind it. `more` are words of
+        `firmware-bridge emulate epos2`. AssertionError, with what was printed, where they do not come.
+        """
+        return self._on_a_line(nodes, more) if on is None else self._on_a_bus(nodes, more, on)
+
+    def lose_power(self, nodes: str) -> None:
+        """Take the power from drives that were started by this name; they say nothing any more."""
+        if nodes not in self._programs:
+            known = ", ".join(self._programs) or "none yet"
+            raise RigError(f"no drives '{nodes}' were started; those that were: {known}")
+        self._programs[nodes].kill()
+
+    def _on_a_line(self, nodes: str, more: Sequence[str]) -> str:
+        port = self._folder / f"drives-{nodes}.tty"
+        program = self._started(nodes, "--serial", "pty", "--serial-link", str(port), *more)
+        program.says(GREETING, READY_WITHIN_S)
+        with LineCall(str(port), nodes, Generation.V2 if "v2" in more else Generation.V1) as call:
+            program.waits(call.complete, f"all of {nodes} answering", READY_WITHIN_S)
+        return str(port)
+
+    def _on_a_bus(self, nodes: str, more: Sequence[str], bus: Bus) -> str:
+        program = self._started(nodes, *bus.words, *more)
+        program.says(GREETING, READY_WITHIN_S)
+        with RollCall(bus, nodes) as call:
+            program.waits(call.complete, f"all of {nodes} answering on {bus.channel}", READY_WITHIN_S)
+        return bus.channel
+
+    def _started(self, nodes: str, *words: str) -> Process:
+        self._programs[nodes] = self._start(("emulate", "epos2", "--node", nodes, *words))
+        return self._programs[nodes]
+
+
+def board(start: Start, folder: Path, what: str, more: Sequence[str], protocol: str | None) -> str:
+    """Put an Arduino with what it drives on a serial line, wait until it answers, and return the line's path.
+
+    `what` is a firmware of `firmware-bridge emulate board`, or a robot with one board; `more` are further
+    words of the command that emulates it. RigError for what is neither.
+    """
+    words, spoken = _command(what, protocol)
+    port = folder / f"{Path(what).stem}.tty"
+    program = start(("emulate", *words, "--serial", "pty", "--serial-link", str(port), *more))
+    program.says(GREETING, READY_WITHIN_S)
+    with BoardCall(str(port), spoken) as call:
+        program.waits(call.complete, f"answering in {spoken}", READY_WITHIN_S)
+    return str(port)
+
+
+def _command(what: str, protocol: str | None) -> tuple[tuple[str, ...], str]:
+    """Return the words that emulate this, and what is spoken to it."""
+    if what in FIRMWARES:
+        _speaks_one(what, protocol, what)
+        return ("board", "--firmware", what), what
+    robot = find(what)
+    if len(robot.shield_links) + len(robot.ar2_links) != 1:
+        known = ", ".join(FIRMWARES)
+        raise RigError(f"{what} has not one board; say a robot that has, or a firmware: {known}")
+    if robot.ar2_links:
+        _speaks_one(what, protocol, None)
+        return (what,), ARM
+    (link,) = robot.shield_links.values()
+    spoken = protocol or link.protocol.value
+    if spoken not in FIRMWARES:
+        raise RigError(f"{what}: there is no protocol '{spoken}'; there are {', '.join(FIRMWARES)}")
+    return (what, "--protocol", spoken), spoken
+
+
+def _speaks_one(what: str, protocol: str | None, own: str | None) -> None:
+    if protocol not in {None, own}:
+        raise RigError(f"{what} speaks one protocol, and no other: leave out protocol='{protocol}'")

@@ -1,0 +1,92 @@
+"""A session of tests as one page of HTML that needs no other file: what failed, and what is known of it."""
+
+import base64
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+from typing import Final
+
+PICTURED: Final = 20
+"""So many failures show their pictures; those of the others are in their folders. Each takes about 300 kB."""
+LOOK: Final = """
+body { font: 15px/1.5 sans-serif; color: #222; max-width: 64em; margin: 2em auto; padding: 0 1em }
+pre { background: #f6f6f6; padding: .7em; overflow-x: auto; font-size: 13px }
+table { border-collapse: collapse; font-size: 13px }
+th, td { border-bottom: 1px solid #ddd; padding: .2em .7em; text-align: left; vertical-align: top }
+td.number { text-align: right; font-variant-numeric: tabular-nums }
+img { max-width: 100% } .failed, .error { color: #a00; font-weight: bold } .skipped { color: #666 }
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """One test as it ended."""
+
+    name: str
+    outcome: str
+    """passed, failed, error, skipped."""
+    seconds: float
+    of: str
+    """Robot and seed, where it has them."""
+    error: str = ""
+    """The traceback; the reason, where it was skipped."""
+    sections: tuple[tuple[str, str], ...] = ()
+    """What was told of the robot, of programs, and printed: heading and text."""
+    kept: str = ""
+    """The folder of its recording, where there is one."""
+    again: str = ""
+    """The line that runs it again."""
+
+
+def page(title: str, ended: Iterable[Outcome]) -> str:
+    """Return the page: the failures, each whole, and all tests in a table."""
+    outcomes = tuple(ended)
+    failed = [one for one in outcomes if one.outcome in {"failed", "error"}]
+    counted = Counter(one.outcome for one in outcomes)
+    summary = ", ".join(f"{count} {outcome}" for outcome, count in sorted(counted.items())) or "no tests"
+    body = "".join(part for place, one in enumerate(failed) for part in _failure(place, one))
+    return (
+        f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
+        f"<style>{LOOK}</style></head><body><h1>{escape(title)}</h1><p>{summary}</p>{_contents(failed)}"
+        f"{body}<h2>All tests</h2>{_table(outcomes)}</body></html>\n"
+    )
+
+
+def _contents(failed: Sequence[Outcome]) -> str:
+    rows = "".join(
+        f'<li><a href="#failure{place}">{escape(one.name)}</a></li>' for place, one in enumerate(failed)
+    )
+    return f"<ol>{rows}</ol>"
+
+
+def _failure(place: int, one: Outcome) -> Iterator[str]:
+    yield f'<h2 id="failure{place}">{escape(one.name)} <span class="{one.outcome}">{one.outcome}</span></h2>'
+    yield f"<p>{escape(one.of)}</p><p>again: <code>{escape(one.again)}</code></p>"
+    yield f"<pre>{escape(one.error)}</pre>"
+    for heading, text in one.sections:
+        yield f"<h3>{escape(heading)}</h3><pre>{escape(text)}</pre>"
+    pictures = sorted(Path(one.kept).glob("*.png")) if one.kept else []
+    if place < PICTURED:
+        yield from map(_picture, pictures)
+    elif pictures:
+        yield f"<p>{len(pictures)} pictures are in {escape(one.kept)}</p>"
+
+
+def _picture(path: Path) -> str:
+    drawn = base64.b64encode(path.read_bytes()).decode("ascii")
+    return f'<p><img alt="{escape(path.stem)}" src="data:image/png;base64,{drawn}"></p>'
+
+
+def _table(outcomes: Sequence[Outcome]) -> str:
+    heads = "".join(f"<th>{head}</th>" for head in ("", "test", "of", "took", "why"))
+    return f"<table><tr>{heads}</tr>{''.join(map(_row, outcomes))}</table>"
+
+
+def _row(one: Outcome) -> str:
+    why = one.error if one.outcome == "skipped" else ""
+    return (
+        f'<tr><td class="{one.outcome}">{one.outcome}</td><td>{escape(one.name)}</td>'
+        f'<td>{escape(one.of)}</td><td class="number">{one.seconds:.2f} s</td><td>{escape(why)}</td></tr>'
+    )

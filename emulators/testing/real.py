@@ -1,0 +1,90 @@
+"""Real drives in a test, in the place of emulated ones: asked whether they are there, and stopped after."""
+
+import json
+from collections.abc import Callable, Iterator
+from typing import Final
+from unittest import SkipTest
+
+from emulators.testing.buses import Bus
+from emulators.testing.emulated import READY_WITHIN_S, Start
+from emulators.testing.errors import RigError
+from emulators.testing.process import Process
+from firmware_bridge.cli.node_numbers import numbers
+from firmware_bridge.wire.maxon.frame import Generation
+
+LINE: Final = "v1:/dev/ttyUSB0"
+"""How a line is said."""
+VELOCITY: Final = "0x2028"
+"""Averaged; the plain one, 0x606C, trembles by a count a millisecond."""
+AT_REST_RPM: Final = 5
+"""ASSUME: slower than that a motor behind its gear is as good as at rest."""
+LOOKS: Final = 20
+"""Each takes half a second, the time of a process."""
+
+
+class RealDrives:
+    """The drives that are on a bus or behind a line; SkipTest for what can be done to emulated ones only."""
+
+    def __init__(self, start: Start, line: str | None, *, moved: bool) -> None:
+        """Know the line, as --serial-line has it, and whether they may be commanded; RigError for no line."""
+        self._start: Final = start
+        self._moved: Final = moved
+        self._taken: Final[list[tuple[str, ...]]] = []
+        spoken, _, self._device = (line or LINE).partition(":")
+        if not self._device or spoken not in {one.value for one in Generation}:
+            raise RigError(f"--serial-line {line}: say PROTOCOL:DEVICE, as {LINE} or v2:/dev/ttyUSB0")
+        self._line: Final = None if line is None else ("--serial", self._device, "--protocol", spoken)
+
+    def __call__(self, nodes: str = "1", *more: str, on: Bus | None = None) -> str:
+        """See that they answer, and return where they are, as for emulated ones; nothing is written.
+
+        AssertionError, with what was printed, for one that does not answer.
+        """
+        if more:
+            raise SkipTest(f"real drives are what they are, and take no {more[0]}")
+        place = self._line if on is None else on.words
+        if place is None:
+            raise SkipTest(f"needs a line to real drives: --serial-line {LINE}")
+        for node in numbers(nodes):
+            self._asked("state", "--node", str(node), *place)
+            self._taken.append(("--node", str(node), *place))
+        return self._device if on is None else on.channel
+
+    def lose_power(self, nodes: str) -> None:
+        """Skip the test."""
+        raise SkipTest(f"nobody here can take the power from the real drives {nodes}")
+
+    def finish(self) -> None:
+        """Bring those that may have been commanded to rest, and then take their power off.
+
+        All are stopped before one is waited for. AssertionError for the first that could not be; the others
+        are, and one that goes on turning keeps its power, and is held by its quick stop.
+        """
+        failures = [*self._each(self._stop), *self._each(self._let_go)] if self._moved else []
+        self._taken.clear()
+        if failures:
+            raise failures[0]
+
+    def _each(self, does: Callable[[tuple[str, ...]], None]) -> Iterator[AssertionError]:
+        for one in self._taken:
+            try:
+                does(one)
+            except AssertionError as failure:
+                yield failure
+
+    def _stop(self, one: tuple[str, ...]) -> None:
+        self._asked("state", "quick-stop", *one)
+
+    def _let_go(self, one: tuple[str, ...]) -> None:
+        for _ in range(LOOKS):
+            program = self._asked("read", VELOCITY, "--json", *one)
+            if abs(json.loads(program.printed)["objects"][0]["value"]) <= AT_REST_RPM:
+                self._asked("state", "disable", *one)
+                return
+        raise program.failed(f"it still turns after {LOOKS} looks, and keeps its power")
+
+    def _asked(self, *words: str) -> Process:
+        program = self._start(("epos2", *words))
+        if program.ends(READY_WITHIN_S) != 0:
+            raise program.failed(f"ended with {program.status}")
+        return program

@@ -1,0 +1,74 @@
+"""Devices in real time, before they are started: which bus, whose turn, and what cannot be."""
+
+import tempfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import pytest
+
+from emulators.testing import buses, emulated
+from emulators.testing.buses import GROUPS, Bus, Turns
+from emulators.testing.errors import RigError
+from emulators.testing.process import Process
+from hil_tests.rows import every
+
+
+def never(words: Sequence[str]) -> Process:
+    raise AssertionError(f"nothing is to be started: {words}")
+
+
+@pytest.fixture
+def interfaces(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setattr(buses, "INTERFACES", tmp_path)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    return tmp_path
+
+
+def test_vcan_is_taken_where_it_is_and_else_datagrams(interfaces: Path) -> None:
+    assert buses.buses(None)[0] == Bus("udp_multicast", GROUPS[0])
+    assert buses.buses("vcan") == (Bus("socketcan", "vcan0"),), "so that its absence is said by its name"
+    for name in ("vcan1", "can0", "vcan0"):
+        (interfaces / name).touch()
+    assert buses.buses(None) == (Bus("socketcan", "vcan0"), Bus("socketcan", "vcan1"))
+    assert buses.buses("udp_multicast")[0].interface == "udp_multicast"
+    assert buses.buses("pcan:PCAN_USBBUS1") == (Bus("pcan", "PCAN_USBBUS1"),)
+
+
+@pytest.mark.usefixtures("interfaces")
+def test_two_tests_at_once_are_on_two_buses_and_one_that_is_given_back_is_taken_again() -> None:
+    several = (Bus("one", "a/b"), Bus("two", "c"))
+    first, second = Turns(), Turns()
+    assert first.takes(several) == several[0]
+    assert second.takes(several) == several[1]
+    first.finish()
+    third = Turns()
+    assert third.takes(several) == several[0]
+    for one in (second, third):
+        one.finish()
+
+
+@every(
+    ("wrong", "said"),
+    [
+        (lambda _: buses.buses("virtual:x"), "inside one process"),
+        (
+            lambda _: buses.buses("can0"),
+            "there is no bus 'can0'; say vcan, udp_multicast or INTERFACE:CHANNEL",
+        ),
+        (lambda folder: emulated.board(never, folder, "mw", (), "firmata"), "mw speaks one protocol"),
+        (lambda folder: emulated.board(never, folder, "ar2", (), "mw"), "ar2 speaks one protocol"),
+        (lambda folder: emulated.board(never, folder, "rars", (), None), "rars has not one board"),
+        (lambda folder: emulated.board(never, folder, "rome_arm", (), None), "rome_arm has not one board"),
+        (
+            lambda folder: emulated.board(never, folder, "rome", (), "rs232"),
+            "no protocol 'rs232'; there are mw",
+        ),
+        (lambda folder: emulated.Drives(never, folder).lose_power("2"), "no drives '2' .*: none yet"),
+    ],
+)
+def test_what_cannot_be_is_said_in_one_line(
+    tmp_path: Path, wrong: Callable[[Path], object], said: str
+) -> None:
+    with pytest.raises(RigError, match=said) as error:
+        wrong(tmp_path)
+    assert "\n" not in str(error.value)
