@@ -1,27 +1,22 @@
 """The bridge alone: on each of its links it hears what everybody else was recorded to have said there.
 
-The bench's own recordings begin with the run. In one of a real robot the bridge was switched on as long before
-its first word to a device as a bridge that hears nothing takes for it. A bus carries both ways in one. To a
-line the bridge speaks through the wire that was there, and what it has heard comes at its recorded instant.
+The bench's own recordings begin with the run, and what the bridge has sent is in them when it has passed a
+wire. A real robot's has it as it leaves the bridge, which was switched on as long before its first word as
+a bridge that hears nothing takes for it.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
-from types import MappingProxyType
 from typing import Final
 
-from emulators.line import line_of
-from emulators.replay.comparison import Comparison, Frames, Messages
-from emulators.replay.files import Files, files_of
+from emulators.replay.comparison import EXACT, RESOLUTION, Comparison, Frames, Messages
+from emulators.replay.machine import Machine, machine_of
 from emulators.replay.order import Order
 from emulators.replay.player import Player
-from emulators.replay.recordings import Entry, Recording, RecordingFileError, read_can, read_lines, read_telemetry
-from emulators.replay.senders import BRIDGE, OPERATOR_STATION, Sent, chunks_of, frames_of, messages_of
+from emulators.replay.recordings import RecordingFileError
+from emulators.replay.senders import BRIDGE, OPERATOR_STATION, Sent
 from emulators.replay.stage import (
     RECORDING,
     Stage,
-    begin_of,
     call_at,
     end_of,
     first_of,
@@ -29,19 +24,82 @@ from emulators.replay.stage import (
     script_of,
     to_compare,
 )
-from emulators.wires import CanWire, DatagramWire, SerialWire
-from emulators.world import Wire, World
-from firmware_bridge.bridge import Bridge
+from emulators.replay.told import Told, told_to
+from emulators.world import World
 from firmware_bridge.dissector import kinds_of
 from firmware_bridge.dissector.canopen import service_name
-from firmware_bridge.kinds import kind_of
-from firmware_bridge.node import CAN, OPERATOR, Node
+from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.capture import CaptureDriver
-from firmware_bridge.robot.settings.epos2 import Epos2Driver
-from firmware_bridge.safety.guard import guarded
-from firmware_bridge.units import SECOND, Nanoseconds
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 UNHEARD: Final[Nanoseconds] = 60 * SECOND
 """A bridge that says nothing for so long says nothing."""
+LOOK_EVERY: Final[Nanoseconds] = 50 * MILLISECOND
+
+
+def on_all_links(order: Order) -> Stage:
+    """Put the bridge on its links with what was said there; RecordingFileError."""
+    told = told_to(order)
+    lead, start = (0, 0) if told.virtual else _switched_on(order, told)
+    sent = {name: not_after(order, told.on(name, lead), lead) for name in told.links}
+    world, machine = World(), machine_of(order, timed=told.virtual)
+    script = [
+        (at, Packet(name, packet.address, packet.payload))
+        for name, all_ in sent.items()
+        for at, packet in script_of(_others(all_), machine.lanes[name].duration)
+    ]
+    script.sort(key=lambda one: one[0])
+    said = [one for one in script if one[1].link == OPERATOR]
+    world.attach(RECORDING, Player([one for one in script if one[1].link != OPERATOR]), machine.devices)
+    call_at(world, start, partial(world.attach, BRIDGE, machine.node, machine.wires))
+    world.attach(OPERATOR_STATION, Player(said), {OPERATOR: machine.wires[OPERATOR]})
+    end = end_of(order, *sent.values())
+    comparisons = tuple(_compared(order, machine, name, all_, end) for name, all_ in sent.items())
+    recorded = sorted((one for all_ in sent.values() for one in all_), key=lambda one: one.entry.at)
+    return Stage(world.run, comparisons, recorded, len(script), end, lead, kinds=kinds_of(order.robot))
+
+
+def _others(sent: list[Sent]) -> list[Sent]:
+    return [one for one in sent if one.sender != BRIDGE]
+
+
+def _compared(order: Order, machine: Machine, name: str, sent: list[Sent], end: Nanoseconds) -> Comparison:
+    """Compare what the bridge sends on a link with what it is recorded to have sent there."""
+    wire, kind = machine.lanes[name].wire, machine.lanes[name].kind
+    if kind == OPERATOR:
+        answers = Messages((one for one in sent if one.sender == BRIDGE), BRIDGE)
+        wire.observe(answers.take)
+        return answers
+    own, link = to_compare(order, sent, (BRIDGE,)), CAN if kind == CAN else name
+    frames = Frames(
+        own, (BRIDGE,), order.tolerance, end, link=link, resolution=RESOLUTION if kind == CAN else EXACT
+    )
+
+    def note(now: Nanoseconds, sender: str, packet: Packet) -> None:
+        if kind != CAN or service_name(packet) not in order.without:
+            frames.take(now, sender, packet)
+
+    wire.observe(note)
+    return frames
+
+
+def _switched_on(order: Order, told: Told) -> tuple[Nanoseconds, Nanoseconds]:
+    """Return what is to be left before the recording, and when the bridge was started, counted from there.
+
+    A bridge that hears nothing is asked: it says its first word on a link that is in the recording.
+    """
+    world, machine = World(), machine_of(order, timed=False)
+    spoken: dict[str, Nanoseconds] = {}
+    for name in told.links:
+        if first_of(told.on(name), BRIDGE) is not None:
+            machine.lanes[name].wire.observe(
+                lambda now, _sender, _packet, name=name: spoken.setdefault(name, now)
+            )
+    world.attach(BRIDGE, machine.node, machine.wires)
+    while not spoken:
+        if world.now >= UNHEARD:
+            raise RecordingFileError(f"{told.name}: nobody knows when the bridge of {order.robot.name} began")
+        world.run(world.now + LOOK_EVERY)
+    name, after = next(iter(spoken.items()))
+    own = first_of(told.on(name), BRIDGE)
+    return after, 0 if own is None else own.entry.at

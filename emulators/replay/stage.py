@@ -1,13 +1,12 @@
 """What a recording is played into, as seen by who plays it; and what all such worlds are made with."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
-from types import MappingProxyType
-from typing import Final
+from dataclasses import dataclass, field
+from typing import Final, TypeAlias
 
 from emulators.replay.comparison import Comparison
 from emulators.replay.order import Order
-from emulators.replay.recordings import RESOLUTION, duration_of
+from emulators.replay.recordings import RESOLUTION
 from emulators.replay.senders import Sent
 from emulators.world import World
 from firmware_bridge.dissector.canopen import service_name
@@ -16,6 +15,8 @@ from firmware_bridge.units import NEVER, Nanoseconds
 
 RECORDING: Final = "recording"
 """The station that plays what was recorded."""
+Duration: TypeAlias = Callable[[Packet], Nanoseconds]
+"""How long a packet takes on its link."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +32,7 @@ class Stage:
     lead: Nanoseconds = 0
     """The instant at which the recording begins."""
     finish: Callable[[], None] = lambda: None
-    kinds: Mapping[str, str] = MappingProxyType({})
+    kinds: Mapping[str, str] = field(default_factory=dict)
     """The kinds of links that are called otherwise, as `dissector.Dissector` takes them."""
 
 
@@ -58,16 +59,16 @@ def first_of(sent: Sequence[Sent], sender: str) -> Sent | None:
     return next((one for one in sent if one.sender == sender), None)
 
 
-def begin_of(sent: Sent, bit_time: Nanoseconds) -> Nanoseconds:
+def begin_of(sent: Sent, duration: Duration) -> Nanoseconds:
     """Return when a packet began; what stands in a recording is when it had wholly arrived."""
-    return sent.entry.at - duration_of(sent.entry.packet, bit_time)
+    return sent.entry.at - duration(sent.entry.packet)
 
 
-def script_of(sent: Sequence[Sent], bit_time: Nanoseconds) -> list[tuple[Nanoseconds, Packet]]:
+def script_of(sent: Sequence[Sent], duration: Duration) -> list[tuple[Nanoseconds, Packet]]:
     """Return when each packet is to begin."""
     begin, script = 0, []
     for one in sent:
-        begin = max(begin, begin_of(one, bit_time))
+        begin = max(begin, begin_of(one, duration))
         script.append((begin, one.entry.packet))
     return script
 

@@ -7,37 +7,46 @@ message, and the bridge with its first frame, is switched on for that instant. A
 before, and nobody hears it boot. A drive that says nothing in a recording stays off the bus.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
 from functools import partial
 from types import MappingProxyType
 from typing import Final
 
 from emulators.bench.rehearsal import rehearsal_of
 from emulators.devices import devices
-from emulators.replay.comparison import Comparison, Frames, Messages
+from emulators.recorded import FRAMES, WORDS
+from emulators.replay.comparison import Frames, Messages
+from emulators.replay.files import one_file
+from emulators.replay.on_all_links import on_all_links
 from emulators.replay.order import Into, Order
 from emulators.replay.player import Player
 from emulators.replay.recordings import (
-    RESOLUTION,
     Recording,
     RecordingFileError,
     duration_of,
+    is_lines,
     is_telemetry,
     read_can,
     read_telemetry,
 )
-from emulators.replay.senders import BRIDGE, OPERATOR_STATION, Sent, frames_of, messages_of
+from emulators.replay.senders import BRIDGE, Sent, frames_of, messages_of
+from emulators.replay.stage import (
+    RECORDING,
+    Stage,
+    begin_of,
+    call_at,
+    end_of,
+    first_of,
+    not_after,
+    script_of,
+    to_compare,
+)
 from emulators.rig import Rig
-from emulators.wires import CanWire, DatagramWire
-from emulators.world import Wire, World
-from firmware_bridge.bridge import Bridge
+from emulators.wires import CanWire
+from emulators.world import World
 from firmware_bridge.dissector.canopen import service_name
-from firmware_bridge.kinds import kind_of
-from firmware_bridge.node import CAN, OPERATOR
+from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot.settings.epos2 import Epos2Driver
-from firmware_bridge.safety.guard import guarded
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire.canopen import ERROR_CONTROL, LSS_RESPONSE, NmtState, encode_heartbeat
 
@@ -60,17 +69,18 @@ def _drives(order: Order) -> Stage:
         raise RecordingFileError(f"{recording.name}: holds no frame of a drive of {robot.name}")
     emulated = devices(robot, order.plant)
     world, bus = World(emulated.bank), CanWire(robot.epos2_link(link).bit_rate)
+    duration = partial(duration_of, bit_time=bus.bit_time)
     for axis in robot.axes_on(link):
         name, first = axis.name, firsts.get(axis.name)
         boots = first is not None and _boots(first, axis.epos2.node)
-        start = begin_of(first, bus.bit_time) if first and boots and not recording.virtual else 0
+        start = begin_of(first, duration) if first and boots and not recording.virtual else 0
         call_at(world, start, partial(world.attach, name, emulated.drives[name], {CAN: bus}))
         if not boots:
             world.silence(name, 0)
         if first and not boots:
             call_at(world, max(lead, 1), partial(world.silence, name, NEVER))
     played = [one for one in frames if one.sender not in firsts and one.entry.packet.address != SHARED]
-    world.attach(RECORDING, Player(script_of(played, bus.bit_time)), {CAN: bus})
+    world.attach(RECORDING, Player(script_of(played, duration)), {CAN: bus})
     end = end_of(order, frames)
     comparison = Frames(to_compare(order, frames, firsts), firsts, order.tolerance, end)
 
@@ -84,18 +94,19 @@ def _drives(order: Order) -> Stage:
 
 def _bench(order: Order) -> Stage:
     """Put the robot on the bench with the recorded operator."""
-    if not is_telemetry(order.recording) or order.operator is not None:
+    file = one_file(order, WORDS)
+    if not is_telemetry(file) or order.operator is not None:
         raise RecordingFileError(
-            f"{order.recording.name}: the bench hears an operator, and wants one telemetry log (.tlog)"
+            f"{file.name}: the bench hears an operator, and wants one telemetry log (.tlog)"
         )
     robot = order.robot
-    recording = read_telemetry(order.recording)
+    recording = read_telemetry(file)
     messages = not_after(order, messages_of(recording.since(recording.start(0)), robot))
     if first_of(messages, BRIDGE) is None:
         raise RecordingFileError(f"{recording.name}: holds no message of the bridge of {robot.name}")
     said = [one for one in messages if one.sender != BRIDGE]
     answers = Messages((one for one in messages if one.sender == BRIDGE), BRIDGE)
-    operator = Player(script_of(said, 0))
+    operator = Player(script_of(said, lambda _: 0))
     rig = Rig(robot, rehearsal_of(robot), operator, plant_path=order.plant, stands=order.stands)
     rig.operator_wire.observe(answers.take)
     return Stage(rig.run, (answers,), messages, len(said), end_of(order, messages), finish=rig.finish)
@@ -109,14 +120,19 @@ STAGES: Final[Mapping[Into, Callable[[Order], Stage]]] = MappingProxyType(
 
 def _can_log(order: Order, lead: Nanoseconds) -> Recording:
     """Read the CAN log of an order; unless it is the bench's own, it begins at `lead`."""
-    if is_telemetry(order.recording):
+    file = one_file(order, FRAMES)
+    if is_telemetry(file):
         raise RecordingFileError(
-            f"{order.recording.name}: a telemetry log is played into the bench; give a CAN log, and this one"
+            f"{file.name}: a telemetry log is played into the bench; give a CAN log, and this one"
             " beside it with --operator"
         )
-    if order.into is Into.DRIVES and order.operator is not None:
+    if is_lines(file):
+        raise RecordingFileError(f"{file.name}: the drives hear a CAN bus; lines are played into the bridge")
+    if order.operator is not None:
         raise RecordingFileError(f"{order.operator.name}: the drives hear no operator")
-    recording = read_can(order.recording, order.channel)
+    if order.link not in order.robot.epos2_links:
+        raise RecordingFileError(f"{file.name}: {order.robot.name} has no drives on a CAN bus")
+    recording = read_can(file, order.channel)
     start = recording.start(CanWire(order.robot.epos2_link(order.link).bit_rate).bit_time)
     return recording.since(start if recording.virtual else start - lead)
 

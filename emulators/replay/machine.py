@@ -1,0 +1,112 @@
+"""The bridge behind its lines, and wires for all its links, as a recording of it wants them.
+
+A board's chip, and a bus, take the time that they took. On a line to drives what was heard came at an
+instant that only the recording knows, so it comes as it came.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from emulators.line import Line, line_of
+from emulators.replay.order import Order
+from emulators.replay.recordings import duration_of
+from emulators.replay.senders import BRIDGE
+from emulators.replay.stage import RECORDING
+from emulators.wires import CanWire, DatagramWire, SerialWire
+from emulators.wires.serial import BITS_PER_BYTE
+from emulators.wires.usb import ChunkWire
+from emulators.world import Station, Wire
+from firmware_bridge.bridge import Bridge
+from firmware_bridge.dissector import kinds_of
+from firmware_bridge.kinds import kind_of
+from firmware_bridge.node import CAN, OPERATOR, Node
+from firmware_bridge.packet import Packet
+from firmware_bridge.safety.guard import guarded
+from firmware_bridge.units import SECOND, Nanoseconds
+
+
+class PlayedLine(SerialWire):
+    """A line on which what `RECORDING` says arrives whole, when its last byte has passed."""
+
+    def duration(self, packet: Packet) -> Nanoseconds:
+        """Return how long the bytes take, in ns."""
+        return len(packet.payload) * BITS_PER_BYTE * SECOND // self.baud
+
+    def carry(self, sender: Station, packet: Packet) -> None:
+        """Queue the bridge's bytes; bring the recording's."""
+        if sender.name == RECORDING:
+            world = self._ends.world
+            world.call_at(world.now + self.duration(packet), self._bring, (sender, packet))
+        else:
+            super().carry(sender, packet)
+
+    def _bring(self, flight: tuple[Station, Packet]) -> None:
+        self._ends.hand_over(*flight)
+
+
+@dataclass(frozen=True, slots=True)
+class Lane:
+    """One link: what is said on it, its wire, and how long a packet takes there."""
+
+    kind: str
+    """As of `dissector.KINDS`."""
+    wire: CanWire | SerialWire | DatagramWire
+    duration: Callable[[Packet], Nanoseconds]
+
+
+Lanes: TypeAlias = dict[str, Lane]
+
+
+@dataclass(frozen=True, slots=True)
+class Machine:
+    """The bridge, and its links by their names."""
+
+    node: Node
+    lanes: Mapping[str, Lane]
+
+    @property
+    def wires(self) -> dict[str, Wire]:
+        """All wires."""
+        return {name: lane.wire for name, lane in self.lanes.items()}
+
+    @property
+    def devices(self) -> dict[str, Wire]:
+        """Those to devices."""
+        return {name: wire for name, wire in self.wires.items() if name != OPERATOR}
+
+
+def machine_of(order: Order, *, timed: bool) -> Machine:
+    """Return a bridge that was not woken yet; not `timed`, all but a bus takes no time."""
+    robot = order.robot
+    bridge = Bridge(robot, kind_of(robot), stands=order.stands)
+    node: Node = guarded(bridge, robot)
+    lanes = {name: _untimed(name, kind) for name, kind in kinds_of(robot).items() if kind != CAN}
+    for fleet in bridge.fleets.all:
+        line = line_of(robot, node, fleet.link, BRIDGE)
+        if line is None:
+            lanes[fleet.name] = _bus(robot.epos2_link(fleet.name).bit_rate)
+            continue
+        node = line.adapter
+        if not timed:
+            continue
+        kind = lanes[fleet.name].kind
+        if isinstance(line, Line):
+            played = PlayedLine(line.wire.baud, name=fleet.name)
+            lanes[fleet.name] = Lane(kind, played, played.duration)
+        else:
+            lanes[fleet.name] = _chunks(kind, line.wire)
+    return Machine(node, {**lanes, OPERATOR: _untimed(OPERATOR, OPERATOR)})
+
+
+def _untimed(name: str, kind: str) -> Lane:
+    return Lane(kind, DatagramWire(name=name), lambda _: 0)
+
+
+def _bus(bit_rate: int) -> Lane:
+    bus = CanWire(bit_rate)
+    return Lane(CAN, bus, lambda packet: duration_of(packet, bus.bit_time))
+
+
+def _chunks(kind: str, wire: ChunkWire) -> Lane:
+    return Lane(kind, wire, lambda _: wire.delay)
