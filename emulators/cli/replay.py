@@ -53,7 +53,8 @@ class ReplayOptions:
         typer.Argument(
             metavar="RECORDING",
             help="The folder of a run, as `bench` and `drive --record` leave it; or a CAN log as "
-            "`candump -l` writes it, what lines have carried (serial.log), or a telemetry log (.tlog); also .gz, .xz.",
+            "`candump -l` writes it, what lines have carried (serial.log), or a telemetry log (.tlog); "
+            "also .gz, .xz.",
             show_default=False,
         ),
     ]

@@ -8,14 +8,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from emulators.line import Line, line_of
+from emulators.line import AnyLine, Line, line_of
 from emulators.replay.order import Order
 from emulators.replay.recordings import duration_of
 from emulators.replay.senders import BRIDGE
 from emulators.replay.stage import RECORDING
 from emulators.wires import CanWire, DatagramWire, SerialWire
 from emulators.wires.serial import BITS_PER_BYTE
-from emulators.wires.usb import ChunkWire
 from emulators.world import Station, Wire
 from firmware_bridge.bridge import Bridge
 from firmware_bridge.dissector import kinds_of
@@ -84,18 +83,13 @@ def machine_of(order: Order, *, timed: bool) -> Machine:
     lanes = {name: _untimed(name, kind) for name, kind in kinds_of(robot).items() if kind != CAN}
     for fleet in bridge.fleets.all:
         line = line_of(robot, node, fleet.link, BRIDGE)
-        if line is None:
-            lanes[fleet.name] = _bus(robot.epos2_link(fleet.name).bit_rate)
-            continue
-        node = line.adapter
-        if not timed:
-            continue
-        kind = lanes[fleet.name].kind
-        if isinstance(line, Line):
-            played = PlayedLine(line.wire.baud, name=fleet.name)
-            lanes[fleet.name] = Lane(kind, played, played.duration)
-        else:
-            lanes[fleet.name] = _chunks(kind, line.wire)
+        if line is not None:
+            node = line.adapter
+            if timed:
+                lanes[fleet.name] = _as_it_was(lanes[fleet.name].kind, line)
+    for name, link in robot.epos2_links.items():
+        if name not in lanes:
+            lanes[name] = _bus(link.bit_rate)
     return Machine(node, {**lanes, OPERATOR: _untimed(OPERATOR, OPERATOR)})
 
 
@@ -108,5 +102,9 @@ def _bus(bit_rate: int) -> Lane:
     return Lane(CAN, bus, lambda packet: duration_of(packet, bus.bit_time))
 
 
-def _chunks(kind: str, wire: ChunkWire) -> Lane:
-    return Lane(kind, wire, lambda _: wire.delay)
+def _as_it_was(kind: str, line: AnyLine) -> Lane:
+    if isinstance(line, Line):
+        played = PlayedLine(line.wire.baud, name=line.link.name)
+        return Lane(kind, played, played.duration)
+    chunks = line.wire
+    return Lane(kind, chunks, lambda _: chunks.delay)

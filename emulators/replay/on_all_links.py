@@ -70,13 +70,14 @@ def _compared(order: Order, machine: Machine, name: str, sent: list[Sent], end: 
         answers = Messages((one for one in sent if one.sender == BRIDGE), BRIDGE)
         wire.observe(answers.take)
         return answers
-    own, link = to_compare(order, sent, (BRIDGE,)), CAN if kind == CAN else name
-    frames = Frames(
-        own, (BRIDGE,), order.tolerance, end, link=link, resolution=RESOLUTION if kind == CAN else EXACT
-    )
+    own = to_compare(order, sent, (BRIDGE,))
+    link, resolution = (CAN, RESOLUTION) if kind == CAN else (name, EXACT)
+    frames = Frames(own, (BRIDGE,), order.tolerance, end, link=link, resolution=resolution)
 
     def note(now: Nanoseconds, sender: str, packet: Packet) -> None:
-        if kind != CAN or service_name(packet) not in order.without:
+        # What is said on a line's other wires has no bytes, and is in no recording.
+        compared = service_name(packet) not in order.without if kind == CAN else bool(packet.payload)
+        if compared:
             frames.take(now, sender, packet)
 
     wire.observe(note)

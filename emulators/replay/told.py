@@ -54,7 +54,7 @@ def told_to(order: Order) -> Told:
     buses = [name for name, kind in kinds.items() if kind == CAN]
     found: dict[str, Recording] = {}
     if files.frames is not None:
-        if not buses:
+        if not buses and files.frames is order.recording:
             raise RecordingFileError(
                 f"{files.frames.name}: the bridge of {robot.name} is on a serial line, and sends no CAN"
                 " frame; give its serial.log, or the folder of the run"
@@ -67,7 +67,7 @@ def told_to(order: Order) -> Told:
     if missing:
         raise RecordingFileError(
             f"{order.recording.name}: holds nothing of {robot.name}'s link {_named(missing)}; give the folder"
-            " of a run that has all of its links, and --serial where it went over a line"
+            " of a run that has all of its links"
         )
     if files.words is not None:
         found[OPERATOR] = read_telemetry(files.words)
@@ -77,7 +77,7 @@ def told_to(order: Order) -> Told:
     _at_one_time(tuple(found.values()))
     told = Told(robot, {name: one.since(begin) for name, one in found.items()}, virtual)
     if not any(one.sender == BRIDGE for name in kinds for one in told.on(name)):
-        raise RecordingFileError(f"{told.name}: holds no word of a bridge of {robot.name} to its devices")
+        raise RecordingFileError(f"{told.name}: holds no word of a bridge to the devices of {robot.name}")
     return told
 
 
@@ -87,7 +87,8 @@ def _by_link(recording: Recording, robot: AnyRobot, known: set[str]) -> dict[str
     for place, one in enumerate(recording.entries):
         if one.packet.link not in known:
             raise RecordingFileError(
-                f"{one.where}: {robot.name} has no line '{one.packet.link}'; it has: {_named(sorted(known))}"
+                f"{one.where}: {robot.name} has no line '{one.packet.link}'; it has: {_named(sorted(known))};"
+                " for drives over a serial line say --serial"
             )
         entries.setdefault(one.packet.link, []).append(place)
     return {

@@ -78,7 +78,7 @@ ORDERS: dict[str, tuple[Into, str, str | None, str]] = {
     "telemetry into the bridge": (Into.BRIDGE, "a.tlog", None, "a telemetry log is played into the bench"),
     "frames into the bench": (Into.BENCH, "a.log", None, "wants one telemetry log"),
     "the drives' operator": (Into.DRIVES, "a.log", "a.tlog", "a.tlog: the drives hear no operator"),
-    "a bridge that is silent": (Into.BRIDGE, "silent.log", None, "holds no frame of a bridge"),
+    "a bridge that is silent": (Into.BRIDGE, "silent.log", None, "holds no word of a bridge"),
     "nobody answers": (Into.BENCH, "a.tlog", None, "a.tlog: holds no message of the bridge of rars"),
     "another day's operator": (Into.BRIDGE, "a.log", "b.tlog", "b.tlog: was recorded at another time"),
 }
