@@ -34,9 +34,14 @@ _CANDUMP: Final = re.compile(
     r"(?: +[TR])?\s*"
 )
 _CHUNK: Final = re.compile(
-    r"\((?P<seconds>\d+)\.(?P<fraction>\d{9})\) (?P<link>\S+) (?P<way>[RT])"
+    r"\((?P<seconds>\d+)\.(?P<fraction>\d{6}|\d{9})\) (?P<link>\S+) (?P<way>[RT])"
     r"(?: (?P<host>\S+):(?P<port>\d+))?(?P<bytes>(?: [0-9A-Fa-f]{2})*)\s*"
 )
+
+_MEANT: Final = re.compile(r"\S+ \S+ [RT]( |$)")
+
+_SHOWN: Final = 80
+"""So many characters of a line that cannot be read are shown."""
 
 
 class RecordingError(Exception):
@@ -118,20 +123,32 @@ def chunk_line(
     return f"({seconds:010d}.{rest:09d}) {' '.join(filter(None, words))}"
 
 
+def is_chunk(line: str) -> bool:
+    """Return whether a line of text is meant as one of `chunk_line`, though it may be damaged."""
+    return _MEANT.match(line) is not None
+
+
 def parse_chunk(line: str, epoch: Nanoseconds = EPOCH) -> tuple[Nanoseconds, Direction, Packet]:
-    """Return what `chunk_line` has written: instant, direction, packet; RecordingError for any other line."""
+    """Return what `chunk_line` has written: instant, direction, packet; RecordingError for any other line.
+
+    Instants that are cut to microseconds are taken, too.
+    """
     match = _CHUNK.fullmatch(line)
     if match is None:
-        raise RecordingError(f"not a line of bytes, like '(12.345678000) board T 62 0D': {line!r}")
+        raise RecordingError(f"no line of bytes, as '(12.345678000) board T 62 0D': {_shown(line)}")
     address = 0
     if match["host"]:
         try:
             address = number_of(match["host"].strip("[]"), int(match["port"]))
         except ValueError as error:
             raise RecordingError(f"no place '{match['host']}:{match['port']}': {error}") from None
-    at = int(match["seconds"]) * SECOND + int(match["fraction"]) - epoch
+    at = int(match["seconds"]) * SECOND + int(match["fraction"].ljust(9, "0")) - epoch
     direction = Direction.HEARD if match["way"] == "R" else Direction.SENT
     return at, direction, Packet(match["link"], address, bytes.fromhex(match["bytes"]))
+
+
+def _shown(line: str) -> str:
+    return repr(line if len(line) <= _SHOWN else line[:_SHOWN] + "...")
 
 
 def parse_candump(line: str, epoch: Nanoseconds = EPOCH) -> tuple[Nanoseconds, str, Packet]:

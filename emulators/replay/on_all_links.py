@@ -8,11 +8,11 @@ a bridge that hears nothing takes for it.
 from functools import partial
 from typing import Final
 
-from emulators.replay.comparison import EXACT, RESOLUTION, Comparison, Frames, Messages
+from emulators.replay.comparison import EXACT, Comparison, Frames, Messages
 from emulators.replay.machine import Machine, machine_of
 from emulators.replay.order import Order
 from emulators.replay.player import Player
-from emulators.replay.recordings import RecordingFileError
+from emulators.replay.recordings import RESOLUTION, RecordingFileError
 from emulators.replay.senders import BRIDGE, OPERATOR_STATION, Sent
 from emulators.replay.stage import (
     RECORDING,
@@ -25,6 +25,7 @@ from emulators.replay.stage import (
     to_compare,
 )
 from emulators.replay.told import Told, told_to
+from emulators.wires import Observer
 from emulators.world import World
 from firmware_bridge.dissector import kinds_of
 from firmware_bridge.dissector.canopen import service_name
@@ -93,9 +94,7 @@ def _switched_on(order: Order, told: Told) -> tuple[Nanoseconds, Nanoseconds]:
     spoken: dict[str, Nanoseconds] = {}
     for name in told.links:
         if first_of(told.on(name), BRIDGE) is not None:
-            machine.lanes[name].wire.observe(
-                lambda now, _sender, _packet, name=name: spoken.setdefault(name, now)
-            )
+            machine.lanes[name].wire.observe(_noting(spoken, name))
     world.attach(BRIDGE, machine.node, machine.wires)
     while not spoken:
         if world.now >= UNHEARD:
@@ -104,3 +103,11 @@ def _switched_on(order: Order, told: Told) -> tuple[Nanoseconds, Nanoseconds]:
     name, after = next(iter(spoken.items()))
     own = first_of(told.on(name), BRIDGE)
     return after, 0 if own is None else own.entry.at
+
+
+def _noting(spoken: dict[str, Nanoseconds], name: str) -> Observer:
+    def note(now: Nanoseconds, _sender: str, packet: Packet) -> None:
+        if packet.payload or packet.link == CAN:
+            spoken.setdefault(name, now)
+
+    return note

@@ -15,7 +15,14 @@ from typing import Final
 
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet
-from firmware_bridge.recording import Direction, RecordingError, parse_candump, parse_chunk, parse_tlog
+from firmware_bridge.recording import (
+    Direction,
+    RecordingError,
+    is_chunk,
+    parse_candump,
+    parse_chunk,
+    parse_tlog,
+)
 from firmware_bridge.units import MICROSECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.can import ERROR, frame_bits
 
@@ -111,13 +118,7 @@ def read_can(path: Path, channel: str | None) -> Recording:
 
 def is_lines(path: Path) -> bool:
     """Tell whether a file is a log of serial lines or of cameras, by its first line; RecordingFileError."""
-    if is_telemetry(path):
-        return False
-    try:
-        parse_chunk(next(filter(str.strip, _lines(path)), ""))
-    except (RecordingError, RecordingFileError):
-        return False
-    return True
+    return not is_telemetry(path) and is_chunk(next(filter(str.strip, _lines(path)), ""))
 
 
 def read_lines(path: Path) -> Recording:
@@ -129,10 +130,8 @@ def read_lines(path: Path) -> Recording:
         where = f"{path.name}, line {number}"
         try:
             at, direction, packet = parse_chunk(line)
-        except RecordingError:
-            raise RecordingFileError(
-                f"{where}: no line of bytes, as '(12.345678000) board T 62 0D': {_shown(line)}"
-            ) from None
+        except RecordingError as error:
+            raise RecordingFileError(f"{where}: {error}") from None
         entries.append(Entry(at, packet, where, direction))
     if not entries:
         raise RecordingFileError(f"{path.name}: holds nothing that a line has carried")

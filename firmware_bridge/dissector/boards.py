@@ -95,6 +95,8 @@ class MwLine(BoardLine):
         self._commands = mw.AskedReader()
         self._answers = mw.AnswerReader()
         self._libraries: tuple[str, ...] = mw.LIBRARIES
+        self._told = b""
+        """The newest bytes of the board: its banner may come in parts."""
         self._request: Any = None
 
     def asked(self, chunk: bytes) -> Iterator[str]:
@@ -116,9 +118,10 @@ class MwLine(BoardLine):
 
     def told(self, chunk: bytes) -> Iterator[str]:
         """Yield answers and what is said for people."""
-        if chunk == mw.BANNER:
+        self._told = (self._told + chunk)[-len(mw.BANNER) - len(chunk) + 1 :]
+        if mw.BANNER in self._told:
+            self._told = b""
             yield "the board has begun"
-            return
         damaged = self._answers.damaged
         for found in self._answers.hear(chunk):
             yield self._traced(found) if isinstance(found, mw.Traced) else self._answered(found)
