@@ -31,10 +31,13 @@ from firmware_bridge.dissector import kinds_of
 from firmware_bridge.dissector.canopen import service_name
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet
+from firmware_bridge.robot.settings.ar2 import Ar2Firmware
+from firmware_bridge.robot.settings.shield import ShieldProtocol
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 UNHEARD: Final[Nanoseconds] = 60 * SECOND
 """A bridge that says nothing for so long says nothing."""
+BOARDS: Final = frozenset((*ShieldProtocol, *Ar2Firmware))
 LOOK_EVERY: Final[Nanoseconds] = 50 * MILLISECOND
 
 
@@ -88,13 +91,23 @@ def _compared(order: Order, machine: Machine, name: str, sent: list[Sent], end: 
 def _switched_on(order: Order, told: Told) -> tuple[Nanoseconds, Nanoseconds]:
     """Return what is to be left before the recording, and when the bridge was started, counted from there.
 
-    A bridge that hears nothing is asked: it says its first word on a link that is in the recording.
+    A bridge that hears nothing is asked when it says its first word on a link that is in the recording. To
+    a board that may be an answer to what it has said when it was on.
     """
     world, machine = World(), machine_of(order, timed=False)
     spoken: dict[str, Nanoseconds] = {}
-    for name in told.links:
-        if first_of(told.on(name), BRIDGE) is not None:
-            machine.lanes[name].wire.observe(_noting(spoken, name))
+    asked = [
+        name
+        for name, lane in machine.lanes.items()
+        if name in told.links and lane.kind not in BOARDS and first_of(told.on(name), BRIDGE) is not None
+    ]
+    if not asked:
+        raise RecordingFileError(
+            f"{told.name}: its first words do not tell when the bridge was started; give the operator.tlog that"
+            " was recorded with it (--operator), or the folder of the run"
+        )
+    for name in asked:
+        machine.lanes[name].wire.observe(_noting(spoken, name))
     world.attach(BRIDGE, machine.node, machine.wires)
     while not spoken:
         if world.now >= UNHEARD:

@@ -10,6 +10,7 @@ from emulators.replay.files import files_of
 from emulators.replay.order import Order
 from emulators.replay.recordings import Recording, RecordingFileError, read_can, read_lines, read_telemetry
 from emulators.replay.senders import BRIDGE, Sent, chunks_of, frames_of, messages_of
+from emulators.replay.stage import first_of
 from emulators.wires import CanWire
 from firmware_bridge.dissector import kinds_of
 from firmware_bridge.node import CAN, OPERATOR
@@ -73,8 +74,12 @@ def told_to(order: Order) -> Told:
         found[OPERATOR] = read_telemetry(files.words)
     virtual = all(one.virtual for one in found.values())
     bits = {name: CanWire(robot.epos2_link(name).bit_rate).bit_time for name in buses}
-    begin = 0 if virtual else min(found[name].start(bits.get(name, 0)) for name in kinds)
     _at_one_time(tuple(found.values()))
+    begin = 0 if virtual else min(found[name].start(bits.get(name, 0)) for name in kinds)
+    if not virtual and OPERATOR in found:
+        # A bridge speaks to its operator from its begin on; what he has said before is of no interest.
+        own = first_of(messages_of(found[OPERATOR], robot), BRIDGE)
+        begin = begin if own is None else min(begin, own.entry.at)
     told = Told(robot, {name: one.since(begin) for name, one in found.items()}, virtual)
     if not any(one.sender == BRIDGE for name in kinds for one in told.on(name)):
         raise RecordingFileError(f"{told.name}: holds no word of a bridge to the devices of {robot.name}")
