@@ -69,11 +69,6 @@ class Machine:
         """All wires."""
         return {name: lane.wire for name, lane in self.lanes.items()}
 
-    @property
-    def devices(self) -> dict[str, Wire]:
-        """Those to devices."""
-        return {name: wire for name, wire in self.wires.items() if name != OPERATOR}
-
 
 def machine_of(order: Order, *, timed: bool) -> Machine:
     """Return a bridge that was not woken yet; not `timed`, all but a bus takes no time."""

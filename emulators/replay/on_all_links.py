@@ -13,7 +13,7 @@ from emulators.replay.machine import Machine, machine_of
 from emulators.replay.order import Order
 from emulators.replay.player import Player
 from emulators.replay.recordings import RESOLUTION, RecordingFileError
-from emulators.replay.senders import BRIDGE, OPERATOR_STATION, Sent
+from emulators.replay.senders import BRIDGE, Sent
 from emulators.replay.stage import (
     RECORDING,
     Stage,
@@ -52,11 +52,10 @@ def on_all_links(order: Order) -> Stage:
         for name, all_ in sent.items()
         for at, packet in script_of(_others(all_), machine.lanes[name].duration)
     ]
+    # At one instant the operator, whose file is the last, speaks last: he may be answering.
     script.sort(key=lambda one: one[0])
-    said = [one for one in script if one[1].link == OPERATOR]
-    world.attach(RECORDING, Player([one for one in script if one[1].link != OPERATOR]), machine.devices)
+    world.attach(RECORDING, Player(script), machine.wires)
     call_at(world, start, partial(world.attach, BRIDGE, machine.node, machine.wires))
-    world.attach(OPERATOR_STATION, Player(said), {OPERATOR: machine.wires[OPERATOR]})
     end = end_of(order, *sent.values())
     comparisons = tuple(_compared(order, machine, name, all_, end) for name, all_ in sent.items())
     recorded = sorted((one for all_ in sent.values() for one in all_), key=lambda one: one.entry.at)
@@ -103,8 +102,8 @@ def _switched_on(order: Order, told: Told) -> tuple[Nanoseconds, Nanoseconds]:
     ]
     if not asked:
         raise RecordingFileError(
-            f"{told.name}: its first words do not tell when the bridge was started; give the operator.tlog that"
-            " was recorded with it (--operator), or the folder of the run"
+            f"{told.name}: its first words do not tell when the bridge was started; give the operator.tlog"
+            " that was recorded with it (--operator), or the folder of the run"
         )
     for name in asked:
         machine.lanes[name].wire.observe(_noting(spoken, name))

@@ -50,6 +50,20 @@ class Told:
 
 def told_to(order: Order) -> Told:
     """Read the files of an order; RecordingFileError where they do not go together, or a link is missing."""
+    robot = order.robot
+    found = _found(order)
+    links = [name for name in found if name != OPERATOR]
+    _at_one_time(tuple(found.values()))
+    virtual = all(one.virtual for one in found.values())
+    begin = 0 if virtual else _begin_of(found, robot)
+    told = Told(robot, {name: one.since(begin) for name, one in found.items()}, virtual)
+    if not any(one.sender == BRIDGE for name in links for one in told.on(name)):
+        raise RecordingFileError(f"{told.name}: holds no word of a bridge to the devices of {robot.name}")
+    return told
+
+
+def _found(order: Order) -> dict[str, Recording]:
+    """Return what each link of the robot has carried, the operator's last where it was recorded."""
     robot, files = order.robot, files_of(order)
     kinds = kinds_of(robot)
     buses = [name for name, kind in kinds.items() if kind == CAN]
@@ -72,18 +86,19 @@ def told_to(order: Order) -> Told:
         )
     if files.words is not None:
         found[OPERATOR] = read_telemetry(files.words)
-    virtual = all(one.virtual for one in found.values())
-    bits = {name: CanWire(robot.epos2_link(name).bit_rate).bit_time for name in buses}
-    _at_one_time(tuple(found.values()))
-    begin = 0 if virtual else min(found[name].start(bits.get(name, 0)) for name in kinds)
-    if not virtual and OPERATOR in found:
-        # A bridge speaks to its operator from its begin on; what he has said before is of no interest.
-        own = first_of(messages_of(found[OPERATOR], robot), BRIDGE)
-        begin = begin if own is None else min(begin, own.entry.at)
-    told = Told(robot, {name: one.since(begin) for name, one in found.items()}, virtual)
-    if not any(one.sender == BRIDGE for name in kinds for one in told.on(name)):
-        raise RecordingFileError(f"{told.name}: holds no word of a bridge to the devices of {robot.name}")
-    return told
+    return found
+
+
+def _begin_of(found: Mapping[str, Recording], robot: AnyRobot) -> Nanoseconds:
+    """Return when a recording by a real clock began.
+
+    A bridge speaks to its operator from its begin on; what he has said before is of no interest.
+    """
+    buses = {name: CanWire(link.bit_rate).bit_time for name, link in robot.epos2_links.items()}
+    begin = min(one.start(buses.get(name, 0)) for name, one in found.items() if name != OPERATOR)
+    said = messages_of(found[OPERATOR], robot) if OPERATOR in found else []
+    own = first_of(said, BRIDGE)
+    return begin if own is None else min(begin, own.entry.at)
 
 
 def _by_link(recording: Recording, robot: AnyRobot, known: set[str]) -> dict[str, Recording]:
