@@ -38,6 +38,8 @@ _OPENERS: Final[Mapping[str, Callable[[Path], bytes]]] = MappingProxyType(
         ".xz": lambda path: lzma.decompress(path.read_bytes()),
     }
 )
+LINES: Final = frozenset(("serial", "capture"))
+"""What files of lines are called, before their suffixes."""
 _SHOWN: Final = 80
 """So many characters of a line that cannot be read are shown."""
 
@@ -117,8 +119,10 @@ def read_can(path: Path, channel: str | None) -> Recording:
 
 
 def is_lines(path: Path) -> bool:
-    """Tell whether a file is a log of serial lines or of cameras, by its first line; RecordingFileError."""
-    return not is_telemetry(path) and is_chunk(next(filter(str.strip, _lines(path)), ""))
+    """Tell whether a file is a log of serial lines or of cameras, by its name or its first line."""
+    if is_telemetry(path) or not path.exists():
+        return False
+    return path.name.split(".")[0] in LINES or is_chunk(_content(path).lstrip()[:_SHOWN].decode("latin-1"))
 
 
 def read_lines(path: Path) -> Recording:

@@ -149,7 +149,9 @@ class FirmataLine(BoardLine):
 
     def asked(self, chunk: bytes) -> Iterator[str]:
         """Yield the host's messages."""
-        return map(_message, self._commands.hear(chunk))
+        for message in self._commands.hear(chunk):
+            encoder = message.exclusive and message.code == firmata.ENCODER and message.data
+            yield _encoder_asked(message.data) if encoder else _message(message)
 
     def told(self, chunk: bytes) -> Iterator[str]:
         """Yield the board's messages."""
@@ -213,6 +215,11 @@ def _message(message: firmata.Message) -> str:
         return _called(f"{row.name}{channel}", message.data.hex(" ").upper())
     name = firmata.EXCLUSIVE.get(message.code, f"command 0x{message.code:02X}")
     return _called(name, _exclusive(message) or message.data.hex(" ").upper())
+
+
+def _encoder_asked(data: bytes) -> str:
+    asks = firmata.ENCODER_ASKS.get(data[0], f"command 0x{data[0]:02X}")
+    return _called(f"encoder, {asks}", " ".join(map(str, data[1:])))
 
 
 def _exclusive(message: firmata.Message) -> str:

@@ -96,6 +96,13 @@ class Carried:
     packet: Packet
 
 
+def _one_line(text: str) -> str:
+    """Return a text without what would break its line, or steer a terminal: it may be a stranger's."""
+    if text.isprintable():
+        return text
+    return "".join(one if one.isprintable() else repr(one)[1:-1] for one in text)
+
+
 class Dissector:
     """Reads packets of several links; `kinds` tells a link's kind by its name where they are not the same."""
 
@@ -111,5 +118,5 @@ class Dissector:
         if reader is None:
             reader = self._readers[link] = protocols.reader()
         seconds, rest = divmod(carried.at, SECOND)
-        said = reader.read(carried.sender, packet)
+        said = _one_line(reader.read(carried.sender, packet))
         return f"{seconds}.{rest:09d} s  {link}  {carried.sender}  {protocols.written(packet)}  {said}"

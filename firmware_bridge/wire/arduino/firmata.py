@@ -67,6 +67,18 @@ EXCLUSIVE: Final[Mapping[int, str]] = MappingProxyType(
 )
 """What each system-exclusive command is about."""
 
+ENCODER_ASKS: Final[Mapping[int, str]] = MappingProxyType(
+    {
+        0x00: "attach",
+        0x01: "report",
+        0x02: "report all",
+        0x03: "count from 0",
+        0x04: "report all by itself",
+        0x05: "detach",
+    }
+)
+"""What a host's encoder message asks for, by its first byte; a board's has none."""
+
 # How an I2C request is to be served
 
 I2C_WRITE: Final = 0x00
