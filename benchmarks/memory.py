@@ -20,8 +20,8 @@ from typing import Any, Final, Protocol
 from benchmarks.measure import resident_kib, show
 from benchmarks.realtime import rig_and_operator
 from emulators.bench.operator import ScriptedOperator
-from emulators.rig import Rig
 from emulators.recorded import recorded
+from emulators.rig import Rig
 from firmware_bridge.units import from_seconds
 
 MINUTES: Final = 5

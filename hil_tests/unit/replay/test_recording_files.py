@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from typer.testing import CliRunner
 
 from emulators.replay import Into, Order, RecordingFileError, replay
-from emulators.replay.recordings import read_can, read_lines, read_telemetry
+from emulators.replay.recordings import Recording, read_can, read_lines, read_telemetry
 from firmware_bridge.cli import program
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.kinds import find
@@ -134,6 +134,10 @@ def test_compressed_files_are_read_as_they_are(suffix: str, pack: object, tmp_pa
     assert len(read_telemetry(tmp_path / f"a.tlog{suffix}").entries) == 1
 
 
+def read_can_log(path: Path) -> Recording:
+    return read_can(path, None)
+
+
 READERS = {".tlog": read_telemetry, ".serial": read_lines}
 
 
@@ -144,7 +148,7 @@ def test_any_bytes_are_read_or_refused(tmp_path: Path, content: bytes, name: str
     file.write_bytes(content)
     refused = None
     try:
-        recording = READERS.get(file.suffix, lambda path: read_can(path, None))(file)
+        recording = READERS.get(file.suffix, read_can_log)(file)
     except RecordingFileError as error:
         refused = str(error)
     assert refused is None or (refused.startswith("a.") and "\n" not in refused)
