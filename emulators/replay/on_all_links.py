@@ -5,6 +5,7 @@ wire. A real robot's has it as it leaves the bridge, which was switched on as lo
 a bridge that hears nothing takes for it.
 """
 
+from collections.abc import Mapping
 from functools import partial
 from typing import Final
 
@@ -25,11 +26,12 @@ from emulators.replay.stage import (
     to_compare,
 )
 from emulators.replay.told import Told, told_to
+from emulators.replay.woken import Woken
 from emulators.wires import Observer
 from emulators.world import World
 from firmware_bridge.dissector import kinds_of
 from firmware_bridge.dissector.canopen import service_name
-from firmware_bridge.node import CAN, OPERATOR
+from firmware_bridge.node import CAN, OPERATOR, Node
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot.settings.ar2 import Ar2Firmware
 from firmware_bridge.robot.settings.shield import ShieldProtocol
@@ -37,6 +39,8 @@ from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 UNHEARD: Final[Nanoseconds] = 60 * SECOND
 """A bridge that says nothing for so long says nothing."""
+LATE: Final[Nanoseconds] = 10 * MILLISECOND
+"""So late a machine may be that is no busier than it should be."""
 BOARDS: Final = frozenset((*ShieldProtocol, *Ar2Firmware))
 LOOK_EVERY: Final[Nanoseconds] = 50 * MILLISECOND
 
@@ -55,11 +59,19 @@ def on_all_links(order: Order) -> Stage:
     # At one instant the operator, whose file is the last, speaks last: he may be answering.
     script.sort(key=lambda one: one[0])
     world.attach(RECORDING, Player(script), machine.wires)
-    call_at(world, start, partial(world.attach, BRIDGE, machine.node, machine.wires))
+    bridge = machine.node if told.virtual else _woken(machine.node, sent, order)
+    call_at(world, start, partial(world.attach, BRIDGE, bridge, machine.wires))
     end = end_of(order, *sent.values())
     comparisons = tuple(_compared(order, machine, name, all_, end) for name, all_ in sent.items())
     recorded = sorted((one for all_ in sent.values() for one in all_), key=lambda one: one.entry.at)
     return Stage(world.run, comparisons, recorded, len(script), end, lead, kinds=kinds_of(order.robot))
+
+
+def _woken(node: Node, sent: Mapping[str, list[Sent]], order: Order) -> Woken:
+    """Return the bridge as its machine woke it."""
+    spoke = [one.entry.at for all_ in sent.values() for one in all_ if one.sender == BRIDGE]
+    heard = [one.entry.at for all_ in sent.values() for one in _others(all_)]
+    return Woken(node, spoke, heard, max(LATE, order.tolerance))
 
 
 def _others(sent: list[Sent]) -> list[Sent]:

@@ -8,7 +8,13 @@ from dataclasses import dataclass
 
 from emulators.replay.files import files_of
 from emulators.replay.order import Order
-from emulators.replay.recordings import Recording, RecordingFileError, read_can, read_lines, read_telemetry
+from emulators.replay.recordings import (
+    Recording,
+    RecordingFileError,
+    read_can,
+    read_lines,
+    read_telemetry,
+)
 from emulators.replay.senders import BRIDGE, Sent, chunks_of, frames_of, messages_of
 from emulators.replay.stage import first_of
 from emulators.wires import CanWire

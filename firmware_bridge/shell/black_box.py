@@ -93,7 +93,8 @@ class BlackBox:
     def note(self, now: Nanoseconds, direction: Direction, packet: Packet) -> None:
         """Take down a packet."""
         if self._epoch is None:
-            self._epoch = time.time_ns() - now
+            # Whole microseconds, so that the telemetry log, which has no less, tells the run's own instants.
+            self._epoch = (time.time_ns() - now) // MICROSECOND * MICROSECOND
         if self._failure is None:
             if len(self._waiting) < MOST:
                 self._waiting.append((now, direction, packet))
