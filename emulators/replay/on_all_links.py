@@ -31,7 +31,7 @@ from emulators.wires import Observer
 from emulators.world import World
 from firmware_bridge.dissector import kinds_of
 from firmware_bridge.dissector.canopen import service_name
-from firmware_bridge.node import CAN, OPERATOR, Node
+from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot.settings.ar2 import Ar2Firmware
 from firmware_bridge.robot.settings.shield import ShieldProtocol
@@ -59,7 +59,7 @@ def on_all_links(order: Order) -> Stage:
     # At one instant the operator, whose file is the last, speaks last: he may be answering.
     script.sort(key=lambda one: one[0])
     world.attach(RECORDING, Player(script), machine.wires)
-    bridge = machine.node if told.virtual else _woken(machine.node, sent, order)
+    bridge = machine.node if told.virtual else _woken(machine, sent, order, start)
     call_at(world, start, partial(world.attach, BRIDGE, bridge, machine.wires))
     end = end_of(order, *sent.values())
     comparisons = tuple(_compared(order, machine, name, all_, end) for name, all_ in sent.items())
@@ -67,11 +67,12 @@ def on_all_links(order: Order) -> Stage:
     return Stage(world.run, comparisons, recorded, len(script), end, lead, kinds=kinds_of(order.robot))
 
 
-def _woken(node: Node, sent: Mapping[str, list[Sent]], order: Order) -> Woken:
-    """Return the bridge as its machine woke it."""
-    spoke = [one.entry.at for all_ in sent.values() for one in all_ if one.sender == BRIDGE]
-    heard = [one.entry.at for all_ in sent.values() for one in _others(all_)]
-    return Woken(node, spoke, heard, max(LATE, order.tolerance))
+def _woken(machine: Machine, sent: Mapping[str, list[Sent]], order: Order, start: Nanoseconds) -> Woken:
+    """Return the bridge as its machine woke it; the instants on a bus are not its own."""
+    all_ = [one for name, said in sent.items() if machine.lanes[name].kind != CAN for one in said]
+    spoke = [one.entry.at for one in all_ if one.sender == BRIDGE]
+    heard = [one.entry.at for one in all_ if one.sender != BRIDGE and one.entry.at > start]
+    return Woken(machine.node, spoke, heard, max(LATE, order.tolerance))
 
 
 def _others(sent: list[Sent]) -> list[Sent]:

@@ -27,19 +27,21 @@ class Woken:
         self._late: Final = late
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        """Pass a packet on."""
+        """Pass a packet on; what is due by then comes in the same turn."""
         self._heard[now] -= 1
-        return self._later(self._node.receive(packet, now), now)
+        reaction = self._node.receive(packet, now)
+        return reaction if reaction.wake_at <= now else self._later(reaction, reaction.wake_at)
 
     def wake(self, now: Nanoseconds) -> Reaction:
         """Wake the node, unless something comes now that it is to hear first."""
         if self._heard[now] > 0:
             return Reaction((), now)
-        return self._later(self._node.wake(now), now)
-
-    def _later(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
+        reaction = self._node.wake(now)
         # What is due at once comes a turn later, and a turn takes time.
-        place = bisect_left(self._spoke, max(reaction.wake_at, now + 1))
-        if place == len(self._spoke) or self._spoke[place] - reaction.wake_at > self._late:
+        return self._later(reaction, max(reaction.wake_at, now + 1))
+
+    def _later(self, reaction: Reaction, asked: Nanoseconds) -> Reaction:
+        place = bisect_left(self._spoke, asked)
+        if place == len(self._spoke) or self._spoke[place] - asked > self._late:
             return reaction
         return Reaction(reaction.sent, self._spoke[place])

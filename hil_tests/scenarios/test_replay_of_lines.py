@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, replace
 from functools import cache
-from operator import itemgetter
 from pathlib import Path
 from tempfile import mkdtemp
 from typing import Final
@@ -20,8 +19,11 @@ from emulators.run import HAND_STREAM
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.drivers.shield.fleet import over_protocol
 from firmware_bridge.kinds import find
+from firmware_bridge.node import OPERATOR, Node
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.recording import (
     Direction,
+    Recorded,
     chunk_line,
     mavlink_origin,
     parse_chunk,
@@ -29,11 +31,10 @@ from firmware_bridge.recording import (
     tlog_records,
 )
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, from_seconds
+from firmware_bridge.safety.guard import guarded
+from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds, from_seconds
 from firmware_bridge.wire.maxon.frame import Generation
 
-LATENCY: Final = MILLISECOND
-"""From the bridge to a board: its robot file's default."""
 REAL: Final = 1_700_000_000 * SECOND
 """Some clock of a real machine."""
 
@@ -61,16 +62,21 @@ RUNS: Final = {
 @cache
 def folder_of(title: str, seconds: float | None = None) -> Path:
     """Drive the first seconds of a run, and return the folder of its recording."""
+    folder = Path(mkdtemp(prefix="lines-"))
+    driven(title, seconds or RUNS[title].seconds, folder)
+    return folder
+
+
+def driven(title: str, seconds: float, folder: Path) -> None:
+    """Drive the first seconds of a run, and record it in a folder as `bench` does."""
     run = RUNS[title]
     rehearsal = rehearsal_of(run.robot)
     script = mission.find(run.mission, run.robot, rehearsal)
     operator = ScriptedOperator(run.robot, rehearsal, script, np.random.default_rng([1, HAND_STREAM]))
     rig = Rig(run.robot, rehearsal, operator, seed=1, noise=script.noise)
-    folder = Path(mkdtemp(prefix="lines-"))
     with recorded(rig, folder):
-        rig.run(from_seconds(seconds or run.seconds))
+        rig.run(from_seconds(seconds))
     rig.finish()
-    return folder
 
 
 def read(folder: Path, name: str = CHUNKS) -> list[str]:
@@ -168,31 +174,55 @@ def test_a_word_more_or_less_and_one_that_comes_late_are_differences(tmp_path: P
     assert replay(replace(order, tolerance=1)).difference is None
 
 
-@pytest.mark.parametrize("title", ["firmata", "mw", "arm", "two boards"])
-def test_a_real_robots_recording_begins_when_its_bridge_was_started(title: str, tmp_path: Path) -> None:
-    """It has what the bridge sends as it leaves, and instants of the day."""
-    run, folder = RUNS[title], folder_of(title)
-    for name in (CHUNKS, SIGHTS):
-        carried = [parse_chunk(line) for line in read(folder, name)]
-        delay = LATENCY if name == CHUNKS else 0
-        seen = [(at - delay * (way is Direction.SENT), way, packet) for at, way, packet in carried]
-        lines = [chunk_line(at, one.link, way, one, REAL) for at, way, one in sorted(seen, key=itemgetter(0))]
-        if lines:
-            (tmp_path / name).write_text("\n".join(lines) + "\n", encoding="ascii")
-    without = Order(run.robot, tmp_path, until=SECOND)
-    if run.robot.capture_links:
-        assert replay(without).difference is None, "to cameras it speaks at once"
-    else:
-        with pytest.raises(
-            RecordingFileError, match="do not tell when the bridge was started; give the oper"
-        ):
-            replay(without)
-    said = parse_tlog((folder / WORDS).read_bytes())
-    (tmp_path / WORDS).write_bytes(b"".join(tlog_records(at, message, REAL) for at, message in said))
-    # At the very end the bench has what was still under way not in its files.
-    outcome = replay(Order(run.robot, tmp_path, until=6 * SECOND))
+class Late:
+    """A machine that wakes its node up to 4 ms late, by a seed, in whole microseconds."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._chance = np.random.default_rng(18)
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        reaction = self._node.receive(packet, now)
+        return reaction if reaction.wake_at <= now else self._late(reaction, reaction.wake_at)
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        reaction = self._node.wake(now)
+        return self._late(reaction, max(reaction.wake_at, now))
+
+    def _late(self, reaction: Reaction, asked: Nanoseconds) -> Reaction:
+        return Reaction(reaction.sent, asked + MICROSECOND * int(self._chance.integers(20, 4_000)))
+
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("title", ["mw", "ros_arduino_bridge", "arduinoio", "arm", "two boards"])
+def test_a_machine_that_was_late_is_late_again(
+    title: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its telemetry tells its own instants, and what it reckons hangs on them: all of it comes again."""
+    lines: list[str] = []
+    words: list[bytes] = []
+
+    def note(now: Nanoseconds, way: Direction, packet: Packet) -> None:
+        if packet.link == OPERATOR:
+            words.append(tlog_records(now, packet.payload, REAL))
+        elif packet.payload:
+            lines.append(chunk_line(now, packet.link, way, packet, REAL))
+
+    monkeypatch.setattr(
+        "emulators.rig.guarded", lambda bridge, robot: Recorded(Late(guarded(bridge, robot)), note)
+    )
+    driven(title, RUNS[title].seconds, tmp_path)
+    (tmp_path / CHUNKS).write_text("\n".join(lines) + "\n", encoding="ascii")
+    (tmp_path / WORDS).unlink()
+    order = Order(RUNS[title].robot, tmp_path)
+    with pytest.raises(
+        RecordingFileError, match="do not tell when the bridge was started; give the operator"
+    ):
+        replay(order)
+    (tmp_path / WORDS).write_bytes(b"".join(words))
+    outcome = replay(order)
     assert outcome.difference is None
-    assert outcome.compared > 100
+    assert outcome.compared > 400
 
 
 def test_what_does_not_go_together_is_refused_with_what_to_give(tmp_path: Path) -> None:
