@@ -38,7 +38,7 @@ serial lines, cameras, operator.
 `firmware-bridge replay robot.log rars --without pdo --tolerance-us 5000` suits the bus of a real robot.
 
 `--zero`, `--home`, `--max-delay`, `--serial`, `--protocol`, `--encoders` and `--path` are those of `bench` or
-`drive`."""
+`drive`. That a run was asked to end stands in no recording: `--until` leaves out what came of it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
