@@ -27,7 +27,7 @@ from emulators.replay.stage import (
 )
 from emulators.replay.told import Told, told_to
 from emulators.replay.woken import Woken
-from emulators.wires import Observer
+from emulators.wires import CanWire, Observer
 from emulators.world import World
 from firmware_bridge.dissector import kinds_of
 from firmware_bridge.dissector.canopen import service_name
@@ -68,8 +68,9 @@ def on_all_links(order: Order) -> Stage:
 
 
 def _woken(machine: Machine, sent: Mapping[str, list[Sent]], order: Order, start: Nanoseconds) -> Woken:
-    """Return the bridge as its machine woke it; the instants on a bus are not its own."""
-    all_ = [one for name, said in sent.items() if machine.lanes[name].kind != CAN for one in said]
+    """Return the bridge as its machine woke it; the instants on a timed bus are not its own."""
+    untimed = [name for name, lane in machine.lanes.items() if not isinstance(lane.wire, CanWire)]
+    all_ = [one for name in untimed for one in sent.get(name, ())]
     spoke = [one.entry.at for one in all_ if one.sender == BRIDGE]
     heard = [one.entry.at for one in all_ if one.sender != BRIDGE and one.entry.at > start]
     return Woken(machine.node, spoke, heard, max(LATE, order.tolerance))
