@@ -12,7 +12,7 @@ import pytest
 from emulators.bench import mission
 from emulators.bench.operator import ScriptedOperator
 from emulators.bench.rehearsal import rehearsal_of
-from emulators.recorded import CHUNKS, SIGHTS, WORDS, recorded
+from emulators.recorded import CHUNKS, FRAMES, SIGHTS, WORDS, recorded
 from emulators.replay import Into, Order, RecordingFileError, replay
 from emulators.rig import Rig
 from emulators.run import HAND_STREAM
@@ -24,6 +24,7 @@ from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.recording import (
     Direction,
     Recorded,
+    candump_line,
     chunk_line,
     mavlink_origin,
     parse_chunk,
@@ -58,18 +59,19 @@ RUNS: Final = {
     "serial drives": Run(over_serial(find("rars"), Generation.V2), "line", 2.0),
 }
 
+BUS: Final = Run(find("rars"), "line", 2.0)
+
 
 @cache
 def folder_of(title: str, seconds: float | None = None) -> Path:
     """Drive the first seconds of a run, and return the folder of its recording."""
     folder = Path(mkdtemp(prefix="lines-"))
-    driven(title, seconds or RUNS[title].seconds, folder)
+    driven(RUNS[title], seconds or RUNS[title].seconds, folder)
     return folder
 
 
-def driven(title: str, seconds: float, folder: Path) -> None:
+def driven(run: Run, seconds: float, folder: Path) -> None:
     """Drive the first seconds of a run, and record it in a folder as `bench` does."""
-    run = RUNS[title]
     rehearsal = rehearsal_of(run.robot)
     script = mission.find(run.mission, run.robot, rehearsal)
     operator = ScriptedOperator(run.robot, rehearsal, script, np.random.default_rng([1, HAND_STREAM]))
@@ -194,31 +196,33 @@ class Late:
 
 
 @pytest.mark.interpreted
-@pytest.mark.parametrize("title", ["mw", "ros_arduino_bridge", "arduinoio", "arm", "two boards"])
+@pytest.mark.parametrize("title", ["mw", "ros_arduino_bridge", "arduinoio", "arm", "two boards", "bus"])
 def test_a_machine_that_was_late_is_late_again(
     title: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Its telemetry tells its own instants, and what it reckons hangs on them: all of it comes again."""
+    run = RUNS.get(title, BUS)
     lines: list[str] = []
     words: list[bytes] = []
 
     def note(now: Nanoseconds, way: Direction, packet: Packet) -> None:
         if packet.link == OPERATOR:
             words.append(tlog_records(now, packet.payload, REAL))
+        elif run is BUS:
+            lines.append(candump_line(now, packet, packet.link, REAL))
         elif packet.payload:
             lines.append(chunk_line(now, packet.link, way, packet, REAL))
 
     monkeypatch.setattr(
         "emulators.rig.guarded", lambda bridge, robot: Recorded(Late(guarded(bridge, robot)), note)
     )
-    driven(title, RUNS[title].seconds, tmp_path)
-    (tmp_path / CHUNKS).write_text("\n".join(lines) + "\n", encoding="ascii")
+    driven(run, run.seconds, tmp_path)
+    (tmp_path / (FRAMES if run is BUS else CHUNKS)).write_text("\n".join(lines) + "\n", encoding="ascii")
     (tmp_path / WORDS).unlink()
-    order = Order(RUNS[title].robot, tmp_path)
-    with pytest.raises(
-        RecordingFileError, match="do not tell when the bridge was started; give the operator"
-    ):
-        replay(order)
+    order = Order(run.robot, tmp_path)
+    if run is not BUS:
+        with pytest.raises(RecordingFileError, match="do not tell when the bridge was started; give"):
+            replay(order)
     (tmp_path / WORDS).write_bytes(b"".join(words))
     outcome = replay(order)
     assert outcome.difference is None
