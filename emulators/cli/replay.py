@@ -35,7 +35,7 @@ serial lines, cameras, operator.
 
 `firmware-bridge replay out/rars-line/operator.tlog rars` plays the operator's messages into the whole bench.
 
-`firmware-bridge replay robot.log rars --without pdo --tolerance-us 5000` suits what candump saw on a real bus.
+`firmware-bridge replay robot.log rars --without pdo --tolerance-us 5000` suits what candump saw on a bus.
 
 `--zero`, `--home`, `--max-delay`, `--serial`, `--protocol`, `--encoders` and `--path` are those of `bench` or
 `drive`. That a run was asked to end stands in no recording: `--until` leaves out what came of it."""

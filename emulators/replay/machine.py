@@ -13,35 +13,15 @@ from emulators.replay.order import Order
 from emulators.replay.recordings import duration_of
 from emulators.replay.senders import BRIDGE
 from emulators.replay.stage import RECORDING
-from emulators.wires import CanWire, DatagramWire, SerialWire
-from emulators.wires.serial import BITS_PER_BYTE
-from emulators.world import Station, Wire
+from emulators.wires import CanWire, DatagramWire, PlayedLine, SerialWire
+from emulators.world import Wire
 from firmware_bridge.bridge import Bridge
 from firmware_bridge.dissector import kinds_of
 from firmware_bridge.kinds import kind_of
 from firmware_bridge.node import CAN, OPERATOR, Node
 from firmware_bridge.packet import Packet
 from firmware_bridge.safety.guard import guarded
-from firmware_bridge.units import SECOND, Nanoseconds
-
-
-class PlayedLine(SerialWire):
-    """A line on which what `RECORDING` says arrives whole, when its last byte has passed."""
-
-    def duration(self, packet: Packet) -> Nanoseconds:
-        """Return how long the bytes take, in ns."""
-        return len(packet.payload) * BITS_PER_BYTE * SECOND // self.baud
-
-    def carry(self, sender: Station, packet: Packet) -> None:
-        """Queue the bridge's bytes; bring the recording's."""
-        if sender.name == RECORDING:
-            world = self._ends.world
-            world.call_at(world.now + self.duration(packet), self._bring, (sender, packet))
-        else:
-            super().carry(sender, packet)
-
-    def _bring(self, flight: tuple[Station, Packet]) -> None:
-        self._ends.hand_over(*flight)
+from firmware_bridge.units import Nanoseconds
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +83,7 @@ def _bus(bit_rate: int) -> Lane:
 
 def _as_it_was(kind: str, line: AnyLine) -> Lane:
     if isinstance(line, Line):
-        played = PlayedLine(line.wire.baud, name=line.link.name)
+        played = PlayedLine(line.wire.baud, RECORDING, line.link.name)
         return Lane(kind, played, played.duration)
     chunks = line.wire
     return Lane(kind, chunks, lambda _: chunks.delay)
