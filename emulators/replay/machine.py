@@ -1,12 +1,11 @@
 """The bridge behind its lines, and wires for all its links, as a recording of it wants them.
 
-A board's chip, and a bus, take the time that they took. On a line to drives what was heard came at an
-instant that only the recording knows, so it comes as it came.
+On the bench a bus and a board's chip take the time that they took. On its line to drives what was heard came
+when only the recording knows, so it comes as it came. A real machine's own recording has what left, and when.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TypeAlias
 
 from emulators.line import AnyLine, Line, line_of
 from emulators.replay.order import Order
@@ -32,9 +31,6 @@ class Lane:
     """As of `dissector.KINDS`."""
     wire: CanWire | SerialWire | DatagramWire
     duration: Callable[[Packet], Nanoseconds]
-
-
-Lanes: TypeAlias = dict[str, Lane]
 
 
 @dataclass(frozen=True, slots=True)

@@ -42,7 +42,9 @@ UNHEARD: Final[Nanoseconds] = 60 * SECOND
 LATE: Final[Nanoseconds] = 10 * MILLISECOND
 """So late a machine may be that is no busier than it should be."""
 BOARDS: Final = frozenset((*ShieldProtocol, *Ar2Firmware))
+"""The kinds of links to boards."""
 LOOK_EVERY: Final[Nanoseconds] = 50 * MILLISECOND
+"""So much virtual time between two looks at whether it has spoken."""
 
 
 def on_all_links(order: Order) -> Stage:
@@ -133,7 +135,7 @@ def _switched_on(order: Order, told: Told) -> tuple[Nanoseconds, Nanoseconds]:
 
 def _noting(spoken: dict[str, Nanoseconds], name: str) -> Observer:
     def note(now: Nanoseconds, _sender: str, packet: Packet) -> None:
-        if packet.payload or packet.link == CAN:
+        if packet.payload:
             spoken.setdefault(name, now)
 
     return note
