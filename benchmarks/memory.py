@@ -20,8 +20,8 @@ from typing import Any, Final, Protocol
 from benchmarks.measure import resident_kib, show
 from benchmarks.realtime import rig_and_operator
 from emulators.bench.operator import ScriptedOperator
+from emulators.recorded import recorded
 from emulators.rig import Rig
-from emulators.run import _recorded
 from firmware_bridge.units import from_seconds
 
 MINUTES: Final = 5
@@ -85,7 +85,7 @@ def drive(minutes: int) -> list[Mark]:
     rig, operator = rig_and_operator()
     marks = []
     tracemalloc.start()
-    with tempfile.TemporaryDirectory() as folder, _recorded(rig, Path(folder)):
+    with tempfile.TemporaryDirectory() as folder, recorded(rig, Path(folder)):
         for minute in range(1, minutes + 1):
             rig.run(from_seconds(minute * MINUTE_S))
             marks.append(look(rig, operator))

@@ -1,66 +1,63 @@
-"""What a rig's wires carry, as the field records it: candump lines, lines of serial bytes, a tlog."""
+"""What a rig's wires carry, as the field records it: candump lines, lines of bytes and datagrams, a tlog."""
 
-from collections.abc import Iterator
-from typing import Protocol, TypeAlias
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import IO, Final, TypeAlias
 
 from emulators.rig import BRIDGE, Rig
 from emulators.wires import DatagramWire, FaultyCanWire, SerialWire
 from emulators.wires.ends import Observer
 from firmware_bridge.packet import Packet
-from firmware_bridge.recording import Direction, candump_line, serial_line, tlog_records
+from firmware_bridge.recording import Direction, candump_line, chunk_line, tlog_records
 from firmware_bridge.units import Nanoseconds
 
-FRAMES, CHUNKS, WORDS = "can.log", "serial.log", "operator.tlog"
-"""The files' names in a run's folder."""
+FRAMES, CHUNKS, SIGHTS, WORDS = "can.log", "serial.log", "capture.log", "operator.tlog"
+"""The files' names in a run's folder: of buses, serial lines, cameras and the operator."""
+FILES: Final = (FRAMES, CHUNKS, SIGHTS, WORDS)
 
-
-class Lines(Protocol):
-    """Where lines go."""
-
-    def write(self, text: str, /) -> object:
-        """Take a line with its end."""
-
-
-class Records(Protocol):
-    """Where a tlog's records go."""
-
-    def write(self, data: bytes, /) -> object:
-        """Take a record."""
-
-
+Files: TypeAlias = Mapping[str, IO[bytes]]
+"""What is written to, by the files' names."""
 Way: TypeAlias = tuple[FaultyCanWire | SerialWire | DatagramWire, Observer]
 
 
-def ways(rig: Rig, frames: Lines, chunks: Lines, words: Records) -> Iterator[Way]:
-    """Give each wire and what writes down its packets: the buses, the serial lines, the operator's link."""
+def ways(rig: Rig, files: Files) -> Iterator[Way]:
+    """Give each wire and what writes down its packets: buses, serial lines, cameras, the operator's link."""
 
     def note_datagram(now: Nanoseconds, _sender: str, packet: Packet) -> None:
-        words.write(tlog_records(now, packet.payload))
+        files[WORDS].write(tlog_records(now, packet.payload))
 
     for link, wire in rig.can_wires.items():
-        yield wire, _frames_noted(frames, link)
+        yield wire, _frames_noted(files[FRAMES], link)
     for link, line in rig.lines.items():
-        yield line.wire, _bytes_noted(chunks, link)
+        yield line.wire, _bytes_noted(files[CHUNKS], link)
+    for link, seen in rig.capture_wires.items():
+        yield seen, _bytes_noted(files[SIGHTS], link)
     yield rig.operator_wire, note_datagram
 
 
-def record(rig: Rig, frames: Lines, chunks: Lines, words: Records) -> None:
-    """Write down what the wires carry from now on."""
-    for wire, observer in ways(rig, frames, chunks, words):
-        wire.observe(observer)
+@contextmanager
+def recorded(rig: Rig, folder: Path) -> Iterator[None]:
+    """Write what the wires carry while this is open into a folder; of cameras where some see the robot."""
+    names = [name for name in FILES if name != SIGHTS or rig.capture_wires]
+    with ExitStack() as opened:
+        files = {name: opened.enter_context((folder / name).open("wb")) for name in names}
+        for wire, observer in ways(rig, files):
+            wire.observe(observer)
+        yield
 
 
-def _frames_noted(frames: Lines, channel: str) -> Observer:
+def _frames_noted(frames: IO[bytes], channel: str) -> Observer:
     def note(now: Nanoseconds, _sender: str, packet: Packet) -> None:
-        frames.write(candump_line(now, packet, channel) + "\n")
+        frames.write(f"{candump_line(now, packet, channel)}\n".encode())
 
     return note
 
 
-def _bytes_noted(chunks: Lines, link: str) -> Observer:
+def _bytes_noted(chunks: IO[bytes], link: str) -> Observer:
     def note(now: Nanoseconds, sender: str, packet: Packet) -> None:
         if packet.payload:
             direction = Direction.SENT if sender == BRIDGE else Direction.HEARD
-            chunks.write(serial_line(now, link, direction, packet.payload) + "\n")
+            chunks.write(f"{chunk_line(now, link, direction, packet)}\n".encode())
 
     return note

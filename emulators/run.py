@@ -1,8 +1,7 @@
 """Drives a mission on the rig, and writes everything that a run leaves behind into one folder."""
 
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final, TypeAlias
@@ -20,7 +19,7 @@ from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.summary import LineRun, Run, Summary, as_json, summarise
 from emulators.extras import installed
 from emulators.line import AnyLine
-from emulators.recorded import CHUNKS, FRAMES, WORDS, record
+from emulators.recorded import recorded
 from emulators.rig import Rig
 from firmware_bridge.node import Node
 from firmware_bridge.robot import AnyRobot
@@ -70,7 +69,7 @@ def drive(order: Order, progress: Progress) -> Summary:
         faults=order.mission.fault,
     )
     begun = time.perf_counter()
-    with _recorded(rig, order.folder):
+    with recorded(rig, order.folder):
         until = 0
         while until < order.duration:
             until = min(until + SLICE, order.duration)
@@ -157,15 +156,3 @@ def followed(order: Order) -> list[Followed]:
         for step in order.mission.step
         if step.guide is not None and paths
     ]
-
-
-@contextmanager
-def _recorded(rig: Rig, folder: Path) -> Iterator[None]:
-    """Write what the wires carry while this is open: `can.log`, `serial.log` and `operator.tlog`."""
-    with (
-        (folder / FRAMES).open("w", encoding="ascii") as frames,
-        (folder / CHUNKS).open("w", encoding="ascii") as chunks,
-        (folder / WORDS).open("wb") as words,
-    ):
-        record(rig, frames, chunks, words)
-        yield

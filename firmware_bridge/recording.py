@@ -1,4 +1,4 @@
-"""Recordings at the seam: candump's log for CAN, .tlog for MAVLink, and a node that is watched.
+"""Recordings at the seam: candump's log for CAN, .tlog for MAVLink, lines of our own for everything else.
 
 It refuses to open files: it turns packets into text or bytes and back. Instants count from the start of the
 run; in a file they count from `EPOCH`, or from the real time at which the run started.
@@ -13,6 +13,7 @@ from firmware_bridge.node import CAN, Node, Stoppable, holds
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MICROSECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.can import ERROR, EXTENDED, EXTENDED_MASK, MAX_PAYLOAD, REMOTE, STANDARD_MASK
+from firmware_bridge.wire.internet import number_of, place_of
 
 EPOCH: Final[Nanoseconds] = 1_577_836_800 * SECOND
 """Virtual runs start on 1 January 2020, 00:00 UTC, in nanoseconds of Unix time."""
@@ -32,6 +33,15 @@ _CANDUMP: Final = re.compile(
     r"(?P<id>[0-9A-Fa-f]{8}|[0-9A-Fa-f]{3})#(?:(?P<remote>[Rr])(?P<length>[0-8]?)|(?P<bytes>[0-9A-Fa-f]*))"
     r"(?: +[TR])?\s*"
 )
+_CHUNK: Final = re.compile(
+    r"\((?P<seconds>\d+)\.(?P<fraction>\d{6}|\d{9})\) (?P<link>\S+) (?P<way>[RT])"
+    r"(?: (?P<host>\S+):(?P<port>\d+))?(?P<bytes>(?: [0-9A-Fa-f]{2})*)\s*"
+)
+
+_MEANT: Final = re.compile(r"\S+ \S+ [RT]( |$)")
+
+_SHOWN: Final = 80
+"""So many characters of a line that cannot be read are shown."""
 
 
 class RecordingError(Exception):
@@ -99,13 +109,46 @@ def candump_line(at: Nanoseconds, packet: Packet, channel: str = "vcan0", epoch:
     return f"({seconds:010d}.{rest // MICROSECOND:06d}) {channel} {candump_frame(packet)}"
 
 
-def serial_line(
-    at: Nanoseconds, link: str, direction: Direction, payload: bytes, epoch: Nanoseconds = EPOCH
+def chunk_line(
+    at: Nanoseconds, link: str, direction: Direction, packet: Packet, epoch: Nanoseconds = EPOCH
 ) -> str:
-    """Return bytes on a serial line as a log's line, without its end: instant, link, R or T, hexadecimal."""
+    """Return bytes of a serial line, or a datagram, as a log's line, without its end.
+
+    Instant, link, R or T, the other end's place where the link has several, the bytes in hexadecimal digits.
+    Instants are whole: what the bridge makes of an answer depends on when it came.
+    """
     seconds, rest = divmod(epoch + at, SECOND)
     mark = "R" if direction is Direction.HEARD else "T"
-    return f"({seconds:010d}.{rest // MICROSECOND:06d}) {link} {mark} {payload.hex(' ').upper()}"
+    words = (link, mark, place_of(packet.address), packet.payload.hex(" ").upper())
+    return f"({seconds:010d}.{rest:09d}) {' '.join(filter(None, words))}"
+
+
+def is_chunk(line: str) -> bool:
+    """Return whether a line of text is meant as one of `chunk_line`, though it may be damaged."""
+    return _MEANT.match(line) is not None
+
+
+def parse_chunk(line: str, epoch: Nanoseconds = EPOCH) -> tuple[Nanoseconds, Direction, Packet]:
+    """Return what `chunk_line` has written: instant, direction, packet; RecordingError for any other line.
+
+    Instants that are cut to microseconds are taken, too.
+    """
+    match = _CHUNK.fullmatch(line)
+    if match is None:
+        raise RecordingError(f"no line of bytes, as '(12.345678000) board T 62 0D': {_shown(line)}")
+    address = 0
+    if match["host"]:
+        try:
+            address = number_of(match["host"].strip("[]"), int(match["port"]))
+        except ValueError as error:
+            raise RecordingError(f"no place '{match['host']}:{match['port']}': {error}") from None
+    at = int(match["seconds"]) * SECOND + int(match["fraction"].ljust(9, "0")) - epoch
+    direction = Direction.HEARD if match["way"] == "R" else Direction.SENT
+    return at, direction, Packet(match["link"], address, bytes.fromhex(match["bytes"]))
+
+
+def _shown(line: str) -> str:
+    return repr(line if len(line) <= _SHOWN else line[:_SHOWN] + "...")
 
 
 def parse_candump(line: str, epoch: Nanoseconds = EPOCH) -> tuple[Nanoseconds, str, Packet]:

@@ -6,7 +6,7 @@ from typing import Annotated, Final
 
 import typer
 
-from emulators.cli.options import PlantOption
+from emulators.cli.options import PlantOption, SerialOption
 from firmware_bridge.cli.commands import command, completing
 from firmware_bridge.cli.options import (
     EncodersOption,
@@ -17,7 +17,6 @@ from firmware_bridge.cli.options import (
     RobotArgument,
     SlowLinkOption,
 )
-from firmware_bridge.wire.maxon.frame import Generation
 
 EXAMPLES: Final = """Examples:
 
@@ -39,8 +38,8 @@ EXAMPLES: Final = """Examples:
 class BenchOptions:
     """Drive a mission in virtual time: bridge, bus, drives and plant, all in this process.
 
-    Leaves `summary.json`, `samples.csv`, `can.log` (as candump), `serial.log`, `operator.tlog` and plots
-    in the results' folder.
+    Leaves `summary.json`, `samples.csv`, `can.log` (as candump), `serial.log`, `operator.tlog`, `capture.log`
+    where cameras see the robot, and plots in the results' folder, which `replay` plays again.
     """
 
     robot: RobotArgument
@@ -65,14 +64,7 @@ class BenchOptions:
         ),
     ] = None
     plant: PlantOption = None
-    serial: Annotated[
-        Generation | None,
-        typer.Option(
-            "--serial",
-            help="Drive over the first drive's serial port instead of CAN, v1 as on RS232 or v2 as on USB.",
-            show_default="as the robot file says",
-        ),
-    ] = None
+    serial: SerialOption = None
     link: SlowLinkOption = None
     max_delay: MaxDelayOption = None
     predictor: Annotated[

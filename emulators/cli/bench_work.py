@@ -10,6 +10,7 @@ from emulators.bench.rehearsal import rehearsal_of
 from emulators.bench.report import show
 from emulators.cli.beginning import tell_of_beginning
 from emulators.cli.bench import BenchOptions
+from emulators.cli.fitted import fitted
 from emulators.extras import cure, installed
 from emulators.progress_bar import progress_bar
 from emulators.run import Order, drive
@@ -17,13 +18,11 @@ from emulators.servo.bank import ServoError
 from firmware_bridge.cli.console import one_message, say, written_by
 from firmware_bridge.cli.robot_argument import find_robot
 from firmware_bridge.cli.tables import terminal
-from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.drivers.epos2.serial.plan import PlanError
-from firmware_bridge.drivers.shield.fleet import measured, over_protocol
 from firmware_bridge.drivers.shield.plan import ShieldPlanError
 from firmware_bridge.pilot.paths import PathError
 from firmware_bridge.robot import RobotFileError
-from firmware_bridge.robot.path_file import PathFileError, along_path
+from firmware_bridge.robot.path_file import PathFileError
 from firmware_bridge.slow_link.conditions import ConditionsError
 from fmu.errors import PlantError
 
@@ -32,7 +31,6 @@ RESULTS: Final = Path("out")
 
 def bench(given: BenchOptions) -> None:
     """Do what `bench` says; what is wrong ends the program with a message."""
-    machine = find_robot(given.robot)
     with (
         one_message(
             *(MissionFileError, RobotFileError, PathFileError, PlanError, ShieldPlanError),
@@ -40,10 +38,7 @@ def bench(given: BenchOptions) -> None:
         ),
         written_by("--out"),
     ):
-        if given.serial is not None:
-            machine = over_serial(machine, given.serial)
-        machine = measured(over_protocol(machine, given.protocol, given.encoders))
-        machine, along = along_path(machine, given.path, given.path_speed)
+        machine, along = fitted(find_robot(given.robot), given)
         rehearsal = rehearsal_of(machine)
         if given.mission is None and along:
             name, script = "path", missions.parse(along_mission(along), "--path", machine, rehearsal)

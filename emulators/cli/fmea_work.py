@@ -10,6 +10,7 @@ from rich.table import Table
 
 from emulators.bench.faults import KINDS
 from emulators.cli.beginning import tell_of_beginning
+from emulators.cli.fitted import linked
 from emulators.cli.fmea import FmeaOptions
 from emulators.fmea.effect import Verdict
 from emulators.fmea.matrix import Cell, all_failures, matrix, state_names
@@ -20,9 +21,7 @@ from emulators.testing.errors import RigError
 from firmware_bridge.cli.console import FAILED, one_message, refusal, say, written_by
 from firmware_bridge.cli.robot_argument import find_robot
 from firmware_bridge.cli.tables import terminal
-from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.drivers.epos2.serial.plan import PlanError
-from firmware_bridge.drivers.shield.fleet import measured, over_protocol
 from firmware_bridge.drivers.shield.plan import ShieldPlanError
 from firmware_bridge.robot import AnyRobot, RobotFileError
 from firmware_bridge.robot.problems import near
@@ -66,10 +65,7 @@ def fmea(given: FmeaOptions) -> None:
 
 
 def _machine(robot: str, serial: Generation | None, protocol: str | None, encoders: int | None) -> AnyRobot:
-    found = find_robot(robot)
-    return measured(
-        over_protocol(found if serial is None else over_serial(found, serial), protocol, encoders)
-    )
+    return linked(find_robot(robot), serial, protocol, encoders)
 
 
 def _known(what: str, told: Sequence[str], known: Sequence[str]) -> tuple[str, ...]:

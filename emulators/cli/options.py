@@ -8,6 +8,7 @@ import typer
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import DeviceProfile
 from firmware_bridge.cli.console import refusal
+from firmware_bridge.wire.maxon.frame import Generation
 
 PlantOption = Annotated[
     Path | None,
@@ -16,6 +17,14 @@ PlantOption = Annotated[
         metavar="FMU",
         help="Another plant: an FMU (FMI 2.0 or 3.0, co-simulation) with the same variable names.",
         show_default=False,
+    ),
+]
+SerialOption = Annotated[
+    Generation | None,
+    typer.Option(
+        "--serial",
+        help="Drive over the first drive's serial port instead of CAN, v1 as on RS232 or v2 as on USB.",
+        show_default="as the robot file says",
     ),
 ]
 ProfileOption = Annotated[str, typer.Option("--profile", "-p", help=f"Which type: {', '.join(PROFILES)}.")]

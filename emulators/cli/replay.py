@@ -6,9 +6,19 @@ from typing import Annotated, Final
 
 import typer
 
+from emulators.cli.options import SerialOption
 from emulators.replay.order import Into
 from firmware_bridge.cli.commands import command
-from firmware_bridge.cli.options import HomeOption, MaxDelayOption, RobotArgument, ZeroOption
+from firmware_bridge.cli.options import (
+    EncodersOption,
+    FirmwareOption,
+    HomeOption,
+    MaxDelayOption,
+    PathOption,
+    PathSpeedOption,
+    RobotArgument,
+    ZeroOption,
+)
 from firmware_bridge.dissector.canopen import SERVICE_NAMES
 
 EXAMPLES: Final = """Examples:
@@ -18,11 +28,17 @@ EXAMPLES: Final = """Examples:
 `firmware-bridge replay out/rars-line/can.log rars --operator out/rars-line/operator.tlog` plays what drives
 and operator have sent into the bridge.
 
+`firmware-bridge replay out/rome-circle rome` plays all that a run's folder holds into the bridge: CAN log,
+serial lines, cameras, operator.
+
+`firmware-bridge replay out/rome-circle rome --protocol mw --encoders 3` plays it as the run was driven.
+
 `firmware-bridge replay out/rars-line/operator.tlog rars` plays the operator's messages into the whole bench.
 
-`firmware-bridge replay robot.log rars --without pdo --tolerance-us 5000` suits the bus of a real robot.
+`firmware-bridge replay robot.log rars --without pdo --tolerance-us 5000` suits what candump saw on a bus.
 
-`--zero`, `--home` and `--max-delay` are those that `drive` was started with."""
+`--zero`, `--home`, `--max-delay`, `--serial`, `--protocol`, `--encoders` and `--path` are those of `bench` or
+`drive`. That a run was asked to end stands in no recording: `--until` leaves out what came of it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,7 +52,9 @@ class ReplayOptions:
         Path,
         typer.Argument(
             metavar="RECORDING",
-            help="A CAN log as `candump -l` and `bench` write it, or a telemetry log (.tlog); also .gz, .xz.",
+            help="The folder of a run, as `bench` and `drive --record` leave it; or a CAN log as "
+            "`candump -l` writes it, what lines have carried (serial.log), or a telemetry log (.tlog); "
+            "also .gz, .xz.",
             show_default=False,
         ),
     ]
@@ -45,12 +63,17 @@ class ReplayOptions:
         Into | None,
         typer.Option(
             help="What the recording is played into: the drives, the bridge, or both of them on the bench.",
-            show_default="drives for a CAN log, bridge with --operator, bench for a telemetry log",
+            show_default="drives for a CAN log, bridge with --operator, for lines and for a folder, "
+            "bench for a telemetry log",
         ),
     ] = None
     operator: Annotated[
         Path | None,
-        typer.Option(metavar="TLOG", help="The operator's messages beside a CAN log.", show_default=False),
+        typer.Option(
+            metavar="TLOG",
+            help="The operator's messages beside a CAN log or lines.",
+            show_default="the folder's",
+        ),
     ] = None
     channel: Annotated[
         str | None,
@@ -72,6 +95,11 @@ class ReplayOptions:
     zero: ZeroOption = None
     home: HomeOption = None
     max_delay: MaxDelayOption = None
+    serial: SerialOption = None
+    protocol: FirmwareOption = None
+    encoders: EncodersOption = None
+    path: PathOption = None
+    path_speed: PathSpeedOption = None
     plant: Annotated[
         Path | None,
         typer.Option(metavar="FMU", help="Another plant below the drives.", show_default=False),

@@ -6,8 +6,9 @@ its sequence number. What a link is called where the packets came from does not 
 """
 
 from collections import deque
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Final, Protocol
 
 from emulators.replay.recordings import RESOLUTION
@@ -18,6 +19,8 @@ from firmware_bridge.packet import Packet
 from firmware_bridge.recording import mavlink_messages, mavlink_origin
 from firmware_bridge.units import MICROSECOND, NEVER, Nanoseconds
 
+EXACT: Final[Nanoseconds] = 1
+"""The resolution of instants that are recorded whole."""
 _SEQUENCE_NUMBERS: Final = 256
 
 
@@ -49,16 +52,25 @@ class Comparison(Protocol):
 
 
 class Frames:
-    """Compares frames; `recorded` holds those of `senders` that are to be compared."""
+    """Compares frames, or bytes of a line; `recorded` holds those of `senders` that are to be compared."""
 
     def __init__(
-        self, recorded: Iterable[Sent], senders: Iterable[str], tolerance: Nanoseconds, until: Nanoseconds
+        self,
+        recorded: Iterable[Sent],
+        senders: Iterable[str],
+        tolerance: Nanoseconds,
+        until: Nanoseconds,
+        *,
+        link: str = CAN,
+        resolution: Nanoseconds = RESOLUTION,
     ) -> None:
+        """Compare what comes on a link, as the recording calls it, whose instants are cut to `resolution`."""
         self.compared = 0
+        self._link: Final = link
         self._expected: dict[str, deque[Sent]] = {name: deque() for name in senders}
         for sent in recorded:
             self._expected[sent.sender].append(sent)
-        self._slack = RESOLUTION + tolerance
+        self._slack = resolution + tolerance
         self._until = until
         self._found: dict[str, Difference] = {}
 
@@ -67,7 +79,7 @@ class Frames:
         expected = self._expected.get(sender)
         if expected is None or sender in self._found:
             return
-        came = Carried(now, CAN, sender, Packet(CAN, packet.address, packet.payload))
+        came = Carried(now, self._link, sender, Packet(self._link, packet.address, packet.payload))
         if not expected:
             if now < self._until:
                 self._found[sender] = Difference(None, came)
@@ -132,10 +144,15 @@ def first(comparisons: Sequence[Comparison], now: Nanoseconds) -> Difference | N
     return min(found, key=lambda one: one.at, default=None)
 
 
-def in_words(difference: Difference, recorded: Sequence[Sent], lead: Nanoseconds = 0) -> str:
+def in_words(
+    difference: Difference,
+    recorded: Sequence[Sent],
+    lead: Nanoseconds = 0,
+    kinds: Mapping[str, str] = MappingProxyType({}),
+) -> str:
     """Return the place in the recording, what stands before it there, and both packets as texts.
 
-    Instants are told from `lead` on, which is when the recording begins.
+    Instants are told from `lead` on, which is when the recording begins; `kinds` as for `Dissector`.
     """
     wanted, came = difference.wanted, difference.came
     if wanted is not None:
@@ -150,7 +167,7 @@ def in_words(difference: Difference, recorded: Sequence[Sent], lead: Nanoseconds
     before = [_carried(one, lead) for one in recorded[:place]]
     expected = None if wanted is None else _carried(wanted, lead)
     lines = difference_text(
-        head, before, expected, None if came is None else replace(came, at=came.at - lead)
+        head, before, expected, None if came is None else replace(came, at=came.at - lead), kinds
     )
     if wanted is not None and came is not None and wanted.entry.packet == came.packet:
         late = (came.at - wanted.entry.at) / MICROSECOND

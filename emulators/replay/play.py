@@ -6,7 +6,7 @@ from typing import Final, TypeAlias
 
 from emulators.replay.comparison import first, in_words
 from emulators.replay.order import Into, Order
-from emulators.replay.recordings import is_telemetry
+from emulators.replay.recordings import is_lines, is_telemetry
 from emulators.replay.stages import STAGES
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
@@ -50,11 +50,13 @@ def replay(order: Order, progress: Progress = lambda _now, _end: None) -> Outcom
     compared = sum(one.compared for one in stage.comparisons)
     if difference is None:
         return Outcome(into, stage.played, compared, stage.end - stage.lead, None)
-    words = in_words(difference, stage.recorded, stage.lead)
+    words = in_words(difference, stage.recorded, stage.lead, stage.kinds)
     return Outcome(into, stage.played, compared, difference.at - stage.lead, words)
 
 
 def _suitable(order: Order) -> Into:
+    """Return what a recording suits: the folder of a run, and what lines have carried, the bridge."""
     if is_telemetry(order.recording):
         return Into.BENCH
-    return Into.DRIVES if order.operator is None else Into.BRIDGE
+    whole = order.operator is not None or order.recording.is_dir() or is_lines(order.recording)
+    return Into.BRIDGE if whole else Into.DRIVES

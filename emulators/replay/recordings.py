@@ -1,4 +1,4 @@
-"""Recordings from files: a CAN log of candump, a telemetry log of MAVLink; each packet with its place.
+"""Recordings from files: a CAN log of candump, lines of bytes, a telemetry log; each packet with its place.
 
 Compressed ones are read as they are (`.gz`, `.xz`). Instants count from the start of the recording: that of
 the bench is the start of its virtual run, any other one starts where its first frame began.
@@ -13,23 +13,33 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
-from firmware_bridge.node import OPERATOR
+from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet
-from firmware_bridge.recording import RecordingError, parse_candump, parse_tlog
+from firmware_bridge.recording import (
+    Direction,
+    RecordingError,
+    is_chunk,
+    parse_candump,
+    parse_chunk,
+    parse_tlog,
+)
 from firmware_bridge.units import MICROSECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.can import ERROR, frame_bits
 
 RESOLUTION: Final[Nanoseconds] = MICROSECOND
-"""Of the instants in both formats, which are cut and not rounded."""
+"""Of the instants of frames and messages, which are cut and not rounded."""
 TELEMETRY: Final = ".tlog"
-BENCH_WITHIN: Final[Nanoseconds] = SECOND
-"""So soon after its epoch the bench's own recordings begin; nobody's clock says that day any more."""
+BENCH_WITHIN: Final[Nanoseconds] = 60 * SECOND
+"""So soon after its epoch the bench's own recordings begin, a board's when it has booted; nobody's clock says
+that day any more."""
 _OPENERS: Final[Mapping[str, Callable[[Path], bytes]]] = MappingProxyType(
     {
         ".gz": lambda path: gzip.decompress(path.read_bytes()),
         ".xz": lambda path: lzma.decompress(path.read_bytes()),
     }
 )
+LINES: Final = frozenset(("serial", "capture"))
+"""What files of lines are called, before their suffixes."""
 _SHOWN: Final = 80
 """So many characters of a line that cannot be read are shown."""
 
@@ -46,6 +56,8 @@ class Entry:
     packet: Packet
     where: str
     """File and line, or file and message."""
+    direction: Direction | None = None
+    """Which way it passed the bridge, where the recording tells."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +118,30 @@ def read_can(path: Path, channel: str | None) -> Recording:
     return _in_order(path.name, found[channel] if channel else next(iter(found.values())))
 
 
+def is_lines(path: Path) -> bool:
+    """Tell whether a file is a log of serial lines or of cameras, by its name or its first line."""
+    if is_telemetry(path) or not path.exists():
+        return False
+    return path.name.split(".")[0] in LINES or is_chunk(_content(path).lstrip()[:_SHOWN].decode("latin-1"))
+
+
+def read_lines(path: Path) -> Recording:
+    """Read what serial lines or cameras have carried; RecordingFileError."""
+    entries = []
+    for number, line in enumerate(_lines(path), start=1):
+        if not line.strip():
+            continue
+        where = f"{path.name}, line {number}"
+        try:
+            at, direction, packet = parse_chunk(line)
+        except RecordingError as error:
+            raise RecordingFileError(f"{where}: {error}") from None
+        entries.append(Entry(at, packet, where, direction))
+    if not entries:
+        raise RecordingFileError(f"{path.name}: holds nothing that a line has carried")
+    return _in_order(path.name, entries)
+
+
 def read_telemetry(path: Path) -> Recording:
     """Read a telemetry log; RecordingFileError."""
     entries: list[Entry] = []
@@ -122,7 +158,7 @@ def read_telemetry(path: Path) -> Recording:
 
 def duration_of(packet: Packet, bit_time: Nanoseconds) -> Nanoseconds:
     """Return how long a packet takes on its link: a frame its bits, a datagram nothing."""
-    return 0 if packet.link == OPERATOR else frame_bits(packet.address, packet.payload) * bit_time
+    return frame_bits(packet.address, packet.payload) * bit_time if packet.link == CAN else 0
 
 
 def _content(path: Path) -> bytes:

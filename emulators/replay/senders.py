@@ -5,7 +5,7 @@ from typing import Final
 
 from emulators.replay.recordings import Entry, Recording
 from firmware_bridge.dissector.canopen import MASTER, Canopen
-from firmware_bridge.recording import mavlink_origin
+from firmware_bridge.recording import Direction, mavlink_origin
 from firmware_bridge.robot import AnyRobot
 
 BRIDGE: Final = "bridge"
@@ -39,6 +39,14 @@ def frames_of(recording: Recording, robot: AnyRobot, link: str) -> list[Sent]:
         named.append(Sent(entry, sender))
         reader.read(sender, entry.packet)
     return named
+
+
+def chunks_of(recording: Recording) -> list[Sent]:
+    """Name the sender of what passed the bridge on lines: the bridge, or who is on the link, by its name."""
+    return [
+        Sent(entry, BRIDGE if entry.direction is Direction.SENT else entry.packet.link)
+        for entry in recording.entries
+    ]
 
 
 def messages_of(recording: Recording, robot: AnyRobot) -> list[Sent]:

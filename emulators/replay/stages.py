@@ -7,37 +7,46 @@ message, and the bridge with its first frame, is switched on for that instant. A
 before, and nobody hears it boot. A drive that says nothing in a recording stays off the bus.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
 from functools import partial
 from types import MappingProxyType
 from typing import Final
 
 from emulators.bench.rehearsal import rehearsal_of
 from emulators.devices import devices
-from emulators.replay.comparison import Comparison, Frames, Messages
+from emulators.recorded import FRAMES, WORDS
+from emulators.replay.comparison import Frames, Messages
+from emulators.replay.files import one_file
+from emulators.replay.on_all_links import on_all_links
 from emulators.replay.order import Into, Order
 from emulators.replay.player import Player
 from emulators.replay.recordings import (
-    RESOLUTION,
     Recording,
     RecordingFileError,
     duration_of,
+    is_lines,
     is_telemetry,
     read_can,
     read_telemetry,
 )
-from emulators.replay.senders import BRIDGE, OPERATOR_STATION, Sent, frames_of, messages_of
+from emulators.replay.senders import BRIDGE, Sent, frames_of, messages_of
+from emulators.replay.stage import (
+    RECORDING,
+    Stage,
+    begin_of,
+    call_at,
+    end_of,
+    first_of,
+    not_after,
+    script_of,
+    to_compare,
+)
 from emulators.rig import Rig
-from emulators.wires import CanWire, DatagramWire
-from emulators.world import Wire, World
-from firmware_bridge.bridge import Bridge
+from emulators.wires import CanWire
+from emulators.world import World
 from firmware_bridge.dissector.canopen import service_name
-from firmware_bridge.kinds import kind_of
-from firmware_bridge.node import CAN, OPERATOR
+from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot.settings.epos2 import Epos2Driver
-from firmware_bridge.safety.guard import guarded
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire.canopen import ERROR_CONTROL, LSS_RESPONSE, NmtState, encode_heartbeat
 
@@ -45,23 +54,6 @@ LEAD: Final[Nanoseconds] = SECOND
 """A drive that was there before a recording has had this time to initialise."""
 SHARED: Final = LSS_RESPONSE
 """Every drive answers with this identifier, so nobody can tell whose answer it is."""
-RECORDING: Final = "recording"
-"""The station that plays what was recorded."""
-
-
-@dataclass(frozen=True, slots=True)
-class Stage:
-    """A world at its start, what is compared in it, and how to move it on."""
-
-    run: Callable[[Nanoseconds], None]
-    comparisons: tuple[Comparison, ...]
-    recorded: Sequence[Sent]
-    """Everything, in order: what stands before a difference."""
-    played: int
-    end: Nanoseconds
-    lead: Nanoseconds = 0
-    """The instant at which the recording begins."""
-    finish: Callable[[], None] = lambda: None
 
 
 def _drives(order: Order) -> Stage:
@@ -71,25 +63,26 @@ def _drives(order: Order) -> Stage:
     robot, link = order.robot, order.link
     recording = _can_log(order, LEAD)
     lead = 0 if recording.virtual else LEAD
-    frames = _until(order, frames_of(recording, robot, order.link), lead)
-    firsts = {axis.name: one for axis in robot.axes_on(link) if (one := _first_of(frames, axis.name))}
+    frames = not_after(order, frames_of(recording, robot, order.link), lead)
+    firsts = {axis.name: one for axis in robot.axes_on(link) if (one := first_of(frames, axis.name))}
     if not firsts:
         raise RecordingFileError(f"{recording.name}: holds no frame of a drive of {robot.name}")
     emulated = devices(robot, order.plant)
     world, bus = World(emulated.bank), CanWire(robot.epos2_link(link).bit_rate)
+    duration = partial(duration_of, bit_time=bus.bit_time)
     for axis in robot.axes_on(link):
         name, first = axis.name, firsts.get(axis.name)
         boots = first is not None and _boots(first, axis.epos2.node)
-        start = _begin(first, bus.bit_time) if first and boots and not recording.virtual else 0
-        _at(world, start, partial(world.attach, name, emulated.drives[name], {CAN: bus}))
+        start = begin_of(first, duration) if first and boots and not recording.virtual else 0
+        call_at(world, start, partial(world.attach, name, emulated.drives[name], {CAN: bus}))
         if not boots:
             world.silence(name, 0)
         if first and not boots:
-            _at(world, max(lead, 1), partial(world.silence, name, NEVER))
+            call_at(world, max(lead, 1), partial(world.silence, name, NEVER))
     played = [one for one in frames if one.sender not in firsts and one.entry.packet.address != SHARED]
-    world.attach(RECORDING, Player(_script(played, bus.bit_time)), {CAN: bus})
-    end = _end(order, frames)
-    comparison = Frames(_compared(order, frames, firsts), firsts, order.tolerance, end)
+    world.attach(RECORDING, Player(script_of(played, duration)), {CAN: bus})
+    end = end_of(order, frames)
+    comparison = Frames(to_compare(order, frames, firsts), firsts, order.tolerance, end)
 
     def note(now: Nanoseconds, sender: str, packet: Packet) -> None:
         if service_name(packet) not in order.without and packet.address != SHARED:
@@ -99,142 +92,51 @@ def _drives(order: Order) -> Stage:
     return Stage(world.run, (comparison,), frames, len(played), end, lead, emulated.plant.close)
 
 
-def _bridge(order: Order) -> Stage:
-    """Put the bridge on a bus with everybody else who was there, and give it the operator's messages.
-
-    On a real bus its first frame went out when it was started.
-    """
-    robot, name = order.robot, order.link
-    if robot.epos2_link(name).driver is not Epos2Driver.CAN:
-        raise RecordingFileError(
-            f"{order.recording.name}: the bridge of {robot.name} is on a serial line, and sends no CAN frame"
-        )
-    recording = _can_log(order)
-    frames = _until(order, frames_of(recording, robot, order.link))
-    own = _first_of(frames, BRIDGE)
-    if own is None:
-        raise RecordingFileError(f"{recording.name}: holds no frame of a bridge")
-    messages = _until(order, _beside(order, recording))
-    played = [one for one in frames if one.sender != BRIDGE]
-    said = [one for one in messages if one.sender != BRIDGE]
-    end = _end(order, frames, messages)
-    comparison = Frames(_compared(order, frames, (BRIDGE,)), (BRIDGE,), order.tolerance, end)
-    answers = Messages((one for one in messages if one.sender == BRIDGE), BRIDGE)
-    world, bus, link = World(), CanWire(robot.epos2_link(name).bit_rate), DatagramWire()
-    start = 0 if recording.virtual else _begin(own, bus.bit_time)
-    world.attach(RECORDING, Player(_script(played, bus.bit_time)), {CAN: bus})
-    links: dict[str, Wire] = {name: bus, OPERATOR: link}
-    bridge = Bridge(robot, kind_of(robot), stands=order.stands)
-    _at(world, start, partial(world.attach, BRIDGE, guarded(bridge, robot), links))
-    world.attach(OPERATOR_STATION, Player(_script(said, bus.bit_time)), {OPERATOR: link})
-
-    def note(now: Nanoseconds, sender: str, packet: Packet) -> None:
-        if service_name(packet) not in order.without:
-            comparison.take(now, sender, packet)
-
-    bus.observe(note)
-    link.observe(answers.take)
-    recorded = sorted((*frames, *messages), key=lambda one: one.entry.at)
-    return Stage(world.run, (comparison, answers), recorded, len(played) + len(said), end)
-
-
 def _bench(order: Order) -> Stage:
     """Put the robot on the bench with the recorded operator."""
-    if not is_telemetry(order.recording) or order.operator is not None:
+    file = one_file(order, WORDS)
+    if not is_telemetry(file) or order.operator is not None:
         raise RecordingFileError(
-            f"{order.recording.name}: the bench hears an operator, and wants one telemetry log (.tlog)"
+            f"{file.name}: the bench hears an operator, and wants one telemetry log (.tlog)"
         )
     robot = order.robot
-    recording = read_telemetry(order.recording)
-    messages = _until(order, messages_of(recording.since(recording.start(0)), robot))
-    if _first_of(messages, BRIDGE) is None:
+    recording = read_telemetry(file)
+    messages = not_after(order, messages_of(recording.since(recording.start(0)), robot))
+    if first_of(messages, BRIDGE) is None:
         raise RecordingFileError(f"{recording.name}: holds no message of the bridge of {robot.name}")
     said = [one for one in messages if one.sender != BRIDGE]
     answers = Messages((one for one in messages if one.sender == BRIDGE), BRIDGE)
-    operator = Player(_script(said, 0))
+    operator = Player(script_of(said, lambda _: 0))
     rig = Rig(robot, rehearsal_of(robot), operator, plant_path=order.plant, stands=order.stands)
     rig.operator_wire.observe(answers.take)
-    return Stage(rig.run, (answers,), messages, len(said), _end(order, messages), finish=rig.finish)
+    return Stage(rig.run, (answers,), messages, len(said), end_of(order, messages), finish=rig.finish)
 
 
 STAGES: Final[Mapping[Into, Callable[[Order], Stage]]] = MappingProxyType(
-    {Into.DRIVES: _drives, Into.BRIDGE: _bridge, Into.BENCH: _bench}
+    {Into.DRIVES: _drives, Into.BRIDGE: on_all_links, Into.BENCH: _bench}
 )
 """What puts each world together; RecordingFileError, PlantError."""
 
 
-def _can_log(order: Order, lead: Nanoseconds = 0) -> Recording:
+def _can_log(order: Order, lead: Nanoseconds) -> Recording:
     """Read the CAN log of an order; unless it is the bench's own, it begins at `lead`."""
-    if is_telemetry(order.recording):
+    file = one_file(order, FRAMES)
+    if is_telemetry(file):
         raise RecordingFileError(
-            f"{order.recording.name}: a telemetry log is played into the bench; give a CAN log, and this one"
+            f"{file.name}: a telemetry log is played into the bench; give a CAN log, and this one"
             " beside it with --operator"
         )
-    if order.into is Into.DRIVES and order.operator is not None:
+    if is_lines(file):
+        raise RecordingFileError(f"{file.name}: the drives hear a CAN bus; lines are played into the bridge")
+    if order.operator is not None:
         raise RecordingFileError(f"{order.operator.name}: the drives hear no operator")
-    recording = read_can(order.recording, order.channel)
+    if order.link not in order.robot.epos2_links:
+        raise RecordingFileError(f"{file.name}: {order.robot.name} has no drives on a CAN bus")
+    recording = read_can(file, order.channel)
     start = recording.start(CanWire(order.robot.epos2_link(order.link).bit_rate).bit_time)
     return recording.since(start if recording.virtual else start - lead)
-
-
-def _beside(order: Order, recording: Recording) -> list[Sent]:
-    """Read the telemetry log beside a CAN log; none where there is none."""
-    if order.operator is None:
-        return []
-    messages = read_telemetry(order.operator).since(recording.origin)
-    if messages.entries[-1].at < 0 or messages.entries[0].at > recording.entries[-1].at:
-        raise RecordingFileError(f"{messages.name}: was recorded at another time than {recording.name}")
-    return messages_of(messages, order.robot)
-
-
-def _until(order: Order, sent: list[Sent], lead: Nanoseconds = 0) -> list[Sent]:
-    """Leave out what was recorded later than is asked for."""
-    until = NEVER if order.until is None else order.until + lead
-    return [one for one in sent if one.entry.at <= until]
-
-
-def _end(order: Order, *links: list[Sent]) -> Nanoseconds:
-    """Return the instant by which the last packet has come, or is missing."""
-    return max(sent[-1].entry.at for sent in links if sent) + order.tolerance + RESOLUTION + 1
-
-
-def _compared(order: Order, frames: list[Sent], senders: Iterable[str]) -> list[Sent]:
-    names = set(senders)
-    return [
-        one for one in frames if one.sender in names and service_name(one.entry.packet) not in order.without
-    ]
-
-
-def _first_of(frames: list[Sent], sender: str) -> Sent | None:
-    return next((one for one in frames if one.sender == sender), None)
 
 
 def _boots(sent: Sent, node: int) -> bool:
     """Tell whether a frame is a node's boot-up message."""
     return sent.entry.packet == Packet(CAN, ERROR_CONTROL + node, encode_heartbeat(NmtState.BOOT_UP))
-
-
-def _begin(sent: Sent, bit_time: Nanoseconds) -> Nanoseconds:
-    """Return when a packet began; what stands in a recording is when it had wholly arrived."""
-    return sent.entry.at - duration_of(sent.entry.packet, bit_time)
-
-
-def _script(sent: list[Sent], bit_time: Nanoseconds) -> list[tuple[Nanoseconds, Packet]]:
-    """Return when each packet is to begin."""
-    begin, script = 0, []
-    for one in sent:
-        begin = max(begin, _begin(one, bit_time))
-        script.append((begin, one.entry.packet))
-    return script
-
-
-def _at(world: World, at: Nanoseconds, call: Callable[[], object]) -> None:
-    """Have something done at an instant."""
-    if at <= 0:
-        call()
-    else:
-
-        def do(_: object) -> None:
-            call()
-
-        world.call_at(at, do)

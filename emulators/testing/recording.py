@@ -1,10 +1,10 @@
 """What a test's wires have carried, kept in memory until somebody wants it in files."""
 
-from io import BytesIO, StringIO
+from io import BytesIO
 from pathlib import Path
-from typing import Final, NamedTuple, TypeAlias
+from typing import Final, TypeAlias
 
-from emulators.recorded import CHUNKS, FRAMES, WORDS, ways
+from emulators.recorded import CHUNKS, FILES, FRAMES, ways
 from emulators.rig import Rig
 from emulators.wires.ends import Observer
 from firmware_bridge.packet import Packet
@@ -16,14 +16,6 @@ Carried: TypeAlias = tuple[int, Nanoseconds, str, Packet]
 """The wire's number, when the packet had arrived, who sent it."""
 
 
-class Written(NamedTuple):
-    """A recording as its files have it."""
-
-    frames: str
-    chunks: str
-    words: bytes
-
-
 class Recording:
     """One test's recording from the moment at which the robot was switched on.
 
@@ -33,31 +25,25 @@ class Recording:
     def __init__(self, rig: Rig) -> None:
         self._rig: Final = rig
         self._carried: Final[list[Carried]] = []
-        for number, (wire, _) in enumerate(ways(rig, StringIO(), StringIO(), BytesIO())):
+        for number, (wire, _) in enumerate(ways(rig, _empty())):
             wire.observe(self._noting(number))
 
     @property
     def frames(self) -> tuple[str, ...]:
         """The frames on the buses, each as a line of candump."""
-        return tuple(self._written().frames.splitlines())
+        return tuple(self._written()[FRAMES].decode().splitlines())
 
     @property
     def chunks(self) -> tuple[str, ...]:
         """The bytes on the serial lines, a line for each chunk."""
-        return tuple(self._written().chunks.splitlines())
+        return tuple(self._written()[CHUNKS].decode().splitlines())
 
     def keep(self, folder: Path) -> list[Path]:
         """Write it into a folder, with the table of samples, and return the files; what is empty is none.
 
         OSError where that cannot be written.
         """
-        written = self._written()
-        content = {
-            FRAMES: written.frames.encode("ascii"),
-            CHUNKS: written.chunks.encode("ascii"),
-            WORDS: written.words,
-            SAMPLES: self._rig.samples.csv().encode("ascii"),
-        }
+        content = {**self._written(), SAMPLES: self._rig.samples.csv().encode("ascii")}
         folder.mkdir(parents=True, exist_ok=True)
         kept = []
         for name, data in content.items():
@@ -78,9 +64,14 @@ class Recording:
         note = self._carried.append
         return lambda now, sender, packet: note((number, now, sender, packet))
 
-    def _written(self) -> Written:
-        frames, chunks, words = StringIO(), StringIO(), BytesIO()
-        writers = [observer for _, observer in ways(self._rig, frames, chunks, words)]
+    def _written(self) -> dict[str, bytes]:
+        """Return each file's content."""
+        files = _empty()
+        writers = [observer for _, observer in ways(self._rig, files)]
         for number, now, sender, packet in self._carried:
             writers[number](now, sender, packet)
-        return Written(frames.getvalue(), chunks.getvalue(), words.getvalue())
+        return {name: file.getvalue() for name, file in files.items()}
+
+
+def _empty() -> dict[str, BytesIO]:
+    return {name: BytesIO() for name in FILES}

@@ -5,6 +5,7 @@ from emulators.wires.datagram import DatagramWire, Impairment
 from emulators.wires.disturbance import Disturbance, Effect
 from emulators.wires.ends import Observer
 from emulators.wires.faulty_can import FaultyCanWire
+from emulators.wires.played import PlayedLine
 from emulators.wires.serial import Inbox, SerialWire
 from emulators.wires.usb import usb_line
 
@@ -17,6 +18,7 @@ __all__ = [
     "Impairment",
     "Inbox",
     "Observer",
+    "PlayedLine",
     "SerialWire",
     "usb_line",
 ]

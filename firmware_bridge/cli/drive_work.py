@@ -33,7 +33,7 @@ from firmware_bridge.robot.settings.epos2 import Epos2Driver, Epos2Link
 from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.safety.snapshot import Hold
-from firmware_bridge.shell.black_box import CAN_LOG, OPERATOR_LOG, SERIAL_LOG, Texts
+from firmware_bridge.shell.black_box import CAN_LOG, CAPTURE_LOG, OPERATOR_LOG, SERIAL_LOG, Texts
 from firmware_bridge.shell.last_places import LastPlaces, usual_path
 from firmware_bridge.shell.ports import Port, ReturningLine, UdpPort, open_can
 from firmware_bridge.slow_link.conditions import Conditions
@@ -199,7 +199,8 @@ def drive(given: DriveOptions) -> None:
     for name, system in machine.capture_links.items():
         openers[name] = partial(UdpPort, f"udpin:{system.listen}")
     where = ", ".join(_title(machine, name, place) for name, place in places.items())
-    files = {name: SERIAL_LOG if name in lines else CAN_LOG for name in places} | {OPERATOR: OPERATOR_LOG}
+    files = {name: SERIAL_LOG if name in lines else CAN_LOG for name in places}
+    files |= dict.fromkeys(machine.capture_links, CAPTURE_LOG) | {OPERATOR: OPERATOR_LOG}
     with recording(given.record, files, texts_of()) as (around, tell):
         carry(
             Narrated(bridge, _far(around(node), slow), tell, kept, stamps, hints=hints),

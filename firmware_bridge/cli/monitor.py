@@ -7,7 +7,13 @@ from typing import Annotated, Final
 import typer
 
 from firmware_bridge.cli.commands import command, completing
-from firmware_bridge.cli.options import ChannelOption, DurationOption, InterfaceOption, RobotBitRateOption
+from firmware_bridge.cli.options import (
+    ChannelOption,
+    DurationOption,
+    FirmwareOption,
+    InterfaceOption,
+    RobotBitRateOption,
+)
 
 EXAMPLES: Final = """Examples:
 
@@ -15,7 +21,10 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge monitor -i socketcan -c can0 --robot rars` names the drives, and knows their PDOs at once.
 
-`firmware-bridge monitor --log out/rars-circles/can.log`"""
+`firmware-bridge monitor --log out/rars-circles/can.log`
+
+`firmware-bridge monitor --log out/rome-circle/serial.log --robot rome --protocol mw` says line by line what a
+board was told and has answered."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,7 +33,8 @@ class MonitorOptions:
 
     It sends nothing. On a terminal the picture is drawn anew; elsewhere each change is a line, and the
     picture comes at the end. A PDO is read by the robot file's mapping, or by one that was seen to be
-    written; the bytes of others are shown as they are. Ends on Ctrl-C.
+    written; the bytes of others are shown as they are. Ends on Ctrl-C. A recording of serial lines or of
+    cameras is said line by line, by the protocols of --robot.
     """
 
     interface: InterfaceOption = None
@@ -51,11 +61,12 @@ class MonitorOptions:
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="In place of a bus: a recording in candump's format, may be .gz or .xz; -c chooses one of "
-            "several buses in it.",
+            help="In place of a bus: a recording in candump's format, or serial.log or capture.log, may be "
+            ".gz or .xz; -c chooses one of several buses or lines in it.",
             show_default=False,
         ),
     ] = None
+    protocol: FirmwareOption = None
     duration: DurationOption = None
 
 

@@ -5,6 +5,7 @@ import lzma
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack
+from itertools import chain, islice
 from pathlib import Path
 from typing import IO, Final, TypeAlias
 
@@ -19,7 +20,7 @@ from firmware_bridge.cli.tables import terminal
 from firmware_bridge.dissector.bus_picture import BusPicture
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.recording import RecordingError, parse_candump
+from firmware_bridge.recording import RecordingError, is_chunk, parse_candump
 from firmware_bridge.shell.ports import open_can
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
@@ -54,15 +55,30 @@ class Listening:
 
 def monitor(given: MonitorOptions) -> None:
     """Do what `monitor` says; what is wrong ends the program with a message."""
-    picture = _picture(given)
     if given.log is None:
-        _live(given, picture)
+        _live(given, _picture(given))
         return
     if given.interface is not None or given.duration is not None:
         raise refusal("--log: a recording has no interface and no duration; leave out -i and --duration")
-    for at, packet in _recorded(given.log, given.channel):
+    lines = _numbered(given.log)
+    first = list(islice(lines, 1))
+    if first and is_chunk(first[0][1]):
+        _tell_lines(given, given.log, chain(first, lines))
+        return
+    picture = _picture(given)
+    for at, packet in _recorded(given.log, given.channel, chain(first, lines)):
         picture.note(at, packet)
     terminal().print(drawn(picture))
+
+
+def _tell_lines(given: MonitorOptions, log: Path, lines: Iterator[tuple[int, str]]) -> None:
+    """Say in words what lines have carried."""
+    if given.robot is None:
+        raise refusal(f"{log}: holds the bytes of lines; say whose with --robot, as its protocols read them")
+    # With it come pydantic and every installed robot.
+    from firmware_bridge.cli.monitor_lines import LinesOrder, tell_lines  # noqa: PLC0415 - see above
+
+    tell_lines(LinesOrder(log, given.robot, given.protocol, given.channel), lines)
 
 
 def _live(given: MonitorOptions, picture: BusPicture) -> None:
@@ -119,30 +135,37 @@ def _picture(given: MonitorOptions) -> BusPicture:
     return BusPicture(given.bit_rate or robot.epos2_link(link).bit_rate, tuple(expected_on(robot, link)))
 
 
-def _recorded(path: Path, channel: str | None) -> Iterator[tuple[Nanoseconds, Packet]]:
-    """Yield the frames of one bus of a recording; one that cannot be read ends the program with a message."""
+def _numbered(path: Path) -> Iterator[tuple[int, str]]:
+    """Yield the lines of a recording with their numbers, blank ones left out.
+
+    A file that cannot be read ends the program with a message.
+    """
     opened = _OPENERS.get(path.suffix, open)
-    heard: set[str] = set()
-    number = 0
     try:
         with opened(path, "rt", encoding="ascii") as lines:
-            for line in lines:
-                number += 1
-                if not line.strip():
-                    continue
-                at, bus, packet = parse_candump(line.rstrip("\n"))
-                heard.add(bus)
-                if channel is None and len(heard) > 1:
-                    raise refusal(
-                        f"{path}: holds frames of {' and '.join(sorted(heard))}; choose one with -c"
-                    )
-                if channel in {None, bus}:
-                    yield at, packet
+            for number, line in enumerate(lines, start=1):
+                if line.strip():
+                    yield number, line.rstrip("\r\n")
     except (OSError, EOFError, lzma.LZMAError, UnicodeDecodeError) as error:
         raise refusal(f"{path}: cannot be read: {error}", WRONG_INPUT) from None
-    except RecordingError:
-        raise refusal(
-            f"{path}, line {number}: no line of a candump log, as '(12.345678) can0 123#DEADBEEF'"
-        ) from None
+
+
+def _recorded(
+    path: Path, channel: str | None, lines: Iterator[tuple[int, str]]
+) -> Iterator[tuple[Nanoseconds, Packet]]:
+    """Yield the frames of one bus of a recording; one that cannot be read ends the program with a message."""
+    heard: set[str] = set()
+    for number, line in lines:
+        try:
+            at, bus, packet = parse_candump(line)
+        except RecordingError:
+            raise refusal(
+                f"{path}, line {number}: no line of a candump log, as '(12.345678) can0 123#DEADBEEF'"
+            ) from None
+        heard.add(bus)
+        if channel is None and len(heard) > 1:
+            raise refusal(f"{path}: holds frames of {' and '.join(sorted(heard))}; choose one with -c")
+        if channel in {None, bus}:
+            yield at, packet
     if channel is not None and channel not in heard:
         raise refusal(f"{path}: holds no frame of '{channel}', but of {', '.join(sorted(heard)) or 'nobody'}")

@@ -8,12 +8,19 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final, Protocol
 
+from firmware_bridge.dissector.boards import Ar2Line, ArduinoIoLine, FirmataLine, MwLine, RosLine
 from firmware_bridge.dissector.canopen import Canopen
 from firmware_bridge.dissector.mavlink import Mavlink
 from firmware_bridge.dissector.maxon import MaxonCommands, MaxonLine
+from firmware_bridge.dissector.natnet import NatNet
 from firmware_bridge.node import CAN, MAXON, OPERATOR, SERIAL
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import candump_frame
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.settings.ar2 import Ar2Firmware
+from firmware_bridge.robot.settings.capture import CaptureDriver
+from firmware_bridge.robot.settings.epos2 import Epos2Driver
+from firmware_bridge.robot.settings.shield import ShieldProtocol
 from firmware_bridge.units import SECOND, Nanoseconds
 
 SHOWN: Final = 16
@@ -46,9 +53,26 @@ KINDS: Final[Mapping[str, Protocols]] = MappingProxyType(
         OPERATOR: Protocols(_bytes, Mavlink),
         SERIAL: Protocols(_bytes, MaxonLine),
         MAXON: Protocols(lambda packet: f"{packet.address:02X}#{_bytes(packet)}", MaxonCommands),
+        ShieldProtocol.MW: Protocols(_bytes, MwLine),
+        ShieldProtocol.ROS_ARDUINO_BRIDGE: Protocols(_bytes, RosLine),
+        ShieldProtocol.ARDUINOIO: Protocols(_bytes, ArduinoIoLine),
+        ShieldProtocol.FIRMATA: Protocols(_bytes, FirmataLine),
+        Ar2Firmware.AR2_2_0: Protocols(_bytes, Ar2Line),
+        CaptureDriver.NATNET: Protocols(_bytes, NatNet),
+        CaptureDriver.MAVLINK: Protocols(_bytes, Mavlink),
     }
 )
-"""The kinds of links."""
+"""The kinds of links; what a board speaks, and what cameras do, are kinds by their words in robot files."""
+
+
+def kinds_of(robot: AnyRobot) -> dict[str, str]:
+    """Return the kind of each of a robot's links, by its name, as it is on the wire."""
+    drives = {Epos2Driver.CAN: CAN, Epos2Driver.SERIAL: SERIAL}
+    return {
+        **{name: drives[link.driver] for name, link in robot.epos2_links.items()},
+        **{name: link.protocol for name, link in (robot.shield_links | robot.ar2_links).items()},
+        **{name: link.driver for name, link in robot.capture_links.items()},
+    }
 
 
 class _Unread:
@@ -72,6 +96,13 @@ class Carried:
     packet: Packet
 
 
+def _one_line(text: str) -> str:
+    """Return a text without what would break its line, or command a terminal: it may be a stranger's."""
+    if text.isprintable():
+        return text
+    return "".join(one if one.isprintable() else repr(one)[1:-1] for one in text)
+
+
 class Dissector:
     """Reads packets of several links; `kinds` tells a link's kind by its name where they are not the same."""
 
@@ -87,5 +118,5 @@ class Dissector:
         if reader is None:
             reader = self._readers[link] = protocols.reader()
         seconds, rest = divmod(carried.at, SECOND)
-        said = reader.read(carried.sender, packet)
+        said = _one_line(reader.read(carried.sender, packet))
         return f"{seconds}.{rest:09d} s  {link}  {carried.sender}  {protocols.written(packet)}  {said}"

@@ -4,7 +4,8 @@ A thread writes, so that no disk holds up a cycle. A disk that is full, slow or 
 one message, and never the robot. Each run has a folder of its own, named by when it began:
 
 * `can.log`, as `candump -l` writes it, without the marks R and T, which Wireshark does not read;
-* `serial.log`: instant, link, R or T, and the bytes, for a line that carries maxon's serial protocol;
+* `serial.log`: instant, link, R or T, and the bytes, for a line to drives or to a board;
+* `capture.log`: the same of the datagrams of cameras, with the place that they came from or went to;
 * `operator.tlog`, MAVLink's telemetry log;
 * `events.log`: what was told at the terminal and to the operator, among it who drives, arms and stops.
 """
@@ -20,11 +21,12 @@ from types import TracebackType
 from typing import BinaryIO, Final, Self, TypeAlias
 
 from firmware_bridge.packet import Packet
-from firmware_bridge.recording import Direction, candump_line, serial_line, tlog_records
+from firmware_bridge.recording import Direction, candump_line, chunk_line, tlog_records
 from firmware_bridge.units import MICROSECOND, SECOND, Nanoseconds
 
 CAN_LOG: Final = "can.log"
 SERIAL_LOG: Final = "serial.log"
+CAPTURE_LOG: Final = "capture.log"
 OPERATOR_LOG: Final = "operator.tlog"
 EVENTS_LOG: Final = "events.log"
 MOST: Final = 100_000
@@ -91,7 +93,8 @@ class BlackBox:
     def note(self, now: Nanoseconds, direction: Direction, packet: Packet) -> None:
         """Take down a packet."""
         if self._epoch is None:
-            self._epoch = time.time_ns() - now
+            # Whole microseconds, so that the telemetry log, which has no less, tells the run's own instants.
+            self._epoch = (time.time_ns() - now) // MICROSECOND * MICROSECOND
         if self._failure is None:
             if len(self._waiting) < MOST:
                 self._waiting.append((now, direction, packet))
@@ -145,8 +148,8 @@ class BlackBox:
             return [records, *(_event(epoch + now, text) for text in self._new_texts(sent))]
         if name == CAN_LOG:
             return [(name, f"{candump_line(now, packet, packet.link, epoch)}\n".encode())]
-        if name == SERIAL_LOG and packet.payload:
-            line = serial_line(now, packet.link, direction, packet.payload, epoch)
+        if name in {SERIAL_LOG, CAPTURE_LOG} and packet.payload:
+            line = chunk_line(now, packet.link, direction, packet, epoch)
             return [(name, f"{line}\n".encode())]
         return []
 

@@ -5,7 +5,7 @@ import time
 from collections.abc import Sequence
 from typing import Final
 
-from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
+from firmware_bridge.units import MICROSECOND, MILLISECOND, NEVER, SECOND, Nanoseconds
 
 STALL: Final = 50 * MILLISECOND
 """A process that is not let run for longer has been stopped; a shorter time is a busy machine's."""
@@ -26,8 +26,8 @@ class Clock:
         self._zero = time.monotonic_ns()
 
     def now(self) -> Nanoseconds:
-        """Return the time since the start."""
-        return time.monotonic_ns() - self._zero
+        """Return the time since the start, in whole microseconds: no recording tells less of when it was."""
+        return (time.monotonic_ns() - self._zero) // MICROSECOND * MICROSECOND
 
     def wait(self, filenos: Sequence[int], until: Nanoseconds) -> list[int]:
         """Sleep until a file can be read, or until an instant; return the files that can be read now."""

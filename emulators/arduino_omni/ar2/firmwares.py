@@ -14,7 +14,7 @@ from typing import Final
 
 from firmware_bridge.wire.arduino import ar2
 
-COMMANDS: Final = frozenset({"SV", "WT", "JF", "ON", "OF", "WI", "WO", "TM", "LL", "MJ", "ML"})
+COMMANDS: Final = frozenset(ar2.COMMANDS)
 
 
 @dataclass(frozen=True, slots=True)

@@ -39,8 +39,7 @@ class ArduinoIoSketch:
         """Begin; where more encoders than the stock sketch's two count, all pins interrupt."""
         self._mega: Final = mega
         self._any_pin: Final = encoders > STOCK_ENCODERS
-        self._row: words.Command | None = None
-        self._values: list[int] = []
+        self._commands: Final = words.CommandReader()
         self._counters: dict[int, Counter] = {}
         self._kept: dict[int, int] = {}
         self._angles: dict[int, int] = {}
@@ -82,32 +81,12 @@ class ArduinoIoSketch:
         """Read up to the end of a command, and obey it."""
         del now
         while (byte := self._mega.serial.read()) >= 0:
-            if self._row is None:
-                self._row = words.COMMANDS.get(chr(byte))
-            elif self._take(self._row, byte):
+            asked = self._commands.take(byte)
+            if asked is not None:
+                handler = self._handlers.get(asked.row.letter)
+                if handler is not None:
+                    handler(*asked.values)
                 return
-
-    def _take(self, row: words.Command, byte: int) -> bool:
-        """Take a byte behind the letter; return whether a command was obeyed."""
-        kind = row.follows[len(self._values)]
-        fits = kind.takes(byte)
-        released = row.letter == "D" and len(self._values) == 1 and byte == words.ENDS_STEPPER
-        if not fits or released:
-            self._forget()
-            return False
-        self._values.append(byte - kind.base)
-        if len(self._values) < len(row.follows):
-            return False
-        values = tuple(self._values)
-        self._forget()
-        handler = self._handlers.get(row.letter)
-        if handler is not None:
-            handler(*values)
-        return True
-
-    def _forget(self) -> None:
-        self._row = None
-        self._values.clear()
 
     def _say(self, number: int) -> None:
         self._mega.do(Say(words.encode_answer(number)))

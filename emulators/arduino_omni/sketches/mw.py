@@ -34,7 +34,6 @@ READ_TIMEOUT: Final[Nanoseconds] = SECOND
 """Stream's default, for each byte."""
 SPEED_TIME: Final[Nanoseconds] = 20 * MILLISECOND
 STOCK_ENCODERS: Final = 2
-_SIZE: Final = 2
 _SPEED: Final = Struct("<bh")
 _Handler: TypeAlias = Callable[[Any], None]
 
@@ -48,7 +47,7 @@ class MwSketch:
         self._mega: Final = mega
         self._libraries: Final = libraries
         self._encoders: Final = encoders
-        self._frame = bytearray()
+        self._requests: Final = mw.AskedReader()
         self._late_at: Nanoseconds = NEVER
         self._code = 0
         self._now: Nanoseconds = 0
@@ -94,40 +93,17 @@ class MwSketch:
         """Read up to the end of a frame, and obey it."""
         self._now = now
         if self._late_at <= now:
-            self._forget()
+            self._requests.forget()
+            self._late_at = NEVER
         while (byte := self._mega.serial.read()) >= 0:
-            if self._frame or byte == mw.HOST_START:
-                self._frame.append(byte)
-                self._late_at = now + READ_TIMEOUT
-                if self._complete():
-                    return
-
-    def _forget(self) -> None:
-        self._frame.clear()
-        self._late_at = NEVER
-
-    def _complete(self) -> bool:
-        """Obey the frame, if it is whole; return whether there is something to do now."""
-        if len(self._frame) < 1 + _SIZE:
-            return False
-        size = bytes(self._frame[1 : 1 + _SIZE])
-        count = int.from_bytes(size, "little")
-        if count > mw.LARGEST:
-            self._forget()
-            return False
-        if len(self._frame) < 1 + _SIZE + count:
-            return False
-        asked = mw.decode_asked(size, bytes(self._frame[1 + _SIZE :]))
-        self._forget()
-        return asked is not None and self._obey(asked)
+            asked = self._requests.take(byte)
+            self._late_at = now + READ_TIMEOUT if self._requests.waits else NEVER
+            if asked is not None and self._obey(asked):
+                return
 
     def _obey(self, asked: mw.Asked) -> bool:
-        name = mw.CORE
-        if asked.library is not None:
-            if asked.library >= len(self._libraries):
-                return False
-            name = self._libraries[asked.library]
-        row = mw.COMMANDS.get((name, asked.code))
+        """Obey a request, where it is known; return whether there is something to do now."""
+        row = mw.row_asked(asked, self._libraries)
         request = None if row is None or row.request is None else row.request.decode(asked.data)
         if request is None:
             return False

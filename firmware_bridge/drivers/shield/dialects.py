@@ -310,14 +310,9 @@ def _channel(motor: int, pin: Pin, level: int) -> Say:
 
 
 def _count(message: firmata.Message, place: int) -> Numbers | None:
-    """Return an encoder's count from a report: a sign and a number, then four times seven bits."""
-    data = message.data
-    if not message.exclusive or message.code != firmata.ENCODER or len(data) != len(b"eabcd"):
-        return None
-    if data[0] & 0x3F != place:
-        return None
-    size = sum(part << 7 * index for index, part in enumerate(data[1:]))
-    return (-size if data[0] & 0x40 else size,)
+    """Return an encoder's count from its report; None for anything else."""
+    counts = firmata.decode_counts(message)
+    return (counts[0].count,) if len(counts) == 1 and counts[0].encoder == place else None
 
 
 DIALECTS: Final[Mapping[ShieldProtocol, type[Dialect]]] = MappingProxyType(

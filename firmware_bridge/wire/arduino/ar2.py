@@ -5,7 +5,10 @@ Source: Chris-Annin/AR2, AR2_2.0 and AR2_1.5.
 Answers have no line's end unless it stands here.
 """
 
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Final
 
 BAUD: Final = 115_200
@@ -22,6 +25,53 @@ ALL_POINTS: Final = b"waypts done"
 ECHO_END: Final = b"\r\n"
 """After the line that TM echoes, its own end among it."""
 MOST_STEPS: Final = 32_767
+COMMANDS: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "SV": "servo",
+        "WT": "wait",
+        "JF": "input",
+        "ON": "output on",
+        "OF": "output off",
+        "WI": "wait until an input is on",
+        "WO": "wait until an input is off",
+        "TM": "echo",
+        "LL": "to the limit switches",
+        "MJ": "joint move",
+        "ML": "points follow",
+    }
+)
+"""What a line's first two letters ask for."""
+_AXIS: Final = re.compile(rb"([A-FT])([01])(\d+)")
+_FIELD: Final = re.compile(rb"([GHIKNPSTVX])(-?\d+(?:\.\d+)?(?:e[+-]?\d+)?)")
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """A line, read as this module's functions write it; the board looks for letters, and takes anything."""
+
+    word: str
+    """The first two letters."""
+    steps: Mapping[str, int]
+    """By the letters of joints and track; ahead, which is digit 1, above 0."""
+    fields: Mapping[str, str]
+    """What else there is, by its letter."""
+    text: str
+    """Behind the word, as it is."""
+
+
+def decode(line: bytes) -> Asked | None:
+    """Return what a line asks for, without its end; None for one that a board passes over."""
+    word, rest = line[:2].decode("ascii", "replace"), bytes(line[2:])
+    if word not in COMMANDS:
+        return None
+    axes, _, fields = rest.partition(b"S") if word in {"MJ", "LL"} else (b"", b"", rest)
+    found = _FIELD.findall((b"S" if axes else b"") + fields) if word != "TM" else ()
+    return Asked(
+        word,
+        {letter.decode(): int(count) * (2 * int(digit) - 1) for letter, digit, count in _AXIS.findall(axes)},
+        {letter.decode(): number.decode() for letter, number in found},
+        rest.decode("ascii", "replace"),
+    )
 
 
 def move(

@@ -101,6 +101,44 @@ def encode(letter: str, *values: int) -> bytes:
     return letter.encode() + bytes(kind.encode(it) for kind, it in zip(row.follows, values, strict=True))
 
 
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """A command as it came: its row, and what followed."""
+
+    row: Command
+    values: tuple[int, ...]
+
+
+class CommandReader:
+    """The board's end: it takes bytes and finds commands. A byte that does not fit ends its command."""
+
+    def __init__(self) -> None:
+        self._row: Command | None = None
+        self._values: list[int] = []
+
+    def take(self, byte: int) -> Asked | None:
+        """Take one byte; return the command that it completes."""
+        row = self._row
+        if row is None:
+            self._row = COMMANDS.get(chr(byte))
+            return None
+        kind = row.follows[len(self._values)]
+        released = row.letter == "D" and len(self._values) == 1 and byte == ENDS_STEPPER
+        if not kind.takes(byte) or released:
+            self._forget()
+            return None
+        self._values.append(byte - kind.base)
+        if len(self._values) < len(row.follows):
+            return None
+        values = tuple(self._values)
+        self._forget()
+        return Asked(row, values)
+
+    def _forget(self) -> None:
+        self._row = None
+        self._values.clear()
+
+
 def decode(line: bytes) -> int | None:
     """Return the number that an answer says, without its line end; None where it says none."""
     digits = line.removeprefix(b"-")

@@ -47,6 +47,38 @@ I2C_CONFIG: Final = 0x78
 FIRMWARE: Final = 0x79
 SAMPLING: Final = 0x7A
 
+EXCLUSIVE: Final[Mapping[int, str]] = MappingProxyType(
+    {
+        ENCODER: "encoder",
+        MAPPING_QUERY: "which channels",
+        MAPPING: "channels",
+        CAPABILITY_QUERY: "which modes",
+        CAPABILITY: "modes",
+        PIN_STATE_QUERY: "which state",
+        PIN_STATE: "state",
+        EXTENDED_ANALOG: "analog output",
+        STRING: "text",
+        I2C_REQUEST: "I2C request",
+        I2C_REPLY: "I2C reply",
+        I2C_CONFIG: "I2C set-up",
+        FIRMWARE: "firmware",
+        SAMPLING: "sampling interval",
+    }
+)
+"""What each system-exclusive command is about."""
+
+ENCODER_ASKS: Final[Mapping[int, str]] = MappingProxyType(
+    {
+        0x00: "attach",
+        0x01: "report",
+        0x02: "report all",
+        0x03: "count from 0",
+        0x04: "report all by itself",
+        0x05: "detach",
+    }
+)
+"""What a host's encoder message asks for, by its first byte; a board's has none."""
+
 # How an I2C request is to be served
 
 I2C_WRITE: Final = 0x00
@@ -140,6 +172,31 @@ def decode_i2c(message: Message) -> I2cRead | None:
     if not message.exclusive or message.code != I2C_REPLY or len(values) < len(("address", "register")):
         return None
     return I2cRead(values[0], values[1], bytes(it & 0xFF for it in values[2:]))
+
+
+@dataclass(frozen=True, slots=True)
+class Counted:
+    """An encoder's number, and its count."""
+
+    encoder: int
+    count: int
+
+
+def decode_counts(message: Message) -> tuple[Counted, ...]:
+    """Return a report of encoders, each a sign and its number, then four times seven bits; else none."""
+    data = message.data
+    if not message.exclusive or message.code != ENCODER or len(data) % _COUNT:
+        return ()
+    return tuple(_counted(data[place : place + _COUNT]) for place in range(0, len(data), _COUNT))
+
+
+def _counted(data: bytes) -> Counted:
+    size = sum(part << 7 * index for index, part in enumerate(data[1:]))
+    return Counted(data[0] & 0x3F, -size if data[0] & 0x40 else size)
+
+
+_COUNT: Final = 5
+"""Bytes of one encoder in a report."""
 
 
 class Parser:

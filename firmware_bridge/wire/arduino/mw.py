@@ -195,6 +195,46 @@ def decode_asked(size: bytes, body: bytes) -> Asked | None:
     return Asked(body[0] % SEQUENCES, library, body[head - 1], body[head:-1])
 
 
+class AskedReader:
+    """The board's end: it takes bytes and finds requests. It refuses to know of time: see `forget`."""
+
+    def __init__(self) -> None:
+        self._frame = bytearray()
+
+    @property
+    def waits(self) -> bool:
+        """Whether a frame has begun that is not whole."""
+        return bool(self._frame)
+
+    def take(self, byte: int) -> Asked | None:
+        """Take one byte; return the request that it completes. Damage, and what is too large, is dropped."""
+        if not self._frame and byte != HOST_START:
+            return None
+        self._frame.append(byte)
+        if len(self._frame) < len("Zss"):
+            return None
+        size = bytes(self._frame[1:3])
+        count = int.from_bytes(size, "little")
+        if count <= LARGEST and len(self._frame) < len("Zss") + count:
+            return None
+        body = bytes(self._frame[3:])
+        self.forget()
+        return None if count > LARGEST else decode_asked(size, body)
+
+    def forget(self) -> None:
+        """Drop half a frame: its next byte has not come in time."""
+        self._frame.clear()
+
+
+def row_asked(asked: Asked, libraries: Sequence[str] = LIBRARIES) -> Command | None:
+    """Return the row that a request names, on a board with these libraries; None for one that has none."""
+    if asked.library is None:
+        return COMMANDS.get((CORE, asked.code))
+    if asked.library >= len(libraries):
+        return None
+    return COMMANDS.get((libraries[asked.library], asked.code))
+
+
 def encode_request(request: Message, sequence: int, libraries: Sequence[str] = LIBRARIES) -> bytes:
     """Return the frame that asks; ValueError for a library not there, struct.error for a bad field."""
     row = row_of(request)

@@ -98,19 +98,21 @@ def _is_number(word: str) -> bool:
 
 
 class LineReader:
-    """The host's end: it takes bytes and finds lines; one that is too long is dropped."""
+    """Takes bytes and finds lines; one that is too long is dropped. By default the host's end."""
 
-    def __init__(self) -> None:
+    def __init__(self, end: bytes = LINE_END, longest: int = LONGEST_LINE) -> None:
+        self._end: Final = end
+        self._longest: Final = longest
         self._waiting = bytearray()
 
     def hear(self, chunk: bytes) -> Iterator[bytes]:
         """Take bytes; yield lines without their ends."""
         for byte in chunk:
             self._waiting.append(byte)
-            if self._waiting.endswith(LINE_END):
-                line = bytes(self._waiting[: -len(LINE_END)])
+            if self._waiting.endswith(self._end):
+                line = bytes(self._waiting[: -len(self._end)])
                 self._waiting.clear()
-                if len(line) <= LONGEST_LINE:
+                if len(line) <= self._longest:
                     yield line
 
     def flush(self) -> None:

@@ -96,6 +96,9 @@ def test_the_line_to_a_board_is_recorded_as_the_bridge_speaks_and_hears(tmp_path
     assert bytes.fromhex(told[at + 1][2:]) == b"OK\r\n"
     assert (tmp_path / "rome/can.log").read_bytes() == b""
     (line,) = json.loads((tmp_path / "rome/summary.json").read_text())["lines"]
+    again = CliRunner().invoke(program, ["replay", str(tmp_path / "rome"), "rome"])
+    assert again.exit_code == 0, again.output
+    assert "packets of the bridge are as recorded" in again.output
     carried = sum(len(words) - 1 for words in map(str.split, told))
     assert 0 <= line["bytes"] - carried < 32  # a chunk is on its way at the end
     assert 0.0 < line["busy_percent"] < 80.0

@@ -25,6 +25,10 @@ LOG = """(1577836800.000000) can0 703#00
 (1577836800.200000) can0 083#2032040000000000
 (1577836800.300000) can0 183#3707
 """
+LINES = """(1577836803.000000000) board T 65 0D
+(1577836803.002528000) board R 31 20 2D 32
+(1577836803.006624000) board R 20 33 0D 0A
+"""
 
 
 class Scripted:
@@ -119,6 +123,23 @@ def test_a_recording_is_one_picture(tmp_path: Path, *, compressed: bool) -> None
     assert "0x0737 (operation enabled, power stage on" in told.stdout
 
 
+@pytest.mark.parametrize("compressed", [False, True])
+def test_a_recording_of_lines_is_said_line_by_line(tmp_path: Path, *, compressed: bool) -> None:
+    path = tmp_path / ("serial.log.gz" if compressed else "serial.log")
+    path.write_bytes(gzip.compress(LINES.encode()) if compressed else LINES.encode())
+    told = run("--log", str(path), "--robot", "rome")
+    assert told.exit_code == 0, told.stderr
+    assert told.stdout.splitlines() == [
+        "0.000000000 s  board  bridge  650D  read encoders",
+        "0.002528000 s  board  board  31202D32  part of a line",
+        "0.006624000 s  board  board  20330D0A  answer to read encoders: 1 -2 3",
+    ]
+    assert run("--log", str(path), "--robot", "rome", "-c", "board").stdout == told.stdout
+    other = run("--log", str(path), "--robot", "rome", "--protocol", "firmata")
+    assert "read encoders" not in other.stdout
+    assert len(other.stdout.splitlines()) == 3
+
+
 @every(
     ("words", "content", "told"),
     [
@@ -132,6 +153,19 @@ def test_a_recording_is_one_picture(tmp_path: Path, *, compressed: bool) -> None
         (("--robot", "rars", "--link", "bus", "--log", "LOG"), LOG, "say which one with --link"),
         (("--robot", "rome", "--log", "LOG"), LOG, "has no drives on a CAN bus"),
         (("--robot", "nobody", "--log", "LOG"), LOG, "nobody"),
+        (("--log", "LOG"), LINES, "can.log: holds the bytes of lines; say whose with --robot"),
+        (
+            ("--robot", "rome", "--log", "LOG"),
+            LINES + "(1.000000) board\n",
+            "line 4: no line of bytes",
+        ),
+        (("--robot", "ar2", "--log", "LOG"), LINES, "line 1: ar2 has no link 'board'; it has: arm"),
+        (
+            ("--robot", "rome", "--log", "LOG", "-c", "arm"),
+            LINES,
+            "-c arm: rome has no such link",
+        ),
+        (("--robot", "rome", "--protocol", "mx", "--log", "LOG"), LINES, "protocol: no 'mx'"),
         (("-i", "socketcan", "-c", "nosuchcan0"), LOG, "nosuchcan0"),
     ],
 )

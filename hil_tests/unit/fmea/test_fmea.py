@@ -89,10 +89,10 @@ def course(x: Floats, held_ms: float | None = None, told_ms: float | None = None
     return Course({"x_m": x}, {"x_m": "m"}, holds, texts, 0)
 
 
-TIMES = np.arange(ROWS) * 0.01
-GOES = 0.3 * TIMES
-RUNS_ON = 0.6 * TIMES
-STANDS = np.minimum(GOES, 0.1)
+TIMES: Floats = np.arange(ROWS, dtype=np.float64) / 100.0
+GOES: Floats = 0.3 * TIMES
+RUNS_ON: Floats = 0.6 * TIMES
+STANDS: Floats = np.minimum(GOES, 0.1)
 ASIDE_AT_MS = 1e3 * ASIDE["m"] / (0.3 - 0.05 * 0.3)
 """When a robot of twice the speed is as far aside as counts."""
 

@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from typer.testing import CliRunner
 
 from emulators.replay import Into, Order, RecordingFileError, replay
-from emulators.replay.recordings import read_can, read_telemetry
+from emulators.replay.recordings import Recording, read_can, read_lines, read_telemetry
 from firmware_bridge.cli import program
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.kinds import find
@@ -28,6 +28,8 @@ BEFORE = candump_line(SECOND // 2, Packet("can", 0x764, b"\x05"), "can0", REAL)
 OTHER = candump_line(SECOND, Packet("can", 0x701, b"\0"), "can1", REAL)
 HEARTBEAT = Codec(255, 190).encode(dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3))
 TLOG = tlog_records(0, HEARTBEAT, REAL)
+LINE = "(1700000000.000000000) board T 62 0D"
+EARLIER = "(1600000000.000000000) board R 62 0D"
 
 NO_LINE = "a.log, line 1: no line of a candump log"
 BAD: dict[str, tuple[str, bytes, str]] = {
@@ -50,6 +52,13 @@ BAD: dict[str, tuple[str, bytes, str]] = {
     "empty telemetry": ("a.tlog", b"", "a.tlog: holds no MAVLink message"),
     "cut telemetry": ("a.tlog", TLOG[:-1], "a.tlog: no whole MAVLink message at byte 8 "),
     "text as telemetry": ("a.tlog", BOOT.encode(), "a.tlog: no whole MAVLink message at byte 8 "),
+    "cut lines": ("serial.log", b"(1.000000000) board T 6", "serial.log, line 1: no line of bytes, as '("),
+    "a bad line": ("b.log", f"{LINE}\n(1.000000000) board\n".encode(), "b.log, line 2: no line of bytes, as"),
+    "a bad place": ("b.log", f"{LINE}\n(9.000000000) a R 1.1.1:1 0\n".encode(), "b.log, line 2: no line of"),
+    "lines back in time": ("b.log", f"{LINE}\n{EARLIER}\n".encode(), "b.log, line 2: its instant is before"),
+    "another's lines": ("b.log", f"{LINE}\n".encode(), "b.log, line 1: rars has no line 'board'; it has:"),
+    "empty lines": ("serial.log", b"\n", "serial.log: holds nothing that a line has carried"),
+    "no lines": ("capture.log", b"(1.0) can0 701#00\n", "capture.log, line 1: no line of bytes, as"),
     "telemetry back in time": ("a.tlog", tlog_records(1000, HEARTBEAT, REAL) + TLOG, "a.tlog, message 2"),
 }  # fmt: skip
 
@@ -78,7 +87,7 @@ ORDERS: dict[str, tuple[Into, str, str | None, str]] = {
     "telemetry into the bridge": (Into.BRIDGE, "a.tlog", None, "a telemetry log is played into the bench"),
     "frames into the bench": (Into.BENCH, "a.log", None, "wants one telemetry log"),
     "the drives' operator": (Into.DRIVES, "a.log", "a.tlog", "a.tlog: the drives hear no operator"),
-    "a bridge that is silent": (Into.BRIDGE, "silent.log", None, "holds no frame of a bridge"),
+    "a bridge that is silent": (Into.BRIDGE, "silent.log", None, "holds no word of a bridge"),
     "nobody answers": (Into.BENCH, "a.tlog", None, "a.tlog: holds no message of the bridge of rars"),
     "another day's operator": (Into.BRIDGE, "a.log", "b.tlog", "b.tlog: was recorded at another time"),
 }
@@ -125,14 +134,21 @@ def test_compressed_files_are_read_as_they_are(suffix: str, pack: object, tmp_pa
     assert len(read_telemetry(tmp_path / f"a.tlog{suffix}").entries) == 1
 
 
+def read_can_log(path: Path) -> Recording:
+    return read_can(path, None)
+
+
+READERS = {".tlog": read_telemetry, ".serial": read_lines}
+
+
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(st.binary(max_size=80), st.sampled_from(["a.log", "a.tlog", "a.log.gz", "a.log.xz"]))
+@given(st.binary(max_size=80), st.sampled_from(["a.log", "a.tlog", "a.log.gz", "a.log.xz", "a.serial"]))
 def test_any_bytes_are_read_or_refused(tmp_path: Path, content: bytes, name: str) -> None:
     file = tmp_path / name
     file.write_bytes(content)
     refused = None
     try:
-        recording = read_telemetry(file) if name.endswith(".tlog") else read_can(file, None)
+        recording = READERS.get(file.suffix, read_can_log)(file)
     except RecordingFileError as error:
         refused = str(error)
     assert refused is None or (refused.startswith("a.") and "\n" not in refused)

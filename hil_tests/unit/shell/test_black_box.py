@@ -10,14 +10,23 @@ import pytest
 from firmware_bridge.cli.drive_work import texts_of
 from firmware_bridge.node import CAN, OPERATOR, SERIAL
 from firmware_bridge.packet import Packet
-from firmware_bridge.recording import Direction, parse_candump, parse_tlog
+from firmware_bridge.recording import Direction, parse_candump, parse_chunk, parse_tlog
 from firmware_bridge.safety.row import Severity
-from firmware_bridge.shell.black_box import CAN_LOG, OPERATOR_LOG, SERIAL_LOG, BlackBox, BlackBoxError
+from firmware_bridge.shell.black_box import (
+    CAN_LOG,
+    CAPTURE_LOG,
+    OPERATOR_LOG,
+    SERIAL_LOG,
+    BlackBox,
+    BlackBoxError,
+)
 from firmware_bridge.teleop.mavlink import Codec
 from firmware_bridge.teleop.texts import Speaker
 from firmware_bridge.units import MILLISECOND
+from firmware_bridge.wire.internet import number_of
 
-FILES: Final = {CAN: CAN_LOG, "line": SERIAL_LOG, OPERATOR: OPERATOR_LOG}
+FILES: Final = {CAN: CAN_LOG, "line": SERIAL_LOG, "cameras": CAPTURE_LOG, OPERATOR: OPERATOR_LOG}
+PLACE: Final = number_of("192.168.1.10", 1511)
 LONG: Final = "control: 255/190 at 10.0.0.1:14550 drives, and this is a text of more than fifty characters"
 
 
@@ -32,6 +41,7 @@ def test_what_passed_is_in_files_that_the_field_reads(tmp_path: Path) -> None:
         box.note(0, Direction.HEARD, Packet(CAN, 0x181, b"\1\2"))
         box.note(MILLISECOND, Direction.SENT, Packet(CAN, 0x201, b"\3"))
         box.note(2 * MILLISECOND, Direction.SENT, Packet("line", 0, b"\x90\x02"))
+        box.note(2 * MILLISECOND + 1, Direction.HEARD, Packet("cameras", PLACE, b"\1"))
         for _station in range(2):
             for datagram in said(LONG):
                 box.note(3 * MILLISECOND, Direction.SENT, Packet(OPERATOR, 7, datagram))
@@ -42,7 +52,13 @@ def test_what_passed_is_in_files_that_the_field_reads(tmp_path: Path) -> None:
     first, channel, packet = parse_candump(heard, epoch=0)
     assert (channel, packet) == (CAN, Packet(CAN, 0x181, b"\1\2"))
     assert parse_candump(sent, epoch=0)[0] - first == MILLISECOND
-    assert (box.folder / SERIAL_LOG).read_text().endswith(" line T 90 02\n")
+    text = (box.folder / SERIAL_LOG).read_text()
+    assert text.endswith(" line T 90 02\n")
+    at, way, frame = parse_chunk((box.folder / CAPTURE_LOG).read_text().rstrip("\n"), epoch=0)
+    (first_word, _), *_ = parse_tlog((box.folder / OPERATOR_LOG).read_bytes(), epoch=0)
+    assert at - first_word == 1 - MILLISECOND, "what is cut to microseconds tells the same instants"
+    assert (at - parse_chunk(text.rstrip("\n"), epoch=0)[0], way) == (1, Direction.HEARD), "to the nanosecond"
+    assert frame == Packet("cameras", PLACE, b"\1")
     assert len(list(parse_tlog((box.folder / OPERATOR_LOG).read_bytes()))) == 2 * len(said(LONG)) + 1
     events = [line.partition(" ")[2] for line in (box.folder / "events.log").read_text().splitlines()]
     assert events == [f"to the operator: {LONG}", "armed"]

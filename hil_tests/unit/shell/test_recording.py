@@ -19,13 +19,17 @@ from firmware_bridge.recording import (
     Recorded,
     RecordingError,
     candump_line,
+    chunk_line,
+    is_chunk,
     mavlink_messages,
     parse_candump,
+    parse_chunk,
     parse_tlog,
     tlog_records,
 )
 from firmware_bridge.units import MICROSECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.can import ERROR, EXTENDED, REMOTE
+from firmware_bridge.wire.internet import number_of
 
 addresses = st.one_of(
     st.integers(0, 0x7FF), st.integers(0, 0x1FFF_FFFF).map(lambda number: number | EXTENDED)
@@ -54,6 +58,54 @@ def test_frames_in_the_form_of_candump(at: Nanoseconds, address: int, content: s
     packet = Packet("can", address, bytes.fromhex(content))
     assert candump_line(at, packet) == line
     assert parse_candump(line) == (at // MICROSECOND * MICROSECOND, "vcan0", packet)
+
+
+hosts = st.ip_addresses().map(str)
+places = st.one_of(st.just(0), st.builds(number_of, hosts, st.integers(1, 65535)))
+
+
+@given(
+    st.integers(0, 10**18),
+    st.sampled_from(["board", "arm", "drives"]),
+    st.sampled_from(Direction),
+    places,
+    st.binary(max_size=20),
+)
+def test_bytes_come_back_from_their_line(
+    at: Nanoseconds, link: str, way: Direction, place: int, content: bytes
+) -> None:
+    packet = Packet(link, place, content)
+    line = chunk_line(at, link, way, packet)
+    assert is_chunk(line)
+    assert parse_chunk(line) == (at, way, packet), "to the nanosecond"
+    assert parse_chunk(line.lower().replace(" r", " R", 1).replace(" t", " T", 1))[2].payload == content
+
+
+@pytest.mark.parametrize(
+    ("line", "meant"),
+    [
+        ("", False),
+        ("(1.000000) can0 123#00 T", False),
+        ("(1.000000) board T 6", True),
+        ("(1.000000000) board T 626", True),
+        ("(1.000000000) board X 62", False),
+        ("(1.0) board R 62", True),
+        ("(1.000000000) cameras R 10.0.0.1:0 62", True),
+        ("(1.000000000) cameras R 10.0.0.1.1:1511 62", True),
+        ("(1.000000000) cameras R 10.0.0.1:1511 6G", True),
+        ("(1.000000000) " + 999 * "x", False),
+    ],
+)
+def test_what_is_no_line_of_bytes_is_refused_with_what_one_is_like(line: str, *, meant: bool) -> None:
+    assert is_chunk(line) is meant
+    with pytest.raises(RecordingError) as refused:
+        parse_chunk(line)
+    assert "\n" not in str(refused.value)
+    assert len(str(refused.value)) < 200
+
+
+def test_instants_of_microseconds_are_taken_too() -> None:
+    assert parse_chunk("(1577836800.000007) board R 62")[0] == 7 * MICROSECOND
 
 
 @given(st.integers(0, 10**15), frames)

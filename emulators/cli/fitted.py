@@ -1,0 +1,52 @@
+"""The robot of a run: the one that is named, with what the command says of its links and its path."""
+
+from pathlib import Path
+from typing import Protocol
+
+from firmware_bridge.drivers.epos2.serial.fleet import over_serial
+from firmware_bridge.drivers.shield.fleet import measured, over_protocol
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.path_file import Point, along_path
+from firmware_bridge.wire.maxon.frame import Generation
+
+
+class Fitting(Protocol):
+    """What a command was told of a robot's links and path; None: what its file says."""
+
+    @property
+    def serial(self) -> Generation | None:
+        """Drives over a serial line, in this protocol."""
+
+    @property
+    def protocol(self) -> str | None:
+        """The firmware of a board."""
+
+    @property
+    def encoders(self) -> int | None:
+        """How many of them a board reads."""
+
+    @property
+    def path(self) -> Path | None:
+        """A file of points."""
+
+    @property
+    def path_speed(self) -> float | None:
+        """Along points without times, in m/s."""
+
+
+def fitted(robot: AnyRobot, given: Fitting) -> tuple[AnyRobot, tuple[Point, ...]]:
+    """Return the robot so connected, and the points of its path file, none without one.
+
+    RobotFileError, PathFileError where that does not suit it.
+    """
+    firm = linked(robot, given.serial, given.protocol, given.encoders)
+    return along_path(firm, given.path, given.path_speed)
+
+
+def linked(
+    robot: AnyRobot, serial: Generation | None, protocol: str | None, encoders: int | None
+) -> AnyRobot:
+    """Return the robot on the links that a command has named; RobotFileError where that does not suit it."""
+    if serial is not None:
+        robot = over_serial(robot, serial)
+    return measured(over_protocol(robot, protocol, encoders))

@@ -1,0 +1,57 @@
+"""Which files a recording is made of: one that was named, or those in the folder of a run."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from emulators.recorded import CHUNKS, FRAMES, SIGHTS, WORDS
+from emulators.replay.order import Order
+from emulators.replay.recordings import RecordingFileError, is_lines, is_telemetry
+
+PACKED: Final = ("", ".gz", ".xz")
+
+
+@dataclass(frozen=True, slots=True)
+class Files:
+    """By what they hold; None for what there is none of."""
+
+    frames: Path | None = None
+    """Of CAN buses."""
+    chunks: Path | None = None
+    """Of serial lines."""
+    sights: Path | None = None
+    """Of cameras."""
+    words: Path | None = None
+    """Of the operator."""
+
+
+def files_of(order: Order) -> Files:
+    """Return what the bridge is to hear; RecordingFileError for a telemetry log alone."""
+    named = order.recording
+    if named.is_dir():
+        words = order.operator or within(named, WORDS)
+        return Files(within(named, FRAMES), within(named, CHUNKS), within(named, SIGHTS), words)
+    if is_telemetry(named):
+        raise RecordingFileError(
+            f"{named.name}: a telemetry log is played into the bench; give a CAN log, and this one"
+            " beside it with --operator"
+        )
+    if is_lines(named):
+        return Files(chunks=named, words=order.operator)
+    return Files(frames=named, words=order.operator)
+
+
+def within(folder: Path, name: str) -> Path | None:
+    """Return a run's file of this name, packed or not; None where there is none, or it is empty."""
+    found = (folder / f"{name}{packed}" for packed in PACKED)
+    return next((file for file in found if file.is_file() and file.stat().st_size), None)
+
+
+def one_file(order: Order, name: str) -> Path:
+    """Return the file that was named, or the run's of this name; RecordingFileError."""
+    if not order.recording.is_dir():
+        return order.recording
+    file = within(order.recording, name)
+    if file is None:
+        raise RecordingFileError(f"{order.recording}: holds no {name}, or an empty one")
+    return file

@@ -1,0 +1,85 @@
+"""The bridge behind its lines, and wires for all its links, as a recording of it wants them.
+
+On the bench a bus and a board's chip take the time that they took. On its line to drives what was heard came
+when only the recording knows, so it comes as it came. A real machine's own recording has what left, and when.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from emulators.line import AnyLine, Line, line_of
+from emulators.replay.order import Order
+from emulators.replay.recordings import duration_of
+from emulators.replay.senders import BRIDGE
+from emulators.replay.stage import RECORDING
+from emulators.wires import CanWire, DatagramWire, PlayedLine, SerialWire
+from emulators.world import Wire
+from firmware_bridge.bridge import Bridge
+from firmware_bridge.dissector import kinds_of
+from firmware_bridge.kinds import kind_of
+from firmware_bridge.node import CAN, OPERATOR, Node
+from firmware_bridge.packet import Packet
+from firmware_bridge.safety.guard import guarded
+from firmware_bridge.units import Nanoseconds
+
+
+@dataclass(frozen=True, slots=True)
+class Lane:
+    """One link: what is said on it, its wire, and how long a packet takes there."""
+
+    kind: str
+    """As of `dissector.KINDS`."""
+    wire: CanWire | SerialWire | DatagramWire
+    duration: Callable[[Packet], Nanoseconds]
+
+
+@dataclass(frozen=True, slots=True)
+class Machine:
+    """The bridge, and its links by their names."""
+
+    node: Node
+    lanes: Mapping[str, Lane]
+
+    @property
+    def wires(self) -> dict[str, Wire]:
+        """All wires."""
+        return {name: lane.wire for name, lane in self.lanes.items()}
+
+
+def machine_of(order: Order, *, timed: bool) -> Machine:
+    """Return a bridge that was not woken yet; not `timed`, what it says arrives as it leaves.
+
+    A bus is timed even so, unless it was recorded where the bridge is: its folder has it as it left.
+    """
+    robot = order.robot
+    bridge = Bridge(robot, kind_of(robot), stands=order.stands)
+    node: Node = guarded(bridge, robot)
+    lanes = {name: _untimed(name, kind) for name, kind in kinds_of(robot).items() if kind != CAN}
+    for fleet in bridge.fleets.all:
+        line = line_of(robot, node, fleet.link, BRIDGE)
+        if line is not None:
+            node = line.adapter
+            if timed:
+                lanes[fleet.name] = _as_it_was(lanes[fleet.name].kind, line)
+    for name, link in robot.epos2_links.items():
+        if name not in lanes:
+            at_bridge = not timed and order.recording.is_dir()
+            lanes[name] = _untimed(name, CAN) if at_bridge else _bus(link.bit_rate)
+    return Machine(node, {**lanes, OPERATOR: _untimed(OPERATOR, OPERATOR)})
+
+
+def _untimed(name: str, kind: str) -> Lane:
+    return Lane(kind, DatagramWire(name=name), lambda _: 0)
+
+
+def _bus(bit_rate: int) -> Lane:
+    bus = CanWire(bit_rate)
+    return Lane(CAN, bus, lambda packet: duration_of(packet, bus.bit_time))
+
+
+def _as_it_was(kind: str, line: AnyLine) -> Lane:
+    if isinstance(line, Line):
+        played = PlayedLine(line.wire.baud, RECORDING, line.link.name)
+        return Lane(kind, played, played.duration)
+    chunks = line.wire
+    return Lane(kind, chunks, lambda _: chunks.delay)

@@ -1,0 +1,141 @@
+"""The bridge alone: on each of its links it hears what everybody else was recorded to have said there.
+
+The bench's own recordings begin with the run, and what the bridge has sent is in them when it has passed a
+wire. A real robot's has it as it leaves the bridge, which was switched on as long before its first word as
+a bridge that hears nothing takes for it.
+"""
+
+from collections.abc import Mapping
+from functools import partial
+from typing import Final
+
+from emulators.replay.comparison import EXACT, Comparison, Frames, Messages
+from emulators.replay.machine import Machine, machine_of
+from emulators.replay.order import Order
+from emulators.replay.player import Player
+from emulators.replay.recordings import RESOLUTION, RecordingFileError
+from emulators.replay.senders import BRIDGE, Sent
+from emulators.replay.stage import (
+    RECORDING,
+    Stage,
+    call_at,
+    end_of,
+    first_of,
+    not_after,
+    script_of,
+    to_compare,
+)
+from emulators.replay.told import Told, told_to
+from emulators.replay.woken import Woken
+from emulators.wires import CanWire, Observer
+from emulators.world import World
+from firmware_bridge.dissector import kinds_of
+from firmware_bridge.dissector.canopen import service_name
+from firmware_bridge.node import CAN, OPERATOR
+from firmware_bridge.packet import Packet
+from firmware_bridge.robot.settings.ar2 import Ar2Firmware
+from firmware_bridge.robot.settings.shield import ShieldProtocol
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+
+UNHEARD: Final[Nanoseconds] = 60 * SECOND
+"""A bridge that says nothing for so long says nothing."""
+LATE: Final[Nanoseconds] = 10 * MILLISECOND
+"""So late a machine may be that is no busier than it should be."""
+BOARDS: Final = frozenset((*ShieldProtocol, *Ar2Firmware))
+"""The kinds of links to boards."""
+LOOK_EVERY: Final[Nanoseconds] = 50 * MILLISECOND
+"""So much virtual time between two looks at whether it has spoken."""
+
+
+def on_all_links(order: Order) -> Stage:
+    """Put the bridge on its links with what was said there; RecordingFileError."""
+    told = told_to(order)
+    lead, start = (0, 0) if told.virtual else _switched_on(order, told)
+    sent = {name: not_after(order, told.on(name, lead), lead) for name in told.links}
+    world, machine = World(), machine_of(order, timed=told.virtual)
+    script = [
+        (at, Packet(name, packet.address, packet.payload))
+        for name, all_ in sent.items()
+        for at, packet in script_of(_others(all_), machine.lanes[name].duration)
+    ]
+    # At one instant the operator, whose file is the last, speaks last: he may be answering.
+    script.sort(key=lambda one: one[0])
+    world.attach(RECORDING, Player(script), machine.wires)
+    bridge = machine.node if told.virtual else _woken(machine, sent, order, start)
+    call_at(world, start, partial(world.attach, BRIDGE, bridge, machine.wires))
+    end = end_of(order, *sent.values())
+    comparisons = tuple(_compared(order, machine, name, all_, end) for name, all_ in sent.items())
+    recorded = sorted((one for all_ in sent.values() for one in all_), key=lambda one: one.entry.at)
+    return Stage(world.run, comparisons, recorded, len(script), end, lead, kinds=kinds_of(order.robot))
+
+
+def _woken(machine: Machine, sent: Mapping[str, list[Sent]], order: Order, start: Nanoseconds) -> Woken:
+    """Return the bridge as its machine woke it; the instants on a timed bus are not its own."""
+    untimed = [name for name, lane in machine.lanes.items() if not isinstance(lane.wire, CanWire)]
+    all_ = [one for name in untimed for one in sent.get(name, ())]
+    spoke = [one.entry.at for one in all_ if one.sender == BRIDGE]
+    heard = [one.entry.at for one in all_ if one.sender != BRIDGE and one.entry.at > start]
+    return Woken(machine.node, spoke, heard, max(LATE, order.tolerance))
+
+
+def _others(sent: list[Sent]) -> list[Sent]:
+    return [one for one in sent if one.sender != BRIDGE]
+
+
+def _compared(order: Order, machine: Machine, name: str, sent: list[Sent], end: Nanoseconds) -> Comparison:
+    """Compare what the bridge sends on a link with what it is recorded to have sent there."""
+    wire, kind = machine.lanes[name].wire, machine.lanes[name].kind
+    if kind == OPERATOR:
+        answers = Messages((one for one in sent if one.sender == BRIDGE), BRIDGE)
+        wire.observe(answers.take)
+        return answers
+    own = to_compare(order, sent, (BRIDGE,))
+    link, resolution = (CAN, RESOLUTION) if kind == CAN else (name, EXACT)
+    frames = Frames(own, (BRIDGE,), order.tolerance, end, link=link, resolution=resolution)
+
+    def note(now: Nanoseconds, sender: str, packet: Packet) -> None:
+        # What is said on a line's other wires has no bytes, and is in no recording.
+        compared = service_name(packet) not in order.without if kind == CAN else bool(packet.payload)
+        if compared:
+            frames.take(now, sender, packet)
+
+    wire.observe(note)
+    return frames
+
+
+def _switched_on(order: Order, told: Told) -> tuple[Nanoseconds, Nanoseconds]:
+    """Return what is to be left before the recording, and when the bridge was started, counted from there.
+
+    A bridge that hears nothing is asked when it says its first word on a link that is in the recording. To
+    a board that may be an answer to what it has said when it was on.
+    """
+    world, machine = World(), machine_of(order, timed=False)
+    spoken: dict[str, Nanoseconds] = {}
+    asked = [
+        name
+        for name, lane in machine.lanes.items()
+        if name in told.links and lane.kind not in BOARDS and first_of(told.on(name), BRIDGE) is not None
+    ]
+    if not asked:
+        raise RecordingFileError(
+            f"{told.name}: its first words do not tell when the bridge was started; give the operator.tlog"
+            " that was recorded with it (--operator), or the folder of the run"
+        )
+    for name in asked:
+        machine.lanes[name].wire.observe(_noting(spoken, name))
+    world.attach(BRIDGE, machine.node, machine.wires)
+    while not spoken:
+        if world.now >= UNHEARD:
+            raise RecordingFileError(f"{told.name}: nobody knows when the bridge of {order.robot.name} began")
+        world.run(world.now + LOOK_EVERY)
+    name, after = next(iter(spoken.items()))
+    own = first_of(told.on(name), BRIDGE)
+    return after, 0 if own is None else own.entry.at
+
+
+def _noting(spoken: dict[str, Nanoseconds], name: str) -> Observer:
+    def note(now: Nanoseconds, _sender: str, packet: Packet) -> None:
+        if packet.payload:
+            spoken.setdefault(name, now)
+
+    return note

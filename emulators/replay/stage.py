@@ -1,0 +1,85 @@
+"""What a recording is played into, as seen by who plays it; and what all such worlds are made with."""
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Final, TypeAlias
+
+from emulators.replay.comparison import Comparison
+from emulators.replay.order import Order
+from emulators.replay.recordings import RESOLUTION
+from emulators.replay.senders import Sent
+from emulators.world import World
+from firmware_bridge.dissector.canopen import service_name
+from firmware_bridge.packet import Packet
+from firmware_bridge.units import NEVER, Nanoseconds
+
+RECORDING: Final = "recording"
+"""The station that plays what was recorded."""
+Duration: TypeAlias = Callable[[Packet], Nanoseconds]
+"""How long a packet takes on its link."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stage:
+    """A world at its start, what is compared in it, and how to move it on."""
+
+    run: Callable[[Nanoseconds], None]
+    comparisons: tuple[Comparison, ...]
+    recorded: Sequence[Sent]
+    """Everything, in order: what stands before a difference."""
+    played: int
+    end: Nanoseconds
+    lead: Nanoseconds = 0
+    """The instant at which the recording begins."""
+    finish: Callable[[], None] = lambda: None
+    kinds: Mapping[str, str] = field(default_factory=dict)
+    """The kinds of links that are called otherwise, as `dissector.Dissector` takes them."""
+
+
+def not_after(order: Order, sent: Sequence[Sent], lead: Nanoseconds = 0) -> list[Sent]:
+    """Leave out what was recorded later than is asked for."""
+    until = NEVER if order.until is None else order.until + lead
+    return [one for one in sent if one.entry.at <= until]
+
+
+def end_of(order: Order, *links: Sequence[Sent]) -> Nanoseconds:
+    """Return the instant by which the last packet has come, or is missing."""
+    return max(sent[-1].entry.at for sent in links if sent) + order.tolerance + RESOLUTION + 1
+
+
+def to_compare(order: Order, frames: Sequence[Sent], senders: Collection[str]) -> list[Sent]:
+    """Return the frames of these senders, but for services that are left out."""
+    return [
+        one for one in frames if one.sender in senders and service_name(one.entry.packet) not in order.without
+    ]
+
+
+def first_of(sent: Sequence[Sent], sender: str) -> Sent | None:
+    """Return the first packet of a sender; None where there is none."""
+    return next((one for one in sent if one.sender == sender), None)
+
+
+def begin_of(sent: Sent, duration: Duration) -> Nanoseconds:
+    """Return when a packet began; what stands in a recording is when it had wholly arrived."""
+    return sent.entry.at - duration(sent.entry.packet)
+
+
+def script_of(sent: Sequence[Sent], duration: Duration) -> list[tuple[Nanoseconds, Packet]]:
+    """Return when each packet is to begin."""
+    begin, script = 0, []
+    for one in sent:
+        begin = max(begin, begin_of(one, duration))
+        script.append((begin, one.entry.packet))
+    return script
+
+
+def call_at(world: World, at: Nanoseconds, call: Callable[[], object]) -> None:
+    """Have something done at an instant."""
+    if at <= 0:
+        call()
+    else:
+
+        def do(_: object) -> None:
+            call()
+
+        world.call_at(at, do)

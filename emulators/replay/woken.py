@@ -1,0 +1,47 @@
+"""A bridge by a real machine's clock: woken when the recorded one was, which was a little late each time.
+
+When that was is told by what it has sent then; where it has sent nothing it is woken when it asks to be. As
+on a real machine, what has come by an instant is heard before anything that is due then.
+"""
+
+from bisect import bisect_left
+from collections import Counter
+from collections.abc import Iterable
+from typing import Final
+
+from firmware_bridge.node import Node
+from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.units import Nanoseconds
+
+
+class Woken:
+    """Around a node: its wakes come at the next instant at which it has spoken, up to `late` later."""
+
+    def __init__(
+        self, node: Node, spoke: Iterable[Nanoseconds], heard: Iterable[Nanoseconds], late: Nanoseconds
+    ) -> None:
+        self._node: Final = node
+        self._spoke: Final = sorted(set(spoke))
+        self._heard: Final = Counter(heard)
+        """How many packets still come at an instant."""
+        self._late: Final = late
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        """Pass a packet on; what is due by then comes in the same turn."""
+        self._heard[now] -= 1
+        reaction = self._node.receive(packet, now)
+        return reaction if reaction.wake_at <= now else self._later(reaction, reaction.wake_at)
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        """Wake the node, unless something comes now that it is to hear first."""
+        if self._heard[now] > 0:
+            return Reaction((), now)
+        reaction = self._node.wake(now)
+        # What is due at once comes a turn later, and a turn takes time.
+        return self._later(reaction, max(reaction.wake_at, now + 1))
+
+    def _later(self, reaction: Reaction, asked: Nanoseconds) -> Reaction:
+        place = bisect_left(self._spoke, asked)
+        if place == len(self._spoke) or self._spoke[place] - asked > self._late:
+            return reaction
+        return Reaction(reaction.sent, self._spoke[place])

@@ -1,0 +1,242 @@
+"""What is said on the line to an Arduino board, in words: one class for each protocol, both ways.
+
+Who is called the bridge asks; everybody else is the board. Whatever cuts a line into chunks, each command is
+told once, with the chunk that ends it.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from dataclasses import fields
+from typing import Any, Final
+
+from firmware_bridge.packet import Packet
+from firmware_bridge.wire.arduino import ar2, arduinoio, firmata, motor_shield, mw
+from firmware_bridge.wire.arduino import mw_messages as messages
+from firmware_bridge.wire.arduino import ros_arduino_bridge as ros
+
+BRIDGE: Final = "bridge"
+"""The name of who asks."""
+UNREAD: Final = "no command that is known"
+
+
+class BoardLine(ABC):
+    """Reads the bytes of one line."""
+
+    def read(self, sender: str, packet: Packet) -> str:
+        """Return what the bytes complete; those of a command that goes on say so."""
+        said = self.asked(packet.payload) if sender == BRIDGE else self.told(packet.payload)
+        return "; ".join(said) or "part of a line"
+
+    @abstractmethod
+    def asked(self, chunk: bytes) -> Iterator[str]:
+        """Yield the commands that these bytes of the bridge complete."""
+
+    @abstractmethod
+    def told(self, chunk: bytes) -> Iterator[str]:
+        """Yield the answers that these bytes of the board complete."""
+
+
+class RosLine(BoardLine):
+    """ros_arduino_bridge: letters and decimal words, an answer by its command."""
+
+    def __init__(self) -> None:
+        self._commands = ros.LineReader(ros.END)
+        self._answers = ros.LineReader()
+        self._asked = ""
+
+    def asked(self, chunk: bytes) -> Iterator[str]:
+        """Yield a command's name, and its numbers as they are."""
+        for line in self._commands.hear(chunk):
+            letter, _, words = line.decode("ascii", "replace").partition(" ")
+            row = ros.COMMANDS.get(letter)
+            self._asked = "" if row is None else f" to {row.name}"
+            yield _called(UNREAD if row is None else row.name, words if row else repr(line.decode("latin-1")))
+
+    def told(self, chunk: bytes) -> Iterator[str]:
+        """Yield answers as they are."""
+        for line in self._answers.hear(chunk):
+            yield f"answer{self._asked}: {line.decode('ascii', 'replace')}"
+
+
+class ArduinoIoLine(BoardLine):
+    """ArduinoIO: a letter and single bytes, a number back."""
+
+    def __init__(self) -> None:
+        self._commands = arduinoio.CommandReader()
+        self._answers = ros.LineReader()
+        self._asked = ""
+
+    def asked(self, chunk: bytes) -> Iterator[str]:
+        """Yield a command's name, and what followed; a direction as its letter."""
+        for byte in chunk:
+            asked = self._commands.take(byte)
+            if asked is None:
+                continue
+            if asked.row.answers:
+                self._asked = f" to {asked.row.name}"
+            letters = asked.row.letter == "B"
+            values = [
+                f"{kind.name} {chr(value) if letters and kind is arduinoio.RAW else value}"
+                for kind, value in zip(asked.row.follows, asked.values, strict=True)
+            ]
+            yield _called(f"{asked.row.letter}, {asked.row.name}", ", ".join(values))
+
+    def told(self, chunk: bytes) -> Iterator[str]:
+        """Yield numbers."""
+        for line in self._answers.hear(chunk):
+            number = arduinoio.decode(line)
+            yield f"answer{self._asked}: {repr(line.decode('latin-1')) if number is None else number}"
+
+
+class MwLine(BoardLine):
+    """MWProtocol: frames, an answer by its command, libraries by the numbers that the board has told."""
+
+    def __init__(self) -> None:
+        self._commands = mw.AskedReader()
+        self._answers = mw.AnswerReader()
+        self._libraries: tuple[str, ...] = mw.LIBRARIES
+        self._told = b""
+        """The newest bytes of the board: its banner may come in parts."""
+        self._request: Any = None
+
+    def asked(self, chunk: bytes) -> Iterator[str]:
+        """Yield a command's number in the host's sequence, its name and fields."""
+        for byte in chunk:
+            asked = self._commands.take(byte)
+            if asked is None:
+                continue
+            row = mw.row_asked(asked, self._libraries)
+            shape = None if row is None else row.request
+            self._request = None if shape is None else shape.decode(asked.data)
+            name = f"command 0x{asked.code:02X}" if row is None else row.name
+            raw = asked.data.hex(" ").upper()
+            yield _called(
+                f"#{asked.sequence} {name}", raw if self._request is None else _fields(self._request)
+            )
+        if self._commands.waits:
+            yield "part of a frame"
+
+    def told(self, chunk: bytes) -> Iterator[str]:
+        """Yield answers and what is said for people."""
+        self._told = (self._told + chunk)[-len(mw.BANNER) - len(chunk) + 1 :]
+        if mw.BANNER in self._told:
+            self._told = b""
+            yield "the board has begun"
+        damaged = self._answers.damaged
+        for found in self._answers.hear(chunk):
+            yield self._traced(found) if isinstance(found, mw.Traced) else self._answered(found)
+        if self._answers.damaged > damaged:
+            yield "a frame whose check sum is wrong"
+
+    def _traced(self, found: mw.Traced) -> str:
+        return f"trace: {found.text.decode('ascii', 'replace')}"
+
+    def _answered(self, found: mw.Answered) -> str:
+        answer = None if self._request is None else mw.decode_answer(self._request, found)
+        if answer is None:
+            return _called(f"answer to command 0x{found.code:02X}", found.data.hex(" ").upper())
+        if isinstance(answer, messages.ServerInfo):
+            self._libraries = tuple(name.decode("ascii", "replace") for name in answer.libraries)
+        return _called(f"answer to {mw.row_of(self._request).name}", _fields(answer))
+
+
+class FirmataLine(BoardLine):
+    """Firmata: messages either way, writes to the shield's chip as what they do to a motor."""
+
+    def __init__(self) -> None:
+        self._commands = firmata.Parser()
+        self._answers = firmata.Parser(from_board=True)
+
+    def asked(self, chunk: bytes) -> Iterator[str]:
+        """Yield the host's messages."""
+        for message in self._commands.hear(chunk):
+            encoder = message.exclusive and message.code == firmata.ENCODER and message.data
+            yield _encoder_asked(message.data) if encoder else _message(message)
+
+    def told(self, chunk: bytes) -> Iterator[str]:
+        """Yield the board's messages."""
+        return map(_message, self._answers.hear(chunk))
+
+
+class Ar2Line(BoardLine):
+    """The arm AR2: lines of letters and numbers; what the board says has no ends, but for an echo's."""
+
+    def __init__(self) -> None:
+        self._commands = ros.LineReader(ar2.END, LONGEST)
+
+    def asked(self, chunk: bytes) -> Iterator[str]:
+        """Yield what a line asks for: steps of joints, ahead above 0, and what else is in it."""
+        for line in self._commands.hear(chunk):
+            asked = ar2.decode(line)
+            if asked is None:
+                yield f"{UNREAD}: {line.decode('latin-1')!r}"
+                continue
+            values = [
+                f"{'track' if letter == ar2.LETTERS[-1] else f'J{ar2.LETTERS.index(letter) + 1}'} {steps:+d}"
+                for letter, steps in asked.steps.items()
+                if steps
+            ]
+            if asked.steps and not values:
+                values.append("no steps")
+            values += [f"{letter} {number}" for letter, number in asked.fields.items()]
+            yield _called(f"{asked.word}, {ar2.COMMANDS[asked.word]}", ", ".join(values) or asked.text)
+
+    def told(self, chunk: bytes) -> Iterator[str]:
+        """Yield the text as it came."""
+        yield f"says {chunk.decode('latin-1')!r}"
+
+
+LONGEST: Final = 6_000
+"""Of a line to an arm: more than its board has room for."""
+
+
+def _called(name: str, what: str) -> str:
+    return f"{name}: {what}" if what else name
+
+
+def _fields(message: Any) -> str:
+    """Return a message's fields, each with its name."""
+    return ", ".join(f"{one.name} {_value(getattr(message, one.name))}" for one in fields(message))
+
+
+def _value(value: object) -> object:
+    if isinstance(value, bytes):
+        return value.decode("latin-1") if value.isascii() and value else value.hex(" ").upper() or "none"
+    if isinstance(value, tuple):
+        return ", ".join(str(_value(one)) for one in value)
+    return value
+
+
+def _message(message: firmata.Message) -> str:
+    """Return what a message of Firmata says."""
+    if not message.exclusive:
+        row = firmata.COMMANDS[message.code]
+        channel = f" {message.channel}" if message.code < firmata.CHANNELLED else ""
+        return _called(f"{row.name}{channel}", message.data.hex(" ").upper())
+    name = firmata.EXCLUSIVE.get(message.code, f"command 0x{message.code:02X}")
+    return _called(name, _exclusive(message) or message.data.hex(" ").upper())
+
+
+def _encoder_asked(data: bytes) -> str:
+    asks = firmata.ENCODER_ASKS.get(data[0], f"command 0x{data[0]:02X}")
+    return _called(f"encoder, {asks}", " ".join(map(str, data[1:])))
+
+
+def _exclusive(message: firmata.Message) -> str:
+    """Return what the data of a system-exclusive message say, where that is known."""
+    counts = firmata.decode_counts(message)
+    if counts:
+        return ", ".join(f"count {one.count} of encoder {one.encoder}" for one in counts)
+    read = firmata.decode_i2c(message)
+    if read is not None:
+        return f"0x{read.address:02X} from register 0x{read.register:02X}: {read.data.hex(' ').upper()}"
+    data = message.data
+    if message.code == firmata.I2C_REQUEST and len(data) > 1 and data[1] == firmata.I2C_WRITE:
+        written = bytes(value & 0xFF for value in firmata.unpaired(data[2:]))
+        motor = motor_shield.decode_channel(written) if data[0] == motor_shield.ADDRESS else None
+        does = "" if motor is None else f", {motor.pin.value} of M{motor.motor} = {motor.level}"
+        return f"write 0x{data[0]:02X}: {written.hex(' ').upper()}{does}"
+    if message.code == firmata.FIRMWARE and len(data) > 1:
+        name = bytes(value & 0xFF for value in firmata.unpaired(data[2:])).decode("latin-1")
+        return f"{data[0]}.{data[1]} {name}"
+    return ""
