@@ -227,7 +227,8 @@ def _workspace(robot: AnyRobot, rig: Rig) -> float:
 
 def _joints(robot: AnyRobot, rig: Rig) -> float:
     axes = [axis for axis in robot.axes if axis.link in robot.ar2_links]
-    return max(abs(mean_rate(rig, joint(axis.name))) / (COUNTED * axis.top_speed) for axis in axes)
+    shares = [abs(mean_rate(rig, joint(axis.name))) / (COUNTED * axis.top_speed) for axis in axes]
+    return float(max(shares))
 
 
 def _steps(robot: AnyRobot, rig: Rig) -> float:
@@ -238,7 +239,7 @@ def _steps(robot: AnyRobot, rig: Rig) -> float:
 def _lifted(_robot: AnyRobot, rig: Rig) -> float:
     rows = rig.samples[-LIFTED:]
     loads = (sum(row[f"load_{name}_n"] for row in rows) for name in BASE_AXES)
-    return 2.0 * (min(loads) <= 0.0)
+    return 2.0 * bool(min(loads) <= 0.0)
 
 
 TOOL: Final = ("x_m", "tool_y_m", "y_m")
@@ -267,7 +268,8 @@ def _on_the_base(rows: tuple[Own, ...]) -> tuple[Own, ...]:
 def _of_the_base(ratio: Callable[[Any, Rig], float], robot: AnyRobot, rig: Rig) -> float:
     """Judge the base alone: its geometry, and the axes on its board."""
     axes = tuple(axis for axis in robot.axes if axis.name in BASE_AXES)
-    return ratio(SimpleNamespace(geometry=robot.geometry.base, axes=axes), rig)
+    seen: float = ratio(SimpleNamespace(geometry=robot.geometry.base, axes=axes), rig)
+    return seen
 
 
 OWN: Final[Mapping[str, tuple[Own, ...]]] = {

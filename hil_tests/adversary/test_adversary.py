@@ -29,6 +29,8 @@ ROBOTS: Final = {
     "rome+cameras --protocol arduinoio": 1,
     "rome+cameras --protocol mw": 1,
     "rome+cameras --protocol firmata": 2,
+    "ar2": 3,
+    "rome_arm": 2,
     "climber": 5,
     "climber+cameras": 2,
 }
@@ -105,6 +107,18 @@ def test_a_climber_without_its_joints_rule_touches_the_stop(line: str) -> None:
     assert found.violation.name == "its joint at the stop"
     ruled, _ = search(climber, HONEST).looked(found.seed)
     assert ruled is None
+
+
+def test_an_arm_that_is_told_too_much_loses_its_steps() -> None:
+    """With limits that its motors cannot follow: nobody but the plant tells."""
+    arm = find("ar2")
+    limits = arm.geometry.limits.model_copy(update={"speed_mps": 0.04})
+    geometry = arm.geometry.model_copy(update={"limits": limits})
+    axes = tuple(axis.model_copy(update={"top_speed": 0.25}) for axis in arm.axes)
+    links = {name: link.model_copy(update={"move_ms": 60}) for name, link in arm.links.items()}
+    hasty = arm.model_copy(update={"geometry": geometry, "axes": axes, "links": links})
+    found = next(found for found, _ in map(search(hasty, HONEST).looked, range(8)) if found is not None)
+    assert found.violation.name == "steps lost"
 
 
 def deaf(*_: Any, **__: Any) -> Verdict:
