@@ -80,7 +80,7 @@ def orbit(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
     runs += (
         []
         if quick
-        else [_fly(SCALES[1], apart, stretches[SCALES[1]], BEGINS_S + 60.0 * stretches[SCALES[1]])]
+        else [_fly(SCALES[1], apart, stretches[SCALES[1]], BEGINS_S + 61.5 * stretches[SCALES[1]])]
     )
     return Findings(
         compared=(
