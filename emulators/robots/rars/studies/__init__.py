@@ -24,6 +24,12 @@ STUDIES: Final = (
         f"{HERE}.delay:delay",
     ),
     Study(
+        "predictor",
+        "Pure pursuit over a slow link with and without the predictor, through the whole chain",
+        f"{THESIS}, 5.3, 5.4, 6.1",
+        f"{HERE}.predictor:predictor",
+    ),
+    Study(
         "steering",
         "The steering's step under computed torque, and its model 10 % wrong",
         f"{THESIS}, (3.85)-(3.102)",
