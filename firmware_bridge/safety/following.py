@@ -170,8 +170,9 @@ class Follower:
                 owed = max(low - does, does - high, 0.0)
         else:
             does, slack = velocity, self._bounds.speed
-            if position == before.position:
-                # What it owes when it is told to stop it goes on owing: who was well has moved meanwhile.
+            if position == before.position and self._aim is not Stop.POWER_OFF:
+                # What it owes when it is told to stop it goes on owing, until its power is taken: who was
+                # well has moved meanwhile.
                 owed = before.owes + max(low, -high, 0.0) * seconds
         obeys = low - slack <= does <= high + slack
         return Following(

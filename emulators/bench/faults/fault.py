@@ -131,8 +131,8 @@ class OnBus(Fault, ABC):
         node = getattr(self, "node", None)
         if not robot.epos2_links:
             yield "kind", f"{robot.name} has no CAN bus"
-        elif self.link is not None and self.link not in robot.links:
-            yield "link", f"{robot.name} has no link '{self.link}'; {near(self.link, list(robot.links))}"
+        elif self.link is not None and self.link not in robot.epos2_links:
+            yield "link", f"{robot.name} has no bus '{self.link}'; {near(self.link, list(robot.epos2_links))}"
         elif self.link is None and len(robot.links) > 1 and named(robot, node or BRIDGE) == BRIDGE:
             yield "link", f"on which link? there are: {', '.join(robot.links)}"
 

@@ -170,6 +170,11 @@ def test_a_bridge_on_a_serial_line_is_not_on_the_bus() -> None:
     assert line.startswith("my.toml: fault[0].node: 'bridge' is not a node on the CAN bus; there are: left")
 
 
+def test_the_line_of_cameras_is_no_bus() -> None:
+    (line,) = refusal(table("frame_loss", f'{AT}link = "cameras"'), kinds.find("climber+cameras"))
+    assert line.startswith("my.toml: fault[0].link: climber has no bus 'cameras'; there are: drives")
+
+
 def test_all_that_is_wrong_is_said_at_once() -> None:
     lines = refusal(
         table("frame_los", AT)
