@@ -17,6 +17,8 @@ WHEEL: Final = next(axis for axis in RARS.axes if axis.name == "left")
 STEERING: Final = next(axis for axis in RARS.axes if axis.name == "steer")
 SLACK: Final = 0.4
 """rad/s: a 40th of the wheels' top speed."""
+GIVES: Final = 0.02
+"""Beside it: of the speed that it was told."""
 
 
 class Told:

@@ -1,6 +1,7 @@
 """The range in which an axis may be after its demands, and at both edges of each bound what it is called."""
 
 import math
+from typing import Final
 
 import pytest
 
@@ -9,8 +10,11 @@ from firmware_bridge.kinds import find, names
 from firmware_bridge.robot.belief import Belief
 from firmware_bridge.safety.following import bounds_of, within
 from firmware_bridge.units import MILLISECOND, SECOND
-from hil_tests.safety.following_bench import CYCLE, RARS, SLACK, STEERING, WHEEL, Told, rested, settled
+from hil_tests.safety.following_bench import CYCLE, GIVES, RARS, SLACK, STEERING, WHEEL, Told, rested, settled
 from hil_tests.safety.stop_cases import above
+
+AT_THREE: Final = SLACK + 3.0 * GIVES
+"""The slack of a wheel that was told 3 rad/s, one way or the other."""
 
 # What follows from axis, drive and link
 
@@ -84,13 +88,13 @@ def test_what_is_told_to_stand_may_not_move_faster_than_its_slack(demand: Demand
     ("does", "strays", "unasked"),
     [
         (3.0, False, False),
-        (3.0 - SLACK + 1e-9, False, False),
-        (3.0 - SLACK - 1e-6, True, False),
+        (3.0 - AT_THREE + 1e-9, False, False),
+        (3.0 - AT_THREE - 1e-6, True, False),
         (0.0, True, False),
-        (-SLACK, True, False),
-        (-SLACK - 1e-9, True, True),
-        (3.0 + SLACK, False, False),
-        (3.0 + SLACK + 1e-6, True, True),
+        (-AT_THREE + 1e-9, True, False),
+        (-AT_THREE - 1e-9, True, True),
+        (3.0 + AT_THREE - 1e-9, False, False),
+        (3.0 + AT_THREE + 1e-6, True, True),
     ],
 )
 def test_a_speed_that_is_not_the_one_told_is_too_little_or_unasked(
