@@ -44,8 +44,9 @@ BOTH_GIVE: Final = 0.014
 
 MOVES: Final = 20
 """Samples over which a stepper's speed is the mean: two moves of 100 ms."""
-COUNTED: Final = 1.15
-"""Beside a speed limit of an arm that is moved in steps: a move may begin late, and two fall into it."""
+COUNTED: Final = 1.2
+"""Beside a speed limit of an arm that is moved in steps: a move may begin late, two fall into it, and rotors swing
+by a step or so, which is half a millimetre at the tool; 1.164 is measured for an instant in an hour of evenings."""
 ONE_MOVE_M: Final = 0.004
 """So far the tool may swing out of its workspace: a move is 3 mm long. ASSUME of the rest."""
 STEP_RAD: Final = math.tau / 200.0
