@@ -32,9 +32,9 @@ GIVES: Final = 0.0055
 """So much of a speed may a regulator give way, per degree of slope: 0.5265 m/s are measured on 10."""
 REAR_WHEELS: Final = frozenset({"left", "right"})
 GIVES_MPS: Final = 0.0045
-"""The same of RARS, as a speed: what a slope takes is a torque, however slow the robot is. Straight it gives way
-by half of it; in its tightest turn the pull goes round faster than regulators learn it, and tyres slip: 0.547 m/s
-are measured on 10 degrees. One wheel alone carries it for both: 0.2087 of 0.2 m/s are measured on 1.4 degrees."""
+"""The same of RARS, as a speed: what a slope takes is a torque, however slow the robot is. Straight it gives
+way by half of it; in its tightest turn the pull goes round faster than regulators learn it, and tyres slip:
+0.547 m/s are measured on 10 degrees. One wheel alone carries it for both: 0.2087 of 0.2 m/s on 1.4 degrees."""
 
 
 BOTH_GIVE: Final = 0.014
@@ -45,8 +45,8 @@ BOTH_GIVE: Final = 0.014
 MOVES: Final = 20
 """Samples over which a stepper's speed is the mean: two moves of 100 ms."""
 COUNTED: Final = 1.2
-"""Beside a speed limit of an arm that is moved in steps: a move may begin late, two fall into it, and rotors swing
-by a step or so, which is half a millimetre at the tool; 1.164 is measured for an instant in an hour of evenings."""
+"""Beside a speed limit of an arm that is moved in steps: a move may begin late, two fall into it, and rotors
+swing by a step, which is half a millimetre at the tool; 1.164 is measured for an instant in an hour."""
 ONE_MOVE_M: Final = 0.004
 """So far the tool may swing out of its workspace: a move is 3 mm long. ASSUME of the rest."""
 STEP_RAD: Final = math.tau / 200.0
