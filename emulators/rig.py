@@ -1,6 +1,7 @@
 """One robot put together: operator, bridge, links, drives and plant in the virtual world."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -250,11 +251,11 @@ class Rig:
             if record.ended is None:
                 hold = standing.pop(record.name, None)
                 if hold is None or hold.since != record.began:
-                    self.holds[index] = HoldRecord(record.name, record.reason, record.began, now)
+                    self.holds[index] = replace(record, ended=now)
                     if hold is not None:
                         standing[hold.name] = hold
         for hold in standing.values():
-            self.holds.append(HoldRecord(hold.name, hold.reason, hold.since))
+            self.holds.append(HoldRecord(hold.name, hold.reason, hold.since, remedy=hold.remedy))
 
 
 def _far(operator: Node, link: Conditions, seed: int) -> Node:

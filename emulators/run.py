@@ -12,6 +12,7 @@ from emulators.arduino_omni.board import Board
 from emulators.bench.columns import Samples, electric
 from emulators.bench.mission import Mission
 from emulators.bench.operator import ScriptedOperator
+from emulators.bench.page import page
 from emulators.bench.path_error import Followed, path_error
 from emulators.bench.piloted import PilotedMission
 from emulators.bench.radial_error import radial_error
@@ -45,6 +46,8 @@ class Order:
     seed: int
     folder: Path
     plant: Path | None = None
+    again: str = ""
+    """The line that drives it again, for its page."""
 
     @property
     def duration(self) -> Nanoseconds:
@@ -53,7 +56,7 @@ class Order:
 
 
 def drive(order: Order, progress: Progress) -> Summary:
-    """Drive a mission and leave summary, recordings and pictures in the folder.
+    """Drive a mission and leave summary, recordings, pictures and a page in the folder.
 
     PlantError where the plant cannot be used; OSError where the folder cannot be written.
     """
@@ -106,12 +109,12 @@ def drive(order: Order, progress: Progress) -> Summary:
     )
     (order.folder / "summary.json").write_text(as_json(summary), encoding="utf-8")
     (order.folder / "samples.csv").write_text(rig.samples.csv(), encoding="ascii")
-    title = f"{order.robot.name} · {order.mission_name} · seed {order.seed}"
+    title, pictures = f"{order.robot.name} · {order.mission_name} · seed {order.seed}", list[Path]()
     if installed("plots"):
         # Half a second for Matplotlib, which nobody needs before the run is over.
         from emulators.bench.plots import draw  # noqa: PLC0415 - see above
 
-        draw(
+        pictures = draw(
             order.folder,
             title,
             order.robot,
@@ -121,6 +124,8 @@ def drive(order: Order, progress: Progress) -> Summary:
             faults=faults,
             more=order.rehearsal.pictures,
         )
+    shown = page(summary, order.rehearsal.remarks(order.robot), pictures, order.again)
+    (order.folder / "report.html").write_text(shown, encoding="utf-8")
     return summary
 
 

@@ -27,3 +27,5 @@ class HoldRecord:
     began: Nanoseconds
     ended: Nanoseconds | None = None
     """None where it still held when the run was over."""
+    remedy: str = ""
+    """What whoever drives can do."""

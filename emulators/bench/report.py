@@ -14,21 +14,22 @@ TRACE_DIGITS = 16
 
 def show(console: Console, summary: Summary, remarks: Mapping[str, str]) -> None:
     """Print the tables; `remarks` stand beside the numbers, by their keys in the summary."""
-    numbers = Table(box=SIMPLE_HEAD, title=f"{summary.robot}, {summary.mission}, seed {summary.seed}")
-    numbers.title_justify = "left"
-    numbers.add_column("measured")
-    numbers.add_column("value", justify="right")
-    numbers.add_column("unit")
-    numbers.add_column("remark", style="dim")
-    for row in _numbers(summary, remarks):
-        numbers.add_row(*row)
-    console.print(numbers)
+    measured = Table(box=SIMPLE_HEAD, title=f"{summary.robot}, {summary.mission}, seed {summary.seed}")
+    measured.title_justify = "left"
+    measured.add_column("measured")
+    measured.add_column("value", justify="right")
+    measured.add_column("unit")
+    measured.add_column("remark", style="dim")
+    for row in numbers(summary, remarks):
+        measured.add_row(*row)
+    console.print(measured)
     if summary.faults:
         console.print(_faulted(summary.faults))
     console.print(_held(summary.holds) if summary.holds else "no interlock held\n")
 
 
-def _numbers(summary: Summary, remarks: Mapping[str, str]) -> Iterator[tuple[str, str, str, str]]:
+def numbers(summary: Summary, remarks: Mapping[str, str]) -> Iterator[tuple[str, str, str, str]]:
+    """Yield what was measured, its value, unit and remark."""
     yield "simulated time", f"{summary.simulated_s:.1f}", "s", f"in {summary.wall_s:.1f} s on the wall clock"
     yield "real-time factor", f"{summary.realtime_factor:.1f}", "", ""
     yield "largest speed", f"{summary.max_speed_mps:.3f}", "m/s", remarks.get("max_speed_mps", "")
@@ -82,19 +83,20 @@ def _over_time(title: str, *headings: str) -> Table:
     return table
 
 
-def _span(row: Faulted | Held) -> tuple[str, str]:
+def span(row: Faulted | Held) -> tuple[str, str]:
+    """Return in words from when to when."""
     return f"{row.began_s:.2f} s", "end" if row.ended_s is None else f"{row.ended_s:.2f} s"
 
 
 def _faulted(faults: tuple[Faulted, ...]) -> Table:
     table = _over_time("faults that were put on", "fault", "where", "title")
     for fault in faults:
-        table.add_row(*_span(fault), fault.kind, ", ".join(fault.nodes), fault.title)
+        table.add_row(*span(fault), fault.kind, ", ".join(fault.nodes), fault.title)
     return table
 
 
 def _held(holds: tuple[Held, ...]) -> Table:
     table = _over_time("interlocks that held", "interlock", "reason")
     for hold in holds:
-        table.add_row(*_span(hold), hold.name, hold.reason)
+        table.add_row(*span(hold), hold.name, hold.reason)
     return table

@@ -66,6 +66,8 @@ class Held:
     reason: str
     began_s: float
     ended_s: float | None
+    remedy: str = ""
+    """What whoever drives could do."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,7 +171,7 @@ def summarise(
         trace_sha256=run.trace_sha256,
         links_sha256=run.links_sha256,
         guard_refusals=run.guard_refusals,
-        holds=tuple(Held(hold.name, hold.reason, *_span(hold)) for hold in holds),
+        holds=tuple(Held(hold.name, hold.reason, *_span(hold), hold.remedy) for hold in holds),
         faults=tuple(Faulted(fault.kind, fault.title, fault.nodes, *_span(fault)) for fault in faults),
         lines=run.lines,
         figures={name: figure(samples) for name, figure in figures.items()},

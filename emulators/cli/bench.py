@@ -38,8 +38,9 @@ EXAMPLES: Final = """Examples:
 class BenchOptions:
     """Drive a mission in virtual time: bridge, bus, drives and plant, all in this process.
 
-    Leaves `summary.json`, `samples.csv`, `can.log` (as candump), `serial.log`, `operator.tlog`, `capture.log`
-    where cameras see the robot, and plots in the results' folder, which `replay` plays again.
+    Leaves `report.html`, which has it all on one page, `summary.json`, `samples.csv`, `can.log` (as candump),
+    `serial.log`, `operator.tlog`, `capture.log` where cameras see the robot, and plots in the results'
+    folder, which `replay` plays again.
     """
 
     robot: RobotArgument

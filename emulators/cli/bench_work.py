@@ -1,5 +1,7 @@
 """Drives a mission, with a progress bar, and shows its summary."""
 
+import shlex
+import sys
 from pathlib import Path
 from typing import Final
 
@@ -49,7 +51,7 @@ def bench(given: BenchOptions) -> None:
         script = script.predicted() if given.predictor else script
         script.on(machine)
         folder = given.out or RESULTS / f"{machine.name}-{name}"
-        order = Order(machine, rehearsal, name, script, given.seed, folder, given.plant)
+        order = Order(machine, rehearsal, name, script, given.seed, folder, given.plant, _again())
         tell_of_beginning(machine, given.plant)
         if not installed("plots"):
             say(f"no pictures this time: {cure('plots')}", err=True)
@@ -58,3 +60,8 @@ def bench(given: BenchOptions) -> None:
             summary = drive(order, lambda now: bar.update(task, completed=now))
     show(terminal(), summary, rehearsal.remarks(machine))
     say(f"results: {folder}/")
+
+
+def _again() -> str:
+    """Return the line that was typed."""
+    return shlex.join(("firmware-bridge", *sys.argv[1:]))

@@ -38,12 +38,12 @@ mode does without."""
 BELIEF_TEXT: Final = """From what was sent to it each axis has a range in which it may be: of speeds where
 it is told a speed or a stop, else of positions. The range reaches to a new demand at once, and leaves an
 old one with **lag**, and no faster than with **ramp** or **cruise**. An axis that is beside its range by
-more than **speed**, and a 50th of what it was told, or **position** at every sample **within** this time strays:
-it moves unasked where it moves further, faster or another way than told, else it does not follow. A position that repeats to the last
-bit for as long may owe no more than **repeats** of the way asked; and it may stand with no more than
-**holds with** for twice as long. A robot rests when each axis that takes it from its place is slower than
-**stands below**. All of them are worked out from top speed, drive and link unless `[axes.belief]` in the
-robot file says otherwise."""
+more than **speed**, and a 50th of what it was told, or **position** at every sample **within** this time
+strays: it moves unasked where it moves further, faster or another way than told, else it does not follow. A
+position that repeats to the last bit for as long may owe no more than **repeats** of the way asked; and it
+may stand with no more than **holds with** for twice as long. A robot rests when each axis that takes it from
+its place is slower than **stands below**. All of them are worked out from top speed, drive and link unless
+`[axes.belief]` in the robot file says otherwise."""
 LETTING_GO_TEXT: Final = f"""What ends without power, and what keeps it. Category 0 takes the power at once,
 1 at rest, 2 keeps it (EN 60204-1).
 

@@ -6,6 +6,7 @@ import io
 from collections.abc import Iterator, Sequence
 from typing import Final
 
+from emulators.bench.web import document
 from emulators.fmea.effect import Verdict
 from emulators.fmea.matrix import Cell
 
@@ -15,9 +16,8 @@ COLUMNS: Final = (
 )
 DEGREES: Final = 57.29577951308232
 LOOK: Final = """
-body { font: 15px/1.5 sans-serif; color: #222; margin: 2em }
-table { border-collapse: collapse; font-size: 12px } th, td { border: 1px solid #ddd; padding: .2em .5em;
-text-align: left; vertical-align: top } thead th { position: sticky; top: 0; background: #fff }
+body { max-width: none; margin: 2em } th, td { border: 1px solid #ddd; padding: .2em .5em }
+thead th { position: sticky; top: 0; background: #fff }
 .noticed { background: #e3f1ea } .told { background: #e4eef8 } .tolerated { background: #fff; color: #888 }
 .stands { background: #f3f3e2 } .why { background: #fbeccb } .wrong { background: #f6c6bd; font-weight: bold }
 small { color: #666; display: block }
@@ -61,14 +61,15 @@ def as_page(robot: str, cells: Sequence[Cell]) -> str:
         for (title, place), of in rows.items()
     )
     said = "".join(f'<li><span class="{it.value}">{it.value}</span>: {words}</li>' for it, words in SAID)
-    return (
-        f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{html.escape(robot)}: failures'
-        f"</title><style>{LOOK}</style></head><body><h1>What comes of each failure of {html.escape(robot)}"
-        f"</h1><p>Each was put on in each state and taken off after two seconds, on the bench. By the plant's"
-        f" truth: when the robot stood for good, how far it went and turned, whatever was asked of it.</p>"
-        f'<ul>{said}<li><span class="why">late or never, with a reason</span></li><li><span class="wrong">'
-        f"late or never, and nobody knows why</span></li></ul><table><thead><tr>{heads}</tr></thead>"
-        f"<tbody>{body}</tbody></table></body></html>\n"
+    return document(
+        f"{robot}: failures",
+        f"<h1>What comes of each failure of {html.escape(robot)}</h1><p>Each was put on in each state and "
+        f"taken off after two seconds, on the bench. By the plant's truth: when the robot stood for good, "
+        f"how far it went and turned, whatever was asked of it.</p><ul>{said}"
+        f'<li><span class="why">late or never, with a reason</span></li>'
+        f'<li><span class="wrong">late or never, and nobody knows why</span></li></ul>'
+        f"<table><thead><tr>{heads}</tr></thead><tbody>{body}</tbody></table>",
+        LOOK,
     )
 
 

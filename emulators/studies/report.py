@@ -1,24 +1,16 @@
 """What studies leave behind: a folder of tables and pictures for each, and one page of HTML for all."""
 
-import base64
 import csv
 import html
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
+from emulators.bench.web import document, picture
 from emulators.studies.picture import pictures
 from emulators.studies.study import Cell, Compared, Findings, Sheet, Study, cell
 
 HEADINGS: Final = ("quantity", "unit", "printed", "independent", "ours", "bound", "holds", "why")
-LOOK: Final = """
-body { font: 15px/1.5 sans-serif; color: #222; max-width: 60em; margin: 2em auto; padding: 0 1em }
-table { border-collapse: collapse; margin: 1em 0; font-size: 13px }
-th, td { border-bottom: 1px solid #ddd; padding: .25em .7em; text-align: left; vertical-align: top }
-td.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap }
-figure { margin: 1.5em 0 } figcaption, .source { color: #666; font-size: 13px } img { max-width: 100% }
-.no { color: #a00; font-weight: bold }
-"""
 
 
 def cells(row: Compared) -> tuple[Cell | None, ...]:
@@ -49,24 +41,22 @@ def page(made: Sequence[tuple[Study, Findings]]) -> str:
     """Return one page of HTML that needs no other file."""
     contents = "".join(f'<li><a href="#{one.name}">{html.escape(one.title)}</a></li>' for one, _ in made)
     body = "".join(part for study, findings in made for part in _section(study, findings))
-    return (
-        f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>Studies</title>'
-        f"<style>{LOOK}</style></head><body><h1>Studies</h1><p>Each says what its source has "
-        f"printed, what an independent way gives, what ours gives, and why they differ. A bound is how far "
-        f"ours may be from the independent value.</p><ol>{contents}</ol>{body}</body></html>\n"
+    said = (
+        "Each says what its source has printed, what an independent way gives, what ours gives, and why they "
+        "differ. A bound is how far ours may be from the independent value."
     )
+    return document("Studies", f"<h1>Studies</h1><p>{said}</p><ol>{contents}</ol>{body}")
 
 
 def _section(study: Study, findings: Findings) -> Iterator[str]:
     yield f'<h2 id="{study.name}">{html.escape(study.title)}</h2>'
-    yield f'<p class="source">{html.escape(study.source)} · <code>study {study.name}</code></p>'
+    yield f'<p class="pale">{html.escape(study.source)} · <code>study {study.name}</code></p>'
     for remark in findings.remarks:
         yield f"<p>{html.escape(remark)}</p>"
     if findings.compared:
         yield _html_table(HEADINGS, map(cells, findings.compared))
     for plot in findings.plots:
-        drawn = base64.b64encode(pictures(plot)[0]).decode("ascii")
-        yield f'<figure><img alt="{html.escape(plot.title)}" src="data:image/svg+xml;base64,{drawn}">'
+        yield f"<figure>{picture(pictures(plot)[0], 'svg+xml', plot.title)}"
         yield f"<figcaption>{html.escape(plot.caption)}</figcaption></figure>"
     for sheet in findings.sheets:
         yield from _sheet(sheet)
@@ -85,7 +75,7 @@ def _html_table(headings: Iterable[str], rows: Iterable[Sequence[Cell | None]]) 
 
 def _html_cell(value: Cell | None) -> str:
     if isinstance(value, str):
-        look = ' class="no"' if value == "NO" else ""
+        look = ' class="wrong"' if value == "NO" else ""
         return f"<td{look}>{html.escape(value)}</td>"
     return f'<td class="number">{cell(value)}</td>'
 

@@ -1,6 +1,5 @@
 """A session of tests as one page of HTML that needs no other file: what failed, and what is known of it."""
 
-import base64
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -8,16 +7,11 @@ from html import escape
 from pathlib import Path
 from typing import Final
 
+from emulators.bench.web import document, picture
+
 PICTURED: Final = 20
 """So many failures show their pictures; those of the others are in their folders. Each takes about 300 kB."""
-LOOK: Final = """
-body { font: 15px/1.5 sans-serif; color: #222; max-width: 64em; margin: 2em auto; padding: 0 1em }
-pre { background: #f6f6f6; padding: .7em; overflow-x: auto; font-size: 13px }
-table { border-collapse: collapse; font-size: 13px }
-th, td { border-bottom: 1px solid #ddd; padding: .2em .7em; text-align: left; vertical-align: top }
-td.number { text-align: right; font-variant-numeric: tabular-nums }
-img { max-width: 100% } .failed, .error { color: #a00; font-weight: bold } .skipped { color: #666 }
-"""
+LOOK: Final = ".failed, .error { color: #a00; font-weight: bold } .skipped { color: #666 }"
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,11 +41,8 @@ def page(title: str, ended: Iterable[Outcome]) -> str:
     counted = Counter(one.outcome for one in outcomes)
     summary = ", ".join(f"{count} {outcome}" for outcome, count in sorted(counted.items())) or "no tests"
     body = "".join(part for place, one in enumerate(failed) for part in _failure(place, one))
-    return (
-        f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
-        f"<style>{LOOK}</style></head><body><h1>{escape(title)}</h1><p>{summary}</p>{_contents(failed)}"
-        f"{body}<h2>All tests</h2>{_table(outcomes)}</body></html>\n"
-    )
+    head, all_of_them = f"<h1>{escape(title)}</h1><p>{summary}</p>", f"<h2>All tests</h2>{_table(outcomes)}"
+    return document(title, f"{head}{_contents(failed)}{body}{all_of_them}", LOOK)
 
 
 def _contents(failed: Sequence[Outcome]) -> str:
@@ -75,8 +66,7 @@ def _failure(place: int, one: Outcome) -> Iterator[str]:
 
 
 def _picture(path: Path) -> str:
-    drawn = base64.b64encode(path.read_bytes()).decode("ascii")
-    return f'<p><img alt="{escape(path.stem)}" src="data:image/png;base64,{drawn}"></p>'
+    return f"<p>{picture(path.read_bytes(), 'png', path.stem)}</p>"
 
 
 def _table(outcomes: Sequence[Outcome]) -> str:

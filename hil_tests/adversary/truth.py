@@ -189,7 +189,9 @@ def invariants(robot: AnyRobot) -> tuple[Invariant, ...]:
     forgets_s = max(stops_itself, default=0.0) + FORGETS_S
 
     def may_not_move(look: Look) -> float:
-        moves = (look.moves(name, slowest) for name in look.powered - look.runs_on)
+        # A board that nobody reaches stops by itself where it can, in a time of its own: see `forgot`.
+        forgetting = look.unreached if stops_itself else frozenset[str]()
+        moves = (look.moves(name, slowest) for name in look.powered - look.runs_on - forgetting)
         return 0.0 if look.may_move else max(moves, default=0.0)
 
     def forgot(look: Look) -> float:

@@ -1,0 +1,46 @@
+"""A run as one page of HTML that needs no other file: what was measured, what held, what was wrong."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from html import escape
+from pathlib import Path
+from typing import Final
+
+from emulators.bench.report import numbers, span
+from emulators.bench.summary import Faulted, Held, Summary
+from emulators.bench.web import document, picture, table
+
+MEASURED: Final = ("measured", "value", "unit", "remark")
+HELD: Final = ("from", "to", "interlock", "reason", "what to do")
+FAULTS: Final = ("from", "to", "fault", "where", "title")
+SPAN: Final = (0, 1)
+"""The places of both times, which stand to the right."""
+
+
+def page(summary: Summary, remarks: Mapping[str, str], pictures: Sequence[Path], again: str) -> str:
+    """Return the page. `remarks` stand beside numbers, `again` is the line that runs it again.
+
+    OSError where a picture cannot be read.
+    """
+    title = f"{summary.robot}, {summary.mission}, seed {summary.seed}"
+    return document(title, "".join(_parts(title, summary, remarks, pictures, again)))
+
+
+def _parts(
+    title: str, summary: Summary, remarks: Mapping[str, str], pictures: Sequence[Path], again: str
+) -> Iterator[str]:
+    yield f"<h1>{escape(title)}</h1><p>again: <code>{escape(again)}</code></p>"
+    yield table(MEASURED, numbers(summary, remarks), (1,))
+    yield "<h2>Interlocks that held</h2>"
+    yield table(HELD, map(_held, summary.holds), SPAN) if summary.holds else "<p>none</p>"
+    yield "<h2>Faults that were put on</h2>"
+    yield table(FAULTS, map(_faulted, summary.faults), SPAN) if summary.faults else "<p>none</p>"
+    for path in pictures:
+        yield f"<figure>{picture(path.read_bytes(), 'png', path.stem)}</figure>"
+
+
+def _held(hold: Held) -> tuple[str, ...]:
+    return (*span(hold), hold.name, hold.reason, hold.remedy)
+
+
+def _faulted(fault: Faulted) -> tuple[str, ...]:
+    return (*span(fault), fault.kind, ", ".join(fault.nodes), fault.title)
