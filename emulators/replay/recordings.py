@@ -1,4 +1,4 @@
-"""Recordings from files: a CAN log of candump, lines of bytes, a telemetry log; each packet with its place.
+"""Recordings from files: CAN logs, lines of bytes, a telemetry log; each packet with its place.
 
 Compressed ones are read as they are (`.gz`, `.xz`). Instants count from the start of the recording: that of
 the bench is the start of its virtual run, any other one starts where its first frame began.
@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final
+from typing import Final, TypeAlias
 
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet
@@ -23,6 +23,7 @@ from firmware_bridge.recording import (
     parse_chunk,
     parse_tlog,
 )
+from firmware_bridge.shell import can_files
 from firmware_bridge.units import MICROSECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.can import ERROR, frame_bits
 
@@ -42,6 +43,10 @@ LINES: Final = frozenset(("serial", "capture"))
 """What files of lines are called, before their suffixes."""
 _SHOWN: Final = 80
 """So many characters of a line that cannot be read are shown."""
+
+
+Frame: TypeAlias = tuple[str, Nanoseconds, str, Packet]
+"""Where it stands, instant, bus and frame."""
 
 
 class RecordingFileError(Exception):
@@ -96,16 +101,7 @@ def read_can(path: Path, channel: str | None) -> Recording:
     `channel` chooses one where frames of several buses stand in the log.
     """
     found: dict[str, list[Entry]] = {}
-    for number, line in enumerate(_lines(path), start=1):
-        if not line.strip():
-            continue
-        where = f"{path.name}, line {number}"
-        try:
-            at, bus, packet = parse_candump(line)
-        except RecordingError:
-            raise RecordingFileError(
-                f"{where}: no line of a candump log, as '(12.345678) can0 123#DEADBEEF': {_shown(line)}"
-            ) from None
+    for where, at, bus, packet in _foreign(path) if can_files.is_foreign(path) else _candump(path):
         if not packet.address & ERROR:
             found.setdefault(bus, []).append(Entry(at, packet, where))
     if not found:
@@ -118,9 +114,31 @@ def read_can(path: Path, channel: str | None) -> Recording:
     return _in_order(path.name, found[channel] if channel else next(iter(found.values())))
 
 
+def _candump(path: Path) -> Iterator[Frame]:
+    for number, line in enumerate(_lines(path), start=1):
+        if line.strip():
+            where = f"{path.name}, line {number}"
+            try:
+                yield where, *parse_candump(line)
+            except RecordingError:
+                raise RecordingFileError(
+                    f"{where}: no line of a candump log, as '(12.345678) can0 123#DEADBEEF': {_shown(line)}"
+                ) from None
+
+
+def _foreign(path: Path) -> Iterator[Frame]:
+    try:
+        for number, frame in enumerate(can_files.frames(path), start=1):
+            yield f"{path.name}, frame {number}", *frame
+    except RecordingError as error:
+        raise RecordingFileError(f"{path.name}: {error}") from None
+    except OSError as error:
+        raise RecordingFileError(f"{path}: cannot be read: {error.strerror}") from None
+
+
 def is_lines(path: Path) -> bool:
     """Tell whether a file is a log of serial lines or of cameras, by its name or its first line."""
-    if is_telemetry(path) or not path.exists():
+    if is_telemetry(path) or can_files.is_foreign(path) or not path.exists():
         return False
     return path.name.split(".")[0] in LINES or is_chunk(_content(path).lstrip()[:_SHOWN].decode("latin-1"))
 

@@ -21,6 +21,7 @@ from firmware_bridge.dissector.bus_picture import BusPicture
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.recording import RecordingError, is_chunk, parse_candump
+from firmware_bridge.shell import can_files
 from firmware_bridge.shell.ports import open_can
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
@@ -28,6 +29,8 @@ DRAW_EVERY: Final[Nanoseconds] = 250 * MILLISECOND
 BIT_RATE: Final = 1_000_000
 """Bits a second, where neither the robot file nor an option tells them."""
 _OPENERS: Final[Mapping[str, Callable[..., IO[str]]]] = {".gz": gzip.open, ".xz": lzma.open}
+_Frame: TypeAlias = tuple[Nanoseconds, str, Packet]
+"""Instant, bus, frame."""
 _Tell: TypeAlias = Callable[[tuple[str, ...]], None]
 
 
@@ -60,13 +63,21 @@ def monitor(given: MonitorOptions) -> None:
         return
     if given.interface is not None or given.duration is not None:
         raise refusal("--log: a recording has no interface and no duration; leave out -i and --duration")
+    if can_files.is_foreign(given.log):
+        _tell_frames(given, _foreign(given.log))
+        return
     lines = _numbered(given.log)
     first = list(islice(lines, 1))
     if first and is_chunk(first[0][1]):
         _tell_lines(given, given.log, chain(first, lines))
         return
+    _tell_frames(given, _candump(given.log, chain(first, lines)))
+
+
+def _tell_frames(given: MonitorOptions, frames: Iterator[_Frame]) -> None:
+    """Draw what a bus has carried."""
     picture = _picture(given)
-    for at, packet in _recorded(given.log, given.channel, chain(first, lines)):
+    for at, packet in _of_one_bus(str(given.log), given.channel, frames):
         picture.note(at, packet)
     terminal().print(drawn(picture))
 
@@ -150,18 +161,31 @@ def _numbered(path: Path) -> Iterator[tuple[int, str]]:
         raise refusal(f"{path}: cannot be read: {error}", WRONG_INPUT) from None
 
 
-def _recorded(
-    path: Path, channel: str | None, lines: Iterator[tuple[int, str]]
-) -> Iterator[tuple[Nanoseconds, Packet]]:
-    """Yield the frames of one bus of a recording; one that cannot be read ends the program with a message."""
-    heard: set[str] = set()
+def _candump(path: Path, lines: Iterator[tuple[int, str]]) -> Iterator[_Frame]:
+    """Yield the frames of a candump log; a line that is none ends the program with a message."""
     for number, line in lines:
         try:
-            at, bus, packet = parse_candump(line)
+            yield parse_candump(line)
         except RecordingError:
             raise refusal(
                 f"{path}, line {number}: no line of a candump log, as '(12.345678) can0 123#DEADBEEF'"
             ) from None
+
+
+def _foreign(path: Path) -> Iterator[_Frame]:
+    """Yield the frames of another tool's recording; one that cannot be read ends the program."""
+    try:
+        yield from can_files.frames(path)
+    except (RecordingError, OSError) as error:
+        raise refusal(f"{path}: cannot be read: {error}", WRONG_INPUT) from None
+
+
+def _of_one_bus(
+    path: str, channel: str | None, frames: Iterator[_Frame]
+) -> Iterator[tuple[Nanoseconds, Packet]]:
+    """Yield the frames of one bus of a recording; others in it end the program, where none was chosen."""
+    heard: set[str] = set()
+    for at, bus, packet in frames:
         heard.add(bus)
         if channel is None and len(heard) > 1:
             raise refusal(f"{path}: holds frames of {' and '.join(sorted(heard))}; choose one with -c")

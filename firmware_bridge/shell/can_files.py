@@ -1,0 +1,77 @@
+"""Recordings of CAN buses in the formats of other tools, as python-can reads them, by a file's suffix.
+
+`.asc` and `.blf` are Vector's, `.trc` is PEAK's, of which python-can reads no remote frames. The log of candump is this project's own: it is read without
+python-can, to the nanosecond.
+"""
+
+import struct
+import zlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet
+from firmware_bridge.recording import EPOCH, RecordingError
+from firmware_bridge.units import MICROSECOND, SECOND, Nanoseconds
+from firmware_bridge.wire.can import EXTENDED, REMOTE
+
+if TYPE_CHECKING:
+    import can
+
+SUFFIXES: Final = (".asc", ".blf", ".trc")
+DAYS: Final = 1e8
+"""Seconds; an instant below counts from the begin of the recording, and one above from 1970."""
+FROM_ITS_BEGIN: Final[Nanoseconds] = 100_000_000 * SECOND
+"""What such an instant gets: nobody knows when the recording began, and it was not on the bench's epoch."""
+
+
+def is_foreign(path: Path) -> bool:
+    """Tell whether a file's name is that of another tool's recording."""
+    return path.suffix.lower() in SUFFIXES
+
+
+def frames(path: Path) -> Iterator[tuple[Nanoseconds, str, Packet]]:
+    """Yield instant, channel and frame of each message; error frames are left out.
+
+    RecordingError where the file is none of its format; OSError where it cannot be read.
+    """
+    # 0.1 s, which nobody needs whose recordings are candump's.
+    import can  # noqa: PLC0415 - see above
+    from can.io.blf import BLFParseError  # noqa: PLC0415 - see above
+
+    try:
+        with can.LogReader(path) as messages:
+            for message in messages:
+                if not message.is_error_frame:
+                    yield _instant(message.timestamp), _channel(message.channel), _packet(message)
+    except (
+        can.CanError,
+        BLFParseError,
+        ValueError,
+        LookupError,
+        TypeError,
+        struct.error,
+        zlib.error,
+    ) as error:
+        why = " ".join(str(error).split()) or type(error).__name__
+        raise RecordingError(f"no recording of the format {path.suffix}: {why}") from None
+
+
+def _instant(stamp: float) -> Nanoseconds:
+    """Return an instant, rounded to microseconds; what counts from its own begin is none of the bench's."""
+    if stamp < DAYS:
+        return FROM_ITS_BEGIN + round(stamp * 1e6) * MICROSECOND
+    return round(stamp * 1e6) * MICROSECOND - EPOCH
+
+
+def _channel(channel: object) -> str:
+    """Return the bus as candump would call it; a name stays."""
+    return channel if isinstance(channel, str) else f"can{channel or 0}"
+
+
+def _packet(message: "can.Message") -> Packet:
+    address = message.arbitration_id | (EXTENDED if message.is_extended_id else 0)
+    if message.is_remote_frame:
+        return Packet(CAN, address | REMOTE, bytes(message.dlc))
+    return Packet(CAN, address, bytes(message.data))
