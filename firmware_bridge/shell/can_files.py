@@ -1,7 +1,7 @@
 """Recordings of CAN buses in the formats of other tools, as python-can reads them, by a file's suffix.
 
-`.asc` and `.blf` are Vector's, `.trc` is PEAK's, of which python-can reads no remote frames. The log of candump is this project's own: it is read without
-python-can, to the nanosecond.
+`.asc` and `.blf` are Vector's, `.trc` is PEAK's, of which python-can reads no remote frames. candump's log is
+this project's own: it is read without python-can.
 """
 
 import struct
