@@ -37,16 +37,23 @@ class Scale:
         sizes = np.array((self.metres_per_du, self.metres_per_du, self.height_per_du))
         return State(sizes * of.place, sizes / self.seconds_per_tu * of.speed)
 
-    def slowed(self, states: Iterable[State], fastest_mps: float, hardest_mps2: float) -> "Scale":
-        """Return the scale in which these states ask for no more along the floor: only time is stretched.
+    def slowed(
+        self,
+        states: Iterable[State],
+        fastest_mps: float,
+        hardest_mps2: float,
+        rising_mps: float = math.inf,
+    ) -> "Scale":
+        """Return the scale in which these states ask for no more along the floor, and upwards.
 
-        For mu = 1: the acceleration follows from the place.
+        Only time is stretched. For mu = 1: the acceleration follows from the place.
         """
         stretch = self.seconds_per_tu
         for it in states:
             along = self.metres_per_du * float(np.hypot(*it.speed[:2]))
             bend = self.metres_per_du * float(np.hypot(*it.place[:2]) / np.linalg.norm(it.place) ** 3)
-            stretch = max(stretch, along / fastest_mps, math.sqrt(bend / hardest_mps2))
+            rises = self.height_per_du * abs(float(it.speed[2])) / rising_mps
+            stretch = max(stretch, along / fastest_mps, math.sqrt(bend / hardest_mps2), rises)
         return replace(self, seconds_per_tu=stretch)
 
 

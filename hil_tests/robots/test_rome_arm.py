@@ -1,6 +1,7 @@
 """ROME whole: what its halves make of it, where its centre of gravity is, and what its guides show."""
 
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +11,11 @@ import pytest
 from emulators.bench.rehearsal import rehearsal_of
 from firmware_bridge.kinds import find, kind_of, load
 from firmware_bridge.motion.captured import Located, Source
+from firmware_bridge.motion.orbit import THESIS
+from firmware_bridge.motion.orbit_elements import elements
+from firmware_bridge.motion.orbit_tle import state_of_tle
 from firmware_bridge.motion.pose import Pose
-from firmware_bridge.robot import Robot, RobotFileError
+from firmware_bridge.robot import AnyRobot, Robot, RobotFileError
 from firmware_bridge.robots.ar2 import motion as arm
 from firmware_bridge.robots.rome import motion as base
 from firmware_bridge.robots.rome_arm import KIND
@@ -22,6 +26,7 @@ from firmware_bridge.robots.rome_arm.orbit import PATHS
 from firmware_bridge.teleop.station import Stick, Velocity
 from firmware_bridge.units import STANDARD_GRAVITY
 from hil_tests.robots.gate import seen
+from hil_tests.unit.motion.test_orbit_tle import FIVE
 
 ROBOT: Robot[Any] = find("rome_arm")
 BENT = tuple(map(math.radians, (0.0, -90.0, 90.0, 0.0, 60.0, 0.0)))
@@ -78,12 +83,88 @@ def test_a_larger_orbit_takes_longer_by_what_the_base_lacks() -> None:
     assert fastest == pytest.approx(0.9 * limit, rel=1e-3)
 
 
+@pytest.mark.parametrize(("path", "key"), [("orbit", "height_per_du"), ("formation", "height_m")])
+def test_a_higher_path_takes_longer_by_what_the_arm_lacks(path: str, key: str) -> None:
+    high = PATHS[path](changed(path, **{key: 1.0}).geometry)
+    limit = ROBOT.geometry.arm.limits.speed_mps
+    rises = max(abs(high.tool(it).speed[2]) for it in np.linspace(0.01, 61.0 * high.stretch, 2000))
+    assert high.stretch > 1.2
+    assert rises == pytest.approx(0.9 * limit, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    "changes", [{"s_per_tu": 2.0}, {"m_per_du": 1.0, "s_per_tu": 1.5}, {"height_per_du": 1.0}]
+)
+def test_the_bench_knows_the_orbit_that_the_guide_flies(changes: dict[str, float]) -> None:
+    robot = changed("orbit", **changes)
+    flown, known = PATHS["orbit"](robot.geometry), rehearsal_of(robot).paths["orbit"](robot)
+    times = np.linspace(0.1, 100.0, 50)
+    x, y, z = known(times)
+    for at, seconds in enumerate(times):
+        base = flown.base(seconds)
+        assert (base.x, base.y) == pytest.approx((x[at], y[at]), abs=1e-3)
+
+
 def test_an_orbit_at_its_centre_is_refused_by_its_key(tmp_path: Path) -> None:
     text = KIND.file.read_text(encoding="utf-8")
     file = tmp_path / "other.toml"
     file.write_text(text.replace("start_du = [-0.5985, 1.6634, 0.0279]", "start_du = [0.0, 0.0, 0.0]"))
     with pytest.raises(RobotFileError, match=r"geometry\.orbit: .*start_du"):
         load(file)
+
+
+PRINTED = "start_du = [-0.5985, 1.6634, 0.0279]\nspeed_du_tu = [-0.9523, -0.0639, 0.0110]\n"
+TLE = "\n".join(f'  "{line}",' for line in FIVE)
+
+
+def other(folder: Path, orbit: str) -> AnyRobot:
+    """Return the robot with another orbit in its file."""
+    text = KIND.file.read_text(encoding="utf-8")
+    assert PRINTED in text
+    file = folder / "other.toml"
+    file.write_text(text.replace(PRINTED, orbit), encoding="utf-8")
+    return load(file)
+
+
+def test_an_orbit_is_given_by_its_elements_too(tmp_path: Path) -> None:
+    of = elements(THESIS)
+    angles = (of.inclination, of.node, of.periapsis, of.anomaly)
+    names = ("inclination_deg", "node_deg", "periapsis_deg", "anomaly_deg")
+    said = ", ".join(f"{name} = {math.degrees(it)!r}" for name, it in zip(names, angles, strict=True))
+    robot = other(
+        tmp_path, f"elements = {{ axis_du = {of.axis!r}, eccentricity = {of.eccentricity!r}, {said} }}\n"
+    )
+    printed, given = (PATHS["orbit"](one.geometry) for one in (ROBOT, robot))
+    for seconds in np.linspace(0.1, 60.0, 7):
+        assert given.base(seconds)[:5] == pytest.approx(printed.base(seconds)[:5], abs=1e-9)
+        assert given.tool(seconds).by == pytest.approx(printed.tool(seconds).by, abs=1e-9)
+
+
+def test_an_orbit_is_given_by_a_two_line_element_set_too(tmp_path: Path) -> None:
+    robot = other(tmp_path, f"tle = [\n{TLE}\n]\nafter_epoch_min = 360.0\n")
+    begin = PATHS["orbit"](robot.geometry).base(1e-9)
+    meant = 0.4 * state_of_tle(*FIVE, 360.0).place
+    assert (begin.x, begin.y) == pytest.approx((meant[0], meant[1]), abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("orbit", "says"),
+    [
+        ("", "needs one of: start_du with speed_du_tu, elements, tle"),
+        ("start_du = [1.0, 0.0, 0.0]\n", "needs one of"),
+        ("start_du = [0.0, 0.0, 0.0]\nspeed_du_tu = [0.0, 1.0, 0.0]\n", "start_du: an orbit's body"),
+        (
+            "elements = { axis_du = 1.0, eccentricity = 0.1 }\nafter_epoch_min = 1.0\n",
+            "after_epoch_min: only",
+        ),
+        ("elements = { axis_du = 1.0, eccentricity = 1.5 }\n", "no orbit has a = 1, e = 1.5"),
+        ('tle = ["1 nonsense", "2 nonsense"]\n', "line 1 of a two-line element set"),
+        (PRINTED + f"tle = [\n{TLE}\n]\n", "needs one of"),
+    ],
+)
+def test_an_orbit_that_nobody_can_fly_is_refused_by_its_table(tmp_path: Path, orbit: str, says: str) -> None:
+    with pytest.raises(RobotFileError, match=rf"geometry\.orbit.*{re.escape(says)}"):
+        other(tmp_path, orbit)
 
 
 def test_its_first_joint_takes_the_centre_of_gravity_round_the_middle() -> None:

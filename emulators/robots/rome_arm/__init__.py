@@ -78,7 +78,7 @@ def _full(half: Half, name: str) -> Channel:
 def _orbit(robot: RomeArm) -> FollowedPath:
     """Return the orbit on the floor, by its shape and Kepler's equation; mu is 1."""
     table = robot.geometry.orbit
-    place, speed = np.array(table.start_du), np.array(table.speed_du_tu)
+    place, speed = table.begin.place, table.begin.speed
     away = float(np.linalg.norm(place))
     axis = 1.0 / (2.0 / away - float(speed @ speed))
     towards = float(speed @ speed) * place - float(place @ speed) * speed - place / away
@@ -103,7 +103,7 @@ def _orbit(robot: RomeArm) -> FollowedPath:
 
     sizes = np.array((table.m_per_du, table.m_per_du, table.height_per_du))[:, None]
     times = np.linspace(0.0, math.tau / n, INSTANTS)
-    seconds_per_tu = table.s_per_tu * _stretch(robot, sizes[:2] * flown(times)[:2], times[1])
+    seconds_per_tu = max(table.s_per_tu, _stretch(robot, sizes * flown(times), times[1]))
 
     def path(seconds: Floats) -> tuple[Floats, Floats, Floats]:
         x, y, z = sizes * flown(np.maximum(seconds, 0.0) / seconds_per_tu)
@@ -114,13 +114,15 @@ def _orbit(robot: RomeArm) -> FollowedPath:
 
 
 def _stretch(robot: RomeArm, places: Floats, apart: float) -> float:
-    """Return how many times its time a way takes that the base could not follow, from places on the floor."""
-    limits = robot.geometry.base.limits
+    """Return how many times its time a way takes at least, from places on the floor and of the tool above it."""
+    limits, tool = robot.geometry.base.limits, robot.geometry.arm.limits
     speeds = np.gradient(places, apart, axis=1)
-    bends = np.gradient(speeds, apart, axis=1)[:, 2:-2]
-    fastest, hardest = (float(np.linalg.norm(it, axis=0).max()) for it in (speeds[:, 1:-1], bends))
+    bends = np.gradient(speeds[:2], apart, axis=1)[:, 2:-2]
+    fastest, hardest = (float(np.linalg.norm(it, axis=0).max()) for it in (speeds[:2, 1:-1], bends))
+    rises = float(np.abs(speeds[2, 1:-1]).max())
     return max(
-        1.0, fastest / (USED * limits.speed_mps), math.sqrt(hardest / (USED * limits.acceleration_mps2))
+        *(fastest / (USED * limits.speed_mps), math.sqrt(hardest / (USED * limits.acceleration_mps2))),
+        rises / (USED * tool.speed_mps),
     )
 
 
@@ -134,7 +136,7 @@ def _formation(robot: RomeArm) -> FollowedPath:
         return table.half_width_m * np.cos(angle), along, table.height_m * np.sin(angle)
 
     times = np.linspace(0.0, table.turn_s, INSTANTS)
-    stretch = _stretch(robot, np.array(flown(times)[:2]), times[1])
+    stretch = max(1.0, _stretch(robot, np.array(flown(times)), times[1]))
     return lambda seconds: flown(seconds / stretch)
 
 

@@ -1,12 +1,19 @@
 """ROME's two halves in its robot file, how one bears the other, and its orbit."""
 
-from typing import Annotated, Self
+from math import radians
+from typing import Annotated, Final, Self
 
 from pydantic import Field, model_validator
 
+from firmware_bridge.motion.orbit import State, state
+from firmware_bridge.motion.orbit_elements import Elements as OrbitElements
+from firmware_bridge.motion.orbit_elements import state_of
+from firmware_bridge.motion.orbit_tle import state_of_tle
 from firmware_bridge.robot.table import Finite, Positive, Table
 from firmware_bridge.robots.ar2 import geometry as arm
 from firmware_bridge.robots.rome import geometry as base
+
+CENTRE: Final = (0.0, 0.0, 0.0)
 
 
 class Balance(Table):
@@ -26,11 +33,33 @@ class Balance(Table):
     """The base drives while the tool is no further from the first axis."""
 
 
-class Orbit(Table):
-    """Guide `orbit`: a body about the Earth, with x and y on the floor and z by the arm (2.4)."""
+class Elements(Table):
+    """An orbit by its six elements."""
 
-    start_du: Annotated[tuple[Finite, Finite, Finite], Field(strict=False)]
-    speed_du_tu: Annotated[tuple[Finite, Finite, Finite], Field(strict=False)]
+    axis_du: Finite
+    """The semi-major axis; below 0 for a hyperbola."""
+    eccentricity: Annotated[Finite, Field(ge=0.0)]
+    inclination_deg: Finite = 0.0
+    node_deg: Finite = 0.0
+    periapsis_deg: Finite = 0.0
+    """From the node."""
+    anomaly_deg: Finite = 0.0
+    """The true one, from the periapsis: where the body begins."""
+
+
+class Orbit(Table):
+    """Guide `orbit`: a body about the Earth, with x and y on the floor and z by the arm (2.4).
+
+    It is given by its place and speed, by its elements, or by a two-line element set.
+    """
+
+    start_du: Annotated[tuple[Finite, Finite, Finite] | None, Field(strict=False)] = None
+    speed_du_tu: Annotated[tuple[Finite, Finite, Finite] | None, Field(strict=False)] = None
+    elements: Elements | None = None
+    tle: Annotated[tuple[str, str] | None, Field(strict=False)] = None
+    """Both lines, as they are; with the extra `orbit`."""
+    after_epoch_min: Finite = 0.0
+    """The body begins so long after the set's epoch, and goes on from there as two bodies do."""
     m_per_du: Positive
     height_per_du: Positive
     s_per_tu: Positive = 1.0
@@ -39,10 +68,27 @@ class Orbit(Table):
     """From where the orbit begins to where the base stands then."""
 
     @model_validator(mode="after")
-    def _is_no_centre(self) -> Self:
-        if not any(self.start_du):
+    def _begins_somewhere(self) -> Self:
+        given = (self.start_du, self.elements, self.tle)
+        whole = (self.start_du is None) is (self.speed_du_tu is None)
+        if sum(it is not None for it in given) != 1 or not whole:
+            raise ValueError("needs one of: start_du with speed_du_tu, elements, tle")
+        if self.tle is None and self.after_epoch_min:
+            raise ValueError("after_epoch_min: only a set of two lines, tle, has an epoch")
+        if not self.begin.place.any():
             raise ValueError("start_du: an orbit's body is not at its centre")
         return self
+
+    @property
+    def begin(self) -> State:
+        """Where the body begins, and how fast, in DU and DU/TU."""
+        if self.tle is not None:
+            return state_of_tle(*self.tle, self.after_epoch_min)
+        if self.elements is not None:
+            it = self.elements
+            angles = map(radians, (it.inclination_deg, it.node_deg, it.periapsis_deg, it.anomaly_deg))
+            return state_of(OrbitElements(it.axis_du, it.eccentricity, *angles))
+        return state(self.start_du or CENTRE, self.speed_du_tu or CENTRE)
 
 
 class Formation(Table):

@@ -1,7 +1,7 @@
 """What ROME shows: an orbit about the Earth, or one body as another on a circle sees it.
 
 x and y are the base's, z is the tool's, and the heading stays (A. Seleit, MSc thesis, UCF, 2020, 2.4). Where
-the base could not follow, the path's time is stretched: it flies the same way, later.
+base or arm could not follow, the path's time is stretched: it flies the same way, later.
 """
 
 import math
@@ -18,7 +18,7 @@ from firmware_bridge.robots.rome import paths as bases
 from firmware_bridge.robots.rome_arm.geometry import Geometry
 
 USED: Final = 0.9
-"""Share of the base's speed and acceleration that a path may ask for: the rest is for the law."""
+"""Share of the base's speed and acceleration, and of the tool's speed, that a path may ask for: the rest is for the law."""
 LOOKED_AT: Final = 720
 """Instants of a revolution at which the base is asked whether it can follow."""
 
@@ -58,12 +58,13 @@ def flown(flight: Flight, stretch: float, beside: tuple[float, float] = (0.0, 0.
 def orbit(geometry: Geometry) -> Shown:
     """Return the orbit of the robot's file; for mu = 1 in DU and TU."""
     table, limits = geometry.orbit, geometry.base.limits
-    begin = two_bodies.state(table.start_du, table.speed_du_tu)
+    begin = table.begin
     meant = Scale(table.m_per_du, table.height_per_du, table.s_per_tu)
     turn = two_bodies.period(begin)
     once = turn if turn < math.inf else LONGEST_TU
     states = (two_bodies.propagated(begin, once * it / LOOKED_AT) for it in range(LOOKED_AT))
-    scale = meant.slowed(states, USED * limits.speed_mps, USED * limits.acceleration_mps2)
+    rising = USED * geometry.arm.limits.speed_mps
+    scale = meant.slowed(states, USED * limits.speed_mps, USED * limits.acceleration_mps2, rising)
 
     def flight(seconds: float) -> two_bodies.State:
         return scale.on_floor(two_bodies.propagated(begin, seconds / scale.seconds_per_tu))
@@ -82,7 +83,8 @@ def formation(geometry: Geometry) -> Shown:
     # Twice as long, so twice as fast along its way: 2 n a, and n^2 of it as acceleration.
     along = 2.0 * table.half_width_m * n
     stretch = max(
-        1.0, along / (USED * limits.speed_mps), math.sqrt(along * n / (USED * limits.acceleration_mps2))
+        *(1.0, along / (USED * limits.speed_mps), math.sqrt(along * n / (USED * limits.acceleration_mps2))),
+        abs(table.height_m) * n / (USED * geometry.arm.limits.speed_mps),
     )
     begin = closed((table.half_width_m, 0.0, 0.0), 0.0, table.height_m * n, n)
     first = np.concatenate((begin.place, begin.speed))

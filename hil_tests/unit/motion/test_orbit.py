@@ -176,6 +176,9 @@ def test_the_printed_orbit_fits_the_floor_and_its_speeds_the_base() -> None:
     assert slower.seconds_per_tu == pytest.approx(fastest / 0.3)
     assert max(float(np.hypot(*slower.on_floor(it).speed[:2])) for it in path) == pytest.approx(0.3)
     assert scale.slowed(path, 10.0, 0.157 / 4.0).seconds_per_tu == pytest.approx(2.0, rel=0.005)
+    rises = max(abs(float(it.speed[2])) for it in shown)
+    assert scale.slowed(path, 10.0, 10.0, rises) == scale
+    assert scale.slowed(path, 10.0, 10.0, rises / 3.0).seconds_per_tu == pytest.approx(3.0)
     raised = Scale(height_per_du=1.0).on_floor(THESIS)
     assert (raised.place[2], raised.speed[2]) == pytest.approx((0.0279, 0.0110))
     assert raised.place[0] == pytest.approx(-0.5985 * 0.4)
