@@ -83,9 +83,11 @@ def test_a_larger_orbit_takes_longer_by_what_the_base_lacks() -> None:
     assert fastest == pytest.approx(0.9 * limit, rel=1e-3)
 
 
-@pytest.mark.parametrize(("path", "key"), [("orbit", "height_per_du"), ("formation", "height_m")])
-def test_a_higher_path_takes_longer_by_what_the_arm_lacks(path: str, key: str) -> None:
-    high = PATHS[path](changed(path, **{key: 1.0}).geometry)
+@pytest.mark.parametrize(
+    ("path", "changes"), [("orbit", {"height_per_du": 3.0}), ("formation", {"height_m": 1.0})]
+)
+def test_a_higher_path_takes_longer_by_what_the_arm_lacks(path: str, changes: dict[str, float]) -> None:
+    high = PATHS[path](changed(path, **changes).geometry)
     limit = ROBOT.geometry.arm.limits.speed_mps
     rises = max(abs(high.tool(it).speed[2]) for it in np.linspace(0.01, 61.0 * high.stretch, 2000))
     assert high.stretch > 1.2
@@ -93,13 +95,13 @@ def test_a_higher_path_takes_longer_by_what_the_arm_lacks(path: str, key: str) -
 
 
 @pytest.mark.parametrize(
-    "changes", [{"s_per_tu": 2.0}, {"m_per_du": 1.0, "s_per_tu": 1.5}, {"height_per_du": 1.0}]
+    "changes", [{"s_per_tu": 2.0}, {"m_per_du": 1.0, "s_per_tu": 1.5}, {"height_per_du": 3.0}]
 )
 def test_the_bench_knows_the_orbit_that_the_guide_flies(changes: dict[str, float]) -> None:
     robot = changed("orbit", **changes)
     flown, known = PATHS["orbit"](robot.geometry), rehearsal_of(robot).paths["orbit"](robot)
     times = np.linspace(0.1, 100.0, 50)
-    x, y, z = known(times)
+    x, y, _up = known(times)
     for at, seconds in enumerate(times):
         base = flown.base(seconds)
         assert (base.x, base.y) == pytest.approx((x[at], y[at]), abs=1e-3)

@@ -114,7 +114,7 @@ def _orbit(robot: RomeArm) -> FollowedPath:
 
 
 def _stretch(robot: RomeArm, places: Floats, apart: float) -> float:
-    """Return how many times its time a way takes at least, from places on the floor and of the tool above it."""
+    """Return how many times its time a way takes at least, from places on the floor and above it."""
     limits, tool = robot.geometry.base.limits, robot.geometry.arm.limits
     speeds = np.gradient(places, apart, axis=1)
     bends = np.gradient(speeds[:2], apart, axis=1)[:, 2:-2]
