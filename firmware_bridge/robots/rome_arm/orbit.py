@@ -18,8 +18,8 @@ from firmware_bridge.robots.rome import paths as bases
 from firmware_bridge.robots.rome_arm.geometry import Geometry
 
 USED: Final = 0.9
-"""Share of the base's speed and acceleration, and of the tool's speed, that a path may ask for: the rest is for
-the laws."""
+"""Share of the base's speed and acceleration, and of the tool's speed, that a path may ask for: the rest is
+for the laws."""
 LOOKED_AT: Final = 720
 """Instants of a revolution at which the base is asked whether it can follow."""
 
