@@ -48,6 +48,12 @@ STUDIES: Final = (
         f"{HERE}.slopes:slopes",
     ),
     Study(
+        "line_and_circles",
+        "Line and circles through the whole chain, and what its odometry is off",
+        f"{THESIS}, 4.2.2, Fig. 4.18, 4.19",
+        f"{HERE}.runs:line_and_circles",
+    ),
+    Study(
         "sizing",
         "What its motors must give: traction, steering, screw",
         f"{THESIS}, (2.9)-(2.18), (C.1)",
