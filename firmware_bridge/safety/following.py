@@ -21,7 +21,7 @@ STRAYS: Final = 1.0 / 40.0
 """Share of its top speed that an axis may stray; of positions the way of so many seconds at top speed."""
 GIVES: Final = 1.0 / 50.0
 """Share of a speed by which a regulator may give way, beside that: who turns on a slope is pulled ahead and
-held back in turns. RARS's outer wheel, told 14.8 rad/s, is 0.46 rad/s off on 10 degrees."""
+held back in turns. An axis that is told 14.8 rad/s is 0.46 rad/s off on 10 degrees."""
 LAZY: Final = 0.5
 """Share of its drive's own ramp and cruise that is awaited of an axis."""
 REGULATED: Final[Nanoseconds] = 100 * MILLISECOND

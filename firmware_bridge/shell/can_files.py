@@ -40,9 +40,12 @@ def frames(path: Path) -> Iterator[tuple[Nanoseconds, str, Packet]]:
     import can  # noqa: PLC0415 - see above
     from can.io.blf import BLFParseError  # noqa: PLC0415 - see above
 
+    readers = {".asc": can.ASCReader, ".blf": can.BLFReader, ".trc": can.TRCReader}
+    suffix = path.suffix.lower()
     try:
-        with can.LogReader(path) as messages:
-            for message in messages:
+        # Opened here: python-can leaves a file open that it cannot read.
+        with path.open("rb" if suffix == ".blf" else "r") as file:
+            for message in readers[suffix](file):
                 if not message.is_error_frame:
                     yield _instant(message.timestamp), _channel(message.channel), _packet(message)
     except (

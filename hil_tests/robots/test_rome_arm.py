@@ -134,7 +134,7 @@ def test_an_orbit_is_given_by_its_elements_too(tmp_path: Path) -> None:
     names = ("inclination_deg", "node_deg", "periapsis_deg", "anomaly_deg")
     said = ", ".join(f"{name} = {math.degrees(it)!r}" for name, it in zip(names, angles, strict=True))
     robot = other(
-        tmp_path, f"elements = {{ axis_du = {of.axis!r}, eccentricity = {of.eccentricity!r}, {said} }}\n"
+        tmp_path, f"kepler = {{ axis_du = {of.axis!r}, eccentricity = {of.eccentricity!r}, {said} }}\n"
     )
     printed, given = (PATHS["orbit"](one.geometry) for one in (ROBOT, robot))
     for seconds in np.linspace(0.1, 60.0, 7):
@@ -143,7 +143,7 @@ def test_an_orbit_is_given_by_its_elements_too(tmp_path: Path) -> None:
 
 
 def test_an_orbit_is_given_by_a_two_line_element_set_too(tmp_path: Path) -> None:
-    robot = other(tmp_path, f"tle = [\n{TLE}\n]\nafter_epoch_min = 360.0\n")
+    robot = other(tmp_path, f"tle = [\n{TLE}\n]\ntle_s = 21600.0\n")
     begin = PATHS["orbit"](robot.geometry).base(1e-9)
     meant = 0.4 * state_of_tle(*FIVE, 360.0).place
     assert (begin.x, begin.y) == pytest.approx((meant[0], meant[1]), abs=1e-6)
@@ -152,14 +152,14 @@ def test_an_orbit_is_given_by_a_two_line_element_set_too(tmp_path: Path) -> None
 @pytest.mark.parametrize(
     ("orbit", "says"),
     [
-        ("", "needs one of: start_du with speed_du_tu, elements, tle"),
+        ("", "needs one of: start_du with speed_du_tu, kepler, tle"),
         ("start_du = [1.0, 0.0, 0.0]\n", "needs one of"),
         ("start_du = [0.0, 0.0, 0.0]\nspeed_du_tu = [0.0, 1.0, 0.0]\n", "start_du: an orbit's body"),
         (
-            "elements = { axis_du = 1.0, eccentricity = 0.1 }\nafter_epoch_min = 1.0\n",
-            "after_epoch_min: only",
+            "kepler = { axis_du = 1.0, eccentricity = 0.1 }\ntle_s = 1.0\n",
+            "tle_s: only",
         ),
-        ("elements = { axis_du = 1.0, eccentricity = 1.5 }\n", "no orbit has a = 1, e = 1.5"),
+        ("kepler = { axis_du = 1.0, eccentricity = 1.5 }\n", "no orbit has a = 1, e = 1.5"),
         ('tle = ["1 nonsense", "2 nonsense"]\n', "line 1 of a two-line element set"),
         (PRINTED + f"tle = [\n{TLE}\n]\n", "needs one of"),
     ],

@@ -151,6 +151,6 @@ def test_with_its_arm_out_the_base_stays_and_the_arm_may_come_back() -> None:
     with flown(robot=robot) as (rig, _):
         rig.run(from_seconds(9.0))
         assert any(record.name == "arm out" and record.ended is None for record in rig.holds)
-        base, tool = gone(rig, 4.0, 9.0)
+        base, tool = gone(rig, 3.4, 9.0)
         assert base < STILL_M
         assert tool > STILL_M

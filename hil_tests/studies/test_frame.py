@@ -52,7 +52,7 @@ def test_the_report_is_one_page_that_needs_no_other_and_says_everything() -> Non
     for word in ("One &amp; only", "Somebody, 2000", "mass &amp; more", "A remark.", "as in (1)", "b [m]"):
         assert word in text
     assert text.count("data:image/svg+xml;base64,") == 1
-    assert '<td class="no">NO</td>' in text
+    assert '<td class="wrong">NO</td>' in text
     assert "http" not in text.replace("http-equiv", "")
 
 

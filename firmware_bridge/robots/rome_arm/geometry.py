@@ -55,10 +55,10 @@ class Orbit(Table):
 
     start_du: Annotated[tuple[Finite, Finite, Finite] | None, Field(strict=False)] = None
     speed_du_tu: Annotated[tuple[Finite, Finite, Finite] | None, Field(strict=False)] = None
-    elements: Elements | None = None
+    kepler: Elements | None = None
     tle: Annotated[tuple[str, str] | None, Field(strict=False)] = None
     """Both lines, as they are; with the extra `orbit`."""
-    after_epoch_min: Finite = 0.0
+    tle_s: Finite = 0.0
     """The body begins so long after the set's epoch, and goes on from there as two bodies do."""
     m_per_du: Positive
     height_per_du: Positive
@@ -69,12 +69,12 @@ class Orbit(Table):
 
     @model_validator(mode="after")
     def _begins_somewhere(self) -> Self:
-        given = (self.start_du, self.elements, self.tle)
+        given = (self.start_du, self.kepler, self.tle)
         whole = (self.start_du is None) is (self.speed_du_tu is None)
         if sum(it is not None for it in given) != 1 or not whole:
-            raise ValueError("needs one of: start_du with speed_du_tu, elements, tle")
-        if self.tle is None and self.after_epoch_min:
-            raise ValueError("after_epoch_min: only a set of two lines, tle, has an epoch")
+            raise ValueError("needs one of: start_du with speed_du_tu, kepler, tle")
+        if self.tle is None and self.tle_s:
+            raise ValueError("tle_s: only a set of two lines, tle, has an epoch")
         if not self.begin.place.any():
             raise ValueError("start_du: an orbit's body is not at its centre")
         return self
@@ -83,9 +83,9 @@ class Orbit(Table):
     def begin(self) -> State:
         """Where the body begins, and how fast, in DU and DU/TU."""
         if self.tle is not None:
-            return state_of_tle(*self.tle, self.after_epoch_min)
-        if self.elements is not None:
-            it = self.elements
+            return state_of_tle(*self.tle, self.tle_s / 60.0)
+        if self.kepler is not None:
+            it = self.kepler
             angles = map(radians, (it.inclination_deg, it.node_deg, it.periapsis_deg, it.anomaly_deg))
             return state_of(OrbitElements(it.axis_du, it.eccentricity, *angles))
         return state(self.start_du or CENTRE, self.speed_du_tu or CENTRE)

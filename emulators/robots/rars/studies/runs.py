@@ -75,8 +75,13 @@ def line_and_circles(quick: bool) -> Findings:  # noqa: FBT001 - every study tak
                 "x [m]",
                 "y [m]",
                 (
-                    Curve("plant", *(circles.samples.column(name) for name in POSE[:2])),
-                    Curve("odometry", *(circles.samples.column(name) for name in ODOMETRY[:2]), "dashed"),
+                    Curve("plant", circles.samples.column(POSE[0]), circles.samples.column(POSE[1])),
+                    Curve(
+                        "odometry",
+                        circles.samples.column(ODOMETRY[0]),
+                        circles.samples.column(ODOMETRY[1]),
+                        "dashed",
+                    ),
                 ),
                 "300 mm/s; the radius becomes larger at 125 s, as the text at Fig. 4.18 and 4.19 says.",
                 equal=True,
