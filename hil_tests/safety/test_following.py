@@ -105,6 +105,35 @@ def test_a_speed_that_is_not_the_one_told_is_too_little_or_unasked(
     assert one.follower.following.unasked is unasked
 
 
+@pytest.mark.parametrize(
+    ("was", "told", "does", "strays"),
+    [
+        # The slack is 0.4, and 0.02 of the fastest that the range holds: 0.6 rad/s.
+        (-10.0, 3.0, -10.59, False),
+        (-10.0, 3.0, -10.61, True),
+        (-3.0, 10.0, 10.59, False),
+        (-3.0, 10.0, 10.61, True),
+    ],
+)
+def test_a_range_over_both_ways_has_the_slack_of_its_faster_end(
+    was: float, told: float, does: float, *, strays: bool
+) -> None:
+    one = settled(Speed(was), was)
+    one.told(Speed(told))
+    assert one.strays(does) is strays
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(("does", "unasked"), [(-0.59, False), (-0.61, True)])
+def test_what_stays_behind_may_turn_back_by_the_slack_of_the_faster_end(
+    does: float, sign: float, *, unasked: bool
+) -> None:
+    one = settled(Speed(sign * 10.0), sign * 10.0)
+    one.told(Speed(sign * 3.0))
+    assert one.strays(sign * does)
+    assert one.follower.following.unasked is unasked
+
+
 def test_what_is_no_number_is_unasked() -> None:
     one = rested(Speed(0.0))
     assert one.strays(0.0, velocity=math.nan)

@@ -179,6 +179,9 @@ def test_the_printed_orbit_fits_the_floor_and_its_speeds_the_base() -> None:
     rises = max(abs(float(it.speed[2])) for it in shown)
     assert scale.slowed(path, 10.0, 10.0, rises) == scale
     assert scale.slowed(path, 10.0, 10.0, rises / 3.0).seconds_per_tu == pytest.approx(3.0)
+    falls = [it for it in path if it.speed[2] < 0.0]
+    lowest = min(float(scale.on_floor(it).speed[2]) for it in falls)
+    assert scale.slowed(falls, 10.0, 10.0, -lowest / 3.0).seconds_per_tu == pytest.approx(3.0)
     raised = Scale(height_per_du=1.0).on_floor(THESIS)
     assert (raised.place[2], raised.speed[2]) == pytest.approx((0.0279, 0.0110))
     assert raised.place[0] == pytest.approx(-0.5985 * 0.4)
