@@ -53,6 +53,7 @@ class _Course:
 def resolved_rate(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
     """Make the study."""
     errors = _decays()
+    passed = STEP_S * np.arange(len(errors), dtype=np.float64)
     courses = [_driven(name, QUICK_S if quick else None) for name in ("ramp", "sine")]
     begin = math.hypot(*OFF_M)
     return Findings(
@@ -112,11 +113,11 @@ def resolved_rate(quick: bool) -> Findings:  # noqa: FBT001 - every study takes 
                 "time [s]",
                 "error [mm]",
                 (
-                    Curve("law", STEP_S * np.arange(len(errors)), 1e3 * errors),
+                    Curve("law", passed, 1e3 * errors),
                     Curve(
                         "e' = - K e",
-                        STEP_S * np.arange(0, len(errors), 100),
-                        1e3 * begin * np.exp(-GAINS[0] * STEP_S * np.arange(0, len(errors), 100)),
+                        passed[::100],
+                        1e3 * begin * np.exp(-GAINS[0] * passed[::100]),
                         "points",
                     ),
                 ),
