@@ -202,6 +202,8 @@ class Bridge:
             self._asked_at = now
         elif self.phase is Phase.RUNNING:
             self._permission.armed = False
+            self._permission.stops.again()
+            self._outbox += self._permission.end_start_ups(now)
             self._collect_until = NEVER
             self._rest_until = now + REST_WITHIN
             self.phase = Phase.STOPPING
@@ -357,6 +359,7 @@ class Bridge:
             packet.payload, now, lambda request: self._decide(request, now), packet.address
         )
         if self.phase is Phase.RUNNING and self._permission.emergency_stopped and not stopped:
+            self._outbox += self._permission.end_start_ups(now)
             self._run(now)
         elif self.phase is Phase.STARTING and self._task is Task.ENABLE and self._permission.forbids_power:
             # That ends the task, and the start-up goes on without it.

@@ -64,7 +64,7 @@ class _Axis:
     @property
     def powered(self) -> bool:
         """Whether it may have torque, as far as its device has told."""
-        return self.driver.feedback.power not in (Power.OFF, Power.FAULT)
+        return not self.driver.unpowered and self.driver.feedback.power not in (Power.OFF, Power.FAULT)
 
     def silent(self, now: Nanoseconds) -> bool:
         """Whether its device has not been heard for too long."""

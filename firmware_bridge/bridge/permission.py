@@ -109,6 +109,13 @@ class Permission(Generic[G, M, S]):
         if not self.powered_off:
             self.powered_off, self._brakes_until = True, now + BRAKED_WITHIN
 
+    def end_start_ups(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """End the start-ups that were requested: a stop was ordered. Not those by which a slope is held."""
+        if self.letting_go.under_way:
+            return ()
+        waiting = [driver for driver in self._fleets.drivers if driver.busy and not driver.stopping]
+        return tuple([packet for driver in waiting for packet in driver.begin((), now)])
+
     def watch(self, holds: tuple[Hold, ...]) -> None:
         """Do what the holds' rows say: take the leave away, latch the emergency stop, part the operator."""
         for hold in holds:
@@ -173,6 +180,7 @@ class Permission(Generic[G, M, S]):
         """Answer one request; `seen` and `holds` are of this instant."""
         verdict = Verdict(accepted=True, reason="")
         self.homing.ordered(request)
+        self.stops.ordered(request)
         match request:
             case Arm():
                 verdict = self._arm(seen, holds)

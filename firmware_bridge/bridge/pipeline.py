@@ -111,10 +111,12 @@ class Pipeline(Generic[G, M, S]):
     def come_to_rest(self, now: Nanoseconds) -> tuple[tuple[Packet, ...], bool]:
         """Ramp down and let go without asking anybody; return what goes to the devices, and whether it rests.
 
-        A robot that would not stand without power is not let go before it is ordered.
+        A robot that would not stand without power is not let go before it is ordered. An axis whose report of
+        standstill is not plausible loses its power as it would while the robot is driven.
         """
         self._permission.homing.interrupt("the bridge is ending", now)
         known = self.known(now)
+        self._permission.watch(tuple([hold for hold in self._gate.rule(known).holds if hold.row.takes_power]))
         rules = self._permission.rules
         rest = rules.body.rested(self._demanded, rules.groups)
         self._demanded = rules.body.ramped(self._demanded, rest, known.body, self._elapsed(now))
@@ -273,7 +275,13 @@ class Pipeline(Generic[G, M, S]):
     ) -> tuple[Packet, ...]:
         """Send the demands, with what has to be done about axes that do not stop as they are asked to."""
         stops = self._permission.stops
-        escalated, changed = stops.watch(asked, demands, now, self._permission.rules.without)
+        escalated, changed = stops.watch(
+            asked,
+            demands,
+            now,
+            self._permission.rules.without,
+            holding=self._permission.letting_go.held,
+        )
         self._permission.watch(stops.holds)
         sent = escalated + self._fleets.command(changed, levels, now)
         self._followers.told(self._fleets.told, now)

@@ -1,9 +1,11 @@
-"""Whether each axis that is asked to stop does: by its device's own word, or step by step with more force.
+"""Stops: whether each axis that is requested to stop does, stage by stage with more force.
 
-It believes no demand that was sent. A stop is under way until a fresh word of the device says that the axis
-rests or has no torque; a step that is not confirmed in its time gives way to the next one of the driver's
-table, and the operator is told. A confirmed stop is begun anew where the word is not heard any more, or says
-that the axis moves with power. It refuses to know why a stop is asked for, and it knows no robot's word.
+No set-point that was sent counts as a stop. A stop is under way until a fresh report of the device says that
+the axis is at standstill or has no torque. A stage lasts as long as its row in the driver's table says, and
+no longer, whatever the device reports meanwhile; one that is not confirmed by then gives way to the next,
+and the operator is told. The power is taken at the latest `TAKEN_WITHIN` after the stop began. A stop waits
+for no start-up, no restore and no query, but for a start-up that was requested: an order that stops the
+robot ends that one, and it does not go first where the axis moves.
 """
 
 from collections.abc import Collection, Mapping
@@ -13,8 +15,8 @@ from typing import Final
 from firmware_bridge.bridge.fleets import Fleets, asks_to_stop
 from firmware_bridge.drivers.driver import Demand, Driver, Position, Power, Stop
 from firmware_bridge.drivers.fleets import STOP_STEPS
-from firmware_bridge.drivers.stop_steps import StopStep, way
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.drivers.stop_steps import StopStep, gentle_within, way
+from firmware_bridge.intent import NEVER_HEARD, Disarm, EmergencyStop, Pause, Request
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.row import Row, Severity
@@ -22,12 +24,16 @@ from firmware_bridge.safety.snapshot import Hold
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 RESTS: Final = 0.01
-"""An axis rests below this share of its top speed."""
+"""An axis is at standstill below this share of its top speed."""
 SLOWED: Final = 0.75
-"""Down to this share of its speed, and an axis is given the time of a ramp from there: it does stop."""
+"""Down to this share of its speed, and an axis does slow down: its stage may last as long as its row says."""
 RAMPED_WITHIN: Final[Nanoseconds] = 3 * SECOND
-"""The bridge's own ramp down, and a regulator that creeps to rest, may last so long."""
+"""The bridge's own ramp down may last so long; the first stage counts from its end."""
+STEADY: Final[Nanoseconds] = 500 * MILLISECOND
+"""A stop that was confirmed for less than this, and is not any more, is still the same stop: reports of
+standstill now and then do not put off the power-off."""
 REMEDY: Final = "keep clear; use the hardware emergency stop if it moves"
+RUNS_ON: Final = "nothing is left to try; it may go on moving"
 
 
 class Progress(Enum):
@@ -44,8 +50,9 @@ class AxisStop:
     """The stop of one axis."""
 
     __slots__ = (
-        "_rested", "_rests_below", "_rows", "_silent_after", "_slowing_from", "_ways", "begun_at", "driver",
-        "left_out", "link", "off", "place", "progress", "steps", "until",
+        "_due", "_gentle_until", "_rested", "_rests_below", "_rows", "_silent_after", "_slowing_from",
+        "_stopping_since", "_ways", "begun_at", "confirmed_at", "driver", "left_out", "link", "off", "place",
+        "progress", "steps", "until",
     )  # fmt: skip
 
     def __init__(self, driver: Driver, robot: AnyRobot) -> None:
@@ -72,7 +79,7 @@ class AxisStop:
         self.left_out = False
         """The robot's mode does without the axis: what becomes of it holds nothing back."""
         self._rested = False
-        """Whether it rested when it was last heard before the stop."""
+        """Whether it was at standstill when it last reported before the stop."""
         self._slowing_from = 0.0
         self.off = False
         """Whether the power was ordered off."""
@@ -81,7 +88,15 @@ class AxisStop:
         self.place = 0
         self.begun_at: Nanoseconds = 0
         """When the present step was begun."""
+        self.confirmed_at: Nanoseconds = 0
         self.until: Nanoseconds = 0
+        """When the present step ends at the latest."""
+        self._due: Nanoseconds = 0
+        """When it ends unless the axis is seen to slow down."""
+        self._stopping_since: Nanoseconds = 0
+        """When the stop was begun, of which the present one may be a continuation."""
+        self._gentle_until: Nanoseconds = 0
+        """When the first step that takes the power is begun at the latest."""
 
     @property
     def step(self) -> StopStep:
@@ -101,11 +116,20 @@ class AxisStop:
     def begin(self, now: Nanoseconds, *, off: bool) -> None:
         """Begin with the first step."""
         feedback = self.driver.feedback
+        confirmed = self.progress is Progress.CONFIRMED and now - self.confirmed_at >= STEADY
+        if confirmed or self.progress is Progress.NOT_ASKED:
+            self._stopping_since = now
         self._rested = feedback.sampled_at != NEVER_HEARD and abs(feedback.velocity) <= self._rests_below
         self.progress, self.off = Progress.UNDER_WAY, off
         rested = self._rested and not off
         self.steps = tuple(step for step in self._ways[off] if not (rested and step.takes_all))
+        self._gentle_until = self._stopping_since + gentle_within(self.steps)
         self._enter(0, now)
+
+    def confirm(self, now: Nanoseconds) -> None:
+        """Note that the device's own report says that the stop is done."""
+        if self.progress is not Progress.CONFIRMED:
+            self.progress, self.confirmed_at = Progress.CONFIRMED, now
 
     def go_on(self, now: Nanoseconds) -> None:
         """Begin the next step, where one is left."""
@@ -115,33 +139,62 @@ class AxisStop:
             self.place, self.progress = len(self.steps), Progress.GIVEN_UP
 
     def extend(self, now: Nanoseconds, *, ramped: bool) -> None:
-        """Let the ramp of the device count from now: while the bridge still ramps, or where it slows down."""
+        """Let a step that brings to standstill last as long as its row says, where the axis slows down.
+
+        While the bridge itself still ramps down the step has not begun; that does not last for ever either.
+        """
+        if self.step.ends_power:
+            return
         speed = abs(self._speed(now))
-        if now < self.begun_at + RAMPED_WITHIN and (ramped or speed <= SLOWED * self._slowing_from):
-            self._slowing_from, self.until = speed, now + self.step.lasts(speed)
+        if ramped and now < self.begun_at + RAMPED_WITHIN:
+            self._slows(now)
+            self.until = now + self.step.lasts(speed)
+        elif speed < self._slowing_from and speed <= SLOWED * self._slowing_from:
+            self._slows(now)
 
     def confirmed(self, now: Nanoseconds) -> bool:
-        """Return whether the device's own word says that the stop is done."""
+        """Return whether the device's own report says that the stop is done."""
         if self.driver.unpowered:
             return True
         feedback = self.driver.feedback
         fresh = feedback.heard_at > self.begun_at and self._heard(now)
         return fresh and not self.step.ends_power and abs(feedback.velocity) <= self._rests_below
 
+    def changes_to(self, *, off: bool) -> bool:
+        """Return whether the stop begins again because the power was ordered off, or is not any more."""
+        if off:
+            return not self.off and not self.ends_power
+        return self.off and not self.escalates
+
+    def waits(self, now: Nanoseconds, *, holding: bool) -> bool:
+        """Return whether a start-up that was requested goes first: not where the axis reports that it moves.
+
+        With `holding` also there, for the power is what stops it then. A start-up has a bound of its own, and
+        an order that stops the robot ends it.
+        """
+        driver = self.driver
+        if self.escalates or not driver.busy or driver.stopping:
+            return False
+        moves = self._heard(now) and abs(driver.feedback.velocity) > driver.axis.rests_below
+        return holding or not moves
+
     def late(self, now: Nanoseconds) -> bool:
         """Return whether the present step has had its time, or has nothing to wait for."""
-        step, driver, heard_at = self.step, self.driver, self.driver.feedback.heard_at
+        step, driver = self.step, self.driver
+        if now >= self.until:
+            return True
         if step.ends_with_task:
-            return now >= self.until or not driver.busy
+            return not driver.busy
         if step.ends_power:
-            return now >= self.until
-        # A ramp is judged by what is heard: that it goes on after its time, or nothing. A device that says
-        # itself that it does not listen is given no more than the step's own time; none, where the step needs
-        # a device that does.
+            return False
+        if now >= self._gentle_until or driver.feedback.heard_at >= self._due:
+            return True
+        # A device that says itself that it does not listen is given no more than the step's own time; none,
+        # where the step needs a device that does.
         patience = self._silent_after
         if driver.feedback.power is Power.UNKNOWN:
-            patience = 0 if step.heard else step.within
-        return heard_at >= self.until or now >= max(self.begun_at, heard_at) + patience
+            patience = 0 if step.heard else step.judged_after(0.0)
+        return now >= max(self.begun_at, driver.feedback.heard_at) + patience
 
     def hold(self) -> Hold | None:
         """Return what the operator is told; None while no step has failed."""
@@ -149,7 +202,7 @@ class AxisStop:
             return None
         failed = self.steps[self.place - 1]
         if self.progress is Progress.GIVEN_UP:
-            then = "nothing is left to try"
+            then = RUNS_ON
         else:
             then = f"next: {self.step.name}" + (f", {self.step.note}" if self.step.note else "")
         axis = self.driver.axis
@@ -158,8 +211,13 @@ class AxisStop:
 
     def _enter(self, place: int, now: Nanoseconds) -> None:
         self.place, self.begun_at = place, now
-        self._slowing_from = abs(self._speed(now))
+        self._slows(now)
         self.until = now + self.step.lasts(self._slowing_from)
+
+    def _slows(self, now: Nanoseconds) -> None:
+        """Judge from now on whether it slows down from its present speed."""
+        self._slowing_from = abs(self._speed(now))
+        self._due = now + self.step.judged_after(self._slowing_from)
 
     def _heard(self, now: Nanoseconds) -> bool:
         return now - self.driver.feedback.heard_at < self._silent_after
@@ -172,28 +230,41 @@ class AxisStop:
 class Stops:
     """The stops of all axes."""
 
-    __slots__ = ("_axes", "_fleets", "holds")
+    __slots__ = ("_axes", "_fleets", "_lost", "holds")
 
     def __init__(self, robot: AnyRobot, fleets: Fleets) -> None:
         self._fleets = fleets
         self._axes: Final = {driver.axis.name: AxisStop(driver, robot) for driver in fleets.drivers}
+        self._lost: Collection[str] = ()
+        """The links over which nothing reaches a device, as of the newest look."""
         self.holds: tuple[Hold, ...] = ()
         """What is to be told, as of the newest look."""
 
     @property
     def under_way(self) -> bool:
-        """Whether some axis has not confirmed its stop, and steps are left."""
-        return any(stop.progress is Progress.UNDER_WAY for stop in self._axes.values())
+        """Whether some axis that can be reached has not confirmed its stop, and steps are left."""
+        return any(stop.progress is Progress.UNDER_WAY for stop in self._reached)
 
     @property
     def escalating(self) -> bool:
         """Whether some stop has gone beyond its first step."""
-        return any(stop.escalates and not stop.left_out for stop in self._axes.values())
+        return any(stop.escalates and not stop.left_out for stop in self._reached)
 
     @property
     def given_up(self) -> tuple[Driver, ...]:
         """Whose stop no step has brought about."""
         return tuple(stop.driver for stop in self._axes.values() if stop.progress is Progress.GIVEN_UP)
+
+    def ordered(self, request: Request) -> None:
+        """Learn what was requested: an order that stops is carried out again, whatever came of the last."""
+        if isinstance(request, EmergencyStop | Disarm | Pause):
+            self.again()
+
+    def again(self) -> None:
+        """Begin those again that no step has brought about."""
+        for stop in self._axes.values():
+            if stop.progress is Progress.GIVEN_UP:
+                stop.progress = Progress.NOT_ASKED
 
     def watch(
         self,
@@ -201,21 +272,25 @@ class Stops:
         demands: Mapping[str, Demand],
         now: Nanoseconds,
         without: frozenset[str] = frozenset(),
+        *,
+        holding: bool = False,
     ) -> tuple[tuple[Packet, ...], dict[str, Demand]]:
         """Look at every axis once in a cycle; `asked` are those that are to stop, `without` the left out.
 
-        Return what a step sends at once, and the demands with those in place that a step makes.
+        `holding`: axes are being enabled in order to hold the robot where it is. Return what a step sends at
+        once, and the demands with those in place that a step makes.
         """
         sent: tuple[Packet, ...] = ()
         changed = dict(demands)
-        lost = self._fleets.links_lost
+        self._lost = self._fleets.links_lost
         for name, stop in self._axes.items():
             demand = demands.get(name, Stop.REST)
             stop.left_out = name in without
-            if name not in asked and not stop.escalates:
+            unasked = name not in asked and not stop.escalates
+            if unasked or stop.link in self._lost or stop.waits(now, holding=holding):
+                # Nothing reaches a lost link; when it is back the stop begins with the first step.
                 stop.progress = Progress.NOT_ASKED
-            elif stop.link not in lost and (stop.escalates or not stop.driver.busy):
-                # No word reaches a lost link; tasks under way have time-outs of their own.
+            else:
                 sent += self._look(stop, demand, now)
             if (stop.escalates or stop.progress is Progress.GIVEN_UP) and demand is not Stop.POWER_OFF:
                 changed[name] = stop.step.demand
@@ -223,21 +298,29 @@ class Stops:
         self.holds = tuple([hold for hold in holds if hold is not None])
         return sent, changed
 
+    @property
+    def _reached(self) -> list[AxisStop]:
+        return [stop for stop in self._axes.values() if stop.link not in self._lost]
+
     def _look(self, stop: AxisStop, demand: Demand, now: Nanoseconds) -> tuple[Packet, ...]:
         off = demand is Stop.POWER_OFF
         if stop.progress is Progress.GIVEN_UP:
-            stop.progress = Progress.CONFIRMED if stop.confirmed(now) else stop.progress
+            if stop.confirmed(now):
+                stop.confirm(now)
             return ()
-        if stop.progress is Progress.NOT_ASKED or (off is not stop.off and not stop.ends_power):
+        sent: tuple[Packet, ...] = ()
+        if stop.progress is Progress.NOT_ASKED or stop.changes_to(off=off):
             stop.begin(now, off=off)
+            if stop.step.whole_board and not stop.confirmed(now):
+                sent = self._task(stop, now)
         ramped = stop.place == 0 and not asks_to_stop(demand) and not isinstance(demand, Position)
         if not ramped and stop.confirmed(now):
-            stop.progress = Progress.CONFIRMED
-            return ()
+            stop.confirm(now)
+            return sent
         if stop.progress is Progress.CONFIRMED:
             stop.begin(now, off=stop.off)
         stop.extend(now, ramped=ramped)
-        return self._go_on(stop, now) if stop.late(now) else ()
+        return sent + (self._go_on(stop, now) if stop.late(now) else ())
 
     def _go_on(self, stop: AxisStop, now: Nanoseconds) -> tuple[Packet, ...]:
         stop.go_on(now)
@@ -245,4 +328,7 @@ class Stops:
             return ()
         if stop.step.silent:
             self._fleets.silence(stop.link, stop.until)
+        return self._task(stop, now)
+
+    def _task(self, stop: AxisStop, now: Nanoseconds) -> tuple[Packet, ...]:
         return () if stop.step.task is None else stop.driver.begin((stop.step.task,), now)

@@ -205,6 +205,10 @@ class Driver(Protocol):
         """Whether tasks are under way."""
 
     @property
+    def stopping(self) -> bool:
+        """Whether the tasks under way stop the device, or were requested by no one: no stop waits then."""
+
+    @property
     def failure(self) -> StartupError | None:
         """Why the last tasks failed; None where they did not."""
 

@@ -170,6 +170,9 @@ class SdoClient:
     ) -> tuple[bytes, ...]:
         if segment.toggle is not self._toggle:
             return self._break(transfer, AbortCode.TOGGLE, "the toggle bit did not alternate")
+        if not segment.raw and not segment.last:
+            what = "a segment has no data, and is not the last"
+            return self._break(transfer, AbortCode.UNKNOWN_COMMAND, what)
         gathered += segment.raw
         if len(gathered) > LARGEST_UPLOAD:
             return self._break(

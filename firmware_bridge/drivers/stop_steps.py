@@ -5,9 +5,16 @@ is asked for; `firmware_bridge.bridge.stops` keeps the time.
 """
 
 from dataclasses import dataclass
+from typing import Final
 
 from firmware_bridge.drivers.driver import Stop, Task
-from firmware_bridge.units import SECOND, Nanoseconds
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+
+TAKEN_WITHIN: Final[Nanoseconds] = 5 * SECOND
+"""From the begin of a stop to the end of its first step that takes the power, whatever the device does."""
+CREEPS: Final[Nanoseconds] = 1_500 * MILLISECOND
+"""So long, beside its ramp, may a step last where the axis is seen to slow down: a speed loop creeps to
+standstill behind its ramp, and another axis that coasts drags it on."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,11 +27,15 @@ class StopStep:
     demand: Stop
     """What its set-points ask for meanwhile, unless they ask for more."""
     within: Nanoseconds
-    """How long the device's word may take, beside the time that the ramp itself takes."""
+    """How long the device's report may take, beside the ramp's own time; never more."""
     deceleration: float | None = None
     """Of that ramp, in the axis's unit a second squared; None: it does not count on one."""
+    slows_within: Nanoseconds | None = None
+    """An axis that is not seen to slow down is given only so long, beside the ramp; None: as long as any."""
     task: Task | None = None
     """What the device does once, at the begin."""
+    whole_board: bool = False
+    """No set-point does it for one axis alone: its task is begun also where it is the first step."""
     ends_with_task: bool = False
     """It is over when its task is, whatever that has brought."""
     silent: bool = False
@@ -41,10 +52,30 @@ class StopStep:
 
     def lasts(self, speed: float) -> Nanoseconds:
         """Return how long it may take from this speed, in the axis's unit a second."""
-        ramp = abs(speed) / self.deceleration if self.deceleration else 0.0
-        return self.within + round(ramp * SECOND)
+        return self.within + self._ramp(speed)
+
+    def judged_after(self, speed: float) -> Nanoseconds:
+        """Return how long it takes from this speed at most where the axis does not slow down."""
+        return (self.within if self.slows_within is None else self.slows_within) + self._ramp(speed)
+
+    def _ramp(self, speed: float) -> Nanoseconds:
+        return round(abs(speed) / self.deceleration * SECOND) if self.deceleration else 0
 
 
 def way(steps: tuple[StopStep, ...], *, off: bool) -> tuple[StopStep, ...]:
     """Return the steps to rest, or with `off` those that are left where the power was ordered off."""
     return tuple(step for step in steps if (step.ends_power if off else not step.ordered_off))
+
+
+def gentle_within(steps: tuple[StopStep, ...]) -> Nanoseconds:
+    """Return how long the steps before the first that takes the power may last together."""
+    first = next((step for step in steps if step.ends_power), None)
+    return TAKEN_WITHIN - (first.within if first is not None else 0)
+
+
+def sums(steps: tuple[StopStep, ...], speed: float) -> tuple[Nanoseconds, Nanoseconds]:
+    """Return how long a stop lasts at most from this speed: until the power is taken, and in all."""
+    first = next((place for place, step in enumerate(steps) if step.ends_power), len(steps) - 1)
+    gentle = sum(step.lasts(speed) for step in steps[:first])
+    taken = min(gentle, gentle_within(steps)) + steps[first].lasts(speed)
+    return taken, taken + sum(step.lasts(speed) for step in steps[first + 1 :])

@@ -145,7 +145,7 @@ def test_where_nothing_helps_the_operator_and_the_program_say_so(rides: Ridden) 
     hears_only(one)
     one.runs_until(12.0)
     assert one.held("reset unconfirmed: left") == [
-        "node 1 (left rear wheel): reset unconfirmed; nothing is left to try"
+        "node 1 (left rear wheel): reset unconfirmed; nothing is left to try; it may go on moving"
     ]
     ended(one, 4.0)
     assert one.rig.bridge.unconfirmed == ("node 1 (left rear wheel)",)

@@ -39,7 +39,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
             "reset",
             "DTR down and up: a move under way ends",
             Stop.POWER_OFF,
-            2 * link.boots_within_ms * MILLISECOND,
+            (link.boots_within_ms + link.answers_within_ms) * MILLISECOND,
             task=Task.RESET,
             ends_power=True,
             note="nobody knows then where the arm stands; the motors keep their current, and hold",

@@ -65,6 +65,11 @@ class Epos2Drive(Generic[F]):
         return self._tasks.busy
 
     @property
+    def stopping(self) -> bool:
+        """Whether the tasks under way stop the device, or were requested by nobody."""
+        return self._tasks.stopping
+
+    @property
     def failure(self) -> StartupError | None:
         """Why the last tasks failed; None where they did not."""
         return self._tasks.failure

@@ -11,7 +11,7 @@ from typing import Final
 
 from firmware_bridge.drivers.driver import Stop, Task
 from firmware_bridge.drivers.epos2.scale import Scale
-from firmware_bridge.drivers.stop_steps import StopStep
+from firmware_bridge.drivers.stop_steps import CREEPS, StopStep
 from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.robot.settings.epos2 import Epos2Driver, Epos2Link
 
@@ -37,15 +37,17 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
             "ramp",
             f"target 0, or halt, {how} in every cycle",
             Stop.REST,
-            times.ramp,
+            max(CREEPS, times.ramp),
             axis.epos2.profile.deceleration_rpm_s / per_unit,
+            slows_within=times.ramp,
         ),
         StopStep(
             f"quick stop {how}",
             f"NMT start, so that it listens; 0x6040 = 0x000B {how} in every cycle",
             Stop.QUICK_STOP,
-            times.quick_stop,
+            max(CREEPS, times.quick_stop),
             quick,
+            slows_within=times.quick_stop,
             task=Task.LISTEN,
         ),
     )

@@ -14,10 +14,25 @@ from firmware_bridge.drivers.epos2.setup import Row
 from firmware_bridge.drivers.script_runner import Do, Script, ScriptRunner
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis
-from firmware_bridge.units import Nanoseconds
+from firmware_bridge.units import NEVER, SECOND, Nanoseconds, to_seconds
 
 _LOSES_SET_UP: Final = (Task.FIND, Task.RESET)
 _NEEDS_SET_UP: Final = (Task.IDENTIFY, Task.CONFIGURE, Task.START, Task.ENABLE, Task.SET_ZERO, Task.HOME)
+WITHIN: Final[Mapping[Task, Nanoseconds]] = {
+    Task.FIND: 5 * SECOND,
+    Task.IDENTIFY: 5 * SECOND,
+    Task.CONFIGURE: 30 * SECOND,
+    Task.START: 5 * SECOND,
+    Task.ENABLE: 10 * SECOND,
+    Task.LEAVE: 10 * SECOND,
+    Task.LISTEN: 2 * SECOND,
+    Task.BRAKE: 5 * SECOND,
+    Task.DISABLE: 5 * SECOND,
+    Task.RESET: 5 * SECOND,
+    Task.SET_ZERO: 10 * SECOND,
+}
+"""How long a task may last in all: a drive that answers each question late, or changes its state again and
+again, does not keep the bridge waiting. A homing is bounded by `firmware_bridge.bridge.homing`."""
 
 
 class TaskRunner:
@@ -57,6 +72,8 @@ class TaskRunner:
         }
         self._tasks: deque[Task] = deque()
         self._task: Task | None = None
+        self._until: Nanoseconds = NEVER
+        """When the one under way is given up."""
         self._position = 0.0
         """Where the axis was seen to stand, in its unit."""
         self._in_own_mode = True
@@ -140,6 +157,9 @@ class TaskRunner:
         """Add what the next tasks send, where one has ended."""
         if not self.busy and not self._tasks:
             return sent
+        if self._task is not None and now >= self._until and self._scripts.busy:
+            problem = f"'{self._task.value}' has not ended within {to_seconds(WITHIN[self._task]):g} s"
+            self._scripts.stop(StartupError(self._axis, problem))
         while not self._scripts.busy:
             if self._scripts.failure is not None:
                 failure = self._scripts.failure
@@ -152,6 +172,7 @@ class TaskRunner:
             self._task = self._tasks.popleft() if self._tasks else None
             if self._task is None:
                 break
+            self._until = now + WITHIN.get(self._task, NEVER - now)
             sent += self._scripts.run(self._script(self._task), now)
         return sent
 

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Final
 
 from firmware_bridge.drivers.driver import STOPPING, Stop, Task
-from firmware_bridge.drivers.shield.booting import FOUND_EVERY, QUIET, Booting
+from firmware_bridge.drivers.shield.booting import FOUND_EVERY, Booting
 from firmware_bridge.drivers.shield.dialects import Dialect, Numbers, Say
 from firmware_bridge.drivers.shield.expressed import expressed
 from firmware_bridge.drivers.shield.motor import ShieldMotor
@@ -66,8 +66,6 @@ class Board:
         self._misses = 0
         """Words of the task under way that were not answered."""
         self._starts_until: Nanoseconds = NEVER
-        self._quiet_at: Nanoseconds = 0
-        """When set-up goes on, unless the board says something before."""
         self._cycle_at: Nanoseconds = NEVER_HEARD
         self._restores = False
         """Whether no demand ends the tasks under way: nobody has asked for them, or a stop has."""
@@ -99,7 +97,7 @@ class Board:
             wanted = self._dirty and not self.under_way
             if wanted or self._waiting.urgent:
                 return self._booting.speaks_at
-            scripted = max(self._quiet_at, self._booting.speaks_at)
+            scripted = max(self._booting.quiet_until, self._booting.speaks_at)
             return scripted if self._waiting.scripted else self._starts_until
         return self._until
 
@@ -163,8 +161,7 @@ class Board:
     def hear(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Take bytes, or what became of the line; what answers no question is ignored."""
         self.clock = now
-        if now < self._quiet_at:
-            self._quiet_at = now + QUIET
+        self._booting.receives(now)
         if packet.address == LINE_LOST and not packet.payload:
             self._lose()
         elif packet.address == LINE_BACK and not packet.payload:
@@ -209,7 +206,7 @@ class Board:
     def _taken(self) -> Say | None:
         """Return what is to be said next."""
         self._tries = 0
-        say = self._waiting.take(quiet=self.clock < self._quiet_at)
+        say = self._waiting.take(quiet=self.clock < self._booting.quiet_until)
         if say is not None and say.reads is None and self._waiting.part is Part.TASK:
             self._advance()
         return say
@@ -339,7 +336,7 @@ class Board:
         return iter((self._dialect.find(),))
 
     def _identify(self) -> Iterator[Say]:
-        self._quiet_at = self.clock + QUIET
+        self._booting.identified(self.clock)
         return iter((self._dialect.find(),))
 
     def _start(self) -> None:

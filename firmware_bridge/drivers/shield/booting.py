@@ -15,6 +15,8 @@ FOUND_EVERY: Final[Nanoseconds] = 250 * MILLISECOND
 """How long a board that may be booting is waited for, before it is asked again."""
 QUIET: Final[Nanoseconds] = 60 * MILLISECOND
 """A board that has been found answers first what it was asked while it booted; then it is set up."""
+QUIET_WITHIN: Final[Nanoseconds] = 300 * MILLISECOND
+"""Whatever it sends, its set-up is not put off for longer: a board may print without end."""
 KEPT: Final = 64
 """Bytes that are looked through for what a firmware says by itself."""
 
@@ -41,6 +43,9 @@ class Booting:
         """From the first reset of the bridge's until its motors were released."""
         self.found_until: Nanoseconds = 0
         """When a board that is looked for must have answered."""
+        self.quiet_until: Nanoseconds = 0
+        """When set-up goes on, unless the board sends something before."""
+        self._quiet_at_most: Nanoseconds = 0
 
     def begun(self, now: Nanoseconds) -> None:
         """Learn that it may have been reset now."""
@@ -51,6 +56,15 @@ class Booting:
         self.begun(now)
         self._pulsed_at, self._heard, self._shown = now, b"", False
         return Packet(self._name, DTR_DOWN, b""), Packet(self._name, DTR_UP, b"")
+
+    def identified(self, now: Nanoseconds) -> None:
+        """Learn that it is asked who it is: it may be answering older questions still."""
+        self.quiet_until, self._quiet_at_most = now + QUIET, now + QUIET_WITHIN
+
+    def receives(self, now: Nanoseconds) -> None:
+        """Learn that it has sent something; whoever never stops does not put off the set-up."""
+        if now < self.quiet_until:
+            self.quiet_until = min(now + QUIET, self._quiet_at_most)
 
     def hears(self, data: bytes) -> None:
         """Take what it says while it is not set up."""

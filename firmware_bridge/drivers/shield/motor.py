@@ -131,6 +131,11 @@ class ShieldMotor:
         return bool(self._board.under_way)
 
     @property
+    def stopping(self) -> bool:
+        """Whether the tasks under way stop the device, or were requested by nobody."""
+        return self._board.stops
+
+    @property
     def failure(self) -> StartupError | None:
         """Why the board's last tasks failed."""
         problem = self._board.problem

@@ -8,11 +8,16 @@ other run on, and what is said to a board in its boot loader keeps it there: so 
 release once, and is then reset at once, and nothing is said until it must have booted.
 """
 
+from typing import Final
+
 from firmware_bridge.drivers.driver import Stop, Task
-from firmware_bridge.drivers.stop_steps import StopStep
+from firmware_bridge.drivers.stop_steps import CREEPS, StopStep
 from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.robot.settings.shield import ShieldLink
-from firmware_bridge.units import MILLISECOND
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+
+SET_UP_WITHIN: Final[Nanoseconds] = SECOND
+"""From a board's first answer after its reset until it has released its motors."""
 
 
 def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
@@ -32,8 +37,9 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
             "speed 0",
             "speed 0" if board else "PWM down to 0 on its slope",
             Stop.REST,
-            within,
+            max(CREEPS, within),
             axis.shield.acceleration,
+            slows_within=within,
             heard=True,
         ),
         StopStep(
@@ -50,13 +56,14 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
             Stop.POWER_OFF,
             words,
             task=Task.DISABLE,
+            whole_board=board,
             ends_power=True,
         ),
         StopStep(
             "reset",
             "DTR down and up; the board is set up anew, which begins by releasing",
             Stop.POWER_OFF,
-            2 * link.boots_within_ms * MILLISECOND,
+            link.boots_within_ms * MILLISECOND + SET_UP_WITHIN,
             task=Task.RESET,
             ends_power=True,
             note=runs_on,

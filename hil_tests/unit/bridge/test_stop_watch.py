@@ -166,7 +166,7 @@ def test_a_drive_that_is_deaf_to_everything_is_taken_through_every_step() -> Non
     # Two silences, two objects of which the first ends with its task, the watch from top speed, the reset.
     assert to_seconds(watched.now - START) < 0.25 + 0.25 + 0.2 + 0.2 + 0.35 + 12.0 / 21.0 + 1.0 + 6 * 0.05
     (hold,) = watched.stops.holds
-    assert hold.reason == "node 1 (left): reset unconfirmed; nothing is left to try"
+    assert hold.reason == "node 1 (left): reset unconfirmed; nothing is left to try; it may go on moving"
     assert hold.row.disarms
 
 

@@ -209,6 +209,7 @@ class PaperDriver:
     failure: StartupError | None = None
     configured = True
     busy = False
+    stopping = False
     unpowered = False
     wake_at: Nanoseconds = NEVER
 

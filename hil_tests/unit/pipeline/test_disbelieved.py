@@ -49,10 +49,10 @@ def test_arming_gives_it_back() -> None:
     cart = frozen()
     cart.ahead = 0.0
     driver = cart.drivers["left"]
-    driver.feedback = replace(driver.feedback, power=Power.OFF)
+    driver.feedback, driver.unpowered = replace(driver.feedback, power=Power.OFF), True
     cart.runs(40)
     assert "enabling node 1 (left) again" in cart.asks(Arm()).reason
-    assert driver.begun == [Task.ENABLE]
+    assert driver.begun[-1:] == [Task.ENABLE]
     cart.runs()
     assert cart.newest("left") is not Stop.POWER_OFF
     driver.feedback = replace(driver.feedback, power=Power.ON)
