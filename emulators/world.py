@@ -125,6 +125,10 @@ class World:
         """Cut a node off its wires from an instant on. It lives on and may notice; `NEVER` mends the cut."""
         self._station(name).silent_from = from_time
 
+    def rouse(self, name: str) -> None:
+        """Wake a node now: something was done to it that it has to act on."""
+        self._wish(self._station(name), self.now)
+
     def stop(self, name: str) -> None:
         """Ask a node to end in good order, now, as the real-time runner does on Ctrl-C."""
         station = self._station(name)

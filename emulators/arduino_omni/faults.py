@@ -50,6 +50,30 @@ def _unpowered(board: Board, on: bool, now: Nanoseconds) -> None:  # noqa: FBT00
     board.mega.shield.chip.power_on()
 
 
+def _stuck(board: Board, on: bool, now: Nanoseconds) -> None:  # noqa: FBT001
+    board.mega.jam_bus(now, stuck=on)
+
+
+def _absent(board: Board, on: bool, now: Nanoseconds) -> None:  # noqa: FBT001
+    board.advance(now)
+    board.mega.jam_bus(now, stuck=on)
+    board.mega.shield.chip.power_on()
+
+
+def _swapped(motor: int) -> Callable[[Board, bool, Nanoseconds], None]:
+    def put(board: Board, on: bool, _: Nanoseconds) -> None:  # noqa: FBT001
+        _in(board.motors.faults.swapped, motor, on=on)
+
+    return put
+
+
+def _reversed(motor: int) -> Callable[[Board, bool, Nanoseconds], None]:
+    def put(board: Board, on: bool, _: Nanoseconds) -> None:  # noqa: FBT001
+        _in(board.motors.faults.reversed, motor, on=on)
+
+    return put
+
+
 def _cable(motor: int) -> Callable[[Board, bool, Nanoseconds], None]:
     def put(board: Board, on: bool, _: Nanoseconds) -> None:  # noqa: FBT001
         _in(board.motors.faults.cut, motor, on=on)
@@ -96,6 +120,10 @@ ROWS: Final[tuple[BoardFault, ...]] = (
     BoardFault("over-temperature", "the half bridges warm up, and shut down at 175 degrees C", _heat),
     BoardFault("hangs", "the firmware does nothing more until a reset; the shield goes on as told", _hang),
     BoardFault("brown-out", "the processor is held in reset; the shield goes on as it was told", _brown_out),
+    BoardFault("shield-absent", "no shield is on the board: the sketch hangs in AFMS.begin()", _absent),
+    BoardFault(
+        "i2c-stuck", "the I2C bus is stuck: the sketch hangs, the shield goes on as it was set", _stuck
+    ),
     BoardFault("unpowered", "processor and shield lose their 5 V, and begin anew", _unpowered),
     BoardFault("supply-sag", f"the motors' supply sags to {SAGGED_V:g} V: the half bridges are off", _sag),
     *(
@@ -113,6 +141,20 @@ ROWS: Final[tuple[BoardFault, ...]] = (
             f"lifted-{motor + 1}", f"what the motor at {port.name} turns is in the air", _lifted(motor)
         )
         for motor, port in enumerate(PORTS)
+    ),
+    *(
+        BoardFault(
+            f"leads-{motor + 1}", f"the leads of the motor at {port.name} are exchanged", _reversed(motor)
+        )
+        for motor, port in enumerate(PORTS)
+    ),
+    *(
+        BoardFault(
+            f"channels-{motor + 1}",
+            f"the channels of the encoder at M{motor + 1} are exchanged",
+            _swapped(motor),
+        )
+        for motor in range(len(ENCODER_PINS))
     ),
     *(
         BoardFault(

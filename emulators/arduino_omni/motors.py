@@ -108,14 +108,17 @@ class MotorFaults:
     """Motors, from 0, whose cable is off."""
     dead: set[int] = field(default_factory=set)
     """Encoders, from 0, that give no edges."""
+    swapped: set[int] = field(default_factory=set)
+    """Encoders, from 0, whose channels are exchanged: they count the other way."""
+    reversed: set[int] = field(default_factory=set)
+    """Motors, from 0, whose two leads are exchanged: they turn the other way."""
     supply: float = math.inf
     """V: the motors' supply has no more."""
 
     def __bool__(self) -> bool:
         """Tell whether anything is otherwise than it should be."""
-        return (
-            self.limits_current or self.warms or bool(self.cut) or bool(self.dead) or self.supply < math.inf
-        )
+        wires = self.cut or self.dead or self.swapped or self.reversed
+        return self.limits_current or self.warms or bool(wires) or self.supply < math.inf
 
 
 class Motors(Shafts):
@@ -249,6 +252,8 @@ class Motors(Shafts):
         if motor >= self._seen:
             return None
         self._run()
+        if motor in self.faults.swapped:
+            channel = 1 - channel
         return (self._shown[motor] - channel) % 4 in {1, 2}
 
     def reach(self, now: Nanoseconds) -> None:
@@ -326,6 +331,8 @@ class Motors(Shafts):
         """Return what a half bridge makes of what it is told, and its cable leaves of that."""
         if motor in self.faults.cut or self._locked:
             return COAST
+        if motor in self.faults.reversed:
+            output = replace(output, cw=output.ccw, ccw=output.cw)
         if self.faults.limits_current:
             output = limited(output, current)
         return self.chips[motor // CHANNELS_A_CHIP].passes(output) if self.faults.warms else output
@@ -348,16 +355,20 @@ class Motors(Shafts):
         if faults.warms:
             self._warm()
         places = self._counts()
-        turned = [new - old for new, old in zip(places, self._places, strict=True)]
-        if faults.dead:
-            turned = [0 if it in faults.dead else turn for it, turn in enumerate(turned)]
-            self._shown = [old if it in faults.dead else places[it] for it, old in enumerate(self._shown)]
-        else:
-            self._shown = self._places
+        turned = self._seen_turning(places)
         self._places[:] = array("q", places)
         if any(turned):
             for place, edges in enumerate(counted(turned)):
                 self._counted[place] += edges
+
+    def _seen_turning(self, places: Sequence[int]) -> list[int]:
+        """Return by how many edges each encoder has turned, as its wires show it, and note what they show."""
+        dead, swapped = self.faults.dead, self.faults.swapped
+        turned = [new - old for new, old in zip(places, self._places, strict=True)]
+        shown = [old if it in dead else places[it] for it, old in enumerate(self._shown)] if dead else None
+        self._shown = self._places if shown is None else shown
+        ways = [0 if it in dead else -1 if it in swapped else 1 for it in range(len(turned))]
+        return [way * turn for way, turn in zip(ways, turned, strict=True)]
 
     def _counts(self) -> list[int]:
         count, found = len(self._load.names), []

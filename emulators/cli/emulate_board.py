@@ -81,7 +81,8 @@ class BoardOptions:
             metavar="NAME[@FROM[-TO]]",
             help="What is wrong, from and to a time in s; again for each: current-limit, over-temperature, "
             "hangs, brown-out, unpowered, supply-sag, cable-1 to cable-4, blocked-1 to blocked-4, "
-            "lifted-1 to lifted-4, encoder-1 to encoder-3.",
+            "lifted-1 to lifted-4, leads-1 to leads-4, encoder-1 to encoder-3, channels-1 to channels-3, "
+            "shield-absent, i2c-stuck.",
             show_default=False,
         ),
     ] = None

@@ -6,7 +6,7 @@ from itertools import pairwise
 from typing import Any
 
 from emulators.bench.faults import KINDS, read
-from emulators.bench.faults.table import Kind
+from emulators.bench.faults.kind import Kind
 from emulators.fmea.severe import SEVERE
 from firmware_bridge.robot import AnyRobot
 

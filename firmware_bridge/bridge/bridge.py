@@ -16,6 +16,7 @@ from firmware_bridge.bridge.fleets import Fleets
 from firmware_bridge.bridge.permission import Permission
 from firmware_bridge.bridge.pipeline import Pipeline
 from firmware_bridge.bridge.said_at_start import SaidAtStart
+from firmware_bridge.bridge.stops import AxisStop
 from firmware_bridge.drivers.driver import BRING_UP, Stop, Task
 from firmware_bridge.drivers.fleets import fleets_of
 from firmware_bridge.intent import ConfirmZero, Disarm, EmergencyStop, Request, Verdict
@@ -146,6 +147,11 @@ class Bridge:
     def fleets(self) -> Fleets:
         """The ways to the devices."""
         return self._fleets
+
+    @property
+    def stops(self) -> Mapping[str, AxisStop]:
+        """How far the stop of each axis has come, by its name."""
+        return self._permission.stops.of_axes
 
     @property
     def places(self) -> dict[str, float]:
@@ -388,4 +394,5 @@ class Bridge:
             return Hold(ENDS.name, HELD if asked else ENDING, ENDS, self._began_at)
         waiting = [driver.axis.title for driver in self._fleets.drivers if driver.busy]
         step = "" if self._task is None else f" ({self._task.value}: {', '.join(waiting)})"
-        return Hold(STARTING.name, f"the drives are being set up{step}", STARTING, self._began_at)
+        hints = "".join(f"; {hint}" for hint in self._fleets.hints(now))
+        return Hold(STARTING.name, f"the drives are being set up{step}{hints}", STARTING, self._began_at)

@@ -44,6 +44,10 @@ class Fleets:
         """What the links' start has shown that whoever drives must know."""
         return tuple(fleet.link.remark for fleet in self.all if fleet.link.remark)
 
+    def hints(self, now: Nanoseconds) -> tuple[str, ...]:
+        """Return what to check where a link's start waits for an answer for long."""
+        return tuple(hint for fleet in self.all if (hint := fleet.link.hint(now)))
+
     @property
     def late(self) -> int:
         """Cycles that began before the samples of the one before were in."""

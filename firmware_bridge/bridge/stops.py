@@ -51,8 +51,8 @@ class AxisStop:
 
     __slots__ = (
         "_due", "_gentle_until", "_rested", "_rests_below", "_rows", "_silent_after", "_slowing_from",
-        "_stopping_since", "_ways", "begun_at", "confirmed_at", "driver", "left_out", "link", "off", "place",
-        "progress", "steps", "until",
+        "_ways", "begun_at", "confirmed_at", "driver", "left_out", "link", "off", "place", "progress",
+        "since", "steps", "until",
     )  # fmt: skip
 
     def __init__(self, driver: Driver, robot: AnyRobot) -> None:
@@ -93,7 +93,7 @@ class AxisStop:
         """When the present step ends at the latest."""
         self._due: Nanoseconds = 0
         """When it ends unless the axis is seen to slow down."""
-        self._stopping_since: Nanoseconds = 0
+        self.since: Nanoseconds = 0
         """When the stop was begun, of which the present one may be a continuation."""
         self._gentle_until: Nanoseconds = 0
         """When the first step that takes the power is begun at the latest."""
@@ -118,12 +118,12 @@ class AxisStop:
         feedback = self.driver.feedback
         confirmed = self.progress is Progress.CONFIRMED and now - self.confirmed_at >= STEADY
         if confirmed or self.progress is Progress.NOT_ASKED:
-            self._stopping_since = now
+            self.since = now
         self._rested = feedback.sampled_at != NEVER_HEARD and abs(feedback.velocity) <= self._rests_below
         self.progress, self.off = Progress.UNDER_WAY, off
         rested = self._rested and not off
         self.steps = tuple(step for step in self._ways[off] if not (rested and step.takes_all))
-        self._gentle_until = self._stopping_since + gentle_within(self.steps)
+        self._gentle_until = self.since + gentle_within(self.steps)
         self._enter(0, now)
 
     def confirm(self, now: Nanoseconds) -> None:
@@ -239,6 +239,11 @@ class Stops:
         """The links over which nothing reaches a device, as of the newest look."""
         self.holds: tuple[Hold, ...] = ()
         """What is to be told, as of the newest look."""
+
+    @property
+    def of_axes(self) -> Mapping[str, AxisStop]:
+        """The stop of each axis, by its name."""
+        return self._axes
 
     @property
     def under_way(self) -> bool:

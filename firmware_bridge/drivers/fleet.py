@@ -40,6 +40,9 @@ class Link(Protocol):
     late: int
     """Cycles that began before the samples of the one before were in."""
 
+    def hint(self, now: Nanoseconds) -> str:
+        """Return what to check while its start waits for an answer for long; empty otherwise."""
+
     @property
     def lost(self) -> str | None:
         """Why no drive can be reached, in words; None while the link stands."""

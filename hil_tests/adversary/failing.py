@@ -134,6 +134,12 @@ FAILING: Final[dict[str, Failing]] = {
         Nature.LYING, lambda chance: {"to_v": float(chance.choice([2.0, 4.0]))}, longest_s=LIES_S
     ),
     "encoder_cable_off": Failing(Nature.LYING, longest_s=LIES_S),
+    "motor_leads_swapped": Failing(Nature.LYING, longest_s=LIES_S),
+    "board_chatters": Failing(
+        Nature.HONEST, lambda chance: {"every_ms": int(chance.choice([5, 20, 50]))}, longest_s=12.0
+    ),
+    "i2c_stuck": Failing(Nature.HONEST, longest_s=3.0),
+    "shield_absent": Failing(Nature.HONEST, longest_s=3.0),
     "line_garbage": Failing(
         Nature.LYING, lambda chance: {"every_ms": int(chance.choice([2, 20, 300]))}, longest_s=5.0
     ),

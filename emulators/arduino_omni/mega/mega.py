@@ -138,6 +138,17 @@ class Mega:
         self._jobs.clear()
         self._running, self._free_at = None, NEVER
 
+    def jam_bus(self, now: Nanoseconds, *, stuck: bool) -> None:
+        """Let the I2C bus be stuck from here on, or free again: a sketch that waits for it waits on."""
+        self.advance(now)
+        self.bus.jam(now, stuck=stuck)
+
+    def print(self, data: bytes, now: Nanoseconds) -> None:
+        """Let the sketch print by itself, behind what it does now; one that starts, or hangs, does not."""
+        self.advance(now)
+        if self._sketch is not None and self._free_at != NEVER:
+            self.do(Say(data))
+
     @property
     def clock(self) -> Clock:
         """What the sketch sees of the time."""

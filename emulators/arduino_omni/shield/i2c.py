@@ -1,8 +1,9 @@
 """The I2C bus between the board, its only master, and the chips on it: byte by byte, in bus time.
 
 Sources: UM10204 (START, STOP, acknowledge); ArduinoCore-avr's Wire library, 100 kHz unless told otherwise
-(TWBR 72 at 16 MHz, exactly). ASSUME: a START, a repeated START and a STOP take one bit time each; the
-processor's own time between two bytes is left out.
+(TWBR 72 at 16 MHz, exactly); it waits for ever for a stuck bus, for its time-out is off by default. ASSUME:
+a START, a repeated START and a STOP take one bit time each; the processor's own time between two bytes is
+left out.
 """
 
 from collections.abc import Sequence
@@ -91,6 +92,8 @@ class I2cBus:
         """Carried so far, addresses among them."""
         self.busy: Nanoseconds = 0
         """From START to STOP, all transfers together."""
+        self.stuck = False
+        """Whether a line is held low, or nothing pulls it up: no START gets out, and Wire waits for ever."""
         self._chips: Final = tuple(chips)
         self._transfer: Transfer | None = None
         self._begun_at: Nanoseconds = 0
@@ -118,6 +121,9 @@ class I2cBus:
         self._acknowledged = True
         self._addressed = ()
         self._read.clear()
+        if self.stuck:
+            self._next_at = self._stop_at = NEVER
+            return
         self._next_at = now + self.bit + BITS_PER_BYTE * self.bit
         self._stop_at = now + self.duration(transfer)
         self._fine = self._shows_each_byte(transfer)
@@ -134,6 +140,13 @@ class I2cBus:
                 return self._stop(self._next_at)
             self._carry(now)
         return None
+
+    def jam(self, now: Nanoseconds, *, stuck: bool) -> None:
+        """Let the bus be stuck from here on, or free; what is under way, or begun meanwhile, never ends."""
+        self.advance(now)
+        self.stuck = stuck
+        if stuck:
+            self._next_at = self._stop_at = NEVER
 
     def abandon(self, now: Nanoseconds) -> None:
         """Let go of the bus: the master was reset. What has passed has passed; there is no STOP."""

@@ -20,6 +20,8 @@ from firmware_bridge.units import MILLISECOND, NEVER
 One = Annotated[Node, Field(description="which motor")]
 BURST: Final = 8
 """Bytes of a disturbance."""
+PRINTED: Final = b"t=21\r\n"
+"""What a debug print says."""
 
 
 class _OfBoards(Fault, ABC):
@@ -115,6 +117,69 @@ class BoardBrownOut(_OfBoards, Lasting):
             board.mega.brown_out(site.world.now, low=on)
 
 
+class BoardChatters(_OfBoards, Lasting):
+    """The sketch prints something by itself, again and again: a debug print that was left in."""
+
+    kind: ClassVar = "board_chatters"
+    every_ms: Annotated[int, Field(ge=1, le=10_000, description="between two prints, in ms")] = 50
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Begin to print."""
+        del chance
+        self._print(site)
+
+    def _print(self, site: Site) -> None:
+        now = site.world.now
+        if now < self.end:
+            for name in self.on(site.robot):
+                site.boards[name].mega.print(PRINTED, now)
+                site.world.rouse(name)
+            site.world.call_at(now + self.every_ms * MILLISECOND, self._print, site)
+
+
+class _OfShields(_OfBoards, ABC):
+    needed: ClassVar = "board with a motor shield"
+
+    @staticmethod
+    def possible(robot: AnyRobot) -> list[str]:
+        """Return the links that have such a board."""
+        return list(robot.shield_links)
+
+
+class _BusStuck(_OfShields, Lasting):
+    """The I2C bus between board and shield takes nothing."""
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Let it begin."""
+        del chance
+        for name in self.on(site.robot):
+            site.shield(name).mega.jam_bus(site.world.now, stuck=True)
+
+    def take_off(self, site: Site) -> None:
+        """Let it end; a sketch that has waited for it hangs until a reset."""
+        for name in self.on(site.robot):
+            site.shield(name).mega.jam_bus(site.world.now, stuck=False)
+
+
+class I2cStuck(_BusStuck):
+    """A line of the I2C bus is held low: the shield goes on as it was set, and the sketch hangs."""
+
+    kind: ClassVar = "i2c_stuck"
+
+
+class ShieldAbsent(_BusStuck):
+    """No shield is on the board, or it is off: the motors have no power, and the sketch hangs."""
+
+    kind: ClassVar = "shield_absent"
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Take it off; the board's pull-ups went with it."""
+        super().put_on(site, chance)
+        for name in self.on(site.robot):
+            site.shield(name).advance(site.world.now)
+            site.shield(name).mega.shield.chip.power_on()
+
+
 class LineGarbage(_OfBoards, Lasting):
     """Bytes that nobody has said are on the line between bridge and board."""
 
@@ -177,11 +242,10 @@ class LoadLifted(_OnMotor):
             motors.hoist(place, lifted=False)
 
 
-class MotorSupplySag(_OfBoards, Lasting):
+class MotorSupplySag(_OfShields, Lasting):
     """The motors' own supply sags, so far that the half bridges lock their outputs, or not so far."""
 
     kind: ClassVar = "motor_supply_sag"
-    needed: ClassVar = "board with a motor shield"
 
     to_v: Annotated[float, Field(ge=0, le=15, description="of the motors' supply, in V")]
 
@@ -197,11 +261,6 @@ class MotorSupplySag(_OfBoards, Lasting):
     def _have(self, site: Site, volts: float) -> None:
         for name in self.on(site.robot):
             site.shield(name).motors.starves(volts)
-
-    @staticmethod
-    def possible(robot: AnyRobot) -> list[str]:
-        """Return the links that have such a board."""
-        return list(robot.shield_links)
 
 
 class _WireOff(_OnMotor, ABC):
@@ -237,3 +296,12 @@ class EncoderCableOff(_WireOff):
 
     def _wires(self, motors: Motors) -> set[int]:
         return motors.faults.dead
+
+
+class MotorLeadsSwapped(_WireOff):
+    """The two leads of a motor are exchanged."""
+
+    kind: ClassVar = "motor_leads_swapped"
+
+    def _wires(self, motors: Motors) -> set[int]:
+        return motors.faults.reversed

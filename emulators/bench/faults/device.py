@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar
 from numpy.random import Generator
 from pydantic import Field
 
-from emulators.bench.faults.fault import Lasting, Node, Positive, Problem
+from emulators.bench.faults.fault import Lasting, Node, Positive, Problem, Stations
 from emulators.bench.faults.site import Site
 from emulators.servo.axis import AMBIENT_MC, GATE_MV, LOGIC_MV, ServoAxis
 from emulators.servo.sensors import BROKEN, INDEX_MISSING, INDEX_SPURIOUS, SWAPPED
@@ -189,11 +189,31 @@ class EncoderCut(_Wires):
     wrong: ClassVar = BROKEN
 
 
-class EncoderSwapped(_Wires):
-    """The encoder's channels are exchanged."""
+class EncoderSwapped(Lasting):
+    """The encoder's channels are exchanged: of a drive's axis, or of a motor at a shield."""
 
     kind: ClassVar = "encoder_swapped"
-    wrong: ClassVar = SWAPPED
+    among: ClassVar = Stations.ENCODERS
+    node: Annotated[Node, Field(description="which drive or motor")]
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Exchange them."""
+        del chance
+        self._exchange(site, swapped=True)
+
+    def take_off(self, site: Site) -> None:
+        """Put them back."""
+        self._exchange(site, swapped=False)
+
+    def _exchange(self, site: Site, *, swapped: bool) -> None:
+        for name in self.targets(site.robot):
+            if name in site.axes:
+                wrong = site.axes[name].sensor_faults & ~SWAPPED
+                site.axes[name].sensor_faults = wrong | SWAPPED if swapped else wrong
+            else:
+                axis = next(axis for axis in site.robot.axes if axis.name == name)
+                wires = site.shield(axis.link).motors.faults.swapped
+                (wires.add if swapped else wires.discard)(axis.shield.port - 1)
 
 
 class IndexMissing(_Wires):

@@ -31,6 +31,7 @@ class Stations(Enum):
     ON_THE_BUS = "a node on the CAN bus"
     ALL = "a drive or the bridge"
     MOTORS = "a motor at a shield"
+    ENCODERS = "a drive or a motor at a shield"
     NONE = "nobody"
 
     def of(self, robot: AnyRobot) -> list[str]:
@@ -39,6 +40,9 @@ class Stations(Enum):
             return []
         if self is Stations.MOTORS:
             return [axis.name for axis in robot.axes if axis.link in robot.shield_links]
+        if self is Stations.ENCODERS:
+            links = {*robot.epos2_links, *robot.shield_links}
+            return [axis.name for axis in robot.axes if axis.link in links]
         drives = [axis.name for axis in robot.axes if axis.link in robot.epos2_links]
         on_can = any(link.driver is Epos2Driver.CAN for link in robot.links.values())
         bridge = (self is Stations.ALL and bool(drives)) or (self is Stations.ON_THE_BUS and on_can)

@@ -7,7 +7,8 @@ from pydantic import BeforeValidator, InstanceOf, ValidationError
 from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 
 from emulators.bench.faults.fault import Fault, Problem
-from emulators.bench.faults.table import KINDS, Kind
+from emulators.bench.faults.kind import Kind
+from emulators.bench.faults.table import KINDS
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.problems import near
 

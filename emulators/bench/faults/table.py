@@ -1,37 +1,13 @@
 """Every kind of fault, one row each: what happens physically, what the emulated device makes of it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final
 
-from emulators.bench.faults import board, bus, capture, device, link, people, plant
-from emulators.bench.faults.fault import Fault, Lasting
+from emulators.bench.faults import bus, capture, device, link, people, plant
+from emulators.bench.faults.board_table import BOARD_ROWS
+from emulators.bench.faults.kind import Kind
 from emulators.wires.faulty_can import WAITING
-
-
-@dataclass(frozen=True, slots=True)
-class Kind:
-    """One kind of fault."""
-
-    fault: type[Fault]
-    happens: str
-    """What happens physically."""
-    does: str
-    """What the emulated device does."""
-    acts_on: str = ""
-    """Of two faults that act on the same thing of the same node one must end before the other begins."""
-
-    @property
-    def name(self) -> str:
-        """The field's name for it."""
-        return self.fault.kind
-
-    @property
-    def lasts(self) -> bool:
-        """Whether it has an end; else it is an instant."""
-        return issubclass(self.fault, Lasting)
-
 
 _CONNECTION: Final = "the connection"
 _SUPPLY: Final = "the supply"
@@ -183,8 +159,10 @@ _ROWS: Final = (
         device.EncoderSwapped,
         "Channels A and B are exchanged: the count runs against the motor, and the regulator drives it"
         " away. At rest nothing shows.",
-        "EMCY 0xFF02 or 0xFF03 within a turn where 0x2210 has it watch the index; else 0xFF11, at full"
-        " voltage with the count running the other way, or 0x8611, when the following error is too large.",
+        "A board: notices nothing, and its motor runs away at full speed; the bridge holds `axis moves"
+        " unasked`. A drive: EMCY 0xFF02 or 0xFF03 within a turn where 0x2210 has it watch the index; else"
+        " 0xFF11, at full voltage with the count running the other way, or 0x8611, when the following error"
+        " is too large.",
         "the encoder's channels",
     ),
     Kind(
@@ -214,76 +192,7 @@ _ROWS: Final = (
         "EMCY 0xFF02 or 0xFF03 where 0x2210 has it watch the index; else nothing.",
         "the index",
     ),
-    Kind(
-        board.BoardSilent,
-        "The board's USB cable is out, or its second chip hangs; the sketch lives on.",
-        "A board: ros_arduino_bridge stops its motors when it has heard nothing for its time, the other"
-        " firmwares let them run on as they were told last. The bridge holds `axis silent`.",
-        "the board's line",
-    ),
-    Kind(
-        board.BoardReset,
-        "Somebody presses the board's button, or its supply has a dip. An instant: no end.",
-        "A board: deaf for the boot loader's 1.1 s, or until 9 s after the last byte where one comes in that"
-        " time, while the shield goes on as it was told; then those of"
-        " ros_arduino_bridge and ArduinoIO release their motors; the others run on until they are set up.",
-    ),
-    Kind(
-        board.BoardBrownOut,
-        "The 5 V of the board's processor sag, as with a long USB cable: the brown-out detection holds it in"
-        " reset. The shield has its own supply, and its chip lives on down to 2.3 V.",
-        "A board: deaf, while the shield goes on as it was told; with the supply it starts anew, as after"
-        " `board_reset`.",
-        "the board's supply",
-    ),
-    Kind(
-        board.LineGarbage,
-        "A disturbance on the line between bridge and board: bytes that nobody has said, to both of them,"
-        " in the middle of what they say.",
-        "A board: reads them as its firmware reads anything. MWProtocol alone has a checksum; with ArduinoIO"
-        " a byte may become the speed of a motor.",
-    ),
-    Kind(
-        board.BoardHangs,
-        "The firmware does nothing more until a reset: Wire waits for ever where the I2C bus is stuck. An"
-        " instant: no end.",
-        "A board: as with `board_silent`, but the auto-stop hangs, too, and a reset frees it.",
-    ),
-    Kind(
-        board.ShaftBlocked,
-        "Something holds what the motor turns: a cable, a threshold, a hand. The others push on.",
-        "A board: notices nothing; a loop of speeds on it drives harder and harder. The bridge holds"
-        " `axis position repeats` and `axis does not follow`.",
-        "the shaft",
-    ),
-    Kind(
-        board.LoadLifted,
-        "A light base stands on what is uneven, or somebody picks it up: what the motor turns is in the air,"
-        " and spins free.",
-        "A board: notices nothing, its encoder counts on. The base goes otherwise than its motors turn: where"
-        " cameras see it the bridge holds `base slips`; without them odometry is wrong, and nobody knows.",
-        "the load",
-    ),
-    Kind(
-        board.MotorSupplySag,
-        "The motors' own supply sags, as a battery that is empty; the processor lives on its own. Below 2.5 V"
-        " the half bridges lock their outputs, and from 2.8 V on they work again.",
-        "A board: notices nothing; a loop of speeds on it drives harder and harder. The bridge holds `axis"
-        " does not follow`.",
-        "the motors' supply",
-    ),
-    Kind(
-        board.MotorCableOff,
-        "A wire between shield and motor is off: the motor rolls out.",
-        "A board: notices nothing. The bridge holds `axis does not follow`.",
-        "the motor's cable",
-    ),
-    Kind(
-        board.EncoderCableOff,
-        "The cable of a motor's encoder is off: no edge comes any more, the motor turns on.",
-        "A board: its loop drives harder and harder. The bridge holds `axis position repeats`.",
-        "the encoder's cable",
-    ),
+    *BOARD_ROWS,
     Kind(
         link.DatagramLoss,
         "The radio link loses datagrams.",

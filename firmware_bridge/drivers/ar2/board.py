@@ -25,7 +25,11 @@ FOUND_EVERY: Final[Nanoseconds] = 250 * MILLISECOND
 TRIES: Final = 3
 KEPT: Final = 256
 """Bytes that are looked through for an answer."""
-SILENT: Final = "no answer to TM: is the board on, and flashed with AR2 2.0? 1.5 has no such word"
+SILENT: Final = (
+    "no answer to TM: is the board powered? is it this port? is it flashed with AR2 2.0? 1.5 has no such word"
+)
+MISSED: Final[Nanoseconds] = 2_900 * MILLISECOND
+"""A board that has not answered by then is reported as missing."""
 FOUND: Final = (Task.FIND, Task.IDENTIFY, Task.CONFIGURE)
 ASKS: Final = frozenset({Task.FIND, Task.IDENTIFY, Task.LEAVE, Task.DISABLE})
 """Tasks that are a question, and over when it is answered."""
@@ -96,6 +100,12 @@ class Ar2Board:
     def lost(self) -> str | None:
         """Why the board cannot be reached."""
         return LOST if self._gone else None
+
+    def hint(self, now: Nanoseconds) -> str:
+        """Return what to check where the board is looked for in vain."""
+        since = self._found_until - self._table.boots_within_ms * MILLISECOND
+        missed = self.under_way[:1] == (Task.FIND,) and now - since >= MISSED
+        return f"{self.name}: {SILENT}" if missed else ""
 
     def master(self, _now: Nanoseconds) -> None:
         """Tell nothing: a line has one host."""

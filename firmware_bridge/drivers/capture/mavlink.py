@@ -31,6 +31,11 @@ class MavlinkPoses:
         self._clock: Final = StampClock()
         self._resets: int | None = None
 
+    def hint(self, now: Nanoseconds) -> str:
+        """Return nothing: cameras are waited for by no start."""
+        del now
+        return ""
+
     def master(self, now: Nanoseconds) -> str | None:
         """Return None: nobody commands anything here."""
         del now

@@ -66,6 +66,11 @@ class NatNetLink:
         """When the newest frame was heard."""
         self._clock = StampClock()
 
+    def hint(self, now: Nanoseconds) -> str:
+        """Return nothing: cameras are waited for by no start."""
+        del now
+        return ""
+
     def master(self, now: Nanoseconds) -> str | None:
         """Return None: a server has many listeners."""
         del now

@@ -5,14 +5,14 @@ set-up. A board that was silent for longer than its link allows may have started
 its motors until it answers, and then set up again, which begins with that; to drive it must be enabled.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Final
+from collections.abc import Callable, Iterator, Mapping
+from typing import TYPE_CHECKING, Final
 
 from firmware_bridge.drivers.driver import STOPPING, Stop, Task
-from firmware_bridge.drivers.shield.booting import FOUND_EVERY, Booting
+from firmware_bridge.drivers.shield.booting import FOUND_EVERY, TRIES, Booting
 from firmware_bridge.drivers.shield.dialects import Dialect, Numbers, Say
 from firmware_bridge.drivers.shield.expressed import expressed
-from firmware_bridge.drivers.shield.motor import ShieldMotor
+from firmware_bridge.drivers.shield.releasing import Releasing
 from firmware_bridge.drivers.shield.waiting import Part, Waiting
 from firmware_bridge.intent import NEVER_HEARD
 from firmware_bridge.node import LINE_BACK, LINE_LOST
@@ -20,8 +20,10 @@ from firmware_bridge.packet import Packet
 from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 
+if TYPE_CHECKING:
+    from firmware_bridge.drivers.shield.motor import ShieldMotor
+
 LOST: Final = "the serial line to the board is gone"
-TRIES: Final = 3
 BEATS: Final[Nanoseconds] = 1_000 * MILLISECOND
 """No firmware watches for one; what keeps a board from stopping is each speed that it is told."""
 RESTORING: Final = (Task.IDENTIFY, Task.CONFIGURE)
@@ -79,13 +81,16 @@ class Board:
             Task.DISABLE: self._let_go,
         }
         """What is said for a task; None where it waits, or has failed. Others need no word."""
-        self._released_at: int | None = None
-        """How many questions had been asked when the motors were released last; None: they never were."""
+        self._releasing: Final = Releasing()
 
     @property
     def lost(self) -> str | None:
         """Why the board cannot be reached."""
         return LOST if self._gone else None
+
+    def hint(self, now: Nanoseconds) -> str:
+        """Return what to check where the board is looked for in vain."""
+        return self._booting.hint(now) if self.under_way[:1] == (Task.FIND,) else ""
 
     def master(self, _now: Nanoseconds) -> None:
         """Tell nothing: a line has one host."""
@@ -155,7 +160,7 @@ class Board:
         return self._go_on(now)
 
     def beat(self, _now: Nanoseconds) -> tuple[Packet, ...]:
-        """Say nothing: no firmware watches for a heartbeat."""
+        """Say nothing."""
         return ()
 
     def hear(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
@@ -185,6 +190,7 @@ class Board:
         if question is not None and now >= self._until:
             self.busy += now - self._asked_at
             self._question, self._reader = None, self._dialect.reader()
+            self._releasing.forget()
             sent = self._again(question, now)
         elif self._starts_until <= now:
             self._fail("the encoders tell nothing")
@@ -216,7 +222,7 @@ class Board:
         if not self._waiting.advance():
             self._close_task()
         elif self._waiting.last and self.under_way[0] in _LETTING_GO:
-            self._note_released(self.motors)
+            self._releasing.begin(self.motors, self._questions)
 
     def _said(self, say: Say, now: Nanoseconds) -> Packet:
         self.commands += 1
@@ -233,20 +239,14 @@ class Board:
         words, released = expressed(self._dialect, self.motors, now, configured=self.configured)
         self._waiting.motion.extend(words)
         if released is not None:
-            self._note_released(released)
-
-    def _note_released(self, motors: Sequence[ShieldMotor]) -> None:
-        """Note that motors are being released; the next question that is answered confirms it."""
-        for motor in motors:
-            motor.way = 0
-        self._released_at = self._questions
+            self._releasing.begin(released, self._questions, words)
 
     # What is answered
 
     def _end(self, question: Say, numbers: Numbers, now: Nanoseconds) -> None:
         self._question, self._heard_at = None, now
         self.busy += now - self._asked_at
-        self._confirm()
+        self._releasing.answered(self._questions, self.motors)
         if question.wanted is not None and numbers != question.wanted:
             said, wanted = (", ".join(map(str, them)) for them in (numbers, question.wanted))
             self._fail(f"{question.what}: it says {said}, expected {wanted}")
@@ -261,12 +261,6 @@ class Board:
         elif not self.under_way and not self._waiting.motion:
             self.longest_cycle = max(self.longest_cycle, now - self._cycle_at)
 
-    def _confirm(self) -> None:
-        """Learn that what was said before the newest question has been obeyed."""
-        if self._released_at is not None and self._questions > self._released_at:
-            for motor in self.motors:
-                motor.released = motor.way == 0
-
     def _count(self, question: Say, numbers: Numbers) -> None:
         """Give the motors their counts."""
         for number, count in zip(question.counts, numbers, strict=False):
@@ -280,7 +274,7 @@ class Board:
             return
         for motor in self.motors:
             motor.sampled(self._cycle_at, now)
-        if self.under_way[:1] == (Task.START,):
+        if Task.START in self.under_way[:1]:
             self._close_task()
 
     def _restore(self) -> None:
@@ -307,7 +301,7 @@ class Board:
             return ()
         if now < self._booting.found_until if finding else self._tries < TRIES:
             return (self._said(question, now),)
-        self._fail(f"no answer to '{question.what}'")
+        self._fail(self._booting.unanswered(question.what, found=not finding))
         return ()
 
     def _open_task(self) -> tuple[Packet, ...]:
@@ -368,7 +362,7 @@ class Board:
             self.remark = self._booting.released(self.clock)
             for motor in self.motors:
                 motor.begin_anew()
-            self._note_released(self.motors)
+            self._releasing.begin(self.motors, self._questions)
         self._open_task()
 
     def _fail(self, problem: str) -> None:
@@ -386,6 +380,7 @@ class Board:
     def _drop(self) -> None:
         """Forget what waits, and the answer that is awaited."""
         self._dirty, self._question, self._until = False, None, NEVER
+        self._releasing.forget()
         self._waiting.drop()
         self._reader = self._dialect.reader()
 

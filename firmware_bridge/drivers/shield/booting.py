@@ -13,10 +13,15 @@ from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
 FOUND_EVERY: Final[Nanoseconds] = 250 * MILLISECOND
 """How long a board that may be booting is waited for, before it is asked again."""
+TRIES: Final = 3
+"""Questions without an answer until it is reset, or a task is given up."""
 QUIET: Final[Nanoseconds] = 60 * MILLISECOND
 """A board that has been found answers first what it was asked while it booted; then it is set up."""
 QUIET_WITHIN: Final[Nanoseconds] = 300 * MILLISECOND
 """Whatever it sends, its set-up is not put off for longer: a board may print without end."""
+MISSED: Final[Nanoseconds] = 2_900 * MILLISECOND
+"""A board that has not answered by then is reported as missing, whatever time it is given to boot."""
+NO_BUS: Final = "is the shield on it, powered, and its I2C free? else the sketch hangs in AFMS.begin()"
 KEPT: Final = 64
 """Bytes that are looked through for what a firmware says by itself."""
 
@@ -27,6 +32,11 @@ class Booting:
     def __init__(self, name: str, table: ShieldLink, begins: bytes) -> None:
         """`begins` is what its firmware says when it has begun anew."""
         self._name: Final = name
+        self._causes: Final = (
+            f"is the board powered? is it this port, at {table.line_rate} Bd, and flashed with "
+            f"{table.protocol.value}? {NO_BUS}"
+        )
+        self._sought_at: Nanoseconds = 0
         self._boots: Final = table.boots * MILLISECOND
         self._within: Final = table.boots_within_ms * MILLISECOND
         self._shown = False
@@ -93,7 +103,18 @@ class Booting:
 
     def looked_for(self, now: Nanoseconds) -> None:
         """Learn that it is looked for from now on."""
-        self.found_until = now + self._within
+        self._sought_at, self.found_until = now, now + self._within
+
+    def hint(self, now: Nanoseconds) -> str:
+        """Return what to check, the likeliest cause first, where it is looked for in vain; else nothing."""
+        if now - self._sought_at < MISSED:
+            return ""
+        boots = f" (it answers {to_seconds(self._boots):g} s after a reset)" if self._boots > MISSED else ""
+        return f"{self._name}: no answer within {to_seconds(MISSED):g} s{boots}: {self._causes}"
+
+    def unanswered(self, what: str, *, found: bool) -> str:
+        """Return why a task failed for a question that has no answer; `found`: it has answered before."""
+        return f"no answer to '{what}': {NO_BUS if found else self._causes}"
 
     def lost(self, now: Nanoseconds) -> None:
         """Learn that it is silent, or has not been found; it is given time before the next reset."""

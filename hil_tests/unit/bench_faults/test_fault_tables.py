@@ -20,6 +20,7 @@ ROME = kinds.find("rome")
 ON_A_BOARD = (
     *("board_silent", "board_reset", "board_hangs", "board_brown_out", "line_garbage"),
     *("shaft_blocked", "motor_cable_off", "encoder_cable_off", "load_lifted", "motor_supply_sag"),
+    *("board_chatters", "shield_absent", "i2c_stuck", "motor_leads_swapped"),
 )
 HEAD = 'title = "t"\nduration_s = 10.0\n[[step]]\nat_s = 1.0\ntitle = "s"\narm = true\n'
 LEAST = {
@@ -52,6 +53,7 @@ LEAST = {
     "load_lifted": 'node = "two"',
     "motor_supply_sag": "to_v = 2.0",
     "encoder_cable_off": 'node = "two"',
+    "motor_leads_swapped": 'node = "two"',
 }
 """What a kind needs beside its instant."""
 

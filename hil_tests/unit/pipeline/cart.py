@@ -271,6 +271,9 @@ class PaperLink:
         self.heard_master: str | None = None
         self.beats: list[Nanoseconds] = []
 
+    def hint(self, _now: Nanoseconds) -> str:
+        return ""
+
     def master(self, _now: Nanoseconds) -> str | None:
         return self.heard_master
 

@@ -54,6 +54,10 @@ class CanLink:
         self._master: tuple[Nanoseconds, str, Packet] | None = None
         """When one was heard last, what it is, and its frame."""
 
+    def hint(self, _now: Nanoseconds) -> str:
+        """Tell nothing: the drives are asked one by one, and a task that fails says what is missing."""
+        return ""
+
     def master(self, now: Nanoseconds) -> str | None:
         """Return what was heard of another master lately, with its frame."""
         if self._master is None or now >= self._master[0] + REMEMBERED:

@@ -74,6 +74,10 @@ class SerialLink:
         """Why no drive can be reached."""
         return LOST if self._exchange.gone else None
 
+    def hint(self, _now: Nanoseconds) -> str:
+        """Tell nothing: the drives are asked one by one, and a task that fails says what is missing."""
+        return ""
+
     def master(self, _now: Nanoseconds) -> None:
         """Tell nothing: what others send on the bus stays behind the gateway."""
 

@@ -1,0 +1,108 @@
+"""The faults of boards, one row each."""
+
+from typing import Final
+
+from emulators.bench.faults import board
+from emulators.bench.faults.kind import Kind
+
+BOARD_ROWS: Final = (
+    Kind(
+        board.BoardSilent,
+        "The board's USB cable is out, or its second chip hangs; the sketch lives on.",
+        "A board: ros_arduino_bridge stops its motors when it has heard nothing for its time, the other"
+        " firmwares let them run on as they were told last. The bridge holds `axis silent`.",
+        "the board's line",
+    ),
+    Kind(
+        board.BoardReset,
+        "Somebody presses the board's button, or its supply has a dip. An instant: no end.",
+        "A board: deaf for the boot loader's 1.1 s, or until 9 s after the last byte where one comes in that"
+        " time, while the shield goes on as it was told; then those of"
+        " ros_arduino_bridge and ArduinoIO release their motors; the others run on until they are set up.",
+    ),
+    Kind(
+        board.BoardBrownOut,
+        "The 5 V of the board's processor sag, as with a long USB cable: the brown-out detection holds it in"
+        " reset. The shield has its own supply, and its chip lives on down to 2.3 V.",
+        "A board: deaf, while the shield goes on as it was told; with the supply it starts anew, as after"
+        " `board_reset`.",
+        "the board's supply",
+    ),
+    Kind(
+        board.BoardChatters,
+        "The sketch prints something by itself, as a debug print that was left in, or an analog report that a"
+        " stray byte has switched on.",
+        "A board: lives on as it was, and obeys. The bridge takes what answers no question for nothing.",
+    ),
+    Kind(
+        board.ShieldAbsent,
+        "No shield is on the board, or it has no power: the I2C bus has no pull-ups, and AFMS.begin() waits"
+        " for ever. The motors are without power.",
+        "A board: as with `board_hangs`, from its next word to the shield on, and after each reset from"
+        " AFMS.begin() on: ros_arduino_bridge and ArduinoIO hang in setup(), and answer nothing.",
+        "the shield",
+    ),
+    Kind(
+        board.I2cStuck,
+        "A line of the I2C bus is held low: by a chip that was cut off in the middle of a byte, by a wire.",
+        "A board: hangs at its next word to the shield, which goes on as it was set; no reset of the board"
+        " frees it. The bridge goes through its steps and says that the wheels may turn.",
+        "the shield",
+    ),
+    Kind(
+        board.LineGarbage,
+        "A disturbance on the line between bridge and board: bytes that nobody has said, to both of them,"
+        " in the middle of what they say.",
+        "A board: reads them as its firmware reads anything. MWProtocol alone has a checksum; with ArduinoIO"
+        " a byte may become the speed of a motor.",
+    ),
+    Kind(
+        board.BoardHangs,
+        "The firmware does nothing more until a reset: Wire waits for ever where the I2C bus is stuck. An"
+        " instant: no end.",
+        "A board: as with `board_silent`, but the auto-stop hangs, too, and a reset frees it.",
+    ),
+    Kind(
+        board.ShaftBlocked,
+        "Something holds what the motor turns: a cable, a threshold, a hand. The others push on.",
+        "A board: notices nothing; a loop of speeds on it drives harder and harder. The bridge holds"
+        " `axis position repeats` and `axis does not follow`.",
+        "the shaft",
+    ),
+    Kind(
+        board.LoadLifted,
+        "A light base stands on what is uneven, or somebody picks it up: what the motor turns is in the air,"
+        " and spins free.",
+        "A board: notices nothing, its encoder counts on. The base goes otherwise than its motors turn: where"
+        " cameras see it the bridge holds `base slips`; without them odometry is wrong, and nobody knows.",
+        "the load",
+    ),
+    Kind(
+        board.MotorSupplySag,
+        "The motors' own supply sags, as a battery that is empty; the processor lives on its own. Below 2.5 V"
+        " the half bridges lock their outputs, and from 2.8 V on they work again.",
+        "A board: notices nothing; a loop of speeds on it drives harder and harder. The bridge holds `axis"
+        " does not follow`.",
+        "the motors' supply",
+    ),
+    Kind(
+        board.MotorCableOff,
+        "A wire between shield and motor is off: the motor rolls out.",
+        "A board: notices nothing. The bridge holds `axis does not follow`.",
+        "the motor's cable",
+    ),
+    Kind(
+        board.MotorLeadsSwapped,
+        "The two leads of a motor are exchanged: it turns the other way than it is told, and its encoder says"
+        " so.",
+        "A board: notices nothing; a loop of speeds drives it at full speed the wrong way. The bridge holds"
+        " `axis moves unasked`.",
+        "the motor's leads",
+    ),
+    Kind(
+        board.EncoderCableOff,
+        "The cable of a motor's encoder is off: no edge comes any more, the motor turns on.",
+        "A board: its loop drives harder and harder. The bridge holds `axis position repeats`.",
+        "the encoder's cable",
+    ),
+)

@@ -1,0 +1,35 @@
+"""The proof that motors are released: the board has answered the words that do it, or what was asked behind.
+
+A board obeys in order, so an answer stands for all before it; but not for what went before a question that
+has no answer, nor before a reset.
+"""
+
+from collections.abc import Sequence
+
+from firmware_bridge.drivers.shield.dialects import Say
+from firmware_bridge.drivers.shield.motor import ShieldMotor
+
+
+class Releasing:
+    """Of the motors of one board."""
+
+    def __init__(self) -> None:
+        self._proved_by: int | None = None
+        """The question, counted from 1, whose answer proves it; None where none does."""
+
+    def begin(self, motors: Sequence[ShieldMotor], asked: int, words: Sequence[Say] = ()) -> None:
+        """Note that motors are being released by these words; so many questions were asked before them."""
+        for motor in motors:
+            motor.way = 0
+        questions = [word.reads is not None for word in words]
+        self._proved_by = asked + sum(questions) + (not any(questions[-1:]))
+
+    def forget(self) -> None:
+        """Learn that words may not have come."""
+        self._proved_by = None
+
+    def answered(self, asked: int, motors: Sequence[ShieldMotor]) -> None:
+        """Learn that the newest of so many questions was answered."""
+        if self._proved_by is not None and asked >= self._proved_by:
+            for motor in motors:
+                motor.released = motor.way == 0
