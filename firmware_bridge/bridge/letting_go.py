@@ -1,18 +1,21 @@
 """Whether the robot stands by itself: looked at before its power goes, and watched for a while after.
 
 All axes let go together. Beforehand the current is looked at that each free axis needs to stand: more than
-friction explains means a slope, and the power stays until it is ordered off. One that moves nevertheless is
-given power again. It refuses to know why the power shall go; an order that takes it asks nobody here.
+friction explains means a slope, and the power stays until it is ordered off. What still flows of the ramp is
+none of it: only currents that arrived at standstill count, and one that falls is looked at again. An axis
+that moves nevertheless is given power again. It refuses to know why the power shall go; an order that takes
+it asks nobody here.
 """
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from math import isfinite
-from typing import Final
+from math import inf, isfinite, nan
+from typing import Final, NamedTuple
 
 from firmware_bridge.bridge.fleets import Fleets
 from firmware_bridge.drivers.driver import Driver, Power, Stop, Task, Tells
+from firmware_bridge.intent import NEVER_HEARD
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Unpowered
 from firmware_bridge.safety.row import Row, Severity
@@ -22,7 +25,11 @@ from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 LOOKS_FOR: Final[Nanoseconds] = 500 * MILLISECOND
 """The base rests for so long before its currents are believed: they are averages, and decay from braking."""
 AVERAGED: Final[Nanoseconds] = 250 * MILLISECOND
-"""Over the last part of it; on a serial line a current comes once in this time at least."""
+"""Over the last part of it, and over each further look."""
+LOOKED_WITHIN: Final[Nanoseconds] = 2_500 * MILLISECOND
+"""A current that has not arrived by then is not known, and one that still falls counts as it is."""
+SETTLED: Final = 0.9
+"""A current that is not below this share of what it was a look before falls no more."""
 WATCHED_FOR: Final[Nanoseconds] = 2 * SECOND
 """What has not moved by then stands."""
 SLIPS_S: Final = 0.25
@@ -57,6 +64,8 @@ class _Axis:
     pulls: float = 0.0
     """Sum of the currents that were looked at, A."""
     looks: int = 0
+    looked_at: Nanoseconds = NEVER_HEARD
+    """When the newest current that was looked at had arrived."""
     was_at: float = 0.0
     """Its position when it was let go."""
     let_go: bool = False
@@ -76,13 +85,15 @@ class _Axis:
         feedback, bound = self.driver.feedback, self.driver.axis.rests_below
         return abs(feedback.velocity) > bound or abs(feedback.position - self.was_at) > SLIPS_S * bound
 
-    def look(self, now: Nanoseconds) -> None:
-        """Take the current of one instant; NaN where it is not known."""
+    def look(self, now: Nanoseconds, since: Nanoseconds = NEVER_HEARD) -> None:
+        """Take the newest current, once, unless it arrived before `since`; NaN where it is not known."""
         feedback, told = self.driver.feedback, Tells.CURRENT in self.driver.tells
         known = told and feedback.power is not Power.UNKNOWN and not self.silent(now)
         current = feedback.current_a if known else None
-        self.pulls += float("nan") if current is None else current
-        self.looks += 1
+        if current is None:
+            self.pulls, self.looks = float("nan"), self.looks + 1
+        elif feedback.current_at >= since and feedback.current_at != self.looked_at:
+            self.pulls, self.looks, self.looked_at = self.pulls + current, self.looks + 1, feedback.current_at
 
     @property
     def pulled(self) -> float:
@@ -93,7 +104,7 @@ class _Axis:
 class LettingGo:
     """The way of a whole robot from rest with power to rest without."""
 
-    __slots__ = ("_free", "_hold", "_outbox", "_since", "stage")
+    __slots__ = ("_free", "_hold", "_looks_from", "_outbox", "_pulled", "_since", "stage")
 
     def __init__(self, robot: AnyRobot, fleets: Fleets, outbox: list[Packet]) -> None:
         """Take the drives, and where to put what is to be sent at once."""
@@ -107,6 +118,10 @@ class LettingGo:
         self._since: Nanoseconds = 0
         """When the stage began."""
         self._hold: Hold | None = None
+        self._looks_from: Nanoseconds = 0
+        """When a current must have arrived that the present look counts."""
+        self._pulled = 0.0
+        """What the look before found, in shares of what friction explains; 0 before the first."""
 
     @property
     def holds(self) -> tuple[Hold, ...]:
@@ -137,8 +152,8 @@ class LettingGo:
             self._enter(Stage.KEPT, now)
         elif self.stage is Stage.KEPT:
             self._enter(Stage.LOOKED_AT, now)
-            for axis in self._free:
-                axis.pulls, axis.looks = 0.0, 0
+            self._pulled = 0.0
+            self._look_again(now + LOOKS_FOR - AVERAGED)
         elif self.stage is Stage.LOOKED_AT:
             self._look(now, without)
         elif self.stage is Stage.WATCHED:
@@ -167,8 +182,8 @@ class LettingGo:
                 looked.setdefault(stands_with, []).append(one)
                 if axis.driver.axis.name in without:
                     going.add(stands_with)
-        reasons = (_pulls(looked[stands_with]) for stands_with in sorted(going))
-        return next((reason for reason in reasons if reason is not None), None)
+        found = (_pulls(looked[stands_with]) for stands_with in sorted(going))
+        return next((held.reason for held in found if held is not None), None)
 
     def ordered(self, now: Nanoseconds) -> None:
         """Learn that the power goes by an order: nothing is looked at, and nothing gets it again."""
@@ -182,26 +197,31 @@ class LettingGo:
         # A quick stop would end the tasks that give power again.
         return Stop.REST if any(axis.driver.busy for axis in self._free) else Stop.QUICK_STOP
 
+    def _look_again(self, since: Nanoseconds) -> None:
+        self._looks_from = since
+        for axis in self._free:
+            axis.pulls, axis.looks, axis.looked_at = 0.0, 0, NEVER_HEARD
+
     def _look(self, now: Nanoseconds, without: Collection[str]) -> None:
         powered = [axis for axis in self._free if axis.powered and axis.driver.axis.name not in without]
-        if now >= self._since + LOOKS_FOR - AVERAGED:
+        if now >= self._looks_from:
             for axis in powered:
-                axis.look(now)
-        if now < self._since + LOOKS_FOR:
-            return
+                axis.look(now, self._looks_from)
         # One that is silent is stopped by its own watch: what is left holds the robot, and can tell.
-        heard = [axis for axis in powered if not axis.silent(now)]
-        together: dict[str, list[_Axis]] = {}
-        for axis in heard or powered:
-            together.setdefault(axis.driver.axis.stands_with or axis.driver.axis.name, []).append(axis)
-        for axes in together.values():
-            reason = _pulls(axes)
-            if reason is not None:
-                self._keep(reason, now)
-                return
-        for axis in self._free:
-            axis.let_go, axis.was_at = axis in powered, axis.driver.feedback.position
-        self._enter(Stage.WATCHED if powered else Stage.LET_GO, now)
+        heard = [axis for axis in powered if not axis.silent(now)] or powered
+        last = now >= self._since + LOOKED_WITHIN
+        if now < self._looks_from + AVERAGED or (not last and any(axis.looks == 0 for axis in heard)):
+            return
+        held = _held(heard)
+        if held is None:
+            for axis in self._free:
+                axis.let_go, axis.was_at = axis in powered, axis.driver.feedback.position
+            self._enter(Stage.WATCHED if powered else Stage.LET_GO, now)
+        elif last or not isfinite(held.pulled) or 0.0 < SETTLED * self._pulled <= held.pulled:
+            self._keep(held.reason, now)
+        else:
+            self._pulled = held.pulled
+            self._look_again(now)
 
     def _watch(self, now: Nanoseconds) -> None:
         free = [axis for axis in self._free if axis.let_go]
@@ -224,14 +244,35 @@ class LettingGo:
             self.stage, self._since, self._hold = stage, now, None
 
 
-def _pulls(axes: Sequence[_Axis]) -> str | None:
-    """Return why these, which stand together, do not stand by themselves, as far as the looks tell."""
+class _Held(NamedTuple):
+    """What keeps axes from being let go."""
+
+    pulled: float
+    """The current with which they stand, in shares of what friction explains; NaN where it is not known."""
+    reason: str
+
+
+def _held(axes: Sequence[_Axis]) -> _Held | None:
+    """Return what keeps axes from being let go, at worst; None where nothing does."""
+    together: dict[str, list[_Axis]] = {}
+    for axis in axes:
+        together.setdefault(axis.driver.axis.stands_with or axis.driver.axis.name, []).append(axis)
+    found = [held for some in together.values() if (held := _pulls(some)) is not None]
+    return max(found, key=lambda held: held.pulled if isfinite(held.pulled) else inf, default=None)
+
+
+def _pulls(axes: Sequence[_Axis]) -> _Held | None:
+    """Return what keeps those from being let go which stand together, as far as the looks tell."""
     for axis in axes:
         if not isfinite(axis.pulled):
-            return f"held with power: the current with which {axis.driver.axis.called} stands is not known"
+            called = axis.driver.axis.called
+            return _Held(nan, f"held with power: the current with which {called} stands is not known")
     pulled = abs(sum(axis.pulled for axis in axes))
     friction = sum(axis.driver.axis.friction for axis in axes)
     if pulled <= friction:
         return None
     called = " and ".join(axis.driver.axis.called for axis in axes)
-    return f"on a slope: held with power, {pulled:.2f} A at {called}, and friction explains {friction:.2f} A"
+    reason = (
+        f"on a slope: held with power, {pulled:.2f} A at {called}, and friction explains {friction:.2f} A"
+    )
+    return _Held(pulled / friction if friction else inf, reason)

@@ -143,6 +143,8 @@ class Feedback:
     """In the axis's unit a second, the mean between the last two samples."""
     current_a: float | None = None
     """None where the device does not measure it."""
+    current_at: Nanoseconds = NEVER_HEARD
+    """When the newest current arrived; it may come less often than samples do."""
     fault: str = ""
     """The device's code of its newest fault; empty where there is none, or it was reset."""
     says: str = ""

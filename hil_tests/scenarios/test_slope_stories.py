@@ -37,6 +37,11 @@ def on_slope(degrees: float, *, serial: bool = False) -> AnyRobot:
     return over_serial(robot) if serial else robot
 
 
+def on_level(*, serial: bool) -> AnyRobot:
+    """RARS on the thesis's own floor."""
+    return over_serial(RARS) if serial else RARS
+
+
 def states(one: Ride) -> set[State | None]:
     """What the drives themselves say, whoever hears it."""
     return {state_of(device.store.get(at.STATUSWORD)) for device in one.rig.devices.drives.values()}
@@ -80,6 +85,43 @@ def test_an_emergency_stop_ends_without_power_where_the_robot_stands_by_itself(
         assert one.held("held with power") == []
     assert not one.now["armed"]
     assert one.rig.guard.refused == 0
+
+
+SPEEDS: Final = (0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5)
+
+
+@on_each_link
+@pytest.mark.parametrize("steered", [0, 30])
+@pytest.mark.parametrize("speed", [sign * speed for speed in SPEEDS for sign in (1, -1)])
+def test_an_emergency_stop_on_the_level_is_not_taken_for_a_slope(
+    rides: Ridden, speed: float, steered: int, *, serial: bool
+) -> None:
+    """What flows of the ramp, or was read before the standstill, holds nothing."""
+    steers = (step(3.2, steer_deg=steered),) if steered else ()
+    drives = step(5.2 if steered else 4.0, speed_mps=speed)
+    at_s = drives.at_s + 3.0
+    stops = step(at_s, emergency_stop=True)
+    one = rides(ARMED, *steers, drives, stops, seconds=25, robot=on_level(serial=serial))
+    one.runs_until(at_s + 6.0)
+    assert one.held("held with power") == []
+    assert not any(powered(one))
+
+
+@on_each_link
+@pytest.mark.parametrize("speed", [0.0, 0.1, 0.3, 0.5, -0.1, -0.3, -0.5])
+@pytest.mark.parametrize("degrees", [2, 5, 10, -2, -5, -10])
+def test_an_emergency_stop_on_a_slope_holds_the_robot_however_it_drove(
+    rides: Ridden, degrees: float, speed: float, *, serial: bool
+) -> None:
+    drives = (step(4.0, speed_mps=speed),) if speed else ()
+    stops = step(6.0, emergency_stop=True)
+    one = rides(ARMED, *drives, stops, seconds=20, robot=on_slope(degrees, serial=serial))
+    one.runs_until(10.5)
+    stood = one.now["x_m"]
+    assert "held with power" in one.holding
+    one.runs_until(13.5)
+    assert powered(one)[:2] == [True, True]
+    assert abs(one.now["x_m"] - stood) < ALLOWED_M
 
 
 @on_each_link

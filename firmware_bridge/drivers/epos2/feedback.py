@@ -66,6 +66,8 @@ class DriveFeedback:
         self.velocity = 0.0
         """In the axis's unit a second, the mean between the last two samples."""
         self.current_ma = 0
+        self.current_at: Nanoseconds = NEVER_HEARD
+        """When it arrived."""
         self.fault = 0
         """Code of the newest emergency; 0 where there is none, or it was reset."""
         self.unpowered = False
@@ -136,6 +138,7 @@ class DriveFeedback:
             position=self._scale.position(self.position_qc),
             velocity=self.velocity,
             current_a=self.current_ma / MILLIAMPERES,
+            current_at=self.current_at,
             fault=f"0x{fault:04X}" if fault else "",
             says=says,
             zero_lost=self.zero_lost,

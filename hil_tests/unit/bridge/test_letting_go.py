@@ -6,7 +6,15 @@ from typing import TYPE_CHECKING, Any, Final
 
 import pytest
 
-from firmware_bridge.bridge.letting_go import LOOKS_FOR, SLIPS_S, WATCHED_FOR, LettingGo, Stage
+from firmware_bridge.bridge.letting_go import (
+    AVERAGED,
+    LOOKED_WITHIN,
+    LOOKS_FOR,
+    SLIPS_S,
+    WATCHED_FOR,
+    LettingGo,
+    Stage,
+)
 from firmware_bridge.drivers.driver import Power, Stop, Task, Tells
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from hil_tests.unit.pipeline.cart import PaperCart, cart
@@ -15,6 +23,8 @@ if TYPE_CHECKING:
     from firmware_bridge.packet import Packet
 
 START: Final[Nanoseconds] = 10 * SECOND
+JUDGED: Final[Nanoseconds] = LOOKS_FOR + AVERAGED
+"""A current that is too high is looked at twice."""
 CYCLE: Final = 50 * MILLISECOND
 SILENT: Final = 250 * MILLISECOND
 FRICTION: Final = 10.0 / 20.0
@@ -45,7 +55,9 @@ class Standing:
     def tells(self, name: str, **what: Any) -> None:
         """Let a device tell something, now."""
         driver = self.cart.drivers[name]
-        driver.feedback = replace(driver.feedback, **{"heard_at": self.now, "sampled_at": self.now} | what)
+        driver.feedback = replace(
+            driver.feedback, **{"heard_at": self.now, "sampled_at": self.now, "current_at": self.now} | what
+        )
 
     def asks(self, later: Nanoseconds = 0, *, rests: bool = True) -> Stop | None:
         """Ask for it, cycle by cycle, for so long; return the newest demand."""
@@ -103,7 +115,7 @@ def test_more_than_friction_explains_holds_it_with_power(
 ) -> None:
     standing = Standing()
     standing.tells(name, current_a=sign * beyond * FRICTION)
-    stop = standing.asks(LOOKS_FOR)
+    stop = standing.asks(JUDGED)
     assert standing.letting_go.held is held
     assert stop is (Stop.QUICK_STOP if held else Stop.POWER_OFF)
     number = {"left": 1, "right": 2}[name]
@@ -122,7 +134,7 @@ def test_what_stands_together_may_be_strained_against_each_other(left: float, *,
     standing = Standing(together)
     standing.tells("left", current_a=left)
     standing.tells("right", current_a=1.3)
-    standing.asks(LOOKS_FOR)
+    standing.asks(JUDGED)
     assert standing.letting_go.held is held
     if left > 0:
         reason = "on a slope: held with power, 2.30 A at node 1 (left) and node 2 (right), and friction"
@@ -135,6 +147,42 @@ def test_the_currents_of_braking_do_not_count() -> None:
     standing.asks(LOOKS_FOR // 2 - CYCLE)
     standing.tells("left", current_a=0.0)
     assert standing.asks(LOOKS_FOR // 2 + CYCLE) is Stop.POWER_OFF
+
+
+@pytest.mark.parametrize(("falls", "looks"), [(0.5, 4), (0.85, 9), (0.95, 2)])
+def test_a_current_that_falls_is_looked_at_until_it_has_settled(falls: float, looks: int) -> None:
+    """What a ramp leaves in the average of a current falls; what holds a robot on a slope does not."""
+    standing, current, told = Standing(), 3.0, 0
+    standing.tells("left", current_a=current)
+    standing.asks(LOOKS_FOR - AVERAGED)
+    while not standing.letting_go.held and standing.letting_go.stage is Stage.LOOKED_AT:
+        standing.tells("left", current_a=current)
+        standing.asks(AVERAGED)
+        current *= falls
+        told += 1
+    assert told == looks
+    assert standing.letting_go.held is (falls > 0.5)
+    assert standing.now <= START + LOOKED_WITHIN
+
+
+@pytest.mark.parametrize(
+    ("arrives", "stage"), [(300, Stage.WATCHED), (2_400, Stage.WATCHED), (None, Stage.HELD)]
+)
+def test_a_current_counts_only_where_it_arrived_at_standstill(arrives: int | None, stage: Stage) -> None:
+    """Over a serial line it is read every 400 ms: what was read before the standstill is of the ramp."""
+    standing = Standing()
+    standing.tells("left", current_a=0.1, current_at=START - 1)
+    for ms in range(0, LOOKED_WITHIN // MILLISECOND + 1, 50):
+        standing.now = START + ms * MILLISECOND
+        standing.tells("right")
+        fresh = {} if arrives is None or ms < arrives else {"current_at": START + arrives * MILLISECOND}
+        standing.tells("left", **{"current_at": START - 1} | fresh)
+        standing.letting_go.asked(rests=True, now=standing.now)
+        if arrives is not None and ms < arrives:
+            assert standing.letting_go.stage is Stage.LOOKED_AT
+        elif standing.letting_go.stage is not Stage.LOOKED_AT:
+            break
+    assert standing.letting_go.stage is stage
 
 
 def test_an_axis_that_holds_by_itself_may_pull_as_it_likes() -> None:
@@ -165,10 +213,12 @@ def silent_since(heard: set[str], *, early: int = 0, current_a: float = 0.1) -> 
     standing.now += early
     for name in ("left", "right"):
         standing.tells(name, current_a=current_a)
-    standing.now = START + LOOKS_FOR
-    for name in heard:
-        standing.tells(name)
     standing.letting_go.asked(rests=True, now=standing.now)
+    for later in (LOOKS_FOR, JUDGED) if heard else (LOOKS_FOR,):
+        standing.now = START + later
+        for name in heard:
+            standing.tells(name)
+        standing.letting_go.asked(rests=True, now=standing.now)
     return standing
 
 

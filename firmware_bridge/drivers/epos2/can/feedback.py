@@ -52,7 +52,7 @@ class CanFeedback(DriveFeedback):
             self.position_qc += moved
         self.current_ma = current
         self.sampled_at = self._synchronised_at
-        self.heard_at = now
+        self.heard_at = self.current_at = now
 
     def _state(self, statusword: int) -> None:
         # Process data comes in NMT operational only.

@@ -198,7 +198,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
             if feedback.state in FAULT_STATES and not feedback.fault:
                 self.read(_NEWEST_ERROR, Rank.SAMPLE)
         elif address == CURRENT.address:
-            feedback.current_ma = CURRENT.type.decode(raw)
+            feedback.current_ma, feedback.current_at = CURRENT.type.decode(raw), now
         elif address == ERROR_REGISTER.address and raw != b"\0" and not feedback.fault and not self.busy:
             self.read(_NEWEST_ERROR, Rank.ROTATING)
         elif address == NEWEST_ERROR:
