@@ -13,6 +13,7 @@ from emulators.rig import Rig
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import STANDARD_GRAVITY
 from fmu.plants import find as find_plant
+from hil_tests.adversary.beyond import RIM, SPEEDS_UP
 
 BEYOND_MPS: Final = 0.005
 """Above its speed limit: what RARS's regulators may overshoot, turning and reversing."""
@@ -86,9 +87,6 @@ OMNI_TURNS: Final = 1.15
 """Beside its turn rate, in the same way: 1.10 is measured over MWProtocol."""
 OMNI_OVER: Final = 20
 """Samples over which it speeds up: two cycles of MWProtocol."""
-OMNI_RAMP: Final = 1.4
-"""Beside its acceleration: 0.96 is measured of the base alone where nothing fails, 1.37 of it under the arm
-where it turns back, as the loops on its board catch up with what they lag behind, passing 0."""
 
 
 TRACKS: Final = 0.003
@@ -176,7 +174,7 @@ def _turning(robot: AnyRobot, rig: Rig) -> float:
 def _rim(robot: AnyRobot, rig: Rig) -> float:
     row, radius = rig.samples[-1], robot.geometry.base.wheel_radius_m
     rims = (radius * abs(row[motor_speed(axis.name)]) / axis.ratio for axis in robot.axes)
-    bound: float = robot.geometry.limits.rim_mps + OMNI_BEYOND_MPS
+    bound: float = robot.geometry.limits.rim_mps + RIM.bound
     return float(max(rims)) / bound
 
 
@@ -186,7 +184,7 @@ def _faster(robot: AnyRobot, rig: Rig) -> float:
         return 0.0
     newest, before = rig.samples[-1], rig.samples[-1 - OMNI_OVER]
     now, then = (math.hypot(row["speed_mps"], row["speed_left_mps"]) for row in (newest, before))
-    bound: float = OMNI_RAMP * robot.geometry.limits.acceleration_mps2
+    bound: float = SPEEDS_UP.bound * robot.geometry.limits.acceleration_mps2
     gained: float = (now - then) / ((newest.at - before.at) * 1e-9)
     return gained / bound
 

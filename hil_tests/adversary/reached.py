@@ -20,6 +20,12 @@ class Reached:
         }
         self._stop: Final = {name for name, link in robot.shield_links.items() if link.stops_itself}
 
+    def loads(self, rig: Rig) -> frozenset[str]:
+        """Return the axes whose board is in its boot loader: no auto-stop of a sketch runs there."""
+        boards = rig.devices.boards
+        loading = [axes for name, axes in self._axes.items() if boards[name].mega.sketch is None]
+        return frozenset().union(*loading)
+
     def look(self, rig: Rig) -> tuple[frozenset[str], frozenset[str]]:
         """Return the axes that nobody reaches, and those of them that nothing stops.
 

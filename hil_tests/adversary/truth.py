@@ -17,6 +17,7 @@ from firmware_bridge.robot import AnyRobot, Axis, GuardExclusive, GuardSum, Unpo
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.units import SECOND, Nanoseconds, from_seconds
 from firmware_bridge.wire.epos2 import address as at
+from hil_tests.adversary.beyond import LOADER
 from hil_tests.adversary.own import OWN, ROUNDED, Own, gives, joint, mean_rate
 from hil_tests.adversary.reached import Reached
 
@@ -65,11 +66,12 @@ class Look:
     """The axes of boards that no word of any bridge can reach."""
     runs_on: frozenset[str] = frozenset()
     """Those of them whose board goes on as it was told, until it is reached again: nothing can stop them."""
-
     left_out: frozenset[str] = frozenset()
     """The axes that its mode does without, by an order, where this bridge alone gives power."""
     let_go: bool = False
     """Nothing but the bridge itself takes the power: neither a fault nor an order."""
+    loads: frozenset[str] = frozenset()
+    """The axes whose board is in its boot loader."""
 
     def moves(self, name: str, slowest: Mapping[str, float]) -> float:
         """Return the axis's speed as a share of the slowest that counts as motion."""
@@ -154,6 +156,7 @@ class Truth:
             runs_on,
             frozenset() if gone or rig.world.here(SECOND_BRIDGE) else bridge.seen.facts.without,
             let_go,
+            loads=self._reached.loads(rig),
         )
 
     def _speed(self, axis: Axis, rig: Rig) -> float:
@@ -195,7 +198,11 @@ def invariants(robot: AnyRobot) -> tuple[Invariant, ...]:
         return 0.0 if look.may_move else max(moves, default=0.0)
 
     def forgot(look: Look) -> float:
-        names = look.powered & look.unreached - look.runs_on
+        names = look.powered & look.unreached - look.runs_on - look.loads
+        return max((look.moves(name, slowest) for name in names), default=0.0)
+
+    def loads(look: Look) -> float:
+        names = look.powered & look.unreached & look.loads - look.runs_on
         return max((look.moves(name, slowest) for name in names), default=0.0)
 
     may_not_s = MAY_NOT_S + max((link.boots / 1000.0 for link in robot.shield_links.values()), default=0.0)
@@ -211,7 +218,13 @@ def invariants(robot: AnyRobot) -> tuple[Invariant, ...]:
         *(_exclusive(pair, slowest) for pair in robot.guard.exclusive),
         *(_travel(axis.name, axis.travel) for axis in robot.axes if axis.travel is not None),
         *(_own(own, frozenset(free or slowest)) for own in OWN.get(robot.kind, ())),
-        *((Invariant("a board that nobody reaches runs on", forgot, forgets_s, 6.0),) * bool(stops_itself)),
+        *(
+            (
+                Invariant("a board that nobody reaches runs on", forgot, forgets_s, 6.0),
+                Invariant(LOADER.rule, loads, LOADER.bound, LOADER.bound),
+            )
+            * bool(stops_itself)
+        ),
         Invariant("motion with power that may not be", may_not_move, may_not_s, 6.0 + may_not_s - MAY_NOT_S),
         Invariant("power that nobody watches", lambda look: 2.0 * bool(look.unwatched), 1.0, 6.0),
         Invariant("power without a bridge", unattended, may_not_s, 6.0),

@@ -20,7 +20,7 @@ from firmware_bridge.robots.ar2 import motion as arm
 from firmware_bridge.robots.rome import motion as base
 from firmware_bridge.robots.rome_arm import KIND
 from firmware_bridge.robots.rome_arm.balance import balance
-from firmware_bridge.robots.rome_arm.body import LEAST, Body
+from firmware_bridge.robots.rome_arm.body import FOLLOWED, LEAST, Body
 from firmware_bridge.robots.rome_arm.motion import Motion, State
 from firmware_bridge.robots.rome_arm.orbit import PATHS
 from firmware_bridge.teleop.station import Stick, Velocity
@@ -190,7 +190,7 @@ def test_the_further_out_its_arm_the_more_gently_the_base_changes_its_speed() ->
         ramped = body.ramped(Motion(), fast, state, ROBOT.cycle)
         steps.append(ramped.base.ahead_mps / body.share(state))
     assert steps == pytest.approx([steps[0]] * 3, rel=1e-6)
-    assert body.share(standing(BENT)) == 1.0
+    assert body.share(standing(BENT)) == FOLLOWED
     assert body.share(standing(OUT)) == LEAST, "to stop it needs some"
     assert body.share(standing((math.nan,) * 6)) == LEAST
 

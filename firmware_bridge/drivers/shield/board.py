@@ -127,7 +127,8 @@ class Board:
         return self._open_task() + self._go_on(now)
 
     def end_tasks(self) -> None:
-        """Do those under way no more."""
+        """Do those under way no more; what comes in their place waits for no quiet line."""
+        self._booting.quiet_until = 0
         self._restores = False
         self.under_way = ()
         self._waiting.end()
@@ -349,7 +350,8 @@ class Board:
         """Yield what releases all motors, and a question whose answer says that it has come."""
         for motor in self.motors:
             motor.enabled, motor.demand = False, Stop.POWER_OFF
-        yield from self._dialect.release(motor.number for motor in self.motors)
+        release = self._dialect.release if self.configured else self._dialect.release_anew
+        yield from release(motor.number for motor in self.motors)
         yield self._dialect.find()
 
     def _close_task(self) -> None:

@@ -88,6 +88,10 @@ class Dialect(ABC):
     def release(self, motors: Iterable[int]) -> Iterator[Say]:
         """Yield what takes the power of motors."""
 
+    def release_anew(self, motors: Iterable[int]) -> Iterator[Say]:
+        """Yield what takes the power of motors of a board that may have forgotten its set-up."""
+        return self.release(motors)
+
 
 class Ros(Dialect):
     """ros_arduino_bridge with a third motor."""
@@ -219,11 +223,7 @@ class Mw(Dialect):
 
     def set_up(self) -> Iterator[Say]:
         """Make shield and motors, release, attach the encoders, count from 0."""
-        shield = messages.CreateShield(SHIELD, motor_shield.ADDRESS, FREQUENCY)
-        yield self._ask("shield", shield, writes=21)
-        for motor in self.motors:
-            yield self._ask(f"M{motor.port}", messages.CreateMotor(SHIELD, motor.port - 1))
-        yield from self.release(motor.port for motor in self.motors)
+        yield from self.release_anew(motor.port for motor in self.motors)
         for place, motor in enumerate(self.counted):
             yield self._ask("encoder", messages.AttachEncoder(place, *motor.encoder_pins))
             yield self._ask("count from 0", messages.WriteCount(place, 0))
@@ -247,6 +247,15 @@ class Mw(Dialect):
             request = messages.StopMotor(SHIELD, number - 1)
             yield self._ask(f"release of M{number}", request, writes=2)
 
+    def release_anew(self, motors: Iterable[int]) -> Iterator[Say]:
+        """Make shield and motors first: what was not made takes nothing, and is answered all the same."""
+        numbers = tuple(motors)
+        shield = messages.CreateShield(SHIELD, motor_shield.ADDRESS, FREQUENCY)
+        yield self._ask("shield", shield, writes=21)
+        for number in numbers:
+            yield self._ask(f"M{number}", messages.CreateMotor(SHIELD, number - 1))
+        yield from self.release(numbers)
+
 
 class Firmata(Dialect):
     """ConfigurableFirmata: the shield's chip by I2C, two encoders."""
@@ -267,7 +276,7 @@ class Firmata(Dialect):
 
     def set_up(self) -> Iterator[Say]:
         """Wake the chip, release, attach the encoders, count from 0."""
-        yield Say("I2C", firmata.exclusive(firmata.I2C_CONFIG, bytes(2)))
+        yield self._bus()
         for data in motor_shield.SET_UP:
             yield Say("shield", firmata.i2c_write(motor_shield.ADDRESS, data), writes=1)
         yield from self.release(motor.port for motor in self.motors)
@@ -302,6 +311,15 @@ class Firmata(Dialect):
         for number in motors:
             for pin in Pin:
                 yield _channel(number, pin, 0)
+
+    def release_anew(self, motors: Iterable[int]) -> Iterator[Say]:
+        """Open the I2C bus first: a stray FF resets the firmware, which takes no I2C then."""
+        yield self._bus()
+        yield from self.release(motors)
+
+    @staticmethod
+    def _bus() -> Say:
+        return Say("I2C", firmata.exclusive(firmata.I2C_CONFIG, bytes(2)))
 
 
 def _channel(motor: int, pin: Pin, level: int) -> Say:

@@ -18,7 +18,7 @@ def expressed(
     if not configured:
         if all(motor.released for motor in motors):
             return [], None
-        return list(dialect.release(motor.number for motor in motors)), motors
+        return list(dialect.release_anew(motor.number for motor in motors)), motors
     outputs = {motor.number: motor.output(now) for motor in motors}
     told = outputs if dialect.on_board else {it.number: outputs[it.number] for it in motors if it.enabled}
     words = list(dialect.drive(told, {motor.number: motor.way for motor in motors}))
@@ -30,5 +30,6 @@ def expressed(
     off = [motor for motor in motors if motor.demand is Stop.POWER_OFF]
     if not off:
         return words, None
-    slow = [motor for motor in off if not motor.released]
+    # A word may come damaged, and no board says so: it is repeated while the wheel turns.
+    slow = [motor for motor in off if not motor.released or motor.turns]
     return [*words, *dialect.release(motor.number for motor in slow)], slow

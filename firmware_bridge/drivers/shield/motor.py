@@ -152,6 +152,11 @@ class ShieldMotor:
         return self.released
 
     @property
+    def turns(self) -> bool:
+        """Whether its encoder says that it moves."""
+        return self.measured and abs(self._velocity) > self._axis.rests_below
+
+    @property
     def wake_at(self) -> Nanoseconds:
         """Never: the board is woken."""
         return NEVER

@@ -66,7 +66,7 @@ class Body:
         """
         limit = self._geometry.base.limits.acceleration_mps2
         room = balance(self._geometry, state.arm.angles).gentlest(self._geometry.balance.margin_m)
-        return min(1.0, max(LEAST, room / limit))
+        return max(LEAST, FOLLOWED * min(1.0, room / limit))
 
     def demands(self, motion: Motion, state: State) -> Mapping[str, Demand]:
         """Return the wheels' speeds, and where the joints shall be."""
@@ -83,6 +83,8 @@ class Body:
         return self._base.advanced(pose, before, after, sensors)
 
 
+FOLLOWED: Final = 0.93
+"""Share that set-points use: where the base turns back under the arm its wheels stick, and then catch up."""
 LEAST: Final = 0.2
 """So much of its acceleration the base has at least, or it would not stop."""
 
