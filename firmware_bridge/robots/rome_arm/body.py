@@ -66,7 +66,7 @@ class Body:
         """
         limit = self._geometry.base.limits.acceleration_mps2
         room = balance(self._geometry, state.arm.angles).gentlest(self._geometry.balance.margin_m)
-        return max(LEAST, FOLLOWED * min(1.0, room / limit))
+        return max(LEAST, FOLLOWED * min(1.0, max(LEAST, room / limit)))
 
     def demands(self, motion: Motion, state: State) -> Mapping[str, Demand]:
         """Return the wheels' speeds, and where the joints shall be."""
