@@ -1,7 +1,7 @@
 """Drive every cause of a stop in every way, and keep the worst: `python tools/measure_stops.py [-k TEXT]`.
 
-It writes `hil_tests/failures/measured.toml` and `boards.toml`, of which `make docs` makes tables; tests drive
-each row again. `-k board` measures the boards alone.
+It writes `hil_tests/failures/measured.toml`, `boards.toml` and `every_robot.toml`, of which `make docs` makes
+tables; tests drive each row again. `-k board` measures the boards alone, `-k robots` every robot in brief.
 """
 
 # ruff: noqa: INP001 - a script, not a package
@@ -14,12 +14,13 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from hil_tests.failures import boards
+from hil_tests.failures import boards, every_robot
 from hil_tests.failures.cases import CAUSES, Cause
 from hil_tests.failures.drive import draws, driven
 from hil_tests.failures.measured import Worst, kept, write
 
 BOARDS = "boards"
+ROBOTS = "robots"
 
 
 def worst(cause: Cause) -> list[Worst]:
@@ -38,6 +39,12 @@ def run_on(protocol: str) -> list[boards.RunsOn]:
     return [boards.seen(cause, protocol).row for cause in boards.CAUSES]
 
 
+def on_line(line: str) -> list[every_robot.Row]:
+    """Return what comes of each cause on one robot over one link."""
+    pairs = [pair for robot in every_robot.LINES for pair in every_robot.wanted(robot)]
+    return [every_robot.measured(*pair) for pair in pairs if pair[0] == line]
+
+
 def main() -> None:
     """Measure, and write after each cause."""
     words = argparse.ArgumentParser(description=__doc__)
@@ -50,6 +57,9 @@ def main() -> None:
             found = [row for rows in pool.map(run_on, boards.FULL) for row in rows]
             names = [cause.name for cause in boards.CAUSES]
             boards.write(sorted(found, key=lambda row: names.index(row.cause)))
+        if told.k in ROBOTS:
+            lines = [line for lines in every_robot.LINES.values() for line in lines]
+            every_robot.write(row for rows in pool.map(on_line, lines) for row in rows)
         for cause, rows in zip(chosen, pool.map(worst, chosen), strict=True):
             others = [row for row in kept() if row.cause != cause.name]
             write((*others, *rows))

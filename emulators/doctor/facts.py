@@ -79,6 +79,9 @@ class Facts:
     plants: Mapping[str, bool | None]
     """Plants, and whether they are built; None where that cannot be told."""
     libraries: tuple[Library, ...]
+    unwatched: Mapping[str, bool]
+    """Links of installed robots, as ROBOT:LINK, whose devices run on when the bridge falls silent, each with
+    whether its file accepts that."""
     extras: Mapping[str, tuple[str, ...]]
     """Extras, and which of their libraries are not installed."""
 

@@ -27,6 +27,8 @@ from emulators.doctor.facts import (
 )
 from emulators.servo import kernel
 from emulators.servo.seam import ServoError
+from firmware_bridge import kinds
+from firmware_bridge.robot import RobotFileError
 from firmware_bridge.shell.clock import Clock, resolution
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from fmu import plants
@@ -83,11 +85,21 @@ def gather(sleeps: int = SLEEPS) -> Facts:
         compiled={name: _is_compiled(name) for name in CORE},
         plants={name: _is_built(name) or (None if found is None else False) for name in plants.names()},
         libraries=tuple(Library(name, least, _installed(name)) for name, least in needed),
+        unwatched=dict(_unwatched()),
         extras={
             extra: tuple(name for name in names if _installed(name) is None)
             for extra, names in extras.items()
         },
     )
+
+
+def _unwatched() -> Iterator[tuple[str, bool]]:
+    """Yield the links of installed robots without a watchdog, and whether that is accepted."""
+    for name in kinds.robots():
+        with suppress(RobotFileError):
+            for link, table in kinds.find(name).shield_links.items():
+                if table.unwatched:
+                    yield f"{name}:{link}", table.accept_no_watchdog
 
 
 def _socketcan() -> bool:

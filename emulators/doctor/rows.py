@@ -56,6 +56,7 @@ PURPOSES: Final = {
     "testing": "the plugin of pytest",
 }
 """What extras are for."""
+SKETCH: Final = "flash this project's sketch (protocol ros-arduino-bridge), which stops them after 2 s"
 _LINUX: Final = "Linux"
 _HEALTHY: Final = frozenset({None, "ERROR-ACTIVE"})
 _BUS_OFF: Final = "BUS-OFF"
@@ -147,6 +148,17 @@ def ports(facts: Facts) -> Said:
             f"`sudo usermod -aG {group} {facts.user}`, then log in again",
         )
     return _ok(found)
+
+
+def watchdogs(facts: Facts) -> Said:
+    """Judge what stops the devices of installed robots when the bridge ends."""
+    if not facts.unwatched:
+        return _ok("the devices of every installed robot stop by themselves when the bridge falls silent")
+    accepted = sorted(place for place, accepts in facts.unwatched.items() if accepts)
+    if accepted:
+        found = f"motors run on when the bridge ends, and the robot file accepts it: {', '.join(accepted)}"
+        return _missing(found, f"keep the switch of their supply within reach, or {SKETCH}")
+    return _careful(f"motors run on when the bridge ends: {', '.join(sorted(facts.unwatched))}", SKETCH)
 
 
 def clock(facts: Facts) -> Said:
@@ -283,6 +295,7 @@ ROWS: Final = (
     Row("virtual CAN", vcan),
     Row("CAN interfaces", adapters),
     Row("serial ports", ports),
+    Row("watchdogs", watchdogs),
     Row("clock", clock),
     Row("load", load),
 )

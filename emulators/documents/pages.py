@@ -20,10 +20,11 @@ from emulators.documents.safety_texts import (
     AGE_TEXT,
     AXIS_TEXT,
     BELIEF_TEXT,
-    GUARD_TEXT,
     SAFETY_TEXT,
-    STOPS_TEXT,
+    guard_text,
     power_text,
+    stops_text,
+    watchdog_text,
 )
 from emulators.epos2.control.power_states import TRANSITIONS
 from emulators.epos2.objects.catalogue import PROFILES
@@ -233,6 +234,7 @@ def _safety(measured: Mapping[str, Sequence[str]]) -> str:
     for kind, robot in safety.shipped():
         parts += [
             f"## {robot.title}",
+            *filter(None, (watchdog_text(robot),)),
             f"### What stops `{robot.name}`",
             table(safety.HEADINGS, safety.interlocks(kind, robot)),
             "### What clips a wish",
@@ -244,21 +246,23 @@ def _safety(measured: Mapping[str, Sequence[str]]) -> str:
             power_text(robot),
             table(safety.UNPOWERED_HEADINGS, safety.unpowered(robot)),
             "### What its guard lets pass",
-            GUARD_TEXT,
+            guard_text(robot),
             table(safety.BOUND_HEADINGS, safety.bounds(robot)),
         ]
         for headings, rows in (
-            (safety.SUM_HEADINGS, safety.sums(robot)),
+            (safety.SUM_HEADINGS, safety.guarded_sums(robot)),
             (safety.EXCLUSIVE_HEADINGS, safety.exclusive(robot)),
         ):
             found = tuple(rows)
             if found:
                 parts.append(table(headings, found))
-        parts += ["### In which steps its axes are stopped", STOPS_TEXT]
+        parts += ["### In which steps its axes are stopped", stops_text(robot)]
         for reached in safety.reached(robot):
             for link in reached.links:
-                parts.append(f"Link `{link}`, {safety.way(reached, link)}:")
-                parts.append(table(safety.STOP_HEADINGS, safety.stops(reached, link)))
+                parts.append(f"Link `{link}`, {safety.spoken(reached, link)}:")
+                if reached.axes_on(link):
+                    parts.append(table(safety.STOP_HEADINGS, safety.stops(reached, link)))
+                    parts.append(safety.sums_of_stops(reached, link))
         parts += measured.get(robot.name, ())
     return _page("What holds a robot back", *parts)
 

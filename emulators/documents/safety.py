@@ -10,6 +10,7 @@ from firmware_bridge.drivers.driver import Tells
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.drivers.fleets import STOP_STEPS, tells_of
 from firmware_bridge.drivers.shield.fleet import over_protocol
+from firmware_bridge.drivers.stop_steps import StopStep, sums, way
 from firmware_bridge.kind import AnyKind
 from firmware_bridge.robot import AnyRobot, Axis, Command
 from firmware_bridge.robot.settings.shield import ShieldLink, ShieldProtocol
@@ -21,7 +22,7 @@ from firmware_bridge.safety.guard.shield import GuardedMotor
 from firmware_bridge.safety.interlock import AxisInterlock
 from firmware_bridge.safety.row import Row
 from firmware_bridge.teleop.age import ROWS as AGES
-from firmware_bridge.units import MILLISECOND
+from firmware_bridge.units import MILLISECOND, SECOND
 
 Cells: TypeAlias = tuple[str, ...]
 HEADINGS: Final = (
@@ -143,7 +144,7 @@ def unpowered(robot: AnyRobot) -> Iterator[Cells]:
         yield (f"`{axis.name}`", axis.unpowered.value, f"{axis.friction:.2g} A")
 
 
-def sums(robot: AnyRobot) -> Iterator[Cells]:
+def guarded_sums(robot: AnyRobot) -> Iterator[Cells]:
     """Yield the sums of speeds that the guard bounds."""
     for row in robot.guard.sums:
         terms = " + ".join(f"{factor:g} `{axis}`" for axis, factor in row.of.items())
@@ -170,10 +171,24 @@ def stops(robot: AnyRobot, link: str) -> Iterator[Cells]:
             whom,
             step.sent,
             "no torque" if step.ends_power else "rest, or no torque",
-            f"{step.within // MILLISECOND} ms",
+            _within(step),
             f"{longest // MILLISECOND} ms",
             step.note or "-",
         )
+
+
+def sums_of_stops(robot: AnyRobot, link: str) -> str:
+    """Say how long a stop lasts at most: until the power is taken, and in all."""
+    driver, axes = robot.links[link].driver, robot.axes_on(link)
+    ways = [(way(STOP_STEPS[driver](robot, axis), off=False), axis.top_speed) for axis in axes]
+    longest = [max(seconds) for seconds in zip(*(sums(*one) for one in ways), strict=True)]
+    taken, whole = (f"{seconds / SECOND:.1f} s" for seconds in longest)
+    return f"From top speed the power is taken after {taken} at the latest, and all is tried after {whole}."
+
+
+def _within(step: StopStep) -> str:
+    slows = "" if step.slows_within is None else f"{step.slows_within // MILLISECOND} ms, "
+    return f"{slows}{step.within // MILLISECOND} ms"
 
 
 def reached(robot: AnyRobot) -> tuple[AnyRobot, ...]:
@@ -186,7 +201,7 @@ def reached(robot: AnyRobot) -> tuple[AnyRobot, ...]:
     return (robot, over_serial(robot))
 
 
-def way(robot: AnyRobot, name: str) -> str:
+def spoken(robot: AnyRobot, name: str) -> str:
     """Return how the devices on a link are reached, in words."""
     link = robot.links[name]
     return ", ".join((link.driver.value, *((link.protocol.value,) if isinstance(link, ShieldLink) else ())))

@@ -32,6 +32,8 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge drive rome --serial /dev/ttyACM0` drives a board with a motor shield.
 
+`firmware-bridge drive rome --protocol mw --encoders 3 --accept-no-watchdog --serial /dev/ttyACM0`
+
 `firmware-bridge drive rars -i slcan -c /dev/ttyACM0 --mavlink udpout:192.168.1.10:14550 --key rars.key`
 
 `firmware-bridge drive rars -i socketcan -c can0 --link delay=0.5,jitter=0.1` for training
@@ -112,6 +114,14 @@ class DriveOptions:
         ),
     ] = None
     encoders: EncodersOption = None
+    accept_no_watchdog: Annotated[
+        bool,
+        typer.Option(
+            "--accept-no-watchdog",
+            help="Drive a board whose firmware does not stop its motors when the bridge ends or the line is "
+            "cut: keep the switch of their supply within reach.",
+        ),
+    ] = False
     path: PathOption = None
     path_speed: PathSpeedOption = None
     link: LinkOption = None

@@ -6,7 +6,7 @@ from types import MappingProxyType
 from typing import Final, TypeAlias
 
 from firmware_bridge.bridge import Bridge, Phase
-from firmware_bridge.cli.console import FAILED, one_message, refusal, say
+from firmware_bridge.cli.console import FAILED, one_message, refusal
 from firmware_bridge.cli.drive import DriveOptions
 from firmware_bridge.cli.options import generation_of, until
 from firmware_bridge.cli.places import Place, parted, places_of
@@ -15,6 +15,7 @@ from firmware_bridge.cli.recorded import recording
 from firmware_bridge.cli.remembered import Remembered
 from firmware_bridge.cli.robot_argument import find_robot
 from firmware_bridge.cli.trusted import trust_of
+from firmware_bridge.cli.watchdogs import watched
 from firmware_bridge.cli.zeros import zeros_of
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.drivers.epos2.serial.line import MaxonLine
@@ -169,7 +170,11 @@ def drive(given: DriveOptions) -> None:
     stamps = Remembered(trust, state.with_suffix(".stamps.json"))
     stands = zeros_of(given.zero, given.home)
     with one_message(PlanError, ShieldPlanError, RobotFileError, PathFileError, ValueError):
-        machine = _with_lines(machine, places, given).told_by(given.bandwidth).agreed_on(given.max_delay)
+        machine = (
+            watched(_with_lines(machine, places, given), accepted=given.accept_no_watchdog)
+            .told_by(given.bandwidth)
+            .agreed_on(given.max_delay)
+        )
         machine, _ = along_path(machine, given.path, given.path_speed)
         kind = kind_of(machine)
         bridge = Bridge(machine, kind, stamps.trust, stands, _mode(given.mode, kind))
@@ -252,7 +257,7 @@ def _with_lines(machine: AnyRobot, places: Mapping[str, Place], given: DriveOpti
     """Return the robot with those links on serial lines that are at a serial port."""
     if machine.shield_links:
         spoken = given.protocol and given.protocol.value
-        return _told(measured(over_protocol(machine, spoken, given.encoders)))
+        return measured(over_protocol(machine, spoken, given.encoders))
     if machine.ar2_links:
         if given.protocol is not None or given.baud is not None:
             raise refusal("--protocol and --baud: the board of an AR2 speaks one language, at one rate")
@@ -265,16 +270,6 @@ def _with_lines(machine: AnyRobot, places: Mapping[str, Place], given: DriveOpti
             raise refusal("--protocol and --baud are of a serial port; name it with --serial DEVICE")
         return machine
     return over_serial(machine, protocol, baud, links=on_lines or None)
-
-
-def _told(machine: AnyRobot) -> AnyRobot:
-    """Return the robot, having said which of its boards run on by themselves."""
-    for link in machine.shield_links.values():
-        if not link.stops_itself:
-            say(
-                f"{link.protocol.value}: the board runs on when the bridge falls silent; keep its switch near"
-            )
-    return machine
 
 
 def _no_board(table: ShieldLink | Ar2Link) -> str:

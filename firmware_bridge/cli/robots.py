@@ -12,6 +12,7 @@ from firmware_bridge import kinds
 from firmware_bridge.cli.commands import command, completing
 from firmware_bridge.cli.console import one_message, refusal, say
 from firmware_bridge.cli.tables import terminal
+from firmware_bridge.cli.watchdogs import RUNS_ON
 from firmware_bridge.drivers.shield.plan import shield_plan
 from firmware_bridge.robot import AnyRobot, RobotFileError
 from firmware_bridge.robot.settings.ar2 import Ar2Link
@@ -95,7 +96,8 @@ def _link(robot: AnyRobot, name: str) -> str:
         plan, table = shield_plan(other, name), other.shield_link(name)
         rows.append(
             f"{protocol.value}: {table.counted} encoders, a reversal takes {plan.time / MILLISECOND:.0f} of "
-            f"{plan.cycle // MILLISECOND} ms"
-            + ("" if table.stops_itself else "; runs on when the bridge falls silent")
+            f"{plan.cycle // MILLISECOND} ms" + ("; NO WATCHDOG" if table.unwatched else "")
         )
+    if link.unwatched:
+        rows.insert(1, f"NO WATCHDOG: {RUNS_ON}")
     return "\n".join(rows)

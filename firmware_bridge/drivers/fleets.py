@@ -4,17 +4,17 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from firmware_bridge.drivers.ar2 import fleet as ar2
-from firmware_bridge.drivers.ar2.stops import stop_steps as ar2_stop_steps
+from firmware_bridge.drivers.ar2 import stops as ar2_stops
 from firmware_bridge.drivers.capture.fleet import capture_fleet
 from firmware_bridge.drivers.driver import Tells
 from firmware_bridge.drivers.epos2 import feedback as epos2
+from firmware_bridge.drivers.epos2 import stops as epos2_stops
 from firmware_bridge.drivers.epos2.can.fleet import can_fleet
 from firmware_bridge.drivers.epos2.serial.fleet import serial_fleet
-from firmware_bridge.drivers.epos2.stops import stop_steps as epos2_stop_steps
 from firmware_bridge.drivers.fleet import Fleet
 from firmware_bridge.drivers.shield import motor as shield
+from firmware_bridge.drivers.shield import stops as shield_stops
 from firmware_bridge.drivers.shield.fleet import shield_fleet
-from firmware_bridge.drivers.shield.stops import stop_steps as shield_stop_steps
 from firmware_bridge.drivers.stop_steps import StopStep
 from firmware_bridge.robot import AnyLink, AnyRobot, Axis
 from firmware_bridge.robot.settings.ar2 import Ar2Driver
@@ -39,11 +39,31 @@ TELLS: Final[Mapping[str, Callable[[Axis, AnyLink], frozenset[Tells]]]] = {
 """What the device of an axis can tell, by the driver of its link, before there is one."""
 
 STOP_STEPS: Final[Mapping[str, Callable[[AnyRobot, Axis], tuple[StopStep, ...]]]] = {
-    **dict.fromkeys(Epos2Driver, epos2_stop_steps),
-    ShieldDriver.MOTOR_SHIELD: shield_stop_steps,
-    Ar2Driver.AR2: ar2_stop_steps,
+    **dict.fromkeys(Epos2Driver, epos2_stops.stop_steps),
+    ShieldDriver.MOTOR_SHIELD: shield_stops.stop_steps,
+    Ar2Driver.AR2: ar2_stops.stop_steps,
 }
 """In which steps an axis of a robot is stopped, by the driver of its link."""
+
+CONFIRMED_BY: Final[Mapping[str, str]] = {
+    **dict.fromkeys(Epos2Driver, epos2_stops.CONFIRMED_BY),
+    ShieldDriver.MOTOR_SHIELD: shield_stops.CONFIRMED_BY,
+    Ar2Driver.AR2: ar2_stops.CONFIRMED_BY,
+}
+"""Which report of a device confirms a stop, by the driver of its link, in words."""
+
+ALONE: Final[Mapping[str, Callable[[AnyRobot, str], str]]] = {
+    **dict.fromkeys(Epos2Driver, epos2_stops.alone),
+    ShieldDriver.MOTOR_SHIELD: shield_stops.alone,
+    Ar2Driver.AR2: ar2_stops.alone,
+}
+"""What stops the devices of a link when the bridge falls silent, in words; empty where nothing does."""
+
+
+def alone(robot: AnyRobot, link: str) -> str:
+    """Return what stops the devices of a link without the bridge; empty where nothing does, or can move."""
+    says = ALONE.get(robot.links[link].driver)
+    return "" if says is None else says(robot, link)
 
 
 def tells_of(robot: AnyRobot, axis: Axis) -> frozenset[Tells]:

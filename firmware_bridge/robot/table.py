@@ -53,3 +53,8 @@ class LinkTable(Table):
     """The bridge stops the robot after this silence of a device on the link."""
     stops: Annotated[tuple[str, ...] | None, Field(strict=False)] = None
     """The groups that stop when the link is lost, or an axis on it fails; the others go on. None for all."""
+
+    @property
+    def unwatched(self) -> bool:
+        """Whether its devices go on as they were commanded last when the bridge falls silent."""
+        return False

@@ -61,7 +61,7 @@ def _driving(name: str) -> VirtualRig:
     if name == ARM:
         rig.operator.does(input="twist", speed_mps=0.02)
     else:
-        rig.operator.drives(SPEEDS.get(name, 0.3))
+        rig.operator.drives(SPEEDS.get(rig.robot.kind, 0.3))
     rig.runs(DRIVES_FOR_S)
     return rig
 

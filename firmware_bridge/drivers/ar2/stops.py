@@ -5,11 +5,15 @@ more than to send no further one. The board has no word for power: the motors ke
 arm. It ends by a switch in their supply, and the arm falls then.
 """
 
+from typing import Final
+
 from firmware_bridge.drivers.driver import Stop, Task
 from firmware_bridge.drivers.stop_steps import StopStep
 from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.robot.settings.ar2 import Ar2Link
 from firmware_bridge.units import MILLISECOND
+
+CONFIRMED_BY: Final = "an answer to what was asked behind the last move"
 
 
 def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
@@ -45,3 +49,9 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
             note="nobody knows then where the arm stands; the motors keep their current, and hold",
         ),
     )
+
+
+def alone(robot: AnyRobot, link: str) -> str:
+    """Return what stops the joints when the bridge falls silent."""
+    move = robot.ar2_link(link).move_ms
+    return f"the end of the move that was sent, within {move} ms: no other follows, and the motors hold"

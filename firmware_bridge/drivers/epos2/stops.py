@@ -22,6 +22,8 @@ _SILENCE: Final = {
 }
 _RESET: Final = {Epos2Driver.CAN: "NMT reset node", Epos2Driver.SERIAL: "NMT service 129, reset node"}
 
+CONFIRMED_BY: Final = "a sample with the axis at standstill, or a statusword of a state without torque"
+
 
 def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
     """Return the steps for one drive of a robot. TypeError where no EPOS2 is on its link."""
@@ -102,3 +104,9 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
         ),
     )
     return (*gentle, *(over_can_alone if over_can else ()), *at_last)
+
+
+def alone(robot: AnyRobot, link: str) -> str:
+    """Return what stops the drives on a link when the bridge falls silent."""
+    silent = robot.epos2_link(link).bridge_silent_ms
+    return f"each drive's heartbeat consumer, after {silent} ms: quick stop, then no power"

@@ -19,6 +19,8 @@ from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 SET_UP_WITHIN: Final[Nanoseconds] = SECOND
 """From a board's first answer after its reset until it has released its motors."""
 
+CONFIRMED_BY: Final = "counts with the axis at standstill, or an answer to what was asked behind its release"
+
 
 def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
     """Return the steps for one motor of a robot. TypeError where no shield is on its link."""
@@ -69,3 +71,11 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
             note=runs_on,
         ),
     )
+
+
+def alone(robot: AnyRobot, link: str) -> str:
+    """Return what stops the motors of a board when the bridge falls silent; empty where nothing does."""
+    table = robot.shield_link(link)
+    if table.unwatched:
+        return ""
+    return f"the firmware's auto-stop, {table.auto_stop_ms} ms after the last word: speed 0, which releases"

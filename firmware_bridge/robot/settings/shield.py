@@ -99,6 +99,13 @@ class ShieldLink(LinkTable):
     auto_stop_ms: Annotated[int, Field(ge=10, le=32_767)] = 2_000
     """After so long without a word ros_arduino_bridge stops its motors; as it was compiled."""
     gains: BoardGains = BoardGains()
+    accept_no_watchdog: bool = False
+    """The robot may be driven though nothing stops its motors when the bridge ends or the line is cut."""
+
+    @property
+    def unwatched(self) -> bool:
+        """Whether its motors run on when the bridge falls silent: the firmware has no auto-stop."""
+        return not self.stops_itself
 
     @property
     def line_rate(self) -> int:

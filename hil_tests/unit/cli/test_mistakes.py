@@ -9,6 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from firmware_bridge.cli import program
+from firmware_bridge.kinds import kind_named
 from fmu.build import ensure
 
 
@@ -188,3 +189,25 @@ def test_a_robot_of_two_boards_wants_a_line_for_each() -> None:
     assert line.endswith("--serial /dev/null: rome_arm has several boards; say --serial pty")
     line = refused("drive", "rome_arm", "--serial", "/dev/null")
     assert "rome_arm has several links (board, arm); say --link NAME=PLACE for each" in line
+
+
+@pytest.mark.parametrize("protocol", ["mw", "arduinoio"])
+@pytest.mark.parametrize("place", ["/dev/null", "pty"])
+def test_a_board_without_a_watchdog_is_not_driven_unless_that_is_accepted(protocol: str, place: str) -> None:
+    """A pseudo-terminal is no exception: what is tried there is what is done on the robot."""
+    words = ("drive", "rome", "--protocol", protocol, "--encoders", "3", "--serial", place)
+    line = refused(*words)
+    assert f"link 'board': a board with {protocol} has no watchdog" in line
+    assert "emulators/arduino_omni/sketch" in line
+    assert "--accept-no-watchdog (accept_no_watchdog = true in [links.board])" in line
+
+
+def test_a_robot_file_may_accept_a_board_without_a_watchdog(tmp_path: Path) -> None:
+    text = Path(kind_named("rome").file).read_text(encoding="utf-8")
+    text = text.replace('protocol = "ros-arduino-bridge"', 'protocol = "arduinoio"\nencoders = 3')
+    file = tmp_path / "mine.toml"
+    file.write_text(text, encoding="utf-8")
+    words = ("drive", str(file), "--serial", "/dev/nowhere", "--mavlink", "udpin:127.0.0.1:0")
+    assert "has no watchdog" in refused(*words)
+    file.write_text(text.replace("encoders = 3", "encoders = 3\naccept_no_watchdog = true"), encoding="utf-8")
+    assert "/dev/nowhere" in refused(*words)

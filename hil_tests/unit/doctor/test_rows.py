@@ -37,6 +37,7 @@ WELL: Final = Facts(
     plants={"rars": True, "rome_base": True},
     libraries=(Library("rich", (13, 7), (15, 0, 0)), Library("pyserial", (3, 5), (3, 5))),
     extras={"testing": (), "plots": ()},
+    unwatched={},
 )
 """A machine that has everything."""
 OK, CAREFUL, MISSING = Verdict
@@ -119,6 +120,15 @@ OUTCOMES: Final[list[tuple[str, dict[str, Any], Verdict, str, str]]] = [
         "sudo usermod -aG uucp ada",
     ),
     ("serial ports", {"ports": ()}, MISSING, "none", "plug"),
+    ("watchdogs", {}, OK, "stop by themselves", ""),
+    (
+        "watchdogs",
+        {"unwatched": {"cart:board": False}},
+        CAREFUL,
+        "run on when the bridge ends: cart:board",
+        "flash",
+    ),
+    ("watchdogs", {"unwatched": {"a:b": False, "c:d": True}}, MISSING, "accepts it: c:d", "within reach"),
     ("clock", {}, OK, "the median woke 80 us late, the worst 0.90 ms: cycles of 50 ms are kept", ""),
     ("clock", {"late": (0, 5 * MILLISECOND - 1)}, OK, "kept", ""),
     ("clock", {"late": (0, 5 * MILLISECOND)}, CAREFUL, "may be late by so much, none is lost", "end what"),
