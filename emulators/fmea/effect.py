@@ -14,12 +14,16 @@ from emulators.bench.columns import SAMPLE_EVERY, Floats
 from emulators.bench.log import Entry, Kind
 from emulators.bench.records import HoldRecord
 from emulators.testing.rig import VirtualRig
-from firmware_bridge.units import MILLISECOND, Nanoseconds
+from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds, from_seconds
 
 LASTS_S: Final = 2.0
 """How long a failure lasts that has an end."""
+LETS_GO_S: Final = 1.0
+"""So long the operator goes on as if nothing was; then he lets go, while the failure still lasts."""
 WATCHED_S: Final = 3.5
 """So long its effect is looked at: its end, and what the robot does then."""
+STANDS_WITHIN_S: Final = 12.0
+"""... and so long where it still moves then: who has not come to rest never does."""
 ASIDE: Final[Mapping[str, float]] = {"m": 0.02, "rad": 0.05}
 """Further than this from where it would be without the failure it does something else. ASSUME; the first is
 what docs/safety.md allows a robot that was let go at rest."""
@@ -31,6 +35,7 @@ RESTS_S: Final = 0.3
 """... for at least so long before the end."""
 
 
+EACH_MS: Final = SAMPLE_EVERY / MILLISECOND
 LATE_MS: Final = 500.0
 """A robot that does something else for longer than this, and nobody says so, was noticed late. ASSUME."""
 
@@ -49,7 +54,7 @@ class Verdict(StrEnum):
     LATE = "NOTICED LATE"
     """It was noticed when the robot had done something else for a while."""
     MISSED = "NOT NOTICED"
-    """Nobody said a word, and the robot does something else."""
+    """Nobody said a word, and the robot does something else; or it never stands, whoever said what."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +69,8 @@ class Course:
     texts: tuple[Entry, ...]
     """That the operator has got since."""
     began: Nanoseconds
-    each_ms: float = SAMPLE_EVERY / MILLISECOND
+    ends: Nanoseconds = NEVER
+    """When the failure ends: what is noticed from then on comes of its end."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,54 +90,76 @@ class Effect:
     """How far it was from where it would be, as a share of what counts as something else."""
 
 
-def watched(rig: VirtualRig) -> Course:
-    """Run on, and return what is seen."""
+def watched(rig: VirtualRig, lasts_s: float | None = None) -> Course:
+    """Run on, and return what is seen; the operator lets go on the way."""
     began, first = rig.bench.world.now, len(rig.bench.samples)
-    rig.runs(WATCHED_S)
+    rig.runs(LETS_GO_S)
+    rig.operator.lets_go()
+    rig.runs(WATCHED_S - LETS_GO_S)
     units = {column.name: column.unit for column in rig.rehearsal.columns if column.plant}
-    places = {
-        name: np.asarray(rig.bench.samples.column(name)[first:])
-        for name, unit in units.items()
-        if unit in ASIDE
-    }
+    while (places := _places(rig, units, first)) and _stands(places, units) is None:
+        if rig.bench.world.now - began >= from_seconds(STANDS_WITHIN_S):
+            break
+        rig.runs(RESTS_S)
     told = (entry for entry in rig.operator.diary if entry.at >= began and entry.kind is Kind.TOLD)
-    return Course(places, units, tuple(hold for hold in rig.held if hold.began >= began), tuple(told), began)
+    holds = tuple(hold for hold in rig.held if hold.began >= began)
+    ends = NEVER if lasts_s is None else began + from_seconds(lasts_s)
+    return Course(places, units, holds, tuple(told), began, ends)
+
+
+def _places(rig: VirtualRig, units: Mapping[str, str], first: int) -> dict[str, Floats]:
+    samples = rig.bench.samples
+    wanted = (name for name, unit in units.items() if unit in ASIDE)
+    return {name: np.asarray(samples.column(name)[first:]) for name in wanted}
 
 
 def effect(well: Course, ill: Course) -> Effect:
     """Compare what was seen with the failure and without it."""
     known = {hold.name for hold in well.holds}
-    holds = [hold for hold in ill.holds if hold.name not in known]
+    holds = [hold for hold in ill.holds if hold.name not in known and hold.began < ill.ends]
     said = {entry.text for entry in well.texts}
-    texts = [entry for entry in ill.texts if entry.text not in said]
+    texts = [entry for entry in ill.texts if entry.text not in said and entry.at < ill.ends]
     shares = np.max([_share(ill, well, name) for name in well.places], axis=0)
     other = np.flatnonzero(shares > 1.0)
-    moved_ms = _moved_until(ill) * ill.each_ms
+    moved_ms = _moved_until(ill.places, ill.units) * EACH_MS
     by, at, verdict = "", None, Verdict.STANDS if other.size else Verdict.TOLERATED
     if holds:
         by, at, verdict = holds[0].name, holds[0].began, Verdict.NOTICED
     elif texts:
         by, at, verdict = texts[0].text, texts[0].at, Verdict.TOLD
+    first = min((at for at in (*(hold.began for hold in holds), *(text.at for text in texts))), default=None)
     after_ms = None if at is None else (at - ill.began) / MILLISECOND
+    noticed_ms = None if first is None else (first - ill.began) / MILLISECOND
     if other.size:
         # Who stands does no harm, and need not say why.
-        due_ms = float(other[0]) * ill.each_ms + LATE_MS
-        if moved_ms > due_ms and (after_ms is None or after_ms > due_ms):
-            verdict = Verdict.MISSED if after_ms is None else Verdict.LATE
+        due_ms = float(other[0]) * EACH_MS + LATE_MS
+        if moved_ms > due_ms and (noticed_ms is None or noticed_ms > due_ms):
+            verdict = Verdict.MISSED if noticed_ms is None else Verdict.LATE
+    stands = _stands(ill.places, ill.units)
+    if stands is None and _stands(well.places, well.units) is not None:
+        verdict = Verdict.MISSED
     return Effect(
         verdict,
         by,
         after_ms,
-        stands_after_ms=moved_ms if moved_ms < 1_000.0 * (WATCHED_S - RESTS_S) else None,
+        stands_after_ms=stands,
         goes_m=_furthest(ill, "m"),
         turns_rad=_furthest(ill, "rad"),
         aside=float(np.max(shares)),
     )
 
 
+def _stands(places: Mapping[str, Floats], units: Mapping[str, str]) -> float | None:
+    """Return after how many ms it stood for good; None where it still moves at the end."""
+    moved_ms = _moved_until(places, units) * EACH_MS
+    length = len(next(iter(places.values()))) * EACH_MS
+    return moved_ms if moved_ms < length - 1_000.0 * RESTS_S else None
+
+
 def _share(ill: Course, well: Course, name: str) -> Floats:
     """Return how far one place is from where it would be, as a share of what counts as something else."""
-    there, here = well.places[name], ill.places[name]
+    length = min(len(well.places[name]), len(ill.places[name]))
+    there, here = well.places[name][:length], ill.places[name][:length]
     share: Floats = np.abs(here - there) / (ASIDE[ill.units[name]] + SHARE * np.abs(there - there[0]))
     return share
 
@@ -141,10 +169,10 @@ def _furthest(course: Course, unit: str) -> float:
     return float(max(found, default=0.0))
 
 
-def _moved_until(course: Course) -> int:
+def _moved_until(places: Mapping[str, Floats], units: Mapping[str, str]) -> int:
     """Return the first of the samples from which on it is where it is at the end."""
     last = 0
-    for name, it in course.places.items():
-        moves = np.flatnonzero(np.abs(it - it[-1]) > STILL[course.units[name]])
+    for name, it in places.items():
+        moves = np.flatnonzero(np.abs(it - it[-1]) > STILL[units[name]])
         last = max(last, int(moves[-1]) + 1 if moves.size else 0)
     return last

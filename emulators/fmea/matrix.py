@@ -8,7 +8,7 @@ from multiprocessing import get_context
 
 from emulators.fmea.effect import LASTS_S, Effect, Verdict, effect, watched
 from emulators.fmea.failures import Failure, failures_of
-from emulators.fmea.reasons import reason
+from emulators.fmea.reasons import ALONE, reason
 from emulators.fmea.states import states_of
 from emulators.testing.rig import VirtualRig
 from firmware_bridge.robot import AnyRobot
@@ -85,8 +85,10 @@ def of_state(made: Callable[[], AnyRobot], failures: Sequence[Failure], name: st
     cells = []
     for failure in failures:
         back()
-        rig.fault(failure.kind, **failure.keys, **({"for_s": LASTS_S} if failure.lasts else {}))
-        cells.append(Cell(name, failure, effect(well, watched(rig)), reason(failure, name)))
+        lasts_s = LASTS_S if failure.lasts and failure.kind not in ALONE else None
+        rig.fault(failure.kind, **failure.keys, **({} if lasts_s is None else {"for_s": lasts_s}))
+        found = effect(well, watched(rig, lasts_s))
+        cells.append(Cell(name, failure, found, reason(rig.robot, failure, name, found)))
     rig.finish()
     return cells
 

@@ -3,7 +3,14 @@
 from dataclasses import dataclass
 from typing import Final
 
+from emulators.fmea.effect import Effect
 from emulators.fmea.failures import Failure
+from firmware_bridge.drivers.driver import Tells
+from firmware_bridge.drivers.fleets import tells_of
+from firmware_bridge.robot import AnyRobot
+
+ALONE: Final = frozenset({"bridge_ends"})
+"""Failures after which no bridge is left to notice anything."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -14,14 +21,33 @@ class Reason:
     why: str
     state: str = ""
     """In this state alone; empty: in all of them."""
+    watched: bool = False
+    """Good only where each device stops by itself, and did."""
+    unmeasured: bool = False
+    """Good only of an axis whose encoder the firmware does not read."""
+
+    def fits(self, robot: AnyRobot, failure: Failure, state: str, found: Effect) -> bool:
+        """Return whether it is good for a cell."""
+        if self.kind != failure.kind or self.state not in {"", state}:
+            return False
+        if self.watched:
+            alone = not any(link.unwatched for link in robot.links.values())
+            return alone and found.stands_after_ms is not None
+        axes = [axis for axis in robot.axes if axis.name == failure.place]
+        return not self.unmeasured or any(Tells.VELOCITY not in tells_of(robot, axis) for axis in axes)
 
 
 REASONS: Final = (
-    Reason("bridge_ends", "nobody is left to say so: its end, and the devices' own watch, stop the robot"),
+    Reason("bridge_ends", "nobody is left to say so: each device stops by its own watchdog", watched=True),
     Reason(
         "load_lifted",
         "a motor whose load is off the floor turns as it is told: cameras alone see it, and only when the"
         " base is further from where its motors say than `base slips` allows",
+    ),
+    Reason("grip_lost", "off the wall it falls, whatever is done: its tether alone holds it"),
+    *(
+        Reason(kind, "the firmware does not read this motor's encoder: cameras alone see it", unmeasured=True)
+        for kind in ("motor_cable_off", "motor_leads_swapped", "shaft_blocked")
     ),
     Reason("motor_supply_sag", "it turns slower by less than an axis may stray"),
     Reason(
@@ -32,7 +58,6 @@ REASONS: Final = (
 )
 
 
-def reason(failure: Failure, state: str) -> str:
+def reason(robot: AnyRobot, failure: Failure, state: str, found: Effect) -> str:
     """Return why this failure may go unnoticed in this state; empty where it may not."""
-    found = (row.why for row in REASONS if row.kind == failure.kind and row.state in {"", state})
-    return next(found, "")
+    return next((row.why for row in REASONS if row.fits(robot, failure, state, found)), "")

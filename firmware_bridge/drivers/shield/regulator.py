@@ -56,10 +56,12 @@ class Pwm:
     def next(self, wanted: float, velocity: float | None, elapsed: Nanoseconds) -> int:
         """Return the PWM, with the motor's sign; `velocity` is None where nothing measures it."""
         seconds = to_seconds(min(elapsed, LONGEST * self._cycle))
-        if wanted == 0.0 and (velocity is None or abs(velocity) < self._rests):
+        if wanted == 0.0:
+            # It shall stand: a way that it is behind would drive it back.
             self._behind = 0.0
-            return self._stepped(0.0, seconds)
-        fed = self._forward * wanted + math.copysign(self._gains.start, wanted) * (wanted != 0.0)
+            brakes = 0.0 if velocity is None or abs(velocity) < self._rests else -self._gains.p * velocity
+            return self._stepped(self._direction * brakes, seconds)
+        fed = self._forward * wanted + math.copysign(self._gains.start, wanted)
         error = 0.0 if velocity is None else wanted - velocity
         behind = self._behind + error * seconds
         pwm = fed + self._gains.p * error + self._gains.i * behind

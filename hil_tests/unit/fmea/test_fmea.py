@@ -2,6 +2,7 @@
 
 import csv
 import io
+from dataclasses import replace
 from functools import partial
 from html.parser import HTMLParser
 from pathlib import Path
@@ -23,6 +24,7 @@ from emulators.fmea.severe import SEVERE
 from emulators.fmea.states import states_of
 from emulators.testing.rig import VirtualRig
 from firmware_bridge.cli import main
+from firmware_bridge.drivers.shield.fleet import over_protocol
 from firmware_bridge.kinds import find, names
 from firmware_bridge.units import MILLISECOND
 
@@ -118,6 +120,43 @@ def test_what_is_said_of_a_cell(ill: Course, verdict: Verdict) -> None:
     assert found.verdict is verdict
     assert (found.stands_after_ms is not None) == (ill.places["x_m"] is STANDS)
     assert found.goes_m == pytest.approx(float(ill.places["x_m"][-1] - ill.places["x_m"][0]))
+
+
+def test_who_never_stands_is_not_noticed_whoever_said_what() -> None:
+    """The same robot stands without the failure: the operator lets go."""
+    stands = course(STANDS)
+    assert effect(stands, course(RUNS_ON, held_ms=100.0, told_ms=50.0)).verdict is Verdict.MISSED
+    assert effect(stands, course(RUNS_ON, held_ms=100.0)).stands_after_ms is None
+    assert effect(course(GOES), course(GOES, held_ms=100.0)).verdict is Verdict.NOTICED
+
+
+@pytest.mark.parametrize(("ends_ms", "verdict"), [(2_000.0, Verdict.NOTICED), (1_900.0, Verdict.TOLERATED)])
+def test_a_notice_that_comes_of_the_failures_own_end_is_none(ends_ms: float, verdict: Verdict) -> None:
+    ill = replace(course(GOES, held_ms=1_950.0, told_ms=1_960.0), ends=int(ends_ms * MILLISECOND))
+    assert effect(course(GOES), ill).verdict is verdict
+
+
+def test_the_first_of_words_and_holds_says_whether_it_was_late() -> None:
+    told = course(RUNS_ON, held_ms=ASIDE_AT_MS + LATE_MS + 500.0, told_ms=100.0)
+    found = effect(course(GOES), told)
+    assert (found.verdict, found.noticed_by) == (Verdict.NOTICED, "a row")
+
+
+@pytest.mark.parametrize(
+    ("protocol", "runs_on"), [("ros-arduino-bridge", False), ("mw", True), ("arduinoio", True)]
+)
+def test_a_bridge_that_is_killed_is_excused_only_where_the_devices_stop_by_themselves(
+    protocol: str, *, runs_on: bool
+) -> None:
+    made = partial(over_protocol, find("rome"), protocol, 3)
+    cells = of_state(made, all_failures(made(), ["bridge_ends"]), "speed 50%")
+    killed = next(cell for cell in cells if "killed" in cell.failure.title)
+    assert killed.effect.verdict is Verdict.MISSED
+    assert killed.wrong is runs_on
+    assert (killed.effect.stands_after_ms is None) is runs_on
+    assert bool(killed.why) is not runs_on
+    asked = next(cell for cell in cells if "asked" in cell.failure.title)
+    assert not asked.late
 
 
 def test_what_holds_without_the_failure_has_not_noticed_it() -> None:
