@@ -1,7 +1,8 @@
 """Drive every cause of a stop in every way, and keep the worst: `python tools/measure_stops.py [-k TEXT]`.
 
-It writes `hil_tests/failures/measured.toml`, `boards.toml` and `every_robot.toml`, of which `make docs` makes
-tables; tests drive each row again. `-k board` measures the boards alone, `-k robots` every robot in brief.
+It writes `hil_tests/failures/measured.toml`, `boards.toml`, `every_robot.toml` and `encoders.toml`, of which
+`make docs` makes tables; tests drive each row again. `-k boards` measures the boards alone, `-k robots` every
+robot in brief, `-k encoders` what a board does without one.
 """
 
 # ruff: noqa: INP001 - a script, not a package
@@ -14,13 +15,14 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from hil_tests.failures import boards, every_robot
+from hil_tests.failures import boards, encoders, every_robot
 from hil_tests.failures.cases import CAUSES, Cause
 from hil_tests.failures.drive import draws, driven
 from hil_tests.failures.measured import Worst, kept, write
 
 BOARDS = "boards"
 ROBOTS = "robots"
+ENCODERS = "encoders"
 
 
 def worst(cause: Cause) -> list[Worst]:
@@ -60,6 +62,8 @@ def main() -> None:
         if told.k in ROBOTS:
             lines = [line for lines in every_robot.LINES.values() for line in lines]
             every_robot.write(row for rows in pool.map(on_line, lines) for row in rows)
+        if told.k in ENCODERS:
+            encoders.write(pool.map(encoders.measured, *zip(*encoders.wanted(), strict=True)))
         for cause, rows in zip(chosen, pool.map(worst, chosen), strict=True):
             others = [row for row in kept() if row.cause != cause.name]
             write((*others, *rows))

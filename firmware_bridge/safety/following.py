@@ -24,6 +24,10 @@ GIVES: Final = 1.0 / 50.0
 held back in turns. An axis that is told 14.8 rad/s is 0.46 rad/s off on 10 degrees."""
 LAZY: Final = 0.5
 """Share of its drive's own ramp and cruise that is awaited of an axis."""
+TURNS: Final = 1.0 / 2.0
+"""Share of the least speed that its demands let an axis have, from which it turns as it was told."""
+IDLE: Final = 2
+"""Samples ago that it turned so: where it was cut off between two, the last that moved shows a part."""
 REGULATED: Final[Nanoseconds] = 100 * MILLISECOND
 """What regulators, play and slip may take; the way there and back takes a cycle of its link each."""
 WITHOUT_TORQUE: Final = (Power.OFF, Power.FAULT)
@@ -170,14 +174,14 @@ class Follower:
     def _judged(self, feedback: Feedback, before: Following, seconds: float) -> Following:
         low, high, at = self._low, self._high, feedback.sampled_at
         position, velocity = feedback.position, feedback.velocity
-        owed = 0.0
+        owed, stands = 0.0, position == before.position
         if self._positions:
             does, slack = position, self._bounds.position
-            if position == before.position:
+            if stands:
                 owed = max(low - does, does - high, 0.0)
         else:
             does, slack = velocity, self._bounds.around(low, high)
-            if position == before.position and self._aim is not Stop.POWER_OFF:
+            if stands and self._aim is not Stop.POWER_OFF:
                 # What it owes when it is told to stop it goes on owing, until its power is taken: who was
                 # well has moved meanwhile.
                 owed = before.owes + max(low, -high, 0.0) * seconds
@@ -188,14 +192,21 @@ class Follower:
             at,
             at if obeys else before.obeyed_at,
             at if owed <= self._bounds.creep else before.settled_at,
-            before.place_at if position == before.position else at,
+            before.place_at if stands else at,
             position,
             velocity,
             low,
             high,
             not obeys and not self._lags(feedback),
             owed,
+            0 if self._turns(velocity) else before.idle + 1,
+            stands and (before.halted or (before.idle < IDLE and owed > self._bounds.creep)),
         )
+
+    def _turns(self, velocity: float) -> bool:
+        """Return whether its speed is a good share of the least that its demands let it have."""
+        least = max(self._low, 0.0) or min(self._high, 0.0)
+        return not self._positions and velocity * least > 0.0 and abs(velocity) >= TURNS * abs(least)
 
     def _lags(self, feedback: Feedback) -> bool:
         """Return whether an axis that strays stays behind: not further, not faster, no other way."""

@@ -48,6 +48,10 @@ class Following:
     """Where it strays: it moves further, faster or another way than it was told; else it stays behind."""
     owes: float = 0.0
     """How far it should have gone at least since its position began to repeat."""
+    idle: int = 2
+    """So many samples ago it turned as it was told."""
+    halted: bool = False
+    """It turned as it was told, and then a sample shows not one bit of the way that it owes."""
 
 
 @valueclass(frozen=True, slots=True)

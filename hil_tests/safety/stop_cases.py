@@ -6,6 +6,7 @@ from typing import Any, Final
 
 from firmware_bridge.drivers.driver import Position, Speed, Stop
 from firmware_bridge.intent import NEVER_HEARD, AgeLimit
+from firmware_bridge.safety.common import HALTS
 from firmware_bridge.safety.snapshot import Following
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.cia402 import State
@@ -277,6 +278,17 @@ CASES: Final = (
         follows("left", place_at=START - 2 * DRIVE_LIMIT) | drive("left", current_a=None),
         f"{TITLES['left']} pulls with nan A, and has not moved by a bit for 0.50 s",
         LINK,
+    ),
+    *(
+        Case(
+            "axis position repeats: left",
+            follows("left", halted=True, place_at=START - HALTS),
+            follows("left", halted=halted, place_at=START - HALTS + late),
+            f"{TITLES['left']}, told 1.50 rad/s, moves with 0.25 rad/s: it turned, and 0.04 s later has not "
+            "moved by a bit",
+            LINK,
+        )
+        for halted, late in ((True, 1), (False, 0))
     ),
     *(
         Case(

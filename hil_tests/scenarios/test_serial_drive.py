@@ -260,10 +260,10 @@ def test_a_drive_that_does_not_notice_the_bridge_s_silence_is_not_driven(
 
 
 def test_the_orderly_end_takes_the_power_off(rides: Ridden) -> None:
-    one = rides(*DRIVING, seconds=9, robot=USB)
+    one = rides(*DRIVING, seconds=10, robot=USB)
     one.runs_until(CUT_S)
     one.ends()
-    one.runs_until(8)
+    one.runs_until(8.5)
     assert one.rig.bridge.finished
     assert states(one) == [State.SWITCH_ON_DISABLED] * 4
     stores = [device.store for device in one.rig.devices.drives.values()]

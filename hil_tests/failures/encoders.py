@@ -1,0 +1,123 @@
+"""What an encoder that is off does to a base whose board regulates by it: measured."""
+
+import json
+import math
+import tomllib
+from collections.abc import Iterable, Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Final
+
+from emulators.documents.pages import table
+from emulators.testing.rig import STEP_S, VirtualRig
+from hil_tests.safety.driving import DRIVES_FOR_S, robot_of, speed
+
+FILE: Final = Path(__file__).with_name("encoders.toml")
+HEAD: Final = "# Made by tools/measure_stops.py: what comes of an encoder that is off, on a board.\n"
+LINES: Final = {"rome": ("rome:ros-arduino-bridge", "rome:mw:3"), "rome_arm": ("rome_arm",)}
+SPEEDS: Final = (0.1, 0.2, 0.3)
+"""m/s, ahead: wheels two and three carry it."""
+WHEELS: Final = ("two", "three")
+PHASES: Final = tuple(place * 0.0071 for place in range(8))
+"""s: when it fails between two samples."""
+WATCHED_S: Final = 4.0
+TURNING: Final = "while it drives"
+STARTING: Final = "before it starts"
+TEXT: Final = """A board's own loop drives a wheel harder and harder whose encoder shows nothing: at full
+power after 0.1 s. Worst of the wheels two and three and of eight instants between two samples, by the plant's
+truth. A wheel that turned as it was told and then shows not one bit of its way is released there: its
+board can do no more, and it coasts. From rest, a wheel whose encoder is off looks like one that has not begun
+to turn yet, for as long as the robot file lets it lag."""
+
+
+@dataclass(frozen=True, slots=True)
+class Off:
+    """What came of it at one speed."""
+
+    line: str
+    when: str
+    told_mm_s: int
+    worst_mm_s: int
+    yaw_mrad_s: int
+    above_twice_ms: int
+    """For how long the base was faster than twice what it was told."""
+    rest_ms: int
+
+
+def wanted() -> Iterator[tuple[str, str, float]]:
+    """Yield each line, with when the encoder goes, and how fast the base is told to drive."""
+    for lines in LINES.values():
+        for line in lines:
+            for when in (TURNING, STARTING):
+                for told in SPEEDS:
+                    yield line, when, told
+
+
+def measured(line: str, when: str, told: float) -> Off:
+    """Drive it with each wheel's encoder, and at each instant; keep the worst of each figure."""
+    rig = VirtualRig(robot_of(line))
+    rig.arms()
+    if when == TURNING:
+        rig.operator.drives(told)
+        rig.runs(DRIVES_FOR_S)
+    found = []
+    for wheel in WHEELS:
+        for phase in PHASES if when == TURNING else PHASES[:1]:
+            with rig.branch():
+                rig.runs(phase)
+                rig.fault("encoder_cable_off", node=wheel)
+                rig.operator.drives(told)
+                found.append(_watched(rig, told))
+    worst = [round(1000 * max(figures)) for figures in zip(*found, strict=True)]
+    return Off(line, when, round(1000 * told), *worst)
+
+
+def _watched(rig: VirtualRig, told: float) -> tuple[float, float, float, float]:
+    """Return the greatest speed and yaw rate, for how long it was too fast, and when it stood."""
+    began, worst, yaw, above, rest = rig.now, 0.0, 0.0, 0.0, 0.0
+    while rig.now < began + WATCHED_S:
+        rig.runs(STEP_S)
+        body = rig.body
+        now = math.hypot(body.speed_mps, body.speed_left_mps)
+        worst, yaw = max(worst, now), max(yaw, abs(body.yaw_rate_rad_s))
+        above += STEP_S * (now > 2.0 * told)
+        if speed(rig) > 0.005:
+            rest = rig.now - began
+    return worst, yaw, above, rest
+
+
+def kept() -> tuple[Off, ...]:
+    """Return the rows of the file."""
+    text = FILE.read_text(encoding="utf-8") if FILE.exists() else ""
+    return tuple(Off(**row) for row in tomllib.loads(text).get("came", []))
+
+
+def write(rows: Iterable[Off]) -> None:
+    """Write them."""
+    tables = (
+        "\n[[came]]\n" + "".join(f"{key} = {json.dumps(it)}\n" for key, it in asdict(row).items())
+        for row in rows
+    )
+    FILE.write_text(HEAD + "".join(tables), encoding="utf-8")
+
+
+def sections(robot: str) -> tuple[str, ...]:
+    """Return the part of the page on safety, in Markdown."""
+    lines = LINES.get(robot, ())
+    if not lines:
+        return ()
+    headings = ("line", "encoder off", "told", "worst", "yaw rate", "above twice", "stands after")
+    cells = (
+        (
+            row.line,
+            row.when,
+            f"{row.told_mm_s / 1000:g} m/s",
+            f"{row.worst_mm_s / 1000:.2f} m/s",
+            f"{row.yaw_mrad_s / 1000:.2f} rad/s",
+            f"{row.above_twice_ms / 1000:.2f} s",
+            f"{row.rest_ms / 1000:.2f} s",
+        )
+        for row in kept()
+        if row.line in lines
+    )
+    return ("### An encoder that is off", TEXT, table(headings, cells))
