@@ -1,6 +1,6 @@
 """All links of one robot, each with the fleet of devices on it, as the cycle speaks to them."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Final
 
 from firmware_bridge.drivers.driver import Demand, Driver, Feedback, Level, Reading, Speed, Stop, Task
@@ -161,10 +161,11 @@ class Fleets:
                 sent += fleet.switch(levels, now)
         return sent
 
-    def command_all(self, demand: Stop) -> tuple[Packet, ...]:
-        """Send all axes the same demand."""
-        self.told.update({driver.axis.name: demand for driver in self.drivers})
-        return _joined([fleet.command_all(demand) for fleet in self.all])
+    def command_all(self, demand: Stop, off: Collection[str] = ()) -> tuple[Packet, ...]:
+        """Send all axes the same demand; those named in `off` shall have no power, whatever it is."""
+        demands = {driver.axis.name: demand for driver in self.drivers} | dict.fromkeys(off, Stop.POWER_OFF)
+        self.told.update(demands)
+        return _joined([fleet.command(demands) for fleet in self.all])
 
     def release(self) -> tuple[Packet, ...]:
         """End the handshakes that are open."""

@@ -210,7 +210,8 @@ class Permission(Generic[G, M, S]):
         self.order_off(now)
         # Its own demand may be above zero still: what was measured counts.
         stop = self.ordered_off(now, rests=self.rules.stands(seen))
-        self._outbox += self._fleets.command_all(stop)
+        taken = {name for name, one in self.stops.of_axes.items() if one.ends_power}
+        self._outbox += self._fleets.command_all(stop, self.disbelieved | self.rules.without | taken)
         does = "the drives are without power" if stop is Stop.POWER_OFF else "it brakes, then the power goes"
         return Verdict(accepted=True, reason=f"disarmed by force: {does}")
 

@@ -301,7 +301,8 @@ class Pipeline(Generic[G, M, S]):
         permission, now = self._permission, known.facts.now
         if permission.powered_off:
             permission.letting_go.ordered(now)
-            return self._all(permission.ordered_off(now, rests=permission.rules.stands(known)))
+            # Not for an axis that shall have no power already: to brake would give it back.
+            return self._used(self._all(permission.ordered_off(now, rests=permission.rules.stands(known))))
         without = permission.rules.without
         stop = permission.letting_go.asked(rests=rests, now=now, without=without)
         return {} if stop is None else self._used(self._all(stop))

@@ -114,10 +114,13 @@ class AxisStop:
         return self.escalates and self.step.ends_power
 
     def begin(self, now: Nanoseconds, *, off: bool) -> None:
-        """Begin with the first step."""
-        feedback = self.driver.feedback
-        confirmed = self.progress is Progress.CONFIRMED and now - self.confirmed_at >= STEADY
-        if confirmed or self.progress is Progress.NOT_ASKED:
+        """Begin with the first step, or go on where the same stop had come to."""
+        feedback, before = self.driver.feedback, self.progress
+        same = before is Progress.CONFIRMED and now - self.confirmed_at < STEADY
+        if same and self.off == off and self.step.ends_power:
+            self.progress = Progress.UNDER_WAY
+            return
+        if not same and before in (Progress.CONFIRMED, Progress.NOT_ASKED):
             self.since = now
         self._rested = feedback.sampled_at != NEVER_HEARD and abs(feedback.velocity) <= self._rests_below
         self.progress, self.off = Progress.UNDER_WAY, off

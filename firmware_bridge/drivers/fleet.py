@@ -134,10 +134,6 @@ class Fleet:
         """Send each axis its demand; an axis without one rests."""
         return _joined([driver.command(demands.get(driver.axis.name, Stop.REST)) for driver in self.drivers])
 
-    def command_all(self, demand: Demand) -> tuple[Packet, ...]:
-        """Send all axes the same demand."""
-        return _joined([driver.command(demand) for driver in self.drivers])
-
     def release(self) -> tuple[Packet, ...]:
         """End the handshakes that are open."""
         return _joined([driver.release() for driver in self.drivers])

@@ -200,7 +200,9 @@ class Follower:
             not obeys and not self._lags(feedback),
             owed,
             0 if self._turns(velocity) else before.idle + 1,
-            stands and (before.halted or (before.idle < IDLE and owed > self._bounds.creep)),
+            stands
+            and self._aim is not Stop.POWER_OFF
+            and (before.halted or (before.idle < IDLE and owed > self._bounds.creep)),
         )
 
     def _turns(self, velocity: float) -> bool:

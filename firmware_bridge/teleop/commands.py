@@ -6,8 +6,7 @@ A command that has no row is UNSUPPORTED. Sources: common.xml, MAV_CMD; MAVLink 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from enum import IntEnum
-from typing import Final, TypeAlias
+from typing import Final
 
 from firmware_bridge.intent import (
     Arm,
@@ -20,11 +19,11 @@ from firmware_bridge.intent import (
     Pause,
     ResetOdometry,
     Resume,
-    Verdict,
 )
 from firmware_bridge.teleop import modes
 from firmware_bridge.teleop.exchange import Exchange
 from firmware_bridge.teleop.mavlink import Message, dialect
+from firmware_bridge.teleop.order import ACCEPTED, Action, Answer, Order, Result, denied, judged, whole
 from firmware_bridge.teleop.setpoints import pressed
 from firmware_bridge.teleop.station import FASTEST, AnyStation
 from firmware_bridge.units import NEVER
@@ -40,85 +39,43 @@ _LARGEST_NUMBER: Final = 0xFFFF
 _LONGEST_INTERVAL_US: Final = 0x7FFF_FFFF
 
 
-class Result(IntEnum):
-    """MAV_RESULT."""
-
-    ACCEPTED = 0
-    TEMPORARILY_REJECTED = 1
-    DENIED = 2
-    UNSUPPORTED = 3
-    FAILED = 4
-
-
-@dataclass(frozen=True, slots=True)
-class Order:
-    """One command with its seven parameters, whichever message carried it."""
-
-    command: int
-    params: tuple[float, float, float, float, float, float, float]
-
-
-@dataclass(frozen=True, slots=True)
-class Answer:
-    """The result, and where it is a refusal the reason for people."""
-
-    result: Result
-    reason: str = ""
-
-
-ACCEPTED: Final = Answer(Result.ACCEPTED)
-
-
-Action: TypeAlias = Callable[[Order, Exchange], Answer]
-
-
-def _denied(reason: str) -> Answer:
-    return Answer(Result.DENIED, reason)
-
-
-def _judged(verdict: Verdict) -> Answer:
-    if verdict.accepted:
-        return ACCEPTED
-    return Answer(Result.TEMPORARILY_REJECTED if verdict.temporary else Result.DENIED, verdict.reason)
-
-
 def _arm_or_disarm(order: Order, exchange: Exchange) -> Answer:
     force = order.params[1] == FORCE
     match order.params[0]:
         case 0.0:
-            return _judged(exchange.request(Disarm(force=force)))
+            return judged(exchange.request(Disarm(force=force)))
         case 1.0 if force:
-            return _denied("arming cannot be forced: the interlocks stay")
+            return denied("arming cannot be forced: the interlocks stay")
         case 1.0:
-            return _judged(exchange.request(Arm()))
-    return _denied("arm: parameter 1 must be 0 or 1")
+            return judged(exchange.request(Arm()))
+    return denied("arm: parameter 1 must be 0 or 1")
 
 
 def _terminate(order: Order, exchange: Exchange) -> Answer:
-    if order.params[0] > _TERMINATES:
-        return _judged(exchange.request(EmergencyStop(final=True)))
-    return _denied("termination is undone by a restart of the bridge only")
+    if _terminates(order):
+        return judged(exchange.request(EmergencyStop(final=True)))
+    return denied("termination is undone by a restart of the bridge only")
 
 
 def _safety_switch(order: Order, exchange: Exchange) -> Answer:
     match order.params[0]:
         case dialect.SAFETY_SWITCH_STATE_SAFE:
-            return _judged(exchange.request(EmergencyStop()))
+            return judged(exchange.request(EmergencyStop()))
         case dialect.SAFETY_SWITCH_STATE_DANGEROUS:
-            return _judged(exchange.request(ClearEmergencyStop()))
-    return _denied("safety switch: parameter 1 must be 0 (stop) or 1 (clear)")
+            return judged(exchange.request(ClearEmergencyStop()))
+    return denied("safety switch: parameter 1 must be 0 (stop) or 1 (clear)")
 
 
 def _relay(order: Order, exchange: Exchange) -> Answer:
     relays = {switch.relay: switch for switch in exchange.station.switches}
     if not relays:
         return Answer(Result.UNSUPPORTED)
-    number, on = _number(order.params[0]), order.params[1]
+    number, on = whole(order.params[0]), order.params[1]
     if number is None or number not in relays:
         known = ", ".join(f"{relay} {switch.name}" for relay, switch in relays.items())
-        return _denied(f"relay: {known}; there are no others")
+        return denied(f"relay: {known}; there are no others")
     if on not in (0.0, 1.0):
-        return _denied("relay: parameter 2 must be 0 or 1")
+        return denied("relay: parameter 2 must be 0 or 1")
     exchange.switch(relays[number], on=bool(on))
     return ACCEPTED
 
@@ -128,7 +85,7 @@ def _illuminate(order: Order, exchange: Exchange) -> Answer:
     if not lamps:
         return Answer(Result.UNSUPPORTED)
     if order.params[0] not in (0.0, 1.0):
-        return _denied(f"{', '.join(lamp.name for lamp in lamps)}: parameter 1 must be 0 or 1")
+        return denied(f"{', '.join(lamp.name for lamp in lamps)}: parameter 1 must be 0 or 1")
     for lamp in lamps:
         exchange.switch(lamp, on=bool(order.params[0]))
     return ACCEPTED
@@ -141,22 +98,22 @@ def _actuator(order: Order, exchange: Exchange) -> Answer:
         return Answer(Result.UNSUPPORTED)
     shares, others = order.params[: len(names)], order.params[len(names) : 6]
     if order.params[6] != 0.0 or not all(math.isnan(other) or other == 0.0 for other in others):
-        return _denied(f"actuator: set 0 has {', '.join(names)}; there are no others")
+        return denied(f"actuator: set 0 has {', '.join(names)}; there are no others")
     named = [(place, share) for place, share in enumerate(shares) if not math.isnan(share)]
     beyond = [place for place, share in named if not -1.0 <= share <= 1.0]
     if not named or beyond:
         place = beyond[0] if beyond else 0
-        return _denied(f"{names[place]}: parameter {place + 1} must be within -1 (lowest) and 1 (highest)")
+        return denied(f"{names[place]}: parameter {place + 1} must be within -1 (lowest) and 1 (highest)")
     if not exchange.armed:
-        return _denied(f"{names[named[0][0]]}: arm first; a target is not kept for later")
+        return denied(f"{names[named[0][0]]}: arm first; a target is not kept for later")
     for place, share in named:
         exchange.actuate(place, (share + 1.0) / 2.0)
     return ACCEPTED
 
 
 def _request_message(order: Order, exchange: Exchange) -> Answer:
-    number = _number(order.params[0])
-    sent = number is not None and exchange.send(number, _number(order.params[1]) or 0)
+    number = whole(order.params[0])
+    sent = number is not None and exchange.send(number, whole(order.params[1]) or 0)
     return ACCEPTED if sent else Answer(Result.UNSUPPORTED)
 
 
@@ -174,23 +131,23 @@ def _send_home(_: Order, exchange: Exchange) -> Answer:
 
 def _change_interval(order: Order, exchange: Exchange) -> Answer:
     """Change how often this station is told; who does not drive is told no more often than others."""
-    number, wish = _number(order.params[0]), order.params[1]
+    number, wish = whole(order.params[0]), order.params[1]
     default = None if number is None else exchange.session.schedule.default(number)
     if number is None or default is None:
         return Answer(Result.UNSUPPORTED)
     if not math.isfinite(wish) or wish < -1.0:
-        return _denied("message interval: parameter 2 is in microseconds, 0 for the default, -1 for off")
+        return denied("message interval: parameter 2 is in microseconds, 0 for the default, -1 for off")
     if number == dialect.MAVLINK_MSG_ID_HEARTBEAT and wish != 0.0:
-        return _denied("message interval: the heartbeat keeps its rate")
+        return denied("message interval: the heartbeat keeps its rate")
     period = None if wish == 0.0 else NEVER if wish < 0.0 else max(round(wish) * 1000, FASTEST)
     refused = exchange.change_interval(number, period, default)
-    return ACCEPTED if refused is None else _denied(refused)
+    return ACCEPTED if refused is None else denied(refused)
 
 
 def _send_interval(order: Order, exchange: Exchange) -> Answer:
-    number = _number(order.params[0])
+    number = whole(order.params[0])
     if number is None or number > _LARGEST_NUMBER:
-        return _denied("message interval: parameter 1 must be a message number up to 65535")
+        return denied("message interval: parameter 1 must be a message number up to 65535")
     period = exchange.schedule.period(number)
     # 0 is a message that is no stream, -1 one that is switched off.
     interval = 0 if period is None else -1 if period == NEVER else min(period // 1000, _LONGEST_INTERVAL_US)
@@ -201,18 +158,18 @@ def _send_interval(order: Order, exchange: Exchange) -> Answer:
 def _pause(order: Order, exchange: Exchange) -> Answer:
     match order.params[0]:
         case dialect.MAV_GOTO_DO_HOLD:
-            return _judged(exchange.request(Pause()))
+            return judged(exchange.request(Pause()))
         case dialect.MAV_GOTO_DO_CONTINUE:
-            return _judged(exchange.request(Resume()))
-    return _denied("pause: parameter 1 must be 0 (pause) or 1 (continue)")
+            return judged(exchange.request(Resume()))
+    return denied("pause: parameter 1 must be 0 (pause) or 1 (continue)")
 
 
 def _set_standard_mode(order: Order, exchange: Exchange) -> Answer:
     """Stop, whichever it is: who asks for another mode no longer drives by hand."""
-    paused = _judged(exchange.request(Pause()))
+    paused = judged(exchange.request(Pause()))
     if order.params[0] == dialect.MAV_STANDARD_MODE_POSITION_HOLD:
         return paused
-    return _denied("mode: of the standard modes only position hold; the robot is paused")
+    return denied("mode: of the standard modes only position hold; the robot is paused")
 
 
 def _set_mode(order: Order, exchange: Exchange) -> Answer:
@@ -224,23 +181,23 @@ def _set_mode(order: Order, exchange: Exchange) -> Answer:
 
 
 def _enter_mode(order: Order, exchange: Exchange) -> Answer:
-    session, main, sub = exchange.session, _number(order.params[1]), _number(order.params[2]) or 0
+    session, main, sub = exchange.session, whole(order.params[1]), whole(order.params[2]) or 0
     asked = None if main is None else modes.asked(main, sub, len(session.modes))
     if asked is None:
         known = [f"{row.number} {row.way.value}" for row in modes.ROWS]
         known += [f"{modes.number_of_own(place)} {name}" for place, name in enumerate(session.modes) if name]
-        return _denied(f"mode: {', '.join(known)}; there are no others; it is paused")
+        return denied(f"mode: {', '.join(known)}; there are no others; it is paused")
     session.audience.voice(exchange.sender.source).px4 = asked.px4
     if asked.way is modes.Way.HOLD:
-        return _judged(exchange.request(Pause()))
+        return judged(exchange.request(Pause()))
     guide = 0 if asked.px4 else sub
     if guide >= len(session.guides):
         known = [f"{place} {name or 'the operator'}" for place, name in enumerate(session.guides)]
-        return _denied(f"submode: {', '.join(known)}; there are no others")
+        return denied(f"submode: {', '.join(known)}; there are no others")
     mode = exchange.mode if asked.own is None else session.modes[asked.own]
-    entered = _judged(exchange.request(EnterMode(mode)))
+    entered = judged(exchange.request(EnterMode(mode)))
     if entered.result is Result.ACCEPTED and len(session.guides) > 1:
-        entered = _judged(exchange.request(Follow(session.guides[guide])))
+        entered = judged(exchange.request(Follow(session.guides[guide])))
     if entered.result is Result.ACCEPTED:
         session.driven.order(asked.way, exchange.now)
     return entered
@@ -248,21 +205,21 @@ def _enter_mode(order: Order, exchange: Exchange) -> Answer:
 
 def _home(order: Order, exchange: Exchange) -> Answer:
     if order.params[0] != 1.0:
-        return _denied("home: only the present place (parameter 1 = 1) can be the origin")
-    return _judged(exchange.request(ResetOdometry()))
+        return denied("home: only the present place (parameter 1 = 1) can be the origin")
+    return judged(exchange.request(ResetOdometry()))
 
 
 def _confirm_zero(order: Order, exchange: Exchange) -> Answer:
-    number, axes = _number(order.params[0]), exchange.session.robot.axes
+    number, axes = whole(order.params[0]), exchange.session.robot.axes
     # Counted from 1: a command of zeros alone names no axis.
     known = number is not None and 1 <= number <= len(axes)
     axis = axes[number - 1].name if number is not None and known else f"axis {order.params[0]:g}"
-    return _judged(exchange.request(ConfirmZero(axis, order.params[1])))
+    return judged(exchange.request(ConfirmZero(axis, order.params[1])))
 
 
 def _reboot(_: Order, exchange: Exchange) -> Answer:
     if exchange.armed:
-        return _denied("reboot: disarm first")
+        return denied("reboot: disarm first")
     return Answer(Result.UNSUPPORTED, "reboot: restart the bridge's program where it runs")
 
 
@@ -273,7 +230,7 @@ def _request_control(order: Order, exchange: Exchange) -> Answer:
         return change_control(exchange, asks=True, yields=second == 1.0)
     if first == 0.0 and second in (0.0, 1.0):
         return change_control(exchange, asks=second == 1.0, yields=third == 1.0)
-    return _denied("control: parameter 1 must be 0 (give up) or 1 (ask for it)")
+    return denied("control: parameter 1 must be 0 (give up) or 1 (ask for it)")
 
 
 def change_control(exchange: Exchange, *, asks: bool, yields: bool) -> Answer:
@@ -283,7 +240,7 @@ def change_control(exchange: Exchange, *, asks: bool, yields: bool) -> Answer:
     """
     control = exchange.session.control
     if not asks and control.driver != exchange.sender:
-        return _denied(f"control: {exchange.sender} does not drive")
+        return denied(f"control: {exchange.sender} does not drive")
     if not asks:
         exchange.give_up_control()
     elif exchange.refusal is None or control.yields:
@@ -292,6 +249,24 @@ def change_control(exchange: Exchange, *, asks: bool, yields: bool) -> Answer:
         exchange.ask_driver(MAV_CMD_REQUEST_OPERATOR_CONTROL)
         return Answer(Result.FAILED)
     return ACCEPTED
+
+
+def _never(_: Order) -> bool:
+    return False
+
+
+def _zero(order: Order) -> bool:
+    return order.params[0] == 0.0
+
+
+def _terminates(order: Order) -> bool:
+    return order.params[0] > _TERMINATES
+
+
+def _holds(order: Order) -> bool:
+    main, sub = whole(order.params[1]), whole(order.params[2]) or 0
+    asked = None if main is None else modes.asked(main, sub, 0)
+    return asked is not None and asked.way is modes.Way.HOLD
 
 
 @dataclass(frozen=True, slots=True)
@@ -303,6 +278,8 @@ class Row:
     does: str
     anyone: bool = False
     """Whether it is obeyed of a station that does not drive; what it requests is judged there once more."""
+    stops: Callable[[Order], bool] = _never
+    """Whether an order stops: it is carried out each time it is said, as a repetition, too."""
 
 
 ROWS: Final = (
@@ -311,20 +288,28 @@ ROWS: Final = (
         _arm_or_disarm,
         "arm; disarm, forced with p2 = 21196",
         anyone=True,
+        stops=_zero,
     ),
     Row(
         dialect.MAV_CMD_DO_FLIGHTTERMINATION,
         _terminate,
         "emergency stop until the bridge is restarted",
         anyone=True,
+        stops=_terminates,
     ),
-    Row(dialect.MAV_CMD_DO_PAUSE_CONTINUE, _pause, "p1 0: come to rest and wait; 1: go on, the stick let go"),
-    Row(dialect.MAV_CMD_OVERRIDE_GOTO, _pause, "the same"),
+    Row(
+        dialect.MAV_CMD_DO_PAUSE_CONTINUE,
+        _pause,
+        "p1 0: come to rest and wait; 1: go on, the stick let go",
+        stops=_zero,
+    ),
+    Row(dialect.MAV_CMD_OVERRIDE_GOTO, _pause, "the same", stops=_zero),
     Row(
         dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE,
         _safety_switch,
         "p1 0: emergency stop; 1: clear it",
         anyone=True,
+        stops=_zero,
     ),
     Row(dialect.MAV_CMD_DO_SET_ACTUATOR, _actuator, "actuators of set 0: -1 lowest to 1 highest, NaN stays"),
     Row(dialect.MAV_CMD_DO_SET_RELAY, _relay, "p1: its number; p2 0 or 1"),
@@ -346,8 +331,14 @@ ROWS: Final = (
         _set_mode,
         "0 Manual: the whole robot, and on after a pause; 15 Guided; 4 Hold: pause; others after a failed "
         "actuator; submode: the guide, 0 none; PX4's numbers, too",
+        stops=_holds,
     ),
-    Row(dialect.MAV_CMD_DO_SET_STANDARD_MODE, _set_standard_mode, "p1 1, position hold: pause"),
+    Row(
+        dialect.MAV_CMD_DO_SET_STANDARD_MODE,
+        _set_standard_mode,
+        "p1 1, position hold: pause",
+        stops=lambda _: True,
+    ),
     Row(dialect.MAV_CMD_DO_SET_HOME, _home, "p1 = 1: the present place is the origin; cameras count anew"),
     Row(
         dialect.MAV_CMD_USER_1,
@@ -383,17 +374,17 @@ def asks_to_stop(message: Message, station: AnyStation) -> bool:
     return False
 
 
+def stops(order: Order) -> bool:
+    """Tell whether an order stops, in whichever way."""
+    row = _BY_NUMBER.get(order.command)
+    return row is not None and row.stops(order)
+
+
 def obey(order: Order, exchange: Exchange) -> Answer:
     """Do what an order asks, where it can be done, and where its sender may ask it."""
     row = _BY_NUMBER.get(order.command)
     if row is None:
         return Answer(Result.UNSUPPORTED)
     if exchange.refusal is not None and not row.anyone:
-        return _denied(exchange.refusal)
+        return denied(exchange.refusal)
     return row.act(order, exchange)
-
-
-def _number(parameter: float) -> int | None:
-    if math.isfinite(parameter) and parameter >= 0.0 and parameter == int(parameter):
-        return int(parameter)
-    return None

@@ -7,6 +7,7 @@ from typing import Any, Final, TypeAlias
 from firmware_bridge.intent import (
     Arm,
     ChangeDriver,
+    ClearEmergencyStop,
     Disarm,
     EmergencyStop,
     Intent,
@@ -92,8 +93,9 @@ class Exchange:
 
     @property
     def stopped(self) -> bool:
-        """Whether the emergency stop is latched, as of the newest snapshot."""
-        return self.session.snapshot is not None and self.session.snapshot.facts.emergency_stopped
+        """Whether the emergency stop is latched, as of a snapshot since it was cleared last."""
+        snapshot, cleared_at = self.session.snapshot, self.session.cleared_at
+        return snapshot is not None and snapshot.facts.emergency_stopped and snapshot.facts.now > cleared_at
 
     def request(self, request: Request) -> Verdict:
         """Ask the bridge, for who drives; what of a wish does not outlive a change of state is forgotten.
@@ -125,6 +127,8 @@ class Exchange:
         if isinstance(request, Arm) and session.control.driver is None:
             session.control.take(self.sender, self.now)
             self._tell_driver()
+        if isinstance(request, ClearEmergencyStop):
+            session.cleared_at = self.now
         if isinstance(request, Pause):
             session.driven.wait()
         if isinstance(request, ResetOdometry):

@@ -5,10 +5,11 @@ from functools import partial
 from typing import Final
 
 from firmware_bridge.intent import EmergencyStop
-from firmware_bridge.teleop.commands import Order, Result, asks_to_stop, change_control, obey
+from firmware_bridge.teleop.commands import asks_to_stop, change_control, obey, stops
 from firmware_bridge.teleop.exchange import Exchange
 from firmware_bridge.teleop.lacking import LACKING, Refusal
 from firmware_bridge.teleop.mavlink import Message, dialect, text_of
+from firmware_bridge.teleop.order import Order, Result
 from firmware_bridge.teleop.session import REMEMBERED, Answered
 from firmware_bridge.teleop.setpoints import pressed
 from firmware_bridge.teleop.station import Unusable
@@ -79,17 +80,17 @@ def _set_mode(exchange: Exchange) -> None:
 
 def _order(exchange: Exchange, order: Order, *, repeated: bool) -> None:
     peer = exchange.peer
-    before = peer.answered
-    if repeated and before is not None and exchange.now - before.at < REMEMBERED:
+    before = peer.answered if repeated and not stops(order) else None
+    if before is not None and exchange.now - before.at < REMEMBERED:
         same = before.command == order.command and repr(before.params) == repr(order.params)  # NaN is not NaN
         if same:
             _acknowledge(exchange, order.command, before.result)
             return
-    stops = exchange.refusal is not None and asks_to_stop(exchange.message, exchange.station)
+    bystander_stops = exchange.refusal is not None and asks_to_stop(exchange.message, exchange.station)
     answer = obey(order, exchange)
-    if stops and exchange.now - peer.stop_answered_at < STOP_ANSWERED_EVERY:
+    if bystander_stops and exchange.now - peer.stop_answered_at < STOP_ANSWERED_EVERY:
         return
-    if stops:
+    if bystander_stops:
         peer.stop_answered_at = exchange.now
     if answer.reason:
         # The same reason in a row is told now and then; the answer itself comes each time.

@@ -202,6 +202,8 @@ class Session:
         """What the start has shown that whoever drives must know."""
         self.dropped: Final = Dropped()
         self.terminated = False
+        self.cleared_at: Nanoseconds = NEVER_HEARD
+        """When the emergency stop was cleared last."""
         self.resets = 0
         bandwidth = robot.operator.bandwidth_bit_s
         slow = 0 if bandwidth is None else LISTED_BITS * SECOND // bandwidth

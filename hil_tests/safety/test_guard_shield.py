@@ -1,9 +1,10 @@
 """What the guard lets through to a board with a motor shield, at both edges of each bound."""
 
-from typing import Final
+from typing import Any, Final
 
 import pytest
 
+from emulators.rig import BRIDGE
 from firmware_bridge.drivers.shield.fleet import over_protocol
 from firmware_bridge.kinds import find
 from firmware_bridge.node import DTR_DOWN
@@ -15,6 +16,7 @@ from firmware_bridge.wire.arduino import arduinoio, firmata, motor_shield, mw
 from firmware_bridge.wire.arduino import mw_messages as messages
 from firmware_bridge.wire.arduino import ros_arduino_bridge as ros
 from firmware_bridge.wire.arduino.motor_shield import Pin
+from hil_tests.safety.driving import SHIELDS, driving, speed
 
 CYCLE: Final[Nanoseconds] = 50 * MILLISECOND
 
@@ -235,7 +237,7 @@ def test_set_up_and_reset_are_for_a_robot_at_rest(
         (
             "mw",
             (mw.encode_request(messages.SetMotorSpeed(0, 0, 20, 1), 1),),
-            [mw.encode_request(messages.StopMotor(0, 0), 0)],
+            [mw.encode_request(messages.StopMotor(0, 0), 0) + bytes(57)],
         ),
         ("firmata", (channel(1, Pin.IN1, 1), channel(1, Pin.PWM, 20)), [channel(1, Pin.PWM, 0)]),
     ],
@@ -248,6 +250,20 @@ def test_the_guard_speaks_for_a_bridge_that_is_silent(
     assert bench.say(later=3 * bench.cycle - 1) == []
     assert bench.say(later=1) == safe
     assert bench.reason.startswith(f"no set-point for {3 * bench.cycle // MILLISECOND} ms")
+
+
+@pytest.mark.parametrize("robot", SHIELDS)
+def test_the_guard_s_words_stop_every_motor_of_a_board(robot: str) -> None:
+    """The bridge says nothing more: each of the guard's words must come to the board."""
+    with driving(robot) as rig:
+        station: Any = rig.bench.world._stations[BRIDGE]  # noqa: SLF001 - no fault of a mission does it
+        guard = station.node.node
+        node, guard.node = guard.node, Talker()
+        try:
+            rig.runs(2.0)
+        finally:
+            guard.node = node
+        assert speed(rig) < 0.01
 
 
 def test_mwprotocols_libraries_are_those_that_the_board_has_told() -> None:
@@ -334,6 +350,8 @@ def written(low: int, high: int) -> bytes:
         ("mw", mw.encode_request(messages.StopMotor(0, 2), 1), Word({3: RELEASED})),
         ("mw", mw.encode_request(messages.StopMotor(0, 0), 1), Word({1: RELEASED})),
         ("mw", mw.encode_request(messages.StopMotor(0, 3), 1), None),
+        ("mw", mw.encode_request(messages.StopMotor(0, 0), 1) + bytes(9), Word({1: RELEASED})),
+        ("mw", mw.encode_request(messages.StopMotor(0, 0), 1) + b"\0\1", None),
         (
             "mw",
             mw.encode_request(messages.SetMotorSpeed(0, 2, 9, 2), 1),

@@ -5,7 +5,7 @@ set-up. A board that was silent for longer than its link allows may have started
 its motors until it answers, and then set up again, which begins with that; to drive it must be enabled.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Final
 
 from firmware_bridge.drivers.driver import STOPPING, Stop, Task
@@ -207,7 +207,7 @@ class Board:
             say = self._taken()
             if say is None:
                 break
-            sent.append(self._said(say, now))
+            sent += self._said(say, now)
         return tuple(sent)
 
     def _taken(self) -> Say | None:
@@ -225,14 +225,18 @@ class Board:
         elif self._waiting.last and self.under_way[0] in _LETTING_GO:
             self._releasing.begin(self.motors, self._questions)
 
-    def _said(self, say: Say, now: Nanoseconds) -> Packet:
+    def _said(self, say: Say, now: Nanoseconds) -> tuple[Packet, ...]:
         self.commands += 1
+        before: Iterable[Say] = ()
         if say.reads is not None:
             self._question, self._asked_at = say, now
             finding = self.under_way[:1] == (Task.FIND,)
             self._until = now + (FOUND_EVERY if finding else self._patience)
             self._questions += 1
-        return Packet(self.name, 0, say.data)
+            if finding and self._restores and not self._dialect.on_board:
+                # Its shield drives on until it is told, and its answers may not come through.
+                before = self._dialect.release_anew(motor.number for motor in self.motors)
+        return tuple([Packet(self.name, 0, word.data) for word in (*before, say)])
 
     def _express(self, now: Nanoseconds) -> None:
         """Make words of what the motors want."""
@@ -301,7 +305,7 @@ class Board:
             self._waiting.later(question)
             return ()
         if now < self._booting.found_until if finding else self._tries < TRIES:
-            return (self._said(question, now),)
+            return self._said(question, now)
         self._fail(self._booting.unanswered(question.what, found=not finding))
         return ()
 

@@ -223,7 +223,7 @@ class Mw(Dialect):
 
     def set_up(self) -> Iterator[Say]:
         """Make shield and motors, release, attach the encoders, count from 0."""
-        yield from self.release_anew(motor.port for motor in self.motors)
+        yield from self._made(tuple(motor.port for motor in self.motors))
         for place, motor in enumerate(self.counted):
             yield self._ask("encoder", messages.AttachEncoder(place, *motor.encoder_pins))
             yield self._ask("count from 0", messages.WriteCount(place, 0))
@@ -248,8 +248,14 @@ class Mw(Dialect):
             yield self._ask(f"release of M{number}", request, writes=2)
 
     def release_anew(self, motors: Iterable[int]) -> Iterator[Say]:
-        """Make shield and motors first: what was not made takes nothing, and is answered all the same."""
+        """Release what is made still, then make shield and motors, and release again; wait for no answer."""
         numbers = tuple(motors)
+        for word in (*self.release(numbers), *self._made(numbers)):
+            lasts = mw.SHIELD_TAKES_MS if word.writes > CHANNELS else mw.MOTOR_TAKES_MS
+            yield Say(word.what, mw.apart(word.data, self.link.line_rate, lasts), writes=word.writes)
+
+    def _made(self, numbers: tuple[int, ...]) -> Iterator[Say]:
+        """Make shield and motors: what was not made takes nothing, and is answered all the same."""
         shield = messages.CreateShield(SHIELD, motor_shield.ADDRESS, FREQUENCY)
         yield self._ask("shield", shield, writes=21)
         for number in numbers:

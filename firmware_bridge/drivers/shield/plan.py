@@ -89,10 +89,11 @@ def fitting_plan(robot: AnyRobot, name: str) -> ShieldPlan:
 
 
 def _entries(link: ShieldLink, says: Iterable[Say]) -> tuple[Entry, ...]:
-    return tuple(Entry(say.what, len(say.data) + say.answer, _cost(link, say)) for say in says)
+    return tuple(Entry(say.what, len(say.data) + say.answer, takes(link, say)) for say in says)
 
 
-def _cost(link: ShieldLink, say: Say) -> Nanoseconds:
+def takes(link: ShieldLink, say: Say) -> Nanoseconds:
+    """Return how long a command takes, with its answer and what the board writes for it."""
     on_line = (len(say.data) + say.answer) * BITS_PER_BYTE * SECOND // link.line_rate
     turn = 0 if say.reads is None else (CHIP_FLUSH_US + link.port_latency_us) * MICROSECOND
     on_bus = say.writes * BUS_WRITE_US * MICROSECOND

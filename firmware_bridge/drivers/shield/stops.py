@@ -11,6 +11,8 @@ release once, and is then reset at once, and nothing is said until it must have 
 from typing import Final
 
 from firmware_bridge.drivers.driver import Stop, Task
+from firmware_bridge.drivers.shield.dialects import DIALECTS
+from firmware_bridge.drivers.shield.plan import takes
 from firmware_bridge.drivers.stop_steps import CREEPS, StopStep
 from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.robot.settings.shield import ShieldLink
@@ -28,8 +30,13 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
     if not isinstance(link, ShieldLink):
         raise TypeError(f"no motor shield is on the link of '{axis.name}'")
     within = link.confirmed(robot.cycle)
-    # Each motor may be released with a word of its own, and none of them may be answered.
-    words = len(robot.axes_on(axis.link)) * link.answers_within_ms * MILLISECOND
+    # Each motor may be released with a word of its own, and none of them may be answered; nor any at all of
+    # those to a board that may have forgotten its set-up, which take their time on the line.
+    axes = [it.shield for it in robot.axes_on(axis.link)]
+    anew = DIALECTS[link.protocol](link, axes).release_anew(motor.port for motor in axes)
+    said = sum(takes(link, word) for word in anew)
+    asked = link.answers_within_ms * MILLISECOND
+    words = max(len(axes) * asked, said + asked)
     board = link.stops_itself
     runs_on = "the motors run on while it boots: the shield has no wire to the board's reset"
     if board:

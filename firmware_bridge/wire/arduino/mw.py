@@ -23,6 +23,11 @@ TRACE: Final = 0x01
 LARGEST: Final = 800
 """Bytes of one message, on a Mega."""
 SEQUENCES: Final = 128
+BITS: Final = 10
+"""Of a byte on the line."""
+MOTOR_TAKES_MS: Final = 5
+SHIELD_TAKES_MS: Final = 25
+"""So long the board is given to obey a word and to answer it: one to a motor, and one that makes a shield."""
 _IS_LIBRARY: Final = 0x80
 
 CORE: Final = ""
@@ -193,6 +198,14 @@ def decode_asked(size: bytes, body: bytes) -> Asked | None:
         return None
     library = body[1] if is_library else None
     return Asked(body[0] % SEQUENCES, library, body[head - 1], body[head:-1])
+
+
+def apart(frame: bytes, line_rate: int, milliseconds: int) -> bytes:
+    """Return a frame with noughts behind it for so long, in which it is obeyed and answered.
+
+    What has come when an answer goes is thrown away: the next frame must come later.
+    """
+    return frame + bytes(line_rate * milliseconds // BITS // 1000)
 
 
 class AskedReader:

@@ -69,7 +69,7 @@ def test_what_is_sent_has_the_link_s_name(make: Callable[[], AnyRobot]) -> None:
     for fleet in fleets_of(make()):
         demands: dict[str, Demand] = {driver.axis.name: Speed(1.0) for driver in fleet.drivers}
         sent = (*fleet.begin(BRING_UP, 0), *fleet.link.sample(0), *fleet.link.beat(0))
-        sent += (*fleet.command_all(Stop.QUICK_STOP), *fleet.command(demands))
+        sent += (*fleet.command(dict.fromkeys(demands, Stop.QUICK_STOP)), *fleet.command(demands))
         assert sent
         assert {packet.link for packet in sent} == {fleet.name}
 

@@ -144,6 +144,29 @@ def test_a_repetition_is_answered_and_not_obeyed_again(bench: RarsBench) -> None
     assert bench.asked == [Arm()]
 
 
+@pytest.mark.parametrize(
+    ("command", "params", "request_"),
+    [
+        pytest.param(400, (0,), Disarm(), id="disarm"),
+        pytest.param(400, (0, 21196), Disarm(force=True), id="forced disarm"),
+        pytest.param(185, (1,), EmergencyStop(final=True), id="termination"),
+        pytest.param(5300, (0,), EmergencyStop(), id="safety switch"),
+        pytest.param(193, (0,), Pause(), id="pause"),
+        pytest.param(252, (0,), Pause(), id="override goto"),
+        pytest.param(176, (1, 4), Pause(), id="Hold"),
+        pytest.param(176, (1, 4, 3), Pause(), id="Hold by PX4's numbers"),
+        pytest.param(262, (1,), Pause(), id="standard mode"),
+    ],
+)
+def test_a_repetition_that_stops_is_obeyed_again(
+    bench: RarsBench, command: int, params: tuple[float, ...], request_: Request
+) -> None:
+    """Somebody may have cleared the stop, or armed, in between."""
+    for confirmation in range(3):
+        assert acks(bench.order(command, *params, confirmation=confirmation)) == [(command, ACCEPTED)]
+    assert bench.asked == [request_] * 3
+
+
 def test_a_repetition_whose_first_was_lost_is_obeyed(bench: RarsBench) -> None:
     assert acks(bench.order(400, 1, confirmation=1)) == [(400, ACCEPTED)]
     assert bench.asked == [Arm()]

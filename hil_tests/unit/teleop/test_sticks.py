@@ -145,6 +145,17 @@ def test_the_stop_button_asks_until_the_robot_is_stopped_and_not_on(bench: RarsB
     assert len(bench.asked) == 2
 
 
+@pytest.mark.parametrize("within_ns", [0, 1, 49_999_999])
+def test_the_stop_button_stops_at_once_after_a_clear(bench: RarsBench, within_ns: int) -> None:
+    """The newest snapshot says still that the emergency stop is latched."""
+    bench.stick(buttons=4)
+    bench.report()
+    bench.order(5300, 1)
+    bench.now += within_ns
+    bench.stick(buttons=4)
+    assert bench.asked == [EmergencyStop(), ClearEmergencyStop(), EmergencyStop()]
+
+
 def test_buttons_switch_when_they_go_down(bench: RarsBench) -> None:
     seen = []
     for buttons in (0, 1, 1, 0, 2, 3, 0, 3):
