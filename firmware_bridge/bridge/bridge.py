@@ -339,6 +339,7 @@ class Bridge:
 
     def _begin_to_leave(self, now: Nanoseconds) -> None:
         self._left, self._leave_until = None, now + LEFT_WITHIN
+        self._permission.letting_go.ordered(now)
         given_up = self._permission.stops.given_up
         for driver in self._fleets.drivers:
             if driver not in given_up:

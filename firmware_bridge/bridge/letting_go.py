@@ -42,6 +42,16 @@ HELD: Final = Row(
 )
 
 
+RESTS_WITHIN: Final[Nanoseconds] = 3 * SECOND
+"""A base that does not rest by then keeps its power, and that is told."""
+STAYS: Final = Row(
+    "power stays on",
+    "keep clear; disarm by force, which takes it",
+    severity=Severity.CRITICAL,
+    blocks_arming=False,
+)
+
+
 class Stage(Enum):
     """How far the letting go has come."""
 
@@ -80,10 +90,15 @@ class _Axis:
         return now - self.driver.feedback.heard_at >= self.silent_after
 
     @property
+    def moves(self) -> bool:
+        """Whether its device tells that it moves."""
+        return abs(self.driver.feedback.velocity) > self.driver.axis.rests_below
+
+    @property
     def slips(self) -> bool:
         """Whether it moves, or has moved, since it was let go."""
-        feedback, bound = self.driver.feedback, self.driver.axis.rests_below
-        return abs(feedback.velocity) > bound or abs(feedback.position - self.was_at) > SLIPS_S * bound
+        way = abs(self.driver.feedback.position - self.was_at)
+        return self.moves or way > SLIPS_S * self.driver.axis.rests_below
 
     def look(self, now: Nanoseconds, since: Nanoseconds = NEVER_HEARD) -> None:
         """Take the newest current, once, unless it arrived before `since`; NaN where it is not known."""
@@ -104,7 +119,7 @@ class _Axis:
 class LettingGo:
     """The way of a whole robot from rest with power to rest without."""
 
-    __slots__ = ("_free", "_hold", "_looks_from", "_outbox", "_pulled", "_since", "stage")
+    __slots__ = ("_free", "_hold", "_looks_from", "_outbox", "_pulled", "_since", "_waits_from", "stage")
 
     def __init__(self, robot: AnyRobot, fleets: Fleets, outbox: list[Packet]) -> None:
         """Take the drives, and where to put what is to be sent at once."""
@@ -118,6 +133,8 @@ class LettingGo:
         self._since: Nanoseconds = 0
         """When the stage began."""
         self._hold: Hold | None = None
+        self._waits_from: Nanoseconds | None = None
+        """Since when the power shall go and the base does not rest."""
         self._looks_from: Nanoseconds = 0
         """When a current must have arrived that the present look counts."""
         self._pulled = 0.0
@@ -149,7 +166,7 @@ class LettingGo:
         `without` are the axes that the robot's mode does without.
         """
         if self.stage in (Stage.KEPT, Stage.LOOKED_AT) and not rests:
-            self._enter(Stage.KEPT, now)
+            self._wait(now)
         elif self.stage is Stage.KEPT:
             self._enter(Stage.LOOKED_AT, now)
             self._pulled = 0.0
@@ -165,7 +182,7 @@ class LettingGo:
         if self.stage is Stage.WATCHED and not any(axis.driver.busy for axis in self._free):
             self._watch(now)
         else:
-            self._enter(Stage.KEPT, now)
+            self._forget(now)
 
     def kept_by(self, without: Collection[str], now: Nanoseconds) -> str | None:
         """Return why the power of these axes cannot go while the others keep theirs; None where it can.
@@ -187,7 +204,23 @@ class LettingGo:
 
     def ordered(self, now: Nanoseconds) -> None:
         """Learn that the power goes by an order: nothing is looked at, and nothing gets it again."""
+        self._forget(now)
+
+    def _forget(self, now: Nanoseconds) -> None:
         self._enter(Stage.KEPT, now)
+        self._hold = self._waits_from = None
+
+    def _wait(self, now: Nanoseconds) -> None:
+        """Wait for the base to rest, and tell who moves where it does not."""
+        self._enter(Stage.KEPT, now)
+        if self._waits_from is None:
+            self._waits_from = now
+        moving = [axis.driver for axis in self._free if axis.moves]
+        if now < self._waits_from + RESTS_WITHIN or not moving:
+            self._hold = None
+            return
+        who = " and ".join(driver.axis.called for driver in moving)
+        self._hold = Hold(STAYS.name, f"the robot does not rest: {who} moves", STAYS, self._waits_from)
 
     def _demand(self) -> Stop | None:
         if self.stage is Stage.KEPT:
@@ -241,7 +274,7 @@ class LettingGo:
 
     def _enter(self, stage: Stage, now: Nanoseconds) -> None:
         if stage is not self.stage:
-            self.stage, self._since, self._hold = stage, now, None
+            self.stage, self._since, self._hold, self._waits_from = stage, now, None, None
 
 
 class _Held(NamedTuple):

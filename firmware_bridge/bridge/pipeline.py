@@ -120,7 +120,7 @@ class Pipeline(Generic[G, M, S]):
         rules = self._permission.rules
         rest = rules.body.rested(self._demanded, rules.groups)
         self._demanded = rules.body.ramped(self._demanded, rest, known.body, self._elapsed(now))
-        rests = rules.at_rest(known) and self._demand_rests(known)
+        rests = self._rests(known) and self._demand_rests(known)
         demands = self._without_power(known, rests=rests) or self._demands_of_body(known)
         sent = self._stopped(demands.keys() | self._group_of.keys(), demands, self._kind.on_stop, now)
         self._keep(known, self._permission.holds)
@@ -291,7 +291,7 @@ class Pipeline(Generic[G, M, S]):
         """Return each axis's demand, in the order of the body."""
         permission = self._permission
         if permission.emergency_stopped or permission.powered_off:
-            rests = permission.rules.at_rest(known) and self._demand_rests(known)
+            rests = self._rests(known) and self._demand_rests(known)
             return self._without_power(known, rests=rests) or self._demands_of_body(known)
         permission.letting_go.not_asked(known.facts.now)
         return self._demands_of_body(known)
@@ -316,6 +316,16 @@ class Pipeline(Generic[G, M, S]):
         permission = self._permission
         unused, homed = permission.rules.without | permission.disbelieved, permission.homing.demands
         return {**demands, **homed, **dict.fromkeys(unused, Stop.POWER_OFF)} if unused or homed else demands
+
+    def _rests(self, known: Snapshot[M, S]) -> bool:
+        """Return whether the robot stands; an axis is not asked whose power was taken for what it tells."""
+        permission = self._permission
+        if permission.rules.at_rest(known):
+            return True
+        if not permission.disbelieved:
+            return False
+        believed = permission.rules.believed(known, permission.disbelieved)
+        return believed is not None and permission.rules.at_rest(believed)
 
     def _demand_rests(self, known: Snapshot[M, S]) -> bool:
         rules = self._permission.rules

@@ -148,7 +148,7 @@ class AxisStop:
         """
         if self.step.ends_power:
             return
-        speed = abs(self._speed(now))
+        speed = self._speed(now)
         if ramped and now < self.begun_at + RAMPED_WITHIN:
             self._slows(now)
             self.until = now + self.step.lasts(speed)
@@ -219,15 +219,16 @@ class AxisStop:
 
     def _slows(self, now: Nanoseconds) -> None:
         """Judge from now on whether it slows down from its present speed."""
-        self._slowing_from = abs(self._speed(now))
+        self._slowing_from = self._speed(now)
         self._due = now + self.step.judged_after(self._slowing_from)
 
     def _heard(self, now: Nanoseconds) -> bool:
         return now - self.driver.feedback.heard_at < self._silent_after
 
     def _speed(self, now: Nanoseconds) -> float:
-        """Return the speed from which it has to stop; the highest of all where none is known."""
-        return self.driver.feedback.velocity if self._heard(now) else self.driver.axis.top_speed
+        """Return the speed from which it has to stop, at most its highest; that where none is known."""
+        top = self.driver.axis.top_speed
+        return min(abs(self.driver.feedback.velocity), top) if self._heard(now) else top
 
 
 class Stops:

@@ -1,6 +1,7 @@
 """The robot's half of what the gate judges by: its own rows, in the mode in which it is."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import replace
 from typing import Final, Generic, TypeVar
 
 from firmware_bridge.robot.table import Table
@@ -79,11 +80,21 @@ class Rules(Generic[G, M, S]):
 
     def sensed(self, seen: Snapshot[M, S]) -> Snapshot[M, S]:
         """Return the snapshot as this mode's body would have sensed it."""
+        return self._of(seen, seen.facts)
+
+    def believed(self, seen: Snapshot[M, S], disbelieved: Collection[str]) -> Snapshot[M, S] | None:
+        """Return the snapshot as if these axes stood, which nobody believes; None where no other carries."""
+        if all(name in disbelieved for name, _ in self._rests_below):
+            return None
+        stand = {name: replace(seen.facts.axes[name], velocity=0.0) for name in disbelieved}
+        return self._of(seen, replace(seen.facts, axes={**seen.facts.axes, **stand}))
+
+    def _of(self, seen: Snapshot[M, S], facts: Facts) -> Snapshot[M, S]:
         return Snapshot(
-            facts=seen.facts,
+            facts=facts,
             wish=seen.wish,
             demanded=seen.demanded,
-            body=self.body.sensed(seen.facts.axes, seen.facts.sensors),
+            body=self.body.sensed(facts.axes, facts.sensors),
             pose=seen.pose,
             located=seen.located,
         )
