@@ -208,7 +208,7 @@ class Bridge:
             self._asked_at = now
         elif self.phase is Phase.RUNNING:
             self._permission.armed = False
-            self._permission.stops.again()
+            self._outbox += self._permission.stops.order()
             self._outbox += self._permission.end_start_ups(now)
             self._collect_until = NEVER
             self._rest_until = now + REST_WITHIN

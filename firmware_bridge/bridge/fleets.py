@@ -94,7 +94,7 @@ class Fleets:
 
     def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Act on the time, beats left out."""
-        return _joined([fleet.wake(now) for fleet in self.all])
+        return joined([fleet.wake(now) for fleet in self.all])
 
     def begin_beats(self, now: Nanoseconds) -> None:
         """Beat from now on."""
@@ -122,12 +122,12 @@ class Fleets:
         self, tasks: tuple[Task, ...], now: Nanoseconds, without: frozenset[str] = frozenset()
     ) -> tuple[Packet, ...]:
         """Let all devices do these tasks, side by side; those of the axes `without` are left alone."""
-        return _joined([fleet.begin(tasks, now, without) for fleet in self.all])
+        return joined([fleet.begin(tasks, now, without) for fleet in self.all])
 
     def sample(self, cycle: int, now: Nanoseconds) -> tuple[Packet, ...]:
         """Begin a cycle, the `cycle`-th: have the devices of each link that is due tell where they are."""
         self._due = tuple([fleet for fleet in self.all if cycle % fleet.every == 0])
-        return _joined([fleet.link.sample(now) for fleet in self._due])
+        return joined([fleet.link.sample(now) for fleet in self._due])
 
     def answers_within(self) -> Nanoseconds:
         """Return how long the samples of this cycle are waited for."""
@@ -139,7 +139,7 @@ class Fleets:
 
     def measure(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Ask the sensors that are due."""
-        return _joined([fleet.measure(now) for fleet in self.all])
+        return joined([fleet.measure(now) for fleet in self.all])
 
     def command(
         self, demands: Mapping[str, Demand], levels: Mapping[str, Level], now: Nanoseconds
@@ -165,11 +165,11 @@ class Fleets:
         """Send all axes the same demand; those named in `off` shall have no power, whatever it is."""
         demands = {driver.axis.name: demand for driver in self.drivers} | dict.fromkeys(off, Stop.POWER_OFF)
         self.told.update(demands)
-        return _joined([fleet.command(demands) for fleet in self.all])
+        return joined([fleet.command(demands) for fleet in self.all])
 
     def release(self) -> tuple[Packet, ...]:
         """End the handshakes that are open."""
-        return _joined([fleet.release() for fleet in self.all])
+        return joined([fleet.release() for fleet in self.all])
 
 
 def asks_to_stop(demand: Demand) -> bool:
@@ -177,5 +177,6 @@ def asks_to_stop(demand: Demand) -> bool:
     return isinstance(demand, Stop) or (isinstance(demand, Speed) and demand.value == 0.0)
 
 
-def _joined(parts: list[tuple[Packet, ...]]) -> tuple[Packet, ...]:
+def joined(parts: list[tuple[Packet, ...]]) -> tuple[Packet, ...]:
+    """Return the packets of all parts, one after the other."""
     return tuple([packet for part in parts for packet in part])

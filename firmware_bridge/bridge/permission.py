@@ -180,7 +180,7 @@ class Permission(Generic[G, M, S]):
         """Answer one request; `seen` and `holds` are of this instant."""
         verdict = Verdict(accepted=True, reason="")
         self.homing.ordered(request)
-        self.stops.ordered(request)
+        self._outbox += self.stops.ordered(request)
         match request:
             case Arm():
                 verdict = self._arm(seen, holds)

@@ -12,7 +12,7 @@ from collections.abc import Collection, Mapping
 from enum import Enum
 from typing import Final
 
-from firmware_bridge.bridge.fleets import Fleets, asks_to_stop
+from firmware_bridge.bridge.fleets import Fleets, asks_to_stop, joined
 from firmware_bridge.drivers.driver import Demand, Driver, Position, Power, Stop
 from firmware_bridge.drivers.fleets import STOP_STEPS
 from firmware_bridge.drivers.stop_steps import StopStep, gentle_within, way
@@ -102,6 +102,11 @@ class AxisStop:
     def step(self) -> StopStep:
         """The present step; the last one where all were tried."""
         return self.steps[min(self.place, len(self.steps) - 1)]
+
+    @property
+    def first(self) -> StopStep:
+        """The gentlest step."""
+        return self._ways[False][0]
 
     @property
     def escalates(self) -> bool:
@@ -234,11 +239,12 @@ class AxisStop:
 class Stops:
     """The stops of all axes."""
 
-    __slots__ = ("_axes", "_fleets", "_lost", "holds")
+    __slots__ = ("_at_once", "_axes", "_fleets", "_lost", "holds")
 
     def __init__(self, robot: AnyRobot, fleets: Fleets) -> None:
         self._fleets = fleets
         self._axes: Final = {driver.axis.name: AxisStop(driver, robot) for driver in fleets.drivers}
+        self._at_once: Final = tuple([stop for stop in self._axes.values() if stop.first.at_once])
         self._lost: Collection[str] = ()
         """The links over which nothing reaches a device, as of the newest look."""
         self.holds: tuple[Hold, ...] = ()
@@ -264,13 +270,18 @@ class Stops:
         """Whose stop no step has brought about."""
         return tuple(stop.driver for stop in self._axes.values() if stop.progress is Progress.GIVEN_UP)
 
-    def ordered(self, request: Request) -> None:
+    def ordered(self, request: Request) -> tuple[Packet, ...]:
         """Learn what was requested: an order that stops is carried out again, whatever came of the last."""
-        if isinstance(request, EmergencyStop | Disarm | Pause):
-            self.again()
+        if isinstance(request, Pause):
+            self._again()
+        return self.order() if isinstance(request, EmergencyStop | Disarm) else ()
 
-    def again(self) -> None:
-        """Begin those again that no step has brought about."""
+    def order(self) -> tuple[Packet, ...]:
+        """Begin those again that no step has brought about; return what is sent before the next cycle."""
+        self._again()
+        return joined([stop.driver.command(stop.first.demand) for stop in self._at_once])
+
+    def _again(self) -> None:
         for stop in self._axes.values():
             if stop.progress is Progress.GIVEN_UP:
                 stop.progress = Progress.NOT_ASKED
@@ -303,6 +314,8 @@ class Stops:
                 sent += self._look(stop, demand, now)
             if (stop.escalates or stop.progress is Progress.GIVEN_UP) and demand is not Stop.POWER_OFF:
                 changed[name] = stop.step.demand
+            elif stop.first.at_once and name in asked and not isinstance(demand, Stop):
+                changed[name] = stop.first.demand
         holds = [stop.hold() for stop in self._axes.values() if not stop.left_out]
         self.holds = tuple([hold for hold in holds if hold is not None])
         return sent, changed

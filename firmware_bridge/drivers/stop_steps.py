@@ -32,6 +32,8 @@ class StopStep:
     """Of that ramp, in the axis's unit a second squared; None: it does not count on one."""
     slows_within: Nanoseconds | None = None
     """An axis that is not seen to slow down is given only so long, beside the ramp; None: as long as any."""
+    at_once: bool = False
+    """The bridge does not ramp down before it."""
     task: Task | None = None
     """What the device does once, at the begin."""
     whole_board: bool = False

@@ -28,6 +28,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
             f"nothing; a move that was sent ends within {link.move_ms} ms",
             Stop.REST,
             within,
+            at_once=True,
             heard=True,
         ),
         StopStep(
