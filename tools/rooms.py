@@ -21,7 +21,7 @@ LINES: Final = ("safety/test_guard_serial", "safety/test_guard_serial_answers")
 ACROSS: Final = tuple(
     f"safety/test_guard_{what}" for what in ("exclusive", "links", "sums", "homing", "shield")
 )
-FOLLOWING: Final = tuple(f"safety/test_following{what}" for what in ("", "_power", "_homing"))
+FOLLOWING: Final = tuple(f"safety/test_following{what}" for what in ("", "_power", "_homing", "_halted"))
 GATE: Final = (
     *("safety/test_gate_lift", "safety/test_gate_limits", "safety/test_gate_stops"),
     "safety/test_what_follows",

@@ -48,6 +48,11 @@ class Told:
         seen = Feedback(self.axis.name, power, self.now, self.now, position=self.position, velocity=speed)
         return self.follower.saw(replace(seen, **changed))
 
+    def known_later(self, speed: float) -> Following:
+        """Show a cycle later a speed, and the same place."""
+        self.now += CYCLE
+        return self.known(speed)
+
     def strays(self, speed: float, **changed: Any) -> bool:
         """Whether one more cycle with this speed is beside its range."""
         known = self.does(speed, **changed)

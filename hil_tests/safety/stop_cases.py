@@ -6,7 +6,6 @@ from typing import Any, Final
 
 from firmware_bridge.drivers.driver import Position, Speed, Stop
 from firmware_bridge.intent import NEVER_HEARD, AgeLimit
-from firmware_bridge.safety.common import HALTS
 from firmware_bridge.safety.snapshot import Following
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.cia402 import State
@@ -64,6 +63,7 @@ OPERATOR_LIMIT: Final = 500 * MILLISECOND
 OPERATOR_GONE: Final = 10 * SECOND
 DRIVE_LIMIT: Final = 250 * MILLISECOND
 LINK: Final = 200 * MILLISECOND
+HALTS: Final = 40 * MILLISECOND
 
 CASES: Final = (
     Case("emergency stop", {"emergency_stopped": True}, {}, "the emergency stop is latched"),

@@ -335,38 +335,3 @@ def test_what_it_may_creep_it_may_owe() -> None:
     one.does(0.125, 200)
     assert one.does(0.0).settled_at == one.now
     assert one.does(0.0).settled_at == one.now - CYCLE
-
-
-# A wheel that turned, and then shows nothing
-
-
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-@pytest.mark.parametrize("part", [1.0, 0.01])
-def test_a_wheel_that_turned_and_shows_not_one_bit_of_its_way_has_halted(sign: float, part: float) -> None:
-    """Cut off between two samples, the last one that moved shows a part of its way."""
-    one = settled(Speed(sign * 3.0), sign * 3.0)
-    assert not one.does(sign * 3.0 * part).halted
-    assert one.does(0.0).halted
-    assert one.does(0.0, 3).halted, "until it moves"
-    assert not one.does(sign * 1e-9).halted
-    assert not one.does(0.0).halted, "it has not turned since"
-
-
-@pytest.mark.parametrize(
-    ("told", "turned"),
-    [
-        pytest.param(Speed(3.0), (1.4,), id="it turned too slowly"),
-        pytest.param(Speed(3.0), (-3.0,), id="it turned the other way"),
-        pytest.param(Speed(3.0), (3.0, 0.1, 0.1), id="it slowed down before"),
-        pytest.param(Speed(0.9), (0.9,), id="it owes no more than it may creep"),
-        pytest.param(Speed(0.0), (0.5,), id="it need not move"),
-        pytest.param(Stop.REST, (3.0,), id="it is told to stop"),
-    ],
-)
-def test_a_wheel_that_stands_for_another_reason_has_not_halted(
-    told: Demand, turned: tuple[float, ...]
-) -> None:
-    one = settled(told, turned[0])
-    for speed in turned:
-        one.does(speed)
-    assert not one.does(0.0).halted

@@ -82,6 +82,15 @@ def channel(motor: int, pin: Pin, level: int) -> bytes:
     return firmata.i2c_write(motor_shield.ADDRESS, motor_shield.encode_channel(motor, pin, level))
 
 
+SAID: Final = mw.encode_request(messages.GetServerInfo(), 1)[3:-1]
+COUNTED: Final = bytes((len(SAID) + 1, 1))
+LONGER: Final = tuple(
+    bytes((mw.HOST_START,)) + COUNTED + SAID + bytes((mw.checksum(summed + SAID),))
+    for summed in (COUNTED, COUNTED[:1])
+)
+"""A request that counts 256 bytes more than come, and sums them or not."""
+
+
 @pytest.mark.parametrize(
     ("protocol", "word"),
     [
@@ -102,6 +111,8 @@ def channel(motor: int, pin: Pin, level: int) -> bytes:
         ("mw", mw.encode_request(messages.SetMotorSpeed(0, 3, 9, 1), 1)),
         ("mw", mw.encode_request(messages.SetMotorSpeed(0, 0, 9, 3), 1)),
         ("mw", mw.encode_request(messages.GetServerInfo(), 1)[:-1] + b"\0"),
+        ("mw", LONGER[0]),
+        ("mw", LONGER[1]),
         ("firmata", bytes((firmata.RESET,))),
         ("firmata", firmata.i2c_write(0x40, bytes((0x26, 0, 0, 0, 8)))),
         ("firmata", firmata.i2c_write(motor_shield.ADDRESS, bytes((0xFA, 0, 0x10, 0, 0)))),

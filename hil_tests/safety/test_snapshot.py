@@ -17,7 +17,8 @@ def test_an_axis_that_was_never_seen_is_told_to_stand_and_owes_nothing() -> None
     times = {known.sampled_at, known.obeyed_at, known.settled_at, known.place_at}
     assert times == {NEVER_HEARD}
     assert (known.position, known.velocity, known.low, known.high, known.owes) == (0.0,) * 5
-    assert known.unasked is False
+    assert known.unasked is known.halted is False
+    assert known.idle == 2, "it has not turned for as many samples as count"
 
 
 def test_a_robot_is_whole_and_its_operator_there_where_nothing_else_is_said() -> None:

@@ -252,7 +252,11 @@ class Mw(Dialect):
         numbers = tuple(motors)
         for word in (*self.release(numbers), *self._made(numbers)):
             lasts = mw.SHIELD_TAKES_MS if word.writes > CHANNELS else mw.MOTOR_TAKES_MS
-            yield Say(word.what, mw.apart(word.data, self.link.line_rate, lasts), writes=word.writes)
+            yield Say(
+                word.what,
+                mw.apart(word.data, line_rate=self.link.line_rate, milliseconds=lasts),
+                writes=word.writes,
+            )
 
     def _made(self, numbers: tuple[int, ...]) -> Iterator[Say]:
         """Make shield and motors: what was not made takes nothing, and is answered all the same."""

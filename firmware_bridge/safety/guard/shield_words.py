@@ -123,8 +123,9 @@ def _mw(data: bytes, board: Board) -> Word | None:
 
 def _request(data: bytes, board: Board) -> object:
     """Return MWProtocol's request in one whole frame; None where there is none that is known."""
-    size = 3 + int.from_bytes(data[1:3], "little")
-    asked = mw.decode_asked(data[1:3], data[3:size]) if data[:1] == bytes((mw.HOST_START,)) else None
+    counted = data[1:3]
+    size = 3 + int.from_bytes(counted, "little")
+    asked = mw.decode_asked(counted, data[3:size]) if data[:1] == bytes((mw.HOST_START,)) else None
     if asked is None or len(data) < size or any(data[size:]):
         return None
     name = mw.CORE
@@ -189,7 +190,7 @@ def no_motion(motor: int, board: Board) -> Iterator[bytes]:
     elif protocol is ShieldProtocol.MW:
         if mw.SHIELD in board.libraries:
             frame = mw.encode_request(messages.StopMotor(0, motor - 1), 0, board.libraries)
-            yield mw.apart(frame, board.link.line_rate, mw.MOTOR_TAKES_MS)
+            yield mw.apart(frame, line_rate=board.link.line_rate, milliseconds=mw.MOTOR_TAKES_MS)
     else:
         yield firmata.i2c_write(motor_shield.ADDRESS, motor_shield.encode_channel(motor, Pin.PWM, 0))
 

@@ -200,7 +200,7 @@ def decode_asked(size: bytes, body: bytes) -> Asked | None:
     return Asked(body[0] % SEQUENCES, library, body[head - 1], body[head:-1])
 
 
-def apart(frame: bytes, line_rate: int, milliseconds: int) -> bytes:
+def apart(frame: bytes, *, line_rate: int, milliseconds: int) -> bytes:
     """Return a frame with noughts behind it for so long, in which it is obeyed and answered.
 
     What has come when an answer goes is thrown away: the next frame must come later.

@@ -139,3 +139,23 @@ def test_what_a_mode_senses_is_the_same_snapshot_with_its_own_body() -> None:
     assert after.wish is wish
     assert (after.demanded, after.pose) == (one.demanded, one.pose)
     assert after.located is located
+
+
+def test_an_axis_that_is_not_believed_counts_as_one_that_stands() -> None:
+    rules, one = RULES[""], seen(5.0, 0)
+    known = rules.believed(one, {"left"})
+    assert known is not None
+    assert rules.stands(known)
+    stands = replace(one.facts.axes["left"], velocity=0.0)
+    assert known.facts.axes == {**one.facts.axes, "left": stands}
+    assert known.body == rules.body.sensed(known.facts.axes, {})
+    assert known.wish is one.wish
+    for others in (set[str](), {"right"}):
+        less = rules.believed(one, others)
+        assert less is not None
+        assert not rules.stands(less)
+
+
+def test_where_no_axis_that_carries_is_believed_nobody_knows() -> None:
+    names = {axis.name for axis in RARS.axes}
+    assert RULES[""].believed(seen(0.0, 0), names) is None

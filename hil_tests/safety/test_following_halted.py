@@ -1,0 +1,78 @@
+"""A wheel that turned as it was told, and then shows not one bit of its way: its encoder is off."""
+
+import pytest
+
+from firmware_bridge.drivers.driver import Demand, Speed, Stop
+from hil_tests.safety.following_bench import rested, settled
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("part", [1.0, 0.01])
+def test_a_wheel_that_turned_and_shows_not_one_bit_of_its_way_has_halted(sign: float, part: float) -> None:
+    """Cut off between two samples, the last one that moved shows a part of its way."""
+    one = settled(Speed(sign * 3.0), sign * 3.0)
+    assert not one.does(sign * 3.0 * part).halted
+    assert one.does(0.0).halted
+    assert one.does(0.0, 3).halted, "until it moves"
+    assert not one.does(sign * 1e-9).halted
+    assert not one.does(0.0).halted, "it has not turned since"
+
+
+@pytest.mark.parametrize(
+    ("told", "turned"),
+    [
+        pytest.param(Speed(3.0), (1.499999,), id="it turned too slowly"),
+        pytest.param(Speed(3.0), (-3.0,), id="it turned the other way"),
+        pytest.param(Speed(3.0), (3.0, 0.1, 0.1), id="it slowed down before"),
+        pytest.param(Speed(0.9), (0.9,), id="it owes no more than it may creep"),
+        pytest.param(Speed(0.0), (0.5,), id="it need not move"),
+        pytest.param(Stop.REST, (3.0,), id="it is told to stop"),
+    ],
+)
+def test_a_wheel_that_stands_for_another_reason_has_not_halted(
+    told: Demand, turned: tuple[float, ...]
+) -> None:
+    one = settled(told, turned[0])
+    for speed in turned:
+        one.does(speed)
+    assert not one.does(0.0).halted
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_half_the_least_speed_that_it_may_have_is_turning(sign: float) -> None:
+    one = settled(Speed(sign * 3.0), sign * 3.0)
+    known = one.follower.following
+    one.does(0.5 * (known.low if sign > 0.0 else known.high), 4)
+    assert one.does(0.0).halted
+    one = settled(Speed(sign * 2.0), sign * 2.0)
+    one.told(Speed(sign * 4.0))
+    one.does(sign * 1.3, 2)
+    assert one.does(0.0).halted, "the least is still less than 2.6 rad/s"
+
+
+def test_what_it_may_creep_it_may_owe_to_the_last_bit() -> None:
+    one = settled(Speed(0.125), 0.125)
+    least = one.follower.following.low
+    for creeps, halted in ((least, False), (least * (1.0 - 1e-12), True)):
+        one = rested(Speed(0.125), rests_below=creeps, within_ms=50)
+        one.does(0.125, 200)
+        assert one.does(0.0).halted is halted
+
+
+def test_a_wheel_that_has_not_begun_to_turn_has_not_halted() -> None:
+    one = rested(Speed(14.0), rests_below=0.1, within_ms=10)
+    assert not any(one.does(0.0).halted for _ in range(8))
+
+
+def test_while_it_need_not_move_it_does_not_turn() -> None:
+    """Blocked it owes its way; then it is told to stand, and shows a speed without a way."""
+    one = rested(Speed(3.0))
+    one.does(0.0, 8)
+    one.told(Speed(0.0))
+    assert not any(one.known_later(0.5).halted for _ in range(3))
+
+
+def test_however_slowly_it_turns_it_turns() -> None:
+    one = rested(Speed(1e-3), rests_below=1e-4, within_ms=10)
+    one.does(1e-3, 400)
+    assert one.does(0.0).halted
