@@ -70,6 +70,18 @@ def holds(node: object) -> bool:
 
 
 @runtime_checkable
+class Unhurried(Protocol):
+    """A node that is not cut short while it ends: what it drives may move until it is done."""
+
+    @property
+    def unattended(self) -> str:
+        """What becomes of its devices if it is carried no further."""
+
+    def may_leave(self, now: Nanoseconds) -> bool:
+        """Take one more request to end while it ends; return whether it is carried no further."""
+
+
+@runtime_checkable
 class Finite(Protocol):
     """A node that has something to do and is done with it, so that its run ends by itself."""
 

@@ -1,6 +1,7 @@
 """How the program speaks: on any terminal, and of what is wrong in one message, with an exit status."""
 
 import codecs
+import logging
 import os
 import sys
 from collections.abc import Iterator
@@ -10,11 +11,19 @@ from typing import Final
 
 import typer
 
+from firmware_bridge.shell.printer import Printer
+
 FAILED: Final = 1
 WRONG_INPUT: Final = 2
 INTERRUPTED: Final = 130
 _PLAIN: Final = {"²": "2", "³": "3", "°": "deg", "µ": "u", "·": "-", "→": "->", "…": "..."}
 """What is printed on a terminal that lacks a sign; any other is a question mark there."""
+
+
+PRINTED_WITHIN_S: Final = 2.0
+"""So long at most a run that is over waits for what it has still to print."""
+_printers: Final[list[Printer]] = []
+"""The one that prints, while something runs that nothing may hold up."""
 
 
 def speak_plainly() -> None:
@@ -28,9 +37,12 @@ def speak_plainly() -> None:
 def say(text: str, *, err: bool = False) -> None:
     """Print a line; BrokenPipeError where nobody reads it any more, and silence from then on.
 
-    So whoever has a robot to stop can still do it.
+    So whoever has a robot to stop can still do it. In `held_up_by_nothing` it never waits and never fails.
     """
     stream = sys.stderr if err else sys.stdout
+    if _printers:
+        _printers[-1].print(text, stream)
+        return
     try:
         stream.write(f"{text}\n")
         stream.flush()
@@ -39,6 +51,28 @@ def say(text: str, *, err: bool = False) -> None:
         os.dup2(nowhere, stream.fileno())
         os.close(nowhere)
         raise
+
+
+class _Logged(logging.Handler):
+    """Says what a library logs."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        say(f"firmware-bridge: {record.name}: {record.getMessage()}", err=True)
+
+
+@contextmanager
+def held_up_by_nothing() -> Iterator[None]:
+    """Print from a thread while this runs, so that neither a terminal nor a disk holds up a cycle."""
+    printer, logged = Printer(), _Logged(logging.WARNING)
+    _printers.append(printer)
+    root = logging.getLogger()  # noqa: TID251 - what libraries log would wait for the terminal, too
+    root.addHandler(logged)
+    try:
+        yield
+    finally:
+        root.removeHandler(logged)
+        printer.end(PRINTED_WITHIN_S)
+        _printers.remove(printer)
 
 
 @contextmanager

@@ -2,12 +2,12 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
-from types import MappingProxyType
 from typing import Final, TypeAlias
 
-from firmware_bridge.bridge import Bridge, Phase
-from firmware_bridge.cli.console import FAILED, one_message, refusal
+from firmware_bridge.bridge import Bridge
+from firmware_bridge.cli.console import one_message, refusal, say
 from firmware_bridge.cli.drive import DriveOptions
+from firmware_bridge.cli.narrated import Narrated, StartUpFailedError, not_confirmed
 from firmware_bridge.cli.options import generation_of, until
 from firmware_bridge.cli.places import Place, parted, places_of
 from firmware_bridge.cli.real_time import carry
@@ -24,8 +24,7 @@ from firmware_bridge.drivers.shield.fleet import measured, over_protocol
 from firmware_bridge.drivers.shield.plan import ShieldPlanError
 from firmware_bridge.kind import AnyKind
 from firmware_bridge.kinds import kind_of
-from firmware_bridge.node import OPERATOR, Node, Stoppable, holds
-from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.node import OPERATOR, Node
 from firmware_bridge.robot import AnyRobot, RobotFileError
 from firmware_bridge.robot.path_file import PathFileError, along_path
 from firmware_bridge.robot.problems import near
@@ -33,7 +32,6 @@ from firmware_bridge.robot.settings.ar2 import Ar2Link
 from firmware_bridge.robot.settings.epos2 import Epos2Driver, Epos2Link
 from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.safety.guard import guarded
-from firmware_bridge.safety.snapshot import Hold
 from firmware_bridge.shell.black_box import CAN_LOG, CAPTURE_LOG, OPERATOR_LOG, SERIAL_LOG, Texts
 from firmware_bridge.shell.last_places import LastPlaces, usual_path
 from firmware_bridge.shell.ports import Port, ReturningLine, UdpPort, open_can
@@ -41,123 +39,11 @@ from firmware_bridge.slow_link.conditions import Conditions
 from firmware_bridge.slow_link.node import before_robot
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.teleop.texts import Listener
-from firmware_bridge.units import SECOND, Nanoseconds, to_seconds
 from firmware_bridge.wire.maxon.frame import Generation
 
 _OTHER: Final = {Generation.V1: Generation.V2, Generation.V2: Generation.V1}
 
 Tell: TypeAlias = Callable[[str], None]
-
-
-class StartUpFailedError(Exception):
-    """The robot's drives could not be set up: which one, what was expected, what came."""
-
-
-class Narrated:
-    """A bridge whose steps, holds and leave to move are told as they change.
-
-    It ends the run when the start-up has failed. `node` is what is carried: the bridge, or a node around it.
-    """
-
-    def __init__(
-        self,
-        bridge: Bridge,
-        node: Node,
-        tell: Tell,
-        kept: LastPlaces,
-        stamps: Remembered,
-        *,
-        hints: Mapping[str, str] = MappingProxyType({}),
-    ) -> None:
-        self._bridge = bridge
-        self._hints = dict(hints)
-        """What may be wrong with a link on which nothing was heard yet, by its name."""
-        self._stamps: Final = stamps
-        self._kept: LastPlaces | None = kept
-        """Where the axes' places are kept; None where that file cannot be written."""
-        self._node = node
-        self._tell = tell
-        self._phase: Phase | None = None
-        self._armed = False
-        self._late = 0
-        self._late_told_at: Nanoseconds = 0
-        self._holds: tuple[Hold, ...] = ()
-
-    @property
-    def holding(self) -> bool:
-        """Whether the node holds something after it was asked to end."""
-        return holds(self._node)
-
-    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        """Pass the packet on, and tell what has changed."""
-        if packet.payload:
-            self._hints.pop(packet.link, None)
-        self._end_failed_start_up()
-        return self._told(self._node.receive(packet, now), now)
-
-    def wake(self, now: Nanoseconds) -> Reaction:
-        """Wake the bridge, and tell what has changed."""
-        self._end_failed_start_up()
-        return self._told(self._node.wake(now), now)
-
-    def stop(self, now: Nanoseconds) -> Reaction:
-        """Stop the bridge, and tell what has changed."""
-        reaction = self._node.stop(now) if isinstance(self._node, Stoppable) else Reaction()
-        return self._told(reaction, now)
-
-    def _end_failed_start_up(self) -> None:
-        """End the run one call after the failure, so that what the bridge sent because of it has left."""
-        bridge = self._bridge
-        if bridge.failure is not None and bridge.phase is Phase.FAILED:
-            hints = "".join(f"; {hint}" for hint in self._hints.values())
-            raise StartUpFailedError(f"start-up failed: {bridge.failure}{hints}")
-
-    def _told(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
-        bridge = self._bridge
-        if bridge.phase is not self._phase:
-            self._phase = bridge.phase
-            self._say(self._phase.value, now)
-            for remark in bridge.fleets.remarks if self._phase is Phase.RUNNING else ():
-                self._say(remark, now)
-            if self._phase is Phase.FINISHED and bridge.unconfirmed:
-                self._say(_unconfirmed(bridge), now)
-        self._keep(now)
-        problem = self._stamps.keep(bridge.stamps, now, ended=bridge.finished)
-        if problem is not None:
-            self._say(problem, now)
-        if bridge.seen.facts.armed != self._armed:
-            self._armed = bridge.seen.facts.armed
-            self._say("armed" if self._armed else "disarmed", now)
-        late = bridge.fleets.late
-        if late != self._late and now - self._late_told_at >= SECOND:
-            self._say(f"late: {late - self._late} cycles were longer than the robot file says", now)
-            self._late, self._late_told_at = late, now
-        if bridge.holds != self._holds and bridge.phase is not Phase.FAILED:  # what failed is told at the end
-            self._tell_holds({hold.name: hold for hold in bridge.holds}, now)
-            self._holds = bridge.holds
-        return reaction
-
-    def _keep(self, now: Nanoseconds) -> None:
-        """Keep where the axes stand; a file that cannot be written ends no run."""
-        if self._kept is None:
-            return
-        try:
-            self._kept.keep(self._bridge.places, now)
-        except OSError as error:
-            self._say(f"where the axes stand is not kept: {self._kept.path}: {error.strerror}", now)
-            self._kept = None
-
-    def _tell_holds(self, standing: Mapping[str, Hold], now: Nanoseconds) -> None:
-        known = {hold.name: hold.reason for hold in self._holds}
-        for name in known:
-            if name not in standing:
-                self._say(f"lets go: {name}", now)
-        for name, hold in standing.items():
-            if known.get(name) != hold.reason:
-                self._say(f"holds: {name}: {hold.reason} ({hold.remedy})", now)
-
-    def _say(self, text: str, now: Nanoseconds) -> None:
-        self._tell(f"{to_seconds(now):9.3f} s  {text}")
 
 
 def drive(given: DriveOptions) -> None:
@@ -206,16 +92,20 @@ def drive(given: DriveOptions) -> None:
     where = ", ".join(_title(machine, name, place) for name, place in places.items())
     files = {name: SERIAL_LOG if name in lines else CAN_LOG for name in places}
     files |= dict.fromkeys(machine.capture_links, CAPTURE_LOG) | {OPERATOR: OPERATOR_LOG}
-    with recording(given.record, files, texts_of()) as (around, tell):
-        carry(
-            Narrated(bridge, _far(around(node), slow), tell, kept, stamps, hints=hints),
-            {**openers, OPERATOR: lambda: UdpPort(given.mavlink)},
-            until(given.duration),
-            f"{machine.name}: bridge on {where}, operator on {given.mavlink}",
-            StartUpFailedError,
-        )
-    if bridge.unconfirmed:
-        raise refusal(_unconfirmed(bridge), FAILED)
+    try:
+        with recording(given.record, files, texts_of()) as (around, tell):
+            carried = _far(around(node), slow)
+            carry(
+                Narrated(bridge, carried, machine, tell, kept=kept, stamps=stamps, hints=hints),
+                {**openers, OPERATOR: lambda: UdpPort(given.mavlink)},
+                until(given.duration),
+                f"{machine.name}: bridge on {where}, operator on {given.mavlink}",
+                StartUpFailedError,
+                unfinished=lambda: not_confirmed(bridge),
+            )
+    finally:
+        for problem in filter(None, (kept.file.settled(), stamps.settled())):
+            say(f"firmware-bridge: {problem}", err=True)
 
 
 def _far(node: Node, slow: Conditions | None) -> Node:
@@ -246,11 +136,6 @@ def _mode(name: str | None, kind: AnyKind) -> str:
         known = near(name, list(kind.modes)) if kind.modes else "this robot has none"
         raise refusal(f"--mode {name}: no such mode; {known}")
     return name or ""
-
-
-def _unconfirmed(bridge: Bridge) -> str:
-    """Say whose power is not known to be off; switching the battery off is what is left."""
-    return f"not confirmed to be without power: {', '.join(bridge.unconfirmed)}; switch the battery off"
 
 
 def _with_lines(machine: AnyRobot, places: Mapping[str, Place], given: DriveOptions) -> AnyRobot:

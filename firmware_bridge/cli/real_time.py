@@ -1,13 +1,20 @@
 """Runs a node on real ports until the user, the clock or a failure ends it."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from typing import Final
 
-from firmware_bridge.cli.console import FAILED, one_message, refusal, say
+import typer
+
+from firmware_bridge.cli.console import FAILED, held_up_by_nothing, one_message, refusal, say
 from firmware_bridge.node import Node
 from firmware_bridge.shell.clock import Clock, LivedClock
 from firmware_bridge.shell.ports import LostPort, Port, PortError
-from firmware_bridge.shell.runner import run
+from firmware_bridge.shell.runner import IN_ORDER, Ending, run
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
+
+UNREAD: Final = "SIGPIPE"
+"""Nobody reads what is said: there was somebody, who is told by the exit status."""
 
 
 def carry(
@@ -17,13 +24,38 @@ def carry(
     greeting: str,
     *failures: type[Exception],
     clock: Clock | None = None,
+    unfinished: Callable[[], str] = str,
 ) -> None:
     """Open the ports, run a node on them in real time, and say how it ended.
 
     A port that cannot be opened ends the program with exit status 2; one that is lost under way, one of the
-    node's own `failures`, and a node that could not be stopped in good order, with 1. An emulated device
-    takes a `LivedClock`.
+    node's own `failures`, a node that could not be stopped in good order, and what it has `unfinished`, with
+    1. Nothing that is said while it runs holds it up. An emulated device takes a `LivedClock`.
     """
+    ports = _opened(openers)
+    say(f"{greeting}; Ctrl-C ends it")
+    with held_up_by_nothing():
+        problems, unread = list[str](), False
+        try:
+            ending = run(node, ports, clock or Clock(), until=end)
+        except (LostPort, *failures) as failure:  # type: ignore[misc] # mypy does not see what is in them
+            notes = [note for note in failure.__notes__ if note != IN_ORDER]
+            problems.append("; ".join((str(failure), *notes)))
+        except BaseException:
+            with suppress(typer.Exit):
+                _complain([unfinished()])
+            raise
+        else:
+            for line in _told(ending, clock):
+                say(line)
+            problems += [] if ending.in_order else [ending.verdict]
+            unread = ending.reason == UNREAD
+        _complain([*problems, unfinished()])
+        if unread:
+            raise typer.Exit(FAILED)
+
+
+def _opened(openers: Mapping[str, Callable[[], Port]]) -> dict[str, Port]:
     ports: dict[str, Port] = {}
     with one_message(PortError):
         try:
@@ -33,14 +65,18 @@ def carry(
             for port in ports.values():
                 port.close()
             raise
-    say(f"{greeting}; Ctrl-C ends it")
-    with one_message(LostPort, *failures, status=FAILED):
-        ending = run(node, ports, clock or Clock(), until=end)
-    say(f"ended: {ending.reason}; never later than {ending.latest_wake / MILLISECOND:.1f} ms")
+    return ports
+
+
+def _complain(problems: list[str]) -> None:
+    """Say what is wrong, and end the program where something is."""
+    said = [refusal(problem, FAILED) for problem in problems if problem]
+    if said:
+        raise said[-1]
+
+
+def _told(ending: Ending, clock: Clock | None) -> Iterator[str]:
+    yield f"ended: {ending.reason}; never later than {ending.latest_wake / MILLISECOND:.1f} ms"
     if isinstance(clock, LivedClock) and clock.stalls:
         total = to_seconds(clock.stalled)
-        say(f"stopped by the machine {clock.stalls} times, {total:.1f} s in all; its time stood still")
-    if not ending.in_order:
-        raise refusal(
-            "it did not stop in good order; the drives' own watch over the bridge must do it", FAILED
-        )
+        yield f"stopped by the machine {clock.stalls} times, {total:.1f} s in all; its time stood still"

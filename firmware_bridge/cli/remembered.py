@@ -21,21 +21,28 @@ class Remembered:
         self._kept: KeptStamps | None = None if trust.key is None else KeptStamps(path)
         self.trust: Final = trust if self._kept is None else replace(trust, kept=_read(self._kept))
         """With what the run before has heard."""
+        self._told = False
 
     def keep(self, stamps: Callable[[Nanoseconds], Stamps], now: Nanoseconds, *, ended: bool) -> str | None:
-        """Keep up to where was heard; return what hinders it.
+        """Keep up to where was heard; return what hinders it, once.
 
         At the end not ahead: nothing is heard any more.
         """
         kept = self._kept
         if kept is None:
             return None
-        try:
-            kept.write(stamps(now)) if ended else kept.keep(stamps(now), now)
-        except OSError as error:
-            self._kept = None
-            return f"time stamps are not kept: {kept.path}: {error.strerror}"
-        return None
+        kept.write(stamps(now), now) if ended else kept.keep(stamps(now), now)
+        return self._once(kept.file.problem(now))
+
+    def settled(self) -> str | None:
+        """Wait a while for the disk; return what hinders it, unless it was told."""
+        return None if self._kept is None else self._once(self._kept.file.settled())
+
+    def _once(self, problem: str | None) -> str | None:
+        if problem is None or self._told:
+            return None
+        self._told = True
+        return f"time stamps are not kept: {problem}"
 
 
 class Remembering:

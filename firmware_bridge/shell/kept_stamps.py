@@ -9,7 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Final
 
-from firmware_bridge.shell import whole_file
+from firmware_bridge.shell.whole_file import WholeFile
 from firmware_bridge.teleop.trust import NO_STAMPS, UNIT, Stamps, Stream
 from firmware_bridge.units import SECOND, Nanoseconds
 
@@ -24,10 +24,11 @@ class DamagedStampsError(Exception):
 
 
 class KeptStamps:
-    """One robot's file; each write replaces it whole."""
+    """One robot's file."""
 
     def __init__(self, path: Path) -> None:
         self.path: Final = path
+        self.file: Final = WholeFile(path)
         self._before: Stamps = NO_STAMPS
         self._due: Nanoseconds = 0
 
@@ -46,18 +47,18 @@ class KeptStamps:
         raise DamagedStampsError(f"{self.path}: is damaged")
 
     def keep(self, stamps: Stamps, now: Nanoseconds) -> None:
-        """Keep the stamps, ahead, where that is due or a new stream has begun; OSError where that fails."""
+        """Keep the stamps, ahead, where that is due or a new stream has begun."""
         if now >= self._due or stamps.streams.keys() != self._before.streams.keys():
             self._due = now + EVERY
             before = self._before.streams
             streams = {one: _ahead(stamp, before.get(one)) for one, stamp in stamps.streams.items()}
-            self.write(Stamps(stamps.own + _AHEAD // UNIT, streams))
+            self.write(Stamps(stamps.own + _AHEAD // UNIT, streams), now)
             self._before = stamps
 
-    def write(self, stamps: Stamps) -> None:
-        """Replace the file; OSError where it cannot be written."""
+    def write(self, stamps: Stamps, now: Nanoseconds) -> None:
+        """Keep the stamps as they are."""
         streams = {"/".join(map(str, stream)): stamp for stream, stamp in stamps.streams.items()}
-        whole_file.replace(self.path, json.dumps({"own": stamps.own, "streams": streams}))
+        self.file.replace(json.dumps({"own": stamps.own, "streams": streams}), now)
 
 
 def _ahead(stamp: int, before: int | None) -> int:

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
-from firmware_bridge.shell import whole_file
+from firmware_bridge.shell.whole_file import WholeFile
 from firmware_bridge.units import SECOND, Nanoseconds
 
 EVERY: Final[Nanoseconds] = 2 * SECOND
@@ -24,10 +24,11 @@ def usual_path(robot: str) -> Path:
 
 
 class LastPlaces:
-    """One robot's file; each write replaces it whole, so that a crash leaves the old one or the new one."""
+    """One robot's file."""
 
     def __init__(self, path: Path) -> None:
         self.path: Final = path
+        self.file: Final = WholeFile(path)
         self._written: Mapping[str, float] = {}
         self._due: Nanoseconds = 0
 
@@ -42,14 +43,8 @@ class LastPlaces:
         return {axis: value for axis, value in places.items() if math.isfinite(value)}
 
     def keep(self, places: Mapping[str, float], now: Nanoseconds) -> None:
-        """Keep where the axes stand, where that is due; OSError where the file cannot be written."""
-        if now >= self._due and places != self._written:
+        """Keep where the axes stand, where that is due."""
+        if places and now >= self._due and places != self._written:
             self._due = now + EVERY
-            self.write(places)
-
-    def write(self, places: Mapping[str, float]) -> None:
-        """Replace the file; OSError where it cannot be written."""
-        if not places:
-            return
-        whole_file.replace(self.path, json.dumps(dict(places)))
-        self._written = dict(places)
+            self._written = dict(places)
+            self.file.replace(json.dumps(self._written), now)

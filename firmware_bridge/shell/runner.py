@@ -1,30 +1,33 @@
 """Carries a node's packets over real ports in real time, and ends in good order, whatever ends it.
 
-It refuses to know what the node is. On SIGINT, SIGTERM, an exception in the node, a lost port, the end of
-its time, or when a finite node has finished, it asks the node to stop, carries on until the node says that it
-is done, and closes the ports. A node that holds something then is carried on, and asked again at a signal.
+It refuses to know what the node is. On a signal, an exception in the node or elsewhere, a lost port, the end
+of its time, or when a finite node has finished, it asks the node to stop, carries on until the node says that
+it is done, and closes the ports. What fails while it stops does not end that. A node that holds something
+then is carried on, and asked again at a signal.
 """
 
+import os
 import signal
-import socket
-import threading
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
-from types import FrameType
 from typing import Final
 
-from firmware_bridge.node import Finite, Node, Stoppable, holds
+from firmware_bridge.node import Finite, Node, Stoppable, Unhurried, holds
 from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.shell.bell import Bell, ringing
 from firmware_bridge.shell.clock import Clock
 from firmware_bridge.shell.ports.port import LostPort, Port
-from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds, to_seconds
+from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 
 STOP_WITHIN: Final = 15 * SECOND
 """The longest end that a bridge asks for: every step of a stop tried in vain, on the slowest line."""
 LATE: Final = 5 * MILLISECOND
 """A machine that is busy longer than this may have put something between the ports and the clock."""
-_SIGNALS: Final = (signal.SIGINT, signal.SIGTERM)
+AGAIN: Final = 50 * MILLISECOND
+"""A node that has failed is woken again so much later."""
+
+IN_ORDER: Final = "the node was stopped in good order before the ports were closed"
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +39,8 @@ class Ending:
     """Whether the node said that it was done, rather than being cut off."""
     latest_wake: Nanoseconds
     """How late the node was woken at worst; much more than a cycle says that the machine is too slow."""
+    verdict: str
+    """How the stopping went."""
 
 
 def run(
@@ -49,53 +54,76 @@ def run(
     """Run a node on its ports until a signal comes, the time is over or it has finished; close the ports.
 
     The clock restarts at zero. What ended the run by force is raised when the node has stopped: LostPort, or
-    the node's own exception. A second signal ends the stopping at once, unless the node is holding something.
+    whatever was raised. A second signal ends the stopping at once, unless the node is holding something, or
+    is not cut short.
     """
     carrier = _Carrier(node, ports, stop_within)
     clock.restart()
     try:
-        with _signals() as bell:
+        with ringing() as bell:
             _carry(carrier, clock, bell, until)
     finally:
         carrier.close()
     if carrier.cause is not None:
         carrier.cause.add_note(carrier.verdict())
         raise carrier.cause
-    return Ending(carrier.reason, carrier.in_order, carrier.latest_wake)
+    return Ending(carrier.reason, carrier.in_order, carrier.latest_wake, carrier.verdict())
 
 
-def _carry(carrier: "_Carrier", clock: Clock, bell: "_Bell", until: Nanoseconds) -> None:
+def _carry(carrier: "_Carrier", clock: Clock, bell: Bell, until: Nanoseconds) -> None:
     ready: Sequence[int] = ()
     now: Nanoseconds = 0
-    while True:
-        # First of all: on a busy machine the node's next wake is due by now, too.
-        for number in bell.rung(ready):
-            carrier.asked_to_stop(signal.Signals(number).name, now)
-        carrier.turn(ready, now)
-        if now >= until:
-            until = NEVER
-            carrier.asked_to_stop("the time is over", now)
-        if carrier.finished:
-            carrier.asked_to_stop("finished", now)
-        if carrier.over(now):
-            return
-        files, due = [bell.fileno, *carrier.filenos], min(carrier.next_at(), until)
+    while not carrier.over(now):
+        try:
+            # First of all: on a busy machine the node's next wake is due by now, too.
+            for number in bell.rung() if bell.fileno in ready else b"":
+                carrier.asked_by(signal.Signals(number).name, now)
+            carrier.turn(ready, now)
+            if now >= until:
+                until = NEVER
+                carrier.ends("the time is over", now)
+            if carrier.finished:
+                carrier.ends("finished", now)
+            if carrier.over(now):
+                return
+            ready, now = _waited(carrier, clock, bell, until)
+        except LostPort as lost:
+            ready, now = (), clock.now()
+            carrier.loses(lost, now)
+        except BaseException as failure:  # noqa: BLE001 - the devices must be stopped first; it is raised then
+            ready, now = (), clock.now()
+            carrier.fails(failure, now)
+
+
+def _waited(
+    carrier: "_Carrier", clock: Clock, bell: Bell, until: Nanoseconds
+) -> tuple[Sequence[int], Nanoseconds]:
+    """Wait for what comes or is due; return the files that can be read, and the instant."""
+    files, due = [bell.fileno, *carrier.filenos], min(carrier.next_at(), until)
+    try:
         ready = clock.wait(files, due)
         now = clock.now()
         if now - due > LATE:  # what has arrived by now is heard before anything that is due by now
             ready = clock.wait(files, now)
+            carrier.stood_still(now - due)
+    except (OSError, ValueError) as error:
+        carrier.find_closed(error)
+        raise
+    return ready, now
 
 
 class _Carrier:
     """The state of one run: the ports that still work, the node's next wake, and how far it has stopped."""
 
     def __init__(self, node: Node, ports: Mapping[str, Port], stop_within: Nanoseconds) -> None:
-        self.cause: Exception | None = None
+        self.cause: BaseException | None = None
         self.reason = ""
         self.in_order = False
         self.latest_wake: Nanoseconds = 0
         self.filenos = [port.fileno() for port in ports.values()]
         self._node = node
+        self._stoppable = node if isinstance(node, Stoppable) else None
+        self._unhurried = node if isinstance(node, Unhurried) else None
         self._finite = node if isinstance(node, Finite) else None
         self._ports = dict(ports)
         self._opened = len(ports)
@@ -104,35 +132,40 @@ class _Carrier:
         self._wake_at: Nanoseconds = 0
         self._cut_off_at: Nanoseconds = NEVER
         self._stopping = False
+        self._unheard = False
+        """Whether the node failed when it was asked to stop, and is asked once more."""
         self._done = False
         self._ended = False
 
     def turn(self, ready: Sequence[int], now: Nanoseconds) -> None:
         """Carry what has arrived to the node, wake it where that is due, and carry what it sends."""
-        try:
-            self._hear(ready, now)
-            if now >= self._wake_at and not (self._ended or self._done):
-                self.latest_wake = max(self.latest_wake, now - self._wake_at)
-                self._take(self._node.wake(now), now)
-            for port in tuple(self._ports.values()):
-                if now >= port.retry_at:
-                    port.flush(now)
-        except LostPort as lost:
-            self._lose(lost, now)
-        except Exception as failure:  # noqa: BLE001 - the drives must be stopped first; it is raised then
-            self._fail(failure, now)
+        self._hear(ready, now)
+        if now >= self._wake_at and not (self._ended or self._done):
+            self.latest_wake = max(self.latest_wake, now - self._wake_at)
+            # Whatever fails below is tried again then; what does not fail says itself when.
+            self._wake_at = now + AGAIN
+            self._take(self._stop_again(now) if self._unheard else self._node.wake(now), now)
+        for port in tuple(self._ports.values()):
+            if now >= port.retry_at:
+                port.flush(now)
 
     @property
     def finished(self) -> bool:
         """Whether the node has just finished, so that it has not been asked to stop yet."""
         return self._finite is not None and not self._stopping and self._finite.finished
 
-    def asked_to_stop(self, reason: str, now: Nanoseconds) -> None:
-        """Begin to stop; asked twice, end at once, or ask a node that is holding something once more."""
+    def ends(self, reason: str, now: Nanoseconds) -> None:
+        """Begin to stop, where that has not begun."""
+        if not self._stopping:
+            self.reason = reason
+            self._stop(now)
+
+    def asked_by(self, signal_: str, now: Nanoseconds) -> None:
+        """Begin to stop; asked twice, end at once, unless the node holds something or is not cut short."""
         if self._stopping and not self._holding:
-            self._ended = True
+            self._ended = self._unhurried is None or self._unhurried.may_leave(now)
             return
-        self.reason = self.reason or reason
+        self.reason = self.reason or signal_
         self._stop(now)
 
     @property
@@ -147,8 +180,9 @@ class _Carrier:
 
     def over(self, now: Nanoseconds) -> bool:
         """Tell whether the run has ended: the node is done and all is sent, or its time to stop is over."""
-        if self._holding:
-            self._cut_off_at = now + self._stop_within
+        with suppress(BaseException):  # a node that cannot say that it holds something holds nothing
+            if self._holding:
+                self._cut_off_at = now + self._stop_within
         if self._done and all(port.retry_at == NEVER for port in self._ports.values()):
             self.in_order = self._ended = True
         return self._ended or now >= self._cut_off_at
@@ -156,9 +190,9 @@ class _Carrier:
     def verdict(self) -> str:
         """Say how the stopping went."""
         if self.in_order:
-            return "the node was stopped in good order before the ports were closed"
-        limit = to_seconds(self._stop_within)
-        return f"the node did not stop in good order within {limit:g} s; the drives' own watch must do it"
+            return IN_ORDER
+        left = "" if self._unhurried is None else self._unhurried.unattended
+        return "; ".join(filter(None, ("it did not stop in good order", left)))
 
     def close(self) -> None:
         """Close the ports that are still open."""
@@ -171,84 +205,73 @@ class _Carrier:
             if link is None or self._done:
                 continue
             for address, payload in self._ports[link].read(now):
-                self._take(self._node.receive(Packet(link, address, payload), now), now)
+                try:
+                    self._take(self._node.receive(Packet(link, address, payload), now), now)
+                except LostPort:
+                    raise
+                except Exception as failure:  # noqa: BLE001 - whatever else has come is still heard
+                    self.fails(failure, now)
 
     def _take(self, reaction: Reaction, now: Nanoseconds) -> None:
         # Nobody is late for an instant that had passed when it was named: "at once" may be any of those.
         self._wake_at = max(reaction.wake_at, now)
         self._done = self._stopping and reaction.wake_at == NEVER
+        lost: LostPort | None = None
         for packet in reaction.sent:
             port = self._ports.get(packet.link)
-            if port is not None:
+            if port is None or (lost is not None and port is lost.port):
+                continue
+            try:
                 port.write(packet.address, packet.payload, now)
+            except LostPort as error:  # what goes to the others leaves first
+                lost = lost or error
+        if lost is not None:
+            raise lost
 
-    def _lose(self, lost: LostPort, now: Nanoseconds) -> None:
+    def stood_still(self, late: Nanoseconds) -> None:
+        """Give the node as much longer to stop as the process was not let run."""
+        if self._cut_off_at != NEVER:
+            self._cut_off_at += late
+
+    def find_closed(self, error: Exception) -> None:
+        """Raise LostPort for a port whose file is closed, which nobody can wait for."""
+        for port in self._ports.values():
+            try:
+                os.fstat(port.fileno())
+            except (OSError, ValueError):
+                raise LostPort(port, str(error)) from error
+
+    def loses(self, lost: LostPort, now: Nanoseconds) -> None:
+        """Go on without a port, and begin to stop."""
         for link, port in tuple(self._ports.items()):
             if port is lost.port:
                 del self._ports[link]
-                del self._links[port.fileno()]
-                self.filenos.remove(port.fileno())
-                port.close()
-        self.cause = self.cause or lost
-        if not self._stopping:
-            self._stop(now)
+                self._links = {fileno: name for fileno, name in self._links.items() if name != link}
+                self.filenos = list(self._links)
+                with suppress(OSError):  # what is lost may not let itself be closed
+                    port.close()
+        self.fails(lost, now)
 
-    def _fail(self, failure: Exception, now: Nanoseconds) -> None:
+    def fails(self, failure: BaseException, now: Nanoseconds) -> None:
+        """Begin to stop because of a failure; what fails while it stops does not end that."""
         self.cause = self.cause or failure
-        if self._stopping:
-            self._ended = True
-        else:
+        self._wake_at = min(self._wake_at, now + AGAIN)
+        if not self._stopping:
             self._stop(now)
 
     def _stop(self, now: Nanoseconds) -> None:
         self._stopping = True
         self._cut_off_at = now + self._stop_within
-        if not isinstance(self._node, Stoppable):
-            self._done = True
-            return
         try:
-            self._take(self._node.stop(now), now)
+            self._take(self._stop_again(now), now)
         except LostPort as lost:
-            self._lose(lost, now)
-        except Exception as failure:  # noqa: BLE001 - as above; nothing more can be tried
-            self._fail(failure, now)
+            self.loses(lost, now)
+        except BaseException as failure:  # noqa: BLE001 - it is asked again
+            self.fails(failure, now)
 
-
-class _Bell:
-    """Signals as a file that can be waited for."""
-
-    def __init__(self, reader: socket.socket) -> None:
-        self._reader = reader
-        self.fileno = reader.fileno()
-
-    def rung(self, ready: Sequence[int]) -> bytes:
-        """Return the numbers of the signals that came, in order."""
-        if self.fileno not in ready:
-            return b""
-        with suppress(BlockingIOError):
-            return self._reader.recv(64)
-        return b""
-
-
-@contextmanager
-def _signals() -> Iterator[_Bell]:
-    """Catch SIGINT and SIGTERM while this runs; only the main thread can, elsewhere nothing rings."""
-    reader, writer = socket.socketpair()
-    with reader, writer:
-        reader.settimeout(0)
-        writer.settimeout(0)
-        if threading.current_thread() is not threading.main_thread():
-            yield _Bell(reader)
-            return
-        wakeup = signal.set_wakeup_fd(writer.fileno(), warn_on_full_buffer=False)
-        before = {number: signal.signal(number, _heard) for number in _SIGNALS}
-        try:
-            yield _Bell(reader)
-        finally:
-            for number, handler in before.items():
-                signal.signal(number, handler)
-            signal.set_wakeup_fd(wakeup)
-
-
-def _heard(_number: int, _frame: FrameType | None) -> None:
-    """Do nothing: the number was written to the bell before this is called."""
+    def _stop_again(self, now: Nanoseconds) -> Reaction:
+        """Ask the node to stop until it has taken it."""
+        self._unheard = True
+        reaction = Reaction() if self._stoppable is None else self._stoppable.stop(now)
+        self._unheard = False
+        return reaction

@@ -1,5 +1,6 @@
 """The guard's own watchdog, at both edges, and the orderly stop."""
 
+from contextlib import suppress
 from typing import Final
 
 import pytest
@@ -8,6 +9,7 @@ from firmware_bridge.node import OPERATOR, Node
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.guard import guarded
+from firmware_bridge.safety.guard.guard import SILENT_CYCLES
 from firmware_bridge.units import MILLISECOND, NEVER
 from hil_tests.safety.guard_bench import LINK, Bench, Puppet, Stopping, frame, position, wheel
 
@@ -160,10 +162,15 @@ def test_a_bridge_that_fails_while_stopping_is_made_safe(robot: AnyRobot) -> Non
     bench = Bench(robot, puppet)
     bench.says(*MOVES, now=CYCLE)
     puppet.breaks = True
-    assert bench.guard.stop(CYCLE) == Reaction(SAFE, NEVER)
+    assert bench.guard.stop(CYCLE) == Reaction(SAFE, CYCLE), "and it has not ended"
     refusal = bench.guard.refusals[-1]
     assert (refusal.at, refusal.packet, refusal.sent) == (CYCLE, None, SAFE)
     assert refusal.reason == "the bridge failed while stopping: ValueError('no more')"
+    with pytest.raises(ValueError, match="no more"):
+        bench.guard.wake(CYCLE)
+    puppet.breaks = False
+    puppet.wake_at = NEVER
+    assert bench.guard.wake(CYCLE) == Reaction((), NEVER), "asked once more, it ends"
 
 
 def test_a_node_that_cannot_stop_is_made_safe(bench: Bench) -> None:
@@ -177,8 +184,39 @@ def test_a_node_that_fails_is_not_hidden(robot: AnyRobot) -> None:
             raise ValueError(now)
 
     node: Node = guarded(Broken(), robot)
+    assert node.wake(7) == Reaction((), 7), "what the guard says leaves first"
     with pytest.raises(ValueError, match="7"):
-        node.wake(7)
+        node.wake(8)
+
+
+@pytest.mark.parametrize("fails", ["wake", "receive"])
+def test_a_bridge_that_fails_for_good_is_spoken_for_as_one_that_is_silent(
+    robot: AnyRobot, fails: str
+) -> None:
+    class Broken(Stopping):
+        def receive(self, packet: Packet, now: int) -> Reaction:
+            raise ValueError(packet, now)
+
+        def wake(self, now: int) -> Reaction:
+            if not self.breaks:
+                return super().wake(now)
+            raise ValueError(now)
+
+    puppet = Broken()
+    bench = Bench(robot, puppet)
+    bench.says(*MOVES, now=CYCLE)
+    puppet.breaks = True
+    said: list[int] = []
+    for now in range(CYCLE, 12 * CYCLE, CYCLE // 2):
+        with suppress(ValueError):
+            reaction = (
+                bench.guard.wake(now)
+                if fails == "wake"
+                else bench.guard.receive(Packet(OPERATOR, 0, b""), now)
+            )
+            said += [now // CYCLE] if reaction.sent == SAFE else []
+    assert said[0] <= 1 + SILENT_CYCLES
+    assert said == list(range(said[0], 12)), "in each cycle"
 
 
 def test_a_guard_needs_no_listener(robot: AnyRobot) -> None:

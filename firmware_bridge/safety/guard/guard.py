@@ -11,6 +11,7 @@ stopped by the drives' own watch.
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Final, TypeAlias
 
 from firmware_bridge.node import OPERATOR, Node, Stoppable, holds
@@ -81,6 +82,10 @@ class Guarded:
         self._due: Nanoseconds = NEVER
         """When a rule over several axes must be looked at again."""
         self._stopping = False
+        self._unheard = False
+        """Whether the node failed when it was asked to stop, and is asked once more."""
+        self._failure: Exception | None = None
+        """The node's, which is raised one call later: what the guard says because of it leaves first."""
 
     @property
     def refusals(self) -> tuple[Refusal, ...]:
@@ -97,23 +102,36 @@ class Guarded:
         rules = self.links.get(packet.link)
         if rules is not None and not rules.receives(packet, now):
             return self.wake(now)
-        return self._judged(self.node.receive(packet, now), now)
+        return self._judged(self._tried(partial(self.node.receive, packet), now), now)
 
     def wake(self, now: Nanoseconds) -> Reaction:
         """Wake the node, judge what it sends, and speak for it when it is silent."""
-        return self._judged(self.node.wake(now), now)
+        if self._unheard and self._failure is None:
+            return self.stop(now)
+        return self._judged(self._tried(self.node.wake, now), now)
 
     def stop(self, now: Nanoseconds) -> Reaction:
         """Pass the wish to end on, and judge what the node sends; a node that cannot stop is made safe."""
         self._stopping = True
         if not isinstance(self.node, Stoppable):
             return Reaction(self._sent(self._all_safe(), now))
-        try:
-            reaction = self.node.stop(now)
-        except Exception as error:  # noqa: BLE001 - whatever broke the bridge, the drives must hear something
-            reason = f"the bridge failed while stopping: {error!r}"
-            return Reaction(self._replaced(None, reason, self._all_safe(), now))
+        reaction = self._tried(self.node.stop, now)
+        self._unheard = self._failure is not None
+        if self._unheard:
+            reason = f"the bridge failed while stopping: {self._failure!r}"
+            return Reaction(self._replaced(None, reason, self._all_safe(), now), now)
         return self._judged(reaction, now)
+
+    def _tried(self, call: Callable[[Nanoseconds], Reaction], now: Nanoseconds) -> Reaction:
+        """Return what the node does; one that fails says nothing, and is spoken for as one that is silent."""
+        failure, self._failure = self._failure, None
+        if failure is not None:
+            raise failure
+        try:
+            return call(now)
+        except Exception as error:  # noqa: BLE001 - whatever broke the bridge, the devices must hear something
+            self._failure = error
+            return Reaction((), now)
 
     def _judged(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
         sent: list[Packet] = []

@@ -4,10 +4,10 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 import pytest
-import typer
 
 from firmware_bridge.cli import drive_work
 from firmware_bridge.cli.drive import DriveOptions
+from firmware_bridge.cli.narrated import Narrated, StartUpFailedError
 from firmware_bridge.node import Stoppable
 from firmware_bridge.shell.ports import Port
 from firmware_bridge.shell.runner import STOP_WITHIN
@@ -25,9 +25,13 @@ def test_drives_that_are_not_known_to_be_without_power_are_named_at_the_end(
     after: Nanoseconds,
 ) -> None:
     took: list[Nanoseconds] = []
+    problems: list[str] = []
 
     def carried(
-        node: drive_work.Narrated, _openers: Mapping[str, Callable[[], Port]], *_rest: object
+        node: Narrated,
+        _openers: Mapping[str, Callable[[], Port]],
+        *_rest: object,
+        unfinished: Callable[[], str],
     ) -> None:
         """Carry the bridge to ports at which nobody answers; ask it to end once it has begun to speak."""
         assert isinstance(node, Stoppable)
@@ -39,13 +43,11 @@ def test_drives_that_are_not_known_to_be_without_power_are_named_at_the_end(
             now = max(reaction.wake_at, now)
             reaction = node.wake(now)
         took.append(now - after)
+        problems.append(unfinished())
 
     monkeypatch.setattr(drive_work, "carry", carried)
-    with pytest.raises(typer.Exit) as ended:
-        drive_work.drive(DriveOptions(robot="rars", mavlink="udpin:127.0.0.1:0", serial=serial))
-    assert ended.value.exit_code == 1
-    said = capsys.readouterr()
-    for text in (said.out, said.err):
+    drive_work.drive(DriveOptions(robot="rars", mavlink="udpin:127.0.0.1:0", serial=serial))
+    for text in (capsys.readouterr().out, *problems):
         assert "not confirmed to be without power" in text
         assert all(name in text for name in NAMES)
     assert took[0] < STOP_WITHIN, to_seconds(took[0])
@@ -55,7 +57,7 @@ def test_a_line_on_which_nothing_was_heard_is_told_with_what_it_was_spoken_to_in
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     def carried(
-        node: drive_work.Narrated, _openers: Mapping[str, Callable[[], Port]], *_rest: object
+        node: Narrated, _openers: Mapping[str, Callable[[], Port]], *_rest: object, **_more: object
     ) -> None:
         reaction = node.wake(0)
         while True:
@@ -63,7 +65,5 @@ def test_a_line_on_which_nothing_was_heard_is_told_with_what_it_was_spoken_to_in
 
     monkeypatch.setattr(drive_work, "carry", carried)
     options = DriveOptions(robot="rars", mavlink="udpin:127.0.0.1:0", serial="/dev/nowhere")
-    with pytest.raises(
-        drive_work.StartUpFailedError, match=r"nothing was heard .* in v2 .*\(--protocol v1\)\?$"
-    ):
+    with pytest.raises(StartUpFailedError, match=r"nothing was heard .* in v2 .*\(--protocol v1\)\?$"):
         drive_work.drive(options)

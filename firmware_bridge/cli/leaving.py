@@ -1,0 +1,45 @@
+"""What becomes of a robot whose bridge ends before the robot's stop has, and who may ask for that."""
+
+from collections.abc import Callable
+from typing import Final
+
+from firmware_bridge.drivers.fleets import alone
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.units import NEVER, SECOND, Nanoseconds
+
+AGAIN_WITHIN: Final[Nanoseconds] = 5 * SECOND
+"""Who was told what becomes of the robot, and asks once more within this time, leaves it so."""
+
+
+class Leaving:
+    """One robot, link by link: what stops its devices without the bridge."""
+
+    def __init__(self, machine: AnyRobot, tell: Callable[[str, Nanoseconds], None]) -> None:
+        self._tell = tell
+        names = [name for name in machine.links if machine.axes_on(name)]
+        self._stops: Final = {name: alone(machine, name) for name in names}
+        self._told_at: Nanoseconds = NEVER
+
+    @property
+    def unattended(self) -> str:
+        """What becomes of the devices of each link, in one line."""
+        return "; ".join(
+            f"link '{name}': {says}"
+            if says
+            else f"link '{name}': nothing stops it: its motors may turn on, switch their supply off"
+            for name, says in self._stops.items()
+        )
+
+    def may_leave(self, now: Nanoseconds) -> bool:
+        """Take one more request to end while the robot is stopped; return whether it is left as it is.
+
+        Only where some device would go on without the bridge, and was said so; else the stop goes on.
+        """
+        if all(self._stops.values()):
+            self._tell("the stop goes on, and ends the program: each of its steps lasts a bounded time", now)
+            return False
+        if self._told_at != NEVER and now - self._told_at <= AGAIN_WITHIN:
+            return True
+        self._told_at = now
+        self._tell(f"the stop goes on. {self.unattended}. Once more within 5 s leaves it so", now)
+        return False

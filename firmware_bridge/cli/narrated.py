@@ -1,0 +1,158 @@
+"""Tells the user what a bridge does, as it changes, and keeps where its axes stand."""
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Final, TypeAlias
+
+from firmware_bridge.bridge import Bridge, Phase
+from firmware_bridge.cli.leaving import Leaving
+from firmware_bridge.cli.remembered import Remembered
+from firmware_bridge.node import Node, Stoppable, holds
+from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.safety.snapshot import Hold
+from firmware_bridge.shell.last_places import LastPlaces
+from firmware_bridge.units import SECOND, Nanoseconds, to_seconds
+
+Tell: TypeAlias = Callable[[str], None]
+
+
+class StartUpFailedError(Exception):
+    """The robot's drives could not be set up: which one, what was expected, what came."""
+
+
+class Narrated:
+    """A bridge whose steps, holds and leave to move are told as they change.
+
+    It ends the run when the start-up has failed. `node` is what is carried: the bridge, or a node around it.
+    """
+
+    def __init__(
+        self,
+        bridge: Bridge,
+        node: Node,
+        machine: AnyRobot,
+        tell: Tell,
+        *,
+        kept: LastPlaces,
+        stamps: Remembered,
+        hints: Mapping[str, str] = MappingProxyType({}),
+    ) -> None:
+        self._bridge = bridge
+        self._hints = dict(hints)
+        """What may be wrong with a link on which nothing was heard yet, by its name."""
+        self._stamps: Final = stamps
+        self._kept: Final = kept
+        self._kept_told = False
+        self._node = node
+        self._tell = tell
+        self._phase: Phase | None = None
+        self._armed = False
+        self._late = 0
+        self._late_told_at: Nanoseconds = 0
+        self._holds: tuple[Hold, ...] = ()
+        self._failure: Exception | None = None
+        self._mute = False
+        self._leaving: Final = Leaving(machine, self._say)
+
+    @property
+    def unattended(self) -> str:
+        """What becomes of the robot if it is carried no further."""
+        return self._leaving.unattended
+
+    def may_leave(self, now: Nanoseconds) -> bool:
+        """Take one more request to end while it ends; return whether it is carried no further."""
+        return self._leaving.may_leave(now)
+
+    @property
+    def holding(self) -> bool:
+        """Whether the node holds something after it was asked to end."""
+        return holds(self._node)
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        """Pass the packet on, and tell what has changed."""
+        if packet.payload:
+            self._hints.pop(packet.link, None)
+        self._raise_failure()
+        return self._told(self._node.receive(packet, now), now)
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        """Wake the bridge, and tell what has changed."""
+        self._raise_failure()
+        return self._told(self._node.wake(now), now)
+
+    def stop(self, now: Nanoseconds) -> Reaction:
+        """Stop the bridge, and tell what has changed."""
+        reaction = self._node.stop(now) if isinstance(self._node, Stoppable) else Reaction()
+        return self._told(reaction, now)
+
+    def _raise_failure(self) -> None:
+        """End the run one call after a failure, so that what the bridge sent because of it has left."""
+        failure, self._failure = self._failure, None
+        if failure is not None:
+            raise failure
+        bridge = self._bridge
+        if bridge.failure is not None and bridge.phase is Phase.FAILED:
+            hints = "".join(f"; {hint}" for hint in self._hints.values())
+            raise StartUpFailedError(f"start-up failed: {bridge.failure}{hints}")
+
+    def _told(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
+        """Tell what has changed; a failure of that is raised one call later, so that what is sent leaves."""
+        if self._mute:
+            return reaction
+        try:
+            self._tell_changes(now)
+        except Exception as failure:  # noqa: BLE001 - it is raised, and nothing is told any more
+            self._mute, self._failure = True, failure
+            return Reaction(reaction.sent, min(reaction.wake_at, now))
+        return reaction
+
+    def _tell_changes(self, now: Nanoseconds) -> None:
+        bridge = self._bridge
+        if bridge.phase is not self._phase:
+            self._phase = bridge.phase
+            self._say(self._phase.value, now)
+            for remark in bridge.fleets.remarks if self._phase is Phase.RUNNING else ():
+                self._say(remark, now)
+            if self._phase is Phase.FINISHED and bridge.unconfirmed:
+                self._say(not_confirmed(bridge), now)
+        self._keep(now)
+        problem = self._stamps.keep(bridge.stamps, now, ended=bridge.finished)
+        if problem is not None:
+            self._say(problem, now)
+        if bridge.seen.facts.armed != self._armed:
+            self._armed = bridge.seen.facts.armed
+            self._say("armed" if self._armed else "disarmed", now)
+        late = bridge.fleets.late
+        if late != self._late and now - self._late_told_at >= SECOND:
+            self._say(f"late: {late - self._late} cycles were longer than the robot file says", now)
+            self._late, self._late_told_at = late, now
+        if bridge.holds != self._holds and bridge.phase is not Phase.FAILED:  # what failed is told at the end
+            self._tell_holds({hold.name: hold for hold in bridge.holds}, now)
+            self._holds = bridge.holds
+
+    def _keep(self, now: Nanoseconds) -> None:
+        """Keep where the axes stand; a file that cannot be written ends no run."""
+        self._kept.keep(self._bridge.places, now)
+        problem = self._kept.file.problem(now)
+        if problem is not None and not self._kept_told:
+            self._kept_told = True
+            self._say(f"where the axes stand is not kept: {problem}", now)
+
+    def _tell_holds(self, standing: Mapping[str, Hold], now: Nanoseconds) -> None:
+        known = {hold.name: hold.reason for hold in self._holds}
+        for name in known:
+            if name not in standing:
+                self._say(f"lets go: {name}", now)
+        for name, hold in standing.items():
+            if known.get(name) != hold.reason:
+                self._say(f"holds: {name}: {hold.reason} ({hold.remedy})", now)
+
+    def _say(self, text: str, now: Nanoseconds) -> None:
+        self._tell(f"{to_seconds(now):9.3f} s  {text}")
+
+
+def not_confirmed(bridge: Bridge) -> str:
+    """Say whose power is not known to be off, if any's; switching the battery off is what is left."""
+    names = ", ".join(bridge.unconfirmed)
+    return f"not confirmed to be without power: {names}; switch the battery off" if names else ""

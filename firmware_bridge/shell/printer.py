@@ -1,0 +1,97 @@
+"""Prints from a thread of its own: no terminal, pager or disk that takes nothing holds up who speaks.
+
+What it cannot print is dropped and counted, and how much it was is printed as soon as something is taken
+again. A pipe that nobody reads any more raises SIGPIPE in the process, as ever.
+"""
+
+import os
+import select
+from contextlib import suppress
+from queue import Empty, Full, Queue
+from threading import Thread
+from typing import Final, TextIO
+
+MOST: Final = 2_000
+"""So many lines at most wait to be printed."""
+
+
+class Printer:
+    """Lines on their way to files; `print` never waits and never fails."""
+
+    def __init__(self) -> None:
+        self._waiting: Queue[tuple[int, bytes] | None] = Queue(MOST)
+        self._lost = 0
+        """Lines that found no place to wait in; this end's count, which only grows."""
+        self._failed = 0
+        """Lines that nothing took; the thread's count."""
+        self._told = 0
+        self._thread: Thread | None = None
+
+    def print(self, text: str, stream: TextIO) -> None:
+        """Let a line be printed."""
+        try:
+            fileno = stream.fileno()
+        except (OSError, ValueError):
+            # In memory it takes at once whatever it is given; one that is closed takes nothing.
+            with suppress(ValueError):
+                stream.write(f"{text}\n")
+            return
+        try:
+            line = f"{text}\n".encode(stream.encoding, stream.errors or "strict")
+        except UnicodeError:
+            line = f"{text}\n".encode(stream.encoding, "replace")
+        if self._thread is None:
+            self._thread = Thread(target=self._work, name="printing", daemon=True)
+            self._thread.start()
+        try:
+            self._waiting.put_nowait((fileno, line))
+        except Full:
+            self._lost += 1
+
+    def end(self, within_s: float) -> None:
+        """Wait for what is still to be printed, so long at most, or until Ctrl-C; drop the rest."""
+        thread = self._thread
+        if thread is None:
+            return
+        try:
+            while True:
+                try:
+                    self._waiting.put_nowait(None)
+                except Full:  # nothing is taken; one line less is said
+                    self._drop_one()
+                else:
+                    break
+            thread.join(within_s)
+        except KeyboardInterrupt:
+            return
+
+    def _drop_one(self) -> None:
+        try:
+            self._waiting.get_nowait()
+        except Empty:
+            return
+        self._lost += 1
+
+    def _work(self) -> None:
+        """Print what waits; the thread's whole life."""
+        while (item := self._waiting.get()) is not None:
+            fileno, line = item
+            missing = self._lost + self._failed - self._told
+            if missing:
+                line = f"({missing} lines before this one could not be printed)\n".encode() + line
+            if _written(fileno, line):
+                self._told += missing
+            else:
+                self._failed += 1
+
+
+def _written(fileno: int, line: bytes) -> bool:
+    """Write all of a line, however long that takes; return whether it was taken."""
+    while line:
+        try:
+            line = line[os.write(fileno, line) :]
+        except BlockingIOError:
+            select.select((), (fileno,), ())
+        except OSError:
+            return False
+    return True
