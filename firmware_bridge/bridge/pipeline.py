@@ -79,6 +79,7 @@ class Pipeline(Generic[G, M, S]):
         self._counted: Mapping[str, Feedback] | None = None
         """The samples up to which the pose has been carried on."""
         self._ran_at: Nanoseconds | None = None
+        self._stood_still: Nanoseconds = 0
         self.gate_deadline: Nanoseconds = NEVER
         """When a silence will trip an interlock if nothing is heard."""
         self.seen: Snapshot[M, S] = self.known(0)
@@ -194,6 +195,7 @@ class Pipeline(Generic[G, M, S]):
             said_at=operator.intent.said_at,
             dated=operator.intent.dated,
             age_limit=operator.age_limit,
+            stood_still=self._stood_still,
         )
         return Snapshot(
             facts=facts,
@@ -372,4 +374,5 @@ class Pipeline(Generic[G, M, S]):
 
     def _elapsed(self, now: Nanoseconds) -> Nanoseconds:
         before, self._ran_at = self._ran_at, now
-        return 0 if before is None else now - before
+        self._stood_still = 0 if before is None else now - before
+        return self._stood_still

@@ -53,6 +53,15 @@ def whole_robot_rows(
             severity=Severity.CRITICAL,
             disarms=True,
         ),
+        # Whatever its devices, its operator and the robot did meanwhile, nobody has watched it.
+        Interlock(
+            "bridge stood still",
+            _stood_still,
+            "let the bridge's process run, then arm",
+            severity=Severity.CRITICAL,
+            disarms=True,
+            blocks_arming=False,
+        ),
         *(_link_row(name, link) for name, link in links.items()),
         *(_master_row(name, link) for name, link in links.items()),
         Interlock(
@@ -108,6 +117,14 @@ def _master_row(name: str, link: LinkTable) -> Interlock[G, M, S]:
 
 def _emergency_stop(view: View[G, M, S]) -> str | None:
     return "the emergency stop is latched" if view.facts.emergency_stopped else None
+
+
+def _stood_still(view: View[G, M, S]) -> str | None:
+    # It may look away for as long as its operator may be silent.
+    stood, limit = view.facts.stood_still, view.robot.operator.silent_ms * MILLISECOND
+    if stood < limit:
+        return None
+    return f"the bridge itself did nothing for {to_seconds(stood):.2f} s, limit {to_seconds(limit):.2f} s"
 
 
 def _battery_low(view: View[G, M, S]) -> str | None:

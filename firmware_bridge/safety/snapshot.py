@@ -93,6 +93,8 @@ class Facts:
     dated: bool = False
     """Whether it was said then, to within half a round trip; else it may be older."""
     age_limit: AgeLimit = USUAL_AGE_LIMIT
+    stood_still: Nanoseconds = 0
+    """How long the bridge itself did nothing before this cycle."""
 
     @property
     def age(self) -> Nanoseconds | None:

@@ -68,6 +68,12 @@ HALTS: Final = 40 * MILLISECOND
 CASES: Final = (
     Case("emergency stop", {"emergency_stopped": True}, {}, "the emergency stop is latched"),
     Case(
+        "bridge stood still",
+        {"stood_still": 500 * MILLISECOND},
+        {"stood_still": 500 * MILLISECOND - 1},
+        "the bridge itself did nothing for 0.50 s, limit 0.50 s",
+    ),
+    Case(
         "battery low",
         {"battery_low_since": START - 10 * SECOND},
         {"battery_low_since": START - 10 * SECOND + 1},
