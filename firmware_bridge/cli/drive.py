@@ -45,8 +45,9 @@ EXAMPLES: Final = """Examples:
 class DriveOptions:
     """Run the bridge on a real CAN bus or serial line: find the drives, set them up, and obey the operator.
 
-    Ends on Ctrl-C: the robot is brought to rest first, then its drives are disabled. A serial port that is
-    unplugged is waited for; the robot must be armed anew then.
+    Ends on Ctrl-C, Ctrl-Z, or when its terminal is closed: the robot is brought to rest first, then its
+    drives are disabled, and a second Ctrl-C does not cut that short. A serial port that is unplugged is
+    waited for; the robot must be armed anew then.
     """
 
     robot: RobotArgument

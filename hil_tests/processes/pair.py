@@ -1,0 +1,235 @@
+"""Two processes, as a user starts them, and a station: what a robot does when one of them ends.
+
+The emulator's plant tells in a file how far each axis has turned: what is judged is what moved, and not what
+anybody said of it.
+"""
+
+import re
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final
+
+from pymavlink.dialects.v20 import common as mavlink
+
+from hil_tests.processes.station import Station
+
+EMULATOR: Final = """
+import math, sys, threading, time
+import emulators.cli.emulate_robot_work as work
+from emulators.arduino_omni.ar2.board import Ar2Board
+from firmware_bridge.cli import main
+truth, *sys.argv[1:] = sys.argv[1:]
+def told(turned):
+    def tell():
+        with open(truth, "w", buffering=1) as file:
+            while True:
+                file.write(f"{time.monotonic():.3f} " + " ".join(f"{one:.5f}" for one in turned()) + chr(10))
+                time.sleep(0.02)
+    threading.Thread(target=tell, daemon=True).start()
+made, begun = work.devices, Ar2Board.__init__
+def devices(*names, **more):
+    found = made(*names, **more)
+    of_axes = [place for place, name in enumerate(found.plant.output_names) if name.startswith("angle_")]
+    told(lambda: [found.plant.outputs[place] for place in of_axes])
+    return found
+def board(self, *given, **more):
+    begun(self, *given, **more)
+    if sys.argv[2] == "ar2":
+        told(lambda: [math.radians(angle) for angle in self.joints.angles])
+work.devices, Ar2Board.__init__ = devices, board
+main()
+"""
+BRIDGE: Final = "from firmware_bridge.cli import main; main()"
+STARTS_WITHIN_S: Final = 90.0
+"""On a busy machine; what is awaited comes within seconds else."""
+WINDOW_S: Final = 0.1
+
+
+@dataclass(frozen=True)
+class Row:
+    """One robot over one protocol."""
+
+    name: str
+    words: tuple[str, ...] = ()
+    """For both commands."""
+    bridge: tuple[str, ...] = ()
+    """For the bridge alone."""
+    lines: tuple[str, ...] = ()
+    """Its links on pseudo-terminals; none: on a bus."""
+    stick: int = 600
+    """In thousandths."""
+    turns_rad_s: float = 2.0
+    """A motor that is slower stands; an arm is known by its joints."""
+
+
+def zeros(**places: float) -> tuple[str, ...]:
+    return tuple(word for name, place in places.items() for word in ("--zero", f"{name}={place:g}"))
+
+
+@dataclass
+class Pair:
+    """An emulator, and a bridge to it."""
+
+    row: Row
+    folder: Path
+    stdout: Any = None
+    session: bool = True
+    """Whether the bridge is in a session of its own, without a terminal."""
+    more: tuple[str, ...] = ()
+    before: Callable[[], None] | None = None
+    station: Station = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.truth = self.folder / "truth"
+        self.log = self.folder / "bridge.log"
+        self.emulator = self._emulator()
+        places = self._places()
+        self.station = Station()
+        words = [
+            *("drive", self.row.name, *places, *self.row.words, *self.row.bridge, *self.more),
+            *(
+                "--mavlink",
+                f"udpin:127.0.0.1:{self.station.port}",
+                "--state",
+                str(self.folder / "state.json"),
+            ),
+        ]
+        out = self.log.open("wb") if self.stdout is None else self.stdout
+        self.bridge = subprocess.Popen(
+            [sys.executable, "-u", "-c", BRIDGE, *words],
+            stdin=subprocess.DEVNULL,
+            stdout=out,
+            stderr=subprocess.STDOUT,
+            start_new_session=self.session,
+            preexec_fn=self.before,  # noqa: PLW1509 - a terminal is taken by who is to have it
+        )
+        if self.stdout is None:
+            out.close()
+        self.station.begin()
+
+    def _emulator(self) -> "subprocess.Popen[bytes]":
+        if not self.row.lines:
+            place = self._bus
+        elif len(self.row.lines) == 1:
+            place = ("--serial", "pty")
+        else:
+            place = tuple(word for line in self.row.lines for word in ("--link", f"{line}=serial:pty"))
+        with (self.folder / "emulator.log").open("wb") as out:
+            return subprocess.Popen(
+                [
+                    *(sys.executable, "-u", "-c", EMULATOR, str(self.truth)),
+                    *("emulate", self.row.name, *place, *self.row.words),
+                ],
+                stdin=subprocess.DEVNULL,
+                stdout=out,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )
+
+    @property
+    def _bus(self) -> tuple[str, ...]:
+        return ("-i", "udp_multicast", "-c", "239.74.163.2")
+
+    def _places(self) -> tuple[str, ...]:
+        """Wait until the emulator says where it is; return the bridge's words for that."""
+
+        def said() -> list[str]:
+            return re.findall(r"/dev/pts/\d+", (self.folder / "emulator.log").read_text())
+
+        awaited(lambda: "ends it" in (self.folder / "emulator.log").read_text(), "the emulator is there")
+        lines = self.row.lines
+        if not lines:
+            return self._bus
+        if len(lines) == 1:
+            return ("--serial", said()[0])
+        return tuple(
+            w for name, at in zip(lines, said(), strict=False) for w in ("--link", f"{name}=serial:{at}")
+        )
+
+    def drives(self) -> None:
+        """Arm it, and let it drive until its axes turn; on a busy machine as often as that takes."""
+
+        def turns() -> bool:
+            if not self.station.armed:
+                self.station.stick = 0
+                self.station.asks(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1)
+                passes(0.5)
+            self.station.stick = self.row.stick if self.station.armed else 0
+            passes(0.5)
+            assert self.bridge.poll() is None, self.said
+            return self.fastest > 2.0 * self.row.turns_rad_s
+
+        awaited(turns, "it drives")
+        passes(1.0)
+
+    @property
+    def said(self) -> str:
+        """What the bridge has said in its log."""
+        return self.log.read_text() if self.log.exists() else ""
+
+    @property
+    def samples(self) -> list[tuple[float, list[float]]]:
+        """When, and how far each axis had turned then."""
+        rows = [
+            line.split() for line in self.truth.read_text().splitlines(keepends=True) if line.endswith("\n")
+        ]
+        return [(float(at), [float(one) for one in turned]) for at, *turned in rows]
+
+    @property
+    def fastest(self) -> float:
+        """How fast the fastest axis turns now, in rad/s."""
+        return max((speed for _, speed in _speeds(self.samples[-20:])), default=0.0)
+
+    def moved_until(self, since: float) -> float:
+        """Return how many seconds after an instant the last axis came to stand; inf if one turns now."""
+        speeds = list(_speeds([one for one in self.samples if one[0] >= since - WINDOW_S]))
+        last = max((at for at, speed in speeds if speed > self.row.turns_rad_s), default=since)
+        return float("inf") if speeds[-1][0] - last < 2 * WINDOW_S else last - since
+
+    def sends(self, number: signal.Signals) -> float:
+        """Send the bridge a signal; return when."""
+        self.bridge.send_signal(number)
+        return time.monotonic()
+
+    def ended(self, within_s: float = 40.0) -> int:
+        """Return the bridge's exit status."""
+        return self.bridge.wait(within_s)
+
+    def close(self) -> None:
+        """End both, whatever state they are in."""
+        self.station.end()
+        for process in (self.bridge, self.emulator):
+            if process.poll() is None:
+                process.send_signal(signal.SIGCONT)
+                process.kill()
+            process.wait()
+
+
+def _speeds(samples: list[tuple[float, list[float]]]) -> Iterator[tuple[float, float]]:
+    """Yield when, and how fast the fastest axis turned before, over windows."""
+    first = 0
+    for at, turned in samples:
+        while at - samples[first][0] > WINDOW_S:
+            first += 1
+        then, before = samples[max(first - 1, 0)]
+        if at > then:
+            yield at, max(abs(a - b) for a, b in zip(turned, before, strict=True)) / (at - then)
+
+
+def passes(seconds: float) -> None:
+    """Let real time pass, in which the processes do something."""
+    threading.Event().wait(seconds)
+
+
+def awaited(holds: Callable[[], bool], what: str) -> None:
+    """Wait until something holds."""
+    until = time.monotonic() + STARTS_WITHIN_S
+    while not holds():
+        assert time.monotonic() < until, what
+        passes(0.05)

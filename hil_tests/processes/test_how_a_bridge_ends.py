@@ -1,0 +1,227 @@
+"""A bridge in a process of its own, however it ends and whatever takes nothing from it: the robot stands."""
+
+import fcntl
+import os
+import pty
+import resource
+import signal
+import termios
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from threading import Lock
+from typing import Final
+
+import pytest
+from pymavlink.dialects.v20 import common as mavlink
+
+from hil_tests.processes.pair import Pair, Row, passes, zeros
+
+pytestmark = pytest.mark.alone
+AT_A_TIME: Final = 4
+"""Pairs of processes: mostly they wait."""
+ONE_BUS: Final = Lock()
+JOINT_6: Final = 9
+"""The number by which the robot's file knows it: its place is written when it is told anew."""
+JOINTS: Final = zeros(j1=0, j2=-90, j3=90, j4=0, j5=60, j6=0)
+UNWATCHED: Final = ("--accept-no-watchdog",)
+MW: Final = Row("rome", ("--protocol", "mw", "--encoders", "3"), UNWATCHED, ("board",))
+ROBOTS: Final = {
+    "rars": Row("rars", bridge=zeros(lift=0, steer=0)),
+    "rars, v2": Row("rars", ("--protocol", "v2"), zeros(lift=0, steer=0), ("drives",)),
+    "climber": Row("climber", stick=400),
+    "rome, ros-arduino-bridge": Row("rome", lines=("board",)),
+    "rome, arduinoio": Row("rome", ("--protocol", "arduinoio", "--encoders", "3"), UNWATCHED, ("board",)),
+    "rome, mw": MW,
+    "rome, firmata": Row("rome+cameras", ("--protocol", "firmata"), UNWATCHED, ("board",)),
+    "ar2": Row(
+        "ar2",
+        bridge=zeros(j1=0, j2=-90, j3=1, j4=0, j5=0, j6=0),
+        lines=("arm",),
+        turns_rad_s=0.01,
+        stick=-600,
+    ),
+    "rome_arm": Row("rome_arm", (*MW.words,), (*JOINTS, *UNWATCHED), ("board", "arm")),
+}
+
+
+@dataclass
+class Told:
+    """What came of it."""
+
+    moved_s: float
+    """So long after the begin something turned."""
+    status: int | None
+    """The bridge's exit status; None where it goes on."""
+    said: str
+
+
+Story = Callable[[Row, Path], Told]
+
+
+def story(
+    attack: Callable[[Pair], float], *, goes_on: bool = False, settles_s: float = 3.0, **given: object
+) -> Story:
+    """Let a robot drive, attack its bridge, and look what comes of it."""
+
+    def told(row: Row, folder: Path) -> Told:
+        # Whoever is in a group hears all groups of its port: one robot at a time is on a bus.
+        with nullcontext() if row.lines else ONE_BUS:
+            return carried(row, folder)
+
+    def carried(row: Row, folder: Path) -> Told:
+        pair = Pair(row, folder, **given)  # type: ignore[arg-type]
+        try:
+            pair.drives()
+            begun = attack(pair)
+            status = None if goes_on else pair.ended()
+            passes(settles_s)
+            if goes_on:
+                assert pair.bridge.poll() is None, pair.said
+            return Told(pair.moved_until(begun), status, pair.said)
+        finally:
+            pair.close()
+
+    return told
+
+
+def sent(*numbers: signal.Signals, apart_s: float = 0.1) -> Callable[[Pair], float]:
+    def attack(pair: Pair) -> float:
+        begun = pair.sends(numbers[0])
+        for number in numbers[1:]:
+            passes(apart_s)
+            pair.sends(number)
+        return begun
+
+    return attack
+
+
+def suspended(pair: Pair) -> float:
+    """Suspend it for three seconds; from its continuation on it has time to stop the robot."""
+    pair.sends(signal.SIGSTOP)
+    passes(3.0)
+    return pair.sends(signal.SIGCONT)
+
+
+def full_log(pair: Pair) -> float:
+    """Nothing can be added to its log any more, as on a full disk; then the stick is let go."""
+    size = pair.log.stat().st_size
+    resource.prlimit(pair.bridge.pid, resource.RLIMIT_FSIZE, (size, size))
+    pair.station.stick = 0
+    passes(1.0)
+    pair.station.stops()
+    return time.monotonic()
+
+
+def closed_terminal(row: Row, folder: Path) -> Told:
+    """The window is closed, or ssh drops: the kernel hangs up."""
+    master, slave = pty.openpty()
+
+    def own_terminal() -> None:
+        fcntl.ioctl(slave, termios.TIOCSCTTY, 0)
+
+    def close(pair: Pair) -> float:
+        del pair
+        os.close(master)
+        return time.monotonic()
+
+    try:
+        return story(close, stdout=slave, before=own_terminal)(row, folder)
+    finally:
+        os.close(slave)
+
+
+def unread(row: Row, folder: Path) -> Told:
+    """A pager, or Ctrl-S: nobody takes what it says; then the stick is let go, and a stop is ordered."""
+    reader, writer = os.pipe()
+    fcntl.fcntl(writer, fcntl.F_SETPIPE_SZ, 4096)
+
+    def stall(pair: Pair) -> float:
+        full = os.open(f"/proc/self/fd/{writer}", os.O_WRONLY | os.O_NONBLOCK)
+        try:
+            while True:
+                os.write(full, b"x")
+        except BlockingIOError:
+            os.close(full)
+        begun = time.monotonic()
+        for _ in range(3):
+            pair.station.stops()
+            passes(0.2)
+        pair.sends(signal.SIGINT)
+        return begun
+
+    try:
+        return story(stall, stdout=writer)(row, folder)
+    finally:
+        os.close(reader)
+        os.close(writer)
+
+
+def stalled_disk(row: Row, folder: Path) -> Told:
+    """The disk under the file where the axes stand takes nothing: a pipe that nobody reads stands for it."""
+
+    def stall(pair: Pair) -> float:
+        pair.station.stick = 0
+        pair.station.asks(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 0)
+        passes(1.0)
+        pair.station.asks(mavlink.MAV_CMD_USER_1, JOINT_6, 1.0)
+        passes(0.5)
+        os.mkfifo(folder / f"state.json.{pair.bridge.pid}")
+        pair.station.asks(mavlink.MAV_CMD_USER_1, JOINT_6, 0.0)
+        pair.drives()
+        passes(2.0)
+        pair.station.stops()
+        return time.monotonic()
+
+    return story(stall, goes_on=True)(row, folder)
+
+
+SIGHUP = story(sent(signal.SIGHUP))
+STORIES: Final[dict[str, tuple[Row, Story]]] = {
+    **{f"{name}: hang-up": (row, SIGHUP) for name, row in ROBOTS.items()},
+    "quit": (MW, story(sent(signal.SIGQUIT))),
+    "ctrl-z": (MW, story(sent(signal.SIGTSTP))),
+    "ctrl-c twice": (MW, story(sent(signal.SIGINT, signal.SIGINT))),
+    "ctrl-c and terminated": (MW, story(sent(signal.SIGINT, signal.SIGTERM, apart_s=0.02))),
+    "ctrl-c three times": (MW, story(sent(signal.SIGINT, signal.SIGINT, signal.SIGINT), settles_s=0.0)),
+    "closed terminal": (MW, closed_terminal),
+    "nobody reads": (MW, unread),
+    "full log": (MW, story(full_log, goes_on=True)),
+    "stalled disk": (ROBOTS["rome_arm"], stalled_disk),
+    "suspended": (MW, story(suspended, goes_on=True)),
+}
+STOPS_WITHIN_S: Final = 4.0
+"""Each of them ramps down in less than a second; a busy machine takes its time, too."""
+
+
+@pytest.fixture(scope="module")
+def told(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[dict[str, Future[Told]]]:
+    """Let the stories that were chosen run, some at a time: most of their time they wait."""
+    chosen = [
+        str(item.callspec.params["name"])
+        for item in request.session.items
+        if isinstance(item, pytest.Function) and item.module is request.module and hasattr(item, "callspec")
+    ]
+    with ThreadPoolExecutor(AT_A_TIME) as pool:
+        yield {
+            name: pool.submit(STORIES[name][1], STORIES[name][0], tmp_path_factory.mktemp("story"))
+            for name in dict.fromkeys(chosen)
+        }
+
+
+@pytest.mark.parametrize("name", STORIES)
+def test_the_robot_stands(name: str, told: dict[str, Future[Told]]) -> None:
+    came = told[name].result()
+    if name == "ctrl-c three times":
+        assert came.status == 1
+        assert "nothing stops it" in came.said.splitlines()[-1]
+        return
+    assert came.moved_s <= STOPS_WITHIN_S, came
+    assert came.status in (None, 0), came
+    if name == "suspended":
+        assert "bridge stood still" in came.said

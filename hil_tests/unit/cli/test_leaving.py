@@ -1,0 +1,68 @@
+"""Who asks again while a robot is stopped: what he is told, and whether he may leave it as it is."""
+
+from pathlib import Path
+
+import pytest
+
+from firmware_bridge.bridge import Bridge
+from firmware_bridge.cli.leaving import AGAIN_WITHIN, Leaving
+from firmware_bridge.cli.narrated import Narrated
+from firmware_bridge.cli.remembered import Remembered
+from firmware_bridge.kinds import kind_of
+from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.shell.last_places import LastPlaces
+from firmware_bridge.teleop.trust import Trust
+from firmware_bridge.units import SECOND, Nanoseconds
+from hil_tests.safety.driving import robot_of
+
+NOTHING = "link 'board': nothing stops it: its motors may turn on, switch their supply off"
+
+
+def told(name: str) -> tuple[Leaving, list[str]]:
+    said: list[str] = []
+    return Leaving(robot_of(name), lambda text, _now: said.append(text)), said
+
+
+@pytest.mark.parametrize("name", ["rars", "rars+serial", "climber", "rome:ros-arduino-bridge", "ar2"])
+def test_where_the_devices_stop_by_themselves_the_stop_goes_on(name: str) -> None:
+    leaving, said = told(name)
+    assert not any(leaving.may_leave(now) for now in range(5))
+    assert set(said) == {"the stop goes on, and ends the program: each of its steps lasts a bounded time"}
+    assert "nothing stops" not in leaving.unattended
+
+
+@pytest.mark.parametrize("name", ["rome:mw:3", "rome:arduinoio:3", "rome+cameras:firmata", "rome_arm:mw:3"])
+@pytest.mark.parametrize(("later", "leaves"), [(AGAIN_WITHIN, True), (AGAIN_WITHIN + 1, False)])
+def test_where_nothing_stops_them_it_is_said_and_only_then_asked_again_they_are_left(
+    name: str, later: Nanoseconds, *, leaves: bool
+) -> None:
+    leaving, said = told(name)
+    assert NOTHING in leaving.unattended
+    assert not leaving.may_leave(SECOND)
+    assert said == [f"the stop goes on. {leaving.unattended}. Once more within 5 s leaves it so"]
+    assert leaving.may_leave(SECOND + later) is leaves
+    if not leaves:
+        assert leaving.may_leave(SECOND + later + 1), "it was said anew"
+
+
+def test_a_failure_to_tell_takes_nothing_from_the_devices_and_is_raised_next(tmp_path: Path) -> None:
+    class Beside:
+        """A node that says something to a device whenever it is woken."""
+
+        def receive(self, _packet: Packet, now: Nanoseconds) -> Reaction:
+            return self.wake(now)
+
+        def wake(self, now: Nanoseconds) -> Reaction:
+            return Reaction((Packet("board", 0, b"stop"),), now + SECOND)
+
+    def broken(_text: str) -> None:
+        raise ZeroDivisionError
+
+    robot = robot_of("rome:mw:3")
+    path = tmp_path / "state.json"
+    bridge = Bridge(robot, kind_of(robot))
+    node = Narrated(bridge, Beside(), robot, broken, kept=LastPlaces(path), stamps=Remembered(Trust(), path))
+    assert node.wake(5) == Reaction((Packet("board", 0, b"stop"),), 5)
+    with pytest.raises(ZeroDivisionError):
+        node.wake(6)
+    assert node.wake(7) == Reaction((Packet("board", 0, b"stop"),), 7 + SECOND)
