@@ -44,8 +44,14 @@ class PilotOptions:
     ] = False
     device: Annotated[str, typer.Option(metavar="DEVICE", help="The joystick.")] = "/dev/input/js0"
     controls: Annotated[
-        str, typer.Option(metavar="NAME", help="What it is: pedals, with a helm, or gamepad.")
-    ] = "pedals"
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help="What it is: pedals, with a helm, or gamepad. One that says that it is a gamepad must be "
+            "called one.",
+            show_default="pedals",
+        ),
+    ] = None
     keyboard: Annotated[
         bool,
         typer.Option(

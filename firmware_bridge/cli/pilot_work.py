@@ -1,6 +1,7 @@
 """Sits a hand or a path follower at a station, and opens its link."""
 
 from collections.abc import Callable
+from contextlib import closing
 from functools import partial
 from pathlib import Path as FilePath
 
@@ -20,7 +21,7 @@ from firmware_bridge.pilot.cockpit import HAND, Cockpit
 from firmware_bridge.pilot.driver import AtHand, Driver, Extras
 from firmware_bridge.pilot.follower import Follower
 from firmware_bridge.pilot.hand import Hand
-from firmware_bridge.pilot.joystick import DEVICES, Controls
+from firmware_bridge.pilot.joystick import DEVICES, USUAL, Controls, is_gamepad
 from firmware_bridge.pilot.keyboard import HELP, Keyboard
 from firmware_bridge.pilot.paths import PATHS, Path, PathError, placed
 from firmware_bridge.pilot.predictor import Predictor
@@ -30,8 +31,8 @@ from firmware_bridge.robot import AnyRobot, RobotFileError
 from firmware_bridge.robot.problems import near
 from firmware_bridge.shell.clock import Clock
 from firmware_bridge.shell.last_places import usual_path
-from firmware_bridge.shell.ports import Port, UdpPort
-from firmware_bridge.shell.ports.joystick import JoystickPort
+from firmware_bridge.shell.ports import Port, PortError, UdpPort
+from firmware_bridge.shell.ports.joystick import JoystickPort, identity
 from firmware_bridge.shell.ports.keyboard import KeyboardPort
 from firmware_bridge.teleop.trust import Trust
 
@@ -76,11 +77,7 @@ def _driver(given: PilotOptions, robot: AnyRobot, kind: AnyKind) -> Driver:
         extras = Extras(switches, station.up_button)
         if given.keyboard:
             return Keyboard(min(given.speed / fastest, 1.0), extras)
-        if given.controls not in DEVICES:
-            raise refusal(
-                f"--controls {given.controls}: no such device; {near(given.controls, list(DEVICES))}"
-            )
-        return Hand(Controls(DEVICES[given.controls]), extras)
+        return Hand(Controls(DEVICES[_controls(given)]), extras)
     with one_message(PathError):
         path = _path(given.path, given.size)
     model: Model = Unicycle() if kind.model is None else kind.model(robot)
@@ -91,6 +88,23 @@ def _driver(given: PilotOptions, robot: AnyRobot, kind: AnyKind) -> Driver:
         tightest_per_m=model.tightest_per_m,
         predictor=Predictor(model) if given.predictor else None,
     )
+
+
+def _controls(given: PilotOptions) -> str:
+    """Return what the joystick is; one that says that it is a gamepad is not taken for pedals unasked.
+
+    A trigger that nobody touches would be a pedal that is trodden down.
+    """
+    if given.controls is None:
+        with one_message(PortError), closing(JoystickPort(given.device)) as port:
+            name, codes = identity(port.fileno())
+        if is_gamepad(name, codes):
+            other = f"--controls gamepad, or {USUAL} where it is none"
+            raise refusal(f"--device {given.device}: '{name}' is a gamepad; say {other}")
+        return USUAL
+    if given.controls not in DEVICES:
+        raise refusal(f"--controls {given.controls}: no such device; {near(given.controls, list(DEVICES))}")
+    return given.controls
 
 
 def _path(name: str, size: float) -> Path:

@@ -20,7 +20,7 @@ STANDS_MPS: Final = 0.01
 STANDS_FOR: Final[Nanoseconds] = 3 * SECOND
 """A robot that stands for so long, beside a round trip, though it is told to drive, is held back."""
 LETS_GO_FOR: Final[Nanoseconds] = SECOND
-"""So long the stick is let go then, beside a round trip: it must be seen to be."""
+"""So long the stick is let go then, and after arming, beside a round trip: it must be seen to be."""
 
 
 class Follower:
@@ -54,6 +54,7 @@ class Follower:
         self._moved_at: Nanoseconds = 0
         """When the robot was last seen to move, or not told to."""
         self._lets_go_until: Nanoseconds = 0
+        self._armed = False
 
     def sees(self, sight: Sight) -> None:
         """Take a pose that has come."""
@@ -66,6 +67,10 @@ class Follower:
     def wish(self, link: Link, now: Nanoseconds, *, armed: bool) -> Target:
         """Return what leads along the path."""
         trip = link.round_trip(now) or 0
+        if armed and not self._armed:
+            # Who armed it sees it stand, and then drive off.
+            self._lets_go_until = now + LETS_GO_FOR + trip
+        self._armed = armed
         worked_out = self._worked_out(trip, now) if armed else REST
         self._coming.append((now + self._reaction, worked_out))
         while self._coming and self._coming[0][0] <= now:

@@ -7,13 +7,11 @@ is the speed. Here the brake takes from it, and reverse changes only while no pe
 from collections.abc import Iterator
 from typing import Final
 
+from firmware_bridge.pilot.at_rest import SeenAtRest
 from firmware_bridge.pilot.driver import NO_EXTRAS, Asked, Extras, Sight, Stick
-from firmware_bridge.pilot.joystick import Controls
+from firmware_bridge.pilot.joystick import PLAY, Controls
 from firmware_bridge.pilot.link import Link
 from firmware_bridge.units import Nanoseconds
-
-TRODDEN: Final = 0.05
-"""Share of a pedal's way that is no play."""
 
 
 class Hand:
@@ -22,6 +20,7 @@ class Hand:
     def __init__(self, controls: Controls, extras: Extras = NO_EXTRAS) -> None:
         self.controls: Final = controls
         self._extras: Final = extras
+        self._seen: Final = SeenAtRest()
         self.reverse = False
 
     def sees(self, sight: Sight) -> None:
@@ -31,18 +30,22 @@ class Hand:
         """Take the device's bytes; yield what its buttons ask for."""
         device = self.controls.device
         for button in self.controls.heard(chunk):
-            if button == device.reverse and self.controls.accelerator < TRODDEN:
+            if button == device.reverse and self.controls.accelerator < PLAY:
                 self.reverse = not self.reverse
             elif button == device.arm:
+                self._seen.asked()
                 yield Asked.ARM
             elif button == device.stop:
                 yield Asked.STOP
 
     def wish(self, _link: Link, _now: Nanoseconds, *, armed: bool) -> Stick:
-        """Return where helm and pedals stand; nothing that moves before the robot is armed."""
-        controls = self.controls
-        forward = max(controls.accelerator - controls.brake, 0.0) if armed else 0.0
-        forward = 0.0 if forward < TRODDEN else forward
+        """Return where helm and pedals stand; once the robot is armed, of those that have rested since."""
+        controls, counts = self.controls, self._seen.counts
+        self._seen.look(controls.resting, armed=armed)
+        # The brake takes nothing from it before: who lets go of the brake then would drive off.
+        trodden = controls.accelerator - (controls.brake if armed else 0.0)
+        forward = trodden if trodden >= PLAY and counts("accelerator") else 0.0
         held = [number for number, one in enumerate(controls.device.switches) if controls.held(one)]
-        up, buttons = self._extras.said(controls.up if armed else 0.0, held)
-        return Stick(-forward if self.reverse else forward, controls.helm, up, buttons)
+        up, buttons = self._extras.said(controls.up if counts("up") else 0.0, held)
+        helm = controls.helm if counts("helm") else 0.0
+        return Stick(-forward if self.reverse else forward, helm, up, buttons)

@@ -4,11 +4,12 @@ Eight bytes an event, little endian on every machine that this runs on: time in 
 and number (1). All states come once when the device is opened.
 """
 
+import re
 import struct
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Final
+from typing import Final, NamedTuple
 
 EVENT: Final = struct.Struct("<IhBB")
 BUTTON: Final = 0x01
@@ -17,34 +18,67 @@ AT_OPENING: Final = 0x80
 FULL: Final = 32767
 
 
+PLAY: Final = 0.05
+"""Share of an axis's way that is no deflection."""
+
+
+class At(NamedTuple):
+    """An axis, and what it tells at rest."""
+
+    number: int
+    rest: int
+
+
 @dataclass(frozen=True, slots=True)
 class Device:
     """Which axis and which button is what."""
 
     title: str
-    helm: int
-    """Its axis; right is positive."""
-    accelerator: int
-    brake: int
-    released: int
-    """What a pedal tells that nobody treads on: it is at the other end where it is trodden down."""
+    helm: At
+    """Right is positive."""
+    accelerator: At
+    """A pedal, or a trigger: its rest is at one end, and it is trodden down at the other."""
+    brake: At
+    rise: At
+    """Negative at its upper end, as hats are: up and down."""
     reverse: int
     """A button, as the others."""
     arm: int
     stop: int
     switches: tuple[int, ...]
     """In the order of the robot's switches."""
-    rise: int
-    """An axis that is negative at its upper end, as hats are: up and down."""
 
 
 DEVICES: Final[MappingProxyType[str, Device]] = MappingProxyType(
     {
-        "pedals": Device("helm and two pedals", 0, 2, 3, FULL, 0, 1, 2, (4, 5, 6), 5),
-        "gamepad": Device("gamepad: left stick, two triggers", 0, 5, 2, -FULL, 0, 7, 1, (2, 3, 4), 7),
+        "pedals": Device(
+            "helm and two pedals", At(0, 0), At(2, FULL), At(3, FULL), At(5, 0), 0, 1, 2, (4, 5, 6)
+        ),
+        "gamepad": Device(
+            "gamepad: left stick, two triggers",
+            At(0, 0),
+            At(5, -FULL),
+            At(2, -FULL),
+            At(7, 0),
+            0,
+            7,
+            1,
+            (2, 3, 4),
+        ),
     }
 )
 """ASSUME: as the kernel's drivers hid-lg (Logitech G29) and xpad number them; others may number otherwise."""
+USUAL: Final = "pedals"
+_PADS: Final = re.compile(
+    r"pad\b|x-?box|dual ?(shock|sense)|joy-?con|pro controller|wireless controller", re.IGNORECASE
+)
+_SECOND_STICK: Final = frozenset({0x03, 0x04})
+"""ABS_RX and ABS_RY, linux/input-event-codes.h."""
+
+
+def is_gamepad(name: str, codes: Collection[int]) -> bool:
+    """Return whether a device's name says that it is a gamepad, or the codes of its axes do."""
+    return _PADS.search(name) is not None or _SECOND_STICK.issubset(codes)
 
 
 class Controls:
@@ -77,24 +111,32 @@ class Controls:
     @property
     def up(self) -> float:
         """From -1, down, to 1, up."""
-        return -max(-FULL, self._axes.get(self.device.rise, 0)) / FULL
+        return -self._off(self.device.rise) / FULL
 
     @property
     def helm(self) -> float:
         """From -1, full right, to 1, full left."""
-        return -max(-FULL, self._axes.get(self.device.helm, 0)) / FULL
+        return -self._off(self.device.helm) / FULL
 
     @property
     def accelerator(self) -> float:
         """From 0 to 1."""
-        return self._pedal(self.device.accelerator)
+        return abs(self._off(self.device.accelerator)) / (2 * FULL)
 
     @property
     def brake(self) -> float:
         """From 0 to 1."""
-        return self._pedal(self.device.brake)
+        return abs(self._off(self.device.brake)) / (2 * FULL)
 
-    def _pedal(self, axis: int) -> float:
-        released = self.device.released
-        value = max(-FULL, self._axes.get(axis, released))
-        return abs(value - released) / (2 * FULL)
+    @property
+    def resting(self) -> Mapping[str, bool]:
+        """Which controls rest, by their names here; one that has told nothing yet does not."""
+        device = self.device
+        told = {"up": device.rise, "helm": device.helm, "accelerator": device.accelerator}
+        return {
+            name: at.number in self._axes and abs(getattr(self, name)) < PLAY for name, at in told.items()
+        }
+
+    def _off(self, at: At) -> int:
+        """Return how far an axis is off its rest."""
+        return max(-FULL, self._axes.get(at.number, at.rest)) - at.rest

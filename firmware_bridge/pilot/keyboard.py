@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from types import MappingProxyType
 from typing import Final
 
+from firmware_bridge.pilot.at_rest import SeenAtRest
 from firmware_bridge.pilot.driver import NO_EXTRAS, Asked, Extras, Sight, Stick
 from firmware_bridge.pilot.link import Link
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
@@ -43,6 +44,7 @@ class Keyboard:
         self._helm = 0.0
         self._switches: Final[set[int]] = set()
         """Pressed since the last word."""
+        self._seen: Final = SeenAtRest()
         self._key = b""
         self._until: Nanoseconds = 0
         """So long the newest key counts as down."""
@@ -55,6 +57,7 @@ class Keyboard:
         for key in self._keys(chunk):
             if key in _ASKS:
                 self._let_go()
+                self._seen.asked()
                 yield _ASKS[key]
             elif key == b" ":
                 self._let_go()
@@ -64,12 +67,16 @@ class Keyboard:
                 self._driven(key, now)
 
     def wish(self, _link: Link, now: Nanoseconds, *, armed: bool) -> Stick:
-        """Return what the keys say; nothing that moves before the robot is armed."""
+        """Return what the keys say; once the robot is armed, where they have been let go since."""
         if now >= self._until:
             self._let_go()
-        up, buttons = self._extras.said(self._up if armed else 0.0, self._switches)
+        driven = bool(self._forward or self._up)
+        self._seen.look({"keys": not driven, "helm": not self._helm}, armed=armed)
+        forward, raised = (self._forward, self._up) if self._seen.counts("keys") else (0.0, 0.0)
+        up, buttons = self._extras.said(raised, self._switches)
         self._switches.clear()
-        return Stick(self._share * self._forward if armed else 0.0, self._helm, up, buttons)
+        helm = self._helm if self._seen.counts("helm") else 0.0
+        return Stick(self._share * forward, helm, up, buttons)
 
     def _driven(self, key: bytes, now: Nanoseconds) -> None:
         if key in _FORWARD or key in _UP:

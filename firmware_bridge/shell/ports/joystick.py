@@ -1,6 +1,7 @@
 """A joystick of the kernel's, as /dev/input/js0: its events, and nothing to write."""
 
 import errno
+import fcntl
 import os
 from contextlib import suppress
 from typing import Final
@@ -8,6 +9,12 @@ from typing import Final
 from firmware_bridge.shell.ports.byte_file import ByteFile
 from firmware_bridge.shell.ports.port import PortError
 
+_READ: Final = 2 << 30 | ord("j") << 8
+_ABS_COUNT: Final = 64
+_NAME: Final = _READ | 128 << 16 | 0x13
+_AXES: Final = _READ | 1 << 16 | 0x11
+_AXIS_MAP: Final = _READ | _ABS_COUNT << 16 | 0x32
+"""JSIOCGNAME, JSIOCGAXES and JSIOCGAXMAP, linux/joystick.h."""
 _PROBLEMS: Final = {
     errno.ENOENT: "there is no such device; `ls /dev/input/js*` shows those that there are",
     errno.EACCES: "not allowed; join the group that owns it, often input, and log in again",
@@ -33,3 +40,14 @@ class JoystickPort(ByteFile):
 
     def _crowded(self, waiting: bytearray) -> None:
         """Nothing is ever written to it."""
+
+
+def identity(fileno: int) -> tuple[str, frozenset[int]]:
+    """Return a joystick's name, and the codes of its axes, linux/joystick.h; nothing where it has none."""
+    name, count, codes = bytearray(128), bytearray(1), bytearray(_ABS_COUNT)
+    try:
+        for request, answer in ((_NAME, name), (_AXES, count), (_AXIS_MAP, codes)):
+            fcntl.ioctl(fileno, request, answer)
+    except OSError:
+        return "", frozenset()
+    return name.partition(b"\0")[0].decode("utf-8", "replace"), frozenset(codes[: count[0]])

@@ -9,14 +9,14 @@ from firmware_bridge.packet import Packet
 from firmware_bridge.pilot.cockpit import HAND, Cockpit
 from firmware_bridge.pilot.driver import Extras, Stick
 from firmware_bridge.pilot.hand import Hand
-from firmware_bridge.pilot.joystick import DEVICES, FULL, Controls, Device
+from firmware_bridge.pilot.joystick import DEVICES, FULL, At, Controls, Device, is_gamepad
 from firmware_bridge.pilot.link import Link
 from firmware_bridge.pilot.station import Station
 from firmware_bridge.teleop.mavlink import Codec, Message, dialect
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND
 
 ROW = Device(
-    "fake", helm=1, accelerator=4, brake=5, released=FULL, reverse=7, arm=8, stop=9, switches=(10, 11), rise=6
+    "fake", At(1, 0), At(4, FULL), At(5, FULL), At(6, 0), reverse=7, arm=8, stop=9, switches=(10, 11)
 )
 
 
@@ -24,11 +24,14 @@ def event(kind: int, number: int, value: int) -> bytes:
     return struct.pack("<IhBB", 1234, value, kind, number)
 
 
+AT_REST = event(0x82, 1, 0) + event(0x82, 4, FULL) + event(0x82, 5, FULL) + event(0x82, 6, 0)
+
+
 class Desk:
     """A cockpit with a fake device, and the robot's end of its link."""
 
-    def __init__(self) -> None:
-        self.hand = Hand(Controls(ROW))
+    def __init__(self, device: Device = ROW) -> None:
+        self.hand = Hand(Controls(device))
         self.lines: list[str] = []
         self.station = Station(self.hand, (1, 1))
         self.cockpit = Cockpit(self.station, self.lines.append)
@@ -42,7 +45,13 @@ class Desk:
         self.cockpit.receive(Packet(OPERATOR, 77, self._robot.encode(message)), self.now)
 
     def armed(self) -> None:
-        bits = dialect.MAV_MODE_FLAG_SAFETY_ARMED
+        """Let it be armed while everything rests."""
+        self.do(AT_REST)
+        self.beats(armed=True)
+        self.says()
+
+    def beats(self, *, armed: bool) -> None:
+        bits = dialect.MAV_MODE_FLAG_SAFETY_ARMED if armed else 0
         self.hears(dialect.MAVLink_heartbeat_message(10, 0, bits, 0, dialect.MAV_STATE_ACTIVE, 3))
 
     def says(self) -> list[Message]:
@@ -51,8 +60,12 @@ class Desk:
         return [message for packet in sent for message in self._robot.decode(packet.payload)]
 
     def stick(self) -> tuple[int, int]:
+        x, _, r = self.motion()
+        return x, r
+
+    def motion(self) -> tuple[int, int, int]:
         (one,) = [message for message in self.says() if message.get_type() == "MANUAL_CONTROL"]
-        return one.x, one.r
+        return one.x, one.z, one.r
 
 
 @pytest.mark.parametrize(
@@ -75,10 +88,93 @@ def test_helm_and_pedals_are_the_stick(helm: int, pedal: int, brake: int, stick:
     assert desk.stick() == stick
 
 
-def test_before_the_robot_is_armed_no_pedal_counts() -> None:
+def test_before_the_robot_is_armed_the_true_place_is_said_whatever_the_brake_takes_from_it() -> None:
+    """So the bridge sees it, and refuses to arm."""
     desk = Desk()
-    desk.do(event(2, 4, -FULL))
-    assert desk.stick() == (0, 0)
+    desk.do(AT_REST, event(2, 4, -FULL), event(2, 1, FULL))
+    assert desk.stick() == (1000, 1000)
+    desk.do(event(2, 5, -FULL))
+    assert desk.stick() == (1000, 1000)
+
+
+@pytest.mark.parametrize(
+    ("held", "rests", "then"),
+    [
+        (event(2, 4, -FULL), event(2, 4, FULL), event(2, 4, 0)),
+        (event(2, 4, -FULL) + event(2, 5, -FULL), event(2, 4, FULL) + event(2, 5, FULL), event(2, 4, 0)),
+        (event(2, 1, FULL), event(2, 1, 0), event(2, 4, 0)),
+        (event(2, 6, -FULL), event(2, 6, 0), event(2, 4, 0)),
+    ],
+    ids=["accelerator", "accelerator and brake", "helm", "up"],
+)
+@pytest.mark.parametrize("own", [True, False])
+def test_what_is_held_when_it_is_armed_counts_when_it_has_been_at_rest(
+    held: bytes, rests: bytes, then: bytes, *, own: bool
+) -> None:
+    """Armed by its own button, or by somebody else."""
+    desk = Desk()
+    desk.do(AT_REST, held)
+    if own:
+        desk.do(event(1, 8, 1))
+    desk.says()
+    desk.beats(armed=True)
+    assert [desk.motion() for _ in range(20)] == [(0, 0, 0)] * 20
+    desk.do(event(2, 5, FULL))
+    assert desk.motion() == (0, 0, 0), "the brake alone is not let go"
+    desk.do(rests)
+    assert desk.motion() == (0, 0, 0)
+    desk.do(then)
+    assert desk.motion() == (500, 0, 0)
+    desk.beats(armed=False)
+    desk.says()
+    desk.beats(armed=True)
+    assert desk.motion() == (0, 0, 0), "armed again, it is to rest again"
+
+
+def test_what_is_trodden_on_after_the_button_was_pressed_and_before_that_was_seen_drives_on() -> None:
+    desk = Desk()
+    desk.do(AT_REST, event(1, 8, 1))
+    assert desk.motion() == (0, 0, 0)
+    desk.do(event(2, 4, 0))
+    assert desk.motion() == (500, 0, 0)
+    desk.beats(armed=True)
+    assert desk.motion() == (500, 0, 0)
+
+
+def test_a_control_that_has_told_nothing_yet_does_not_count() -> None:
+    desk = Desk()
+    desk.beats(armed=True)
+    desk.do(event(2, 4, -FULL), event(2, 1, FULL), event(2, 6, FULL))
+    assert desk.motion() == (0, 0, 0)
+
+
+@pytest.mark.parametrize("controls", DEVICES)
+def test_a_gamepad_that_nobody_touches_moves_nothing_whatever_it_is_taken_for(controls: str) -> None:
+    """Its triggers rest at one end, as the other device's pedals are trodden down; xpad numbers them so."""
+    desk = Desk(DEVICES[controls])
+    desk.do(*(event(0x82, axis, -FULL if axis in {2, 5} else 0) for axis in range(8)))
+    said = desk.motion()
+    assert (said == (0, 0, 0)) is (controls == "gamepad"), "the bridge sees what is deflected"
+    desk.beats(armed=True)
+    assert [desk.motion() for _ in range(20)] == [(0, 0, 0)] * 20
+
+
+@pytest.mark.parametrize(
+    ("name", "codes", "says"),
+    [
+        ("Microsoft X-Box 360 pad", (), True),
+        ("Logitech Gamepad F310", (), True),
+        ("Sony Interactive Entertainment DualSense Wireless Controller", (), True),
+        ("Nintendo Switch Pro Controller", (), True),
+        ("Somebody's device", (0, 1, 2, 3, 4, 5, 16, 17), True),
+        ("Logitech G29 Driving Force Racing Wheel", (0, 1, 2, 5, 16, 17), False),
+        ("", (), False),
+    ],
+)
+def test_a_device_says_that_it_is_a_gamepad_by_its_name_or_its_second_stick(
+    name: str, codes: tuple[int, ...], *, says: bool
+) -> None:
+    assert is_gamepad(name, codes) is says
 
 
 def test_reverse_changes_only_while_nobody_drives() -> None:
@@ -138,19 +234,19 @@ def test_at_the_end_it_lets_go_and_disarms() -> None:
 
 def test_every_device_has_its_own_number_for_each_thing() -> None:
     for device in DEVICES.values():
-        assert len({device.helm, device.accelerator, device.brake}) == 3
+        assert len({at.number for at in (device.helm, device.accelerator, device.brake, device.rise)}) == 4
         assert len({device.reverse, device.arm, device.stop}) == 3
 
 
 def test_switches_and_the_lift_are_buttons_of_the_stick() -> None:
     hand = Hand(Controls(ROW), Extras(switches=(4, 1), up_button=3))
     link = Link()
-    assert list(hand.handle(event(1, 10, 1) + event(2, 6, -FULL), 0)) == []
+    assert list(hand.handle(AT_REST + event(1, 10, 1), 0)) == []
+    hand.wish(link, 0, armed=True)
+    list(hand.handle(event(2, 6, -FULL), 0))
     assert hand.wish(link, 0, armed=True) == Stick(up=1.0, buttons=1 << 4 | 1 << 3)
     list(hand.handle(event(1, 10, 0) + event(1, 11, 1) + event(2, 6, 0), 0))
     assert hand.wish(link, 0, armed=True) == Stick(buttons=1 << 1)
-    list(hand.handle(event(2, 6, FULL), 0))
-    assert hand.wish(link, 0, armed=False).up == 0.0
 
 
 def test_a_switch_that_was_down_when_the_device_was_opened_is_not_pressed() -> None:
