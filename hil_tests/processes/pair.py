@@ -45,7 +45,15 @@ def board(self, *given, **more):
 work.devices, Ar2Board.__init__ = devices, board
 main()
 """
-BRIDGE: Final = "from firmware_bridge.cli import main; main()"
+BRIDGE: Final = """
+import fcntl, os, signal, termios
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
+if os.isatty(1):
+    fcntl.ioctl(1, termios.TIOCSCTTY, 0)
+from firmware_bridge.cli import main
+main()
+"""
+"""Nobody has told it to ignore a hang-up, whoever runs the tests; its terminal is its own."""
 STARTS_WITHIN_S: Final = 90.0
 """On a busy machine; what is awaited comes within seconds else."""
 WINDOW_S: Final = 0.1
@@ -79,10 +87,7 @@ class Pair:
     row: Row
     folder: Path
     stdout: Any = None
-    session: bool = True
-    """Whether the bridge is in a session of its own, without a terminal."""
     more: tuple[str, ...] = ()
-    before: Callable[[], None] | None = None
     station: Station = field(init=False)
 
     def __post_init__(self) -> None:
@@ -106,8 +111,7 @@ class Pair:
             stdin=subprocess.DEVNULL,
             stdout=out,
             stderr=subprocess.STDOUT,
-            start_new_session=self.session,
-            preexec_fn=self.before,  # noqa: PLW1509 - a terminal is taken by who is to have it
+            start_new_session=True,
         )
         if self.stdout is None:
             out.close()

@@ -5,7 +5,6 @@ import os
 import pty
 import resource
 import signal
-import termios
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -120,16 +119,13 @@ def closed_terminal(row: Row, folder: Path) -> Told:
     """The window is closed, or ssh drops: the kernel hangs up."""
     master, slave = pty.openpty()
 
-    def own_terminal() -> None:
-        fcntl.ioctl(slave, termios.TIOCSCTTY, 0)
-
     def close(pair: Pair) -> float:
         del pair
         os.close(master)
         return time.monotonic()
 
     try:
-        return story(close, stdout=slave, before=own_terminal)(row, folder)
+        return story(close, stdout=slave)(row, folder)
     finally:
         os.close(slave)
 

@@ -39,7 +39,7 @@ class Interrupted(Unhurried):
             signal.raise_signal(signal.SIGTERM)
 
     def stop(self, now: Nanoseconds) -> Reaction:
-        signal.raise_signal(signal.SIGHUP)
+        signal.raise_signal(signal.SIGQUIT)
         return super().stop(now)
 
 
