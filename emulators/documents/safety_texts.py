@@ -89,8 +89,9 @@ GUARDED: Final[Mapping[str, str]] = {
 """What the guard of a link does beside that, by the link's driver."""
 AGE_TEXT: Final = """\
 No motion command is obeyed that was said longer ago than `operator.max_age_ms`, counted to the instant at
-which it is obeyed. How old it is when it comes is told by the first of these rows that tells anything; a row
-that dates it is off by half the shortest round trip at most. What no row dates is obeyed under the rule of
+which it is obeyed. It is as old as the oldest of these rows says; the first that dates it is off by half the
+shortest round trip at most, and dates nothing where another one says more by over `operator.max_age_ms`: the
+station's clocks disagree, which is told once. What no row dates is obeyed under the rule of
 silence, or moves nothing: `operator.unknown_age`. A wish to stop is obeyed however old, and nothing that was
 said before it undoes it. [Why](decisions/age-of-words.md). A session may agree on more, up to
 `operator.max_age_ceiling_ms`: the robot is [slower then](decisions/agreed-delay.md), by the same factor."""

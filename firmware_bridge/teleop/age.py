@@ -1,5 +1,8 @@
 """How old a station's words are when they come: a row for each way to tell, the best first.
 
+Each of them alone bounds the age from below: a word is as old as the oldest says. The best dates it, unless
+another one contradicts that by more than an age may be: a station whose TIMESYNC runs behind the clock of its
+set-points would make old words young.
 Only the clocks of who drives are followed, and only by what he answers himself. Sources: mavlink.io, "Time
 Synchronization Protocol v2" (TIMESYNC), "Message Signing"; common.xml, PING, SET_POSITION_TARGET_LOCAL_NED.
 """
@@ -61,6 +64,8 @@ class Ages:
         """Whether the set-points' times have been found to be of TIMESYNC's clock."""
         self._boot: Nanoseconds | None = None
         """The newest set-point's time, unwrapped."""
+        self.differs: Nanoseconds = 0
+        """How much older a word is by another row than by the one that dates it."""
         self._pings = 0
 
     def questions(self, now: Nanoseconds) -> list[Message]:
@@ -89,13 +94,36 @@ class Ages:
         if stamp is not None:
             self.stamped.answered(asked_at, stamp, now, UNIT)
 
-    def age(self, message: Message, now: Nanoseconds) -> Age | None:
-        """Return how old a word is that comes now, as the best row tells that tells anything."""
-        for row in ROWS:
-            age = row.tells(self, message, _whole(now))
-            if age is not None:
-                return Age(age, row.dated)
-        return None
+    def age(self, message: Message, now: Nanoseconds, limit: Nanoseconds) -> Age | None:
+        """Return how old a word is that comes now; None where no row tells anything.
+
+        Rows that differ by more than `limit` do not date it.
+        """
+        self._begin_anew_where_set(message, _whole(now), limit)
+        told = [(row.tells(self, message, _whole(now)), row.dated) for row in ROWS]
+        ages = [(age, dated) for age, dated in told if age is not None]
+        if not ages:
+            return None
+        oldest = max(age for age, _ in ages)
+        best, dated = ages[0]
+        if dated:
+            self.differs = oldest - best
+        return Age(oldest, dated and oldest - best <= limit)
+
+    def _begin_anew_where_set(self, message: Message, now: Nanoseconds, limit: Nanoseconds) -> None:
+        """Forget the fastest word of a clock that was set back, as its answers have shown, since it came."""
+        stamp = self._stamp(message)
+        for heard, reading, answered in (
+            (self.heard_boot, self._unwrapped(message), self.synced),
+            (self.heard_stamps, stamp, self.stamped),
+        ):
+            excess = None if reading is None else heard.excess(reading, now)
+            if excess is None:
+                continue
+            if excess <= limit:
+                heard.fresh_at = now
+            elif answered.set_at is not None and answered.set_at >= heard.fresh_at and answered.shows(now):
+                heard.forget()
 
     def by_set_point(self, message: Message, now: Nanoseconds) -> Nanoseconds | None:
         """Map a set-point's time by TIMESYNC, once it has been found to be of the same clock."""
@@ -118,13 +146,8 @@ class Ages:
 
     def above_fastest_set_point(self, message: Message, now: Nanoseconds) -> Nanoseconds | None:
         """Take a set-point's time as that of a clock that nobody answers for."""
-        time = boot_ms(message)
-        if time is None:
-            return None
-        before = 0 if self._boot is None else self._boot // MILLISECOND
-        ahead = (time - before + BOOT_WRAPS // 2) % BOOT_WRAPS - BOOT_WRAPS // 2
-        self._boot = (before + ahead) * MILLISECOND
-        return self._least(self.heard_boot.excess(self._boot, now), now)
+        time = self._unwrapped(message)
+        return None if time is None else self._least(self.heard_boot.excess(time, now), now)
 
     def above_fastest_signature(self, message: Message, now: Nanoseconds) -> Nanoseconds | None:
         """Take a signature's stamp as that of a clock that nobody answers for."""
@@ -140,6 +163,16 @@ class Ages:
         """Add to what a word came later than the fastest one what that one has needed itself."""
         trip = self.trips.newest(now)
         return excess if excess is None or trip is None else max(excess, trip // 2)
+
+    def _unwrapped(self, message: Message) -> Nanoseconds | None:
+        """Return a set-point's time as one that does not begin anew after 49 days; None where it has none."""
+        time = boot_ms(message)
+        if time is None:
+            return None
+        before = 0 if self._boot is None else self._boot // MILLISECOND
+        ahead = (time - before + BOOT_WRAPS // 2) % BOOT_WRAPS - BOOT_WRAPS // 2
+        self._boot = (before + ahead) * MILLISECOND
+        return self._boot
 
     def _stamp(self, message: Message) -> Nanoseconds | None:
         return stamp_of(bytes(message.get_msgbuf())) * UNIT if self.signed else None

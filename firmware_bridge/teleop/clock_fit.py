@@ -26,7 +26,7 @@ _RUNS_AFTER: Final[Nanoseconds] = SECOND
 class AnsweredClock:
     """A clock whose owner answers when he is asked."""
 
-    __slots__ = ("_at", "_high", "_low", "_proven", "_read_at", "_since")
+    __slots__ = ("_at", "_high", "_low", "_proven", "_read_at", "_since", "set_at")
 
     def __init__(self) -> None:
         self._low: Nanoseconds | None = None
@@ -38,6 +38,8 @@ class AnsweredClock:
         """When the first answer of this clock came."""
         self._read_at: Nanoseconds = 0
         self._proven = False
+        self.set_at: Nanoseconds | None = None
+        """When an answer showed last that it had been set; None while none has."""
 
     def answered(
         self, asked_at: Nanoseconds, reading: Nanoseconds, came_at: Nanoseconds, resolution: Nanoseconds
@@ -46,6 +48,8 @@ class AnsweredClock:
         low, high = asked_at - reading - resolution, came_at - reading
         known = self._bounds(came_at)
         if known is None or low > known[1] + TOLERANCE or high < known[0] - TOLERANCE:
+            if known is not None:
+                self.set_at = came_at
             self._proven, self._since = False, came_at
         else:
             low, high = max(low, known[0]), min(high, known[1])
@@ -93,7 +97,7 @@ class AnsweredClock:
 class HeardClock:
     """A clock that nobody answers for: of a word is known how much later it comes than the fastest one."""
 
-    __slots__ = ("_before", "_began_at", "_began_with", "_least", "_newest", "_runs")
+    __slots__ = ("_before", "_began_at", "_began_with", "_least", "_newest", "_runs", "fresh_at")
 
     def __init__(self) -> None:
         self._before: Nanoseconds | None = None
@@ -106,6 +110,13 @@ class HeardClock:
         self._newest: Nanoseconds = 0
         self._runs = False
         """Whether it has been seen to run about as fast as ours."""
+        self.fresh_at: Nanoseconds = 0
+        """When a word came last that was not later than it may be."""
+
+    def forget(self) -> None:
+        """Begin to know nothing: it was set."""
+        self._before = self._least = None
+        self._runs = False
 
     def excess(self, reading: Nanoseconds, now: Nanoseconds) -> Nanoseconds | None:
         """Return how much later this word comes than the fastest one; None for what is no clock that runs."""

@@ -45,6 +45,11 @@ def _lost(link: Link) -> float | None:
     return link.ages.losses.share
 
 
+def _differs(link: Link) -> float | None:
+    """Return how far the clocks of a station disagree, as a share of how old a word may be."""
+    return link.ages.differs / link.limit.most
+
+
 def _undated(link: Link) -> float | None:
     asked_at = link.ages.trips.began_at
     told = asked_at is not None and link.now - asked_at >= TOLD_AFTER
@@ -59,6 +64,13 @@ ROWS: Final = (
         0.05,
         "link: {share:.0%} of this station's frames are lost",
         "link: frames come again",
+    ),
+    Row(
+        _differs,
+        1.0,
+        0.5,
+        "link: this station's clocks disagree by {trip:.2f} s: its words are as old as the oldest says",
+        "link: this station's clocks agree again",
     ),
     Row(
         _undated,

@@ -225,7 +225,9 @@ class Session:
 
     def age(self, message: Message, sender: Sender, now: Nanoseconds) -> Age | None:
         """Return how old a word is that comes now; None where nothing tells, or its sender does not drive."""
-        return self.ages.age(message, now) if sender == self.control.driver else None
+        if sender != self.control.driver:
+            return None
+        return self.ages.age(message, now, self.age_limit.most)
 
     def tell_link(self, now: Nanoseconds) -> None:
         """Tell what has changed about the link of who drives."""

@@ -369,33 +369,3 @@ def test_what_came_while_the_machine_was_busy_is_heard_before_what_is_due_by_the
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
         run(node, {"can": port}, Suspended(sender, ("127.0.0.1", port.port)), until=705 * MILLISECOND)
     assert node.did[:3] == ["tick 1", "in time", "tick 2"]
-
-
-class Exact(Clock):
-    """A machine that wakes nobody late: it is then what it was to be."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._now: Nanoseconds = 0
-
-    def restart(self) -> None:
-        self._now = 0
-
-    def now(self) -> Nanoseconds:
-        return self._now
-
-    def wait(self, filenos: Sequence[int], until: Nanoseconds) -> list[int]:
-        del filenos
-        self._now = max(self._now, until)
-        return []
-
-
-def test_who_wants_to_be_woken_at_once_is_not_late_for_an_instant_long_gone() -> None:
-    class AtOnce(Ticking):
-        def _next(self) -> Nanoseconds:
-            return super()._next() if len(self.woken) % 3 else 0
-
-    node = AtOnce()
-    ending = run(node, {"can": Flat()}, Exact(), until=100 * MILLISECOND)
-    assert ending.latest_wake == 0
-    assert len(node.woken) > 10

@@ -90,6 +90,35 @@ def test_set_points_of_another_clock_than_timesyncs_are_taken_above_their_fastes
     assert age_of(station) == (pytest.approx(0.7, abs=0.003), False)
 
 
+@pytest.mark.parametrize("behind_ms", [100, 400, 499, 501, 3_000])
+@pytest.mark.parametrize("less_ms", [0, 50, 400])
+def test_a_timesync_that_runs_behind_the_set_points_makes_no_word_younger(
+    behind_ms: int, less_ms: int
+) -> None:
+    """By TIMESYNC alone it would be said just now; the fastest word so far has come at once."""
+    station = driving(boot_ahead=1_000 * SECOND + behind_ms * MILLISECOND, seconds=4.0)
+    assert age_of(station) == (pytest.approx(0.0, abs=0.003), False)
+    station.late = (behind_ms + less_ms) * MILLISECOND
+    station.goes()
+    age, dated = age_of(station)
+    assert age == pytest.approx((behind_ms + less_ms) / 1000, abs=0.003)
+    assert dated is (behind_ms < 500), "what differs by more than a word may be old dates nothing"
+
+
+def test_clocks_that_disagree_are_told_once() -> None:
+    station = driving(boot_ahead=1_003 * SECOND, seconds=4.0)
+    station.late = 3_100 * MILLISECOND
+    said = []
+    for _ in range(60):
+        station.bench.now += CYCLE
+        station.goes()
+        assert age_of(station) == (pytest.approx(3.1, abs=0.003), False)
+        for packet in station.bench.operator.report(station.bench.snapshot(), (), station.bench.now):
+            said += texts(Codec(9, 9).decode(packet.payload)) if packet.address == HERE else []
+    (told,) = [text for text in said if "clocks disagree" in text]
+    assert told.startswith("link: this station's clocks disagree by 3.00 s")
+
+
 def test_without_any_answer_words_are_undated_and_nothing_is_told() -> None:
     station = driving(answers=set())
     message = dialect.MAVLink_manual_control_message(1, 200, 0, 0, 0, 0)

@@ -20,6 +20,7 @@ def link(
     trip: Nanoseconds | None = None,
     *,
     lost: float | None = None,
+    differs: Nanoseconds = 0,
     dated: bool = True,
     asked_for: Nanoseconds | None = None,
 ) -> Link:
@@ -31,6 +32,7 @@ def link(
     if trip is not None:
         ages.trips.answered(QUESTION, now)
     ages.losses.share = lost
+    ages.differs = differs
     return Link(ages, AgeLimit(most=WHOLE), dated, now)
 
 
@@ -48,7 +50,16 @@ def eased(text: str) -> list[tuple[Severity, str]]:
     return [(Severity.INFO, text)]
 
 
+DIFFER = "link: this station's clocks disagree by 2.00 s: its words are as old as the oldest says"
 EDGES = {
+    "clocks that disagree by as much as a word may be old": (
+        [link(differs=WHOLE - 1), link(differs=WHOLE), link(differs=WHOLE), link(differs=WHOLE // 2)],
+        [[], warned(DIFFER), [], []],
+    ),
+    "... and agree again": (
+        [link(differs=WHOLE), link(differs=WHOLE // 2 - 1)],
+        [warned(DIFFER), eased("link: this station's clocks agree again")],
+    ),
     "a round trip as long as a word may be old": (
         [link(WHOLE - 1), link(WHOLE)],
         [[], warned("link: round trip 2.00 s")],

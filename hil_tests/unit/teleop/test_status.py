@@ -86,6 +86,7 @@ def test_a_hold_is_told_with_its_reason_when_it_begins_and_when_it_ends(bench: R
 LOUD = {
     "not armed": Severity.NOTICE,
     "emergency stop": Severity.CRITICAL,
+    "bridge stood still": Severity.CRITICAL,
     "link lost: drives": Severity.CRITICAL,
     "another master: drives": Severity.CRITICAL,
     "axis silent": Severity.CRITICAL,
