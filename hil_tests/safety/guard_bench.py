@@ -38,8 +38,10 @@ class Stopping(Puppet):
     """A node that can be stopped."""
 
     breaks = False
+    asked = 0
 
     def stop(self, now: Nanoseconds) -> Reaction:
+        self.asked += 1
         if self.breaks:
             raise ValueError("no more")
         return self.wake(now)

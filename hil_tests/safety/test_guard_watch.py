@@ -170,7 +170,10 @@ def test_a_bridge_that_fails_while_stopping_is_made_safe(robot: AnyRobot) -> Non
         bench.guard.wake(CYCLE)
     puppet.breaks = False
     puppet.wake_at = NEVER
-    assert bench.guard.wake(CYCLE) == Reaction((), NEVER), "asked once more, it ends"
+    assert bench.guard.wake(CYCLE) == Reaction((), NEVER)
+    assert puppet.asked == 2, "asked once more, it ends"
+    assert bench.guard.wake(CYCLE) == Reaction((), NEVER)
+    assert puppet.asked == 2
 
 
 def test_a_node_that_cannot_stop_is_made_safe(bench: Bench) -> None:

@@ -24,6 +24,7 @@ def test_an_axis_that_was_never_seen_is_told_to_stand_and_owes_nothing() -> None
 def test_a_robot_is_whole_and_its_operator_there_where_nothing_else_is_said() -> None:
     needed: dict[str, Any] = {"axes": {}, "sensors": {}, "links_lost": {}}
     facts = Facts(now=0, armed=False, emergency_stopped=False, heard_at=NEVER_HEARD, neutral=True, **needed)
+    assert facts.stood_still == 0
     assert (facts.paused, facts.parted, facts.mode, facts.battery_low_since) == (False, False, "", None)
     assert not any((facts.masters, facts.without, facts.stood, facts.following))
 

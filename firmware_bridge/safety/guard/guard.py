@@ -106,7 +106,7 @@ class Guarded:
 
     def wake(self, now: Nanoseconds) -> Reaction:
         """Wake the node, judge what it sends, and speak for it when it is silent."""
-        if self._unheard and self._failure is None:
+        if self._unheard:
             return self.stop(now)
         return self._judged(self._tried(self.node.wake, now), now)
 
