@@ -15,6 +15,7 @@ from firmware_bridge.bridge.stops import Progress
 from firmware_bridge.drivers.fleets import STOP_STEPS
 from firmware_bridge.drivers.stop_steps import TAKEN_WITHIN, sums, way
 from firmware_bridge.packet import Packet
+from firmware_bridge.shell.runner import STOP_WITHIN
 from firmware_bridge.units import to_seconds
 from hil_tests.lanes import examples
 from hil_tests.rows import every
@@ -122,15 +123,15 @@ def test_a_deaf_drive_at_standstill_loses_its_power_as_its_rows_say(
         assert not left.powered
 
 
-@every("robot", [ARM, "rome:mw:3"])
+@every("robot", [ARM, *SHIELDS])
 @every("fault", ["board_silent", "board_brown_out", "board_hangs"])
 def test_the_end_of_the_program_comes_whatever_the_board_does(robot: str, fault: str) -> None:
     with driving(robot) as rig:
         rig.fault(fault)
         runs(rig, 0.3)
         ORDERS["Ctrl-C"](rig)
-        runs(rig, 10.0)
-        assert rig.bench.bridge.finished
+        runs(rig, to_seconds(STOP_WITHIN))
+        assert rig.bench.bridge.finished, "nobody cuts it off"
         assert bool(rig.bench.bridge.unconfirmed) is (fault != "board_hangs")
 
 

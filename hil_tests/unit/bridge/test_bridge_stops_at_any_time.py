@@ -55,6 +55,16 @@ def test_what_stops_while_starting_keeps_the_power_from_coming_on(
 
 
 @both
+@pytest.mark.parametrize("task", [Task.FIND, Task.IDENTIFY, Task.CONFIGURE, Task.START])
+def test_at_no_instant_after_it_a_drive_has_power(bench: "Bench", order: tuple[Any, ...], task: Task) -> None:
+    runs_until(bench, task)
+    assert bench.commands(*order) == ACCEPTED
+    for _ in range(2000):
+        bench.runs(0.001)
+        assert State.OPERATION_ENABLED not in states(bench)
+
+
+@both
 def test_what_stops_while_it_only_listens_is_kept_and_says_nothing_to_the_drives(
     bench: "Bench", order: tuple[Any, ...]
 ) -> None:
