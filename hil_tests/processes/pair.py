@@ -4,6 +4,7 @@ The emulator's plant tells in a file how far each axis has turned: what is judge
 anybody said of it.
 """
 
+import os
 import re
 import signal
 import subprocess
@@ -20,10 +21,11 @@ from pymavlink.dialects.v20 import common as mavlink
 from hil_tests.processes.station import Station
 
 EMULATOR: Final = """
-import math, sys, threading, time
+import math, os, sys, threading, time
 import emulators.cli.emulate_robot_work as work
 from emulators.arduino_omni.ar2.board import Ar2Board
 from firmware_bridge.cli import main
+from firmware_bridge.packet import Packet, Reaction
 truth, *sys.argv[1:] = sys.argv[1:]
 def told(turned):
     def tell():
@@ -42,12 +44,32 @@ def board(self, *given, **more):
     begun(self, *given, **more)
     if sys.argv[2] == "ar2":
         told(lambda: [math.radians(angle) for angle in self.joints.angles])
+class Chattering:
+    def __init__(self, node):
+        self.node, self.since, self.next = node, None, 0
+    def receive(self, packet, now):
+        return self.said(self.node.receive(packet, now), now)
+    def wake(self, now):
+        return self.said(self.node.wake(now), now)
+    def said(self, reaction, now):
+        if self.since is None:
+            self.since = now if os.path.exists(truth + ".chatters") else None
+            return reaction
+        if now < self.since + 1_500_000_000:
+            return Reaction((), reaction.wake_at)
+        sent = reaction.sent
+        if now >= self.next:
+            self.next = now + 50_000_000
+            sent += (Packet("serial", 0, b"debug 1" + bytes((13, 10))),)
+        return Reaction(sent, min(reaction.wake_at, self.next))
+carried = work.carry
+work.carry = lambda node, *given, **more: carried(Chattering(node), *given, **more)
 work.devices, Ar2Board.__init__ = devices, board
 main()
 """
 BRIDGE: Final = """
 import fcntl, os, signal, termios
-signal.signal(signal.SIGHUP, signal.SIG_DFL)
+signal.signal(signal.SIGHUP, signal.SIG_IGN if "IGNORES_HANG_UPS" in os.environ else signal.SIG_DFL)
 if os.isatty(1):
     fcntl.ioctl(1, termios.TIOCSCTTY, 0)
 from firmware_bridge.cli import main
@@ -87,7 +109,7 @@ class Pair:
     row: Row
     folder: Path
     stdout: Any = None
-    more: tuple[str, ...] = ()
+    ignores_hang_ups: bool = False
     station: Station = field(init=False)
 
     def __post_init__(self) -> None:
@@ -97,7 +119,7 @@ class Pair:
         places = self._places()
         self.station = Station()
         words = [
-            *("drive", self.row.name, *places, *self.row.words, *self.row.bridge, *self.more),
+            *("drive", self.row.name, *places, *self.row.words, *self.row.bridge),
             *(
                 "--mavlink",
                 f"udpin:127.0.0.1:{self.station.port}",
@@ -112,6 +134,7 @@ class Pair:
             stdout=out,
             stderr=subprocess.STDOUT,
             start_new_session=True,
+            env={**os.environ, **({"IGNORES_HANG_UPS": "1"} if self.ignores_hang_ups else {})},
         )
         if self.stdout is None:
             out.close()
@@ -195,6 +218,10 @@ class Pair:
         speeds = list(_speeds([one for one in self.samples if one[0] >= since - WINDOW_S]))
         last = max((at for at, speed in speeds if speed > self.row.turns_rad_s), default=since)
         return float("inf") if speeds[-1][0] - last < 2 * WINDOW_S else last - since
+
+    def chatters(self) -> None:
+        """Let what is emulated fall silent for 1.5 s, and print without end then."""
+        Path(f"{self.truth}.chatters").touch()
 
     def sends(self, number: signal.Signals) -> float:
         """Send the bridge a signal; return when."""

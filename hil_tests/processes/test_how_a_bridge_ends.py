@@ -8,7 +8,7 @@ import signal
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import nullcontext
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from threading import Lock
@@ -115,17 +115,49 @@ def full_log(pair: Pair) -> float:
     return time.monotonic()
 
 
+def stopped(pair: Pair) -> float:
+    """Order an emergency stop."""
+    pair.station.stops()
+    return time.monotonic()
+
+
+def chattering(pair: Pair) -> float:
+    """The board falls silent once, prints without end then, and a stop is ordered."""
+    pair.chatters()
+    passes(3.0)
+    return stopped(pair)
+
+
 def closed_terminal(row: Row, folder: Path) -> Told:
     """The window is closed, or ssh drops: the kernel hangs up."""
-    master, slave = pty.openpty()
+    with terminal() as (master, slave):
 
-    def close(pair: Pair) -> float:
-        del pair
-        os.close(master)
-        return time.monotonic()
+        def close(pair: Pair) -> float:
+            del pair
+            os.close(master)
+            return time.monotonic()
 
-    try:
         return story(close, stdout=slave)(row, folder)
+
+
+def gone_terminal(row: Row, folder: Path) -> Told:
+    """Its terminal is gone, and it was told to ignore that; then a stop is ordered."""
+    with terminal() as (master, slave):
+
+        def close(pair: Pair) -> float:
+            os.close(master)
+            passes(1.0)
+            return stopped(pair)
+
+        return story(close, goes_on=True, stdout=slave, ignores_hang_ups=True)(row, folder)
+
+
+@contextmanager
+def terminal() -> Iterator[tuple[int, int]]:
+    """Make a terminal whose other end the story closes."""
+    master, slave = pty.openpty()
+    try:
+        yield master, slave
     finally:
         os.close(slave)
 
@@ -184,9 +216,15 @@ STORIES: Final[dict[str, tuple[Row, Story]]] = {
     "ctrl-c and terminated": (MW, story(sent(signal.SIGINT, signal.SIGTERM, apart_s=0.02))),
     "ctrl-c three times": (MW, story(sent(signal.SIGINT, signal.SIGINT, signal.SIGINT), settles_s=0.0)),
     "closed terminal": (MW, closed_terminal),
+    "gone terminal": (MW, gone_terminal),
     "nobody reads": (MW, unread),
     "full log": (MW, story(full_log, goes_on=True)),
     "stalled disk": (ROBOTS["rome_arm"], stalled_disk),
+    **{
+        f"{name}: chatters": (ROBOTS[name], story(chattering, goes_on=True, settles_s=7.0))
+        for name in ("rome, ros-arduino-bridge", "rome, arduinoio", "rome, mw", "rome, firmata")
+    },
+    "rars, v2: stopped on the level": (ROBOTS["rars, v2"], story(stopped, goes_on=True, settles_s=5.0)),
     "suspended": (MW, story(suspended, goes_on=True)),
 }
 STOPS_WITHIN_S: Final = 4.0
@@ -219,5 +257,6 @@ def test_the_robot_stands(name: str, told: dict[str, Future[Told]]) -> None:
         return
     assert came.moved_s <= STOPS_WITHIN_S, came
     assert came.status in (None, 0), came
+    assert "on a slope" not in came.said
     if name == "suspended":
         assert "bridge stood still" in came.said
