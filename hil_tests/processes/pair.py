@@ -48,7 +48,8 @@ class Chattering:
     def __init__(self, node):
         self.node, self.since, self.next = node, None, 0
     def receive(self, packet, now):
-        return self.said(self.node.receive(packet, now), now)
+        dead = self.since is not None and now < self.since + 1_500_000_000
+        return self.said(self.node.wake(now) if dead else self.node.receive(packet, now), now)
     def wake(self, now):
         return self.said(self.node.wake(now), now)
     def said(self, reaction, now):
@@ -59,7 +60,7 @@ class Chattering:
             return Reaction((), reaction.wake_at)
         sent = reaction.sent
         if now >= self.next:
-            self.next = now + 50_000_000
+            self.next = now + 20_000_000
             sent += (Packet("serial", 0, b"debug 1" + bytes((13, 10))),)
         return Reaction(sent, min(reaction.wake_at, self.next))
 carried = work.carry
@@ -220,7 +221,7 @@ class Pair:
         return float("inf") if speeds[-1][0] - last < 2 * WINDOW_S else last - since
 
     def chatters(self) -> None:
-        """Let what is emulated fall silent for 1.5 s, and print without end then."""
+        """Let the line of what is emulated be dead for 1.5 s, and print without end then."""
         Path(f"{self.truth}.chatters").touch()
 
     def sends(self, number: signal.Signals) -> float:
