@@ -9,6 +9,7 @@ from typing import Any, Final
 from pymavlink.dialects.v20 import common as mavlink
 
 EVERY_S: Final = 0.05
+REQUEST_CONTROL: Final = 32100
 STOP: Final = 21196
 """The magic number of a forced disarm."""
 
@@ -28,13 +29,14 @@ class _Wire:
 class Station:
     """It speaks to a bridge that waits on `port`."""
 
-    def __init__(self) -> None:
+    def __init__(self, port: int | None = None, system: int = 255) -> None:
+        """Speak to a bridge at a port of its own, or at this one."""
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
             free.bind(("127.0.0.1", 0))
-            self.port: Final[int] = free.getsockname()[1]
+            self.port: Final[int] = free.getsockname()[1] if port is None else port
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.settimeout(0.0)
-        self._link = mavlink.MAVLink(_Wire(self._socket, ("127.0.0.1", self.port)), 255, 190)
+        self._link = mavlink.MAVLink(_Wire(self._socket, ("127.0.0.1", self.port)), system, 190)
         self._link.robust_parsing = True
         self._lock = threading.Lock()
         self._ends = threading.Event()
@@ -51,6 +53,15 @@ class Station:
         self._thread.join()
         self._socket.close()
 
+    def closes(self) -> None:
+        """Close it, where it was never begun."""
+        self._socket.close()
+
+    def lives(self) -> None:
+        """Show that it lives, once."""
+        with self._lock:
+            self._link.heartbeat_send(6, 8, 0, 0, 0)
+
     def asks(self, command: int, *fields: float) -> None:
         """Send a command."""
         with self._lock:
@@ -60,6 +71,10 @@ class Station:
         """Order an emergency stop, and a forced disarm, as some stations do."""
         self.asks(mavlink.MAV_CMD_DO_FLIGHTTERMINATION, 1)
         self.asks(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 0, STOP)
+
+    def lets_anybody_drive(self) -> None:
+        """Give the control away, and take it where another one has: MAV_CMD_REQUEST_OPERATOR_CONTROL."""
+        self.asks(REQUEST_CONTROL, 1, 1)
 
     def _work(self) -> None:
         beats = 0

@@ -11,13 +11,14 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from threading import Lock
+from threading import Event, Lock, Thread
 from typing import Final
 
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
 from hil_tests.processes.pair import Pair, Row, passes, zeros
+from hil_tests.processes.station import Station
 
 pytestmark = pytest.mark.alone
 AT_A_TIME: Final = 4
@@ -128,6 +129,49 @@ def chattering(pair: Pair) -> float:
     return stopped(pair)
 
 
+def fight(pair: Pair) -> float:
+    """Two take the control from one another, both at full stick; the one stops the robot."""
+    other = Station(pair.station.port, system=77)
+    other.begin()
+    try:
+        other.stick = pair.row.stick
+        for _ in range(30):
+            for station in (other, pair.station):
+                station.lets_anybody_drive()
+                passes(0.06)
+        other.stops()
+        begun = time.monotonic()
+        passes(1.0)
+        return begun
+    finally:
+        other.end()
+
+
+def crowd(pair: Pair) -> float:
+    """Two hundred strangers show that they live, two thousand times a second; then a stop is ordered."""
+    strangers = [Station(pair.station.port, system=number) for number in range(2, 202)]
+    ends = Event()
+
+    def speak() -> None:
+        while not ends.wait(0.005):
+            for stranger in strangers[:10]:
+                stranger.lives()
+            strangers[:] = strangers[10:] + strangers[:10]
+
+    thread = Thread(target=speak)
+    thread.start()
+    try:
+        passes(2.0)
+        begun = stopped(pair)
+        passes(1.0)
+        return begun
+    finally:
+        ends.set()
+        thread.join()
+        for stranger in strangers:
+            stranger.closes()
+
+
 def closed_terminal(row: Row, folder: Path) -> Told:
     """The window is closed, or ssh drops: the kernel hangs up."""
     with terminal() as (master, slave):
@@ -225,6 +269,8 @@ STORIES: Final[dict[str, tuple[Row, Story]]] = {
         for name in ("rome, ros-arduino-bridge", "rome, arduinoio", "rome, mw", "rome, firmata")
     },
     "rars, v2: stopped on the level": (ROBOTS["rars, v2"], story(stopped, goes_on=True, settles_s=5.0)),
+    "fight": (MW, story(fight, goes_on=True)),
+    "crowd": (MW, story(crowd, goes_on=True)),
     "suspended": (MW, story(suspended, goes_on=True)),
 }
 STOPS_WITHIN_S: Final = 4.0

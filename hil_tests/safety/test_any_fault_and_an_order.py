@@ -1,0 +1,67 @@
+"""Each fault that an evening may bring, then an order to stop: the robot stands, and the end comes."""
+
+from collections.abc import Iterator
+from contextlib import suppress
+from typing import Any, Final
+
+import numpy as np
+import pytest
+
+from emulators.testing.errors import RigError
+from emulators.testing.rig import VirtualRig
+from firmware_bridge.bridge.stops import Progress
+from firmware_bridge.drivers.stop_steps import TAKEN_WITHIN
+from firmware_bridge.shell.runner import STOP_WITHIN
+from firmware_bridge.units import to_seconds
+from hil_tests.adversary.failing import FAILING
+from hil_tests.rows import every
+from hil_tests.safety.driving import ARM, ORDERS, driving, runs, speed
+
+OTHERS: Final = {
+    "bridge_ends", "second_bridge", "second_station", "datagram_loss", "datagram_late", "datagram_doubled",
+    "nmt_stranger", "stray_frames",
+}  # fmt: skip
+"""Not of the robot: they end the bridge, or speak in the operator's name."""
+KINDS: Final = sorted(FAILING.keys() - OTHERS)
+BEYOND_REACH: Final = {"rome:mw:3": {"serial_unplugged"}, ARM: {"serial_unplugged"}}
+"""Nothing reaches the board: without a watchdog it drives on, as its page says; an arm ends its move."""
+OF_ONE: Final = {"rome:mw:3": "two"}
+"""Whose fault it is, where it is one axis's; else the left wheel's."""
+
+
+def faults(rig: VirtualRig, kind: str) -> None:
+    """Let it happen; RigError where this robot has no such fault."""
+    how: dict[str, Any] = FAILING[kind].how(np.random.default_rng(3))
+    try:
+        rig.fault(kind, node=OF_ONE.get(rig.robot.name, "left"), **how)
+    except RigError:
+        rig.fault(kind, **how)
+
+
+def told(robot: str) -> Iterator[str]:
+    """Yield the faults that a robot may have."""
+    for kind in sorted(set(KINDS) - BEYOND_REACH.get(robot, set())):
+        with driving(robot) as rig, suppress(RigError):
+            faults(rig, kind)
+            yield kind
+
+
+@pytest.mark.parametrize("robot", ["rars", "rars+serial", "climber", "rome:mw:3", ARM])
+def test_it_stands_in_time_and_the_end_comes(robot: str) -> None:
+    kinds = tuple(told(robot))
+    assert len(kinds) > 3
+
+    @every("kind", kinds)
+    @every("order", ORDERS)
+    def stands(kind: str, order: str) -> None:
+        with driving(robot) as rig:
+            faults(rig, kind)
+            runs(rig, 0.3)
+            ORDERS[order](rig)
+            moved = runs(rig, to_seconds(STOP_WITHIN))
+            given_up = any(stop.progress is Progress.GIVEN_UP for stop in rig.bench.bridge.stops.values())
+            assert moved <= to_seconds(TAKEN_WITHIN) + 1.0 or given_up or rig.bench.bridge.unconfirmed
+            assert speed(rig) < 0.01 or given_up or rig.bench.bridge.unconfirmed
+            assert order != "Ctrl-C" or rig.bench.bridge.finished or rig.bench.bridge.holding
+
+    stands()
