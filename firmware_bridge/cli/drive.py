@@ -47,7 +47,7 @@ class DriveOptions:
 
     Ends on Ctrl-C, Ctrl-Z, or when its terminal is closed: the robot is brought to rest first, then its
     drives are disabled, and a second Ctrl-C does not cut that short. A serial port that is unplugged is
-    waited for; the robot must be armed anew then.
+    waited for; the robot must be armed again then.
     """
 
     robot: RobotArgument

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
-from typing import Final, TypeAlias
+from typing import Final
 
 from firmware_bridge.bridge import Bridge
 from firmware_bridge.cli.console import one_message, refusal, say
@@ -42,8 +42,6 @@ from firmware_bridge.teleop.texts import Listener
 from firmware_bridge.wire.maxon.frame import Generation
 
 _OTHER: Final = {Generation.V1: Generation.V2, Generation.V2: Generation.V1}
-
-Tell: TypeAlias = Callable[[str], None]
 
 
 def drive(given: DriveOptions) -> None:

@@ -5,7 +5,7 @@ from typing import Final
 
 from firmware_bridge.drivers.fleets import alone
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.units import NEVER, SECOND, Nanoseconds
+from firmware_bridge.units import NEVER, SECOND, Nanoseconds, to_seconds
 
 AGAIN_WITHIN: Final[Nanoseconds] = 5 * SECOND
 """Who was told what becomes of the robot, and asks once more within this time, leaves it so."""
@@ -40,6 +40,6 @@ class Leaving:
             return False
         if self._told_at != NEVER and now - self._told_at <= AGAIN_WITHIN:
             return True
-        self._told_at = now
-        self._tell(f"the stop goes on. {self.unattended}. Once more within 5 s leaves it so", now)
+        self._told_at, within = now, f"{to_seconds(AGAIN_WITHIN):g} s"
+        self._tell(f"the stop goes on. {self.unattended}. Once more within {within} leaves it so", now)
         return False

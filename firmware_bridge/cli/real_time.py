@@ -39,7 +39,7 @@ def carry(
         try:
             ending = run(node, ports, clock or Clock(), until=end)
         except (LostPort, *failures) as failure:  # type: ignore[misc] # mypy does not see what is in them
-            notes = [note for note in failure.__notes__ if note != IN_ORDER]
+            notes = [note for note in getattr(failure, "__notes__", ()) if note != IN_ORDER]
             problems.append("; ".join((str(failure), *notes)))
         except BaseException:
             with suppress(typer.Exit):

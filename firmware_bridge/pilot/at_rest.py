@@ -17,9 +17,10 @@ class SeenAtRest:
         self._rested: set[str] = set()
 
     def asked(self) -> None:
-        """Learn that arming is asked for; what rests from now on rests after it."""
-        self._asked = True
-        self._rested.clear()
+        """Learn that arming is asked for; what rests from now on rests after it. An armed robot goes on."""
+        if not self._armed:
+            self._asked = True
+            self._rested.clear()
 
     def look(self, resting: Mapping[str, bool], *, armed: bool) -> None:
         """Learn which controls rest, by their names."""

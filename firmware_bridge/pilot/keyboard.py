@@ -57,7 +57,8 @@ class Keyboard:
         for key in self._keys(chunk):
             if key in _ASKS:
                 self._let_go()
-                self._seen.asked()
+                if _ASKS[key] is Asked.ARM:
+                    self._seen.asked()
                 yield _ASKS[key]
             elif key == b" ":
                 self._let_go()

@@ -16,7 +16,7 @@ from typing import Final
 from firmware_bridge.node import Finite, Node, Stoppable, Unhurried, holds
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.shell.bell import Bell, ringing
-from firmware_bridge.shell.clock import Clock
+from firmware_bridge.shell.clock import STALL, Clock
 from firmware_bridge.shell.ports.port import LostPort, Port
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 
@@ -100,12 +100,13 @@ def _waited(
 ) -> tuple[Sequence[int], Nanoseconds]:
     """Wait for what comes or is due; return the files that can be read, and the instant."""
     files, due = [bell.fileno, *carrier.filenos], min(carrier.next_at(), until)
+    begun = clock.now()
     try:
         ready = clock.wait(files, due)
         now = clock.now()
         if now - due > LATE:  # what has arrived by now is heard before anything that is due by now
             ready = clock.wait(files, now)
-            carrier.stood_still(now - due)
+            carrier.stood_still(now - max(due, begun))
     except (OSError, ValueError) as error:
         carrier.find_closed(error)
         raise
@@ -214,8 +215,8 @@ class _Carrier:
 
     def _take(self, reaction: Reaction, now: Nanoseconds) -> None:
         # Nobody is late for an instant that had passed when it was named: "at once" may be any of those.
-        self._wake_at = max(reaction.wake_at, now)
-        self._done = self._stopping and reaction.wake_at == NEVER
+        self._wake_at = max(min(reaction.wake_at, now + AGAIN) if self._unheard else reaction.wake_at, now)
+        self._done = self._stopping and not self._unheard and reaction.wake_at == NEVER
         lost: LostPort | None = None
         for packet in reaction.sent:
             port = self._ports.get(packet.link)
@@ -229,8 +230,8 @@ class _Carrier:
             raise lost
 
     def stood_still(self, late: Nanoseconds) -> None:
-        """Give the node as much longer to stop as the process was not let run."""
-        if self._cut_off_at != NEVER:
+        """Give the node as much longer to stop as the process was suspended; a busy machine is not."""
+        if late > STALL and self._cut_off_at != NEVER:
             self._cut_off_at += late
 
     def find_closed(self, error: Exception) -> None:

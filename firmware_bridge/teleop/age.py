@@ -118,11 +118,10 @@ class Ages:
             (self.heard_stamps, stamp, self.stamped),
         ):
             excess = None if reading is None else heard.excess(reading, now)
-            if excess is None:
-                continue
-            if excess <= limit:
+            if reading is not None and (excess is None or excess <= limit):
+                # Also while it is not known to run: only what is set later makes it begin again.
                 heard.fresh_at = now
-            elif answered.set_at is not None and answered.set_at >= heard.fresh_at and answered.shows(now):
+            elif reading is not None and answered.shows(now) is not None and _since(answered, heard):
                 heard.forget()
 
     def by_set_point(self, message: Message, now: Nanoseconds) -> Nanoseconds | None:
@@ -176,6 +175,11 @@ class Ages:
 
     def _stamp(self, message: Message) -> Nanoseconds | None:
         return stamp_of(bytes(message.get_msgbuf())) * UNIT if self.signed else None
+
+
+def _since(answered: AnsweredClock, heard: HeardClock) -> bool:
+    """Return whether a clock was set since a message came in time by it."""
+    return answered.set_at is not None and answered.set_at >= heard.fresh_at
 
 
 def _whole(now: Nanoseconds) -> Nanoseconds:

@@ -170,6 +170,8 @@ def test_a_bridge_that_fails_while_stopping_is_made_safe(robot: AnyRobot) -> Non
         bench.guard.wake(CYCLE)
     puppet.breaks = False
     puppet.wake_at = NEVER
+    heard = bench.guard.receive(Packet(OPERATOR, 0, b""), CYCLE)
+    assert heard.wake_at != NEVER, "it has not been taken, whatever the bridge says to a packet"
     assert bench.guard.wake(CYCLE) == Reaction((), NEVER)
     assert puppet.asked == 2, "asked once more, it ends"
     assert bench.guard.wake(CYCLE) == Reaction((), NEVER)

@@ -145,12 +145,13 @@ class Guarded:
                 sent += self._replaced(packet, reason, self._all_safe(), now)
             else:
                 sent += self._admitted(packet, rules, now)
-        if self._stopping and reaction.wake_at == NEVER:
+        if self._stopping and not self._unheard and reaction.wake_at == NEVER:
             # It has ended in good order; whoever carries it takes NEVER for the end.
             return Reaction(tuple(sent))
         sent += self._cleared(now)
         sent += self._spoken_for(now)
-        return Reaction(tuple(sent), min(reaction.wake_at, self._deadline, self._due))
+        again = now if self._unheard else NEVER
+        return Reaction(tuple(sent), min(reaction.wake_at, self._deadline, self._due, again))
 
     def _admitted(self, packet: Packet, rules: WireRules, now: Nanoseconds) -> tuple[Packet, ...]:
         """Return the packet itself, or what leaves in its place."""

@@ -253,3 +253,12 @@ def test_a_switch_that_was_down_when_the_device_was_opened_is_not_pressed() -> N
     hand = Hand(Controls(ROW), Extras(switches=(4,)))
     list(hand.handle(event(0x81, 10, 1), 0))
     assert hand.wish(Link(), 0, armed=True).buttons == 0
+
+
+def test_the_button_that_arms_takes_nothing_from_who_drives() -> None:
+    desk = Desk()
+    desk.armed()
+    desk.do(event(2, 4, 0))
+    assert desk.motion() == (500, 0, 0)
+    desk.do(event(1, 8, 1))
+    assert desk.motion() == (500, 0, 0)

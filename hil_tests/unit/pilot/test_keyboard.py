@@ -118,3 +118,12 @@ def test_a_key_that_is_down_when_it_is_armed_counts_when_it_was_let_go() -> None
 @pytest.mark.parametrize(("key", "asked"), [(b"p", Asked.ARM), (b"\r", Asked.STOP), (b"\n", Asked.STOP)])
 def test_keys_arm_and_stop(key: bytes, asked: Asked) -> None:
     assert told(Keyboard(1.0), b"w" + key) == [asked]
+
+
+def test_the_emergency_stop_is_no_order_to_arm() -> None:
+    """What rested after it has not rested since somebody else armed."""
+    hand = Keyboard(1.0)
+    told(hand, b"\r")
+    hand.wish(LINK, 0, armed=False)
+    told(hand, b"w")
+    assert wish(hand, 1) == Stick()

@@ -271,3 +271,45 @@ def test_a_node_that_never_takes_it_is_asked_until_its_time_is_over() -> None:
     with pytest.raises(ValueError, match="0"):
         run(node, {}, Clock(), until=MILLISECOND, stop_within=4 * AGAIN)
     assert 2 <= node.asked <= 5
+
+
+def test_a_node_that_has_not_taken_it_is_not_done_whatever_it_says_to_a_packet() -> None:
+    class Idle(Winding):
+        asked = 0
+
+        def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+            super().receive(packet, now)
+            return Reaction()
+
+        def stop(self, now: Nanoseconds) -> Reaction:
+            self.asked += 1
+            if self.asked == 1:
+                port.hear(b"x")
+                raise ValueError(now)
+            return super().stop(now)
+
+    node, port = Idle(), Flat()
+    with pytest.raises(ValueError, match=r"\d"):
+        run(node, {"can": port}, Clock(), until=10 * MILLISECOND)
+    assert node.asked == 2
+    assert port.written[-3:] == STOPS
+
+
+def test_a_node_that_is_late_each_time_is_cut_off_all_the_same() -> None:
+    """It wants to be woken at once, and takes longer for that than a machine that is not busy."""
+
+    class Slow(Clock):
+        took: Nanoseconds = 0
+
+        def now(self) -> Nanoseconds:
+            return super().now() + self.took
+
+    class Endless(Winding):
+        def wake(self, now: Nanoseconds) -> Reaction:
+            clock.took += 20 * MILLISECOND
+            return Reaction((), now)
+
+    clock = Slow()
+    ending = run(Endless(), {}, clock, until=MILLISECOND, stop_within=SECOND)
+    assert not ending.in_order
+    assert SECOND <= clock.now() < 2 * SECOND

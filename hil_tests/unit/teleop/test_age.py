@@ -119,6 +119,22 @@ def test_clocks_that_disagree_are_told_once() -> None:
     assert told.startswith("link: this station's clocks disagree by 3.00 s")
 
 
+def test_a_clock_that_was_set_before_words_came_late_makes_none_of_them_young() -> None:
+    """Set once; the first words since come at once, the next ones 3 s late, before it is known to run."""
+    station = driving(boot_ahead=1_000 * SECOND, seconds=4.0)
+    station.ahead -= 5 * SECOND
+    station.boot_ahead = 995 * SECOND
+    while station.bench.operator._session.ages.synced.set_at is None:  # noqa: SLF001 - nothing else says so
+        station.drives(0.05)
+    station.drives(0.5)
+    station.late = 3 * SECOND
+    for _ in range(60):
+        station.bench.now += CYCLE
+        station.goes()
+    age, _ = age_of(station)
+    assert age == pytest.approx(3.0, abs=0.01)
+
+
 def test_without_any_answer_words_are_undated_and_nothing_is_told() -> None:
     station = driving(answers=set())
     message = dialect.MAVLink_manual_control_message(1, 200, 0, 0, 0, 0)
