@@ -99,7 +99,7 @@ class Ages:
 
         Rows that differ by more than `limit` do not date it.
         """
-        self._begin_anew_where_set(message, _whole(now), limit)
+        self._follow_what_was_set(message, _whole(now), limit)
         told = [(row.tells(self, message, _whole(now)), row.dated) for row in ROWS]
         ages = [(age, dated) for age, dated in told if age is not None]
         if not ages:
@@ -110,19 +110,13 @@ class Ages:
             self.differs = oldest - best
         return Age(oldest, dated and oldest - best <= limit)
 
-    def _begin_anew_where_set(self, message: Message, now: Nanoseconds, limit: Nanoseconds) -> None:
-        """Forget the fastest word of a clock that was set back, as its answers have shown, since it came."""
-        stamp = self._stamp(message)
-        for heard, reading, answered in (
-            (self.heard_boot, self._unwrapped(message), self.synced),
-            (self.heard_stamps, stamp, self.stamped),
-        ):
-            excess = None if reading is None else heard.excess(reading, now)
-            if reading is not None and (excess is None or excess <= limit):
-                # Also while it is not known to run: only what is set later makes it begin again.
-                heard.fresh_at = now
-            elif reading is not None and answered.shows(now) is not None and _since(answered, heard):
-                heard.forget()
+    def _follow_what_was_set(self, message: Message, now: Nanoseconds, limit: Nanoseconds) -> None:
+        """Move the fastest word of a clock that was set back, by as much as its answers have shown."""
+        time, stamp = self._unwrapped(message), self._stamp(message)
+        if time is not None:
+            self.heard_boot.set_with(self.synced, time, now, limit)
+        if stamp is not None:
+            self.heard_stamps.set_with(self.stamped, stamp, now, limit)
 
     def by_set_point(self, message: Message, now: Nanoseconds) -> Nanoseconds | None:
         """Map a set-point's time by TIMESYNC, once it has been found to be of the same clock."""
@@ -175,11 +169,6 @@ class Ages:
 
     def _stamp(self, message: Message) -> Nanoseconds | None:
         return stamp_of(bytes(message.get_msgbuf())) * UNIT if self.signed else None
-
-
-def _since(answered: AnsweredClock, heard: HeardClock) -> bool:
-    """Return whether a clock was set since a message came in time by it."""
-    return answered.set_at is not None and answered.set_at >= heard.fresh_at
 
 
 def _whole(now: Nanoseconds) -> Nanoseconds:

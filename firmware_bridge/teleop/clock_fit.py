@@ -26,7 +26,7 @@ _RUNS_AFTER: Final[Nanoseconds] = SECOND
 class AnsweredClock:
     """A clock whose owner answers when he is asked."""
 
-    __slots__ = ("_at", "_high", "_low", "_proven", "_read_at", "_since", "set_at")
+    __slots__ = ("_at", "_high", "_low", "_proven", "_read_at", "_since")
 
     def __init__(self) -> None:
         self._low: Nanoseconds | None = None
@@ -38,8 +38,6 @@ class AnsweredClock:
         """When the first answer of this clock came."""
         self._read_at: Nanoseconds = 0
         self._proven = False
-        self.set_at: Nanoseconds | None = None
-        """When an answer showed last that it had been set; None while none has."""
 
     def answered(
         self, asked_at: Nanoseconds, reading: Nanoseconds, came_at: Nanoseconds, resolution: Nanoseconds
@@ -48,8 +46,6 @@ class AnsweredClock:
         low, high = asked_at - reading - resolution, came_at - reading
         known = self._bounds(came_at)
         if known is None or low > known[1] + TOLERANCE or high < known[0] - TOLERANCE:
-            if known is not None:
-                self.set_at = came_at
             self._proven, self._since = False, came_at
         else:
             low, high = max(low, known[0]), min(high, known[1])
@@ -84,8 +80,16 @@ class AnsweredClock:
 
     def shows(self, now: Nanoseconds) -> Nanoseconds | None:
         """Return what the clock shows now, or None where it is not known."""
+        offset = self.offset(now)
+        return None if offset is None or not self._proven else now - offset[0]
+
+    def offset(self, now: Nanoseconds) -> tuple[Nanoseconds, Nanoseconds] | None:
+        """Return our time less its time, and by how much that may be wrong; None where it is not known.
+
+        Known from its first answer on: whether it runs at all is not proven yet.
+        """
         known = self._bounds(now)
-        return None if known is None or not self._proven else now - (known[0] + known[1]) // 2
+        return None if known is None else ((known[0] + known[1]) // 2, (known[1] - known[0] + 1) // 2)
 
     def _bounds(self, now: Nanoseconds) -> tuple[Nanoseconds, Nanoseconds] | None:
         if self._low is None or now - self._read_at > EXPIRES_AFTER:
@@ -95,9 +99,13 @@ class AnsweredClock:
 
 
 class HeardClock:
-    """A clock that nobody answers for: of a word is known how much later it comes than the fastest one."""
+    """A clock that nobody answers for: of a word is known how much later it comes than the fastest one.
 
-    __slots__ = ("_before", "_began_at", "_began_with", "_least", "_newest", "_runs", "fresh_at")
+    Where it was set back, its words seem old. An answered clock of the same station that was set as well
+    tells by how much: what was known is then kept, moved by that.
+    """
+
+    __slots__ = ("_before", "_began_at", "_began_with", "_least", "_newest", "_offset", "_runs", "_since")
 
     def __init__(self) -> None:
         self._before: Nanoseconds | None = None
@@ -110,13 +118,37 @@ class HeardClock:
         self._newest: Nanoseconds = 0
         self._runs = False
         """Whether it has been seen to run about as fast as ours."""
-        self.fresh_at: Nanoseconds = 0
-        """When a word came last that was not later than it may be."""
+        self._offset: tuple[Nanoseconds, Nanoseconds] | None = None
+        """The answered clock's, when a word came last that was not later than it may be."""
+        self._since: Nanoseconds | None = None
+        """The least excess since then."""
 
-    def forget(self) -> None:
-        """Begin to know nothing: it was set."""
-        self._before = self._least = None
-        self._runs = False
+    def set_with(
+        self, answered: AnsweredClock, reading: Nanoseconds, now: Nanoseconds, limit: Nanoseconds
+    ) -> None:
+        """Find whether this clock was set together with the answered one; a word of `reading` comes now.
+
+        It was, if every word since the last one that came within `limit` seems older by at least what the
+        answered one was set back by. A word that seems less old was said by a clock that was set otherwise.
+        """
+        excess, offset = self.excess(reading, now), answered.offset(now)
+        if excess is None or excess <= limit:
+            self._offset, self._since = offset, None
+            return
+        self._since = excess if self._since is None else min(self._since, excess)
+        if self._offset is None or offset is None or answered.shows(now) is None:
+            return
+        by = offset[0] - self._offset[0]
+        uncertain = offset[1] + self._offset[1] + TOLERANCE
+        if by > uncertain and self._since >= by - uncertain:
+            self._move(by)
+            self._offset, self._since = offset, None
+
+    def _move(self, by: Nanoseconds) -> None:
+        """Take every word so far as said by the clock that was set back by so much."""
+        self._least = None if self._least is None else self._least + by
+        self._before = None if self._before is None else self._before + by
+        self._began_with -= by
 
     def excess(self, reading: Nanoseconds, now: Nanoseconds) -> Nanoseconds | None:
         """Return how much later this word comes than the fastest one; None for what is no clock that runs."""

@@ -30,6 +30,8 @@ class Station:
         """The clock of its set-points, less ours, where that is another one."""
         self.late: Nanoseconds = 0
         self.answers = QUESTIONS
+        self.answers_at_once = False
+        """However late its other messages come."""
         self.asked: list[Any] = []
         self.said(BEAT)
 
@@ -61,7 +63,7 @@ class Station:
 
     def answer(self, question: Any) -> bytes:
         """An answer that was written `late` ago."""
-        at = self.bench.now - self.late
+        at = self.bench.now - (0 if self.answers_at_once else self.late)
         if question.get_type() == "TIMESYNC":
             return self.frame(dialect.MAVLink_timesync_message(at + self.ahead, question.ts1), at)
         return self.frame(dialect.MAVLink_ping_message(question.time_usec, question.seq, 1, 1), at)

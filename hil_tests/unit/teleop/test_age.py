@@ -119,20 +119,29 @@ def test_clocks_that_disagree_are_told_once() -> None:
     assert told.startswith("link: this station's clocks disagree by 3.00 s")
 
 
-def test_a_clock_that_was_set_before_words_came_late_makes_none_of_them_young() -> None:
-    """Set once; the first messages since come at once, the next ones 3 s late."""
+@pytest.mark.parametrize("in_time", [0.05, 0.25, 0.45, 0.7, 1.0])
+@pytest.mark.parametrize("set_back", [0, 1, 2, 3, 4, 5])
+def test_clocks_that_were_set_before_messages_came_late_make_none_of_them_young(
+    set_back: int, in_time: float
+) -> None:
+    """TIMESYNC's clock by 5 s, the set-points' by less; messages in time for a while, then 3 s late."""
+    station = driving(boot_ahead=1_000 * SECOND, seconds=4.0, answers_at_once=True)
+    station.ahead -= 5 * SECOND
+    station.boot_ahead = (1_000 - set_back) * SECOND
+    station.drives(in_time)
+    station.late = 3 * SECOND
+    for _ in range(60):
+        station.drives(0.05)
+        age, _ = age_of(station)
+        assert age >= 3.0 - 0.05
+
+
+def test_clocks_that_were_set_together_date_messages_again() -> None:
     station = driving(boot_ahead=1_000 * SECOND, seconds=4.0)
     station.ahead -= 5 * SECOND
     station.boot_ahead = 995 * SECOND
-    while station.bench.operator._session.ages.synced.set_at is None:  # noqa: SLF001 - nothing else says so
-        station.drives(0.05)
-    station.drives(0.5)
-    station.late = 3 * SECOND
-    for _ in range(60):
-        station.bench.now += CYCLE
-        station.goes()
-    age, _ = age_of(station)
-    assert age == pytest.approx(3.0, abs=0.01)
+    station.drives(1.5)
+    assert age_of(station) == (pytest.approx(0.0, abs=0.05), True)
 
 
 def test_without_any_answer_words_are_undated_and_nothing_is_told() -> None:

@@ -136,6 +136,33 @@ def test_what_does_not_run_with_time_is_no_clock(each: int) -> None:
         assert answered.age(reading + each, now + 20 * MILLISECOND) is None
 
 
+@given(
+    answered_back=st.integers(1, 10),
+    heard_back=st.integers(0, 10),
+    delays=st.lists(st.integers(0, 4_000), min_size=1, max_size=80),
+    trip_ms=st.integers(0, 200),
+)
+def test_a_clock_that_is_only_heard_moves_with_an_answered_one_only_where_it_was_set_by_as_much(
+    answered_back: int, heard_back: int, delays: list[int], trip_ms: int
+) -> None:
+    """Both run for 3 s and are set back by so many seconds; the first message since comes at once."""
+    answered, heard = AnsweredClock(), HeardClock()
+    limit, trip = SECOND // 2, trip_ms * MILLISECOND
+    excess: Nanoseconds | None = None
+    for cycle, late_ms in enumerate([*[0] * 60, 0, *delays]):
+        now = (100 + cycle) * 50 * MILLISECOND
+        after = 0 if cycle < 60 else SECOND
+        if cycle % 5 == 0:
+            answered.answered(now - trip, now - trip // 2 - after * answered_back, now, 1)
+        late = late_ms * MILLISECOND
+        heard.set_with(answered, now - late - after * heard_back, now, limit)
+        excess = heard.excess(now - late - after * heard_back, now)
+        assert excess is None or excess >= late, "no message is made younger"
+    assert excess is not None
+    if answered_back == heard_back and len(delays) >= 20:
+        assert excess <= late + 2 * trip + TOLERANCE, "nor older, once the answered one is proven again"
+
+
 def proven(theirs: Nanoseconds = 0, trip: Nanoseconds = 20 * MILLISECOND) -> AnsweredClock:
     """A clock that shows our time, and `theirs` more; answered for until 1 s."""
     fit = AnsweredClock()
