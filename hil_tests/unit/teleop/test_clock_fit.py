@@ -219,3 +219,39 @@ def test_stamps_may_run_a_little_ahead() -> None:
     fit, now = proven(trip=0), 2 * SECOND
     assert fit.age(now + TOLERANCE - MILLISECOND, now) == 0
     assert fit.age(now + TOLERANCE + MILLISECOND, now) is None
+
+
+def excess_of(
+    heard: HeardClock, answered: AnsweredClock, late_ms: int, *, now: int, back: int = 0
+) -> int | None:
+    """A message of a station that answers at once; both its clocks were set back by `back` ms; in ms."""
+    at, reading = now * MILLISECOND, (now - late_ms - back) * MILLISECOND
+    answered.answered(at, (now - back) * MILLISECOND, at, 1)
+    heard.set_with(answered, reading, at, SECOND // 2)
+    excess = heard.excess(reading, at)
+    return None if excess is None else round(excess / MILLISECOND)
+
+
+def test_a_message_is_compared_with_the_fastest_one_not_with_the_first_or_the_last() -> None:
+    heard, answered = HeardClock(), AnsweredClock()
+    for number, late_ms in enumerate([300, 200, 100, 250, 300] * 8):
+        excess = excess_of(heard, answered, late_ms, now=100 * number)
+    assert excess == 200
+
+
+@pytest.mark.parametrize("back", [700, 5_000, 40_000])
+@pytest.mark.parametrize("faster", [0, 1])
+def test_a_clock_that_was_set_with_an_answered_one_keeps_what_both_windows_knew(
+    back: int, faster: int
+) -> None:
+    """The fastest message is of the first window, or of the second one."""
+    heard, answered = HeardClock(), AnsweredClock()
+    window = LEAST_OVER // MILLISECOND
+    for now in range(0, 2 * window - 1_000, 100):
+        excess_of(heard, answered, 300 * ((now >= window) ^ faster), now=now)
+    for now in range(2 * window - 1_000, 2 * window - 100, 100):
+        excess = excess_of(heard, answered, 300, now=now, back=back)
+    assert excess == pytest.approx(300, abs=1)
+    for now in range(2 * window, 4 * window, 100):
+        excess = excess_of(heard, answered, 300, now=now, back=back)
+    assert excess == 0, "of the last minute"
