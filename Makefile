@@ -36,14 +36,15 @@ export PLANTS
 
 TESTED = @begun=$$(date +%s); \
 	$(TESTER) -m pytest -n $(JOBS) --dist worksteal -q $(LANE); status=$$?; \
-	echo "$@: $$(( $$(date +%s) - begun )) s"; exit $$status
+	$(ALSO) echo "$@: $$(( $$(date +%s) - begun )) s"; exit $$status
 
 # Where a container says that no bytecode is to be written, each process would compile all sources anew.
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
 SHELL := bash
-.PHONY: help setup compiled wheels same demo studies test long test-all check docs golden bench adversary fuzz twins mutants hour clean
+.PHONY: help setup compiled installed wheels same demo studies test long nightly test-all check docs golden bench \
+	adversary fuzz twins mutants hour clean
 
 help: ## list these commands
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' Makefile
@@ -96,19 +97,29 @@ same: $(COMPILED)/.ready ## test that the compiled core does the same to the bit
 
 compiled: $(COMPILED)/.ready ## install the program with its core compiled, in .venv/compiled
 
-# What somebody has who installs the wheel, and no more: from there it is tested, and told what is in it.
-wheels: $(RELEASE) $(COMPILED)/.ready ## make what is published, in dist/: a wheel for this machine, one for any, sources, SBOM
-	@rm -rf dist/*.whl dist/*.tar.gz dist/*.json $(INSTALLED)
+# What somebody has who installs the wheel, and pytest.
+$(INSTALLED)/.ready: $(COMPILED)/.ready
+	@rm -rf $(INSTALLED)
+	@$(BIN)/python -m venv $(INSTALLED)
+	@$(INSTALLED)/bin/python -m pip install --quiet --disable-pip-version-check "$$(ls dist/wheel/*.whl)[testing]"
+	@touch $@
+
+installed: $(INSTALLED)/.ready ## install this machine's wheel in an environment of its own, .venv/installed
+
+wheels: ## make what is published, in dist/: a wheel for this machine, one for any, sources, SBOM
+	@echo "wheels: this takes seven minutes; the core is translated to C, once"
+	@$(MAKE) --no-print-directory $(RELEASE) $(COMPILED)/.ready
+	@rm -rf dist/*.whl dist/any dist/*.tar.gz dist/*.json .venv/bare
 	@cp dist/wheel/*.whl dist/
-	@FIRMWARE_BRIDGE_COMPILE=0 $(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist .
+	@FIRMWARE_BRIDGE_COMPILE=0 $(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist/any .
 	@rm -rf build
 	@$(BIN)/python -m build --sdist --outdir dist . > dist/sources.log || { cat dist/sources.log; exit 1; }
-	@$(BIN)/python -m venv $(INSTALLED)
-	@$(INSTALLED)/bin/python -m pip install --quiet --disable-pip-version-check dist/wheel/*.whl
+	@$(BIN)/python -m venv .venv/bare
+	@.venv/bare/bin/python -m pip install --quiet --disable-pip-version-check dist/*.whl
 	@$(BIN)/cyclonedx-py environment --pyproject pyproject.toml --output-reproducible --of JSON -o dist/sbom.cdx.json \
-		$(INSTALLED)/bin/python
-	@$(INSTALLED)/bin/python -m pip install --quiet --disable-pip-version-check "$$(ls dist/wheel/*.whl)[testing]"
-	@ls dist/*.whl dist/*.tar.gz dist/*.json
+		.venv/bare/bin/python
+	@rm -rf .venv/bare
+	@ls dist/*.whl dist/any/*.whl dist/*.tar.gz dist/*.json
 
 demo: $(READY) ## drive the shipped missions in virtual time; results in out/
 	@begun=$$(date +%s); \
@@ -129,11 +140,16 @@ test: $(READY) ## run the tests, every behaviour once; `make check` judges the s
 	$(TESTED)
 
 # Three times as fast there, and the compiled core is what `make same` shows to be the same.
-long: LANE := -m '(long or hypothesis) and not interpreted' --ignore=hil_tests/architecture
+long: LANE = -m '(long or hypothesis) and not interpreted' --ignore=hil_tests/architecture $(SHARE:%=--share %)
 long: TESTER := $(COMPILED)/bin/python -P
-long: $(COMPILED)/.ready ## run what `make test` has no time for: whole missions, a thousand instants
+long: ALSO = $(BIN)/python -m pytest -n $(JOBS) --dist worksteal -q -m '(long or hypothesis) and interpreted' \
+	--ignore=hil_tests/architecture $(SHARE:%=--share %) || test $$? = 5 || status=1;
+long: $(COMPILED)/.ready ## run what `make test` has no time for, or a share of it: make long SHARE=3/16
 	$(TESTED)
-	@$(BIN)/python -m pytest -n $(JOBS) --dist worksteal -q -m '(long or hypothesis) and interpreted' --ignore=hil_tests/architecture
+
+# What takes hours: all of it on one commit, a step after the other; who ends it goes on later where it was.
+nightly: $(COMPILED)/.ready ## run everything that .ci/run leaves out; hours, may be ended; docs/nightly.md has the results
+	@$(BIN)/python tools/nightly.py
 
 test-all: test long ## run every test
 
@@ -166,8 +182,9 @@ bench: $(MEASURED) $(COMPILED)/.ready ## measure how fast the bench is, what it 
 ROBOT ?= rars
 HOURS ?= 1
 NATURES ?= honest
+SEED ?= 0
 adversary: $(COMPILED)/.ready ## look for HOURS simulated hours for what breaks a rule of ROBOT; finds in out/adversary
-	@$(COMPILED)/bin/python -P -m hil_tests.adversary $(ROBOT) --hours $(HOURS) --natures $(NATURES)
+	@$(COMPILED)/bin/python -P -m hil_tests.adversary $(ROBOT) --hours $(HOURS) --natures $(NATURES) --seed $(SEED)
 
 FRAMES ?= 1000000
 fuzz: $(COMPILED)/.ready ## let a stranger send a drive FRAMES frames of any kind, its winding watched

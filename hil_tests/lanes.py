@@ -1,8 +1,12 @@
-"""How many examples a test draws: all that it asks for, or a tenth of them in the first lane.
+"""How many examples a test draws, and which share of the tests runs.
 
-Hypothesis times none: the tests' time is virtual, and the wall's says how busy the machine is.
+All that a test asks for, or a tenth of them in the first lane. Hypothesis times none: the tests' time is
+virtual, and the wall's says how busy the machine is.
 """
 
+import argparse
+import hashlib
+from dataclasses import dataclass
 from typing import Final
 
 from hypothesis import settings
@@ -18,3 +22,23 @@ settings.load_profile("virtual time")
 def examples(count: int) -> int:
     """Return how many of a test's examples this run draws; the profile is loaded before tests are read."""
     return -(-count * settings().max_examples // FULL)
+
+
+@dataclass(frozen=True, slots=True)
+class Share:
+    """One of `of` shares of the tests, counted from 1; each test is in one of them, by its name."""
+
+    number: int
+    of: int
+
+    @classmethod
+    def parse(cls, text: str) -> "Share":
+        """Read `K/N`; the exception says what is wrong with it."""
+        number, _, of = text.partition("/")
+        if number.isdigit() and of.isdigit() and 1 <= int(number) <= int(of):
+            return cls(int(number), int(of))
+        raise argparse.ArgumentTypeError(f"{text!r} is no share: write K/N, with K from 1 to N")
+
+    def has(self, name: str) -> bool:
+        """Return whether the test of this name is in it."""
+        return int(hashlib.sha256(name.encode()).hexdigest(), 16) % self.of == self.number - 1

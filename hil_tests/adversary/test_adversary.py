@@ -49,6 +49,7 @@ def search(robot: AnyRobot, natures: frozenset[Nature], judged: AnyRobot | None 
     return Search(robot, rehearsal_of(robot), invariants(judged or robot), natures)
 
 
+@pytest.mark.long(beside="test_an_emergency_stop_that_does_nothing_is_found")
 @pytest.mark.parametrize("natures", [HONEST, ALL], ids=["honest", "all"])
 @pytest.mark.parametrize(
     ("line", "seed"), [(line, seed) for line, evenings in ROBOTS.items() for seed in range(evenings)]
@@ -58,6 +59,7 @@ def test_no_evening_breaks_a_rule(line: str, natures: frozenset[Nature], seed: i
     assert found is None, as_toml(found, line)
 
 
+@pytest.mark.long(beside="test_an_emergency_stop_that_does_nothing_is_found")
 @pytest.mark.parametrize("file", FOUND, ids=lambda file: file.stem)
 def test_what_was_found_once_is_not_found_again(file: Path) -> None:
     robot = robot_of(read(_line_of(file)))
@@ -76,6 +78,7 @@ def found_by(one: Search, seeds: int) -> Found:
     return next(found for found, _ in map(one.evening, range(seeds)) if found is not None)
 
 
+@pytest.mark.long(beside="test_an_emergency_stop_that_does_nothing_is_found")
 def test_a_limit_that_is_too_high_is_found_and_driven_again_from_its_file() -> None:
     """And nobody behind it: the guard knows no sum."""
     rars = find("rars")
@@ -109,6 +112,7 @@ def test_a_climber_without_its_joints_rule_touches_the_stop(line: str) -> None:
     assert ruled is None
 
 
+@pytest.mark.long(beside="test_an_emergency_stop_that_does_nothing_is_found")
 def test_an_arm_that_is_told_too_much_loses_its_steps() -> None:
     """With limits that its motors cannot follow: nobody but the plant tells."""
     arm = find("ar2")

@@ -152,6 +152,7 @@ def test_a_bridge_that_drives_as_fast_as_ever_after_a_failure_is_found(
     assert violation.name == SPEED
 
 
+@pytest.mark.long(beside="test_a_rule_is_broken_when_it_was_for_its_time")
 @pytest.mark.interpreted
 def test_a_bridge_that_lets_go_on_a_slope_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("firmware_bridge.bridge.letting_go._pulls", lambda _: None)

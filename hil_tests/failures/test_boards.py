@@ -9,6 +9,7 @@ LONGEST_MM = {"firmata": 1_400}
 OTHERS_MM = 700
 
 
+@pytest.mark.long(keeps=["the board is reset, mw", "the board hangs, arduinoio"])
 @pytest.mark.parametrize("row", kept(), ids=lambda row: f"{row.cause}, {row.protocol}")
 def test_the_way_is_what_was_measured(row: RunsOn) -> None:
     """The same to the millimetre: time is virtual."""

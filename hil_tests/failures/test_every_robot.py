@@ -6,6 +6,16 @@ from hil_tests.failures.every_robot import LINES, NO_ONE, Row, kept, measured, w
 from hil_tests.safety.driving import robot_of
 
 
+@pytest.mark.long(
+    keeps=[
+        "rars, encoder off",
+        "climber, line cut",
+        "rome:ros-arduino-bridge, bridge killed",
+        "rome:mw:3, board or drive reset",
+        "ar2, emergency stop",
+        "rome_arm, end of the program",
+    ]
+)
 @pytest.mark.parametrize("row", kept(), ids=lambda row: f"{row.line}, {row.cause}")
 def test_it_comes_to_what_was_measured(row: Row) -> None:
     """The same to the millimetre: time is virtual."""

@@ -14,6 +14,13 @@ ROWS: Final = kept()
 HERE: Final = Path(__file__).parent
 
 
+@pytest.mark.long(
+    keeps=[
+        "stick let go, can, lifting at 0.1 m/s",
+        "bridge's process dead, can, ahead at 0.5 m/s",
+        "one encoder stands, can, ahead at 0.5 m/s",
+    ]
+)
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: f"{row.cause}, {row.link}, {row.motion}")
 def test_the_worst_way_is_what_was_measured(row: Worst) -> None:
     """The same to the millimetre: time is virtual."""

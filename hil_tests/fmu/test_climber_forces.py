@@ -130,6 +130,7 @@ def test_it_slides_where_friction_does_not_hold_its_weight(share: float, slides:
     assert (moved < -1e-4) == slides
 
 
+@pytest.mark.long(keeps=["0.7853981633974483"])
 @pytest.mark.parametrize("heading", [math.pi / 2, math.pi / 4])
 def test_the_joint_meets_its_stop_and_goes_no_further(heading: float) -> None:
     """The caster trailing, it runs away; then wheels slide, and the stop holds it."""
@@ -178,6 +179,7 @@ def test_without_losses_energy_stays(more: dict[str, float]) -> None:
     assert energies == pytest.approx([before] * 8, rel=1e-8)
 
 
+@pytest.mark.long(keeps=["0"])
 @pytest.mark.parametrize("seed", range(3))
 def test_energy_never_grows(seed: int) -> None:
     """Whatever slides, falls, or meets a stop."""

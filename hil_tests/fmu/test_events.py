@@ -275,6 +275,7 @@ def test_a_tuned_value_is_part_of_a_kept_state(tmp_path: Path, fmi: int) -> None
     axis.fmu.freeInstance()
 
 
+@pytest.mark.long(keeps=["3"])
 @VERSIONS
 def test_an_fmu_brings_its_version_licence_and_equations(pendulums: Callable[[int], Path], fmi: int) -> None:
     with ZipFile(ensure("rars", fmi)) as archive:

@@ -59,6 +59,7 @@ def test_both_versions_give_the_same_rates(made: Maker) -> None:
         assert two.rates() == two.read(*(f"der({name})" for name in two.state_names))
 
 
+@pytest.mark.long(keeps=["3"])
 @VERSIONS
 def test_a_strangers_solver_comes_to_the_same_place(fmu_file: dict[int, Path], fmi: int) -> None:
     fields = [("time", np.float64), *((name, np.float64) for name in INPUTS)]

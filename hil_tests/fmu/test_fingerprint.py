@@ -99,6 +99,7 @@ def other(
     return compiled_otherwise(fmu_file[3], folder / "other.fmu", folder / "unzipped", request.param)
 
 
+@pytest.mark.long(beside="test_the_program_says_so_in_one_line")
 def test_a_plant_that_was_compiled_otherwise_is_named(other: Path) -> None:
     with pytest.warns(PlantWarning, match=r"other\.fmu: this plant was compiled in another way") as caught:
         plant = FmuPlant(other, list(INPUTS), list(OUTPUTS))
@@ -134,12 +135,14 @@ def test_the_program_says_so_in_one_line(other: Path, tmp_path: Path) -> None:
     assert (result.returncode, more) == (0, []) or "check the plant" in more[0]
 
 
+@pytest.mark.long(beside="test_the_program_says_so_in_one_line")
 def test_harmless_flags_are_harmless(fmu_file: dict[int, Path], tmp_path: Path) -> None:
     flags = "-O3 -march=native -ffp-contract=off"
     path = compiled_otherwise(fmu_file[3], tmp_path / "other.fmu", tmp_path / "unzipped", flags)
     assert examine(path).fingerprint is Verdict.SAME
 
 
+@pytest.mark.long(beside="test_the_program_says_so_in_one_line")
 def test_one_bit_in_one_parameter_is_another_plant() -> None:
     model = find("rars").model()
     (first, *others) = model.parameters

@@ -45,6 +45,7 @@ def test_list_names_every_model_and_its_robot() -> None:
         assert model != "rars" or [cell.strip() for cell in row.split("│")][3:7] == ["34", "4", "23", "79"]
 
 
+@pytest.mark.long(keeps=["3"])
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_build_writes_what_check_finds_good(tmp_path: Path, fmi: int) -> None:
     path = tmp_path / "new" / "plant.fmu"
@@ -155,6 +156,7 @@ def test_a_folder_is_no_file(tmp_path: Path) -> None:
     assert list(tmp_path.parent.glob(".*.part")) == []
 
 
+@pytest.mark.long(keeps=['name="current_left"-name="strom"-the FMU lacks the output \'current_left\''])
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
@@ -220,6 +222,7 @@ def test_all_that_is_missing_is_named(pendulums: Callable[[int], Path]) -> None:
     assert "'speed' is in 'rad/s', but 'm/s' was expected" in err
 
 
+@pytest.mark.long(keeps=["3"])
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_model_exchange_alone_is_not_enough_for_the_bench(
     fmu_file: dict[int, Path], tmp_path: Path, fmi: int

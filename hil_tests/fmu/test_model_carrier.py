@@ -58,6 +58,7 @@ def steady(voltage: float, push: float = 0.0) -> float:
     return torque / (k**2 / resistance + P["viscous_left"])
 
 
+@pytest.mark.long(keeps=["3"])
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_it_is_built_for_both_versions_and_gives_its_bits(fmi: int) -> None:
     path = ensure(PLANT, fmi)

@@ -78,6 +78,7 @@ def wavy(sign: float) -> Callable[[float], float]:
     return lambda t: 2.0 + sign * math.sin(2 * t)
 
 
+@pytest.mark.long(keeps=["lab-more0-1.0"])
 @pytest.mark.parametrize(
     ("kind", "more", "way"),
     [
@@ -127,6 +128,7 @@ def circle(rows: list[tuple[float, float]]) -> tuple[float, float]:
     return float(np.hypot(*(points[-1] - points[0]))), float(high - wide)
 
 
+@pytest.mark.long(keeps=["13.3"])
 @pytest.mark.parametrize("ratio", [13.3, 20.0, 500.0, 2000.0])
 def test_circles_deviate_as_the_independent_solution_does(rolled: Maker, ratio: float) -> None:
     """A circle by the wheels' speeds does not close and is oblong: by as much as in the other solution."""

@@ -106,6 +106,7 @@ def contact_rates(name: str) -> Any:
     return sp.lambdify(symbols, [found[each] for each in ("tube", "psi", "arc", "height")], "math", cse=True)
 
 
+@pytest.mark.long(keeps=["cylinder-2.2-rolling", "torus-0.4-sliding"])
 @pytest.mark.parametrize("sliding", [0.0, 0.03], ids=["rolling", "sliding"])
 @pytest.mark.parametrize(
     ("name", "psi"), [("cylinder", 2.2), ("plane", 0.4), ("sphere", 2.2), ("torus", 0.4)]

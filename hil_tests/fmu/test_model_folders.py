@@ -33,12 +33,14 @@ def test_all_models_are_known() -> None:
     assert own == set(SOURCES)
 
 
+@pytest.mark.long(keeps=["3-rars", "2-single_axis"])
 @pytest.mark.parametrize("model", SOURCES)
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_fmpy_finds_nothing_wrong(model: str, fmi: int) -> None:
     assert validate_fmu(str(ensure(model, fmi))) == []
 
 
+@pytest.mark.long(keeps=["single_axis"])
 @pytest.mark.parametrize("model", SOURCES)
 def test_the_reference_trajectory_holds_in_both_versions(model: str) -> None:
     reference = part(model, "reference")

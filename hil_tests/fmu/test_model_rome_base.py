@@ -127,6 +127,7 @@ def follow(
     return far, full / round(seconds * 100)
 
 
+@pytest.mark.long(keeps=["line"])
 @pytest.mark.parametrize(
     "path",
     [
@@ -176,6 +177,7 @@ def line(t: float) -> tuple[float, float, float]:
     return t * t / 4 if t < 2 else t - 1, 0.0, 0.0
 
 
+@pytest.mark.long(keeps=["line"])
 @pytest.mark.parametrize("path", [line, orbit()], ids=["line", "orbit"])
 def test_the_sources_own_paths_need_the_faster_gears(
     path: Callable[[float], tuple[float, float, float]],

@@ -36,6 +36,7 @@ def run(command: list[str], **options: Any) -> None:
 COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
 
 
+@pytest.mark.long(beside="test_fmpy_finds_nothing_wrong")
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_fmpys_checker_finds_nothing(fmu_file: dict[int, Path], fmi: int) -> None:
     assert validate_fmu(str(fmu_file[fmi])) == []
@@ -62,6 +63,7 @@ def test_description_carries_units_and_nominal_values(fmu_file: dict[int, Path],
         assert row.source in variable.description
 
 
+@pytest.mark.long(keeps=["3-single_axis"])
 @pytest.mark.parametrize("plant", ["rars", "single_axis"])
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_building_twice_gives_the_same_bytes(tmp_path: Path, fmi: int, plant: str) -> None:
@@ -109,6 +111,7 @@ def test_fmi_2_and_3_agree_bit_for_bit(fmu_file: dict[int, Path]) -> None:
     assert trace(fmu_file[2]) == trace(fmu_file[3])
 
 
+@pytest.mark.long(keeps=["-O0-gcc"])
 @pytest.mark.parametrize("compiler", COMPILERS)
 @pytest.mark.parametrize("flags", ["-O0", "-O1", "-O2", "-O3", "-O3 -march=native"])
 def test_every_compiler_gives_the_same_bits(

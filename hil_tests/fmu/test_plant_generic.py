@@ -13,6 +13,7 @@ from fmu.export.code import UnsupportedError, c_text
 from fmu.plant import FmuPlant
 
 
+@pytest.mark.long(keeps=["3"])
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_another_model(pendulums: Callable[[int], Path], fmi: int) -> None:
     path = pendulums(fmi)

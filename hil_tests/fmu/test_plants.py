@@ -109,6 +109,12 @@ def test_its_cache_follows_its_own_source(install: Installer, tmp_path: Path) ->
     assert ensure("pendulum") != first
 
 
+@pytest.mark.long(
+    keeps=[
+        "fmu.rars.parameters:PLANT-is not the plant 'pendulum'",
+        "swinging.nowhere:PLANT-'pendulum' cannot be loaded from swinging\\\\.nowhere:PLANT",
+    ]
+)
 @pytest.mark.parametrize(
     ("value", "said"),
     [

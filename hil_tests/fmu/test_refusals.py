@@ -199,6 +199,7 @@ def swinging(pendulums: Callable[[int], Path], tmp_path: Path) -> Callable[[int]
     return make
 
 
+@pytest.mark.long(keeps=["3"])
 @VERSIONS
 def test_a_very_long_step_is_subdivided(swinging: Callable[[int], Instance], fmi: int) -> None:
     """1001 s of a model with inner steps of 1 ms: once above a million steps, once in pieces below."""
@@ -217,6 +218,7 @@ def test_a_very_long_step_is_subdivided(swinging: Callable[[int], Instance], fmi
         instance.fmu.freeInstance()
 
 
+@pytest.mark.long(keeps=["3"])
 @VERSIONS
 def test_a_very_long_step_that_runs_away_ends_soon(swinging: Callable[[int], Instance], fmi: int) -> None:
     instance = swinging(fmi)

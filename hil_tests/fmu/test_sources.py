@@ -75,6 +75,7 @@ def run(*words: object, cwd: Path | None = None) -> None:
     subprocess.run([str(word) for word in words], check=True, cwd=cwd)
 
 
+@pytest.mark.long(keeps=["3"])
 @VERSIONS
 def test_two_models_link_into_one_program(tmp_path: Path, fmi: int) -> None:
     compiler, text, wanted = find_compiler(), "#include <stdbool.h>\n#include <stdio.h>\n", []
@@ -114,6 +115,7 @@ def test_two_models_link_into_one_program(tmp_path: Path, fmi: int) -> None:
     assert min(found) > 1.0
 
 
+@pytest.mark.long(keeps=["3"])
 @VERSIONS
 def test_every_name_outside_has_the_models_name_in_front(tmp_path: Path, fmi: int) -> None:
     units = unpacked("single_axis", fmi, tmp_path)

@@ -188,6 +188,7 @@ def rigs() -> Iterator[list[Rig]]:
         rig.finish()
 
 
+@pytest.mark.long(keeps=["tiny 3"])
 @pytest.mark.parametrize("who", ["PythonFMU", "tiny 2", "tiny 3"])
 def test_a_strangers_plant_drives_the_robot(strangers: dict[str, Path], rigs: list[Rig], who: str) -> None:
     robot = robot_with()
@@ -201,6 +202,7 @@ def test_a_strangers_plant_drives_the_robot(strangers: dict[str, Path], rigs: li
     assert not [hold for hold in rig.holds if hold.ended is None]
 
 
+@pytest.mark.long(beside="test_two_runs_with_one_seed_are_the_same_bytes")
 def test_the_same_ride_twice_gives_the_same_bytes(strangers: dict[str, Path], rigs: list[Rig]) -> None:
     robot = robot_with()
     for _ in range(2):

@@ -1,26 +1,24 @@
-"""What `make wheels` has made, as somebody has it who has no checkout, no compiler and no extras."""
+"""What `make installed` has made, as somebody has it who has no checkout, no compiler and no extras."""
 
 import json
 import re
 import subprocess
 import sys
-import tarfile
 from collections.abc import Callable
 from pathlib import Path
 from zipfile import ZipFile
 
 import pytest
 
+from hil_tests.installed.files import difference
+
 pytestmark = pytest.mark.installed
 
 ROOT = Path(__file__).parents[2]
-DIST = ROOT / "dist"
 INSTALLED = ROOT / ".venv" / "installed"
-PACKAGES = ("firmware_bridge/", "emulators/", "fmu/")
 MEGABYTE = 1 << 20
 PIPS_OWN = ("pip", "setuptools", "pkg_resources")
 PAGE = (ROOT / "docs" / "installing.md").read_text(encoding="utf-8")
-LICENCES = PAGE.partition("| library |")[2]
 STORY = """
 def test_silence(rig):
     rig.operator.drives(forward=0.3)
@@ -58,17 +56,14 @@ def run(tmp_path: Path) -> Run:
     return runs
 
 
-def wheels() -> dict[str, Path]:
-    """Return the wheels: for any machine, and for this one."""
-    found = {("any" if path.stem.endswith("-none-any") else "here"): path for path in DIST.glob("*.whl")}
-    assert set(found) == {"any", "here"}, "`make wheels` makes them"
+def wheel() -> Path:
+    """Return the wheel for this machine."""
+    (found,) = (ROOT / "dist" / "wheel").glob("*.whl")
     return found
 
 
-def tracked() -> set[str]:
-    """Return the checkout's files."""
-    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True)  # noqa: S607
-    return set(listed.stdout.splitlines())
+def test_each_file_of_the_packages_is_in_the_wheel() -> None:
+    assert difference(wheel()) == (set(), set())
 
 
 def test_a_mission_gives_the_bytes_that_it_gives_in_a_checkout(run: Run, tmp_path: Path) -> None:
@@ -86,7 +81,7 @@ def test_a_mission_gives_the_bytes_that_it_gives_in_a_checkout(run: Run, tmp_pat
 
 
 def test_the_core_is_compiled_and_kept_small() -> None:
-    with ZipFile(wheels()["here"]) as archive:
+    with ZipFile(wheel()) as archive:
         libraries = {it.filename: it.file_size for it in archive.infolist() if it.filename.endswith(".so")}
     assert any(name.startswith("firmware_bridge/packet.") for name in libraries)
     assert "emulators/servo/libservo.so" in libraries
@@ -136,34 +131,6 @@ def test_the_doctor_misses_nothing_that_is_needed(run: Run) -> None:
     assert told["missing"] == []
 
 
-def test_each_file_of_the_packages_is_in_the_wheels() -> None:
-    ours = {name for name in tracked() if name.startswith(PACKAGES)}
-    for path in wheels().values():
-        with ZipFile(path) as archive:
-            held = set(archive.namelist())
-        assert ours - held == set(), path.name
-        strange = {it for it in held - ours if not it.endswith((".so", ".fmu")) and ".dist-info/" not in it}
-        assert strange == set(), path.name
-
-
-def test_the_sources_are_the_checkout() -> None:
-    (path,) = DIST.glob("*.tar.gz")
-    with tarfile.open(path) as archive:
-        held = {it.name.partition("/")[2] for it in archive.getmembers() if it.isfile()}
-    assert tracked() - held - {".gitignore"} == set()
-    strange = {it for it in held - tracked() if not re.match(r"PKG-INFO|setup\.cfg|[^/]*\.egg-info/", it)}
-    assert strange == set()
-
-
-def test_the_page_tells_each_library_and_its_licence() -> None:
-    told = dict(re.findall(r"^\| `([\w.-]+)` \| ([^|]+) \|", LICENCES, re.MULTILINE))
-    bill = json.loads((DIST / "sbom.cdx.json").read_text(encoding="utf-8"))
-    assert bill["metadata"]["component"]["name"] == "firmware-bridge"
-    mine = {"firmware-bridge", "pip", "setuptools", "pytest", "pluggy", "iniconfig"}
-    assert {it["name"] for it in bill["components"]} - mine == set(told)
-    assert {name for name, licence in told.items() if "GPL" in licence} == {"pymavlink", "python-can"}
-
-
 def test_the_base_is_as_small_as_the_page_says(run: Run) -> None:
     listed = json.loads(run("python", "-m", "pip", "list", "--format", "json").stdout)
     names = {it["name"].lower() for it in listed}
@@ -175,8 +142,39 @@ def test_the_base_is_as_small_as_the_page_says(run: Run) -> None:
     assert size < int(limit) * 1_000_000
 
 
+DUMMY = {
+    "fmu/x/__init__.py": "HERE = True\n",
+    "fmu_x-1.dist-info/METADATA": "Metadata-Version: 2.1\nName: fmu-x\nVersion: 1\n",
+    "fmu_x-1.dist-info/WHEEL": "Wheel-Version: 1.0\nRoot-Is-Purelib: true\nTag: py3-none-any\n",
+    "fmu_x-1.dist-info/RECORD": "".join(
+        f"{it},,\n" for it in ("fmu/x/__init__.py", "fmu_x-1.dist-info/RECORD")
+    ),
+}
+EXTENDS = "__path__ = __import__('pkgutil').extend_path(__path__, __name__)\n"
+
+
+@pytest.mark.parametrize("init", [None, EXTENDS], ids=["namespace", "pkgutil"])
+def test_another_makers_package_of_the_same_name_is_found_beside_ours(
+    tmp_path: Path, init: str | None
+) -> None:
+    """A dozen packages share the name, each in a folder of its own; here in another place of the path."""
+    wheel, there = tmp_path / "fmu_x-1-py3-none-any.whl", tmp_path / "there"
+    with ZipFile(wheel, "w") as archive:
+        for name, text in (DUMMY if init is None else {"fmu/__init__.py": init, **DUMMY}).items():
+            archive.writestr(name, text)
+    python = INSTALLED / "bin" / "python"
+    install = ("-m", "pip", "install", "--quiet", "--no-index", "--no-deps", "--disable-pip-version-check")
+    subprocess.run([python, *install, "--target", there, wheel], check=True)
+    (site,) = (INSTALLED / "lib").glob("python3.*/site-packages")
+    for path in ((there, site), (site, there)):
+        script = (
+            f"import sys; sys.path[:0] = {[str(it) for it in path]!r}; import fmu.x, fmu.plants, fmu.export"
+        )
+        subprocess.run([python, "-c", script], check=True, cwd=tmp_path)
+
+
 def test_it_may_be_published() -> None:
-    with ZipFile(wheels()["here"]) as archive:
+    with ZipFile(wheel()) as archive:
         (name,) = (it for it in archive.namelist() if it.endswith(".dist-info/METADATA"))
         told = archive.read(name).decode()
     assert "Do Not Upload" not in told

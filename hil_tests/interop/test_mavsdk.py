@@ -182,6 +182,7 @@ def port() -> Iterator[int]:
     net.closes()
 
 
+@pytest.mark.long(beside="test_offboard_drives_and_hold_stops_whatever_set_points_go_on")
 def test_mavsdk_reads_arms_drives_by_stick_and_by_set_points_and_holds(port: int) -> None:
     asyncio.run(story(port))
 

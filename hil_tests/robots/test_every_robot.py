@@ -347,6 +347,7 @@ def test_a_stop_brings_every_axis_to_rest(name: str) -> None:
         assert not paper.rules.body.asked(paper.demanded, paper.kind.body(robot).sensed(paper.axes, {}))
 
 
+@pytest.mark.long(keeps=["carrier-line"])
 @pytest.mark.parametrize(("name", "mission"), MISSIONS)
 def test_its_missions_drive_without_a_refusal_and_it_ends_without_power(name: str, mission: str) -> None:
     robot = find(name)

@@ -118,6 +118,7 @@ def test_without_a_mission_it_drives_its_figure_of_eight(mouse: tuple[Beside, fl
     assert summary["mission"] == "figure_eight"
 
 
+@pytest.mark.long(keeps=["mouse and row"])
 @pytest.mark.parametrize(
     "chosen",
     ["mouse and row", pytest.param("mouse and not figure_eight and not interlocks", marks=pytest.mark.long)],
@@ -130,6 +131,7 @@ def test_it_gets_the_safety_tests_of_every_robot(mouse: tuple[Beside, float], ch
     assert " passed" in beside.run(*pytest_words, *shared, "-k", chosen, PYTHONPATH=path)
 
 
+@pytest.mark.long(beside="test_three_commands_drive_a_robot_and_touch_nothing_of_the_product")
 def test_what_it_writes_is_code_to_hold_up(mouse: tuple[Beside, float]) -> None:
     beside, _ = mouse
     beside.run("-m", "ruff", "check", "--no-cache", "mouse")

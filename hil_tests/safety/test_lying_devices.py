@@ -1,5 +1,7 @@
 """A drive, its twin or a gateway that says what is not so: an order to stop stops the robot all the same."""
 
+import pytest
+
 from firmware_bridge.drivers.stop_steps import TAKEN_WITHIN
 from firmware_bridge.units import to_seconds
 from hil_tests.rows import every
@@ -7,6 +9,7 @@ from hil_tests.safety.driving import ORDERS, changed, driving, runs, speed
 from hil_tests.safety.lies import OF_A_DRIVE, OF_A_GATEWAY, on_the_line
 
 
+@pytest.mark.long(beside="test_whatever_a_drive_and_its_bus_do_it_stops_in_time")
 @every("robot", ["rars", "climber"])
 @every("lie", OF_A_DRIVE)
 @every("order", ORDERS)
@@ -21,6 +24,7 @@ def test_a_drive_that_lies_is_stopped(robot: str, lie: str, order: str) -> None:
         assert speed(rig) < 0.01
 
 
+@pytest.mark.long(beside="test_whatever_a_drive_and_its_bus_do_it_stops_in_time")
 @every("lie", OF_A_GATEWAY)
 @every("order", ORDERS)
 def test_a_gateway_that_lies_keeps_no_stop(lie: str, order: str) -> None:

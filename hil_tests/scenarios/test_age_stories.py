@@ -26,6 +26,7 @@ def on_a_link(delay_ms: float) -> dict[str, object]:
     return {**ALONE, "noise": Noise(delay_ms=delay_ms)}
 
 
+@pytest.mark.long(keeps=["300-True-twist-can", "600-False-twist-can"])
 @pytest.mark.parametrize("link", LINKS)
 @pytest.mark.parametrize("by", ["twist", "stick"])
 @pytest.mark.parametrize(("delay_ms", "drives"), [(0, True), (300, True), (600, False)])
@@ -56,6 +57,7 @@ def test_a_link_of_half_a_second_is_too_slow_to_drive_on(
     assert any("round trip" in text for text in texts(ride)) is (2 * delay_ms >= 500)
 
 
+@pytest.mark.long(keeps=["can"])
 @pytest.mark.parametrize("link", LINKS)
 def test_a_link_that_gets_slow_under_way_stops_the_robot_until_the_stick_is_let_go(
     rides: Ridden, link: str
@@ -84,6 +86,7 @@ def test_a_link_that_gets_slow_under_way_stops_the_robot_until_the_stick_is_let_
     assert ride.now["speed_mps"] == pytest.approx(0.2, rel=0.02)
 
 
+@pytest.mark.long(keeps=["arm-disarm"])
 @pytest.mark.parametrize(("go", "stop"), [("arm", "disarm"), ("clear", "emergency_stop")])
 def test_an_order_that_was_said_before_a_stop_does_not_undo_it(rides: Ridden, go: str, stop: str) -> None:
     """It comes 260 ms late, behind the stop."""
@@ -101,6 +104,7 @@ def test_an_order_that_was_said_before_a_stop_does_not_undo_it(rides: Ridden, go
     assert ("emergency stop" in ride.holding) is (stop == "emergency_stop")
 
 
+@pytest.mark.long(keeps=["twist-can"])
 @pytest.mark.parametrize("link", LINKS)
 @pytest.mark.parametrize("by", ["twist", "stick"])
 def test_a_go_that_comes_a_quarter_of_a_second_after_the_stop_moves_nothing(
@@ -164,6 +168,7 @@ def test_a_minute_that_is_played_again_moves_nothing(rides: Ridden) -> None:
     assert "word too old" in ride.held_between(26.0, 30.0)
 
 
+@pytest.mark.long(keeps=["-5.0"])
 @pytest.mark.parametrize("ahead_s", [5.0, -5.0])
 def test_a_station_whose_clock_is_set_is_asked_anew(rides: Ridden, ahead_s: float) -> None:
     """Set back, its words look old, and nothing moves until it has answered; set forward, none looks old."""
@@ -190,6 +195,7 @@ def refusing(robot: AnyRobot) -> AnyRobot:
     return robot.model_copy(update={"operator": operator})
 
 
+@pytest.mark.long(keeps=["stick"])
 @pytest.mark.parametrize("by", ["twist", "stick"])
 def test_where_unknown_is_refused_only_who_tells_his_age_drives(rides: Ridden, by: str) -> None:
     ride = rides(step(0.1, input=by), ARMED, step(6.0, speed_mps=0.2), robot=refusing(RARS), **ALONE)

@@ -88,6 +88,7 @@ def test_it_goes_where_the_stick_says_and_loses_no_step() -> None:
         assert rig.guard.refused == 0
 
 
+@pytest.mark.long(keeps=["up_mps -0.02"])
 @pytest.mark.parametrize(
     "stick",
     [
@@ -114,6 +115,7 @@ def test_at_full_stick_it_loses_no_step(stick: dict[str, float]) -> None:
     rig.finish()
 
 
+@pytest.mark.long(keeps=["silent", "board reset"])
 @pytest.mark.parametrize(
     ("later", "faults", "name", "within_s"),
     [
@@ -150,6 +152,7 @@ def test_after_a_reset_nothing_moves_until_somebody_has_said_where_it_stands() -
         assert not rig.bridge.seen.facts.armed
 
 
+@pytest.mark.long(beside="test_after_a_reset_nothing_moves_until_somebody_has_said_where_it_stands")
 def test_once_it_was_said_again_it_goes_on() -> None:
     again = step(9.0, "up_mps = 0.0") + step(
         10.0, "zero = { j1 = 0.0, j2 = -85.0, j3 = 88.0, j4 = 0.0, j5 = 57.0, j6 = 0.0 }"

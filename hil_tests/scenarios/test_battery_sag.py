@@ -14,6 +14,7 @@ BATTERY_OHM = 0.050
 """`battery_resistance` of the plant."""
 
 
+@pytest.mark.long(keeps=["30.0"])
 @pytest.mark.parametrize("payload_kg", [0.0, 30.0])
 def test_a_loaded_robot_lowers_the_voltage_that_its_drives_see(payload_kg: float) -> None:
     plant = RARS.plant.model_copy(

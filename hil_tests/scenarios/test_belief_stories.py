@@ -39,6 +39,7 @@ def noticed(ride: Ride, name: str, after: float) -> float:
     return to_seconds(began) - after
 
 
+@pytest.mark.long(keeps=["can"])
 @LINKS
 def test_a_drive_that_ignores_its_set_points_moves_unasked(rides: Ridden, robot: AnyRobot | None) -> None:
     """It says that it is enabled; demanded 0, measured 0.15 m/s."""
@@ -94,6 +95,7 @@ def test_a_steering_that_ignores_its_target_does_not_follow(rides: Ridden) -> No
     assert noticed(ride, "axis position repeats: steer", 8.0) < NOTICED_S
 
 
+@pytest.mark.long(keeps=["can-0.3"])
 @pytest.mark.parametrize("speed", [0.05, 0.3])
 @LINKS
 def test_a_wheel_whose_encoder_stands_is_noticed_and_loses_its_power(
@@ -154,6 +156,7 @@ def another(rides: Ridden, request: pytest.FixtureRequest) -> Ride:
     return ride
 
 
+@pytest.mark.long(keeps=["ahead"])
 def test_another_master_does_not_drive_a_disarmed_robot_for_long(another: Ride) -> None:
     moved = noticed(another, "axis moves unasked: left", 5.0)
     assert moved < NOTICED_S
@@ -207,6 +210,7 @@ def beside(known: Following) -> float:
     return max(known.low - does, does - known.high)
 
 
+@pytest.mark.long(beside="test_its_missions_drive_without_a_refusal_and_it_ends_without_power")
 @pytest.mark.interpreted
 @pytest.mark.parametrize(
     ("name", "mission", "floor"),

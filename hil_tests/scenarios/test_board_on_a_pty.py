@@ -86,6 +86,7 @@ def emulated(link: Path, *words: str) -> Iterator["subprocess.Popen[str]"]:
         process.communicate()
 
 
+@pytest.mark.long(keeps=["ros-arduino-bridge-client0"])
 @pytest.mark.timeout(120)
 @pytest.mark.parametrize(("firmware", "client"), [("ros-arduino-bridge", ROS), ("mw", MW)])
 def test_a_client_drives_a_wheel_and_reads_its_encoder(firmware: str, client: str, tmp_path: Path) -> None:

@@ -17,6 +17,7 @@ def beside(ride: Ride, **who: int) -> Stranger:
     return Stranger(**who).joins(ride)
 
 
+@pytest.mark.long(keeps=["the same ids"])
 @pytest.mark.parametrize("who", [{}, {"system": 255}], ids=["other ids", "the same ids"])
 def test_a_second_station_takes_nothing_from_who_drives(rides: Ridden, who: dict[str, int]) -> None:
     ride = rides(ARMED, DRIVES, **ALONE)
@@ -33,6 +34,7 @@ def test_a_second_station_takes_nothing_from_who_drives(rides: Ridden, who: dict
     assert ride.now["armed"]
 
 
+@pytest.mark.long(keeps=["kill"])
 @pytest.mark.parametrize(
     "order", [(185, (1.0,)), (CLEAR, (0.0,)), (ARM, (0.0, FORCE))], ids=["terminate", "safe", "kill"]
 )
@@ -87,6 +89,7 @@ def test_a_stick_left_deflected_by_a_station_long_gone_blocks_nobody(rides: Ridd
     assert any("nobody drives" in text for text in other.texts)
 
 
+@pytest.mark.long(beside="test_after_a_long_silence_motion_needs_a_new_arm")
 def test_the_first_packet_after_a_minute_of_silence_moves_nothing(rides: Ridden) -> None:
     ride = rides(ARMED, DRIVES, step(6.0, silent_s=60), **ALONE)
     ride.runs_until(72.0)
@@ -94,6 +97,7 @@ def test_the_first_packet_after_a_minute_of_silence_moves_nothing(rides: Ridden)
     assert not ride.now["armed"]
 
 
+@pytest.mark.long(beside="test_a_lift_target_does_not_outlive_its_operators_link")
 def test_a_lift_target_does_not_outlive_its_operator_while_another_one_idles(rides: Ridden) -> None:
     ride = rides(ARMED, step(4.0, lift_m=0.3), step(5.0, silent_s=100), **ALONE)
     other = beside(ride)

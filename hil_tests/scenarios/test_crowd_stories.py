@@ -69,6 +69,7 @@ def test_a_crowd_that_beats_does_not_starve_who_drives(rides: Ridden) -> None:
     assert ride.fastest() < 0.002
 
 
+@pytest.mark.long(keeps=["garbage"])
 @pytest.mark.parametrize("speaks", [False, True], ids=["garbage", "questions"])
 def test_a_crowd_that_does_not_beat_gets_no_more_than_it_gives(rides: Ridden, *, speaks: bool) -> None:
     ride = rides(ARMED, step(4.0, speed_mps=0.2), **ALONE)

@@ -2,6 +2,8 @@
 
 from typing import TYPE_CHECKING, Final
 
+import pytest
+
 from emulators.rewind import Checkpoint
 from emulators.wires import DatagramWire
 from firmware_bridge.bridge import Bridge, Phase
@@ -68,6 +70,7 @@ def test_drives_that_were_just_switched_on_are_left_pre_operational_and_without_
     assert ended_at_each(one, "bridge", one.rig.bridge, {NmtState.PRE_OPERATIONAL}) > 20
 
 
+@pytest.mark.long(beside="test_drives_that_were_just_switched_on_are_left_pre_operational_and_without_power")
 def test_drives_that_a_dead_bridge_has_left_are_left_operational_and_without_power(rides: Ridden) -> None:
     """Their own watch has stopped them while the next bridge listens."""
     one = rides(ARMED, step(4.0, speed_mps=0.3), seconds=20, seed=1)

@@ -88,6 +88,7 @@ def texts(ride: Ride) -> str:
     return " | ".join(entry.text for entry in ride.operator.diary.entries)
 
 
+@pytest.mark.long(beside="test_a_wheel_that_drives_alone_takes_the_robot_on")
 @pytest.mark.parametrize("dies", [unpowered, silenced])
 @pytest.mark.parametrize("mode", DEAD)
 def test_after_a_failure_in_motion_the_goal_five_metres_away_is_reached(
@@ -114,6 +115,7 @@ def test_a_wheel_that_drives_alone_takes_the_robot_on(rides: Ridden) -> None:
     assert power(ride, "left") is State.FAULT
 
 
+@pytest.mark.long(beside="test_a_wheel_that_drives_alone_takes_the_robot_on")
 def test_a_failed_steering_leaves_the_arc_that_is_steered(rides: Ridden) -> None:
     ride = rides(
         *goes_on("steering_failed", *drives(8.0), steer_deg=10.0),
@@ -149,6 +151,7 @@ def test_a_mode_is_not_entered_in_motion_nor_while_armed(rides: Ridden) -> None:
     assert power(ride, "left") is State.OPERATION_ENABLED
 
 
+@pytest.mark.long(beside="test_a_wheel_that_drives_alone_takes_the_robot_on")
 def test_a_drive_that_heals_is_given_no_power_until_the_robot_is_whole_again(rides: Ridden) -> None:
     ride = rides(
         *goes_on("left_failed", *drives(4.0)),
@@ -168,6 +171,7 @@ def test_a_drive_that_heals_is_given_no_power_until_the_robot_is_whole_again(rid
     assert ride.now["speed_mps"] == pytest.approx(0.2, rel=0.02)
 
 
+@pytest.mark.long(beside="test_a_wheel_that_drives_alone_takes_the_robot_on")
 def test_a_second_failure_stops_the_robot_for_good(rides: Ridden) -> None:
     ride = rides(
         *goes_on("left_failed", *drives(16.0)),
@@ -196,6 +200,7 @@ def test_a_platform_that_stays_up_keeps_the_base_where_it_is(rides: Ridden) -> N
     assert ride.held("lift extended")
 
 
+@pytest.mark.long(beside="test_a_wheel_that_drives_alone_takes_the_robot_on")
 @pytest.mark.parametrize("mode", ["left_failed", "steering_failed"])
 def test_over_serial_it_is_the_same(rides: Ridden, mode: str) -> None:
     ride = rides(

@@ -162,6 +162,7 @@ def test_a_silent_bridge_is_missed_by_every_drive(rides: Ridden) -> None:
 # Strangers
 
 
+@pytest.mark.long(keeps=["stop", "reset_node"])
 @pytest.mark.parametrize("command", ["stop", "enter_pre_operational", "reset_node", "reset_communication"])
 def test_a_strangers_network_command_is_held_against_its_drive(rides: Ridden, command: str) -> None:
     ride = driven(rides, fault("nmt_stranger", 6.0, command=command, node="left"))
@@ -178,6 +179,7 @@ def test_a_stranger_who_resets_a_drive_takes_its_power(rides: Ridden) -> None:
     drives_again(ride)
 
 
+@pytest.mark.long(keeps=["enter_pre_operational-left"])
 @pytest.mark.parametrize("node", ["left", None])
 @pytest.mark.parametrize("command", ["stop", "enter_pre_operational", "reset_communication"])
 def test_a_robot_whose_drive_obeys_a_stranger_stands(rides: Ridden, command: str, node: str | None) -> None:
@@ -251,6 +253,7 @@ def test_a_supply_above_the_limit_is_enough_at_this_speed(rides: Ridden) -> None
     assert ride.now["speed_mps"] == pytest.approx(0.3, rel=0.02)
 
 
+@pytest.mark.long(keeps=["encoder_cut-how5-65290"])
 @pytest.mark.parametrize(
     ("kind", "how", "code"),
     [

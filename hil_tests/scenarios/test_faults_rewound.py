@@ -45,6 +45,7 @@ def one() -> Iterator[Ride]:
     run.rig.finish()
 
 
+@pytest.mark.long(beside="test_from_any_instant_the_run_goes_on_as_it_went")
 def test_from_any_instant_among_the_faults_the_run_goes_on_as_it_went(one: Ride) -> None:
     moments, traces, digests = {}, {}, {}
     for at in range(BEGIN, END + 1, GRID):

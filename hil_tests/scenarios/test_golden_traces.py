@@ -75,6 +75,7 @@ def test_the_plants_equations_give_the_golden_bits() -> None:
     assert TOOL.plant() == GOLDEN[f"plant {TOOL.ROBOT}"], MEANT
 
 
+@pytest.mark.long(keeps=["faults-native", "interlocks-native"])
 @pytest.mark.parametrize("servo", SERVOS)
 @pytest.mark.parametrize("name", TOOL.missions())
 def test_a_mission_begins_as_it_always_did(name: str, servo: str, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -56,6 +56,7 @@ def stays(one: Ride, since: float, until: float) -> None:
     assert one.held("not homed: steer")
 
 
+@pytest.mark.long(beside="test_it_is_stopped_on_its_way_and_found_by_the_next_order")
 @LINKS
 def test_a_raised_lift_that_restarted_is_homed_and_the_robot_drives(rides: Ridden, robot: AnyRobot) -> None:
     """An arm enables first what a restart on a serial line has put to fault."""
@@ -85,6 +86,7 @@ def test_a_raised_lift_that_restarted_is_homed_and_the_robot_drives(rides: Ridde
     assert kept_back(one) == []
 
 
+@pytest.mark.long(beside="test_it_is_stopped_on_its_way_and_found_by_the_next_order")
 @LINKS
 def test_steering_that_nobody_has_seen_finds_its_end(rides: Ridden, robot: AnyRobot) -> None:
     one = rides(
@@ -107,6 +109,7 @@ def test_steering_that_nobody_has_seen_finds_its_end(rides: Ridden, robot: AnyRo
     assert kept_back(one) == []
 
 
+@pytest.mark.long(keeps=["emergency stop-can"])
 @EITHER
 @pytest.mark.parametrize(
     ("how", "why"),

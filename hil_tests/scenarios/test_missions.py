@@ -48,12 +48,14 @@ def summary(folder: Path) -> dict[str, Any]:
     return read
 
 
+@pytest.mark.long(beside="test_its_missions_drive_without_a_refusal_and_it_ends_without_power")
 def test_an_operator_who_tries_everything_forbidden_gets_no_further(driven: Driven) -> None:
     told = summary(driven("interlocks"))
     assert told["max_speed_mps"] <= LARGEST_SPEED_MPS
     assert told["max_acceleration_mps2"] <= LARGEST_ACCELERATION_MPS2
 
 
+@pytest.mark.long(beside="test_at_its_threshold_it_stops_the_robot_and_says_why")
 def test_every_interlock_that_an_operator_can_trip_is_tripped_and_says_why(driven: Driven) -> None:
     holds = summary(driven("interlocks"))["holds"]
     assert all(hold["reason"] for hold in holds)
@@ -72,6 +74,7 @@ def test_every_interlock_that_an_operator_can_trip_is_tripped_and_says_why(drive
     } <= {hold["name"] for hold in holds}
 
 
+@pytest.mark.long(beside="test_the_lift_rises_at_rest_only_and_holds_the_wheels")
 def test_nothing_rolls_while_the_lift_is_extended(driven: Driven) -> None:
     """From the positions on the bus: between two frames with the lift out, no wheel turns by 2 mm."""
     retracted = 0.005
@@ -97,6 +100,7 @@ def test_nothing_rolls_while_the_lift_is_extended(driven: Driven) -> None:
             assert metres < 0.002
 
 
+@pytest.mark.long(beside="test_a_mission_begins_as_it_always_did")
 def test_the_line_reaches_its_speed_at_its_acceleration(driven: Driven) -> None:
     told = summary(driven("line"))
     assert told["max_speed_mps"] == pytest.approx(0.240, rel=0.02)
@@ -108,6 +112,7 @@ INDEX_FAULTS: Final = 3
 """The first one at a wrong count, channels exchanged, counts lost."""
 
 
+@pytest.mark.long(beside="test_one_drive_that_fails_stops_the_robot_by_name_and_code")
 def test_what_goes_wrong_in_the_mission_of_faults_is_held_and_named(driven: Driven) -> None:
     told = summary(driven("faults"))
     assert told["max_speed_mps"] <= LARGEST_SPEED_MPS
@@ -123,6 +128,7 @@ def test_what_goes_wrong_in_the_mission_of_faults_is_held_and_named(driven: Driv
     assert {"operator silent", "axis silent", "axis fault", "axis not enabled", "not armed"} <= names
 
 
+@pytest.mark.long(beside="test_one_drive_that_fails_stops_the_robot_by_name_and_code")
 def test_nothing_but_rolling_out_follows_a_fault_that_stops_the_robot(driven: Driven) -> None:
     """From the titles: until the seventeenth second nobody stops; after each later fault all do."""
     told = summary(driven("faults"))
@@ -133,6 +139,7 @@ def test_nothing_but_rolling_out_follows_a_fault_that_stops_the_robot(driven: Dr
         assert bool(soon) is (fault["began_s"] >= 17.0 and armed), fault["title"]
 
 
+@pytest.mark.long(beside="test_what_it_leaves_behind_is_what_the_readme_says")
 def test_a_run_leaves_everything_that_it_promises(driven: Driven) -> None:
     folder = driven("line")
     names = {path.name for path in folder.iterdir()}
@@ -161,6 +168,7 @@ def test_a_run_leaves_everything_that_it_promises(driven: Driven) -> None:
     assert summary(folder)["guard_refusals"] == 0
 
 
+@pytest.mark.long(beside="test_two_runs_with_one_seed_are_the_same_bytes")
 def test_one_seed_is_one_run(driven: Driven, tmp_path: Path) -> None:
     again = run("line", tmp_path)
     assert again == summary(driven("line"))["trace_sha256"]
@@ -168,6 +176,7 @@ def test_one_seed_is_one_run(driven: Driven, tmp_path: Path) -> None:
         assert (tmp_path / name).read_bytes() == (driven("line") / name).read_bytes()
 
 
+@pytest.mark.long(beside="test_tshark_finds_nothing_malformed")
 @pytest.mark.tshark
 @pytest.mark.parametrize("name", ["line", "interlocks"])
 def test_a_strangers_dissector_finds_no_malformed_frame(driven: Driven, name: str) -> None:

@@ -83,6 +83,7 @@ def slip(acceleration: float) -> float:
     return P["peak_slip"] * pull / (P["floor_friction"] * load)
 
 
+@pytest.mark.long(beside="test_odometry_counts_what_the_wheels_rolled")
 def test_odometry_counts_what_the_wheels_roll() -> None:
     first, last = driven().rows[0], driven().rows[-1]
     believed = complex(
@@ -91,10 +92,12 @@ def test_odometry_counts_what_the_wheels_roll() -> None:
     assert abs(believed - rolled(driven())) < BOUND_M
 
 
+@pytest.mark.long(beside="test_odometry_counts_what_the_wheels_rolled")
 def test_where_the_wheels_grip_odometry_is_right() -> None:
     assert odometry_errors(driven(GRIPS).rows)[-1] < BOUND_M
 
 
+@pytest.mark.long(beside="test_the_thesis_own_floor_lets_odometry_drift")
 def test_on_the_thesis_own_floor_it_errs_by_what_the_tyres_slip() -> None:
     """Along the way by the slip that the acceleration takes, across it by that of the turn's."""
     rows = driven().rows

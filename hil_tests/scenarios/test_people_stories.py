@@ -27,6 +27,7 @@ def powered(one: Ride) -> bool:
     return any(axis.powered for axis in one.rig.devices.bank.axes)
 
 
+@pytest.mark.long(keeps=["can"])
 @on_each_link
 def test_asked_to_end_it_leaves_no_power_and_the_next_one_drives(rides: Ridden, link: str) -> None:
     end = fault("bridge_ends", ENDS_S, for_s=5.0)
@@ -42,6 +43,7 @@ def test_asked_to_end_it_leaves_no_power_and_the_next_one_drives(rides: Ridden, 
     assert (record.kind, record.nodes) == ("bridge_ends", (BRIDGE,))
 
 
+@pytest.mark.long(keeps=["can"])
 @on_each_link
 def test_killed_it_leaves_the_drives_to_their_own_watch(rides: Ridden, link: str) -> None:
     end = fault("bridge_ends", ENDS_S, how="killed", for_s=5.0)
@@ -55,6 +57,7 @@ def test_killed_it_leaves_the_drives_to_their_own_watch(rides: Ridden, link: str
     assert one.now["speed_mps"] == pytest.approx(0.2, abs=0.02)
 
 
+@pytest.mark.long(beside="test_ctrl_c_on_a_slope_holds_and_a_second_one_within_5_s_lets_go")
 def test_asked_twice_on_a_slope_it_lets_go(rides: Ridden) -> None:
     plant = RARS.plant.model_copy(update={"parameters": {"slope": math.radians(5.0), "floor_friction": 0.9}})
     end = fault("bridge_ends", ENDS_S, again_after_s=4.0)
@@ -67,6 +70,7 @@ def test_asked_twice_on_a_slope_it_lets_go(rides: Ridden) -> None:
     assert not powered(one)
 
 
+@pytest.mark.long(keeps=["can"])
 @on_each_link
 def test_a_run_across_a_bridge_that_was_started_anew_goes_on_as_it_went(rides: Ridden, link: str) -> None:
     end = fault("bridge_ends", ENDS_S, how="killed", for_s=0.4)
@@ -92,6 +96,7 @@ def test_a_second_bridge_disturbs_nobody(rides: Ridden) -> None:
     assert one.now["speed_mps"] == pytest.approx(0.3, abs=0.02)
 
 
+@pytest.mark.long(keeps=["take", "garbage"])
 @pytest.mark.parametrize("order", ["", "take", "arm", "disarm", "clear", "hold", "garbage"])
 def test_a_second_station_changes_nothing(rides: Ridden, order: str) -> None:
     joins = fault("second_station", 5.0, order=order, stick=-1.0, for_s=1.5)

@@ -120,6 +120,7 @@ def test_the_station_drives_over_the_link_and_both_sides_find_out_how_slow_it_is
     assert "word too old" not in driven.holds
 
 
+@pytest.mark.long(beside="test_a_point_that_follows_a_line_late_settles_below_it_and_swings_above")
 @pytest.mark.parametrize(
     ("delay_s", "share", "settles"), [(0.36, 0.9, True), (0.42, 1.1, False)], ids=["below", "above"]
 )
@@ -137,6 +138,7 @@ def test_from_10_mm_it_settles_below_the_critical_delay_and_swings_above(
         assert max(driven.swings[-3:]) > 0.05
 
 
+@pytest.mark.long(beside="test_with_the_right_model_it_says_where_the_robot_will_be")
 @pytest.mark.parametrize(
     ("link", "max_delay_s", "reaction_s"),
     [

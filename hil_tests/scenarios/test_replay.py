@@ -59,6 +59,7 @@ def order(session: Session, into: Into, log: Path | None = None, until: int | No
     return Order(RARS, recording, with_operator, into, until=until)
 
 
+@pytest.mark.long(keeps=["drives"])
 @pytest.mark.parametrize("into", Into)
 def test_a_run_plays_again_into_all_that_took_part(line: Session, into: Into) -> None:
     outcome = replay(order(line, into))
@@ -68,6 +69,7 @@ def test_a_run_plays_again_into_all_that_took_part(line: Session, into: Into) ->
     assert outcome == replay(order(line, into))
 
 
+@pytest.mark.long(keeps=["bridge"])
 @pytest.mark.parametrize("into", [Into.BRIDGE, Into.BENCH])
 def test_delays_and_losses_on_the_operators_link_are_no_difference(into: Into, tmp_path: Path) -> None:
     assert replay(order(Session("circles", tmp_path), into)).difference is None
@@ -105,6 +107,7 @@ def last_of(session: Session, theirs: Callable[[str], bool]) -> int:
     )
 
 
+@pytest.mark.long(keeps=["bridge-3", "drives-1"])
 @pytest.mark.parametrize("place", range(5))
 @pytest.mark.parametrize("into", [Into.DRIVES, Into.BRIDGE])
 def test_one_changed_bit_is_named_exactly(line: Session, into: Into, place: int, tmp_path: Path) -> None:
@@ -154,6 +157,7 @@ def test_a_frame_that_does_not_come_is_said_to_be_missing(line: Session, tmp_pat
     assert came == "but came  nothing more"
 
 
+@pytest.mark.long(keeps=["49-False", "50-True"])
 @pytest.mark.parametrize(("tolerance_us", "fits"), [(0, False), (49, False), (50, True)])
 def test_a_late_frame_is_one_within_the_tolerance(
     line: Session, tolerance_us: int, *, fits: bool, tmp_path: Path
@@ -220,6 +224,7 @@ def test_drives_that_say_nothing_stay_off_the_bus(line: Session, tmp_path: Path)
     assert outcome.compared > 3
 
 
+@pytest.mark.long(beside="test_a_run_plays_again_into_all_that_took_part")
 def test_a_bridge_that_was_told_where_its_axes_stand_is_told_so_again(tmp_path: Path) -> None:
     frames, messages = [], []
     said = (ConfirmZero("lift", 0.1), ConfirmZero("steer", 10.0))

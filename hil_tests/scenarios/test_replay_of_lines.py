@@ -96,11 +96,13 @@ def plays_again(title: str, folder: Path) -> None:
     assert outcome.compared == sent + own, "every byte and every message that it has sent"
 
 
+@pytest.mark.long(keeps=["firmata"])
 @pytest.mark.parametrize("title", RUNS)
 def test_all_that_the_bridge_has_sent_is_sent_again_to_the_byte_and_the_nanosecond(title: str) -> None:
     plays_again(title, folder_of(title))
 
 
+@pytest.mark.long(beside="test_all_that_the_bridge_has_sent_is_sent_again_to_the_byte_and_the_nanosecond")
 @pytest.mark.parametrize("title", RUNS)
 def test_whole_missions_do(title: str) -> None:
     run = RUNS[title]
@@ -130,6 +132,7 @@ def places_of(lines: list[str], way: str, begin: float) -> list[int]:
     return [found[part * (len(found) - 1) // 4] for part in range(5)]
 
 
+@pytest.mark.long(keeps=["firmata"])
 @pytest.mark.parametrize("title", ["firmata", "mw", "arm", "serial drives"])
 def test_one_changed_bit_of_what_the_bridge_has_sent_is_named_by_its_line(title: str, tmp_path: Path) -> None:
     lines = read(folder_of(title))
@@ -142,6 +145,7 @@ def test_one_changed_bit_of_what_the_bridge_has_sent_is_named_by_its_line(title:
         assert came.startswith("but came  ")
 
 
+@pytest.mark.long(beside="test_one_changed_bit_of_what_the_bridge_has_sent_is_named_by_its_line")
 @pytest.mark.parametrize("title", ["firmata", "mw"])
 def test_one_changed_bit_of_what_it_has_heard_is_another_run(title: str, tmp_path: Path) -> None:
     """Of Firmata a count is another one; an MWProtocol frame is damaged, and the bridge asks again."""
@@ -160,6 +164,7 @@ def test_one_changed_bit_of_what_it_has_heard_is_another_run(title: str, tmp_pat
     assert heard_at < outcome.until < heard_at + 100 * MILLISECOND, "what it says next is another word"
 
 
+@pytest.mark.long(beside="test_one_changed_bit_of_what_the_bridge_has_sent_is_named_by_its_line")
 def test_a_word_more_or_less_and_one_that_comes_late_are_differences(tmp_path: Path) -> None:
     run, folder = RUNS["firmata"], folder_of("firmata")
     lines = read(folder)
@@ -195,6 +200,7 @@ class Late:
         return Reaction(reaction.sent, asked + MICROSECOND * int(self._chance.integers(20, 4_000)))
 
 
+@pytest.mark.long(keeps=["mw"])
 @pytest.mark.interpreted
 @pytest.mark.parametrize("title", ["mw", "ros_arduino_bridge", "arduinoio", "arm", "two boards", "bus"])
 def test_a_machine_that_was_late_is_late_again(
@@ -229,6 +235,7 @@ def test_a_machine_that_was_late_is_late_again(
     assert outcome.compared > 400
 
 
+@pytest.mark.long(beside="test_a_bad_file_is_one_message_and_status_2")
 def test_what_does_not_go_together_is_refused_with_what_to_give(tmp_path: Path) -> None:
     cameras, rome = find("rome+cameras"), find("rome")
     seen, blind = folder_of("firmata"), folder_of("ros_arduino_bridge")

@@ -134,6 +134,7 @@ def test_the_story_has_everything_that_may_be_forgotten(straight: Straight) -> N
     assert straight.one.rig.bridge.finished
 
 
+@pytest.mark.long(beside="test_from_any_instant_the_run_goes_on_as_it_went")
 def test_looking_at_a_run_does_not_change_it(straight: Straight, kept: Kept) -> None:
     assert len(kept.moments) == INSTANTS
     assert kept.one.rig.world.trace_sha256 == straight.one.rig.world.trace_sha256
@@ -159,6 +160,7 @@ def test_from_any_instant_the_run_goes_on_as_it_went(straight: Straight, kept: K
         assert one.rig.samples[-1].at == check
 
 
+@pytest.mark.long(keeps=["850"])
 @pytest.mark.parametrize("number", [0, 130, 340, 470, 700, 850])
 def test_to_the_very_end_everything_is_as_it_was(straight: Straight, kept: Kept, number: int) -> None:
     at, moment = kept.moment(number)
@@ -171,6 +173,7 @@ def test_to_the_very_end_everything_is_as_it_was(straight: Straight, kept: Kept,
     assert kept.one.operator.diary == straight.one.operator.diary
 
 
+@pytest.mark.long(keeps=["4.7", "9.31"])
 @pytest.mark.parametrize("second", [0.0, 0.4, 1.13, 2.9, 4.7, 9.31, 11.2, 14.05, 16.9, 18.7])
 def test_nothing_that_can_change_is_left_out(kept: Kept, second: float) -> None:
     """What a moment puts back is judged by somebody who does not know how moments are taken."""

@@ -99,6 +99,7 @@ def test_base_and_arm_fly_the_orbit_together_from_beside_it() -> None:
         assert abs(rig.samples[-1]["height_m"] - begun["height_m"]) > 0.01, "the arm has its part in it"
 
 
+@pytest.mark.long(beside="test_base_and_arm_fly_the_orbit_together_from_beside_it")
 def test_an_orbit_too_large_for_the_base_takes_its_time_and_says_so() -> None:
     """At 1 m for 1 DU the printed orbit would take 1.02 m/s."""
     with flown(robot=scaled(m_per_du=1.0), lasts=26.0) as (rig, script):
@@ -111,6 +112,7 @@ def test_an_orbit_too_large_for_the_base_takes_its_time_and_says_so() -> None:
         assert speeds.max() <= 1.02 * rig.robot.geometry.base.limits.speed_mps
 
 
+@pytest.mark.long(keeps=["arm reset", "base reset"])
 @pytest.mark.parametrize(
     ("faults", "name"),
     [

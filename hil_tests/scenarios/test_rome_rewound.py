@@ -6,6 +6,7 @@ from firmware_bridge.units import from_seconds
 from hil_tests.scenarios.test_rome_cameras_stories import circling
 
 
+@pytest.mark.long(keeps=["ros-arduino-bridge-rome+cameras"])
 @pytest.mark.parametrize("name", ["rome", "rome+cameras"])
 @pytest.mark.parametrize("protocol", ["ros-arduino-bridge", "mw", "arduinoio", "firmata"])
 def test_from_each_instant_the_run_goes_on_as_it_went(name: str, protocol: str) -> None:

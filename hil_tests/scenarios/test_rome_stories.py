@@ -9,6 +9,7 @@ from firmware_bridge.packet import Packet
 from hil_tests.scenarios.rome_ride import FULL, STANDS_MPS, driven, held, speed
 
 
+@pytest.mark.long(keeps=["ros-arduino-bridge"])
 @pytest.mark.parametrize("protocol", FULL)
 def test_each_firmware_drives_the_circle_and_the_guard_has_nothing_to_refuse(protocol: str) -> None:
     with driven(protocol, 'guide = "circle"', 12.0, encoders=FULL[protocol]) as rig:
@@ -27,6 +28,7 @@ def test_each_firmware_drives_the_circle_and_the_guard_has_nothing_to_refuse(pro
         assert speed(rig) < STANDS_MPS
 
 
+@pytest.mark.long(beside="test_the_way_is_what_was_measured")
 @pytest.mark.parametrize(("protocol", "stops"), [("ros-arduino-bridge", True), ("arduinoio", False)])
 def test_a_board_that_nobody_reaches_stops_where_its_firmware_does(protocol: str, *, stops: bool) -> None:
     """The stock auto-stop is of 2 s; without one the motors run on until the line is back: then they stop."""
@@ -40,6 +42,7 @@ def test_a_board_that_nobody_reaches_stops_where_its_firmware_does(protocol: str
         assert not any(axis.powered for axis in rig.devices.bank.axes)
 
 
+@pytest.mark.long(keeps=["shaft_blocked-holds2"])
 @pytest.mark.parametrize(
     ("fault", "holds"),
     [

@@ -9,6 +9,7 @@ from firmware_bridge.wire.epos2.emergency import SENSOR_BREACH
 from hil_tests.scenarios.ride import ARMED, Ridden, step
 
 
+@pytest.mark.long(keeps=["left"])
 @pytest.mark.parametrize("wheel", ["left", "right"])
 def test_a_wheel_whose_encoder_is_cut_off_stops_the_robot(rides: Ridden, wheel: str) -> None:
     ride = rides(ARMED, step(4.0, speed_mps=0.3), seconds=20)

@@ -72,6 +72,7 @@ def driven(tmp_path_factory: pytest.TempPathFactory) -> Callable[[AnyRobot, str]
     return results
 
 
+@pytest.mark.long(beside="test_steering_and_lift_reach_their_targets_through_the_gateway")
 @pytest.mark.timeout(240)
 def test_the_line_mission_arrives_as_over_can(driven: Callable[[AnyRobot, str], Path]) -> None:
     over_can, through = (
@@ -91,6 +92,7 @@ def test_the_line_mission_arrives_as_over_can(driven: Callable[[AnyRobot, str], 
     assert through["bus_load_percent"] > over_can["bus_load_percent"]
 
 
+@pytest.mark.long(beside="test_steering_and_lift_reach_their_targets_through_the_gateway")
 @pytest.mark.timeout(240)
 def test_every_interlock_holds_as_over_can(driven: Callable[[AnyRobot, str], Path]) -> None:
     """The operator who tries everything that is forbidden: the same holds in the same order, to 0.15 s."""
@@ -138,6 +140,7 @@ def test_steering_and_lift_reach_their_targets_through_the_gateway(rides: Ridden
     assert one.rig.guard.refused == 0
 
 
+@pytest.mark.long(beside="test_killed_it_leaves_the_drives_to_their_own_watch")
 def test_when_the_bridge_dies_all_four_drives_stop_by_their_own_watch(rides: Ridden) -> None:
     """The gateway, too, which hears no heartbeat of the bridge: it misses the guarding of node 2."""
     one = rides(*DRIVING, seconds=8, robot=USB)
@@ -151,6 +154,7 @@ def test_when_the_bridge_dies_all_four_drives_stop_by_their_own_watch(rides: Rid
     assert one.stands_from(CUT_S, slower_than=0.01) < CUT_S + BRAKED_S
 
 
+@pytest.mark.long(beside="test_an_unplugged_adapter_is_named_and_its_drives_stop_by_themselves")
 def test_an_adapter_that_is_unplugged_is_told_within_a_cycle_and_needs_a_new_arm(rides: Ridden) -> None:
     one = rides(
         *DRIVING,
@@ -194,6 +198,7 @@ def test_no_arming_while_the_adapter_is_out(rides: Ridden) -> None:
     assert not any(drive.busy for drive in one.rig.bridge.fleets.drivers)
 
 
+@pytest.mark.long(beside="test_a_drive_that_falls_silent_on_its_own_link_stops_its_group_alone")
 def test_a_drive_behind_the_gateway_that_falls_silent_stops_the_robot(rides: Ridden) -> None:
     one = rides(
         *DRIVING, step(6.0, speed_mps=0.0), step(8.5, arm=True), step(10.0, arm=True), seconds=12, robot=USB
@@ -210,6 +215,7 @@ def test_a_drive_behind_the_gateway_that_falls_silent_stops_the_robot(rides: Rid
     assert armed(one)
 
 
+@pytest.mark.long(beside="test_a_drive_that_restarts_is_not_enabled_before_it_is_armed_again")
 def test_a_drive_that_restarts_behind_the_gateway_is_noticed_and_set_up_again(rides: Ridden) -> None:
     """Its target is 0 again then: the one that it was told before must be written anew."""
     one = rides(
@@ -259,6 +265,7 @@ def test_a_drive_that_does_not_notice_the_bridge_s_silence_is_not_driven(
     assert State.OPERATION_ENABLED not in states(one)
 
 
+@pytest.mark.long(beside="test_an_orderly_end_leaves_every_drive_without_power")
 def test_the_orderly_end_takes_the_power_off(rides: Ridden) -> None:
     one = rides(*DRIVING, seconds=10, robot=USB)
     one.runs_until(CUT_S)
@@ -270,6 +277,7 @@ def test_the_orderly_end_takes_the_power_off(rides: Ridden) -> None:
     assert [store.get(at.CONSUMER_HEARTBEAT_1) for store in stores] == [0] * 4
 
 
+@pytest.mark.long(keeps=["0.9"])
 @pytest.mark.parametrize("instant", [0.2, 0.9, 3.7, 4.2003])
 def test_a_run_over_serial_that_is_taken_back_goes_on_as_it_went(rides: Ridden, instant: float) -> None:
     one = rides(*DRIVING, seconds=8, robot=USB)

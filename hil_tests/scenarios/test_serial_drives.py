@@ -52,6 +52,7 @@ def refused(*words: str) -> str:
     return line
 
 
+@pytest.mark.long(keeps=["words0-v1-1"])
 @pytest.mark.parametrize(
     ("words", "protocol", "near"),
     [

@@ -82,6 +82,7 @@ def ask(
     raise AssertionError("the steps never end")
 
 
+@pytest.mark.long(keeps=["Generation.V2"])
 def test_a_program_reaches_all_four_drives_and_may_come_back(line: Line) -> None:
     generation, path, _ = line
     for value in (1234, 2345):
@@ -118,6 +119,7 @@ def test_a_process_that_stands_still_for_a_while_invents_no_time_out(line: Line)
             assert answer == ObjectRead(0, bytes.fromhex("92010200"))
 
 
+@pytest.mark.long(keeps=["words2-cannot make the link /dev/null"])
 @pytest.mark.parametrize(
     ("words", "message"),
     [

@@ -151,6 +151,7 @@ def test_the_robot_is_armed_over_the_line_loses_it_and_is_armed_anew(
     assert bridge.says("ended: SIGINT")
 
 
+@pytest.mark.long(beside="test_a_second_station_takes_nothing_from_who_drives")
 def test_a_second_station_on_another_port_clears_and_arms_nothing_but_may_stop(
     start: Callable[..., Program], operator: Operator, tmp_path: Path
 ) -> None:
@@ -186,6 +187,7 @@ def test_a_second_station_on_another_port_clears_and_arms_nothing_but_may_stop(
     assert bridge.ends() == 0, bridge.told
 
 
+@pytest.mark.long(keeps=["words3---zero lift=up: say AXIS=VALUE"])
 @pytest.mark.parametrize(
     ("words", "message"),
     [

@@ -15,6 +15,7 @@ def trace(servo: str, monkeypatch: pytest.MonkeyPatch) -> tuple[str, bool]:
     return short.rig.world.trace_sha256, short.rig.devices.servo_bank.native
 
 
+@pytest.mark.long(beside="test_whatever_is_ordered_both_obey_alike")
 @pytest.mark.skipif(kernel.find().library is None, reason="the kernel is not built here")
 def test_kernel_and_twin_drive_the_robot_alike(monkeypatch: pytest.MonkeyPatch) -> None:
     native, twin = trace("native", monkeypatch), trace("twin", monkeypatch)

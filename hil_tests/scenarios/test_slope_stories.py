@@ -57,6 +57,7 @@ def went(one: Ride, since_s: float) -> float:
     return max(abs(row["x_m"] - rows[0]["x_m"]) for row in rows)
 
 
+@pytest.mark.long(keeps=["0-before0-False-False", "10-before5-False-True"])
 @pytest.mark.parametrize(
     ("degrees", "before", "serial", "held"),
     [
@@ -90,6 +91,7 @@ def test_an_emergency_stop_ends_without_power_where_the_robot_stands_by_itself(
 SPEEDS: Final = (0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5)
 
 
+@pytest.mark.long(keeps=["0.3-0-serial", "-0.4-0-serial", "0.35-30-serial"])
 @on_each_link
 @pytest.mark.parametrize("steered", [0, 30])
 @pytest.mark.parametrize("speed", [sign * speed for speed in SPEEDS for sign in (1, -1)])
@@ -107,6 +109,7 @@ def test_an_emergency_stop_on_the_level_is_not_taken_for_a_slope(
     assert not any(powered(one))
 
 
+@pytest.mark.long(keeps=["2-0.3-serial", "10--0.5-can"])
 @on_each_link
 @pytest.mark.parametrize("speed", [0.0, 0.1, 0.3, 0.5, -0.1, -0.3, -0.5])
 @pytest.mark.parametrize("degrees", [2, 5, 10, -2, -5, -10])
@@ -124,6 +127,7 @@ def test_an_emergency_stop_on_a_slope_holds_the_robot_however_it_drove(
     assert abs(one.now["x_m"] - stood) < ALLOWED_M
 
 
+@pytest.mark.long(keeps=["can"])
 @on_each_link
 def test_all_axes_let_go_together_and_steering_and_lift_not_before(rides: Ridden, *, serial: bool) -> None:
     steps = (step(4.0, speed_mps=0.4, steer_deg=20), step(5.0, emergency_stop=True))
@@ -138,6 +142,7 @@ def test_all_axes_let_go_together_and_steering_and_lift_not_before(rides: Ridden
     assert sum(count < 4 for count, _ in seen) <= (15 if serial else 0)
 
 
+@pytest.mark.long(beside="test_an_end_on_a_shallow_slope_is_caught_when_it_rolls")
 @pytest.mark.parametrize("degrees", [0.8, 1.5])
 def test_what_friction_seemed_to_explain_is_caught_when_it_rolls(rides: Ridden, degrees: float) -> None:
     """It came to rest from above: friction holds part of the slope while the current is looked at."""
@@ -149,6 +154,7 @@ def test_what_friction_seemed_to_explain_is_caught_when_it_rolls(rides: Ridden, 
     assert one.fastest(STOPPED_S + 3.0) < 0.003
 
 
+@pytest.mark.long(keeps=["5"])
 @pytest.mark.parametrize("degrees", [0, 5])
 def test_a_raised_lift_keeps_its_height_with_and_without_power(rides: Ridden, degrees: float) -> None:
     one = rides(ARMED, *RAISED, step(7.0, emergency_stop=True), seconds=20, robot=on_slope(degrees))
@@ -195,6 +201,7 @@ def test_a_forced_disarm_is_the_order_that_lets_a_held_robot_go(rides: Ridden) -
     assert "held with power" not in one.holding
 
 
+@pytest.mark.long(keeps=["can"])
 @on_each_link
 def test_a_forced_disarm_under_way_brakes_first(rides: Ridden, *, serial: bool) -> None:
     steps = (step(4.0, speed_mps=0.5), step(5.0, force_disarm=True))
@@ -205,6 +212,7 @@ def test_a_forced_disarm_under_way_brakes_first(rides: Ridden, *, serial: bool) 
     assert not any(powered(one))
 
 
+@pytest.mark.long(keeps=["10-False"])
 @pytest.mark.parametrize(("degrees", "serial"), [(10, False), (5, True)])
 def test_ctrl_c_on_a_slope_holds_and_a_second_one_within_5_s_lets_go(
     rides: Ridden, degrees: float, *, serial: bool
@@ -233,6 +241,7 @@ def test_ctrl_c_on_a_slope_holds_and_a_second_one_within_5_s_lets_go(
     assert {device.store.get(at.CONSUMER_HEARTBEAT_1) for device in one.rig.devices.drives.values()} == {0}
 
 
+@pytest.mark.long(keeps=["0-False"])
 @pytest.mark.parametrize(("degrees", "serial"), [(0, False), (0.3, False), (0, True)])
 def test_ctrl_c_where_the_robot_stands_by_itself_ends_in_3_s(
     rides: Ridden, degrees: float, *, serial: bool

@@ -127,6 +127,7 @@ def test_channels_that_are_given_back_stop_it_at_the_ramp(rides: Ridden) -> None
     assert ride.hardest(6.0, 7.0) < 0.144 * 9.81
 
 
+@pytest.mark.long(keeps=["refuse-0.0"])
 @pytest.mark.parametrize(("age", "speed"), [(UnknownAge.DRIVE, 0.2), (UnknownAge.REFUSE, 0.0)])
 def test_channels_tell_no_age_and_are_obeyed_where_such_words_are(
     rides: Ridden, age: UnknownAge, speed: float
@@ -167,6 +168,7 @@ def test_offboard_drives_and_hold_stops_whatever_set_points_go_on(rides: Ridden)
     assert ride.now["speed_mps"] == pytest.approx(0.1, rel=0.04)
 
 
+@pytest.mark.long(keeps=["stop0"])
 @pytest.mark.parametrize("stop", [(ARM, 0.0, FORCE), (5300, 0.0), (185, 1.0), (ARM, 0.0), (193, 0.0)])
 def test_a_station_of_mavlink_1_drives_and_each_of_its_stops_brakes(
     rides: Ridden, stop: tuple[float, ...]

@@ -71,6 +71,7 @@ def ended(one: Ride, within_s: float) -> float:
     return to_seconds(one.rig.world.now) - began
 
 
+@pytest.mark.long(keeps=["stop-can", "reset_communication-can"])
 @on_each_link
 @deafened
 def test_a_drive_that_a_stranger_made_deaf_comes_to_rest(rides: Ridden, link: str, command: str) -> None:
@@ -82,6 +83,7 @@ def test_a_drive_that_a_stranger_made_deaf_comes_to_rest(rides: Ridden, link: st
     assert one.rig.guard.refused == 0
 
 
+@pytest.mark.long(keeps=["stop"])
 @deafened
 def test_an_emergency_stop_stops_a_deaf_drive_and_blocks_arming(rides: Ridden, command: str) -> None:
     one = driven(rides, "can", step(6.05, emergency_stop=True), step(7.5, arm=True), command=command)
@@ -91,6 +93,7 @@ def test_an_emergency_stop_stops_a_deaf_drive_and_blocks_arming(rides: Ridden, c
     assert not one.now["armed"]
 
 
+@pytest.mark.long(keeps=["stop-can"])
 @on_each_link
 @deafened
 def test_a_forced_disarm_takes_the_power_of_a_deaf_drive(rides: Ridden, link: str, command: str) -> None:
@@ -100,6 +103,7 @@ def test_a_forced_disarm_takes_the_power_of_a_deaf_drive(rides: Ridden, link: st
     assert not set(states(one)) & {State.OPERATION_ENABLED, State.QUICK_STOP_ACTIVE}
 
 
+@pytest.mark.long(keeps=["reset_communication-can"])
 @on_each_link
 @deafened
 def test_an_orderly_end_leaves_no_deaf_drive_with_power(rides: Ridden, link: str, command: str) -> None:
@@ -173,6 +177,7 @@ def second_bridge(one: Ride) -> tuple[Bridge, list[Packet]]:
     return second, sent
 
 
+@pytest.mark.long(keeps=["0.1"])
 @pytest.mark.parametrize("after_s", [0.0, 0.005, 0.1, 0.19])
 def test_a_second_bridge_that_is_ended_at_once_leaves_the_first_one_s_robot_alone(
     rides: Ridden, after_s: float
@@ -205,6 +210,7 @@ def test_a_second_bridge_refuses_to_start_and_says_why(rides: Ridden) -> None:
     assert one.now["speed_mps"] == pytest.approx(0.3, abs=0.02)
 
 
+@pytest.mark.long(keeps=["heartbeat"])
 @pytest.mark.parametrize(
     ("frame", "told"),
     [

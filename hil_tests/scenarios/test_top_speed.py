@@ -22,6 +22,7 @@ LETS_THE_TURN_GO: Final = (
 """Full speed into a tight turn, and out of it: it gives back to the wheels what it has taken."""
 
 
+@pytest.mark.long(keeps=["1.0-steps0"])
 @pytest.mark.parametrize("steps", LETS_THE_TURN_GO)
 @pytest.mark.parametrize("mirrored", [1.0, -1.0])
 def test_a_turn_that_straightens_does_not_drive_the_base_on(

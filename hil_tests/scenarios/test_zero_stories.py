@@ -43,6 +43,7 @@ def told(one: Ride) -> str:
     return " | ".join(entry.text for entry in one.operator.diary.entries)
 
 
+@pytest.mark.long(keeps=["can"])
 @LINKS
 def test_a_raised_lift_that_restarts_is_believed_where_somebody_saw_it(
     rides: Ridden, robot: AnyRobot
@@ -79,6 +80,7 @@ def test_a_raised_lift_that_restarts_is_believed_where_somebody_saw_it(
     assert kept_back(one) == []
 
 
+@pytest.mark.long(keeps=["can"])
 @LINKS
 def test_steering_that_restarts_at_45_degrees_does_not_run_into_its_stop(
     rides: Ridden, robot: AnyRobot
@@ -108,6 +110,7 @@ def test_steering_that_restarts_at_45_degrees_does_not_run_into_its_stop(
     assert kept_back(one) == []
 
 
+@pytest.mark.long(beside="test_steering_that_restarts_at_45_degrees_does_not_run_into_its_stop")
 @LINKS
 def test_a_lift_that_restarts_on_its_way_is_disarmed_and_stays(rides: Ridden, robot: AnyRobot) -> None:
     one = rides(
@@ -127,6 +130,7 @@ def test_a_lift_that_restarts_on_its_way_is_disarmed_and_stays(rides: Ridden, ro
     assert one.operator.diary.armed is False
 
 
+@pytest.mark.long(keeps=["can"])
 @LINKS
 def test_a_robot_that_starts_with_its_lift_up_is_not_armed_unseen(rides: Ridden, robot: AnyRobot) -> None:
     """Its bridge has never seen it before; an operator who says nothing drives nothing."""
@@ -137,6 +141,7 @@ def test_a_robot_that_starts_with_its_lift_up_is_not_armed_unseen(rides: Ridden,
     assert "look where it stands, and say so" in told(one)
 
 
+@pytest.mark.long(beside="test_a_stop_in_the_middle_leaves_it_lost_and_the_drive_is_set_up_anew")
 def test_an_emergency_stop_while_a_zero_is_set_leaves_it_lost(rides: Ridden) -> None:
     """Over a serial line it takes long enough for that; what the drive took does not count."""
     one = rides(

@@ -18,6 +18,7 @@ def test_a_study_holds_its_bounds_in_short(study: Study) -> None:
     holds(study, quick=True)
 
 
+@pytest.mark.long(beside="test_a_study_holds_its_bounds_in_short")
 @pytest.mark.parametrize("quick", [True, False], ids=["quick", "whole"])
 @pytest.mark.parametrize("study", STUDIES.values(), ids=STUDIES)
 def test_every_study_holds_its_bounds(study: Study, *, quick: bool) -> None:

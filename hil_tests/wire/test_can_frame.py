@@ -67,6 +67,7 @@ few_edges = st.sampled_from([0x00, 0xFF, 0xF0, 0x0F, 0x07, 0x83])
 payloads = st.lists(st.one_of(few_edges, st.integers(0, 255)), max_size=8).map(bytes)
 
 
+@pytest.mark.long(beside="test_known_frames")
 @settings(max_examples=examples(2000))
 @given(addresses, remotes, payloads)
 def test_every_frame_is_as_long_as_the_second_computation_says(

@@ -75,6 +75,7 @@ def test_the_lift_moves_by_stick_until_told_otherwise() -> None:
     assert joined.run(2.5).wish.lift_rate_mps == 0.0
 
 
+@pytest.mark.long(beside="test_its_missions_drive_without_a_refusal_and_it_ends_without_power")
 def test_every_shipped_mission_runs_to_its_end() -> None:
     for script in filter(lambda one: one.pilot is None, map(find, REHEARSAL.shipped())):
         joined = join(script)

@@ -72,6 +72,7 @@ def test_without_noise_no_random_number_is_drawn() -> None:
     assert generator.bit_generator.state == before
 
 
+@pytest.mark.long(beside="test_two_runs_with_one_seed_are_the_same_bytes")
 def test_two_runs_send_the_same_bytes() -> None:
     def run() -> list[tuple[Nanoseconds, bytes]]:
         joined = join(find("interlocks"), seed=3)

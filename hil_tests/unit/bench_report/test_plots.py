@@ -47,6 +47,7 @@ HOLDS = [
 ]
 
 
+@pytest.mark.long(beside="test_short_and_dull_runs_are_drawn_without_complaint")
 def test_the_same_rows_give_the_same_bytes(tmp_path: Path) -> None:
     table = rows(200, 0.3)
     written = []
@@ -59,6 +60,7 @@ def test_the_same_rows_give_the_same_bytes(tmp_path: Path) -> None:
     assert written[0] == written[1]
 
 
+@pytest.mark.long(keeps=["one row"])
 @pytest.mark.parametrize(
     ("count", "speed", "holds"),
     [(1, 0.0, []), (2, 0.0, HOLDS), (300, -0.4, []), (300, 0.0, HOLDS)],
@@ -75,6 +77,7 @@ def test_a_run_without_rows_has_no_pictures(tmp_path: Path) -> None:
     assert draw(tmp_path, "rars", RARS, PANELS, rows(0, 0.0), holds=[]) == []
 
 
+@pytest.mark.long(beside="test_short_and_dull_runs_are_drawn_without_complaint")
 def test_faults_are_marked_in_the_pictures_over_time_and_in_no_other(tmp_path: Path) -> None:
     table = rows(200, 0.3)
     faults = [

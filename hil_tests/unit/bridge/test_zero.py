@@ -211,6 +211,7 @@ def test_one_that_restarts_meanwhile_has_lost_it(started: "Bench") -> None:
     assert started.arms() == TEMPORARILY_REJECTED
 
 
+@pytest.mark.long(keeps=["0-True", "5-False", "8-True"])
 @pytest.mark.parametrize(("after", "force"), list(product((0, 1, 2, 3, 5, 8), (False, True))))
 def test_a_stop_in_the_middle_leaves_it_lost_and_the_drive_is_set_up_anew(
     started: "Bench", after: int, *, force: bool

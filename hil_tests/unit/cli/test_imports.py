@@ -92,6 +92,7 @@ def imported(words: str) -> set[str]:
     return {name for name in names & INSTALLED if not name.startswith("_")}
 
 
+@pytest.mark.long(keeps=["--help", "drive rars -i socketcan -c nosuchcan0"])
 @pytest.mark.parametrize("words", IMPORTED)
 def test_a_command_imports_no_more_than_it_needs(words: str) -> None:
     found = imported(words)

@@ -37,6 +37,7 @@ def environment(**more: str) -> dict[str, str]:
     return {**os.environ, "COLUMNS": "150", **more}
 
 
+@pytest.mark.long(keeps=["by the locale"])
 @pytest.mark.parametrize("how", ASCII)
 def test_a_terminal_that_knows_only_ascii_is_told_a_run_in_ascii(how: str, tmp_path: Path) -> None:
     mission = tmp_path / "look.toml"
@@ -50,6 +51,7 @@ def test_a_terminal_that_knows_only_ascii_is_told_a_run_in_ascii(how: str, tmp_p
     assert ended.stdout.isascii()
 
 
+@pytest.mark.long(keeps=["by the locale"])
 @pytest.mark.parametrize("how", ASCII)
 def test_a_terminal_that_knows_only_ascii_is_told_a_mistake_in_ascii(how: str) -> None:
     ended = subprocess.run(
@@ -60,6 +62,7 @@ def test_a_terminal_that_knows_only_ascii_is_told_a_mistake_in_ascii(how: str) -
     assert re.search(rb"gr.+\.toml: cannot be read", ended.stderr), ended.stderr
 
 
+@pytest.mark.long(keeps=["drive rars -i virtual -c nobody --mavlink udpin:127.0.0.1:0"])
 @pytest.mark.parametrize(
     "words",
     [
@@ -124,6 +127,7 @@ def complete(words: str) -> list[str]:
     return ended.stdout.split()
 
 
+@pytest.mark.long(keeps=["firmware-bridge bench rars --mission l-offered6"])
 @pytest.mark.parametrize(
     ("words", "offered"),
     [

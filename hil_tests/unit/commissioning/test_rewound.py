@@ -13,6 +13,7 @@ from firmware_bridge.wire.epos2.address import Address
 from hil_tests.unit.commissioning.rig import WAYS, Way, rig_for
 
 
+@pytest.mark.long(keeps=["1-can", "8-v1", "20-v2", "3-v1 by number"])
 @pytest.mark.parametrize("way", WAYS, ids=str)
 @pytest.mark.parametrize("after", [0, 1, 3, 8, 20, 60])
 def test_jobs_that_were_taken_back_go_on_as_they_went(way: Way, after: int) -> None:

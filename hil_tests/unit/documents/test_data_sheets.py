@@ -88,6 +88,7 @@ def lely() -> str | None:
     return str(beside) if beside.exists() else shutil.which("dcfchk")
 
 
+@pytest.mark.long(keeps=["70/10"])
 @pytest.mark.interpreted  # what is installed beside the compiled core has no such tools
 @pytest.mark.skipif(lely() is None, reason="Lely's dcf-tools are not installed")
 def test_lelys_tools_find_nothing_to_say_about_sheet_and_configuration(sheet: Path, tmp_path: Path) -> None:

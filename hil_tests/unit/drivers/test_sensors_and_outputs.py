@@ -77,6 +77,7 @@ def test_a_reading_says_when_it_was_asked_for_and_when_it_came(bench: Bench) -> 
     assert 0 < reading.heard_at - reading.sampled_at < 50 * MILLISECOND
 
 
+@pytest.mark.long(keeps=["on_can"])
 def test_each_sensor_is_asked_at_its_own_pace(bench: Bench) -> None:
     bench.runs(1.5)
     before = bench.readings()
@@ -89,6 +90,7 @@ def test_each_sensor_is_asked_at_its_own_pace(bench: Bench) -> None:
     assert bench.readings()["battery"].value == 18.0
 
 
+@pytest.mark.long(keeps=["on_line"])
 def test_a_sensor_that_falls_silent_is_left_out(bench: Bench) -> None:
     bench.runs(0.5)
     silent_at = bench.world.now
@@ -111,6 +113,7 @@ def test_before_the_robot_runs_no_sensor_is_asked(make: Callable[[], AnyRobot]) 
         bench.runs(0.01)
 
 
+@pytest.mark.long(keeps=["on_line"])
 def test_the_pins_follow_their_levels(bench: Bench) -> None:
     assert pins(bench, "left") == pins(bench, "right") == 0
     bench.host.levels = {"lamp": ON, "horn": ON}
@@ -124,6 +127,7 @@ def test_the_pins_follow_their_levels(bench: Bench) -> None:
     assert pins(bench, "left") == pins(bench, "right") == 0
 
 
+@pytest.mark.long(keeps=["on_can"])
 def test_a_level_that_was_confirmed_is_not_written_again(bench: Bench) -> None:
     bench.host.levels = {"lamp": ON}
     bench.runs(0.3)
@@ -136,6 +140,7 @@ def test_a_level_that_was_confirmed_is_not_written_again(bench: Bench) -> None:
     assert written == [0]
 
 
+@pytest.mark.long(keeps=["on_can"])
 def test_a_level_that_was_not_taken_is_written_until_it_is(bench: Bench) -> None:
     """The drives cannot be reached for a while; nobody told the pins then."""
     bench.runs(0.2)
@@ -162,6 +167,7 @@ class Once:
         return Reaction(sent)
 
 
+@pytest.mark.long(keeps=["on_can"])
 def test_after_a_restart_the_outputs_come_back_with_the_set_up(bench: Bench) -> None:
     bench.host.levels = {"lamp": ON, "magnet": ON}
     bench.runs(0.2)

@@ -85,6 +85,7 @@ def test_a_sample_on_one_link_is_none_on_the_other() -> None:
     assert [driver.feedback for driver in rear.drivers] == before
 
 
+@pytest.mark.long(keeps=["on_can"])
 @ROBOTS
 def test_both_links_come_up_and_each_drive_takes_its_own_demand(make: Callable[[], AnyRobot]) -> None:
     bench = Bench(make())
@@ -100,6 +101,7 @@ def test_both_links_come_up_and_each_drive_takes_its_own_demand(make: Callable[[
     assert bench.guard.refusals == ()
 
 
+@pytest.mark.long(keeps=["on_can"])
 @ROBOTS
 def test_a_link_that_is_cut_leaves_the_other_one_alone(make: Callable[[], AnyRobot]) -> None:
     """Without the guard: it stops all axes where one of them is not spoken to any more."""
@@ -120,6 +122,7 @@ def test_a_link_that_is_cut_leaves_the_other_one_alone(make: Callable[[], AnyRob
         assert bench.drives[name].store.get(at.VELOCITY_AVERAGED) == 0, "the drive stopped by itself"
 
 
+@pytest.mark.long(keeps=["0.1501-on_can"])
 @ROBOTS
 @pytest.mark.parametrize("after", [0.0, 0.1501, 0.7003, 2.0517])
 def test_fleets_that_were_taken_back_go_on_as_they_went(make: Callable[[], AnyRobot], after: float) -> None:

@@ -140,6 +140,7 @@ def _asked(generation: Generation) -> bytes:
     return desk.host.said[:8] if generation is Generation.V1 else desk.host.said
 
 
+@pytest.mark.long(keeps=["Generation.V1"])
 @pytest.mark.parametrize("generation", Generation)
 def test_a_host_that_goes_away_at_any_byte_is_forgotten(generation: Generation) -> None:
     asked = _asked(generation)

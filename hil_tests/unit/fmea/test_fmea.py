@@ -176,6 +176,7 @@ def test_an_encoder_that_freezes_while_the_robot_is_stopped_does_not_run_away_un
     assert left.effect.goes_m < 0.2
 
 
+@pytest.mark.long(beside="test_an_encoder_that_freezes_while_the_robot_is_stopped_does_not_run_away_unseen")
 def test_the_matrix_does_not_depend_on_how_many_share_the_work() -> None:
     made = partial(find, "ar2")
     failures = all_failures(made(), ["board_reset", "datagram_loss"])
@@ -240,6 +241,7 @@ def test_a_wrong_word_is_one_line(
     assert said in " ".join(capsys.readouterr().err.split())
 
 
+@pytest.mark.long(beside="test_an_encoder_that_freezes_while_the_robot_is_stopped_does_not_run_away_unseen")
 @pytest.mark.parametrize("name", MACHINES)
 def test_nobody_overlooks_a_failure_of_this_robot(name: str) -> None:
     made = partial(find, name)

@@ -144,6 +144,7 @@ def test_a_disabled_drive_forgets_its_legs(drive: "Drive") -> None:
     assert drive.read(at.POSITION_DEMAND) == pytest.approx(here, abs=3)
 
 
+@pytest.mark.long(beside="test_halt_brakes_along_a_sine_and_its_end_goes_on")
 @settings(max_examples=examples(30))
 @given(
     changes=st.lists(

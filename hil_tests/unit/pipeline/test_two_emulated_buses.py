@@ -135,6 +135,7 @@ def test_a_link_of_every_second_cycle_is_synchronised_half_as_often() -> None:
     assert bench.guard.refusals == ()
 
 
+@pytest.mark.long(keeps=["50"])
 @pytest.mark.parametrize("after_ms", [0, 20, 50, 70])
 def test_an_emergency_stop_is_on_a_slow_link_before_its_next_cycle(after_ms: int) -> None:
     bench = sweeping(every_second)

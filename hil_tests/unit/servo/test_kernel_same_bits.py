@@ -49,6 +49,7 @@ def pair(plant_library: ctypes.CDLL, native: kernel.Found) -> Pair:
     return make
 
 
+@pytest.mark.long(keeps=["tame-few"])
 @pytest.mark.parametrize("much", TICKS)
 @pytest.mark.parametrize("draw", [tame, wild])
 def test_millions_of_ticks_agree_to_the_bit(pair: Pair, draw: Draw, much: str) -> None:
@@ -178,6 +179,7 @@ def _digest(plant: ctypes.CDLL, found: kernel.Found, draw: Draw) -> str:
     return digest(Side(Motors(plant, seed=3), raw, found), 3, 150)
 
 
+@pytest.mark.long(keeps=["/usr/bin/gcc--O3"])
 @pytest.mark.parametrize(("compiler", "level"), BUILDS)
 def test_every_compiler_and_level_gives_the_same_bits(
     compiler: str,

@@ -66,6 +66,7 @@ def test_python_and_c_agree_where_each_field_lies(compiler: str, tmp_path: Path)
     assert len(rows) > len(FIELDS)
 
 
+@pytest.mark.long(keeps=["/usr/bin/gcc"])
 @pytest.mark.parametrize("compiler", COMPILERS)
 def test_the_kernel_compiles_without_a_warning(compiler: str, tmp_path: Path) -> None:
     flags = ("-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror", "-O2")
@@ -183,6 +184,7 @@ def test_a_closed_plant_is_refused(built: dict[str, kernel.Found]) -> None:
         bank.advance(2 * MILLISECOND)
 
 
+@pytest.mark.long(keeps=["3"])
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_the_robots_plant_turns_alike_under_both(built: dict[str, kernel.Found], fmi: int) -> None:
     seen = []

@@ -165,6 +165,24 @@ def test_however_often_the_stage_is_opened_it_gives_no_energy(
         bench.runs(off_ms)
 
 
+@pytest.mark.long(
+    keeps=[
+        "-6.5--234.0-all",
+        "-6.5--0.5-nothing",
+        "-6.5-7.6-constant",
+        "-0.05--7.6-all",
+        "-0.05-0.0-nothing",
+        "-0.05-234.0-constant",
+        "0.0--0.5-all",
+        "0.0-3.0-nothing",
+        "0.05--234.0-constant",
+        "0.05-0.0-all",
+        "0.05-7.6-nothing",
+        "6.5--7.6-constant",
+        "6.5-3.0-all",
+        "6.5-234.0-nothing",
+    ]
+)
 @pytest.mark.parametrize("told", ["all", "constant", "nothing"])
 @pytest.mark.parametrize("speed", [-234.0, -7.6, -0.5, 0.0, 3.0, 7.6, 234.0])
 @pytest.mark.parametrize("current", [-6.5, -0.05, 0.0, 0.05, 6.5])

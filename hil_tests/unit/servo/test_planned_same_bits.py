@@ -27,6 +27,7 @@ TICKS = {"few": 150_000, "many": 1_500_000}
 """Ticks of single axes, for each way of drawing."""
 
 
+@pytest.mark.long(keeps=["few-tame"])
 @pytest.mark.parametrize("draw", [tame, wild])
 @pytest.mark.parametrize("much", TICKS)
 def test_planned_demands_agree_to_the_bit(
@@ -62,6 +63,7 @@ PLANTED = [
 ]
 
 
+@pytest.mark.long(keeps=["sine.h-following += 1;-following += 0;-10"])
 @pytest.mark.parametrize(("file", "right", "wrong", "kind"), PLANTED)
 def test_a_planted_difference_is_caught(  # noqa: PLR0917 - a row of the table, and its fixtures
     tmp_path: Path, plant_library: ctypes.CDLL, file: str, right: str, wrong: str, kind: int

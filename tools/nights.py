@@ -1,0 +1,112 @@
+# ruff: noqa: INP001 - a script's neighbour, not a package
+"""What a night runs, as a table, and what came of each command, in a file that is committed."""
+
+import json
+import os
+import tomllib
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Final
+
+ROOT: Final = Path(__file__).resolve().parent.parent
+OUTCOMES: Final = Path(__file__).with_name("nightly_results.toml")
+OWN: Final = ("tools/nightly_results.toml", "tools/mutate_results.toml", "docs/nightly.md")
+"""What a night writes: no source of it."""
+PYTEST: Final = ".venv/bin/python -m pytest -q -p no:cacheprovider"
+SHARES: Final = 16
+HEAD: Final = (
+    "# What came of each command of a night, written by tools/nightly.py; docs/nightly.md is made from it.\n"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One row of the night."""
+
+    name: str
+    what: str
+    commands: tuple[str, ...]
+
+
+def _adversary(robot: str, natures: str, hours: float) -> str:
+    # Other evenings with each commit.
+    seed = "$((0x$(git rev-parse --short=6 HEAD)))"
+    return f"make adversary ROBOT='{robot}' NATURES='{natures}' HOURS={hours} SEED={seed}"
+
+
+STEPS: Final = (
+    Step(
+        "platforms",
+        "FMUs for 64-bit Windows and ARM, built with cross compilers and run under Wine and qemu",
+        (f"{PYTEST} -p no:xdist -m platforms hil_tests/fmu/test_platforms.py",),
+    ),
+    Step(
+        "avr",
+        "a sketch's binary in simavr beside the emulated board",
+        (f"{PYTEST} -n 2 -m avr hil_tests/interop/simavr",),
+    ),
+    Step(
+        "wheels",
+        "what is published: both wheels, the sources, the list of what is installed",
+        (f"make wheels && {PYTEST} -p no:xdist -m released hil_tests/installed",),
+    ),
+    Step(
+        "long",
+        "the long lane, whole",
+        tuple(f"make long SHARE={number}/{SHARES}" for number in range(1, SHARES + 1)),
+    ),
+    Step(
+        "adversary",
+        "simulated hours in which operators, links and devices are as bad as they may be",
+        (
+            _adversary("rars", "honest", 1),
+            _adversary("rars", "honest lying stranger", 1),
+            _adversary("rars --serial v2", "honest", 0.5),
+            _adversary("rome", "honest", 1),
+            _adversary("climber", "honest", 1),
+            _adversary("ar2", "honest", 0.5),
+            _adversary("rome_arm", "honest", 0.5),
+        ),
+    ),
+    Step("fuzz", "a stranger who sends a drive frames of any kind, its winding watched", ("make fuzz",)),
+    Step("twins", "lines said to a sketch's binary and to the emulated board", ("make twins",)),
+    Step(
+        "mutation", "the program, broken in one place at a time", (".venv/bin/python tools/mutate.py -j 2",)
+    ),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What came of one command."""
+
+    commit: str
+    source: str
+    """A hash of all files but those that a night writes."""
+    on: str
+    """The day, UTC."""
+    seconds: int
+    passed: bool
+    result: str
+
+
+def read() -> dict[str, Outcome]:
+    """Return what is known, by command."""
+    if not OUTCOMES.exists():
+        return {}
+    rows = tomllib.loads(OUTCOMES.read_text(encoding="utf-8")).get("command", [])
+    return {row.pop("command"): Outcome(**row) for row in rows}
+
+
+def write(outcomes: Mapping[str, Outcome]) -> None:
+    """Write all of it at once, or nothing; what is no command any more is left out."""
+    commands = [command for step in STEPS for command in step.commands if command in outcomes]
+    text = HEAD
+    for command in commands:
+        text += "\n[[command]]\n"
+        for key, value in {"command": command, **asdict(outcomes[command])}.items():
+            text += f"{key} = {json.dumps(value)}\n"
+    new = OUTCOMES.with_suffix(".new")
+    new.write_text(text, encoding="utf-8")
+    os.replace(new, OUTCOMES)  # noqa: PTH105 - one step
