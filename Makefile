@@ -12,6 +12,7 @@ BIN := .venv/bin
 READY := .venv/.ready
 MEASURED := .venv/.measured
 EXAMPLES := $(patsubst %/pyproject.toml,%,$(wildcard examples/*/pyproject.toml))
+BESIDE := validation $(EXAMPLES)
 COMPILED := .venv/compiled
 INSTALLED := .venv/installed
 RELEASE := .venv/.release
@@ -51,7 +52,7 @@ help: ## list these commands
 
 setup: $(READY) ## make .venv with the program and everything that its tests need
 
-$(READY): pyproject.toml setup.py $(wildcard emulators/servo/native/*.[ch] examples/*/pyproject.toml)
+$(READY): pyproject.toml setup.py $(wildcard emulators/servo/native/*.[ch] $(BESIDE:%=%/pyproject.toml))
 	@[ -n "$(PYTHON)" ] || { echo "setup: no Python 3.11 or later found; install one, or name it: make PYTHON=python3.11 ..." >&2; exit 1; }
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
 		{ echo "setup: $(PYTHON) is not Python 3.11 or later; name another one: make PYTHON=python3.11 ..." >&2; exit 1; }
@@ -66,7 +67,7 @@ $(READY): pyproject.toml setup.py $(wildcard emulators/servo/native/*.[ch] examp
 	@$(BIN)/python -m pip install --quiet --quiet --disable-pip-version-check --upgrade 'pip>=25.1'
 	@echo "setup: 3 of 4, the program, the libraries that it needs, and those that its tests need"
 	@set -o pipefail; $(BIN)/python -m pip install --disable-pip-version-check --progress-bar off \
-		--editable ".[plants,plots]" $(EXAMPLES:%=--editable %) --group dev 2>&1 | tee .venv/pip.log | $(FETCHED) || \
+		--editable ".[plants,plots]" $(BESIDE:%=--editable %) --group dev 2>&1 | tee .venv/pip.log | $(FETCHED) || \
 		{ echo "setup: pip could not do it; it says:" >&2; cat .venv/pip.log >&2; exit 1; }
 	@echo "setup: 4 of 4, the plants: from their equations to C, and compiled, for FMI 2.0 and 3.0"
 	@printf '%s\n' 2 3 | xargs -n 1 -P 2 $(BIN)/python -c "$$PLANTS" && echo

@@ -12,8 +12,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Final
 
-from emulators.documents.pages import pages
 from firmware_bridge.kinds import names
+from validation.pages.pages import pages
 
 ROOT: Final = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))

@@ -85,8 +85,6 @@ class Rehearsal:
     paths: Mapping[str, Callable[[AnyRobot], Path]] = field(default_factory=dict)
     """By the names of its guides: where those that go by the clock shall be; needs the column `OFFSET` of
     `emulators.bench.path_error`."""
-    studies: str = ""
-    """The module whose `STUDIES` are its studies, rows of `emulators.studies.study`; imported when asked."""
 
     def shipped(self) -> dict[str, FilePath]:
         """Return the shipped missions by their names, in alphabetical order."""

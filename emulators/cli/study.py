@@ -1,44 +1,21 @@
-"""`study`: a source's figures and numbers, made anew, at the command line."""
+"""`study`: it comes with a checkout, in the package `validation`; where that is not, one line says so."""
 
-from pathlib import Path
-from typing import Annotated, Final
+from importlib.metadata import entry_points
+from typing import Final
 
-import typer
+from typer.core import TyperCommand
 
-from firmware_bridge.cli.commands import command, completing
+from firmware_bridge.cli.console import refusal
 
-EXAMPLES: Final = """Examples:
-
-`firmware-bridge study --list`
-
-`firmware-bridge study tipping --out out/tipping`
-
-`firmware-bridge study all --out out/studies` makes one page of all, `out/studies/studies.html`."""
+GROUP: Final = "firmware_bridge.study"
+"""The entry point of this group is the command."""
 
 
-@command(EXAMPLES, work="emulators.cli.study_work:study")
-def study(
-    *,
-    name: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="[NAME]",
-            help="Which one, or `all`.",
-            autocompletion=completing("emulators.studies.shelf:study_names"),
-        ),
-    ] = None,
-    every: Annotated[bool, typer.Option("--list", help="List the studies, with their sources.")] = False,
-    quick: Annotated[
-        bool, typer.Option("--quick", help="Take fewer points and shorter runs; the bounds are the same.")
-    ] = False,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out", "-o", metavar="DIR", help="Where tables and pictures go.", show_default="nowhere"
-        ),
-    ] = None,
-) -> None:
-    """Make a source's figures and numbers anew: printed, independent, ours, and why they differ.
+def _found() -> TyperCommand:
+    for entry in entry_points(group=GROUP):
+        command: TyperCommand = entry.load()
+        return command
+    raise refusal("studies come with a checkout of the sources, where `make setup` installs them")
 
-    Ends with status 1 where one of our numbers is not within its bound of the independent one.
-    """
+
+study: Final = _found()

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Final
 
 from emulators.arduino_omni.mega.mega import BOOT, KEPT
-from emulators.documents.pages import table
 from firmware_bridge.units import to_seconds
+from validation.pages.pages import table
 
 
 @dataclass(frozen=True, slots=True)

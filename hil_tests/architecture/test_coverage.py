@@ -7,8 +7,8 @@ from typing import Final
 
 import pytest
 
-from emulators.studies.shelf import studies
 from hil_tests.rows import every
+from validation.studies.shelf import studies
 
 ROOT: Final = Path(__file__).parents[2]
 PAGE: Final = (ROOT / "docs/coverage.md").read_text(encoding="utf-8")

@@ -135,7 +135,6 @@ WHOLE: Final = {
     ("emulators/bench/time_pictures.py", "left"): "Matplotlib's alignment",
     ("emulators/bench/time_pictures.py", "right"): "Matplotlib's side of a plot",
     ("emulators/cli/fmea_work.py", "right"): "rich's alignment",
-    ("emulators/cli/study_work.py", "right"): "rich's alignment",
     ("emulators/documents/object_table.py", "base"): "a key of the object table's JSON",
     ("emulators/progress_bar.py", "left"): "what remains",
     ("emulators/servo/recorder.py", "left"): "a field: what remains",

@@ -7,8 +7,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Final
 
-from emulators.documents.pages import table
 from hil_tests.scenarios.rome_ride import FULL, STANDS_MPS, driven, held, speed
+from validation.pages.pages import table
 
 FILE: Final = Path(__file__).with_name("boards.toml")
 HEAD: Final = (

@@ -8,9 +8,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Final
 
-from emulators.documents.pages import table
 from emulators.testing.rig import STEP_S, VirtualRig
 from hil_tests.safety.driving import DRIVES_FOR_S, robot_of, speed
+from validation.pages.pages import table
 
 FILE: Final = Path(__file__).with_name("encoders.toml")
 HEAD: Final = "# Made by tools/measure_stops.py: what comes of an encoder that is off, on a board.\n"

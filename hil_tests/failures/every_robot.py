@@ -8,12 +8,12 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Final
 
-from emulators.documents.pages import table
 from emulators.rig import BRIDGE
 from emulators.testing.rig import STEP_S, VirtualRig
 from firmware_bridge.bridge.stops import Progress
 from firmware_bridge.robot.settings.shield import ShieldLink
 from hil_tests.safety.driving import ARM, SPEEDS, driving, robot_of
+from validation.pages.pages import table
 
 FILE: Final = Path(__file__).with_name("every_robot.toml")
 HEAD: Final = "# Made by tools/measure_stops.py: what comes of failures and orders, robot by robot.\n"

@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Iterator
 from typing import Final, TypeAlias
 
-from emulators.documents.pages import table
 from hil_tests.failures.cases import (
     ASKED,
     FAILS,
@@ -14,6 +13,7 @@ from hil_tests.failures.cases import (
     Cause,
 )
 from hil_tests.failures.measured import Worst, kept
+from validation.pages.pages import table
 
 Cells: TypeAlias = tuple[str, ...]
 ASKED_TEXT: Final = """Each stop that somebody asks for, at the worst of {draws} ways to begin it: {motions},

@@ -7,11 +7,11 @@ from typing import Any, Self
 import numpy as np
 import pytest
 
-from emulators.robots.climber.studies.constraints import Robot
 from fmu.build import ensure
 from fmu.climber.parameters import SETS
 from fmu.plant import FmuPlant
 from hil_tests.fmu.climber_rolled import NUMBERS
+from validation.climber.constraints import Robot
 
 WHEELS = ("left", "right", "caster")
 CONTACTS = tuple(f"{what}_{side}" for side in WHEELS for what in ("tube", "arc", "height", "psi"))

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from emulators.robots.climber.studies.constraints import Robot
 from fmu.build import ensure
 from fmu.climber.parameters import SETS
 from fmu.plant import FmuPlant, PlantError
 from hil_tests.fmu.climber_rolled import NUMBERS, Rolled
+from validation.climber.constraints import Robot
 
 Maker = Callable[..., Rolled]
 UP, SLANT = math.pi / 2, math.pi / 4

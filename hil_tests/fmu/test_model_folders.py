@@ -43,7 +43,7 @@ def test_fmpy_finds_nothing_wrong(model: str, fmi: int) -> None:
 @pytest.mark.long(keeps=["single_axis"])
 @pytest.mark.parametrize("model", SOURCES)
 def test_the_reference_trajectory_holds_in_both_versions(model: str) -> None:
-    reference = part(model, "reference")
+    reference = importlib.import_module(f"validation.references.{model}")
     head = reference.FILE.read_text(encoding="utf-8").splitlines()[0].split(",")
     outputs = [row.name for row in part(model, "equations").model().outputs if not row.local]
     assert sorted(head) == sorted(["time", *outputs])

@@ -24,9 +24,9 @@ from fmu import build, ready
 from fmu.errors import PlantError
 from fmu.plant import FmuPlant
 from fmu.platforms import find_compiler
-from fmu.rars import reference
 from fmu.rars.interface import INPUTS, OUTPUTS
 from fmu.rars.parameters import PARAMETERS, PLANT, ROBOT_FILE, SETS
+from validation.references import rars as reference
 
 
 def run(command: list[str], **options: Any) -> None:

@@ -115,8 +115,7 @@ def test_stories_of_a_user_run(run: Run, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("study tipping --quick --out there", "pip install 'firmware-bridge[plots]'"),
-        ("study torques --quick", "pip install 'firmware-bridge[plants]'"),
+        ("study tipping --quick", "studies come with a checkout"),
     ],
 )
 def test_what_is_missing_is_said_with_its_cure(run: Run, words: str, said: str) -> None:

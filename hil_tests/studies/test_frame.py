@@ -1,15 +1,19 @@
 """What a study leaves behind, and what happens where a number is not within its bound."""
 
 import csv
+import sys
+from importlib import metadata
 from pathlib import Path
 
 import pytest
 import typer
+from typer.testing import CliRunner
 
-from emulators.cli import study_work
-from emulators.studies.report import page, write
-from emulators.studies.solve import integrate, root
-from emulators.studies.study import Compared, Curve, Findings, Plot, Sheet, Study, chosen
+from firmware_bridge.cli import program
+from validation import at_the_terminal
+from validation.studies.report import page, write
+from validation.studies.solve import integrate, root
+from validation.studies.study import Compared, Curve, Findings, Plot, Sheet, Study, chosen
 
 HERE = "hil_tests.studies.test_frame"
 GOOD = Compared("length", "m", 1.1, 1.0, 1.05, 0.1, "rounded")
@@ -67,10 +71,10 @@ def test_a_study_is_chosen_by_its_name_and_a_wrong_one_is_answered_with_those_th
 def test_a_number_out_of_its_bound_ends_the_command_with_status_1(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(study_work, "studies", lambda: (STUDY,))
+    monkeypatch.setattr(at_the_terminal, "studies", lambda: (STUDY,))
     monkeypatch.setattr(Study, "made", lambda _, **__: made(GOOD, BAD))
     with pytest.raises(typer.Exit) as ended:
-        study_work.study(name="one", every=False, quick=True, out=tmp_path)
+        at_the_terminal.study(name="one", every=False, quick=True, out=tmp_path)
     assert ended.value.exit_code == 1
     assert "out of bounds: one: mass & more" in capsys.readouterr().err
     assert (tmp_path / "studies.html").exists()
@@ -86,3 +90,16 @@ def test_the_independent_ways_find_what_is_known() -> None:
         root(lambda x: x * x + 1.0, 0.0, 2.0)
     swing = integrate(lambda _, y: np.array([y[1], -y[0]]), np.array([1.0, 0.0]), np.linspace(0.0, 1.0, 101))
     assert swing[-1] == pytest.approx([np.cos(1.0), -np.sin(1.0)], abs=1e-9)
+
+
+def test_without_a_checkout_one_line_says_where_studies_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delitem(sys.modules, "emulators.cli.study", raising=False)
+    installed = metadata.entry_points
+    absent = "firmware_bridge.study"
+    monkeypatch.setattr(
+        metadata, "entry_points", lambda *, group: () if group == absent else installed(group=group)
+    )
+    ended = CliRunner().invoke(program, ["study", "tipping", "--quick"])
+    assert ended.exit_code == 2
+    assert "studies come with a checkout" in ended.output
+    assert "Traceback" not in ended.output

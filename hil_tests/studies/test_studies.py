@@ -5,8 +5,8 @@ from typing import Final
 
 import pytest
 
-from emulators.studies.shelf import studies
-from emulators.studies.study import Study
+from validation.studies.shelf import studies
+from validation.studies.study import Study
 
 STUDIES: Final = {study.name: study for study in studies()}
 SHORT: Final = ("tipping", "torques", "sizing", "pivot", "polar_law")

@@ -200,5 +200,4 @@ REHEARSAL: Final = Rehearsal(
     stands={"j2": -90.0, "j3": 90.0, "j5": 60.0},
     figures={"max_lag_full_steps": _lost},
     paths=PATHS,
-    studies="emulators.robots.ar2.studies",
 )

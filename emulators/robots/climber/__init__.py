@@ -203,5 +203,4 @@ REHEARSAL: Final = Rehearsal(
     pictures={"tank": on_the_tank},
     well={"joint": math.radians(45.0), "wall": 1.0},
     paths=PATHS,
-    studies="emulators.robots.climber.studies",
 )

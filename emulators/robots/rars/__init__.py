@@ -147,5 +147,4 @@ REHEARSAL: Final = Rehearsal(
     ),
     remarks=_remarks,
     cases=cases,
-    studies="emulators.robots.rars.studies",
 )

@@ -189,5 +189,4 @@ REHEARSAL: Final = Rehearsal(
     stands=ar2.REHEARSAL.stands,
     figures={**ar2.REHEARSAL.figures, "least_wheel_load_share": _least_load},
     paths={"orbit": _orbit, "formation": _formation, "pose": _pose},
-    studies="emulators.robots.rome_arm.studies",
 )

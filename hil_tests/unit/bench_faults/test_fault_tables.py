@@ -6,13 +6,13 @@ from pydantic import ValidationError
 from emulators.bench.faults import KINDS, Fault, FaultError, Kind, misfits, read
 from emulators.bench.mission import Mission, MissionFileError, parse
 from emulators.bench.rehearsal import rehearsal_of
-from emulators.documents.faults import parameters, target
 from firmware_bridge import kinds
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import NEVER, from_seconds
 from hil_tests.rows import every
 from hil_tests.unit.capture_driver.capture_bench import table as cameras
+from validation.pages.faults import parameters, target
 
 RARS = kinds.find("rars")
 SERIAL = over_serial(RARS)

@@ -46,7 +46,7 @@ IMPORTED: Final[dict[str, set[str]]] = {
     "monitor -i socketcan -c nosuchcan0": {*BRIDGE, "rich"},  # the dissector reads MAVLink, too
     "pilot rars --joystick --mavlink udpin:127.0.0.1:0 --device /dev/input/none": BRIDGE,
     "bench --help": HELP,
-    "study --help": HELP,
+    "study --help": {*HELP, "validation"},
     "doctor --help": HELP,
     "emulate --help": HELP,
     "emulate rars --help": HELP,

@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from emulators.extras import LIBRARIES, Extra, ExtraMissingError, from_extras, installed
-from emulators.studies.study import Study
+from validation.studies.study import Study
 
 
 @pytest.mark.parametrize("extra", LIBRARIES)

@@ -1,0 +1,4 @@
+"""What proves the product and is no part of it: studies of the sources, reference solutions, makers of pages.
+
+It comes with a checkout; `make setup` installs it beside the program.
+"""

@@ -1,0 +1,45 @@
+"""The climber's studies: the cases of its paper, made anew beside an independent solution.
+
+Qualls, Canfield, Shibakov, "Kinematic control of a mobile robot performing manufacturing tasks on non-planar
+surfaces", JAMRIS 10(3), 2016. Its radii of 2e5, 2e2 and 0.5e2 "m" do not fit its ratios: the ratios count.
+"""
+
+from typing import Final
+
+from validation.studies.study import Study
+
+PAPER: Final = "Qualls, Canfield, Shibakov, JAMRIS 10(3), 2016"
+HERE: Final = "validation.climber"
+
+STUDIES: Final = (
+    Study(
+        "curvature",
+        "A circle by the wheels' speeds: how far it is from closing, over the tank's radius",
+        f"{PAPER}, 4, case 2, Fig. 4, 8",
+        f"{HERE}.curvature:curvature",
+    ),
+    Study(
+        "equal_speeds",
+        "Equal speeds do not keep it straight: ratio 20, and the laboratory's tank",
+        f"{PAPER}, 4, 5, cases 1 and 3",
+        f"{HERE}.equal_speeds:equal_speeds",
+    ),
+    Study(
+        "pivot",
+        "It turns about one wheel: the reduced solution, as printed and corrected",
+        f"{PAPER}, (33)",
+        f"{HERE}.pivot:pivot",
+    ),
+    Study(
+        "polar_law",
+        "The polar law, as printed and corrected, to poses all round",
+        f"{PAPER}, (27)-(29)",
+        f"{HERE}.polar_law:polar_law",
+    ),
+    Study(
+        "closed_loops",
+        "Triangle, square and diamond through the whole chain",
+        f"{PAPER}, 5",
+        f"{HERE}.closed_loops:closed_loops",
+    ),
+)

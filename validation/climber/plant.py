@@ -1,0 +1,104 @@
+"""The climber's plant under given speeds of its wheels, beside the independent solution under the same.
+
+The motors have flywheels in place of voltages, and nothing pulls at the robot: what is left is how it rolls.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final, Self, TypeAlias
+
+import numpy as np
+
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+from fmu.build import ensure
+from fmu.climber.parameters import PARAMETERS, SETS
+from fmu.plant import FmuPlant
+from validation.climber.constraints import Robot
+from validation.studies.solve import Floats
+
+UP: Final = math.pi / 2.0
+LEADING: Final = math.pi
+"""The caster's swivel where it is ahead of the robot, which drives tail first."""
+STEP: Final[Nanoseconds] = MILLISECOND
+FLYWHEEL: Final = 1e9
+"""kg.m2 at a motor's shaft: its speed stays."""
+LIGHT: Final[Mapping[str, float]] = MappingProxyType(
+    {"gravity": 0.0, "joint_spring": 0.0, "joint_damping": 0.0, "stop_stiffness": 0.0}
+)
+NAMES: Final = ("arc_left", "arc_right", "height_left", "height_right", "psi_left", "psi_right", "joint")
+
+Spins: TypeAlias = tuple[float, float]
+"""rad/s of the left and the right wheel."""
+
+
+def sizes(kind: str, **more: float) -> Mapping[str, float]:
+    """Return all parameters of one of the plant's sets, with others in their place."""
+    return {row.name: row.start for row in PARAMETERS} | dict(SETS[kind]) | more
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """Where it was, instant by instant: the middle of both contacts on the unrolled surface."""
+
+    arc: Floats
+    """m, to the right of who looks up."""
+    height: Floats
+    heading: Floats
+    """rad, from the arc towards the axis."""
+    joint: Floats
+    apart: tuple[Floats, Floats]
+    """The right wheel's contact from the left one's: round the tank and up, m."""
+
+    @classmethod
+    def of(cls, rows: list[Mapping[str, float]], tank: float) -> Self:
+        """Make it from readings by name; arcs may be told within half a turn of the tank."""
+        told = {name: np.array([row[name] for row in rows]) for name in NAMES}
+        turns = {side: tank * np.unwrap(told[f"arc_{side}"] / tank) for side in ("left", "right")}
+        psi = {side: np.unwrap(told[f"psi_{side}"]) for side in ("left", "right")}
+        return cls(
+            (turns["left"] + turns["right"]) / 2.0,
+            (told["height_left"] + told["height_right"]) / 2.0,
+            (psi["left"] + psi["right"]) / 2.0 - UP,
+            told["joint"],
+            (turns["right"] - turns["left"], told["height_right"] - told["height_left"]),
+        )
+
+    def aside(self) -> Floats:
+        """Return how far it is to the left of a straight line along its heading at the start, m."""
+        course = self.heading[0]
+        arc, height = self.arc - self.arc[0], self.height - self.height[0]
+        aside: Floats = height * math.cos(course) - arc * math.sin(course)
+        return aside
+
+    def gap(self) -> float:
+        """Return the distance from its first place to its last, m."""
+        return math.hypot(self.arc[-1] - self.arc[0], self.height[-1] - self.height[0])
+
+    def oblong(self) -> float:
+        """Return how much higher than wide it is, m."""
+        return float(np.ptp(self.height) - np.ptp(self.arc))
+
+
+def rolled(parameters: Mapping[str, float], spins: Spins, seconds: float, instants: int) -> Way:
+    """Return the plant's way at so many instants, the first one at its start."""
+    gear = parameters["gear_wheel"]
+    turning = {f"speed_{side}": gear * spin for side, spin in zip(("left", "right"), spins, strict=True)}
+    given = {**parameters, **LIGHT, **turning, "rotor_inertia_wheel": FLYWHEEL}
+    steps = np.rint(np.linspace(0.0, seconds * SECOND / STEP, instants)).astype(int)
+    rows: list[Mapping[str, float]] = []
+    with FmuPlant(ensure("climber"), (), NAMES, given, STEP) as plant:
+        for step in steps:
+            while plant.steps_done < step:
+                plant.step()
+            rows.append(dict(zip(NAMES, map(float, plant.outputs), strict=True)))
+    return Way.of(rows, parameters["tank_radius"])
+
+
+def constrained(parameters: Mapping[str, float], spins: Spins, seconds: float, instants: int) -> Way:
+    """Return the same by the contact's constraints."""
+    robot = Robot.standing(parameters, parameters["start_heading"], parameters["start_swivel"])
+    steps = instants - 1
+    ways = robot.driven(lambda _: spins[0], lambda _: spins[1], seconds, seconds / steps)
+    return Way.of([one.readings() for one in ways], parameters["tank_radius"])

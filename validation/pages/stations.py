@@ -1,0 +1,98 @@
+"""What ground stations hear and may say: the operator's link, from its tables."""
+
+from collections.abc import Iterator
+from typing import Final, TypeAlias
+
+from firmware_bridge.kind import AnyKind
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.teleop.commands import ROWS as COMMANDS
+from firmware_bridge.teleop.lacking import LACKING
+from firmware_bridge.teleop.mavlink import dialect
+from firmware_bridge.teleop.modes import ROWS as MODES
+from firmware_bridge.teleop.station import USUAL_CHANNELS, AnyStation, StickAxis
+from firmware_bridge.teleop.streams import load, streams_of
+from firmware_bridge.units import Nanoseconds, to_seconds
+from validation.pages.safety import shipped
+
+WAYS: Final = {
+    (StickAxis.FORWARD, 1): "forward",
+    (StickAxis.FORWARD, -1): "backward",
+    (StickAxis.LEFT, 1): "to the left",
+    (StickAxis.LEFT, -1): "to the right",
+    (StickAxis.TURN, 1): "counter-clockwise",
+    (StickAxis.TURN, -1): "clockwise",
+}
+"""Where an axis goes with more microseconds, by its sign."""
+Cells: TypeAlias = tuple[str, ...]
+RADIO_BIT_S: Final = 57_600
+MODE_HEADINGS: Final = ("mode", "number", "in PX4's numbers: main, sub", "also asked for by")
+STREAM_HEADINGS: Final = ("message", "on a network", f"on {RADIO_BIT_S} bit/s", "tells")
+COMMAND_HEADINGS: Final = ("command", "number", "of whom", "does")
+CHANNEL_HEADINGS: Final = ("channel", "is", "2000 us is")
+
+
+def modes() -> Iterator[Cells]:
+    """Yield the ways to be driven, and how they are asked for."""
+    for row in MODES:
+        also = "; ".join(map(_in_parts, row.also)) or "-"
+        yield (row.way.value, str(row.number), _in_parts(row.px4), also)
+
+
+def _in_parts(number: int) -> str:
+    return f"{number >> 16 & 0xFF}, {number >> 24}"
+
+
+def channels() -> Iterator[Cells]:
+    """Yield the channels of RC_CHANNELS_OVERRIDE."""
+    for row in USUAL_CHANNELS:
+        yield (str(row.number), row.axis.name.lower(), WAYS[row.axis, row.sign])
+
+
+def streams() -> Iterator[Cells]:
+    """Yield what is told and how often, of the first robot that is shipped."""
+    usual, slow = streams_of(_robot(None), _station()), streams_of(_robot(RADIO_BIT_S), _station())
+    narrow = {(row.number, row.tells): row.period for row in slow}
+    for row in usual:
+        name = dialect.mavlink_map[row.number].msgname
+        yield (name, _each(row.period), _each(narrow[row.number, row.tells]), row.tells)
+
+
+def loads() -> tuple[float, float]:
+    """Return the bytes a second that this makes at most, on a network and on the radio."""
+    return load(streams_of(_robot(None), _station())), load(streams_of(_robot(RADIO_BIT_S), _station()))
+
+
+def commands() -> Iterator[Cells]:
+    """Yield the commands that are known."""
+    names = dialect.enums["MAV_CMD"]
+    for row in COMMANDS:
+        name = names[row.command].name if row.command in names else "MAV_CMD_REQUEST_OPERATOR_CONTROL"
+        yield (name.removeprefix("MAV_CMD_"), str(row.command), _of_whom(anyone=row.anyone), row.does)
+
+
+def lacking() -> str:
+    """Return the messages of protocols that there are not."""
+    return ", ".join(dialect.mavlink_map[number].msgname for number in LACKING)
+
+
+def _of_whom(*, anyone: bool) -> str:
+    return "anybody *" if anyone else "who drives"
+
+
+def _each(period: Nanoseconds) -> str:
+    return f"{to_seconds(period):.3g} s"
+
+
+def _talker() -> tuple[AnyKind, AnyRobot]:
+    """Return the shipped robot whose station has most to tell: the page shows its own rows."""
+    return max(shipped(), key=lambda one: len(one[0].station.values) + len(one[0].station.switches))
+
+
+def _robot(bandwidth_bit_s: int | None) -> AnyRobot:
+    _, robot = _talker()
+    return robot.told_by(bandwidth_bit_s)
+
+
+def _station() -> AnyStation:
+    kind, _ = _talker()
+    return kind.station

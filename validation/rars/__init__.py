@@ -1,0 +1,62 @@
+"""RARS's studies: figures and numbers of its thesis, made anew beside an independent way.
+
+A. P. Das, "Design and control of a tele-operated mobile platform", PhD thesis, IIT Delhi, 2018.
+"""
+
+from typing import Final
+
+from validation.studies.study import Study
+
+THESIS: Final = "A. P. Das, PhD thesis, IIT Delhi, 2018"
+HERE: Final = "validation.rars"
+
+STUDIES: Final = (
+    Study(
+        "tipping",
+        "Limits of acceleration and speed before it tips",
+        f"{THESIS}, (2.2)-(2.7), Fig. 2.4-2.6",
+        f"{HERE}.tipping:tipping",
+    ),
+    Study(
+        "delay",
+        "Pure pursuit over a slow link: from which delay on it swings",
+        f"{THESIS}, (5.3)-(5.5), 6.1, App. B",
+        f"{HERE}.delay:delay",
+    ),
+    Study(
+        "predictor",
+        "Pure pursuit over a slow link with and without the predictor, through the whole chain",
+        f"{THESIS}, 5.3, 5.4, 6.1",
+        f"{HERE}.predictor:predictor",
+    ),
+    Study(
+        "steering",
+        "The steering's step under computed torque, and its model 10 % wrong",
+        f"{THESIS}, (3.85)-(3.102)",
+        f"{HERE}.steering:steering",
+    ),
+    Study(
+        "torques",
+        "The torques that drive it round a circle of 5 m, flat and on a ramp",
+        f"{THESIS}, (3.13)-(3.44), Fig. 3.4 and after",
+        f"{HERE}.torques:torques",
+    ),
+    Study(
+        "slopes",
+        "How steep a slope it climbs, and how much its wheels slip",
+        f"{THESIS}, 2.3.2, 3.3.4, 3.4.5, (3.83)",
+        f"{HERE}.slopes:slopes",
+    ),
+    Study(
+        "line_and_circles",
+        "Line and circles through the whole chain, and what its odometry is off",
+        f"{THESIS}, 4.2.2, Fig. 4.18, 4.19",
+        f"{HERE}.runs:line_and_circles",
+    ),
+    Study(
+        "sizing",
+        "What its motors must give: traction, steering, screw",
+        f"{THESIS}, (2.9)-(2.18), (C.1)",
+        f"{HERE}.sizing:sizing",
+    ),
+)

@@ -1,0 +1,1 @@
+"""Runs of each plant that are kept: inputs over time, and what it answered."""
