@@ -68,6 +68,19 @@ UNITS: Final = (
 )
 """Names of units and what each is taken for; numbers that turn one unit into another."""
 
+TUNED: Final = re.compile(r"(^|_)(MS|US|S|BYTES|LENGTH|SIZE|MOST|WITHIN|AFTER|EVERY|OVER|UP_TO)(_|$)")
+"""Names of constants that somebody has chosen, a time or the length of a buffer: one more is as right."""
+COUNTER: Final = "__import__('builtins').__dict__.setdefault('__times__', __import__('itertools').count())"
+"""Counts how often a process comes to the one place that is broken in it."""
+TIMES: Final = (
+    ("only the first time", f"next({COUNTER}) == 0"),
+    ("every second time", f"next({COUNTER}) % 2"),
+)
+STRICT: Final = "strict"
+"""What zip looks after; no caller gives it lists of two lengths."""
+ALONE: Final = {"min", "max"}
+"""Calls in whose place each of their arguments may stand."""
+
 _OPPOSITE: Final = {a: b for one, other in OPPOSITES for a, b in ((one, other), (other, one))}
 _TAKEN_FOR: Final = dict(UNITS[0])
 
@@ -81,6 +94,8 @@ def changes(node: ast.AST, names: frozenset[str]) -> Iterator[Change]:
             yield from _other_constants(node, names)
         case ast.Call():
             yield from _other_calls(node)
+        case ast.Tuple(ctx=ast.Load()) | ast.List(ctx=ast.Load()) | ast.Set() | ast.Dict():
+            yield from _without_elements(node)
         case ast.Name(ctx=ast.Load()) | ast.Attribute(ctx=ast.Load()):
             yield from _other_names(node, names)
         case _:
@@ -97,8 +112,21 @@ def opposite_of(name: str, names: frozenset[str]) -> str | None:
     return None
 
 
+def is_tuned(node: ast.AST) -> bool:
+    """Return whether a statement gives a constant of tuning its value, or a node is so many units of time."""
+    match node:
+        case ast.AnnAssign(target=ast.Name(id=name)) | ast.Assign(targets=[ast.Name(id=name)]):
+            return name.isupper() and TUNED.search(name) is not None
+        case ast.BinOp(op=ast.Mult(), left=ast.Constant(), right=ast.Name(id=unit)):
+            return unit in _TAKEN_FOR
+    return False
+
+
 def names_in(tree: ast.AST) -> frozenset[str]:
-    """Return all names, attributes and texts of a module that could be taken for each other."""
+    """Return all names, attributes and texts of a module that could be taken for each other.
+
+    Of an attribute of something that has a name also both with a point between them.
+    """
     found = set()
     for node in ast.walk(tree):
         match node:
@@ -106,6 +134,8 @@ def names_in(tree: ast.AST) -> frozenset[str]:
                 found.add(name)
             case ast.Constant(value=str() as text) if text.isidentifier():
                 found.add(text)
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id != "self":
+            found.add(f"{node.value.id}.{node.attr}")
     return frozenset(found)
 
 
@@ -117,6 +147,8 @@ def _other_operators(node: ast.expr) -> Iterator[Change]:
         case ast.BoolOp(op=operator):
             opposite = ast.Or if isinstance(operator, ast.And) else ast.And
             yield f"{_name(operator)} -> {opposite.__name__}", _set("op", opposite)
+            for place in range(len(node.values)):
+                yield f"without operand {place + 1}", _without("values", place)
         case ast.BinOp():
             yield from _other_arithmetic(node)
         case ast.UnaryOp(op=ast.Not() | ast.USub(), operand=operand):
@@ -143,6 +175,11 @@ def _other_names(node: ast.Name | ast.Attribute, names: frozenset[str]) -> Itera
         wrong = _TAKEN_FOR.get(name, wrong)
     if wrong is not None:
         yield f"{name} -> {wrong}", _set(field, lambda: wrong)
+    elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+        others = sorted(it for it in names if it.startswith(f"{node.value.id}."))
+        if len(others) > 1:
+            mixed = others[(others.index(f"{node.value.id}.{name}") + 1) % len(others)].partition(".")[2]
+            yield f"{name} -> {mixed}", _set("attr", lambda: mixed)
 
 
 def _other_constants(node: ast.Constant, names: frozenset[str]) -> Iterator[Change]:
@@ -154,7 +191,8 @@ def _other_constants(node: ast.Constant, names: frozenset[str]) -> Iterator[Chan
             if whole > 1:
                 yield f"{whole} -> {whole - 1}", _set("value", lambda: whole - 1)
         case float() as real:
-            yield f"{real} -> {real * 1.01 + 1e-6!r}", _set("value", lambda: real * 1.01 + 1e-6)
+            other = real * 1.01 if real else 0.01
+            yield f"{real} -> {other!r}", _set("value", lambda: other)
         case str() as text if text.isidentifier() and opposite_of(text, names) is not None:
             wrong = opposite_of(text, names)
             yield f"'{text}' -> '{wrong}'", _set("value", lambda: wrong)
@@ -168,8 +206,18 @@ def _other_calls(node: ast.Call) -> Iterator[Change]:
         yield f"{called} -> {CALLS[called]}", _calls(CALLS[called])
     if called in LEFT_OUT and len(node.args) == 1 and not node.keywords:
         yield f"without {called}", lambda _old: node.args[0]
+    yield from _less(node, called)
     if called not in SYMMETRIC:
         yield from _other_order(node)
+
+
+def _less(node: ast.Call, called: str) -> Iterator[Change]:
+    if called in ALONE and len(node.args) > 1:
+        for place, argument in enumerate(node.args):
+            yield f"argument {place + 1} alone", lambda _old, one=argument: one  # type: ignore[misc]
+    for place, keyword in enumerate(node.keywords):
+        if keyword.arg and keyword.arg != STRICT:
+            yield f"without {keyword.arg}", _without("keywords", place)
 
 
 def _other_order(node: ast.Call) -> Iterator[Change]:
@@ -186,6 +234,10 @@ def _other_flow(node: ast.AST) -> Iterator[Change]:
         case ast.If() | ast.IfExp():
             condition = node.test
             yield "condition inverted", _set("test", lambda: ast.UnaryOp(ast.Not(), condition))
+            yield "always", _set("test", lambda: ast.Constant(value=True))
+            yield "never", _set("test", lambda: ast.Constant(value=False))
+        case ast.For():
+            yield "the first one only", _set("body", lambda body=node.body: [*body, ast.Break()])
         case ast.Return(value=ast.expr() as value) if not _is_none(value):
             yield "returns None", _set("value", lambda: ast.Constant(None))
         case (
@@ -194,6 +246,45 @@ def _other_flow(node: ast.AST) -> Iterator[Change]:
             | ast.Assign(targets=[ast.Attribute() | ast.Subscript()])
         ):
             yield "statement left out", lambda _old: ast.Pass()
+            for when, condition in TIMES:
+                yield when, _if(condition)
+
+
+def _without_elements(node: ast.Tuple | ast.List | ast.Set | ast.Dict) -> Iterator[Change]:
+    elements = node.values if isinstance(node, ast.Dict) else node.elts
+    for place in range(len(elements) if len(elements) > 1 else 0):
+        yield f"without element {place + 1}", _without_element(place)
+
+
+def _without_element(place: int) -> Callable[[ast.AST], ast.AST]:
+    def apply(node: ast.AST) -> ast.AST:
+        for field in ("elts", "keys", "values"):
+            if hasattr(node, field):
+                _without(field, place)(node)
+        return node
+
+    return apply
+
+
+def _without(field: str, place: int) -> Callable[[ast.AST], ast.AST]:
+    """Leave one out of a list of nodes; where one is left, it stands alone in the place of an operation."""
+
+    def apply(node: ast.AST) -> ast.AST:
+        kept = [one for at, one in enumerate(getattr(node, field)) if at != place]
+        if isinstance(node, ast.BoolOp) and len(kept) == 1:
+            return kept[0]  # type: ignore[no-any-return]
+        setattr(node, field, kept)
+        return node
+
+    return apply
+
+
+def _if(condition: str) -> Callable[[ast.AST], ast.AST]:
+    def apply(node: ast.AST) -> ast.AST:
+        assert isinstance(node, ast.stmt)  # noqa: S101 - who calls it has looked
+        return ast.If(ast.parse(condition, mode="eval").body, [node], [])
+
+    return apply
 
 
 def _of_a_kind(one: ast.expr, other: ast.expr) -> bool:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, TypeAlias
 
-from breaks import changes, names_in
+from breaks import changes, is_tuned, names_in
 
 ROOT: Final = Path(__file__).resolve().parent.parent
 CODE: Final = (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)
@@ -111,8 +111,13 @@ def _breakable(
     for field, value in ast.iter_fields(tree):
         if field in {"annotation", "returns", "decorator_list", "format_spec"}:
             continue
+        if field == "slice" and isinstance(value, ast.Tuple):
+            # Types, or the two places of an array.
+            continue
         body = inside or (isinstance(tree, CODE) and field == "body")
         for child in value if isinstance(value, list) else [value]:
+            if isinstance(child, ast.Constant) and is_tuned(tree):
+                continue
             if isinstance(child, ast.AST) and not _of_types(child):
                 mine = _lines(child) if body and isinstance(child, ast.stmt) else statement if body else None
                 yield child, mine
@@ -123,6 +128,8 @@ def _of_types(node: ast.AST) -> bool:
     """Return whether nobody asks for it when the program runs."""
     match node:
         case ast.Import() | ast.ImportFrom() | ast.Call(func=ast.Name(id="TypeVar")):
+            return True
+        case ast.AnnAssign(annotation=ast.Name(id="TypeAlias")) | ast.keyword(arg="strict"):
             return True
     return False
 

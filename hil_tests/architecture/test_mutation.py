@@ -4,7 +4,7 @@ import ast
 from pathlib import Path
 
 import pytest
-from breaks import changes, names_in
+from breaks import COUNTER, changes, is_tuned, names_in
 from mutants import mutants, telling
 from results import Result, read_reasons, read_results
 from rooms import hashes_of, targets
@@ -46,9 +46,21 @@ def broken(source: str) -> dict[str, str]:
         ("True", "True -> False", "False"),
         ("7", "7 -> 8", "8"),
         ("7", "7 -> 6", "6"),
-        ("2.0", "2.0 -> 2.020001", "2.020001"),
+        ("2.0", "2.0 -> 2.02", "2.02"),
         ("min(a, b)", "min -> max", "max(a, b)"),
         ("any(a)", "any -> all", "all(a)"),
+        ("a and b", "without operand 1", "b"),
+        ("a or b or c", "without operand 2", "a or c"),
+        ("min(a, b)", "argument 2 alone", "b"),
+        ("f(a, b=c)", "without b", "f(a)"),
+        ("(a, b, c)", "without element 2", "(a, c)"),
+        ("{a: 1, b: 2}", "without element 1", "{b: 2}"),
+        ("a if b else c", "always", "a if True else c"),
+        ("a if b else c", "never", "a if False else c"),
+        ("if a:\n    b()", "never", "if False:\n    b()"),
+        ("for a in b:\n    c(a)", "the first one only", "for a in b:\n    c(a)\n    break"),
+        ("self.a = b", "only the first time", f"if next({COUNTER}) == 0:\n    self.a = b"),
+        ("x.a + x.b + y.c", "a -> b", "x.b + x.b + y.c"),
         ("abs(a) < b", "without abs", "a < b"),
         ("math.radians(a)", "radians -> degrees", "math.degrees(a)"),
         ("math.radians(a)", "without radians", "a"),
@@ -169,3 +181,18 @@ def test_a_sample_is_the_same_for_the_same_seed_and_within_its_budget() -> None:
     modules = {one.target for one in once}
     assert 0 < len(modules) * 1000 + len(once) * 100 <= 3000
     assert drawn(every, results, 1, 900) == []
+
+
+@pytest.mark.parametrize(
+    ("source", "tuned"),
+    [
+        ("SILENT_MS: Final = 500", True),
+        ("_QUIET_WITHIN: Final = 3", True),
+        ("MOST_OPEN: Final = 64", True),
+        ("AGREE: Final = 3", False),
+        ("within = 3", False),
+    ],
+)
+def test_what_somebody_has_tuned_is_left_as_it_is(source: str, tuned: bool) -> None:  # noqa: FBT001
+    assert is_tuned(ast.parse(source).body[0]) is tuned
+    assert is_tuned(ast.parse("500 * MILLISECOND", mode="eval").body)
