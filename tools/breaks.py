@@ -237,7 +237,8 @@ def _other_flow(node: ast.AST) -> Iterator[Change]:
             yield "always", _set("test", lambda: ast.Constant(value=True))
             yield "never", _set("test", lambda: ast.Constant(value=False))
         case ast.For():
-            yield "the first one only", _set("body", lambda body=node.body: [*body, ast.Break()])
+            rounds = node.body
+            yield "the first one only", _set("body", lambda: [*rounds, ast.Break()])
         case ast.Return(value=ast.expr() as value) if not _is_none(value):
             yield "returns None", _set("value", lambda: ast.Constant(None))
         case (
@@ -246,8 +247,7 @@ def _other_flow(node: ast.AST) -> Iterator[Change]:
             | ast.Assign(targets=[ast.Attribute() | ast.Subscript()])
         ):
             yield "statement left out", lambda _old: ast.Pass()
-            for when, condition in TIMES:
-                yield when, _if(condition)
+            yield from ((when, _if(then)) for when, then in TIMES)
 
 
 def _without_elements(node: ast.Tuple | ast.List | ast.Set | ast.Dict) -> Iterator[Change]:
