@@ -51,6 +51,7 @@ WAY_OF_A_PACKET: Final = (
     "emulators/wires/*.py",
     "emulators/world.py",
     "firmware_bridge/bridge/*.py",
+    "firmware_bridge/differential/*.py",
     "firmware_bridge/drivers/*.py",
     "firmware_bridge/drivers/ar2/*.py",
     "firmware_bridge/drivers/capture/*.py",
@@ -74,6 +75,7 @@ WAY_OF_A_PACKET: Final = (
 INTERPRETED: Final = frozenset(
     {
         "emulators/epos2/objects/device_profile.py",  # its annotations carry sources, read at run time
+        "firmware_bridge/differential/geometry.py",  # its tables are pydantic's
         "firmware_bridge/motion/davis.py",  # it holds a table of the robot file, which pydantic reads
         "firmware_bridge/motion/differential.py",  # as above
         "firmware_bridge/motion/scissor.py",  # as above

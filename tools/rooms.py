@@ -60,6 +60,7 @@ ROOMS: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("robots/rome_arm/*", ("robots/test_rome_arm", "scenarios/test_rome_arm_stories")),
     ("robots/rome/*", ("robots/test_rome", "robots/test_rome_cameras")),
     ("robots/*", (*GATE, "robots/test_rars_body", "unit/motion/*", "unit/pipeline/test_rest")),
+    ("differential/*", ("robots/test_carrier*",)),
     ("carrier/*", ("robots/test_carrier*",)),
     ("teleop/*", ("unit/teleop/*",)),
 )

@@ -4,11 +4,10 @@ import math
 from typing import Any, Final, TypeAlias
 
 import pytest
-from carrier import rules
-from carrier.body import ramp_of
 from carrier.motion import Motion, State
 
 from emulators.bench.cases import Situation
+from firmware_bridge.differential.body import ramp_of
 from firmware_bridge.kinds import find
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.robots.gate import START, gate_of, held, seen
@@ -61,7 +60,7 @@ def test_only_the_change_counts(sign: float) -> None:
 def test_what_the_ramp_reaches_in_one_cycle_is_not_told_even_without_a_tolerance(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(rules, "SPEED_TOLERANCE", 0.0)
+    monkeypatch.setattr("firmware_bridge.differential.robot.SPEED_TOLERANCE", 0.0)
     reached: list[tuple[Any, set[str]]] = [
         (Motion(STEP), set()),
         (Motion(math.nextafter(STEP, 9.0)), {"acceleration limit"}),

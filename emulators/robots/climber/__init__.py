@@ -12,10 +12,20 @@ from typing import Annotated, Final, Literal, TypeAlias
 import numpy as np
 
 from emulators.bench.columns import Column, Curve, Panel, Samples
+from emulators.bench.differential import (
+    CHANNELS,
+    DEMANDED,
+    SPEED_PANEL,
+    TURN_PANEL,
+    DifferentialStep,
+    remarks,
+    stick,
+    twist,
+)
 from emulators.bench.path_error import OFFSET
 from emulators.bench.path_error import Path as FollowedPath
-from emulators.bench.rehearsal import Channel, Rehearsal, StickAxes, Twist
-from emulators.bench.step import Finite, Holds, Positive, Presses, Slope, Step
+from emulators.bench.rehearsal import Rehearsal
+from emulators.bench.step import Presses
 from emulators.robots.climber.cases import cases
 from emulators.robots.climber.pictures import on_the_tank
 from firmware_bridge.motion.captured import Source
@@ -31,29 +41,11 @@ UP: Final = math.pi / 2.0
 BUTTONS: Final = {"emergency_stop": 4}
 
 
-class ClimberStep(Step):
+class ClimberStep(DifferentialStep):
     """What the climber's operator does at one instant. Speed and turn stay until a later step."""
 
-    speed_mps: Annotated[Finite | None, Holds("speed")] = None
-    """Forward positive; at once, or with `ramp_mps2`."""
-    ramp_mps2: Annotated[Positive | None, Slope("speed")] = None
-    turn_deg_s: Annotated[Finite | None, Holds("turn", lambda turn, _: math.radians(turn))] = None
-    """To the left positive."""
     press: Annotated[Literal["emergency_stop"] | None, Presses(BUTTONS)] = None
     """Tap a button of the stick."""
-
-
-def _stick(values: Mapping[str, float], robot: Climber) -> StickAxes:
-    limits = robot.geometry.limits
-    return StickAxes(x=values["speed"] / limits.speed_mps, r=-values["turn"] / limits.turn_rate_rad_s)
-
-
-def _demanded_speed(seen: Seen) -> float:
-    return seen.demanded.speed_mps
-
-
-def _demanded_turn(seen: Seen) -> float:
-    return seen.demanded.turn_rad_s
 
 
 def _believed(seen: Seen) -> tuple[float, float, float]:
@@ -121,14 +113,6 @@ PATHS: Final[Mapping[str, Callable[[Climber], FollowedPath]]] = {
 }
 
 
-def _remarks(robot: Climber) -> Mapping[str, str]:
-    limits = robot.geometry.limits
-    return {
-        "max_speed_mps": f"limit {limits.speed_mps:g}",
-        "max_acceleration_mps2": f"limit {limits.acceleration_mps2:g}",
-    }
-
-
 def _closure(samples: Samples) -> float | None:
     """Return how far from where a guide began it has ended, by the plant's truth; None where none drove."""
     guided = np.flatnonzero(np.isfinite(samples.column(OFFSET)))
@@ -151,12 +135,9 @@ def _largest_joint(samples: Samples) -> float:
 REHEARSAL: Final = Rehearsal(
     step=ClimberStep,
     missions=Path(__file__).with_name("missions"),
-    channels=(
-        Channel("speed", lambda robot: robot.geometry.limits.speed_mps, trembles_with="speed"),
-        Channel("turn", lambda robot: robot.geometry.limits.turn_rate_rad_s, trembles_with="speed"),
-    ),
-    stick=_stick,
-    twist=lambda values, _: Twist(values["speed"], yaw_rate=-values["turn"]),
+    channels=CHANNELS,
+    stick=stick,
+    twist=twist,
     columns=(
         Column("x_m", "way round the tank, to the right of who looks up", "m", plant="arc"),
         Column("y_m", "way up the tank", "m", plant="height"),
@@ -166,8 +147,7 @@ REHEARSAL: Final = Rehearsal(
         Column("odometry_x_m", "where the bridge believes to be", "m", seen=lambda seen: _believed(seen)[0]),
         Column("odometry_y_m", "way up", "m", seen=lambda seen: _believed(seen)[1]),
         Column("odometry_heading_rad", "counter-clockwise", "rad", seen=lambda seen: _believed(seen)[2]),
-        Column("demanded_speed_mps", "what the bridge asks of the wheels", "m/s", seen=_demanded_speed),
-        Column("demanded_turn_rad_s", "what the bridge asks of the wheels", "rad/s", seen=_demanded_turn),
+        *DEMANDED,
         Column("joint_rad", "right half against the left", "rad", plant="joint"),
         Column("measured_joint_rad", "what its sensor tells", "rad", seen=_measured_joint),
         Column("fall_m", "how far it has fallen", "m", plant="fall"),
@@ -175,21 +155,8 @@ REHEARSAL: Final = Rehearsal(
         Column("battery_v", "battery's terminal voltage", "V", plant="battery_voltage"),
     ),
     panels=(
-        Panel(
-            "Forward speed",
-            "speed [m/s]",
-            (Curve("demanded_speed_mps", "demanded", step=True), Curve("speed_mps", "plant")),
-            limit=lambda robot: (robot.geometry.limits.speed_mps, "m/s"),
-            shaded=True,
-            height=2.5,
-        ),
-        Panel(
-            "Turn rate, left is positive",
-            "turn rate [rad/s]",
-            (Curve("demanded_turn_rad_s", "demanded", step=True), Curve("yaw_rate_rad_s", "plant")),
-            limit=lambda robot: (robot.geometry.limits.turn_rate_rad_s, "rad/s"),
-            shaded=True,
-        ),
+        SPEED_PANEL,
+        TURN_PANEL,
         Panel(
             "Joint",
             "angle [deg]",
@@ -197,7 +164,7 @@ REHEARSAL: Final = Rehearsal(
             limit=lambda robot: (robot.geometry.joint.bound_deg, "deg"),
         ),
     ),
-    remarks=_remarks,
+    remarks=remarks,
     cases=cases,
     figures={"closure_m": _closure, "max_joint_deg": _largest_joint, "fell_m": _fell},
     pictures={"tank": on_the_tank},

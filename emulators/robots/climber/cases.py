@@ -6,19 +6,18 @@ from dataclasses import replace
 from typing import TypeAlias
 
 from emulators.bench import cases as bench
+from emulators.bench import differential
 from firmware_bridge.kinds import find
 from firmware_bridge.motion.captured import Located, Source
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.climber.body import ramp_of
+from firmware_bridge.robots.climber.body import CLIMBER
 from firmware_bridge.robots.climber.geometry import Geometry
 from firmware_bridge.robots.climber.motion import Motion, State
-from firmware_bridge.robots.climber.rules import ON_WALL, SPIN
+from firmware_bridge.robots.climber.rules import ON_WALL
 
 Case: TypeAlias = bench.Case[Motion, State]
 Situation: TypeAlias = bench.Situation[Motion, State]
-JUST: float = 1.0 + 1e-5
-"""A limit reports what is beyond it by more than a millionth."""
 WELL = State(0.0, 0.0, 0.0, 1.0)
 UP, ROUND = math.pi / 2.0, 0.0
 SEEN = Located(Pose(), Source.CAPTURED, 0.0, 0.0, 0.0, 0)
@@ -26,40 +25,10 @@ SEEN = Located(Pose(), Source.CAPTURED, 0.0, 0.0, 0.0, 0)
 
 def cases(robot: Robot[Geometry]) -> Iterator[Case]:
     """Yield at least one case for each interlock and limit."""
-    limits = robot.geometry.limits
+    # Tail first at full speed, so that the joint has no say.
+    yield from differential.cases(robot, Motion, WELL, spin=CLIMBER.spin, ahead=-1.0)
     for side in (-1.0, 1.0):
-        spin = side * SPIN * limits.turn_rate_rad_s
-        yield Case(
-            "turns too fast",
-            trips=Situation(body=replace(WELL, turn_rad_s=math.nextafter(spin, side * math.inf))),
-            spares=Situation(body=replace(WELL, turn_rad_s=spin)),
-            reason=f"the robot turns with {spin:.2f} rad/s, limit {limits.turn_rate_rad_s:.2f} rad/s",
-        )
-        yield _limited("speed limit", Motion(side * limits.speed_mps), Motion(side * JUST * limits.speed_mps))
-        yield _limited(
-            "turn rate limit",
-            Motion(turn_rad_s=side * limits.turn_rate_rad_s),
-            Motion(turn_rad_s=side * JUST * limits.turn_rate_rad_s),
-        )
-        # Tail first at full speed, so that the joint has no say.
-        turn = side * limits.sideways_mps2 / limits.speed_mps
-        yield _limited(
-            "sideways limit", Motion(-limits.speed_mps, turn), Motion(-limits.speed_mps, JUST * turn)
-        )
         yield from _at_the_joint(robot, side)
-    yield Case(
-        "turns too fast",
-        trips=Situation(body=replace(WELL, turn_rad_s=math.nan)),
-        spares=Situation(body=replace(WELL, speed_mps=limits.speed_mps)),
-        reason=f"the robot turns with nan rad/s, limit {limits.turn_rate_rad_s:.2f} rad/s",
-    )
-    speed, _ = ramp_of(robot).step((0.0, 0.0), (limits.speed_mps, 0.0), robot.cycle)
-    yield Case(
-        "acceleration limit",
-        trips=Situation(wish=Motion(2.0 * speed)),
-        spares=Situation(wish=Motion(speed)),
-        reason=(f"asked to go from 0.00 m/s and 0.00 rad/s to {2.0 * speed:.2f} m/s and 0.00 rad/s at once"),
-    )
     yield from _on_the_wall(robot)
     yield from _lost()
     yield from _bounded(robot)
@@ -189,19 +158,4 @@ def _coupled(robot: Robot[Geometry]) -> Iterator[Case]:
         spares=Situation(wish=back, demanded=back),
         reason="asked to turn with 0.10 rad/s: one shaft turns both wheels",
         robot=machine,
-    )
-
-
-def _limited(row: str, within: Motion, beyond: Motion) -> Case:
-    """Return the case of a limit that is passed at the pace that the robot has already."""
-    asked, allowed, unit = beyond.speed_mps, within.speed_mps, "m/s"
-    if row == "turn rate limit":
-        asked, allowed, unit = beyond.turn_rad_s, within.turn_rad_s, "rad/s"
-    elif row == "sideways limit":
-        allowed = within.speed_mps / JUST
-    return Case(
-        row,
-        trips=Situation(wish=beyond, demanded=within),
-        spares=Situation(wish=within, demanded=within),
-        reason=f"asked for {asked:.2f} {unit}, allowed is {allowed:.2f} {unit}",
     )

@@ -6,12 +6,12 @@ It makes wishes, as a stick does: interlocks, limits and ramp stand between it a
 import math
 from typing import Final
 
+from firmware_bridge.differential.geometry import Geometry
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.units import Nanoseconds
 
-from carrier.geometry import Geometry
 from carrier.motion import Motion, State
 
 FIGURE_EIGHT: Final = "figure_eight"

@@ -5,12 +5,12 @@ from pathlib import Path
 from typing import Final
 
 from firmware_bridge.kind import Kind
-from firmware_bridge.robots.climber.body import CHASSIS, GROUPS, Body, reach
+from firmware_bridge.robots.climber.body import CLIMBER
 from firmware_bridge.robots.climber.geometry import Geometry
 from firmware_bridge.robots.climber.guide import Follower
 from firmware_bridge.robots.climber.motion import Motion, State
 from firmware_bridge.robots.climber.paths import PATHS
-from firmware_bridge.robots.climber.rules import INTERLOCKS, LIMITS, slowed
+from firmware_bridge.robots.climber.rules import INTERLOCKS, LIMITS
 from firmware_bridge.robots.climber.station import STATION
 from firmware_bridge.robots.climber.surface import unrolled
 
@@ -20,17 +20,14 @@ KIND: Final[Kind[Geometry, Motion, State]] = Kind(
     more={"cameras": Path(__file__).with_name("cameras.toml")},
     geometry=Geometry,
     rest=Motion(),
-    numbers={
-        "speed": lambda motion: motion.speed_mps,
-        "turn rate": lambda motion: motion.turn_rad_s,
-    },
-    body=Body,
-    groups=GROUPS,
-    travelling=frozenset({CHASSIS}),
+    numbers=CLIMBER.numbers,
+    body=CLIMBER.body,
+    groups=CLIMBER.groups,
+    travelling=CLIMBER.travelling,
     interlocks=INTERLOCKS,
     limits=LIMITS,
-    slowed=slowed,
-    reach=reach,
+    slowed=CLIMBER.slowed,
+    reach=CLIMBER.reach,
     station=STATION,
     unrolled=lambda robot: partial(unrolled, robot.geometry),
     guides={name: partial(Follower, name=name) for name in PATHS},

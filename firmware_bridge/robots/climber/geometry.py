@@ -9,6 +9,7 @@ from typing import Annotated, Final, Self
 
 from pydantic import Field, model_validator
 
+from firmware_bridge.differential import geometry
 from firmware_bridge.motion.differential import DifferentialBase
 from firmware_bridge.robot.table import Finite, Positive, Table
 
@@ -139,14 +140,9 @@ class Wall(Table):
         return self
 
 
-class Limits(Table):
-    """What the interlocks hold, whatever the operator wishes."""
+class Limits(geometry.Limits):
+    """What the interlocks hold, and how high and low it may climb."""
 
-    speed_mps: Positive
-    acceleration_mps2: Positive
-    turn_rate_rad_s: Positive
-    turn_acceleration_rad_s2: Positive
-    sideways_mps2: Positive
     lowest_m: Finite
     """The height along the tank's axis, above where the robot is put on or as the cameras see it."""
     highest_m: Finite
@@ -179,7 +175,7 @@ class Paths(Table):
     """Of the circle."""
 
 
-class Geometry(Table):
+class Geometry(geometry.Geometry):
     """The robot, its tank, its limits, its control and its paths."""
 
     base: Base

@@ -17,10 +17,10 @@ the other way that decays. Nobody steers a robot whose wheels are coupled, and i
 import math
 from typing import Final
 
+from firmware_bridge.differential.body import ramp_of
 from firmware_bridge.motion.captured import Source
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.climber.body import ramp_of
 from firmware_bridge.robots.climber.geometry import Geometry
 from firmware_bridge.robots.climber.motion import Motion, State
 from firmware_bridge.robots.climber.paths import PATHS, Leg

@@ -1,22 +1,19 @@
 """The climber's own interlocks and limits, beside the common ones of `firmware_bridge.safety.common`."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Final, TypeAlias
 
+from firmware_bridge.differential.robot import CLEARS_AFTER
 from firmware_bridge.motion.captured import Source
-from firmware_bridge.motion.differential import fastest_in_turn
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.motion.ramp import MARGIN
-from firmware_bridge.robots.climber.body import ramp_of
+from firmware_bridge.robots.climber.body import CLIMBER
 from firmware_bridge.robots.climber.geometry import Geometry
 from firmware_bridge.robots.climber.motion import Motion, State
 from firmware_bridge.robots.climber.surface import placed
 from firmware_bridge.safety import interlock
-from firmware_bridge.safety.limits import bounded
 from firmware_bridge.safety.row import Severity
-from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 View: TypeAlias = interlock.View[Geometry, Motion, State]
 Interlock: TypeAlias = interlock.Interlock[Geometry, Motion, State]
@@ -24,19 +21,6 @@ Limit: TypeAlias = interlock.Limit[Geometry, Motion, State]
 
 ON_WALL: Final = 0.9
 """The share of the magnets' switches below which one is off."""
-SPIN: Final = 1.3
-"""A robot that turns faster than its limit by this factor turns as nobody asked it to."""
-CLEARS_AFTER: Final[Nanoseconds] = 300 * MILLISECOND
-SPEED_TOLERANCE: Final = 1e-4
-"""A step that the ramp shortens by less, in m/s or rad/s, is not reported."""
-
-
-def _turns_too_fast(view: View) -> str | None:
-    limit = view.geometry.limits.turn_rate_rad_s
-    turn = view.body.turn_rad_s
-    if abs(turn) <= (limit if view.holding else SPIN * limit):
-        return None
-    return f"the robot turns with {turn:.2f} rad/s, limit {limit:.2f} rad/s"
 
 
 def _pose_lost(view: View) -> str | None:
@@ -92,21 +76,8 @@ INTERLOCKS: Final = (
         severity=Severity.CRITICAL,
         blocks_arming=False,
     ),
-    Interlock(
-        "turns too fast",
-        _turns_too_fast,
-        "look for a wheel that slips or a drive that runs away, then arm",
-        clear_after=CLEARS_AFTER,
-        severity=Severity.CRITICAL,
-        disarms=True,
-    ),
+    CLIMBER.turns_too_fast,
 )
-
-
-def slowed(view: View, share: float) -> tuple[Motion, str | None]:
-    """Clip the speed to a share of its top; turning takes the robot nowhere."""
-    allowed, reason = bounded(view.allowed.speed_mps, share * view.geometry.limits.speed_mps, "m/s")
-    return replace(view.allowed, speed_mps=allowed), reason
 
 
 def _joint(view: View) -> tuple[Motion, str | None]:
@@ -191,44 +162,15 @@ def _coupled(view: View) -> tuple[Motion, str | None]:
     )
 
 
-def _turn(view: View) -> tuple[Motion, str | None]:
-    allowed, reason = bounded(view.allowed.turn_rad_s, view.geometry.limits.turn_rate_rad_s, "rad/s")
-    return replace(view.allowed, turn_rad_s=allowed), reason
-
-
-def _sideways(view: View) -> tuple[Motion, str | None]:
-    fastest = fastest_in_turn(view.allowed.turn_rad_s, view.geometry.limits.sideways_mps2)
-    allowed, reason = bounded(view.allowed.speed_mps, fastest, "m/s")
-    return replace(view.allowed, speed_mps=allowed), reason
-
-
-def _acceleration(view: View) -> tuple[Motion, str | None]:
-    """Clip nothing, the ramp does; say where it will take more than one cycle."""
-    demanded, asked = view.seen.demanded, view.allowed
-    speed, turn = ramp_of(view.robot).step(
-        (demanded.speed_mps, demanded.turn_rad_s), (asked.speed_mps, asked.turn_rad_s), view.robot.cycle
-    )
-    if abs(asked.speed_mps - speed) <= SPEED_TOLERANCE and abs(asked.turn_rad_s - turn) <= SPEED_TOLERANCE:
-        return asked, None
-    return asked, (
-        f"asked to go from {demanded.speed_mps:.2f} m/s and {demanded.turn_rad_s:.2f} rad/s "
-        f"to {asked.speed_mps:.2f} m/s and {asked.turn_rad_s:.2f} rad/s at once"
-    )
-
-
-def _limit(name: str, clip: Callable[[View], tuple[Motion, str | None]], remedy: str) -> Limit:
-    return Limit(name, clip, remedy, clear_after=CLEARS_AFTER)
-
-
 LIMITS: Final = (
-    _limit("speed limit", lambda view: slowed(view, 1.0), "ask for less speed"),
-    _limit("joint limit", _joint, "drive the other way, or turn round"),
-    _limit("coupled wheels", _coupled, "drive straight, nose first or tail first"),
-    _limit("height limit", _height, "drive the other way"),
-    _limit("adhesion limit", _adhesion, "drive down, or take weight off its cable"),
-    _limit("cable limit", _cable, "drive back, or give it a longer cable"),
-    _limit("turn rate limit", _turn, "turn more slowly"),
-    _limit("sideways limit", _sideways, "turn less or ask for less speed"),
-    _limit("acceleration limit", _acceleration, "change speed and turn more slowly"),
+    CLIMBER.speed_limit,
+    Limit("joint limit", _joint, "drive the other way, or turn round", clear_after=CLEARS_AFTER),
+    Limit("coupled wheels", _coupled, "drive straight, nose first or tail first", clear_after=CLEARS_AFTER),
+    Limit("height limit", _height, "drive the other way", clear_after=CLEARS_AFTER),
+    Limit("adhesion limit", _adhesion, "drive down, or take weight off its cable", clear_after=CLEARS_AFTER),
+    Limit("cable limit", _cable, "drive back, or give it a longer cable", clear_after=CLEARS_AFTER),
+    CLIMBER.turn_rate_limit,
+    CLIMBER.sideways_limit,
+    CLIMBER.acceleration_limit,
 )
 """Applied in this order; a later one sees what an earlier one left."""

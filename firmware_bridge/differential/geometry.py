@@ -1,4 +1,4 @@
-"""The robot's table of geometry and limits in its robot file."""
+"""The tables in the file of every robot with two driven wheels on one axle; a package may add to them."""
 
 from firmware_bridge.motion.differential import DifferentialBase
 from firmware_bridge.robot.table import Positive, Table
