@@ -1,1 +1,1 @@
-"""The simulation at the command line: what a command asks for; `*_work`, imported last, is what it does."""
+"""The simulation at the command line: a file for each command."""

@@ -1,10 +1,17 @@
 """`doctor`: what this machine has, what is missing, and how to mend it."""
 
+import json
 from typing import Annotated, Final
 
 import typer
 
 from firmware_bridge.cli.commands import command
+from firmware_bridge.cli.console import FAILED, say
+
+_STYLES: Final = {"ok": "green", "careful": "yellow", "missing": "yellow"}
+
+_NEEDED: Final = "red"
+
 
 EXAMPLES: Final = """Examples:
 
@@ -13,7 +20,7 @@ EXAMPLES: Final = """Examples:
 `firmware-bridge doctor --json > machine.json` for a bug report"""
 
 
-@command(EXAMPLES, work="emulators.cli.doctor_work:doctor")
+@command(EXAMPLES)
 def doctor(
     *, as_json: Annotated[bool, typer.Option("--json", help="For programs, and for bug reports.")] = False
 ) -> None:
@@ -23,3 +30,37 @@ def doctor(
     is opened. Exit status 1 where something is missing that nothing works without; what only some need, as a
     CAN interface, does not count.
     """
+    from rich.table import Table
+    from rich.text import Text
+
+    from emulators.doctor.gather import gather
+    from emulators.doctor.rows import ROWS, lacks
+    from firmware_bridge.cli.tables import terminal
+
+    facts = gather()
+    said = [(row, row.judge(facts)) for row in ROWS]
+    missing = lacks(facts)
+    if as_json:
+        rows = [
+            {
+                "looked_at": row.title,
+                "found": one.found,
+                "verdict": one.verdict.value,
+                "remedy": one.remedy,
+                "needed": row.needed,
+            }
+            for row, one in said
+        ]
+        say(json.dumps({"rows": rows, "missing": list(missing)}, indent=2))
+    else:
+        table = Table(title="this machine")
+        for heading in ("looked at", "found", "", "how to mend it"):
+            table.add_column(heading, overflow="fold")
+        for row, one in said:
+            style = _NEEDED if row.title in missing else _STYLES[one.verdict.value]
+            verdict = Text(one.verdict.value, style)
+            table.add_row(Text(row.title), Text(one.found), verdict, Text(one.remedy))
+        terminal().print(table)
+        say(f"needed, and missing: {', '.join(missing)}" if missing else "nothing that is needed is missing")
+    if missing:
+        raise typer.Exit(FAILED)

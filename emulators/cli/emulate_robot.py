@@ -1,12 +1,15 @@
 """A robot's drives and plant on a real bus, at the command line: `emulate ROBOT`."""
 
+import re
 from dataclasses import dataclass
-from typing import Annotated, Final
+from functools import partial
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from emulators.cli.options import LatencyOption, ParametersOption, PlantOption
+from emulators.cli.options import LatencyOption, ParametersOption, PlantOption, parameter_file
 from firmware_bridge.cli.commands import command
+from firmware_bridge.cli.console import one_message, refusal, say
 from firmware_bridge.cli.options import (
     DurationOption,
     EncodersOption,
@@ -14,9 +17,24 @@ from firmware_bridge.cli.options import (
     RobotArgument,
     RobotBitRateOption,
     Spoken,
+    generation_of,
+    until,
 )
 from firmware_bridge.cli.outside import Outside
-from firmware_bridge.cli.recorded import RecordOption
+from firmware_bridge.cli.recorded import RecordOption, recording
+from firmware_bridge.node import CAN, SERIAL, Node
+from firmware_bridge.shell.black_box import CAN_LOG, SERIAL_LOG
+from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from emulators.epos2.objects.saved_parameters import Storage
+    from firmware_bridge.cli.links import Openers
+    from firmware_bridge.cli.places import Place
+    from firmware_bridge.robot import AnyRobot, Axis
+    from firmware_bridge.shell.ports import Port
+
 
 EXAMPLES: Final = """Examples:
 
@@ -74,4 +92,191 @@ class RobotOptions(Outside):
     duration: DurationOption = None
 
 
-emulate: Final = command(EXAMPLES, work="emulators.cli.emulate_robot_work:emulate")(RobotOptions)
+def run(given: RobotOptions) -> None:
+    """Do what `emulate ROBOT` says; what is wrong ends the program with a message."""
+    from firmware_bridge.cli.robot_argument import find_robot
+
+    machine = find_robot(given.robot)
+    if machine.shield_links or machine.ar2_links:
+        emulate_board(machine, given)
+    else:
+        emulate_drives(machine, given)
+
+
+def emulate_board(machine: "AnyRobot", given: RobotOptions) -> None:
+    """Put a robot's boards on serial lines, with its plant at the shield's terminals, or on its pulses."""
+    from emulators.captured import TRUTH
+    from emulators.cli.beginning import tell_of_beginning
+    from emulators.cli.cameras import beside_boards, cameras_of
+    from emulators.devices import devices
+    from emulators.servo.bank import ServoError
+    from firmware_bridge.cli.real_time import carry
+    from firmware_bridge.drivers.shield.fleet import over_protocol
+    from firmware_bridge.robot import RobotFileError
+    from firmware_bridge.shell.clock import LivedClock
+    from firmware_bridge.shell.ports import PortError
+    from fmu.errors import PlantError
+
+    with one_message(RobotFileError, PlantError):
+        spoken = None if given.protocol is None else given.protocol.value
+        machine = over_protocol(machine, spoken, given.encoders)
+        tell_of_beginning(machine, given.plant)
+        emulated = devices(machine, given.plant, optional=TRUTH if machine.capture_links else ())
+        cameras = cameras_of(machine, emulated)
+    alone = len(emulated.boards) == 1
+    links = {name: SERIAL if alone else name for name in emulated.boards}
+    node = beside_boards(emulated.boards, links, cameras)
+    files = {link: SERIAL_LOG if alone else f"{name}-{SERIAL_LOG}" for name, link in links.items()}
+    with recording(given.record, files) as (around, _):
+        with one_message(PortError):
+            lines = {name: _line_of(machine, name, given, alone=alone) for name in links}
+        of_boards = (f"{'' if alone else f'{name} on '}{line.name}" for name, line in lines.items())
+        spoken_there = ", ".join(_spoken(machine, name) for name in links)
+        carry(
+            around(node),
+            {**{links[name]: partial(_same, line) for name, line in lines.items()}, **cameras.openers},
+            until(given.duration),
+            f"{machine.name} is on {', '.join((*of_boards, *cameras.where))}: {spoken_there}",
+            PlantError,
+            ServoError,
+            clock=LivedClock(),
+        )
+
+
+def _same(port: "Port") -> "Port":
+    """Return what was opened already, because its name is found out only then."""
+    return port
+
+
+def _line_of(machine: "AnyRobot", name: str, given: RobotOptions, *, alone: bool) -> "Port":
+    """Open the line to a board; where there are several each has a pseudo-terminal of its own. PortError."""
+    from firmware_bridge.cli.links import open_serial
+    from firmware_bridge.robot.settings.shield import ShieldLink
+    from firmware_bridge.shell.ports import PortError
+    from firmware_bridge.shell.ports.pseudo_terminal import WORD
+
+    table = machine.links[name]
+    rate = table.line_rate if isinstance(table, ShieldLink) else machine.ar2_link(name).line_rate
+    link, device = given.serial_link, given.serial or WORD
+    if alone:
+        return open_serial(device, rate, link)
+    if device != WORD:
+        raise PortError(f"--serial {device}: {machine.name} has several boards; say --serial {WORD}")
+    return open_serial(device, rate, None if link is None else link.with_name(f"{link.name}-{name}"))
+
+
+def _spoken(machine: "AnyRobot", name: str) -> str:
+    """Return what a board speaks."""
+    from firmware_bridge.robot.settings.shield import ShieldLink
+
+    table = machine.links[name]
+    if not isinstance(table, ShieldLink):
+        return machine.ar2_link(name).protocol.value
+    return f"{table.protocol.value}, {table.counted} encoders{'' if table.stock else ', not stock'}"
+
+
+def emulate_drives(machine: "AnyRobot", given: RobotOptions) -> None:
+    """Put a robot's drives on a bus, a serial line, or both."""
+    from emulators.captured import TRUTH
+    from emulators.cli.beginning import tell_of_beginning
+    from emulators.cli.cameras import cameras_of
+    from emulators.devices import devices
+    from emulators.epos2.objects.saved_parameters import StorageError
+    from emulators.epos2.serial.serial_drive import baud_of
+    from emulators.gateway import Cluster
+    from emulators.servo.bank import ServoError
+    from firmware_bridge.cli.links import on_the_line
+    from firmware_bridge.cli.real_time import carry
+    from firmware_bridge.robot import RobotFileError
+    from firmware_bridge.shell.clock import LivedClock
+    from fmu.errors import PlantError
+
+    protocol = generation_of(given.protocol)
+    cuts = [_cut(machine, text) for text in given.silence or ()]
+    near = on_the_line(given, [axis.epos2.node for axis in machine.axes])
+    if given.link is None and len(machine.epos2_links) > 1 and given.serial is not None:
+        raise refusal("--serial is of a robot with one link; here only --link NAME=INTERFACE:CHANNEL works")
+    with one_message(RobotFileError, PlantError, ServoError, StorageError):
+        tell_of_beginning(machine, given.plant)
+        owner = next(axis.name for axis in machine.axes if axis.epos2.node == near)
+        emulated = devices(
+            machine,
+            given.plant,
+            optional=TRUTH if machine.capture_links else (),
+            realistic_latency=given.realistic_latency,
+            serial={} if given.serial is None else {owner: protocol},
+            storages={axis.name: _storage(axis, given) for axis in machine.axes},
+        )
+        cameras = cameras_of(machine, emulated)
+    outer = {axis.name: {CAN: axis.link if len(machine.epos2_links) > 1 else CAN} for axis in machine.axes}
+    outer[owner] = {**outer[owner], SERIAL: SERIAL}
+    members: dict[str, Node] = {**emulated.drives, **cameras.members}
+    cluster = Cluster(members, cameras.physics, links={**outer, **cameras.links})
+    for name, at in cuts:
+        cluster.silence(name, at)
+        say(f"'{name}' falls silent after {to_seconds(at):g} s")
+    nodes = ", ".join(f"{axis.epos2.node} {axis.title}" for axis in machine.axes)
+    files = dict.fromkeys((CAN, *machine.links), CAN_LOG) | {SERIAL: SERIAL_LOG}
+    with recording(given.record, files) as (around, _):
+        openers, where = _outside(machine, baud_of(emulated.drives[owner]), given)
+        carry(
+            around(cluster),
+            {**openers, **cameras.openers},
+            until(given.duration),
+            f"{machine.name} is on {', '.join((where, *cameras.where))}: {nodes}",
+            PlantError,
+            ServoError,
+            clock=LivedClock(),
+        )
+
+
+def _storage(axis: "Axis", given: RobotOptions) -> "Storage":
+    """Return where a drive finds its parameters at power-on: saved, the robot file's or the factory's."""
+    from emulators.epos2.objects.saved_parameters import Volatile
+    from emulators.storage import Commissioned, ParameterFile
+    from firmware_bridge.drivers.epos2.setup import commissioned
+
+    folder = given.parameters
+    kept: Storage = Volatile() if folder is None else ParameterFile(parameter_file(folder, axis.epos2.node))
+    if given.factory:
+        return kept
+    return Commissioned({row.address: row.value for row in commissioned(axis)}, kept)
+
+
+def _outside(machine: "AnyRobot", baud: int, given: RobotOptions) -> "tuple[Openers, str]":
+    """Return what opens each link, and how they are called in words."""
+    from firmware_bridge.cli.links import opened
+    from firmware_bridge.cli.places import Place, places_of
+
+    single = len(machine.epos2_links) == 1
+    if single and not given.link:
+        return opened(
+            given, generation_of(given.protocol), baud, next(iter(machine.epos2_links.values())).bit_rate
+        )
+    places = places_of(machine, given.link, Place(given.interface, given.channel, given.serial))
+    openers = {CAN if single else name: _opener(machine, name, place) for name, place in places.items()}
+    return openers, ", ".join(f"{place.title} ({name})" for name, place in places.items())
+
+
+def _opener(machine: "AnyRobot", name: str, place: "Place") -> "Callable[[], Port]":
+    from firmware_bridge.shell.ports import open_can
+
+    if place.device is not None:
+        raise refusal(f"--link {name}: emulated drives of a robot are put on CAN here; say INTERFACE:CHANNEL")
+    rate = machine.epos2_link(name).bit_rate
+    return lambda: open_can(place.interface, place.channel, None, default_bit_rate=rate)
+
+
+def _cut(robot: "AnyRobot", text: str) -> tuple[str, Nanoseconds]:
+    """Read NODE@SECONDS, where the node may be a number or the name of an axis."""
+    node, _, seconds = text.partition("@")
+    for axis in robot.axes:
+        if node in {str(axis.epos2.node), axis.name}:
+            if not re.fullmatch(r"\d+(\.\d+)?", seconds):
+                raise refusal(f"--silence {text}: say NODE@SECONDS, as {axis.epos2.node}@10")
+            return axis.name, from_seconds(float(seconds))
+    known = ", ".join(f"{axis.epos2.node} ({axis.name})" for axis in robot.axes)
+    raise refusal(f"--silence {text}: {robot.name} has no node '{node}'; it has {known}")
+
+
+emulate: Final = command(EXAMPLES, work=run)(RobotOptions)

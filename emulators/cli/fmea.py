@@ -1,15 +1,24 @@
 """`fmea`: every failure in every state of a robot, at the command line."""
 
 import os
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
 from firmware_bridge.cli.commands import command
+from firmware_bridge.cli.console import FAILED, one_message, refusal, say, written_by
 from firmware_bridge.cli.options import EncodersOption, FirmwareOption, RobotArgument
 from firmware_bridge.wire.maxon.frame import Generation
+
+if TYPE_CHECKING:
+    from emulators.fmea.matrix import Cell
+    from firmware_bridge.robot import AnyRobot
+
 
 EXAMPLES: Final = """Examples:
 
@@ -53,4 +62,93 @@ class FmeaOptions:
     encoders: EncodersOption = None
 
 
-fmea: Final = command(EXAMPLES, work="emulators.cli.fmea_work:fmea")(FmeaOptions)
+LINES: Final = 20
+"""So many cells are told at the terminal; the page has them all."""
+
+
+def run(given: FmeaOptions) -> None:
+    """Do what `fmea` says; what is wrong ends the program with a message."""
+    from emulators.bench.faults import KINDS
+    from emulators.cli.beginning import tell_of_beginning
+    from emulators.fmea.matrix import all_failures, matrix, state_names
+    from emulators.fmea.report import as_csv, as_page, wrongs
+    from emulators.progress_bar import progress_bar
+    from emulators.servo.bank import ServoError
+    from emulators.testing.errors import RigError
+    from firmware_bridge.drivers.epos2.serial.plan import PlanError
+    from firmware_bridge.drivers.shield.plan import ShieldPlanError
+    from firmware_bridge.robot import RobotFileError
+    from fmu.errors import PlantError
+
+    made = partial(_machine, given.robot, given.serial, given.protocol, given.encoders)
+    with (
+        one_message(
+            RobotFileError, PlanError, ShieldPlanError, PlantError, ServoError, LookupError, RigError
+        ),
+        written_by("--out"),
+    ):
+        machine = made()
+        tell_of_beginning(machine, None)
+        failures = all_failures(machine, _known("fault", given.faults or [], list(KINDS)))
+        states = state_names(machine)
+        chosen = _known("state", given.states or [], states) or states
+        if not failures:
+            raise refusal(f"{machine.name} cannot have these faults")
+        with progress_bar() as bar:
+            task = bar.add_task(f"{machine.name}, {len(failures)} failures", total=len(chosen))
+            cells = matrix(made, chosen, failures, given.jobs, lambda _: bar.advance(task))
+        if given.out is not None:
+            given.out.mkdir(parents=True, exist_ok=True)
+            (given.out / "fmea.csv").write_text(as_csv(cells), encoding="utf-8")
+            (given.out / "fmea.html").write_text(as_page(machine.name, cells), encoding="utf-8")
+    _show(cells, len(failures))
+    if given.out is not None:
+        say(f"results: {given.out}/")
+    wrong = list(wrongs(cells))
+    if wrong:
+        more = f"\nand {len(wrong) - LINES} more" if len(wrong) > LINES else ""
+        raise refusal("\n".join(wrong[:LINES]) + more, FAILED)
+
+
+def _machine(robot: str, serial: Generation | None, protocol: str | None, encoders: int | None) -> "AnyRobot":
+    from emulators.cli.fitted import linked
+    from firmware_bridge.cli.robot_argument import find_robot
+
+    return linked(find_robot(robot), serial, protocol, encoders)
+
+
+def _known(what: str, told: Sequence[str], known: Sequence[str]) -> tuple[str, ...]:
+    from firmware_bridge.robot.problems import near
+
+    for one in told:
+        if one not in known:
+            raise refusal(f"no such {what} as '{one}'; {near(one, list(known), most=len(known))}")
+    return tuple(told)
+
+
+def _show(cells: "Sequence[Cell]", failures: int) -> None:
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+
+    from emulators.fmea.effect import Verdict
+    from firmware_bridge.cli.tables import terminal
+
+    verdicts = [it for it in Verdict if any(cell.effect.verdict is it for cell in cells)]
+    table = Table(box=SIMPLE_HEAD, title=f"{failures} failures")
+    table.add_column("state")
+    for verdict in verdicts:
+        table.add_column(verdict, justify="right")
+    counted: dict[str, Counter[Verdict]] = {}
+    for cell in cells:
+        counted.setdefault(cell.state, Counter())[cell.effect.verdict] += 1
+    for state, of in counted.items():
+        table.add_row(state, *(str(of[it]) for it in verdicts))
+    terminal().print(table)
+    excused = Counter(
+        cell.why for cell in cells if cell.why and cell.effect.verdict in {Verdict.MISSED, Verdict.LATE}
+    )
+    for why, count in excused.items():
+        say(f"  {count}: {why}")
+
+
+fmea: Final = command(EXAMPLES, work=run)(FmeaOptions)

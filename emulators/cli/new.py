@@ -1,11 +1,26 @@
 """`new`: a package for a robot of one's own, at the command line."""
 
+import keyword
+import math
+import re
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Final
 
 import typer
 
+from firmware_bridge import kinds as installed
 from firmware_bridge.cli.commands import command, completing
+from firmware_bridge.cli.console import one_message, say, written_by
+
+NAME: Final = re.compile(r"[a-z][a-z0-9_]{0,19}")
+
+WHEELS: Final = 2
+
+NODES: Final = range(1, 128)
+
+ENCODER_LINES: Final = range(16, 2_500_001)
+
 
 EXAMPLES: Final = """Example:
 
@@ -18,7 +33,7 @@ EXAMPLES: Final = """Example:
 TWO: Final = "LEFT,RIGHT"
 
 
-@command(EXAMPLES, work="emulators.cli.new_work:new")
+@command(EXAMPLES)
 def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help="The robot's, its package's and its kind's.")],
     *,
@@ -69,3 +84,112 @@ def new(
     The gains are worked out from the motor's data and the mass. Look at each number marked ASSUME before the
     real robot moves.
     """
+    from emulators.starter import motors
+    from emulators.starter.motors import MotorError
+    from emulators.starter.numbers import Specification, SpecificationError
+    from emulators.starter.package import kinds, write
+    from firmware_bridge.robot.settings.epos2 import Epos2Device
+
+    target = folder or Path(name)
+    with one_message(SpecificationError, MotorError):
+        types = [one.value for one in Epos2Device]
+        _free(name)
+        told = Specification(
+            kind=_known("--kind", "kind", kind, kinds()),
+            name=name,
+            nodes=_nodes(nodes),
+            axes=_axes(axes),
+            device=Epos2Device(_known("--device", "EPOS2", device, types)),
+            motor=motors.motor(motor),
+            encoder_lines=_lines(encoder_lines),
+            wheel_radius_m=_positive("--wheel-radius", wheel_radius),
+            track_m=_positive("--track", track),
+            gear=_positive("--gear", gear),
+            mass_kg=_positive("--mass", mass),
+            voltage_v=_positive("--voltage", voltage),
+            speed_mps=_positive("--speed", speed),
+            acceleration_mps2=_positive("--acceleration", acceleration),
+            turn_rate_rad_s=_positive("--turn-rate", turn_rate),
+        )
+        with written_by("--dir"):
+            paths = write(told, target)
+    say(f"{target}: {len(paths)} files; look at each ASSUME in {name}/{name}.toml before the robot moves")
+    say(f"next: pip install -e {target}")
+    say(f"then: firmware-bridge bench {name}")
+
+
+def _known(option: str, what: str, name: str, known: list[str]) -> str:
+    from emulators.starter.numbers import SpecificationError
+    from firmware_bridge.robot.problems import near
+
+    if name not in known:
+        raise SpecificationError(f"{option}: no {what} '{name}'; {near(name, known)}")
+    return name
+
+
+def _positive(option: str, value: float) -> float:
+    from emulators.starter.numbers import SpecificationError
+
+    if not 0.0 < value < math.inf:
+        raise SpecificationError(f"{option} must be positive, not {value:g}")
+    return value
+
+
+def _lines(encoder_lines: int) -> int:
+    from emulators.starter.numbers import SpecificationError
+
+    if encoder_lines not in ENCODER_LINES:
+        raise SpecificationError(f"--encoder-lines must be 16 to 2500000, not {encoder_lines}")
+    return encoder_lines
+
+
+def _nodes(words: str) -> tuple[int, int]:
+    from emulators.starter.numbers import SpecificationError
+
+    left, right = _two("--nodes", words)
+    for node in (left, right):
+        if not node.isdecimal() or int(node) not in NODES:
+            raise SpecificationError(f"--nodes: a CANopen node is a number from 1 to 127, not '{node}'")
+    return int(left), int(right)
+
+
+def _axes(words: str) -> tuple[str, str]:
+    named = _two("--axes", words)
+    for axis in named:
+        _usable("--axes", axis)
+    return named
+
+
+def _free(name: str) -> None:
+    """Refuse a name that Python, or an installed package, has already."""
+    from emulators.starter.numbers import SpecificationError
+    from fmu import plants
+
+    _usable("NAME", name)
+    if name in installed.names():
+        raise SpecificationError(f"NAME: the robot '{name}' is installed already; take another name")
+    if name in plants.names():
+        raise SpecificationError(f"NAME: the plant '{name}' is installed already; take another name")
+    if find_spec(name) is not None:
+        raise SpecificationError(f"NAME: there is a Python package '{name}' already; take another name")
+
+
+def _usable(option: str, name: str) -> None:
+    from emulators.starter.numbers import SpecificationError
+
+    if NAME.fullmatch(name) is None or keyword.iskeyword(name):
+        raise SpecificationError(
+            f"{option}: '{name}' is no name: small letters, digits and _, a letter first, at most 20"
+        )
+
+
+def _two(option: str, words: str) -> tuple[str, str]:
+    """Return the left and the right word."""
+    from emulators.starter.numbers import SpecificationError
+
+    found = [word.strip() for word in words.split(",")]
+    if len(found) != WHEELS:
+        raise SpecificationError(f"{option}: two with a comma between, left and right, not '{words}'")
+    if found[0] == found[1]:
+        raise SpecificationError(f"{option}: '{found[0]}' stands twice; each wheel has its own")
+    return found[0], found[1]

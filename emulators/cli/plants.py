@@ -1,11 +1,18 @@
 """The plants' commands: `fmu list`, `fmu build`, `fmu check`."""
 
 from pathlib import Path
-from typing import Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
+from firmware_bridge import kinds
 from firmware_bridge.cli.commands import command, completing
+from firmware_bridge.cli.console import FAILED, one_message, say
+
+if TYPE_CHECKING:
+    from firmware_bridge.robot import AnyRobot
+    from fmu.check import Findings
+
 
 LIST_EXAMPLE: Final = "Example: `firmware-bridge fmu list`"
 BUILD_EXAMPLES: Final = """Examples:
@@ -16,12 +23,39 @@ BUILD_EXAMPLES: Final = """Examples:
 CHECK_EXAMPLE: Final = "Example: `firmware-bridge fmu check my_plant.fmu`"
 
 
-@command(LIST_EXAMPLE, work="emulators.cli.plants_work:list_models")
+@command(LIST_EXAMPLE)
 def list_models() -> None:
     """List the models that can be built."""
+    from rich.table import Table
+
+    from firmware_bridge.cli.tables import terminal
+    from fmu.errors import PlantError
+    from fmu.plants import find, names
+
+    table = Table(title="plants")
+    for heading in ("model", "what it is", "states", "inputs", "outputs", "parameters", "robots"):
+        table.add_column(heading, overflow="fold")
+    robots = [kinds.find(name) for name in kinds.names()]
+    failed = False
+    for name in names():
+        try:
+            model = find(name).model()
+        except PlantError as error:
+            # A stranger's mistake hides no other plant.
+            table.add_row(name, str(error), *["-"] * 5)
+            failed = True
+        else:
+            outputs = sum(not row.local for row in model.outputs)
+            used = ", ".join(robot.name for robot in robots if robot.plant.fmu == name) or "none"
+            counts = (len(model.states), len(model.inputs), outputs, len(model.parameters))
+            table.add_row(name, model.description, *map(str, counts), used)
+    terminal().print(table)
+    if failed:
+        raise typer.Exit(FAILED)
+    say("each as FMI 2.0 or 3.0, with co-simulation and model exchange in one file")
 
 
-@command(BUILD_EXAMPLES, work="emulators.cli.plants_build:build_model")
+@command(BUILD_EXAMPLES)
 def build_model(
     model: Annotated[
         str,
@@ -43,11 +77,75 @@ def build_model(
     It holds a binary for this machine, and for Linux and Windows on x86-64 and Linux on ARM where their
     compilers are.
     """
+    from fmu.build import place
+    from fmu.errors import PlantError
+    from fmu.platforms import here, reachable
+
+    target = out or Path(f"{model}.fmu")
+    others, missing = reachable()
+    with one_message(PlantError, OSError):
+        place(model, fmi, target, others)
+        size = target.stat().st_size
+    say(f"{target}: {model}, FMI {fmi}.0, co-simulation and model exchange, {size // 1024} KiB")
+    say(f"binaries: {', '.join(one.name for one in (here(), *others))}")
+    for one in missing:
+        lacks = f"no {one.compiler} here (Debian's {one.package})"
+        say(f"no binary for {one.name}: {lacks}; its sources build there")
 
 
-@command(CHECK_EXAMPLE, work="emulators.cli.plants_work:check")
+@command(CHECK_EXAMPLE)
 def check(file: Annotated[Path, typer.Argument(metavar="FILE", help="An FMU, whoever made it.")]) -> None:
     """Check whether an FMU is valid, starts, computes the right bits, and fits a robot on the bench.
 
     Exit status 0: it does; 1: it has problems; 2: it cannot be read.
     """
+    from fmu.check import examine
+    from fmu.errors import PlantError
+    from fmu.plants import names
+    from fmu.verify import Verdict
+
+    bits = {
+        Verdict.SAME: "those that its equations give, in a run of its own",
+        Verdict.OTHER: "others than its equations give",
+        Verdict.NONE: "not compared: the FMU carries no fingerprint of ours that fits its variables",
+    }
+    with one_message(PlantError):
+        found = examine(file)
+    lacking = {robot.name: _lacking(robot, found) for robot in map(kinds.find, kinds.names())}
+    fits = [name for name, reasons in lacking.items() if not reasons]
+    # A model of ours may be made for something else than the bench of a robot.
+    needed = not fits and found.model not in names()
+    problems = [*found.problems, *(reason for reasons in lacking.values() for reason in reasons if needed)]
+    rows = {
+        "model": f"{found.model}, {found.variables} variables",
+        "FMI": f"{found.version}, {' and '.join(found.interfaces) or 'no interface'}",
+        "description": _said(len(found.description), "valid"),
+        "start": "fails" if found.start else "loads, initialises, takes a step",
+        "bits": bits[found.fingerprint],
+        "fits": ", ".join(fits) or f"no robot ({', '.join(lacking)})",
+    }
+    for name, value in rows.items():
+        say(f"{name + ':':<13}{value}")
+    for problem in dict.fromkeys(problems):
+        say(f"problem: {problem}", err=True)
+    if problems:
+        raise typer.Exit(FAILED)
+
+
+def _lacking(robot: "AnyRobot", found: "Findings") -> tuple[str, ...]:
+    from emulators.bench.rehearsal import rehearsal_of
+    from emulators.devices import SUPPLY
+    from emulators.servo.bank import plant_inputs, plant_outputs
+    from fmu.interface import units
+
+    axes = [axis.name for axis in robot.axes]
+    wanted = [column.plant for column in rehearsal_of(robot).columns if column.plant]
+    outputs = dict.fromkeys((*plant_outputs(axes), SUPPLY, *wanted))
+    reasons = found.lacking(plant_inputs(axes), tuple(outputs), units(axes))
+    if "co-simulation" not in found.interfaces:
+        return (*reasons, "it offers no co-simulation; export it with its solver")
+    return reasons
+
+
+def _said(count: int, good: str) -> str:
+    return good if not count else "1 problem" if count == 1 else f"{count} problems"

@@ -65,13 +65,12 @@ class Promised(TyperCommand):
 
 
 def command(
-    examples: str, *, kind: type[TyperCommand] = TyperCommand, work: str | None = None
+    examples: str, *, kind: type[TyperCommand] = TyperCommand, work: Callable[[Any], None] | None = None
 ) -> Callable[[Callable[..., Any]], TyperCommand]:
     """Make a command of a function: its parameters are the options, its docstring is the help.
 
-    `work` is "module:function" of what is imported and done when all words are understood, with the same
-    parameters, where that needs much that help and mistakes do not need. In the place of a function may then
-    stand a dataclass, which says the options once: `work` takes one.
+    In the place of a function may stand a dataclass, which says the options once: `work` takes one, when all
+    words are understood. What help and mistakes do not need, a command imports where it is used.
     """
 
     def made(function: Callable[..., Any]) -> TyperCommand:
@@ -102,13 +101,10 @@ def completing(place: str) -> Callable[[], list[str]]:
     return words
 
 
-def _worked(asked: Callable[..., Any], work: str) -> Callable[..., None]:
+def _worked(asked: Callable[..., Any], work: Callable[[Any], None]) -> Callable[..., None]:
     @wraps(asked, updated=())
     def called(**given: Any) -> None:
-        if isinstance(asked, type):
-            imported(work)(asked(**given))
-        else:
-            imported(work)(**given)
+        work(asked(**given))
 
     return called
 
@@ -185,7 +181,7 @@ def installed() -> Iterable[Row]:
     A package that cannot be imported must not keep the bridge from running: it is named and left out.
     """
     # To read what is installed takes as long as a stop may.
-    from importlib import metadata  # noqa: PLC0415 - see above
+    from importlib import metadata
 
     for entry in sorted(metadata.entry_points(group=COMMAND_GROUP), key=lambda entry: entry.name):
         try:

@@ -1,19 +1,34 @@
 """`monitor`: a CAN bus in words, live or from a recording, without a frame of one's own."""
 
+import gzip
+import lzma
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass
+from itertools import chain, islice
 from pathlib import Path
-from typing import Annotated, Final
+from typing import IO, TYPE_CHECKING, Annotated, Final, TypeAlias
 
 import typer
 
 from firmware_bridge.cli.commands import command, completing
+from firmware_bridge.cli.console import WRONG_INPUT, refusal, say
 from firmware_bridge.cli.options import (
     ChannelOption,
     DurationOption,
     FirmwareOption,
     InterfaceOption,
     RobotBitRateOption,
+    until,
 )
+from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.shell import can_files
+from firmware_bridge.units import MILLISECOND, Nanoseconds
+
+if TYPE_CHECKING:
+    from firmware_bridge.dissector.bus_picture import BusPicture
+
 
 EXAMPLES: Final = """Examples:
 
@@ -70,4 +85,202 @@ class MonitorOptions:
     duration: DurationOption = None
 
 
-monitor: Final = command(EXAMPLES, work="firmware_bridge.cli.monitor_work:monitor")(MonitorOptions)
+DRAW_EVERY: Final[Nanoseconds] = 250 * MILLISECOND
+
+BIT_RATE: Final = 1_000_000
+"""Bits a second, where neither the robot file nor an option tells them."""
+
+_OPENERS: Final[Mapping[str, Callable[..., IO[str]]]] = {".gz": gzip.open, ".xz": lzma.open}
+
+_Frame: TypeAlias = tuple[Nanoseconds, str, Packet]
+"""Instant, bus, frame."""
+
+_Tell: TypeAlias = Callable[[tuple[str, ...]], None]
+
+
+class Listening:
+    """A node that hears everything and says nothing."""
+
+    def __init__(self, picture: "BusPicture", tell: _Tell, draw: Callable[[], None]) -> None:
+        self._picture = picture
+        self._tell = tell
+        self._draw = draw
+        self._draw_at: Nanoseconds = 0
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        """Take a frame."""
+        self._tell(self._picture.note(now, packet))
+        return Reaction((), self._draw_at)
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        """Draw the picture, and again a little later."""
+        self._tell(self._picture.pass_time(now))
+        self._draw()
+        self._draw_at = now + DRAW_EVERY
+        return Reaction((), self._draw_at)
+
+
+def run(given: MonitorOptions) -> None:
+    """Do what `monitor` says; what is wrong ends the program with a message."""
+    from firmware_bridge.recording import is_chunk
+
+    if given.log is None:
+        _live(given, _picture(given))
+        return
+    if given.interface is not None or given.duration is not None:
+        raise refusal("--log: a recording has no interface and no duration; leave out -i and --duration")
+    if can_files.is_foreign(given.log):
+        _tell_frames(given, _foreign(given.log))
+        return
+    lines = _numbered(given.log)
+    first = list(islice(lines, 1))
+    if first and is_chunk(first[0][1]):
+        _tell_lines(given, given.log, chain(first, lines))
+        return
+    _tell_frames(given, _candump(given.log, chain(first, lines)))
+
+
+def _tell_frames(given: MonitorOptions, frames: Iterator[_Frame]) -> None:
+    """Draw what a bus has carried."""
+    from firmware_bridge.cli.monitor_table import drawn
+    from firmware_bridge.cli.tables import terminal
+
+    picture = _picture(given)
+    for at, packet in _of_one_bus(str(given.log), given.channel, frames):
+        picture.note(at, packet)
+    terminal().print(drawn(picture))
+
+
+def _tell_lines(given: MonitorOptions, log: Path, lines: Iterator[tuple[int, str]]) -> None:
+    """Say in words what lines have carried."""
+    if given.robot is None:
+        raise refusal(f"{log}: holds the bytes of lines; say whose with --robot, as its protocols read them")
+    # With it come pydantic and every installed robot.
+    from firmware_bridge.cli.monitor_lines import LinesOrder, tell_lines
+
+    tell_lines(LinesOrder(log, given.robot, given.protocol, given.channel), lines)
+
+
+def _live(given: MonitorOptions, picture: "BusPicture") -> None:
+    from rich.live import Live
+
+    from firmware_bridge.cli.monitor_table import drawn
+    from firmware_bridge.cli.real_time import carry
+    from firmware_bridge.cli.tables import terminal
+    from firmware_bridge.node import CAN
+    from firmware_bridge.shell.ports import open_can
+
+    with ExitStack() as stack:
+        if on_a_terminal():
+            shown = stack.enter_context(Live(console=terminal(), auto_refresh=False))
+            node = Listening(picture, lambda _: None, lambda: shown.update(drawn(picture), refresh=True))
+        else:
+            stack.callback(_at_the_end, picture)
+            node = Listening(picture, lambda texts: _lines(picture, texts), lambda: None)
+        carry(
+            node,
+            {CAN: lambda: open_can(given.interface, given.channel, picture.bit_rate)},
+            until(given.duration),
+            f"listening on {given.channel or 'the configured bus'}",
+        )
+
+
+def _at_the_end(picture: "BusPicture") -> None:
+    """Print what was heard, also where the bus was lost; an empty table would hide the message."""
+    from firmware_bridge.cli.monitor_table import drawn
+    from firmware_bridge.cli.tables import terminal
+
+    if picture.frames:
+        terminal().print(drawn(picture))
+    elif sys.exc_info()[0] is None:
+        say("nothing was heard")
+
+
+def on_a_terminal() -> bool:
+    """Whether what is printed is seen by a person, now."""
+    return sys.stdout.isatty()
+
+
+def _lines(picture: "BusPicture", texts: tuple[str, ...]) -> None:
+    from firmware_bridge.cli.monitor_table import instant
+
+    for text in texts:
+        say(f"{instant(picture, picture.now)}  {text}")
+
+
+def _picture(given: MonitorOptions) -> "BusPicture":
+    """Return a picture of nothing heard yet; with the drives of a robot where one was named."""
+    from firmware_bridge.dissector.bus_picture import BusPicture
+
+    if given.robot is None:
+        if given.link is not None:
+            raise refusal(f"--link {given.link}: only a robot has links; say --robot, too")
+        return BusPicture(given.bit_rate or BIT_RATE)
+    # With them come pydantic and every installed robot.
+    from firmware_bridge.cli.robot_argument import find_robot
+    from firmware_bridge.dissector.robot_mapping import can_links, expected_on
+
+    robot = find_robot(given.robot)
+    links = can_links(robot)
+    if not links:
+        raise refusal(f"--robot {given.robot}: {robot.name} has no drives on a CAN bus; leave --robot out")
+    link = links[0] if given.link is None and len(links) == 1 else given.link
+    if link not in links:
+        raise refusal(f"{robot.name} is on these buses: {', '.join(links)}; say which one with --link")
+    return BusPicture(given.bit_rate or robot.epos2_link(link).bit_rate, tuple(expected_on(robot, link)))
+
+
+def _numbered(path: Path) -> Iterator[tuple[int, str]]:
+    """Yield the lines of a recording with their numbers, blank ones left out.
+
+    A file that cannot be read ends the program with a message.
+    """
+    opened = _OPENERS.get(path.suffix, open)
+    try:
+        with opened(path, "rt", encoding="ascii") as lines:
+            for number, line in enumerate(lines, start=1):
+                if line.strip():
+                    yield number, line.rstrip("\r\n")
+    except (OSError, EOFError, lzma.LZMAError, UnicodeDecodeError) as error:
+        raise refusal(f"{path}: cannot be read: {error}", WRONG_INPUT) from None
+
+
+def _candump(path: Path, lines: Iterator[tuple[int, str]]) -> Iterator[_Frame]:
+    """Yield the frames of a candump log; a line that is none ends the program with a message."""
+    from firmware_bridge.recording import RecordingError, parse_candump
+
+    for number, line in lines:
+        try:
+            yield parse_candump(line)
+        except RecordingError:
+            raise refusal(
+                f"{path}, line {number}: no line of a candump log, as '(12.345678) can0 123#DEADBEEF'"
+            ) from None
+
+
+def _foreign(path: Path) -> Iterator[_Frame]:
+    """Yield the frames of another tool's recording; one that cannot be read ends the program."""
+    from firmware_bridge.recording import RecordingError
+
+    try:
+        yield from can_files.frames(path)
+    except (RecordingError, OSError) as error:
+        raise refusal(f"{path}: cannot be read: {error}", WRONG_INPUT) from None
+
+
+def _of_one_bus(
+    path: str, channel: str | None, frames: Iterator[_Frame]
+) -> "Iterator[tuple[Nanoseconds, Packet]]":
+    """Yield the frames of one bus of a recording; others in it end the program, where none was chosen."""
+    heard: set[str] = set()
+    for at, bus, packet in frames:
+        heard.add(bus)
+        if channel is None and len(heard) > 1:
+            raise refusal(f"{path}: holds frames of {' and '.join(sorted(heard))}; choose one with -c")
+        if channel in {None, bus}:
+            yield at, packet
+    if channel is not None and channel not in heard:
+        raise refusal(f"{path}: holds no frame of '{channel}', but of {', '.join(sorted(heard)) or 'nobody'}")
+
+
+monitor: Final = command(EXAMPLES, work=run)(MonitorOptions)

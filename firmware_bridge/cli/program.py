@@ -125,7 +125,7 @@ def _warn(message: Warning | str, *_place: object, **_more: object) -> None:
 
 def _print_version(*, asked: bool) -> None:
     if asked:
-        from importlib import metadata  # noqa: PLC0415 - no other command of the program's own needs it
+        from importlib import metadata
 
         say(f"firmware-bridge {metadata.version('firmware-bridge')}")
         raise typer.Exit

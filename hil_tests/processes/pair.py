@@ -22,7 +22,8 @@ from hil_tests.processes.station import Station
 
 EMULATOR: Final = """
 import math, os, sys, threading, time
-import emulators.cli.emulate_robot_work as work
+import emulators.devices as bench
+import firmware_bridge.cli.real_time as real_time
 from emulators.arduino_omni.ar2.board import Ar2Board
 from firmware_bridge.cli import main
 from firmware_bridge.packet import Packet, Reaction
@@ -34,7 +35,7 @@ def told(turned):
                 file.write(f"{time.monotonic():.3f} " + " ".join(f"{one:.5f}" for one in turned()) + chr(10))
                 time.sleep(0.02)
     threading.Thread(target=tell, daemon=True).start()
-made, begun = work.devices, Ar2Board.__init__
+made, begun = bench.devices, Ar2Board.__init__
 def devices(*names, **more):
     found = made(*names, **more)
     of_axes = [place for place, name in enumerate(found.plant.output_names) if name.startswith("angle_")]
@@ -63,9 +64,9 @@ class Chattering:
             self.next = now + 20_000_000
             sent += (Packet("serial", 0, b"debug 1" + bytes((13, 10))),)
         return Reaction(sent, min(reaction.wake_at, self.next))
-carried = work.carry
-work.carry = lambda node, *given, **more: carried(Chattering(node), *given, **more)
-work.devices, Ar2Board.__init__ = devices, board
+carried = real_time.carry
+real_time.carry = lambda node, *given, **more: carried(Chattering(node), *given, **more)
+bench.devices, Ar2Board.__init__ = devices, board
 main()
 """
 BRIDGE: Final = """

@@ -6,11 +6,9 @@ from importlib import metadata
 from pathlib import Path
 
 import pytest
-import typer
 from typer.testing import CliRunner
 
 from firmware_bridge.cli import program
-from validation import at_the_terminal
 from validation.studies.report import page, write
 from validation.studies.solve import integrate, root
 from validation.studies.study import Compared, Curve, Findings, Plot, Sheet, Study, chosen
@@ -69,14 +67,13 @@ def test_a_study_is_chosen_by_its_name_and_a_wrong_one_is_answered_with_those_th
 
 
 def test_a_number_out_of_its_bound_ends_the_command_with_status_1(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(at_the_terminal, "studies", lambda: (STUDY,))
+    monkeypatch.setattr("validation.studies.shelf.studies", lambda: (STUDY,))
     monkeypatch.setattr(Study, "made", lambda _, **__: made(GOOD, BAD))
-    with pytest.raises(typer.Exit) as ended:
-        at_the_terminal.study(name="one", every=False, quick=True, out=tmp_path)
-    assert ended.value.exit_code == 1
-    assert "out of bounds: one: mass & more" in capsys.readouterr().err
+    ended = CliRunner().invoke(program, ["study", "one", "--quick", "--out", str(tmp_path)])
+    assert ended.exit_code == 1
+    assert "out of bounds: one: mass & more" in ended.stderr
     assert (tmp_path / "studies.html").exists()
     assert (tmp_path / "one" / "comparison.csv").exists()
 

@@ -7,8 +7,7 @@ from typing import Any
 
 import pytest
 
-from emulators.cli import emulate_robot_work
-from emulators.cli.emulate_robot import RobotOptions
+from emulators.cli.emulate_robot import RobotOptions, run
 from firmware_bridge.cli.places import Place, places_of
 from firmware_bridge.kinds import kind_named
 from firmware_bridge.node import Node
@@ -86,9 +85,9 @@ def test_emulate_serves_the_cameras_beside_the_drives(
         for now in range(1, 40):
             sent.extend(node.wake(now * MILLISECOND).sent)
 
-    monkeypatch.setattr(emulate_robot_work, "carry", carried)
+    monkeypatch.setattr("firmware_bridge.cli.real_time.carry", carried)
     given: Any = {"robot": str(tmp_path / "carrier.toml"), "interface": "virtual"}
-    emulate_robot_work.emulate(RobotOptions(**given))
+    run(RobotOptions(**given))
     assert {"can", "cameras commands", "cameras frames"} <= set(opened)
     (answer,) = [it for it in sent if it.link == "cameras commands"]
     assert answer.address == 99
@@ -112,7 +111,7 @@ def test_emulate_serves_the_cameras_beside_a_board(tmp_path: Path, monkeypatch: 
         for now in range(1, 40):
             sent.extend(node.wake(now * MILLISECOND).sent)
 
-    monkeypatch.setattr(emulate_robot_work, "carry", carried)
-    emulate_robot_work.emulate(RobotOptions(robot=str(path), serial="pty"))
+    monkeypatch.setattr("firmware_bridge.cli.real_time.carry", carried)
+    run(RobotOptions(robot=str(path), serial="pty"))
     frames = [it for it in sent if it.link == "cameras frames"]
     assert len(frames) == pytest.approx(9, abs=2)

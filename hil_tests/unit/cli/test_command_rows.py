@@ -1,9 +1,7 @@
 """Commands are rows: each leads to a command, says what that says, and takes no other's place."""
 
-import inspect
 from collections.abc import Iterable
 from importlib.metadata import EntryPoint
-from importlib.util import find_spec
 from typing import Any, Final
 
 import pytest
@@ -48,22 +46,6 @@ def run(*words: str) -> Any:
 def test_a_row_says_how_the_help_of_its_command_begins(words: str) -> None:
     help_text = " ".join((EVERY[words].load().help or "").split())
     assert help_text.startswith(EVERY[words].line.removesuffix("."))
-
-
-@pytest.mark.parametrize("words", EVERY)
-def test_what_a_command_does_has_the_parameters_that_its_options_say(words: str) -> None:
-    asked = EVERY[words].load()
-    made = inspect.unwrap(asked.callback or run)
-    module, _, name = EVERY[words].made_in.partition(":")
-    places = (f"{module}_work", f"{module}_{name.partition('_')[0]}")
-    done = next((place for place in reversed(places) if find_spec(place) is not None), None)
-    if done is None:
-        return
-    parameters = inspect.signature(commands.imported(f"{done}:{name}")).parameters
-    if isinstance(made, type):
-        assert [each.annotation for each in parameters.values()] == [made]
-    else:
-        assert set(parameters) == {each.name for each in asked.params} - {"help"}
 
 
 def test_every_command_is_reached_by_its_words() -> None:

@@ -7,7 +7,6 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from emulators.cli import doctor_work
 from emulators.doctor.facts import Facts
 from emulators.doctor.rows import ROWS
 from firmware_bridge.cli import program
@@ -15,7 +14,7 @@ from hil_tests.unit.doctor.test_rows import WELL
 
 
 def asked(monkeypatch: pytest.MonkeyPatch, facts: Facts, *words: str) -> Any:
-    monkeypatch.setattr(doctor_work, "gather", lambda: facts)
+    monkeypatch.setattr("emulators.doctor.gather.gather", lambda: facts)
     return CliRunner().invoke(program, ["doctor", *words], env={"COLUMNS": "300"})
 
 

@@ -5,8 +5,7 @@ from typing import Final
 
 import pytest
 
-from firmware_bridge.cli import drive_work
-from firmware_bridge.cli.drive import DriveOptions
+from firmware_bridge.cli.drive import DriveOptions, run
 from firmware_bridge.cli.narrated import Narrated, StartUpFailedError
 from firmware_bridge.node import Stoppable
 from firmware_bridge.shell.ports import Port
@@ -45,8 +44,8 @@ def test_drives_that_are_not_known_to_be_without_power_are_named_at_the_end(
         took.append(now - after)
         problems.append(unfinished())
 
-    monkeypatch.setattr(drive_work, "carry", carried)
-    drive_work.drive(DriveOptions(robot="rars", mavlink="udpin:127.0.0.1:0", serial=serial))
+    monkeypatch.setattr("firmware_bridge.cli.real_time.carry", carried)
+    run(DriveOptions(robot="rars", mavlink="udpin:127.0.0.1:0", serial=serial))
     for text in (capsys.readouterr().out, *problems):
         assert "not confirmed to be without power" in text
         assert all(name in text for name in NAMES)
@@ -63,7 +62,7 @@ def test_a_line_on_which_nothing_was_heard_is_told_with_what_it_was_spoken_to_in
         while True:
             reaction = node.wake(reaction.wake_at)
 
-    monkeypatch.setattr(drive_work, "carry", carried)
+    monkeypatch.setattr("firmware_bridge.cli.real_time.carry", carried)
     options = DriveOptions(robot="rars", mavlink="udpin:127.0.0.1:0", serial="/dev/nowhere")
     with pytest.raises(StartUpFailedError, match=r"nothing was heard .* in v2 .*\(--protocol v1\)\?$"):
-        drive_work.drive(options)
+        run(options)

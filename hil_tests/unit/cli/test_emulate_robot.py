@@ -7,8 +7,7 @@ from typing import Any, Final, TypeAlias
 import pytest
 import typer
 
-from emulators.cli import emulate_robot_work
-from emulators.cli.emulate_robot import RobotOptions
+from emulators.cli.emulate_robot import RobotOptions, run
 from emulators.devices import Devices, devices
 from emulators.epos2.drive import Epos2
 from emulators.storage import ParameterFile
@@ -41,10 +40,10 @@ def emulated(monkeypatch: pytest.MonkeyPatch) -> Drives:
             node.wake(0)
             node.wake(2 * SECOND)
 
-        monkeypatch.setattr(emulate_robot_work, "devices", noted)
-        monkeypatch.setattr(emulate_robot_work, "carry", carried)
+        monkeypatch.setattr("emulators.devices.devices", noted)
+        monkeypatch.setattr("firmware_bridge.cli.real_time.carry", carried)
         given: Any = {"robot": "rars", "interface": "virtual", **options}
-        emulate_robot_work.emulate(RobotOptions(**given))
+        run(RobotOptions(**given))
         return made[0].drives
 
     return emulate

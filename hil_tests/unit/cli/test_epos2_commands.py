@@ -12,6 +12,8 @@ import serial
 from typer.testing import CliRunner
 
 from firmware_bridge.cli import program
+from firmware_bridge.drivers.sdo_client import SdoClient
+from firmware_bridge.units import SECOND
 from firmware_bridge.wire.epos2.objects import OBJECTS
 from firmware_bridge.wire.maxon.frame import Generation
 from hil_tests.unit.cli.bench_drives import Bench, Told, ask, bench
@@ -33,9 +35,10 @@ def on() -> Iterator[Bench]:
 
 
 @pytest.fixture(params=["can", "v1", "v2", "v1 gateway", "can far"])
-def way(request: pytest.FixtureRequest) -> Iterator[tuple[str, ...]]:
-    """Return the options that lead to a drive in one way."""
+def way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[str, ...]]:
+    """Return the options that lead to a drive in one way; all answer, however busy the machine is."""
     name: str = request.param
+    monkeypatch.setattr(SdoClient.__init__, "__defaults__", (10 * SECOND,))
     with bench(Generation.V2 if name == "v2" else Generation.V1) as found:
         line = found.can if name.startswith("can") else found.serial
         yield (*line, "--node", "2") if name in {"v1 gateway", "can far"} else line

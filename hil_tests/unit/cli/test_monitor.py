@@ -10,8 +10,8 @@ import pytest
 from rich.console import Console
 from typer.testing import CliRunner
 
-from firmware_bridge.cli import monitor_work, program
-from firmware_bridge.cli.monitor_work import Listening
+from firmware_bridge.cli import program
+from firmware_bridge.cli.monitor import Listening
 from firmware_bridge.dissector.bus_picture import BusPicture
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
@@ -71,7 +71,7 @@ def run(*words: str) -> Any:
 
 
 def on_scripted(monkeypatch: pytest.MonkeyPatch, *words: str) -> Any:
-    monkeypatch.setattr(monitor_work, "open_can", lambda *_: Scripted(HEARD))
+    monkeypatch.setattr("firmware_bridge.shell.ports.open_can", lambda *_: Scripted(HEARD))
     return run("-i", "virtual", "-c", "foreign", *words)
 
 
@@ -94,8 +94,8 @@ def test_a_live_bus_is_told_change_by_change_and_as_a_picture_at_its_end(
 
 def test_on_a_terminal_it_is_drawn_and_nothing_is_sent(monkeypatch: pytest.MonkeyPatch) -> None:
     screen = Console(force_terminal=True, width=140, height=50, record=True)
-    monkeypatch.setattr(monitor_work, "terminal", lambda: screen)
-    monkeypatch.setattr(monitor_work, "on_a_terminal", lambda: True)
+    monkeypatch.setattr("firmware_bridge.cli.tables.terminal", lambda: screen)
+    monkeypatch.setattr("firmware_bridge.cli.monitor.on_a_terminal", lambda: True)
     on_scripted(monkeypatch)
     shown = screen.export_text()
     assert "last error: " in shown

@@ -7,7 +7,7 @@ from typing import Final
 
 import pytest
 
-from firmware_bridge.cli.drive_work import texts_of
+from firmware_bridge.cli.drive import texts_of
 from firmware_bridge.node import CAN, OPERATOR, SERIAL
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import Direction, parse_candump, parse_chunk, parse_tlog

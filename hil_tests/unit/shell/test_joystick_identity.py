@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 import typer
 
-from firmware_bridge.cli import pilot_work
-from firmware_bridge.cli.pilot import PilotOptions
+from firmware_bridge.cli.pilot import PilotOptions, run
 from firmware_bridge.shell.ports.joystick import identity
 
 NAME, AXES, AXIS_MAP = 0x80806A13, 0x80016A11, 0x80406A32
@@ -35,9 +34,11 @@ def test_a_gamepad_must_be_called_one(
 ) -> None:
     device = tmp_path / "js0"
     device.write_bytes(b"")
-    monkeypatch.setattr(pilot_work, "identity", lambda _fileno: ("Some X-Box pad", frozenset[int]()))
+    monkeypatch.setattr(
+        "firmware_bridge.shell.ports.joystick.identity", lambda _fileno: ("Some X-Box pad", frozenset[int]())
+    )
     with pytest.raises(typer.Exit) as ended:
-        pilot_work.pilot(PilotOptions(robot="rars", joystick=True, device=str(device)))
+        run(PilotOptions(robot="rars", joystick=True, device=str(device)))
     assert ended.value.exit_code == 2
     told = capsys.readouterr().err
     assert "'Some X-Box pad' is a gamepad; say --controls gamepad, or pedals where it is none" in told
