@@ -175,7 +175,7 @@ def _other_names(node: ast.Name | ast.Attribute, names: frozenset[str]) -> Itera
         wrong = _TAKEN_FOR.get(name, wrong)
     if wrong is not None:
         yield f"{name} -> {wrong}", _set(field, lambda: wrong)
-    elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+    elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id.islower():
         others = sorted(it for it in names if it.startswith(f"{node.value.id}."))
         if len(others) > 1:
             mixed = others[(others.index(f"{node.value.id}.{name}") + 1) % len(others)].partition(".")[2]
@@ -239,7 +239,7 @@ def _other_flow(node: ast.AST) -> Iterator[Change]:
         case ast.For():
             rounds = node.body
             yield "the first one only", _set("body", lambda: [*rounds, ast.Break()])
-        case ast.Return(value=ast.expr() as value) if not _is_none(value):
+        case ast.Return(value=ast.expr() as value) if not _is_nothing(value):
             yield "returns None", _set("value", lambda: ast.Constant(None))
         case (
             ast.Expr(value=ast.Call())
@@ -348,5 +348,11 @@ def _name(node: ast.AST) -> str:
     return type(node).__name__
 
 
-def _is_none(node: ast.expr) -> bool:
-    return isinstance(node, ast.Constant) and node.value is None
+def _is_nothing(node: ast.expr) -> bool:
+    """Return whether None in its place says the same to who asks whether there is anything."""
+    match node:
+        case ast.Constant(value=value):
+            return not value
+        case ast.Tuple(elts=[]) | ast.List(elts=[]) | ast.Dict(keys=[]):
+            return True
+    return False

@@ -129,6 +129,8 @@ def _of_types(node: ast.AST) -> bool:
     match node:
         case ast.Import() | ast.ImportFrom() | ast.Call(func=ast.Name(id="TypeVar")):
             return True
+        case ast.Assign(targets=[ast.Name(id="__all__")]):
+            return True
         case ast.AnnAssign(annotation=ast.Name(id="TypeAlias")) | ast.keyword(arg="strict"):
             return True
     return False

@@ -19,7 +19,7 @@ GUARD: Final = tuple(
 )
 LINES: Final = ("safety/test_guard_serial", "safety/test_guard_serial_answers")
 ACROSS: Final = tuple(
-    f"safety/test_guard_{what}" for what in ("exclusive", "links", "sums", "homing", "shield")
+    f"safety/test_guard_{what}" for what in ("across_rules", "exclusive", "links", "sums", "homing", "shield")
 )
 FOLLOWING: Final = tuple(f"safety/test_following{what}" for what in ("", "_power", "_homing", "_halted"))
 GATE: Final = (
@@ -35,7 +35,7 @@ ROOMS: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("safety/guard/capture", ("safety/test_guard_capture",)),
     ("safety/guard/zeroing", ("safety/test_guard_zero", "safety/test_guard_homing")),
     ("safety/guard/shield*", ("safety/test_guard_shield",)),
-    ("safety/guard/ar2", ("safety/test_guard_ar2",)),
+    ("safety/guard/ar2", ("safety/test_guard_ar2", "safety/test_guard_ar2_rules")),
     ("safety/guard/*", (*GUARD, *ACROSS, "safety/test_guard_zero", *LINES)),
     ("safety/following", (*FOLLOWING, "unit/pipeline/test_disbelieved")),
     ("safety/snapshot", ("safety/test_snapshot", *FOLLOWING, *GATE)),

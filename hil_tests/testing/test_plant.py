@@ -12,7 +12,7 @@ from emulators.testing.plant import VirtualPlant
 from firmware_bridge.kinds import find
 
 ROBOT = "rome"
-REFERENCE = Path(__file__).parents[2] / "fmu" / "rome_base" / "reference.csv"
+REFERENCE = Path(__file__).parents[2] / "validation" / "references" / "rome_base.csv"
 
 
 @pytest.fixture

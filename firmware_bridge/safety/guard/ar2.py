@@ -120,13 +120,9 @@ class GuardedJoint:
         if abs(steps) > self.at_once:
             return f"{self.axis.called}: {steps} steps at once, {self.at_once} are allowed"
         there = self.place + steps
-        if not self.least <= there <= self.most and not self._comes_back(there):
+        if not self.least <= there <= self.most:
             return f"{self.axis.called}: to {there} steps, its travel is {self.least} to {self.most}"
         return None
-
-    def _comes_back(self, there: int) -> bool:
-        place = there if self.place is None else self.place
-        return place < there <= self.most or self.least <= there < place
 
 
 class Ar2Rules(WireRules):
